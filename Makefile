@@ -1,0 +1,38 @@
+# `make demo` and `make test` do all the set-up themselves, in .venv, with the versions of constraints.txt.
+PYTHON ?= python3
+VENV ?= .venv
+BIN := $(VENV)/bin
+
+.PHONY: demo test lint docs setup clean
+
+demo: setup examples/astronaut/astronaut.png
+	$(BIN)/caricli reconstruct-from-landmarks examples/astronaut/landmarks.json \
+		--image examples/astronaut/astronaut.png --out demo/astronaut.obj --overwrite
+
+# One numerical thread for each of the two test processes.
+test: setup
+	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n 2
+
+lint: setup
+	$(BIN)/ruff check
+	$(BIN)/lint-imports --no-cache
+	$(BIN)/python docs/generate_cli.py --check
+	$(BIN)/python -m pytest -q tests/test_docs.py
+
+docs: setup
+	$(BIN)/python docs/generate_cli.py
+
+setup: $(VENV)/installed
+
+# The build backend is installed first and by its pin, so that nothing is built with an unlocked one.
+$(VENV)/installed: pyproject.toml setup.py constraints.txt
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet -c constraints.txt setuptools
+	$(BIN)/python -m pip install --quiet --no-build-isolation -c constraints.txt -e '.[dev]'
+	touch $@
+
+examples/astronaut/astronaut.png: examples/astronaut/fetch_image.py | setup
+	$(BIN)/python $< $@
+
+clean:
+	rm -rf $(VENV) demo build dist *.egg-info examples/astronaut/astronaut.png

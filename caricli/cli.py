@@ -1,0 +1,194 @@
+"""The command line: a table of commands, each imported only when it is called, and the one place where failures end."""
+
+import importlib
+import json
+import math
+import os
+import signal
+import sys
+import threading
+import time
+import traceback
+from contextlib import contextmanager
+from itertools import takewhile
+
+import click
+
+from caricli import __version__
+from caricli.errors import CaricliError
+
+# What is typed: (module in caricli.commands, or None for a group; section of the help; short help).
+COMMANDS = {
+    "reconstruct-from-landmarks": ("reconstruct_from_landmarks", "Reconstruct", "2D landmarks to a 3D caricature."),
+    "train": (None, "Models", "Train a shape model on a dataset."),
+    "train pca": ("train_pca", "Models", "A linear model of vertex positions."),
+    "train intrinsic": ("train_intrinsic", "Models", "A model of deformations, which extrapolates without tearing."),
+    "evaluate": (None, "Models", "Measure models."),
+    "evaluate shape": ("evaluate_shape", "Models", "Train and test shape error, models side by side."),
+    "dataset": (None, "Data", "Build, import or look at a dataset of faces."),
+    "dataset build": ("dataset_build", "Data", "Generate caricatures from the open head model."),
+    "dataset import": ("dataset_import", "Data", "Take a folder of registered OBJ meshes."),
+    "dataset show": ("dataset_show", "Data", "Draw a contact sheet and print what is in it."),
+    "template": (None, "Data", "The head that every face is a deformation of."),
+    "template export": ("template_export", "Data", "Write the head as OBJ with quads and UVs."),
+    "render": ("render", "Look", "Shaded pictures of faces."),
+}
+
+
+class LazyGroup(click.Group):
+    """The commands of the table that start with `prefix`; a command's module is imported when it is called."""
+
+    def __init__(self, *args, prefix: str = "", **kwargs):
+        super().__init__(*args, **kwargs)
+        self.prefix = prefix
+
+    def _entries(self) -> dict[str, tuple]:
+        """Return the entries one level below this group, by the last word of their name."""
+        names = {name: name.removeprefix(self.prefix) for name in COMMANDS if name.startswith(self.prefix)}
+        return {last: COMMANDS[name] for name, last in names.items() if " " not in last}
+
+    def list_commands(self, ctx):
+        """Return the names in the order of the table."""
+        return list(self._entries())
+
+    def get_command(self, ctx, cmd_name):
+        """Return the command or subgroup named `cmd_name`, or None."""
+        if cmd_name not in self._entries():
+            return None
+        module, _, short_help = self._entries()[cmd_name]
+        if module is None:
+            return LazyGroup(cmd_name, prefix=f"{self.prefix}{cmd_name} ", help=short_help)
+        return importlib.import_module(f"caricli.commands.{module}").command
+
+    def format_commands(self, ctx, formatter):
+        """Write the list of commands by section, from the table alone."""
+        sections = {}
+        for name, (_, section, short_help) in self._entries().items():
+            sections.setdefault("Commands" if self.prefix else section, []).append((name, short_help))
+        width = max(len(name) for name in self._entries())
+        for section, rows in sections.items():
+            with formatter.section(section):
+                formatter.write_dl([(name.ljust(width), short_help) for name, short_help in rows])
+
+
+class Caricli(LazyGroup):
+    """The outermost group: turns every failure into one line and an exit code."""
+
+    def main(self, args=None, prog_name="caricli", **extra):
+        """Run `args` (default: the process's own) and exit: 0 done, 1 failed, 2 wrong usage, 130 or 143 on a signal."""
+        args = list(sys.argv[1:] if args is None else args)
+        # Read by hand because they must count even where parsing itself fails; all options of the group are flags.
+        flags = set(takewhile(lambda arg: arg.startswith("-"), args))
+        try:
+            with _signals_raise():
+                status = super().main(args, prog_name, standalone_mode=False, **extra)
+                sys.stdout.flush()
+        except (Exception, _Stopped) as error:
+            sys.exit(_report(error, debug="--debug" in flags, as_json="--json-errors" in flags))
+        sys.exit(status if isinstance(status, int) else 0)  # an int is the code given to ctx.exit
+
+    def invoke(self, ctx):
+        """Call the command that was typed."""
+        try:
+            return super().invoke(ctx)
+        except EOFError as error:  # click would take it for an end of input at a prompt; caricli never asks
+            raise RuntimeError(f"EOFError: {error}") from error
+
+
+@click.group(
+    "caricli",
+    cls=Caricli,
+    context_settings={"help_option_names": ["-h", "--help"], "show_default": True, "max_content_width": 100},
+)
+@click.version_option(__version__, prog_name="caricli")
+@click.option("--debug", is_flag=True, expose_value=False, help="Show the traceback of a failure.")
+@click.option("--json-errors", is_flag=True, expose_value=False, help="Report a failure as one JSON object on stderr.")
+def cli():
+    """3D caricature and cartoon faces: from landmarks, drawings and portraits to meshes.
+
+    \b
+    Example:
+      caricli reconstruct-from-landmarks landmarks.json --image drawing.png --out face.obj
+    """
+
+
+def main():
+    """Run caricli as the process: the entry point of the package."""
+    cli.main()
+
+
+class _Stopped(SystemExit):
+    """A signal asked for an end. Not an Exception, so that nothing mistakes it for a failure it may swallow."""
+
+
+@contextmanager
+def _signals_raise():
+    """Let SIGINT and SIGTERM raise `_Stopped` in the main thread, so that half-written outputs are removed on the way.
+
+    Code that runs worker processes must end them itself when `_Stopped` passes (for a ProcessPoolExecutor:
+    `shutdown(wait=False, cancel_futures=True)`); a terminal sends SIGINT to the workers too, so they should ignore it.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    owner, last = os.getpid(), -math.inf
+
+    def stop(number, frame):
+        nonlocal last
+        if os.getpid() != owner:  # a forked worker inherits this handler and has nothing of its own to remove
+            signal.signal(number, signal.SIG_DFL)
+            os.kill(os.getpid(), number)
+        elif time.monotonic() - last > 1.0:  # timeout(1) and shells signal twice: do not interrupt the removal
+            last = time.monotonic()
+            raise _Stopped(number)
+
+    numbers = [n for n in (signal.SIGINT, signal.SIGTERM) if signal.getsignal(n) is not signal.SIG_IGN]
+    previous = {number: signal.signal(number, stop) for number in numbers}
+    try:
+        yield
+    finally:
+        for number, handler in previous.items():
+            signal.signal(number, handler)
+
+
+def _report(error: BaseException, debug: bool, as_json: bool) -> int:
+    """Say on stderr what went wrong and return the exit code."""
+    if isinstance(error, BrokenPipeError):  # the reader of our output left; there is nobody to tell
+        sys.stdout = open(os.devnull, "w")  # or the interpreter's own flush at exit would complain
+        return 1
+    if isinstance(error, click.UsageError) and not as_json:
+        error.show()
+        return error.exit_code
+    kind, message, code = _kind_message_code(error)
+    # Whatever a file name or a library puts into a message, it stays one printable line.
+    message = "".join(c if c.isprintable() else ascii(c)[1:-1] for c in " ".join(message.split()))
+    trace = "".join(traceback.format_exception(error)) if debug else ""
+    if as_json:
+        click.echo(json.dumps({"error": kind, "message": message} | ({"traceback": trace} if trace else {})), err=True)
+    else:
+        click.echo(f"{trace}caricli: error: {message}", err=True)
+    return code
+
+
+def _kind_message_code(error: BaseException) -> tuple[str, str, int]:
+    """Return the kind of failure for programs, the message for people, and the exit code."""
+    match error:
+        case CaricliError():
+            return type(error).__name__.removesuffix("Error").lower(), str(error), 1
+        case click.exceptions.NoArgsIsHelpError():
+            return "usage", "no command given; see --help", error.exit_code
+        case click.UsageError():
+            return "usage", error.format_message(), error.exit_code
+        case click.ClickException():
+            return "failed", error.format_message(), error.exit_code
+        case _Stopped():
+            return "stopped", f"stopped by {signal.Signals(error.code).name}", 128 + error.code
+        case click.Abort():
+            return "stopped", "stopped by SIGINT", 130
+        case MemoryError():
+            return "memory", f"out of memory{f': {error}' if str(error) else ''}", 1
+        case OSError() if error.strerror:
+            return "system", f"{error.filename}: {error.strerror}" if error.filename else error.strerror, 1
+        case _:
+            bug = f"unexpected {type(error).__name__}: {error} (a bug in caricli; `caricli --debug` shows where)"
+            return "bug", bug, 1

@@ -1,0 +1,1 @@
+"""One thin file a command: parse, load, call one method, save, say what was written."""

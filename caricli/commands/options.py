@@ -1,0 +1,48 @@
+"""Options that several commands share, so that the same thing has the same name, type and help everywhere.
+
+A command module holds one `click.Command` named `command`. Its docstring is the help: one line, what it does, and a
+block that starts with click's `\\b` and `Example:` and shows the command as it is typed. Commands return None; they say
+that something failed by raising a `CaricliError`. Paths are not checked here: the reader knows what it expects, and a
+missing file is a failure (exit 1), not wrong usage (exit 2).
+"""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import click
+
+PATH = click.Path(path_type=Path)
+
+overwrite_option = click.option("--overwrite", is_flag=True, help="Replace outputs that exist.")
+
+seed_option = click.option(
+    "--seed", type=click.IntRange(0, 2**32 - 1), default=0, help="Same seed, same bytes on the same machine."
+)
+
+workers_option = click.option(
+    "--workers", type=click.IntRange(min=1), metavar="N", help="Worker processes.  [default: one per usable core]"
+)
+
+model_option = click.option(
+    "--model", type=PATH, metavar="MODEL", help="A trained model.  [default: the one that comes with caricli]"
+)
+
+image_option = click.option("--image", type=PATH, metavar="IMAGE", help="The picture that the landmarks belong to.")
+
+data_option = click.option("--data", "dataset", type=PATH, metavar="DATASET", required=True, help="A dataset folder.")
+
+config_option = click.option("--config", type=PATH, metavar="YAML", help="A file of settings, as in configs/.")
+
+set_option = click.option(
+    "--set", "overrides", multiple=True, metavar="KEY=VALUE", help="Change one setting; may be repeated."
+)
+
+
+def out_option(metavar: str, help: str, required: bool = True) -> Callable:
+    """Return the option `-o`, `--out` for the output file or folder that `metavar` names; it arrives as `out`."""
+    return click.option("-o", "--out", type=PATH, metavar=metavar, required=required, help=help)
+
+
+def out_folder_option(help: str) -> Callable:
+    """Return the option `--out-dir`, a folder for the results of many inputs; it arrives as `out_dir`."""
+    return click.option("--out-dir", type=PATH, metavar="DIR", help=help)

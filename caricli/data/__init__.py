@@ -1,0 +1,1 @@
+"""Datasets: build, import, read."""

@@ -1,0 +1,273 @@
+"""The open caricature dataset: random people, expressions and exaggerations of the head."""
+
+import contextlib
+import multiprocessing
+import os
+import signal
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import asdict, dataclass
+
+import numpy as np
+from threadpoolctl import threadpool_limits
+
+from caricli.data.attributes import binary_labels, measure_attributes
+from caricli.data.dataset import SHARD_SIZE, split_identities, write_dataset
+from caricli.data.exaggerate_parts import exaggerate_parts
+from caricli.data.expressions import expand_sides
+from caricli.data.identities import random_identity
+from caricli.data.move_parts import NAMES, random_part_changes
+from caricli.errors import InputError
+from caricli.geometry.exaggerate_curvature import exaggerate_curvature
+from caricli.geometry.flipped_triangles import flipped_triangles
+from caricli.geometry.similarity import similarity
+from caricli.io.bundled import asset_path
+from caricli.io.config import read_yaml
+from caricli.models.intrinsic import IntrinsicModel
+from caricli.template.head import load_head
+
+KINDS = ("regular", "curvature", "parts", "curvature and parts")
+KIND_SHARES = (0.2, 0.2, 0.3, 0.3)
+EXPONENTS = (0.0, 0.1, 0.2, 0.3)
+HELD = ("eyes_left", "eyes_right", "eye_socket_left", "eye_socket_right", "mouth", "inner_mouth")
+MAX_FLIPPED = 0.0008
+PRIOR_SHAPES, PRIOR_DIMENSION = 360, 128
+TRIES = 30
+_IDENTITY, _DRAW, _PRIOR, _SPLIT = range(4)
+
+
+@dataclass(frozen=True)
+class BuildSettings:
+    """What to build: without count the full grid, with it that many random draws."""
+
+    count: int | None = None
+    identities: int = 150
+    expressions: int = 25
+    levels: int = 4
+    seed: int = 0
+
+    def __post_init__(self):
+        """Refuse sizes that cannot be built."""
+        limits = {"identities": (1, 100_000), "expressions": (1, 25), "levels": (1, len(EXPONENTS))}
+        for name, (low, high) in limits.items():
+            if not low <= getattr(self, name) <= high:
+                raise InputError(f"{name} must be from {low} to {high}, found {getattr(self, name)}")
+        if self.count is not None and self.count < 1:
+            raise InputError(f"count must be at least 1, found {self.count}")
+
+
+def build_dataset(folder, settings, workers=None, progress=lambda done, total: None):
+    """Build a dataset into an empty folder (sketch paper section 4.1, with exaggeration by parts beside curvature).
+
+    The same settings give the same bytes, whatever the number of workers.
+
+    folder: Path. settings: BuildSettings. workers: processes; None for one per usable core. progress: called with the
+    number of finished meshes and their total.
+    Returns the manifest's summary: meshes, flipped triangles.
+    """
+    head = load_head()
+    template = head.template()
+    expressions = list(_expression_table(head))[: settings.expressions]
+    jobs = _jobs(settings)
+    total, rows = sum(len(job) for job in jobs), []
+    flipped = []
+
+    def shards():
+        pending = []
+        with _worker_map(workers or len(os.sched_getaffinity(0)), settings) as run:
+            prior = None
+            if settings.count is not None:
+                shapes = np.concatenate(list(run(_prior_shape, range(PRIOR_SHAPES))))
+                with threadpool_limits(1):
+                    model = IntrinsicModel.train(template, shapes, PRIOR_DIMENSION, settings.seed)
+                prior = (model.mean, model.basis, model.offset)
+        with _worker_map(workers or len(os.sched_getaffinity(0)), settings, prior) as run:
+            for meshes in run(_make, jobs):
+                for mesh in meshes:
+                    pending.append(mesh)
+                    flipped.append(mesh.pop("flipped"))
+                    rows.append(mesh.pop("measures") | {"identity": mesh["identity"]})
+                    progress(len(rows), total)
+                    if len(pending) == SHARD_SIZE:
+                        yield _stack(pending)
+                        pending = []
+        if pending:
+            yield _stack(pending)
+
+    def manifest(entries):
+        generator = np.random.default_rng([settings.seed, _SPLIT])
+        splits = split_identities(range(settings.identities), generator)
+        names = [name for name in rows[0] if name != "identity"]
+        measures = np.array([[row[name] for name in names] for row in rows])
+        training = np.isin([row["identity"] for row in rows], splits["train"])
+        labels, thresholds = binary_labels(measures, names, training if training.any() else np.ones(len(rows), bool))
+        value = {
+            "settings": asdict(settings),
+            "count": len(rows),
+            "expressions": expressions,
+            "kinds": list(KINDS),
+            "exponents": list(EXPONENTS[: settings.levels]),
+            "part_changes": list(NAMES),
+            "changes": list(head.change_names),
+            "flipped": float(np.mean(flipped)),
+            "thresholds": dict(zip(names, thresholds.tolist(), strict=True)),
+            "splits": splits,
+        }
+        return value, {"attributes": np.array(names), "measures": measures.astype(np.float32), "labels": labels}
+
+    write_dataset(folder, template, shards(), manifest)
+    return {"meshes": len(rows), "flipped": float(np.mean(flipped))}
+
+
+def _jobs(settings):
+    """Lists of (index, identity, expression, levels or None): one list is one unit of work."""
+    if settings.count is None:
+        return [
+            [(identity, expression, level) for level in range(settings.levels)]
+            for identity in range(settings.identities)
+            for expression in range(settings.expressions)
+        ]
+    return [[(index,)] for index in range(settings.count)]
+
+
+# ---------------------------------------------------------------- in the worker
+
+
+class _Worker:
+    """What every job needs, made once a process."""
+
+    def __init__(self, settings, prior):
+        self.settings, self.head = settings, load_head()
+        self.template = self.head.template()
+        self.expressions = list(_expression_table(self.head).values())[: settings.expressions]
+        self.hold = self.template.mask(*HELD).astype(float)
+        self.model = IntrinsicModel(self.template, *prior) if prior else None
+        self._people = {}
+
+    def person(self, number):
+        """Identity and the similarity that aligns its neutral face to the template's; no triangle flipped."""
+        if number not in self._people:
+            generator = np.random.default_rng([self.settings.seed, _IDENTITY, number])
+            for _ in range(200):
+                identity = random_identity(self.head, generator)
+                neutral = self.head.evaluate(**vars(identity))
+                if not flipped_triangles(neutral, self.template.gradients).any():
+                    break
+            face = self.template.region("face")
+            self._people[number] = identity, similarity(neutral[face], self.template.vertices[face])
+        return self._people[number]
+
+    def shape(self, number, expression):
+        """Aligned vertices of a person with an expression."""
+        identity, (scale, rotation, translation) = self.person(number)
+        vertices = self.head.evaluate(**vars(identity), actions=self.expressions[expression])
+        return scale * vertices @ rotation.T + translation
+
+    def curvature(self, vertices, levels):
+        exponents = [EXPONENTS[level] for level in levels]
+        return exaggerate_curvature(vertices, self.template.faces, exponents, self.hold)
+
+    def flipped(self, vertices):
+        return float(flipped_triangles(vertices, self.template.gradients).mean())
+
+    def row(self, vertices, identity, expression, level, kind, parts):
+        person, _ = self.person(identity)
+        measures = measure_attributes(vertices, self.template, person.gender, person.age, kind > 0)
+        changes = [person.changes.get(name, 0.0) for name in self.head.change_names]
+        return {
+            "vertices": vertices.astype(np.float32),
+            "identity": identity,
+            "expression": expression,
+            "level": level + 1,
+            "kind": kind,
+            "gender": person.gender,
+            "age": person.age,
+            "weight": person.weight,
+            "changes": np.array(changes, dtype=np.float32),
+            "parts": parts.astype(np.float32),
+            "flipped": self.flipped(vertices),
+            "measures": measures,
+        }
+
+    def draw(self, index):
+        """One random mesh; redrawn with milder changes while too many triangles flip."""
+        generator = np.random.default_rng([self.settings.seed, _DRAW, index])
+        kind = generator.choice(len(KINDS), p=KIND_SHARES)
+        if self.settings.levels == 1:
+            kind &= 2
+        strength = 1.0
+        for attempt in range(TRIES):
+            identity = int(generator.integers(self.settings.identities))
+            expression = int(generator.integers(self.settings.expressions))
+            vertices, level, parts = self.shape(identity, expression), 0, np.zeros(len(NAMES))
+            if kind & 1:
+                level = int(generator.integers(1, self.settings.levels))
+                vertices = self.curvature(vertices, [level])[0]
+            if kind & 2:
+                parts = random_part_changes(generator, strength)
+                moved = exaggerate_parts(vertices, parts, self.model)
+                # Size and place of the face are kept, so that the exaggeration is of its proportions.
+                face = self.template.region("face")
+                scale, rotation, translation = similarity(moved[face], vertices[face])
+                vertices = scale * moved @ rotation.T + translation
+            if self.flipped(vertices) <= MAX_FLIPPED:
+                break
+            strength *= 0.93
+        return self.row(vertices, identity, expression, level, int(kind), parts)
+
+
+_worker = None
+
+
+def _start(settings, prior):
+    global _worker
+    # Ctrl-C reaches the whole process group; the parent ends the workers.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    threadpool_limits(1)
+    _worker = _Worker(settings, prior)
+
+
+def _prior_shape(index):
+    generator = np.random.default_rng([_worker.settings.seed, _PRIOR, index])
+    vertices = _worker.shape(-1 - index, int(generator.integers(_worker.settings.expressions)))
+    return exaggerate_curvature(vertices, _worker.template.faces, [generator.uniform(0, EXPONENTS[-1])], _worker.hold)
+
+
+def _make(job):
+    if len(job[0]) == 1:
+        return [_worker.draw(job[0][0])]
+    identity, expression, _ = job[0]
+    levels = [level for _, _, level in job]
+    shapes = _worker.curvature(_worker.shape(identity, expression), levels)
+    none = np.zeros(len(NAMES))
+    pairs = zip(levels, shapes, strict=True)
+    return [_worker.row(vertices, identity, expression, level, int(level > 0), none) for level, vertices in pairs]
+
+
+# ---------------------------------------------------------------- around the worker
+
+
+@contextlib.contextmanager
+def _worker_map(workers, settings, prior=None):
+    """A map over jobs, in order, in fresh processes, which end with the context whatever happens."""
+    context = multiprocessing.get_context("spawn")
+    pool = ProcessPoolExecutor(workers, mp_context=context, initializer=_start, initargs=(settings, prior))
+    try:
+        yield lambda function, jobs: pool.map(function, jobs, chunksize=4)
+        pool.shutdown()
+    except BaseException:
+        processes = list((pool._processes or {}).values())
+        pool.shutdown(wait=False, cancel_futures=True)
+        for process in processes:
+            process.terminate()
+        raise
+
+
+def _expression_table(head):
+    table = read_yaml(asset_path("expressions.yaml"))
+    return {name: expand_sides(weights, head.action_names) for name, weights in table.items()}
+
+
+def _stack(meshes):
+    integers = ("identity", "expression", "level", "kind")
+    return {name: np.array([m[name] for m in meshes], np.int32 if name in integers else np.float32) for name in meshes[0]}

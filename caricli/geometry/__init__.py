@@ -1,0 +1,1 @@
+"""Pure array functions on meshes, one public function a file."""

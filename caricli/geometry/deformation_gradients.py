@@ -1,0 +1,157 @@
+"""Intrinsic deformation features: what happened to every one-ring, free of where it went."""
+
+import igl
+import numpy as np
+import scipy.sparse as sp
+from scipy.sparse.linalg import splu
+from scipy.spatial.transform import Rotation
+
+from caricli.errors import NumericsError
+
+FEATURES = 9
+_STRETCH = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
+_MIN_WEIGHT = 1e-3
+
+
+class DeformationGradients:
+    """Vertices to nine features a vertex, and back, against one template (Wu et al. 2018, after Gao et al. 2019).
+
+    The map of vertex i minimises ``sum_j w_ij |(v_j - v_i) - M_i (t_j - t_i)|^2`` over its one-ring, with clipped
+    cotangent weights w. A one-ring is nearly flat and says nothing about what happens along its normal, so the fit is
+    made in the tangent plane, ``A_i = M_i T_i`` (3x2, T_i the two main axes of the ring's normal matrix), which is linear
+    in the vertices, ``A = G v``; the normal is carried to the normal of the mapped plane, scaled by the square root of
+    the change of area. The polar decomposition ``M_i = exp(r_i) S_i`` gives the features: the rotation vector r_i (3)
+    and the symmetric stretch minus one (6: xx, yy, zz, xy, xz, yz).
+
+    Decoding minimises ``sum_i |(G v - A)_i sqrt(P_i)|^2``, P_i the normal matrix in the tangent plane: a sparse system
+    that is factored once. Features of a real shape decode to that very shape, up to the translation, which the
+    features do not hold.
+    """
+
+    def __init__(self, vertices, faces):
+        """vertices: (V, 3) template. faces: (F, 3); every vertex in a triangle, every triangle with an area."""
+        vertices = np.asarray(vertices, dtype=np.float64)
+        self.template, self.faces, self.count = vertices, np.asarray(faces), len(vertices)
+        # The cotangent weights of zero-area triangles are NaN in libigl.
+        if igl.doublearea(vertices, self.faces).min() <= 0:
+            raise NumericsError("the template has triangles without area: deformation gradients need all of them")
+        cotangents = igl.cotmatrix(vertices, self.faces).tocoo()
+        off = cotangents.row != cotangents.col
+        i, j = cotangents.row[off], cotangents.col[off]
+        weights = np.clip(cotangents.data[off], _MIN_WEIGHT, None)
+        if not np.isfinite(weights).all() or len(np.unique(i)) < self.count:
+            raise NumericsError("the template has vertices outside every triangle, or degenerate triangles")
+        edges = vertices[j] - vertices[i]
+        metric = np.zeros((self.count, 3, 3))
+        np.add.at(metric, i, weights[:, None, None] * edges[:, :, None] * edges[:, None, :])
+        extent, axes = np.linalg.eigh(metric)
+        axes *= np.sign(np.linalg.det(axes))[:, None, None]
+        self.tangents, self.normals = axes[:, :, 1:], axes[:, :, 0]
+        coefficients = weights[:, None] * np.einsum("ka,kab->kb", edges, self.tangents[i]) / extent[i, 1:]
+        rows = (2 * i[:, None] + np.arange(2)).ravel()
+        self.gradient = sp.csr_matrix(
+            (
+                np.r_[coefficients.ravel(), -coefficients.ravel()],
+                (np.r_[rows, rows], np.r_[np.repeat(j, 2), np.repeat(i, 2)]),
+            ),
+            shape=(2 * self.count, self.count),
+        )
+        self.divergence = (self.gradient.T @ sp.diags(extent[:, 1:].ravel())).tocsr()
+        system = (self.divergence @ self.gradient).tocsc()
+        # The system knows no translation; a weak hold makes it definite, and the centroid is set afterwards.
+        self.stiffness = system.diagonal().mean()
+        self._factor = splu((system + 1e-9 * self.stiffness * sp.identity(self.count)).tocsc())
+
+    def maps(self, vertices):
+        """The linear map of every one-ring, never inside out.
+
+        vertices: (..., V, 3). Returns (..., V, 3, 3).
+        """
+        planes = _per_column(self.gradient, vertices).reshape(*vertices.shape[:-1], 2, 3)
+        normal = np.cross(planes[..., 0, :], planes[..., 1, :])
+        normal /= np.sqrt(np.maximum(np.linalg.norm(normal, axis=-1, keepdims=True), 1e-12))
+        return np.swapaxes(planes, -1, -2) @ np.swapaxes(self.tangents, -1, -2) + normal[..., :, None] * self.normals[:, None, :]
+
+    def features(self, vertices):
+        """Vertices to features: rotation vectors (radians) and stretches minus one.
+
+        vertices: (..., V, 3). Returns (..., V, 9).
+        """
+        u, singular, vt = np.linalg.svd(self.maps(vertices))
+        # A ring collapsed to a line has a free sign.
+        flip = np.where(np.linalg.det(u) * np.linalg.det(vt) < 0, -1.0, 1.0)
+        u[..., 2] *= flip[..., None]
+        rotations = u @ vt
+        stretch = np.swapaxes(vt, -1, -2) @ (singular[..., None] * vt)
+        vectors = Rotation.from_matrix(rotations.reshape(-1, 3, 3)).as_rotvec().reshape(*singular.shape[:-1], 3)
+        symmetric = np.stack([stretch[..., a, b] - (a == b) for a, b in _STRETCH], axis=-1)
+        return np.concatenate([vectors, symmetric], axis=-1)
+
+    def features_to_maps(self, features):
+        """Features to linear maps. features: (..., V, 9). Returns (..., V, 3, 3)."""
+        return rotation_matrices(features[..., :3]) @ _stretches(features)
+
+    def planes_jacobian(self, features, directions):
+        """The tangent parts of the maps, and how they change along directions in feature space.
+
+        features: (V, 9). directions: (D, V, 9).
+        Returns (V, 2, 3) and (V, 2, 3, D).
+        """
+        rotations, stretches = rotation_matrices(features[:, :3]), _stretches(features)
+        planes = rotations @ (stretches @ self.tangents)
+        # d exp(r) = [J_l(r) dr]_x exp(r), with the left Jacobian of the rotation group.
+        turns = np.einsum("vab,dvb->vad", _left_jacobians(features[:, :3]), directions[..., :3])
+        turned = np.cross(turns[:, :, None, :], planes[..., None], axis=1)
+        change = np.zeros((self.count, 3, 3, len(directions)))
+        for k, (a, b) in enumerate(_STRETCH):
+            change[:, a, b] = change[:, b, a] = directions[..., 3 + k].T
+        stretched = np.einsum("vab,vbcd,vct->vatd", rotations, change, self.tangents, optimize=True)
+        return np.swapaxes(planes, 1, 2), np.swapaxes(turned + stretched, 1, 2)
+
+    def maps_to_vertices(self, maps):
+        """The shape whose one-ring maps are nearest to the given ones, its centroid at the origin.
+
+        maps: (..., V, 3, 3). Returns (..., V, 3).
+        """
+        planes = np.swapaxes(maps @ self.tangents, -1, -2).reshape(*maps.shape[:-3], 2 * self.count, 3)
+        right = _per_column(self.divergence, planes)
+        vertices = self.solve(right)
+        return vertices - vertices.mean(-2, keepdims=True)
+
+    def vertices(self, features):
+        """Features to vertices, the centroid at the origin. features: (..., V, 9). Returns (..., V, 3)."""
+        return self.maps_to_vertices(self.features_to_maps(features))
+
+    def solve(self, right):
+        """Solve the prefactored system for every column. right: (..., V, n). Returns the same shape."""
+        columns = np.moveaxis(right, -2, 0)
+        return np.moveaxis(self._factor.solve(columns.reshape(self.count, -1)).reshape(columns.shape), 0, -2)
+
+
+def rotation_matrices(vectors):
+    """Rotation vectors (..., 3) in radians to matrices (..., 3, 3)."""
+    return Rotation.from_rotvec(vectors.reshape(-1, 3)).as_matrix().reshape(*vectors.shape, 3)
+
+
+def _stretches(features):
+    stretch = np.empty((*features.shape[:-1], 3, 3))
+    for k, (a, b) in enumerate(_STRETCH):
+        stretch[..., a, b] = stretch[..., b, a] = features[..., 3 + k] + (a == b)
+    return stretch
+
+
+def _left_jacobians(vectors):
+    angles = np.linalg.norm(vectors, axis=-1)[:, None, None]
+    small = angles < 1e-4
+    safe = np.where(small, 1.0, angles)
+    first = np.where(small, 0.5 - angles**2 / 24, (1 - np.cos(safe)) / safe**2)
+    second = np.where(small, 1 / 6 - angles**2 / 120, (safe - np.sin(safe)) / safe**3)
+    cross = np.zeros((len(vectors), 3, 3))
+    for a, b, c in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+        cross[:, b, c], cross[:, c, b] = -vectors[:, a], vectors[:, a]
+    return np.eye(3) + first * cross + second * cross @ cross
+
+
+def _per_column(matrix, values):
+    columns = np.moveaxis(values, -2, 0)
+    return np.moveaxis((matrix @ columns.reshape(len(columns), -1)).reshape(-1, *columns.shape[1:]), 0, -2)

@@ -1,0 +1,56 @@
+"""Soft position constraints that bring their surroundings along."""
+
+import igl
+import numpy as np
+import scipy.sparse as sp
+from scipy.sparse.linalg import splu
+
+STIFFNESS_LENGTH = 0.04
+SPREAD_LENGTH = 0.02
+
+
+class ElasticAnchors:
+    """Moves of a few points carried to a whole surface, with everything factored once.
+
+    The correction d of a shape minimises ``d^T (L + l^2 L M^-1 L) d + sum_k w_k |(C d)_k - m_k|^2``: a membrane (cotangent
+    Laplacian L) with the bending stiffness of a plate (M the mass matrix, l ``STIFFNESS_LENGTH`` of the head's height), so
+    that a pulled point does not become a spike. Row k of C averages the surroundings of point k (``SPREAD_LENGTH`` of the
+    height), so that the force on it is spread as well. By Woodbury's identity a solve costs one small dense system for
+    any subset of the prepared points. A common translation is free.
+    """
+
+    def __init__(self, vertices, faces, points):
+        """vertices: (V, 3) template. faces: (F, 3). points: (K,) vertex ids that can be anchors, without repeats."""
+        points = np.asarray(points)
+        height = np.ptp(vertices[:, 1])
+        laplacian = -igl.cotmatrix(vertices, faces)
+        mass = igl.massmatrix(vertices, faces).diagonal()
+        plate = (STIFFNESS_LENGTH * height) ** 2 * laplacian @ sp.diags(1 / mass) @ laplacian
+        self.stiffness = laplacian.diagonal().mean()
+        factor = splu((laplacian + plate + 1e-9 * self.stiffness * sp.identity(len(vertices))).tocsc())
+        self.rows = {int(p): k for k, p in enumerate(points)}
+        self.points = points
+        # Diffusion for the time l^2 / 2 spreads a point over its surroundings along the surface, never across a gap.
+        heat = splu((sp.diags(mass) + (SPREAD_LENGTH * height) ** 2 / 2 * laplacian).tocsc())
+        spread = heat.solve(np.eye(len(vertices))[:, points]) * mass[:, None]
+        self.averages = (spread / spread.sum(0)).T
+        forces = self.averages.T - mass[:, None] / mass.sum()
+        self.responses = factor.solve(forces)
+        self.responses -= mass @ self.responses / mass.sum()
+        self.compliance = self.averages @ self.responses
+
+    def move(self, points, moves, strength, confidence=None):
+        """The smoothest displacement field in which the points make their moves.
+
+        points: (K,) vertex ids among the prepared ones. moves: (K, 3) metres. strength: weight of the points against the
+        surface; large means exact. confidence: (K,) in (0, 1], relative weight of every point.
+        Returns (V, 3) displacements.
+        """
+        chosen = np.array([self.rows[int(p)] for p in points])
+        weight = strength * self.stiffness * (np.ones(len(chosen)) if confidence is None else confidence)
+        count = len(chosen)
+        system = np.ones((count + 1, count + 1))
+        system[:count, :count] = self.compliance[np.ix_(chosen, chosen)] + np.diag(1 / weight)
+        system[count, count] = 0.0
+        solution = np.linalg.solve(system, np.vstack([moves, np.zeros((1, 3))]))
+        return self.responses[:, chosen] @ solution[:count] + solution[count]

@@ -1,0 +1,18 @@
+"""The best similarity transform between two point sets."""
+
+import numpy as np
+
+
+def similarity(source, target, scaling=True):
+    """Scale s, rotation R and translation t that minimise sum |s R source + t - target|^2 (Umeyama 1991).
+
+    source, target: (N, 3). With ``scaling=False`` s is one.
+    Returns (s, R (3, 3) proper, t (3,)).
+    """
+    source_mean, target_mean = source.mean(0), target.mean(0)
+    a, b = source - source_mean, target - target_mean
+    u, singular, vt = np.linalg.svd(b.T @ a)
+    sign = np.array([1.0, 1.0, np.sign(np.linalg.det(u @ vt))])
+    rotation = (u * sign) @ vt
+    scale = (singular * sign).sum() / (a**2).sum() if scaling else 1.0
+    return scale, rotation, target_mean - scale * rotation @ source_mean

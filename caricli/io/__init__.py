@@ -1,0 +1,1 @@
+"""Paths to values and back: every reader checks before it allocates, every writer is whole or absent."""

@@ -1,0 +1,108 @@
+"""What all readers share: bytes under a cap, text that is safe to print, and a word for rubbish."""
+
+import os
+import stat
+
+from caricli.errors import InputError
+
+_SIGNATURES = (
+    (b"\x89PNG", "a PNG image"),
+    (b"\xff\xd8\xff", "a JPEG image"),
+    (b"GIF8", "a GIF image"),
+    (b"%PDF", "a PDF document"),
+    (b"PK\x03\x04", "a zip archive"),
+    (b"\x1f\x8b", "a gzip archive"),
+    (b"\x93NUMPY", "an NPY array"),
+    (b"glTF", "a GLB file"),
+)
+
+
+def shown(value, limit=None):
+    """Return text that stays on one line.
+
+    Parameters: value, a path or any text (bytes are read as Latin-1); limit, the longest text kept (characters).
+    Returns: str; characters that do not print are escaped.
+    """
+    text = value.decode("latin-1") if isinstance(value, bytes) else str(value)
+    if limit is not None and len(text) > limit:
+        text = text[:limit] + "..."
+    return "".join(c if c.isprintable() else c.encode("unicode_escape", "backslashreplace").decode() for c in text)
+
+
+def content_kind(data):
+    """Name what bytes look like when they are not the text that was expected.
+
+    Parameters: data, bytes (the start of a file is enough).
+    Returns: a phrase such as "an HTML page", or None when they may be plain text.
+    """
+    head = bytes(data[:4096])
+    for signature, kind in _SIGNATURES:
+        if head.startswith(signature):
+            return kind
+    if looks_like_pickle(head):
+        return "a pickle"
+    start = head.lstrip(b"\xef\xbb\xbf \t\r\n")[:16].lower()
+    if start.startswith((b"<!doctype", b"<html", b"<head", b"<?xml", b"<svg")):
+        return "an HTML or XML page"
+    return "binary data" if b"\0" in head else None
+
+
+def looks_like_pickle(data):
+    """Return whether bytes start as a pickle of protocol 2 to 5 does."""
+    return len(data) > 2 and data[0] == 0x80 and 2 <= data[1] <= 5
+
+
+def read_bytes(path, max_bytes, kind):
+    """Read a regular file whole.
+
+    Parameters: path; max_bytes, the largest size accepted; kind, what is expected, for the message ("an OBJ file").
+    Returns: bytes, at least one.
+    Raises: InputError when the path is missing, no regular file, unreadable, empty or too large.
+    """
+    try:
+        # Looking before opening: opening a pipe would wait for a writer for ever.
+        status = os.stat(path)
+        if not stat.S_ISREG(status.st_mode):
+            found = "a folder" if stat.S_ISDIR(status.st_mode) else "something that is not a regular file"
+            raise InputError(f"{shown(path)}: expected {kind}, found {found}")
+        if status.st_size > max_bytes:
+            raise InputError(
+                f"{shown(path)}: expected {kind} of at most {max_bytes} bytes, found {status.st_size} bytes"
+            )
+        with open(path, "rb") as stream:
+            data = stream.read(max_bytes + 1)
+    except FileNotFoundError:
+        raise InputError(f"{shown(path)}: expected {kind}, found no such file") from None
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or error
+        raise InputError(f"{shown(path)}: expected {kind}, but it cannot be read: {shown(reason)}") from error
+    if not data:
+        raise InputError(f"{shown(path)}: expected {kind}, found an empty file")
+    if len(data) > max_bytes:
+        raise InputError(f"{shown(path)}: expected {kind} of at most {max_bytes} bytes, found more")
+    return data
+
+
+def read_text(path, max_bytes, kind):
+    """Read a UTF-8 text file whole.
+
+    Parameters and errors as in `read_bytes`; binary data, HTML and invalid UTF-8 are refused too.
+    Returns: str.
+    """
+    return decode_text(read_bytes(path, max_bytes, kind), path, kind)
+
+
+def decode_text(data, name, kind):
+    """Turn bytes into text, strictly UTF-8.
+
+    Parameters: data, bytes; name, the file for the message; kind, what is expected.
+    Returns: str.
+    Raises: InputError for binary data, HTML or invalid UTF-8.
+    """
+    found = content_kind(data)
+    if found:
+        raise InputError(f"{shown(name)}: expected {kind}, found {found}")
+    try:
+        return data.decode("utf-8")
+    except UnicodeDecodeError as error:
+        raise InputError(f"{shown(name)}: expected {kind} in UTF-8, found an invalid byte at {error.start}") from None

@@ -1,0 +1,73 @@
+"""Pictures: one loader, one writer."""
+
+import io
+import warnings
+
+import numpy as np
+
+from caricli.errors import InputError, OutputError
+from caricli.io.files import content_kind, read_bytes, shown
+from caricli.io.limits import MAX_IMAGE_BYTES, MAX_IMAGE_PIXELS
+from caricli.io.outputs import writing
+
+_FORMATS = ("PNG", "JPEG", "WEBP", "BMP", "TIFF", "GIF")
+
+
+def read_image(path):
+    """Read a picture as RGB.
+
+    It is turned upright as its EXIF orientation says; transparent pixels are laid over white paper; of an animation
+    the first frame is read; 16-bit greys are scaled to 8 bits.
+    Parameters: path, a PNG, JPEG, WebP, BMP, TIFF or GIF of at most MAX_IMAGE_PIXELS.
+    Returns: (H,W,3) uint8.
+    Raises: InputError when it is no such picture, damaged, or too large; its size is checked before it is decoded.
+    """
+    from PIL import Image, ImageOps
+
+    data = read_bytes(path, MAX_IMAGE_BYTES, "an image")
+    try:
+        # Pillow warns of sizes above a cap of its own; the cap here is lower and refuses.
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            with Image.open(io.BytesIO(data), formats=_FORMATS) as image:
+                width, height = image.size
+                if width * height > MAX_IMAGE_PIXELS:
+                    found = f"{width} x {height}"
+                    raise InputError(f"{shown(path)}: expected at most {MAX_IMAGE_PIXELS} pixels, found {found}")
+                image.load()
+                return _rgb(ImageOps.exif_transpose(image), Image)
+    except InputError:
+        raise
+    except Image.UnidentifiedImageError:
+        found = content_kind(data) or "another kind of file"
+        raise InputError(f"{shown(path)}: expected a PNG, JPEG, WebP, BMP, TIFF or GIF image, found {found}") from None
+    # Pillow's decoders raise whatever they meet (SyntaxError, struct.error, ...); all of it means a damaged file.
+    except Exception as error:
+        raise InputError(f"{shown(path)}: expected an image, found a damaged one: {shown(error, 120)}") from error
+
+
+def write_png(path, image):
+    """Write a PNG.
+
+    Parameters: path; image (H,W,3) or (H,W,4) uint8.
+    Raises: OutputError when the array is no such image or the file cannot be written.
+    """
+    from PIL import Image
+
+    if image.dtype != np.uint8 or image.ndim != 3 or image.shape[2] not in (3, 4) or 0 in image.shape:
+        raise OutputError(f"{shown(path)}: expected an image (H,W,3|4) uint8, found {image.shape} {image.dtype}")
+    with writing(path), open(path, "wb") as stream:
+        Image.fromarray(np.ascontiguousarray(image)).save(stream, "PNG")
+
+
+def _rgb(image, pillow):
+    if image.mode.startswith("I") or image.mode == "F":
+        # Pillow clips these to 255 on conversion instead of scaling them.
+        values = np.asarray(image, np.float64)
+        values = values / 257 if image.mode.startswith("I") else values
+        grey = np.clip(np.nan_to_num(values), 0, 255).round().astype(np.uint8)
+        return np.repeat(grey[:, :, None], 3, axis=2)
+    if image.has_transparency_data:
+        image = image.convert("RGBA")
+        image = pillow.alpha_composite(pillow.new("RGBA", image.size, "white"), image)
+    return np.array(image.convert("RGB"))

@@ -1,0 +1,195 @@
+"""2D landmarks: JSON, iBUG .pts, plain text and NPY."""
+
+import io
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from caricli.errors import InputError, OutputError
+from caricli.io.files import decode_text, read_bytes, shown
+from caricli.io.limits import MAX_COORDINATE, MAX_LANDMARK_BYTES
+from caricli.io.npz import read_array
+from caricli.io.outputs import write_bytes, writing
+from caricli.io.strict_json import parse_json, write_json
+
+SCHEMA = "caricli.landmarks/1"
+SCHEMES = {68: "ibug68", 81: "ibug68+13"}
+"""Name of the scheme by its number of points: iBUG's 68, or these and the 13 further ones of the annotation."""
+MIN_KNOWN = 8
+
+_KIND = "a landmark file"
+_MAX_IMAGE_SIDE = 1_000_000
+
+
+@dataclass(frozen=True, eq=False)
+class Landmarks:
+    """Landmarks of one picture.
+
+    points (L,2) float64, L 68 or 81, pixels, origin at the top left, y down, a NaN row where a point is not known;
+    image_size (width, height) in pixels, or None when the file does not say.
+    """
+
+    points: np.ndarray
+    image_size: tuple[int, int] | None = None
+
+
+def read_landmarks(path, pts_origin=1):
+    """Read landmarks; the content decides the format, whatever the extension.
+
+    JSON (DESIGN section 4), `.pts` (`version: 1`, `n_points: 68`, points in braces), text with `x y` (or `x, y`) a
+    line, NPY (L,2). A point that is not known is `null` in JSON, `null null` in text and .pts, a NaN row in NPY.
+    Parameters: path; pts_origin, 0 or 1, the coordinate of the first pixel in .pts files, subtracted.
+    Returns: Landmarks.
+    Raises: InputError when the file is malformed, has not 68 or 81 points, has a coordinate that is not finite, fewer
+    than MIN_KNOWN known points, all of them in one place, or one further outside the picture than its size.
+    """
+    data = read_bytes(path, MAX_LANDMARK_BYTES, _KIND)
+    size = None
+    if data.startswith(b"\x93NUMPY"):
+        points = _points_from_npy(data, path)
+    elif data.lstrip()[:1] in (b"{", b"["):
+        points, size = _points_from_json(parse_json(data, path), path)
+    else:
+        lines = decode_text(data, path, _KIND).removeprefix("\ufeff").splitlines() or [""]
+        if Path(path).suffix.lower() == ".pts" or lines[0].startswith("version"):
+            points = _points_from_pts(lines, path) - pts_origin
+        else:
+            points = _points_from_lines(list(enumerate(lines, 1)), path)
+    _check(points, size, path)
+    return Landmarks(points, size)
+
+
+def write_landmarks(path, landmarks):
+    """Write landmarks in the format of the path's extension: .json, .pts (from 1), .txt or .npy.
+
+    Parameters: path; landmarks, Landmarks; the image size is kept in JSON only.
+    Raises: OutputError when the extension is another, the landmarks could not be read back, or the file cannot be
+    written.
+    """
+    suffix = Path(path).suffix.lower()
+    points = np.asarray(landmarks.points, np.float64)
+    try:
+        _check(points, landmarks.image_size, path)
+    except InputError as error:
+        raise OutputError(str(error)) from None
+    if suffix == ".json":
+        value = {"schema": SCHEMA, "scheme": SCHEMES[len(points)]}
+        if landmarks.image_size is not None:
+            width, height = landmarks.image_size
+            value["image"] = {"width": int(width), "height": int(height)}
+        value["points"] = [None if np.isnan(point).any() else point.tolist() for point in points]
+        write_json(path, value)
+    elif suffix == ".npy":
+        with writing(path), open(path, "wb") as stream:
+            np.save(stream, points, allow_pickle=False)
+    elif suffix == ".pts":
+        write_bytes(path, f"version: 1\nn_points: {len(points)}\n{{\n{_text(points + 1)}}}\n".encode())
+    elif suffix == ".txt":
+        write_bytes(path, _text(points).encode())
+    else:
+        raise OutputError(f"{shown(path)}: expected .json, .pts, .txt or .npy for landmarks, found {shown(suffix)!r}")
+
+
+def _text(points):
+    return "".join("null null\n" if np.isnan(x) else f"{x!r} {y!r}\n" for x, y in points.tolist())
+
+
+def _points_from_npy(data, path):
+    points = read_array(io.BytesIO(data), len(data), shown(path))
+    if points.dtype.kind not in "iuf" or points.ndim != 2 or points.shape[1] != 2:
+        raise InputError(f"{shown(path)}: expected numbers (L,2), found {points.dtype} {points.shape}")
+    return points.astype(np.float64)
+
+
+def _points_from_json(value, path):
+    if not isinstance(value, dict) or value.get("schema") != SCHEMA:
+        found = value.get("schema") if isinstance(value, dict) else "a list"
+        raise InputError(f"{shown(path)}: expected the schema {SCHEMA!r}, found {shown(found, 60)!r}")
+    unknown = set(value) - {"schema", "scheme", "image", "points"}
+    if unknown:
+        raise InputError(f"{shown(path)}: expected schema, scheme, image and points, found {shown(min(unknown), 60)!r}")
+    entries = value.get("points")
+    if not isinstance(entries, list):
+        raise InputError(f"{shown(path)}: expected points to be a list, found {shown(entries, 60)!r}")
+    if len(entries) in SCHEMES and value.get("scheme") != SCHEMES[len(entries)]:
+        expected = f"the scheme {SCHEMES[len(entries)]!r} for {len(entries)} points"
+        raise InputError(f"{shown(path)}: expected {expected}, found {shown(value.get('scheme'), 60)!r}")
+    points = np.full((len(entries), 2), np.nan)
+    for k, entry in enumerate(entries):
+        if entry is None:
+            continue
+        if not (isinstance(entry, list) and len(entry) == 2 and all(_is_number(x) for x in entry)):
+            raise InputError(f"{shown(path)}: point {k}: expected [x, y] or null, found {shown(entry, 60)!r}")
+        points[k] = entry
+    return points, _image_size(value.get("image"), path)
+
+
+def _image_size(image, path):
+    if image is None:
+        return None
+    if not isinstance(image, dict) or set(image) != {"width", "height"}:
+        raise InputError(f"{shown(path)}: expected an image with width and height, found {shown(image, 60)!r}")
+    size = image["width"], image["height"]
+    if not all(type(side) is int and 1 <= side <= _MAX_IMAGE_SIDE for side in size):
+        raise InputError(f"{shown(path)}: expected an image size in whole pixels, found {shown(size, 60)}")
+    return size
+
+
+def _points_from_pts(lines, path):
+    rows = [(number, line.strip()) for number, line in enumerate(lines, 1) if line.strip()]
+    words = [line.replace(" ", "").replace("\t", "") for _, line in rows]
+    if len(rows) < 4 or words[0] != "version:1" or not words[1].startswith("n_points:"):
+        raise InputError(f"{shown(path)}: expected 'version: 1', 'n_points: L' and points in braces, found other text")
+    if words[2] != "{" or words[-1] != "}":
+        raise InputError(f"{shown(path)}: expected points between '{{' and '}}', found no such lines")
+    points = _points_from_lines(rows[3:-1], path)
+    if words[1] != f"n_points:{len(points)}":
+        raise InputError(f"{shown(path)}: expected {shown(rows[1][1], 40)!r}, found {len(points)} points")
+    return points
+
+
+def _points_from_lines(lines, path):
+    points = []
+    for number, line in lines:
+        words = line.replace(",", " ").split()
+        if not words:
+            continue
+        if words in (["null"], ["null", "null"]):
+            points.append((np.nan, np.nan))
+            continue
+        try:
+            x, y = (float(word) for word in words)
+        except ValueError:
+            x = y = np.nan
+        if not (abs(x) <= MAX_COORDINATE and abs(y) <= MAX_COORDINATE) or "_" in line:
+            raise InputError(f"{shown(path)}: line {number}: expected two numbers x y, found {shown(line, 60)!r}")
+        points.append((x, y))
+    return np.array(points).reshape(-1, 2)
+
+
+def _is_number(value):
+    return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) <= MAX_COORDINATE
+
+
+def _check(points, size, path):
+    if points.shape not in [(count, 2) for count in SCHEMES]:
+        raise InputError(f"{shown(path)}: expected 68 or 81 points, found {len(points)}")
+    known = ~np.isnan(points).all(axis=1)
+    if not (np.abs(points[known]) <= MAX_COORDINATE).all():
+        k = int(np.nonzero(known)[0][np.argmin((np.abs(points[known]) <= MAX_COORDINATE).all(axis=1))])
+        raise InputError(f"{shown(path)}: point {k}: expected finite coordinates, found {points[k].tolist()}")
+    if known.sum() < MIN_KNOWN:
+        raise InputError(f"{shown(path)}: expected at least {MIN_KNOWN} known points, found {known.sum()}")
+    spread = np.ptp(points[known], axis=0).max()
+    if spread <= 1e-6 * max(1e-6, np.abs(points[known]).max()):
+        raise InputError(f"{shown(path)}: expected the points of a face, found all of them in one place")
+    if size is not None:
+        image = np.array(size, np.float64)
+        outside = known & ((points < -image) | (points > 2 * image)).any(axis=1)
+        if outside.any():
+            k = int(np.argmax(outside))
+            raise InputError(
+                f"{shown(path)}: point {k}: expected a place in or near the {size[0]} x {size[1]} image, "
+                f"found {points[k].tolist()}"
+            )

@@ -1,0 +1,30 @@
+"""The caps that every reader checks before it allocates; far above honest use, far below what a small machine has."""
+
+MAX_FILE_BYTES = 2**29
+"""Largest file read whole, where no smaller cap below applies."""
+
+MAX_VERTICES = 1_000_000
+MAX_POLYGONS = 2_000_000
+MAX_CORNERS = 16_000_000
+"""Largest number of entries (polygons times the longest polygon) of one padded polygon table."""
+MAX_POLYGON_CORNERS = 64
+MAX_COORDINATE = 1e6
+"""Largest magnitude of a coordinate: beyond it single precision no longer holds a face."""
+
+MAX_IMAGE_BYTES = 2**28
+MAX_IMAGE_PIXELS = 64_000_000
+
+MAX_NPZ_BYTES = 2**30
+"""Largest sum of the expanded members of one NPZ."""
+MAX_NPZ_MEMBERS = 1024
+MAX_NPZ_HEADER_BYTES = 4096
+MAX_ARRAY_DIMENSIONS = 8
+
+MAX_JSON_BYTES = 2**26
+MAX_JSON_DEPTH = 64
+MAX_CONFIG_BYTES = 2**16
+MAX_CONFIG_DEPTH = 8
+MAX_LANDMARK_BYTES = 2**20
+
+MAX_CHECKPOINT_BYTES = 2**31
+MAX_CHECKPOINT_HEADER_BYTES = 2**24

@@ -1,0 +1,157 @@
+"""NPZ and NPY without pickle: every header is checked against the bytes there are before anything is allocated."""
+
+import io
+import math
+import re
+import zipfile
+import zlib
+
+import numpy as np
+
+from caricli.errors import InputError, OutputError
+from caricli.io.files import looks_like_pickle, read_bytes, shown
+from caricli.io.limits import MAX_ARRAY_DIMENSIONS, MAX_NPZ_BYTES, MAX_NPZ_HEADER_BYTES, MAX_NPZ_MEMBERS
+from caricli.io.outputs import writing
+
+_HEADER = re.compile(
+    rb"\{'descr': ?'([<>|=]?(?:b1|[iu][1248]|f[248]|[SU]\d{1,6}))', ?'fortran_order': ?(True|False), ?"
+    rb"'shape': ?\(([\d, ]*)\),? ?\}\s*"
+)
+# Deflate cannot expand further than this, so a member that claims more is lying.
+_MAX_EXPANSION = 1032
+_CHUNK_BYTES = 2**20
+
+
+def read_npz(path, max_bytes=MAX_NPZ_BYTES):
+    """Read an NPZ file.
+
+    Parameters: path; max_bytes, the cap on the file and on the sum of its expanded members.
+    Returns: dict of name to ndarray, in the file's order, native byte order; bool, int, float and text arrays only.
+    Raises: InputError when it is no NPZ, holds objects, or a member's header does not match its bytes.
+    """
+    data = read_bytes(path, max_bytes, "an NPZ file")
+    _check_directory(data, path)
+    try:
+        with zipfile.ZipFile(io.BytesIO(data)) as archive:
+            members = archive.infolist()
+            _check_members(members, path, max_bytes)
+            return {_key(member): _read_member(archive, member, path) for member in members}
+    except (zipfile.BadZipFile, zlib.error, EOFError, OSError, NotImplementedError, ValueError, RuntimeError) as error:
+        raise InputError(f"{shown(path)}: expected an NPZ file, found a damaged one: {shown(error, 120)}") from error
+
+
+def write_npz(path, arrays):
+    """Write an NPZ file, compressed; the same arrays give the same bytes.
+
+    Parameters: path; arrays, dict of name to array (bool, int, float or text), kept in this order.
+    Raises: OutputError when it cannot be written or is more than `read_npz` takes; TypeError for another kind of array.
+    """
+    total = sum(np.asarray(value).nbytes for value in arrays.values())
+    if total > MAX_NPZ_BYTES * 0.99:
+        raise OutputError(f"{shown(path)}: expected at most {MAX_NPZ_BYTES} bytes of arrays, found {total}")
+    with writing(path), zipfile.ZipFile(path, "w") as archive:
+        for name, value in arrays.items():
+            value = np.asarray(value)
+            if value.dtype.kind not in "biufSU":
+                raise TypeError(f"{name}: arrays of {value.dtype} are not written")
+            # Fixed time, system and mode: nothing of the moment or the machine enters the bytes.
+            info = zipfile.ZipInfo(f"{name}.npy", (1980, 1, 1, 0, 0, 0))
+            info.compress_type = zipfile.ZIP_DEFLATED
+            info.create_system = 3
+            info.external_attr = 0o644 << 16
+            with archive.open(info, "w") as member:
+                np.lib.format.write_array(member, value, version=(1, 0), allow_pickle=False)
+
+
+def read_array(stream, size, name):
+    """Read one NPY array from a stream.
+
+    Parameters: stream with `read`, positioned at the start; size, the bytes that it holds; name, for the message.
+    Returns: ndarray, writable, native byte order.
+    Raises: InputError when the header is not a plain array's or does not match `size`.
+    """
+    start = stream.read(8)
+    if start[:6] != b"\x93NUMPY" or start[6:] not in (b"\1\0", b"\2\0", b"\3\0"):
+        found = "a pickle" if looks_like_pickle(start) else "something else"
+        raise InputError(f"{name}: expected an NPY array, found {found}")
+    width = 2 if start[6] == 1 else 4
+    length = int.from_bytes(stream.read(width), "little")
+    if length > MAX_NPZ_HEADER_BYTES:
+        raise InputError(f"{name}: expected a header of at most {MAX_NPZ_HEADER_BYTES} bytes, found {length}")
+    header = stream.read(length)
+    match = _HEADER.fullmatch(header)
+    if not match:
+        if re.search(rb"'descr': ?'\|?O", header):
+            raise InputError(f"{name}: expected numbers or text, found Python objects, which are never loaded")
+        raise InputError(f"{name}: expected an array of numbers or text, found the header {shown(header, 80)!r}")
+    shape = [word.strip() for word in match[3].decode().split(",") if word.strip()]
+    if len(shape) > MAX_ARRAY_DIMENSIONS or any(len(word) > 10 or not word.isdigit() for word in shape):
+        raise InputError(f"{name}: expected at most {MAX_ARRAY_DIMENSIONS} dimensions, found {shown(match[3], 80)}")
+    shape = tuple(int(word) for word in shape)
+    dtype = np.dtype(match[1].decode())
+    expected, found = math.prod(shape) * dtype.itemsize, size - 8 - width - length
+    if expected != found or dtype.itemsize == 0:
+        raise InputError(f"{name}: expected {expected} bytes for shape {shape} of {dtype}, found {found}")
+    buffer = np.empty(expected, np.uint8)
+    # One byte more than the rest is asked for, so that a zip member is read to its end and its checksum compared.
+    at = 0
+    while chunk := stream.read(min(_CHUNK_BYTES, expected - at + 1)):
+        if at + len(chunk) > expected:
+            raise InputError(f"{name}: expected {expected} bytes of data, found more")
+        buffer[at : at + len(chunk)] = np.frombuffer(chunk, np.uint8)
+        at += len(chunk)
+    if at < expected:
+        raise InputError(f"{name}: expected {expected} bytes of data, found {at}")
+    if dtype.kind == "b" and (buffer > 1).any():
+        raise InputError(f"{name}: expected true or false, found another value")
+    array = buffer.view(dtype).reshape(shape, order="F" if match[2] == b"True" else "C")
+    array = array.astype(dtype.newbyteorder("="), copy=False)
+    if dtype.kind == "U":
+        codes = np.ascontiguousarray(array).reshape(-1).view(np.uint32)
+        if (codes > 0x10FFFF).any() or ((codes >= 0xD800) & (codes < 0xE000)).any():
+            raise InputError(f"{name}: expected text, found codes that are no characters")
+    return array
+
+
+def _key(member):
+    return member.filename.removesuffix(".npy")
+
+
+def _read_member(archive, member, path):
+    with archive.open(member) as stream:
+        return read_array(stream, member.file_size, f"{shown(path)}: {shown(_key(member), 40)}")
+
+
+def _check_directory(data, path):
+    """Refuse a zip directory too large to list before zipfile lists it."""
+    if not data.startswith((b"PK\x03\x04", b"PK\x05\x06")):
+        found = "a pickle" if looks_like_pickle(data) else "something else"
+        raise InputError(f"{shown(path)}: expected an NPZ file, found {found}")
+    end = data.rfind(b"PK\x05\x06")
+    if end < 0 or len(data) < end + 22:
+        raise InputError(f"{shown(path)}: expected an NPZ file, found a truncated one")
+    size = int.from_bytes(data[end + 12 : end + 16], "little")
+    # The 64-bit directory is needed by no file under the cap, and would override the size checked here.
+    if data[max(end - 20, 0) : end].startswith(b"PK\x06\x07") or size > MAX_NPZ_MEMBERS * 256:
+        raise InputError(f"{shown(path)}: expected at most {MAX_NPZ_MEMBERS} arrays, found a directory of {size} bytes")
+
+
+def _check_members(members, path, max_bytes):
+    if not members:
+        raise InputError(f"{shown(path)}: expected an NPZ file with arrays, found none")
+    if len(members) > MAX_NPZ_MEMBERS:
+        raise InputError(f"{shown(path)}: expected at most {MAX_NPZ_MEMBERS} arrays, found {len(members)}")
+    if len({_key(member) for member in members}) < len(members):
+        raise InputError(f"{shown(path)}: expected distinct names, found one twice")
+    total = sum(member.file_size for member in members)
+    if total > max_bytes:
+        raise InputError(f"{shown(path)}: expected at most {max_bytes} bytes of arrays, found {total}")
+    for member in members:
+        name = f"{shown(path)}: {shown(_key(member), 40)}"
+        if not member.filename.endswith(".npy"):
+            raise InputError(f"{name}: expected an array, found another kind of file")
+        if member.flag_bits & 1 or member.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
+            raise InputError(f"{name}: expected a stored or deflated member, found another kind")
+        if member.file_size > member.compress_size * _MAX_EXPANSION + 64:
+            found = f"only {member.compress_size} packed ones"
+            raise InputError(f"{name}: expected {member.file_size} bytes, found {found}")

@@ -1,0 +1,228 @@
+"""Outputs that appear whole or not at all: written in a hidden folder beside their place, synced, renamed."""
+
+import errno
+import os
+import shutil
+import tempfile
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+from caricli.errors import OutputError
+from caricli.io.files import shown
+
+_PREFIX = ".caricli-"
+_WRITE_ERRORS = {
+    errno.ENOSPC,
+    errno.EDQUOT,
+    errno.EROFS,
+    errno.EIO,
+    errno.EFBIG,
+    errno.EACCES,
+    errno.EPERM,
+    errno.ENAMETOOLONG,
+}
+
+
+@contextmanager
+def staged(*paths, overwrite=False, inputs=()):
+    """Write several files so that either all of them appear or none.
+
+    Parameters: paths, the files to write; overwrite, whether existing files are replaced; inputs, files that must not
+    be written to (None entries are skipped).
+    Yields: a tuple of temporary paths, one per output, each with its output's file name in a hidden folder on the same
+    file system. On success all are synced and renamed; on any exception, KeyboardInterrupt included, all are removed,
+    and so are the parent folders made here that are empty.
+    Raises: OutputError when an output exists without `overwrite`, is an input, is given twice or cannot be written.
+    """
+    finals = [_checked_file(path, overwrite, inputs) for path in paths]
+    for k, final in enumerate(finals):
+        if final in finals[:k]:
+            raise OutputError(f"{shown(paths[k])}: expected different outputs, found the same one twice")
+    with _write_errors(paths), _staging({final.parent for final in finals}) as folders:
+        temporaries = tuple(folders[final.parent] / final.name for final in finals)
+        yield temporaries
+        for path, temporary in zip(paths, temporaries, strict=True):
+            if not temporary.is_file():
+                raise OutputError(f"{shown(path)}: nothing was written")
+            _sync(temporary)
+        _publish(temporaries, finals, paths, overwrite)
+
+
+@contextmanager
+def staged_folder(path, overwrite=False, inputs=(), marker=None):
+    """Write a folder so that it appears with all its content or not at all.
+
+    Parameters: path, the folder to write; overwrite, whether an existing folder is replaced as a whole; inputs, files
+    and folders that must not be written to; marker, the name of a file that an existing folder must hold to be
+    replaced, so that a mistyped path never deletes someone's own files (an empty folder is always replaceable).
+    Yields: a temporary folder, renamed on success and removed on any exception.
+    Raises: OutputError as `staged` does, and when the folder to replace holds an input or the current folder.
+    """
+    final = _checked_folder(path, overwrite, inputs, marker)
+    with _write_errors([path]), _staging({final.parent}) as folders:
+        temporary = folders[final.parent] / final.name
+        temporary.mkdir()
+        yield temporary
+        for folder, _, names in os.walk(temporary):
+            for name in names:
+                _sync(Path(folder) / name)
+            _sync_folder(folder)
+        _publish([temporary], [final], [path], overwrite)
+
+
+@contextmanager
+def writing(path):
+    """Turn the operating system's refusal to write into an OutputError.
+
+    Parameters: path, the file being written; when it is a temporary path of `staged` the message names the output.
+    Raises: OutputError for any OSError raised inside.
+    """
+    try:
+        yield
+    except OSError as error:
+        raise OutputError(f"{shown(_final_name(path))}: cannot be written: {_reason(error)}") from error
+
+
+def write_bytes(path, data):
+    """Write bytes to a file.
+
+    Parameters: path; data, bytes.
+    Raises: OutputError when it cannot be written.
+    """
+    with writing(path), open(path, "wb") as stream:
+        stream.write(data)
+
+
+def _reason(error):
+    return shown(error.strerror or error)
+
+
+def _final_name(path):
+    path = Path(path)
+    return Path(*(part for part in path.parts if not part.startswith(_PREFIX)))
+
+
+@contextmanager
+def _write_errors(paths):
+    try:
+        yield
+    except OSError as error:
+        named = isinstance(error.filename, str | os.PathLike) and _PREFIX in str(error.filename)
+        if not named and error.errno not in _WRITE_ERRORS:
+            raise
+        name = _final_name(error.filename) if named else paths[0]
+        raise OutputError(f"{shown(name)}: cannot be written: {_reason(error)}") from error
+
+
+def _resolved(path, inputs):
+    try:
+        final = Path(os.path.realpath(path))
+        with writing(path):
+            for source in inputs:
+                if source is not None and (final == Path(os.path.realpath(source)) or _same(final, source)):
+                    raise OutputError(f"{shown(path)}: expected an output, found one of the inputs")
+    except ValueError as error:
+        raise OutputError(f"{shown(path)}: expected a path, found {shown(error)}") from error
+    return final
+
+
+def _same(first, second):
+    try:
+        return os.path.samefile(first, second)
+    except OSError:
+        return False
+
+
+def _checked_file(path, overwrite, inputs):
+    final = _resolved(path, inputs)
+    with writing(path):
+        if final.exists():
+            if not final.is_file():
+                found = "a folder" if final.is_dir() else "something that is not a regular file"
+                raise OutputError(f"{shown(path)}: expected a file to write, found {found}")
+            if not overwrite:
+                raise OutputError(f"{shown(path)} exists; give --overwrite to replace it")
+    return final
+
+
+def _checked_folder(path, overwrite, inputs, marker):
+    final = _resolved(path, inputs)
+    with writing(path):
+        if not final.exists():
+            return final
+        if not final.is_dir():
+            raise OutputError(f"{shown(path)}: expected a folder to write, found a file")
+        if not overwrite:
+            raise OutputError(f"{shown(path)} exists; give --overwrite to replace it")
+        if Path.cwd().is_relative_to(final) or final == Path(os.path.realpath(Path.home())):
+            raise OutputError(f"{shown(path)}: expected a folder to replace, found the current or the home folder")
+        for source in inputs:
+            if source is not None and Path(os.path.realpath(source)).is_relative_to(final):
+                raise OutputError(f"{shown(path)}: expected an output, found a folder that holds the input {source}")
+        if marker is not None and not (final / marker).is_file() and any(final.iterdir()):
+            raise OutputError(f"{shown(path)}: expected a folder with {marker} to replace, found other files")
+    return final
+
+
+@contextmanager
+def _staging(parents):
+    created = []
+    folders = {}
+    try:
+        for parent in sorted(parents):
+            for folder in reversed([parent, *parent.parents]):
+                if not folder.is_dir():
+                    with writing(folder):
+                        folder.mkdir()
+                    created.append(folder)
+            with writing(parent):
+                folders[parent] = Path(tempfile.mkdtemp(prefix=_PREFIX, dir=parent))
+        yield folders
+    finally:
+        for folder in folders.values():
+            shutil.rmtree(folder, ignore_errors=True)
+        for folder in reversed(created):
+            # After success the folder holds an output, and rmdir leaves it alone.
+            with suppress(OSError):
+                folder.rmdir()
+
+
+def _publish(temporaries, finals, paths, overwrite):
+    moved = []
+    try:
+        for temporary, final, path in zip(temporaries, finals, paths, strict=True):
+            backup = None
+            if final.exists():
+                if not overwrite:
+                    raise OutputError(f"{shown(path)} exists; give --overwrite to replace it")
+                backup = temporary.with_name(f".replaced-{len(moved)}")
+                try:
+                    # A second name keeps the old file in its place until the new one replaces it.
+                    os.link(final, backup)
+                except OSError:
+                    os.replace(final, backup)
+            moved.append((temporary, final, backup))
+            os.replace(temporary, final)
+    except BaseException:
+        for temporary, final, backup in reversed(moved):
+            if not temporary.exists():
+                os.replace(final, temporary)
+            if backup is not None:
+                os.replace(backup, final)
+        raise
+    for parent in {final.parent for final in finals}:
+        _sync_folder(parent)
+
+
+def _sync(path):
+    descriptor = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)
+
+
+def _sync_folder(path):
+    # Some file systems cannot sync a folder; the files themselves are synced by then.
+    with suppress(OSError):
+        _sync(path)

@@ -1,0 +1,112 @@
+"""JSON read strictly and written reproducibly."""
+
+import json
+import math
+import os
+import re
+
+import numpy as np
+
+from caricli.errors import InputError, OutputError
+from caricli.io.files import decode_text, read_bytes, shown
+from caricli.io.limits import MAX_JSON_BYTES, MAX_JSON_DEPTH
+from caricli.io.outputs import write_bytes
+
+_STRING = re.compile(rb'"(?:[^"\\]|\\.)*+"?', re.DOTALL)
+_NOT_BRACKET = re.compile(rb"[^\[\]{}]+")
+
+
+def read_json(path):
+    """Read a JSON file strictly.
+
+    Parameters: path, a file of at most MAX_JSON_BYTES in UTF-8.
+    Returns: the value; numbers are finite, keys of an object are distinct, nesting is at most MAX_JSON_DEPTH.
+    Raises: InputError otherwise.
+    """
+    return parse_json(read_bytes(path, MAX_JSON_BYTES, "a JSON file"), path)
+
+
+def parse_json(data, name):
+    """Turn bytes into a JSON value, with the same strictness as `read_json`.
+
+    Parameters: data, bytes; name, the file for the message.
+    Returns: the value.
+    Raises: InputError when it is not strict JSON.
+    """
+    text = decode_text(data, name, "a JSON file")
+    brackets = np.frombuffer(_NOT_BRACKET.sub(b"", _STRING.sub(b"", data)), np.uint8)
+    steps = np.where((brackets == ord("[")) | (brackets == ord("{")), 1, -1)
+    depth = int(np.cumsum(steps).max(initial=0))
+    if depth > MAX_JSON_DEPTH:
+        raise InputError(f"{shown(name)}: expected JSON nested at most {MAX_JSON_DEPTH} deep, found {depth}")
+    try:
+        value = json.loads(
+            text, object_pairs_hook=_distinct, parse_constant=_refuse_constant, parse_float=_finite, parse_int=_integer
+        )
+        if "\\u" in text:
+            # A lone surrogate is legal JSON but no text that can be printed or written again.
+            json.dumps(value, ensure_ascii=False).encode("utf-8")
+    except UnicodeEncodeError:
+        raise InputError(f"{shown(name)}: expected strict JSON, found half of a surrogate pair") from None
+    except (ValueError, RecursionError) as error:
+        raise InputError(f"{shown(name)}: expected strict JSON, found {shown(error, 120)}") from None
+    return value
+
+
+def write_json(path, value):
+    """Write a value as JSON: insertion order, indent 2, UTF-8, a newline at the end.
+
+    Parameters: path; value, made of dicts, lists, tuples, strings, numbers, bools, None, paths and NumPy values.
+    Raises: OutputError when a number is not finite or the file cannot be written.
+    """
+    write_bytes(path, format_json(value, path).encode("utf-8"))
+
+
+def format_json(value, name, indent=2):
+    """Return the text that `write_json` writes.
+
+    Parameters: value as in `write_json`; name, the file for the message; indent, spaces, or None for one line.
+    Returns: str that ends in a newline.
+    Raises: OutputError when a number is not finite or a text is not UTF-8.
+    """
+    try:
+        text = json.dumps(value, indent=indent, allow_nan=False, ensure_ascii=False, default=_plain) + "\n"
+        text.encode("utf-8")
+    except ValueError as error:
+        found = shown(error, 120)
+        raise OutputError(f"{shown(name)}: expected finite numbers and UTF-8 text, found: {found}") from None
+    return text
+
+
+def _plain(value):
+    if isinstance(value, np.ndarray | np.generic):
+        return value.tolist()
+    if isinstance(value, os.PathLike):
+        return os.fspath(value)
+    raise TypeError(f"{type(value).__name__} has no JSON form")
+
+
+def _distinct(pairs):
+    value = dict(pairs)
+    if len(value) < len(pairs):
+        seen = set()
+        key = next(key for key, _ in pairs if key in seen or seen.add(key))
+        raise ValueError(f"the key {shown(key, 40)!r} twice")
+    return value
+
+
+def _refuse_constant(text):
+    raise ValueError(f"{text}, which is not a number")
+
+
+def _finite(text):
+    value = float(text)
+    if not math.isfinite(value):
+        raise ValueError(f"the number {shown(text, 40)}, which is too large")
+    return value
+
+
+def _integer(text):
+    if len(text) > 40:
+        raise ValueError(f"the number {shown(text, 40)}, which is too large")
+    return int(text)

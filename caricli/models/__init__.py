@@ -1,0 +1,1 @@
+"""Shape models behind one interface."""

@@ -1,0 +1,116 @@
+"""Principal components of deformation-gradient features, decoded by a sparse solve: they extrapolate without tearing."""
+
+import igl
+import numpy as np
+
+from caricli.geometry.deformation_gradients import FEATURES
+from caricli.geometry.elastic_anchors import ElasticAnchors
+from caricli.models.principal_components import principal_components
+from caricli.models.prior import Prior
+
+_BATCH = 32
+
+
+class IntrinsicModel:
+    """features = mean + latent @ basis, then DeformationGradients; a latent is in training standard deviations.
+
+    The features do not hold the translation; it is a linear function of the latent, the offset of the centroid.
+    """
+
+    kind = "intrinsic"
+
+    def __init__(self, template, mean, basis, offset, model_id=""):
+        """template: Template. mean: (V, 9). basis: (D, V, 9) per standard deviation. offset: (D + 1, 3) metres."""
+        self.template, self.mean, self.basis, self.offset, self.model_id = template, mean, basis, offset, model_id
+        self.prior = Prior.standard(len(basis))
+        weight = feature_weights(template)
+        flat = basis.reshape(len(basis), -1)
+        self._weighted = flat * np.repeat(weight, FEATURES)
+        self._gram = self._weighted @ flat.T
+        self._rows, self._anchors = {}, None
+
+    @classmethod
+    def train(cls, template, shapes, dimension=128, seed=0):
+        """Fit to shapes (N, V, 3)."""
+        features = np.concatenate(
+            [template.gradients.features(shapes[k : k + _BATCH]).astype(np.float32) for k in range(0, len(shapes), _BATCH)]
+        )
+        scale = np.sqrt(feature_weights(template)).astype(np.float32)[:, None]
+        features *= scale
+        mean, basis, _ = principal_components(features.reshape(len(shapes), -1), dimension, seed)
+        mean, basis = mean.reshape(-1, FEATURES) / scale, basis.reshape(len(basis), -1, FEATURES) / scale
+        model = cls(template, mean.astype(float), basis.astype(float), np.zeros((len(basis) + 1, 3)))
+        latents = np.array([model.features_to_latent(f / scale) for f in features])
+        design = np.hstack([np.ones((len(latents), 1)), latents])
+        # A ridge: with fewer shapes than unknowns the offsets would explode.
+        gram = design.T @ design + 1e-3 * len(latents) * np.diag(np.r_[0.0, np.ones(len(basis))])
+        model.offset = np.linalg.solve(gram, design.T @ shapes.mean(1))
+        return model
+
+    @classmethod
+    def from_tensors(cls, template, tensors, model_id):
+        """Rebuild from ``tensors()``."""
+        return cls(template, *(tensors[name].astype(float) for name in ("mean", "basis", "offset")), model_id)
+
+    def tensors(self):
+        """See ShapeModel."""
+        return {
+            "mean": self.mean.astype(np.float32),
+            "basis": self.basis.astype(np.float16),
+            "offset": self.offset.astype(np.float32),
+        }
+
+    @property
+    def anchors(self):
+        """ElasticAnchors for every vertex that a landmark can stand on, prepared on first use."""
+        if self._anchors is None:
+            template = self.template
+            self._anchors = ElasticAnchors(template.vertices, template.faces, template.annotation.anchor_ids())
+        return self._anchors
+
+    def features(self, latents):
+        """Latents (..., D) to features (..., V, 9)."""
+        return self.mean + np.tensordot(latents, self.basis, 1)
+
+    def features_to_latent(self, features, shrink=0.0):
+        """Project features (..., V, 9) into the space.
+
+        Minimises ``|f - mean - z @ basis|_W^2 + shrink |z|^2`` (W area weights that sum to one) over z.
+        """
+        right = (features - self.mean).reshape(*features.shape[:-2], -1) @ self._weighted.T
+        return np.linalg.solve(self._gram + shrink * np.eye(len(self._gram)), right[..., None])[..., 0]
+
+    def decode(self, latents, residual=0.0):
+        """See ShapeModel; residual: (..., V, 9) features added to those of the latent."""
+        latents = np.asarray(latents)
+        flat = latents.reshape(-1, latents.shape[-1])
+        shapes = np.array([self.template.gradients.vertices(self.features(z) + residual) for z in flat])
+        return shapes.reshape(*latents.shape[:-1], -1, 3) + self._centroid(latents)[..., None, :]
+
+    def _centroid(self, latents):
+        return self.offset[0] + latents @ self.offset[1:]
+
+    def decode_points(self, latent, points):
+        """See ShapeModel; only the rows of the solution that are asked for are formed (cached for each set of points)."""
+        gradients, key = self.template.gradients, np.asarray(points).tobytes()
+        if key not in self._rows:
+            unit = np.zeros((gradients.count, len(points)))
+            unit[points, np.arange(len(points))] = 1
+            responses = gradients.solve(unit - 1 / gradients.count)
+            self._rows = {key: np.asarray((gradients.divergence.T @ responses).T)}
+        rows = self._rows[key]
+        planes, jacobian = gradients.planes_jacobian(self.features(latent), self.basis)
+        count, dimension = len(points), len(latent)
+        positions = rows @ planes.reshape(-1, 3) + self._centroid(latent)
+        derivative = (rows @ jacobian.reshape(-1, 3 * dimension)).reshape(count, 3, dimension)
+        return positions, derivative + self.offset[1:].T
+
+    def encode(self, vertices):
+        """See ShapeModel: the projection of the features."""
+        return self.features_to_latent(self.template.gradients.features(vertices))
+
+
+def feature_weights(template):
+    """(V,) share of the template's area around every vertex."""
+    areas = igl.massmatrix(template.vertices, template.faces).diagonal()
+    return areas / areas.sum()

@@ -1,0 +1,42 @@
+"""How likely a latent is."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Prior:
+    """A normal distribution of latents: mean (D,) and lower Cholesky factor (D, D) of the covariance."""
+
+    mean: np.ndarray
+    factor: np.ndarray
+
+    @classmethod
+    def of(cls, latents, ridge=1e-6):
+        """The prior of training latents (N, D); ridge: added to the covariance, relative to its mean variance."""
+        centred = latents - latents.mean(0)
+        covariance = centred.T @ centred / max(len(latents) - 1, 1)
+        covariance += ridge * np.trace(covariance) / len(covariance) * np.eye(len(covariance))
+        return cls(latents.mean(0), np.linalg.cholesky(covariance))
+
+    @classmethod
+    def standard(cls, dimension):
+        """The prior of latents that are white already."""
+        return cls(np.zeros(dimension), np.eye(dimension))
+
+    def whiten(self, latents):
+        """Latents (..., D) in standard deviations: zero mean, unit covariance."""
+        return np.linalg.solve(self.factor, (latents - self.mean)[..., None])[..., 0]
+
+    def colour(self, whitened):
+        """The inverse of ``whiten``."""
+        return self.mean + whitened @ self.factor.T
+
+    def rms(self, latents):
+        """Root mean square of the whitened latents over their dimensions: about 1 for a typical face. (...,)."""
+        return np.sqrt((self.whiten(latents) ** 2).mean(-1))
+
+    def sample(self, generator, count):
+        """Draw latents (count, D) with a numpy Generator."""
+        return self.colour(generator.normal(size=(count, len(self.mean))))

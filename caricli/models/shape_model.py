@@ -1,0 +1,32 @@
+"""What every shape model offers, whatever it is made of."""
+
+from typing import Protocol
+
+import numpy as np
+
+from caricli.models.prior import Prior
+from caricli.template.template import Template
+
+
+class ShapeModel(Protocol):
+    """A space of shapes of one template. Arrays are NumPy; leading dimensions are batches; metres.
+
+    ``kind`` names the class in a checkpoint, ``model_id`` the weights (SHA-256).
+    """
+
+    kind: str
+    model_id: str
+    template: Template
+    prior: Prior
+
+    def decode(self, latents: np.ndarray) -> np.ndarray:
+        """Latents (..., D) to vertices (..., V, 3)."""
+
+    def decode_points(self, latent: np.ndarray, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Positions (K, 3) of the vertices ``points`` for one latent (D,), and their Jacobian (K, 3, D)."""
+
+    def encode(self, vertices: np.ndarray) -> np.ndarray:
+        """Vertices (..., V, 3) to the latents (..., D) whose shapes are nearest."""
+
+    def tensors(self) -> dict[str, np.ndarray]:
+        """Everything beyond the template that a checkpoint must hold."""

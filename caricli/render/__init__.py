@@ -1,0 +1,1 @@
+"""Pictures of meshes: visibility, shading, previews, contact sheets."""

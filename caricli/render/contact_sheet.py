@@ -1,0 +1,55 @@
+"""Many pictures on one sheet."""
+
+import numpy as np
+
+from caricli.errors import InputError
+from caricli.render.blend import over
+
+_GAP = 0.03  # of a cell's width
+
+
+def contact_sheet(images, columns=None, labels=None, background=(255, 255, 255)):
+    """Lay pictures out in rows, each centred in a cell of the largest one's size, with a label under it.
+
+    images: list of (H, W, 3 or 4) uint8. columns: pictures in a row; near to a square sheet when absent. labels: one
+    text per picture, shortened to fit. background: sRGB, 0 to 255.
+    Returns (H, W, 3) uint8.
+    Raises InputError when there is no picture, or not one label for each.
+    """
+    if not len(images):
+        raise InputError("a contact sheet needs at least one picture, found none")
+    if labels is not None and len(labels) != len(images):
+        raise InputError(f"a contact sheet of {len(images)} pictures needs as many labels, found {len(labels)}")
+    height, width = (max(image.shape[k] for image in images) for k in (0, 1))
+    columns = min(columns or int(np.ceil(np.sqrt(len(images) * height / width))), len(images))
+    rows = -(-len(images) // columns)
+    gap = max(2, round(_GAP * width))
+    size = max(10, round(0.06 * width))
+    strip = 0 if labels is None else round(1.6 * size)
+    sheet = np.empty((gap + rows * (height + strip + gap), gap + columns * (width + gap), 3), np.uint8)
+    sheet[:] = background
+    for k, image in enumerate(images):
+        top, left = gap + (k // columns) * (height + strip + gap), gap + (k % columns) * (width + gap)
+        y, x = top + (height - image.shape[0]) // 2, left + (width - image.shape[1]) // 2
+        cell = sheet[y : y + image.shape[0], x : x + image.shape[1]]
+        cell[:] = over(image, cell)
+        if labels is not None:
+            cell = sheet[top + height : top + height + strip, left : left + width]
+            cell[:] = _labelled(cell, labels[k], size)
+    return sheet
+
+
+def _labelled(strip, text, size):
+    """Write one line of text in the middle of a strip, in the grey that stands out from its background."""
+    from PIL import Image, ImageDraw, ImageFont
+
+    font = ImageFont.load_default(size)
+    text = "".join(c if c.isprintable() else "?" for c in str(text))
+    if font.getlength(text) > strip.shape[1]:
+        while text and font.getlength(text + "...") > strip.shape[1]:
+            text = text[:-1]
+        text += "..."
+    picture = Image.fromarray(np.ascontiguousarray(strip))
+    grey = (70,) * 3 if strip.mean() > 127 else (215,) * 3
+    ImageDraw.Draw(picture).text((strip.shape[1] / 2, strip.shape[0] / 2), text, grey, font, anchor="mm")
+    return np.asarray(picture)

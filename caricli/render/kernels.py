@@ -1,0 +1,193 @@
+"""Warp kernels; imported by `warp_start` alone, after warp has been set up."""
+
+import warp as wp
+
+# Nothing differentiates through these kernels; leaving the adjoints out halves the time to compile them.
+wp.set_module_options({"enable_backward": False})
+
+SHADOW = wp.constant(wp.vec3(0.012, 0.006, 0.005))  # what is seen from inside: nearly black, a little warm
+
+
+@wp.kernel
+def nearest_face(
+    mesh: wp.uint64,
+    width: int,
+    start: float,
+    reach: float,
+    face: wp.array(dtype=wp.int32),
+    barycentric: wp.array(dtype=wp.vec3),
+    depth: wp.array(dtype=wp.float32),
+):
+    """First triangle that the ray through a pixel's centre meets."""
+    i = wp.tid()
+    origin = wp.vec3(float(i % width), float(i // width), start)
+    hit = wp.mesh_query_ray(mesh, origin, wp.vec3(0.0, 0.0, 1.0), reach)
+    if hit.result:
+        face[i] = hit.face
+        barycentric[i] = wp.vec3(hit.u, hit.v, 1.0 - hit.u - hit.v)
+        depth[i] = start + hit.t
+
+
+@wp.kernel
+def sky_seen(
+    mesh: wp.uint64,
+    points: wp.array(dtype=wp.vec3),
+    normals: wp.array(dtype=wp.vec3),
+    directions: wp.array(dtype=wp.vec3),
+    lift: float,
+    reach: float,
+    seen: wp.array2d(dtype=wp.float32),
+):
+    """One where a vertex sees the sky in a direction, zero where the mesh is in the way or the direction lies behind."""
+    i, j = wp.tid()
+    if wp.dot(normals[i], directions[j]) > 0.0:
+        hit = wp.mesh_query_ray(mesh, points[i] + lift * normals[i], directions[j], reach)
+        if not hit.result:
+            seen[i, j] = 1.0
+
+
+@wp.struct
+class Scene:
+    """A mesh in pixels (x right, y down, z into the picture) with what its vertices carry, and eyeballs."""
+
+    mesh: wp.uint64
+    start: float
+    reach: float
+    normals: wp.array(dtype=wp.vec3)
+    colours: wp.array(dtype=wp.vec3)
+    light: wp.array(dtype=wp.vec3)  # how much of the key light, the fill light and the sky reaches the vertex
+    eyeballs: wp.array(dtype=wp.vec4)  # centre and radius
+    gaze: wp.vec3
+
+
+@wp.func
+def lit(albedo: wp.vec3, n: wp.vec3, light: wp.vec3, gloss: float):
+    """Linear colour of a soft matte surface under a warm key, a cool fill, a rim light and the sky."""
+    key = wp.normalize(wp.vec3(-0.58, -0.56, -0.59))
+    fill = wp.normalize(wp.vec3(0.85, -0.05, -0.52))
+    rim = wp.normalize(wp.vec3(0.62, -0.50, 0.60))
+    view = wp.vec3(0.0, 0.0, -1.0)
+    # Red light wanders further under skin, so red wraps further round the terminator than blue.
+    wrap = wp.vec3(0.30, 0.16, 0.12)
+    toward = wp.dot(n, key)
+    direct = wp.vec3(0.0)
+    for c in range(3):
+        direct[c] = wp.max((toward + wrap[c]) / (1.0 + wrap[c]), 0.0)
+    ambient = wp.lerp(wp.vec3(0.20, 0.165, 0.15), wp.vec3(0.40, 0.42, 0.46), 0.5 - 0.5 * n[1])
+    # Light that bounces inside a fold is tinted by the skin: occlusion darkens red last.
+    sky = wp.vec3(wp.pow(light[2], 1.15), wp.pow(light[2], 1.45), wp.pow(light[2], 1.55))
+    received = (
+        light[0] * wp.cw_mul(wp.vec3(1.02, 0.97, 0.90), direct)
+        + light[1] * wp.max(wp.dot(n, fill), 0.0) * wp.vec3(0.20, 0.23, 0.28)
+        + wp.cw_mul(sky, ambient)
+    )
+    edge = wp.pow(1.0 - wp.clamp(wp.dot(n, view), 0.0, 1.0), 3.0)
+    shine = gloss * light[0] * wp.pow(wp.max(wp.dot(n, wp.normalize(key + view)), 0.0), 24.0)
+    glow = 0.55 * light[2] * edge * wp.max(wp.dot(n, rim) + 0.25, 0.0)
+    return wp.cw_mul(albedo, received) + wp.vec3(shine + glow * 0.9, shine + glow * 0.95, shine + glow)
+
+
+@wp.func
+def eye_colour(n: wp.vec3, gaze: wp.vec3, light: wp.vec3):
+    """Linear colour of a simple eyeball: off-white, brown iris with a dark rim, pupil, one highlight."""
+    away = wp.acos(wp.clamp(wp.dot(n, gaze), -1.0, 1.0))
+    white = wp.vec3(0.78, 0.74, 0.70)
+    iris = wp.lerp(wp.vec3(0.16, 0.085, 0.04), wp.vec3(0.045, 0.022, 0.012), wp.smoothstep(0.30, 0.44, away))
+    albedo = wp.lerp(iris, white, wp.smoothstep(0.43, 0.47, away))
+    albedo = wp.lerp(wp.vec3(0.006, 0.005, 0.005), albedo, wp.smoothstep(0.17, 0.20, away))
+    glint = wp.smoothstep(0.985, 0.992, wp.dot(n, wp.normalize(wp.vec3(-0.22, -0.27, -0.94))))
+    return lit(albedo, n, light, 0.0) + 0.9 * glint * wp.vec3(1.0)
+
+
+@wp.func
+def seen_colour(scene: Scene, x: float, y: float):
+    """Linear colour and coverage (one or zero) of the point (x, y) of the picture."""
+    origin = wp.vec3(x, y, scene.start)
+    hit = wp.mesh_query_ray(scene.mesh, origin, wp.vec3(0.0, 0.0, 1.0), scene.reach)
+    colour = wp.vec4(0.0)
+    nearest = scene.reach
+    light = wp.vec3(1.0)
+    if hit.result:
+        nearest = hit.t
+        a = wp.mesh_get_index(scene.mesh, hit.face * 3)
+        b = wp.mesh_get_index(scene.mesh, hit.face * 3 + 1)
+        c = wp.mesh_get_index(scene.mesh, hit.face * 3 + 2)
+        w = 1.0 - hit.u - hit.v
+        rgb = SHADOW
+        if hit.normal[2] < 0.0:
+            n = wp.normalize(hit.u * scene.normals[a] + hit.v * scene.normals[b] + w * scene.normals[c])
+            albedo = hit.u * scene.colours[a] + hit.v * scene.colours[b] + w * scene.colours[c]
+            light = hit.u * scene.light[a] + hit.v * scene.light[b] + w * scene.light[c]
+            rgb = lit(albedo, n, light, 0.05)
+        colour = wp.vec4(rgb[0], rgb[1], rgb[2], 1.0)
+    for k in range(scene.eyeballs.shape[0]):
+        ball = scene.eyeballs[k]
+        dx = x - ball[0]
+        dy = y - ball[1]
+        inside = ball[3] * ball[3] - dx * dx - dy * dy
+        if inside > 0.0:
+            dz = -wp.sqrt(inside)
+            t = ball[2] + dz - scene.start
+            if t < nearest:
+                nearest = t
+                n = wp.vec3(dx, dy, dz) / ball[3]
+                rgb = eye_colour(n, scene.gaze, wp.vec3(0.85, 0.8, 0.6))
+                colour = wp.vec4(rgb[0], rgb[1], rgb[2], 1.0)
+    return colour
+
+
+@wp.func
+def to_srgb(x: float):
+    """One channel from linear light, with a soft shoulder, to sRGB."""
+    y = x
+    if y > 0.7:
+        y = 1.0 - 0.3 * wp.exp((0.7 - y) / 0.3)
+    if y <= 0.0031308:
+        return 12.92 * y
+    return 1.055 * wp.pow(y, 1.0 / 2.4) - 0.055
+
+
+@wp.kernel
+def centre_colour(scene: Scene, width: int, centres: wp.array(dtype=wp.vec4)):
+    """Linear colour and coverage at the centre of a pixel."""
+    i = wp.tid()
+    centres[i] = seen_colour(scene, float(i % width), float(i // width))
+
+
+@wp.kernel
+def shaded_pixel(
+    scene: Scene,
+    width: int,
+    height: int,
+    samples: int,
+    centres: wp.array(dtype=wp.vec4),
+    picture: wp.array(dtype=wp.vec4),
+):
+    """sRGB colour and coverage of a pixel: of its centre where its neighbours are like it, else of many samples."""
+    i = wp.tid()
+    column = i % width
+    row = i // width
+    low = centres[i]
+    high = centres[i]
+    for j in range(9):
+        x = wp.clamp(column + j % 3 - 1, 0, width - 1)
+        y = wp.clamp(row + j // 3 - 1, 0, height - 1)
+        low = wp.min(low, centres[y * width + x])
+        high = wp.max(high, centres[y * width + x])
+    total = centres[i]
+    count = int(1)
+    if wp.max(high - low) > 0.08:
+        count = samples * samples
+        total = wp.vec4(0.0)
+        for j in range(count):
+            # The additive recurrence of the plastic number: unlike on a grid, no two samples share a column or a row.
+            dx = wp.frac(0.5 + 0.7548776662 * float(j)) - 0.5
+            dy = wp.frac(0.5 + 0.5698402910 * float(j)) - 0.5
+            total += seen_colour(scene, float(column) + dx, float(row) + dy)
+    if total[3] > 0.0:
+        picture[i] = wp.vec4(
+            to_srgb(total[0] / total[3]),
+            to_srgb(total[1] / total[3]),
+            to_srgb(total[2] / total[3]),
+            total[3] / float(count),
+        )

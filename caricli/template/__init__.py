@@ -1,0 +1,1 @@
+"""The head, its annotation and its cache."""

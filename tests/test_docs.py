@@ -1,0 +1,149 @@
+import re
+import subprocess
+import sys
+from pathlib import Path
+from urllib.parse import unquote
+
+import click
+import pytest
+
+import caricli
+from caricli.cli import COMMANDS, cli
+
+ROOT = Path(caricli.__file__).parents[1]
+ASSETS = ROOT / "caricli" / "assets"
+NOT_OURS = re.compile(r"(^|/)(\.git|\.venv.*|__pycache__|\..*_cache|\.hypothesis|.*\.egg-info|build|dist|demo)/")
+# Places and addresses that exist on one machine only; no file of the project depends on them. Written so that this
+# file does not hold them itself.
+ONE_MACHINE = re.compile(
+    r"(?<![\w.~$})/-])/(?:wor[k]|tm[p]|roo[t]|hom[e]|Users|op[t]|mn[t])/\w"
+    r"|index-ur[l]|find-link[s]|pythonhoste[d]|pypi\.org/simpl[e]|download\.pytorc[h]"
+)
+LINK = re.compile(r"\]\(\s*<?([^)\s>]+)|<(?:img|a)\b[^>]*?\b(?:src|href)=[\"']([^\"']+)", re.I)
+
+
+def project_files():
+    """The files of the project: what git would commit, or in an unpacked copy all that is not made by a tool."""
+    listing = ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"]
+    done = subprocess.run(listing, cwd=ROOT, capture_output=True) if (ROOT / ".git").exists() else None
+    if done is not None and done.returncode == 0:
+        names = done.stdout.decode().split("\0")
+    else:
+        names = [path.relative_to(ROOT).as_posix() for path in ROOT.rglob("*")]
+    return [ROOT / name for name in names if name and not NOT_OURS.search(name) and (ROOT / name).is_file()]
+
+
+def text_of(path):
+    """The text of a file, or None where it is not one."""
+    data = path.read_bytes()
+    try:
+        return None if b"\0" in data else data.decode()
+    except UnicodeDecodeError:
+        return None
+
+
+def command_named(name):
+    command, context = cli, click.Context(cli, info_name="caricli")
+    for word in name.split():
+        command = command.get_command(context, word)
+        context = click.Context(command, info_name=word, parent=context)
+    return command, context
+
+
+COMMAND_NAMES = [name for name, (module, _, _) in COMMANDS.items() if module]
+
+
+@pytest.mark.parametrize("name", COMMAND_NAMES)
+def test_help_says_what_the_command_does_and_shows_it(name):
+    command, context = command_named(name)
+    assert isinstance(command, click.Command)
+    text = command.get_help(context)
+    # The block as it is printed, so that a missing \b, which would run its lines together, is seen.
+    assert re.search(rf"^ +Example:\n +caricli {re.escape(name)} \S", text, re.M), text
+    assert re.match(r"Usage: .*\n\n +[A-Z]", text), "no line that says what the command does"
+
+
+@pytest.mark.parametrize("name", COMMAND_NAMES)
+def test_every_option_has_help(name):
+    command, _ = command_named(name)
+    assert [option.name for option in command.params if isinstance(option, click.Option) and not option.help] == []
+
+
+@pytest.mark.parametrize("name", COMMAND_NAMES)
+def test_example_in_help_names_only_options_that_exist(name):
+    command, context = command_named(name)
+    known = {text for option in command.get_params(context) for text in (*option.opts, *option.secondary_opts)}
+    example = command.get_help(context).partition("Example:\n")[2].partition("\nOptions:")[0]
+    used = set(re.findall(r"(?<=\s)--?[a-z][a-z-]*", example))
+    assert used <= known, used - known
+
+
+def test_reference_is_current():
+    done = subprocess.run(
+        [sys.executable, str(ROOT / "docs" / "generate_cli.py"), "--check"],
+        capture_output=True,
+        text=True,
+        env={"PYTHONPATH": str(ROOT), "COLUMNS": "60"},
+    )
+    assert done.returncode == 0, done.stderr
+
+
+def test_reference_has_every_command():
+    sections = re.findall(r"^## caricli (.+)$", (ROOT / "docs" / "cli.md").read_text("utf-8"), re.M)
+    assert sorted(sections) == sorted(COMMANDS)
+
+
+def pages():
+    return [path for path in project_files() if path.suffix == ".md"]
+
+
+def broken_links(page, text):
+    """The relative links and images of a Markdown page that lead nowhere."""
+    text = re.sub(r"```.*?```|`[^`\n]*`", "", text, flags=re.S)
+    targets = (a or b for a, b in LINK.findall(text))
+    local = (unquote(t.partition("#")[0]) for t in targets if not re.match(r"[a-z][a-z+.-]*:", t, re.I))
+    return [t for t in local if t and not (page.parent / t).exists()]
+
+
+def test_links_of_every_page_lead_somewhere():
+    broken = {str(page.relative_to(ROOT)): broken_links(page, page.read_text("utf-8")) for page in pages()}
+    assert {page: links for page, links in broken.items() if links} == {}
+    assert ROOT / "README.md" in pages()
+
+
+def test_link_check_sees_what_is_broken(tmp_path):
+    page = tmp_path / "README.md"
+    page.touch()
+    text = (
+        '[a](gone.md) ![b](gone.png "title") <img width="9" src="gone.jpg"> [c](https://example.org/x) [d](#here)\n'
+        "[e](README.md#part) `[f](code.md)`\n```\n[g](code.md)\n```\n[h](<gone.txt>)"
+    )
+    assert broken_links(page, text) == ["gone.md", "gone.png", "gone.jpg", "gone.txt"]
+
+
+def test_every_asset_is_described():
+    described = (ASSETS / "README.md").read_text("utf-8")
+    files = [path for path in project_files() if path.is_relative_to(ASSETS) and path != ASSETS / "README.md"]
+    assert files
+    assert [path.name for path in files if path.name not in described] == []
+
+
+def test_nothing_depends_on_one_machine():
+    found = [
+        f"{path.relative_to(ROOT)}:{number}: {line.strip()[:100]}"
+        for path in project_files()
+        if (text := text_of(path)) is not None
+        for number, line in enumerate(text.splitlines(), 1)
+        if ONE_MACHINE.search(line)
+    ]
+    assert found == []
+
+
+@pytest.mark.parametrize("bad", ["cd /wor" + "k/main", "'/tm" + "p/x.obj'", "--extra-index-ur" + "l", "=/roo" + "t/a"])
+def test_one_machine_check_sees_bad_lines(bad):
+    assert ONE_MACHINE.search(bad)
+
+
+@pytest.mark.parametrize("good", ["../shared/real", "https://example.org/home/x", "$HOME/work/x", "tmp_path / 'x'"])
+def test_one_machine_check_passes_good_lines(good):
+    assert not ONE_MACHINE.search(good)
