@@ -15,7 +15,7 @@ from caricli.data.dataset import SHARD_SIZE, split_identities, write_dataset
 from caricli.data.exaggerate_parts import exaggerate_parts
 from caricli.data.expressions import expand_sides
 from caricli.data.identities import random_identity
-from caricli.data.move_parts import NAMES, random_part_changes
+from caricli.data.move_parts import NAMES, random_hand, random_part_changes
 from caricli.errors import InputError
 from caricli.geometry.exaggerate_curvature import exaggerate_curvature
 from caricli.geometry.flipped_triangles import flipped_triangles
@@ -33,6 +33,7 @@ MAX_FLIPPED = 0.0008
 PRIOR_SHAPES, PRIOR_DIMENSION = 360, 128
 TRIES = 30
 _IDENTITY, _DRAW, _PRIOR, _SPLIT = range(4)
+_STRANGERS = 1_000_000
 
 
 @dataclass(frozen=True)
@@ -169,7 +170,7 @@ class _Worker:
     def flipped(self, vertices):
         return float(flipped_triangles(vertices, self.template.gradients).mean())
 
-    def row(self, vertices, identity, expression, level, kind, parts):
+    def row(self, vertices, identity, expression, level, kind, parts, hand):
         person, _ = self.person(identity)
         measures = measure_attributes(vertices, self.template, person.gender, person.age, kind > 0)
         changes = [person.changes.get(name, 0.0) for name in self.head.change_names]
@@ -184,6 +185,7 @@ class _Worker:
             "weight": person.weight,
             "changes": np.array(changes, dtype=np.float32),
             "parts": parts.astype(np.float32),
+            "hand": hand.astype(np.float32),
             "flipped": self.flipped(vertices),
             "measures": measures,
         }
@@ -199,12 +201,14 @@ class _Worker:
             identity = int(generator.integers(self.settings.identities))
             expression = int(generator.integers(self.settings.expressions))
             vertices, level, parts = self.shape(identity, expression), 0, np.zeros(len(NAMES))
+            hand = np.zeros((81, 3))
             if kind & 1:
                 level = int(generator.integers(1, self.settings.levels))
                 vertices = self.curvature(vertices, [level])[0]
             if kind & 2:
                 parts = random_part_changes(generator, strength)
-                moved = exaggerate_parts(vertices, parts, self.model)
+                hand = random_hand(vertices[self.template.annotation.landmarks], generator, strength)
+                moved = exaggerate_parts(vertices, parts, hand, self.model)
                 # Size and place of the face are kept, so that the exaggeration is of its proportions.
                 face = self.template.region("face")
                 scale, rotation, translation = similarity(moved[face], vertices[face])
@@ -212,7 +216,7 @@ class _Worker:
             if self.flipped(vertices) <= MAX_FLIPPED:
                 break
             strength *= 0.93
-        return self.row(vertices, identity, expression, level, int(kind), parts)
+        return self.row(vertices, identity, expression, level, int(kind), parts, hand)
 
 
 _worker = None
@@ -229,7 +233,7 @@ def _start(settings, prior):
 
 def _prior_shape(index):
     generator = np.random.default_rng([_worker.settings.seed, _PRIOR, index])
-    vertices = _worker.shape(-1 - index, int(generator.integers(_worker.settings.expressions)))
+    vertices = _worker.shape(_STRANGERS + index, int(generator.integers(_worker.settings.expressions)))
     return exaggerate_curvature(vertices, _worker.template.faces, [generator.uniform(0, EXPONENTS[-1])], _worker.hold)
 
 
@@ -239,9 +243,9 @@ def _make(job):
     identity, expression, _ = job[0]
     levels = [level for _, _, level in job]
     shapes = _worker.curvature(_worker.shape(identity, expression), levels)
-    none = np.zeros(len(NAMES))
+    none = np.zeros(len(NAMES)), np.zeros((81, 3))
     pairs = zip(levels, shapes, strict=True)
-    return [_worker.row(vertices, identity, expression, level, int(level > 0), none) for level, vertices in pairs]
+    return [_worker.row(vertices, identity, expression, level, int(level > 0), *none) for level, vertices in pairs]
 
 
 # ---------------------------------------------------------------- around the worker

@@ -8,7 +8,12 @@ PARTS = ("cheek", "chin", "ear-", "eyebrow", "eye-", "forehead", "head-", "mouth
 MORE = ("neck-double-incr",)
 # Changes that move the whole head or turn it tell no identity; sideways shifts are nearly always accidents.
 EXCLUDED = ("head-trans-forward", "head-trans-up", "head-trans-out", "head-angle-out")
-RARE, RARE_FACTOR = ("mouth-trans-out", "nose-trans-out", "forehead-nubian-incr", "head-back-scale-depth-incr"), 0.3
+# Large moves of ears and skull would drown what happens in the face.
+DAMPED = {
+    **dict.fromkeys(("mouth-trans-out", "nose-trans-out", "forehead-nubian-incr", "head-back-scale-depth-incr"), 0.3),
+    **dict.fromkeys(("forehead-scale-vert-incr", "head-scale-vert-incr", "head-scale-horiz-incr"), 0.6),
+    **dict.fromkeys(("l-ear-trans-up", "l-ear-trans-forward", "l-ear-shape-triangle", "l-ear-flap-incr"), 0.5),
+}
 ASYMMETRY = 0.12
 
 
@@ -29,10 +34,10 @@ def random_identity(head, generator):
     Returns Identity.
     """
     names = [n for n in head.change_names if (any(p in n for p in PARTS) or n in MORE) and n not in EXCLUDED]
-    spread = generator.uniform(0.3, 0.75)
+    spread = generator.uniform(0.4, 0.9)
     changes = {}
     for name in names:
-        weight = spread * generator.normal() * (RARE_FACTOR if name in RARE else 1.0)
+        weight = spread * generator.normal() * DAMPED.get(name, 1.0)
         if name.startswith("r-"):
             weight = changes["l-" + name[2:]] + ASYMMETRY * weight
         changes[name] = float(np.clip(weight, -1.6, 1.6))

@@ -9,16 +9,19 @@ SIDES = ((EYES[0], np.arange(17, 22), EARS[0], -1), (EYES[1], np.arange(22, 27),
 
 # Standard deviations of the random changes: logarithms of factors, or shares of the face's height where a length.
 SPREAD = {
-    "chin_height": 0.24, "mouth_height": 0.20, "lip_gap": 0.22, "nose_height": 0.16, "eye_height": 0.16,
-    "forehead_height": 0.18, "chin_width": 0.20, "jaw_width": 0.17, "cheek_width": 0.12, "temple_width": 0.10,
-    "crown_width": 0.10, "inner_width": 0.05, "chin_forward": 0.035, "nose_width": 0.24, "nose_length": 0.16,
+    "chin_height": 0.22, "mouth_height": 0.20, "lip_gap": 0.22, "nose_height": 0.16, "eye_height": 0.16,
+    "forehead_height": 0.15, "chin_width": 0.20, "jaw_width": 0.17, "cheek_width": 0.12, "temple_width": 0.10,
+    "crown_width": 0.06, "inner_width": 0.05, "chin_forward": 0.035, "nose_width": 0.24, "nose_length": 0.16,
     "nose_depth": 0.26, "nose_droop": 0.035, "nose_hump": 0.012, "mouth_width": 0.22, "mouth_open": 0.15, "mouth_smile": 0.022,
-    "mouth_forward": 0.015, "eye_size": 0.17, "eye_open": 0.14, "eye_apart": 0.018, "eye_slant": 0.12, "eye_asymmetry": 0.05,
-    "brow_lift": 0.022, "brow_slant": 0.16, "brow_length": 0.10, "brow_asymmetry": 0.010, "ear_size": 0.22, "ear_out": 0.025,
-    "ear_lift": 0.02, "cheek_out": 0.020, "lean": 0.012,
+    "mouth_forward": 0.015, "eye_size": 0.22, "eye_open": 0.14, "eye_apart": 0.018, "eye_slant": 0.12, "eye_asymmetry": 0.05,
+    "brow_lift": 0.022, "brow_slant": 0.16, "brow_length": 0.10, "brow_asymmetry": 0.010, "ear_size": 0.14, "ear_out": 0.014,
+    "ear_lift": 0.012, "cheek_out": 0.020, "lean": 0.012,
 }  # fmt: skip
 NAMES = tuple(SPREAD)
+# The unsteady hand: a smooth random field over the face, standard deviation and correlation length, shares of its height.
+HAND, HAND_LENGTH, HAND_ASYMMETRY = 0.022, 0.075, 0.4
 LIMIT = 2.2
+MIN_LIP_GAP = 0.6
 BOLD, BOLD_SHARE, TIMID = 1.45, 0.35, 0.55
 
 
@@ -31,6 +34,22 @@ def random_part_changes(generator, strength=1.0):
     bold = np.where(generator.random(len(NAMES)) < BOLD_SHARE, BOLD, TIMID)
     draw = np.clip(bold * generator.normal(size=len(NAMES)), -LIMIT, LIMIT)
     return strength * draw * np.array(list(SPREAD.values()))
+
+
+def random_hand(landmarks, generator, strength=1.0):
+    """Draw small coherent moves of all landmarks, mostly symmetric: what no named part explains.
+
+    landmarks: (81, 3) of the face, metres. generator: numpy Generator. strength: multiplies the moves.
+    Returns (81, 3) metres.
+    """
+    height = landmarks[69, 1] - landmarks[8, 1]
+    mirrored = np.concatenate([landmarks, landmarks * [-1, 1, 1]])
+    distance = np.linalg.norm(mirrored[:, None] - mirrored[None], axis=-1) / (HAND_LENGTH * height)
+    correlation = np.exp(-0.5 * distance**2) + 1e-6 * np.eye(162)
+    field = np.linalg.cholesky(correlation) @ generator.normal(size=(162, 3))
+    own, other = field[:81], field[81:] * [-1, 1, 1]
+    mixed = (own + other) / np.sqrt(2) * (1 - HAND_ASYMMETRY) + own * HAND_ASYMMETRY
+    return strength * HAND * height * mixed
 
 
 def move_parts(landmarks, changes):
@@ -64,6 +83,9 @@ def move_parts(landmarks, changes):
     q[MOUTH] += [0.0, 0.6, 0.25] * push + c["mouth_forward"] * front
     side = np.abs(q[MOUTH, 0] - q[MOUTH, 0].mean()) / max(np.ptp(q[MOUTH, 0]) / 2, 1e-9)
     q[MOUTH, 1] += c["mouth_smile"] * height * side**2
+    # The upper lip stays below the nose, whatever the two have grown to.
+    gap = q[33, 1] - q[51, 1]
+    q[MOUTH, 1] -= max(MIN_LIP_GAP * (p[33, 1] - p[51, 1]) - gap, 0.0)
     # A wide mouth bends back around the teeth.
     q[MOUTH, 2] -= 0.5 * max(np.expm1(c["mouth_width"]), 0) * np.ptp(p[MOUTH, 2]) * side**2
     q[5:12] += c["chin_forward"] * front * np.array([0.3, 0.6, 0.9, 1.0, 0.9, 0.6, 0.3])[:, None]
@@ -91,7 +113,9 @@ def _stretch_heights(p, c):
     brow, forehead = p[BROWS, 1].mean(), p[69, 1]
     levels = np.maximum.accumulate(np.r_[levels, brow, forehead] + 1e-6 * np.arange(7))
     names = ("chin_height", "mouth_height", "lip_gap", "nose_height", "eye_height", "forehead_height")
-    gaps = np.diff(levels) * np.exp([c[n] for n in names])
+    stretch = np.array([c[n] for n in names])
+    # Half of a common stretch is dropped: a longer face is one caricature of many.
+    gaps = np.diff(levels) * np.exp(stretch - 0.5 * stretch.mean())
     moved = np.r_[0.0, np.cumsum(gaps)]
     # Heights stay relative to the root of the nose; beyond the ends points keep their distance to the last level.
     moved += levels[4] - moved[4]

@@ -42,9 +42,9 @@ class ElasticAnchors:
     def move(self, points, moves, strength, confidence=None):
         """The smoothest displacement field in which the points make their moves.
 
-        points: (K,) vertex ids among the prepared ones. moves: (K, 3) metres. strength: weight of the points against the
+        points: (K,) vertex ids among the prepared ones. moves: (K, n) metres along n axes. strength: weight of the points against the
         surface; large means exact. confidence: (K,) in (0, 1], relative weight of every point.
-        Returns (V, 3) displacements.
+        Returns (V, n) displacements.
         """
         chosen = np.array([self.rows[int(p)] for p in points])
         weight = strength * self.stiffness * (np.ones(len(chosen)) if confidence is None else confidence)
@@ -52,5 +52,5 @@ class ElasticAnchors:
         system = np.ones((count + 1, count + 1))
         system[:count, :count] = self.compliance[np.ix_(chosen, chosen)] + np.diag(1 / weight)
         system[count, count] = 0.0
-        solution = np.linalg.solve(system, np.vstack([moves, np.zeros((1, 3))]))
+        solution = np.linalg.solve(system, np.vstack([moves, np.zeros((1, moves.shape[1]))]))
         return self.responses[:, chosen] @ solution[:count] + solution[count]

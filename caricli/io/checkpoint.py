@@ -5,7 +5,7 @@ import math
 
 import numpy as np
 
-from caricli.errors import InputError
+from caricli.errors import InputError, OutputError
 from caricli.io.files import content_kind, looks_like_pickle, read_bytes, shown
 from caricli.io.limits import MAX_ARRAY_DIMENSIONS, MAX_CHECKPOINT_BYTES, MAX_CHECKPOINT_HEADER_BYTES
 from caricli.io.outputs import write_bytes
@@ -32,11 +32,14 @@ def write_checkpoint(path, tensors, metadata):
     """Write a model; the same content gives the same bytes.
 
     Parameters: path; tensors, dict of name to array of float, int or bool; metadata, dict as `write_json` takes it.
-    Raises: OutputError when the metadata has no JSON form or the file cannot be written.
+    Raises: OutputError when a value is not finite, the metadata has no JSON form or the file cannot be written.
     """
     from safetensors.numpy import save
 
     arrays = {name: np.asarray(value, order="C") for name, value in tensors.items()}
+    for name, array in arrays.items():
+        if array.dtype.kind == "f" and not np.isfinite(array).all():
+            raise OutputError(f"{shown(path)}: {shown(name, 60)}: expected finite values, found others")
     write_bytes(path, save(arrays, {_KEY: format_json(metadata, path, indent=None).strip()}))
 
 
@@ -74,7 +77,9 @@ def _header(data, path):
         )
     length = int.from_bytes(data[:8], "little")
     if len(data) < 10 or length > min(MAX_CHECKPOINT_HEADER_BYTES, len(data) - 8) or data[8:9] != b"{":
-        found = content_kind(data) or "something else or a truncated file"
+        found = content_kind(data)
+        if found in (None, "binary data"):
+            found = "something else or a truncated file"
         raise InputError(f"{shown(path)}: expected a .safetensors model, found {found}")
     return parse_json(data[8 : 8 + length], path)
 

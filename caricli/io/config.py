@@ -50,6 +50,14 @@ def read_config(path, cls, overrides=()):
         raise InputError(f"{name}: {shown(error, 200)}") from error
 
 
+def read_yaml(path):
+    """Read a YAML file of plain values: no tags, anchors or duplicate keys.
+
+    Raises: InputError.
+    """
+    return _parse(read_text(path, MAX_CONFIG_BYTES, "a YAML file"), shown(path))
+
+
 def _known(key, value, fields, hints, name):
     if key not in fields:
         raise InputError(f"{name}: expected one of {', '.join(fields)}, found the key {shown(key, 60)!r}")

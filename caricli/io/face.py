@@ -27,7 +27,7 @@ _STORED = {
     "landmarks": np.float64,
     "model_id": np.str_,
     "polygons": np.int32,
-    "uvs": np.float32,
+    "uvs": np.float64,
     "uv_polygons": np.int32,
 }
 _TEXTS = {"schema": SCHEMA, "units": UNITS, "axes": AXES}
@@ -101,7 +101,7 @@ def read_face(path):
 
 
 def write_face(path, face):
-    """Write a face NPZ; what is None is absent; vertices, UVs, latent and residual are stored in float32.
+    """Write a face NPZ; what is None is absent; vertices, latent and residual are stored in float32.
 
     Parameters: path; face, Face.
     Raises: OutputError when the face could not be read back or the file cannot be written.

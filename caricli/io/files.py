@@ -70,7 +70,8 @@ def read_bytes(path, max_bytes, kind):
                 f"{shown(path)}: expected {kind} of at most {max_bytes} bytes, found {status.st_size} bytes"
             )
         with open(path, "rb") as stream:
-            data = stream.read(max_bytes + 1)
+            # read(n) allocates n bytes at once, so n is what is there and not the cap.
+            data = stream.read(status.st_size)
     except FileNotFoundError:
         raise InputError(f"{shown(path)}: expected {kind}, found no such file") from None
     except (OSError, ValueError) as error:
@@ -78,8 +79,6 @@ def read_bytes(path, max_bytes, kind):
         raise InputError(f"{shown(path)}: expected {kind}, but it cannot be read: {shown(reason)}") from error
     if not data:
         raise InputError(f"{shown(path)}: expected {kind}, found an empty file")
-    if len(data) > max_bytes:
-        raise InputError(f"{shown(path)}: expected {kind} of at most {max_bytes} bytes, found more")
     return data
 
 

@@ -10,7 +10,7 @@ from caricli.errors import InputError, OutputError
 from caricli.io.files import decode_text, read_bytes, shown
 from caricli.io.limits import MAX_COORDINATE, MAX_LANDMARK_BYTES
 from caricli.io.npz import read_array
-from caricli.io.outputs import write_bytes, writing
+from caricli.io.outputs import write_bytes
 from caricli.io.strict_json import parse_json, write_json
 
 SCHEMA = "caricli.landmarks/1"
@@ -81,8 +81,10 @@ def write_landmarks(path, landmarks):
         value["points"] = [None if np.isnan(point).any() else point.tolist() for point in points]
         write_json(path, value)
     elif suffix == ".npy":
-        with writing(path), open(path, "wb") as stream:
-            np.save(stream, points, allow_pickle=False)
+        # Not into the file itself: there NumPy writes past Python and overlooks a full disk.
+        stream = io.BytesIO()
+        np.save(stream, points, allow_pickle=False)
+        write_bytes(path, stream.getvalue())
     elif suffix == ".pts":
         write_bytes(path, f"version: 1\nn_points: {len(points)}\n{{\n{_text(points + 1)}}}\n".encode())
     elif suffix == ".txt":

@@ -96,7 +96,7 @@ def write_obj(path, mesh, texture=None, mtl=None):
         if mesh.uvs is None:
             raise OutputError(f"{shown(path)}: expected a mesh with UVs for the texture, found none")
         for name in (texture, mtl.name):
-            if name != Path(name).name or not name.isprintable():
+            if not name or name != Path(name).name or not name.isprintable():
                 raise OutputError(f"{shown(path)}: expected a plain file name for the material, found {shown(name)!r}")
         material = f"newmtl face\nKa 1 1 1\nKd 1 1 1\nKs 0 0 0\nillum 1\nmap_Kd {texture}\n"
         write_bytes(mtl, material.encode("utf-8"))
@@ -140,7 +140,8 @@ class _Records:
         self.vertices_above, self.uvs_above = [], []
 
     def fail(self, number, expected, found):
-        raise InputError(f"{shown(self.path)}: line {number}: expected {expected}, found {shown(found, 60)!r}")
+        found = shown(found.strip() if isinstance(found, bytes) else found, 60)
+        raise InputError(f"{shown(self.path)}: line {number}: expected {expected}, found {found!r}")
 
     def read(self, data):
         if b"\r" in data:

@@ -5,7 +5,7 @@ import numpy as np
 from caricli.errors import InputError
 from caricli.render.blend import over
 
-_GAP = 0.03  # of a cell's width
+_GAP = 0.03  # of a cell's shorter side
 
 
 def contact_sheet(images, columns=None, labels=None, background=(255, 255, 255)):
@@ -23,8 +23,8 @@ def contact_sheet(images, columns=None, labels=None, background=(255, 255, 255))
     height, width = (max(image.shape[k] for image in images) for k in (0, 1))
     columns = min(columns or int(np.ceil(np.sqrt(len(images) * height / width))), len(images))
     rows = -(-len(images) // columns)
-    gap = max(2, round(_GAP * width))
-    size = max(10, round(0.06 * width))
+    gap = max(2, round(_GAP * min(width, height)))
+    size = max(10, round(0.06 * min(width, height)))
     strip = 0 if labels is None else round(1.6 * size)
     sheet = np.empty((gap + rows * (height + strip + gap), gap + columns * (width + gap), 3), np.uint8)
     sheet[:] = background

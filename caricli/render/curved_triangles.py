@@ -24,7 +24,12 @@ def curved_triangles(vertices, faces, normals, carried=()):
     middle_normals /= np.where(length > 0, length, 1)
     m = number.reshape(-1, 3) + len(vertices)
     x, y, z = faces.T
-    finer = np.concatenate([np.stack(t, 1) for t in
-                            ((x, m[:, 0], m[:, 2]), (y, m[:, 1], m[:, 0]), (z, m[:, 2], m[:, 1]), m.T)])
-    return (np.concatenate([vertices, middle]), finer.astype(faces.dtype), np.concatenate([normals, middle_normals]),
-            [np.concatenate([c, (c[a] + c[b]) / 2]) for c in carried])
+    finer = np.concatenate(
+        [np.stack(t, 1) for t in ((x, m[:, 0], m[:, 2]), (y, m[:, 1], m[:, 0]), (z, m[:, 2], m[:, 1]), m.T)]
+    )
+    return (
+        np.concatenate([vertices, middle]),
+        finer.astype(faces.dtype),
+        np.concatenate([normals, middle_normals]),
+        [np.concatenate([c, (c[a] + c[b]) / 2]) for c in carried],
+    )

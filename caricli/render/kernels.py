@@ -5,7 +5,11 @@ import warp as wp
 # Nothing differentiates through these kernels; leaving the adjoints out halves the time to compile them.
 wp.set_module_options({"enable_backward": False})
 
-SHADOW = wp.constant(wp.vec3(0.012, 0.006, 0.005))  # what is seen from inside: nearly black, a little warm
+DEEP = wp.constant(0.035)  # light that reaches the deepest fold, and all that the inside of the surface gets
+KEY = wp.constant(wp.normalize(wp.vec3(-0.58, -0.56, -0.59)))  # the ways to the lights, in the picture's frame
+FILL = wp.constant(wp.normalize(wp.vec3(0.85, -0.05, -0.52)))
+RIM = wp.constant(wp.normalize(wp.vec3(0.62, -0.50, 0.60)))
+VIEW = wp.constant(wp.vec3(0.0, 0.0, -1.0))
 
 
 @wp.kernel
@@ -28,6 +32,45 @@ def nearest_face(
         depth[i] = start + hit.t
 
 
+@wp.struct
+class Outside:
+    """Where a ray meets a mesh from outside."""
+
+    found: int  # 1 from outside; 0 not at all; -1 from inside only
+    face: int
+    u: float
+    v: float
+    t: float
+
+
+@wp.func
+def outside_hit(mesh: wp.uint64, origin: wp.vec3, way: wp.vec3, reach: float):
+    """Nearest triangle that faces the ray; those seen from inside are passed, as viewers of GLB files do.
+
+    Where a fold pokes through the skin (the mouth's cavity through a receding chin) the skin behind it is found.
+    """
+    outside = Outside()
+    travelled = float(0.0)  # noqa: UP018 (a variable to warp; a literal would be a constant)
+    for _ in range(6):
+        hit = wp.mesh_query_ray(mesh, origin + travelled * way, way, reach - travelled)
+        if not hit.result:
+            return outside
+        if outside.found == 0:
+            outside.found = -1
+            outside.face = hit.face
+            outside.t = hit.t
+        travelled += hit.t
+        if wp.dot(hit.normal, way) < 0.0:
+            outside.found = 1
+            outside.face = hit.face
+            outside.u = hit.u
+            outside.v = hit.v
+            outside.t = travelled
+            return outside
+        travelled += 1.0e-5 * reach
+    return outside
+
+
 @wp.kernel
 def sky_seen(
     mesh: wp.uint64,
@@ -38,11 +81,11 @@ def sky_seen(
     reach: float,
     seen: wp.array2d(dtype=wp.float32),
 ):
-    """One where a vertex sees the sky in a direction, zero where the mesh is in the way or the direction lies behind."""
+    """One where a vertex sees the sky in a direction; zero where the mesh is in the way or it lies behind."""
     i, j = wp.tid()
     if wp.dot(normals[i], directions[j]) > 0.0:
-        hit = wp.mesh_query_ray(mesh, points[i] + lift * normals[i], directions[j], reach)
-        if not hit.result:
+        hit = outside_hit(mesh, points[i] + lift * normals[i], directions[j], reach)
+        if hit.found != 1:
             seen[i, j] = 1.0
 
 
@@ -63,13 +106,9 @@ class Scene:
 @wp.func
 def lit(albedo: wp.vec3, n: wp.vec3, light: wp.vec3, gloss: float):
     """Linear colour of a soft matte surface under a warm key, a cool fill, a rim light and the sky."""
-    key = wp.normalize(wp.vec3(-0.58, -0.56, -0.59))
-    fill = wp.normalize(wp.vec3(0.85, -0.05, -0.52))
-    rim = wp.normalize(wp.vec3(0.62, -0.50, 0.60))
-    view = wp.vec3(0.0, 0.0, -1.0)
     # Red light wanders further under skin, so red wraps further round the terminator than blue.
     wrap = wp.vec3(0.30, 0.16, 0.12)
-    toward = wp.dot(n, key)
+    toward = wp.dot(n, KEY)
     direct = wp.vec3(0.0)
     for c in range(3):
         direct[c] = wp.max((toward + wrap[c]) / (1.0 + wrap[c]), 0.0)
@@ -78,17 +117,18 @@ def lit(albedo: wp.vec3, n: wp.vec3, light: wp.vec3, gloss: float):
     sky = wp.vec3(wp.pow(light[2], 1.15), wp.pow(light[2], 1.45), wp.pow(light[2], 1.55))
     received = (
         light[0] * wp.cw_mul(wp.vec3(1.02, 0.97, 0.90), direct)
-        + light[1] * wp.max(wp.dot(n, fill), 0.0) * wp.vec3(0.20, 0.23, 0.28)
+        + light[1] * wp.max(wp.dot(n, FILL), 0.0) * wp.vec3(0.20, 0.23, 0.28)
         + wp.cw_mul(sky, ambient)
+        + DEEP * wp.vec3(1.0)
     )
-    edge = wp.pow(1.0 - wp.clamp(wp.dot(n, view), 0.0, 1.0), 3.0)
-    shine = gloss * light[0] * wp.pow(wp.max(wp.dot(n, wp.normalize(key + view)), 0.0), 24.0)
-    glow = 0.55 * light[2] * edge * wp.max(wp.dot(n, rim) + 0.25, 0.0)
+    edge = wp.pow(1.0 - wp.clamp(wp.dot(n, VIEW), 0.0, 1.0), 3.0)
+    shine = gloss * light[0] * wp.pow(wp.max(wp.dot(n, wp.normalize(KEY + VIEW)), 0.0), 24.0)
+    glow = 0.55 * light[2] * edge * wp.max(wp.dot(n, RIM) + 0.25, 0.0)
     return wp.cw_mul(albedo, received) + wp.vec3(shine + glow * 0.9, shine + glow * 0.95, shine + glow)
 
 
 @wp.func
-def eye_colour(n: wp.vec3, gaze: wp.vec3, light: wp.vec3):
+def eye_colour(n: wp.vec3, gaze: wp.vec3):
     """Linear colour of a simple eyeball: off-white, brown iris with a dark rim, pupil, one highlight."""
     away = wp.acos(wp.clamp(wp.dot(n, gaze), -1.0, 1.0))
     white = wp.vec3(0.78, 0.74, 0.70)
@@ -96,6 +136,9 @@ def eye_colour(n: wp.vec3, gaze: wp.vec3, light: wp.vec3):
     albedo = wp.lerp(iris, white, wp.smoothstep(0.43, 0.47, away))
     albedo = wp.lerp(wp.vec3(0.006, 0.005, 0.005), albedo, wp.smoothstep(0.17, 0.20, away))
     glint = wp.smoothstep(0.985, 0.992, wp.dot(n, wp.normalize(wp.vec3(-0.22, -0.27, -0.94))))
+    # The brow and the upper lid shade the ball from above.
+    open_sky = wp.smoothstep(-0.70, -0.10, n[1])
+    light = wp.vec3(0.35 + 0.5 * open_sky, 0.8, 0.45 + 0.15 * open_sky)
     return lit(albedo, n, light, 0.0) + 0.9 * glint * wp.vec3(1.0)
 
 
@@ -103,22 +146,22 @@ def eye_colour(n: wp.vec3, gaze: wp.vec3, light: wp.vec3):
 def seen_colour(scene: Scene, x: float, y: float):
     """Linear colour and coverage (one or zero) of the point (x, y) of the picture."""
     origin = wp.vec3(x, y, scene.start)
-    hit = wp.mesh_query_ray(scene.mesh, origin, wp.vec3(0.0, 0.0, 1.0), scene.reach)
+    hit = outside_hit(scene.mesh, origin, wp.vec3(0.0, 0.0, 1.0), scene.reach)
     colour = wp.vec4(0.0)
     nearest = scene.reach
-    light = wp.vec3(1.0)
-    if hit.result:
+    if hit.found == 1:
         nearest = hit.t
         a = wp.mesh_get_index(scene.mesh, hit.face * 3)
         b = wp.mesh_get_index(scene.mesh, hit.face * 3 + 1)
         c = wp.mesh_get_index(scene.mesh, hit.face * 3 + 2)
         w = 1.0 - hit.u - hit.v
-        rgb = SHADOW
-        if hit.normal[2] < 0.0:
-            n = wp.normalize(hit.u * scene.normals[a] + hit.v * scene.normals[b] + w * scene.normals[c])
-            albedo = hit.u * scene.colours[a] + hit.v * scene.colours[b] + w * scene.colours[c]
-            light = hit.u * scene.light[a] + hit.v * scene.light[b] + w * scene.light[c]
-            rgb = lit(albedo, n, light, 0.05)
+        n = wp.normalize(hit.u * scene.normals[a] + hit.v * scene.normals[b] + w * scene.normals[c])
+        albedo = hit.u * scene.colours[a] + hit.v * scene.colours[b] + w * scene.colours[c]
+        light = hit.u * scene.light[a] + hit.v * scene.light[b] + w * scene.light[c]
+        rgb = lit(albedo, n, light, 0.05)
+        colour = wp.vec4(rgb[0], rgb[1], rgb[2], 1.0)
+    elif hit.found == -1:
+        rgb = DEEP * scene.colours[wp.mesh_get_index(scene.mesh, hit.face * 3)]
         colour = wp.vec4(rgb[0], rgb[1], rgb[2], 1.0)
     for k in range(scene.eyeballs.shape[0]):
         ball = scene.eyeballs[k]
@@ -128,10 +171,11 @@ def seen_colour(scene: Scene, x: float, y: float):
         if inside > 0.0:
             dz = -wp.sqrt(inside)
             t = ball[2] + dz - scene.start
-            if t < nearest:
+            n = wp.vec3(dx, dy, dz) / ball[3]
+            # No lid opens further than this: beyond it the ball would only show through a thin temple.
+            if t < nearest and wp.dot(n, scene.gaze) > 0.3:
                 nearest = t
-                n = wp.vec3(dx, dy, dz) / ball[3]
-                rgb = eye_colour(n, scene.gaze, wp.vec3(0.85, 0.8, 0.6))
+                rgb = eye_colour(n, scene.gaze)
                 colour = wp.vec4(rgb[0], rgb[1], rgb[2], 1.0)
     return colour
 
@@ -175,14 +219,14 @@ def shaded_pixel(
         low = wp.min(low, centres[y * width + x])
         high = wp.max(high, centres[y * width + x])
     total = centres[i]
-    count = int(1)
+    count = int(1)  # noqa: UP018
     if wp.max(high - low) > 0.08:
         count = samples * samples
         total = wp.vec4(0.0)
         for j in range(count):
-            # The additive recurrence of the plastic number: unlike on a grid, no two samples share a column or a row.
-            dx = wp.frac(0.5 + 0.7548776662 * float(j)) - 0.5
-            dy = wp.frac(0.5 + 0.5698402910 * float(j)) - 0.5
+            # A lattice on which, unlike on a grid, no two samples share a column or a row.
+            dx = (float(j) + 0.5) / float(count) - 0.5
+            dy = (float(j * (samples + 1) % count) + 0.5) / float(count) - 0.5
             total += seen_colour(scene, float(column) + dx, float(row) + dy)
     if total[3] > 0.0:
         picture[i] = wp.vec4(

@@ -7,12 +7,22 @@ from caricli.render.blend import over
 from caricli.render.shade import CLAY, shade
 
 # The polylines of the iBUG-68 landmarks: first, last, closed.
-_IBUG = ((0, 16, False), (17, 21, False), (22, 26, False), (27, 30, False), (31, 35, False), (36, 41, True),
-         (42, 47, True), (48, 59, True), (60, 67, True))
+_IBUG = (
+    (0, 16, False),
+    (17, 21, False),
+    (22, 26, False),
+    (27, 30, False),
+    (31, 35, False),
+    (36, 41, True),
+    (42, 47, True),
+    (48, 59, True),
+    (60, 67, True),
+)
 
 
-def overlay_mesh(image, vertices, faces, camera_scale, camera_rotation, camera_translation, opacity=0.7, colour=CLAY,
-                 eyeballs=()):
+def overlay_mesh(
+    image, vertices, faces, camera_scale, camera_rotation, camera_translation, opacity=0.7, colour=CLAY, eyeballs=()
+):
     """Draw a mesh over a picture through a scaled orthographic camera: q = s R[:2] p + t.
 
     image: (H, W, 3) uint8. vertices: (V, 3), face frame. faces: (F, 3). camera_scale: pixels per unit.
@@ -23,8 +33,10 @@ def overlay_mesh(image, vertices, faces, camera_scale, camera_rotation, camera_t
     Raises InputError when the camera is not one.
     """
     rotation, translation = np.asarray(camera_rotation, float), np.asarray(camera_translation, float)
-    if rotation.shape != (3, 3) or not np.allclose(rotation @ rotation.T, np.eye(3), atol=1e-3) or (
-        np.linalg.det(rotation) < 0
+    if (
+        rotation.shape != (3, 3)
+        or not np.allclose(rotation @ rotation.T, np.eye(3), atol=1e-3)
+        or (np.linalg.det(rotation) < 0)
     ):
         raise InputError("camera_rotation must be a proper rotation of shape (3, 3)")
     if translation.shape != (2,) or not np.isfinite(translation).all() or not 0 < camera_scale < np.inf:
@@ -34,8 +46,9 @@ def overlay_mesh(image, vertices, faces, camera_scale, camera_rotation, camera_t
         return camera_scale * np.asarray(points, float) @ rotation.T + [*translation, 0]
 
     balls = [(to_picture(centre), camera_scale * radius) for centre, radius in eyeballs]
-    picture = shade(to_picture(vertices), faces, image.shape[1], image.shape[0], colour=colour, eyeballs=balls,
-                    gaze=rotation[:, 2])
+    picture = shade(
+        to_picture(vertices), faces, image.shape[1], image.shape[0], colour=colour, eyeballs=balls, gaze=rotation[:, 2]
+    )
     return over(picture, image, opacity)
 
 
@@ -65,6 +78,13 @@ def draw_landmarks(image, points, colour=(0, 200, 120), radius=None, lines=True,
                 if known[a] and known[b]:
                     cv2.line(picture, fixed[a].tolist(), fixed[b].tolist(), colour, thickness, cv2.LINE_AA, shift)
     for k in np.flatnonzero(known):
-        cv2.circle(picture, fixed[k].tolist(), round(radius * 2**shift), colour, thickness if hollow else -1,
-                   cv2.LINE_AA, shift)
+        cv2.circle(
+            picture,
+            fixed[k].tolist(),
+            round(radius * 2**shift),
+            colour,
+            thickness if hollow else -1,
+            cv2.LINE_AA,
+            shift,
+        )
     return picture

@@ -41,8 +41,14 @@ def rasterise(vertices, faces, width, height):
     if len(triangles) and width and height:
         mesh = wp_mesh(points, triangles)
         start, reach = depth_range(points)
-        flat = [wp.array(a.reshape(s), dtype=t, device="cpu", copy=False) for a, s, t in (
-            (raster.face, -1, wp.int32), (raster.barycentric, (-1, 3), wp.vec3), (raster.depth, -1, wp.float32))]
+        flat = [
+            wp.array(a.reshape(s), dtype=t, device="cpu", copy=False)
+            for a, s, t in (
+                (raster.face, -1, wp.int32),
+                (raster.barycentric, (-1, 3), wp.vec3),
+                (raster.depth, -1, wp.float32),
+            )
+        ]
         wp.launch(kernels.nearest_face, width * height, [mesh.id, width, start, reach], flat, device="cpu")
     return raster
 
@@ -60,10 +66,14 @@ def mesh_arrays(vertices, faces):
     if triangles.ndim != 2 or triangles.shape[1] != 3:
         raise InputError(f"a mesh to draw needs faces of shape (F, 3), found {triangles.shape}")
     if not np.isfinite(points).all():
-        raise InputError(f"a mesh to draw needs finite vertices, found {(~np.isfinite(points)).any(1).sum()} that are not")
+        raise InputError(
+            f"a mesh to draw needs finite vertices, found {(~np.isfinite(points)).any(1).sum()} that are not"
+        )
     if triangles.size and (triangles.min() < 0 or triangles.max() >= len(points)):
-        raise InputError(f"a mesh of {len(points)} vertices needs faces between 0 and {len(points) - 1}, "
-                         f"found {triangles.min()} to {triangles.max()}")
+        raise InputError(
+            f"a mesh of {len(points)} vertices needs faces between 0 and {len(points) - 1}, "
+            f"found {triangles.min()} to {triangles.max()}"
+        )
     return points, triangles
 
 
@@ -71,7 +81,9 @@ def wp_mesh(points, triangles):
     """A warp mesh on the CPU from `mesh_arrays`' float32 points and int32 triangles."""
     import warp as wp
 
-    return wp.Mesh(wp.array(points, dtype=wp.vec3, device="cpu"), wp.array(triangles.ravel(), dtype=wp.int32, device="cpu"))
+    return wp.Mesh(
+        wp.array(points, dtype=wp.vec3, device="cpu"), wp.array(triangles.ravel(), dtype=wp.int32, device="cpu")
+    )
 
 
 def depth_range(points):

@@ -9,8 +9,6 @@ from caricli.render.smooth_normals import smooth_normals
 from caricli.render.warp_start import warp_start
 
 CLAY = (206, 160, 136)
-# The ways to the lights in the picture's frame, as in kernels.lit.
-_KEY, _FILL = np.array([-0.58, -0.56, -0.59]), np.array([0.85, -0.05, -0.52])
 _LONGEST_EDGE, _MAX_FACES = 12.0, 150_000  # pixels; coarser meshes are rounded off before they are drawn
 
 
@@ -29,12 +27,13 @@ def shade(
 ):
     """Draw a mesh: smooth normals, key, fill and rim light, soft shadows, anti-aliased borders.
 
-    vertices: (V, 3), pixels, x right, y down, z into the picture; the centre of the top-left pixel is (0, 0).
-    faces: (F, 3), counter-clockwise from outside; what is seen from inside is drawn nearly black. colour: sRGB, 0 to
-    255. supersample: its square is the number of rays per pixel where a border or a crease runs. vertex_colours: (V, 3), sRGB, 0 to 255,
-    instead of `colour`. eyeballs: pairs of centre (3,) and radius in the frame of `vertices`, drawn as eyes that look
-    along `gaze`. visibility, rotation: what `sky_visibility` saw before the mesh was turned by `rotation` (3, 3), for
-    pictures of one mesh to share; both or neither.
+    vertices: (V, 3), pixels, x right, y down, z into the picture; the centre of the top-left pixel is (0, 0). faces:
+    (F, 3), counter-clockwise from outside; a triangle seen from inside lets the ray pass to what lies behind, and is
+    drawn nearly black where nothing does. colour: sRGB, 0 to 255. supersample: its square is the number of rays per
+    pixel where a border or a crease runs. vertex_colours: (V, 3), sRGB, 0 to 255, instead of `colour`. eyeballs: pairs
+    of centre (3,) and radius in the frame of `vertices`, drawn as eyes that look along `gaze`. visibility, rotation:
+    what `sky_visibility` saw before the mesh was turned by `rotation` (3, 3), for pictures of one mesh to share; both
+    or neither.
     Returns (H, W, 4) uint8: sRGB, not premultiplied, and alpha from coverage.
     Raises InputError when a coordinate is not finite or an index is out of range.
     """
@@ -48,7 +47,8 @@ def shade(
     normals = smooth_normals(points, triangles)
     if visibility is None:
         visibility, rotation = sky_visibility(points, triangles, normals), np.eye(3)
-    light = [light_received(visibility, normals @ rotation, way) for way in (_KEY @ rotation, _FILL @ rotation, None)]
+    ways = (np.array(kernels.KEY) @ rotation, np.array(kernels.FILL) @ rotation, None)
+    light = [light_received(visibility, normals @ rotation, way) for way in ways]
     light = np.stack(light, 1)
     colours = np.broadcast_to(colour if vertex_colours is None else vertex_colours, points.shape)
     colours = _linear(np.asarray(colours, float))

@@ -35,7 +35,8 @@ def sky_visibility(vertices, faces, normals):
         wp.launch(
             kernels.sky_seen,
             seen.shape,
-            [mesh.id] + [wp.array(a, dtype=wp.vec3, device="cpu") for a in (points, normals.astype(np.float32), DIRECTIONS)]
+            [mesh.id]
+            + [wp.array(a, dtype=wp.vec3, device="cpu") for a in (points, normals.astype(np.float32), DIRECTIONS)]
             + [1e-3, 2.0],
             [wp.array(seen, device="cpu", copy=False)],
             device="cpu",

@@ -52,8 +52,21 @@ def _turned(vertices, faces, angles, size, centred, colour=CLAY, supersample=3, 
     for rotation, (low, high) in zip(rotations, extents, strict=True):
         shift = np.array([*(-(low + high) / 2 if centred else (0, 0)), 0]) * scale + [(size - 1) / 2, (size - 1) / 2, 0]
         balls = [(scale * rotation @ (np.asarray(c) - middle) + shift, scale * r) for c, r in eyeballs]
-        pictures.append(shade(scale * vertices @ rotation.T + shift, faces, size, size, colour, supersample,
-                              vertex_colours, balls, rotation[:, 2], visibility, rotation))
+        pictures.append(
+            shade(
+                scale * vertices @ rotation.T + shift,
+                faces,
+                size,
+                size,
+                colour,
+                supersample,
+                vertex_colours,
+                balls,
+                rotation[:, 2],
+                visibility,
+                rotation,
+            )
+        )
     return pictures
 
 

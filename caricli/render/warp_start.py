@@ -48,7 +48,8 @@ def _kernel_folder():
 @contextmanager
 def _silent_stderr():
     """Hold back what native code writes to file descriptor 2 (warp warns there when a machine has no GPU)."""
-    sys.stderr.flush()
+    if sys.stderr is not None:
+        sys.stderr.flush()
     try:
         kept = os.dup(2)
     except OSError:  # started without a stderr: nothing to hold back

@@ -7,13 +7,13 @@ import os
 import warnings
 from dataclasses import dataclass
 from functools import cache
-from importlib import resources
 from pathlib import Path
 
 import numpy as np
 
 from caricli.errors import CaricliError, InputError
 from caricli.geometry.triangulate import triangulate
+from caricli.io.bundled import asset_path
 from caricli.io.npz import read_npz, write_npz
 from caricli.io.outputs import staged
 from caricli.io.strict_json import read_json
@@ -69,7 +69,8 @@ class Head:
 
     def template(self, **options):
         """The Template of ``evaluate(**options)`` with the bundled annotation."""
-        annotation = parse_annotation(_annotation_value(), self.actions.shape[1], "head_annotation.json")
+        path = asset_path("head_annotation.json")
+        annotation = parse_annotation(read_json(path), self.actions.shape[1], path.name)
         faces = triangulate(self.polygons)
         return Template(self.evaluate(**options), faces, self.polygons, annotation, self.uvs, self.uv_polygons)
 
@@ -97,11 +98,6 @@ def load_head():
 def cache_folder():
     """Where caricli keeps what it can make again."""
     return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "caricli"
-
-
-def _annotation_value():
-    with resources.as_file(resources.files("caricli") / "assets" / "head_annotation.json") as path:
-        return read_json(path)
 
 
 def _unpack(arrays):

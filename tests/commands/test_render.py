@@ -1,0 +1,119 @@
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from caricli.cli import cli
+from caricli.io.face import Face, write_face
+from caricli.io.image import read_image, write_png
+from caricli.io.obj import ObjMesh, write_obj
+
+OCTAHEDRON = np.array([[1.0, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]])
+FACES = np.array([[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]], np.int32)
+
+
+@pytest.fixture
+def obj(tmp_path):
+    path = tmp_path / "head.obj"
+    write_obj(path, ObjMesh(OCTAHEDRON * 0.1, FACES, None, None))
+    return path
+
+
+@pytest.fixture
+def npz(tmp_path):
+    path = tmp_path / "head.npz"
+    write_face(
+        path,
+        Face(
+            OCTAHEDRON * 0.1,
+            FACES,
+            camera_scale=100.0,
+            camera_rotation=np.diag([1.0, -1, -1]),
+            camera_translation=np.array([40.0, 25.0]),
+        ),
+    )
+    return path
+
+
+def run(*args):
+    return CliRunner().invoke(cli, ["render", *map(str, args)])
+
+
+def drawn(picture):
+    return (picture != 255).any(-1)
+
+
+def test_draws_the_views_of_one_face_in_a_row(obj, tmp_path):
+    out = tmp_path / "deep" / "views.png"
+    result = run(obj, "-o", out, "--size", 32, "--views", "front, profile")
+    assert result.exit_code == 0, result.output
+    assert str(out) in result.output
+    picture = read_image(out)
+    assert picture.shape[1] > 2 * 32 > picture.shape[0] >= 32
+    half = picture.shape[1] // 2
+    assert drawn(picture[:, :half]).sum() > 200 and drawn(picture[:, half:]).sum() > 200
+
+
+def test_same_input_same_bytes(obj, tmp_path):
+    for name in ("a.png", "b.png"):
+        assert run(obj, "-o", tmp_path / name, "--size", 32).exit_code == 0
+    assert (tmp_path / "a.png").read_bytes() == (tmp_path / "b.png").read_bytes()
+
+
+def test_draws_a_turntable(obj, tmp_path):
+    assert run(obj, "-o", tmp_path / "turn.png", "--size", 24, "--turntable", 6, "--columns", 6).exit_code == 0
+    picture = read_image(tmp_path / "turn.png")
+    assert picture.shape[1] > 6 * 24 and picture.shape[0] < 2 * 24
+
+
+def test_several_faces_become_a_labelled_sheet(obj, npz, tmp_path):
+    one, two = tmp_path / "one.png", tmp_path / "two.png"
+    assert run(obj, "-o", one, "--size", 64, "--views", "front").exit_code == 0
+    assert run(obj, npz, obj, "-o", two, "--size", 64, "--views", "front", "--columns", 2).exit_code == 0
+    single, sheet = read_image(one), read_image(two)
+    assert sheet.shape[0] > 2 * single.shape[0] - 8 + 20  # room for labels
+    assert not drawn(sheet[-70:, -64:]).any()  # the fourth place is empty
+
+
+def test_lays_a_face_over_its_picture(npz, tmp_path):
+    write_png(tmp_path / "photo.png", np.full((60, 80, 3), 255, np.uint8))
+    result = run(npz, "-o", tmp_path / "over.png", "--image", tmp_path / "photo.png")
+    assert result.exit_code == 0, result.output
+    picture = read_image(tmp_path / "over.png")
+    assert picture.shape == (60, 80, 3)
+    y, x = np.nonzero(drawn(picture))
+    np.testing.assert_allclose([x.mean(), y.mean()], [40, 25], atol=0.3)
+
+
+def failure(*args):
+    result = run(*args)
+    assert result.output.count("\n") == 1, result.output
+    return result.exit_code, result.output
+
+
+def test_an_overlay_needs_a_camera(obj, tmp_path):
+    write_png(tmp_path / "photo.png", np.zeros((9, 9, 3), np.uint8))
+    code, said = failure(obj, "-o", tmp_path / "over.png", "--image", tmp_path / "photo.png")
+    assert code == 1 and "head.obj" in said and "camera" in said
+    assert not (tmp_path / "over.png").exists()
+
+
+def test_refuses_what_exists_what_is_missing_and_what_is_too_much(obj, tmp_path):
+    out = tmp_path / "x.png"
+    out.write_text("mine")
+    code, said = failure(obj, "-o", out)
+    assert code == 1 and "--overwrite" in said and out.read_text() == "mine"
+    assert failure(tmp_path / "none.obj", "-o", tmp_path / "y.png")[0] == 1
+    code, said = failure(obj, "-o", obj, "--overwrite")
+    assert code == 1 and "head.obj" in said
+    code, said = failure(obj, "-o", tmp_path / "y.png", "--size", 4096, "--turntable", 360)
+    assert code == 1 and "--size" in said
+    assert not (tmp_path / "y.png").exists()
+    assert run(obj, "-o", out, "--size", 16, "--overwrite").exit_code == 0
+    assert read_image(out).ndim == 3
+
+
+@pytest.mark.parametrize(
+    "options", [["--views", "above"], ["--size", "0"], ["--turntable", "0"], ["--image", "a", "b"]]
+)
+def test_wrong_usage_is_exit_2(obj, tmp_path, options):
+    assert run(obj, "-o", tmp_path / "x.png", *options).exit_code == 2

@@ -1,0 +1,177 @@
+import dataclasses
+import hashlib
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+
+from caricli.errors import InputError, OutputError
+from caricli.io.face import Face, read_face, topology_id, write_face
+from caricli.io.npz import read_npz, write_npz
+from caricli.io.obj import ObjMesh, write_obj
+
+VERTICES = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0.1]])
+FACES = np.array([[0, 1, 2], [0, 2, 3]], np.int32)
+
+
+def full():
+    return Face(
+        VERTICES,
+        FACES,
+        latent=np.arange(5.0),
+        residual=np.arange(36.0).reshape(4, 9),
+        camera_scale=2.5,
+        camera_rotation=np.diag([1.0, -1.0, -1.0]),
+        camera_translation=np.array([3.0, 4.0]),
+        landmarks=np.arange(136.0).reshape(68, 2),
+        model_id="intrinsic",
+        polygons=np.array([[0, 1, 2, 3]], np.int32),
+        uvs=np.array([[0, 0], [1, 0], [1, 0.1]]),
+        uv_polygons=np.array([[0, 1, 2, 1]], np.int32),
+    )
+
+
+def assert_equal(face, other):
+    for field in dataclasses.fields(Face):
+        value, expected = getattr(face, field.name), getattr(other, field.name)
+        assert (value is None) == (expected is None), field.name
+        if expected is not None:
+            np.testing.assert_array_equal(value, expected, field.name)
+
+
+def test_all_fields_come_back(tmp_path):
+    write_face(tmp_path / "a.npz", full())
+    back = read_face(tmp_path / "a.npz")
+    expected = dataclasses.replace(full(), vertices=VERTICES.astype(np.float32))
+    assert_equal(back, expected)
+    assert back.vertices.dtype == np.float64 and back.faces.dtype == np.int32
+    assert type(back.camera_scale) is float and type(back.model_id) is str
+    stored = read_npz(tmp_path / "a.npz")
+    assert stored["schema"] == "caricli.face/1" and stored["units"] == "m" and stored["axes"] == "+y up, +z front"
+    assert stored["topology_id"] == hashlib.sha256(FACES.tobytes()).hexdigest()
+    assert stored["vertices"].dtype == np.float32 and stored["faces"].dtype == np.int32
+
+
+def test_absent_fields_stay_absent(tmp_path):
+    write_face(tmp_path / "a.npz", Face(VERTICES, FACES))
+    assert set(read_npz(tmp_path / "a.npz")) == {"schema", "units", "axes", "topology_id", "vertices", "faces"}
+    assert read_face(tmp_path / "a.npz").latent is None
+
+
+@settings(max_examples=50, deadline=None, derandomize=True)
+@given(data=st.data())
+def test_round_trip(tmp_path_factory, data):
+    number = st.floats(-1e6, 1e6, width=32)
+    optional = {
+        "latent": arrays(np.float32, 7, elements=number),
+        "residual": arrays(np.float32, (4, 9), elements=number),
+        "camera_scale": st.floats(1e-6, 1e6),
+        "camera_translation": arrays(np.float64, 2, elements=st.floats(-1e6, 1e6)),
+        "landmarks": arrays(np.float64, (81, 2), elements=st.floats(-1e6, 1e6)),
+        "model_id": st.text(st.characters(exclude_categories=["Cs", "Cc"]), min_size=1, max_size=9),
+    }
+    chosen = data.draw(st.fixed_dictionaries({}, optional=optional))
+    face = Face(data.draw(arrays(np.float32, (4, 3), elements=number)), FACES, **chosen)
+    path = tmp_path_factory.mktemp("face") / "a.npz"
+    write_face(path, face)
+    assert_equal(read_face(path), face)
+
+
+def test_obj_gives_the_geometry(tmp_path):
+    face = full()
+    write_obj(tmp_path / "a.obj", ObjMesh(VERTICES, face.polygons, face.uvs, face.uv_polygons))
+    back = read_face(tmp_path / "a.obj")
+    assert_equal(back, Face(VERTICES, FACES, polygons=face.polygons, uvs=face.uvs, uv_polygons=face.uv_polygons))
+    write_face(tmp_path / "a.npz", back)
+    through = read_face(tmp_path / "a.npz")
+    write_obj(tmp_path / "b.obj", ObjMesh(VERTICES, through.polygons, through.uvs, through.uv_polygons))
+    assert (tmp_path / "b.obj").read_bytes() == (tmp_path / "a.obj").read_bytes()
+
+
+def test_polygons_become_fans(tmp_path):
+    text = "".join(f"v {k} {k * k} 0\n" for k in range(5)) + "f 1 2 3\nf 5 4 3 2 1\nf 1 3 5 4\n"
+    (tmp_path / "a.obj").write_text(text)
+    expected = [[0, 1, 2], [4, 3, 2], [4, 2, 1], [4, 1, 0], [0, 2, 4], [0, 4, 3]]
+    assert read_face(tmp_path / "a.obj").faces.tolist() == expected
+
+
+def test_topology_id_is_of_the_indices_alone():
+    assert topology_id(FACES) == topology_id(np.asfortranarray(FACES.astype(np.int64)))
+    assert topology_id(FACES) != topology_id(FACES[::-1])
+
+
+CHANGES = [
+    ({"schema": np.array("caricli.face/2")}, "expected a face with schema 'caricli.face/1'"),
+    ({"schema": None}, "expected a face with schema"),
+    ({"schema": np.array([1.0])}, "expected a face with schema"),
+    ({"units": np.array("mm")}, "expected a face with units 'm'"),
+    ({"axes": np.array("+z up")}, "expected a face with axes"),
+    ({"topology_id": np.array("0" * 64)}, "topology_id that matches the faces"),
+    ({"topology_id": None}, "topology_id"),
+    ({"vertices": None}, "expected a face with vertices, found none"),
+    ({"faces": None}, "expected a face with faces, found none"),
+    ({"extra": np.zeros(1)}, "found 'extra'"),
+    ({"vertices": VERTICES[:, :2]}, r"vertices: expected \(V,3\)"),
+    ({"vertices": VERTICES * np.nan}, "vertices: expected finite coordinates"),
+    ({"vertices": VERTICES + np.inf}, "vertices: expected finite coordinates"),
+    ({"vertices": VERTICES * 1e308}, "vertices: expected finite coordinates"),
+    ({"vertices": np.full((4, 3), "a")}, "vertices: expected float32, found <U1"),
+    ({"faces": FACES.astype(float)}, "faces: expected int32, found float64"),
+    ({"faces": FACES.astype(np.int64) + 2**32}, "faces: expected indices from 0"),
+    ({"faces": FACES + 1}, "faces: expected indices below 4, found 4"),
+    ({"faces": FACES - 1}, "faces: expected rows of at least 3 indices"),
+    ({"faces": FACES * 0}, "faces: expected distinct corners, found one twice in row 0"),
+    ({"faces": FACES[:0]}, "faces: expected"),
+    ({"polygons": np.array([[0, 1, -1, 2]])}, "polygons: expected rows"),
+    ({"polygons": np.array([[0, 1, 2, 4]])}, "polygons: expected indices below 4"),
+    ({"polygons": np.zeros((1, 65), int)}, "polygons: expected"),
+    ({"polygons": None}, "polygons: expected them beside the UVs"),
+    ({"uvs": None}, "uvs: expected them together with uv_polygons"),
+    ({"uvs": np.zeros((3, 3))}, r"uvs: expected \(T,2\)"),
+    ({"uvs": np.full((3, 2), np.nan)}, "uvs: expected finite"),
+    ({"uv_polygons": np.array([[0, 1, 2, -1]])}, "uv_polygons: expected an index for every corner"),
+    ({"uv_polygons": np.array([[0, 1, 2, 3]])}, "uv_polygons: expected indices below 3"),
+    ({"latent": np.zeros((2, 2))}, r"latent: expected the shape \(\*\)"),
+    ({"latent": np.zeros(0)}, "latent: expected the shape"),
+    ({"latent": np.full(3, np.nan)}, "latent: expected finite numbers"),
+    ({"residual": np.zeros((3, 9))}, r"residual: expected the shape \(4,9\), found \(3, 9\)"),
+    ({"camera_scale": np.zeros(1)}, "camera_scale: expected the shape"),
+    ({"camera_scale": np.array(0.0)}, "camera_scale: expected more than 0"),
+    ({"camera_rotation": np.diag([1.0, 1.0, -1.0])}, "camera_rotation: expected a proper rotation"),
+    ({"camera_rotation": 2 * np.eye(3)}, "camera_rotation: expected a proper rotation"),
+    ({"camera_rotation": np.eye(3) * 1e200}, "camera_rotation: expected"),
+    ({"camera_translation": np.zeros(3)}, "camera_translation: expected the shape"),
+    ({"landmarks": np.full((68, 2), np.nan)}, "landmarks: expected finite numbers"),
+    ({"landmarks": np.zeros((68, 3))}, "landmarks: expected the shape"),
+    ({"model_id": np.array(3)}, "model_id: expected text"),
+]
+
+
+@pytest.mark.parametrize(("changes", "message"), CHANGES)
+def test_malformed(tmp_path, changes, message):
+    write_face(tmp_path / "good.npz", full())
+    arrays_of = {**read_npz(tmp_path / "good.npz"), **changes}
+    write_npz(tmp_path / "a.npz", {key: value for key, value in arrays_of.items() if value is not None})
+    with pytest.raises(InputError, match=message) as caught:
+        read_face(tmp_path / "a.npz")
+    assert "a.npz" in str(caught.value) and "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"vertices": VERTICES * np.nan},
+        {"faces": FACES + 1},
+        {"latent": np.array([1e300])},
+        {"residual": np.zeros((3, 9))},
+        {"camera_scale": -1.0},
+        {"camera_rotation": -np.eye(3)},
+        {"uvs": None},
+    ],
+)
+def test_what_could_not_be_read_back_is_not_written(tmp_path, changes):
+    with pytest.raises(OutputError, match="expected"):
+        write_face(tmp_path / "a.npz", dataclasses.replace(full(), **changes))
+    assert list(tmp_path.iterdir()) == []

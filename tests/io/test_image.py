@@ -1,0 +1,118 @@
+import io
+import struct
+import warnings
+import zlib
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+from PIL import Image
+
+from caricli.errors import InputError, OutputError
+from caricli.io import image as image_module
+from caricli.io.image import read_image, write_png
+
+GRADIENT = np.arange(5 * 7 * 3, dtype=np.uint8).reshape(5, 7, 3)
+
+
+@settings(max_examples=50, deadline=None, derandomize=True)
+@given(image=arrays(np.uint8, st.tuples(st.integers(1, 9), st.integers(1, 9), st.just(3))))
+def test_round_trip(tmp_path_factory, image):
+    path = tmp_path_factory.mktemp("image") / "a.png"
+    write_png(path, image)
+    np.testing.assert_array_equal(read_image(path), image)
+
+
+@pytest.mark.parametrize("kind", ["PNG", "BMP", "TIFF", "WEBP"])
+def test_formats(tmp_path, kind):
+    Image.fromarray(GRADIENT).save(tmp_path / "a", kind, **({"lossless": True} if kind == "WEBP" else {}))
+    image = read_image(tmp_path / "a")
+    np.testing.assert_array_equal(image, GRADIENT)
+    assert image.dtype == np.uint8 and image.flags.writeable
+
+
+@pytest.mark.parametrize("kind", ["JPEG", "GIF"])
+def test_lossy_formats(tmp_path, kind):
+    Image.new("RGB", (7, 5), (200, 100, 50)).save(tmp_path / "a", kind)
+    image = read_image(tmp_path / "a")
+    assert image.shape == (5, 7, 3)
+    np.testing.assert_allclose(image, np.broadcast_to([200, 100, 50], (5, 7, 3)), atol=4)
+
+
+def test_exif_orientation_is_applied(tmp_path):
+    exif = Image.Exif()
+    exif[0x0112] = 6
+    Image.fromarray(GRADIENT).save(tmp_path / "a.png", exif=exif)
+    np.testing.assert_array_equal(read_image(tmp_path / "a.png"), np.rot90(GRADIENT, -1))
+
+
+def test_transparent_pixels_are_white(tmp_path):
+    image = np.zeros((2, 2, 4), np.uint8)
+    image[0, 0] = [10, 20, 30, 255]
+    write_png(tmp_path / "a.png", image)
+    assert read_image(tmp_path / "a.png").tolist() == [[[10, 20, 30], [255] * 3], [[255] * 3, [255] * 3]]
+
+
+@pytest.mark.parametrize("mode", ["1", "L", "P", "LA", "CMYK", "I;16", "F"])
+def test_other_modes_become_rgb(tmp_path, mode):
+    grey = np.tile(np.array([0, 255], np.uint8), (2, 1))
+    if mode == "I;16":
+        source = Image.fromarray(grey.astype(np.uint16) * 257)
+    else:
+        source = Image.fromarray(grey).convert(mode)
+    source.save(tmp_path / "a", "TIFF")
+    assert read_image(tmp_path / "a").tolist() == [[[0] * 3, [255] * 3]] * 2
+
+
+def png_claiming(width, height):
+    def chunk(kind, data):
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+    size = struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)
+    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", size) + chunk(b"IDAT", zlib.compress(b"")) + chunk(b"IEND", b"")
+
+
+@pytest.mark.parametrize("side", [8001, 100_000])
+def test_size_is_checked_before_decoding(tmp_path, monkeypatch, side):
+    (tmp_path / "a.png").write_bytes(png_claiming(side, side))
+    monkeypatch.setattr(Image.Image, "load", lambda self: pytest.fail("it was decoded"))
+    with warnings.catch_warnings(), pytest.raises(InputError, match="a.png: expected"):
+        warnings.simplefilter("error")
+        read_image(tmp_path / "a.png")
+
+
+def test_the_cap_counts_pixels(tmp_path, monkeypatch):
+    write_png(tmp_path / "a.png", GRADIENT)
+    monkeypatch.setattr(image_module, "MAX_IMAGE_PIXELS", 34)
+    with pytest.raises(InputError, match="at most 34 pixels, found 7 x 5"):
+        read_image(tmp_path / "a.png")
+    monkeypatch.setattr(image_module, "MAX_IMAGE_PIXELS", 35)
+    assert read_image(tmp_path / "a.png").shape == (5, 7, 3)
+
+
+@pytest.mark.parametrize("kind", ["PNG", "JPEG", "BMP", "GIF"])
+def test_truncated(tmp_path, kind):
+    stream = io.BytesIO()
+    rng = np.random.default_rng(0)
+    Image.fromarray(rng.integers(0, 256, (40, 40, 3), np.uint8)).save(stream, kind)
+    (tmp_path / "a").write_bytes(stream.getvalue()[: len(stream.getvalue()) // 2])
+    with pytest.raises(InputError, match="a: expected an image, found a damaged one"):
+        read_image(tmp_path / "a")
+
+
+def test_other_files_are_named(tmp_path):
+    for data, found in [(b"<html></html>", "an HTML or XML page"), (b"hello", "another kind of file")]:
+        (tmp_path / "a.png").write_bytes(data)
+        with pytest.raises(InputError, match=f"expected a PNG, JPEG, .* found {found}"):
+            read_image(tmp_path / "a.png")
+
+
+@pytest.mark.parametrize(
+    "image", [GRADIENT.astype(float), GRADIENT[:, :, 0], GRADIENT[:, :, :2], GRADIENT[:0], GRADIENT.astype(np.int16)]
+)
+def test_writing_refuses(tmp_path, image):
+    with pytest.raises(OutputError, match=r"expected an image \(H,W,3\|4\) uint8"):
+        write_png(tmp_path / "a.png", image)
+    assert not (tmp_path / "a.png").exists()

@@ -1,0 +1,33 @@
+import hashlib
+
+import pytest
+
+from caricli import __version__
+from caricli.errors import InputError
+from caricli.io.provenance import provenance, sha256_file
+
+
+def test_hashes(tmp_path):
+    (tmp_path / "a").write_bytes(b"abc" * 100_000)
+    assert sha256_file(tmp_path / "a") == hashlib.sha256(b"abc" * 100_000).hexdigest()
+
+
+@pytest.mark.parametrize("name", ["missing", "folder", "a\0b"])
+def test_unreadable(tmp_path, name):
+    (tmp_path / "folder").mkdir()
+    with pytest.raises(InputError, match="cannot be read"):
+        sha256_file(f"{tmp_path}/{name}")
+
+
+def test_provenance(tmp_path):
+    path = tmp_path / "a"
+    path.write_bytes(b"abc")
+    expected = {
+        "command": "train pca",
+        "version": __version__,
+        "inputs": {str(path): hashlib.sha256(b"abc").hexdigest()},
+        "seed": 0,
+        "components": 128,
+    }
+    assert provenance("train pca", [path, None], seed=0, components=128) == expected
+    assert provenance("render", []) == {"command": "render", "version": __version__, "inputs": {}}

@@ -1,0 +1,84 @@
+import numpy as np
+
+from caricli.render.rasterise import rasterise
+from caricli.render.shade import shade
+
+SIZE = 64
+
+
+def in_picture(vertices, scale=24.0, size=SIZE):
+    return scale * vertices * [1, -1, -1] + [(size - 1) / 2, (size - 1) / 2, 0]
+
+
+def test_alpha_is_coverage_with_soft_borders(sphere):
+    picture = shade(in_picture(sphere[0]), sphere[1], SIZE, SIZE)
+    assert picture.shape == (SIZE, SIZE, 4) and picture.dtype == np.uint8
+    alpha = picture[..., 3] / 255
+    assert alpha[0, 0] == 0 and alpha[SIZE // 2, SIZE // 2] == 1
+    assert 0.02 < ((alpha > 0) & (alpha < 1)).mean() < 0.1
+    assert abs(alpha.sum() / (np.pi * 24**2) - 1) < 0.01
+    hard = rasterise(in_picture(sphere[0]), sphere[1], SIZE, SIZE).face >= 0
+    assert (np.abs(alpha - hard) < 1).all()
+
+
+def test_light_comes_from_the_upper_left_and_is_neither_burnt_nor_black(sphere):
+    picture = shade(in_picture(sphere[0]), sphere[1], SIZE, SIZE)[..., :3].astype(float).mean(-1)
+    c, d = SIZE // 2, 12
+    assert picture[c - d, c - d] > picture[c, c] > picture[c + d, c + d] > 40
+    assert picture.max() < 250
+
+
+def test_colours_are_of_the_vertices_and_the_right_channel(sphere):
+    vertices, faces = sphere
+    colours = np.where(vertices[:, :1] > 0, [200.0, 30, 30], [30.0, 30, 200])
+    picture = shade(in_picture(vertices), faces, SIZE, SIZE, vertex_colours=colours).astype(int)
+    left, right = picture[SIZE // 2, SIZE // 4], picture[SIZE // 2, 3 * SIZE // 4]
+    assert left[2] > 2 * left[0] and right[0] > 2 * right[2]
+    plain = shade(in_picture(vertices), faces, SIZE, SIZE, colour=(30, 200, 30)).astype(int)
+    assert plain[SIZE // 2, SIZE // 2, 1] > 2 * plain[SIZE // 2, SIZE // 2, 0]
+
+
+def test_what_is_seen_from_inside_is_dark_and_lets_the_outside_behind_it_through(sphere):
+    vertices, faces = sphere
+    turned = shade(in_picture(vertices), faces[(vertices[faces].mean(1)[:, 2] < -0.3)], SIZE, SIZE)
+    centre = turned[SIZE // 2, SIZE // 2]
+    assert centre[3] == 255 and centre[:3].max() < 60
+    both = np.concatenate([in_picture(vertices), in_picture(vertices) - [0, 0, 100]])
+    cap = faces[(vertices[faces].mean(1)[:, 2] < -0.3)] + len(vertices)
+    through = shade(both, np.concatenate([faces, cap]), SIZE, SIZE)[SIZE // 2, SIZE // 2]
+    assert through[:3].min() > 80
+
+
+def test_folds_are_darker_than_the_open_skin():
+    x, y = np.meshgrid(np.linspace(-1, 1, 81), np.linspace(-1, 1, 81))
+    pit = np.stack([x, y, -1.2 * np.exp(-30 * (x**2 + y**2))], -1).reshape(-1, 3)
+    k = np.arange(81 * 81).reshape(81, 81)
+    a, b, c, d = (q.ravel() for q in (k[:-1, :-1], k[:-1, 1:], k[1:, 1:], k[1:, :-1]))
+    faces = np.concatenate([np.stack([a, b, c], 1), np.stack([a, c, d], 1)])
+    picture = shade(in_picture(pit, 30.0), faces, SIZE, SIZE)[..., :3].astype(float).mean(-1)
+    assert picture[SIZE // 2, SIZE // 2] < 0.5 * picture[SIZE // 2, 6]
+
+
+def test_an_eyeball_looks_along_its_gaze_and_hides_behind_the_mesh(sphere):
+    vertices, faces = sphere
+    far = in_picture(vertices * 0.1) + [0, 0, 90]
+    middle = [(SIZE - 1) / 2, (SIZE - 1) / 2, 0.0]
+    ball = shade(far, faces, SIZE, SIZE, eyeballs=[(middle, 20.0)]).astype(int)
+    assert ball[SIZE // 2, SIZE // 2, :3].max() < 40 and ball[SIZE // 2, SIZE // 2, 3] == 255  # the pupil
+    assert ball[SIZE // 2, SIZE // 2 + 12, :3].min() > 90  # the white
+    turned = shade(far, faces, SIZE, SIZE, eyeballs=[(middle, 20.0)], gaze=(0.6, 0, -0.8)).astype(int)
+    assert turned[SIZE // 2, SIZE // 2 + 12, :3].max() < 40
+    near = in_picture(vertices) - [0, 0, 90]
+    plain = shade(near, faces, SIZE, SIZE)
+    assert (shade(near, faces, SIZE, SIZE, eyeballs=[(middle, 20.0)]) == plain).all()
+
+
+def test_same_input_same_bytes_and_inputs_are_not_changed(lopsided):
+    vertices, faces = in_picture(lopsided[0], 15.0), lopsided[1]
+    before = vertices.copy()
+    assert shade(vertices, faces, SIZE, SIZE).tobytes() == shade(vertices, faces, SIZE, SIZE).tobytes()
+    assert (vertices == before).all()
+
+
+def test_nothing_to_draw_is_transparent():
+    assert (shade(np.zeros((3, 3)), np.zeros((0, 3), int), 8, 5) == np.zeros((5, 8, 4))).all()
