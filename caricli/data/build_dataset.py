@@ -20,13 +20,15 @@ from caricli.errors import InputError
 from caricli.geometry.exaggerate_curvature import exaggerate_curvature
 from caricli.geometry.flipped_triangles import flipped_triangles
 from caricli.geometry.similarity import similarity
+from caricli.geometry.untangle import untangle
 from caricli.io.bundled import asset_path
 from caricli.io.config import read_yaml
 from caricli.models.intrinsic import IntrinsicModel
 from caricli.template.head import load_head
 
 KINDS = ("regular", "curvature", "parts", "curvature and parts")
-KIND_SHARES = (0.2, 0.2, 0.3, 0.3)
+KIND_SHARES = (0.15, 0.15, 0.35, 0.35)
+PART_STRENGTH = (0.7, 1.5)
 EXPONENTS = (0.0, 0.1, 0.2, 0.3)
 HELD = ("eyes_left", "eyes_right", "eye_socket_left", "eye_socket_right", "mouth", "inner_mouth")
 MAX_FLIPPED = 0.0008
@@ -171,6 +173,7 @@ class _Worker:
         return float(flipped_triangles(vertices, self.template.gradients).mean())
 
     def row(self, vertices, identity, expression, level, kind, parts, hand):
+        vertices = self.template.cavities.tuck(vertices)
         person, _ = self.person(identity)
         measures = measure_attributes(vertices, self.template, person.gender, person.age, kind > 0)
         changes = [person.changes.get(name, 0.0) for name in self.head.change_names]
@@ -196,7 +199,7 @@ class _Worker:
         kind = generator.choice(len(KINDS), p=KIND_SHARES)
         if self.settings.levels == 1:
             kind &= 2
-        strength = 1.0
+        strength = generator.uniform(*PART_STRENGTH)
         for attempt in range(TRIES):
             identity = int(generator.integers(self.settings.identities))
             expression = int(generator.integers(self.settings.expressions))
@@ -212,7 +215,7 @@ class _Worker:
                 # Size and place of the face are kept, so that the exaggeration is of its proportions.
                 face = self.template.region("face")
                 scale, rotation, translation = similarity(moved[face], vertices[face])
-                vertices = scale * moved @ rotation.T + translation
+                vertices = untangle(scale * moved @ rotation.T + translation, self.template.gradients)
             if self.flipped(vertices) <= MAX_FLIPPED:
                 break
             strength *= 0.93

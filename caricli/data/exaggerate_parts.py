@@ -4,7 +4,7 @@ import numpy as np
 
 from caricli.data.move_parts import move_parts
 
-ROUNDS = 6
+ROUNDS = 5
 STRENGTH = 30.0
 SHRINK = 2e-4
 

@@ -11,6 +11,7 @@ from caricli.errors import NumericsError
 FEATURES = 9
 _STRETCH = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
 _MIN_WEIGHT = 1e-3
+_COLLAPSED = 1e-9
 
 
 class DeformationGradients:
@@ -67,25 +68,42 @@ class DeformationGradients:
 
         vertices: (..., V, 3). Returns (..., V, 3, 3).
         """
-        planes = _per_column(self.gradient, vertices).reshape(*vertices.shape[:-1], 2, 3)
-        normal = np.cross(planes[..., 0, :], planes[..., 1, :])
-        normal /= np.sqrt(np.maximum(np.linalg.norm(normal, axis=-1, keepdims=True), 1e-12))
-        return np.swapaxes(planes, -1, -2) @ np.swapaxes(self.tangents, -1, -2) + normal[..., :, None] * self.normals[:, None, :]
+        planes, normals, area = self._planes(vertices)
+        normal = np.sqrt(area)[..., None] * normals
+        tangential = np.swapaxes(planes, -1, -2) @ np.swapaxes(self.tangents, -1, -2)
+        return tangential + normal[..., :, None] * self.normals[:, None, :]
 
     def features(self, vertices):
         """Vertices to features: rotation vectors (radians) and stretches minus one.
 
         vertices: (..., V, 3). Returns (..., V, 9).
         """
-        u, singular, vt = np.linalg.svd(self.maps(vertices))
-        # A ring collapsed to a line has a free sign.
-        flip = np.where(np.linalg.det(u) * np.linalg.det(vt) < 0, -1.0, 1.0)
-        u[..., 2] *= flip[..., None]
-        rotations = u @ vt
-        stretch = np.swapaxes(vt, -1, -2) @ (singular[..., None] * vt)
-        vectors = Rotation.from_matrix(rotations.reshape(-1, 3, 3)).as_rotvec().reshape(*singular.shape[:-1], 3)
+        # The map respects the splitting into plane and normal, so its polar decomposition is that of a 2x2 matrix,
+        # whose square root has a closed form: sqrt(C) = (C + sqrt(det C)) / sqrt(tr C + 2 sqrt(det C)).
+        planes, normals, area = self._planes(vertices)
+        square = planes @ np.swapaxes(planes, -1, -2)
+        trace = square[..., 0, 0] + square[..., 1, 1]
+        root = (square + area[..., None, None] * np.eye(2)) / np.sqrt(trace + 2 * area)[..., None, None]
+        inverse = np.stack([root[..., 1, 1], -root[..., 0, 1], -root[..., 0, 1], root[..., 0, 0]], axis=-1)
+        inverse = inverse.reshape(root.shape) / area[..., None, None]
+        turned = np.concatenate([inverse @ planes, normals[..., None, :]], axis=-2)
+        frame = np.concatenate([self.tangents, self.normals[..., None]], axis=-1)
+        rotations = np.swapaxes(turned, -1, -2) @ np.swapaxes(frame, -1, -2)
+        stretch = self.tangents @ root @ np.swapaxes(self.tangents, -1, -2)
+        stretch += (np.sqrt(area)[..., None, None] * self.normals[:, :, None]) * self.normals[:, None, :]
+        vectors = Rotation.from_matrix(rotations.reshape(-1, 3, 3), assume_valid=True).as_rotvec()
         symmetric = np.stack([stretch[..., a, b] - (a == b) for a, b in _STRETCH], axis=-1)
-        return np.concatenate([vectors, symmetric], axis=-1)
+        return np.concatenate([vectors.reshape(*area.shape, 3), symmetric], axis=-1)
+
+    def _planes(self, vertices):
+        """Images of the tangents (..., V, 2, 3), unit normals (..., V, 3), changes of area (..., V)."""
+        planes = _per_column(self.gradient, vertices).reshape(*vertices.shape[:-1], 2, 3)
+        # A ring collapsed to a line or point has no plane; a trace of the template's gives it one.
+        planes += _COLLAPSED * np.swapaxes(self.tangents, -1, -2)
+        normals = np.cross(planes[..., 0, :], planes[..., 1, :])
+        area = np.linalg.norm(normals, axis=-1)
+        area = np.maximum(area, _COLLAPSED**2)
+        return planes, normals / area[..., None], area
 
     def features_to_maps(self, features):
         """Features to linear maps. features: (..., V, 9). Returns (..., V, 3, 3)."""

@@ -9,6 +9,7 @@ from caricli.geometry.deformation_gradients import rotation_matrices
 from caricli.geometry.flipped_triangles import flipped_triangles
 from caricli.geometry.scaled_orthographic_pose import Pose, scaled_orthographic_pose
 from caricli.geometry.slide_contour import slide_contour
+from caricli.geometry.untangle import untangle
 
 JAW = 17
 PARTS = {
@@ -92,9 +93,13 @@ class _Observation:
         rotation = np.diag([1.0, -1.0, -1.0]) if rotation is None else rotation
         for _ in range(2):
             anchors = self.anchors(vertices, rotation)
-            pose = scaled_orthographic_pose(vertices[anchors[self.known]], self.points, weights)
+            pose = self.pose(vertices, anchors, weights)
             rotation = pose.rotation
         return pose, anchors
+
+    def pose(self, vertices, anchors, weights):
+        """Pose in units of the diagonal for given anchors."""
+        return scaled_orthographic_pose(vertices[anchors[self.known]], self.points, weights)
 
     def error(self, vertices, pose, anchors):
         """(K,) distances of the known landmarks as shares of the diagonal."""
@@ -111,7 +116,8 @@ def fit_landmarks_intrinsic(points, model, settings=IntrinsicSettings()):  # noq
 
     Alternates, after Wu et al. 2018 (expressions paper 3.2.1): pose; jaw landmarks to the outline; the smoothest
     correction of the model's shape that takes the landmarks to their rays (depth is kept); and the latent as the shrunk
-    projection of the result's deformation-gradient features. An outlier among the landmarks loses its weight.
+    projection of the result's deformation-gradient features. An outlier among the landmarks loses its weight. At the end
+    flipped triangles are turned back and mouth cavity and eye sockets are tucked behind the skin.
 
     points: (L, 2) pixels, y down, NaN where unknown. model: IntrinsicModel. settings: IntrinsicSettings.
     Returns LandmarkFit; what the latent cannot express is in its residual. Raises InputError, NumericsError.
@@ -129,8 +135,15 @@ def fit_landmarks_intrinsic(points, model, settings=IntrinsicSettings()):  # noq
             weights = _robust_weights(np.linalg.norm(wanted, axis=1) * pose.scale)
         correction = model.anchors.move(chosen, wanted, settings.strength, weights)
         vertices = shape + correction @ rotation[:2]
-        features = gradients.features(vertices)
-        latent = model.features_to_latent(features, settings.shrink)
+        latent = model.features_to_latent(gradients.features(vertices), settings.shrink)
+    vertices = untangle(vertices, gradients)
+    anchors = seen.anchors(vertices, rotation)
+    pose = seen.pose(vertices, anchors, weights)
+    wanted = (seen.points - pose.project(vertices[anchors[seen.known]])) / pose.scale
+    vertices += model.anchors.move(anchors[seen.known], wanted, settings.strength, weights) @ pose.rotation[:2]
+    vertices = template.cavities.tuck(vertices)
+    features = gradients.features(vertices)
+    latent = model.features_to_latent(features, settings.shrink)
     residual = features - model.features(latent)
     return _finish(seen, model, vertices, latent, residual, weights, rotation, settings.rounds)
 

@@ -5,7 +5,7 @@ import warp as wp
 # Nothing differentiates through these kernels; leaving the adjoints out halves the time to compile them.
 wp.set_module_options({"enable_backward": False})
 
-DEEP = wp.constant(0.035)  # light that reaches the deepest fold, and all that the inside of the surface gets
+DEEP = wp.constant(0.024)  # light that reaches the deepest fold, and all that the inside of the surface gets
 KEY = wp.constant(wp.normalize(wp.vec3(-0.58, -0.56, -0.59)))  # the ways to the lights, in the picture's frame
 FILL = wp.constant(wp.normalize(wp.vec3(0.85, -0.05, -0.52)))
 RIM = wp.constant(wp.normalize(wp.vec3(0.62, -0.50, 0.60)))
@@ -51,7 +51,9 @@ def outside_hit(mesh: wp.uint64, origin: wp.vec3, way: wp.vec3, reach: float):
     """
     outside = Outside()
     travelled = float(0.0)  # noqa: UP018 (a variable to warp; a literal would be a constant)
-    for _ in range(6):
+    passed = int(0)  # noqa: UP018
+    while passed < 6:  # not `for`: warp would unroll it into six copies of the whole query
+        passed += 1
         hit = wp.mesh_query_ray(mesh, origin + travelled * way, way, reach - travelled)
         if not hit.result:
             return outside
@@ -87,6 +89,27 @@ def sky_seen(
         hit = outside_hit(mesh, points[i] + lift * normals[i], directions[j], reach)
         if hit.found != 1:
             seen[i, j] = 1.0
+
+
+@wp.kernel
+def light_share(
+    seen: wp.array2d(dtype=wp.float32),
+    normals: wp.array(dtype=wp.vec3),
+    directions: wp.array(dtype=wp.vec3),
+    strengths: wp.array2d(dtype=wp.float32),
+    share: wp.array2d(dtype=wp.float32),
+):
+    """Light that reaches a vertex over light that could without the mesh in the way; one where none could."""
+    i, k = wp.tid()
+    could = float(0.0)  # noqa: UP018
+    does = float(0.0)  # noqa: UP018
+    for j in range(directions.shape[0]):
+        light = wp.max(wp.dot(normals[i], directions[j]), 0.0) * strengths[k, j]
+        could += light
+        does += light * seen[i, j]
+    share[i, k] = 1.0
+    if could > 1.0e-6:
+        share[i, k] = does / could
 
 
 @wp.struct
@@ -158,6 +181,8 @@ def seen_colour(scene: Scene, x: float, y: float):
         n = wp.normalize(hit.u * scene.normals[a] + hit.v * scene.normals[b] + w * scene.normals[c])
         albedo = hit.u * scene.colours[a] + hit.v * scene.colours[b] + w * scene.colours[c]
         light = hit.u * scene.light[a] + hit.v * scene.light[b] + w * scene.light[c]
+        # On an edge a weight may be a rounding error below zero, and powers of negative light are not numbers.
+        light = wp.max(light, wp.vec3(0.0))
         rgb = lit(albedo, n, light, 0.05)
         colour = wp.vec4(rgb[0], rgb[1], rgb[2], 1.0)
     elif hit.found == -1:
@@ -220,7 +245,7 @@ def shaded_pixel(
         high = wp.max(high, centres[y * width + x])
     total = centres[i]
     count = int(1)  # noqa: UP018
-    if wp.max(high - low) > 0.08:
+    if wp.max(high - low) > 0.12:
         count = samples * samples
         total = wp.vec4(0.0)
         for j in range(count):

@@ -48,8 +48,7 @@ def shade(
     if visibility is None:
         visibility, rotation = sky_visibility(points, triangles, normals), np.eye(3)
     ways = (np.array(kernels.KEY) @ rotation, np.array(kernels.FILL) @ rotation, None)
-    light = [light_received(visibility, normals @ rotation, way) for way in ways]
-    light = np.stack(light, 1)
+    light = light_received(visibility, normals @ rotation, ways)
     colours = np.broadcast_to(colour if vertex_colours is None else vertex_colours, points.shape)
     colours = _linear(np.asarray(colours, float))
     while _coarse(points, triangles):

@@ -14,7 +14,7 @@ def _sphere(count):
     return np.stack([r * np.cos(turn), y, r * np.sin(turn)], 1)
 
 
-DIRECTIONS = _sphere(64)
+DIRECTIONS = _sphere(48)
 
 
 def sky_visibility(vertices, faces, normals):
@@ -44,15 +44,24 @@ def sky_visibility(vertices, faces, normals):
     return seen
 
 
-def light_received(visibility, normals, light=None, sharpness=12.0):
-    """Share of a light's rays that reach each vertex, of all that could without the mesh in the way.
+def light_received(visibility, normals, lights, sharpness=8.0):
+    """Share of each light's rays that reach each vertex, of all that could without the mesh in the way.
 
-    visibility: of `sky_visibility`. normals: (V, 3), in the same frame. light: (3,) the way to a wide light in that
-    frame, or None for the whole sky. sharpness: exponent of the light's cosine lobe; higher is smaller.
-    Returns (V,) in [0, 1]; one where the light is behind the surface.
+    visibility: of `sky_visibility`. normals: (V, 3), in the same frame. lights: L times the way (3,) to a wide light in
+    that frame, unit length, or None for the whole sky. sharpness: exponent of a light's cosine lobe; higher is smaller.
+    Returns (V, L) float32 in [0, 1]; one where the light is behind the surface.
     """
-    could = np.maximum(normals @ DIRECTIONS.T, 0)
-    if light is not None:
-        could *= np.maximum(DIRECTIONS @ light, 0) ** sharpness
-    total = could.sum(1)
-    return np.where(total > 1e-6, (could * visibility).sum(1) / np.maximum(total, 1e-6), 1)
+    kernels = warp_start()
+    import warp as wp
+
+    way = [np.zeros(3) if light is None else np.asarray(light) for light in lights]
+    lobes = np.maximum((DIRECTIONS[None] * np.array(way)[:, None]).sum(-1), 0) ** sharpness
+    lobes[[light is None for light in lights]] = 1
+    share = np.ones((len(normals), len(lights)), np.float32)
+    if share.size:
+        vectors = [wp.array(a.astype(np.float32), dtype=wp.vec3, device="cpu") for a in (normals, DIRECTIONS)]
+        seen, strengths, out = (
+            wp.array(a, device="cpu", copy=False) for a in (visibility, lobes.astype(np.float32), share)
+        )
+        wp.launch(kernels.light_share, share.shape, [seen, *vectors, strengths], [out], device="cpu")
+    return share

@@ -6,8 +6,11 @@ from functools import cached_property
 import numpy as np
 
 from caricli.geometry.deformation_gradients import DeformationGradients
+from caricli.geometry.tuck_cavities import Cavities
 from caricli.io.face import topology_id
 from caricli.template.annotation import Annotation
+
+CAVITIES = ("inner_mouth", "eye_socket_left", "eye_socket_right")
 
 
 @dataclass(frozen=True)
@@ -35,6 +38,12 @@ class Template:
     def gradients(self):
         """Deformation gradients against these vertices, factored on first use."""
         return DeformationGradients(self.vertices, self.faces)
+
+    @cached_property
+    def cavities(self):
+        """Mouth cavity and eye sockets, as far as the annotation names them, prepared on first use."""
+        regions = self.annotation.regions
+        return Cavities(self.vertices, self.faces, [regions[name] for name in CAVITIES if name in regions])
 
     def region(self, name):
         """Vertex ids of a region; all vertices where the annotation does not name it."""

@@ -1,4 +1,5 @@
 import numpy as np
+import pytest
 
 from caricli.render.rasterise import rasterise
 from caricli.render.shade import shade
@@ -49,6 +50,7 @@ def test_what_is_seen_from_inside_is_dark_and_lets_the_outside_behind_it_through
     assert through[:3].min() > 80
 
 
+@pytest.mark.filterwarnings("error")  # a colour that is not a number warns when it becomes a byte
 def test_folds_are_darker_than_the_open_skin():
     x, y = np.meshgrid(np.linspace(-1, 1, 81), np.linspace(-1, 1, 81))
     pit = np.stack([x, y, -1.2 * np.exp(-30 * (x**2 + y**2))], -1).reshape(-1, 3)

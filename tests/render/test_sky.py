@@ -5,9 +5,9 @@ from caricli.render.sky import DIRECTIONS, light_received, sky_visibility
 
 def test_a_sphere_sees_the_whole_sky_and_a_pit_little(sphere):
     vertices, faces = sphere
-    free = light_received(sky_visibility(vertices, faces, vertices), vertices)
+    free = light_received(sky_visibility(vertices, faces, vertices), vertices, [None])
     assert free.min() > 0.9
-    inside_out = light_received(sky_visibility(vertices, faces[:, ::-1], -vertices), -vertices)
+    inside_out = light_received(sky_visibility(vertices, faces[:, ::-1], -vertices), -vertices, [None])
     assert inside_out.max() < 0.1
 
 
@@ -18,8 +18,8 @@ def test_a_wall_shades_from_its_side_only():
     normals = np.array([[0.0, 1, 0]] * 3 + [[1.0, 0, 0]] * 3)
     visibility = sky_visibility(np.concatenate([ground, wall]), faces, normals)
     left, right = np.array([-1, 0.5, 0]) / 1.118, np.array([1, 0.5, 0]) / 1.118
-    assert light_received(visibility, normals, left)[0] < 0.2
-    assert light_received(visibility, normals, right)[0] > 0.95
+    assert light_received(visibility, normals, [left])[0, 0] < 0.2
+    assert light_received(visibility, normals, [right])[0, 0] > 0.95
 
 
 def test_the_directions_are_even():

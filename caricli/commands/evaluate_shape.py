@@ -1,0 +1,45 @@
+"""caricli evaluate shape: models side by side."""
+
+from dataclasses import asdict
+
+import click
+
+from caricli.commands.options import PATH, data_option, overwrite_option
+from caricli.io.outputs import staged
+from caricli.io.provenance import provenance
+from caricli.io.strict_json import write_json
+
+
+@click.command()
+@click.argument("models", nargs=-1, required=True, type=PATH, metavar="MODEL...")
+@data_option
+@click.option("-o", "--out", type=PATH, metavar="JSON", help="Write the figures here as well.")
+@overwrite_option
+def command(models, dataset, out, overwrite):
+    """Print the shape error of models on the splits of a dataset, in mm and percent of the head's height.
+
+    \b
+    Example:
+      caricli evaluate shape pca.safetensors intrinsic.safetensors --data dataset
+    """
+    from rich.console import Console
+    from rich.table import Table
+
+    from caricli.commands.loading import check_topology, load_model
+    from caricli.data.dataset import SPLITS, read_dataset
+    from caricli.methods.evaluate_shape import evaluate_shape
+
+    data, results = read_dataset(dataset), {}
+    table = Table("model", "kind", "D", *(f"{split} mm (%)" for split in SPLITS), "test latent rms")
+    for path in models:
+        model = load_model(path)
+        check_topology(model.template, data.template, path)
+        errors = {split: evaluate_shape(model, data.vertices[data.rows(split)]) for split in SPLITS}
+        cells = [f"{e.millimetres:.3f} ({e.percent:.3f})" if e else "-" for e in errors.values()]
+        rms = f"{errors['test'].prior_rms:.2f}" if errors["test"] else "-"
+        table.add_row(path.name, model.kind, str(len(model.prior.mean)), *cells, rms)
+        results[str(path)] = {split: asdict(e) for split, e in errors.items() if e}
+    Console(width=None if Console().is_terminal else 120).print(table)
+    if out is not None:
+        with staged(out, overwrite=overwrite, inputs=models) as (temporary,):
+            write_json(temporary, provenance("evaluate shape", [*models, dataset / "dataset.json"], models=results))

@@ -1,0 +1,56 @@
+"""What `caricli train pca` and `caricli train intrinsic` share."""
+
+from dataclasses import asdict
+
+import click
+
+from caricli.commands.options import config_option, data_option, out_option, overwrite_option, set_option
+from caricli.errors import InputError
+from caricli.io.checkpoint import write_checkpoint
+from caricli.io.config import read_config
+from caricli.io.outputs import staged
+from caricli.io.provenance import provenance
+from caricli.io.strict_json import write_json
+
+
+def training_command(function):
+    """Give a function the options of a training command."""
+    for option in (overwrite_option, set_option, config_option, out_option("MODEL", "The .safetensors to write."), data_option):
+        function = option(function)
+    return click.command()(function)
+
+
+def train_linear(kind, dataset, out, config, overrides, overwrite):
+    """Train a linear model, measure it, and write it with a JSON of recipe and errors beside it."""
+    from caricli.commands.loading import progress_bar
+    from caricli.data.dataset import SPLITS, read_dataset
+    from caricli.methods.evaluate_shape import evaluate_shape
+    from caricli.models.checkpoint import KINDS, model_from_checkpoint, model_to_checkpoint
+    from caricli.models.config import LinearConfig
+
+    if out.suffix != ".safetensors":
+        raise InputError(f"{out}: expected a name that ends in .safetensors")
+    settings = read_config(config, LinearConfig, overrides)
+    report = out.with_suffix(".json")
+    with (
+        staged(out, report, overwrite=overwrite, inputs=(dataset, config)) as (model_file, report_file),
+        progress_bar(f"training {kind}") as progress,
+    ):
+        progress(0, 3)
+        data = read_dataset(dataset)
+        training = data.vertices[data.rows("train")]
+        if len(training) < 3:
+            raise InputError(f"{dataset}: its training split has {len(training)} meshes, at least 3 are needed")
+        progress(1, 3)
+        recipe = provenance(f"train {kind}", [dataset / "dataset.json"], settings.seed, config=asdict(settings))
+        trained = KINDS[kind].train(data.template, training, settings.dimension, settings.seed)
+        progress(2, 3)
+        checkpoint = model_to_checkpoint(trained, recipe)
+        write_checkpoint(model_file, *checkpoint)
+        model = model_from_checkpoint(*checkpoint, str(out))
+        errors = {split: evaluate_shape(model, data.vertices[data.rows(split)]) for split in SPLITS}
+        errors = {split: asdict(error) for split, error in errors.items() if error is not None}
+        write_json(report_file, recipe | {"model_id": model.model_id, "shape_error": errors})
+        progress(3, 3)
+    figures = ", ".join(f"{split} {error['percent']:.3f} %" for split, error in errors.items())
+    click.echo(f"{out}: {len(model.prior.mean)} dimensions, shape error {figures} of the head's height")

@@ -1,0 +1,40 @@
+"""A dataset in a few lines."""
+
+import numpy as np
+from scipy.linalg import eigvalsh
+
+from caricli.data.dataset import SPLITS
+from caricli.geometry.flipped_triangles import flipped_triangles
+
+_BATCH = 32
+
+
+def components_for(shapes, share=0.99):
+    """How many principal components explain a share of the variance of shapes (N, V, 3)."""
+    rows = shapes.reshape(len(shapes), -1).astype(np.float64)
+    rows -= rows.mean(0)
+    # The smaller of the two Gram matrices has the same spectrum.
+    gram = rows @ rows.T if len(rows) < rows.shape[1] else rows.T @ rows
+    spectrum = np.maximum(eigvalsh(gram)[::-1], 0)
+    return int((np.cumsum(spectrum) < share * spectrum.sum()).sum()) + 1
+
+
+def summarise_dataset(dataset):
+    """Lines for people: meshes, people, splits, kinds, flipped triangles, components, labels."""
+    data, count = dataset, len(dataset.vertices)
+    people = len(np.unique(data.identity))
+    gradients = data.template.gradients
+    flipped = np.concatenate(
+        [flipped_triangles(data.vertices[k : k + _BATCH], gradients).mean(-1) for k in range(0, count, _BATCH)]
+    )
+    yield f"meshes {count}, people {people}, vertices {len(data.template.vertices)}, faces {len(data.template.faces)}"
+    sizes = ", ".join(f"{split} {int(data.rows(split).sum())}" for split in SPLITS)
+    yield f"split by identity: {sizes}"
+    if "kind" in data.factors:
+        numbers = np.bincount(data.factors["kind"], minlength=len(data.manifest["kinds"]))
+        yield "kinds: " + ", ".join(f"{k} {n}" for k, n in zip(data.manifest["kinds"], numbers, strict=True))
+    yield f"flipped triangles: mean {100 * flipped.mean():.3f} %, worst mesh {100 * flipped.max():.3f} %"
+    yield f"components for 99 % of the variance: {components_for(data.vertices)}"
+    if len(data.attributes):
+        shares = zip(data.attributes, data.labels.mean(0), strict=True)
+        yield "labels: " + ", ".join(f"{name} {100 * share:.0f} %" for name, share in shares)

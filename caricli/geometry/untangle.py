@@ -1,0 +1,47 @@
+"""Repair of triangles that a deformation has turned over."""
+
+import numpy as np
+import scipy.sparse as sp
+
+from caricli.geometry.flipped_triangles import flipped_triangles
+
+ROUNDS, RINGS = 6, 3
+
+
+def untangle(vertices, gradients, rounds=ROUNDS):
+    """Smooth the deformation around flipped triangles until they turn back.
+
+    In every round the features of the vertices within ``RINGS`` edges of a flipped triangle are blended with the mean of
+    their neighbours' and the shape is solved again; the rest keeps its features, so its shape. Stops when nothing is
+    flipped; a shape that gets no better is returned as it was.
+
+    vertices: (V, 3). gradients: DeformationGradients of the template.
+    Returns (V, 3).
+    """
+    best, best_count = vertices, flipped_triangles(vertices, gradients)
+    best_count, flipped = int(best_count.sum()), best_count
+    if not best_count:
+        return vertices
+    faces, count = gradients.faces, gradients.count
+    corners = np.concatenate([faces, np.roll(faces, 1, axis=1)]).ravel()
+    others = np.concatenate([np.roll(faces, 1, axis=1), faces]).ravel()
+    neighbours = (sp.csr_matrix((np.ones(len(corners)), (corners, others)), (count, count)) > 0).astype(float)
+    mean = sp.diags(1 / np.asarray(neighbours.sum(1)).ravel()) @ neighbours
+    near = np.zeros(count)
+    for _ in range(rounds):
+        touched = np.zeros(count)
+        touched[faces[flipped].ravel()] = 1.0
+        for ring in range(RINGS):
+            touched = np.maximum(touched, (1 - (ring + 1) / (RINGS + 1)) * (neighbours @ touched > 0))
+        near = np.maximum(near, touched)
+        features = gradients.features(vertices)
+        features += near[:, None] * (mean @ (mean @ features) - features)
+        moved = gradients.vertices(features)
+        still = near == 0
+        vertices = moved + (vertices[still] - moved[still]).mean(0) if still.any() else moved
+        flipped = flipped_triangles(vertices, gradients)
+        if flipped.sum() < best_count:
+            best, best_count = vertices, int(flipped.sum())
+        if not best_count:
+            break
+    return best
