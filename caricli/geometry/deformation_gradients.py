@@ -19,10 +19,10 @@ class DeformationGradients:
 
     The map of vertex i minimises ``sum_j w_ij |(v_j - v_i) - M_i (t_j - t_i)|^2`` over its one-ring, with clipped
     cotangent weights w. A one-ring is nearly flat and says nothing about what happens along its normal, so the fit is
-    made in the tangent plane, ``A_i = M_i T_i`` (3x2, T_i the two main axes of the ring's normal matrix), which is linear
-    in the vertices, ``A = G v``; the normal is carried to the normal of the mapped plane, scaled by the square root of
-    the change of area. The polar decomposition ``M_i = exp(r_i) S_i`` gives the features: the rotation vector r_i (3)
-    and the symmetric stretch minus one (6: xx, yy, zz, xy, xz, yz).
+    made in the tangent plane, ``A_i = M_i T_i`` (3x2, T_i the two main axes of the ring's normal matrix), which is
+    linear in the vertices, ``A = G v``; the normal is carried to the normal of the mapped plane, scaled by the square
+    root of the change of area. The polar decomposition ``M_i = exp(r_i) S_i`` gives the features: the rotation vector
+    r_i (3) and the symmetric stretch minus one (6: xx, yy, zz, xy, xz, yz).
 
     Decoding minimises ``sum_i |(G v - A)_i sqrt(P_i)|^2``, P_i the normal matrix in the tangent plane: a sparse system
     that is factored once. Features of a real shape decode to that very shape, up to the translation, which the

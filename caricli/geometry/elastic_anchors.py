@@ -12,11 +12,11 @@ SPREAD_LENGTH = 0.02
 class ElasticAnchors:
     """Moves of a few points carried to a whole surface, with everything factored once.
 
-    The correction d of a shape minimises ``d^T (L + l^2 L M^-1 L) d + sum_k w_k |(C d)_k - m_k|^2``: a membrane (cotangent
-    Laplacian L) with the bending stiffness of a plate (M the mass matrix, l ``STIFFNESS_LENGTH`` of the head's height), so
-    that a pulled point does not become a spike. Row k of C averages the surroundings of point k (``SPREAD_LENGTH`` of the
-    height), so that the force on it is spread as well. By Woodbury's identity a solve costs one small dense system for
-    any subset of the prepared points. A common translation is free.
+    The correction d of a shape minimises ``d^T (L + l^2 L M^-1 L) d + sum_k w_k |(C d)_k - m_k|^2``: a membrane
+    (cotangent Laplacian L) with the bending stiffness of a plate (M the mass matrix, l ``STIFFNESS_LENGTH`` of the
+    head's height), so that a pulled point does not become a spike. Row k of C averages the surroundings of point k
+    (``SPREAD_LENGTH`` of the height), so that the force on it is spread as well. By Woodbury's identity a solve costs
+    one small dense system for any subset of the prepared points. A common translation is free.
     """
 
     def __init__(self, vertices, faces, points):
@@ -42,8 +42,8 @@ class ElasticAnchors:
     def move(self, points, moves, strength, confidence=None):
         """The smoothest displacement field in which the points make their moves.
 
-        points: (K,) vertex ids among the prepared ones. moves: (K, n) metres along n axes. strength: weight of the points against the
-        surface; large means exact. confidence: (K,) in (0, 1], relative weight of every point.
+        points: (K,) vertex ids among the prepared ones. moves: (K, n) metres along n axes. strength: weight of the
+        points against the surface; large means exact. confidence: (K,) in (0, 1], relative weight of every point.
         Returns (V, n) displacements.
         """
         chosen = np.array([self.rows[int(p)] for p in points])

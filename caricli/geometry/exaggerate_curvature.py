@@ -15,7 +15,7 @@ def exaggerate_curvature(vertices, faces, exponents, hold=None):
     """Scale the coordinates' gradients by |Gaussian curvature|^gamma and solve the Poisson equation.
 
     Minimises ``integral |grad x' - w grad x|^2`` with ``w = |K|^gamma``, K smoothed over the surface and w of mean one
-    (sketch paper section 4.1 after Sela et al. 2015 and Yu et al. 2004). The operators are factored once for all levels.
+    (sketch paper section 4.1 after Sela et al. 2015 and Yu et al. 2004). All levels share one factorisation.
 
     vertices: (V, 3). faces: (F, 3). exponents: gammas, 0 (unchanged) to about 0.35. hold: (V,) in [0, 1], 1 where the
     surface keeps its gradients (eyes and mouth, where they are unstable).

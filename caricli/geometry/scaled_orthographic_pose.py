@@ -12,7 +12,7 @@ _STEPS = 10
 
 @dataclass(frozen=True)
 class Pose:
-    """Pixels q = scale * rotation[:2] @ p + translation; rotation (3, 3) takes face axes to x right, y down, z inwards."""
+    """Pixels q = scale * rotation[:2] @ p + translation; rotation (3, 3) takes the face to x right, y down, z in."""
 
     scale: float
     rotation: np.ndarray
@@ -48,7 +48,7 @@ def scaled_orthographic_pose(points, pixels, weights=None):
     rows = affine / np.maximum(np.linalg.norm(affine, axis=1, keepdims=True), 1e-12)
     u, _, vt = np.linalg.svd(np.vstack([rows, np.cross(rows[0], rows[1])]))
     rotation = u @ np.diag([1, 1, np.sign(np.linalg.det(u @ vt))]) @ vt
-    for step in range(_STEPS):
+    for _ in range(_STEPS):
         camera = p @ rotation.T
         flat = camera[:, :2]
         scale = (share * flat * q).sum() / (share * flat**2).sum()

@@ -8,15 +8,15 @@ from scipy.sparse.linalg import splu
 from caricli.geometry.triangle_normals import triangle_normals
 
 MARGIN = 0.006
-ROUNDS = 3
+ROUNDS = 5
 
 
 class Cavities:
     """The pockets of a head, which no landmark holds and which a flattened face would push through the skin.
 
     The skin is everything but the pockets, each opening closed by a fan. A pocket vertex outside the skin (generalised
-    winding number below one half) or nearer to it than ``MARGIN`` of the head's height is moved inwards from its nearest
-    point on the skin; the rest of the pocket follows as a membrane whose rim stays.
+    winding number below one half) or nearer to it than ``MARGIN`` of the head's height is moved inwards from its
+    nearest point on the skin; the rest of the pocket follows as a membrane whose rim stays.
     """
 
     def __init__(self, vertices, faces, regions):
@@ -62,7 +62,7 @@ class Cavities:
         points = vertices[ids]
         squared, face, nearest = igl.point_mesh_squared_distance(points, closed, self.skin)
         distance, away = np.sqrt(squared), points - nearest
-        # The side of the nearest face is quick and nearly always right; the winding number decides where it says outside.
+        # The side of the nearest face is quick and mostly right; where it says outside, the winding number decides.
         outside = (triangle_normals(closed, self.skin)[face] * away).sum(1) > 0
         if outside.any():
             outside[outside] = igl.winding_number(closed, surface, points[outside]) < 0.5

@@ -11,8 +11,8 @@ ROUNDS, RINGS = 6, 3
 def untangle(vertices, gradients, rounds=ROUNDS):
     """Smooth the deformation around flipped triangles until they turn back.
 
-    In every round the features of the vertices within ``RINGS`` edges of a flipped triangle are blended with the mean of
-    their neighbours' and the shape is solved again; the rest keeps its features, so its shape. Stops when nothing is
+    In every round the features of the vertices within ``RINGS`` edges of a flipped triangle are blended with the mean
+    of their neighbours' and the shape is solved again; the rest keeps its features, so its shape. Stops when nothing is
     flipped; a shape that gets no better is returned as it was.
 
     vertices: (V, 3). gradients: DeformationGradients of the template.

@@ -1,4 +1,4 @@
-"""Principal components of deformation-gradient features, decoded by a sparse solve: they extrapolate without tearing."""
+"""Principal components of deformation-gradient features, decoded by a sparse solve: they extrapolate untorn."""
 
 import igl
 import numpy as np
@@ -32,9 +32,8 @@ class IntrinsicModel:
     @classmethod
     def train(cls, template, shapes, dimension=128, seed=0):
         """Fit to shapes (N, V, 3)."""
-        features = np.concatenate(
-            [template.gradients.features(shapes[k : k + _BATCH]).astype(np.float32) for k in range(0, len(shapes), _BATCH)]
-        )
+        batches = (shapes[k : k + _BATCH] for k in range(0, len(shapes), _BATCH))
+        features = np.concatenate([template.gradients.features(batch).astype(np.float32) for batch in batches])
         scale = np.sqrt(feature_weights(template)).astype(np.float32)[:, None]
         features *= scale
         mean, basis, _ = principal_components(features.reshape(len(shapes), -1), dimension, seed)
@@ -91,7 +90,7 @@ class IntrinsicModel:
         return self.offset[0] + latents @ self.offset[1:]
 
     def decode_points(self, latent, points):
-        """See ShapeModel; only the rows of the solution that are asked for are formed (cached for each set of points)."""
+        """See ShapeModel; only the rows of the solution that are asked for are formed, and kept for the next call."""
         gradients, key = self.template.gradients, np.asarray(points).tobytes()
         if key not in self._rows:
             unit = np.zeros((gradients.count, len(points)))

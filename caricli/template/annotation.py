@@ -44,7 +44,8 @@ def parse_annotation(value, vertex_count, where):
     Returns Annotation. Raises InputError.
     """
     if not isinstance(value, dict):
-        raise InputError(f"{where}: expected a JSON object with vertex ids under 'ibug68', found {type(value).__name__}")
+        found = type(value).__name__
+        raise InputError(f"{where}: expected a JSON object with vertex ids under 'ibug68', found {found}")
 
     def ids(key, item, count=None):
         array = np.asarray(item if isinstance(item, list) else None, dtype=object)

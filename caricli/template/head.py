@@ -108,7 +108,8 @@ def _unpack(arrays):
 
 
 def _extract():
-    with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()), warnings.catch_warnings():
+    out, err = contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO())
+    with out, err, warnings.catch_warnings():
         warnings.simplefilter("ignore")
         logging.disable(logging.WARNING)
         try:
@@ -135,9 +136,8 @@ def _evaluate_anny():
     change[start + len(local) : start + 2 * len(local)] = -np.eye(len(local))
     action[start + 2 * len(local) :] = np.eye(len(actions))
     neutral = _run(model, np.full((1, 3), 0.5), change[:1] * 0, action[:1] * 0, local, actions)[0]
-    vertices = np.concatenate(
-        [_run(model, phenotype[k : k + 64], change[k : k + 64], action[k : k + 64], local, actions) for k in range(0, count, 64)]
-    )
+    chunks = (slice(k, k + 64) for k in range(0, count, 64))
+    vertices = np.concatenate([_run(model, phenotype[k], change[k], action[k], local, actions) for k in chunks])
     deltas = vertices[start:] - neutral
     up, down, acting = np.split(deltas, [len(local), 2 * len(local)])
     kept = np.maximum(np.abs(up).max((1, 2)), np.abs(down).max((1, 2))) > _ABSENT

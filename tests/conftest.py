@@ -1,0 +1,44 @@
+"""Meshes that several folders of tests share."""
+
+import numpy as np
+import pytest
+from scipy.spatial import ConvexHull
+
+
+@pytest.fixture(scope="session")
+def ball():
+    """A unit sphere of 300 vertices without any symmetry; faces counter-clockwise from outside."""
+    count = 300
+    z = 1 - (2 * np.arange(count) + 1) / count
+    turn = np.pi * (1 + np.sqrt(5)) * np.arange(count)
+    vertices = np.stack([np.sqrt(1 - z**2) * np.cos(turn), np.sqrt(1 - z**2) * np.sin(turn), z], axis=1)
+    faces = ConvexHull(vertices).simplices
+    a, b, c = np.moveaxis(vertices[faces], 1, 0)
+    inwards = (np.cross(b - a, c - a) * a).sum(1) < 0
+    faces[inwards] = faces[inwards][:, ::-1]
+    return vertices, faces.astype(np.int32)
+
+
+@pytest.fixture(scope="session")
+def head():
+    """The open head, from the user's cache."""
+    from caricli.template.head import load_head
+
+    return load_head()
+
+
+@pytest.fixture(scope="session")
+def head_template(head):
+    """The open head's neutral shape as a Template."""
+    return head.template()
+
+
+@pytest.fixture(scope="session")
+def people(head):
+    """(40, 4200, 3) random neutral heads."""
+    from dataclasses import asdict
+
+    from caricli.data.identities import random_identity
+
+    generator = np.random.default_rng(7)
+    return np.array([head.evaluate(**asdict(random_identity(head, generator))) for _ in range(40)])
