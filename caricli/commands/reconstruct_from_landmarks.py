@@ -97,6 +97,7 @@ def _fitter(method, model, prior_weight):
         return lambda points: (fit_landmarks_latent(points, model, settings), settings)
     if model.kind != "intrinsic":
         raise InputError(f"--method intrinsic needs an intrinsic model, found one of kind {model.kind!r}")
+    model.prepare()
     settings = IntrinsicSettings()
     settings = IntrinsicSettings(shrink=settings.shrink * prior_weight)
     return lambda points: (fit_landmarks_intrinsic(points, model, settings), settings)

@@ -33,8 +33,9 @@ class DeformationGradients:
         """vertices: (V, 3) template. faces: (F, 3); every vertex in a triangle, every triangle with an area."""
         vertices = np.asarray(vertices, dtype=np.float64)
         self.template, self.faces, self.count = vertices, np.asarray(faces), len(vertices)
-        # The cotangent weights of zero-area triangles are NaN in libigl.
-        if igl.doublearea(vertices, self.faces).min() <= 0:
+        # The cotangents of a triangle without area are NaN in libigl, or meaningless where rounding gives it a little.
+        areas = igl.doublearea(vertices, self.faces)
+        if areas.min() <= 1e-12 * areas.mean():
             raise NumericsError("the template has triangles without area: deformation gradients need all of them")
         cotangents = igl.cotmatrix(vertices, self.faces).tocoo()
         off = cotangents.row != cotangents.col
@@ -61,7 +62,7 @@ class DeformationGradients:
         system = (self.divergence @ self.gradient).tocsc()
         # The system knows no translation; a weak hold makes it definite, and the centroid is set afterwards.
         self.stiffness = system.diagonal().mean()
-        self._factor = splu((system + 1e-9 * self.stiffness * sp.identity(self.count)).tocsc())
+        self._factor = splu((system + 1e-11 * self.stiffness * sp.identity(self.count)).tocsc())
 
     def maps(self, vertices):
         """The linear map of every one-ring, never inside out.

@@ -19,12 +19,13 @@ def exaggerate_curvature(vertices, faces, exponents, hold=None):
 
     vertices: (V, 3). faces: (F, 3). exponents: gammas, 0 (unchanged) to about 0.35. hold: (V,) in [0, 1], 1 where the
     surface keeps its gradients (eyes and mouth, where they are unstable).
-    Returns (len(exponents), V, 3), centroids kept. Raises NumericsError for meshes with degenerate triangles.
+    Returns (len(exponents), V, 3), centroids kept. Raises NumericsError for meshes with degenerate triangles or unused vertices.
     """
     vertices = np.asarray(vertices, dtype=np.float64)
     double_areas = igl.doublearea(vertices, faces)
-    if not double_areas.min() > 0:
-        raise NumericsError("curvature exaggeration needs triangles with an area")
+    # Rounding gives a triangle of three points in line a little area, and cotangents without meaning.
+    if not double_areas.min() > 1e-12 * double_areas.mean() or len(np.unique(faces)) < len(vertices):
+        raise NumericsError("curvature exaggeration needs triangles with an area, and every vertex in one")
     laplacian, mass = -igl.cotmatrix(vertices, faces), igl.massmatrix(vertices, faces).diagonal()
     total = mass.sum()
     # The angle defect at the boundary is no curvature; the clip keeps both ends of the logarithm sane.

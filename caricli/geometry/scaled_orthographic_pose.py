@@ -39,11 +39,11 @@ def scaled_orthographic_pose(points, pixels, weights=None):
     Returns Pose. Raises NumericsError where the correspondences do not determine it.
     """
     weights = np.ones(len(points)) if weights is None else weights
+    if any(_in_one_place(values[weights > 0]) for values in (points, pixels)):
+        raise NumericsError("the landmarks lie in one place: no pose can be found")
     share = (weights / weights.sum())[:, None]
     points_mean, pixels_mean = (share * points).sum(0), (share * pixels).sum(0)
     p, q, root = points - points_mean, pixels - pixels_mean, np.sqrt(share)
-    if min(np.abs(p).max(), np.abs(q).max()) == 0:
-        raise NumericsError("the landmarks lie in one place: no pose can be found")
     affine = np.linalg.lstsq(root * p, root * q, rcond=1e-4)[0].T
     rows = affine / np.maximum(np.linalg.norm(affine, axis=1, keepdims=True), 1e-12)
     u, _, vt = np.linalg.svd(np.vstack([rows, np.cross(rows[0], rows[1])]))
@@ -71,3 +71,7 @@ def scaled_orthographic_pose(points, pixels, weights=None):
     flat = p @ rotation[:2].T
     scale = (share * flat * q).sum() / (share * flat**2).sum()
     return Pose(float(scale), rotation, pixels_mean - scale * rotation[:2] @ points_mean)
+
+
+def _in_one_place(values):
+    return len(values) == 0 or np.ptp(values, axis=0).max() <= 1e-9 * np.abs(values).max()

@@ -28,7 +28,7 @@ class IntrinsicSettings:
     """Weights of the elastic fit. strength: of the landmarks against the surface. shrink: of the prior."""
 
     strength: float = 10.0
-    shrink: float = 3e-4
+    shrink: float = 1.5e-4
     rounds: int = 15
 
 
@@ -36,7 +36,7 @@ class IntrinsicSettings:
 class LatentSettings:
     """Weights of the fit inside the model. noise: expected landmark error as a share of the landmarks' diagonal."""
 
-    noise: float = 0.01
+    noise: float = 0.0125
     rounds: int = 4
     refinements: int = 6
 

@@ -67,6 +67,10 @@ class IntrinsicModel:
             self._anchors = ElasticAnchors(template.vertices, template.faces, template.annotation.anchor_ids())
         return self._anchors
 
+    def prepare(self):
+        """Factor everything that fits need, so that the first one takes no longer than the others."""
+        return self.anchors, self.template.gradients, self.template.cavities
+
     def features(self, latents):
         """Latents (..., D) to features (..., V, 9)."""
         return self.mean + np.tensordot(latents, self.basis, 1)

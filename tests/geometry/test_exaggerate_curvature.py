@@ -1,0 +1,107 @@
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from caricli.errors import NumericsError
+from caricli.geometry.exaggerate_curvature import exaggerate_curvature
+
+
+@pytest.fixture(scope="module")
+def lump(ball):
+    """The ball with a sharp nose in front and a flattened back."""
+    vertices, faces = ball
+    nose = np.exp(-6 * ((vertices - [0, 0, 1]) ** 2).sum(1))
+    vertices = vertices + 0.5 * nose[:, None] * [0, 0, 1]
+    return vertices * np.where(vertices[:, 2:] < 0, [1.0, 1.0, 0.6], [1.0, 1.0, 1.0]), faces
+
+
+def edge_lengths(vertices, faces):
+    return np.linalg.norm(vertices[faces] - vertices[np.roll(faces, 1, axis=1)], axis=-1)
+
+
+def test_exponent_zero_changes_nothing(lump):
+    vertices, faces = lump
+    before = vertices.copy()
+    unchanged = exaggerate_curvature(vertices, faces, [0.0])
+    assert unchanged.shape == (1, *vertices.shape)
+    assert np.abs(unchanged[0] - vertices).max() < 1e-6
+    assert np.array_equal(vertices, before)
+
+
+def test_larger_exponents_deviate_more_and_keep_the_centroid(lump):
+    levels = exaggerate_curvature(*lump, [0.05, 0.1, 0.2, 0.3])
+    deviation = np.linalg.norm(levels - lump[0], axis=-1).mean(-1)
+    assert (np.diff(deviation) > 0.3 * deviation[0]).all()
+    assert np.abs(levels.mean(1) - lump[0].mean(0)).max() < 1e-9
+
+
+def test_what_sticks_out_sticks_out_more(lump):
+    vertices, faces = lump
+    exaggerated = exaggerate_curvature(vertices, faces, [0.3])[0]
+    tip = vertices[:, 2].argmax()
+    other = np.abs(vertices[:, 2]) < 0.3
+    reach = [np.linalg.norm(v[tip] - v[other].mean(0)) for v in (vertices, exaggerated)]
+    width = [np.linalg.norm(v[other] - v[other].mean(0), axis=1).mean() for v in (vertices, exaggerated)]
+    assert reach[1] / width[1] > 1.1 * reach[0] / width[0]
+
+
+def test_a_sphere_stays_a_sphere(ball):
+    for vertices in exaggerate_curvature(*ball, [0.1, 0.3]):
+        assert np.abs(np.linalg.norm(vertices - vertices.mean(0), axis=1) - 1).max() < 0.01
+
+
+def test_every_level_is_what_it_is_alone(lump):
+    together = exaggerate_curvature(*lump, [0.1, 0.25])
+    assert np.allclose(together[1], exaggerate_curvature(*lump, [0.25])[0], atol=1e-12)
+
+
+def test_the_result_turns_moves_and_scales_with_the_input(lump):
+    vertices, faces = lump
+    rotation = Rotation.from_rotvec([0.5, 1.5, -0.8]).as_matrix()
+    expected = 3 * exaggerate_curvature(vertices, faces, [0.25])[0] @ rotation.T + [1, 2, 3]
+    found = exaggerate_curvature(3 * vertices @ rotation.T + [1, 2, 3], faces, [0.25])[0]
+    assert np.abs(found - expected).max() < 1e-6
+
+
+def test_a_held_region_keeps_its_size(lump):
+    vertices, faces = lump
+    hold = (vertices[:, 2] > 0.6).astype(float)
+    inside = (vertices[faces][..., 2] > 0.8).all(1)
+    lengths = edge_lengths(vertices, faces)[inside]
+    free, held = (edge_lengths(exaggerate_curvature(vertices, faces, [0.3], h)[0], faces)[inside] for h in (None, hold))
+    changes = [np.abs(e / lengths - 1).mean() for e in (free, held)]
+    assert changes[1] < 0.1 < changes[0]
+    assert np.std(held / lengths) < 0.05
+
+
+def test_everything_held_changes_nothing(lump):
+    vertices, faces = lump
+    assert np.abs(exaggerate_curvature(vertices, faces, [0.3], np.ones(len(vertices)))[0] - vertices).max() < 1e-6
+
+
+def test_a_surface_with_a_boundary_stays_sane(patch):
+    vertices, faces = patch
+    exaggerated = exaggerate_curvature(vertices, faces, [0.3])[0]
+    assert np.linalg.norm(exaggerated - vertices, axis=1).max() < 0.5 * np.ptp(vertices)
+
+
+@pytest.mark.parametrize("where", [0.0, 0.3])
+def test_a_triangle_without_area_is_refused(ball, where):
+    vertices, faces = ball[0].copy(), ball[1]
+    a, b, c = faces[7]
+    vertices[c] = (1 - where) * vertices[a] + where * vertices[b]
+    with pytest.raises(NumericsError, match="area"):
+        exaggerate_curvature(vertices, faces, [0.1])
+
+
+def test_a_vertex_outside_every_triangle_is_refused(ball):
+    with pytest.raises(NumericsError, match="every vertex"):
+        exaggerate_curvature(np.concatenate([ball[0], [[2.0, 0, 0]]]), ball[1], [0.1])
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf])
+def test_what_is_not_finite_is_refused(ball, value):
+    vertices = ball[0].copy()
+    vertices[3, 0] = value
+    with pytest.raises(NumericsError):
+        exaggerate_curvature(vertices, ball[1], [0.1])
