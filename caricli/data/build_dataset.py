@@ -210,7 +210,7 @@ class _Worker:
                 vertices = self.curvature(vertices, [level])[0]
             if kind & 2:
                 parts = random_part_changes(generator, strength)
-                hand = random_hand(vertices[self.template.annotation.landmarks], generator, strength)
+                hand = random_hand(vertices[self.template.annotation.landmarks], generator, min(strength, 1.0))
                 moved = exaggerate_parts(vertices, parts, hand, self.model)
                 # Size and place of the face are kept, so that the exaggeration is of its proportions.
                 face = self.template.region("face")

@@ -27,8 +27,8 @@ def scan(vertices, faces):
     for height in heights:
         for angle in angles:
             origin, direction = np.array([0.0, height, AXIS_DEPTH]), np.array([np.sin(angle), 0.0, np.cos(angle)])
-            last = max(igl.ray_mesh_intersect(origin, direction, vertices, faces), key=lambda hit: hit[4])
-            hits.append((last[0], 1 - last[2] - last[3], last[2], last[3]))
+            last = max(igl.ray_mesh_intersect(origin, direction, vertices, faces), key=lambda hit: hit[3])
+            hits.append((last[0], 1 - last[1] - last[2], last[1], last[2]))
     hits = np.array(hits)
     return hits[:, 0].astype(int), hits[:, 1:]
 

@@ -1,7 +1,6 @@
 import igl
 import numpy as np
 import pytest
-import scipy.sparse as sp
 
 from caricli.geometry.elastic_anchors import SPREAD_LENGTH, STIFFNESS_LENGTH, ElasticAnchors
 
@@ -98,21 +97,21 @@ def test_inputs_are_left_alone(anchors):
     assert np.array_equal(moves, pulls(6)) and np.array_equal(confidence, np.full(6, 0.5))
 
 
-@pytest.mark.parametrize("landmark", [8, 30, 51, 19])
+@pytest.mark.parametrize("landmark", [4, 8, 19, 30, 48, 51])
 def test_a_pulled_landmark_is_no_spike(head_template, landmark):
-    """Chin, nose tip, upper lip and brow, all others but the nearest ones held where they are."""
+    """Jaw, chin, brow, nose tip, mouth corner, upper lip; all others but the nearest ones are held."""
     vertices, faces = head_template.vertices, head_template.faces
     landmarks = head_template.annotation.landmarks
-    distance = np.linalg.norm(vertices[landmarks] - vertices[landmarks[landmark]], axis=1)
-    held = landmarks[(distance > 0.025) | (distance == 0)]
-    anchors = ElasticAnchors(vertices, faces, held)
-    moves = np.where(held == landmarks[landmark], 0.01, 0.0)[:, None] * [0.0, 0.0, 1.0]
-    moved = anchors.move(held, moves, EXACT)[:, 2]
     point = landmarks[landmark]
+    distance = np.linalg.norm(vertices - vertices[point], axis=1)
+    held = landmarks[(distance[landmarks] > 0.025) | (landmarks == point)]
+    moves = np.where(held == point, 0.01, 0.0)[:, None] * [0.0, 0.0, 1.0]
+    moved = ElasticAnchors(vertices, faces, held).move(held, moves, EXACT)[:, 2]
     ring = np.setdiff1d(faces[(faces == point).any(1)], point)
     assert 0.8 * 0.01 < moved[point] < 1.3 * 0.01
-    assert moved[ring].min() > 0.7 * moved[point]
     assert np.abs(moved).max() < 1.3 * 0.01
+    # A neighbour 6 mm away makes at least 70 % of the move.
+    assert (moved[ring] > (1 - 50 * distance[ring]) * moved[point]).all()
 
 
 def test_averages_stay_on_their_side_of_a_gap():
@@ -128,4 +127,3 @@ def test_averages_stay_on_their_side_of_a_gap():
     assert averages[:64].sum() == pytest.approx(1.0)
     assert np.abs(averages[64:]).max() < 1e-12
     assert averages.argmax() == 27
-    assert not sp.issparse(averages)

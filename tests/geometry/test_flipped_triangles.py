@@ -6,7 +6,7 @@ from caricli.geometry.deformation_gradients import DeformationGradients
 from caricli.geometry.flipped_triangles import flipped_triangles
 
 
-def push_across(vertices, faces, face, by=1.3):
+def push_across(vertices, faces, face, by=1.15):
     """Move one corner of a triangle across the middle of the opposite edge."""
     a, b, c = faces[face]
     pushed = vertices.copy()
@@ -44,8 +44,8 @@ def test_leading_dimensions_are_batches(ball_gradients):
     assert flipped[0, 1, 3] and flipped[1, 0, 50]
 
 
-def test_a_fold_of_a_flat_sheet_is_not_flipped_but_its_crease_may_be(patch):
-    """Bending by a right angle moves normals far, yet turns nothing over against its surroundings."""
+def test_bending_a_sheet_flips_nothing(patch):
+    """Normals go far, yet none against its surroundings."""
     gradients = DeformationGradients(*patch)
     x, y, z = patch[0].T
     angle = 1.6 * (x - x.min()) / np.ptp(x)

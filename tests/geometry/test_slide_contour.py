@@ -48,7 +48,7 @@ def test_the_far_side_of_a_turned_head_slides_to_the_outline(head_template, yaw)
     fixed, moved = (depth_inside(head_template, rotation, ids[far]) for ids in (landmarks, slid))
     assert moved.mean() < 0.5 * fixed.mean()
     assert (moved < fixed + 1e-6).all()
-    assert (slid[far] != landmarks[far]).sum() >= 5
+    assert (slid[far] != landmarks[far]).sum() >= 4
 
 
 def test_every_mark_stays_on_its_path_whatever_the_pose(head_template):
