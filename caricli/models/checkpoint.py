@@ -37,13 +37,16 @@ def model_from_checkpoint(tensors, metadata, where):
     """
     if metadata.get("schema") != SCHEMA:
         raise InputError(f"{where}: expected a model of schema {SCHEMA!r}, found {metadata.get('schema')!r}")
-    if metadata.get("kind") not in KINDS:
+    if metadata.get("kind") not in list(KINDS):
         raise InputError(f"{where}: expected a model of kind {' or '.join(KINDS)}, found {metadata.get('kind')!r}")
     for name, value in tensors.items():
         if not np.isfinite(value).all():
             raise InputError(f"{where}: {name} must be finite")
     try:
         parts = {name: tensors.get(f"template.{name}") for name in _TEMPLATE}
+        for name in _TEMPLATE[:3]:
+            if parts[name] is None:
+                raise KeyError(f"template.{name}")
         count = len(parts["vertices"])
         _check_template(parts, count, where)
         annotation = parse_annotation(metadata["annotation"], count, where)
@@ -70,12 +73,14 @@ def _check_template(parts, count, where):
     faces, polygons, uvs, uv_polygons = (parts[name] for name in _TEMPLATE[1:])
     fits = (
         parts["vertices"].shape == (count, 3)
+        and all(part is None or part.dtype.kind in "iu" for part in (faces, polygons, uv_polygons))
         and faces.ndim == polygons.ndim == 2
         and faces.shape[1] == 3
         and 0 <= faces.min() <= faces.max() < count
         and -1 <= polygons.min() <= polygons.max() < count
         and (uvs is None) == (uv_polygons is None)
-        and (uvs is None or (uv_polygons.shape == polygons.shape and uv_polygons.max() < len(uvs)))
+        and (uvs is None or (uvs.ndim == 2 and uvs.shape[1] == 2 and uv_polygons.shape == polygons.shape))
+        and (uvs is None or -1 <= uv_polygons.min() <= uv_polygons.max() < len(uvs))
     )
     if not fits:
         raise InputError(f"{where}: its template is not a mesh")

@@ -48,8 +48,12 @@ class IntrinsicModel:
 
     @classmethod
     def from_tensors(cls, template, tensors, model_id):
-        """Rebuild from ``tensors()``."""
-        return cls(template, *(tensors[name].astype(float) for name in ("mean", "basis", "offset")), model_id)
+        """Rebuild from ``tensors()``. Raises ValueError when they do not fit each other and the template."""
+        mean, basis, offset = (tensors[name].astype(float) for name in ("mean", "basis", "offset"))
+        count = len(template.vertices)
+        if mean.shape != (count, FEATURES) or basis.shape[1:] != mean.shape or offset.shape != (len(basis) + 1, 3):
+            raise ValueError(f"mean {mean.shape}, basis {basis.shape}, offset {offset.shape} for {count} vertices")
+        return cls(template, mean, basis, offset, model_id)
 
     def tensors(self):
         """See ShapeModel."""
@@ -86,16 +90,21 @@ class IntrinsicModel:
     def decode(self, latents, residual=0.0):
         """See ShapeModel; residual: (..., V, 9) features added to those of the latent."""
         latents = np.asarray(latents)
-        flat = latents.reshape(-1, latents.shape[-1])
-        shapes = np.array([self.template.gradients.vertices(self.features(z) + residual) for z in flat])
-        return shapes.reshape(*latents.shape[:-1], -1, 3) + self._centroid(latents)[..., None, :]
+        batch = latents.shape[:-1]
+        residuals = np.broadcast_to(residual, (*batch, *self.mean.shape))
+        shapes = np.empty((*batch, *self.template.vertices.shape))
+        # One by one: the features of a large batch would need much memory.
+        for k in np.ndindex(batch):
+            shapes[k] = self.template.gradients.vertices(self.features(latents[k]) + residuals[k])
+        return shapes + self._centroid(latents)[..., None, :]
 
     def _centroid(self, latents):
         return self.offset[0] + latents @ self.offset[1:]
 
     def decode_points(self, latent, points):
         """See ShapeModel; only the rows of the solution that are asked for are formed, and kept for the next call."""
-        gradients, key = self.template.gradients, np.asarray(points).tobytes()
+        points = np.asarray(points, dtype=np.int64)
+        gradients, key = self.template.gradients, points.tobytes()
         if key not in self._rows:
             unit = np.zeros((gradients.count, len(points)))
             unit[points, np.arange(len(points))] = 1

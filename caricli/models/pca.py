@@ -26,8 +26,11 @@ class PcaModel:
 
     @classmethod
     def from_tensors(cls, template, tensors, model_id):
-        """Rebuild from ``tensors()``."""
-        return cls(template, tensors["mean"].astype(float), tensors["basis"].astype(float), model_id)
+        """Rebuild from ``tensors()``. Raises ValueError when they do not fit each other and the template."""
+        mean, basis = tensors["mean"].astype(float), tensors["basis"].astype(float)
+        if mean.shape != template.vertices.shape or basis.shape[1:] != mean.shape:
+            raise ValueError(f"mean {mean.shape}, basis {basis.shape} for {len(template.vertices)} vertices")
+        return cls(template, mean, basis, model_id)
 
     def tensors(self):
         """See ShapeModel."""

@@ -20,17 +20,28 @@ AXIS_DEPTH = 0.03
 
 
 def scan(vertices, faces):
-    """Triangle and barycentric coordinates where rays from the head's axis leave it, rows bottom to top."""
-    angles = 2 * np.pi * np.arange(COLUMNS) / COLUMNS
-    heights = np.linspace(vertices[:, 1].min() + 0.045, vertices[:, 1].max() - 0.012, ROWS)
-    hits = []
-    for height in heights:
-        for angle in angles:
-            origin, direction = np.array([0.0, height, AXIS_DEPTH]), np.array([np.sin(angle), 0.0, np.cos(angle)])
-            last = max(igl.ray_mesh_intersect(origin, direction, vertices, faces), key=lambda hit: hit[3])
-            hits.append((last[0], 1 - last[1] - last[2], last[1], last[2]))
-    hits = np.array(hits)
-    return hits[:, 0].astype(int), hits[:, 1:]
+    """Triangles and barycentric coordinates seen by a scanner that goes around the head, rows bottom to top."""
+    angles = 2 * np.pi * (np.arange(COLUMNS) + 0.5) / COLUMNS
+    around = np.stack([np.sin(angles), 0 * angles, np.cos(angles)], -1)
+
+    def reach(height, direction):
+        hits = igl.ray_mesh_intersect(np.array([0.0, height, AXIS_DEPTH]), direction, vertices, faces)
+        return max((hit[1] for hit in hits), default=None)
+
+    # The neck is cut lower in front than behind: start where the scanner sees the head from there on upwards.
+    levels = np.arange(0.02, 0.06, 0.001)
+    seen = np.array([[reach(level, direction) is not None for level in levels] for direction in around])
+    bottom = levels[[len(levels) - np.argmin(row[::-1]) if not row.all() else 0 for row in seen]] + 0.002
+    points = []
+    for share in np.linspace(0, 1, ROWS):
+        for direction, low in zip(around, bottom, strict=True):
+            height = low + share * (vertices[:, 1].max() - 0.012 - low)
+            # A ray can slip through between two triangles; the next one above does not.
+            far = next(far for far in (reach(height + k * 2e-4, direction) for k in range(20)) if far is not None)
+            points.append(np.array([0.0, height, AXIS_DEPTH]) + far * direction)
+    _, triangles, nearest = igl.point_mesh_squared_distance(np.array(points), vertices, faces)
+    corners = (np.ascontiguousarray(vertices[faces[triangles, k]]) for k in range(3))
+    return triangles, igl.barycentric_coordinates(nearest, *corners)
 
 
 def grid():
