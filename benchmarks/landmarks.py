@@ -65,7 +65,9 @@ def main():
     files = sorted(p for p in folder.iterdir() if p.suffix in (".json", ".pts", ".txt", ".npy"))
     rows = list(curves([read_landmarks(path).points for path in files]))
     print(f"{len(files)} landmark sets; NME and flipped triangles in percent; prior: rms of the whitened latent")
-    print(f"{'method':10} {'weight':>6} {'NME':>6} {'worst':>6} {'latent':>6} {'prior':>6} {'flipped':>7} {'median s':>8}")
+    print(
+        f"{'method':10} {'weight':>6} {'NME':>6} {'worst':>6} {'latent':>6} {'prior':>6} {'flipped':>7} {'median s':>8}"
+    )
     for r in rows:
         print(
             f"{r['method']:10} {r['prior_weight']:6.1f} {r['nme']:6.2f} {r['nme_worst']:6.2f} {r['nme_latent']:6.2f} "

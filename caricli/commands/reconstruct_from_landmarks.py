@@ -69,7 +69,9 @@ def command(ctx, landmarks, out, out_dir, image, method, model, prior_weight, pt
         for number, (path, target) in enumerate(jobs):
             try:
                 picture = image if out is not None else _picture_beside(image, path)
-                summary = _reconstruct(path, target, picture, fit, shape_model, method, prior_weight, pts_origin, overwrite)
+                summary = _reconstruct(
+                    path, target, picture, fit, shape_model, method, prior_weight, pts_origin, overwrite
+                )
                 click.echo(f"{target}: {summary}")
             except CaricliError as error:
                 if len(jobs) == 1:
@@ -122,10 +124,14 @@ def _reconstruct(path, target, image, fit, model, method, prior_weight, pts_orig
             template.polygons, template.uvs, template.uv_polygons,
         )  # fmt: skip
         write_face(npz_file, face)
-        sheet = fit_sheet(result.vertices, template.faces, template.annotation, marks.points, result.landmarks, camera, picture)
+        sheet = fit_sheet(
+            result.vertices, template.faces, template.annotation, marks.points, result.landmarks, camera, picture
+        )
         write_png(png_file, sheet)
         write_json(json_file, _description(path, image, method, prior_weight, settings, model, result, seconds))
-    return f"NME {result.nme:.2f} %, prior {result.prior_rms:.2f}, flipped {100 * result.flipped:.2f} %, {seconds:.2f} s"
+    return (
+        f"NME {result.nme:.2f} %, prior {result.prior_rms:.2f}, flipped {100 * result.flipped:.2f} %, {seconds:.2f} s"
+    )
 
 
 def _description(path, image, method, prior_weight, settings, model, result, seconds):

@@ -15,7 +15,13 @@ from caricli.io.strict_json import write_json
 
 def training_command(function):
     """Give a function the options of a training command."""
-    for option in (overwrite_option, set_option, config_option, out_option("MODEL", "The .safetensors to write."), data_option):
+    for option in (
+        overwrite_option,
+        set_option,
+        config_option,
+        out_option("MODEL", "The .safetensors to write."),
+        data_option,
+    ):
         function = option(function)
     return click.command()(function)
 

@@ -76,14 +76,14 @@ def build_dataset(folder, settings, workers=None, progress=lambda done, total: N
 
     def shards():
         pending = []
-        with _worker_map(workers or len(os.sched_getaffinity(0)), settings) as run:
-            prior = None
-            if settings.count is not None:
+        prior = None
+        if settings.count is not None:
+            with _worker_map(workers, settings) as run:
                 shapes = np.concatenate(list(run(_prior_shape, range(PRIOR_SHAPES))))
-                with threadpool_limits(1):
-                    model = IntrinsicModel.train(template, shapes, PRIOR_DIMENSION, settings.seed)
-                prior = (model.mean, model.basis, model.offset)
-        with _worker_map(workers or len(os.sched_getaffinity(0)), settings, prior) as run:
+            with threadpool_limits(1):
+                model = IntrinsicModel.train(template, shapes, PRIOR_DIMENSION, settings.seed)
+            prior = (model.mean, model.basis, model.offset)
+        with _worker_map(workers, settings, prior) as run:
             for meshes in run(_make, jobs):
                 for mesh in meshes:
                     pending.append(mesh)
@@ -200,7 +200,7 @@ class _Worker:
         if self.settings.levels == 1:
             kind &= 2
         strength = generator.uniform(*PART_STRENGTH)
-        for attempt in range(TRIES):
+        for _ in range(TRIES):
             identity = int(generator.integers(self.settings.identities))
             expression = int(generator.integers(self.settings.expressions))
             vertices, level, parts = self.shape(identity, expression), 0, np.zeros(len(NAMES))
@@ -258,7 +258,8 @@ def _make(job):
 def _worker_map(workers, settings, prior=None):
     """A map over jobs, in order, in fresh processes, which end with the context whatever happens."""
     context = multiprocessing.get_context("spawn")
-    pool = ProcessPoolExecutor(workers, mp_context=context, initializer=_start, initargs=(settings, prior))
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
+    pool = ProcessPoolExecutor(workers or cores, mp_context=context, initializer=_start, initargs=(settings, prior))
     try:
         yield lambda function, jobs: pool.map(function, jobs, chunksize=4)
         pool.shutdown()
@@ -277,4 +278,6 @@ def _expression_table(head):
 
 def _stack(meshes):
     integers = ("identity", "expression", "level", "kind")
-    return {name: np.array([m[name] for m in meshes], np.int32 if name in integers else np.float32) for name in meshes[0]}
+    return {
+        name: np.array([m[name] for m in meshes], np.int32 if name in integers else np.float32) for name in meshes[0]
+    }

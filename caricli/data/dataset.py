@@ -60,8 +60,8 @@ def write_dataset(folder, template, shards, manifest):
     """Write a dataset into an empty folder, the manifest last.
 
     folder: Path. template: Template. shards: iterable of dicts with vertices, identity, expression, level and further
-    columns, each an array with the same first dimension. manifest: callable that is called after the last shard with the
-    list of shard entries and returns (dict, dict of arrays for labels.npz).
+    columns, each an array with the same first dimension. manifest: callable that is called after the last shard with
+    the list of shard entries and returns (dict, dict of arrays for labels.npz).
     """
     folder = Path(folder)
     arrays = {"vertices": template.vertices, "faces": template.faces, "polygons": template.polygons}
@@ -143,7 +143,9 @@ def _read_template(folder, manifest):
     annotation = parse_annotation(manifest["annotation"], count, str(folder / "dataset.json"))
     uvs = (arrays.get("uvs"), arrays.get("uv_polygons"))
     template = Template(arrays["vertices"], arrays["faces"], arrays["polygons"], annotation, *uvs)
-    if template.topology_id != manifest["topology_id"] or not (0 <= template.faces.min() <= template.faces.max() < count):
+    if template.topology_id != manifest["topology_id"] or not (
+        0 <= template.faces.min() <= template.faces.max() < count
+    ):
         raise InputError(f"{folder / 'template.npz'}: its faces do not fit dataset.json")
     return template
 

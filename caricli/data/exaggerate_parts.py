@@ -1,6 +1,5 @@
 """Moved landmarks carried to the surface."""
 
-import numpy as np
 
 from caricli.data.move_parts import move_parts
 
@@ -16,7 +15,8 @@ def exaggerate_parts(vertices, changes, hand, model, rounds=ROUNDS):
     deformation features onto the model, which turns stretched skin into the shape of a face; what the model could
     not express of the given face stays on it.
 
-    vertices: (V, 3). changes: (len(move_parts.NAMES),). hand: (81, 3) moves added to those of the parts. model: IntrinsicModel of plausible faces with 81 landmarks.
+    vertices: (V, 3). changes: (len(move_parts.NAMES),). hand: (81, 3) moves added to those of the parts. model:
+    IntrinsicModel of plausible faces with 81 landmarks.
     Returns (V, 3); the skull as a whole stays where it was.
     """
     gradients, landmarks, anchors = model.template.gradients, model.template.annotation.landmarks, model.anchors

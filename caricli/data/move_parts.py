@@ -2,7 +2,13 @@
 
 import numpy as np
 
-JAW, BROWS, NOSE, BRIDGE, BASE = np.arange(17), np.arange(17, 27), np.arange(27, 36), np.arange(27, 31), np.arange(31, 36)
+JAW, BROWS, NOSE, BRIDGE, BASE = (
+    np.arange(17),
+    np.arange(17, 27),
+    np.arange(27, 36),
+    np.arange(27, 31),
+    np.arange(31, 36),
+)
 EYES, MOUTH, FOREHEAD = (np.arange(36, 42), np.arange(42, 48)), np.arange(48, 68), np.arange(68, 71)
 EARS, CHEEKBONES, TEMPLES = (np.arange(71, 74), np.arange(74, 77)), np.arange(77, 79), np.arange(79, 81)
 SIDES = ((EYES[0], np.arange(17, 22), EARS[0], -1), (EYES[1], np.arange(22, 27), EARS[1], 1))
@@ -11,16 +17,17 @@ SIDES = ((EYES[0], np.arange(17, 22), EARS[0], -1), (EYES[1], np.arange(22, 27),
 SPREAD = {
     "chin_height": 0.22, "mouth_height": 0.20, "lip_gap": 0.22, "nose_height": 0.16, "eye_height": 0.16,
     "forehead_height": 0.15, "chin_width": 0.20, "jaw_width": 0.17, "cheek_width": 0.12, "temple_width": 0.10,
-    "crown_width": 0.06, "inner_width": 0.05, "chin_forward": 0.035, "nose_size": 0.24, "nose_width": 0.13, "nose_length": 0.12,
-    "nose_depth": 0.12, "nose_droop": 0.035, "nose_hump": 0.012, "mouth_width": 0.22, "mouth_open": 0.15, "mouth_smile": 0.022,
-    "mouth_forward": 0.015, "eye_size": 0.22, "eye_open": 0.14, "eye_apart": 0.018, "eye_slant": 0.12, "eye_asymmetry": 0.05,
-    "brow_lift": 0.022, "brow_slant": 0.16, "brow_length": 0.10, "brow_asymmetry": 0.010, "ear_size": 0.14, "ear_out": 0.014,
-    "ear_lift": 0.012, "cheek_out": 0.020, "lean": 0.012,
+    "crown_width": 0.06, "inner_width": 0.05, "chin_forward": 0.035, "nose_size": 0.24, "nose_width": 0.13,
+    "nose_length": 0.12, "nose_depth": 0.12, "nose_droop": 0.035, "nose_hump": 0.012, "mouth_width": 0.22,
+    "mouth_open": 0.15, "mouth_smile": 0.022, "mouth_forward": 0.015, "eye_size": 0.22, "eye_open": 0.14,
+    "eye_apart": 0.018, "eye_slant": 0.12, "eye_asymmetry": 0.05, "brow_lift": 0.022, "brow_slant": 0.16,
+    "brow_length": 0.10, "brow_asymmetry": 0.010, "ear_size": 0.14, "ear_out": 0.014, "ear_lift": 0.012,
+    "cheek_out": 0.020, "lean": 0.012,
 }  # fmt: skip
 NAMES = tuple(SPREAD)
 # Curvature exaggeration only ever enlarges noses and ears; the parts lean the other way, so that the mean is a face.
 LEANING = {"nose_depth": -0.3, "nose_width": -0.06, "nose_droop": -0.008, "ear_size": -0.12, "ear_out": -0.006}
-# The unsteady hand: a smooth random field over the face, standard deviation and correlation length, shares of its height.
+# The unsteady hand: a smooth random field over the face; standard deviation and correlation length in face heights.
 HAND, HAND_LENGTH, HAND_ASYMMETRY = 0.022, 0.075, 0.4
 LIMIT = 2.2
 MIN_LIP_GAP = 0.6

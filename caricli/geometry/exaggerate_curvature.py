@@ -19,7 +19,8 @@ def exaggerate_curvature(vertices, faces, exponents, hold=None):
 
     vertices: (V, 3). faces: (F, 3). exponents: gammas, 0 (unchanged) to about 0.35. hold: (V,) in [0, 1], 1 where the
     surface keeps its gradients (eyes and mouth, where they are unstable).
-    Returns (len(exponents), V, 3), centroids kept. Raises NumericsError for meshes with degenerate triangles or unused vertices.
+    Returns (len(exponents), V, 3), centroids kept. Raises NumericsError for meshes with degenerate triangles or unused
+    vertices.
     """
     vertices = np.asarray(vertices, dtype=np.float64)
     double_areas = igl.doublearea(vertices, faces)

@@ -9,10 +9,10 @@ FORWARD_MARGIN = 0.001
 def slide_contour(vertices, rotation, template, landmarks, paths):
     """Where on its path every contour landmark lies on the posed head's outline.
 
-    A landmark moves to the point of its path that lies furthest outwards in the picture: forwards, as on the far side of
-    a turned head, for a gain of more than ``FORWARD_MARGIN`` of the head's height; backwards (under the chin of a lifted
-    head) only where outwards means up or down, and only for a gain in that direction of more than ``BACKWARD_MARGIN``.
-    On a frontal head it stays where it was marked.
+    A landmark moves to the point of its path that lies furthest outwards in the picture: forwards, as on the far side
+    of a turned head, for a gain of more than ``FORWARD_MARGIN`` of the head's height; backwards (under the chin of a
+    lifted head) only where outwards means up or down, and only for a gain in that direction of more than
+    ``BACKWARD_MARGIN``. On a frontal head it stays where it was marked.
 
     vertices: (V, 3) face frame. rotation: (3, 3) of the camera. template: (V, 3), for the outward directions.
     landmarks: (N,) vertex ids. paths: N arrays of vertex ids, back to front, each with its landmark.

@@ -46,8 +46,8 @@ class LandmarkFit:
     """A fitted face.
 
     vertices (V, 3) metres; latent (D,); residual (V, 9) features beyond the latent, or None; pose in pixels; landmarks
-    (L, 2) fitted pixels and anchors (L,) their vertex ids; nme and nme_latent (of the latent's own shape) and part_errors
-    in percent; prior_rms; flipped share of triangles; rounds.
+    (L, 2) fitted pixels and anchors (L,) their vertex ids; nme and nme_latent (of the latent's own shape) and
+    part_errors in percent; prior_rms; flipped share of triangles; rounds.
     """
 
     vertices: np.ndarray
@@ -116,8 +116,8 @@ def fit_landmarks_intrinsic(points, model, settings=IntrinsicSettings()):  # noq
 
     Alternates, after Wu et al. 2018 (expressions paper 3.2.1): pose; jaw landmarks to the outline; the smoothest
     correction of the model's shape that takes the landmarks to their rays (depth is kept); and the latent as the shrunk
-    projection of the result's deformation-gradient features. An outlier among the landmarks loses its weight. At the end
-    flipped triangles are turned back and mouth cavity and eye sockets are tucked behind the skin.
+    projection of the result's deformation-gradient features. An outlier among the landmarks loses its weight. At the
+    end flipped triangles are turned back and mouth cavity and eye sockets are tucked behind the skin.
 
     points: (L, 2) pixels, y down, NaN where unknown. model: IntrinsicModel. settings: IntrinsicSettings.
     Returns LandmarkFit; what the latent cannot express is in its residual. Raises InputError, NumericsError.
@@ -152,8 +152,8 @@ def fit_landmarks_latent(points, model, settings=LatentSettings()):  # noqa: B00
     """Fit a face that stays inside a shape model (deformable paper, equation 3 and supplement 5).
 
     Minimises ``sum_k w_k |s R[:2] p_k(z) + t - b_k|^2 / noise^2 + |whitened z|^2`` over pose and latent: alternating
-    rounds of pose, outline and latent, then Levenberg-Marquardt steps on all together, then a last pose. Only the points
-    that landmarks can stand on are decoded.
+    rounds of pose, outline and latent, then Levenberg-Marquardt steps on all together, then a last pose. Only the
+    points that landmarks can stand on are decoded.
 
     points: (L, 2) pixels, y down, NaN where unknown. model: any ShapeModel. settings: LatentSettings.
     Returns LandmarkFit without a residual. Raises InputError, NumericsError.
@@ -190,7 +190,9 @@ def fit_landmarks_latent(points, model, settings=LatentSettings()):  # noqa: B00
             return (weights * error**2).sum() / settings.noise**2 + (whitened**2).sum()
 
         chosen = anchors[seen.known]
-        system, right = _normal_equations(sparse[chosen], jacobian[row[chosen]], pose, seen.points, weights, settings.noise)
+        system, right = _normal_equations(
+            sparse[chosen], jacobian[row[chosen]], pose, seen.points, weights, settings.noise
+        )
         dimension = len(whitened)
         system[-dimension:, -dimension:] += np.eye(dimension)
         right[-dimension:] -= whitened
@@ -233,7 +235,7 @@ def _finish(seen, model, vertices, latent, residual, weights, rotation, rounds):
 
 
 def _robust_weights(errors, tolerance=4.0, floor=0.02):
-    """Weights in (0, 1] of Geman and McClure: errors far beyond the usual (floor: a share of the diagonal) lose theirs."""
+    """Weights in (0, 1] of Geman and McClure: errors far beyond the usual (at least ``floor``) lose theirs."""
     scale = tolerance * max(1.4826 * np.median(errors), floor)
     return np.maximum(1 / (1 + (errors / scale) ** 2) ** 2, 1e-4)
 

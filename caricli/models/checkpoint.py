@@ -43,17 +43,13 @@ def model_from_checkpoint(tensors, metadata, where):
         if not np.isfinite(value).all():
             raise InputError(f"{where}: {name} must be finite")
     try:
-        parts = {name: tensors.get(f"template.{name}") for name in _TEMPLATE}
-        for name in _TEMPLATE[:3]:
-            if parts[name] is None:
-                raise KeyError(f"template.{name}")
+        parts = {name: tensors[f"template.{name}"] for name in _TEMPLATE[:3]}
+        parts |= {name: tensors.get(f"template.{name}") for name in _TEMPLATE[3:]}
         count = len(parts["vertices"])
         _check_template(parts, count, where)
         annotation = parse_annotation(metadata["annotation"], count, where)
         vertices = parts["vertices"].astype(np.float64)
-        template = Template(
-            vertices, parts["faces"], parts["polygons"], annotation, parts["uvs"], parts["uv_polygons"]
-        )
+        template = Template(vertices, parts["faces"], parts["polygons"], annotation, parts["uvs"], parts["uv_polygons"])
         own = {name.removeprefix("model."): value for name, value in tensors.items() if name.startswith("model.")}
         return KINDS[metadata["kind"]].from_tensors(template, own, model_id(metadata["kind"], own))
     except (KeyError, ValueError, IndexError, TypeError, np.linalg.LinAlgError) as error:

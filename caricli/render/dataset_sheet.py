@@ -10,8 +10,8 @@ from caricli.render.views import render_views
 def dataset_sheet(shapes, faces, annotation, count, size, generator):
     """Front and three-quarter views of randomly chosen shapes.
 
-    shapes: (N, V, 3). faces: (F, 3). annotation: with ``curves`` and ``regions``. count: meshes on the sheet. size: pixels
-    of a view. generator: numpy Generator.
+    shapes: (N, V, 3). faces: (F, 3). annotation: with ``curves`` and ``regions``. count: meshes on the sheet. size:
+    pixels of a view. generator: numpy Generator.
     Returns (H, W, 3) uint8.
     """
     chosen = np.sort(generator.choice(len(shapes), min(count, len(shapes)), replace=False))

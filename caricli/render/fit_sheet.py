@@ -15,9 +15,9 @@ _MARGIN = 0.35
 def fit_sheet(vertices, faces, annotation, given, fitted, camera, image=None, size=512):
     """Picture with given (green circles) and fitted (red) landmarks, mesh over the picture, three views.
 
-    vertices: (V, 3). faces: (F, 3). annotation: with ``curves`` and ``regions``. given, fitted: (L, 2) pixels, NaN where
-    unknown. camera: (scale, rotation (3, 3), translation (2,)). image: (H, W, 3) uint8, white where there is none. size:
-    pixels of one view.
+    vertices: (V, 3). faces: (F, 3). annotation: with ``curves`` and ``regions``. given, fitted: (L, 2) pixels, NaN
+    where unknown. camera: (scale, rotation (3, 3), translation (2,)). image: (H, W, 3) uint8, white where there is
+    none. size: pixels of one view.
     Returns (H, W, 3) uint8.
     """
     eyeballs = place_eyeballs(vertices, faces, annotation.curves, annotation.regions)

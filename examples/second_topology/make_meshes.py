@@ -75,7 +75,9 @@ def main():
         write_obj(folder / f"scan_{number:03d}.obj", ObjMesh(sample(shape), quads, uvs, uv_quads))
 
     points = sample(template.vertices)
-    landmarks = [int(np.argmin(((points - p) ** 2).sum(1))) for p in template.vertices[template.annotation.landmarks[:68]]]
+    landmarks = [
+        int(np.argmin(((points - p) ** 2).sum(1))) for p in template.vertices[template.annotation.landmarks[:68]]
+    ]
     # A jaw landmark slides along its own row of the grid, from the ear to the middle of the face.
     paths = []
     for landmark in landmarks[:17]:

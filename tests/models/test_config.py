@@ -1,0 +1,32 @@
+from dataclasses import FrozenInstanceError
+
+import pytest
+
+from caricli.errors import InputError
+from caricli.io.bundled import config_path
+from caricli.io.config import read_config
+from caricli.models.config import LinearConfig
+
+
+@pytest.mark.parametrize("kind", ["pca", "intrinsic"])
+@pytest.mark.parametrize("name", ["tiny", "default", "paper"])
+def test_the_bundled_settings_can_be_read(kind, name):
+    config = read_config(config_path(f"{kind}/{name}.yaml"), LinearConfig)
+    assert 1 <= config.dimension <= 178
+
+
+@pytest.mark.parametrize(("dimension", "seed"), [(1, 0), (4096, 2**31)])
+def test_possible_settings_are_taken(dimension, seed):
+    config = LinearConfig(dimension, seed)
+    assert (config.dimension, config.seed) == (dimension, seed)
+
+
+@pytest.mark.parametrize("setting", ["dimension=0", "dimension=4097", "dimension=-3", "seed=-1", "dimension=1.5"])
+def test_impossible_settings_are_refused(setting):
+    with pytest.raises(InputError, match=setting.split("=")[0]):
+        read_config(None, LinearConfig, [setting])
+
+
+def test_settings_do_not_change():
+    with pytest.raises(FrozenInstanceError):
+        LinearConfig().dimension = 3

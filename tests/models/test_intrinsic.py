@@ -1,0 +1,95 @@
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from caricli.geometry.flipped_triangles import flipped_triangles
+from caricli.models.intrinsic import IntrinsicModel, feature_weights
+from caricli.models.pca import PcaModel
+
+
+@pytest.fixture(scope="module")
+def ball_intrinsic(ball_template, balls):
+    return IntrinsicModel.train(ball_template, balls, 5)
+
+
+@pytest.mark.parametrize("shrink", [0.0, 1e-3, 0.5])
+def test_a_dense_least_squares_fit_of_the_features_agrees(ball_intrinsic, ball_template, balls, shrink):
+    model = ball_intrinsic
+    features = ball_template.gradients.features(balls[0] + np.random.default_rng(0).normal(0, 0.01, balls[0].shape))
+    root = np.sqrt(feature_weights(ball_template))[:, None]
+    design = (root * model.basis).reshape(5, -1).T
+    right = (root * (features - model.mean)).ravel()
+    design = np.concatenate([design, np.sqrt(shrink) * np.eye(5)])
+    expected = np.linalg.lstsq(design, np.concatenate([right, np.zeros(5)]), rcond=None)[0]
+    assert np.abs(model.features_to_latent(features, shrink) - expected).max() < 1e-9
+
+
+def test_shrinking_shortens_the_latent(ball_intrinsic, ball_template, balls):
+    features = ball_template.gradients.features(balls[0])
+    lengths = [np.linalg.norm(ball_intrinsic.features_to_latent(features, s)) for s in (0.0, 1e-3, 1e-1, 1e3)]
+    assert lengths[0] > lengths[1] > lengths[2] > lengths[3]
+    assert lengths[3] < 0.01 * lengths[0]
+
+
+def test_features_of_latents_come_back_exactly(intrinsic):
+    latents = np.random.default_rng(1).normal(size=(2, 3, len(intrinsic.basis)))
+    assert np.abs(intrinsic.features_to_latent(intrinsic.features(latents)) - latents).max() < 1e-9
+
+
+def test_the_residual_brings_back_the_very_shape_up_to_where_it_is(intrinsic, people):
+    """What a latent cannot say is kept beside it, so that a face keeps its likeness."""
+    features = intrinsic.template.gradients.features(people[:3])
+    latents = intrinsic.features_to_latent(features)
+    shapes = intrinsic.decode(latents, features - intrinsic.features(latents))
+    centred = [s - s.mean(1, keepdims=True) for s in (shapes, people[:3])]
+    assert np.abs(centred[0] - centred[1]).max() < 1e-7
+    assert np.allclose(shapes.mean(1), intrinsic.decode(latents).mean(1), atol=1e-9)
+    single = intrinsic.decode(latents[2], features[2] - intrinsic.features(latents[2]))
+    assert np.abs(single - shapes[2]).max() < 1e-9
+
+
+def test_one_residual_serves_a_whole_batch(ball_intrinsic):
+    residual = np.random.default_rng(2).normal(0, 0.05, (300, 9))
+    latents = np.random.default_rng(3).normal(size=(2, 5))
+    shapes = ball_intrinsic.decode(latents, residual)
+    assert np.allclose(shapes[1], ball_intrinsic.decode(latents[1], residual), atol=1e-12)
+
+
+def test_the_offset_predicts_where_the_shape_is(ball_intrinsic, balls):
+    predicted = ball_intrinsic.decode(ball_intrinsic.encode(balls)).mean(1)
+    spread = np.linalg.norm(balls.mean(1) - balls.mean((0, 1)), axis=1).mean()
+    assert np.linalg.norm(predicted - balls.mean(1), axis=1).mean() < 0.2 * spread
+
+
+def test_the_latent_does_not_see_a_translation(intrinsic, people):
+    assert np.abs(intrinsic.encode(people[0] + [0.1, 0.2, -0.3]) - intrinsic.encode(people[0])).max() < 1e-9
+
+
+def test_it_extrapolates_turns_where_positions_tear(ball_template):
+    """A twist five times as strong as any that was learnt."""
+    vertices = ball_template.vertices * [0.3, 1.0, 0.3]
+
+    def twisted(angle):
+        return Rotation.from_rotvec(np.outer(angle * vertices[:, 1], [0, 1, 0])).apply(vertices)
+
+    shapes = np.array([twisted(angle) for angle in np.linspace(-0.3, 0.3, 13)])
+    template = ball_template.with_vertices(vertices)
+    found = {}
+    for kind in (IntrinsicModel, PcaModel):
+        model = kind.train(template, shapes, 1)
+        found[kind.kind] = model.decode(5 * model.encode(twisted(0.3)))
+    error = {kind: np.abs(shape - shape.mean(0) - twisted(1.5)).max() for kind, shape in found.items()}
+    assert error["intrinsic"] < 0.05 < 0.1 < error["pca"]
+    assert not flipped_triangles(found["intrinsic"], template.gradients).any()
+
+
+def test_anchors_are_prepared_for_every_landmark_and_jaw_path(intrinsic):
+    expected = intrinsic.template.annotation.anchor_ids()
+    assert np.array_equal(intrinsic.anchors.points, expected)
+    assert intrinsic.anchors is intrinsic.anchors
+
+
+def test_weights_are_shares_of_the_area(ball_template):
+    weights = feature_weights(ball_template)
+    assert weights.sum() == pytest.approx(1.0)
+    assert (weights > 0).all() and weights.max() < 3 / 300

@@ -1,0 +1,62 @@
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from caricli.io.checkpoint import read_checkpoint
+from caricli.io.face import read_face
+from caricli.io.image import read_image
+from caricli.io.obj import read_obj
+from caricli.io.strict_json import read_json
+
+ROOT = Path(__file__).parents[1]
+
+
+@pytest.fixture
+def run(tmp_path):
+    """Run a script as a newcomer does, with `caricli` and `python` those of the tests."""
+    shim = tmp_path / "bin" / "caricli"
+    shim.parent.mkdir()
+    shim.write_text(f'#!/bin/sh\nexec "{sys.executable}" -m caricli "$@"\n')
+    shim.chmod(0o755)
+    path = f"{shim.parent}{os.pathsep}{os.environ['PATH']}"
+    environment = os.environ | {"PATH": path, "PYTHON": sys.executable, "PYTHONPATH": str(ROOT)}
+
+    def run(script, *arguments):
+        done = subprocess.run([script, *arguments], env=environment, capture_output=True, text=True, cwd=tmp_path)
+        assert done.returncode == 0, done.stdout + done.stderr
+        return done.stdout
+
+    return run
+
+
+def test_own_model(run, tmp_path):
+    printed = run(ROOT / "examples" / "own_model" / "run.sh", tmp_path / "out")
+    assert "components for 99 %" in printed and "test mm (%)" in printed
+    face = read_face(tmp_path / "out" / "astronaut.npz")
+    assert face.latent.shape == (12,) and face.residual.shape == (4200, 9)
+    assert read_face(tmp_path / "out" / "latent.npz").residual is None
+    assert read_image(tmp_path / "out" / "both.png").std() > 10
+    assert read_checkpoint(tmp_path / "out" / "pca.safetensors")[1]["recipe"]["config"]["dimension"] == 8
+
+
+def test_second_topology(run, tmp_path):
+    run(ROOT / "examples" / "second_topology" / "run.sh", tmp_path / "out")
+    given = read_obj(tmp_path / "out" / "scans" / "scan_000.obj")
+    written = read_obj(tmp_path / "out" / "astronaut.obj")
+    assert (written.polygons == given.polygons).all() and (written.uv_polygons == given.uv_polygons).all()
+    assert (written.uvs == given.uvs).all() and written.polygons.shape[1] == 4
+    assert read_json(tmp_path / "out" / "astronaut.json")["nme"] < 1.5
+
+
+def test_astronaut(run, tmp_path):
+    example = ROOT / "examples" / "astronaut"
+    run(sys.executable, example / "fetch_image.py", tmp_path / "astronaut.png")
+    options = ["--image", tmp_path / "astronaut.png", "--out", tmp_path / "demo" / "astronaut.obj"]
+    run("caricli", "reconstruct-from-landmarks", example / "landmarks.json", *options)
+    names = sorted(path.name for path in (tmp_path / "demo").iterdir())
+    assert names == ["astronaut.json", "astronaut.npz", "astronaut.obj", "astronaut.png"]
+    figures = read_json(tmp_path / "demo" / "astronaut.json")
+    assert figures["nme"] < 0.6 and figures["prior_rms"] < 1.0 and figures["flipped"] < 0.003
