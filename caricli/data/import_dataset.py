@@ -78,20 +78,29 @@ def _read_labels(path, files):
     count = len(files)
     if path is None:
         return np.arange(count, dtype=np.int32), np.array([], dtype="<U1"), np.zeros((count, 0), np.float32)
-    reader = csv.DictReader(io.StringIO(read_text(path, 2**26, "a CSV file")))
-    if not reader.fieldnames or "file" not in reader.fieldnames:
-        raise InputError(f"{path}: expected a CSV with a column 'file'")
-    names = [name for name in reader.fieldnames if name not in ("file", "identity")]
+    text = read_text(path, 2**26, "a CSV file").removeprefix("\ufeff")
+    try:
+        header, *lines = csv.reader(io.StringIO(text))
+    except (csv.Error, ValueError) as error:
+        raise InputError(f"{path}: expected a CSV, found {error}") from None
+    if "file" not in header or len(set(header)) < len(header):
+        raise InputError(f"{path}: expected a CSV with a column 'file' and no column twice")
+    names = [name for name in header if name not in ("file", "identity")]
     rows = {}
-    for number, row in enumerate(reader, 2):
+    for number, line in enumerate(lines, 2):
+        if not line:
+            continue
+        if len(line) != len(header):
+            raise InputError(f"{path}: line {number}: expected {len(header)} columns, found {len(line)}")
+        row = dict(zip(header, line, strict=True))
         if row["file"] in rows:
             raise InputError(f"{path}: line {number}: {row['file']!r} comes twice")
         try:
             values = [float(row[name]) for name in names]
-        except (TypeError, ValueError):
+        except ValueError:
             raise InputError(f"{path}: line {number}: expected a number in every label column") from None
-        if not np.isfinite(values).all():
-            raise InputError(f"{path}: line {number}: labels must be finite")
+        if not (np.abs(values) <= np.finfo(np.float32).max).all():
+            raise InputError(f"{path}: line {number}: labels must be finite and fit single precision")
         rows[row["file"]] = row.get("identity", row["file"]), values
     missing = [f.name for f in files if f.name not in rows]
     if missing:

@@ -76,4 +76,6 @@ def parse_annotation(value, vertex_count, where):
     if mirror is not None and not np.array_equal(mirror[mirror], np.arange(vertex_count)):
         raise InputError(f"{where}: 'mirror' must be its own inverse")
     eyeballs = value.get("eyeballs", {})
+    if not isinstance(eyeballs, dict):
+        raise InputError(f"{where}: 'eyeballs' must be an object")
     return Annotation(landmarks, jaw_paths, table("curves"), table("regions"), mirror, eyeballs, value)

@@ -83,11 +83,8 @@ class Head:
 def load_head():
     """The head from the cache ($XDG_CACHE_HOME/caricli, else ~/.cache/caricli), extracted there on first use."""
     path = cache_folder() / CACHE_NAME
-    if path.exists():
-        try:
-            return _unpack(read_npz(path))
-        except (CaricliError, KeyError):
-            path.unlink()
+    with contextlib.suppress(CaricliError, KeyError):
+        return _unpack(read_npz(path))
     arrays = _extract()
     # A cache that cannot be written only costs time.
     with contextlib.suppress(CaricliError, OSError), staged(path, overwrite=True) as (temporary,):

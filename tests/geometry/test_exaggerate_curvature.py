@@ -1,9 +1,10 @@
+import igl
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
 from caricli.errors import NumericsError
-from caricli.geometry.exaggerate_curvature import exaggerate_curvature
+from caricli.geometry.exaggerate_curvature import MAX_LOG_WEIGHT, SMOOTHING, exaggerate_curvature
 
 
 @pytest.fixture(scope="module")
@@ -17,6 +18,49 @@ def lump(ball):
 
 def edge_lengths(vertices, faces):
     return np.linalg.norm(vertices[faces] - vertices[np.roll(faces, 1, axis=1)], axis=-1)
+
+
+def dense_weights(vertices, faces, exponent, hold):
+    """|K|^gamma by angle defects, smoothed in dense matrices."""
+    corners = vertices[faces]
+    defect = np.full(len(vertices), 2 * np.pi)
+    for k in range(3):
+        u, v = corners[:, k - 1] - corners[:, k], corners[:, k - 2] - corners[:, k]
+        cosine = (u * v).sum(1) / np.linalg.norm(u, axis=1) / np.linalg.norm(v, axis=1)
+        np.subtract.at(defect, faces[:, k], np.arccos(cosine))
+    laplacian, mass = -igl.cotmatrix(vertices, faces).toarray(), igl.massmatrix(vertices, faces).toarray()
+    area = mass.sum()
+    curvature = np.abs(defect) / np.diag(mass) * area
+    edges = np.sort(faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
+    once, count = np.unique(edges, axis=0, return_counts=True)
+    rim = np.unique(once[count == 1])
+    curvature[rim] = np.median(curvature)
+    smooth = np.linalg.inv(mass + SMOOTHING * area * laplacian) @ mass
+    logarithm = smooth @ np.log(np.maximum(curvature, 1e-3))
+    logarithm -= np.diag(mass) @ logarithm / area
+    logarithm *= np.clip(1 - smooth @ hold, 0, 1) * (1 - hold)
+    weights = np.exp(np.clip(exponent * logarithm, -MAX_LOG_WEIGHT, MAX_LOG_WEIGHT))
+    return weights / (np.diag(mass) @ weights / area)
+
+
+@pytest.mark.parametrize("mesh", ["lump", "patch"])
+def test_the_dense_minimiser_of_the_energy_agrees(mesh, request):
+    vertices, faces = request.getfixturevalue(mesh)
+    hold = np.exp(-4 * ((vertices - vertices[40]) ** 2).sum(1))
+    weights = dense_weights(vertices, faces, 0.3, hold)[faces].mean(1)
+    rows, right = [], []
+    for face, weight in zip(faces, weights, strict=True):
+        a, b, c = vertices[face]
+        # The gradient of a linear function in the triangle's plane, from its values at the corners.
+        frame = np.stack([b - a, c - a])
+        gradient = np.zeros((3, len(vertices)))
+        gradient[:, face] = np.linalg.pinv(frame) @ [[-1, 1, 0], [-1, 0, 1]]
+        root = np.sqrt(np.linalg.norm(np.cross(*frame)) / 2)
+        rows.append(root * gradient)
+        right.append(root * weight * gradient @ vertices)
+    expected = np.linalg.lstsq(np.concatenate(rows), np.concatenate(right), rcond=1e-10)[0]
+    expected += vertices.mean(0) - expected.mean(0)
+    assert np.abs(exaggerate_curvature(vertices, faces, [0.3], hold)[0] - expected).max() < 1e-6
 
 
 def test_exponent_zero_changes_nothing(lump):

@@ -40,16 +40,17 @@ def test_the_rotation_is_proper_whatever_the_noise():
         assert pose.scale > 0
 
 
-def test_nothing_near_the_fit_to_noisy_pixels_is_better():
+@pytest.mark.parametrize("noise", [1.0, 8.0, 40.0])
+def test_nothing_near_the_fit_to_noisy_pixels_is_better(noise):
     generator = np.random.default_rng(2)
-    pixels = pose_of([0.2, 0.4, -0.1]).project(POINTS) + generator.normal(0, 8, (68, 2))
+    pixels = pose_of([0.2, 0.4, -0.1]).project(POINTS) + generator.normal(0, noise, (68, 2))
     weights = generator.uniform(0.1, 1, 68)
     pose = scaled_orthographic_pose(POINTS, pixels, weights)
     best = (weights * ((pose.project(POINTS) - pixels) ** 2).sum(1)).sum()
     for _ in range(200):
-        rotation = Rotation.from_rotvec(generator.normal(0, 1e-3, 3)).as_matrix() @ pose.rotation
-        scale = pose.scale * np.exp(generator.normal(0, 1e-3))
-        near = Pose(scale, rotation, pose.translation + generator.normal(0, 0.1, 2))
+        rotation = Rotation.from_rotvec(generator.normal(0, 1e-5, 3)).as_matrix() @ pose.rotation
+        scale = pose.scale * np.exp(generator.normal(0, 1e-5))
+        near = Pose(scale, rotation, pose.translation + generator.normal(0, 1e-3, 2))
         assert (weights * ((near.project(POINTS) - pixels) ** 2).sum(1)).sum() > best
 
 

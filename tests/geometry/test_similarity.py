@@ -44,6 +44,9 @@ def test_reflected_points_get_a_proper_rotation():
     best = error(SOURCE, target, scale, rotation, translation)
     others = Rotation.random(2000, random_state=4).as_matrix()
     assert 0 < best <= min(error(SOURCE, target, scale, other, translation) for other in others)
+    for factor in (0.99, 1.01):
+        centre = target.mean(0) - factor * scale * rotation @ SOURCE.mean(0)
+        assert error(SOURCE, target, factor * scale, rotation, centre) > best
 
 
 def test_points_in_one_plane_are_enough():

@@ -15,6 +15,10 @@ def test_a_quad_becomes_two_triangles_around_its_first_corner():
     assert triangulate([[4, 5, 6, 7]]).tolist() == [[4, 5, 6], [4, 6, 7]]
 
 
+def test_the_vertex_zero_may_stand_anywhere():
+    assert triangulate([[3, 2, 1, 0], [2, 1, 0, -1]]).tolist() == [[3, 2, 1], [3, 1, 0], [2, 1, 0]]
+
+
 def test_mixed_polygons_become_fans_in_their_order():
     polygons = np.array([[0, 1, 2, 3, 4, 5], [6, 7, 8, -1, -1, -1], [2, 3, 9, 8, -1, -1]])
     before = polygons.copy()

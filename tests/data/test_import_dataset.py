@@ -1,0 +1,176 @@
+import numpy as np
+import pytest
+
+from caricli.data.dataset import SPLITS, read_dataset
+from caricli.data.import_dataset import import_dataset
+from caricli.errors import CaricliError, InputError
+from caricli.io.obj import ObjMesh, read_obj, write_obj
+from caricli.io.strict_json import write_json
+
+
+@pytest.fixture
+def out(tmp_path):
+    folder = tmp_path / "out"
+    folder.mkdir()
+    return folder
+
+
+def csv_of(path, header, rows):
+    path.write_text("\n".join([header, *rows]) + "\n")
+    return path
+
+
+def test_order_quads_uvs_and_coordinates_are_kept(barrel, barrels, out):
+    folder, shapes, annotation = barrels
+    calls = []
+    assert import_dataset(folder, out, annotation, progress=lambda *numbers: calls.append(numbers)) == 12
+    assert calls == [(k, 12) for k in range(1, 13)]
+    data = read_dataset(out)
+    np.testing.assert_allclose(data.vertices, shapes, atol=1e-8)
+    np.testing.assert_array_equal(data.template.polygons, barrel.mesh.polygons)
+    np.testing.assert_array_equal(data.template.uv_polygons, barrel.mesh.uv_polygons)
+    np.testing.assert_allclose(data.template.uvs, barrel.mesh.uvs, atol=1e-9)
+    np.testing.assert_array_equal(data.template.faces, barrel.template.faces)
+    np.testing.assert_allclose(data.template.vertices, shapes.mean(0), atol=1e-7)
+    assert data.template.annotation.source == barrel.annotation
+    assert data.attributes == () and data.measures.shape == (12, 0)
+    assert data.factors["file"].tolist() == [f"scan_{k:02d}.obj" for k in range(12)]
+    # The template's mesh can be written as it came.
+    template = data.template
+    write_obj(out / "back.obj", ObjMesh(template.vertices, template.polygons, template.uvs, template.uv_polygons))
+    back, first = read_obj(out / "back.obj"), read_obj(folder / "scan_00.obj")
+    np.testing.assert_array_equal(back.polygons, first.polygons)
+    np.testing.assert_array_equal(back.uv_polygons, first.uv_polygons)
+    np.testing.assert_array_equal(back.uvs, first.uvs)
+
+
+def test_without_labels_every_mesh_is_a_person_of_one_split(barrels, out):
+    import_dataset(*barrels[:1], out, barrels[2])
+    data = read_dataset(out)
+    assert sorted(data.identity.tolist()) == list(range(12))
+    assert [int(data.rows(split).sum()) for split in SPLITS] == [10, 1, 1]
+
+
+def test_the_seed_decides_the_split_and_the_bytes(barrels, tmp_path):
+    manifests = []
+    for name, seed in (("a", 0), ("b", 0), ("c", 1)):
+        (tmp_path / name).mkdir()
+        import_dataset(barrels[0], tmp_path / name, barrels[2], seed=seed)
+        manifests.append((tmp_path / name / "dataset.json").read_bytes())
+    assert manifests[0] == manifests[1] != manifests[2]
+
+
+def test_meshes_without_uvs_and_with_other_files_beside_them(barrel, barrels, out):
+    folder, shapes, annotation = barrels
+    for number, shape in enumerate(shapes):
+        write_obj(folder / f"scan_{number:02d}.obj", ObjMesh(shape, barrel.mesh.polygons, None, None))
+    (folder / "notes.txt").write_text("mine")
+    assert import_dataset(folder, out, annotation) == 12
+    assert read_dataset(out).template.uvs is None
+
+
+def test_labels_and_people_come_from_the_csv(barrels, out, tmp_path):
+    rows = [f"scan_{k:02d}.obj,person{k // 3},{k - 5.5},{k % 2}" for k in range(12)]
+    labels = csv_of(tmp_path / "labels.csv", "file,identity,BigNose,Smile", rows[::-1])
+    import_dataset(barrels[0], out, barrels[2], labels)
+    data = read_dataset(out)
+    assert data.attributes == ("BigNose", "Smile")
+    np.testing.assert_array_equal(data.measures[:, 0], np.arange(12) - 5.5)
+    np.testing.assert_array_equal(data.labels, np.stack([np.arange(12) > 5.5, np.arange(12) % 2 == 1], 1))
+    np.testing.assert_array_equal(data.identity, np.arange(12) // 3)
+    people = [set(data.identity[data.rows(split)].tolist()) for split in SPLITS]
+    assert people[0].isdisjoint(people[1] | people[2]) and people[1].isdisjoint(people[2]) and all(people)
+
+
+def test_a_csv_as_a_spreadsheet_writes_it_is_read(barrels, out, tmp_path):
+    rows = "".join(f'"scan_{k:02d}.obj",{k}\r\n' for k in range(12))
+    (tmp_path / "l.csv").write_bytes(("\ufefffile,Smile\r\n" + rows + "\r\n").encode())
+    import_dataset(barrels[0], out, barrels[2], tmp_path / "l.csv")
+    np.testing.assert_array_equal(read_dataset(out).measures[:, 0], np.arange(12))
+
+
+def test_a_csv_of_people_alone_is_enough(barrels, out, tmp_path):
+    labels = csv_of(tmp_path / "l.csv", "file,identity", [f"scan_{k:02d}.obj,p{k % 4}" for k in range(12)])
+    import_dataset(barrels[0], out, barrels[2], labels)
+    data = read_dataset(out)
+    np.testing.assert_array_equal(data.identity, np.arange(12) % 4)
+    assert data.attributes == ()
+
+
+GOOD = [f"scan_{k:02d}.obj,{k}" for k in range(12)]
+
+
+@pytest.mark.parametrize(
+    ("header", "rows", "said"),
+    [
+        ("name,BigNose", GOOD, "column 'file'"),
+        ("file,BigNose", GOOD[:-1], "no row for scan_11.obj"),
+        ("file,BigNose", [*GOOD[:-1], "scan_11.obj,big"], "line 13: expected a number"),
+        ("file,BigNose", [*GOOD[:-1], "scan_11.obj,"], "line 13: expected a number"),
+        ("file,BigNose", [*GOOD[:-1], "scan_11.obj"], "line 13: expected 2 columns, found 1"),
+        ("file,BigNose", [*GOOD[:-1], "scan_11.obj,nan"], "line 13: labels must be finite"),
+        ("file,BigNose", [*GOOD[:-1], "scan_11.obj,inf"], "line 13: labels must be finite"),
+        ("file,BigNose", [*GOOD[:-1], "scan_11.obj,1e308"], "line 13: labels must be finite"),
+        ("file,BigNose", [*GOOD, GOOD[0]], "line 14: 'scan_00.obj' comes twice"),
+        ("file,BigNose,BigNose", [row + ",1" for row in GOOD], "no column twice"),
+        ("file,BigNose", [*GOOD, "x" * 200_000 + ",1"], "labels.csv: expected a CSV, found field larger"),
+        ("file,BigNose", [row + ",1" for row in GOOD], "line 2: expected 2 columns, found 3"),
+        ("<html>", GOOD, "HTML"),
+    ],
+)
+def test_labels_that_do_not_fit_are_refused(barrels, out, tmp_path, header, rows, said):
+    labels = csv_of(tmp_path / "labels.csv", header, rows)
+    with pytest.raises(InputError, match=said):
+        import_dataset(barrels[0], out, barrels[2], labels)
+    assert not (out / "dataset.json").exists()
+
+
+@pytest.mark.parametrize("content", [b"", b"\x80\x04\x95", b"\xff\xfe\x00f"])
+def test_labels_that_are_no_text_are_refused(barrels, out, tmp_path, content):
+    (tmp_path / "labels.csv").write_bytes(content)
+    with pytest.raises(InputError, match="labels.csv"):
+        import_dataset(barrels[0], out, barrels[2], tmp_path / "labels.csv")
+
+
+def test_another_topology_is_refused_with_the_name_of_the_file(barrel, barrels, out):
+    folder, shapes, annotation = barrels
+    mesh = barrel.mesh
+    bad = folder / "scan_07.obj"
+    write_obj(bad, ObjMesh(np.vstack([shapes[7], [[0, 0, 0]]]), mesh.polygons, mesh.uvs, mesh.uv_polygons))
+    with pytest.raises(InputError, match="scan_07.obj.*62 vertices.*found 63"):
+        import_dataset(folder, out, annotation)
+    write_obj(bad, ObjMesh(shapes[7], mesh.polygons[:-1], mesh.uvs, mesh.uv_polygons[:-1]))
+    with pytest.raises(InputError, match="scan_07.obj"):
+        import_dataset(folder, out, annotation)
+    turned = mesh.polygons.copy()
+    turned[3] = np.roll(turned[3], 1)
+    write_obj(bad, ObjMesh(shapes[7], turned, mesh.uvs, mesh.uv_polygons))
+    with pytest.raises(InputError, match="scan_07.obj.*faces"):
+        import_dataset(folder, out, annotation)
+    bad.write_text("v 0 0 nan\n")
+    with pytest.raises(InputError, match="scan_07.obj"):
+        import_dataset(folder, out, annotation)
+
+
+def test_folders_and_annotations_that_do_not_fit_are_refused(barrel, barrels, out, tmp_path):
+    folder, _, annotation = barrels
+    with pytest.raises(InputError, match="none: expected a folder"):
+        import_dataset(tmp_path / "none", out, annotation)
+    with pytest.raises(InputError, match="at least two"):
+        import_dataset(out, out, annotation)
+    with pytest.raises(InputError, match="none.json"):
+        import_dataset(folder, out, tmp_path / "none.json")
+    for change in ({"ibug68": list(range(67))}, {"ibug68": [62] * 68}, {"jaw_paths": [[0]] * 17}, {"mirror": [0] * 62}):
+        write_json(tmp_path / "bad.json", barrel.annotation | change)
+        with pytest.raises(InputError, match="bad.json"):
+            import_dataset(folder, out, tmp_path / "bad.json")
+
+
+def test_meshes_without_area_are_refused(barrel, barrels, out):
+    folder, shapes, annotation = barrels
+    for number, shape in enumerate(shapes):
+        flat = shape.copy()
+        flat[barrel.mesh.polygons[0]] = flat[0]
+        write_obj(folder / f"scan_{number:02d}.obj", ObjMesh(flat, barrel.mesh.polygons, None, None))
+    with pytest.raises(CaricliError, match="area"):
+        import_dataset(folder, out, annotation)

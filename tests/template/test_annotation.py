@@ -1,0 +1,139 @@
+import json
+
+import numpy as np
+import pytest
+
+from caricli.errors import InputError
+from caricli.io.bundled import asset_path
+from caricli.template.annotation import EXTRA_NAMES, parse_annotation
+
+COUNT = 200
+
+
+def good(**changes):
+    value = {
+        "ibug68": list(range(68)),
+        "extra13": list(range(100, 113)),
+        "jaw_paths": [[k, 120 + k, 150] for k in range(17)],
+        "curves": {"brow": [5, 6, 7]},
+        "regions": {"face": [0, 1, 199], "nothing": []},
+        "mirror": [k + 1 if k % 2 == 0 else k - 1 for k in range(COUNT)],
+        "eyeballs": {"left": {"centre": [0, 0, 0], "radius": 1}},
+    }
+    return value | changes
+
+
+def without(*keys):
+    return {key: value for key, value in good().items() if key not in keys}
+
+
+def test_everything_is_read_as_arrays():
+    annotation = parse_annotation(good(), COUNT, "a.json")
+    assert annotation.landmarks.tolist() == [*range(68), *range(100, 113)]
+    assert annotation.has_extra
+    assert [path.tolist() for path in annotation.jaw_paths] == good()["jaw_paths"]
+    assert annotation.curves["brow"].tolist() == [5, 6, 7]
+    assert annotation.regions["face"].dtype.kind == "i" and len(annotation.regions["nothing"]) == 0
+    assert annotation.mirror[:4].tolist() == [1, 0, 3, 2]
+    assert annotation.source == good()
+
+
+def test_only_the_68_landmarks_are_required():
+    annotation = parse_annotation({"ibug68": list(range(68))}, 68, "a.json")
+    assert not annotation.has_extra and len(annotation.landmarks) == 68
+    # Without paths every jaw landmark stays where it is.
+    assert [path.tolist() for path in annotation.jaw_paths] == [[k] for k in range(17)]
+    assert annotation.mirror is None
+    assert annotation.curves == annotation.regions == annotation.eyeballs == {}
+
+
+@pytest.mark.parametrize("key", ["extra13", "jaw_paths", "curves", "regions", "mirror", "eyeballs"])
+def test_each_other_part_may_be_absent(key):
+    annotation = parse_annotation(without(key), COUNT, "a.json")
+    assert len(annotation.landmarks) == (68 if key == "extra13" else 81)
+
+
+def test_anchors_are_landmarks_and_paths_without_repeats():
+    anchors = parse_annotation(good(), COUNT, "a.json").anchor_ids()
+    assert anchors.tolist() == sorted({*range(68), *range(100, 113), *range(120, 137), 150})
+
+
+def test_vertices_may_be_used_twice():
+    assert len(parse_annotation(good(ibug68=[3] * 68, jaw_paths=[[3]] * 17), COUNT, "a.json").landmarks) == 81
+
+
+def test_ids_up_to_the_last_vertex_are_taken():
+    assert parse_annotation(good(ibug68=[*range(67), COUNT - 1]), COUNT, "a.json").landmarks[67] == COUNT - 1
+
+
+NOT_IDS = {
+    "out of range": [*range(67), COUNT],
+    "negative": [*range(67), -1],
+    "float": [*range(67), 7.0],
+    "bool": [*range(67), True],
+    "text": [*range(67), "7"],
+    "null": [*range(67), None],
+    "nested": [[k] for k in range(68)],
+    "ragged": [*range(67), [1, 2]],
+    "no list": 7,
+    "an object": {"a": 1},
+    "huge": [*range(67), 10**30],
+}
+
+
+@pytest.mark.parametrize("ids", NOT_IDS.values(), ids=NOT_IDS.keys())
+def test_what_is_no_list_of_vertex_ids_is_refused(ids):
+    for change in ({"ibug68": ids}, {"curves": {"brow": ids}}, {"regions": {"face": ids}}, {"mirror": ids}):
+        message = f"^a.json: '{next(iter(change))}.* must be a list of vertex ids"
+        with pytest.raises(InputError, match=message) as refusal:
+            parse_annotation(good(**change), COUNT, "a.json")
+        assert "\n" not in str(refusal.value)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"ibug68": list(range(67))}, "'ibug68' must have 68 vertex ids, found 67"),
+        ({"ibug68": list(range(69))}, "'ibug68' must have 68 vertex ids, found 69"),
+        ({"ibug68": []}, "'ibug68' must have 68 vertex ids, found 0"),
+        ({"extra13": list(range(12))}, "'extra13' must have 13 vertex ids, found 12"),
+        ({"mirror": list(range(COUNT - 1))}, "'mirror' must have 200 vertex ids, found 199"),
+        ({"mirror": [*range(1, COUNT), 0]}, "'mirror' must be its own inverse"),
+        ({"mirror": [0] * COUNT}, "'mirror' must be its own inverse"),
+        ({"jaw_paths": [[k] for k in range(16)]}, "'jaw_paths' must be 17 lists"),
+        ({"jaw_paths": {"a": [1]}}, "'jaw_paths' must be 17 lists"),
+        ({"jaw_paths": [[k + 1] for k in range(17)]}, "every path in 'jaw_paths' must contain the jaw landmark"),
+        ({"jaw_paths": [[]] + [[k] for k in range(1, 17)]}, "every path in 'jaw_paths' must contain the jaw landmark"),
+        ({"jaw_paths": [[0.0]] + [[k] for k in range(1, 17)]}, "'jaw_paths\\[0\\]' must be a list of vertex ids"),
+        ({"jaw_paths": [0] + [[k] for k in range(1, 17)]}, "'jaw_paths\\[0\\]' must be a list of vertex ids"),
+        ({"curves": [1, 2]}, "'curves' must map names to lists"),
+        ({"regions": None}, "'regions' must map names to lists"),
+        ({"eyeballs": [1]}, "'eyeballs' must be an object"),
+    ],
+    ids=str,
+)
+def test_parts_that_do_not_fit_are_refused(change, message):
+    with pytest.raises(InputError, match=f"^a.json: {message}"):
+        parse_annotation(good(**change), COUNT, "a.json")
+
+
+@pytest.mark.parametrize("value", [None, [], [1, 2], "ibug68", 3.0])
+def test_what_is_no_object_is_refused(value):
+    with pytest.raises(InputError, match="^a.json: expected a JSON object"):
+        parse_annotation(value, COUNT, "a.json")
+
+
+def test_missing_landmarks_are_refused():
+    with pytest.raises(InputError, match="'ibug68', the 68 landmark vertices, is missing"):
+        parse_annotation(without("ibug68"), COUNT, "a.json")
+
+
+def test_the_bundled_annotation_is_good_and_fits_only_its_mesh():
+    value = json.loads(asset_path("head_annotation.json").read_text())
+    annotation = parse_annotation(value, 4200, "head_annotation.json")
+    assert annotation.has_extra and len(np.unique(annotation.landmarks)) == 81
+    assert len(EXTRA_NAMES) == len(value["extra13_names"]) == 13
+    for name in ("face", "scalp", "inner_mouth", "eye_socket_left"):
+        assert len(annotation.regions[name]) > 20
+    with pytest.raises(InputError, match="from 0 to 4198"):
+        parse_annotation(value, 4199, "head_annotation.json")
