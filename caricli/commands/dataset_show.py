@@ -24,13 +24,14 @@ def command(dataset, out, faces, size, seed, overwrite):
     Example:
       caricli dataset show dataset -o sheet.png
     """
+    from caricli.commands.loading import dataset_files
     from caricli.data.dataset import read_dataset
     from caricli.data.summarise_dataset import summarise_dataset
     from caricli.render.dataset_sheet import dataset_sheet
 
     data = read_dataset(dataset)
     if out is not None:
-        with staged(out, overwrite=overwrite) as (temporary,):
+        with staged(out, overwrite=overwrite, inputs=dataset_files(dataset)) as (temporary,):
             mesh = data.template.faces, data.template.annotation
             write_png(temporary, dataset_sheet(data.vertices, *mesh, faces, size, np.random.default_rng(seed)))
     for line in summarise_dataset(data):

@@ -25,7 +25,7 @@ def command(models, dataset, out, overwrite):
     from rich.console import Console
     from rich.table import Table
 
-    from caricli.commands.loading import check_topology, load_model
+    from caricli.commands.loading import check_topology, dataset_files, load_model
     from caricli.data.dataset import SPLITS, read_dataset
     from caricli.methods.evaluate_shape import evaluate_shape
 
@@ -41,5 +41,5 @@ def command(models, dataset, out, overwrite):
         results[str(path)] = {split: asdict(e) for split, e in errors.items() if e}
     Console(width=None if Console().is_terminal else 120).print(table)
     if out is not None:
-        with staged(out, overwrite=overwrite, inputs=models) as (temporary,):
+        with staged(out, overwrite=overwrite, inputs=(*models, *dataset_files(dataset))) as (temporary,):
             write_json(temporary, provenance("evaluate shape", [*models, dataset / "dataset.json"], models=results))

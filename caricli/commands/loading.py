@@ -29,6 +29,11 @@ def check_topology(template, dataset_template, where):
         raise InputError(f"{where}: its topology ({counts[0]} vertices) is not the dataset's ({counts[1]} vertices)")
 
 
+def dataset_files(folder):
+    """The files of a dataset folder, which no output may replace."""
+    return [folder / "dataset.json", *folder.glob("*.npz")]
+
+
 @contextmanager
 def progress_bar(description):
     """Yield ``report(done, total)``: a bar with the time left on stderr where that is a terminal, else nothing."""

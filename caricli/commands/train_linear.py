@@ -28,7 +28,7 @@ def training_command(function):
 
 def train_linear(kind, dataset, out, config, overrides, overwrite):
     """Train a linear model, measure it, and write it with a JSON of recipe and errors beside it."""
-    from caricli.commands.loading import progress_bar
+    from caricli.commands.loading import dataset_files, progress_bar
     from caricli.data.dataset import SPLITS, read_dataset
     from caricli.methods.evaluate_shape import evaluate_shape
     from caricli.models.checkpoint import KINDS, model_from_checkpoint, model_to_checkpoint
@@ -38,8 +38,9 @@ def train_linear(kind, dataset, out, config, overrides, overwrite):
         raise InputError(f"{out}: expected a name that ends in .safetensors")
     settings = read_config(config, LinearConfig, overrides)
     report = out.with_suffix(".json")
+    inputs = (dataset, config, *dataset_files(dataset))
     with (
-        staged(out, report, overwrite=overwrite, inputs=(dataset, config)) as (model_file, report_file),
+        staged(out, report, overwrite=overwrite, inputs=inputs) as (model_file, report_file),
         progress_bar(f"training {kind}") as progress,
     ):
         progress(0, 3)

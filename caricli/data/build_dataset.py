@@ -28,7 +28,7 @@ from caricli.template.head import load_head
 
 KINDS = ("regular", "curvature", "parts", "curvature and parts")
 KIND_SHARES = (0.15, 0.15, 0.35, 0.35)
-PART_STRENGTH = (0.7, 1.5)
+PART_STRENGTH = (0.75, 1.6)
 EXPONENTS = (0.0, 0.1, 0.2, 0.3)
 HELD = ("eyes_left", "eyes_right", "eye_socket_left", "eye_socket_right", "mouth", "inner_mouth")
 MAX_FLIPPED = 0.0008

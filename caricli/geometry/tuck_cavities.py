@@ -7,21 +7,24 @@ from scipy.sparse.linalg import splu
 
 from caricli.geometry.triangle_normals import triangle_normals
 
-MARGIN = 0.006
+TOUCH, MARGIN = 0.006, 0.02
 ROUNDS = 5
+RIM_RINGS = 2
 
 
 class Cavities:
     """The pockets of a head, which no landmark holds and which a flattened face would push through the skin.
 
-    The skin is everything but the pockets, each opening closed by a fan. A pocket vertex outside the skin (generalised
-    winding number below one half) or nearer to it than ``MARGIN`` of the head's height is moved inwards from its
-    nearest point on the skin; the rest of the pocket follows as a membrane whose rim stays.
+    The skin is everything but the pockets, each opening closed by a fan. A pocket with a vertex outside the skin
+    (generalised winding number below one half) or nearer to it than ``TOUCH`` of the height is moved inwards until
+    all its vertices keep a distance of ``MARGIN``, as a membrane whose rim stays; near the rim, where a pocket
+    touches the skin by its nature, it only follows.
     """
 
     def __init__(self, vertices, faces, regions):
         """vertices: (V, 3) template. faces: (F, 3). regions: lists of vertex ids, one for each pocket."""
-        self.faces, self.margin, self.pockets = faces, MARGIN * np.ptp(vertices[:, 1]), []
+        height = np.ptp(vertices[:, 1])
+        self.touch, self.margin, self.pockets = TOUCH * height, MARGIN * height, []
         inside = np.zeros(len(faces), dtype=bool)
         for region in regions:
             member = np.zeros(len(vertices), dtype=bool)
@@ -33,31 +36,31 @@ class Cavities:
                 continue
             rim = np.unique(edges)
             free = np.setdiff1d(np.unique(faces[own]), rim)
-            # Near the rim the pocket touches the skin by its nature.
-            depth = _rings(faces[own], rim, len(vertices))
+            near = member & False
+            near[rim] = True
+            for _ in range(RIM_RINGS):
+                near[faces[own][near[faces[own]].any(axis=1)]] = True
             laplacian = -igl.cotmatrix(vertices, faces[own])[free][:, free]
-            self.pockets.append((edges, free, depth[free] > 2, laplacian))
+            self.pockets.append((edges, free, free[~near[free]], laplacian))
         self.skin = faces[~inside]
 
     def tuck(self, vertices, rounds=ROUNDS):
         """Vertices (V, 3) with all pockets inside."""
-        if not self.pockets:
-            return vertices
         vertices = np.array(vertices)
-        deep = np.concatenate([free[below] for _, free, below, _ in self.pockets])
-        for _ in range(rounds):
-            steps = self._steps(vertices, deep)
-            if not steps.any():
-                break
-            for _, free, _, laplacian in self.pockets:
-                held = steps[free].any(axis=1)
-                if held.any():
-                    hold = sp.diags(1e3 * laplacian.diagonal().mean() * held)
-                    vertices[free] += splu((laplacian + hold).tocsc()).solve(hold @ steps[free])
+        for _, free, deep, laplacian in self.pockets:
+            if not len(deep) or not self._steps(vertices, deep, self.touch).any():
+                continue
+            for _ in range(rounds):
+                moves = np.zeros_like(vertices)
+                moves[deep] = self._steps(vertices, deep, self.margin)
+                if not moves.any():
+                    break
+                hold = sp.diags(1e3 * laplacian.diagonal().mean() * moves[free].any(axis=1))
+                vertices[free] += splu((laplacian + hold).tocsc()).solve(hold @ moves[free])
         return vertices
 
-    def _steps(self, vertices, ids):
-        """(V, 3) how far the vertices ``ids`` must go to be inside by the margin; zero for all others."""
+    def _steps(self, vertices, ids, required):
+        """(K, 3) how far the vertices ``ids`` must go to be inside the skin by a required distance."""
         closed, surface = self._closed(vertices)
         points = vertices[ids]
         squared, face, nearest = igl.point_mesh_squared_distance(points, closed, self.skin)
@@ -66,11 +69,8 @@ class Cavities:
         outside = (triangle_normals(closed, self.skin)[face] * away).sum(1) > 0
         if outside.any():
             outside[outside] = igl.winding_number(closed, surface, points[outside]) < 0.5
-        wrong = outside | (distance < self.margin)
-        inwards = np.where(outside, -1.0, 1.0)[:, None] * away / np.maximum(distance, 1e-9)[:, None]
-        steps = np.zeros_like(vertices)
-        steps[ids] = (wrong * np.where(outside, distance + self.margin, self.margin - distance))[:, None] * inwards
-        return steps
+        missing = np.where(outside, distance + required, np.maximum(required - distance, 0))
+        return (np.where(outside, -1.0, 1.0) * missing / np.maximum(distance, 1e-9))[:, None] * away
 
     def _closed(self, vertices):
         """Vertices with the middles of the openings appended, and the skin's faces with the fans."""
@@ -80,14 +80,3 @@ class Cavities:
             # The pocket's boundary runs as the pocket sees it, which is the direction that the cap needs.
             fans.append(np.column_stack([edges, np.full(len(edges), len(vertices) + number)]))
         return np.concatenate(closed), np.concatenate([self.skin, *fans])
-
-
-def _rings(faces, rim, count):
-    """(V,) number of edges between a vertex and the rim, within these faces; large where they do not reach."""
-    depth = np.full(count, 99)
-    depth[rim] = 0
-    for ring in range(1, 4):
-        near = (depth[faces] < ring).any(axis=1)
-        reached = np.unique(faces[near])
-        depth[reached] = np.minimum(depth[reached], ring)
-    return depth

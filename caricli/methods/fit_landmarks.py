@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from caricli.errors import InputError
 from caricli.geometry.deformation_gradients import rotation_matrices
@@ -70,7 +71,8 @@ class _Observation:
     def __init__(self, points, template):
         note = template.annotation
         if len(points) not in (68, len(note.landmarks)):
-            raise InputError(f"expected 68 or {len(note.landmarks)} landmarks, found {len(points)}")
+            expected = "68 or 81" if note.has_extra else "the 68 that the model's annotation has"
+            raise InputError(f"expected {expected} landmarks, found {len(points)}")
         self.template, self.count = template, len(points)
         self.known = np.flatnonzero(np.isfinite(points).all(axis=1))
         if len(self.known) < MIN_KNOWN:
@@ -111,6 +113,8 @@ class _Observation:
         return Pose(pose.scale * self.diagonal, pose.rotation, translation)
 
 
+# The matrices are small: threads that wait for each other cost more than they bring, most of all on a busy machine.
+@threadpool_limits.wrap(limits=1)
 def fit_landmarks_intrinsic(points, model, settings=IntrinsicSettings()):  # noqa: B008 (frozen)
     """Fit a face whose surface follows the landmarks elastically while its features stay near the model's.
 
@@ -148,6 +152,7 @@ def fit_landmarks_intrinsic(points, model, settings=IntrinsicSettings()):  # noq
     return _finish(seen, model, vertices, latent, residual, weights, rotation, settings.rounds)
 
 
+@threadpool_limits.wrap(limits=1)
 def fit_landmarks_latent(points, model, settings=LatentSettings()):  # noqa: B008 (frozen)
     """Fit a face that stays inside a shape model (deformable paper, equation 3 and supplement 5).
 

@@ -3,14 +3,23 @@
 import numpy as np
 from sklearn.decomposition import PCA
 
+from caricli.errors import NumericsError
+
+# Below this share of the variance a component is rounding, which half precision cannot hold.
+MIN_SHARE = 1e-8
+
 
 def principal_components(rows, dimension, seed=0):
     """Mean, components scaled to one standard deviation, and how much variance they explain.
 
-    rows: (N, M), already weighted. dimension: D, at most min(N, M) (fewer are returned where there are fewer).
+    rows: (N, M), already weighted. dimension: D; fewer are returned where the rows have fewer.
     Returns (mean (M,), components (D, M), explained (D,) fractions of the variance).
+    Raises NumericsError when all rows are the same.
     """
+    if np.ptp(rows, axis=0).max() <= 1e-6 * np.abs(rows[0]).max():
+        raise NumericsError(f"expected at least two shapes that differ, found {len(rows)} that do not")
     dimension = min(dimension, len(rows) - 1, rows.shape[1])
     pca = PCA(dimension, svd_solver="randomized", iterated_power=7, random_state=seed).fit(rows)
     scaled = pca.components_ * np.sqrt(pca.explained_variance_)[:, None]
-    return pca.mean_, scaled, pca.explained_variance_ratio_
+    kept = pca.explained_variance_ratio_ > MIN_SHARE
+    return pca.mean_, scaled[kept], pca.explained_variance_ratio_[kept]

@@ -151,17 +151,23 @@ def test_a_ring_without_extent_has_finite_features(patch, patch_gradients):
         assert np.abs(patch_gradients.vertices(features) - centred(shape)).max() < 1e-6
 
 
-def test_halfway_between_two_faces_no_more_triangles_are_flipped(head, head_template):
-    gradients, generator = head_template.gradients, np.random.default_rng(5)
-    smiles = ({}, {"mouthSmileLeft": 0.8, "mouthSmileRight": 0.8}, {"jawOpen": 0.9, "browInnerUp": 1.0})
-    faces = [asdict(random_identity(head, generator)) | {"actions": smiles[k % 3]} for k in range(8)]
-    features = gradients.features(np.array([head.evaluate(**face) for face in faces]))
-    flipped = flipped_triangles(gradients.vertices(features), gradients).sum(-1)
-    for k in range(len(faces)):
-        start, end = features[k], features[k - 1]
-        between = np.array([(1 - t) * start + t * end for t in (0.25, 0.5, 0.75)])
-        found = flipped_triangles(gradients.vertices(between), gradients).sum(-1)
-        assert found.max() <= max(flipped[k], flipped[k - 1])
+@pytest.mark.parametrize(("strength", "allowed"), [(0.5, 0.0), (1.0, 0.003)])
+def test_between_two_faces_no_more_triangles_are_flipped_than_at_the_worse_end(head, head_template, strength, allowed):
+    """Strong identities have rings at the nostrils and lids that are all but turned over; there a few may follow."""
+    gradients, generator = head_template.gradients, np.random.default_rng(6)
+    actions = ({}, {"jawOpen": 0.9, "browInnerUp": 1.0}, {"mouthSmileLeft": 0.8, "mouthSmileRight": 0.8})
+    shapes = []
+    for k in range(9):
+        face = asdict(random_identity(head, generator)) | {"actions": actions[k % 3]}
+        face["changes"] = {name: strength * weight for name, weight in face["changes"].items()}
+        shapes.append(head.evaluate(**face))
+    features = gradients.features(np.array(shapes))
+    ends = flipped_triangles(np.array(shapes), gradients).sum(-1)
+    for k in range(len(shapes)):
+        for other in range(k):
+            between = np.array([(1 - t) * features[k] + t * features[other] for t in (0.25, 0.5, 0.75)])
+            found = flipped_triangles(gradients.vertices(between), gradients).sum(-1)
+            assert found.max() <= max(ends[k], ends[other]) + allowed * len(gradients.faces)
 
 
 @pytest.mark.parametrize("angle", [0.0, 1e-7, 1e-4, 2e-4, 0.03, 1.0, 3.0, 5.0])

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 from caricli.errors import CaricliError, InputError
+from caricli.geometry.deformation_gradients import rotation_matrices
 from caricli.geometry.similarity import similarity
 from caricli.io.landmarks import read_landmarks
 from caricli.methods.fit_landmarks import (
@@ -14,6 +15,7 @@ from caricli.methods.fit_landmarks import (
     fit_landmarks_intrinsic,
     fit_landmarks_latent,
 )
+from caricli.render.smooth_normals import smooth_normals
 
 ANGLES = [(0, 0, 0), (0, 20, 0), (0, -20, 5), (15, 10, -20), (-15, -10, 20), (5, 15, 10)]
 
@@ -248,19 +250,31 @@ REAL = os.environ.get("CARICLI_REAL_DATA")
 needs_drawings = pytest.mark.skipif(not REAL, reason="CARICLI_REAL_DATA does not name the folder of real drawings")
 
 
-def roughness(vertices, template):
-    """(V,) how far a vertex strays from its neighbours: its displacement against the mean of theirs, in head heights.
+def ring_heights(vertices, faces):
+    """(V,) how high a vertex stands over its ring, along the ring's own normal, in radii of the ring."""
+    corners, others = faces.ravel(), np.roll(faces, 1, axis=1).ravel()
+    middle = np.stack([np.bincount(corners, vertices[others, k]) for k in range(3)], 1)
+    middle /= np.bincount(corners)[:, None]
+    radius = np.bincount(corners, np.linalg.norm(vertices[others] - middle[corners], axis=1)) / np.bincount(corners)
+    # The area vector of the closed ring does not know where its middle vertex is.
+    normal = np.zeros_like(vertices)
+    for k in range(3):
+        opposite = vertices[faces[:, (k + 1) % 3]], vertices[faces[:, (k + 2) % 3]]
+        np.add.at(normal, faces[:, k], np.cross(*opposite))
+    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
+    return ((vertices - middle) * normal).sum(1) / radius
 
-    The displacement is that against the template in the same size and place, so that only the deformation counts.
-    """
-    scale, rotation, translation = similarity(vertices, template.vertices)
-    moved = scale * vertices @ rotation.T + translation - template.vertices
-    corners, others = template.faces.ravel(), np.roll(template.faces, 1, axis=1).ravel()
-    around = np.stack([np.bincount(corners, moved[others, k]) for k in range(3)], 1)
-    return np.linalg.norm(moved - around / np.bincount(corners)[:, None], axis=1) / template.height
+
+def spike(vertices, template):
+    """The largest change of height over its ring of any vertex of the face, mouth cavity and eye sockets left out."""
+    seen = np.setdiff1d(template.region("face"), np.flatnonzero(template.mask("inner_mouth", *SOCKETS)))
+    change = ring_heights(vertices, template.faces) - ring_heights(template.vertices, template.faces)
+    return np.abs(change[seen]).max()
 
 
-SPIKE = 0.012
+SOCKETS = ("eye_socket_left", "eye_socket_right")
+# A vertex of a smooth face lies in its ring: fits of drawings have up to 0.6 radii, a spike of 1 cm at a landmark more than 0.9.
+SPIKE = 0.75
 
 
 @pytest.fixture(scope="module")
@@ -268,14 +282,15 @@ def drawings():
     return [read_landmarks(path).points for path in sorted(Path(REAL).glob("*.txt"))]
 
 
-def test_a_spike_of_a_centimetre_would_be_noticed(intrinsic, strangers):
+def test_a_spike_of_a_centimetre_at_any_landmark_would_be_noticed(intrinsic):
     template = intrinsic.template
-    assert roughness(strangers[1], template).max() < SPIKE
-    for name in ("chin", "lips", "eyes", "nose"):
-        for vertex in template.region(name)[::7]:
-            spiky = strangers[1].copy()
-            spiky[vertex] += 0.01 * np.array([0.6, 0.0, 0.8])
-            assert roughness(spiky, template).max() > SPIKE
+    outwards = smooth_normals(template.vertices, template.faces)
+    for vertex in template.annotation.landmarks[:68]:
+        spiky = template.vertices.copy()
+        spiky[vertex] += 0.01 * outwards[vertex]
+        assert spike(spiky, template) > SPIKE + 0.1, vertex
+    assert spike(2 * template.vertices @ rotation_matrices(np.array([0.3, 1.0, -0.5])) + 1.0, template) < 1e-9
+    assert spike(intrinsic.decode(intrinsic.prior.mean), template) < SPIKE
 
 
 @needs_drawings
@@ -287,8 +302,8 @@ def test_drawings_are_reached_by_a_surface_that_stays_a_face(drawings, intrinsic
     spread = [result.prior_rms for result in results]
     assert np.mean(spread) <= 1.1, spread
     assert max(result.flipped for result in results) <= 0.003, [result.flipped for result in results]
-    rough = [roughness(result.vertices, intrinsic.template).max() for result in results]
-    assert max(rough) < SPIKE, rough
+    spikes = [spike(result.vertices, intrinsic.template) for result in results]
+    assert max(spikes) < SPIKE, spikes
 
 
 @needs_drawings
@@ -298,8 +313,8 @@ def test_drawings_are_approached_inside_the_model(drawings, pca):
     assert len(nme) == 6
     assert np.mean(nme) <= 1.3, nme
     assert np.mean(spread) <= 0.8, spread
-    rough = [roughness(result.vertices, pca.template).max() for result in results]
-    assert max(rough) < SPIKE, rough
+    spikes = [spike(result.vertices, pca.template) for result in results]
+    assert max(spikes) < SPIKE, spikes
 
 
 @needs_drawings

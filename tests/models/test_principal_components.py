@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 
+from caricli.errors import NumericsError
 from caricli.models.principal_components import principal_components
 
 ROWS = np.random.default_rng(0).normal(size=(60, 4)) @ np.random.default_rng(1).normal(size=(4, 30)) + 5.0
@@ -26,6 +27,19 @@ def test_fewer_dimensions_are_the_first_ones():
 def test_never_more_than_the_rows_allow():
     assert len(principal_components(ROWS[:3], 10)[1]) == 2
     assert len(principal_components(ROWS[:, :3], 10)[1]) == 3
+
+
+def test_repeated_rows_add_no_components():
+    mean, components, explained = principal_components(np.concatenate([ROWS[:4], ROWS[:2]]), 10)
+    assert len(components) == len(explained) == 3
+    assert np.linalg.norm(components, axis=1).min() > 0.1
+
+
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+@pytest.mark.parametrize("count", [1, 5])
+def test_rows_that_are_all_the_same_are_refused(count, dtype):
+    with pytest.raises(NumericsError, match=f"at least two shapes that differ, found {count}"):
+        principal_components(np.repeat(ROWS[:1], count, axis=0).astype(dtype), 3)
 
 
 def test_the_same_seed_gives_the_same_bytes():

@@ -3,6 +3,8 @@
 import numpy as np
 import pytest
 
+from caricli.errors import NumericsError
+
 
 def latents(model, count, seed=0):
     return model.prior.sample(np.random.default_rng(seed), count)
@@ -113,3 +115,17 @@ def test_no_more_dimensions_than_shapes_allow(ball_model, ball_template, balls):
     small = type(ball_model).train(ball_template, balls[:4], 128)
     assert len(small.prior.mean) == 3
     assert np.isfinite(small.decode(np.ones(3))).all()
+
+
+def test_shapes_that_come_twice_train_a_model_that_keeps_them(ball_model, ball_template, balls):
+    shapes = np.concatenate([balls[:4], balls[:3]])
+    trained = type(ball_model).train(ball_template, shapes, 128)
+    assert len(trained.prior.mean) == 3
+    assert np.abs(trained.encode(shapes)).max() < 10
+    forms = [s - s.mean(1, keepdims=True) for s in (trained.decode(trained.encode(shapes)), shapes)]
+    assert np.abs(forms[0] - forms[1]).max() < 1e-3
+
+
+def test_shapes_that_are_all_the_same_are_refused(ball_model, ball_template, balls):
+    with pytest.raises(NumericsError, match="at least two shapes that differ"):
+        type(ball_model).train(ball_template, np.repeat(balls[:1], 4, axis=0), 3)
