@@ -11,7 +11,7 @@ from caricli.io.outputs import staged
 @click.command()
 @click.argument("dataset", type=PATH)
 @click.option("-o", "--out", type=PATH, metavar="PNG", help="A contact sheet of random meshes.")
-@click.option("--faces", type=click.IntRange(1, 400), default=36, metavar="N", help="Meshes on the sheet.")
+@click.option("--faces", type=click.IntRange(1, 400), default=35, metavar="N", help="Meshes on the sheet.")
 @click.option("--size", type=click.IntRange(32, 1024), default=200, metavar="PIXELS", help="Side of one view.")
 @seed_option
 @overwrite_option

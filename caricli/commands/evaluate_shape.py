@@ -1,5 +1,6 @@
 """caricli evaluate shape: models side by side."""
 
+from contextlib import nullcontext
 from dataclasses import asdict
 
 import click
@@ -29,17 +30,18 @@ def command(models, dataset, out, overwrite):
     from caricli.data.dataset import SPLITS, read_dataset
     from caricli.methods.evaluate_shape import evaluate_shape
 
-    data, results = read_dataset(dataset), {}
+    inputs, results = (*models, *dataset_files(dataset)), {}
     table = Table("model", "kind", "D", *(f"{split} mm (%)" for split in SPLITS), "test latent rms")
-    for path in models:
-        model = load_model(path)
-        check_topology(model.template, data.template, path)
-        errors = {split: evaluate_shape(model, data.vertices[data.rows(split)]) for split in SPLITS}
-        cells = [f"{e.millimetres:.3f} ({e.percent:.3f})" if e else "-" for e in errors.values()]
-        rms = f"{errors['test'].prior_rms:.2f}" if errors["test"] else "-"
-        table.add_row(path.name, model.kind, str(len(model.prior.mean)), *cells, rms)
-        results[str(path)] = {split: asdict(e) for split, e in errors.items() if e}
-    Console(width=None if Console().is_terminal else 120).print(table)
-    if out is not None:
-        with staged(out, overwrite=overwrite, inputs=(*models, *dataset_files(dataset))) as (temporary,):
+    with staged(out, overwrite=overwrite, inputs=inputs) if out else nullcontext([None]) as (temporary,):
+        data = read_dataset(dataset)
+        for path in models:
+            model = load_model(path)
+            check_topology(model.template, data.template, path)
+            errors = {split: evaluate_shape(model, data.vertices[data.rows(split)]) for split in SPLITS}
+            cells = [f"{e.millimetres:.3f} ({e.percent:.3f})" if e else "-" for e in errors.values()]
+            rms = f"{errors['test'].prior_rms:.2f}" if errors["test"] else "-"
+            table.add_row(path.name, model.kind, str(len(model.prior.mean)), *cells, rms)
+            results[str(path)] = {split: asdict(e) for split, e in errors.items() if e}
+        if temporary:
             write_json(temporary, provenance("evaluate shape", [*models, dataset / "dataset.json"], models=results))
+    Console(width=None if Console().is_terminal else 120).print(table)

@@ -10,7 +10,7 @@ from caricli.commands.options import PATH, image_option, model_option, out_folde
 from caricli.errors import CaricliError, InputError
 from caricli.io.face import Face, write_face
 from caricli.io.image import read_image, write_png
-from caricli.io.landmarks import read_landmarks
+from caricli.io.landmarks import check_inside, read_landmarks
 from caricli.io.obj import write_obj
 from caricli.io.outputs import staged
 from caricli.io.provenance import provenance
@@ -64,13 +64,13 @@ def command(ctx, landmarks, out, out_dir, image, method, model, prior_weight, pt
     jobs = [(path, out or out_dir / f"{path.stem}.obj") for path in landmarks]
     if len({target for _, target in jobs}) < len(jobs):
         raise click.UsageError("Two LANDMARKS have the same name; their results would replace each other.")
-    failures = []
+    inputs, failures = (*landmarks, model), []
     with progress_bar("faces") as report:
         for number, (path, target) in enumerate(jobs):
             try:
                 picture = image if out is not None else _picture_beside(image, path)
                 summary = _reconstruct(
-                    path, target, picture, fit, shape_model, method, prior_weight, pts_origin, overwrite
+                    path, target, picture, fit, shape_model, method, prior_weight, pts_origin, overwrite, inputs
                 )
                 click.echo(f"{target}: {summary}")
             except CaricliError as error:
@@ -105,14 +105,14 @@ def _fitter(method, model, prior_weight):
     return lambda points: (fit_landmarks_intrinsic(points, model, settings), settings)
 
 
-def _reconstruct(path, target, image, fit, model, method, prior_weight, pts_origin, overwrite):
+def _reconstruct(path, target, image, fit, model, method, prior_weight, pts_origin, overwrite, inputs):
     from caricli.commands.loading import template_mesh
     from caricli.render.fit_sheet import fit_sheet
 
     paths = [target.with_suffix(suffix) for suffix in SUFFIXES]
-    with staged(*paths, overwrite=overwrite, inputs=(path, image)) as (obj_file, npz_file, json_file, png_file):
+    with staged(*paths, overwrite=overwrite, inputs=(*inputs, image)) as (obj_file, npz_file, json_file, png_file):
         marks = read_landmarks(path, pts_origin)
-        picture = None if image is None else read_image(image)
+        picture = None if image is None else _picture(image, marks, path)
         start = time.perf_counter()
         result, settings = fit(marks.points)
         seconds = time.perf_counter() - start
@@ -153,6 +153,17 @@ def _description(path, image, method, prior_weight, settings, model, result, sec
         "iterations": result.rounds,
         "seconds": seconds,
     }
+
+
+def _picture(image, marks, path):
+    """The picture, if the landmarks can belong to it."""
+    picture = read_image(image)
+    size = picture.shape[1], picture.shape[0]
+    if marks.image_size is not None and tuple(marks.image_size) != size:
+        found = "{} x {}".format(*marks.image_size)
+        raise InputError(f"{path}: expected landmarks of the {size[0]} x {size[1]} picture {image}, found {found}")
+    check_inside(marks.points, size, path)
+    return picture
 
 
 def _picture_beside(folder, path):

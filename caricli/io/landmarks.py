@@ -187,11 +187,20 @@ def _check(points, size, path):
     if spread <= 1e-6 * max(1e-6, np.abs(points[known]).max()):
         raise InputError(f"{shown(path)}: expected the points of a face, found all of them in one place")
     if size is not None:
-        image = np.array(size, np.float64)
-        outside = known & ((points < -image) | (points > 2 * image)).any(axis=1)
-        if outside.any():
-            k = int(np.argmax(outside))
-            raise InputError(
-                f"{shown(path)}: point {k}: expected a place in or near the {size[0]} x {size[1]} image, "
-                f"found {points[k].tolist()}"
-            )
+        check_inside(points, size, path)
+
+
+def check_inside(points, size, path):
+    """Refuse landmarks far outside the image they belong to.
+
+    Parameters: points (L,2), NaN where unknown; size, (width, height) in pixels; path, named in the message.
+    Raises: InputError when a point lies more than one image size beyond the border.
+    """
+    image = np.array(size, np.float64)
+    outside = ((points < -image) | (points > 2 * image)).any(axis=1)
+    if outside.any():
+        k = int(np.argmax(outside))
+        raise InputError(
+            f"{shown(path)}: point {k}: expected a place in or near the {size[0]} x {size[1]} image, "
+            f"found {points[k].tolist()}"
+        )

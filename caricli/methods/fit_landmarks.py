@@ -30,7 +30,7 @@ class IntrinsicSettings:
 
     strength: float = 10.0
     shrink: float = 1.5e-4
-    rounds: int = 15
+    rounds: int = 10
 
 
 @dataclass(frozen=True)

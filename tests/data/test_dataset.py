@@ -64,7 +64,7 @@ def test_refuses_a_changed_or_missing_file(copy_of_grid, name):
 @pytest.mark.parametrize(
     ("change", "said"),
     [
-        (lambda s: s.update(vertices=s["vertices"][:, :-1]), r"expected vertices \(24, 4200, 3\), found \(24, 4199, 3\)"),
+        (lambda s: s.update(vertices=s["vertices"][:, :-1]), r"expected vertices \(24, 4200, 3\), found \(24, 4199"),
         (lambda s: s.update(vertices=s["vertices"][..., :2]), "expected vertices"),
         (lambda s: s.update(vertices=s["vertices"][:-1]), "expected vertices"),
         (lambda s: s.update(vertices=s["vertices"].reshape(24, -1)), "expected vertices"),

@@ -29,8 +29,8 @@ def method(request):
 def fit(method, intrinsic, pca):
     """The fit of a method with the bundled model that it takes by default."""
     if method == "intrinsic":
-        return lambda points, settings=IntrinsicSettings(): fit_landmarks_intrinsic(points, intrinsic, settings)
-    return lambda points, settings=LatentSettings(): fit_landmarks_latent(points, pca, settings)
+        return lambda points, *settings: fit_landmarks_intrinsic(points, intrinsic, *settings)
+    return lambda points, *settings: fit_landmarks_latent(points, pca, *settings)
 
 
 @pytest.fixture(scope="module")
@@ -273,7 +273,8 @@ def spike(vertices, template):
 
 
 SOCKETS = ("eye_socket_left", "eye_socket_right")
-# A vertex of a smooth face lies in its ring: fits of drawings have up to 0.6 radii, a spike of 1 cm at a landmark more than 0.9.
+# A vertex of a smooth face lies in its ring: fits of drawings have up to 0.6 radii, a spike of 1 cm at a landmark more
+# than 0.85.
 SPIKE = 0.75
 
 

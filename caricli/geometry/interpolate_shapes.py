@@ -1,0 +1,21 @@
+"""Shapes between two shapes."""
+
+from caricli.geometry.untangle import untangle
+
+ROUNDS = 20
+
+
+def interpolate_shapes(first, second, weight, gradients):
+    """Blend the deformation features of two shapes and solve, so that what turns, turns, and nothing shrinks on the way.
+
+    Where blended rings do not fit each other (nostrils, lids), triangles can flip that are whole at both ends; they are
+    turned back.
+
+    first, second: (V, 3). weight: 0 gives the first, 1 the second. gradients: DeformationGradients of the template.
+    Returns (V, 3).
+    """
+    if weight in (0, 1):
+        return (second if weight else first).copy()
+    features = (1 - weight) * gradients.features(first) + weight * gradients.features(second)
+    middle = (1 - weight) * first.mean(0) + weight * second.mean(0)
+    return untangle(gradients.vertices(features) + middle, gradients, ROUNDS)

@@ -1,0 +1,110 @@
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+import caricli
+from caricli.data.dataset import read_dataset
+
+ROOT = Path(caricli.__file__).parents[1]
+
+
+def test_the_grid_is_built_and_read_again(dataset):
+    data = read_dataset(dataset)
+    assert data.vertices.shape == (16, 4200, 3)
+    assert sorted(path.name for path in dataset.iterdir()) == [
+        "dataset.json", "labels.npz", "shard-0000.npz", "template.npz",
+    ]  # fmt: skip
+    assert [path.name for path in dataset.parent.iterdir()] == ["dataset"]
+
+
+def test_an_existing_dataset_is_replaced_only_when_told_to(run, refused, tmp_path):
+    out = tmp_path / "d"
+    sizes = ("--identities", 1, "--expressions", 1, "--levels", 1, "--workers", 1)
+    assert run("dataset", "build", out, *sizes).exit_code == 0
+    first = (out / "shard-0000.npz").read_bytes()
+    assert "--overwrite" in refused("dataset", "build", out, *sizes, "--seed", 1)
+    assert (out / "shard-0000.npz").read_bytes() == first
+    assert run("dataset", "build", out, *sizes, "--seed", 1, "--overwrite").exit_code == 0
+    assert (out / "shard-0000.npz").read_bytes() != first
+    assert len(read_dataset(out).vertices) == 1
+
+
+def test_a_folder_of_someone_elses_is_not_replaced(refused, tmp_path):
+    (tmp_path / "mine").mkdir()
+    (tmp_path / "mine" / "thesis.txt").write_text("years of work")
+    (tmp_path / "file").write_text("mine")
+    assert "dataset.json" in refused("dataset", "build", tmp_path / "mine", "--overwrite")
+    assert "folder" in refused("dataset", "build", tmp_path / "file", "--overwrite")
+    assert (tmp_path / "mine" / "thesis.txt").read_text() == "years of work"
+
+
+@pytest.mark.parametrize(
+    "options",
+    [["--count", 0], ["--levels", 5], ["--expressions", 26], ["--identities", 0], ["--seed", -1], ["--workers", 0], []],
+)
+def test_wrong_usage_is_2(run, tmp_path, options):
+    result = run("dataset", "build", *([tmp_path / "d"] if options else []), *options)
+    assert result.exit_code == 2 and result.stdout == ""
+    assert list(tmp_path.iterdir()) == []
+
+
+def workers_of(process):
+    """Ids of the processes below a process that run Python's workers, from /proc."""
+    found = []
+    for task in Path(f"/proc/{process}/task").glob("*/children"):
+        for child in task.read_text().split():
+            try:
+                if b"spawn_main" in Path(f"/proc/{child}/cmdline").read_bytes():
+                    found.append(int(child))
+            except OSError:
+                continue
+    return found
+
+
+def seconds_of(process):
+    """Processor time that a process has used."""
+    fields = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+
+def wait_for(condition, seconds=60):
+    end = time.monotonic() + seconds
+    while not (value := condition()):
+        assert time.monotonic() < end, "waited in vain"
+        time.sleep(0.02)
+    return value
+
+
+@pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="looks for workers in /proc")
+@pytest.mark.parametrize(
+    ("number", "used", "options"),
+    [
+        (signal.SIGTERM, 0.0, ["--count", "400"]),
+        (signal.SIGTERM, 2.0, ["--identities", "50"]),
+        (signal.SIGINT, 2.0, ["--count", "400"]),
+    ],
+)
+def test_a_signal_leaves_nothing_behind_and_nobody_running(tmp_path, number, used, options):
+    # Workers that have used no time are starting up, those that have used two seconds are making meshes.
+    out = tmp_path / "deep" / "dataset"
+    command = [sys.executable, "-m", "caricli", "dataset", "build", str(out), "--workers", "2", *options]
+    environment = os.environ | {"PYTHONPATH": str(ROOT), "OMP_NUM_THREADS": "1"}
+    process = subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    try:
+        workers = wait_for(lambda: len(w := workers_of(process.pid)) == 2 and w)
+        wait_for(lambda: all(seconds_of(worker) >= used for worker in workers))
+        assert (tmp_path / "deep").exists() and not out.exists()
+        process.send_signal(number)
+        stdout, stderr = process.communicate(timeout=60)
+    finally:
+        process.kill()
+    assert process.returncode == 128 + number
+    assert stdout == ""
+    assert stderr == f"caricli: error: stopped by {number.name}\n"
+    assert list(tmp_path.iterdir()) == []
+    wait_for(lambda: not any(Path(f"/proc/{worker}").exists() for worker in workers), 10)

@@ -1,0 +1,30 @@
+import numpy as np
+import pytest
+
+from caricli.io.obj import read_obj
+
+
+@pytest.mark.parametrize("flags", [[], ["--open-mouth"]])
+def test_the_head_is_written_with_quads_and_uvs(run, head, tmp_path, flags):
+    out = tmp_path / "new" / "head.obj"
+    result = run("template", "export", out, *flags)
+    assert result.exit_code == 0 and result.stdout == f"{out}: 4200 vertices, 4178 polygons\n"
+    mesh = read_obj(out)
+    expected = head.open_mouth_template() if flags else head.template()
+    np.testing.assert_allclose(mesh.vertices, expected.vertices, atol=1e-8)
+    np.testing.assert_array_equal(mesh.polygons, head.polygons)
+    np.testing.assert_array_equal(mesh.uv_polygons, head.uv_polygons)
+    lips = expected.annotation.landmarks[[62, 66]]
+    gap = np.subtract(*mesh.vertices[lips, 1])
+    assert (gap > 0.003) == bool(flags)
+
+
+def test_an_existing_file_is_kept_unless_told_otherwise(run, refused, tmp_path):
+    out = tmp_path / "head.obj"
+    out.write_text("mine")
+    assert "--overwrite" in refused("template", "export", out)
+    assert out.read_text() == "mine"
+    assert run("template", "export", out, "--overwrite").exit_code == 0
+    assert len(read_obj(out).vertices) == 4200
+    assert "folder" in refused("template", "export", tmp_path, "--overwrite")
+    assert [path.name for path in tmp_path.iterdir()] == ["head.obj"]

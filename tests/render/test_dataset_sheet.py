@@ -1,0 +1,36 @@
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from caricli.render.dataset_sheet import dataset_sheet
+
+BARE = SimpleNamespace(curves={}, regions={})
+
+
+@pytest.fixture(scope="module")
+def shapes(lopsided):
+    vertices, faces = lopsided
+    stretch = np.random.default_rng(0).uniform(0.5, 1.5, (9, 1, 3))
+    return vertices * stretch, faces
+
+
+def sheet(shapes, count=4, seed=0, size=40):
+    return dataset_sheet(*shapes, BARE, count, size, np.random.default_rng(seed))
+
+
+def test_every_face_has_two_views(shapes):
+    one, four = sheet(shapes, 1), sheet(shapes, 4)
+    assert one.dtype == np.uint8 and one.shape[1] >= 80 and 40 <= one.shape[0] < 80
+    left, right = one[:, : one.shape[1] // 2], one[:, one.shape[1] // 2 :]
+    assert (left < 250).any(-1).sum() > 100 and (right < 250).any(-1).sum() > 100
+    assert four.size > 3 * one.size
+
+
+def test_the_generator_chooses(shapes):
+    np.testing.assert_array_equal(sheet(shapes), sheet(shapes))
+    assert any((sheet(shapes, seed=seed) != sheet(shapes)).any() for seed in (1, 2))
+
+
+def test_no_more_faces_than_there_are(shapes):
+    np.testing.assert_array_equal(sheet(shapes, 400), sheet(shapes, 9, seed=5))
