@@ -25,13 +25,14 @@ def test_the_grid_is_built_and_read_again(dataset):
 def test_an_existing_dataset_is_replaced_only_when_told_to(run, refused, tmp_path):
     out = tmp_path / "d"
     sizes = ("--identities", 1, "--expressions", 1, "--levels", 1, "--workers", 1)
-    assert run("dataset", "build", out, *sizes).exit_code == 0
-    first = (out / "shard-0000.npz").read_bytes()
-    assert "--overwrite" in refused("dataset", "build", out, *sizes, "--seed", 1)
-    assert (out / "shard-0000.npz").read_bytes() == first
-    assert run("dataset", "build", out, *sizes, "--seed", 1, "--overwrite").exit_code == 0
-    assert (out / "shard-0000.npz").read_bytes() != first
+    out.mkdir()
+    (out / "dataset.json").write_text("an old one")
+    (out / "old.npz").write_text("a part of it")
+    assert "--overwrite" in refused("dataset", "build", out, *sizes)
+    assert (out / "dataset.json").read_text() == "an old one"
+    assert run("dataset", "build", out, *sizes, "--overwrite").exit_code == 0
     assert len(read_dataset(out).vertices) == 1
+    assert not (out / "old.npz").exists()
 
 
 def test_a_folder_of_someone_elses_is_not_replaced(refused, tmp_path):

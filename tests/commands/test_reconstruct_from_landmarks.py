@@ -90,23 +90,26 @@ def test_the_picture_shows_photo_landmarks_and_views(reconstructed):
     assert all(count(panel, green) == 0 for panel in panels[1:])
 
 
-@pytest.mark.parametrize("suffix", [".pts", ".txt", ".npy"])
-def test_the_format_of_the_landmarks_does_not_matter(run, reconstructed, points, tmp_path, suffix):
-    write_landmarks(tmp_path / f"marks{suffix}", Landmarks(points[:68]))
-    result = run(COMMAND, tmp_path / f"marks{suffix}", "--out", tmp_path / "face.obj")
+def test_the_format_of_the_landmarks_does_not_matter(run, reconstructed, points, tmp_path):
+    for suffix in ("pts", "txt", "npy"):
+        write_landmarks(tmp_path / f"{suffix}.{suffix}", Landmarks(points[:68]))
+    result = run(COMMAND, *tmp_path.iterdir(), "--out-dir", tmp_path / "out")
     assert result.exit_code == 0, result.output
     expected = read_face(reconstructed[0] / "face.npz")
-    found = read_face(tmp_path / "face.npz")
-    np.testing.assert_allclose(found.vertices, expected.vertices, atol=1e-6)
-    np.testing.assert_allclose(found.landmarks, expected.landmarks, atol=1e-3)
+    for suffix in ("pts", "txt", "npy"):
+        found = read_face(tmp_path / "out" / f"{suffix}.npz")
+        np.testing.assert_allclose(found.vertices, expected.vertices, atol=1e-6)
+        np.testing.assert_allclose(found.landmarks, expected.landmarks, atol=1e-3)
 
 
-def test_pts_from_0_are_a_pixel_away(run, reconstructed, points, models, tmp_path):
+def test_pts_from_0_are_a_pixel_away(run, points, models, tmp_path):
     write_landmarks(tmp_path / "marks.pts", Landmarks(points[:68]))
-    out = tmp_path / "face.obj"
-    assert run(COMMAND, tmp_path / "marks.pts", "--out", out, "--pts-origin", 0).exit_code == 0
-    shift = read_face(tmp_path / "face.npz").landmarks - read_face(reconstructed[0] / "face.npz").landmarks
-    np.testing.assert_allclose(shift, 1, atol=1e-3)
+    found = []
+    for origin in (0, 1):
+        arguments = (tmp_path / "marks.pts", "--out", tmp_path / f"{origin}.obj", "--pts-origin", origin)
+        assert run(COMMAND, *arguments, "--model", models["intrinsic"]).exit_code == 0
+        found.append(read_face(tmp_path / f"{origin}.npz").landmarks)
+    np.testing.assert_allclose(found[0] - found[1], 1, atol=1e-3)
 
 
 def test_same_input_same_bytes_but_for_the_time(run, reconstructed, photo, tmp_path):
@@ -137,11 +140,12 @@ def test_81_points_some_of_them_unknown(run, points, models, tmp_path):
 
 
 @pytest.mark.parametrize("method", ["intrinsic", "latent"])
-def test_a_larger_prior_weight_is_more_careful(run, marks, tmp_path, method):
-    spread = []
+def test_a_larger_prior_weight_is_more_careful(run, models, marks, tmp_path, method):
+    spread, model = [], models["intrinsic" if method == "intrinsic" else "pca"]
     for weight in (0.2, 5):
         out = tmp_path / f"face{weight}.obj"
-        assert run(COMMAND, marks, "--out", out, "--method", method, "--prior-weight", weight).exit_code == 0
+        options = ("--method", method, "--model", model, "--prior-weight", weight)
+        assert run(COMMAND, marks, "--out", out, *options).exit_code == 0
         spread.append(read_json(out.with_suffix(".json"))["prior_rms"])
     assert spread[0] > 1.2 * spread[1]
 

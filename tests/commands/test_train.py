@@ -8,7 +8,7 @@ from caricli.data.dataset import read_dataset
 from caricli.io.bundled import asset_path, config_path
 from caricli.io.checkpoint import read_checkpoint
 from caricli.io.provenance import sha256_file
-from caricli.io.strict_json import read_json
+from caricli.io.strict_json import read_json, write_json
 from caricli.methods.evaluate_shape import evaluate_shape
 
 
@@ -78,11 +78,12 @@ def test_what_exists_and_what_is_read_is_kept(refused, dataset, tmp_path):
     assert (copy / "dataset.json").read_bytes() == before
 
 
-def test_too_few_training_meshes_are_refused(run, refused, tmp_path):
-    sizes = ("--identities", 1, "--expressions", 1, "--levels", 2, "--workers", 1)
-    assert run("dataset", "build", tmp_path / "d", *sizes).exit_code == 0
-    said = refused("train", "pca", "--data", tmp_path / "d", "--out", tmp_path / "m.safetensors")
-    assert "2 meshes, at least 3" in said
+def test_too_few_training_meshes_are_refused(refused, dataset, tmp_path):
+    copy = shutil.copytree(dataset, tmp_path / "copy")
+    splits = {"train": [], "validation": [0, 1], "test": [2, 3]}
+    write_json(copy / "dataset.json", read_json(copy / "dataset.json") | {"splits": splits})
+    said = refused("train", "pca", "--data", copy, "--out", tmp_path / "m.safetensors")
+    assert "0 meshes, at least 3" in said
 
 
 @pytest.mark.parametrize("kind", ["pca", "intrinsic"])

@@ -19,8 +19,8 @@ from caricli.template.template import Template
 def small_prior():
     """The prior of the exaggeration by parts, from few shapes: most of the time of a tiny build."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(building, "PRIOR_SHAPES", 24)
-        patch.setattr(building, "PRIOR_DIMENSION", 12)
+        patch.setattr(building, "PRIOR_SHAPES", 16)
+        patch.setattr(building, "PRIOR_DIMENSION", 8)
         yield
 
 
