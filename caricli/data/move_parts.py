@@ -30,7 +30,8 @@ LEANING = {"nose_depth": -0.3, "nose_width": -0.06, "nose_droop": -0.008, "ear_s
 # The unsteady hand: a smooth random field over the face; standard deviation and correlation length in face heights.
 HAND, HAND_LENGTH, HAND_ASYMMETRY = 0.022, 0.075, 0.4
 LIMIT = 2.2
-MIN_LIP_GAP = 0.6
+MIN_LIP_GAP, MIN_CHIN = 0.6, 0.5
+CHIN_SHARE = np.array([0.15, 0.4, 0.7, 0.95, 1.0, 0.95, 0.7, 0.4, 0.15])
 BOLD, BOLD_SHARE, TIMID = 1.45, 0.35, 0.55
 
 
@@ -99,6 +100,10 @@ def move_parts(landmarks, changes):
     # A wide mouth bends back around the teeth.
     q[MOUTH, 2] -= 0.5 * max(np.expm1(c["mouth_width"]), 0) * np.ptp(p[MOUTH, 2]) * side**2
     q[5:12] += c["chin_forward"] * front * np.array([0.3, 0.6, 0.9, 1.0, 0.9, 0.6, 0.3])[:, None]
+
+    # The chin makes room for a mouth that went down.
+    room = q[57, 1] - q[8, 1]
+    q[4:13, 1] -= max(MIN_CHIN * (p[57, 1] - p[8, 1]) - room, 0.0) * CHIN_SHARE
 
     for eye, brow, ear, sign in SIDES:
         size = c["eye_size"] + sign * c["eye_asymmetry"]

@@ -6,7 +6,7 @@ ROUNDS = 20
 
 
 def interpolate_shapes(first, second, weight, gradients):
-    """Blend the deformation features of two shapes and solve, so that what turns, turns, and nothing shrinks on the way.
+    """Blend the deformation features of two shapes and solve: what turns, turns, and nothing shrinks on the way.
 
     Where blended rings do not fit each other (nostrils, lids), triangles can flip that are whole at both ends; they are
     turned back.

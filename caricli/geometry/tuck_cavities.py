@@ -47,20 +47,24 @@ class Cavities:
     def tuck(self, vertices, rounds=ROUNDS):
         """Vertices (V, 3) with all pockets inside."""
         vertices = np.array(vertices)
-        for _, free, deep, laplacian in self.pockets:
-            if not len(deep) or not self._steps(vertices, deep, self.touch).any():
-                continue
-            for _ in range(rounds):
-                moves = np.zeros_like(vertices)
-                moves[deep] = self._steps(vertices, deep, self.margin)
-                if not moves.any():
-                    break
+        touching = self._moves(vertices, self.pockets, self.touch)
+        pockets = [pocket for pocket in self.pockets if touching[pocket[2]].any()]
+        for _ in range(rounds):
+            if not pockets:
+                break
+            moves = self._moves(vertices, pockets, self.margin)
+            for _, free, _, laplacian in pockets:
                 hold = sp.diags(1e3 * laplacian.diagonal().mean() * moves[free].any(axis=1))
                 vertices[free] += splu((laplacian + hold).tocsc()).solve(hold @ moves[free])
+            pockets = [pocket for pocket in pockets if moves[pocket[2]].any()]
         return vertices
 
-    def _steps(self, vertices, ids, required):
-        """(K, 3) how far the vertices ``ids`` must go to be inside the skin by a required distance."""
+    def _moves(self, vertices, pockets, required):
+        """(V, 3) how far the vertices of pockets must go to be inside the skin by a required distance."""
+        moves = np.zeros_like(vertices)
+        ids = np.concatenate([np.zeros(0, int), *(deep for _, _, deep, _ in pockets)])
+        if not len(ids):
+            return moves
         closed, surface = self._closed(vertices)
         points = vertices[ids]
         squared, face, nearest = igl.point_mesh_squared_distance(points, closed, self.skin)
@@ -68,9 +72,10 @@ class Cavities:
         # The side of the nearest face is quick and mostly right; where it says outside, the winding number decides.
         outside = (triangle_normals(closed, self.skin)[face] * away).sum(1) > 0
         if outside.any():
-            outside[outside] = igl.winding_number(closed, surface, points[outside]) < 0.5
+            outside[outside] = igl.fast_winding_number(closed, surface, points[outside]) < 0.5
         missing = np.where(outside, distance + required, np.maximum(required - distance, 0))
-        return (np.where(outside, -1.0, 1.0) * missing / np.maximum(distance, 1e-9))[:, None] * away
+        moves[ids] = (np.where(outside, -1.0, 1.0) * missing / np.maximum(distance, 1e-9))[:, None] * away
+        return moves
 
     def _closed(self, vertices):
         """Vertices with the middles of the openings appended, and the skin's faces with the fans."""

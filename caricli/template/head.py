@@ -61,11 +61,12 @@ class Head:
             unknown = sorted(set(given) - set(names))
             if unknown:
                 raise InputError(f"the head has no change or action named {unknown[0]!r}")
-        up = np.array([max((changes or {}).get(n, 0.0), 0.0) for n in self.change_names])
-        down = np.array([max(-(changes or {}).get(n, 0.0), 0.0) for n in self.change_names])
-        acting = np.array([(actions or {}).get(n, 0.0) for n in self.action_names])
-        pairs = ((up, self.changes_up), (down, self.changes_down), (acting, self.actions))
-        return vertices + sum(np.tensordot(weights, deltas, 1) for weights, deltas in pairs)
+        for name, amount in (changes or {}).items():
+            deltas = self.changes_up if amount > 0 else self.changes_down
+            vertices += np.float64(abs(amount)) * deltas[self.change_names.index(name)]
+        for name, amount in (actions or {}).items():
+            vertices += np.float64(amount) * self.actions[self.action_names.index(name)]
+        return vertices
 
     def template(self, **options):
         """The Template of ``evaluate(**options)`` with the bundled annotation."""
