@@ -11,7 +11,7 @@ demo: setup examples/astronaut/astronaut.png
 
 # One numerical thread for each of the two test processes.
 test: setup
-	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n 2
+	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 --dist loadfile
 
 lint: setup
 	$(BIN)/ruff check

@@ -16,12 +16,7 @@ import numpy as np
 
 from caricli.commands.loading import load_model
 from caricli.io.landmarks import read_landmarks
-from caricli.methods.fit_landmarks import (
-    IntrinsicSettings,
-    LatentSettings,
-    fit_landmarks_intrinsic,
-    fit_landmarks_latent,
-)
+from caricli.methods.fit_landmarks import fit_landmarks
 
 ASTRONAUT = Path(__file__).parents[1] / "examples" / "astronaut"
 PRIOR_WEIGHTS = (0.1, 0.3, 1.0, 3.0, 10.0)
@@ -30,25 +25,20 @@ REPEATS = 5
 
 def curves(marks):
     """Yield one row for each method and prior weight, averaged over the landmark sets."""
-    base, noise = IntrinsicSettings(), LatentSettings().noise
-    intrinsic = load_model(kind="intrinsic")
-    intrinsic.prepare()
-    methods = (
-        ("intrinsic", fit_landmarks_intrinsic, intrinsic, lambda w: IntrinsicSettings(shrink=base.shrink * w)),
-        ("latent", fit_landmarks_latent, load_model(kind="pca"), lambda w: LatentSettings(noise=noise * w**0.5)),
-    )
-    for name, fit, model, settings in methods:
-        fit(marks[0], model)
+    for method, kind in (("intrinsic", "intrinsic"), ("latent", "pca")):
+        model = load_model(kind=kind)
+        model.prepare()
+        fit_landmarks(marks[0], model, method)
         for weight in PRIOR_WEIGHTS:
             results, seconds = [], []
             for points in marks:
                 for _ in range(REPEATS if weight == 1.0 else 1):
                     start = time.perf_counter()
-                    result = fit(points, model, settings(weight))
+                    result = fit_landmarks(points, model, method, weight)
                     seconds.append(time.perf_counter() - start)
                 results.append(result)
             yield {
-                "method": name,
+                "method": method,
                 "prior_weight": weight,
                 "nme": float(np.mean([r.nme for r in results])),
                 "nme_worst": float(np.max([r.nme for r in results])),

@@ -7,7 +7,7 @@ import click
 import numpy as np
 
 from caricli.commands.options import PATH, image_option, model_option, out_folder_option, out_option, overwrite_option
-from caricli.errors import CaricliError, InputError
+from caricli.errors import InputError
 from caricli.io.face import Face, write_face
 from caricli.io.image import read_image, write_png
 from caricli.io.landmarks import check_inside, read_landmarks
@@ -53,104 +53,72 @@ def command(ctx, landmarks, out, out_dir, image, method, model, prior_weight, pt
       caricli reconstruct-from-landmarks landmarks.json --image drawing.png --out face.obj
       caricli reconstruct-from-landmarks marks/*.txt --image drawings --out-dir faces
     """
-    from caricli.commands.loading import load_model, progress_bar
+    from caricli.commands.batch import run_batch
+    from caricli.commands.loading import load_model
+    from caricli.methods.fit_landmarks import fit_landmarks
 
     if (out is None) == (out_dir is None):
         raise click.UsageError("Give either --out for one result or --out-dir for many.")
     if out is not None and (len(landmarks) > 1 or out.suffix.lower() != ".obj"):
         raise click.UsageError("--out takes one LANDMARKS and a name that ends in .obj; for more use --out-dir.")
-    shape_model = load_model(model, "intrinsic" if method == "intrinsic" else "pca")
-    fit = _fitter(method, shape_model, prior_weight)
     jobs = [(path, out or out_dir / f"{path.stem}.obj") for path in landmarks]
     if len({target for _, target in jobs}) < len(jobs):
         raise click.UsageError("Two LANDMARKS have the same name; their results would replace each other.")
-    inputs, failures = (*landmarks, model), []
-    with progress_bar("faces") as report:
-        for number, (path, target) in enumerate(jobs):
-            try:
-                picture = image if out is not None else _picture_beside(image, path)
-                summary = _reconstruct(
-                    path, target, picture, fit, shape_model, method, prior_weight, pts_origin, overwrite, inputs
-                )
-                click.echo(f"{target}: {summary}")
-            except CaricliError as error:
-                if len(jobs) == 1:
-                    raise
-                failures.append((path, error))
-            report(number + 1, len(jobs))
-    for path, error in failures:
-        click.echo(f"caricli: failed: {path}: {error}", err=True)
-    if failures:
-        click.echo(f"caricli: {len(failures)} of {len(jobs)} failed", err=True)
-        ctx.exit(1)
+    shape_model = load_model(model, "intrinsic" if method == "intrinsic" else "pca")
+    shape_model.prepare()
+    known = {"method": method, "prior_weight": prior_weight, "model_id": shape_model.model_id}
+
+    def reconstruct(path, target):
+        picture = image if out is not None else _picture_beside(image, path)
+        paths = [target.with_suffix(suffix) for suffix in SUFFIXES]
+        with staged(*paths, overwrite=overwrite, inputs=(*landmarks, model, picture)) as files:
+            marks = read_landmarks(path, pts_origin)
+            pixels = None if picture is None else _picture(picture, marks, path)
+            start = time.perf_counter()
+            fit = fit_landmarks(marks.points, shape_model, method, prior_weight)
+            seconds = time.perf_counter() - start
+            description = provenance("reconstruct-from-landmarks", [path, picture], **known) | _figures(fit, seconds)
+            _write(files, shape_model, fit, marks.points, pixels, description)
+        quality = f"NME {fit.nme:.2f} %, prior {fit.prior_rms:.2f}, flipped {100 * fit.flipped:.2f} %"
+        return f"{target}: {quality}, {seconds:.2f} s"
+
+    run_batch(ctx, jobs, reconstruct, "faces")
 
 
-def _fitter(method, model, prior_weight):
-    from caricli.methods.fit_landmarks import (
-        IntrinsicSettings,
-        LatentSettings,
-        fit_landmarks_intrinsic,
-        fit_landmarks_latent,
-    )
-
-    if method == "latent":
-        settings = LatentSettings()
-        settings = LatentSettings(noise=settings.noise * prior_weight**0.5)
-        return lambda points: (fit_landmarks_latent(points, model, settings), settings)
-    if model.kind != "intrinsic":
-        raise InputError(f"--method intrinsic needs an intrinsic model, found one of kind {model.kind!r}")
-    model.prepare()
-    settings = IntrinsicSettings()
-    settings = IntrinsicSettings(shrink=settings.shrink * prior_weight)
-    return lambda points: (fit_landmarks_intrinsic(points, model, settings), settings)
-
-
-def _reconstruct(path, target, image, fit, model, method, prior_weight, pts_origin, overwrite, inputs):
+def _write(files, model, fit, given, image, description):
+    """Write OBJ, NPZ, JSON and the picture of a fit."""
     from caricli.commands.loading import template_mesh
     from caricli.render.fit_sheet import fit_sheet
 
-    paths = [target.with_suffix(suffix) for suffix in SUFFIXES]
-    with staged(*paths, overwrite=overwrite, inputs=(*inputs, image)) as (obj_file, npz_file, json_file, png_file):
-        marks = read_landmarks(path, pts_origin)
-        picture = None if image is None else _picture(image, marks, path)
-        start = time.perf_counter()
-        result, settings = fit(marks.points)
-        seconds = time.perf_counter() - start
-        template, pose = model.template, result.pose
-        camera = (pose.scale, pose.rotation, pose.translation)
-        write_obj(obj_file, template_mesh(template, result.vertices))
-        face = Face(
-            result.vertices, template.faces, result.latent, result.residual, *camera, result.landmarks, model.model_id,
-            template.polygons, template.uvs, template.uv_polygons,
-        )  # fmt: skip
-        write_face(npz_file, face)
-        sheet = fit_sheet(
-            result.vertices, template.faces, template.annotation, marks.points, result.landmarks, camera, picture
-        )
-        write_png(png_file, sheet)
-        write_json(json_file, _description(path, image, method, prior_weight, settings, model, result, seconds))
-    return (
-        f"NME {result.nme:.2f} %, prior {result.prior_rms:.2f}, flipped {100 * result.flipped:.2f} %, {seconds:.2f} s"
-    )
+    obj_file, npz_file, json_file, png_file = files
+    template, camera = model.template, (fit.pose.scale, fit.pose.rotation, fit.pose.translation)
+    write_obj(obj_file, template_mesh(template, fit.vertices))
+    mesh = (template.polygons, template.uvs, template.uv_polygons)
+    fitted = (fit.latent, fit.residual, *camera, fit.landmarks, model.model_id)
+    write_face(npz_file, Face(fit.vertices, template.faces, *fitted, *mesh))
+    write_json(json_file, description)
+    annotation = template.annotation
+    write_png(png_file, fit_sheet(fit.vertices, template.faces, annotation, given, fit.landmarks, camera, image))
 
 
-def _description(path, image, method, prior_weight, settings, model, result, seconds):
-    known = {"method": method, "prior_weight": prior_weight, "settings": asdict(settings), "model_id": model.model_id}
+def _figures(fit, seconds):
+    """What the JSON says of a fit."""
     pose = {
-        "scale": result.pose.scale,
-        "rotation": result.pose.rotation,
-        "translation": result.pose.translation,
+        "scale": fit.pose.scale,
+        "rotation": fit.pose.rotation,
+        "translation": fit.pose.translation,
         "convention": "pixels = scale * rotation[:2] @ vertex + translation; x right, y down, z into the picture",
     }
-    return provenance("reconstruct-from-landmarks", [path, image], **known) | {
-        "nme": result.nme,
-        "nme_latent": result.nme_latent,
-        "part_errors": result.part_errors,
-        "prior_rms": result.prior_rms,
-        "flipped": result.flipped,
+    return {
+        "settings": asdict(fit.settings),
+        "nme": fit.nme,
+        "nme_latent": fit.nme_latent,
+        "part_errors": fit.part_errors,
+        "prior_rms": fit.prior_rms,
+        "flipped": fit.flipped,
         "pose": pose,
-        "anchors": np.asarray(result.anchors),
-        "iterations": result.rounds,
+        "anchors": np.asarray(fit.anchors),
+        "iterations": fit.rounds,
         "seconds": seconds,
     }
 

@@ -48,7 +48,7 @@ class LandmarkFit:
 
     vertices (V, 3) metres; latent (D,); residual (V, 9) features beyond the latent, or None; pose in pixels; landmarks
     (L, 2) fitted pixels and anchors (L,) their vertex ids; nme and nme_latent (of the latent's own shape) and
-    part_errors in percent; prior_rms; flipped share of triangles; rounds.
+    part_errors in percent; prior_rms; flipped share of triangles; rounds; settings.
     """
 
     vertices: np.ndarray
@@ -63,6 +63,7 @@ class LandmarkFit:
     flipped: float
     part_errors: dict
     rounds: int
+    settings: IntrinsicSettings | LatentSettings
 
 
 class _Observation:
@@ -113,6 +114,20 @@ class _Observation:
         return Pose(pose.scale * self.diagonal, pose.rotation, translation)
 
 
+def fit_landmarks(points, model, method="intrinsic", prior_weight=1.0):
+    """Fit a face by the method of a name.
+
+    points: (L, 2) pixels, y down, NaN where unknown. model: ShapeModel, for "intrinsic" an IntrinsicModel. method:
+    "intrinsic" or "latent". prior_weight: larger stays nearer to plausible faces, smaller nearer to the landmarks.
+    Returns LandmarkFit. Raises InputError, NumericsError.
+    """
+    if method == "latent":
+        return fit_landmarks_latent(points, model, LatentSettings(noise=LatentSettings.noise * prior_weight**0.5))
+    if model.kind != "intrinsic":
+        raise InputError(f"the method 'intrinsic' needs an intrinsic model, found one of kind {model.kind!r}")
+    return fit_landmarks_intrinsic(points, model, IntrinsicSettings(shrink=IntrinsicSettings.shrink * prior_weight))
+
+
 # The matrices are small: threads that wait for each other cost more than they bring, most of all on a busy machine.
 @threadpool_limits.wrap(limits=1)
 def fit_landmarks_intrinsic(points, model, settings=IntrinsicSettings()):  # noqa: B008 (frozen)
@@ -149,7 +164,7 @@ def fit_landmarks_intrinsic(points, model, settings=IntrinsicSettings()):  # noq
     features = gradients.features(vertices)
     latent = model.features_to_latent(features, settings.shrink)
     residual = features - model.features(latent)
-    return _finish(seen, model, vertices, latent, residual, weights, rotation, settings.rounds)
+    return _finish(seen, model, vertices, latent, residual, weights, rotation, settings.rounds, settings)
 
 
 @threadpool_limits.wrap(limits=1)
@@ -212,10 +227,10 @@ def fit_landmarks_latent(points, model, settings=LatentSettings()):  # noqa: B00
                 break
             damping *= 5
     latent = model.prior.colour(whitened)
-    return _finish(seen, model, model.decode(latent), latent, None, weights, pose.rotation, rounds)
+    return _finish(seen, model, model.decode(latent), latent, None, weights, pose.rotation, rounds, settings)
 
 
-def _finish(seen, model, vertices, latent, residual, weights, rotation, rounds):
+def _finish(seen, model, vertices, latent, residual, weights, rotation, rounds, settings):
     """Final pose and figures of a fit."""
     pose, anchors = seen.settle(vertices, weights, rotation)
     error = 100 * seen.error(vertices, pose, anchors)
@@ -236,6 +251,7 @@ def _finish(seen, model, vertices, latent, residual, weights, rotation, rounds):
         flipped=float(flipped_triangles(vertices, model.template.gradients).mean()),
         part_errors={name: float(values.mean()) for name, values in parts.items() if len(values)},
         rounds=rounds,
+        settings=settings,
     )
 
 

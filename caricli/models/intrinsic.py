@@ -72,8 +72,8 @@ class IntrinsicModel:
         return self._anchors
 
     def prepare(self):
-        """Factor everything that fits need, so that the first one takes no longer than the others."""
-        return self.anchors, self.template.gradients, self.template.cavities
+        """See ShapeModel."""
+        _ = self.anchors, self.template.gradients, self.template.cavities
 
     def features(self, latents):
         """Latents (..., D) to features (..., V, 9)."""

@@ -36,6 +36,9 @@ class PcaModel:
         """See ShapeModel."""
         return {"mean": self.mean.astype(np.float32), "basis": self.basis.astype(np.float16)}
 
+    def prepare(self):
+        """See ShapeModel: the fits need nothing beyond what is here."""
+
     def decode(self, latents):
         """See ShapeModel."""
         return self.mean + np.tensordot(latents, self.basis, 1)

@@ -19,6 +19,9 @@ class ShapeModel(Protocol):
     template: Template
     prior: Prior
 
+    def prepare(self) -> None:
+        """Factor what fits need, so that the first one takes no longer than the others."""
+
     def decode(self, latents: np.ndarray) -> np.ndarray:
         """Latents (..., D) to vertices (..., V, 3)."""
 

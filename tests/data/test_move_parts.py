@@ -62,11 +62,12 @@ def test_mirrored_changes_give_the_mirrored_face(points, seed):
 
 
 @pytest.mark.parametrize("seed", range(50))
-def test_the_parts_keep_their_order_from_brow_to_mouth(points, seed):
+def test_the_parts_keep_their_order_from_brow_to_chin(points, seed):
     p, _ = points
     q = move_parts(p, random_part_changes(np.random.default_rng(seed), 1.5))
     assert q[33, 1] - q[51, 1] > 0.59 * (p[33, 1] - p[51, 1])
     assert q[51, 1] > q[57, 1]
+    assert q[57, 1] - q[8, 1] > 0.49 * (p[57, 1] - p[8, 1])
     assert q[27, 1] > q[33, 1]
     assert q[69, 1] > q[17:27, 1].mean() > q[36:48, 1].mean()
 
