@@ -71,7 +71,8 @@ def read_checkpoint(path):
 
 
 def _header(data, path):
-    if looks_like_pickle(data) or data.startswith(b"PK"):
+    # A header length can begin with the bytes of a pickle; the brace after it cannot stand in one.
+    if data[8:9] != b"{" and (looks_like_pickle(data) or data.startswith(b"PK")):
         raise InputError(
             f"{shown(path)}: expected a .safetensors model, found a pickle or torch file, which could run code on load"
         )

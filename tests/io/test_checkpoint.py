@@ -169,3 +169,13 @@ def test_writing_refuses(tmp_path):
     with pytest.raises(OutputError, match="cannot be written"):
         write_checkpoint(tmp_path / "missing" / "b.safetensors", {}, {})
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_header_length_that_begins_like_a_pickle_is_none(tmp_path):
+    path = tmp_path / "model.safetensors"
+    for padding in range(0x200, 0x600):
+        write_checkpoint(path, {"w": np.ones(3, np.float32)}, {"padding": "x" * padding})
+        if path.read_bytes()[0] == 0x80:
+            break
+    assert path.read_bytes()[0] == 0x80 and 2 <= path.read_bytes()[1] <= 5
+    assert read_checkpoint(path)[1] == {"padding": "x" * padding}
