@@ -5,6 +5,7 @@ import multiprocessing
 import os
 import signal
 from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
 from dataclasses import asdict, dataclass
 
 import numpy as np
@@ -16,7 +17,7 @@ from caricli.data.exaggerate_parts import exaggerate_parts
 from caricli.data.expressions import expand_sides
 from caricli.data.identities import random_identity
 from caricli.data.move_parts import NAMES, random_hand, random_part_changes
-from caricli.errors import InputError
+from caricli.errors import CaricliError, InputError
 from caricli.geometry.exaggerate_curvature import exaggerate_curvature
 from caricli.geometry.flipped_triangles import flipped_triangles
 from caricli.geometry.similarity import similarity
@@ -261,14 +262,11 @@ def _worker_map(workers, settings, prior=None):
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
     pool = ProcessPoolExecutor(workers or cores, mp_context=context, initializer=_start, initargs=(settings, prior))
     try:
-        yield lambda function, jobs: pool.map(function, jobs, chunksize=4)
-        pool.shutdown()
-    except BaseException:
-        processes = list((pool._processes or {}).values())
-        pool.shutdown(wait=False, cancel_futures=True)
-        for process in processes:
-            process.terminate()
-        raise
+        yield lambda function, jobs: pool.map(function, jobs)
+    except BrokenProcessPool as error:
+        raise CaricliError("a worker process was ended from outside; is there enough memory?") from error
+    finally:
+        pool.shutdown(cancel_futures=True)
 
 
 def _expression_table(head):

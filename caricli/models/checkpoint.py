@@ -24,7 +24,7 @@ def model_to_checkpoint(model, recipe):
     for name in _TEMPLATE:
         value = getattr(model.template, name)
         if value is not None:
-            tensors[f"template.{name}"] = value.astype(np.int32 if value.dtype.kind == "i" else np.float32)
+            tensors[f"template.{name}"] = value.astype(np.int32 if value.dtype.kind == "i" else np.float64)
     annotation = model.template.annotation.source
     return tensors, {"schema": SCHEMA, "kind": model.kind, "annotation": annotation, "recipe": recipe}
 
