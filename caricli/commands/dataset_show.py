@@ -3,14 +3,14 @@
 import click
 import numpy as np
 
-from caricli.commands.options import PATH, overwrite_option, seed_option
+from caricli.commands.options import PATH, out_option, overwrite_option, seed_option
 from caricli.io.image import write_png
 from caricli.io.outputs import staged
 
 
 @click.command()
 @click.argument("dataset", type=PATH)
-@click.option("-o", "--out", type=PATH, metavar="PNG", help="A contact sheet of random meshes.")
+@out_option("PNG", "A contact sheet of random meshes.", required=False, suffix=".png")
 @click.option("--faces", type=click.IntRange(1, 400), default=35, metavar="N", help="Meshes on the sheet.")
 @click.option("--size", type=click.IntRange(32, 1024), default=200, metavar="PIXELS", help="Side of one view.")
 @seed_option
@@ -30,9 +30,10 @@ def command(dataset, out, faces, size, seed, overwrite):
     from caricli.render.dataset_sheet import dataset_sheet
 
     data = read_dataset(dataset)
+    for line in summarise_dataset(data):
+        click.echo(line)
     if out is not None:
         with staged(out, overwrite=overwrite, inputs=dataset_files(dataset)) as (temporary,):
             mesh = data.template.faces, data.template.annotation
             write_png(temporary, dataset_sheet(data.vertices, *mesh, faces, size, np.random.default_rng(seed)))
-    for line in summarise_dataset(data):
-        click.echo(line)
+        click.echo(f"{out}: {min(faces, len(data.vertices))} meshes drawn")

@@ -13,6 +13,18 @@ import click
 
 PATH = click.Path(path_type=Path)
 
+
+def named(suffix: str) -> Callable:
+    """Return a click callback that takes only file names with `suffix`, such as ".png"."""
+
+    def check(ctx, param, value):
+        if value is not None and value.suffix.lower() != suffix:
+            raise click.BadParameter(f"expected a name that ends in {suffix}, found {value.name!r}.")
+        return value
+
+    return check
+
+
 overwrite_option = click.option("--overwrite", is_flag=True, help="Replace outputs that exist.")
 
 seed_option = click.option(
@@ -38,9 +50,11 @@ set_option = click.option(
 )
 
 
-def out_option(metavar: str, help: str, required: bool = True) -> Callable:
+def out_option(metavar: str, help: str, required: bool = True, suffix: str | None = None) -> Callable:
     """Return the option `-o`, `--out` for the output file or folder that `metavar` names; it arrives as `out`."""
-    return click.option("-o", "--out", type=PATH, metavar=metavar, required=required, help=help)
+    return click.option(
+        "-o", "--out", type=PATH, metavar=metavar, required=required, help=help, callback=suffix and named(suffix)
+    )
 
 
 def out_folder_option(help: str) -> Callable:

@@ -138,6 +138,8 @@ def _picture_beside(folder, path):
     """The picture in a folder that has the name of a landmark file."""
     if folder is None:
         return None
+    if not folder.is_dir():
+        raise InputError(f"{folder}: expected a folder of pictures, because results of many inputs were asked for")
     found = [folder / f"{path.stem}{suffix}" for suffix in PICTURES if (folder / f"{path.stem}{suffix}").is_file()]
     if not found:
         raise InputError(f"{folder}: expected a picture named {path.stem} with one of {', '.join(PICTURES)}")

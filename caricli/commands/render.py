@@ -28,7 +28,7 @@ def _views(ctx, param, value):
 
 @click.command()
 @click.argument("paths", nargs=-1, required=True, type=PATH, metavar="FACE...")
-@out_option("PNG", "The picture to write.")
+@out_option("PNG", "The picture to write.", suffix=".png")
 @click.option(
     "--views",
     callback=_views,

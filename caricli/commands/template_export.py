@@ -2,12 +2,12 @@
 
 import click
 
-from caricli.commands.options import PATH, overwrite_option
+from caricli.commands.options import PATH, named, overwrite_option
 from caricli.io.outputs import staged
 
 
 @click.command()
-@click.argument("out", type=PATH, metavar="OUT.obj")
+@click.argument("out", type=PATH, metavar="OUT.obj", callback=named(".obj"))
 @click.option("--open-mouth", is_flag=True, help="The network template, with the lips apart.")
 @overwrite_option
 def command(out, open_mouth, overwrite):

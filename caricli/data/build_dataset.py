@@ -1,6 +1,7 @@
 """The open caricature dataset: random people, expressions and exaggerations of the head."""
 
 import contextlib
+import functools
 import multiprocessing
 import os
 import signal
@@ -99,7 +100,11 @@ def build_dataset(folder, settings, workers=None, progress=lambda done, total: N
 
     def manifest(entries):
         generator = np.random.default_rng([settings.seed, _SPLIT])
+        people = np.array([row["identity"] for row in rows])
         splits = split_identities(range(settings.identities), generator)
+        # A small draw can leave a split without anyone; then only those who were drawn are divided.
+        if not all(np.isin(people, split).any() for split in splits.values()):
+            splits = split_identities(np.unique(people).tolist(), generator)
         names = [name for name in rows[0] if name != "identity"]
         measures = np.array([[row[name] for name in names] for row in rows])
         training = np.isin([row["identity"] for row in rows], splits["train"])
@@ -123,7 +128,7 @@ def build_dataset(folder, settings, workers=None, progress=lambda done, total: N
 
 
 def _jobs(settings):
-    """Lists of (index, identity, expression, levels or None): one list is one unit of work."""
+    """Units of work: lists of (identity, expression, level), or of one (index,) for a random draw."""
     if settings.count is None:
         return [
             [(identity, expression, level) for level in range(settings.levels)]
@@ -262,11 +267,20 @@ def _worker_map(workers, settings, prior=None):
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
     pool = ProcessPoolExecutor(workers or cores, mp_context=context, initializer=_start, initargs=(settings, prior))
     try:
-        yield lambda function, jobs: pool.map(function, jobs)
+        yield functools.partial(_map_unsignalled, pool)
     except BrokenProcessPool as error:
         raise CaricliError("a worker process was ended from outside; is there enough memory?") from error
     finally:
         pool.shutdown(cancel_futures=True)
+
+
+def _map_unsignalled(pool, function, jobs):
+    # Workers start here and inherit the mask, so that Ctrl-C, which reaches them too, is left to the parent.
+    previous = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        return pool.map(function, jobs)
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, previous)
 
 
 def _expression_table(head):

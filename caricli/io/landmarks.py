@@ -17,6 +17,7 @@ SCHEMA = "caricli.landmarks/1"
 SCHEMES = {68: "ibug68", 81: "ibug68+13"}
 """Name of the scheme by its number of points: iBUG's 68, or these and the 13 further ones of the annotation."""
 MIN_KNOWN = 8
+MIN_INSIDE, MIN_DIAGONAL = 0.5, 8.0
 
 _KIND = "a landmark file"
 _MAX_IMAGE_SIDE = 1_000_000
@@ -194,9 +195,17 @@ def check_inside(points, size, path):
     """Refuse landmarks far outside the image they belong to.
 
     Parameters: points (L,2), NaN where unknown; size, (width, height) in pixels; path, named in the message.
-    Raises: InputError when a point lies more than one image size beyond the border.
+    Raises: InputError when a point lies more than one image size beyond the border, fewer than half of them lie inside,
+    or the face is smaller than a few pixels.
     """
     image = np.array(size, np.float64)
+    known = points[~np.isnan(points).any(axis=1)]
+    inside = ((known >= 0) & (known <= image)).all(axis=1).mean()
+    if inside < MIN_INSIDE or np.linalg.norm(np.ptp(known, axis=0)) < MIN_DIAGONAL:
+        raise InputError(
+            f"{shown(path)}: expected the landmarks of a face in the {size[0]} x {size[1]} image, found "
+            f"{100 * inside:.0f} % of them inside, {np.linalg.norm(np.ptp(known, axis=0)):.3g} pixels across"
+        )
     outside = ((points < -image) | (points > 2 * image)).any(axis=1)
     if outside.any():
         k = int(np.argmax(outside))

@@ -233,6 +233,8 @@ def fit_landmarks_latent(points, model, settings=LatentSettings()):  # noqa: B00
 def _finish(seen, model, vertices, latent, residual, weights, rotation, rounds, settings):
     """Final pose and figures of a fit."""
     pose, anchors = seen.settle(vertices, weights, rotation)
+    if pose.rotation[2, 2] > 0:
+        raise InputError("the landmarks show a face from behind: are they mirrored, upside down, or in another order?")
     error = 100 * seen.error(vertices, pose, anchors)
     own = vertices if residual is None else model.decode(latent)
     own_error = 100 * seen.error(own, *seen.settle(own, weights, rotation))

@@ -32,7 +32,9 @@ def fit_sheet(vertices, faces, annotation, given, fitted, camera, image=None, si
     picture = _crop(image, corner, window, size)
     zoom = size / window
     given, fitted, shift = (given - corner) * zoom, (fitted - corner) * zoom, (translation - corner) * zoom
-    marked = draw_landmarks(draw_landmarks(picture, fitted, FITTED), given, GIVEN, hollow=True, lines=False)
+    marked = draw_landmarks(
+        draw_landmarks(picture, fitted, FITTED), given, GIVEN, radius=size / 80, hollow=True, lines=False
+    )
     over = overlay_mesh(picture, vertices, faces, scale * zoom, rotation, shift, eyeballs=eyeballs)
     return contact_sheet([marked, over, *render_views(vertices, faces, size=size, eyeballs=eyeballs)], columns=5)
 
