@@ -11,15 +11,18 @@ from pathlib import Path
 
 import click
 
+from caricli.errors import OutputError
+
 PATH = click.Path(path_type=Path)
 
 
 def named(suffix: str) -> Callable:
-    """Return a click callback that takes only file names with `suffix`, such as ".png"."""
+    """Return a click callback that refuses a new file whose name does not end in `suffix`, such as ".png"."""
 
     def check(ctx, param, value):
-        if value is not None and value.suffix.lower() != suffix:
-            raise click.BadParameter(f"expected a name that ends in {suffix}, found {value.name!r}.")
+        # What exists already has its own refusals: a folder, an input, a file to keep.
+        if value is not None and value.suffix.lower() != suffix and not value.exists():
+            raise OutputError(f"{value}: expected a name that ends in {suffix}")
         return value
 
     return check

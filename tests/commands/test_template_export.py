@@ -28,3 +28,9 @@ def test_an_existing_file_is_kept_unless_told_otherwise(run, refused, tmp_path):
     assert len(read_obj(out).vertices) == 4200
     assert "folder" in refused("template", "export", tmp_path, "--overwrite")
     assert [path.name for path in tmp_path.iterdir()] == ["head.obj"]
+
+
+@pytest.mark.parametrize("name", ["head.txt", "head"])
+def test_another_suffix_is_refused(refused, tmp_path, name):
+    assert "expected a name that ends in .obj" in refused("template", "export", tmp_path / name)
+    assert list(tmp_path.iterdir()) == []
