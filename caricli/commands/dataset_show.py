@@ -30,10 +30,10 @@ def command(dataset, out, faces, size, seed, overwrite):
     from caricli.render.dataset_sheet import dataset_sheet
 
     data = read_dataset(dataset)
-    for line in summarise_dataset(data):
-        click.echo(line)
     if out is not None:
         with staged(out, overwrite=overwrite, inputs=dataset_files(dataset)) as (temporary,):
             mesh = data.template.faces, data.template.annotation
             write_png(temporary, dataset_sheet(data.vertices, *mesh, faces, size, np.random.default_rng(seed)))
         click.echo(f"{out}: {min(faces, len(data.vertices))} meshes drawn")
+    for line in summarise_dataset(data):
+        click.echo(line)
