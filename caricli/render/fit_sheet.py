@@ -33,7 +33,7 @@ def fit_sheet(vertices, faces, annotation, given, fitted, camera, image=None, si
     zoom = size / window
     given, fitted, shift = (given - corner) * zoom, (fitted - corner) * zoom, (translation - corner) * zoom
     marked = draw_landmarks(
-        draw_landmarks(picture, fitted, FITTED), given, GIVEN, radius=size / 120, hollow=True, lines=False
+        draw_landmarks(picture, fitted, FITTED), given, GIVEN, radius=max(2.0, size / 120), hollow=True, lines=False
     )
     over = overlay_mesh(picture, vertices, faces, scale * zoom, rotation, shift, eyeballs=eyeballs)
     return contact_sheet([marked, over, *render_views(vertices, faces, size=size, eyeballs=eyeballs)], columns=5)
