@@ -32,8 +32,8 @@ def fit_sheet(vertices, faces, annotation, given, fitted, camera, image=None, si
     picture = _crop(image, corner, window, size)
     zoom = size / window
     given, fitted, shift = (given - corner) * zoom, (fitted - corner) * zoom, (translation - corner) * zoom
-    circled = draw_landmarks(picture, given, GIVEN, radius=max(2.5, size / 120), hollow=True, lines=False)
-    marked = draw_landmarks(circled, fitted, FITTED)
+    dotted = draw_landmarks(picture, fitted, FITTED)
+    marked = draw_landmarks(dotted, given, GIVEN, radius=max(1.5, size / 120), hollow=True, lines=False)
     over = overlay_mesh(picture, vertices, faces, scale * zoom, rotation, shift, eyeballs=eyeballs)
     return contact_sheet([marked, over, *render_views(vertices, faces, size=size, eyeballs=eyeballs)], columns=5)
 
