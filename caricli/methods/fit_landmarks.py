@@ -185,18 +185,15 @@ def fit_landmarks_latent(points, model, settings=LatentSettings()):  # noqa: B00
     row = np.zeros(len(template.vertices), dtype=int)
     row[candidates] = np.arange(len(candidates))
 
-    def decode(latent):
-        sparse[candidates], jacobian = model.decode_points(latent, candidates)
-        return jacobian
-
     whitened = np.zeros(len(model.prior.mean))
-    decode(model.prior.colour(whitened))
+    sparse[candidates] = model.decode_points(model.prior.colour(whitened), candidates)
     pose, anchors = seen.settle(sparse)
     weights = np.ones(len(seen.known))
     damping, rounds = 1e-3, settings.rounds + settings.refinements
     for round_number in range(rounds):
         joint = round_number >= settings.rounds
-        jacobian = decode(model.prior.colour(whitened)) @ model.prior.factor
+        sparse[candidates], jacobian = model.points_jacobian(model.prior.colour(whitened), candidates)
+        jacobian = jacobian @ model.prior.factor
         if not joint:
             pose, anchors = seen.settle(sparse, weights, pose.rotation)
         else:
@@ -205,7 +202,7 @@ def fit_landmarks_latent(points, model, settings=LatentSettings()):  # noqa: B00
             weights = _robust_weights(seen.error(sparse, pose, anchors))
 
         def cost(pose, whitened, anchors=anchors, weights=weights):
-            decode(model.prior.colour(whitened))
+            sparse[candidates] = model.decode_points(model.prior.colour(whitened), candidates)
             error = seen.error(sparse, pose, anchors)
             return (weights * error**2).sum() / settings.noise**2 + (whitened**2).sum()
 

@@ -102,7 +102,20 @@ class IntrinsicModel:
         return self.offset[0] + latents @ self.offset[1:]
 
     def decode_points(self, latent, points):
-        """See ShapeModel; only the rows of the solution that are asked for are formed, and kept for the next call."""
+        """See ShapeModel."""
+        planes, _ = self.template.gradients.planes_jacobian(self.features(latent), self.basis[:0])
+        return self._rows_of(points) @ planes.reshape(-1, 3) + self._centroid(latent)
+
+    def points_jacobian(self, latent, points):
+        """See ShapeModel."""
+        planes, jacobian = self.template.gradients.planes_jacobian(self.features(latent), self.basis)
+        rows, dimension = self._rows_of(points), len(latent)
+        positions = rows @ planes.reshape(-1, 3) + self._centroid(latent)
+        derivative = (rows @ jacobian.reshape(-1, 3 * dimension)).reshape(len(rows), 3, dimension)
+        return positions, derivative + self.offset[1:].T
+
+    def _rows_of(self, points):
+        """The rows of the solution that are asked for, kept for the next call."""
         points = np.asarray(points, dtype=np.int64)
         gradients, key = self.template.gradients, points.tobytes()
         if key not in self._rows:
@@ -110,12 +123,7 @@ class IntrinsicModel:
             unit[points, np.arange(len(points))] = 1
             responses = gradients.solve(unit - 1 / gradients.count)
             self._rows = {key: np.asarray((gradients.divergence.T @ responses).T)}
-        rows = self._rows[key]
-        planes, jacobian = gradients.planes_jacobian(self.features(latent), self.basis)
-        count, dimension = len(points), len(latent)
-        positions = rows @ planes.reshape(-1, 3) + self._centroid(latent)
-        derivative = (rows @ jacobian.reshape(-1, 3 * dimension)).reshape(count, 3, dimension)
-        return positions, derivative + self.offset[1:].T
+        return self._rows[key]
 
     def encode(self, vertices):
         """See ShapeModel: the projection of the features."""

@@ -45,8 +45,11 @@ class PcaModel:
 
     def decode_points(self, latent, points):
         """See ShapeModel."""
-        basis = self.basis[:, points]
-        return self.mean[points] + np.tensordot(latent, basis, 1), np.moveaxis(basis, 0, -1)
+        return self.mean[points] + np.tensordot(latent, self.basis[:, points], 1)
+
+    def points_jacobian(self, latent, points):
+        """See ShapeModel."""
+        return self.decode_points(latent, points), np.moveaxis(self.basis[:, points], 0, -1)
 
     def encode(self, vertices):
         """See ShapeModel: the orthogonal projection."""

@@ -25,8 +25,11 @@ class ShapeModel(Protocol):
     def decode(self, latents: np.ndarray) -> np.ndarray:
         """Latents (..., D) to vertices (..., V, 3)."""
 
-    def decode_points(self, latent: np.ndarray, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Positions (K, 3) of the vertices ``points`` for one latent (D,), and their Jacobian (K, 3, D)."""
+    def decode_points(self, latent: np.ndarray, points: np.ndarray) -> np.ndarray:
+        """Positions (K, 3) of the vertices ``points`` for one latent (D,)."""
+
+    def points_jacobian(self, latent: np.ndarray, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The same positions and their derivatives (K, 3, D) by the latent."""
 
     def encode(self, vertices: np.ndarray) -> np.ndarray:
         """Vertices (..., V, 3) to the latents (..., D) whose shapes are nearest."""
