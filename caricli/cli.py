@@ -20,11 +20,16 @@ from caricli.errors import CaricliError
 # What is typed: (module in caricli.commands, or None for a group; section of the help; short help).
 COMMANDS = {
     "reconstruct-from-landmarks": ("reconstruct_from_landmarks", "Reconstruct", "2D landmarks to a 3D caricature."),
+    "encode": ("encode", "Faces", "A mesh to the latent of a model."),
+    "sample": ("sample", "Faces", "Random faces of a model."),
+    "interpolate": ("interpolate", "Faces", "Faces between two faces."),
     "train": (None, "Models", "Train a shape model on a dataset."),
     "train pca": ("train_pca", "Models", "A linear model of vertex positions."),
     "train intrinsic": ("train_intrinsic", "Models", "A model of deformations, which extrapolates without tearing."),
+    "train deformable": ("train_deformable", "Models", "A SIREN hypernetwork, continuous over the surface."),
     "evaluate": (None, "Models", "Measure models."),
     "evaluate shape": ("evaluate_shape", "Models", "Train and test shape error, models side by side."),
+    "evaluate ablation": ("evaluate_ablation", "Models", "The deformable model beside its rivals, trained alike."),
     "dataset": (None, "Data", "Build, import or look at a dataset of faces."),
     "dataset build": ("dataset_build", "Data", "Generate caricatures from the open head model."),
     "dataset import": ("dataset_import", "Data", "Take a folder of registered OBJ meshes."),

@@ -6,6 +6,22 @@ from caricli.commands.loading import progress_bar
 from caricli.errors import CaricliError
 
 
+def named_jobs(inputs, noun, out, out_dir, suffix):
+    """Pairs of an input and the file to write for it: ``out`` for one, or one in ``out_dir`` under the input's name.
+
+    noun: what the command's help calls an input. suffix: of the files, such as ".obj".
+    Raises click.UsageError unless exactly one of out and out_dir fits.
+    """
+    if (out is None) == (out_dir is None):
+        raise click.UsageError("Give either --out for one result or --out-dir for many.")
+    if out is not None and (len(inputs) > 1 or out.suffix.lower() != suffix):
+        raise click.UsageError(f"--out takes one {noun} and a name that ends in {suffix}; for more use --out-dir.")
+    jobs = [(path, out or out_dir / f"{path.stem}{suffix}") for path in inputs]
+    if len({target for _, target in jobs}) < len(jobs):
+        raise click.UsageError(f"Two {noun} have the same name; their results would replace each other.")
+    return jobs
+
+
 def run_batch(ctx, items, work, description):
     """Do the work for every item and say what came of it; failures end as a table and exit code 1.
 

@@ -2,11 +2,19 @@
 
 from contextlib import contextmanager
 
+import numpy as np
+
 from caricli.errors import InputError
 from caricli.io.bundled import asset_path
 from caricli.io.checkpoint import read_checkpoint
+from caricli.io.face import read_face, topology_id
 from caricli.io.files import shown
 from caricli.io.obj import ObjMesh
+from caricli.io.strict_json import read_json
+from caricli.methods.encode_face import encode_face
+
+DEFAULT_LATENT = "pca"
+"""Kind of the bundled model that latents belong to where nothing else is said."""
 
 
 def load_model(path=None, kind="intrinsic"):
@@ -18,8 +26,58 @@ def load_model(path=None, kind="intrinsic"):
 
 
 def template_mesh(template, vertices):
-    """Vertices with the polygons and UVs of their template, ready to be written as OBJ."""
+    """Vertices with the polygons and UVs of their Template or FineMesh, ready to be written as OBJ."""
     return ObjMesh(vertices, template.polygons, template.uvs, template.uv_polygons)
+
+
+def load_face(path, model):
+    """The Face of a file, OBJ or NPZ, refused when its mesh is not the model's or its size not a head's."""
+    face, template = read_face(path), model.template
+    if topology_id(face.faces) != template.topology_id:
+        raise InputError(
+            f"{shown(path)}: expected the topology of the model ({len(template.vertices)} vertices, "
+            f"{len(template.faces)} triangles), found another ({len(face.vertices)} vertices, {len(face.faces)})"
+        )
+    height = float(np.ptp(face.vertices[:, 1]))
+    if not 0.2 < height / template.height < 5:
+        raise InputError(f"{shown(path)}: expected a head about {template.height:.3g} m high, found {height:.3g} m")
+    return face
+
+
+def load_latent_face(path, model):
+    """A face for commands that need a latent: its own where the file has one, else it is encoded first.
+
+    path: OBJ or NPZ. model: ShapeModel.
+    Returns EncodedFace, and a line that says that it was encoded, or None.
+    Raises InputError for another topology, and for a latent of another model.
+    """
+    face, dimension = load_face(path, model), len(model.prior.mean)
+    if face.latent is None or face.model_id is None:
+        code = encode_face(face.vertices, model)
+        error = f"shape error {code.millimetres:.2f} mm ({code.percent:.2f} %)"
+        return code, f"{shown(path)}: had no latent; encoded by {_name(model.model_id)}, {error}"
+    if face.model_id != model.model_id:
+        its, ours = (_bundled_kind(i) or "MODEL" for i in (face.model_id, model.model_id))
+        raise InputError(
+            f"{shown(path)}: its latent is of {_name(face.model_id)}, not of {_name(model.model_id)}; give --model "
+            f"{its}, or encode it again: caricli encode {shown(path)} --model {ours} --out NEW.npz"
+        )
+    if len(face.latent) != dimension:
+        raise InputError(f"{shown(path)}: expected a latent of {dimension} numbers, found {len(face.latent)}")
+    return encode_face(face.vertices, model, face.latent), None
+
+
+def _name(model_id):
+    kind = _bundled_kind(model_id)
+    return f"the bundled {kind} model" if kind else f"the model {shown(model_id, 12)}"
+
+
+def _bundled_kind(model_id):
+    from caricli.models.checkpoint import KINDS
+
+    files = {kind: asset_path(f"{kind}.json") for kind in KINDS}
+    same = (kind for kind, file in files.items() if file.is_file() and read_json(file).get("model_id") == model_id)
+    return next(same, None)
 
 
 def check_topology(template, dataset_template, where):

@@ -12,8 +12,18 @@ from pathlib import Path
 import click
 
 from caricli.errors import OutputError
+from caricli.io.bundled import asset_path
 
 PATH = click.Path(path_type=Path)
+
+
+class FiniteRange(click.FloatRange):
+    """A range that refuses nan, which no comparison finds outside."""
+
+    def convert(self, value, param, ctx):
+        """Turn the text into a number in the range."""
+        number = super().convert(value, param, ctx)
+        return self.fail(f"{value} is not a number.", param, ctx) if number != number else number
 
 
 def named(suffix: str) -> Callable:
@@ -38,11 +48,37 @@ workers_option = click.option(
     "--workers", type=click.IntRange(min=1), metavar="N", help="Worker processes.  [default: one per usable core]"
 )
 
+
+def bundled(ctx, param, value):
+    """Take the name of a model that comes with caricli, such as "pca", for its file; a file of that name goes first."""
+    if value is None or value.exists():
+        return value
+    asset = asset_path(f"{value.name}.safetensors")
+    return asset if value.name == str(value) and asset.is_file() else value
+
+
 model_option = click.option(
-    "--model", type=PATH, metavar="MODEL", help="A trained model.  [default: the one that comes with caricli]"
+    "--model",
+    type=PATH,
+    metavar="MODEL",
+    callback=bundled,
+    help="A trained model, or the kind of one that comes with caricli, such as pca.  [default: the best for the task]",
+)
+
+subdivide_option = click.option(
+    "--subdivide",
+    "levels",
+    type=click.IntRange(0, 4),
+    default=0,
+    metavar="N",
+    help="Write the OBJ N times finer; the NPZ keeps the model's own mesh for the next command.",
 )
 
 image_option = click.option("--image", type=PATH, metavar="IMAGE", help="The picture that the landmarks belong to.")
+
+device_option = click.option(
+    "--device", type=click.Choice(["auto", "cpu", "cuda"]), default="auto", help="Where to train."
+)
 
 data_option = click.option("--data", "dataset", type=PATH, metavar="DATASET", required=True, help="A dataset folder.")
 

@@ -6,7 +6,16 @@ from dataclasses import asdict
 import click
 import numpy as np
 
-from caricli.commands.options import PATH, image_option, model_option, out_folder_option, out_option, overwrite_option
+from caricli.commands.options import (
+    PATH,
+    FiniteRange,
+    image_option,
+    model_option,
+    out_folder_option,
+    out_option,
+    overwrite_option,
+    subdivide_option,
+)
 from caricli.errors import InputError
 from caricli.io.face import Face, write_face
 from caricli.io.image import read_image, write_png
@@ -34,15 +43,16 @@ PICTURES = (".png", ".jpg", ".jpeg", ".webp", ".bmp", ".tif", ".tiff", ".gif")
 @model_option
 @click.option(
     "--prior-weight",
-    type=click.FloatRange(0.01, 100),
+    type=FiniteRange(0.01, 100),
     default=1.0,
     metavar="W",
     help="Larger stays nearer to plausible faces, smaller nearer to the landmarks.",
 )
 @click.option("--pts-origin", type=click.IntRange(0, 1), default=1, help="Coordinate of the first pixel in .pts files.")
+@subdivide_option
 @overwrite_option
 @click.pass_context
-def command(ctx, landmarks, out, out_dir, image, method, model, prior_weight, pts_origin, overwrite):
+def command(ctx, landmarks, out, out_dir, image, method, model, prior_weight, pts_origin, levels, overwrite):
     """Reconstruct 3D caricatures from 68 (iBUG) or 81 landmarks: JSON, .pts, text or NPY.
 
     With several LANDMARKS --image is a folder of pictures with the same names. In the picture that is written, green
@@ -53,20 +63,16 @@ def command(ctx, landmarks, out, out_dir, image, method, model, prior_weight, pt
       caricli reconstruct-from-landmarks landmarks.json --image drawing.png --out face.obj
       caricli reconstruct-from-landmarks marks/*.txt --image drawings --out-dir faces
     """
-    from caricli.commands.batch import run_batch
-    from caricli.commands.loading import load_model
+    from caricli.commands.batch import named_jobs, run_batch
+    from caricli.commands.loading import DEFAULT_LATENT, load_model
     from caricli.methods.fit_landmarks import fit_landmarks
+    from caricli.template.fine_mesh import fine_mesh
 
-    if (out is None) == (out_dir is None):
-        raise click.UsageError("Give either --out for one result or --out-dir for many.")
-    if out is not None and (len(landmarks) > 1 or out.suffix.lower() != ".obj"):
-        raise click.UsageError("--out takes one LANDMARKS and a name that ends in .obj; for more use --out-dir.")
-    jobs = [(path, out or out_dir / f"{path.stem}.obj") for path in landmarks]
-    if len({target for _, target in jobs}) < len(jobs):
-        raise click.UsageError("Two LANDMARKS have the same name; their results would replace each other.")
-    shape_model = load_model(model, "intrinsic" if method == "intrinsic" else "pca")
+    jobs = named_jobs(landmarks, "LANDMARKS", out, out_dir, ".obj")
+    shape_model = load_model(model, "intrinsic" if method == "intrinsic" else DEFAULT_LATENT)
     shape_model.prepare()
-    known = {"method": method, "prior_weight": prior_weight, "model_id": shape_model.model_id}
+    fine = fine_mesh(shape_model.template, levels)
+    known = {"method": method, "prior_weight": prior_weight, "model_id": shape_model.model_id, "subdivide": levels}
 
     def reconstruct(path, target):
         picture = image if out is not None else _picture_beside(image, path)
@@ -78,27 +84,30 @@ def command(ctx, landmarks, out, out_dir, image, method, model, prior_weight, pt
             fit = fit_landmarks(marks.points, shape_model, method, prior_weight)
             seconds = time.perf_counter() - start
             description = provenance("reconstruct-from-landmarks", [path, picture], **known) | _figures(fit, seconds)
-            _write(files, shape_model, fit, marks.points, pixels, description)
+            _write(files, shape_model, fit, fine, marks.points, pixels, description)
         quality = f"NME {fit.nme:.2f} %, prior {fit.prior_rms:.2f}, flipped {100 * fit.flipped:.2f} %"
         return f"{target}: {quality}, {seconds:.2f} s"
 
     run_batch(ctx, jobs, reconstruct, "faces")
 
 
-def _write(files, model, fit, given, image, description):
+def _write(files, model, fit, fine, given, image, description):
     """Write OBJ, NPZ, JSON and the picture of a fit."""
     from caricli.commands.loading import template_mesh
+    from caricli.methods.subdivide_face import subdivide_face
     from caricli.render.fit_sheet import fit_sheet
 
     obj_file, npz_file, json_file, png_file = files
     template, camera = model.template, (fit.pose.scale, fit.pose.rotation, fit.pose.translation)
-    write_obj(obj_file, template_mesh(template, fit.vertices))
+    fine_vertices = subdivide_face(fit.vertices, fit.latent, model, fine)
+    write_obj(obj_file, template_mesh(fine, fine_vertices))
     mesh = (template.polygons, template.uvs, template.uv_polygons)
     fitted = (fit.latent, fit.residual, *camera, fit.landmarks, model.model_id)
     write_face(npz_file, Face(fit.vertices, template.faces, *fitted, *mesh))
     write_json(json_file, description)
-    annotation = template.annotation
-    write_png(png_file, fit_sheet(fit.vertices, template.faces, annotation, given, fit.landmarks, camera, image))
+    drawn = (fine_vertices, fine.faces, fine.weights)
+    shown = (fit.vertices, template.faces, template.annotation, given, fit.landmarks, camera, image)
+    write_png(png_file, fit_sheet(*shown, fine=drawn))
 
 
 def _figures(fit, seconds):

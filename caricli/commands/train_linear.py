@@ -31,7 +31,7 @@ def train_linear(kind, dataset, out, config, overrides, overwrite):
     from caricli.commands.loading import dataset_files, progress_bar
     from caricli.data.dataset import SPLITS, read_dataset
     from caricli.methods.evaluate_shape import evaluate_shape
-    from caricli.models.checkpoint import KINDS, model_from_checkpoint, model_to_checkpoint
+    from caricli.models.checkpoint import model_class, model_from_checkpoint, model_to_checkpoint
     from caricli.models.config import LinearConfig
 
     if out.suffix != ".safetensors":
@@ -50,7 +50,7 @@ def train_linear(kind, dataset, out, config, overrides, overwrite):
             raise InputError(f"{dataset}: its training split has {len(training)} meshes, at least 3 are needed")
         progress(1, 3)
         recipe = provenance(f"train {kind}", [dataset / "dataset.json"], settings.seed, config=asdict(settings))
-        trained = KINDS[kind].train(data.template, training, settings.dimension, settings.seed)
+        trained = model_class(kind).train(data.template, training, settings.dimension, settings.seed)
         progress(2, 3)
         checkpoint = model_to_checkpoint(trained, recipe)
         write_checkpoint(model_file, *checkpoint)

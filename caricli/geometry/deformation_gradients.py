@@ -7,6 +7,7 @@ from scipy.sparse.linalg import splu
 from scipy.spatial.transform import Rotation
 
 from caricli.errors import NumericsError
+from caricli.geometry.per_column import per_column
 
 FEATURES = 9
 _STRETCH = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
@@ -98,7 +99,7 @@ class DeformationGradients:
 
     def _planes(self, vertices):
         """Images of the tangents (..., V, 2, 3), unit normals (..., V, 3), changes of area (..., V)."""
-        planes = _per_column(self.gradient, vertices).reshape(*vertices.shape[:-1], 2, 3)
+        planes = per_column(self.gradient, vertices).reshape(*vertices.shape[:-1], 2, 3)
         # A ring collapsed to a line or point has no plane; a trace of the template's gives it one.
         planes += _COLLAPSED * np.swapaxes(self.tangents, -1, -2)
         normals = np.cross(planes[..., 0, :], planes[..., 1, :])
@@ -133,7 +134,7 @@ class DeformationGradients:
         maps: (..., V, 3, 3). Returns (..., V, 3).
         """
         planes = np.swapaxes(maps @ self.tangents, -1, -2).reshape(*maps.shape[:-3], 2 * self.count, 3)
-        right = _per_column(self.divergence, planes)
+        right = per_column(self.divergence, planes)
         vertices = self.solve(right)
         return vertices - vertices.mean(-2, keepdims=True)
 
@@ -169,8 +170,3 @@ def _left_jacobians(vectors):
     for a, b, c in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
         cross[:, b, c], cross[:, c, b] = -vectors[:, a], vectors[:, a]
     return np.eye(3) + first * cross + second * cross @ cross
-
-
-def _per_column(matrix, values):
-    columns = np.moveaxis(values, -2, 0)
-    return np.moveaxis((matrix @ columns.reshape(len(columns), -1)).reshape(-1, *columns.shape[1:]), 0, -2)

@@ -17,6 +17,12 @@ class ShapeError:
     prior_rms: float
 
 
+def spread_rows(rows, count):
+    """At most ``count`` of the chosen rows, evenly spread. rows: (N,) bool. Returns (n,) ids."""
+    ids = np.flatnonzero(rows)
+    return ids[np.linspace(0, len(ids) - 1, min(count, len(ids))).round().astype(int)] if len(ids) else ids
+
+
 def evaluate_shape(model, shapes):
     """Encode and decode shapes and measure ``mean_v |v - v*|``.
 

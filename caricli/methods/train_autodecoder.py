@@ -10,7 +10,7 @@ import torch
 from caricli.errors import NumericsError
 from caricli.models.principal_components import principal_components
 
-_WARM_UP = 100
+_WARM_UP = 100  # steps, of a training at least twenty times as long
 _FINAL_RATE = 0.01
 _VALIDATION_RATE = 0.05
 _PRIOR_CODES, _ROUGH_VERTICES = 8, 64
@@ -129,10 +129,16 @@ class AutoDecoderTraining:
         self.code_optimiser.load_state_dict(state["code_optimiser"])
         self.epoch, self.best, self.since_best = state["counters"]
 
+    @property
+    def ended(self):
+        """Whether all epochs are done, or validation has not improved for too long."""
+        impatient = 0 < self.config.patience <= self.since_best
+        return impatient or self.epoch >= self.config.epochs
+
     def epochs(self):
         """Train and yield an EpochRecord after every epoch. Raises NumericsError when the loss is not finite."""
         config = self.config
-        while self.epoch < config.epochs and not (config.patience and self.since_best >= config.patience):
+        while not self.ended:
             loss, error = self._train_epoch()
             self.epoch += 1
             validation, best = None, False
@@ -215,7 +221,7 @@ class AutoDecoderTraining:
 
     def _set_rate(self, step, total):
         config = self.config
-        factor = min(1.0, (step + 1) / _WARM_UP)
+        factor = min(1.0, (step + 1) / min(_WARM_UP, 1 + total // 20))
         if config.schedule == "cosine":
             factor *= _FINAL_RATE + (1 - _FINAL_RATE) * 0.5 * (1 + cos(pi * step / total))
         rates = config.learning_rate, config.latent_rate * config.latent_std

@@ -1,18 +1,22 @@
 """Shape models to plain tensors with a description, and back."""
 
 import hashlib
+from importlib import import_module
 
 import numpy as np
 
 from caricli.errors import InputError
-from caricli.models.intrinsic import IntrinsicModel
-from caricli.models.pca import PcaModel
 from caricli.template.annotation import parse_annotation
 from caricli.template.template import Template
 
 SCHEMA = "caricli.model/1"
-KINDS = {model.kind: model for model in (PcaModel, IntrinsicModel)}
+KINDS = ("pca", "intrinsic", "kernel", "deformable")
 _TEMPLATE = ("vertices", "faces", "polygons", "uvs", "uv_polygons")
+
+
+def model_class(kind):
+    """The class of a kind, imported only when it is asked for: not every kind needs torch."""
+    return getattr(import_module(f"caricli.models.{kind}"), f"{kind.capitalize()}Model")
 
 
 def model_to_checkpoint(model, recipe):
@@ -37,7 +41,7 @@ def model_from_checkpoint(tensors, metadata, where):
     """
     if metadata.get("schema") != SCHEMA:
         raise InputError(f"{where}: expected a model of schema {SCHEMA!r}, found {metadata.get('schema')!r}")
-    if metadata.get("kind") not in list(KINDS):
+    if metadata.get("kind") not in KINDS:
         raise InputError(f"{where}: expected a model of kind {' or '.join(KINDS)}, found {metadata.get('kind')!r}")
     for name, value in tensors.items():
         if not np.isfinite(value).all():
@@ -51,7 +55,7 @@ def model_from_checkpoint(tensors, metadata, where):
         vertices = parts["vertices"].astype(np.float64)
         template = Template(vertices, parts["faces"], parts["polygons"], annotation, parts["uvs"], parts["uv_polygons"])
         own = {name.removeprefix("model."): value for name, value in tensors.items() if name.startswith("model.")}
-        return KINDS[metadata["kind"]].from_tensors(template, own, model_id(metadata["kind"], own))
+        return model_class(metadata["kind"]).from_tensors(template, own, model_id(metadata["kind"], own))
     except (KeyError, ValueError, IndexError, TypeError, np.linalg.LinAlgError) as error:
         raise InputError(f"{where}: not a valid model: {type(error).__name__} {error}") from error
 

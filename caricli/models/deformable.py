@@ -153,6 +153,10 @@ class DeformableModel:
         """See ShapeModel."""
         return self.decode_at(latents, self.frame.points)
 
+    def decode_on(self, latents, matrix):
+        """See ShapeModel: the continuous function there, not between the vertices' positions (section 4.3)."""
+        return self.decode_at(latents, matrix @ self.frame.points)
+
     def decode_at(self, latents, points):
         """Latents (..., D) and points (K, 3) of the network's template, in metres, to positions (..., K, 3)."""
         latents = np.asarray(latents)

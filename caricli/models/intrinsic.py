@@ -5,6 +5,7 @@ import numpy as np
 
 from caricli.geometry.deformation_gradients import FEATURES
 from caricli.geometry.elastic_anchors import ElasticAnchors
+from caricli.geometry.per_column import per_column
 from caricli.models.principal_components import principal_components
 from caricli.models.prior import Prior
 
@@ -97,6 +98,10 @@ class IntrinsicModel:
         for k in np.ndindex(batch):
             shapes[k] = self.template.gradients.vertices(self.features(latents[k]) + residuals[k])
         return shapes + self._centroid(latents)[..., None, :]
+
+    def decode_on(self, latents, matrix):
+        """See ShapeModel."""
+        return per_column(matrix, self.decode(latents))
 
     def _centroid(self, latents):
         return self.offset[0] + latents @ self.offset[1:]

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from caricli.geometry.per_column import per_column
 from caricli.models.principal_components import principal_components
 from caricli.models.prior import Prior
 
@@ -42,6 +43,10 @@ class PcaModel:
     def decode(self, latents):
         """See ShapeModel."""
         return self.mean + np.tensordot(latents, self.basis, 1)
+
+    def decode_on(self, latents, matrix):
+        """See ShapeModel."""
+        return per_column(matrix, self.decode(latents))
 
     def decode_points(self, latent, points):
         """See ShapeModel."""

@@ -3,6 +3,7 @@
 from typing import Protocol
 
 import numpy as np
+from scipy.sparse import csr_matrix
 
 from caricli.models.prior import Prior
 from caricli.template.template import Template
@@ -24,6 +25,9 @@ class ShapeModel(Protocol):
 
     def decode(self, latents: np.ndarray) -> np.ndarray:
         """Latents (..., D) to vertices (..., V, 3)."""
+
+    def decode_on(self, latents: np.ndarray, matrix: csr_matrix) -> np.ndarray:
+        """Latents (..., D) to positions (..., K, 3) at places given as weights (K, V) of the template's vertices."""
 
     def decode_points(self, latent: np.ndarray, points: np.ndarray) -> np.ndarray:
         """Positions (K, 3) of the vertices ``points`` for one latent (D,)."""

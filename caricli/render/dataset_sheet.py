@@ -3,8 +3,7 @@
 import numpy as np
 
 from caricli.render.contact_sheet import contact_sheet
-from caricli.render.place_eyeballs import place_eyeballs
-from caricli.render.views import render_views
+from caricli.render.head_views import head_views
 
 
 def dataset_sheet(shapes, faces, annotation, count, size, generator):
@@ -15,8 +14,5 @@ def dataset_sheet(shapes, faces, annotation, count, size, generator):
     Returns (H, W, 3) uint8.
     """
     chosen = np.sort(generator.choice(len(shapes), min(count, len(shapes)), replace=False))
-    strips = []
-    for shape in shapes[chosen]:
-        eyeballs = place_eyeballs(shape, faces, annotation.curves, annotation.regions)
-        strips.append(np.hstack(render_views(shape, faces, ("front", "three-quarter"), size, eyeballs=eyeballs)))
-    return contact_sheet(strips)
+    pairs = [head_views(shape, faces, annotation, ("front", "three-quarter"), size) for shape in shapes[chosen]]
+    return contact_sheet([np.hstack(pair) for pair in pairs])

@@ -4,20 +4,20 @@ import numpy as np
 from PIL import Image
 
 from caricli.render.contact_sheet import contact_sheet
+from caricli.render.head_views import head_views
 from caricli.render.overlay import draw_landmarks, overlay_mesh
 from caricli.render.place_eyeballs import place_eyeballs
-from caricli.render.views import render_views
 
 GIVEN, FITTED = (30, 160, 70), (215, 40, 40)
 _MARGIN = 0.35
 
 
-def fit_sheet(vertices, faces, annotation, given, fitted, camera, image=None, size=512):
+def fit_sheet(vertices, faces, annotation, given, fitted, camera, image=None, size=512, fine=None):
     """Picture with given (green circles) and fitted (red) landmarks, mesh over the picture, three views.
 
     vertices: (V, 3). faces: (F, 3). annotation: with ``curves`` and ``regions``. given, fitted: (L, 2) pixels, NaN
     where unknown. camera: (scale, rotation (3, 3), translation (2,)). image: (H, W, 3) uint8, white where there is
-    none. size: pixels of one view.
+    none. size: pixels of one view. fine: a subdivision to draw in the views, as in `head_views`.
     Returns (H, W, 3) uint8.
     """
     eyeballs = place_eyeballs(vertices, faces, annotation.curves, annotation.regions)
@@ -35,7 +35,8 @@ def fit_sheet(vertices, faces, annotation, given, fitted, camera, image=None, si
     dotted = draw_landmarks(picture, fitted, FITTED)
     marked = draw_landmarks(dotted, given, GIVEN, radius=max(1.5, size / 120), hollow=True, lines=False)
     over = overlay_mesh(picture, vertices, faces, scale * zoom, rotation, shift, eyeballs=eyeballs)
-    return contact_sheet([marked, over, *render_views(vertices, faces, size=size, eyeballs=eyeballs)], columns=5)
+    views = head_views(vertices, faces, annotation, ("front", "three-quarter", "profile"), size, fine)
+    return contact_sheet([marked, over, *views], columns=5)
 
 
 def _crop(image, corner, window, size):

@@ -16,8 +16,8 @@ def render_views(vertices, faces, views=("front", "three-quarter", "profile"), s
     """Draw a head from several sides at one common scale.
 
     vertices: (V, 3), face frame: Y up, +Z out of the face, +x the subject's left. faces: (F, 3). views: keys of VIEWS.
-    size: pixels, width and height of a picture. looks: of `shade` (colour, vertex_colours, supersample, eyeballs); the
-    eyeballs are in the face frame.
+    size: pixels, width and height of a picture. looks: of `shade` (colour, vertex_colours, supersample, eyeballs,
+    visibility); the eyeballs are in the face frame.
     Returns a list of (size, size, 4) uint8.
     Raises InputError when a view is not known.
     """
@@ -36,7 +36,18 @@ def turntable(vertices, faces, frames, size=512, **looks):
     return _turned(vertices, faces, [360 * k / frames for k in range(frames)], size, centred=False, **looks)
 
 
-def _turned(vertices, faces, angles, size, centred, colour=CLAY, supersample=3, vertex_colours=None, eyeballs=()):
+def _turned(
+    vertices,
+    faces,
+    angles,
+    size,
+    centred,
+    colour=CLAY,
+    supersample=3,
+    vertex_colours=None,
+    eyeballs=(),
+    visibility=None,
+):
     vertices, faces = np.asarray(vertices, float), np.asarray(faces)
     middle = (vertices.min(0) + vertices.max(0)) / 2
     vertices = vertices - middle
@@ -47,7 +58,8 @@ def _turned(vertices, faces, angles, size, centred, colour=CLAY, supersample=3, 
     else:
         widest = 2 * max((np.abs(e).max() for e in extents), default=0)
     scale = 0.92 * size / (widest or 1)
-    visibility = sky_visibility(vertices, faces, smooth_normals(vertices, faces))
+    if visibility is None:
+        visibility = sky_visibility(vertices, faces, smooth_normals(vertices, faces))
     pictures = []
     for rotation, (low, high) in zip(rotations, extents, strict=True):
         shift = np.array([*(-(low + high) / 2 if centred else (0, 0)), 0]) * scale + [(size - 1) / 2, (size - 1) / 2, 0]

@@ -20,6 +20,13 @@ def run():
     return lambda *args: CliRunner().invoke(cli, [str(arg) for arg in args])
 
 
+@pytest.fixture
+def small_pictures(monkeypatch):
+    """Views of 48 pixels in the sheets of faces, for tests that are about something else."""
+    for name in ("encode", "sample", "interpolate"):
+        monkeypatch.setattr(f"caricli.commands.{name}.SIZE", 48)
+
+
 @pytest.fixture(scope="session")
 def refused(run):
     """Run a command that must fail with exit 1 and one line on stderr; returns the line."""

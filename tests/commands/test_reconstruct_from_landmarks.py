@@ -129,6 +129,27 @@ def test_the_latent_method_stays_in_the_model(run, marks, tmp_path):
     assert set(report["settings"]) == {"noise", "rounds", "refinements"}
 
 
+@pytest.mark.parametrize("method", ["intrinsic", "latent"])
+def test_a_finer_mesh_begins_with_the_plain_one(run, models, marks, tmp_path, method):
+    plain, fine, model = tmp_path / "plain.obj", tmp_path / "fine.obj", models["intrinsic"]
+    for out, levels in ((plain, 0), (fine, 1)):
+        result = run(COMMAND, marks, "--out", out, "--method", method, "--model", model, "--subdivide", levels)
+        assert result.exit_code == 0, result.output
+        assert read_json(out.with_suffix(".json"))["subdivide"] == levels
+    meshes = [read_obj(path) for path in (plain, fine)]
+    assert len(meshes[1].vertices) == 16_755 and len(meshes[1].polygons) == 4 * len(meshes[0].polygons)
+    assert np.abs(meshes[1].vertices[:4200] - meshes[0].vertices).max() < 1e-6
+    assert plain.with_suffix(".npz").read_bytes() == fine.with_suffix(".npz").read_bytes()
+    pictures = [read_image(path.with_suffix(".png")).astype(int) for path in (plain, fine)]
+    assert 0 < np.abs(pictures[0] - pictures[1]).mean() < 3
+
+
+def test_too_fine_a_mesh_is_refused(refused, models, marks, tmp_path):
+    out = tmp_path / "new" / "face.obj"
+    said = refused(COMMAND, marks, "--out", out, "--model", models["intrinsic"], "--subdivide", 4)
+    assert "subdivision beyond the memory cap" in said and not out.parent.exists()
+
+
 def test_81_points_some_of_them_unknown(run, points, models, tmp_path):
     known = points.copy()
     known[[3, 20, 75]] = np.nan
@@ -204,6 +225,8 @@ def test_one_input_fails_as_one_line_into_a_folder_too(refused, models, batch, t
         ["a.txt", "a.json", "--out-dir", "y"],
         ["a.txt", "--out", "x.obj", "--method", "magic"],
         ["a.txt", "--out", "x.obj", "--prior-weight", "0"],
+        ["a.txt", "--out", "x.obj", "--prior-weight", "nan"],
+        ["a.txt", "--out", "x.obj", "--subdivide", "5"],
         ["a.txt", "--out", "x.obj", "--pts-origin", "2"],
     ],
 )

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import scipy.sparse as sp
 
 from caricli.errors import NumericsError
 
@@ -129,3 +130,14 @@ def test_shapes_that_come_twice_train_a_model_that_keeps_them(ball_model, ball_t
 def test_shapes_that_are_all_the_same_are_refused(ball_model, ball_template, balls):
     with pytest.raises(NumericsError, match="at least two shapes that differ"):
         type(ball_model).train(ball_template, np.repeat(balls[:1], 4, axis=0), 3)
+
+
+def test_places_between_vertices_are_decoded_in_batches(model):
+    given, count = latents(model, 6).reshape(2, 3, -1), len(model.template.vertices)
+    shapes = model.decode(given)
+    assert np.abs(model.decode_on(given, sp.identity(count, format="csr")) - shapes).max() < 1e-9
+    rows, columns = [0, 0, 1, 2, 2, 2], [5, 6, 4000, 7, 8, 9]
+    weights = sp.csr_matrix(([0.5, 0.5, 1.0, 0.2, 0.3, 0.5], (rows, columns)), shape=(3, count))
+    found = model.decode_on(given, weights)
+    assert found.shape == (2, 3, 3, 3)
+    assert np.abs(found - np.einsum("kv,...vc->...kc", weights.toarray(), shapes)).max() < 1e-9

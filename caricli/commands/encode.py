@@ -1,0 +1,59 @@
+"""caricli encode: meshes to latents."""
+
+from dataclasses import replace
+
+import click
+
+from caricli.commands.options import PATH, model_option, out_folder_option, out_option, overwrite_option
+from caricli.io.face import write_face
+from caricli.io.image import write_png
+from caricli.io.outputs import staged
+from caricli.io.provenance import provenance
+from caricli.io.strict_json import write_json
+
+SUFFIXES = (".npz", ".json", ".png")
+SIZE = 320
+
+
+@click.command()
+@click.argument("faces", nargs=-1, required=True, type=PATH, metavar="FACE...")
+@out_option("FACE.npz", "The result of one input; FACE.json and .png are written beside it.", required=False)
+@out_folder_option("The results of many inputs, each under the name of its file.")
+@model_option
+@overwrite_option
+@click.pass_context
+def command(ctx, faces, out, out_dir, model, overwrite):
+    """Find the latents of meshes (OBJ or NPZ) in the topology of a model, in metres, Y up, +Z out of the face.
+
+    The NPZ holds the mesh as it is, with the latent and, beside it, what the latent cannot express. The picture shows
+    the mesh, the latent's own shape, and how far this is from the mesh.
+
+    \b
+    Example:
+      caricli encode head.obj --out head.npz
+      caricli encode scans/*.obj --out-dir encoded --model pca
+    """
+    from caricli.commands.batch import named_jobs, run_batch
+    from caricli.commands.loading import DEFAULT_LATENT, load_face, load_model
+    from caricli.methods.encode_face import encode_face
+    from caricli.render.comparison_sheet import comparison_sheet
+
+    jobs = named_jobs(faces, "FACE", out, out_dir, ".npz")
+    shape_model = load_model(model, DEFAULT_LATENT)
+    template = shape_model.template
+
+    def encode(path, target):
+        paths = [target.with_suffix(suffix) for suffix in SUFFIXES]
+        with staged(*paths, overwrite=overwrite, inputs=(*faces, model)) as (npz_file, json_file, png_file):
+            face = load_face(path, shape_model)
+            code = encode_face(face.vertices, shape_model)
+            found = {"latent": code.latent, "residual": code.residual, "model_id": shape_model.model_id}
+            write_face(npz_file, replace(face, **found))
+            error = {"millimetres": code.millimetres, "percent": code.percent}
+            known = {"model_id": shape_model.model_id, "shape_error": error, "prior_rms": code.prior_rms}
+            write_json(json_file, provenance("encode", [path], **known))
+            own = shape_model.decode(code.latent)
+            write_png(png_file, comparison_sheet(face.vertices, own, template.faces, template.annotation, SIZE))
+        return f"{target}: shape error {code.millimetres:.3f} mm ({code.percent:.3f} %), prior {code.prior_rms:.2f}"
+
+    run_batch(ctx, jobs, encode, "faces")

@@ -1,0 +1,12 @@
+"""A sparse matrix on arrays with leading dimensions."""
+
+from math import prod
+
+import numpy as np
+
+
+def per_column(matrix, values):
+    """Multiply along the last dimension but one: matrix (M, N) and values (..., N, n) give (..., M, n)."""
+    columns = np.moveaxis(values, -2, 0)
+    product = matrix @ columns.reshape(len(columns), prod(columns.shape[1:]))
+    return np.moveaxis(product.reshape(len(product), *columns.shape[1:]), 0, -2)

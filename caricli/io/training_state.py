@@ -1,0 +1,41 @@
+"""What a training needs to go on: tensors and counters in one file, loaded without running code."""
+
+import pickle
+
+from caricli.errors import InputError
+from caricli.io.files import shown
+from caricli.io.outputs import staged, writing
+
+SCHEMA = "caricli.training/1"
+
+
+def write_state(path, state, recipe):
+    """Replace the state of a training at once: killed while it writes, the one before stays.
+
+    Parameters: path; state, dict of tensors, numbers, lists and dicts; recipe, JSON value, what is being trained.
+    Raises: OutputError when it cannot be written.
+    """
+    import torch
+
+    with staged(path, overwrite=True) as (temporary,), writing(temporary), open(temporary, "wb") as stream:
+        torch.save({"schema": SCHEMA, "recipe": recipe, "state": state}, stream)
+
+
+def read_state(path, device="cpu"):
+    """Read the state of a training.
+
+    Parameters: path; device, where its tensors go.
+    Returns: (state, recipe) as `write_state` took them.
+    Raises: InputError when it is missing, truncated, of another schema or holds anything but plain values.
+    """
+    import torch
+
+    try:
+        value = torch.load(path, map_location=device, weights_only=True)
+        if value["schema"] != SCHEMA:
+            raise InputError(f"{shown(path)}: expected a training of schema {SCHEMA!r}, found {value['schema']!r}")
+        return value["state"], value["recipe"]
+    except OSError as error:
+        raise InputError(f"{shown(path)}: cannot be read: {shown(error.strerror or error)}") from error
+    except (RuntimeError, pickle.UnpicklingError, EOFError, KeyError, TypeError, ValueError, AttributeError) as error:
+        raise InputError(f"{shown(path)}: expected the state of a training, found a damaged or other file") from error

@@ -1,0 +1,28 @@
+"""Curves as a picture."""
+
+import io
+
+import numpy as np
+
+
+def plot_curves(panels, x_label="epoch", y_label="mean distance in % of the head's height", size=(900, 420)):
+    """Draw curves with a logarithmic y axis, panels side by side.
+
+    panels: dict from titles to dicts from names to (x, y) sequences; y positive. size: of one panel, pixels.
+    Returns (H, W, 3) uint8.
+    """
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+    from PIL import Image
+
+    figure = Figure(figsize=(size[0] * len(panels) / 150, size[1] / 100), dpi=100, layout="constrained")
+    canvas = FigureCanvasAgg(figure)
+    for axes, (title, curves) in zip(np.atleast_1d(figure.subplots(1, len(panels))), panels.items(), strict=True):
+        for name, (x, y) in curves.items():
+            axes.semilogy(x, y, label=name, marker="o" if len(x) < 4 else None)
+        axes.set(title=title, xlabel=x_label, ylabel=y_label)
+        axes.grid(True, which="both", alpha=0.3)
+        axes.legend()
+    stream = io.BytesIO()
+    canvas.print_png(stream)
+    return np.asarray(Image.open(stream).convert("RGB"))

@@ -1,0 +1,133 @@
+import json
+import os
+import random
+import shutil
+import signal
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+
+from caricli.io.bundled import config_path
+from caricli.io.checkpoint import read_checkpoint
+from caricli.io.face import Face, write_face
+from caricli.io.image import read_image
+from caricli.models.checkpoint import model_from_checkpoint
+
+SMALL = ("--set", "epochs=6", "--set", "validate_every=2")
+
+
+@pytest.fixture(scope="module")
+def tiny():
+    return config_path("deformable/tiny.yaml")
+
+
+@pytest.fixture(scope="module")
+def trained(run, dataset, tiny, tmp_path_factory):
+    """A finished training of six epochs."""
+    folder = tmp_path_factory.mktemp("trained") / "run"
+    result = run("train", "deformable", "--data", dataset, "--config", tiny, *SMALL, "--out", folder)
+    assert result.exit_code == 0, result.output
+    assert "validation" in result.stderr and "min left" in result.stderr
+    assert result.stdout.startswith(f"{folder / 'model.safetensors'}: shape error")
+    return folder
+
+
+def test_what_it_writes(trained, head):
+    recipe = json.loads((trained / "model.json").read_text())
+    lines = [json.loads(line) for line in (trained / "log.jsonl").read_text().splitlines()]
+    assert [line["epoch"] for line in lines] == [1, 2, 3, 4, 5, 6]
+    assert [line["validation"] is None for line in lines] == [True, False] * 3
+    assert recipe["epochs"] == 6 and set(recipe["shape_error"]) == {"validation", "test"}
+    assert read_image(trained / "loss.png").std() > 0
+    model = model_from_checkpoint(*read_checkpoint(trained / "model.safetensors"), "model")
+    assert model.kind == "deformable" and model.model_id == recipe["model_id"]
+    # The open head is deformed from a shape whose lips are apart.
+    assert np.allclose(model.frame.points, head.open_mouth_template().vertices)
+    assert np.allclose(model.template.vertices, head.template().vertices)
+
+
+def test_resuming_what_has_ended_changes_nothing(run, trained, dataset, tiny):
+    before = (trained / "model.safetensors").read_bytes()
+    result = run("train", "deformable", "--data", dataset, "--config", tiny, *SMALL, "--out", trained, "--resume")
+    assert result.exit_code == 0, result.output
+    assert (trained / "model.safetensors").read_bytes() == before
+
+
+def test_an_existing_run_is_kept(refused, trained, dataset, tiny):
+    line = refused("train", "deformable", "--data", dataset, "--config", tiny, "--out", trained)
+    assert "--resume" in line and "--overwrite" in line
+
+
+def test_other_settings_cannot_go_on(refused, trained, dataset, tiny):
+    args = ("--config", tiny, *SMALL, "--set", "seed=3", "--out", trained, "--resume")
+    assert "another" in refused("train", "deformable", "--data", dataset, *args)
+
+
+@pytest.mark.parametrize("damage", [lambda b: b[: len(b) // 2], lambda b: b"", lambda b: b"PK" + b[2:][::-1]])
+def test_a_damaged_state_is_refused(refused, trained, dataset, tiny, tmp_path, damage):
+    folder = shutil.copytree(trained, tmp_path / "run")
+    state = folder / "state.pt"
+    state.write_bytes(damage(state.read_bytes()))
+    args = ("--config", tiny, *SMALL, "--out", folder, "--resume")
+    assert "state.pt" in refused("train", "deformable", "--data", dataset, *args)
+
+
+@pytest.mark.parametrize("setting", ["depth=3", "width=0", "latent=many", "precision=int8", "points"])
+def test_bad_settings_are_refused_and_nothing_is_written(refused, dataset, tmp_path, setting):
+    refused("train", "deformable", "--data", dataset, "--set", setting, "--out", tmp_path / "run")
+    assert not (tmp_path / "run").exists()
+
+
+def test_cuda_that_is_not_there_is_refused(refused, dataset, tmp_path, monkeypatch):
+    monkeypatch.setattr("torch.cuda.is_available", lambda: False)
+    line = refused("train", "deformable", "--data", dataset, "--device", "cuda", "--out", tmp_path / "run")
+    assert "CUDA" in line
+    assert not (tmp_path / "run").exists()
+
+
+def test_a_template_of_another_topology_is_refused(refused, dataset, ball, tmp_path):
+    write_face(tmp_path / "ball.npz", Face(*ball))
+    args = ("--template", tmp_path / "ball.npz", "--out", tmp_path / "run")
+    assert "topology" in refused("train", "deformable", "--data", dataset, *args)
+
+
+def test_a_loss_that_explodes_keeps_the_last_good_checkpoint(run, dataset, tiny, tmp_path):
+    folder = tmp_path / "run"
+    args = ("train", "deformable", "--data", dataset, "--config", tiny, "--out", folder)
+    result = run(*args, *SMALL, "--set", "learning_rate=1", "--set", "data_weight=1e12", "--set", "latent_rate=100")
+    if result.exit_code:
+        assert result.stderr.splitlines()[-1].startswith("caricli: error: the loss of epoch")
+    assert (folder / "state.pt").exists() == (folder / "log.jsonl").exists()
+
+
+def test_killed_at_random_moments_it_ends_in_the_same_bytes(dataset, tiny, tmp_path):
+    """SIGKILL thrice, resumed every time, against a run that was left alone."""
+    chance = random.Random(0)
+
+    def start(folder):
+        command = [sys.executable, "-m", "caricli", "train", "deformable", "--data", dataset, "--config", tiny]
+        command += ["--set", "epochs=60", "--out", folder, "--resume"]
+        environment = os.environ | {"OMP_NUM_THREADS": "1"}
+        return subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, env=environment)
+
+    def epochs(folder):
+        log = folder / "log.jsonl"
+        return len(log.read_text().splitlines()) if log.exists() else 0
+
+    alone, killed = tmp_path / "alone", tmp_path / "killed"
+    assert start(alone).wait() == 0
+    for third in (5, 20, 35):
+        process = start(killed)
+        while epochs(killed) < third + chance.randrange(15) and process.poll() is None:
+            time.sleep(0.01)
+        time.sleep(0.1 * chance.random())
+        process.send_signal(signal.SIGKILL)
+        assert process.wait() == -signal.SIGKILL
+        assert epochs(killed) < 60
+    assert start(killed).wait() == 0
+    assert (killed / "model.safetensors").read_bytes() == (alone / "model.safetensors").read_bytes()
+    logs = [[json.loads(line) | {"seconds": 0} for line in (f / "log.jsonl").open()] for f in (killed, alone)]
+    assert logs[0] == logs[1] and len(logs[0]) == 60

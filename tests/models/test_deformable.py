@@ -1,0 +1,130 @@
+import numpy as np
+import pytest
+import torch
+
+from caricli.models.checkpoint import model_from_checkpoint, model_to_checkpoint
+from caricli.models.config import DeformableConfig, NetworkSize
+from caricli.models.deformable import DeformableModel, Frame, HyperSiren, siren
+from caricli.models.prior import Prior
+
+SIZE = NetworkSize(latent=6, width=16, layers=3, hidden=12)
+
+
+@pytest.fixture(scope="module")
+def model(head):
+    """A network of random weights, with a prior that moves faces by about a centimetre."""
+    template = head.template()
+    network = HyperSiren(SIZE, torch.Generator().manual_seed(0))
+    for layer in network.last:
+        layer.weight.data *= 10
+    prior = Prior(np.full(6, 0.01), 0.01 * np.tril(np.random.default_rng(1).normal(size=(6, 6)), -1) + 0.03 * np.eye(6))
+    return DeformableModel(template, network, head.open_mouth_template().vertices, prior)
+
+
+def test_the_paper_network_has_the_parameters_that_the_paper_counts():
+    network = HyperSiren(NetworkSize(), torch.Generator())
+    assert sum(p.numel() for p in network.parameters()) == 13_949_955
+
+
+def test_training_starts_near_the_template():
+    latents = 0.01 * torch.randn(5, 128, generator=torch.Generator().manual_seed(1))
+    points = torch.rand(100, 3, generator=torch.Generator().manual_seed(2)) * 2 - 1
+    network = HyperSiren(NetworkSize(), torch.Generator().manual_seed(0))
+    moved = network.displacements(latents, points)
+    assert moved.shape == (5, 100, 3)
+    assert moved.abs().mean() < 0.1
+    # All faces begin as the same one.
+    assert (moved - moved.mean(0)).abs().max() < 0.01
+
+
+def test_the_siren_keeps_the_spread_of_its_signals_through_the_layers():
+    points = torch.rand(2000, 3, generator=torch.Generator().manual_seed(2)) * 2 - 1
+    network = HyperSiren(NetworkSize(layers=6), torch.Generator().manual_seed(0))
+    weights = network.weights(torch.zeros(128))
+    for depth in (2, 4, 6):
+        # The last layer replaced by the identity shows the features of the layer before it.
+        shown = siren(points, [*weights[: 2 * depth], torch.eye(128), torch.zeros(128)], 30.0)
+        assert 0.5 < shown.std() < 0.8
+
+
+def test_the_siren_is_the_formula_written_out():
+    generator = torch.Generator().manual_seed(3)
+    network = HyperSiren(SIZE, generator)
+    points, latent = torch.rand(4, 3, generator=generator), torch.rand(6, generator=generator)
+    weights = network.weights(latent)
+    x = points
+    for k in range(3):
+        x = torch.sin(30 * (x @ weights[2 * k].T + weights[2 * k + 1]))
+    expected = x @ weights[-2].T + weights[-1]
+    assert torch.allclose(network.displacements(latent, points), expected, atol=1e-5)
+
+
+def test_batches_of_latents_agree_with_one_by_one(model):
+    latents = model.prior.sample(np.random.default_rng(0), 6).reshape(2, 3, -1)
+    shapes = model.decode(latents)
+    assert shapes.shape == (2, 3, *model.template.vertices.shape)
+    assert np.abs(shapes[1, 2] - model.decode(latents[1, 2])).max() < 1e-6
+
+
+def test_the_jacobian_is_that_of_automatic_differentiation(model):
+    points = model.template.annotation.landmarks
+    latent = model.prior.sample(np.random.default_rng(0), 1)[0]
+    positions, jacobian = model.points_jacobian(latent, points)
+    assert np.abs(positions - model.decode(latent)[points]).max() < 1e-6
+    places = torch.from_numpy(model.frame.normalise(model.frame.points[points]).astype(np.float32))
+    slow = torch.func.jacfwd(lambda z: model.network.displacements(z, places))(torch.tensor(latent, dtype=torch.float32))
+    assert np.abs(jacobian - slow.numpy() / model.frame.scale).max() < 1e-5 * np.abs(jacobian).max()
+
+
+def test_encoding_finds_what_was_decoded(model):
+    latents = model.prior.sample(np.random.default_rng(4), 3)
+    shapes = model.decode(latents)
+    found = model.encode(shapes)
+    assert found.shape == latents.shape
+    errors = np.linalg.norm(model.decode(found) - shapes, axis=-1).mean(-1)
+    spread = np.linalg.norm(shapes - model.decode(model.prior.mean), axis=-1).mean(-1)
+    assert (errors < 0.02 * spread).all()
+
+
+def test_more_points_are_the_same_function(model):
+    latent = model.prior.sample(np.random.default_rng(0), 1)[0]
+    between = model.frame.points[model.template.faces].mean(1)
+    fine = model.decode_at(latent, np.concatenate([model.frame.points, between]))
+    assert np.abs(fine[: len(model.frame.points)] - model.decode(latent)).max() < 1e-6
+
+
+def test_it_survives_its_checkpoint(model):
+    tensors, metadata = model_to_checkpoint(model, {"command": "test"})
+    # Half precision comes back from a file in single precision.
+    tensors = {k: v.astype(np.float32) if v.dtype == np.float16 else v for k, v in tensors.items()}
+    again = model_from_checkpoint(tensors, metadata, "model")
+    latent = model.prior.sample(np.random.default_rng(0), 1)[0]
+    assert again.network.size == SIZE
+    assert np.abs(again.decode(latent) - model.decode(latent)).max() < 1e-3
+    first, second = (m.tensors() for m in (again, again))
+    assert all(np.array_equal(first[name], second[name]) for name in first)
+
+
+def test_a_frame_fills_the_cube():
+    points = np.random.default_rng(0).normal(size=(50, 3)) * [1, 2, 3] + 5
+    inside = Frame(points).normalise(points)
+    assert np.abs(inside).max() == pytest.approx(1)
+    assert np.ptp(inside, axis=0).max() == pytest.approx(2)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"latent": 0},
+        {"batch": 0},
+        {"points": 2},
+        {"vertex_share": 1.5},
+        {"learning_rate": 0.0},
+        {"start": "zero"},
+        {"precision": "int8"},
+        {"epochs": 10**9},
+    ],
+)
+def test_impossible_settings_are_refused(change):
+    with pytest.raises(ValueError, match=next(iter(change))):
+        DeformableConfig(**change)

@@ -1,0 +1,38 @@
+import numpy as np
+import pytest
+
+from caricli.errors import InputError
+from caricli.geometry.triangulate import triangulate
+from caricli.template.annotation import parse_annotation
+from caricli.template.fine_mesh import fine_mesh
+from caricli.template.template import Template
+
+
+def test_level_0_is_the_templates_own_mesh(head_template):
+    fine = fine_mesh(head_template, 0)
+    assert (fine.weights @ head_template.vertices == head_template.vertices).all()
+    for name in ("faces", "polygons", "uvs", "uv_polygons"):
+        assert np.array_equal(getattr(fine, name), getattr(head_template, name)), name
+
+
+def test_a_finer_head_has_uvs_at_every_corner(head_template):
+    fine = fine_mesh(head_template, 1)
+    assert np.array_equal(fine.faces, triangulate(fine.polygons)) and len(fine.polygons) == 4 * 4178
+    assert fine.uv_polygons.shape == fine.polygons.shape and fine.uv_polygons.max() < len(fine.uvs)
+    # Quads come four for each of the template's, the first corner of each at one of its corners.
+    corners = fine.polygons[:, 0].reshape(-1, 4), fine.uv_polygons[:, 0].reshape(-1, 4)
+    assert np.array_equal(corners[0], head_template.polygons)
+    assert np.array_equal(corners[1], head_template.uv_polygons)
+    assert np.array_equal(fine.uvs[: len(head_template.uvs)], head_template.uvs)
+
+
+def test_what_could_not_be_read_back_is_refused(head_template):
+    with pytest.raises(InputError, match="subdivision beyond the memory cap"):
+        fine_mesh(head_template, 4)
+
+
+def test_a_template_without_uvs_stays_without(ball):
+    vertices, faces = ball
+    template = Template(vertices, faces, faces, parse_annotation({"ibug68": list(range(68))}, len(vertices), "ball"))
+    fine = fine_mesh(template, 2)
+    assert fine.uvs is None and fine.uv_polygons is None and len(fine.faces) == 24 * len(faces)
