@@ -208,7 +208,8 @@ def network_points(template, path=None):
     nearest = cKDTree(points).query(points, 2)[0][:, 1]
     touching = int(np.sum(nearest < 1e-6 * template.height))
     if touching:
-        click.echo(f"caricli: {touching} vertices lie on others, which the network moves alike; see --template", err=True)
+        note = f"caricli: {touching} vertices lie on others, which the network cannot tell apart; see --template"
+        click.echo(note, err=True)
     return points
 
 

@@ -83,9 +83,10 @@ class AutoDecoderTraining:
     """Training that can stop after any epoch and go on from ``state()`` as if it had not.
 
     Minimises, over the network and one latent per training mesh, with points drawn anew every step,
-    ``data_weight mean |d_i - S(p_i; z_k)|^2 + latent_weight / M |z_k|^2`` (equation 1) plus ``prior_weight / M |C - I|^2``
-    with C the second moments of all latents over latent_std^2, plus ``smoothness_weight`` times how much rougher than
-    the training shapes the displacements are at latents drawn from that prior.
+    ``data_weight mean |d_i - S(p_i; z_k)|^2 + latent_weight / M |z_k|^2`` (equation 1) plus
+    ``prior_weight / M |C - I|^2`` with C the second moments of all latents over latent_std^2, plus
+    ``smoothness_weight`` times the roughness of displacements, compared with that of the training shapes, at latents
+    drawn from that prior.
 
     Every draw comes from (seed, epoch, step), so nothing but weights, moments and counters has to be kept. With several
     processes each takes its share of every batch, and gradients are summed.

@@ -60,10 +60,10 @@ class DeformableConfig:
     frequency: float = 30.0
     start: str = "principal"
     latent_std: float = 0.01
-    epochs: int = 180
+    epochs: int = 150
     patience: int = 0
     batch: int = 32
-    points: int = 512
+    points: int = 256
     vertex_share: float = 0.5
     learning_rate: float = 5e-4
     latent_rate: float = 0.01

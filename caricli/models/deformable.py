@@ -61,7 +61,7 @@ class HyperSiren(nn.Module):
 
 
 class Affine(nn.Module):
-    """An affine layer with Kaiming's initialisation; with count, that many side by side on inputs (count or 1, B, in)."""
+    """An affine layer, initialised after Kaiming; with count, that many side by side on inputs (count or 1, B, in)."""
 
     def __init__(self, inputs, outputs, generator, count=None, scale=1.0):
         super().__init__()
@@ -187,8 +187,8 @@ class DeformableModel:
     def encode(self, vertices):
         """See ShapeModel: the auto-decoder inverted (section 3).
 
-        Minimises ``mean_v |v(z) - t_v|^2 + ridge |whitened z|^2`` by damped Gauss-Newton steps whose gradient is that of
-        all vertices and whose matrix is estimated at some of them.
+        Minimises ``mean_v |v(z) - t_v|^2 + ridge |whitened z|^2`` by damped Gauss-Newton steps, whose gradient is that
+        of all vertices and whose matrix is estimated at some of them.
         """
         shapes = vertices.reshape(-1, *vertices.shape[-2:])
         sample = np.random.default_rng(0).permutation(len(self.template.vertices))[:_SAMPLED]

@@ -20,11 +20,13 @@ def run():
     return lambda *args: CliRunner().invoke(cli, [str(arg) for arg in args])
 
 
-@pytest.fixture
-def small_pictures(monkeypatch):
-    """Views of 48 pixels in the sheets of faces, for tests that are about something else."""
-    for name in ("encode", "sample", "interpolate"):
-        monkeypatch.setattr(f"caricli.commands.{name}.SIZE", 48)
+@pytest.fixture(scope="module")
+def small_pictures():
+    """Views of 48 pixels in the sheets of faces, which are otherwise most of the time."""
+    with pytest.MonkeyPatch.context() as patch:
+        for name in ("encode", "sample", "interpolate"):
+            patch.setattr(f"caricli.commands.{name}.SIZE", 48)
+        yield
 
 
 @pytest.fixture(scope="session")

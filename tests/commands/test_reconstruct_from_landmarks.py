@@ -129,18 +129,16 @@ def test_the_latent_method_stays_in_the_model(run, marks, tmp_path):
     assert set(report["settings"]) == {"noise", "rounds", "refinements"}
 
 
-@pytest.mark.parametrize("method", ["intrinsic", "latent"])
-def test_a_finer_mesh_begins_with_the_plain_one(run, models, marks, tmp_path, method):
-    plain, fine, model = tmp_path / "plain.obj", tmp_path / "fine.obj", models["intrinsic"]
-    for out, levels in ((plain, 0), (fine, 1)):
-        result = run(COMMAND, marks, "--out", out, "--method", method, "--model", model, "--subdivide", levels)
-        assert result.exit_code == 0, result.output
-        assert read_json(out.with_suffix(".json"))["subdivide"] == levels
-    meshes = [read_obj(path) for path in (plain, fine)]
-    assert len(meshes[1].vertices) == 16_755 and len(meshes[1].polygons) == 4 * len(meshes[0].polygons)
-    assert np.abs(meshes[1].vertices[:4200] - meshes[0].vertices).max() < 1e-6
-    assert plain.with_suffix(".npz").read_bytes() == fine.with_suffix(".npz").read_bytes()
-    pictures = [read_image(path.with_suffix(".png")).astype(int) for path in (plain, fine)]
+def test_a_finer_mesh_begins_with_the_plain_one(run, reconstructed, photo, tmp_path):
+    plain, marks = reconstructed
+    result = run(COMMAND, marks, "--image", photo, "--out", tmp_path / "face.obj", "--subdivide", 1)
+    assert result.exit_code == 0, result.output
+    coarse, fine = (read_obj(folder / "face.obj") for folder in (plain, tmp_path))
+    assert len(fine.vertices) == 16_755 and len(fine.polygons) == 4 * len(coarse.polygons)
+    assert np.abs(fine.vertices[:4200] - coarse.vertices).max() < 1e-6
+    assert (tmp_path / "face.npz").read_bytes() == (plain / "face.npz").read_bytes()
+    assert read_json(plain / "face.json")["subdivide"] == 0 and read_json(tmp_path / "face.json")["subdivide"] == 1
+    pictures = [read_image(folder / "face.png").astype(int) for folder in (plain, tmp_path)]
     assert 0 < np.abs(pictures[0] - pictures[1]).mean() < 3
 
 

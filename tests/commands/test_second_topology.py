@@ -71,6 +71,22 @@ def test_the_dataset_is_shown_and_the_models_are_evaluated(run, trained, tmp_pat
     assert errors[str(models[1])]["test"]["percent"] < 2
 
 
+@pytest.mark.usefixtures("small_pictures")
+def test_random_faces_and_those_between_at_any_resolution(run, trained, eggs, tmp_path):
+    first = read_obj(eggs / "egg_00.obj")
+    for kind in ("pca", "intrinsic"):
+        out, options = tmp_path / kind, ("--model", trained / f"{kind}.safetensors", "--subdivide", 2)
+        result = run("sample", "--out-dir", out, "--count", 1, *options)
+        assert result.exit_code == 0, result.output
+        mesh, face = read_obj(out / "face-000.obj"), read_face(out / "face-000.npz")
+        assert len(mesh.polygons) == 4 * (first.polygons >= 0).sum() and len(mesh.uvs) > len(mesh.vertices)
+        np.testing.assert_array_equal(face.polygons, first.polygons)
+        assert np.abs(mesh.vertices[:470] - face.vertices).max() < 1e-6
+        result = run("interpolate", out / "face-000.npz", eggs / "egg_00.obj", "--out-dir", out, "--steps", 3, *options)
+        assert result.exit_code == 0 and "egg_00.obj: had no latent" in result.stderr
+        assert np.abs(read_obj(out / "step-002.obj").vertices[:470] - first.vertices).max() < 1e-6
+
+
 def test_faces_with_other_landmarks_or_of_another_mesh_are_refused(refused, trained, models, dataset, points, tmp_path):
     write_landmarks(tmp_path / "many.npy", Landmarks(points))
     model = trained / "intrinsic.safetensors"

@@ -72,7 +72,8 @@ def test_the_jacobian_is_that_of_automatic_differentiation(model):
     positions, jacobian = model.points_jacobian(latent, points)
     assert np.abs(positions - model.decode(latent)[points]).max() < 1e-6
     places = torch.from_numpy(model.frame.normalise(model.frame.points[points]).astype(np.float32))
-    slow = torch.func.jacfwd(lambda z: model.network.displacements(z, places))(torch.tensor(latent, dtype=torch.float32))
+    given = torch.tensor(latent, dtype=torch.float32)
+    slow = torch.func.jacfwd(lambda z: model.network.displacements(z, places))(given)
     assert np.abs(jacobian - slow.numpy() / model.frame.scale).max() < 1e-5 * np.abs(jacobian).max()
 
 
