@@ -71,7 +71,7 @@ subdivide_option = click.option(
     type=click.IntRange(0, 4),
     default=0,
     metavar="N",
-    help="Write the OBJ N times finer; the NPZ keeps the model's own mesh for the next command.",
+    help="Split the polygons of the OBJ N times; the NPZ keeps the model's own mesh for the next command.",
 )
 
 image_option = click.option("--image", type=PATH, metavar="IMAGE", help="The picture that the landmarks belong to.")

@@ -52,8 +52,7 @@ def command(dataset, out, config, overrides, resume, device, template, overwrite
     Example:
       caricli train deformable --data dataset --out run
       caricli train deformable --data dataset --out run --resume
-      torchrun --nproc-per-node 2 -m caricli train deformable --data dataset --out run \\
-        --config configs/deformable/paper.yaml
+      caricli train deformable --data dataset --out paper --config configs/deformable/paper.yaml --device cuda
     """
     from caricli.data.dataset import read_dataset
     from caricli.models.config import DeformableConfig
