@@ -10,7 +10,7 @@ from caricli.models.config import NetworkSize
 from caricli.models.prior import Prior
 
 _CHUNK = 8192
-_SAMPLED, _ROUNDS, _RIDGE, _TOLERANCE = 256, 12, 1e-5, 1e-4
+_SAMPLED, _ROUNDS, _RIDGE, _TOLERANCE = 256, 40, 1e-5, 1e-4
 
 
 def siren(points, parameters, frequency, precision=torch.float32):
