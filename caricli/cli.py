@@ -26,6 +26,7 @@ COMMANDS = {
     "train": (None, "Models", "Train a shape model on a dataset."),
     "train pca": ("train_pca", "Models", "A linear model of vertex positions."),
     "train intrinsic": ("train_intrinsic", "Models", "A model of deformations, which extrapolates without tearing."),
+    "train kernel": ("train_kernel", "Models", "Principal components and a Gaussian process for the finer ones."),
     "train deformable": ("train_deformable", "Models", "A SIREN hypernetwork, continuous over the surface."),
     "evaluate": (None, "Models", "Measure models."),
     "evaluate shape": ("evaluate_shape", "Models", "Train and test shape error, models side by side."),

@@ -1,4 +1,4 @@
-"""What `caricli train pca` and `caricli train intrinsic` share."""
+"""What `caricli train pca`, `train intrinsic` and `train kernel` share: models that come from one decomposition."""
 
 from dataclasses import asdict
 
@@ -27,16 +27,16 @@ def training_command(function):
 
 
 def train_linear(kind, dataset, out, config, overrides, overwrite):
-    """Train a linear model, measure it, and write it with a JSON of recipe and errors beside it."""
+    """Train a model of components, measure it, and write it with a JSON of recipe and errors beside it."""
     from caricli.commands.loading import dataset_files, progress_bar
     from caricli.data.dataset import SPLITS, read_dataset
     from caricli.methods.evaluate_shape import evaluate_shape
     from caricli.models.checkpoint import model_class, model_from_checkpoint, model_to_checkpoint
-    from caricli.models.config import LinearConfig
+    from caricli.models.config import KernelConfig, LinearConfig
 
     if out.suffix != ".safetensors":
         raise InputError(f"{out}: expected a name that ends in .safetensors")
-    settings = read_config(config, LinearConfig, overrides)
+    settings = read_config(config, KernelConfig if kind == "kernel" else LinearConfig, overrides)
     report = out.with_suffix(".json")
     inputs = (dataset, config, *dataset_files(dataset))
     with (
@@ -50,7 +50,7 @@ def train_linear(kind, dataset, out, config, overrides, overwrite):
             raise InputError(f"{dataset}: its training split has {len(training)} meshes, at least 3 are needed")
         progress(1, 3)
         recipe = provenance(f"train {kind}", [dataset / "dataset.json"], settings.seed, config=asdict(settings))
-        trained = model_class(kind).train(data.template, training, settings.dimension, settings.seed)
+        trained = model_class(kind).train(data.template, training, **asdict(settings))
         progress(2, 3)
         checkpoint = model_to_checkpoint(trained, recipe)
         write_checkpoint(model_file, *checkpoint)

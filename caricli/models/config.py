@@ -19,6 +19,34 @@ class LinearConfig:
 
 
 @dataclass(frozen=True)
+class KernelConfig:
+    """Settings of KernelModel; the defaults are those of configs/kernel/default.yaml.
+
+    dimension: of the latent. components: of the shapes, those of the latent included. centres: of the kernel. width: of
+    the kernel, for latents of length 1. ridge: variance of the noise of the coefficients. near, radius: a vertex weighs
+    up to near more within about that distance of a landmark, a share of the head's height. seed: of the randomised
+    decomposition and of the choice of centres.
+    """
+
+    dimension: int = 128
+    components: int = 320
+    centres: int = 2048
+    width: float = 0.5
+    ridge: float = 0.1
+    near: float = 7.0
+    radius: float = 0.015
+    seed: int = 0
+
+    def __post_init__(self):
+        """Refuse impossible sizes."""
+        ranges = {
+            "dimension": (1, 4096), "components": (self.dimension, 8192), "centres": (1, 10**5), "width": (1e-3, 1e3),
+            "ridge": (1e-9, 1e9), "near": (0, 1e6), "radius": (1e-6, 1e3), "seed": (0, 2**32 - 1),
+        }  # fmt: skip
+        _check_ranges(self, ranges)
+
+
+@dataclass(frozen=True)
 class NetworkSize:
     """latent: D. width, layers: of the SIREN's sine layers. hidden: of the hypernetwork. frequency: w0 of the sines."""
 
@@ -89,9 +117,7 @@ class DeformableConfig:
             "smoothness_weight": (0, 1e12), "validate_every": (1, 10**6), "validation_steps": (1, 10**5),
             "checkpoint_seconds": (0, 10**5), "seed": (0, 2**32 - 1),
         }  # fmt: skip
-        for name, (low, high) in ranges.items():
-            if not low <= getattr(self, name) <= high:
-                raise ValueError(f"{name} must be from {low:g} to {high:g}, found {getattr(self, name)}")
+        _check_ranges(self, ranges)
         for name, choices in _CHOICES.items():
             if getattr(self, name) not in choices:
                 raise ValueError(f"{name} must be {' or '.join(choices)}, found {getattr(self, name)!r}")
@@ -99,3 +125,9 @@ class DeformableConfig:
     def size(self):
         """The NetworkSize."""
         return NetworkSize(self.latent, self.width, self.layers, self.hidden, self.frequency)
+
+
+def _check_ranges(config, ranges):
+    for name, (low, high) in ranges.items():
+        if not low <= getattr(config, name) <= high:
+            raise ValueError(f"{name} must be from {low:g} to {high:g}, found {getattr(config, name)}")

@@ -13,6 +13,7 @@ def plot_curves(panels, x_label="epoch", y_label="mean distance in % of the head
     """
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
+    from matplotlib.ticker import LogLocator, NullFormatter
     from PIL import Image
 
     figure = Figure(figsize=(size[0] * len(panels) / 150, size[1] / 100), dpi=100, layout="constrained")
@@ -20,6 +21,9 @@ def plot_curves(panels, x_label="epoch", y_label="mean distance in % of the head
     for axes, (title, curves) in zip(np.atleast_1d(figure.subplots(1, len(panels))), panels.items(), strict=True):
         for name, (x, y) in curves.items():
             axes.semilogy(x, y, label=name, marker="o" if len(x) < 4 else None)
+        axes.yaxis.set_major_locator(LogLocator(subs=(1, 1.5, 2, 3, 5, 7)))
+        axes.yaxis.set_major_formatter("{x:g}")
+        axes.yaxis.set_minor_formatter(NullFormatter())
         axes.set(title=title, xlabel=x_label, ylabel=y_label)
         axes.grid(True, which="both", alpha=0.3)
         axes.legend()

@@ -19,6 +19,14 @@ def test_models_stand_side_by_side(run, models, dataset, tmp_path):
     assert again.exit_code == 0 and "pca.safetensors" in again.stdout
 
 
+def test_a_few_meshes_of_every_split_are_enough(run, models, dataset, tmp_path):
+    out = tmp_path / "errors.json"
+    result = run("evaluate", "shape", models["pca"], "--data", dataset, "--count", 3, "-o", out)
+    assert result.exit_code == 0, result.output
+    (found,) = read_json(out)["models"].values()
+    assert {split: error["meshes"] for split, error in found.items()} == dict(train=3, validation=3, test=3)
+
+
 def test_bad_input_is_one_line_and_leaves_nothing(refused, models, dataset, tmp_path):
     out = ("-o", tmp_path / "errors.json")
     bad = tmp_path / "bad.safetensors"
