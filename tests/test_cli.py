@@ -18,7 +18,7 @@ from caricli.errors import CaricliError, InputError, NumericsError, OutputError
 
 ROOT = Path(caricli.__file__).parents[1]
 # What reads arrays, pictures or meshes; none of it is needed to say what caricli can do.
-HEAVY = "anny cv2 igl numpy PIL rich safetensors scipy skimage sklearn torch trimesh warp yaml".split()
+HEAVY = "anny cv2 igl matplotlib numpy PIL rich safetensors scipy skimage sklearn torch trimesh warp yaml".split()
 
 
 def environment():
