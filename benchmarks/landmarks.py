@@ -1,6 +1,6 @@
-"""Landmark reconstruction: error against prior, flipped triangles and time, for both methods and several prior weights.
+"""Landmark reconstruction: error against prior, flipped triangles and time, for all models and several prior weights.
 
-Usage: python benchmarks/landmarks.py [FOLDER]. FOLDER holds landmark files (default: $CARICLI_REAL_DATA, else the
+Usage: python benchmarks/landmarks.py [FOLDER [KIND...]]. FOLDER holds landmark files (default: $CARICLI_REAL_DATA, else the
 astronaut). The last line is JSON. For comparison: the deformable paper (section 5.5) needs about 500 ms a face on a
 Titan Xp; pose alone leaves an NME of about 3.4 % on drawings.
 """
@@ -19,14 +19,15 @@ from caricli.io.landmarks import read_landmarks
 from caricli.methods.fit_landmarks import fit_landmarks
 
 ASTRONAUT = Path(__file__).parents[1] / "examples" / "astronaut"
-PRIOR_WEIGHTS = (0.1, 0.3, 1.0, 3.0, 10.0)
+PRIOR_WEIGHTS = (0.1, 0.3, 1.0, 3.0, 10.0, 30.0)
 REPEATS = 5
+KINDS = ("intrinsic", "kernel", "pca", "deformable")
 
 
-def curves(marks):
-    """Yield one row for each method and prior weight, averaged over the landmark sets."""
-    for method, kind in (("intrinsic", "intrinsic"), ("latent", "pca")):
-        model = load_model(kind=kind)
+def curves(marks, kinds):
+    """Yield one row for each model and prior weight, averaged over the landmark sets."""
+    for kind in kinds:
+        method, model = "intrinsic" if kind == "intrinsic" else "latent", load_model(kind=kind)
         model.prepare()
         fit_landmarks(marks[0], model, method)
         for weight in PRIOR_WEIGHTS:
@@ -39,6 +40,7 @@ def curves(marks):
                 results.append(result)
             yield {
                 "method": method,
+                "model": kind,
                 "prior_weight": weight,
                 "nme": float(np.mean([r.nme for r in results])),
                 "nme_worst": float(np.max([r.nme for r in results])),
@@ -53,14 +55,14 @@ def main():
     """Print the table and the JSON line."""
     folder = Path(sys.argv[1] if len(sys.argv) > 1 else os.environ.get("CARICLI_REAL_DATA") or ASTRONAUT)
     files = sorted(p for p in folder.iterdir() if p.suffix in (".json", ".pts", ".txt", ".npy"))
-    rows = list(curves([read_landmarks(path).points for path in files]))
+    rows = list(curves([read_landmarks(path).points for path in files], sys.argv[2:] or KINDS))
     print(f"{len(files)} landmark sets; NME and flipped triangles in percent; prior: rms of the whitened latent")
     print(
-        f"{'method':10} {'weight':>6} {'NME':>6} {'worst':>6} {'latent':>6} {'prior':>6} {'flipped':>7} {'median s':>8}"
+        f"{'model':10} {'weight':>6} {'NME':>6} {'worst':>6} {'latent':>6} {'prior':>6} {'flipped':>7} {'median s':>8}"
     )
     for r in rows:
         print(
-            f"{r['method']:10} {r['prior_weight']:6.1f} {r['nme']:6.2f} {r['nme_worst']:6.2f} {r['nme_latent']:6.2f} "
+            f"{r['model']:10} {r['prior_weight']:6.1f} {r['nme']:6.2f} {r['nme_worst']:6.2f} {r['nme_latent']:6.2f} "
             f"{r['prior_rms']:6.2f} {r['flipped_percent']:7.3f} {r['median_seconds']:8.2f}"
         )
     print(json.dumps(rows))

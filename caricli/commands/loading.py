@@ -13,7 +13,7 @@ from caricli.io.obj import ObjMesh
 from caricli.io.strict_json import read_json
 from caricli.methods.encode_face import encode_face
 
-DEFAULT_LATENT = "pca"
+DEFAULT_LATENT = "kernel"
 """Kind of the bundled model that latents belong to where nothing else is said."""
 
 

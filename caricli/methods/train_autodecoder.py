@@ -97,6 +97,7 @@ class AutoDecoderTraining:
         self.network, self.surface, self.config = network, surface, config
         self.process, self.processes = process, processes
         self.shapes, self.unseen = surface.displacements(shapes), surface.displacements(unseen)
+        self.mean = self.shapes.mean(0)
         self.epoch, self.best, self.since_best = 0, float("inf"), 0
         device = self.shapes.device
         start, unseen_start = _start(shapes, unseen, config)
@@ -170,8 +171,16 @@ class AutoDecoderTraining:
         device, share = self.latents.device, 1 / len(rows)
         mine_rows = rows[mine].to(device)
         latents = self.latents[mine_rows]
-        noisy = latents + config.noise * config.latent_std * noise[mine].to(device)
-        squares = self._squares(noisy, points, self.shapes[mine_rows])
+        angles = np.pi / 2 * generator.uniform(size=len(rows)) * (generator.uniform(size=len(rows)) < config.mixup)
+        angles = torch.from_numpy(angles.astype(np.float32))[mine].to(device)[:, None]
+        others = rows.roll(1)[mine].to(device)
+        here, there = torch.cos(angles), torch.sin(angles)
+        mixed = here * latents + there * self.latents[others]
+        mixed = mixed + config.noise * config.latent_std * noise[mine].to(device)
+        ha, th = here[:, :, None], there[:, :, None]
+        aims = ha * points.values(self.shapes[mine_rows]) + th * points.values(self.shapes[others])
+        aims = aims + (1 - ha - th) * points.values(self.mean)
+        squares = (self.network(mixed, points) - aims).square().sum(-1)
         data = share * squares.mean(1).sum()
         loss = config.data_weight * data + config.latent_weight * share * latents.square().mean(1).sum()
         if config.prior_weight:

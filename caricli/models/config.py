@@ -101,6 +101,7 @@ class DeformableConfig:
     latent_weight: float = 0.0
     prior_weight: float = 0.1
     noise: float = 0.05
+    mixup: float = 0.5
     smoothness_weight: float = 0.1
     validate_every: int = 10
     validation_steps: int = 20
@@ -113,7 +114,7 @@ class DeformableConfig:
             "latent": (1, 4096), "width": (1, 4096), "layers": (1, 32), "hidden": (1, 4096), "frequency": (1e-3, 1e3),
             "latent_std": (1e-6, 1e3), "epochs": (1, 10**6), "patience": (0, 10**6), "batch": (1, 10**5),
             "points": (3, 10**7), "vertex_share": (0, 1), "learning_rate": (1e-9, 1), "latent_rate": (0, 100),
-            "data_weight": (0, 1e12), "latent_weight": (0, 1e12), "prior_weight": (0, 1e12), "noise": (0, 10),
+            "data_weight": (0, 1e12), "latent_weight": (0, 1e12), "prior_weight": (0, 1e12), "noise": (0, 10), "mixup": (0, 1),
             "smoothness_weight": (0, 1e12), "validate_every": (1, 10**6), "validation_steps": (1, 10**5),
             "checkpoint_seconds": (0, 10**5), "seed": (0, 2**32 - 1),
         }  # fmt: skip

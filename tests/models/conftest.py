@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from caricli.models.intrinsic import IntrinsicModel
+from caricli.models.kernel import KernelModel
 from caricli.models.pca import PcaModel
 from caricli.template.annotation import parse_annotation
 from caricli.template.template import Template
@@ -21,7 +22,12 @@ def intrinsic(head_template, people):
     return IntrinsicModel.train(head_template, people, DIMENSION)
 
 
-@pytest.fixture(scope="session", params=["pca", "intrinsic"])
+@pytest.fixture(scope="session")
+def kernel(head_template, people):
+    return KernelModel.train(head_template, people, DIMENSION, components=30, centres=64)
+
+
+@pytest.fixture(scope="session", params=["pca", "intrinsic", "kernel"])
 def model(request):
     """Each kind in turn, trained on 40 random heads."""
     return request.getfixturevalue(request.param)
@@ -45,7 +51,7 @@ def balls(ball):
     return vertices + np.tensordot(weights, np.array(waves), 1) + 0.1 * weights[:, None, :3]
 
 
-@pytest.fixture(scope="session", params=[PcaModel, IntrinsicModel], ids=["pca", "intrinsic"])
+@pytest.fixture(scope="session", params=[PcaModel, IntrinsicModel, KernelModel], ids=["pca", "intrinsic", "kernel"])
 def ball_model(request, ball_template, balls):
     """Each kind in turn, small enough to be built in no time."""
     return request.param.train(ball_template, balls, 5)

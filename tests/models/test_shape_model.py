@@ -26,7 +26,7 @@ def test_encode_undoes_decode(model):
     given = latents(model, 6)
     found = model.encode(model.decode(given))
     # A sum of features is no shape's features; decoding makes the nearest one.
-    assert np.sqrt(((found - given) ** 2).mean()) < {"pca": 1e-9, "intrinsic": 0.1}[model.kind]
+    assert np.sqrt(((found - given) ** 2).mean()) < {"pca": 1e-9, "intrinsic": 0.1, "kernel": 1e-6}[model.kind]
 
 
 def test_a_latent_that_is_a_shape_is_found_again_exactly(model, people):
@@ -80,8 +80,10 @@ def test_the_jacobian_agrees_with_finite_differences(model, size):
 
 def test_the_training_latents_are_white(model, people):
     whitened = model.prior.whiten(model.encode(people))
-    assert np.abs(whitened.mean(0)).max() < 1e-3
-    assert np.abs(np.cov(whitened.T) - np.eye(whitened.shape[1])).max() < 1e-2
+    # The kernel model's are of everyone and their mirror images, and projections, not yet the nearest shapes.
+    tolerance = {"pca": 1e-3, "intrinsic": 1e-3, "kernel": 0.03}[model.kind]
+    assert np.abs(whitened.mean(0)).max() < tolerance
+    assert np.abs(np.cov(whitened.T) - np.eye(whitened.shape[1])).max() < 10 * tolerance
 
 
 def test_typical_faces_have_an_rms_of_about_one(model, people):
