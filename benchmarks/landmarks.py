@@ -1,8 +1,8 @@
 """Landmark reconstruction: error against prior, flipped triangles and time, for all models and several prior weights.
 
-Usage: python benchmarks/landmarks.py [FOLDER [KIND...]]. FOLDER holds landmark files (default: $CARICLI_REAL_DATA, else the
-astronaut). The last line is JSON. For comparison: the deformable paper (section 5.5) needs about 500 ms a face on a
-Titan Xp; pose alone leaves an NME of about 3.4 % on drawings.
+Usage: python benchmarks/landmarks.py [FOLDER [KIND...]]. FOLDER holds landmark files (default: $CARICLI_REAL_DATA,
+else the astronaut). The last line is JSON. For comparison: the deformable paper (section 5.5) needs about 500 ms a face
+on a Titan Xp; pose alone leaves an NME of about 3.4 % on drawings.
 """
 
 import json

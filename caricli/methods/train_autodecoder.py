@@ -86,7 +86,8 @@ class AutoDecoderTraining:
     ``data_weight mean |d_i - S(p_i; z_k)|^2 + latent_weight / M |z_k|^2`` (equation 1) plus
     ``prior_weight / M |C - I|^2`` with C the second moments of all latents over latent_std^2, plus
     ``smoothness_weight`` times the roughness of displacements, compared with that of the training shapes, at latents
-    drawn from that prior.
+    drawn from that prior. Of ``mixup`` of the shapes mixtures take their place, of latents and of displacements alike
+    (Zhang et al. 2018), so that also the shapes between are what they should be.
 
     Every draw comes from (seed, epoch, step), so nothing but weights, moments and counters has to be kept. With several
     processes each takes its share of every batch, and gradients are summed.
@@ -97,9 +98,8 @@ class AutoDecoderTraining:
         self.network, self.surface, self.config = network, surface, config
         self.process, self.processes = process, processes
         self.shapes, self.unseen = surface.displacements(shapes), surface.displacements(unseen)
-        self.mean = self.shapes.mean(0)
         self.epoch, self.best, self.since_best = 0, float("inf"), 0
-        device = self.shapes.device
+        device, self.mean = self.shapes.device, self.shapes.mean(0)
         start, unseen_start = _start(shapes, unseen, config)
         self.latents = torch.nn.Parameter(torch.from_numpy(start).to(device))
         self.codes = torch.nn.Parameter(torch.from_numpy(unseen_start).to(device))
@@ -170,19 +170,13 @@ class AutoDecoderTraining:
         mine = slice(self.process, None, self.processes)
         device, share = self.latents.device, 1 / len(rows)
         mine_rows = rows[mine].to(device)
-        latents = self.latents[mine_rows]
         angles = np.pi / 2 * generator.uniform(size=len(rows)) * (generator.uniform(size=len(rows)) < config.mixup)
-        angles = torch.from_numpy(angles.astype(np.float32))[mine].to(device)[:, None]
-        others = rows.roll(1)[mine].to(device)
-        here, there = torch.cos(angles), torch.sin(angles)
-        mixed = here * latents + there * self.latents[others]
+        angles = torch.from_numpy(angles.astype(np.float32))[mine].to(device)
+        mixed, aims = self._mixtures(mine_rows, rows.roll(1)[mine].to(device), angles, points)
         mixed = mixed + config.noise * config.latent_std * noise[mine].to(device)
-        ha, th = here[:, :, None], there[:, :, None]
-        aims = ha * points.values(self.shapes[mine_rows]) + th * points.values(self.shapes[others])
-        aims = aims + (1 - ha - th) * points.values(self.mean)
         squares = (self.network(mixed, points) - aims).square().sum(-1)
         data = share * squares.mean(1).sum()
-        loss = config.data_weight * data + config.latent_weight * share * latents.square().mean(1).sum()
+        loss = config.data_weight * data + config.latent_weight * share * self.latents[mine_rows].square().mean(1).sum()
         if config.prior_weight:
             loss = loss + config.prior_weight * self._prior_loss() / self.processes
         if self.roughness:
@@ -197,6 +191,17 @@ class AutoDecoderTraining:
             raise NumericsError(f"the loss of epoch {self.epoch + 1} is not finite: a smaller learning_rate may help")
         self.optimiser.step()
         return figures
+
+    def _mixtures(self, rows, others, angles, points):
+        """Latents (B, D) and displacements (B, n, 3) of mixtures of two shapes, at angles (B,) between them.
+
+        Their differences from the mean are weighted by cosine and sine, so that mixtures are as far from it as they.
+        """
+        first, second = torch.cos(angles)[:, None], torch.sin(angles)[:, None]
+        latents = first * self.latents[rows] + second * self.latents[others]
+        first, second = first[:, :, None], second[:, :, None]
+        aims = first * points.values(self.shapes[rows]) + second * points.values(self.shapes[others])
+        return latents, aims + (1 - first - second) * points.values(self.mean)
 
     def _squares(self, latents, points, displacements):
         """(B, n) squared distances of the network's points from those of the shapes."""

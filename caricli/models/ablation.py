@@ -10,7 +10,7 @@ from math import sqrt
 import torch
 from torch import nn
 
-from caricli.models.config import DeformableConfig
+from caricli.models.config import DeformableConfig, check_ranges
 from caricli.models.deformable import Affine, siren, siren_start
 
 _SLOPE = 0.1
@@ -27,19 +27,18 @@ class AblationConfig(DeformableConfig):
     start: str = "random"
     prior_weight: float = 0.0
     noise: float = 0.0
+    mixup: float = 0.0
     smoothness_weight: float = 0.0
     meshes: int = 600
     unseen: int = 90
     array_hidden: int = 400
-    code_steps: int = 400
+    code_steps: int = 800
 
     def __post_init__(self):
         """Refuse impossible sizes."""
         super().__post_init__()
         ranges = {"meshes": (0, 10**6), "unseen": (0, 10**6), "array_hidden": (1, 10**5), "code_steps": (1, 10**6)}
-        for name, (low, high) in ranges.items():
-            if not low <= getattr(self, name) <= high:
-                raise ValueError(f"{name} must be from {low:g} to {high:g}, found {getattr(self, name)}")
+        check_ranges(self, ranges)
 
 
 class VertexArray(nn.Module):

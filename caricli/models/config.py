@@ -43,7 +43,7 @@ class KernelConfig:
             "dimension": (1, 4096), "components": (self.dimension, 8192), "centres": (1, 10**5), "width": (1e-3, 1e3),
             "ridge": (1e-9, 1e9), "near": (0, 1e6), "radius": (1e-6, 1e3), "seed": (0, 2**32 - 1),
         }  # fmt: skip
-        _check_ranges(self, ranges)
+        check_ranges(self, ranges)
 
 
 @dataclass(frozen=True)
@@ -76,9 +76,9 @@ class DeformableConfig:
     latent_rate of the latents in units of latent_std; schedule, precision (of the SIREN's hidden layers).
     data_weight and latent_weight: lambda_mse and lambda_reg of equation 1, for the template in [-1, 1]. prior_weight:
     of the distance of the latents' covariance from latent_std^2. noise: added to latents in units of latent_std.
-    smoothness_weight: of the roughness beyond that of the training shapes at latents drawn from the prior.
-    validate_every: epochs. validation_steps: of the unseen meshes' codes at a validation. checkpoint_seconds: between
-    two checkpoints.
+    mixup: share of the shapes whose place a mixture of two takes. smoothness_weight: of the roughness beyond that of
+    the training shapes at latents drawn from the prior. validate_every: epochs. validation_steps: of the unseen meshes'
+    codes at a validation. checkpoint_seconds: between two checkpoints.
     """
 
     latent: int = 128
@@ -114,11 +114,11 @@ class DeformableConfig:
             "latent": (1, 4096), "width": (1, 4096), "layers": (1, 32), "hidden": (1, 4096), "frequency": (1e-3, 1e3),
             "latent_std": (1e-6, 1e3), "epochs": (1, 10**6), "patience": (0, 10**6), "batch": (1, 10**5),
             "points": (3, 10**7), "vertex_share": (0, 1), "learning_rate": (1e-9, 1), "latent_rate": (0, 100),
-            "data_weight": (0, 1e12), "latent_weight": (0, 1e12), "prior_weight": (0, 1e12), "noise": (0, 10), "mixup": (0, 1),
-            "smoothness_weight": (0, 1e12), "validate_every": (1, 10**6), "validation_steps": (1, 10**5),
-            "checkpoint_seconds": (0, 10**5), "seed": (0, 2**32 - 1),
+            "data_weight": (0, 1e12), "latent_weight": (0, 1e12), "prior_weight": (0, 1e12), "noise": (0, 10),
+            "mixup": (0, 1), "smoothness_weight": (0, 1e12), "validate_every": (1, 10**6),
+            "validation_steps": (1, 10**5), "checkpoint_seconds": (0, 10**5), "seed": (0, 2**32 - 1),
         }  # fmt: skip
-        _check_ranges(self, ranges)
+        check_ranges(self, ranges)
         for name, choices in _CHOICES.items():
             if getattr(self, name) not in choices:
                 raise ValueError(f"{name} must be {' or '.join(choices)}, found {getattr(self, name)!r}")
@@ -128,7 +128,8 @@ class DeformableConfig:
         return NetworkSize(self.latent, self.width, self.layers, self.hidden, self.frequency)
 
 
-def _check_ranges(config, ranges):
+def check_ranges(config, ranges):
+    """Raise ValueError where a setting is out of its range. ranges: names to (low, high)."""
     for name, (low, high) in ranges.items():
         if not low <= getattr(config, name) <= high:
             raise ValueError(f"{name} must be from {low:g} to {high:g}, found {getattr(config, name)}")

@@ -38,7 +38,7 @@ def weights(run):
 
 @pytest.mark.parametrize("start", ["principal", "random"])
 def test_it_learns_shapes_that_it_has_not_seen(ball, shapes, start):
-    records = list(training(ball, shapes, replace(CONFIG, start=start, epochs=150)).epochs())
+    records = list(training(ball, shapes, replace(CONFIG, start=start, epochs=150, mixup=0.0)).epochs())
     assert [r.epoch for r in records] == list(range(1, 151))
     spread = np.linalg.norm(shapes - shapes.mean(0), axis=-1).mean()
     assert records[-1].train_error < 0.4 * spread
@@ -106,6 +106,22 @@ def test_a_loss_that_is_not_finite_stops_it_before_the_weights_are_touched(ball,
     with pytest.raises(NumericsError, match="epoch 3 is not finite"):
         list(run.epochs())
     assert torch.isfinite(weights(run)).all() and before.shape == weights(run).shape
+
+
+def test_mixup_teaches_what_lies_between_two_shapes(ball, shapes):
+    errors = []
+    for mixup in (0.0, 1.0):
+        run = training(ball, shapes, replace(CONFIG, mixup=mixup, epochs=150, noise=0.0, smoothness_weight=0.0))
+        list(run.epochs())
+        first, second = torch.arange(24), torch.arange(1, 25)
+        everywhere = run.surface.at_vertices(np.arange(300))
+        latents, aims = run._mixtures(first, second, torch.full((24,), 0.8), everywhere)
+        mean, cosine, sine = run.shapes.mean(0), np.cos(0.8), np.sin(0.8)
+        expected = mean + cosine * (run.shapes[first] - mean) + sine * (run.shapes[second] - mean)
+        assert torch.allclose(aims, expected, atol=1e-5)
+        with torch.no_grad():
+            errors.append(float((run.network(latents, everywhere) - aims).norm(dim=-1).mean()))
+    assert errors[1] < 0.9 * errors[0]
 
 
 def test_the_prior_term_keeps_latents_white(ball, shapes):
