@@ -76,7 +76,7 @@ def dataset(run, tmp_path_factory):
 def models(run, dataset, tmp_path_factory):
     """Paths by kind of small models trained on the dataset, made by the commands."""
     folder, paths = tmp_path_factory.mktemp("models"), {}
-    for kind in ("pca", "intrinsic"):
+    for kind in ("pca", "intrinsic", "kernel"):
         paths[kind] = folder / f"{kind}.safetensors"
         result = run("train", kind, "--data", dataset, "--out", paths[kind], "--set", "dimension=5")
         assert result.exit_code == 0, result.output

@@ -27,6 +27,13 @@ def pca():
     return load_model(kind="pca")
 
 
+@pytest.fixture(scope="session")
+def kernel():
+    from caricli.commands.loading import load_model
+
+    return load_model(kind="kernel")
+
+
 @dataclass(frozen=True)
 class Truth:
     """A face, the pose in which it was seen, and its 68 or 81 landmarks in pixels."""

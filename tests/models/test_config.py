@@ -5,7 +5,7 @@ import pytest
 from caricli.errors import InputError
 from caricli.io.bundled import config_path
 from caricli.io.config import read_config
-from caricli.models.config import LinearConfig
+from caricli.models.config import KernelConfig, LinearConfig
 
 
 @pytest.mark.parametrize("kind", ["pca", "intrinsic"])
@@ -13,6 +13,20 @@ from caricli.models.config import LinearConfig
 def test_the_bundled_settings_can_be_read(kind, name):
     config = read_config(config_path(f"{kind}/{name}.yaml"), LinearConfig)
     assert 1 <= config.dimension <= 178
+
+
+@pytest.mark.parametrize("name", ["tiny", "default"])
+def test_the_bundled_settings_of_the_kernel_model_can_be_read(name):
+    config = read_config(config_path(f"kernel/{name}.yaml"), KernelConfig)
+    assert config.components > config.dimension
+    if name == "default":
+        assert config == KernelConfig()
+
+
+@pytest.mark.parametrize("setting", ["components=127", "centres=0", "width=0", "ridge=-1", "near=-1", "radius=0"])
+def test_impossible_settings_of_the_kernel_model_are_refused(setting):
+    with pytest.raises(InputError, match=setting.split("=")[0]):
+        read_config(None, KernelConfig, [setting])
 
 
 @pytest.mark.parametrize(("dimension", "seed"), [(1, 0), (4096, 2**31)])
