@@ -182,8 +182,6 @@ def fit_landmarks_latent(points, model, settings=LatentSettings()):  # noqa: B00
     seen = _Observation(points, template)
     candidates = template.annotation.anchor_ids()
     sparse = np.zeros_like(template.vertices)
-    row = np.zeros(len(template.vertices), dtype=int)
-    row[candidates] = np.arange(len(candidates))
 
     whitened = np.zeros(len(model.prior.mean))
     sparse[candidates] = model.decode_points(model.prior.colour(whitened), candidates)
@@ -192,8 +190,8 @@ def fit_landmarks_latent(points, model, settings=LatentSettings()):  # noqa: B00
     damping, rounds = 1e-3, settings.rounds + settings.refinements
     for round_number in range(rounds):
         joint = round_number >= settings.rounds
-        sparse[candidates], jacobian = model.points_jacobian(model.prior.colour(whitened), candidates)
-        jacobian = jacobian @ model.prior.factor
+        latent = model.prior.colour(whitened)
+        sparse[candidates] = model.decode_points(latent, candidates)
         if not joint:
             pose, anchors = seen.settle(sparse, weights, pose.rotation)
         else:
@@ -206,10 +204,9 @@ def fit_landmarks_latent(points, model, settings=LatentSettings()):  # noqa: B00
             error = seen.error(sparse, pose, anchors)
             return (weights * error**2).sum() / settings.noise**2 + (whitened**2).sum()
 
-        chosen = anchors[seen.known]
-        system, right = _normal_equations(
-            sparse[chosen], jacobian[row[chosen]], pose, seen.points, weights, settings.noise
-        )
+        positions, jacobian = model.points_jacobian(latent, anchors[seen.known])
+        jacobian = jacobian @ model.prior.factor
+        system, right = _normal_equations(positions, jacobian, pose, seen.points, weights, settings.noise)
         dimension = len(whitened)
         system[-dimension:, -dimension:] += np.eye(dimension)
         right[-dimension:] -= whitened

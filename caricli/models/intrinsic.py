@@ -28,7 +28,7 @@ class IntrinsicModel:
         flat = basis.reshape(len(basis), -1)
         self._weighted = flat * np.repeat(weight, FEATURES)
         self._gram = self._weighted @ flat.T
-        self._rows, self._anchors = {}, None
+        self._known, self._rows, self._anchors = np.zeros(0, dtype=np.int64), None, None
 
     @classmethod
     def train(cls, template, shapes, dimension=128, seed=0):
@@ -120,15 +120,15 @@ class IntrinsicModel:
         return positions, derivative + self.offset[1:].T
 
     def _rows_of(self, points):
-        """The rows of the solution that are asked for, kept for the next call."""
-        points = np.asarray(points, dtype=np.int64)
-        gradients, key = self.template.gradients, points.tobytes()
-        if key not in self._rows:
-            unit = np.zeros((gradients.count, len(points)))
-            unit[points, np.arange(len(points))] = 1
+        """The rows of the solution that are asked for, kept for later calls for the same points or some of them."""
+        points, gradients = np.asarray(points, dtype=np.int64), self.template.gradients
+        if not np.isin(points, self._known).all():
+            self._known = np.unique(points)
+            unit = np.zeros((gradients.count, len(self._known)))
+            unit[self._known, np.arange(len(self._known))] = 1
             responses = gradients.solve(unit - 1 / gradients.count)
-            self._rows = {key: np.asarray((gradients.divergence.T @ responses).T)}
-        return self._rows[key]
+            self._rows = np.asarray((gradients.divergence.T @ responses).T)
+        return self._rows[np.searchsorted(self._known, points)]
 
     def encode(self, vertices):
         """See ShapeModel: the projection of the features."""
