@@ -1,0 +1,37 @@
+"""Run the commands of docs/gallery.md in a folder and draw its pictures again: make_pictures.py FOLDER [SECTION...].
+
+A section is chosen by a command in its heading, such as `sample`; without any, all are run, which takes hours.
+"""
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+from PIL import Image
+
+DOCS = Path(__file__).resolve().parent
+WIDTH = 1200
+
+
+def draw(folder, chosen):
+    """Run the sections and write their pictures."""
+    folder.mkdir(parents=True, exist_ok=True)
+    path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+    environment = os.environ | {"caricli": str(DOCS.parent), "PATH": path}
+    for section in (DOCS / "gallery.md").read_text("utf-8").split("\n## ")[1:]:
+        heading = section.partition("\n")[0]
+        if chosen and not any(f"`{name}`" in heading for name in chosen):
+            continue
+        for script in re.findall(r"^```sh\n(.*?)^```$", section, re.S | re.M):
+            print(script, end="", flush=True)
+            subprocess.run(["bash", "-euo", "pipefail", "-c", script], cwd=folder, env=environment, check=True)
+        for target, source in re.findall(r"\]\((\S+)\)<!-- (\S+) -->", section):
+            picture = Image.open(folder / source).convert("RGB")
+            picture.thumbnail((WIDTH, WIDTH))
+            picture.save(DOCS / target, quality=85, optimize=True)
+
+
+if __name__ == "__main__":
+    draw(Path(sys.argv[1]), sys.argv[2:])
