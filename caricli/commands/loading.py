@@ -64,7 +64,7 @@ def load_latent_face(path, model):
         )
     if len(face.latent) != dimension:
         raise InputError(f"{shown(path)}: expected a latent of {dimension} numbers, found {len(face.latent)}")
-    return encode_face(face.vertices, model, face.latent), None
+    return encode_face(face.vertices, model, face.latent, face.residual), None
 
 
 def _name(model_id):
