@@ -38,8 +38,10 @@ def main():
         network = VertexArray(*sizes, config.latent_std, generator, positions=True)
         return AutoDecoderTraining(network, surface, shapes, unseen, replace(config, epochs=epochs))
 
+    trial = begin(10**6).epochs()
+    next(trial)
     start = time.perf_counter()
-    next(begin(10**6).epochs())
+    next(trial)
     training = begin(max(1, int(limit / (time.perf_counter() - start))))
     start = time.perf_counter()
     record = None

@@ -9,7 +9,7 @@ def test_models_stand_side_by_side(run, models, dataset, tmp_path):
     result = run("evaluate", "shape", *models.values(), "--data", dataset, "-o", tmp_path / "errors.json")
     assert result.exit_code == 0, result.output
     found = read_json(tmp_path / "errors.json")
-    assert found["command"] == "evaluate shape" and len(found["inputs"]) == 3
+    assert found["command"] == "evaluate shape" and len(found["inputs"]) == len(models) + 1
     for kind, path in models.items():
         errors = read_json(path.with_suffix(".json"))["shape_error"]
         assert found["models"][str(path)] == errors
