@@ -44,22 +44,25 @@ def load_face(path, model):
     return face
 
 
-def load_latent_face(path, model):
+def load_latent_face(path, model, anew=False):
     """A face for commands that need a latent: its own where the file has one, else it is encoded first.
 
-    path: OBJ or NPZ. model: ShapeModel.
+    path: OBJ or NPZ. model: ShapeModel. anew: encode also what has a latent of another bundled model.
     Returns EncodedFace, and a line that says that it was encoded, or None.
     Raises InputError for another topology, and for a latent of another model.
     """
     face, dimension = load_face(path, model), len(model.prior.mean)
-    if face.latent is None or face.model_id is None:
+    foreign = anew and face.model_id != model.model_id and _bundled_kind(face.model_id)
+    if face.latent is None or face.model_id is None or foreign:
         code = encode_face(face.vertices, model)
+        had = f"its latent is of {model_name(face.model_id)}" if foreign else "had no latent"
         error = f"shape error {code.millimetres:.2f} mm ({code.percent:.2f} %)"
-        return code, f"{shown(path)}: had no latent; encoded by {_name(model.model_id)}, {error}"
+        return code, f"{shown(path)}: {had}; encoded by {model_name(model.model_id)}, {error}"
     if face.model_id != model.model_id:
         its, ours = (_bundled_kind(i) or "MODEL" for i in (face.model_id, model.model_id))
+        names = model_name(face.model_id), model_name(model.model_id)
         raise InputError(
-            f"{shown(path)}: its latent is of {_name(face.model_id)}, not of {_name(model.model_id)}; give --model "
+            f"{shown(path)}: its latent is of {names[0]}, not of {names[1]}; give --model "
             f"{its}, or encode it again: caricli encode {shown(path)} --model {ours} --out NEW.npz"
         )
     if len(face.latent) != dimension:
@@ -67,7 +70,8 @@ def load_latent_face(path, model):
     return encode_face(face.vertices, model, face.latent, face.residual), None
 
 
-def _name(model_id):
+def model_name(model_id):
+    """What a message calls the model of an id."""
     kind = _bundled_kind(model_id)
     return f"the bundled {kind} model" if kind else f"the model {shown(model_id, 12)}"
 

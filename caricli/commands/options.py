@@ -65,6 +65,10 @@ model_option = click.option(
     help="A trained model, or the kind of one that comes with caricli, such as pca.  [default: the best for the task]",
 )
 
+directions_option = click.option(
+    "--directions", type=PATH, metavar="FILE", help="What `caricli train semantic` wrote.  [default: the model's]"
+)
+
 subdivide_option = click.option(
     "--subdivide",
     "levels",

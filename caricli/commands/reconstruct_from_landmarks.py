@@ -16,17 +16,15 @@ from caricli.commands.options import (
     overwrite_option,
     subdivide_option,
 )
-from caricli.errors import InputError
 from caricli.io.face import Face, write_face
-from caricli.io.image import read_image, write_png
-from caricli.io.landmarks import check_inside, read_landmarks
+from caricli.io.image import write_png
+from caricli.io.landmarks import read_landmarks
 from caricli.io.obj import write_obj
 from caricli.io.outputs import staged
 from caricli.io.provenance import provenance
 from caricli.io.strict_json import write_json
 
 SUFFIXES = (".obj", ".npz", ".json", ".png")
-PICTURES = (".png", ".jpg", ".jpeg", ".webp", ".bmp", ".tif", ".tiff", ".gif")
 
 
 @click.command()
@@ -65,6 +63,7 @@ def command(ctx, landmarks, out, out_dir, image, method, model, prior_weight, pt
     """
     from caricli.commands.batch import named_jobs, run_batch
     from caricli.commands.loading import DEFAULT_LATENT, load_model
+    from caricli.commands.pictures import picture_beside, read_picture
     from caricli.methods.fit_landmarks import fit_landmarks
     from caricli.template.fine_mesh import fine_mesh
 
@@ -75,11 +74,11 @@ def command(ctx, landmarks, out, out_dir, image, method, model, prior_weight, pt
     known = {"method": method, "prior_weight": prior_weight, "model_id": shape_model.model_id, "subdivide": levels}
 
     def reconstruct(path, target):
-        picture = image if out is not None else _picture_beside(image, path)
+        picture = image if out is not None else picture_beside(image, path)
         paths = [target.with_suffix(suffix) for suffix in SUFFIXES]
         with staged(*paths, overwrite=overwrite, inputs=(*landmarks, model, picture)) as files:
             marks = read_landmarks(path, pts_origin)
-            pixels = None if picture is None else _picture(picture, marks, path)
+            pixels = None if picture is None else read_picture(picture, marks, path)
             start = time.perf_counter()
             fit = fit_landmarks(marks.points, shape_model, method, prior_weight)
             seconds = time.perf_counter() - start
@@ -130,26 +129,3 @@ def _figures(fit, seconds):
         "iterations": fit.rounds,
         "seconds": seconds,
     }
-
-
-def _picture(image, marks, path):
-    """The picture, if the landmarks can belong to it."""
-    picture = read_image(image)
-    size = picture.shape[1], picture.shape[0]
-    if marks.image_size is not None and tuple(marks.image_size) != size:
-        found = "{} x {}".format(*marks.image_size)
-        raise InputError(f"{path}: expected landmarks of the {size[0]} x {size[1]} picture {image}, found {found}")
-    check_inside(marks.points, size, path)
-    return picture
-
-
-def _picture_beside(folder, path):
-    """The picture in a folder that has the name of a landmark file."""
-    if folder is None:
-        return None
-    if not folder.is_dir():
-        raise InputError(f"{folder}: expected a folder of pictures, because results of many inputs were asked for")
-    found = [folder / f"{path.stem}{suffix}" for suffix in PICTURES if (folder / f"{path.stem}{suffix}").is_file()]
-    if not found:
-        raise InputError(f"{folder}: expected a picture named {path.stem} with one of {', '.join(PICTURES)}")
-    return found[0]

@@ -9,6 +9,7 @@ from caricli.methods.subdivide_face import subdivide_face
 from caricli.render.head_views import head_views
 
 _ROUNDING = 1e-6
+_SEEN = ("camera_scale", "camera_rotation", "camera_translation", "landmarks")
 
 
 def series_paths(folder, name, count, sheet):
@@ -17,10 +18,10 @@ def series_paths(folder, name, count, sheet):
     return [*faces, folder / f"{sheet}.png", folder / f"{sheet}.json"]
 
 
-def write_series_face(files, face, model, fine):
+def write_series_face(files, face, model, fine, source=None):
     """Write an EncodedFace as OBJ, on the FineMesh, and as NPZ, on the model's own mesh.
 
-    files: paths of the OBJ and the NPZ.
+    files: paths of the OBJ and the NPZ. source: Face whose camera and landmarks go with it, where it has them.
     Returns the vertices of the OBJ.
     """
     template, obj_file, npz_file = model.template, *files
@@ -29,6 +30,7 @@ def write_series_face(files, face, model, fine):
     mesh = {"polygons": template.polygons, "uvs": template.uvs, "uv_polygons": template.uv_polygons}
     residual = face.residual if np.abs(face.residual).max() > _ROUNDING else None
     known = {"latent": face.latent, "residual": residual, "model_id": model.model_id}
+    known |= {} if source is None else {key: getattr(source, key) for key in _SEEN}
     write_face(npz_file, Face(face.vertices, template.faces, **known, **mesh))
     return finer
 

@@ -31,6 +31,8 @@ def measure_attributes(vertices, template, gender=None, age=None, exaggerated=No
     eye_height = (gap(37, 41) + gap(38, 40) + gap(43, 47) + gap(44, 46)) / 4
     eye = np.sqrt(eye_width * eye_height) / size
     mouth, lips = gap(48, 54), (gap(51, 62) + gap(57, 66)) / 2
+    # Lips that went through each other are less than closed.
+    opening = float(p[62, 1] - p[66, 1])
     corners = (p[[48, 54], 1].mean() - p[[51, 57, 62, 66], 1].mean()) / mouth
     forehead = (p[69, 1] - brow) / size
     jaw, chin = gap(4, 12), gap(6, 10)
@@ -39,7 +41,7 @@ def measure_attributes(vertices, template, gender=None, age=None, exaggerated=No
     measures = {
         "BigNose": nose, "SmallNose": -nose, "WideNose": gap(31, 35) / size, "LongNose": gap(27, 33) / size,
         "HookNose": hook, "BigMouth": mouth / size, "SmallMouth": -mouth / size, "ThickLips": lips / size,
-        "ThinLips": -lips / size, "MouthOpen": gap(62, 66) / size, "Smile": corners, "Frown": -corners,
+        "ThinLips": -lips / size, "MouthOpen": opening / size, "Smile": corners, "Frown": -corners,
         "BigEye": eye, "SmallEye": -eye, "NarrowEye": -eye_height / eye_width, "WideSetEyes": gap(39, 42) / size,
         "LargeForehead": forehead, "SmallForehead": -forehead, "SquareJaw": jaw / gap(2, 14) + 0.5 * chin / jaw,
         "PointedChin": -chin / jaw, "LongChin": float(p[57, 1] - p[8, 1]) / size,

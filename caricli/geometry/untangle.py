@@ -8,18 +8,21 @@ from caricli.geometry.flipped_triangles import flipped_triangles
 ROUNDS, RINGS = 6, 3
 
 
-def untangle(vertices, gradients, rounds=ROUNDS):
+def untangle(vertices, gradients, rounds=ROUNDS, before=None):
     """Smooth the deformation around flipped triangles until they turn back.
 
     In every round the features of the vertices within ``RINGS`` edges of a flipped triangle are blended with the mean
     of their neighbours' and the shape is solved again; the rest keeps its features, so its shape. Stops when nothing is
     flipped; a shape that gets no better is returned as it was.
 
-    vertices: (V, 3). gradients: DeformationGradients of the template.
+    vertices: (V, 3). gradients: DeformationGradients of the template. before: (V, 3), the shape that was edited: then
+    only triangles count that are not flipped there, and its features take the place of the neighbours' mean.
     Returns (V, 3).
     """
-    best, best_count = vertices, flipped_triangles(vertices, gradients)
-    best_count, flipped = int(best_count.sum()), best_count
+    accepted = np.zeros(len(gradients.faces), dtype=bool) if before is None else flipped_triangles(before, gradients)
+    sound = None if before is None else gradients.features(before)
+    flipped = flipped_triangles(vertices, gradients) & ~accepted
+    best, best_count = vertices, int(flipped.sum())
     if not best_count:
         return vertices
     faces, count = gradients.faces, gradients.count
@@ -28,18 +31,20 @@ def untangle(vertices, gradients, rounds=ROUNDS):
     neighbours = (sp.csr_matrix((np.ones(len(corners)), (corners, others)), (count, count)) > 0).astype(float)
     mean = sp.diags(1 / np.asarray(neighbours.sum(1)).ravel()) @ neighbours
     near = np.zeros(count)
-    for _ in range(rounds):
+    for turn in range(rounds):
+        # Where there is a sound shape to go back to, farther and farther around.
+        rings = RINGS if sound is None else RINGS * (1 + turn)
         touched = np.zeros(count)
         touched[faces[flipped].ravel()] = 1.0
-        for ring in range(RINGS):
-            touched = np.maximum(touched, (1 - (ring + 1) / (RINGS + 1)) * (neighbours @ touched > 0))
+        for ring in range(rings):
+            touched = np.maximum(touched, (1 - (ring + 1) / (rings + 1)) * (neighbours @ touched > 0))
         near = np.maximum(near, touched)
         features = gradients.features(vertices)
-        features += near[:, None] * (mean @ (mean @ features) - features)
+        features += near[:, None] * ((mean @ (mean @ features) if sound is None else sound) - features)
         moved = gradients.vertices(features)
         still = near == 0
         vertices = moved + (vertices[still] - moved[still]).mean(0) if still.any() else moved
-        flipped = flipped_triangles(vertices, gradients)
+        flipped = flipped_triangles(vertices, gradients) & ~accepted
         if flipped.sum() < best_count:
             best, best_count = vertices, int(flipped.sum())
         if not best_count:

@@ -8,7 +8,9 @@ from click.testing import CliRunner
 from scipy.optimize import linear_sum_assignment
 
 from caricli.cli import cli
+from caricli.commands.loading import load_model
 from caricli.geometry.deformation_gradients import rotation_matrices
+from caricli.io.directions import Directions, write_directions
 from caricli.io.landmarks import Landmarks, write_landmarks
 from caricli.io.obj import ObjMesh, write_obj
 from caricli.io.strict_json import write_json
@@ -24,7 +26,7 @@ def run():
 def small_pictures():
     """Views of 48 pixels in the sheets of faces, which are otherwise most of the time."""
     with pytest.MonkeyPatch.context() as patch:
-        for name in ("encode", "sample", "interpolate"):
+        for name in ("encode", "sample", "interpolate", "edit_semantic", "caricaturize"):
             patch.setattr(f"caricli.commands.{name}.SIZE", 48)
         yield
 
@@ -81,6 +83,20 @@ def models(run, dataset, tmp_path_factory):
         result = run("train", kind, "--data", dataset, "--out", paths[kind], "--set", "dimension=5")
         assert result.exit_code == 0, result.output
         assert f"{paths[kind]}: 5 dimensions, shape error train " in result.stdout
+    return paths
+
+
+@pytest.fixture(scope="session")
+def directions(models, tmp_path_factory):
+    """Paths by kind of directions of the small models: three labels, the axes of the whitened latents."""
+    folder, paths, five = tmp_path_factory.mktemp("directions"), {}, np.eye(5)[:3]
+    for kind, path in models.items():
+        known = np.full(3, 0.9), np.array([4, 5, 6]), 12, np.full(3, 0.1), np.array([1.0, 0.5, -0.5])
+        found = Directions(
+            ("BigNose", "Smile", "Caricature"), five, five[[0, 0, 2]], *known, load_model(path).model_id, {}
+        )
+        paths[kind] = folder / f"{kind}.npz"
+        write_directions(paths[kind], found)
     return paths
 
 

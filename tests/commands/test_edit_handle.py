@@ -1,0 +1,96 @@
+import numpy as np
+import pytest
+from PIL import Image
+
+from caricli.io.face import Face, read_face, write_face
+from caricli.io.strict_json import read_json, write_json
+
+
+@pytest.fixture(scope="module", autouse=True)
+def small():
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("caricli.commands.edit_handle.SIZE", 48)
+        yield
+
+
+@pytest.fixture(scope="module")
+def face(run, tmp_path_factory):
+    """A random face of the default model."""
+    folder = tmp_path_factory.mktemp("faces")
+    assert run("sample", "--out-dir", folder, "--count", 1).exit_code == 0
+    return folder / "face-000.npz"
+
+
+def test_the_edit_is_written_with_a_report_and_a_picture(run, face, tmp_path):
+    out = tmp_path / "nose.obj"
+    result = run("edit-handle", face, "--handle", "nose_tip=0,0,5%", "--out", out, "--baseline", "arap")
+    assert result.exit_code == 0, result.output
+    assert "reached 100 %" in result.stdout
+    before, after, mesh = read_face(face), read_face(out.with_suffix(".npz")), read_face(out)
+    np.testing.assert_allclose(mesh.vertices, after.vertices, atol=1e-6)
+    report = read_json(out.with_suffix(".json"))
+    handle = report["handles"][0]
+    moved = (after.vertices - before.vertices)[handle["vertex"]]
+    np.testing.assert_allclose(moved, handle["achieved"], atol=1e-6)
+    assert handle["reached"] == pytest.approx(1, abs=0.01) and handle["where"] == "nose_tip"
+    assert report["energy_elsewhere"] < 0.15
+    assert report["flipped_triangles"]["after"] <= report["flipped_triangles"]["before"]
+    assert Image.open(out.with_suffix(".png")).size[1] > 3 * 48
+
+
+def test_handles_come_from_a_file_too_and_a_strip_is_drawn(run, face, tmp_path):
+    asked, out = tmp_path / "handles.json", tmp_path / "ears.obj"
+    write_json(asked, {"ear_left": ["5%", 0, 0]})
+    options = ("--handles", asked, "--pin", "chin", "--symmetric", "--steps", 3, "--norm", "l1")
+    result = run("edit-handle", face, "--out", out, *options)
+    assert result.exit_code == 0, result.output
+    rows = read_json(out.with_suffix(".json"))["handles"]
+    assert [row["where"] for row in rows] == ["ear_left", "ear_left mirrored", "chin"]
+    assert rows[0]["achieved"][0] > 0 > rows[1]["achieved"][0]
+    assert "reached" not in rows[2] and np.abs(rows[2]["achieved"]).max() < 1e-3
+
+
+def test_a_face_of_another_bundled_model_is_encoded_anew_unless_a_model_is_named(run, refused, marks, tmp_path):
+    made = tmp_path / "made.npz"
+    assert run("reconstruct-from-landmarks", marks, "--out", made.with_suffix(".obj")).exit_code == 0
+    result = run("edit-handle", made, "--handle", "chin=0,-3%,0", "--out", tmp_path / "chin.obj")
+    assert result.exit_code == 0 and "encoded by the bundled kernel model" in result.stderr
+    edited, given = read_face(tmp_path / "chin.npz"), read_face(made)
+    np.testing.assert_array_equal(edited.camera_rotation, given.camera_rotation)
+    asked = ("--handle", "chin=0,-3%,0", "--out", tmp_path / "no.obj", "--model", "pca")
+    assert "its latent is of the bundled intrinsic model" in refused("edit-handle", made, *asked)
+    assert not list(tmp_path.glob("no.*"))
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (["--handle", "nose_tpi=0,0,5%"], "did you mean nose_tip"),
+        (["--handle", "nose_tip"], "expected WHERE=DX,DY,DZ"),
+        (["--handle", "nose_tip=0,0"], "three lengths"),
+        (["--handle", "nose_tip=0,0,nan"], "half the head's height"),
+        (["--handle", "nose_tip=0,0,9"], "half the head's height"),
+        (["--handle", "9999=0,0,1%"], "vertex from 0 to 4199"),
+        (["--handle", "l99=0,0,1%"], "l0 to l80"),
+        (["--handle", "chin=0,1%,0", "--handle", "l8=0,2%,0"], "contradict"),
+        (["--pin", "chin"], "handle that moves"),
+        ([], "handle that moves"),
+    ],
+)
+def test_bad_handles_are_one_line_and_leave_nothing(refused, face, tmp_path, options, said):
+    assert said in refused("edit-handle", face, "--out", tmp_path / "x.obj", *options)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_bad_faces_and_files_are_refused(refused, face, tmp_path):
+    good, out = read_face(face), ("--handle", "chin=0,1%,0", "--out", tmp_path / "x.obj")
+    strange = tmp_path / "strange.npz"
+    write_face(strange, Face(good.vertices, good.faces, latent=good.latent, model_id="0" * 64))
+    assert "its latent is of the model 000000000000" in refused("edit-handle", strange, *out)
+    write_face(strange, Face(good.vertices, good.faces[:-1]))
+    assert "expected the topology of the model" in refused("edit-handle", strange, *out)
+    assert "missing.npz" in refused("edit-handle", tmp_path / "missing.npz", *out)
+    listed = tmp_path / "list.json"
+    write_json(listed, [1, 2])
+    assert "JSON object" in refused("edit-handle", face, *out, "--handles", listed)
+    assert not list(tmp_path.glob("x.*"))
