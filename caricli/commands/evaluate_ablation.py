@@ -26,8 +26,9 @@ def command(dataset, out, config, overrides, device, overwrite):
     """Train the deformable model beside its rivals on the same meshes and compare their errors.
 
     The rivals are arrays of vertex positions and displacements, a SIREN that takes the latent as a further input,
-    training without points between the vertices, PCA and the intrinsic model. DIR gets ablation.png (errors at every
-    epoch on training and test meshes), ablation.md and ablation.json (the table).
+    training without points between the vertices, PCA and the intrinsic model. DIR gets ablation.png (errors of four
+    networks during the training: on training meshes every epoch, on test meshes whose codes follow it at every
+    validation), ablation.md and ablation.json (the table, at the end, when the test codes are fitted to the last).
 
     \b
     Example:

@@ -5,14 +5,14 @@ from dataclasses import asdict
 
 import click
 
-from caricli.commands.options import PATH, data_option, overwrite_option
+from caricli.commands.options import PATH, data_option, each_bundled, overwrite_option
 from caricli.io.outputs import staged
 from caricli.io.provenance import provenance
 from caricli.io.strict_json import write_json
 
 
 @click.command()
-@click.argument("models", nargs=-1, required=True, type=PATH, metavar="MODEL...")
+@click.argument("models", nargs=-1, required=True, type=PATH, metavar="MODEL...", callback=each_bundled)
 @data_option
 @click.option("-o", "--out", type=PATH, metavar="JSON", help="Write the figures here as well.")
 @click.option("--count", type=click.IntRange(1), metavar="N", help="At most N meshes of a split.  [default: all]")
@@ -20,10 +20,12 @@ from caricli.io.strict_json import write_json
 def command(models, dataset, out, count, overwrite):
     """Print the shape error of models on the splits of a dataset, in mm and percent of the head's height.
 
+    A MODEL is a file, or the kind of one that comes with caricli, such as pca.
+
     \b
     Example:
       caricli evaluate shape pca.safetensors intrinsic.safetensors --data dataset
-      caricli evaluate shape run/model.safetensors --data dataset --count 100
+      caricli evaluate shape run/model.safetensors kernel --data dataset --count 100
     """
     from rich.console import Console
     from rich.table import Table

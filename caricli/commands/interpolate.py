@@ -26,7 +26,8 @@ def command(first, second, steps, out_dir, model, levels, overwrite):
     """Go from face A to face B (OBJ or NPZ) in equal steps: step-000.obj and .npz and so on, strip.png and strip.json.
 
     The latents run along a straight line, and so does what they cannot express. A face without a latent is encoded
-    first. The strip shows at most 12 of the steps.
+    first, and without --model also one whose latent is of another bundled model than the default. The strip shows at
+    most 12 of the steps.
 
     \b
     Example:
@@ -45,7 +46,9 @@ def command(first, second, steps, out_dir, model, levels, overwrite):
     paths, rows, pictures = series_paths(out_dir, "step", steps, "strip"), [], []
     drawn = set(np.linspace(0, steps - 1, min(DRAWN, steps)).round().astype(int).tolist())
     with staged(*paths, overwrite=overwrite, inputs=[first, second, model]) as files, progress_bar("faces") as report:
-        (start, start_note), (end, end_note) = (load_latent_face(path, shape_model) for path in (first, second))
+        (start, start_note), (end, end_note) = (
+            load_latent_face(path, shape_model, anew=model is None) for path in (first, second)
+        )
         for number, face in enumerate(interpolate_faces(start, end, shape_model, steps)):
             finer = write_series_face(files[2 * number : 2 * number + 2], face, shape_model, fine)
             if number in drawn:

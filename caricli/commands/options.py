@@ -11,7 +11,7 @@ from pathlib import Path
 
 import click
 
-from caricli.errors import OutputError
+from caricli.errors import InputError, OutputError
 from caricli.io.bundled import asset_path
 
 PATH = click.Path(path_type=Path)
@@ -53,8 +53,17 @@ def bundled(ctx, param, value):
     """Take the name of a model that comes with caricli, such as "pca", for its file; a file of that name goes first."""
     if value is None or value.exists():
         return value
-    asset = asset_path(f"{value.name}.safetensors")
-    return asset if value.name == str(value) and asset.is_file() else value
+    if value.name != str(value) or value.suffix:
+        return value
+    kinds = sorted(path.stem for path in asset_path("").glob("*.safetensors"))
+    if value.name not in kinds:
+        raise InputError(f"{value}: expected a model file or one of {', '.join(kinds)}, found neither")
+    return asset_path(f"{value.name}.safetensors")
+
+
+def each_bundled(ctx, param, values):
+    """``bundled`` for an argument of many models."""
+    return tuple(bundled(ctx, param, value) for value in values)
 
 
 model_option = click.option(

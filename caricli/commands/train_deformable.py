@@ -78,7 +78,10 @@ class _Run:
         if resume and state.exists():
             self.state, trained = read_state(state, device)
             if _essence(trained) != _essence(recipe):
-                raise InputError(f"{state}: expected a training with these settings and data, found another")
+                raise InputError(
+                    f"{state}: expected a training with these settings and data, found another "
+                    f"({_difference(trained, recipe)}); --overwrite begins anew"
+                )
             self.log, self.seconds = self.state["log"], self.state["seconds"]
         elif writes:
             self._prepare(overwrite or resume)
@@ -160,6 +163,13 @@ class _Run:
 def _essence(recipe):
     """What must be the same for a training to go on: settings and contents, not where the files lie."""
     return recipe["config"], sorted(recipe["inputs"].values())
+
+
+def _difference(trained, asked):
+    """What is not the same, in words."""
+    then, now = trained["config"], asked["config"]
+    settings = [f"{name} {then.get(name)} there, {now[name]} here" for name in now if then.get(name) != now[name]]
+    return ", ".join(settings) or "other data"
 
 
 def _training(data, config, points, device, process, processes):

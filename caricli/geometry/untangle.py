@@ -5,7 +5,7 @@ import scipy.sparse as sp
 
 from caricli.geometry.flipped_triangles import flipped_triangles
 
-ROUNDS, RINGS = 6, 3
+ROUNDS, RINGS, WIDEST = 6, 3, 4
 
 
 def untangle(vertices, gradients, rounds=ROUNDS, before=None):
@@ -33,7 +33,7 @@ def untangle(vertices, gradients, rounds=ROUNDS, before=None):
     near = np.zeros(count)
     for turn in range(rounds):
         # Where there is a sound shape to go back to, farther and farther around.
-        rings = RINGS if sound is None else RINGS * (1 + turn)
+        rings = RINGS if sound is None else RINGS * min(1 + turn, WIDEST)
         touched = np.zeros(count)
         touched[faces[flipped].ravel()] = 1.0
         for ring in range(rings):

@@ -7,6 +7,8 @@ from caricli.io.files import shown
 from caricli.io.outputs import staged, writing
 
 SCHEMA = "caricli.training/1"
+# What torch.load raises for a file that it cannot make sense of.
+_DAMAGE = OSError, RuntimeError, pickle.UnpicklingError, EOFError, KeyError, TypeError, ValueError, AttributeError
 
 
 def write_state(path, state, recipe):
@@ -35,7 +37,10 @@ def read_state(path, device="cpu"):
         if value["schema"] != SCHEMA:
             raise InputError(f"{shown(path)}: expected a training of schema {SCHEMA!r}, found {value['schema']!r}")
         return value["state"], value["recipe"]
-    except OSError as error:
+    except (FileNotFoundError, IsADirectoryError, PermissionError) as error:
         raise InputError(f"{shown(path)}: cannot be read: {shown(error.strerror or error)}") from error
-    except (RuntimeError, pickle.UnpicklingError, EOFError, KeyError, TypeError, ValueError, AttributeError) as error:
-        raise InputError(f"{shown(path)}: expected the state of a training, found a damaged or other file") from error
+    except _DAMAGE as error:
+        raise InputError(
+            f"{shown(path)}: expected the state of a training, found a damaged or other file; "
+            "--overwrite begins anew"
+        ) from error
