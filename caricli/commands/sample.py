@@ -65,7 +65,8 @@ def command(out_dir, count, spread, seed, model, levels, overwrite):
             drawn = {"flipped_drawn": sample.flipped_drawn, "rejected": sample.rejected}
             rows.append({"face": paths[2 * number].stem} | figures | drawn)
             report(number + 1, count)
-        write_png(files[-2], contact_sheet(pictures))
+        labels = [row["face"] for row in rows[:DRAWN]]
+        write_png(files[-2], contact_sheet(pictures, labels=labels))
         known = {"model_id": shape_model.model_id, "spread": spread, "subdivide": levels, "faces": rows}
         write_json(files[-1], provenance("sample", [], seed, **known))
     flipped, rejected = 100 * np.mean([row["flipped"] for row in rows]), sum(row["rejected"] for row in rows)
