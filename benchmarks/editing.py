@@ -6,13 +6,12 @@ of the head's height. The last line is JSON. The paper (section 5.5) needs about
 """
 
 import json
-import os
 import statistics
 import sys
 import time
-from pathlib import Path
 
 import numpy as np
+from landmarks import ASTRONAUT, landmark_files
 from scipy.spatial import cKDTree
 
 from caricli.commands.loading import DEFAULT_LATENT, load_model
@@ -24,7 +23,6 @@ from caricli.methods.encode_face import encode_face
 from caricli.methods.fit_landmarks import fit_landmarks
 from caricli.methods.handle_points import handle_points
 
-ASTRONAUT = Path(__file__).parents[1] / "examples" / "astronaut"
 REPEATS = 5
 NEIGHBOURHOOD = 0.1  # of the head's height around a part
 EDITS = {
@@ -74,10 +72,8 @@ def edited(faces, model):
 
 def main():
     """Print the table and the JSON line."""
-    folder = Path(sys.argv[1] if len(sys.argv) > 1 else os.environ.get("CARICLI_REAL_DATA") or ASTRONAUT)
-    files = [ASTRONAUT / "landmarks.json"]
-    if folder != ASTRONAUT:
-        files += sorted(p for p in folder.iterdir() if p.suffix in (".json", ".pts", ".txt", ".npy"))
+    # The astronaut always; a dictionary keeps each file once.
+    files = list(dict.fromkeys([ASTRONAUT.resolve() / "landmarks.json", *landmark_files()]))
     kind = sys.argv[2] if len(sys.argv) > 2 else DEFAULT_LATENT
     intrinsic, model = load_model(kind="intrinsic"), load_model(kind=kind)
     faces = [fit_landmarks(read_landmarks(path).points, intrinsic, "intrinsic").vertices for path in files]

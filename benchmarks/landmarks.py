@@ -51,10 +51,15 @@ def curves(marks, kinds):
             }
 
 
+def landmark_files():
+    """The landmark files of the folder that the first argument, or the environment, names; else the astronaut's."""
+    folder = Path(sys.argv[1] if len(sys.argv) > 1 else os.environ.get("CARICLI_REAL_DATA") or ASTRONAUT)
+    return sorted(p for p in folder.resolve().iterdir() if p.suffix in (".json", ".pts", ".txt", ".npy"))
+
+
 def main():
     """Print the table and the JSON line."""
-    folder = Path(sys.argv[1] if len(sys.argv) > 1 else os.environ.get("CARICLI_REAL_DATA") or ASTRONAUT)
-    files = sorted(p for p in folder.iterdir() if p.suffix in (".json", ".pts", ".txt", ".npy"))
+    files = landmark_files()
     rows = list(curves([read_landmarks(path).points for path in files], sys.argv[2:] or KINDS))
     print(f"{len(files)} landmark sets; NME and flipped triangles in percent; prior: rms of the whitened latent")
     print(

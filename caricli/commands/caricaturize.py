@@ -9,6 +9,7 @@ from caricli.commands.options import (
     PATH,
     FiniteRange,
     directions_option,
+    face_files,
     image_option,
     model_option,
     out_folder_option,
@@ -63,7 +64,7 @@ def command(ctx, faces, strength, mode, out, out_dir, marked, image, directions,
       caricli caricaturize landmarks.json --from-landmarks --image photo.jpg --out caricature.obj
     """
     from caricli.commands.batch import named_jobs, run_batch
-    from caricli.commands.edited import SUFFIXES, directions_path, load_directions
+    from caricli.commands.edited import directions_path, load_directions
     from caricli.commands.loading import DEFAULT_LATENT, load_model
     from caricli.commands.pictures import picture_beside
     from caricli.commands.series import write_series_face
@@ -81,7 +82,7 @@ def command(ctx, faces, strength, mode, out, out_dir, marked, image, directions,
 
     def caricaturize(source, target):
         picture = image if out is not None else picture_beside(image, source)
-        files = [target.with_suffix(suffix) for suffix in SUFFIXES]
+        files = face_files(target)
         with staged(*files, overwrite=overwrite, inputs=(*faces, model, path, picture)) as temporary:
             regular, seen, portrait, note = load(source, picture)
             degrees = [caricaturize_face(regular, shape_model, strength * part, mode, known) for part in DRAWN]
@@ -100,11 +101,11 @@ def command(ctx, faces, strength, mode, out, out_dir, marked, image, directions,
 
 def _face_loader(model, anew):
     """A function: path to EncodedFace, Face, no picture, and what is to be said."""
-    from caricli.commands.loading import load_face, load_latent_face
+    from caricli.commands.loading import load_latent_face
 
     def load(path, _):
-        face, note = load_latent_face(path, model, anew)
-        return face, load_face(path, model), None, note
+        face, source, note = load_latent_face(path, model, anew)
+        return face, source, None, note
 
     return load
 

@@ -5,14 +5,13 @@ import time
 import click
 import numpy as np
 
-from caricli.commands.options import PATH, model_option, out_option, overwrite_option, subdivide_option
+from caricli.commands.options import PATH, face_files, model_option, out_option, overwrite_option, subdivide_option
 from caricli.errors import InputError
 from caricli.io.image import write_png
 from caricli.io.outputs import staged
 from caricli.io.provenance import provenance
 from caricli.io.strict_json import read_json, write_json
 
-SUFFIXES = (".obj", ".npz", ".json", ".png")
 SIZE = 320
 
 
@@ -46,7 +45,7 @@ def command(face, handles, file, pins, symmetric, out, norm, avoid, steps, basel
       caricli edit-handle face.npz --handle nose_tip=0,0,5% --out nose.obj
       caricli edit-handle face.npz --handle ear_left=5%,0,0 --symmetric --pin chin --steps 5 --out ears.obj
     """
-    from caricli.commands.loading import DEFAULT_LATENT, load_face, load_latent_face, load_model
+    from caricli.commands.loading import DEFAULT_LATENT, load_latent_face, load_model
     from caricli.commands.series import write_series_face
     from caricli.geometry.self_intersections import self_intersections
     from caricli.methods.edit_handles import HandleSettings, edit_handles
@@ -54,16 +53,16 @@ def command(face, handles, file, pins, symmetric, out, norm, avoid, steps, basel
     from caricli.template.fine_mesh import fine_mesh
 
     shape_model = load_model(model, DEFAULT_LATENT)
-    fine, files = fine_mesh(shape_model.template, levels), [out.with_suffix(suffix) for suffix in SUFFIXES]
+    fine, files = fine_mesh(shape_model.template, levels), face_files(out)
     settings = HandleSettings(norm=1 if norm == "l1" else 2)
     with staged(*files, overwrite=overwrite, inputs=(face, file, model)) as (obj_file, npz_file, json_file, png_file):
         points = handle_points(_asked(handles, file), pins, shape_model.template, symmetric)
-        before, note = load_latent_face(face, shape_model, anew=model is None)
+        before, source, note = load_latent_face(face, shape_model, anew=model is None)
         start = time.perf_counter()
         edit = edit_handles(before, shape_model, *points[:2], settings, avoid)
         seconds = time.perf_counter() - start
         crossing = [len(self_intersections(f.vertices, shape_model.template.faces)) for f in (before, edit.face)]
-        write_series_face((obj_file, npz_file), edit.face, shape_model, fine, load_face(face, shape_model))
+        write_series_face((obj_file, npz_file), edit.face, shape_model, fine, source)
         about = {"model_id": shape_model.model_id, "norm": norm, "subdivide": levels, "seconds": seconds}
         write_json(json_file, provenance("edit-handle", [face, file], **about, **_figures(edit, points, crossing)))
         drawn = [points[0], edit.share * points[1], settings]

@@ -6,6 +6,7 @@ import numpy as np
 from caricli.commands.options import (
     PATH,
     directions_option,
+    face_files,
     model_option,
     out_option,
     overwrite_option,
@@ -43,8 +44,8 @@ def command(face, labels, out, keep, steps, listed, directions, model, levels, o
       caricli edit-semantic face.npz --label BigNose=2 --label Smile=-1 --out edited.obj
       caricli edit-semantic face.npz --label BigNose=3 --keep BigMouth --steps 5 --out strip.obj
     """
-    from caricli.commands.edited import SUFFIXES, directions_path, face_figures, load_directions
-    from caricli.commands.loading import DEFAULT_LATENT, load_face, load_latent_face, load_model
+    from caricli.commands.edited import directions_path, face_figures, load_directions
+    from caricli.commands.loading import DEFAULT_LATENT, load_latent_face, load_model
     from caricli.commands.series import write_series_face
     from caricli.commands.train_semantic import print_table
     from caricli.methods.edit_semantic import edit_semantic
@@ -58,11 +59,11 @@ def command(face, labels, out, keep, steps, listed, directions, model, levels, o
     if face is None or out is None or not labels:
         raise click.UsageError("Give a FACE, at least one --label and --out; or --list.")
     strengths, fine = _strengths(labels), fine_mesh(shape_model.template, levels)
-    files = [out.with_suffix(suffix) for suffix in SUFFIXES]
+    files = face_files(out)
     with staged(*files, overwrite=overwrite, inputs=(face, model, path)) as (obj_file, npz_file, json_file, png_file):
-        before, note = load_latent_face(face, shape_model, anew=model is None)
+        before, source, note = load_latent_face(face, shape_model, anew=model is None)
         after = edit_semantic(before, shape_model, known, strengths, keep)
-        write_series_face((obj_file, npz_file), after, shape_model, fine, load_face(face, shape_model))
+        write_series_face((obj_file, npz_file), after, shape_model, fine, source)
         figures = {name: face_figures(each, shape_model) for name, each in (("before", before), ("after", after))}
         about = {"model_id": shape_model.model_id, "labels": strengths, "keep": keep, "subdivide": levels}
         write_json(json_file, provenance("edit-semantic", [face, path], **about, **figures))

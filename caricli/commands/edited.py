@@ -7,8 +7,6 @@ from caricli.io.bundled import asset_path
 from caricli.io.directions import read_directions
 from caricli.io.files import shown
 
-SUFFIXES = (".obj", ".npz", ".json", ".png")
-
 
 def directions_path(path, model):
     """The file of directions that was given, or the bundled one of the model's kind."""

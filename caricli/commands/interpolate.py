@@ -46,7 +46,7 @@ def command(first, second, steps, out_dir, model, levels, overwrite):
     paths, rows, pictures = series_paths(out_dir, "step", steps, "strip"), [], []
     drawn = set(np.linspace(0, steps - 1, min(DRAWN, steps)).round().astype(int).tolist())
     with staged(*paths, overwrite=overwrite, inputs=[first, second, model]) as files, progress_bar("faces") as report:
-        (start, start_note), (end, end_note) = (
+        (start, _, start_note), (end, _, end_note) = (
             load_latent_face(path, shape_model, anew=model is None) for path in (first, second)
         )
         for number, face in enumerate(interpolate_faces(start, end, shape_model, steps)):

@@ -48,7 +48,7 @@ def load_latent_face(path, model, anew=False):
     """A face for commands that need a latent: its own where the file has one, else it is encoded first.
 
     path: OBJ or NPZ. model: ShapeModel. anew: encode also what has a latent of another bundled model.
-    Returns EncodedFace, and a line that says that it was encoded, or None.
+    Returns EncodedFace, the Face of the file, and a line that says that it was encoded, or None.
     Raises InputError for another topology, and for a latent of another model.
     """
     face, dimension = load_face(path, model), len(model.prior.mean)
@@ -57,7 +57,7 @@ def load_latent_face(path, model, anew=False):
         code = encode_face(face.vertices, model)
         had = f"its latent is of {model_name(face.model_id)}" if foreign else "had no latent"
         error = f"shape error {code.millimetres:.2f} mm ({code.percent:.2f} %)"
-        return code, f"{shown(path)}: {had}; encoded by {model_name(model.model_id)}, {error}"
+        return code, face, f"{shown(path)}: {had}; encoded by {model_name(model.model_id)}, {error}"
     if face.model_id != model.model_id:
         its, ours = (_bundled_kind(i) or "MODEL" for i in (face.model_id, model.model_id))
         names = model_name(face.model_id), model_name(model.model_id)
@@ -67,7 +67,7 @@ def load_latent_face(path, model, anew=False):
         )
     if len(face.latent) != dimension:
         raise InputError(f"{shown(path)}: expected a latent of {dimension} numbers, found {len(face.latent)}")
-    return encode_face(face.vertices, model, face.latent, face.residual), None
+    return encode_face(face.vertices, model, face.latent, face.residual), face, None
 
 
 def model_name(model_id):

@@ -38,6 +38,11 @@ def named(suffix: str) -> Callable:
     return check
 
 
+def face_files(path):
+    """The four files of a face: OBJ, NPZ, JSON and PNG of one stem."""
+    return [path.with_suffix(suffix) for suffix in (".obj", ".npz", ".json", ".png")]
+
+
 overwrite_option = click.option("--overwrite", is_flag=True, help="Replace outputs that exist.")
 
 seed_option = click.option(

@@ -9,6 +9,7 @@ import numpy as np
 from caricli.commands.options import (
     PATH,
     FiniteRange,
+    face_files,
     image_option,
     model_option,
     out_folder_option,
@@ -23,8 +24,6 @@ from caricli.io.obj import write_obj
 from caricli.io.outputs import staged
 from caricli.io.provenance import provenance
 from caricli.io.strict_json import write_json
-
-SUFFIXES = (".obj", ".npz", ".json", ".png")
 
 
 @click.command()
@@ -75,7 +74,7 @@ def command(ctx, landmarks, out, out_dir, image, method, model, prior_weight, pt
 
     def reconstruct(path, target):
         picture = image if out is not None else picture_beside(image, path)
-        paths = [target.with_suffix(suffix) for suffix in SUFFIXES]
+        paths = face_files(target)
         with staged(*paths, overwrite=overwrite, inputs=(*landmarks, model, picture)) as files:
             marks = read_landmarks(path, pts_origin)
             pixels = None if picture is None else read_picture(picture, marks, path)

@@ -1,9 +1,9 @@
 """Repair of triangles that a deformation has turned over."""
 
 import numpy as np
-import scipy.sparse as sp
 
 from caricli.geometry.flipped_triangles import flipped_triangles
+from caricli.geometry.vertex_neighbours import vertex_neighbours
 
 ROUNDS, RINGS, WIDEST = 6, 3, 4
 
@@ -26,10 +26,7 @@ def untangle(vertices, gradients, rounds=ROUNDS, before=None):
     if not best_count:
         return vertices
     faces, count = gradients.faces, gradients.count
-    corners = np.concatenate([faces, np.roll(faces, 1, axis=1)]).ravel()
-    others = np.concatenate([np.roll(faces, 1, axis=1), faces]).ravel()
-    neighbours = (sp.csr_matrix((np.ones(len(corners)), (corners, others)), (count, count)) > 0).astype(float)
-    mean = sp.diags(1 / np.asarray(neighbours.sum(1)).ravel()) @ neighbours
+    neighbours, mean = vertex_neighbours(faces, count)
     near = np.zeros(count)
     for turn in range(rounds):
         # Where there is a sound shape to go back to, farther and farther around.

@@ -6,7 +6,7 @@ import numpy as np
 
 from caricli.errors import InputError, OutputError
 from caricli.io.files import shown
-from caricli.io.npz import read_npz, write_npz
+from caricli.io.npz import read_npz, text_of, write_npz
 from caricli.io.strict_json import format_json, parse_json
 
 SCHEMA = "caricli.directions/1"
@@ -57,7 +57,7 @@ def read_directions(path):
     Raises: InputError when the file is malformed, a shape or the schema differs, a value is not finite or out of range.
     """
     arrays = read_npz(path)
-    if _text(arrays.pop("schema", None)) != SCHEMA:
+    if text_of(arrays.pop("schema", None)) != SCHEMA:
         raise InputError(f"{shown(path)}: expected directions with schema {SCHEMA!r}, found another or none")
     if set(arrays) != set(_STORED):
         odd = min(set(arrays) ^ set(_STORED))
@@ -91,10 +91,6 @@ def write_directions(path, directions):
     if problem:
         raise OutputError(f"{shown(path)}: {problem}")
     write_npz(path, {"schema": np.array(SCHEMA)} | arrays)
-
-
-def _text(array):
-    return array.item() if array is not None and array.dtype.kind == "U" and array.ndim == 0 else None
 
 
 def _problem(values):

@@ -9,7 +9,7 @@ import numpy as np
 from caricli.errors import InputError, OutputError
 from caricli.io.files import shown
 from caricli.io.limits import MAX_COORDINATE, MAX_CORNERS, MAX_POLYGON_CORNERS, MAX_POLYGONS, MAX_VERTICES
-from caricli.io.npz import read_npz, write_npz
+from caricli.io.npz import read_npz, text_of, write_npz
 from caricli.io.obj import padding_is_last, read_obj, repeats
 
 SCHEMA = "caricli.face/1"
@@ -81,9 +81,9 @@ def read_face(path):
         )
     arrays = read_npz(path)
     for key, expected in _TEXTS.items():
-        if _text(arrays.pop(key, None)) != expected:
+        if text_of(arrays.pop(key, None)) != expected:
             raise InputError(f"{shown(path)}: expected a face with {key} {expected!r}, found another or none")
-    topology = _text(arrays.pop("topology_id", None))
+    topology = text_of(arrays.pop("topology_id", None))
     unknown = set(arrays) - set(_STORED)
     if unknown:
         raise InputError(f"{shown(path)}: expected the arrays of a face, found {shown(min(unknown), 60)!r}")
@@ -124,14 +124,10 @@ def _fans(polygons):
     return fans[fans[:, :, 2] >= 0]
 
 
-def _text(array):
-    return str(array.item()) if array is not None and array.dtype.kind == "U" and array.ndim == 0 else None
-
-
 def _value(key, array, path):
     stored = np.dtype(_STORED[key])
     if stored.kind == "U":
-        text = _text(array)
+        text = text_of(array)
         if not text:
             raise InputError(f"{shown(path)}: {key}: expected text, found {array.dtype} {array.shape}")
         return text

@@ -155,3 +155,8 @@ def _check_members(members, path, max_bytes):
         if member.file_size > member.compress_size * _MAX_EXPANSION + 64:
             found = f"only {member.compress_size} packed ones"
             raise InputError(f"{name}: expected {member.file_size} bytes, found {found}")
+
+
+def text_of(array):
+    """The text that an array of no dimensions holds, or None where it is no such array."""
+    return str(array.item()) if array is not None and array.dtype.kind == "U" and array.ndim == 0 else None

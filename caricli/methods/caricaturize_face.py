@@ -7,6 +7,7 @@ import scipy.sparse as sp
 
 from caricli.geometry.similarity import similarity
 from caricli.geometry.untangle import untangle
+from caricli.geometry.vertex_neighbours import vertex_neighbours
 from caricli.methods.edit_semantic import edit_semantic, label_index
 from caricli.methods.encode_face import encode_face
 from caricli.models.intrinsic import feature_weights
@@ -67,11 +68,8 @@ def exaggeration(face, model, directions=None):
 
 def _broad(features, template):
     """Features (V, 9) without their details, fading out towards eyes and mouth."""
-    ends = np.concatenate([template.faces, np.roll(template.faces, 1, axis=1)]).ravel()
-    others = np.concatenate([np.roll(template.faces, 1, axis=1), template.faces]).ravel()
-    count = len(template.vertices)
-    near = (sp.csr_matrix((np.ones(len(ends)), (ends, others)), (count, count)) > 0).astype(float)
-    mean = 0.5 * (sp.identity(count) + sp.diags(1 / np.asarray(near.sum(1)).ravel()) @ near)
+    _, neighbours = vertex_neighbours(template.faces, len(template.vertices))
+    mean = 0.5 * (sp.identity(len(template.vertices)) + neighbours)
     free = 1.0 - template.mask(*HELD)
     for _ in range(EDGE):
         free = mean @ free

@@ -101,6 +101,15 @@ def directions(models, tmp_path_factory):
 
 
 @pytest.fixture(scope="session")
+def smile(head, tmp_path_factory):
+    """An OBJ of a head with an expression, somewhere else than the template."""
+    path = tmp_path_factory.mktemp("smile") / "smile.obj"
+    vertices = head.evaluate(gender=0.3, actions={"mouthSmileLeft": 0.8}) + [0.01, 0.02, 0.03]
+    write_obj(path, ObjMesh(vertices, head.polygons, head.uvs, head.uv_polygons))
+    return path
+
+
+@pytest.fixture(scope="session")
 def egg(head_template):
     """A coarse head: quads around, triangles at the poles, a UV seam at the back; and a way to draw its shapes."""
     columns, rows = 26, 18

@@ -9,15 +9,6 @@ from caricli.io.strict_json import read_json
 pytestmark = pytest.mark.usefixtures("small_pictures")
 
 
-@pytest.fixture(scope="module")
-def smile(head, tmp_path_factory):
-    """An OBJ of a head with an expression, somewhere else than the template."""
-    path = tmp_path_factory.mktemp("smile") / "smile.obj"
-    vertices = head.evaluate(gender=0.3, actions={"mouthSmileLeft": 0.8}) + [0.01, 0.02, 0.03]
-    write_obj(path, ObjMesh(vertices, head.polygons, head.uvs, head.uv_polygons))
-    return path
-
-
 @pytest.fixture
 def foreign(ball, tmp_path):
     path = tmp_path / "ball.obj"
