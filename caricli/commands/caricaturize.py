@@ -69,6 +69,7 @@ def command(ctx, faces, strength, mode, out, out_dir, marked, image, directions,
     from caricli.commands.pictures import picture_beside
     from caricli.commands.series import write_series_face
     from caricli.methods.caricaturize_face import caricaturize_face
+    from caricli.methods.nearest_identity import likeness
     from caricli.template.fine_mesh import fine_mesh
 
     if image and not marked:
@@ -89,7 +90,9 @@ def command(ctx, faces, strength, mode, out, out_dir, marked, image, directions,
             write_series_face(temporary[:2], degrees[-1], shape_model, fine, seen)
             ends = zip(("before", "after"), (regular, degrees[-1]), strict=True)
             figures = {when: _figures(face, shape_model, known) for when, face in ends}
+            match = known and likeness(regular, degrees[-1], shape_model, known.people)
             about = {"model_id": shape_model.model_id, "mode": mode, "strength": strength, "subdivide": levels}
+            about["identity"] = match and asdict(match)
             write_json(temporary[2], provenance("caricaturize", [source, picture, path], **about, **figures))
             write_png(temporary[3], _sheet(degrees, strength, portrait, shape_model, fine))
         if note:

@@ -48,7 +48,8 @@ def command(dataset, out, model, wanted, count, seed, overwrite):
             if name in skipped:
                 raise InputError(f"label {name}: {skipped[name]}")
         recipe = provenance("train semantic", [dataset / "dataset.json"], seed, meshes=directions.count)
-        directions = replace(directions, model_id=shape_model.model_id, recipe=recipe)
+        people = _people(shape_model, data)
+        directions = replace(directions, model_id=shape_model.model_id, recipe=recipe, people=people)
         write_directions(files[0], directions)
         figures = {"labels": figures_of(directions), "skipped": skipped}
         write_json(files[1], recipe | {"model_id": shape_model.model_id} | figures)
@@ -101,6 +102,19 @@ def _learn(model, data, columns, count, seed, where):
     some = latents[np.linspace(0, len(rows) - 1, min(MEASURED, len(rows))).astype(int)]
     spreads = dict(zip(names, measures.std(0), strict=True))
     return measure_directions(directions, some, model, spreads), skipped
+
+
+def _people(model, data):
+    """(I, D) whitened latents of the most regular test mesh of every person."""
+    from caricli.commands.loading import progress_bar
+
+    test = np.flatnonzero(data.rows("test"))
+    test = test[np.argsort(data.level[test], kind="stable")]
+    _, first = np.unique(data.identity[test], return_index=True)
+    if not len(first):
+        return np.zeros((0, len(model.prior.mean)))
+    with progress_bar("people") as report:
+        return _encode(model, data.vertices[test[first]], report)
 
 
 def _encode(model, shapes, report):

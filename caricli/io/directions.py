@@ -22,6 +22,7 @@ _STORED = {
     "change": np.float32,
     "model_id": np.str_,
     "recipe": np.str_,
+    "people": np.float32,
 }
 _UNIT = 1e-3
 
@@ -34,7 +35,8 @@ class Directions:
     the label's measure, in its standard deviations, by the whitened latent, 0 where there is no measure; auc (A,),
     cross-validated; positives (A,) meshes with the label among count; cost (A,), the C of the support vector machines;
     change (A,) of the measure, in its standard deviations, along one standard deviation of the normal, 0 where there is
-    no measure; model_id, text; recipe, dict, as `provenance` makes it.
+    no measure; model_id, text; recipe, dict, as `provenance` makes it; people (I, D), whitened latents of the most
+    regular face of everybody among the test meshes, to tell whether an edited face is still nearest to its own.
     """
 
     names: tuple
@@ -47,6 +49,7 @@ class Directions:
     change: np.ndarray
     model_id: str
     recipe: dict
+    people: np.ndarray
 
 
 def read_directions(path):
@@ -102,10 +105,11 @@ def _problem(values):
         return f"normals: expected (A,D), found {normals.shape}"
     shapes = dict.fromkeys(("names", "auc", "positives", "cost", "change"), normals.shape[:1])
     shapes |= dict.fromkeys(("count", "model_id", "recipe"), ()) | {"gradients": normals.shape}
+    shapes |= {"people": (len(values["people"]) if values["people"].ndim else 0, normals.shape[1])}
     for key, shape in shapes.items():
         if values[key].shape != shape:
             return f"{key}: expected the shape {shape}, found {values[key].shape}"
-    for key in ("normals", "gradients", "auc", "cost", "change"):
+    for key in ("normals", "gradients", "auc", "cost", "change", "people"):
         if not np.isfinite(values[key]).all():
             return f"{key}: expected finite numbers, found others"
     lengths = np.linalg.norm(normals.astype(float), axis=1)

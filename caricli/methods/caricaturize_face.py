@@ -14,7 +14,7 @@ from caricli.models.intrinsic import feature_weights
 
 LABEL = "Caricature"
 OWN = 0.75
-ROUNDS, EDGE = 12, 4
+ROUNDS, EDGE, STEP = 12, 4, 0.25
 HELD = ("eyes_left", "eyes_right", "eye_socket_left", "eye_socket_right", "mouth", "inner_mouth")
 
 
@@ -36,8 +36,9 @@ def caricaturize_face(face, model, strength, mode="direction", directions=None):
     "direction" goes ``strength`` standard deviations from regular faces towards caricatures (deformable paper 5.4), and
     what the latent cannot express stays. "own" enlarges what sets the face apart from the mean head, as caricaturists
     do: to its deformation-gradient features against the template, which the mean head has none of, ``OWN * strength``
-    times the same features, smoothed over ``ROUNDS`` edges, are added. Folds would only fold over, and eyes and mouth
-    keep the expression. Flipped triangles are turned back, and size and place stay.
+    times the same features, smoothed over ``ROUNDS`` edges, are added; folds would only fold over, and eyes and mouth
+    keep the expression. It grows by steps of ``STEP``, each of which is taken back where it turns triangles over, so
+    that more strength never exaggerates less. Size and place stay.
 
     face: EncodedFace of the model. model: ShapeModel. mode: "direction" or "own". directions: Directions of the model
     with the label "Caricature", for "direction".
@@ -48,9 +49,14 @@ def caricaturize_face(face, model, strength, mode="direction", directions=None):
     if not strength:
         return face
     template, gradients = model.template, model.template.gradients
-    features = gradients.features(_aligned(face.vertices, template))
-    grown = gradients.vertices(features + OWN * strength * _broad(features, template))
-    grown = template.cavities.tuck(untangle(grown, gradients))
+    grown = _aligned(face.vertices, template)
+    features = gradients.features(grown)
+    whole = OWN * _broad(features, template)
+    for amount in (*[STEP] * int(strength / STEP), strength % STEP):
+        before, features = grown, features + amount * whole
+        grown = untangle(gradients.vertices(features), gradients, before=before)
+        features = gradients.features(grown)
+    grown = template.cavities.tuck(grown)
     place = template.region("face")
     scale, rotation, translation = similarity(grown[place], face.vertices[place])
     return encode_face(scale * grown @ rotation.T + translation, model)

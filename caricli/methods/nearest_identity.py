@@ -1,5 +1,7 @@
 """Whose face a face is."""
 
+from dataclasses import dataclass
+
 import numpy as np
 
 
@@ -10,3 +12,31 @@ def nearest_identity(latents, neutrals):
     Returns (N,) rows of neutrals.
     """
     return np.linalg.norm(latents[:, None] - neutrals[None], axis=-1).argmin(1)
+
+
+@dataclass(frozen=True)
+class Likeness:
+    """Distances in whitened latents: from an edited face to the one it was made of, and to the nearest other person.
+
+    kept: whether its own is the nearest; people: how many others there are.
+    """
+
+    own: float
+    nearest_other: float
+    kept: bool
+    people: int
+
+
+def likeness(before, after, model, people):
+    """Tell whether a face is still nearest to itself after an edit; both latents are found again from the meshes.
+
+    before, after: EncodedFace of the model. model: ShapeModel. people: (I, D) whitened latents of others.
+    Returns Likeness, or None where there are no others.
+    """
+    if not len(people):
+        return None
+    own, edited = (model.prior.whiten(model.encode(face.vertices)) for face in (before, after))
+    gallery = np.vstack([own, people])
+    distances = np.linalg.norm(edited - gallery, axis=1)
+    kept = bool(nearest_identity(edited[None], gallery)[0] == 0)
+    return Likeness(float(distances[0]), float(distances[1:].min()), kept, len(people))

@@ -22,8 +22,8 @@ def train_semantic(latents, labels, names, groups, measures=None, seed=0, report
 
     latents: (N, D) whitened. labels: (N, A) bool. names: A texts. groups: (N,) identities. measures: (N, A), what the
     labels are thresholds of, or None. seed: of the folds. report: called with the number of finished labels and all.
-    Returns Directions without model and recipe, gradients and change as a ridge regression has them; and a dict from
-    the names that were left out to the reason.
+    Returns Directions without model, recipe and people, gradients and change as a ridge regression has them; and a dict
+    from the names that were left out to the reason.
     Raises InputError when no label is left.
     """
     reasons = {name: _reason(labels[:, k], groups) for k, name in enumerate(names)}
@@ -51,6 +51,7 @@ def train_semantic(latents, labels, names, groups, measures=None, seed=0, report
         change=(gradients * normals).sum(1),
         model_id="",
         recipe={},
+        people=np.zeros((0, latents.shape[1])),
     ), skipped
 
 

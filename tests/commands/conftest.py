@@ -92,9 +92,8 @@ def directions(models, tmp_path_factory):
     folder, paths, five = tmp_path_factory.mktemp("directions"), {}, np.eye(5)[:3]
     for kind, path in models.items():
         known = np.full(3, 0.9), np.array([4, 5, 6]), 12, np.full(3, 0.1), np.array([1.0, 0.5, -0.5])
-        found = Directions(
-            ("BigNose", "Smile", "Caricature"), five, five[[0, 0, 2]], *known, load_model(path).model_id, {}
-        )
+        about = load_model(path).model_id, {}, 3 * np.eye(5)
+        found = Directions(("BigNose", "Smile", "Caricature"), five, five[[0, 0, 2]], *known, *about)
         paths[kind] = folder / f"{kind}.npz"
         write_directions(paths[kind], found)
     return paths

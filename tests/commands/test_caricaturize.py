@@ -40,6 +40,8 @@ def test_along_the_direction_of_caricatures(run, people, known, tmp_path):
     report, face, model = read_json(out.with_suffix(".json")), read_face(out.with_suffix(".npz")), load_model(known[1])
     before, after = (report[when]["exaggeration"]["caricature"] for when in ("before", "after"))
     assert after - before == pytest.approx(2, abs=1e-6)
+    kept = report["identity"]["own"] < report["identity"]["nearest_other"]
+    assert report["identity"]["people"] == 5 and report["identity"]["kept"] == kept
     assert (report["mode"], report["strength"]) == ("direction", 2)
     step = model.prior.whiten(face.latent) - model.prior.whiten(model.encode(read_obj(people[1]).vertices))
     np.testing.assert_allclose(step, [0, 0, 2, 0, 0], atol=1e-4)

@@ -120,7 +120,7 @@ def test_bad_input_is_one_line_and_leaves_nothing(refused, smile, models, direct
     check("other.npz: its latent is of", face=other)
     check("expected directions with schema", options=("--model", models["pca"], "--directions", other))
     short = read_directions(directions["pca"])
-    short = dataclasses.replace(short, normals=np.eye(3), gradients=np.eye(3))
+    short = dataclasses.replace(short, normals=np.eye(3), gradients=np.eye(3), people=np.eye(3))
     write_directions(tmp_path / "short.npz", short)
     check("5 numbers, found 3", options=("--model", models["pca"], "--directions", tmp_path / "short.npz"))
     assert not out.parent.exists()

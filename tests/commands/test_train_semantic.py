@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from caricli.commands.loading import load_model
+from caricli.data.dataset import read_dataset
 from caricli.io.bundled import asset_path
 from caricli.io.directions import read_directions
 from caricli.io.npz import read_npz, write_npz
@@ -38,6 +39,7 @@ def test_a_users_labels_are_learnt(run, labelled, models, tmp_path):
     result = run("train", "semantic", "--data", labelled, "--out", out, "--model", models["pca"])
     assert result.exit_code == 0, result.output
     found, report = read_directions(out), read_json(out.with_suffix(".json"))
+    data = read_dataset(labelled)
     assert found.names == ("nose", "chance") and found.normals.shape == (2, 5)
     assert found.model_id == report["model_id"] and found.recipe["command"] == "train semantic"
     assert list(found.recipe["inputs"]) == [str(labelled / "dataset.json")]
@@ -48,6 +50,8 @@ def test_a_users_labels_are_learnt(run, labelled, models, tmp_path):
     first, nose = result.stdout.splitlines()[:2]
     assert first.split() == ["label", "AUC", "positives", "change"] and nose.split()[0] == "nose"
     assert result.stdout.endswith(f"{out}: 2 labels from {found.count} meshes\n")
+    test = {identity for row, identity in enumerate(data.identity) if data.rows("test")[row]}
+    assert found.people.shape == (len(test), 5) and len(test) > 0
     again = tmp_path / "again.npz"
     assert run("train", "semantic", "--data", labelled, "--out", again, "--model", models["pca"]).exit_code == 0
     assert again.read_bytes() == out.read_bytes()

@@ -21,6 +21,7 @@ def some():
         change=np.array([0.9, -0.1, 0.0]),
         model_id="a" * 64,
         recipe={"command": "train semantic", "inputs": {"dataset/dataset.json": "0" * 64}, "seed": 3},
+        people=np.array([[1.0, 0, 0, 0], [0, 2, 0, -1]]),
     )
 
 
@@ -57,6 +58,7 @@ def test_the_same_directions_give_the_same_bytes(tmp_path):
         ({"normals": np.ones((3, 4), np.int32)}, "normals: expected float32"),
         ({"gradients": np.ones((3, 5), np.float32)}, "gradients"),
         ({"gradients": np.full((3, 4), np.nan, np.float32)}, "gradients: expected finite"),
+        ({"people": np.ones((2, 5), np.float32)}, "people: expected the shape"),
         ({"auc": np.array([0.5, 2, 0.5], np.float32)}, "auc"),
         ({"change": np.array([0.5, np.inf, 0.5], np.float32)}, "change: expected finite"),
         ({"positives": np.array([1, 2, 41], np.int32)}, "positives"),

@@ -17,7 +17,8 @@ def model(request):
 @pytest.fixture
 def directions(model):
     normal, one = np.random.default_rng(0).normal(size=(1, len(model.prior.mean))), np.ones(1)
-    return Directions(("Caricature",), normal / np.linalg.norm(normal), 0 * normal, one, one, 1, one, one, "id", {})
+    normal /= np.linalg.norm(normal)
+    return Directions(("Caricature",), normal, 0 * normal, one, one, 1, one, one, "id", {}, normal[:0])
 
 
 def test_the_direction_is_measured_in_its_own_steps(model, directions, strangers):
@@ -57,7 +58,7 @@ def test_own_changes_eyes_and_mouth_less_than_the_rest(pca, strangers):
 
 def test_directions_without_caricatures_are_refused(pca, strangers):
     normal, one = np.eye(len(pca.prior.mean))[:1], np.ones(1)
-    others = Directions(("Smile",), normal, normal, one, one, 1, one, one, "id", {})
+    others = Directions(("Smile",), normal, normal, one, one, 1, one, one, "id", {}, normal[:0])
     face = encode_face(strangers[0], pca)
     assert exaggeration(face, pca, others).caricature is None
     with pytest.raises(InputError, match="'Caricature': not among the 1 known"):

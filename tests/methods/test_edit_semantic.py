@@ -13,7 +13,7 @@ def directions_of(normals, gradients=None):
     zeros = np.zeros(len(normals))
     names = ("BigNose", "Smile", "Old")[: len(normals)]
     gradients = np.zeros_like(normals) if gradients is None else np.asarray(gradients, float)
-    return Directions(names, normals, gradients, zeros, zeros, 1, zeros, zeros, "id", {})
+    return Directions(names, normals, gradients, zeros, zeros, 1, zeros, zeros, "id", {}, normals[:0])
 
 
 @pytest.fixture(params=["pca", "intrinsic", "kernel"])
