@@ -2,6 +2,8 @@
 PYTHON ?= python3
 VENV ?= .venv
 BIN := $(VENV)/bin
+VALIDATOR := tests/gltf_validator
+VALIDATOR_STAMP := $(VALIDATOR)/node_modules/.package-lock.json
 
 .PHONY: demo test lint docs setup clean
 
@@ -10,7 +12,7 @@ demo: setup examples/astronaut/astronaut.png
 		--image examples/astronaut/astronaut.png --out demo/astronaut.obj --overwrite
 
 # One numerical thread for each of the two test processes.
-test: setup
+test: setup $(VALIDATOR_STAMP)
 	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 --dist loadfile
 
 lint: setup
@@ -31,8 +33,12 @@ $(VENV)/installed: pyproject.toml setup.py constraints.txt
 	$(BIN)/python -m pip install --quiet --no-build-isolation -c constraints.txt -e '.[dev]'
 	touch $@
 
+$(VALIDATOR_STAMP): $(VALIDATOR)/package.json $(VALIDATOR)/package-lock.json
+	@if command -v npm > /dev/null; then (cd $(VALIDATOR) && npm ci --loglevel=error --no-audit --no-fund) && touch $@; \
+	else echo "npm is not installed: the tests do not validate GLB files"; fi
+
 examples/astronaut/astronaut.png: examples/astronaut/fetch_image.py | setup
 	$(BIN)/python $< $@
 
 clean:
-	rm -rf $(VENV) demo build dist *.egg-info examples/astronaut/astronaut.png
+	rm -rf $(VENV) demo build dist *.egg-info examples/astronaut/astronaut.png $(VALIDATOR)/node_modules

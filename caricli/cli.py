@@ -26,6 +26,8 @@ COMMANDS = {
     "edit-handle": ("edit_handle", "Edit", "Points that are pulled, and a face that follows."),
     "edit-semantic": ("edit_semantic", "Edit", "More or less of what labels name, such as BigNose."),
     "caricaturize": ("caricaturize", "Edit", "A regular face made a caricature, by degrees."),
+    "rig": ("rig", "Rig", "A face with the 52 expressions of ARKit, as GLB."),
+    "animate": ("animate", "Rig", "A rig that moves as a face tracker says."),
     "train": (None, "Models", "Train a shape model on a dataset."),
     "train pca": ("train_pca", "Models", "A linear model of vertex positions."),
     "train intrinsic": ("train_intrinsic", "Models", "A model of deformations, which extrapolates without tearing."),

@@ -74,7 +74,7 @@ def read_face(path):
         mesh = read_obj(path)
         return Face(
             mesh.vertices,
-            _fans(mesh.polygons),
+            fans(mesh.polygons),
             polygons=mesh.polygons,
             uvs=mesh.uvs,
             uv_polygons=mesh.uv_polygons,
@@ -92,7 +92,7 @@ def read_face(path):
         if key not in values:
             raise InputError(f"{shown(path)}: expected a face with {key}, found none")
     face = Face(**values)
-    problem = _problem(face)
+    problem = face_problem(face)
     if problem:
         raise InputError(f"{shown(path)}: {problem}")
     if topology != topology_id(face.faces):
@@ -106,7 +106,7 @@ def write_face(path, face):
     Parameters: path; face, Face.
     Raises: OutputError when the face could not be read back or the file cannot be written.
     """
-    problem = _problem(face)
+    problem = face_problem(face)
     if problem:
         raise OutputError(f"{shown(path)}: {problem}")
     arrays = {key: np.array(text) for key, text in _TEXTS.items()}
@@ -118,10 +118,13 @@ def write_face(path, face):
     write_npz(path, arrays)
 
 
-def _fans(polygons):
+def fans(polygons):
+    """Split polygons (P,N), padded with -1, into triangle fans (F,3) around their first corner, in their order."""
     # Faces need triangles already here, and io does not import geometry.
-    fans = np.stack([np.repeat(polygons[:, :1], polygons.shape[1] - 2, 1), polygons[:, 1:-1], polygons[:, 2:]], axis=2)
-    return fans[fans[:, :, 2] >= 0]
+    triangles = np.stack(
+        [np.repeat(polygons[:, :1], polygons.shape[1] - 2, 1), polygons[:, 1:-1], polygons[:, 2:]], axis=2
+    )
+    return triangles[triangles[:, :, 2] >= 0]
 
 
 def _value(key, array, path):
@@ -142,7 +145,7 @@ def _value(key, array, path):
     return float(array) if key == "camera_scale" and array.ndim == 0 else array
 
 
-def _problem(face):
+def face_problem(face):
     """Return what is wrong with a face as "key: expected ..., found ...", or None."""
     vertices, faces = np.asarray(face.vertices), np.asarray(face.faces)
     if vertices.ndim != 2 or vertices.shape[1] != 3 or not 3 <= len(vertices) <= MAX_VERTICES:

@@ -8,6 +8,8 @@ MAX_POLYGONS = 2_000_000
 MAX_CORNERS = 16_000_000
 """Largest number of entries (polygons times the longest polygon) of one padded polygon table."""
 MAX_POLYGON_CORNERS = 64
+MAX_SHAPES = 1024
+"""Largest number of expressions of one rig."""
 MAX_COORDINATE = 1e6
 """Largest magnitude of a coordinate: beyond it single precision no longer holds a face."""
 

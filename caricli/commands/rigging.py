@@ -1,0 +1,89 @@
+"""What rigs are made of and from: templates, target faces, the report on a GLB."""
+
+from collections import Counter
+
+import numpy as np
+
+from caricli.errors import InputError
+from caricli.io.face import read_face, topology_id
+from caricli.io.files import shown
+from caricli.io.gltf import read_gltf
+from caricli.io.mtl import texture_path
+from caricli.io.obj import read_obj
+from caricli.methods.check_rig import check_rig
+from caricli.methods.expression_templates import check_templates, mended_templates
+from caricli.template.head import load_head
+from caricli.template.template import Template
+
+NEUTRAL = "neutral"
+
+
+def load_templates(folder):
+    """ExpressionTemplates, the Annotation of their mesh or None, and the files that they are read from.
+
+    folder: path of one with OBJ files, or None for the open head's own.
+    """
+    if folder is None:
+        head = load_head()
+        template = head.template()
+        return mended_templates(head, template), template.annotation, []
+    if not folder.is_dir():
+        raise InputError(f"{shown(folder)}: expected a folder with {NEUTRAL}.obj and expressions, found none")
+    files = sorted(path for path in folder.iterdir() if path.suffix.lower() == ".obj")
+    by_name, count = {path.stem.lower(): path for path in files}, Counter(path.stem.lower() for path in files)
+    if len(by_name) < len(files):
+        raise InputError(f"{shown(folder)}: expected distinct names, found {count.most_common(1)[0][0]!r} twice")
+    if NEUTRAL not in by_name or len(files) < 2:
+        raise InputError(f"{shown(folder)}: expected {NEUTRAL}.obj and expressions, found {len(files)} other OBJ files")
+    neutral = read_face(by_name[NEUTRAL])
+    others = [path for path in files if path != by_name[NEUTRAL]]
+    shapes = [read_obj(path) for path in others]
+    for path, mesh in zip(others, shapes, strict=True):
+        if mesh.vertices.shape != neutral.vertices.shape or not np.array_equal(mesh.polygons, neutral.polygons):
+            found = f"{len(mesh.vertices)} vertices and {len(mesh.polygons)} polygons"
+            raise InputError(f"{shown(path)}: expected the mesh of {NEUTRAL}.obj, found another ({found})")
+    names, vertices = [path.stem for path in others], np.stack([mesh.vertices for mesh in shapes])
+    try:
+        return check_templates(names, neutral.vertices, neutral.faces, vertices), None, files
+    except InputError as error:
+        raise InputError(f"{shown(by_name[NEUTRAL])}: {error}") from error
+
+
+def load_mesh(path, templates, annotation):
+    """The Template in the shape of a neutral face, OBJ or NPZ, of the topology of ExpressionTemplates."""
+    face = read_face(path)
+    if topology_id(face.faces) != topology_id(templates.faces):
+        expected = f"{len(templates.neutral)} vertices, {len(templates.faces)} triangles"
+        found = f"{len(face.vertices)} vertices, {len(face.faces)}"
+        raise InputError(
+            f"{shown(path)}: expected the topology of the templates ({expected}), found another ({found}); "
+            "give --templates for a mesh of your own"
+        )
+    polygons = face.faces if face.polygons is None else face.polygons
+    return Template(face.vertices, face.faces, polygons, annotation, face.uvs, face.uv_polygons)
+
+
+def skin_picture(face, texture):
+    """The picture on the skin: the one that was given, else what the OBJ names, or the OBJ beside an NPZ; or None."""
+    mesh = face.with_suffix(".obj")
+    return texture_path(mesh) if texture is None and mesh.is_file() else texture
+
+
+def check_report(path):
+    """Lines that say what is in a GLB."""
+    found = check_rig(read_gltf(path))
+    lines = [
+        f"{path}: {found.vertices} vertices, {found.triangles} triangles, {len(found.shapes)} shapes, "
+        f"{found.height:.3f} m high",
+        f"ARKit: {len(found.exact)} of 52 names, {len(found.missing)} missing",
+    ]
+    lines += [] if found.hint is None else [found.hint]
+    lines += [f"{name}: ARKit spells it {arkit}" for name, arkit in found.near.items()]
+    lines += [f"{name}: no ARKit name" for name in found.unknown]
+    lines += [f"missing: {', '.join(found.missing)}"] if found.missing else []
+    width = max(len(shape.name) for shape in found.shapes)
+    lines.append(f"{'shape':{width}}  largest mm   moved  flipped %")
+    for shape in found.shapes:
+        flipped = "     -" if shape.flipped is None else f"{100 * shape.flipped:6.3f}"
+        lines.append(f"{shape.name:{width}}  {1000 * shape.largest:10.2f}  {shape.moved:6}     {flipped}")
+    return "\n".join(lines)

@@ -1,0 +1,71 @@
+"""Vertices that touch each other across a gap: lips at rest, lids that close."""
+
+import igl
+import numpy as np
+from scipy.spatial import cKDTree
+
+from caricli.geometry.vertex_neighbours import vertex_neighbours
+
+FACING = -0.3
+APART = 3.0
+RINGS = 4
+
+
+def touching_pairs(vertices, faces, reach):
+    """Pairs of vertices nearer than ``reach`` that face each other, at least ``RINGS`` edges apart on the surface.
+
+    vertices: (V, 3). faces: (F, 3). reach: in their unit.
+    Returns (P, 2); every vertex with its nearest partner, each pair once.
+    """
+    normals = igl.per_vertex_normals(vertices, faces)
+    pairs = cKDTree(vertices).query_pairs(reach, output_type="ndarray")
+    offsets = vertices[pairs[:, 0]] - vertices[pairs[:, 1]]
+    facing = (normals[pairs[:, 0]] * normals[pairs[:, 1]]).sum(1) < FACING
+    # Back to back, as the two sides of a thin wall, is no contact.
+    facing &= (offsets * normals[pairs[:, 1]]).sum(1) > 0
+    pairs, offsets = pairs[facing], offsets[facing]
+    far = ~_connected(pairs, faces, len(vertices))
+    return _nearest(pairs[far], np.linalg.norm(offsets[far], axis=1))
+
+
+def closing_pairs(before, after, faces, reach):
+    """Pairs of vertices nearer than ``reach`` after, which were farther than that and ``APART`` times as far before.
+
+    before, after: (V, 3). faces: (F, 3). reach: in their unit.
+    Returns (P, 2); every vertex with its nearest partner, each pair once.
+    """
+    pairs = cKDTree(after).query_pairs(reach, output_type="ndarray")
+    now, then = (np.linalg.norm(v[pairs[:, 0]] - v[pairs[:, 1]], axis=1) for v in (after, before))
+    came = closes(then, now, reach)
+    pairs, now = pairs[came], now[came]
+    far = ~_connected(pairs, faces, len(before))
+    return _nearest(pairs[far], now[far])
+
+
+def closes(before, after, reach):
+    """Whether distances come from afar to within reach. before, after: (P,) distances. Returns (P,) bool."""
+    return (after < reach) & (before > reach) & (before > APART * after)
+
+
+def _nearest(pairs, distances):
+    """Of pairs (P, 2), those that are the nearest of either of their vertices."""
+    order = np.argsort(distances, kind="stable")
+    pairs = pairs[order]
+    kept = np.zeros(len(pairs), dtype=bool)
+    for column in (0, 1):
+        kept[np.unique(pairs[:, column], return_index=True)[1]] = True
+    pairs = np.sort(pairs[kept], axis=1)
+    return np.unique(pairs, axis=0)
+
+
+def _connected(pairs, faces, count):
+    """(P,) whether fewer than ``RINGS`` edges lead from one vertex of a pair to the other."""
+    if not len(pairs):
+        return np.zeros(0, dtype=bool)
+    adjacency, _ = vertex_neighbours(faces, count)
+    starts, rows = np.unique(pairs[:, 0], return_inverse=True)
+    ring = near = adjacency[starts]
+    for _ in range(RINGS - 2):
+        ring = ring @ adjacency
+        near = near + ring
+    return np.asarray(near[rows, pairs[:, 1]]).ravel() > 0

@@ -1,0 +1,58 @@
+"""Displacements corrected so that what touches touches, and nothing goes through."""
+
+import numpy as np
+
+SOFTNESS = 1e-4
+ROUNDS = 6
+_SLACK = 1e-5
+
+
+class ContactSolver:
+    """Deformation transfer with conditions on pairs of vertices, on top of its one factorisation.
+
+    Minimises ``|x - x_0|_A^2 + 1/e |n_r . (x_a - x_b) - v_r|^2`` over conditions r, with A the system of the transfer:
+    by Woodbury's identity a dense system as large as the number of conditions. Pairs that close have a condition along
+    each axis; of the others, those that would come nearer than they may, along their normal (an active set).
+    """
+
+    def __init__(self, transfer, pairs):
+        """transfer: DeformationTransfer. pairs: (P, 2) vertex ids, distinct in each row."""
+        self.pairs = pairs
+        right = np.zeros((transfer.count, len(pairs)))
+        rows = np.arange(len(pairs))
+        right[pairs[:, 0], rows], right[pairs[:, 1], rows] = 1.0, -1.0
+        self.responses = np.zeros(right.shape[::-1])
+        self.responses[:, transfer.free] = transfer.solve(right[transfer.free]).T
+        self.compliance = self.responses[:, pairs[:, 0]] - self.responses[:, pairs[:, 1]]
+        self.softness = SOFTNESS * max(float(np.diag(self.compliance).mean()), 1e-300) if len(pairs) else 0.0
+
+    def solve(self, moved, closed, targets, normals, floors):
+        """Displacements nearest to given ones under the conditions.
+
+        moved: (V, 3). closed: (P,) bool. targets: (P, 3), what the pairs that close come to, as the difference of
+        their displacements. normals: (P, 3) unit, from the second to the first. floors: (P,) least difference of
+        displacements along the normal.
+        Returns (V, 3).
+        """
+        gaps = moved[self.pairs[:, 0]] - moved[self.pairs[:, 1]]
+        active = ~closed & ((gaps * normals).sum(1) < floors - _SLACK * np.abs(floors).max(initial=1e-6))
+        if not closed.any() and not active.any():
+            return moved
+        for _ in range(ROUNDS):
+            which = np.concatenate([np.repeat(np.flatnonzero(closed), 3), np.flatnonzero(active)])
+            directions = np.concatenate([np.tile(np.eye(3), (closed.sum(), 1)), normals[active]])
+            values = np.concatenate([targets[closed].ravel(), floors[active]])
+            system = (directions @ directions.T) * self.compliance[np.ix_(which, which)]
+            missing = values - (directions * gaps[which]).sum(1)
+            forces = np.linalg.solve(system + self.softness * np.eye(len(which)), missing)
+            pulls = np.zeros((len(self.pairs), 3))
+            np.add.at(pulls, which, forces[:, None] * directions)
+            found = gaps + self.compliance @ pulls
+            released = np.zeros(len(closed), dtype=bool)
+            released[np.flatnonzero(active)[forces[3 * closed.sum() :] < 0]] = True
+            violated = ~closed & ~active & ((found * normals).sum(1) < floors - 1e-5)
+            if not released.any() and not violated.any():
+                break
+            active = (active & ~released) | violated
+        pulling = np.flatnonzero(pulls.any(axis=1))
+        return moved + self.responses[pulling].T @ pulls[pulling]

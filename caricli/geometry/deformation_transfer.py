@@ -1,0 +1,98 @@
+"""Deformation transfer (Sumner and Popovic 2004): what happened to every triangle, done to another shape."""
+
+import numpy as np
+import scipy.sparse as sp
+from cholespy import CholeskySolverD, MatrixType
+from scipy.sparse.csgraph import connected_components
+
+from caricli.errors import NumericsError
+from caricli.geometry.triangle_normals import triangle_normals
+
+_FLAT = 1e-10
+_HOLD = 1e-8
+
+
+def triangle_maps(before, after, faces):
+    """The linear map of every triangle, its normal scaled with the root of the area (portrait paper, eq. 14 and 15).
+
+    before, after: (V, 3). faces: (F, 3), all with an area in ``before``.
+    Returns (F, 3, 3).
+    """
+    return _frames(after, faces) @ np.linalg.inv(_frames(before, faces))
+
+
+class DeformationTransfer:
+    """Displacements of one shape whose triangles do what others did (portrait paper, eq. 16).
+
+    Minimises ``sum_j A_j |(Q'_j - Q_j) P_j|^2`` over the displacements of the free vertices, with the area A_j of
+    triangle j and the projection P_j onto its plane; held vertices do not move. A fourth vertex for each triangle, as
+    published, could always be placed so that the rest of the residual vanishes, so the minimiser is the same, with a
+    seventh of the unknowns. One factorisation serves all maps and coordinates.
+    """
+
+    def __init__(self, vertices, faces, held):
+        """vertices: (V, 3). faces: (F, 3). held: (V,) bool. Raises NumericsError for triangles without area."""
+        vertices, self.faces, self.count = np.asarray(vertices, dtype=np.float64), np.asarray(faces), len(vertices)
+        normals = triangle_normals(vertices, self.faces)
+        doubles = np.linalg.norm(normals, axis=1)
+        flat = doubles <= _FLAT * doubles.mean()
+        if flat.any():
+            raise NumericsError(f"expected triangles with an area, found {flat.sum()} without")
+        corners = vertices[self.faces]
+        # Gradient of every corner's hat function, times the area: the opposite edge, turned in the plane, halved.
+        opposite = np.roll(corners, -2, axis=1) - np.roll(corners, -1, axis=1)
+        self.slopes = np.cross(normals[:, None] / doubles[:, None, None], opposite) / 2
+        cotangents = 2 * np.einsum("fad,fbd->fab", self.slopes, self.slopes) / doubles[:, None, None]
+        rows, columns = np.repeat(self.faces, 3, axis=1).ravel(), np.tile(self.faces, 3).ravel()
+        laplacian = sp.csr_matrix((cotangents.ravel(), (rows, columns)), shape=(self.count, self.count))
+        held = np.asarray(held, dtype=bool)
+        number, self.parts = connected_components(laplacian, directed=False)
+        # A part with nothing held has no place of its own: a weak hold makes it definite, `displacements` places it.
+        anchored = np.zeros(number, dtype=bool)
+        anchored[self.parts[held]] = True
+        self.loose = np.flatnonzero(~anchored)
+        self.free = np.flatnonzero(~held)
+        weak = _HOLD * laplacian.diagonal().mean() * ~anchored[self.parts]
+        system = (laplacian + sp.diags(weak)).tocsr()[self.free][:, self.free].tocoo()
+        self._solver = CholeskySolverD(
+            len(self.free), system.row.astype(np.int32), system.col.astype(np.int32), system.data, MatrixType.COO
+        )
+        # Upper and lower triangle are summed apart and may differ in the last bit; the solver reads one of them.
+
+    def displacements(self, triangles, maps, shift):
+        """Displacements for the maps of some triangles; all others keep their shape.
+
+        triangles: (m,) numbers. maps: (m, 3, 3). shift: (3,) mean displacement of every part with nothing held.
+        Returns (V, 3).
+        """
+        change = maps - np.eye(3)
+        forces = (change @ np.swapaxes(self.slopes[triangles], 1, 2)).transpose(1, 2, 0).reshape(3, -1)
+        corners = self.faces[triangles].T.ravel()
+        right = np.stack([np.bincount(corners, force, self.count) for force in forces], axis=1)
+        moved = np.zeros((self.count, 3))
+        moved[self.free] = self.solve(right[self.free])
+        for part in self.loose:
+            inside = self.parts == part
+            moved[inside] += shift - moved[inside].mean(0)
+        return moved
+
+    def solve(self, right):
+        """Solve the factored system for every column. right: (free vertices, n). Returns the same shape."""
+        solution = np.empty(right.shape)
+        # A few columns at a time stay in the cache.
+        for start in range(0, right.shape[1], 3):
+            block = np.ascontiguousarray(right[:, start : start + 3])
+            found = np.empty_like(block)
+            self._solver.solve(block, found)
+            solution[:, start : start + 3] = found
+        if not np.isfinite(solution).all():
+            raise NumericsError("deformation transfer has no finite solution: are there degenerate triangles?")
+        return solution
+
+
+def _frames(vertices, faces):
+    """(F, 3, 3) columns: two edges and the scaled normal."""
+    edges = vertices[faces[:, 1:]] - vertices[faces[:, :1]]
+    normals = np.cross(edges[:, 0], edges[:, 1])
+    lengths = np.sqrt(np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), np.finfo(float).tiny))
+    return np.stack([edges[:, 0], edges[:, 1], normals / lengths], axis=2)

@@ -1,0 +1,34 @@
+"""The picture that an OBJ file's material names."""
+
+from pathlib import Path
+
+from caricli.errors import InputError
+from caricli.io.files import read_bytes, shown
+from caricli.io.limits import MAX_CONFIG_BYTES, MAX_FILE_BYTES
+
+_NAMES = (b"/", b"\\", b"..", b"\0", b":")
+
+
+def texture_path(path):
+    """Find the diffuse picture of a mesh: the first `map_Kd` of its first `mtllib`, both in the OBJ's own folder.
+
+    Parameters: path of an OBJ file.
+    Returns: path of the picture, or None where no material or picture is named.
+    Raises: InputError when a file cannot be read, or a name leads out of the folder.
+    """
+    library = _named(read_bytes(path, MAX_FILE_BYTES, "an OBJ file"), b"mtllib", path)
+    if library is None:
+        return None
+    return _named(read_bytes(library, MAX_CONFIG_BYTES, "a material file"), b"map_Kd", library)
+
+
+def _named(data, key, path):
+    """The file beside ``path`` that the first line with a key names, or None."""
+    for line in data.splitlines():
+        words = line.split(maxsplit=1)
+        if len(words) == 2 and words[0] == key:
+            name = words[1].strip()
+            if any(part in name for part in _NAMES):
+                raise InputError(f"{shown(path)}: expected the name of a file beside it, found {shown(name, 80)!r}")
+            return Path(path).parent / name.decode("utf-8", "replace")
+    return None

@@ -1,0 +1,124 @@
+"""Eyeballs for a rig (portrait paper, section 4.3)."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from caricli.geometry.triangulate import triangulate
+from caricli.io.rig import EYES, SKIN
+from caricli.render.paint_eye import paint_eye
+from caricli.render.place_eyeballs import place_eyeballs
+
+RINGS, SECTORS = 14, 24
+CLEARANCE = 1.01
+ANGLES = {"Up": (-22, 0), "Down": (25, 0), "In": (0, 30), "Out": (0, 30)}
+"""How far `eyeLook*` turns an eye, in degrees, about x and about y (towards the nose or away from it)."""
+
+TEXTURE = 512
+_AMOUNTS = (0.25, 0.5, 0.75, 1.0)
+
+
+@dataclass(frozen=True)
+class Eyeball:
+    """side: "left" or "right"; centre (3,) and radius in metres; retreat, how far it was moved in for the lids."""
+
+    side: str
+    centre: np.ndarray
+    radius: float
+    retreat: float
+
+
+def fit_eyeballs(neutral, deltas, template):
+    """Spheres in the eye sockets, so far inside that the lids clear them on the way to every expression.
+
+    neutral: (V, 3). deltas: (K, V, 3). template: Template of the same topology; its annotation knows lids and sockets.
+    Returns a list of Eyeball, without the eyes that the annotation does not know.
+    """
+    annotation, found = template.annotation, []
+    balls = place_eyeballs(neutral, template.faces, annotation.curves, annotation.regions)
+    for side, (centre, radius) in zip(("left", "right"), balls, strict=False):
+        ids = lid_vertices(annotation, side)
+        moving = np.concatenate([neutral[ids][None], *(neutral[ids] + w * deltas[:, ids] for w in _AMOUNTS)])
+        away = moving.reshape(-1, 3) - centre
+        deep = (CLEARANCE * radius) ** 2 - (away[:, :2] ** 2).sum(1)
+        behind = np.where(deep > 0, np.sqrt(np.maximum(deep, 0)) - away[:, 2], 0.0)
+        retreat = max(float(behind.max()), 0.0)
+        found.append(Eyeball(side, centre - [0, 0, retreat], radius, retreat))
+    return found
+
+
+def lid_vertices(annotation, side):
+    """Vertices of the lids of one eye, without the lining of its socket."""
+    ids = np.union1d(annotation.curves[f"eye_upper_{side}"], annotation.curves[f"eye_lower_{side}"])
+    return np.setdiff1d(np.union1d(ids, annotation.regions[f"eyes_{side}"]), annotation.regions[f"eye_socket_{side}"])
+
+
+def add_eyeballs(rig, eyeballs, generator):
+    """The rig with eyeballs as part of its mesh: own polygons, UVs and picture, turned by the `eyeLook*` shapes.
+
+    rig: Rig with polygons. eyeballs: list of Eyeball. generator: numpy Generator for the picture.
+    Returns Rig; the vertices of the face come first.
+    """
+    if not eyeballs:
+        return rig
+    points, quads, uvs = _ball()
+    uv_start = 1 if rig.uvs is None else len(rig.uvs)
+    # Every corner needs a place in a picture once the eyes have one.
+    known = np.zeros((1, 2)) if rig.uvs is None else rig.uvs
+    skin_uvs = np.where(rig.polygons >= 0, 0, -1) if rig.uvs is None else rig.uv_polygons
+    wide = max(rig.polygons.shape[1], quads.shape[1])
+    polygons, uv_polygons = [_widened(rig.polygons, wide)], [_widened(skin_uvs, wide)]
+    neutral, deltas = [rig.neutral], [rig.deltas]
+    for number, ball in enumerate(eyeballs):
+        neutral.append(ball.centre + ball.radius * points)
+        deltas.append(np.stack([ball.radius * (points @ _turn(name, ball.side).T - points) for name in rig.names]))
+        own = _widened(quads, wide)
+        polygons.append(np.where(own >= 0, own + len(rig.neutral) + number * len(points), -1))
+        uv_polygons.append(np.where(own >= 0, own + uv_start, -1))
+    polygons, uv_polygons = (np.concatenate(parts).astype(np.int32) for parts in (polygons, uv_polygons))
+    count = len(polygons) - len(eyeballs) * len(quads)
+    return replace(
+        rig,
+        neutral=np.concatenate(neutral).astype(np.float32),
+        deltas=np.concatenate(deltas, axis=1).astype(np.float32),
+        faces=triangulate(polygons),
+        polygons=polygons,
+        uvs=np.concatenate([known, uvs]),
+        uv_polygons=uv_polygons,
+        materials=np.where(np.arange(len(polygons)) < count, SKIN, EYES).astype(np.int32),
+        eye_texture=paint_eye(TEXTURE, generator),
+    )
+
+
+def _widened(polygons, width):
+    """Rows padded with -1."""
+    return np.pad(polygons, ((0, 0), (0, width - polygons.shape[1])), constant_values=-1)
+
+
+def _turn(name, side):
+    """(3, 3) rotation of an eye in an expression; +x is the subject's left."""
+    direction = name.removeprefix("eyeLook").lower().removesuffix(side)
+    if not name.startswith("eyeLook") or direction.capitalize() not in ANGLES or not name.lower().endswith(side):
+        return np.eye(3)
+    about_x, about_y = ANGLES[direction.capitalize()]
+    inwards = (direction == "in") == (side == "left")
+    return Rotation.from_euler("xy", [about_x, -about_y if inwards else about_y], degrees=True).as_matrix()
+
+
+def _ball():
+    """Points (N, 3) of a unit sphere with a pole to the front, quads (Q, 4) padded with -1, UVs (N, 2)."""
+    polar = np.pi * np.arange(1, RINGS) / RINGS
+    around = 2 * np.pi * np.arange(SECTORS) / SECTORS
+    x, y = np.outer(np.sin(polar), np.cos(around)), np.outer(np.sin(polar), np.sin(around))
+    z = np.repeat(np.cos(polar)[:, None], SECTORS, axis=1)
+    points = np.concatenate([[[0, 0, 1]], np.stack([x, y, z], -1).reshape(-1, 3), [[0, 0, -1]]])
+    reach = np.concatenate([[0], np.repeat(polar, SECTORS), [np.pi]]) / (2 * np.pi)
+    flat = points[:, :2] / np.maximum(np.linalg.norm(points[:, :2], axis=1, keepdims=True), 1e-12)
+    rings = 1 + np.arange((RINGS - 1) * SECTORS).reshape(RINGS - 1, SECTORS)
+    after = np.roll(rings, -1, axis=1)
+    none = np.full(SECTORS, -1)
+    front = np.column_stack([0 * none, rings[0], after[0], none])
+    sides = [np.column_stack([rings[k], rings[k + 1], after[k + 1], after[k]]) for k in range(RINGS - 2)]
+    back = np.column_stack([rings[-1], 0 * none + len(points) - 1, after[-1], none])
+    return points, np.concatenate([front, *sides, back]), 0.5 + reach[:, None] * flat

@@ -1,0 +1,43 @@
+"""The picture on an eyeball."""
+
+import numpy as np
+
+IRIS, PUPIL = 0.078, 0.032
+"""Radii, as shares of the picture's width, which spans the ball from pole to pole."""
+
+_WHITE, _VEINED = (236, 231, 224), (214, 178, 164)
+_RIM, _OUTER, _INNER = (38, 24, 16), (104, 68, 40), (150, 108, 66)
+_EDGE = 0.006
+
+
+def paint_eye(size, generator):
+    """Paint sclera, iris and pupil for UVs that unroll a ball from its front, at the middle.
+
+    size: pixels, width and height. generator: numpy Generator, of the fibres of the iris.
+    Returns (size, size, 3) uint8 sRGB.
+    """
+    y, x = (np.mgrid[:size, :size] + 0.5) / size - 0.5
+    radius, angle = np.hypot(x, y), np.arctan2(y, x)
+    waves = sum(a * np.cos(n * angle + p) for n, a, p in zip(
+        generator.integers(20, 90, 24), generator.uniform(0, 1, 24), generator.uniform(0, 2 * np.pi, 24), strict=True
+    ))  # fmt: skip
+    picture = _mix(np.array(_WHITE, float), np.array(_VEINED, float), _step(radius, 0.11, 0.25))
+    depth = _step(radius, PUPIL, IRIS)[..., None]
+    iris = (1 - depth) * _INNER + depth * _OUTER
+    iris *= 1 + 0.05 * waves[..., None] / np.sqrt(12)
+    iris = _mix(iris, np.array(_RIM, float), _step(radius, 0.78 * IRIS, IRIS))
+    picture = _mix(iris, picture, _step(radius, IRIS - _EDGE / 2, IRIS + _EDGE / 2))
+    picture = _mix(np.full(3, 8.0), picture, _step(radius, PUPIL - _EDGE / 2, PUPIL + _EDGE / 2))
+    # A light that stays, because the engines' own reflections hardly show on small eyes.
+    glint = _step(np.hypot(x + 0.024, y + 0.028), 0.014, 0.007)
+    return np.clip(np.round(_mix(picture, np.full(3, 250.0), 0.9 * glint)), 0, 255).astype(np.uint8)
+
+
+def _step(value, start, end):
+    """0 before the start, 1 after the end, smooth between them."""
+    t = np.clip((value - start) / (end - start), 0, 1)
+    return t * t * (3 - 2 * t)
+
+
+def _mix(first, second, share):
+    return first + share[..., None] * (second - first)

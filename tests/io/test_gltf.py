@@ -1,0 +1,601 @@
+import copy
+import json
+import shutil
+import struct
+import subprocess
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pygltflib
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import caricli
+from caricli.errors import InputError, OutputError
+from caricli.io.face import fans
+from caricli.io.gltf import Animation, read_gltf, shading_normals, write_gltf
+from caricli.io.rig import EYES, Rig, read_rig, write_rig
+from caricli.template.arkit import ARKIT_NAMES
+
+VALIDATOR = Path(caricli.__file__).parents[1] / "tests" / "gltf_validator"
+DTYPES = {5121: "<u1", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
+WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4}
+
+
+def plain(rig):
+    return Rig(rig.names, rig.neutral, rig.deltas, rig.faces)
+
+
+def grid(side, names=("bump",)):
+    """A square of side x side vertices and quads, with a bump."""
+    row, column = (a.ravel() for a in np.mgrid[: side - 1, : side - 1])
+    first = row * side + column
+    polygons = np.stack([first, first + 1, first + side + 1, first + side], axis=1).astype(np.int32)
+    y, x = np.mgrid[:side, :side] / (5 * side)
+    neutral = np.stack([x.ravel(), y.ravel(), np.zeros(side**2)], axis=1).astype(np.float32)
+    deltas = np.zeros((len(names), side**2, 3), np.float32)
+    deltas[0, side + 1] = [0, 0, 0.01]
+    return Rig(names, neutral, deltas, fans(polygons), polygons)
+
+
+def movement(rig, frames=7):
+    generator = np.random.default_rng(5)
+    turns = generator.normal(0, 1, (frames, 4))
+    turns /= np.linalg.norm(turns, axis=1, keepdims=True)
+    return Animation(np.arange(frames) / 30, generator.random((frames, len(rig.names))), turns)
+
+
+@pytest.fixture(scope="module")
+def head_rig(head):
+    """All actions of the open head, with what is noise at rest."""
+    deltas = np.where(np.abs(head.actions).max(2, keepdims=True) > 1e-6, head.actions, 0).astype(np.float32)
+    faces = fans(head.polygons)
+    neutral = head.evaluate().astype(np.float32)
+    return Rig(head.action_names, neutral, deltas, faces, head.polygons, head.uvs, head.uv_polygons)
+
+
+@pytest.fixture(scope="module")
+def subdivided_rig(head_rig):
+    from caricli.geometry.subdivide import subdivide
+
+    weights, polygons = subdivide(head_rig.polygons, len(head_rig.neutral), 1, 10**5)
+    uv_weights, uv_polygons = subdivide(head_rig.uv_polygons, len(head_rig.uvs), 1, 10**5)
+    kept = [head_rig.names.index(name) for name in ("jawOpen", "eyeBlinkLeft", "mouthPucker")]
+    return Rig(
+        tuple(head_rig.names[k] for k in kept),
+        (weights @ head_rig.neutral).astype(np.float32),
+        np.stack([weights @ head_rig.deltas[k] for k in kept]).astype(np.float32),
+        fans(polygons),
+        polygons,
+        uv_weights @ head_rig.uvs,
+        uv_polygons,
+    )
+
+
+def kinds(full, head, subdivided):
+    """Every kind of file that is written: name to rig and options."""
+    turning = movement(full)
+    return {
+        "plain": (plain(full), {}),
+        "plain sparse": (plain(full), {"sparse": True}),
+        "eyes, seams and pictures": (full, {}),
+        "eyes, seams and pictures, sparse": (full, {"sparse": True}),
+        "eyes without pictures": (replace(full, texture=None, eye_texture=None), {}),
+        "a picture without UVs": (replace(full, uvs=None, uv_polygons=None), {}),
+        "only eyes": (replace(full, materials=np.full_like(full.materials, EYES)), {}),
+        "animated": (full, {"animation": turning}),
+        "animated sparse": (full, {"animation": turning, "sparse": True}),
+        "one frame, no rotation": (full, {"animation": Animation([0.0], turning.weights[:1])}),
+        "nothing moves": (replace(full, deltas=0 * full.deltas), {}),
+        "nothing moves, sparse": (replace(full, deltas=0 * full.deltas), {"sparse": True}),
+        "no area": (replace(plain(full), neutral=0 * full.neutral), {}),
+        "loose vertices": (replace(plain(full), faces=full.faces[:-20]), {}),
+        "other names": (replace(plain(full), names=("ü 微笑", 'a"b', "c\\d", "e\nf")), {}),
+        "32-bit indices": (grid(257), {"sparse": True}),
+        "head": (head, {}),
+        "head sparse": (head, {"sparse": True}),
+        "head animated": (head, {"animation": movement(head)}),
+        "subdivided": (subdivided, {}),
+        "subdivided sparse": (subdivided, {"sparse": True}),
+    }
+
+
+def validated(paths):
+    """The issues that Khronos' validator sees in files, (severity, code, pointer) each."""
+    if not shutil.which("node"):
+        pytest.skip("node is not installed")
+    if not (VALIDATOR / "node_modules" / "gltf-validator").is_dir():
+        pytest.skip("npm ci in tests/gltf_validator has not been run")
+    done = subprocess.run(["node", VALIDATOR / "validate.mjs", *paths], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    reports = json.loads(done.stdout)
+    assert len(reports) == len(paths)
+    return [[(m["severity"], m["code"], m["pointer"]) for m in r["issues"]["messages"]] for r in reports]
+
+
+def test_khronos_validator_has_nothing_to_say_of_any_kind(full_rig, head_rig, subdivided_rig, tmp_path):
+    files = {}
+    for number, (kind, (rig, options)) in enumerate(kinds(full_rig, head_rig, subdivided_rig).items()):
+        files[kind] = tmp_path / f"{number}.glb"
+        write_gltf(files[kind], rig, **options)
+    issues = dict(zip(files, validated(files.values()), strict=True))
+    # UVs without a picture are there for the artist who will paint one.
+    unused = {(2, "UNUSED_OBJECT", f"/meshes/0/primitives/{k}/attributes/TEXCOORD_0") for k in range(2)}
+    assert {kind: set(found) - unused for kind, found in issues.items() if set(found) - unused} == {}
+
+
+def test_khronos_validator_sees_faults(full_rig, tmp_path):
+    write_gltf(tmp_path / "a.glb", full_rig)
+    document, binary = taken_apart(tmp_path / "a.glb")
+    document["accessors"][0]["max"][0] += 1
+    document["meshes"][0]["weights"].pop()
+    put_together(tmp_path / "a.glb", document, binary)
+    (issues,) = validated([tmp_path / "a.glb"])
+    assert {"ACCESSOR_MAX_MISMATCH", "MESH_INVALID_WEIGHTS_COUNT"} <= {code for severity, code, _ in issues}
+    assert {severity for severity, _, _ in issues} == {0}
+
+
+def taken_apart(path):
+    """Document and binary chunk of a GLB, as the specification lays them out."""
+    data = path.read_bytes()
+    magic, version, length, text_length, text_kind = struct.unpack_from("<4sIII4s", data)
+    assert (magic, version, length, text_kind) == (b"glTF", 2, len(data), b"JSON")
+    size, kind = struct.unpack_from("<I4s", data, 20 + text_length)
+    assert kind == b"BIN\0" and text_length % 4 == size % 4 == 0 and 28 + text_length + size == length
+    return json.loads(data[20 : 20 + text_length]), data[28 + text_length :]
+
+
+def put_together(path, document, binary):
+    text = json.dumps(document).encode()
+    text += b" " * (-len(text) % 4)
+    binary += bytes(-len(binary) % 4)
+    chunks = struct.pack("<I4s", len(text), b"JSON") + text + struct.pack("<I4s", len(binary), b"BIN\0") + binary
+    path.write_bytes(struct.pack("<4sII", b"glTF", 2, 12 + len(chunks)) + chunks)
+
+
+def values(gltf, index):
+    """An accessor's values by pygltflib's reading of the document."""
+    accessor, blob = gltf.accessors[index], gltf.binary_blob()
+    width = WIDTHS[accessor.type]
+
+    def part(view, offset, dtype, count, width):
+        start = gltf.bufferViews[view].byteOffset + (offset or 0)
+        return np.frombuffer(blob, dtype, count * width, start).reshape(count, width)
+
+    dtype = DTYPES[accessor.componentType]
+    array = np.zeros((accessor.count, width), dtype)
+    if accessor.bufferView is not None:
+        array[:] = part(accessor.bufferView, accessor.byteOffset, dtype, accessor.count, width)
+    if accessor.sparse is not None:
+        places, given = accessor.sparse.indices, accessor.sparse.values
+        where = part(places.bufferView, places.byteOffset, DTYPES[places.componentType], accessor.sparse.count, 1)[:, 0]
+        array[where] = part(given.bufferView, given.byteOffset, dtype, accessor.sparse.count, width)
+    return array
+
+
+def sources(gltf, primitive):
+    return values(gltf, primitive.attributes._SOURCE_VERTEX)[:, 0].astype(int)
+
+
+@pytest.mark.parametrize("sparse", [False, True])
+@pytest.mark.parametrize("name", ["full_rig", "head_rig", "subdivided_rig"])
+def test_pygltflib_reads_what_the_npz_holds(name, sparse, request, tmp_path):
+    write_gltf(tmp_path / "a.glb", request.getfixturevalue(name), sparse=sparse)
+    write_rig(tmp_path / "a.npz", request.getfixturevalue(name))
+    rig, gltf = read_rig(tmp_path / "a.npz"), pygltflib.GLTF2.load(tmp_path / "a.glb")
+    assert (len(gltf.scenes), len(gltf.nodes), len(gltf.meshes), gltf.extensionsUsed) == (1, 1, 1, [])
+    assert gltf.asset.generator == f"caricli {caricli.__version__}"
+    (mesh,) = gltf.meshes
+    assert tuple(mesh.extras["targetNames"]) == rig.names and mesh.weights == [0] * len(rig.names)
+    seen = set()
+    for primitive in mesh.primitives:
+        source = sources(gltf, primitive)
+        seen |= {*source.tolist()}
+        np.testing.assert_allclose(values(gltf, primitive.attributes.POSITION), rig.neutral[source], rtol=0, atol=1e-6)
+        normals = values(gltf, primitive.attributes.NORMAL)
+        np.testing.assert_allclose(np.linalg.norm(normals, axis=1), 1, atol=1e-6)
+        assert len(primitive.targets) == len(rig.names)
+        for target, delta in zip(primitive.targets, rig.deltas, strict=True):
+            np.testing.assert_allclose(values(gltf, target["POSITION"]), delta[source], rtol=0, atol=1e-6)
+            assert values(gltf, target["NORMAL"]).shape == normals.shape
+        for index in (primitive.attributes.POSITION, *(target["POSITION"] for target in primitive.targets)):
+            accessor, array = gltf.accessors[index], values(gltf, index)
+            np.testing.assert_array_equal(np.float32([accessor.min, accessor.max]), [array.min(0), array.max(0)])
+    assert seen == set(range(len(rig.neutral)))
+
+
+def test_the_head_has_all_names_of_arkit(head_rig, tmp_path):
+    write_gltf(tmp_path / "a.glb", head_rig)
+    names = pygltflib.GLTF2.load(tmp_path / "a.glb").meshes[0].extras["targetNames"]
+    assert len(names) == 52 and set(names) == set(ARKIT_NAMES)
+
+
+@pytest.mark.parametrize("sparse", [False, True])
+@pytest.mark.parametrize("name", ["full_rig", "head_rig"])
+def test_what_was_written_comes_back(name, sparse, request, tmp_path):
+    rig = request.getfixturevalue(name)
+    write_gltf(tmp_path / "a.glb", rig, sparse=sparse, animation=movement(rig))
+    back = read_gltf(tmp_path / "a.glb")
+    assert back.names == rig.names
+    np.testing.assert_array_equal(back.neutral, rig.neutral)
+    np.testing.assert_array_equal(back.deltas, rig.deltas)
+    np.testing.assert_array_equal(back.faces, rig.faces)
+    corners = fans(rig.uv_polygons)
+    np.testing.assert_allclose(back.uvs[back.uv_polygons], rig.uvs[corners], rtol=0, atol=1e-6)
+    for key in ("texture", "eye_texture"):
+        np.testing.assert_array_equal(getattr(back, key), getattr(rig, key))
+    if rig.materials is None:
+        assert back.materials is None
+    else:
+        np.testing.assert_array_equal(back.materials, np.repeat(rig.materials, 2))
+
+
+def test_vertices_of_no_triangle_come_back_in_their_place(full_rig, tmp_path):
+    rig = replace(plain(full_rig), faces=full_rig.faces[10:-20])
+    write_gltf(tmp_path / "a.glb", rig)
+    back = read_gltf(tmp_path / "a.glb")
+    assert len(np.unique(rig.faces)) < len(rig.neutral)
+    for key in ("neutral", "deltas", "faces"):
+        np.testing.assert_array_equal(getattr(back, key), getattr(rig, key))
+    assert back.polygons is back.uvs is back.materials is back.texture is None
+
+
+def test_seams_split_vertices_and_show_no_edge(full_rig, tmp_path):
+    write_gltf(tmp_path / "a.glb", full_rig)
+    gltf = pygltflib.GLTF2.load(tmp_path / "a.glb")
+    skin, eyes = gltf.meshes[0].primitives
+    assert [gltf.materials[p.material].name for p in (skin, eyes)] == ["skin", "eyes"]
+    half = len(full_rig.neutral) // 2
+    # Each row of the bands has one vertex at its seam.
+    for primitive, seen in ((skin, range(half)), (eyes, range(half, 2 * half))):
+        source = sources(gltf, primitive)
+        assert set(source) == set(seen) and len(source) == half + half // 8
+        uvs = values(gltf, primitive.attributes.TEXCOORD_0)
+        assert len(np.unique(np.c_[source, uvs], axis=0)) == len(source)
+        shared = [values(gltf, primitive.attributes.NORMAL)] + [values(gltf, t["NORMAL"]) for t in primitive.targets]
+        for array in shared:
+            assert len(np.unique(np.c_[source, array], axis=0)) == half
+    plain_skin = values(gltf, skin.attributes.NORMAL)
+    outwards = values(gltf, skin.attributes.POSITION) * [1, 0, 1]
+    assert ((plain_skin * outwards).sum(1) > 0.9 * np.linalg.norm(outwards, axis=1)).all()
+
+
+def test_v_runs_from_the_top(full_rig, tmp_path):
+    write_gltf(tmp_path / "a.glb", full_rig)
+    gltf = pygltflib.GLTF2.load(tmp_path / "a.glb")
+    skin = gltf.meshes[0].primitives[0]
+    high = values(gltf, skin.attributes.POSITION)[:, 1].argmax()
+    assert values(gltf, skin.attributes.TEXCOORD_0)[high, 1] == pytest.approx(0.25)
+    assert full_rig.uvs[:, 1].max() == pytest.approx(0.75)
+
+
+def test_normals_are_means_by_area_and_change_only_beside_what_moves(full_rig):
+    triangles, neutral = full_rig.faces, full_rig.neutral.astype(float)
+
+    def slow(vertices):
+        total = np.zeros_like(vertices)
+        for a, b, c in triangles:
+            total[[a, b, c]] += np.cross(vertices[b] - vertices[a], vertices[c] - vertices[a])
+        return total / np.linalg.norm(total, axis=1, keepdims=True)
+
+    normals, added = shading_normals(full_rig, triangles)
+    np.testing.assert_allclose(normals, slow(neutral), atol=1e-6)
+    for delta, change in zip(full_rig.deltas, added, strict=True):
+        np.testing.assert_allclose(normals + change, slow(neutral + delta), atol=1e-6)
+        moved = set(np.flatnonzero(delta.any(1)).tolist())
+        beside = {v for triangle in triangles.tolist() if moved & set(triangle) for v in triangle}
+        assert set(np.flatnonzero(change.any(1)).tolist()) <= beside
+    assert added[:2].any((1, 2)).all() and not added[2:].any()
+
+
+def test_vertices_without_area_look_forward(full_rig):
+    flat = replace(plain(full_rig), neutral=0 * full_rig.neutral, deltas=0 * full_rig.deltas)
+    normals, added = shading_normals(flat, flat.faces)
+    np.testing.assert_array_equal(normals, np.tile([0, 0, 1], (len(normals), 1)))
+    assert not added.any()
+
+
+def test_sparse_stores_only_what_moves(full_rig, head_rig, tmp_path):
+    for name, sparse in (("dense", False), ("sparse", True)):
+        write_gltf(tmp_path / f"{name}.glb", head_rig, sparse=sparse)
+    assert (tmp_path / "sparse.glb").stat().st_size < 0.5 * (tmp_path / "dense.glb").stat().st_size
+    write_gltf(tmp_path / "a.glb", full_rig, sparse=True)
+    gltf = pygltflib.GLTF2.load(tmp_path / "a.glb")
+    skin, eyes = gltf.meshes[0].primitives
+    # The lowest row, with the vertex at its seam twice; its ring is two rows.
+    assert gltf.accessors[skin.targets[0]["POSITION"]].sparse.count == 9
+    assert gltf.accessors[skin.targets[0]["NORMAL"]].sparse.count <= 18
+    for target in (eyes.targets[0], skin.targets[2], skin.targets[3]):
+        for index in target.values():
+            assert gltf.accessors[index].sparse is gltf.accessors[index].bufferView is None
+
+
+@pytest.mark.parametrize(("side", "code"), [(255, 5123), (256, 5125)])
+def test_indices_are_as_wide_as_they_must(side, code, tmp_path):
+    write_gltf(tmp_path / "a.glb", grid(side), sparse=True)
+    gltf = pygltflib.GLTF2.load(tmp_path / "a.glb")
+    assert gltf.accessors[gltf.meshes[0].primitives[0].indices].componentType == code
+    np.testing.assert_array_equal(read_gltf(tmp_path / "a.glb").faces, grid(side).faces)
+
+
+def test_an_animation_is_stored_as_it_is(full_rig, tmp_path):
+    moving = movement(full_rig)
+    write_gltf(tmp_path / "a.glb", full_rig, animation=moving)
+    gltf = pygltflib.GLTF2.load(tmp_path / "a.glb")
+    (animation,) = gltf.animations
+    stored = {}
+    for channel in animation.channels:
+        sampler = animation.samplers[channel.sampler]
+        assert channel.target.node == 0 and sampler.interpolation == "LINEAR"
+        times = gltf.accessors[sampler.input]
+        np.testing.assert_array_equal(values(gltf, sampler.input)[:, 0], np.float32(moving.times))
+        np.testing.assert_array_equal(np.float32(times.min + times.max), np.float32(moving.times[[0, -1]]))
+        stored[channel.target.path] = values(gltf, sampler.output)
+    assert set(stored) == {"weights", "rotation"}
+    np.testing.assert_allclose(stored["weights"].reshape(7, -1), moving.weights, atol=1e-6)
+    np.testing.assert_allclose(stored["rotation"], moving.rotations, atol=1e-6)
+
+
+def test_the_same_rig_gives_the_same_bytes(full_rig, tmp_path):
+    for name in ("a", "b"):
+        write_gltf(tmp_path / f"{name}.glb", full_rig, animation=movement(full_rig))
+    assert (tmp_path / "a.glb").read_bytes() == (tmp_path / "b.glb").read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"times": [0.1, 0.1, 0.2]}, "times"),
+        ({"times": [-0.1, 0.1, 0.2]}, "times"),
+        ({"times": [1, 1 + 1e-12, 2]}, "times"),
+        ({"times": [0, np.nan, 1.0]}, "times"),
+        ({"times": []}, "times"),
+        ({"weights": np.zeros((3, 3))}, "weights"),
+        ({"weights": np.full((3, 4), np.nan)}, "weights"),
+        ({"rotations": np.ones((3, 4))}, "rotations"),
+        ({"rotations": np.zeros((2, 4))}, "rotations"),
+        ({"rotations": np.full((3, 4), np.nan)}, "rotations"),
+    ],
+)
+def test_an_animation_that_does_not_fit_is_refused(full_rig, changes, words, tmp_path):
+    good = Animation([0, 0.1, 0.2], np.zeros((3, 4)), np.tile([0, 0, 0, 1.0], (3, 1)))
+    write_gltf(tmp_path / "a.glb", full_rig, animation=good)
+    with pytest.raises(OutputError, match=f"b.glb: {words}: expected"):
+        write_gltf(tmp_path / "b.glb", full_rig, animation=replace(good, **changes))
+    assert not (tmp_path / "b.glb").exists()
+
+
+def test_what_is_no_rig_is_not_written(full_rig, tmp_path):
+    with pytest.raises(OutputError, match="neutral: expected finite"):
+        write_gltf(tmp_path / "a.glb", replace(full_rig, neutral=full_rig.neutral * np.nan))
+    with pytest.raises(OutputError, match="cannot be written"):
+        write_gltf(tmp_path / "none" / "a.glb", full_rig)
+
+
+def foreign():
+    """A file as other programs write them: interleaved, vertices shared by two primitives, no names, a moved node."""
+    generator = np.random.default_rng(8)
+    rows = generator.normal(size=(6, 8)).astype("<f4")
+    fractions = generator.integers(0, 256, (6, 4), np.uint8)
+    moved = generator.normal(size=(6, 3)).astype("<f4")
+    first, second = np.array([[0, 1, 2], [2, 1, 3]], "<u1"), np.array([[3, 4, 5]], "<u4")
+    few, where = generator.normal(size=(2, 3)).astype("<f4"), np.array([1, 4], "<u2")
+    parts, views = b"", []
+    for array, extra in ((rows, {"byteStride": 32}), (fractions, {"byteStride": 4}), (moved, {}), (first, {}),
+                         (second, {}), (few, {}), (where, {})):  # fmt: skip
+        views.append({"buffer": 0, "byteOffset": len(parts), "byteLength": array.nbytes} | extra)
+        parts += array.tobytes() + bytes(-array.nbytes % 4)
+    sparse = {"count": 2, "indices": {"bufferView": 6, "componentType": 5123}, "values": {"bufferView": 5}}
+    vector = {"componentType": 5126, "count": 6, "type": "VEC3"}
+    accessors = [
+        vector | {"bufferView": 0, "byteOffset": 8},
+        {"componentType": 5121, "normalized": True, "count": 6, "type": "VEC2", "bufferView": 1},
+        vector | {"bufferView": 2},
+        vector | {"bufferView": 2, "sparse": sparse},
+        {"componentType": 5121, "count": 6, "type": "SCALAR", "bufferView": 3},
+        {"componentType": 5125, "count": 3, "type": "SCALAR", "bufferView": 4},
+    ]
+    vertices = {
+        "attributes": {"POSITION": 0, "TEXCOORD_0": 1},
+        "targets": [{"POSITION": 2}, {"POSITION": 3}, {"NORMAL": 2}],
+    }
+    document = {
+        "asset": {"version": "2.0"},
+        "nodes": [{"mesh": 1, "scale": [2, 2, 2]}],
+        "meshes": [
+            {"primitives": [{"attributes": {"POSITION": 0}}]},
+            {"primitives": [vertices | {"indices": 4}, vertices | {"indices": 5}]},
+        ],
+        "accessors": accessors,
+        "bufferViews": views,
+        "buffers": [{"byteLength": len(parts)}],
+    }
+    sparsely = moved.copy()
+    sparsely[where] = few
+    faces = np.concatenate([first, second])
+    return document, parts, rows[:, 2:5], [moved, sparsely, 0 * moved], faces, fractions[:, :2] / 255
+
+
+def test_other_programs_files_are_read(tmp_path):
+    document, binary, neutral, deltas, faces, fractions = foreign()
+    put_together(tmp_path / "a.glb", document, binary)
+    rig = read_gltf(tmp_path / "a.glb")
+    assert rig.names == ("target_0", "target_1", "target_2")
+    np.testing.assert_array_equal(rig.neutral, neutral)
+    np.testing.assert_array_equal(rig.deltas, deltas)
+    np.testing.assert_array_equal(rig.faces, faces)
+    uvs = np.stack([fractions[:, 0], 1 - fractions[:, 1]], axis=1)
+    np.testing.assert_allclose(rig.uvs[rig.uv_polygons], uvs[faces], atol=1e-6)
+    assert rig.materials is rig.texture is None
+
+
+def test_primitives_without_indices_take_their_vertices_in_turn(tmp_path):
+    document, binary, neutral, *_ = foreign()
+    for primitive in document["meshes"][1]["primitives"]:
+        primitive.pop("indices")
+    put_together(tmp_path / "a.glb", document, binary)
+    np.testing.assert_array_equal(read_gltf(tmp_path / "a.glb").faces, [[0, 1, 2], [3, 4, 5]] * 2)
+
+
+def deep(depth):
+    return [deep(depth - 1)] if depth else 0
+
+
+@pytest.mark.parametrize(
+    ("place", "value", "words"),
+    [
+        ("extensionsRequired", ["KHR_draco_mesh_compression"], "KHR_draco_mesh_compression"),
+        ("meshes", [], "expected a mesh with morph targets, found none"),
+        ("meshes", {}, "meshes: expected list"),
+        ("meshes/1/primitives/0/mode", 5, "mode: expected triangles"),
+        ("meshes/1/primitives/0/targets", [{"POSITION": 2}], "targets: expected as many in every primitive"),
+        ("meshes/1/primitives/0/targets", [2, 2, 2], "targets: expected objects"),
+        ("meshes/1/primitives/0/attributes", {}, "POSITION: expected the number of"),
+        ("meshes/1/primitives/0/attributes/POSITION", 6, "POSITION: expected the number of one of 6 accessors"),
+        ("meshes/1/primitives/0/attributes/POSITION", -1, "POSITION: expected the number of one of 6 accessors"),
+        ("meshes/1/primitives/0/attributes/POSITION", True, "POSITION: expected the number of one of 6 accessors"),
+        ("meshes/1/primitives/0/attributes/_SOURCE_VERTEX", 1, "accessor: expected the type SCALAR"),
+        ("meshes/1/primitives/0/indices", 2, "accessor: expected the type SCALAR"),
+        ("meshes/1/extras", {"targetNames": ["a", "b"]}, "targetNames: expected 3 names"),
+        ("meshes/1/extras", {"targetNames": ["a", "b", "a"]}, "distinct names"),
+        ("meshes/1/extras", {"targetNames": ["a", "b", 3]}, "targetNames: expected 3 names"),
+        ("accessors/2/count", 7, "POSITION: expected 6 values, found 7"),
+        ("accessors/0/count", 10**9, "count: expected a whole number from 1 to 1000000"),
+        ("accessors/0/count", 2.5, "count: expected a whole number"),
+        ("accessors/0/count", 0, "count: expected a whole number"),
+        ("accessors/0/type", "VEC2", "expected the type VEC3, found VEC2"),
+        ("accessors/0/componentType", 5124, "componentType: expected one of"),
+        ("accessors/0/componentType", 5123, "POSITION: expected floats"),
+        ("accessors/0/componentType", [5126], "componentType: expected a whole number"),
+        ("accessors/0/byteOffset", 40, "bufferView: expected at least 212 bytes, found 192"),
+        ("accessors/0/byteOffset", -4, "byteOffset: expected a whole number"),
+        ("accessors/0/bufferView", 99, "bufferView: expected the number of"),
+        ("accessors/3/sparse/count", 7, "count: expected a whole number from 1 to 6"),
+        ("accessors/3/sparse/indices/componentType", 5126, "bufferView: expected at least 8 bytes"),
+        ("accessors/3/sparse/indices/bufferView", 2, "sparse: expected indices below 6"),
+        ("accessors/3/sparse/values", None, "values: expected dict"),
+        ("accessors/4/count", 5, "indices: expected three whole numbers"),
+        ("accessors/5/bufferView", 2, "indices: expected three whole numbers below 6"),
+        ("bufferViews/0/byteStride", 8, "byteStride: expected a whole number from 12"),
+        ("bufferViews/0/byteLength", 10**6, "byteLength: expected a whole number"),
+        ("bufferViews/0/buffer", 1, "buffer: expected the number of one of 1 buffers"),
+        ("buffers/0/uri", "../secret.bin", "buffers: expected one inside the file"),
+        ("extras", deep(100), "nested at most"),
+    ],
+)
+def test_documents_that_lie_are_refused(place, value, words, tmp_path):
+    document, binary, *_ = foreign()
+    *parents, key = (int(part) if part.isdigit() else part for part in place.split("/"))
+    holder = document
+    for parent in parents:
+        holder = holder[parent]
+    holder[key] = value
+    put_together(tmp_path / "a.glb", document, binary)
+    with pytest.raises(InputError) as refused:
+        read_gltf(tmp_path / "a.glb")
+    assert words in str(refused.value) and "a.glb: " in str(refused.value) and "\n" not in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (lambda d: b"", "empty file"),
+        (lambda d: b"glTF", "truncated"),
+        (lambda d: b"\x80\x04" + d, "found a pickle"),
+        (lambda d: d[:-4], "expected a GLB file of"),
+        (lambda d: d + b"more", "expected a GLB file of"),
+        (lambda d: d[:4] + b"\1" + d[5:], "expected glTF 2, found version 1"),
+        (lambda d: d[:12] + b"\xff\xff\xff\x7f" + d[16:], "expected a chunk of 2147483647 bytes"),
+        (lambda d: d[:16] + b"BIN\0" + d[20:], "JSON first"),
+        (lambda d: d[:20] + b"[" + d[21:], "expected strict JSON"),
+    ],
+)
+def test_what_is_no_glb_is_refused(change, words, tmp_path):
+    document, binary, *_ = foreign()
+    put_together(tmp_path / "a.glb", document, binary)
+    (tmp_path / "b.glb").write_bytes(change((tmp_path / "a.glb").read_bytes()))
+    with pytest.raises(InputError) as refused:
+        read_gltf(tmp_path / "b.glb")
+    assert words in str(refused.value) and "\n" not in str(refused.value)
+
+
+@pytest.mark.parametrize(("count", "targets"), [(10**6, 1000), (3, 1025)])
+def test_a_small_file_cannot_ask_for_much_memory(count, targets, tmp_path):
+    document, binary, *_ = foreign()
+    document["accessors"] = [{"componentType": 5126, "count": count, "type": "VEC3"}]
+    primitive = {"attributes": {"POSITION": 0}, "targets": [{"POSITION": 0}] * targets}
+    document["meshes"] = [{"primitives": [primitive]}]
+    put_together(tmp_path / "a.glb", document, binary)
+    with pytest.raises(InputError, match="at most"):
+        read_gltf(tmp_path / "a.glb")
+
+
+def test_many_primitives_cannot_ask_for_much_memory(tmp_path):
+    document, binary, *_ = foreign()
+    document["accessors"] += [{"componentType": 5125, "count": 3 * 10**6, "type": "SCALAR"}]
+    document["meshes"][1]["primitives"] = [document["meshes"][1]["primitives"][0] | {"indices": 6}] * 1000
+    put_together(tmp_path / "a.glb", document, binary)
+    with pytest.raises(InputError, match="triangles, found more"):
+        read_gltf(tmp_path / "a.glb")
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (lambda s: s + np.float32(0.5), "whole numbers"),
+        (lambda s: s - np.float32(1), "whole numbers"),
+        (lambda s: s * np.float32(np.nan), "whole numbers"),
+        (lambda s: s * np.float32(0), "one place"),
+    ],
+)
+def test_source_vertices_that_lie_are_refused(full_rig, change, words, tmp_path):
+    write_gltf(tmp_path / "a.glb", full_rig)
+    document, binary = taken_apart(tmp_path / "a.glb")
+    accessor = document["accessors"][document["meshes"][0]["primitives"][0]["attributes"]["_SOURCE_VERTEX"]]
+    start = document["bufferViews"][accessor["bufferView"]]["byteOffset"]
+    changed = change(np.frombuffer(binary, "<f4", accessor["count"], start)).tobytes()
+    put_together(tmp_path / "b.glb", document, binary[:start] + changed + binary[start + len(changed) :])
+    with pytest.raises(InputError, match=f"_SOURCE_VERTEX: expected {words}"):
+        read_gltf(tmp_path / "b.glb")
+
+
+def test_a_picture_that_cannot_be_read_is_left_out(full_rig, tmp_path):
+    write_gltf(tmp_path / "a.glb", full_rig)
+    document, binary = taken_apart(tmp_path / "a.glb")
+    at = binary.index(b"\x89PNG")
+    put_together(tmp_path / "b.glb", document, binary[:at] + b"rubbish" + binary[at + 7 :])
+    back = read_gltf(tmp_path / "b.glb")
+    assert back.texture is None
+    np.testing.assert_array_equal(back.eye_texture, full_rig.eye_texture)
+
+
+def leaves(value, path=()):
+    """The places of everything in a document."""
+    items = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
+    for key, inner in items:
+        yield (*path, key)
+        yield from leaves(inner, (*path, key))
+
+
+ODD = (None, True, -1, 0, 1, 5, 7, 255, 2**31, 2**64, 1.5, "", "VEC4", "\n", [], [0], {}, {"count": 1}, [[]], [{}])
+
+
+@settings(max_examples=300, deadline=None)
+@given(data=st.data())
+def test_any_change_of_a_document_is_read_or_refused(tmp_path_factory, data):
+    document, binary, *_ = foreign()
+    document = copy.deepcopy(document)
+    path = tmp_path_factory.getbasetemp() / "changed.glb"
+    for _ in range(data.draw(st.integers(1, 3))):
+        *parents, key = data.draw(st.sampled_from(list(leaves(document))))
+        holder = document
+        for parent in parents:
+            holder = holder[parent]
+        holder[key] = copy.deepcopy(data.draw(st.sampled_from(ODD)))
+    put_together(path, document, binary)
+    try:
+        read_gltf(path)
+    except InputError as error:
+        assert "\n" not in str(error) and str(error).startswith(str(path))

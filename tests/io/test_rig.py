@@ -1,0 +1,120 @@
+import dataclasses
+
+import numpy as np
+import pytest
+
+from caricli.errors import InputError, OutputError
+from caricli.io.npz import read_npz, write_npz
+from caricli.io.rig import Rig, read_rig, write_rig
+
+
+def test_all_fields_come_back_exactly(full_rig, tmp_path):
+    write_rig(tmp_path / "a.npz", full_rig)
+    back = read_rig(tmp_path / "a.npz")
+    for field in dataclasses.fields(Rig):
+        value, expected = getattr(back, field.name), getattr(full_rig, field.name)
+        assert type(value) is type(expected), field.name
+        if isinstance(expected, np.ndarray):
+            assert value.dtype == expected.dtype, field.name
+        np.testing.assert_array_equal(value, expected, field.name)
+    stored = read_npz(tmp_path / "a.npz")
+    texts = [str(stored[key]) for key in ("schema", "units", "axes")]
+    assert texts == ["caricli.rig/1", "m", "+y up, +z front"]
+
+
+def test_what_is_none_is_absent(full_rig, tmp_path):
+    bare = Rig(full_rig.names, full_rig.neutral, full_rig.deltas, full_rig.faces)
+    write_rig(tmp_path / "a.npz", bare)
+    assert set(read_npz(tmp_path / "a.npz")) == {"schema", "units", "axes", "names", "neutral", "deltas", "faces"}
+    back = read_rig(tmp_path / "a.npz")
+    assert [f.name for f in dataclasses.fields(Rig) if getattr(back, f.name) is not None] == [
+        "names",
+        "neutral",
+        "deltas",
+        "faces",
+    ]
+
+
+def test_the_same_rig_gives_the_same_bytes(full_rig, tmp_path):
+    for name in ("a", "b"):
+        write_rig(tmp_path / f"{name}.npz", full_rig)
+    assert (tmp_path / "a.npz").read_bytes() == (tmp_path / "b.npz").read_bytes()
+
+
+def bad(array, value, at=0):
+    array = array.copy()
+    array.flat[at] = value
+    return array
+
+
+CASES = [
+    (lambda r: {"names": r.names[:3]}, "deltas: expected the shape (3, "),
+    (lambda r: {"names": (*r.names[:3], "jawOpen")}, "distinct names"),
+    (lambda r: {"names": (*r.names[:3], "")}, "distinct names"),
+    (lambda r: {"neutral": bad(r.neutral, np.nan)}, "neutral: expected finite"),
+    (lambda r: {"neutral": r.neutral[:, :2]}, "neutral: expected (V,3)"),
+    (lambda r: {"deltas": bad(r.deltas, np.inf)}, "deltas: expected finite"),
+    (lambda r: {"deltas": r.deltas[:, :-1]}, "deltas: expected the shape"),
+    (lambda r: {"faces": bad(r.faces, 10**6)}, "faces: expected indices below"),
+    (lambda r: {"uv_polygons": bad(r.uv_polygons, 10**6)}, "uv_polygons: expected indices below"),
+    (lambda r: {"uvs": None}, "uvs: expected them together"),
+    (lambda r: {"materials": bad(r.materials, 2)}, "materials: expected"),
+    (lambda r: {"materials": r.materials[:-1]}, "materials: expected"),
+    (lambda r: {"texture": r.texture[:, :, 0]}, "texture: expected (H,W,3) uint8"),
+    (lambda r: {"eye_texture": r.eye_texture[:0]}, "eye_texture: expected (H,W,3) uint8"),
+]
+
+
+@pytest.mark.parametrize(("changes", "words"), CASES)
+def test_a_bad_rig_is_neither_written_nor_read(full_rig, changes, words, tmp_path):
+    changed = changes(full_rig)
+    with pytest.raises(OutputError) as refused:
+        write_rig(tmp_path / "a.npz", dataclasses.replace(full_rig, **changed))
+    assert words in str(refused.value) and "\n" not in str(refused.value)
+    assert not (tmp_path / "a.npz").exists()
+    write_rig(tmp_path / "a.npz", full_rig)
+    arrays = read_npz(tmp_path / "a.npz") | changed
+    write_npz(tmp_path / "b.npz", {key: np.asarray(value) for key, value in arrays.items() if value is not None})
+    with pytest.raises(InputError) as refused:
+        read_rig(tmp_path / "b.npz")
+    assert words in str(refused.value) and "\n" not in str(refused.value)
+
+
+def test_a_picture_of_floats_is_not_written(full_rig, tmp_path):
+    with pytest.raises(OutputError, match="texture: expected .* uint8, found .* float64"):
+        write_rig(tmp_path / "a.npz", dataclasses.replace(full_rig, texture=full_rig.texture / 255))
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"schema": np.array("caricli.face/1")}, "schema"),
+        ({"units": None}, "units"),
+        ({"names": None}, "with names, found none"),
+        ({"more": np.zeros(3)}, "'more'"),
+        ({"names": np.array("jawOpen")}, "names: expected"),
+        ({"names": np.arange(4)}, "names: expected"),
+        ({"neutral": np.zeros((96, 3), int)}, "neutral: expected float32"),
+        ({"deltas": np.full((4, 96, 3), 1e300)}, "deltas: expected finite"),
+        ({"faces": np.array([[0, 1, 2**32 + 2]])}, "faces: expected int32"),
+        ({"texture": np.full((2, 2, 3), 300, np.uint16)}, "texture: expected uint8"),
+    ],
+)
+@pytest.mark.filterwarnings("error")
+def test_bad_files_are_refused(full_rig, changes, words, tmp_path):
+    write_rig(tmp_path / "a.npz", full_rig)
+    arrays = read_npz(tmp_path / "a.npz") | changes
+    write_npz(tmp_path / "b.npz", {key: value for key, value in arrays.items() if value is not None})
+    with pytest.raises(InputError) as refused:
+        read_rig(tmp_path / "b.npz")
+    assert words in str(refused.value) and "\n" not in str(refused.value) and "b.npz" in str(refused.value)
+
+
+def test_wider_numbers_that_fit_are_read(full_rig, tmp_path):
+    write_rig(tmp_path / "a.npz", full_rig)
+    arrays = read_npz(tmp_path / "a.npz")
+    arrays |= {"faces": arrays["faces"].astype(np.int64), "deltas": arrays["deltas"].astype(np.float64)}
+    write_npz(tmp_path / "b.npz", arrays)
+    back = read_rig(tmp_path / "b.npz")
+    assert (back.faces.dtype, back.deltas.dtype) == (np.int32, np.float32)
+    np.testing.assert_array_equal(back.deltas, full_rig.deltas)

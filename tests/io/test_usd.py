@@ -1,0 +1,114 @@
+import builtins
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from caricli.errors import OutputError
+from caricli.io.gltf import shading_normals
+from caricli.io.rig import Rig
+from caricli.io.usd import write_usd
+
+Usd = pytest.importorskip("pxr.Usd", reason="usd-core is not installed")
+from pxr import Gf, UsdGeom, UsdSkel, UsdValidation  # noqa: E402
+
+
+@pytest.fixture(params=["usdc", "usda"])
+def written(full_rig, tmp_path, request):
+    path = tmp_path / f"a.{request.param}"
+    write_usd(path, full_rig)
+    return path
+
+
+def mesh_of(stage):
+    return UsdGeom.Mesh(stage.GetPrimAtPath("/head/mesh"))
+
+
+def test_validators_of_usd_find_nothing(written):
+    context = UsdValidation.ValidationContext(UsdValidation.ValidationRegistry().GetOrLoadAllValidators())
+    assert [error.GetErrorAsString() for error in context.Validate(Usd.Stage.Open(str(written)))] == []
+
+
+def test_the_mesh_is_the_rig(full_rig, written):
+    stage = Usd.Stage.Open(str(written))
+    assert (UsdGeom.GetStageMetersPerUnit(stage), UsdGeom.GetStageUpAxis(stage)) == (1, "Y")
+    assert stage.GetDefaultPrim().GetTypeName() == "SkelRoot"
+    mesh = mesh_of(stage)
+    np.testing.assert_array_equal(mesh.GetPointsAttr().Get(), full_rig.neutral)
+    np.testing.assert_array_equal(mesh.GetNormalsAttr().Get(), shading_normals(full_rig, full_rig.faces)[0])
+    np.testing.assert_array_equal(mesh.GetFaceVertexCountsAttr().Get(), np.full(len(full_rig.polygons), 4))
+    np.testing.assert_array_equal(mesh.GetFaceVertexIndicesAttr().Get(), full_rig.polygons.ravel())
+    st = UsdGeom.PrimvarsAPI(mesh).GetPrimvar("st")
+    assert st.GetInterpolation() == "faceVarying"
+    expected = full_rig.uvs[full_rig.uv_polygons.ravel()]
+    np.testing.assert_allclose(st.ComputeFlattened(), expected, atol=1e-6)
+    eyes = UsdGeom.Subset(stage.GetPrimAtPath("/head/mesh/eyes")).GetIndicesAttr().Get()
+    np.testing.assert_array_equal(eyes, np.flatnonzero(full_rig.materials))
+
+
+def test_shapes_store_what_moves(full_rig, written):
+    stage = Usd.Stage.Open(str(written))
+    binding = UsdSkel.BindingAPI(mesh_of(stage))
+    assert tuple(binding.GetBlendShapesAttr().Get()) == full_rig.names
+    targets = binding.GetBlendShapeTargetsRel().GetTargets()
+    assert [target.name for target in targets] == list(full_rig.names)
+    normals = shading_normals(full_rig, full_rig.faces)[1]
+    for target, delta, normal in zip(targets, full_rig.deltas, normals, strict=True):
+        shape = UsdSkel.BlendShape(stage.GetPrimAtPath(target))
+        where = np.array(shape.GetPointIndicesAttr().Get(), int)
+        np.testing.assert_array_equal(where, np.flatnonzero(delta.any(1) | normal.any(1)))
+        np.testing.assert_array_equal(np.reshape(shape.GetOffsetsAttr().Get(), (-1, 3)), delta[where])
+        np.testing.assert_array_equal(np.reshape(shape.GetNormalOffsetsAttr().Get(), (-1, 3)), normal[where])
+
+
+def test_usd_moves_the_mesh_by_the_weights(full_rig, written):
+    stage = Usd.Stage.Open(str(written))
+    weights = np.array([0.5, 0.25, 1.0, 0.0])
+    UsdSkel.Animation(stage.GetPrimAtPath("/head/skeleton/animation")).GetBlendShapeWeightsAttr().Set(weights.tolist())
+    root = UsdSkel.Root(stage.GetPrimAtPath("/head"))
+    assert UsdSkel.BakeSkinning(root, Gf.Interval(0, 0))
+    expected = full_rig.neutral + np.tensordot(weights, full_rig.deltas, 1)
+    np.testing.assert_allclose(mesh_of(stage).GetPointsAttr().Get(0), expected, atol=1e-6)
+
+
+def test_names_that_usd_does_not_take_stay_tokens(full_rig, tmp_path):
+    names = ("a b", "a_b", "2nd", "eyes")
+    write_usd(tmp_path / "a.usdc", replace(full_rig, names=names))
+    stage = Usd.Stage.Open(str(tmp_path / "a.usdc"))
+    binding = UsdSkel.BindingAPI(mesh_of(stage))
+    assert tuple(binding.GetBlendShapesAttr().Get()) == names
+    targets = binding.GetBlendShapeTargetsRel().GetTargets()
+    assert len(set(targets)) == 4
+    assert all(stage.GetPrimAtPath(target).GetTypeName() == "BlendShape" for target in targets)
+    assert stage.GetPrimAtPath("/head/mesh/eyes").GetTypeName() == "GeomSubset"
+
+
+def test_a_bare_rig_of_triangles_is_written_the_same_twice(full_rig, tmp_path):
+    bare = Rig(full_rig.names, full_rig.neutral, full_rig.deltas, full_rig.faces)
+    for name in ("a", "b"):
+        write_usd(tmp_path / f"{name}.usdc", bare)
+    assert (tmp_path / "a.usdc").read_bytes() == (tmp_path / "b.usdc").read_bytes()
+    stage = Usd.Stage.Open(str(tmp_path / "a.usdc"))
+    counts = mesh_of(stage).GetFaceVertexCountsAttr().Get()
+    np.testing.assert_array_equal(counts, np.full(len(bare.faces), 3))
+
+
+def test_what_cannot_be_written_is_refused(full_rig, tmp_path, monkeypatch):
+    with pytest.raises(OutputError, match="expected a name in .usdc or .usda"):
+        write_usd(tmp_path / "a.usdz", full_rig)
+    with pytest.raises(OutputError, match="deltas: expected finite"):
+        write_usd(tmp_path / "a.usdc", replace(full_rig, deltas=full_rig.deltas * np.nan))
+    (tmp_path / "file").touch()
+    with pytest.raises(OutputError, match="cannot be written"):
+        write_usd(tmp_path / "file" / "a.usdc", full_rig)
+    real = builtins.__import__
+
+    def without(name, *args, **kwargs):
+        if name.partition(".")[0] == "pxr":
+            raise ImportError(name)
+        return real(name, *args, **kwargs)
+
+    monkeypatch.setattr(builtins, "__import__", without)
+    with pytest.raises(OutputError, match=r"pip install 'caricli\[usd\]'$"):
+        write_usd(tmp_path / "a.usdc", full_rig)
+    assert [path.name for path in tmp_path.iterdir()] == ["file"]

@@ -1,0 +1,76 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from caricli.errors import InputError
+from caricli.io.rig import EYES, SKIN, Rig
+from caricli.render.draw_rig import draw_rig
+
+
+@pytest.fixture(scope="module")
+def rig(sphere):
+    """A ball of skin with a smaller ball in front of it, an eye, painted red on its left and blue on its right."""
+    vertices, faces = sphere
+    points = np.concatenate([0.1 * vertices, 0.03 * vertices + [0, 0, 0.11]]).astype(np.float32)
+    both = np.concatenate([faces, faces + len(vertices)])
+    uvs = np.stack([0.5 + 0.5 * points[:, 0] / 0.03, 0.5 + 0.5 * points[:, 1] / 0.03], 1)
+    image = np.zeros((16, 16, 3), np.uint8)
+    image[:, :8], image[:, 8:] = (220, 20, 20), (20, 20, 220)
+    materials = np.repeat([SKIN, EYES], len(faces)).astype(np.int32)
+    deltas = np.zeros((1, *points.shape), np.float32)
+    return Rig(("still",), points, deltas, both, both, uvs, both, materials, None, image)
+
+
+def test_eyes_have_their_picture_and_skin_its_own_colour(rig):
+    picture = draw_rig(rig, rig.neutral, "front", 96).astype(int)
+    assert picture.shape == (96, 96, 3) and (picture[0, 0] == 255).all()
+    left, right, skin = picture[48, 42], picture[48, 53], picture[48, 25]
+    assert left[0] > left[2] + 80 and right[2] > right[0] + 80
+    assert skin[0] > skin[1] > skin[2] > 30
+
+
+def test_a_picture_has_its_top_row_at_the_top(rig):
+    image = np.zeros((16, 16, 3), np.uint8)
+    image[:8], image[8:] = (220, 20, 20), (20, 20, 220)
+    picture = draw_rig(replace(rig, eye_texture=image), rig.neutral, "front", 96).astype(int)
+    assert picture[42, 48, 0] > picture[42, 48, 2] + 80 and picture[54, 48, 2] > picture[54, 48, 0] + 80
+
+
+def test_the_camera_does_not_follow_the_frame(rig):
+    moved = rig.neutral + [0.02, 0, 0]
+    before, after = (draw_rig(rig, v, "front", 96).astype(int) for v in (rig.neutral, moved))
+    shift = 0.02 * 0.82 * 96 / np.ptp(rig.neutral[:, :2], axis=0).max()
+    drawn = [(picture < 250).any(2).any(0).nonzero()[0] for picture in (before, after)]
+    assert abs((drawn[1][0] - drawn[0][0]) - shift) <= 1.5
+
+
+def test_views_turn_the_head(rig):
+    profile = draw_rig(rig, rig.neutral, "profile", 96)
+    drawn = (profile < 250).any(2).any(0).nonzero()[0]
+    # The eye sticks out to the left of the picture.
+    assert 48 - drawn[0] > drawn[-1] - 47 - 1 and not np.array_equal(profile, draw_rig(rig, rig.neutral, "front", 96))
+
+
+def test_rigs_without_materials_or_pictures_are_drawn_plainly(rig):
+    for bare in (
+        replace(rig, materials=None, uvs=None, uv_polygons=None, polygons=None, eye_texture=None),
+        replace(rig, uvs=None, uv_polygons=None),
+        replace(rig, eye_texture=None),
+    ):
+        picture = draw_rig(bare, bare.neutral, "front", 64).astype(int)
+        colour = picture[32, 32]
+        assert colour.min() > 60 and (colour[0] >= colour[2]).all()
+
+
+def test_the_rig_and_the_vertices_stay_as_they_are(rig):
+    vertices = rig.neutral.copy()
+    draw_rig(rig, vertices, "front", 32)
+    np.testing.assert_array_equal(vertices, rig.neutral)
+
+
+def test_unknown_views_and_other_meshes_are_refused(rig):
+    with pytest.raises(InputError, match="no view is called 'back'"):
+        draw_rig(rig, rig.neutral, "back", 32)
+    with pytest.raises(InputError, match="needs vertices of shape"):
+        draw_rig(rig, rig.neutral[:-1], "front", 32)
