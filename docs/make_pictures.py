@@ -5,6 +5,7 @@ A section is chosen by a command in its heading, such as `sample`; without any, 
 
 import os
 import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -27,10 +28,21 @@ def draw(folder, chosen):
         for script in re.findall(r"^```sh\n(.*?)^```$", section, re.S | re.M):
             print(script, end="", flush=True)
             subprocess.run(["bash", "-euo", "pipefail", "-c", script], cwd=folder, env=environment, check=True)
-        for target, source in re.findall(r"\]\((\S+)\)<!-- (\S+) -->", section):
-            picture = Image.open(folder / source).convert("RGB")
+        for target, sources in re.findall(r"\]\((\S+)\)<!-- (\S+(?: \S+)*) -->", section):
+            if target.endswith(".gif"):
+                shutil.copyfile(folder / sources, DOCS / target)
+                continue
+            picture = beside([Image.open(folder / source).convert("RGB") for source in sources.split()])
             picture.thumbnail((WIDTH, WIDTH))
             picture.save(DOCS / target, quality=85, optimize=True)
+
+
+def beside(pictures):
+    """Return one picture of pictures of one height, from left to right."""
+    whole = Image.new("RGB", (sum(p.width for p in pictures), pictures[0].height))
+    for k, picture in enumerate(pictures):
+        whole.paste(picture, (sum(p.width for p in pictures[:k]), 0))
+    return whole
 
 
 if __name__ == "__main__":

@@ -12,7 +12,9 @@ from caricli.cli import COMMANDS, cli
 
 ROOT = Path(caricli.__file__).parents[1]
 ASSETS = ROOT / "caricli" / "assets"
-NOT_OURS = re.compile(r"(^|/)(\.git|\.venv.*|__pycache__|\..*_cache|\.hypothesis|.*\.egg-info|build|dist|demo)/")
+NOT_OURS = re.compile(
+    r"(^|/)(\.git|\.venv.*|__pycache__|node_modules|\..*_cache|\.hypothesis|.*\.egg-info|build|dist|demo)/"
+)
 # Places and addresses that exist on one machine only; no file of the project depends on them. Written so that this
 # file does not hold them itself.
 ONE_MACHINE = re.compile(

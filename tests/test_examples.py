@@ -4,12 +4,16 @@ import sys
 from pathlib import Path
 
 import pytest
+from PIL import Image
 
 from caricli.io.checkpoint import read_checkpoint
 from caricli.io.face import read_face
+from caricli.io.gltf import read_gltf
 from caricli.io.image import read_image
 from caricli.io.obj import read_obj
+from caricli.io.rig import read_rig
 from caricli.io.strict_json import read_json
+from caricli.io.weights import read_weights
 
 ROOT = Path(__file__).parents[1]
 
@@ -60,3 +64,16 @@ def test_astronaut(run, tmp_path):
     assert names == ["astronaut.json", "astronaut.npz", "astronaut.obj", "astronaut.png"]
     figures = read_json(tmp_path / "demo" / "astronaut.json")
     assert figures["nme"] < 0.6 and figures["prior_rms"] < 1.0 and figures["flipped"] < 0.003
+
+
+def test_rig(run, tmp_path):
+    run(ROOT / "examples" / "rig" / "run.sh", tmp_path / "out", "2.2", "64")
+    track, rig = read_weights(tmp_path / "out" / "weights.json"), read_rig(tmp_path / "out" / "rig.npz")
+    assert set(track.names) < set(rig.names) and track.weights.shape == (66, len(track.names))
+    weights = dict(zip(track.names, track.weights.T, strict=True))
+    assert weights["eyeBlinkLeft"].max() > 0.95 and (weights["mouthClose"] <= weights["jawOpen"]).all()
+    assert weights["jawOpen"].max() > 0.1 and not track.weights[-1].any()
+    moved, animation = read_gltf(tmp_path / "out" / "talk.glb"), read_json(tmp_path / "out" / "talk.json")
+    assert moved.names == rig.names and animation["frames"] == 66 and animation["unmatched"] == []
+    with Image.open(tmp_path / "out" / "preview.gif") as preview:
+        assert preview.size == (64, 64) and preview.n_frames > 20

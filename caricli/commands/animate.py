@@ -45,11 +45,14 @@ REPORT = "animation.json"
 @click.option("--no-head", is_flag=True, help="Leave out the turning of the head.")
 @overwrite_option
 def command(rig, weights, out, frames, kind, video, fps, source_fps, smooth, scales, view, size, no_head, overwrite):
-    """Move a RIG (NPZ or GLB) by WEIGHTS: Live Link Face CSV, MediaPipe JSON, caricli's JSON, or NPZ.
+    """Move a RIG (NPZ or GLB) by WEIGHTS: Live Link Face CSV, MediaPipe JSON, NPZ, or a JSON such as
 
-    Names are bound by name; those without a counterpart are listed. Weights are cut to 0 to 1, then scaled. The head
-    turns about the origin of the face frame: positive yaw to its own left, pitch down, roll to its right shoulder. A
-    JSON beside the GLB, or the video, says what was done; among the frames it is animation.json.
+    {"schema": "caricli.weights/1", "fps": 30, "names": ["jawOpen"], "weights": [[0.0], [0.5]]}.
+
+    Names are bound by name; those that the rig lacks are listed. Weights are cut to 0 to 1, then scaled. The head turns
+    about the origin of the face frame: positive yaw to its own left, pitch down, roll to its right shoulder. A JSON
+    beside the GLB (GLB's name), or the video (its name and .json), says what was done; among the frames it is
+    animation.json.
 
     \b
     Example:
@@ -62,7 +65,9 @@ def command(rig, weights, out, frames, kind, video, fps, source_fps, smooth, sca
     if out is None and frames is None and video is None:
         raise click.UsageError("Give at least one of --out, --frames and --video.")
     first = out or video
-    files = [path for path in (out, video, first and first.with_suffix(".json")) if path is not None]
+    # A video often lies beside a rig of its name, whose JSON is another.
+    report_file = out.with_suffix(".json") if out else video and video.with_name(f"{video.name}.json")
+    files = [path for path in (out, video, report_file) if path is not None]
     given = {"overwrite": overwrite, "inputs": (rig, weights)}
     with ExitStack() as stack:
         temporary = dict(zip(files, stack.enter_context(staged(*files, **given)), strict=True)) if files else {}
@@ -74,14 +79,12 @@ def command(rig, weights, out, frames, kind, video, fps, source_fps, smooth, sca
             write_video(temporary[video], _pictures(motion, view, size), motion.fps)
         if folder is not None:
             _write_frames(folder, motion, kind, view, size)
-        for path in (folder and folder / REPORT, first and temporary[first.with_suffix(".json")]):
+        for path in (folder and folder / REPORT, report_file and temporary[report_file]):
             if path is not None:
                 write_json(path, report)
-    lists = {"the rig lacks": report["unmatched"], "nothing drives": report["undriven"]}
-    said = "; ".join(f"{what} {', '.join(names)}" for what, names in lists.items() if names)
-    if said:
-        click.echo(f"{shown(weights)}: {shown(said)}", err=True)
-    matched = f"{len(report['ranges'])} of {len(motion.rig.names)} expressions"
+    if report["unmatched"]:
+        click.echo(f"{shown(weights)}: the rig lacks {shown(', '.join(report['unmatched']), 400)}", err=True)
+    matched = f"{len(report['ranges'])} of {len(motion.rig.names)} expressions driven"
     click.echo(f"{shown(first or frames)}: {len(motion.times)} frames at {motion.fps:.4g} a second, {matched}")
 
 
@@ -167,9 +170,10 @@ def _frames(motion, description):
 
 
 def _pictures(motion, view, size):
-    from caricli.render.draw_rig import draw_rig
+    from caricli.render.draw_rig import draw_rig, neutral_sky
 
-    return (draw_rig(motion.rig, vertices, view, size) for vertices in _frames(motion, "pictures"))
+    sky = neutral_sky(motion.rig)
+    return (draw_rig(motion.rig, vertices, view, size, sky) for vertices in _frames(motion, "pictures"))
 
 
 def _write_frames(folder, motion, kind, view, size):

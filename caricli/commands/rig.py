@@ -3,14 +3,17 @@
 import click
 import numpy as np
 
-from caricli.commands.options import PATH, out_option, overwrite_option, seed_option, subdivide_option
+from caricli.commands.options import PATH, out_option, overwrite_option, seed_option
+from caricli.errors import NumericsError
 from caricli.io.bundled import asset_path
+from caricli.io.files import shown
 from caricli.io.image import read_image, write_png
 from caricli.io.outputs import staged
 from caricli.io.provenance import provenance
 from caricli.io.strict_json import read_json, write_json
 
 SIZE, COLUMNS = 224, 9
+APART = 0.12
 
 
 @click.command()
@@ -22,7 +25,8 @@ SIZE, COLUMNS = 224, 9
 @click.option("--sparse", is_flag=True, help="Store only what moves: a smaller GLB, which fewer programs read.")
 @click.option("--usd", is_flag=True, help="Write RIG.usdc too, with UsdSkel blend shapes; needs caricli[usd].")
 @click.option("--check", type=PATH, metavar="RIG.glb", help="Say what is in a GLB, anybody's, and stop.")
-@subdivide_option
+@click.option("--subdivide", "levels", type=click.IntRange(0, 4), default=0, metavar="N",
+              help="Split the polygons of the face N times, in every file.")  # fmt: skip
 @seed_option
 @overwrite_option
 def command(face, out, templates, eyeballs, texture, sparse, usd, check, levels, seed, overwrite):
@@ -44,16 +48,19 @@ def command(face, out, templates, eyeballs, texture, sparse, usd, check, levels,
     from caricli.io.rig import write_rig
     from caricli.methods.build_rig import build_rig
 
-    if check is not None:
+    if check is not None and face is out is None:
         return click.echo(check_report(check))
-    if face is None or out is None:
+    if check is not None or face is None or out is None:
         raise click.UsageError("Give a FACE and --out; or --check.")
     known, annotation, used = load_templates(templates)
     mesh, picture = load_mesh(face, known, annotation), skin_picture(face, texture)
     files = [out, *(out.with_suffix(suffix) for suffix in (".npz", ".json", ".png", *([".usdc"] if usd else [])))]
     with staged(*files, overwrite=overwrite, inputs=(face, picture, *used)) as (glb, npz, report, sheet, *more):
         image = None if picture is None else read_image(picture)
-        rig, measures, balls = build_rig(mesh, known, np.random.default_rng(seed), levels, eyeballs, image)
+        try:
+            rig, measures, balls = build_rig(mesh, known, np.random.default_rng(seed), levels, eyeballs, image)
+        except NumericsError as error:
+            raise NumericsError(f"{shown(face)}: {error}") from error
         write_gltf(glb, rig, sparse)
         write_rig(npz, rig)
         if usd:
@@ -65,6 +72,8 @@ def command(face, out, templates, eyeballs, texture, sparse, usd, check, levels,
         write_json(report, provenance("rig", [face, picture, *used], seed, **about, **figures))
         with progress_bar("drawing") as progress:
             write_png(sheet, _sheet(rig, progress))
+    if measures.lips_open is not None and measures.lips_open > APART:
+        click.echo(f"{face}: its lips are apart, and stay so where no expression closes them", err=True)
     click.echo(f"{out}: {_said(rig, measures)}")
 
 
@@ -100,11 +109,12 @@ def _sheet(rig, progress):
     """The neutral face and every expression from the front."""
     from caricli.methods.expression_templates import STARTS
     from caricli.render.contact_sheet import contact_sheet
-    from caricli.render.draw_rig import draw_rig
+    from caricli.render.draw_rig import draw_rig, neutral_sky
 
-    drawn = [draw_rig(rig, rig.neutral, "front", SIZE)]
+    sky = neutral_sky(rig)
+    drawn = [draw_rig(rig, rig.neutral, "front", SIZE, sky)]
     for k, name in enumerate(rig.names):
         start = rig.deltas[rig.names.index(STARTS[name])] if STARTS.get(name) in rig.names else 0.0
-        drawn.append(draw_rig(rig, rig.neutral + start + rig.deltas[k], "front", SIZE))
+        drawn.append(draw_rig(rig, rig.neutral + start + rig.deltas[k], "front", SIZE, sky))
         progress(k + 1, len(rig.names))
     return contact_sheet(drawn, min(COLUMNS, len(drawn)), ["neutral", *rig.names])

@@ -65,7 +65,7 @@ def load_mesh(path, templates, annotation):
 
 def skin_picture(face, texture):
     """The picture on the skin: the one that was given, else what the OBJ names, or the OBJ beside an NPZ; or None."""
-    mesh = face.with_suffix(".obj")
+    mesh = face if face.suffix.lower() == ".obj" else face.with_suffix(".obj")
     return texture_path(mesh) if texture is None and mesh.is_file() else texture
 
 

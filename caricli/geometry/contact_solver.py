@@ -2,9 +2,9 @@
 
 import numpy as np
 
-SOFTNESS = 1e-4
+SOFTNESS = 1e-3
 ROUNDS = 6
-_SLACK = 1e-5
+_SLACK = 1e-4
 
 
 class ContactSolver:
@@ -26,16 +26,17 @@ class ContactSolver:
         self.compliance = self.responses[:, pairs[:, 0]] - self.responses[:, pairs[:, 1]]
         self.softness = SOFTNESS * max(float(np.diag(self.compliance).mean()), 1e-300) if len(pairs) else 0.0
 
-    def solve(self, moved, closed, targets, normals, floors):
+    def solve(self, moved, closed, targets, normals, floors, share=1.0):
         """Displacements nearest to given ones under the conditions.
 
         moved: (V, 3). closed: (P,) bool. targets: (P, 3), what the pairs that close come to, as the difference of
         their displacements. normals: (P, 3) unit, from the second to the first. floors: (P,) least difference of
-        displacements along the normal.
+        displacements along the normal. share: how much of the correction every vertex takes, (V,) or a number.
         Returns (V, 3).
         """
         gaps = moved[self.pairs[:, 0]] - moved[self.pairs[:, 1]]
-        active = ~closed & ((gaps * normals).sum(1) < floors - _SLACK * np.abs(floors).max(initial=1e-6))
+        slack = _SLACK * np.abs(gaps).max(initial=0.0)
+        active = ~closed & ((gaps * normals).sum(1) < floors - slack)
         if not closed.any() and not active.any():
             return moved
         for _ in range(ROUNDS):
@@ -50,9 +51,12 @@ class ContactSolver:
             found = gaps + self.compliance @ pulls
             released = np.zeros(len(closed), dtype=bool)
             released[np.flatnonzero(active)[forces[3 * closed.sum() :] < 0]] = True
-            violated = ~closed & ~active & ((found * normals).sum(1) < floors - 1e-5)
+            violated = ~closed & ~active & ((found * normals).sum(1) < floors - slack)
             if not released.any() and not violated.any():
                 break
             active = (active & ~released) | violated
-        pulling = np.flatnonzero(pulls.any(axis=1))
-        return moved + self.responses[pulling].T @ pulls[pulling]
+        pulling, corrected = np.flatnonzero(pulls.any(axis=1)), np.array(moved)
+        takes = np.flatnonzero(np.broadcast_to(share, len(moved)))
+        answer = self.responses[np.ix_(pulling, takes)].T @ pulls[pulling]
+        corrected[takes] += np.broadcast_to(share, len(moved))[takes, None] * answer
+        return corrected

@@ -27,7 +27,8 @@ def _named(data, key, path):
     for line in data.splitlines():
         words = line.split(maxsplit=1)
         if len(words) == 2 and words[0] == key:
-            name = words[1].strip()
+            # Options such as -s 1 1 1 stand before the name.
+            name = words[1].split()[-1] if words[1].startswith(b"-") else words[1].strip()
             if any(part in name for part in _NAMES):
                 raise InputError(f"{shown(path)}: expected the name of a file beside it, found {shown(name, 80)!r}")
             return Path(path).parent / name.decode("utf-8", "replace")

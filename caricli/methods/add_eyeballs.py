@@ -62,7 +62,7 @@ def add_eyeballs(rig, eyeballs, generator):
     """
     if not eyeballs:
         return rig
-    points, quads, uvs = _ball()
+    points, quads, uvs, uv_quads = _ball()
     uv_start = 1 if rig.uvs is None else len(rig.uvs)
     # Every corner needs a place in a picture once the eyes have one.
     known = np.zeros((1, 2)) if rig.uvs is None else rig.uvs
@@ -73,9 +73,9 @@ def add_eyeballs(rig, eyeballs, generator):
     for number, ball in enumerate(eyeballs):
         neutral.append(ball.centre + ball.radius * points)
         deltas.append(np.stack([ball.radius * (points @ _turn(name, ball.side).T - points) for name in rig.names]))
-        own = _widened(quads, wide)
+        own, own_uvs = _widened(quads, wide), _widened(uv_quads, wide)
         polygons.append(np.where(own >= 0, own + len(rig.neutral) + number * len(points), -1))
-        uv_polygons.append(np.where(own >= 0, own + uv_start, -1))
+        uv_polygons.append(np.where(own >= 0, own_uvs + uv_start, -1))
     polygons, uv_polygons = (np.concatenate(parts).astype(np.int32) for parts in (polygons, uv_polygons))
     count = len(polygons) - len(eyeballs) * len(quads)
     return replace(
@@ -107,18 +107,23 @@ def _turn(name, side):
 
 
 def _ball():
-    """Points (N, 3) of a unit sphere with a pole to the front, quads (Q, 4) padded with -1, UVs (N, 2)."""
+    """Points (N, 3) of a unit sphere with a pole to the front, quads (Q, 4) padded with -1, UVs (T, 2) and theirs."""
     polar = np.pi * np.arange(1, RINGS) / RINGS
     around = 2 * np.pi * np.arange(SECTORS) / SECTORS
     x, y = np.outer(np.sin(polar), np.cos(around)), np.outer(np.sin(polar), np.sin(around))
     z = np.repeat(np.cos(polar)[:, None], SECTORS, axis=1)
     points = np.concatenate([[[0, 0, 1]], np.stack([x, y, z], -1).reshape(-1, 3), [[0, 0, -1]]])
-    reach = np.concatenate([[0], np.repeat(polar, SECTORS), [np.pi]]) / (2 * np.pi)
-    flat = points[:, :2] / np.maximum(np.linalg.norm(points[:, :2], axis=1, keepdims=True), 1e-12)
+    # The back is the whole rim of the picture: a place for each of its triangles.
+    angles = np.concatenate([np.tile(around, RINGS - 1), around + np.pi / SECTORS])
+    reach = np.repeat(np.concatenate([polar, [np.pi]]) / (2 * np.pi), SECTORS)
+    uvs = 0.5 + np.concatenate([[[0, 0]], np.stack([reach * np.cos(angles), reach * np.sin(angles)], -1)])
     rings = 1 + np.arange((RINGS - 1) * SECTORS).reshape(RINGS - 1, SECTORS)
     after = np.roll(rings, -1, axis=1)
     none = np.full(SECTORS, -1)
     front = np.column_stack([0 * none, rings[0], after[0], none])
     sides = [np.column_stack([rings[k], rings[k + 1], after[k + 1], after[k]]) for k in range(RINGS - 2)]
     back = np.column_stack([rings[-1], 0 * none + len(points) - 1, after[-1], none])
-    return points, np.concatenate([front, *sides, back]), 0.5 + reach[:, None] * flat
+    quads = np.concatenate([front, *sides, back])
+    uv_quads = quads.copy()
+    uv_quads[-SECTORS:, 1] += np.arange(SECTORS)
+    return points, quads, uvs, uv_quads

@@ -20,7 +20,8 @@ REACH = 0.009
 STRENGTH = {"eyeBlinkLeft": 0.8, "eyeBlinkRight": 0.8}
 _STILL = 1e-6
 _TOUCH = 2e-4
-_AGREES, _FLAT, _SPACING = 0.5, 1e-10, 0.5
+_AGREES, _FLAT, _SPACING, _NOTICED = 0.5, 1e-10, 0.5, 5e-5
+_MOST = 420
 _FAINT, _FADE = 0.1, 4
 
 
@@ -55,9 +56,25 @@ class ExpressionTemplates:
     def pairs(self):
         """(P, 2) vertices that touch, in the neutral face or in any expression."""
         found = [touching_pairs(self.neutral, self.faces, self.reach)]
-        found += [closing_pairs(self.start(k), self.start(k) + d, self.faces, self.reach)
-                  for k, d in enumerate(self.deltas) if d.any()]  # fmt: skip
-        return thinned(np.unique(np.concatenate(found), axis=0), self.neutral, _SPACING * self.reach)
+        for k, delta in enumerate(self.deltas):
+            pairs = closing_pairs(self.start(k), self.start(k) + delta, self.faces, self.reach)
+            found.append(pairs[~self._slides(pairs, k)])
+        pairs, spacing = np.unique(np.concatenate(found), axis=0), _SPACING * self.reach
+        while len(kept := thinned(pairs, self.neutral, spacing)) > _MOST:
+            spacing *= 1.2
+        return kept
+
+    def _slides(self, pairs, k):
+        """(P,) whether both vertices of pairs touch something before expression k: then they only meet by sliding."""
+        if STARTS.get(self.names[k]) in self.names:
+            return np.zeros(len(pairs), dtype=bool)
+        return self._touching[pairs].all(axis=1)
+
+    @cached_property
+    def _touching(self):
+        touching = np.zeros(len(self.neutral), dtype=bool)
+        touching[touching_pairs(self.neutral, self.faces, self.reach)] = True
+        return touching
 
     @cached_property
     def normals(self):
@@ -79,12 +96,11 @@ class ExpressionTemplates:
         maps = triangle_maps(self.neutral, shape, self.faces[triangles])
         then, now = (v[self.pairs[:, 0]] - v[self.pairs[:, 1]] for v in (start, shape))
         closed = closes(*(np.linalg.norm(offsets, axis=1) for offsets in (then, now)), self.reach)
+        closed &= ~self._slides(self.pairs, k)
         moved = shape - self.neutral
         size = np.linalg.norm(moved, axis=1)
         trust = np.clip(size / (_FAINT * size.max()), 0, 1)
-        near = (size > 0).astype(float)
-        for ring in range(_FADE):
-            near = np.maximum(near, (1 - (ring + 1) / (_FADE + 1)) * (self._adjacency @ near > 0))
+        near = _fading(size > 0, self._adjacency)
         return Motion(triangles, maps, moved, trust**2 * (3 - 2 * trust), near, closed, now, (now * normals).sum(1))
 
     @cached_property
@@ -143,6 +159,7 @@ def mended_templates(head, template):
             for side in ("left", "right")}  # fmt: skip
     groups = lids | {"lips": touching_pairs(neutral, faces, templates.reach)}
     pairs, kinds = np.concatenate([*groups.values()]), np.repeat([*groups], [len(rows) for rows in groups.values()])
+    adjacency, _ = vertex_neighbours(faces, len(neutral))
     transfer = DeformationTransfer(neutral, faces, templates.still)
     solver = ContactSolver(transfer, pairs)
     normals = contact_normals(neutral, faces, pairs, templates.reach)
@@ -161,8 +178,21 @@ def mended_templates(head, template):
             then, now = (offsets + v[pairs[:, 0]] - v[pairs[:, 1]] for v in (start, start + moved))
             came = closes(np.linalg.norm(then, axis=1), np.linalg.norm(now, axis=1), templates.reach)
             closed = came & (kinds == "lips")
-        deltas[k] = solver.solve(start + moved, closed, met, normals, floors) - start
+        correction = solver.solve(start + moved, closed, met, normals, floors) - start - moved
+        # What the condition moves apart or together, and what the action moves by itself; the rest of the head stays.
+        parted = np.linalg.norm(correction[pairs[:, 0]] - correction[pairs[:, 1]], axis=1) > _NOTICED
+        seeds = (np.abs(start + moved) > _STILL * np.ptp(neutral[:, 1])).any(1)
+        seeds[pairs[parted]] = True
+        deltas[k] = moved + _fading(seeds, adjacency)[:, None] * correction
     return ExpressionTemplates(head.action_names, neutral, faces, deltas)
+
+
+def _fading(seeds, adjacency):
+    """(V,) 1 at the seeds (V,) bool, falling to 0 over ``_FADE`` edges around them."""
+    near = seeds.astype(float)
+    for ring in range(_FADE):
+        near = np.maximum(near, (1 - (ring + 1) / (_FADE + 1)) * (adjacency @ near > 0))
+    return near
 
 
 def thinned(pairs, vertices, spacing):

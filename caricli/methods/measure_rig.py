@@ -18,7 +18,8 @@ class RigMeasures:
     root mean square displacement, of that of the templates scaled to the face, nan where nothing moves; contact_gap
     (K,), mean distance of the pairs that come together, of what it was before, nan where none do; lid_gap, of a blink
     by side, of the open lids'; lip_gap, seen from the front, of mouthClose with jawOpen, of jawOpen alone, or None;
-    inside, how deep lids are inside the eyeballs at most, in metres, negative for a distance, or None.
+    lips_open, the same of the neutral face; inside, how deep lids are inside the eyeballs at most, in metres, negative
+    for a distance, or None.
     """
 
     flipped: np.ndarray
@@ -26,6 +27,7 @@ class RigMeasures:
     contact_gap: np.ndarray
     lid_gap: dict
     lip_gap: float | None
+    lips_open: float | None
     inside: float | None
 
 
@@ -56,20 +58,20 @@ def measure_rig(deltas, neutral, templates, annotation, scale, eyeballs=()):
         name, curves = f"eyeBlink{side.capitalize()}", (f"eye_upper_{side}", f"eye_lower_{side}")
         if name in place and all(curve in known for curve in curves):
             ids = [known[curve] for curve in curves]
-            lids[side] = curve_gap(neutral + deltas[place[name]], *ids) / curve_gap(neutral, *ids)
-    lips, ids = None, [known.get(f"mouth_inner_{lip}") for lip in ("upper", "lower")]
+            lids[side] = curve_gap(neutral + deltas[place[name]], *ids) / max(curve_gap(neutral, *ids), 1e-9)
+    lips, lips_open, ids = None, None, [known.get(f"mouth_inner_{lip}") for lip in ("upper", "lower")]
     if "mouthClose" in place and "jawOpen" in place and all(i is not None for i in ids):
         start = starts[place["mouthClose"]]
         # Seen from the front: lips that lie on each other may do so at any depth.
         shut = start + deltas[place["mouthClose"]]
-        lips = curve_gap(shut[:, :2], *ids) / curve_gap(start[:, :2], *ids)
+        lips, lips_open = (curve_gap(v[:, :2], *ids) / curve_gap(start[:, :2], *ids) for v in (shut, neutral))
     inside = None
     for ball in eyeballs:
         ids = lid_vertices(annotation, ball.side)
         moving = np.concatenate([neutral[ids][None], *(neutral[ids] + w * deltas[:, ids] for w in _STEPS)])
         depth = ball.radius - np.linalg.norm(moving - ball.centre, axis=-1).min()
         inside = depth if inside is None else max(inside, depth)
-    return RigMeasures(np.array(flipped), strength, gaps, lids, lips, inside)
+    return RigMeasures(np.array(flipped), strength, gaps, lids, lips, lips_open, inside)
 
 
 def curve_gap(vertices, upper, lower):

@@ -1,6 +1,7 @@
 """The expressions of one head done by another, however exaggerated (portrait paper, section 3.3)."""
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from caricli.geometry.contact_solver import ContactSolver
 from caricli.geometry.deformation_transfer import DeformationTransfer
@@ -8,6 +9,8 @@ from caricli.geometry.similarity import similarity
 from caricli.methods.expression_templates import STARTS, contact_normals
 
 
+# The matrices are small: threads that wait for each other cost more than they bring.
+@threadpool_limits.wrap(limits=1)
 def transfer_rig(templates, neutral, contacts=True):
     """Displacements of a face for every expression of the templates, by deformation transfer.
 
@@ -38,8 +41,8 @@ def transfer_rig(templates, neutral, contacts=True):
         moved = same + made.trust[:, None] * (moved - same)
         if solver:
             targets = scale * made.offsets @ rotation.T - own
-            met = solver.solve(moved, made.closed, targets, normals, np.minimum(scale * made.gaps - gaps, 0))
-            moved += made.near[:, None] * (met - moved)
+            floors = np.minimum(scale * made.gaps - gaps, 0)
+            moved = solver.solve(moved, made.closed, targets, normals, floors, made.near)
         base = STARTS.get(templates.names[k])
         moves[k] = moved - (moves[templates.names.index(base)] if base in templates.names else 0.0)
     return moves

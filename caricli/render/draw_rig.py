@@ -19,11 +19,20 @@ _PLAIN_EDGE, _PAINTED_EDGE = 12.0, 2.0  # pixels; nine tenths of a finer mesh's 
 _MAX_FACES = 150_000
 
 
-def draw_rig(rig, vertices, view="front", size=512):
+def neutral_sky(rig):
+    """What the vertices of the neutral face see of the sky, for frames to share: finding it takes most of the time.
+
+    Returns an array for ``draw_rig``.
+    """
+    return sky_visibility(rig.neutral.astype(float), rig.faces, smooth_normals(rig.neutral, rig.faces))
+
+
+def draw_rig(rig, vertices, view="front", size=512, sky=None):
     """Draw one frame of a rig; the camera depends on the neutral face alone, so that frames follow each other calmly.
 
     Painted materials are sampled at the vertices of a finer mesh; without a picture skin is clay and eyes are white.
-    rig: Rig. vertices: (V, 3), metres, of this frame. view: a key of VIEWS. size: pixels, width and height.
+    rig: Rig. vertices: (V, 3), metres, of this frame. view: a key of VIEWS. size: pixels, width and height. sky:
+    of ``neutral_sky``, or None to look around anew.
     Returns (size, size, 3) uint8 on white.
     Raises InputError when the view is not known or the vertices are not the rig's.
     """
@@ -38,7 +47,7 @@ def draw_rig(rig, vertices, view="front", size=512):
     low, high = neutral.min(0), neutral.max(0)
     scale = _FILL * size / ((high - low)[:2].max() or 1)
     normals = smooth_normals(vertices, rig.faces)
-    visibility = sky_visibility(vertices, rig.faces, normals)
+    visibility = sky_visibility(vertices, rig.faces, normals) if sky is None else sky
     middle = np.array([(size - 1) / 2, (size - 1) / 2, 0])
     points = scale * (vertices @ rotation.T - (low + high) / 2) + middle
     points, faces, colours, visibility = _painted(rig, points, normals @ rotation.T, visibility)
