@@ -1,8 +1,8 @@
 """Rigs of caricatures: do lids and lips close, do triangles stay upright, how long does a transfer take.
 
-Usage: python benchmarks/rigs.py DATASET [FACE.obj ...]. The faces are 50 test meshes of a dataset at its highest level of
-exaggeration, and those that are named. Every figure stands beside the one without contacts, as the paper does it. The
-last line is JSON.
+Usage: python benchmarks/rigs.py DATASET [FACE.obj ...]. The faces are 50 test meshes of a dataset at its highest level
+of exaggeration, and those that are named. Every figure stands beside the one without contacts, as the paper does it.
+The last line is JSON.
 """
 
 import json
