@@ -20,6 +20,9 @@ from caricli.errors import CaricliError
 # What is typed: (module in caricli.commands, or None for a group; section of the help; short help).
 COMMANDS = {
     "reconstruct-from-landmarks": ("reconstruct_from_landmarks", "Reconstruct", "2D landmarks to a 3D caricature."),
+    "fit-morphable": ("fit_morphable", "Reconstruct", "2D landmarks to a face of the morphable model."),
+    "refine": ("refine", "Reconstruct", "A face aligned exactly with the landmarks of its picture."),
+    "texture": ("texture", "Reconstruct", "The picture on the face, right from every side."),
     "encode": ("encode", "Faces", "A mesh to the latent of a model."),
     "sample": ("sample", "Faces", "Random faces of a model."),
     "interpolate": ("interpolate", "Faces", "Faces between two faces."),
@@ -32,6 +35,7 @@ COMMANDS = {
     "train pca": ("train_pca", "Models", "A linear model of vertex positions."),
     "train intrinsic": ("train_intrinsic", "Models", "A model of deformations, which extrapolates without tearing."),
     "train kernel": ("train_kernel", "Models", "Principal components and a Gaussian process for the finer ones."),
+    "train morphable": ("train_morphable", "Models", "Identity, expression and albedo in linear bases of their own."),
     "train deformable": ("train_deformable", "Models", "A SIREN hypernetwork, continuous over the surface."),
     "train semantic": ("train_semantic", "Models", "Directions of labels in a model's latents."),
     "evaluate": (None, "Models", "Measure models."),

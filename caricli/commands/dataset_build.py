@@ -12,14 +12,21 @@ from caricli.io.outputs import staged_folder
 @click.option("--identities", type=click.IntRange(1, 100_000), default=150, metavar="N", help="Number of people.")
 @click.option("--expressions", type=click.IntRange(1, 25), default=25, metavar="N", help="Number of expressions.")
 @click.option("--levels", type=click.IntRange(1, 4), default=4, metavar="N", help="Levels of exaggeration; 1 is none.")
+@click.option(
+    "--albedo", "albedos", type=click.IntRange(0), default=0, metavar="N", help="Random colours to draw, too."
+)
+@click.option(
+    "--albedo-size", type=click.IntRange(32, 4096), default=256, metavar="TEXELS", help="Side of their pictures."
+)
 @seed_option
 @workers_option
 @overwrite_option
-def command(out, count, identities, expressions, levels, seed, workers, overwrite):
+def command(out, count, identities, expressions, levels, albedos, albedo_size, seed, workers, overwrite):
     """Generate a dataset of faces and caricatures from the open head.
 
     Without --count the full grid of people, expressions and levels of curvature exaggeration; with it random draws of
-    regular faces, exaggerated by curvature, by parts, and by both.
+    regular faces, exaggerated by curvature, by parts, and by both. With --albedo the folder also holds N pictures of
+    skin, lips, brows, hair in the UVs of the head, for any of the faces.
 
     \b
     Example:
@@ -31,5 +38,5 @@ def command(out, count, identities, expressions, levels, seed, workers, overwrit
 
     settings = BuildSettings(count, identities, expressions, levels, seed)
     with staged_folder(out, overwrite=overwrite, marker="dataset.json") as temporary, progress_bar("meshes") as report:
-        summary = build_dataset(temporary, settings, workers, report)
+        summary = build_dataset(temporary, settings, workers, report, albedos, albedo_size)
     click.echo(f"{out}: {summary['meshes']} meshes, flipped triangles {100 * summary['flipped']:.3f} %")

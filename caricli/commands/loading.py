@@ -1,10 +1,12 @@
 """What several commands load and show: models, templates, faces, progress."""
 
 from contextlib import contextmanager
+from dataclasses import replace
 
 import numpy as np
 
 from caricli.errors import InputError
+from caricli.geometry.scaled_orthographic_pose import Pose
 from caricli.io.bundled import asset_path
 from caricli.io.checkpoint import read_checkpoint
 from caricli.io.face import read_face, topology_id
@@ -42,6 +44,26 @@ def load_face(path, model):
     if not 0.2 < height / template.height < 5:
         raise InputError(f"{shown(path)}: expected a head about {template.height:.3g} m high, found {height:.3g} m")
     return face
+
+
+def load_seen_face(path, model=None):
+    """A face that knows its camera, with what it is a face of.
+
+    path: NPZ. model: path of the model of its mesh; where none is given, the bundled one that made it, or the default.
+    Returns Face, ShapeModel and Pose. Raises InputError for a face without a camera.
+    """
+    kind = None if model is not None else _bundled_kind(read_face(path).model_id)
+    shape_model = load_model(model, kind or "intrinsic")
+    face = load_face(path, shape_model)
+    if face.latent is not None and face.model_id != shape_model.model_id:
+        face = replace(face, latent=None, residual=None)
+    camera = face.camera_scale, face.camera_rotation, face.camera_translation
+    if any(part is None for part in camera):
+        raise InputError(
+            f"{shown(path)}: expected a face with the camera of its picture, found none; make one with caricli "
+            "reconstruct-from-landmarks and give its NPZ"
+        )
+    return face, shape_model, Pose(*camera)
 
 
 def load_latent_face(path, model, anew=False):

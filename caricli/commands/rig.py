@@ -43,7 +43,7 @@ def command(face, out, templates, eyeballs, texture, sparse, usd, check, levels,
       caricli rig --check rig.glb
     """
     from caricli.commands.loading import progress_bar
-    from caricli.commands.rigging import check_report, load_mesh, load_templates, skin_picture
+    from caricli.commands.rigging import check_report, face_pictures, load_mesh, load_templates
     from caricli.io.gltf import write_gltf
     from caricli.io.rig import write_rig
     from caricli.methods.build_rig import build_rig
@@ -53,12 +53,13 @@ def command(face, out, templates, eyeballs, texture, sparse, usd, check, levels,
     if check is not None or face is None or out is None:
         raise click.UsageError("Give a FACE and --out; or --check.")
     known, annotation, used = load_templates(templates)
-    mesh, picture = load_mesh(face, known, annotation), skin_picture(face, texture)
+    mesh, (picture, eyes) = load_mesh(face, known, annotation), face_pictures(face, texture)
     files = [out, *(out.with_suffix(suffix) for suffix in (".npz", ".json", ".png", *([".usdc"] if usd else [])))]
-    with staged(*files, overwrite=overwrite, inputs=(face, picture, *used)) as (glb, npz, report, sheet, *more):
+    with staged(*files, overwrite=overwrite, inputs=(face, picture, eyes, *used)) as (glb, npz, report, sheet, *more):
         image = None if picture is None else read_image(picture)
         try:
-            rig, measures, balls = build_rig(mesh, known, np.random.default_rng(seed), levels, eyeballs, image)
+            generator = np.random.default_rng(seed)
+            rig, measures, balls = build_rig(mesh, known, generator, levels, eyeballs, image, eyes and read_image(eyes))
         except NumericsError as error:
             raise NumericsError(f"{shown(face)}: {error}") from error
         write_gltf(glb, rig, sparse)
@@ -69,7 +70,7 @@ def command(face, out, templates, eyeballs, texture, sparse, usd, check, levels,
             write_usd(*more, rig)
         figures = {"expressions": _rows(rig, measures), **_contacts(measures, balls)}
         about = {"subdivide": levels, "sparse": sparse, "units": "m", "axes": "+y up, +z front"}
-        write_json(report, provenance("rig", [face, picture, *used], seed, **about, **figures))
+        write_json(report, provenance("rig", [face, picture, eyes, *used], seed, **about, **figures))
         with progress_bar("drawing") as progress:
             write_png(sheet, _sheet(rig, progress))
     if measures.lips_open is not None and measures.lips_open > APART:

@@ -15,7 +15,7 @@ from caricli.methods.expression_templates import check_templates, mended_templat
 from caricli.template.head import load_head
 from caricli.template.template import Template
 
-NEUTRAL = "neutral"
+NEUTRAL, EYES = "neutral", "eyes.png"
 
 
 def load_templates(folder):
@@ -63,10 +63,15 @@ def load_mesh(path, templates, annotation):
     return Template(face.vertices, face.faces, polygons, annotation, face.uvs, face.uv_polygons)
 
 
-def skin_picture(face, texture):
-    """The picture on the skin: the one that was given, else what the OBJ names, or the OBJ beside an NPZ; or None."""
+def face_pictures(face, texture):
+    """The pictures on skin and eyes: the one that was given, else what the OBJ names, or the OBJ beside an NPZ; and the
+    `eyes.png` that `caricli texture` wrote beside that. Either may be None."""
     mesh = face if face.suffix.lower() == ".obj" else face.with_suffix(".obj")
-    return texture_path(mesh) if texture is None and mesh.is_file() else texture
+    if texture is not None or not mesh.is_file():
+        return texture, None
+    skin = texture_path(mesh)
+    eyes = skin and skin.with_name(EYES)
+    return skin, eyes if eyes and eyes.is_file() else None
 
 
 def check_report(path):

@@ -12,8 +12,9 @@ from dataclasses import asdict, dataclass
 import numpy as np
 from threadpoolctl import threadpool_limits
 
+from caricli.data.albedo import TexturePainter, random_look
 from caricli.data.attributes import binary_labels, measure_attributes
-from caricli.data.dataset import SHARD_SIZE, split_identities, write_dataset
+from caricli.data.dataset import ALBEDO_FILE, SHARD_SIZE, split_identities, write_dataset
 from caricli.data.exaggerate_parts import exaggerate_parts
 from caricli.data.expressions import expand_sides
 from caricli.data.identities import random_identity
@@ -25,6 +26,9 @@ from caricli.geometry.similarity import similarity
 from caricli.geometry.untangle import untangle
 from caricli.io.bundled import asset_path
 from caricli.io.config import read_yaml
+from caricli.io.limits import MAX_NPZ_BYTES
+from caricli.io.npz import write_npz
+from caricli.io.provenance import sha256_file
 from caricli.models.intrinsic import IntrinsicModel
 from caricli.template.head import load_head
 
@@ -36,7 +40,7 @@ HELD = ("eyes_left", "eyes_right", "eye_socket_left", "eye_socket_right", "mouth
 MAX_FLIPPED = 0.0008
 PRIOR_SHAPES, PRIOR_DIMENSION = 360, 128
 TRIES = 30
-_IDENTITY, _DRAW, _PRIOR, _SPLIT = range(4)
+_IDENTITY, _DRAW, _PRIOR, _SPLIT, _ALBEDO = range(5)
 _STRANGERS = 1_000_000
 
 
@@ -60,15 +64,18 @@ class BuildSettings:
             raise InputError(f"count must be at least 1, found {self.count}")
 
 
-def build_dataset(folder, settings, workers=None, progress=lambda done, total: None):
+def build_dataset(folder, settings, workers=None, progress=lambda done, total: None, albedos=0, albedo_size=256):
     """Build a dataset into an empty folder (sketch paper section 4.1, with exaggeration by parts beside curvature).
 
     The same settings give the same bytes, whatever the number of workers.
 
     folder: Path. settings: BuildSettings. workers: processes; None for one per usable core. progress: called with the
-    number of finished meshes and their total.
-    Returns the manifest's summary: meshes, flipped triangles.
+    number of finished meshes and their total. albedos: how many random colours of the head to draw beside the meshes,
+    as pictures of albedo_size texels a side.
+    Returns the manifest's summary: meshes, flipped triangles. Raises InputError for more albedos than a file can hold.
     """
+    if 3 * albedos * albedo_size**2 > 0.9 * MAX_NPZ_BYTES:
+        raise InputError(f"{albedos} albedos of {albedo_size} texels a side are more than one file can hold")
     head = load_head()
     template = head.template()
     expressions = list(_expression_table(head))[: settings.expressions]
@@ -121,10 +128,22 @@ def build_dataset(folder, settings, workers=None, progress=lambda done, total: N
             "thresholds": dict(zip(names, thresholds.tolist(), strict=True)),
             "splits": splits,
         }
+        if albedos:
+            value["albedo"] = _write_albedos(folder, template, albedos, albedo_size, settings.seed)
         return value, {"attributes": np.array(names), "measures": measures.astype(np.float32), "labels": labels}
 
     write_dataset(folder, template, shards(), manifest)
     return {"meshes": len(rows), "flipped": float(np.mean(flipped))}
+
+
+def _write_albedos(folder, template, count, size, seed):
+    """Draw the albedos into their file. Returns its entry in the manifest."""
+    painter, pictures = TexturePainter(template, size), np.empty((count, size, size, 3), np.uint8)
+    for number in range(count):
+        pictures[number] = painter.draw(random_look(np.random.default_rng([seed, _ALBEDO, number])))
+    write_npz(folder / ALBEDO_FILE, {"albedo": pictures})
+    digest = sha256_file(folder / ALBEDO_FILE)
+    return {"file": ALBEDO_FILE, "count": count, "size": size, "seed": seed, "sha256": digest}
 
 
 def _jobs(settings):

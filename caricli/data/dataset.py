@@ -15,6 +15,7 @@ from caricli.template.template import Template
 SCHEMA = "caricli.dataset/1"
 SPLITS = ("train", "validation", "test")
 SHARD_SIZE = 512
+ALBEDO_FILE = "albedo.npz"
 _COLUMNS = ("identity", "expression", "level")
 
 
@@ -126,6 +127,29 @@ def read_dataset(folder):
     vertices, identity, expression, level = (columns.pop(name) for name in ("vertices", *_COLUMNS))
     tables = labels["measures"], labels["labels"].astype(bool)
     return Dataset(manifest, template, vertices, identity, expression, level, attributes, *tables, columns)
+
+
+def read_albedos(folder):
+    """The random colours that were drawn beside the meshes.
+
+    Returns (N, S, S, 3) uint8 sRGB in the UVs of the template, the top row first. Raises InputError when the dataset
+    has none, or its file is missing, damaged or not what the manifest says.
+    """
+    folder = Path(folder)
+    where = folder / "dataset.json"
+    entry = read_json(where).get("albedo")
+    if entry is None:
+        raise InputError(f"{where}: a dataset without albedos: build it with --albedo N")
+    try:
+        pictures = _read_checked(folder, entry)["albedo"]
+        expected = (entry["count"], entry["size"], entry["size"], 3)
+    except (KeyError, TypeError) as error:
+        raise InputError(f"{where}: not a valid dataset: {type(error).__name__} {error}") from error
+    if pictures.shape != expected or pictures.dtype != np.uint8:
+        raise InputError(
+            f"{folder / entry['file']}: expected {expected} bytes, found {pictures.shape} {pictures.dtype}"
+        )
+    return pictures
 
 
 def _read_checked(folder, entry):

@@ -1,6 +1,5 @@
 """Moved landmarks carried to the surface."""
 
-
 from caricli.data.move_parts import move_parts
 
 ROUNDS = 5

@@ -87,8 +87,7 @@ def write_gltf(path, rig, sparse=False, animation=None):
             {
                 "name": "head",
                 "primitives": _primitives(rig, sparse, buffer),
-                "weights": [0] * len(rig.names),
-                "extras": {"targetNames": list(rig.names)},
+                **({"weights": [0] * len(rig.names), "extras": {"targetNames": list(rig.names)}} if rig.names else {}),
             }
         ],
         **_materials(rig, buffer),
@@ -222,15 +221,16 @@ def _primitives(rig, sparse, buffer):
                 "attributes": attributes,
                 "indices": buffer.accessor(indices.ravel().astype(_index_dtype(len(source))), _FOR_INDICES),
                 "material": number,
-                "targets": [
-                    {
-                        "POSITION": buffer.accessor(delta[source], target, bounds=True, sparse=sparse),
-                        "NORMAL": buffer.accessor(normal[source], target, sparse=sparse),
-                    }
-                    for delta, normal in zip(deltas, normal_deltas, strict=True)
-                ],
             }
         )
+        if rig.names:
+            primitives[-1]["targets"] = [
+                {
+                    "POSITION": buffer.accessor(delta[source], target, bounds=True, sparse=sparse),
+                    "NORMAL": buffer.accessor(normal[source], target, sparse=sparse),
+                }
+                for delta, normal in zip(deltas, normal_deltas, strict=True)
+            ]
     return primitives
 
 

@@ -35,10 +35,10 @@ _REQUIRED = ("names", "neutral", "deltas", "faces")
 class Rig:
     """A face with named expressions: ``neutral + sum_k weight_k deltas_k`` (portrait paper, equation 13).
 
-    names (K,), distinct; neutral (V,3) float32, metres, +y up, +z front; deltas (K,V,3) float32, metres; faces (F,3)
-    int32; polygons (P,N) int32 padded with -1, uvs (T,2) float64, origin bottom left, and uv_polygons (P,N), as in
-    ObjMesh; materials (P,) int32, SKIN or EYES, of the polygons; texture and eye_texture (H,W,3) uint8 sRGB, the top
-    row first, of either material. What is None is absent.
+    names (K,), distinct, none for a head that keeps still; neutral (V,3) float32, metres, +y up, +z front; deltas
+    (K,V,3) float32, metres; faces (F,3) int32; polygons (P,N) int32 padded with -1, uvs (T,2) float64, origin bottom
+    left, and uv_polygons (P,N), as in ObjMesh; materials (P,) int32, SKIN or EYES, of the polygons; texture and
+    eye_texture (H,W,3) uint8 sRGB, the top row first, of either material. What is None is absent.
     """
 
     names: tuple
@@ -106,8 +106,8 @@ def rig_problem(rig):
     """Return what is wrong with a rig as "key: expected ..., found ...", or None."""
     names = rig.names
     sound = isinstance(names, tuple) and all(isinstance(n, str) and n for n in names)
-    if not sound or not 1 <= len(names) <= MAX_SHAPES or len(set(names)) < len(names):
-        return f"names: expected 1 to {MAX_SHAPES} distinct names, found {shown(names, 60)}"
+    if not sound or len(names) > MAX_SHAPES or len(set(names)) < len(names):
+        return f"names: expected at most {MAX_SHAPES} distinct names, found {shown(names, 60)}"
     neutral, deltas = np.asarray(rig.neutral), np.asarray(rig.deltas)
     problem = face_problem(Face(neutral, rig.faces, None, polygons=rig.polygons, uvs=rig.uvs,
                                 uv_polygons=rig.uv_polygons))  # fmt: skip

@@ -54,10 +54,11 @@ def lid_vertices(annotation, side):
     return np.setdiff1d(np.union1d(ids, annotation.regions[f"eyes_{side}"]), annotation.regions[f"eye_socket_{side}"])
 
 
-def add_eyeballs(rig, eyeballs, generator):
+def add_eyeballs(rig, eyeballs, generator, picture=None):
     """The rig with eyeballs as part of its mesh: own polygons, UVs and picture, turned by the `eyeLook*` shapes.
 
-    rig: Rig with polygons. eyeballs: list of Eyeball. generator: numpy Generator for the picture.
+    rig: Rig with polygons. eyeballs: list of Eyeball. generator: numpy Generator for their picture, where none
+    (S, S, 3) is given.
     Returns Rig; the vertices of the face come first.
     """
     if not eyeballs:
@@ -72,7 +73,8 @@ def add_eyeballs(rig, eyeballs, generator):
     neutral, deltas = [rig.neutral], [rig.deltas]
     for number, ball in enumerate(eyeballs):
         neutral.append(ball.centre + ball.radius * points)
-        deltas.append(np.stack([ball.radius * (points @ _turn(name, ball.side).T - points) for name in rig.names]))
+        turned = [ball.radius * (points @ _turn(name, ball.side).T - points) for name in rig.names]
+        deltas.append(np.reshape(turned, (len(rig.names), len(points), 3)))
         own, own_uvs = _widened(quads, wide), _widened(uv_quads, wide)
         polygons.append(np.where(own >= 0, own + len(rig.neutral) + number * len(points), -1))
         uv_polygons.append(np.where(own >= 0, own_uvs + uv_start, -1))
@@ -87,7 +89,7 @@ def add_eyeballs(rig, eyeballs, generator):
         uvs=np.concatenate([known, uvs]),
         uv_polygons=uv_polygons,
         materials=np.where(np.arange(len(polygons)) < count, SKIN, EYES).astype(np.int32),
-        eye_texture=paint_eye(TEXTURE, generator),
+        eye_texture=paint_eye(TEXTURE, generator) if picture is None else picture,
     )
 
 

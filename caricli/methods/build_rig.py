@@ -10,12 +10,13 @@ from caricli.methods.transfer_rig import transfer_rig
 from caricli.template.fine_mesh import fine_mesh
 
 
-def build_rig(mesh, templates, generator, levels=0, eyeballs=True, texture=None):
+def build_rig(mesh, templates, generator, levels=0, eyeballs=True, texture=None, eyes=None):
     """Transfer expressions to a face, put eyes into it and split its polygons.
 
     mesh: Template in the shape of the neutral face; its annotation may be None, then there are no eyes. templates:
     ExpressionTemplates of the same faces. generator: numpy Generator, of the picture of the eyes. levels: how often
-    polygons are split, linearly. texture: (H, W, 3) uint8 or None.
+    polygons are split, linearly. texture, eyes: (H, W, 3) uint8, pictures of skin and
+    eyes, or None.
     Returns Rig, RigMeasures and a list of Eyeball. Raises NumericsError for triangles without area.
     """
     neutral = mesh.vertices
@@ -35,4 +36,4 @@ def build_rig(mesh, templates, generator, levels=0, eyeballs=True, texture=None)
         uv_polygons=fine.uv_polygons,
         texture=texture,
     )
-    return add_eyeballs(rig, balls, generator), measures, balls
+    return add_eyeballs(rig, balls, generator, eyes), measures, balls

@@ -10,7 +10,7 @@ from caricli.template.annotation import parse_annotation
 from caricli.template.template import Template
 
 SCHEMA = "caricli.model/1"
-KINDS = ("pca", "intrinsic", "kernel", "deformable")
+KINDS = ("pca", "intrinsic", "kernel", "deformable", "morphable")
 _TEMPLATE = ("vertices", "faces", "polygons", "uvs", "uv_polygons")
 
 

@@ -47,6 +47,26 @@ class KernelConfig:
 
 
 @dataclass(frozen=True)
+class MorphableConfig:
+    """Settings of MorphableModel; the defaults are those of configs/morphable/default.yaml.
+
+    identity, expression, albedo: dimensions. noise: how far a mesh is expected from the bases, a share of the head's
+    height. seed: of the randomised decompositions and of the albedos.
+    """
+
+    identity: int = 80
+    expression: int = 64
+    albedo: int = 80
+    noise: float = 0.012
+    seed: int = 0
+
+    def __post_init__(self):
+        """Refuse impossible sizes."""
+        sizes = {name: (1, 4096) for name in ("identity", "expression", "albedo")}
+        check_ranges(self, sizes | {"noise": (1e-6, 1), "seed": (0, 2**32 - 1)})
+
+
+@dataclass(frozen=True)
 class NetworkSize:
     """latent: D. width, layers: of the SIREN's sine layers. hidden: of the hypernetwork. frequency: w0 of the sines."""
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 import caricli
-from caricli.data.dataset import read_dataset
+from caricli.data.dataset import read_albedos, read_dataset
 
 ROOT = Path(caricli.__file__).parents[1]
 
@@ -33,6 +33,18 @@ def test_an_existing_dataset_is_replaced_only_when_told_to(run, refused, tmp_pat
     assert run("dataset", "build", out, *sizes, "--overwrite").exit_code == 0
     assert len(read_dataset(out).vertices) == 1
     assert not (out / "old.npz").exists()
+
+
+def test_random_colours_come_with_the_meshes(run, refused, tmp_path):
+    sizes = ("--identities", 1, "--expressions", 1, "--levels", 1, "--workers", 1)
+    for name in ("a", "b"):
+        result = run("dataset", "build", tmp_path / name, *sizes, "--albedo", 3, "--albedo-size", 64)
+        assert result.exit_code == 0, result.output
+    assert (tmp_path / "a" / "albedo.npz").read_bytes() == (tmp_path / "b" / "albedo.npz").read_bytes()
+    assert read_albedos(tmp_path / "a").shape == (3, 64, 64, 3)
+    assert len(read_dataset(tmp_path / "a").vertices) == 1
+    said = refused("dataset", "build", tmp_path / "c", *sizes, "--albedo", 9000, "--albedo-size", 4096)
+    assert "9000 albedos" in said and not (tmp_path / "c").exists()
 
 
 def test_a_folder_of_someone_elses_is_not_replaced(refused, tmp_path):

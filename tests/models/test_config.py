@@ -5,7 +5,7 @@ import pytest
 from caricli.errors import InputError
 from caricli.io.bundled import config_path
 from caricli.io.config import read_config
-from caricli.models.config import KernelConfig, LinearConfig
+from caricli.models.config import KernelConfig, LinearConfig, MorphableConfig
 
 
 @pytest.mark.parametrize("kind", ["pca", "intrinsic"])
@@ -27,6 +27,18 @@ def test_the_bundled_settings_of_the_kernel_model_can_be_read(name):
 def test_impossible_settings_of_the_kernel_model_are_refused(setting):
     with pytest.raises(InputError, match=setting.split("=")[0]):
         read_config(None, KernelConfig, [setting])
+
+
+@pytest.mark.parametrize("name", ["tiny", "default"])
+def test_the_bundled_settings_of_the_morphable_model_can_be_read(name):
+    config = read_config(config_path(f"morphable/{name}.yaml"), MorphableConfig)
+    assert (config == MorphableConfig()) == (name == "default")
+
+
+@pytest.mark.parametrize("setting", ["identity=0", "expression=-1", "albedo=5000", "noise=0", "seed=-1"])
+def test_impossible_settings_of_the_morphable_model_are_refused(setting):
+    with pytest.raises(InputError, match=setting.split("=")[0]):
+        read_config(None, MorphableConfig, [setting])
 
 
 @pytest.mark.parametrize(("dimension", "seed"), [(1, 0), (4096, 2**31)])

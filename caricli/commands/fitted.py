@@ -1,0 +1,55 @@
+"""What the commands share that fit a face to landmarks: its files and figures."""
+
+from dataclasses import asdict
+
+import numpy as np
+
+from caricli.commands.loading import template_mesh
+from caricli.io.face import Face, write_face
+from caricli.io.image import write_png
+from caricli.io.obj import write_obj
+from caricli.io.strict_json import write_json
+
+
+def write_fit(files, model, fit, fine, given, image, description):
+    """Write OBJ, NPZ, JSON and the picture of a LandmarkFit.
+
+    files: the four paths. model: ShapeModel. fine: FineMesh of the OBJ. given: (L, 2) landmarks. image: (H, W, 3) or
+    None. description: JSON value.
+    """
+    from caricli.methods.subdivide_face import subdivide_face
+    from caricli.render.fit_sheet import fit_sheet
+
+    obj_file, npz_file, json_file, png_file = files
+    template, camera = model.template, (fit.pose.scale, fit.pose.rotation, fit.pose.translation)
+    fine_vertices = subdivide_face(fit.vertices, fit.latent, model, fine)
+    write_obj(obj_file, template_mesh(fine, fine_vertices))
+    mesh = (template.polygons, template.uvs, template.uv_polygons)
+    fitted = (fit.latent, fit.residual, *camera, fit.landmarks, model.model_id)
+    write_face(npz_file, Face(fit.vertices, template.faces, *fitted, *mesh))
+    write_json(json_file, description)
+    drawn = (fine_vertices, fine.faces, fine.weights)
+    shown = (fit.vertices, template.faces, template.annotation, given, fit.landmarks, camera, image)
+    write_png(png_file, fit_sheet(*shown, fine=drawn))
+
+
+def fit_figures(fit, seconds):
+    """What the JSON says of a fit."""
+    pose = {
+        "scale": fit.pose.scale,
+        "rotation": fit.pose.rotation,
+        "translation": fit.pose.translation,
+        "convention": "pixels = scale * rotation[:2] @ vertex + translation; x right, y down, z into the picture",
+    }
+    return {
+        "settings": asdict(fit.settings),
+        "nme": fit.nme,
+        "nme_latent": fit.nme_latent,
+        "part_errors": fit.part_errors,
+        "prior_rms": fit.prior_rms,
+        "flipped": fit.flipped,
+        "pose": pose,
+        "anchors": np.asarray(fit.anchors),
+        "iterations": fit.rounds,
+        "seconds": seconds,
+    }

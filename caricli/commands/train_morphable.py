@@ -1,0 +1,19 @@
+"""caricli train morphable: identity, expression and albedo in linear bases of their own."""
+
+from caricli.commands.train_linear import train_linear, training_command
+
+
+@training_command
+def command(dataset, out, config, overrides, overwrite):
+    """Train a linear morphable model, in which who and what expression are separate.
+
+    The dataset's columns identity and expression tell them apart; expression 0 is none. The albedo basis comes from
+    random colours of the head. Writes the model with its template and, beside it, a JSON with the recipe, the shape
+    errors, and how well identity and expression agree where they should.
+
+    \b
+    Example:
+      caricli train morphable --data dataset --out morphable.safetensors
+      caricli train morphable --data dataset --out small.safetensors --set identity=32 --set expression=16
+    """
+    train_linear("morphable", dataset, out, config, overrides, overwrite)

@@ -1,0 +1,55 @@
+"""Face parsing: a picture of label numbers, with a legend."""
+
+import io
+from pathlib import Path
+
+import numpy as np
+
+from caricli.errors import InputError
+from caricli.io.files import read_bytes, shown
+from caricli.io.limits import MAX_IMAGE_BYTES, MAX_IMAGE_PIXELS
+from caricli.io.strict_json import read_json
+
+SCHEMA = "caricli.parsing/1"
+
+CELEBAMASK_HQ = {
+    name: number for number, name in enumerate(
+        "background skin nose eye_glasses eye_left eye_right brow_left brow_right ear_left ear_right mouth upper_lip "
+        "lower_lip hair hat earring necklace neck cloth".split()
+    )
+}  # fmt: skip
+"""Label numbers of CelebAMask-HQ, by the names used here; left and right are the picture's."""
+
+
+def read_parsing(path):
+    """Read a label map.
+
+    Parameters: path of a PNG of one byte a pixel, grey or with a palette; the JSON beside it, of the same stem, names
+    its labels: `{"schema": "caricli.parsing/1", "labels": {"skin": 1, ...}}`. Without one they are CelebAMask-HQ's.
+    Returns: (H,W) uint8, and a dict of names to numbers.
+    Raises: InputError when it is no such picture, too large, or the legend is malformed.
+    """
+    from PIL import Image
+
+    data = read_bytes(path, MAX_IMAGE_BYTES, "a label map")
+    try:
+        with Image.open(io.BytesIO(data), formats=("PNG",)) as image:
+            if image.width * image.height > MAX_IMAGE_PIXELS or image.mode not in ("L", "P", "1"):
+                found = f"{image.width} x {image.height} of mode {image.mode}"
+                raise InputError(f"{shown(path)}: expected a PNG of label numbers, one byte a pixel, found {found}")
+            labels = np.array(image.convert("L") if image.mode == "1" else image)
+    except InputError:
+        raise
+    except Exception as error:  # Pillow's decoders raise whatever they meet
+        raise InputError(f"{shown(path)}: expected a PNG of label numbers, found none: {shown(error, 120)}") from error
+    legend = Path(path).with_suffix(".json")
+    return labels, _read_legend(legend) if legend.is_file() else dict(CELEBAMASK_HQ)
+
+
+def _read_legend(path):
+    value = read_json(path)
+    names = value.get("labels") if isinstance(value, dict) and value.get("schema") == SCHEMA else None
+    sound = isinstance(names, dict) and all(type(n) is int and 0 <= n < 256 for n in names.values())
+    if not sound:
+        raise InputError(f"{shown(path)}: expected schema {SCHEMA!r} and labels from 0 to 255, found another JSON")
+    return names

@@ -1,0 +1,28 @@
+"""Colours of pictures at places of them."""
+
+import cv2
+import numpy as np
+
+_WIDTH = 4096
+
+
+def sample_pixels(image, x, y, interpolation=cv2.INTER_LINEAR, border=None):
+    """Sample a picture at pixels; the centre of the top-left one is (0, 0).
+
+    image: (H, W) or (H, W, C). x, y: (N,). interpolation: of OpenCV. border: value outside the picture; where there is
+    none, its outermost pixels go on.
+    Returns (N,) or (N, C).
+    """
+    # OpenCV takes no more than 32,767 rows or columns.
+    rows = -(-len(x) // _WIDTH)
+    places = [np.resize(np.asarray(a, np.float32), (rows, _WIDTH)) for a in (x, y)]
+    mode = {"borderMode": cv2.BORDER_REPLICATE} if border is None else {"borderMode": cv2.BORDER_CONSTANT,
+                                                                        "borderValue": border}  # fmt: skip
+    samples = cv2.remap(image, *places, interpolation, **mode)
+    return samples.reshape(-1, *image.shape[2:])[: len(x)]
+
+
+def sample_texture(texture, uvs):
+    """Bilinear samples (N, C). texture: (H, W, C) uint8, the top row first. uvs: (N, 2), origin bottom left."""
+    height, width = texture.shape[:2]
+    return sample_pixels(texture, uvs[:, 0] * width - 0.5, (1 - uvs[:, 1]) * height - 0.5).astype(np.float64)

@@ -1,0 +1,31 @@
+"""Which point of the surface every texel of a picture shows."""
+
+import numpy as np
+from scipy.ndimage import distance_transform_edt
+
+from caricli.render.rasterise import rasterise
+
+
+def uv_map(uvs, uv_faces, size):
+    """Find the triangle under the centre of every texel.
+
+    uvs: (T, 2), origin bottom left, the picture spans 0 to 1. uv_faces: (F, 3) triangles of them. size: texels, width
+    and height; row 0 is the top one.
+    Returns (face (size, size) int32, -1 where no triangle lies, and barycentric (size, size, 3) float32, the weights of
+    its corners, zero there). Raises InputError when a coordinate is not finite or an index is out of range.
+    """
+    places = np.column_stack([uvs[:, 0], 1 - uvs[:, 1], np.zeros(len(uvs))]) * size - [0.5, 0.5, 0]
+    raster = rasterise(places, uv_faces, size, size)
+    return raster.face, raster.barycentric
+
+
+def pad_texture(image, covered):
+    """Continue a picture beyond the borders of its UV islands, so that filters and mip levels never mix others in.
+
+    image: (H, W, ...). covered: (H, W) bool, texels that hold a colour; the others take the nearest of theirs.
+    Returns an array like ``image``, which it equals where nothing is covered at all.
+    """
+    if not covered.any():
+        return image.copy()
+    row, column = distance_transform_edt(~covered, return_distances=False, return_indices=True)
+    return image[row, column]
