@@ -78,7 +78,7 @@ def test_live_link_and_mediapipe_give_the_same_frames(run, rig_file, values, tmp
         out, frames = tmp_path / source.suffix[1:] / "anim.glb", tmp_path / f"{source.suffix[1:]}-frames"
         result = run("animate", rig_file, source, "--out", out, "--frames", frames)
         assert result.exit_code == 0, result.output
-        assert result.stdout == f"{out}: 6 frames at 30 a second, {5 - (source.suffix == '.json')} of 5 expressions\n"
+        assert result.stdout == f"{out}: 6 frames at 30 a second, {5 - (source.suffix == '.json')} of 5 expressions driven\n"
         made.append((out, [read_obj(frames / f"frame-{k:04d}.obj").vertices for k in range(6)]))
     rig = read_rig(rig_file)
     columns = [LIVE_LINK_SHAPES.index(name) for name in SHAPES]
@@ -147,7 +147,7 @@ def test_pictures_and_videos(run, rig_file, tmp_path):
     np.testing.assert_array_equal(pictures[0], pictures[1])
     assert np.abs(pictures[0].astype(int) - pictures[2]).max() > 50
     assert np.abs(read_image(tmp_path / "a.gif").astype(int) - pictures[0]).mean() < 3
-    assert read_json(tmp_path / "a.json") == read_json(frames / "animation.json")
+    assert read_json(tmp_path / "a.gif.json") == read_json(frames / "animation.json")
     assert "exists" in run("animate", rig_file, source, *options).stderr
     result = run(
         "animate", rig_file, source, "--video", tmp_path / "a.mp4", "--size", 47, "--frames", frames, "--overwrite"
@@ -187,7 +187,7 @@ def test_a_glb_is_a_rig_too_and_names_are_listed(run, rig_file, tmp_path):
         result = run("animate", rig, source, "--frames", tmp_path / rig.suffix[1:])
         assert result.exit_code == 0, result.output
         assert result.stderr.count("\n") == 1
-        assert "the rig lacks grin; nothing drives jawOpen, mouthSmileLeft, eyeBlinkLeft, browInnerUp" in result.stderr
+        assert result.stderr.endswith("w.json: the rig lacks grin\n")
         made.append(read_obj(tmp_path / rig.suffix[1:] / "frame-0001.obj").vertices)
     np.testing.assert_allclose(*made, atol=1e-6)
     np.testing.assert_allclose(made[0], posed(read_rig(rig_file), [0, 0, 0, 0, 1]), atol=1e-6)
