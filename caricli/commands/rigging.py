@@ -86,8 +86,9 @@ def check_report(path):
     lines += [f"{name}: ARKit spells it {arkit}" for name, arkit in found.near.items()]
     lines += [f"{name}: no ARKit name" for name in found.unknown]
     lines += [f"missing: {', '.join(found.missing)}"] if found.missing else []
-    width = max(len(shape.name) for shape in found.shapes)
-    lines.append(f"{'shape':{width}}  largest mm   moved  flipped %")
+    if found.shapes:
+        width = max(len(shape.name) for shape in found.shapes)
+        lines.append(f"{'shape':{width}}  largest mm   moved  flipped %")
     for shape in found.shapes:
         flipped = "     -" if shape.flipped is None else f"{100 * shape.flipped:6.3f}"
         lines.append(f"{shape.name:{width}}  {1000 * shape.largest:10.2f}  {shape.moved:6}     {flipped}")

@@ -93,7 +93,8 @@ def write_textured(folder, painted, face, model):
     rig, template, count = painted.rig, model.template, len(face.vertices)
     own = slice(None, len(template.polygons))
     width = template.polygons.shape[1]
-    mesh = (rig.polygons[own, :width], rig.uvs, rig.uv_polygons[own, :width])
+    uv_polygons = rig.uv_polygons[own, :width]
+    mesh = (rig.polygons[own, :width], rig.uvs[: uv_polygons.max() + 1], uv_polygons)
     write_png(folder / SKIN, rig.texture)
     if rig.eye_texture is not None:
         write_png(folder / EYES, rig.eye_texture)

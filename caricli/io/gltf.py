@@ -92,7 +92,7 @@ def write_gltf(path, rig, sparse=False, animation=None):
         ],
         **_materials(rig, buffer),
     }
-    if animation is not None:
+    if animation is not None and (rig.names or animation.rotations is not None):
         document["animations"] = [_animation(animation, buffer)]
     binary = b"".join(buffer.parts)
     document |= {"accessors": buffer.accessors, "bufferViews": buffer.views, "buffers": [{"byteLength": len(binary)}]}
@@ -106,14 +106,14 @@ def write_gltf(path, rig, sparse=False, animation=None):
 
 
 def read_gltf(path):
-    """Read the first mesh with morph targets of a GLB, ours or another program's.
+    """Read the first mesh with morph targets of a GLB, or where none has any the first one, ours or another program's.
 
     Vertices with the same `SOURCE_VERTEX` become one again. Transforms of nodes are left aside: the neutral and its
     displacements stay in the mesh's own frame, as they are stored. Of the materials the base colour's picture is read,
     where it is embedded; the one named "eyes" is that of the eyes. Skins, animations and weights are left aside.
     Parameters: path, a GLB file without external files.
     Returns: Rig, of triangles; polygons only beside UVs or materials.
-    Raises: InputError when it is malformed, compressed, has no morph targets or is beyond the caps.
+    Raises: InputError when it is malformed, compressed, has no mesh or is beyond the caps.
     """
     document, binary = _read_chunks(read_bytes(path, MAX_FILE_BYTES, "a GLB file"), path)
     try:
@@ -273,7 +273,8 @@ def _png(image):
 
 def _animation(animation, buffer):
     times = buffer.accessor(np.asarray(animation.times, np.float32), bounds=True)
-    outputs = {"weights": np.asarray(animation.weights, np.float32).ravel()}
+    weights = np.asarray(animation.weights, np.float32).ravel()
+    outputs = {"weights": weights} if len(weights) else {}
     if animation.rotations is not None:
         outputs["rotation"] = np.asarray(animation.rotations, np.float32)
     return {
@@ -355,11 +356,11 @@ class _Reader:
         self.document, self.binary = document, binary
 
     def rig(self):
-        """The first mesh with targets, as a Rig."""
+        """The first mesh with targets, else the first one, as a Rig."""
         for name in _get(self.document, "extensionsRequired", list, []):
             if not isinstance(name, str) or not name.startswith(_HARMLESS):
                 raise _Malformed(f"expected plain glTF, found the extension {shown(name, 60)}")
-        mesh, primitives = self.first_morphed()
+        mesh, primitives = self.first_mesh()
         names = self.names(mesh, len(primitives[0]["targets"]))
         blocks, corners = self.blocks(primitives, len(names))
         positions = self.gather(blocks, "POSITION", 3)
@@ -379,19 +380,23 @@ class _Reader:
             extras["polygons"] = faces
         return Rig(names, positions[kept], deltas, faces, **extras)
 
-    def first_morphed(self):
-        """The first mesh with targets and its primitives, all with the same number of them."""
+    def first_mesh(self):
+        """The first mesh with targets, else the first one, and its primitives, all with the same number of targets."""
+        still = None
         for mesh in _get(self.document, "meshes", list, []):
             primitives = _get(mesh, "primitives", list) if isinstance(mesh, dict) else []
             if not all(isinstance(primitive, dict) for primitive in primitives):
                 raise _Malformed("primitives: expected objects, found others")
             if not any(primitive.get("targets") for primitive in primitives):
+                still = still or (primitives and (mesh, [p | {"targets": []} for p in primitives]))
                 continue
             numbers = {len(_get(primitive, "targets", list, [])) for primitive in primitives}
             if len(numbers) > 1 or max(numbers) > MAX_SHAPES:
                 raise _Malformed(f"targets: expected as many in every primitive, at most {MAX_SHAPES}, found {numbers}")
             return mesh, primitives
-        raise _Malformed("expected a mesh with morph targets, found none")
+        if not still:
+            raise _Malformed("expected a mesh, found none")
+        return still
 
     def names(self, mesh, count):
         """The names of the targets, which glTF leaves to custom."""

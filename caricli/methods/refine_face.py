@@ -17,7 +17,7 @@ OPPOSITE = ((37, 41), (38, 40), (43, 47), (44, 46), (61, 67), (62, 66), (63, 65)
 CORNERS = ((48, 60), (54, 64))
 """Outer and inner corner of the mouth, which many mark in one place."""
 
-FARTHEST, CROSSED, SAME = 0.25, 0.02, 1e-4
+FARTHEST, CROSSED, SAME, STILL = 0.25, 0.02, 1e-4, 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,15 +57,17 @@ def refine_face(vertices, pose, points, template, weight=1.0, laplacian="cotange
             "extent away on average"
         )
     _check_apart(points, diagonal)
-    wanted = _meeting(points, pose, diagonal)
+    wanted = _meeting(points, pose, diagonal, pose.project(vertices[anchors]))
     ids, targets = _distinct(anchors[known], wanted[known], diagonal)
+    places = pose.lift(targets, vertices[ids])
 
     def move(shape):
-        deformation = LaplacianDeformation(shape, template.faces, ids, weight, laplacian)
-        return deformation.move(pose.lift(targets, shape[ids]))
+        return LaplacianDeformation(shape, template.faces, ids, weight, laplacian).move(places)
 
     moved = move(vertices)
-    sound = untangle(moved, template.gradients)
+    # What nothing pulls at stays as it is, flipped triangles and all.
+    still = np.abs(moved - vertices).max() < STILL * template.height
+    sound = moved if still else untangle(moved, template.gradients)
     if sound is not moved:
         moved = move(sound)
     return Refinement(
@@ -79,11 +81,17 @@ def refine_face(vertices, pose, points, template, weight=1.0, laplacian="cotange
     )
 
 
-def _meeting(points, pose, diagonal):
-    """Landmarks whose lids and lips that have passed each other meet half-way; far ones are refused."""
+def _meeting(points, pose, diagonal, own):
+    """Landmarks whose lids and lips that have passed each other meet half-way; far ones are refused.
+
+    own: (L, 2) pixels, the face's: lids and lips that overlap as far there already stay as they are.
+    """
     points, up = np.array(points), pose.rotation[:2, 1]
+    up = up / (np.linalg.norm(up) * diagonal)
     for upper, lower in OPPOSITE:
-        passed = float((points[lower] - points[upper]) @ up) / (np.linalg.norm(up) * diagonal)
+        passed, before = (float((places[lower] - places[upper]) @ up) for places in (points, own))
+        if abs(passed - before) < SAME:
+            continue
         if passed > CROSSED:
             raise InputError(f"landmarks {upper} and {lower}: expected the upper above the lower, found them crossed")
         if passed > 0:

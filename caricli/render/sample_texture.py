@@ -14,7 +14,7 @@ def sample_pixels(image, x, y, interpolation=cv2.INTER_LINEAR, border=None):
     Returns (N,) or (N, C).
     """
     # OpenCV takes no more than 32,767 rows or columns.
-    rows = -(-len(x) // _WIDTH)
+    rows = max(-(-len(x) // _WIDTH), 1)
     places = [np.resize(np.asarray(a, np.float32), (rows, _WIDTH)) for a in (x, y)]
     mode = {"borderMode": cv2.BORDER_REPLICATE} if border is None else {"borderMode": cv2.BORDER_CONSTANT,
                                                                         "borderValue": border}  # fmt: skip

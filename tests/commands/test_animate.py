@@ -78,7 +78,8 @@ def test_live_link_and_mediapipe_give_the_same_frames(run, rig_file, values, tmp
         out, frames = tmp_path / source.suffix[1:] / "anim.glb", tmp_path / f"{source.suffix[1:]}-frames"
         result = run("animate", rig_file, source, "--out", out, "--frames", frames)
         assert result.exit_code == 0, result.output
-        assert result.stdout == f"{out}: 6 frames at 30 a second, {5 - (source.suffix == '.json')} of 5 expressions driven\n"
+        driven = 5 - (source.suffix == ".json")
+        assert result.stdout == f"{out}: 6 frames at 30 a second, {driven} of 5 expressions driven\n"
         made.append((out, [read_obj(frames / f"frame-{k:04d}.obj").vertices for k in range(6)]))
     rig = read_rig(rig_file)
     columns = [LIVE_LINK_SHAPES.index(name) for name in SHAPES]

@@ -28,6 +28,10 @@ def plain(rig):
     return Rig(rig.names, rig.neutral, rig.deltas, rig.faces)
 
 
+def still(rig):
+    return replace(rig, names=(), deltas=rig.deltas[:0])
+
+
 def grid(side, names=("bump",)):
     """A square of side x side vertices and quads, with a bump."""
     row, column = (a.ravel() for a in np.mgrid[: side - 1, : side - 1])
@@ -90,6 +94,12 @@ def kinds(full, head, subdivided):
         "one frame, no rotation": (full, {"animation": Animation([0.0], turning.weights[:1])}),
         "nothing moves": (replace(full, deltas=0 * full.deltas), {}),
         "nothing moves, sparse": (replace(full, deltas=0 * full.deltas), {"sparse": True}),
+        "keeps still": (still(full), {}),
+        "keeps still, sparse": (still(full), {"sparse": True}),
+        "keeps still, plain": (still(plain(full)), {}),
+        "keeps still, turns": (still(full), {"animation": replace(turning, weights=turning.weights[:, :0])}),
+        "keeps still, animated": (still(full), {"animation": Animation([0.0], np.zeros((1, 0)))}),
+        "head keeps still": (still(head), {}),
         "no area": (replace(plain(full), neutral=0 * full.neutral), {}),
         "loose vertices": (replace(plain(full), faces=full.faces[:-20]), {}),
         "other names": (replace(plain(full), names=("ü 微笑", 'a"b', "c\\d", "e\nf")), {}),
@@ -230,6 +240,33 @@ def test_what_was_written_comes_back(name, sparse, request, tmp_path):
         assert back.materials is None
     else:
         np.testing.assert_array_equal(back.materials, np.repeat(rig.materials, 2))
+
+
+def test_a_head_that_keeps_still_comes_back(full_rig, tmp_path):
+    write_gltf(tmp_path / "a.glb", still(full_rig))
+    gltf = pygltflib.GLTF2.load(tmp_path / "a.glb")
+    (mesh,) = gltf.meshes
+    assert not mesh.weights and not mesh.extras and not any(p.targets for p in mesh.primitives)
+    back = read_gltf(tmp_path / "a.glb")
+    assert back.names == () and back.deltas.shape == (0, *full_rig.neutral.shape)
+    np.testing.assert_array_equal(back.neutral, full_rig.neutral)
+    np.testing.assert_array_equal(back.faces, full_rig.faces)
+    np.testing.assert_array_equal(back.materials, np.repeat(full_rig.materials, 2))
+    np.testing.assert_allclose(back.uvs[back.uv_polygons], full_rig.uvs[fans(full_rig.uv_polygons)], atol=1e-6)
+    for key in ("texture", "eye_texture"):
+        np.testing.assert_array_equal(getattr(back, key), getattr(full_rig, key))
+
+
+def test_a_mesh_with_targets_goes_before_one_without(full_rig, tmp_path):
+    write_gltf(tmp_path / "a.glb", full_rig)
+    document, binary = taken_apart(tmp_path / "a.glb")
+    bare = [{k: v for k, v in p.items() if k != "targets"} for p in document["meshes"][0]["primitives"]]
+    document["meshes"].insert(0, {"primitives": bare})
+    put_together(tmp_path / "a.glb", document, binary)
+    assert read_gltf(tmp_path / "a.glb").names == full_rig.names
+    document["meshes"].pop()
+    put_together(tmp_path / "a.glb", document, binary)
+    assert read_gltf(tmp_path / "a.glb").names == ()
 
 
 def test_vertices_of_no_triangle_come_back_in_their_place(full_rig, tmp_path):
@@ -447,7 +484,7 @@ def deep(depth):
     ("place", "value", "words"),
     [
         ("extensionsRequired", ["KHR_draco_mesh_compression"], "KHR_draco_mesh_compression"),
-        ("meshes", [], "expected a mesh with morph targets, found none"),
+        ("meshes", [], "expected a mesh, found none"),
         ("meshes", {}, "meshes: expected list"),
         ("meshes/1/primitives/0/mode", 5, "mode: expected triangles"),
         ("meshes/1/primitives/0/targets", [{"POSITION": 2}], "targets: expected as many in every primitive"),

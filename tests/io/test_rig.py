@@ -35,6 +35,17 @@ def test_what_is_none_is_absent(full_rig, tmp_path):
     ]
 
 
+def test_a_head_that_keeps_still(full_rig, tmp_path):
+    still = dataclasses.replace(full_rig, names=(), deltas=full_rig.deltas[:0])
+    write_rig(tmp_path / "a.npz", still)
+    back = read_rig(tmp_path / "a.npz")
+    assert back.names == () and back.deltas.shape == (0, *full_rig.neutral.shape) and back.deltas.dtype == np.float32
+    np.testing.assert_array_equal(back.neutral, full_rig.neutral)
+    np.testing.assert_array_equal(back.texture, full_rig.texture)
+    with pytest.raises(OutputError, match="deltas: expected the shape"):
+        write_rig(tmp_path / "b.npz", dataclasses.replace(full_rig, names=()))
+
+
 def test_the_same_rig_gives_the_same_bytes(full_rig, tmp_path):
     for name in ("a", "b"):
         write_rig(tmp_path / f"{name}.npz", full_rig)

@@ -35,3 +35,12 @@ def test_the_generator_decides_the_fibres_alone():
     differs = (first != other).any(-1)
     radius = radii()[0]
     assert differs.any() and radius[differs].max() < 1.1 * IRIS and radius[differs].min() > 0.8 * PUPIL
+
+
+def test_given_colours_take_the_place_of_the_usual_ones():
+    blue, grey = np.array([70.0, 110.0, 190.0]), np.array([180.0, 180.0, 190.0])
+    picture = paint_eye(SIZE, np.random.default_rng(0), blue, grey).astype(float)
+    radius, x, y = radii()
+    iris = picture[(radius > 1.2 * PUPIL) & (radius < 0.6 * IRIS) & ((x > 0) | (y > 0))].mean(0)
+    assert iris[2] > iris[1] > iris[0] and np.abs(iris - blue).max() < 40
+    np.testing.assert_allclose(picture[(radius > 1.2 * IRIS) & (radius < 0.1)].mean(0), grey, atol=6)

@@ -1,0 +1,142 @@
+"""Caricature blendshapes that keep who it is (expressions paper, section 3.2.3)."""
+
+from dataclasses import dataclass
+
+import igl
+import numpy as np
+import scipy.sparse as sp
+from cholespy import CholeskySolverD, MatrixType
+
+from caricli.errors import NumericsError
+
+UNMOVED = 0.05
+_RATIO, _TOLERANCE, _ITERATIONS = 4.0, 1e-11, 200
+
+
+@dataclass(frozen=True)
+class BlendshapeWeights:
+    """Weights of equation 11: the masked deformation, the structure of the set, smoothness."""
+
+    deformation: float = 1.0
+    structure: float = 0.1
+    smoothness: float = 0.05
+
+
+def optimise_blendshapes(initial, normal, vertices, faces, weights=BlendshapeWeights()):  # noqa: B008 (frozen)
+    """Displacements D* of a caricature that exaggerate no more than a normal face's and relate as they do.
+
+    Minimises ``sum_i d |L (D*_i - m_i D_i)|^2 + s sum_ij |c_ij| |D*_i - sign(c_ij) D*_j|^2 + o sum_i |L D*_i|^2``
+    (equation 11), with the cotangent Laplacian L, the masks m (equation 6) and the cosines c (equation 8). For negative
+    cosines equation 9 falls without bound as two shapes part; what bounds it is that opposite expressions be each
+    other's reverse, which is the same up to the squares of the two. Vertices that no normal expression moves by more
+    than ``UNMOVED`` of its largest displacement stay, so constants, which L does not see, have nowhere to go.
+
+    The cosines alone couple the expressions: in the eigenvectors of their matrix one sparse system remains for each,
+    solved by conjugate gradients that a few factorisations precondition.
+
+    initial, normal: (K, V, 3) displacements D of the caricature and of the normal face, metres. vertices: (V, 3) of the
+    caricature. faces: (F, 3). Returns (K, V, 3). Raises NumericsError for degenerate triangles and where nothing moves.
+    """
+    count = len(vertices)
+    masks = displacement_masks(normal)
+    free = np.flatnonzero(masks.max(0) >= UNMOVED)
+    if not len(free):
+        raise NumericsError("expected expressions that move something, found none")
+    laplacian = -igl.cotmatrix(np.asarray(vertices, dtype=np.float64), faces)
+    if not np.isfinite(laplacian.data).all():
+        raise NumericsError("expected triangles with an area, found some without")
+    square = (laplacian.T @ laplacian).tocsr()
+    wanted = weights.deformation * (masks[..., None] * initial)
+    right = square @ wanted.transpose(1, 0, 2).reshape(count, -1)
+    right = right[free].reshape(len(free), len(initial), 3)
+    system = (weights.deformation + weights.smoothness) * square[free][:, free]
+    levels, modes = np.linalg.eigh(structure(normal))
+    shifts = 2 * weights.structure * np.maximum(levels, 0)
+    solved = _solve(system.tocsr(), shifts, np.einsum("vic,ik->vkc", right, modes))
+    result = np.zeros((len(initial), count, 3))
+    result[:, free] = np.einsum("vkc,ik->ivc", solved, modes)
+    return result
+
+
+def displacement_masks(normal):
+    """(K, V) how far every vertex of a normal face moves, of the farthest (equation 6); 0 where nothing moves."""
+    lengths = np.linalg.norm(normal, axis=-1)
+    return lengths / np.maximum(lengths.max(1, keepdims=True), np.finfo(float).tiny)
+
+
+def cosines(normal):
+    """(K, K) of the angles between whole displacements (equation 8); 0 for one that moves nothing, but 1 to itself."""
+    rows = normal.reshape(len(normal), -1)
+    lengths = np.linalg.norm(rows, axis=1, keepdims=True)
+    rows = rows / np.where(lengths > 0, lengths, 1)
+    found = rows @ rows.T
+    np.fill_diagonal(found, 1.0)
+    return found
+
+
+def structure(normal):
+    """(K, K) positive semidefinite S with ``sum_ij |c_ij| |x_i - sign(c_ij) x_j|^2 = 2 x^T S x``."""
+    found = cosines(normal)
+    return np.diag(np.abs(found).sum(1)) - found
+
+
+def energy(candidate, initial, normal, vertices, faces, weights=BlendshapeWeights()):  # noqa: B008 (frozen)
+    """What ``optimise_blendshapes`` minimises. candidate: (K, V, 3). Returns a float."""
+    laplacian = -igl.cotmatrix(np.asarray(vertices, dtype=np.float64), faces)
+    gaps = candidate - displacement_masks(normal)[..., None] * initial
+    rows = candidate.reshape(len(candidate), -1)
+
+    def bent(shapes):
+        return sum(((laplacian @ shape) ** 2).sum() for shape in shapes)
+
+    together = 2 * np.einsum("im,ij,jm->", rows, structure(normal), rows, optimize=True)
+    return weights.deformation * bent(gaps) + weights.structure * together + weights.smoothness * bent(candidate)
+
+
+def _solve(system, shifts, right):
+    """Solve ``(system + shift_k) x_k = right_k``. right: (n, K, 3). Returns the same shape."""
+    solution = np.empty_like(right)
+    # Shifts within a factor of each other share a factorisation; the eigenvalues of what it leaves lie within it too.
+    floor = 1e-12 * system.diagonal().mean()
+    groups = np.floor(np.log(np.maximum(shifts, floor)) / np.log(_RATIO)).astype(int)
+    for group in np.unique(groups):
+        members = np.flatnonzero(groups == group)
+        usual = float(np.sqrt(np.maximum(shifts[members].min(), floor) * np.maximum(shifts[members].max(), floor)))
+        factor = _factor(system + usual * sp.identity(system.shape[0]))
+        for k in members:
+            solution[:, k] = _conjugate_gradients(system, shifts[k], np.ascontiguousarray(right[:, k]), factor)
+    return solution
+
+
+def _factor(matrix):
+    entries = matrix.tocoo()
+    solver = CholeskySolverD(
+        matrix.shape[0], entries.row.astype(np.int32), entries.col.astype(np.int32), entries.data, MatrixType.COO
+    )
+
+    def solve(right):
+        found = np.empty_like(right)
+        solver.solve(right, found)
+        return found
+
+    return solve
+
+
+def _conjugate_gradients(system, shift, right, precondition):
+    """Columns of (n, 3) side by side."""
+    found = precondition(right)
+    residual = right - system @ found - shift * found
+    goal = _TOLERANCE * np.maximum(np.linalg.norm(right, axis=0), np.finfo(float).tiny)
+    way, last = np.zeros_like(right), np.ones(right.shape[1])
+    for step in range(_ITERATIONS):
+        if (np.linalg.norm(residual, axis=0) <= goal).all():
+            break
+        preconditioned = precondition(np.ascontiguousarray(residual))
+        product = (residual * preconditioned).sum(0)
+        way = preconditioned + (product / last if step else 0.0) * way
+        image = system @ way + shift * way
+        length = product / np.maximum((way * image).sum(0), np.finfo(float).tiny)
+        found, residual, last = found + length * way, residual - length * image, np.where(product > 0, product, 1.0)
+    if not np.isfinite(found).all():
+        raise NumericsError("the blendshapes have no finite solution: are there degenerate triangles?")
+    return found

@@ -1,0 +1,275 @@
+import struct
+import zlib
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import trimesh
+from PIL import Image
+
+from caricli.commands.rigging import face_pictures
+from caricli.data.albedo import draw_albedo
+from caricli.geometry.scaled_orthographic_pose import Pose
+from caricli.io.face import Face, read_face, write_face
+from caricli.io.gltf import read_gltf
+from caricli.io.image import read_image, write_png
+from caricli.io.obj import ObjMesh, read_obj, write_obj
+from caricli.io.rig import EYES, SKIN, Rig, read_rig
+from caricli.io.strict_json import read_json
+from caricli.render.draw_textured import render_textured
+from caricli.render.rasterise import rasterise
+
+COMMAND = "texture"
+NAMES = ["eyes.png", "face.glb", "face.json", "face.mtl", "face.npz", "face.obj", "sheet.png", "texture.png"]
+SIDE = 300
+MAGENTA = np.array([255.0, 0, 255])
+POSE = Pose(1050.0, np.diag([1.0, -1, -1]), np.array([150.0, 290.0]))
+QUICK = ("--size", 96)
+
+
+def placed(vertices):
+    camera = POSE.scale * vertices @ POSE.rotation.T
+    camera[:, :2] += POSE.translation
+    return camera
+
+
+@pytest.fixture(scope="module", autouse=True)
+def small_pictures():
+    """Small views and eyes, which otherwise are much of the time."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("caricli.commands.textured.VIEW", 48)
+        patch.setattr("caricli.commands.textured.TEXTURE", 64)
+        yield
+
+
+@pytest.fixture(scope="module")
+def scene(head, head_template, tmp_path_factory):
+    """A folder with a painted head's face.npz, its picture in front of magenta, and the mask of the head."""
+    folder, vertices = tmp_path_factory.mktemp("scene"), head.evaluate(gender=0.3, age=0.6)
+    marks = POSE.project(vertices[head_template.annotation.landmarks[:68]])
+    mesh = head.polygons, head.uvs, head.uv_polygons
+    camera = POSE.scale, POSE.rotation, POSE.translation
+    write_face(folder / "face.npz", Face(vertices, head_template.faces, None, None, *camera, marks, None, *mesh))
+    skin = draw_albedo(head_template, np.random.default_rng(3), "soft", 256)
+    still = np.zeros((0, *vertices.shape), np.float32)
+    rig = Rig((), vertices.astype(np.float32), still, head_template.faces, *mesh, texture=skin)
+    write_png(folder / "photo.png", render_textured(rig, placed(vertices), SIDE, SIDE, paper=MAGENTA))
+    mask = rasterise(placed(vertices), head_template.faces, SIDE, SIDE).face >= 0
+    write_png(folder / "mask.png", np.repeat(mask[..., None] * np.uint8(255), 3, axis=2))
+    return folder
+
+
+def inputs(scene):
+    return scene / "face.npz", scene / "photo.png", "--mask", scene / "mask.png"
+
+
+@pytest.fixture(scope="module")
+def textured(run, scene, tmp_path_factory):
+    out = tmp_path_factory.mktemp("textured") / "out"
+    result = run(COMMAND, *inputs(scene), "--size", 256, "--out", out)
+    assert result.exit_code == 0, result.output
+    assert result.stdout.startswith(f"{out}: ") and "photometric error" in result.stdout
+    return out
+
+
+def test_the_folder_and_its_report(textured, scene):
+    assert sorted(path.name for path in textured.iterdir()) == NAMES
+    report = read_json(textured / "face.json")
+    assert report["command"] == COMMAND and report["size"] == 256 and report["project_uv"] is False
+    assert len(report["inputs"]) == 3 and report["seed"] == 0
+    assert 0 < report["photometric_error"] < 0.03 and 0.1 < report["seen"] < 0.6
+    mask = read_image(scene / "mask.png")[..., 0] > 0
+    assert report["head"] == pytest.approx(mask.mean())
+    assert read_image(textured / "texture.png").shape == (256, 256, 3)
+    sheet = read_image(textured / "sheet.png")
+    assert sheet.std() > 20 and sheet.shape[0] > 2 * 48
+
+
+def test_no_background_and_the_colours_of_the_picture(textured, scene):
+    texture = read_image(textured / "texture.png").astype(float)
+    assert np.abs(texture - MAGENTA).sum(-1).min() > 150
+    face = read_face(textured / "face.npz")
+    rig = Rig((), face.vertices.astype(np.float32), np.zeros((0, 4200, 3), np.float32), face.faces, face.polygons,
+              face.uvs, face.uv_polygons, texture=read_image(textured / "texture.png"))  # fmt: skip
+    again = render_textured(rig, placed(face.vertices), SIDE, SIDE).astype(float)
+    mask = read_image(scene / "mask.png")[..., 0] > 0
+    error = np.abs(again - read_image(scene / "photo.png"))[mask].mean() / 255
+    assert error == pytest.approx(read_json(textured / "face.json")["photometric_error"], abs=1e-3)
+
+
+def test_trimesh_opens_the_obj_with_its_picture(textured, scene):
+    mesh = trimesh.load(textured / "face.obj", process=False)
+    given = read_face(scene / "face.npz")
+    assert len(mesh.faces) == len(given.faces)
+    assert set(map(tuple, np.round(mesh.vertices, 5))) == set(map(tuple, np.round(given.vertices, 5)))
+    image = np.asarray(mesh.visual.material.image.convert("RGB"))
+    np.testing.assert_array_equal(image, read_image(textured / "texture.png"))
+    assert mesh.visual.uv.min() >= 0 and mesh.visual.uv.max() <= 1
+    own = read_obj(textured / "face.obj")
+    np.testing.assert_array_equal(own.uv_polygons, given.uv_polygons)
+
+
+def test_the_glb_has_skin_and_eyes(textured, run):
+    rig = read_gltf(textured / "face.glb")
+    assert rig.names == () and set(rig.materials) == {SKIN, EYES} and len(rig.neutral) > 4200
+    np.testing.assert_array_equal(rig.texture, read_image(textured / "texture.png"))
+    np.testing.assert_array_equal(rig.eye_texture, read_image(textured / "eyes.png"))
+    np.testing.assert_allclose(rig.neutral[:4200], read_face(textured / "face.npz").vertices, atol=1e-6)
+    said = run("rig", "--check", textured / "face.glb")
+    assert said.exit_code == 0 and "0 shapes" in said.stdout and "0 of 52 names" in said.stdout
+
+
+def test_rig_takes_both_pictures_along(run, textured, tmp_path, monkeypatch):
+    monkeypatch.setattr("caricli.commands.rig._sheet", lambda rig, progress: np.zeros((4, 4, 3), np.uint8))
+    result = run("rig", textured / "face.npz", "--out", tmp_path / "rig.glb")
+    assert result.exit_code == 0, result.output
+    rig = read_rig(tmp_path / "rig.npz")
+    assert len(rig.names) == 52
+    np.testing.assert_array_equal(rig.texture, read_image(textured / "texture.png"))
+    np.testing.assert_array_equal(rig.eye_texture, read_image(textured / "eyes.png"))
+
+
+def test_pictures_of_a_face(textured, tmp_path):
+    expected = textured / "texture.png", textured / "eyes.png"
+    assert face_pictures(textured / "face.npz", None) == face_pictures(textured / "face.obj", None) == expected
+    assert face_pictures(textured / "face.npz", tmp_path / "other.png") == (tmp_path / "other.png", None)
+    assert face_pictures(tmp_path / "none.npz", None) == (None, None)
+
+
+@pytest.fixture(scope="module")
+def quick(run, scene, tmp_path_factory):
+    """A coarse texture."""
+    out = tmp_path_factory.mktemp("quick") / "out"
+    assert run(COMMAND, *inputs(scene), *QUICK, "--out", out).exit_code == 0
+    return out
+
+
+def test_the_same_input_gives_the_same_bytes(run, scene, quick, tmp_path):
+    assert run(COMMAND, *inputs(scene), *QUICK, "--out", tmp_path / "out").exit_code == 0
+    for name in NAMES:
+        if name != "face.json":
+            assert (quick / name).read_bytes() == (tmp_path / "out" / name).read_bytes(), name
+
+
+def test_without_a_mask_the_head_is_cut_out(run, scene, tmp_path):
+    result = run(COMMAND, *inputs(scene)[:2], *QUICK, "--out", tmp_path / "out")
+    assert result.exit_code == 0, result.output
+    head = (read_image(scene / "mask.png")[..., 0] > 0).mean()
+    assert read_json(tmp_path / "out" / "face.json")["head"] == pytest.approx(head, rel=0.15)
+    assert np.abs(read_image(tmp_path / "out" / "texture.png") - MAGENTA).sum(-1).min() > 100
+
+
+def test_the_plain_variant_has_the_picture_itself(run, scene, tmp_path):
+    out = tmp_path / "out"
+    result = run(COMMAND, *inputs(scene), *QUICK, "--project-uv", "--out", out)
+    assert result.exit_code == 0, result.output
+    report, mesh = read_json(out / "face.json"), read_obj(out / "face.obj")
+    assert report["project_uv"] is True and report["photometric_error"] < 0.03
+    mask, photo = read_image(scene / "mask.png")[..., 0] > 0, read_image(scene / "photo.png")
+    np.testing.assert_array_equal(read_image(out / "texture.png")[mask], photo[mask])
+    wanted = (POSE.project(mesh.vertices) + 0.5) / SIDE
+    np.testing.assert_array_equal(mesh.uv_polygons, mesh.polygons)
+    np.testing.assert_allclose(mesh.uvs, np.stack([wanted[:, 0], 1 - wanted[:, 1]], axis=1), atol=1e-5)
+
+
+def saved(image, path, mode):
+    if mode == "16-bit":
+        grey = np.asarray(image.convert("L"), np.uint16) * 257
+        Image.fromarray(grey).save(path, "PNG")
+    elif mode == "alpha":
+        image.putalpha(255)
+        image.save(path, "PNG")
+    elif mode == "EXIF":
+        exif = Image.Exif()
+        exif[0x0112] = 6
+        image.rotate(90, expand=True).save(path, "PNG", exif=exif)
+    else:
+        image.convert(mode).save(path, "TIFF")
+
+
+@pytest.mark.parametrize("mode", ["alpha", "CMYK", "16-bit", "L", "EXIF"])
+def test_pictures_of_other_kinds(mode, run, scene, quick, tmp_path):
+    saved(Image.open(scene / "photo.png").convert("RGB"), tmp_path / "photo", mode)
+    result = run(COMMAND, scene / "face.npz", tmp_path / "photo", *inputs(scene)[2:], *QUICK, "--out", tmp_path / "out")
+    assert result.exit_code == 0, result.output
+    texture, plain = (read_image(folder / "texture.png").astype(int) for folder in (tmp_path / "out", quick))
+    if mode in ("alpha", "EXIF"):
+        np.testing.assert_array_equal(texture, plain)
+    elif mode == "CMYK":
+        assert np.abs(texture - plain).max() <= 3
+    else:
+        assert (np.ptp(texture, axis=2) == 0).all()
+        assert np.abs(texture[..., 0] - plain @ [0.299, 0.587, 0.114]).mean() < 3
+
+
+def bomb():
+    def chunk(kind, data):
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+    header = struct.pack(">IIBBBBB", 100_000, 100_000, 8, 2, 0, 0, 0)
+    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", zlib.compress(b"")) + chunk(b"IEND", b"")
+
+
+@pytest.mark.parametrize("role", ["picture", "mask"])
+@pytest.mark.parametrize("content", [bomb(), b"", b"hello"])
+def test_files_that_are_no_pictures(role, content, refused, scene, tmp_path):
+    (tmp_path / "bad.png").write_bytes(content)
+    face, photo, flag, _ = inputs(scene)
+    given = (face, tmp_path / "bad.png") if role == "picture" else (face, photo, flag, tmp_path / "bad.png")
+    said = refused(COMMAND, *given, "--out", tmp_path / "out")
+    assert "bad.png: expected" in said and not (tmp_path / "out").exists()
+
+
+def test_masks_that_do_not_fit(refused, scene, tmp_path):
+    face, photo, flag, mask = inputs(scene)
+    white = read_image(mask)
+    elsewhere = np.zeros_like(white)
+    elsewhere[:4, :4] = 255
+    cases = {
+        "small": (white[:-1], "expected the picture's size, 300 x 300, found 300 x 299"),
+        "black": (0 * white, "expected white where the head is, found none there"),
+        "elsewhere": (elsewhere, "expected white where the head is, found none there"),
+    }
+    for name, (image, words) in cases.items():
+        path = tmp_path / f"{name}.png"
+        write_png(path, image)
+        said = refused(COMMAND, face, photo, flag, path, "--out", tmp_path / "out")
+        assert f"{path}: {words}" in said and not (tmp_path / "out").exists()
+
+
+def test_another_picture(refused, scene, tmp_path):
+    face = read_face(scene / "face.npz")
+    write_face(tmp_path / "away.npz", replace(face, camera_translation=face.camera_translation + 5000))
+    said = refused(COMMAND, tmp_path / "away.npz", scene / "photo.png", "--out", tmp_path / "out")
+    assert "photo.png: expected the picture that the face was fitted to" in said and not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize("kind", ["OBJ", "NPZ", "landmarks"])
+def test_a_face_that_was_fitted_to_no_picture(kind, refused, scene, tmp_path):
+    face = read_face(scene / "face.npz")
+    path = tmp_path / ("bare.obj" if kind == "OBJ" else "bare.npz")
+    if kind == "OBJ":
+        write_obj(path, ObjMesh(face.vertices, face.polygons, face.uvs, face.uv_polygons))
+    elif kind == "NPZ":
+        write_face(path, replace(face, camera_scale=None, camera_rotation=None, camera_translation=None))
+    else:
+        write_face(path, replace(face, landmarks=None))
+    said = refused(COMMAND, path, scene / "photo.png", "--out", tmp_path / "out")
+    assert f"{path}: expected a face with " in said and "reconstruct-from-landmarks" in said
+    assert not (tmp_path / "out").exists()
+
+
+def test_outputs_that_exist_and_wrong_usage(refused, run, scene, textured, tmp_path):
+    before = (textured / "texture.png").read_bytes()
+    assert "--overwrite" in refused(COMMAND, *inputs(scene), "--out", textured)
+    assert (textured / "texture.png").read_bytes() == before
+    own = tmp_path / "own"
+    own.mkdir()
+    (own / "diary.txt").write_text("mine")
+    assert "face.json" in refused(COMMAND, *inputs(scene), "--out", own, "--overwrite")
+    assert "input" in refused(COMMAND, *inputs(scene), "--out", scene, "--overwrite")
+    assert (own / "diary.txt").read_text() == "mine"
+    for size in (63, 4097, "big"):
+        result = run(COMMAND, *inputs(scene), "--size", size, "--out", tmp_path / "out")
+        assert result.exit_code == 2 and "--size" in result.stderr
+    assert [path.name for path in tmp_path.iterdir()] == ["own"]

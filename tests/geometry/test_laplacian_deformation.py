@@ -1,0 +1,86 @@
+import numpy as np
+import pytest
+
+from caricli.errors import NumericsError
+from caricli.geometry.deformation_gradients import rotation_matrices
+from caricli.geometry.laplacian_deformation import LaplacianDeformation
+
+ANCHORS = np.array([0, 8, 31, 40, 54, 62])
+KINDS = ("uniform", "cotangent")
+
+
+def targets(vertices, size=0.2, seed=0):
+    return vertices[ANCHORS] + size * np.random.default_rng(seed).normal(size=(len(ANCHORS), 3))
+
+
+@pytest.mark.parametrize("name", ["patch", "ball"])
+@pytest.mark.parametrize("weight", [0.3, 1.0, 50.0])
+def test_uniform_is_the_least_squares_of_equation_10(name, weight, request):
+    vertices, faces = request.getfixturevalue(name)
+    wanted, count = targets(vertices), len(vertices)
+    rings = [set() for _ in range(count)]
+    for triangle in faces.tolist():
+        for vertex in triangle:
+            rings[vertex] |= set(triangle) - {vertex}
+    laplacian = np.zeros((count, count))
+    for vertex, ring in enumerate(rings):
+        for other in ring:
+            laplacian[vertex, vertex] += 1 / len(ring)
+            laplacian[vertex, other] -= 1 / len(ring)
+    pick = np.eye(count)[ANCHORS] * np.sqrt(weight)
+    right = np.vstack([laplacian @ vertices, np.sqrt(weight) * wanted])
+    dense = np.linalg.lstsq(np.vstack([laplacian, pick]), right, rcond=None)[0]
+    found = LaplacianDeformation(vertices, faces, ANCHORS, weight, "uniform").move(wanted, rounds=0)
+    np.testing.assert_allclose(found, dense, atol=1e-8)
+
+
+@pytest.mark.parametrize("laplacian", KINDS)
+def test_anchors_that_stay_move_nothing(patch, laplacian):
+    vertices, faces = patch
+    before = vertices.copy()
+    found = LaplacianDeformation(vertices, faces, ANCHORS, 1.0, laplacian).move(vertices[ANCHORS])
+    np.testing.assert_allclose(found, vertices, atol=1e-10)
+    np.testing.assert_array_equal(vertices, before)
+
+
+@pytest.mark.parametrize("laplacian", KINDS)
+def test_a_rigid_motion_of_everything_moves_the_result_alike(ball, laplacian):
+    vertices, faces = ball
+    turn = rotation_matrices(np.array([[0.4, -1.0, 0.7]]))[0].T
+    wanted = targets(vertices)
+    here = LaplacianDeformation(vertices, faces, ANCHORS, 1.0, laplacian).move(wanted)
+    there = LaplacianDeformation(vertices @ turn + 3.0, faces, ANCHORS, 1.0, laplacian).move(wanted @ turn + 3.0)
+    np.testing.assert_allclose(there, here @ turn + 3.0, atol=1e-8)
+    # Mirrored too: no rotation may turn into a reflection.
+    flip = np.array([-1.0, 1, 1])
+    mirrored = LaplacianDeformation(vertices * flip, faces[:, ::-1], ANCHORS, 1.0, laplacian).move(wanted * flip)
+    np.testing.assert_allclose(mirrored, here * flip, atol=1e-8)
+
+
+@pytest.mark.parametrize("laplacian", KINDS)
+def test_anchors_that_turn_take_the_surface_along_as_it_is(patch, laplacian):
+    vertices, faces = patch
+    turned = vertices @ rotation_matrices(np.radians([[40.0, 0, 30.0]]))[0].T
+    deformation = LaplacianDeformation(vertices, faces, ANCHORS, 10.0, laplacian)
+    errors = [np.abs(deformation.move(turned[ANCHORS], rounds) - turned).max() for rounds in (0, 4, 20, 400)]
+    assert (np.diff(errors) < 0).all() and errors[2] < 0.2 * errors[0] and errors[3] < 1e-8, errors
+
+
+@pytest.mark.parametrize("laplacian", KINDS)
+def test_a_larger_weight_comes_nearer(patch, laplacian):
+    vertices, faces = patch
+    wanted, gaps = targets(vertices), []
+    for weight in (0.01, 1.0, 100.0, 1e4):
+        found = LaplacianDeformation(vertices, faces, ANCHORS, weight, laplacian).move(wanted)
+        gaps.append(np.abs(found[ANCHORS] - wanted).max())
+    assert (np.diff(gaps) < 0).all() and gaps[-1] < 1e-3, gaps
+
+
+def test_triangles_without_area_are_refused_where_angles_count(patch):
+    vertices, faces = patch
+    pinched = vertices.copy()
+    pinched[1] = pinched[0]
+    with pytest.raises(NumericsError, match="with an area"):
+        LaplacianDeformation(pinched, faces, ANCHORS, 1.0, "cotangent")
+    found = LaplacianDeformation(pinched, faces, ANCHORS, 1.0, "uniform").move(targets(pinched))
+    assert np.isfinite(found).all()
