@@ -38,8 +38,10 @@ def draw(folder, chosen):
 
 
 def beside(pictures):
-    """Return one picture of pictures of one height, from left to right."""
-    whole = Image.new("RGB", (sum(p.width for p in pictures), pictures[0].height))
+    """Return one picture of pictures from left to right, as high as the lowest."""
+    height = min(p.height for p in pictures)
+    pictures = [p.resize((round(p.width * height / p.height), height)) for p in pictures]
+    whole = Image.new("RGB", (sum(p.width for p in pictures), height))
     for k, picture in enumerate(pictures):
         whole.paste(picture, (sum(p.width for p in pictures[:k]), 0))
     return whole

@@ -1,4 +1,5 @@
 import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -77,3 +78,23 @@ def test_rig(run, tmp_path):
     assert moved.names == rig.names and animation["frames"] == 66 and animation["unmatched"] == []
     with Image.open(tmp_path / "out" / "preview.gif") as preview:
         assert preview.size == (64, 64) and preview.n_frames > 20
+
+
+def test_drawing_to_rig(run, tmp_path):
+    pictures, out = tmp_path / "pictures", tmp_path / "heads"
+    pictures.mkdir()
+    run(sys.executable, ROOT / "examples" / "astronaut" / "fetch_image.py", pictures / "astronaut.png")
+    for name in ("astronaut", "bad"):
+        shutil.copyfile(ROOT / "examples" / "astronaut" / "landmarks.json", pictures / f"{name}.json")
+    (pictures / "bad.png").write_bytes(b"no picture")
+    (pictures / "unmarked.png").touch()
+    makefile = ROOT / "examples" / "drawing-to-rig" / "Makefile"
+    with pytest.raises(AssertionError, match=r"(?s)bad\.png: expected|unmarked\.json"):
+        run("make", "-j2", "-f", makefile, f"PICTURES={pictures}", f"OUT={out}", "SIZE=256", "DURATION=1")
+    assert sorted(path.name for path in out.iterdir() if path.is_dir()) == ["astronaut"]
+    rig, moved = read_gltf(out / "astronaut" / "rig.glb"), read_gltf(out / "astronaut" / "talk.glb")
+    assert len(rig.names) == 52 and rig.texture.shape == (256, 256, 3) and rig.texture.std() > 10
+    assert rig.eye_texture is not None and moved.names == rig.names
+    errors = read_json(out / "astronaut" / "refined.json")
+    assert errors["after"]["all"] < 0.1 < errors["before"]["all"]
+    assert read_json(out / "astronaut" / "textured" / "face.json")["photometric_error"] < 0.06

@@ -1,24 +1,27 @@
+import html
 import os
 import re
+import shutil
 import signal
 import subprocess
 import sys
 import time
 from pathlib import Path
+from urllib.parse import unquote
 
 import pytest
 
 from caricli.io.face import read_face
+from caricli.io.gltf import read_gltf
 from caricli.io.strict_json import read_json
 
 ROOT = Path(__file__).parents[1]
-PIPELINE = ROOT / "pipelines" / "deformable"
 PATIENCE = 300
 
 
 @pytest.fixture
 def snakemake(tmp_path):
-    """Start the tiny profile with results in tmp_path / out; `caricli` and `python` are those of the tests."""
+    """Start a pipeline's tiny profile with results in tmp_path / out; `caricli` and `python` are those of the tests."""
     shims = {"caricli": f'"{sys.executable}" -m caricli', "python": f'"{sys.executable}"'}
     (tmp_path / "bin").mkdir()
     for name, command in shims.items():
@@ -28,10 +31,11 @@ def snakemake(tmp_path):
     path = f"{tmp_path / 'bin'}{os.pathsep}{os.environ['PATH']}"
     environment = os.environ | {"PATH": path, "PYTHONPATH": str(ROOT)}
 
-    def start(*options):
-        where = ["--workflow-profile", PIPELINE / "profiles" / "tiny", "--directory", tmp_path / "out"]
+    def start(name, *options):
+        pipeline = ROOT / "pipelines" / name
+        where = ["--workflow-profile", pipeline / "profiles" / "tiny", "--directory", tmp_path / "out"]
         return subprocess.Popen(
-            [sys.executable, "-m", "snakemake", "--snakefile", PIPELINE / "Snakefile", *where, *options],
+            [sys.executable, "-m", "snakemake", "--snakefile", pipeline / "Snakefile", *where, *options],
             env=environment, cwd=tmp_path, start_new_session=True,
             stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
         )  # fmt: skip
@@ -39,35 +43,80 @@ def snakemake(tmp_path):
     return start
 
 
-def ended(process):
+def ended(process, code=0):
     printed, _ = process.communicate(timeout=PATIENCE)
-    assert process.returncode == 0, printed
+    assert process.returncode == code, printed
     return printed
 
 
-def test_deformable_goes_on_where_it_was_killed(snakemake, tmp_path):
-    out, begun = tmp_path / "out", snakemake()
-    log, deadline = out / "training" / "log.jsonl", time.monotonic() + PATIENCE
-    while not log.exists() and begun.poll() is None and time.monotonic() < deadline:
+def kill_once(process, path):
+    """Kill the workflow as soon as there is a file; what it printed."""
+    deadline = time.monotonic() + PATIENCE
+    while not path.exists() and process.poll() is None and time.monotonic() < deadline:
         time.sleep(0.05)
-    os.killpg(begun.pid, signal.SIGKILL)
-    printed, _ = begun.communicate()
-    assert log.exists(), printed
+    os.killpg(process.pid, signal.SIGKILL)
+    printed, _ = process.communicate()
+    assert path.exists(), printed
+    return printed
+
+
+def links_of(page):
+    """The links of a page without what follows a #, all of which lead to files beside it."""
+    links = [unquote(html.unescape(link)) for link in re.findall(r'(?:href|src)="([^"#]+)', page.read_text("utf-8"))]
+    wrong = [link for link in links if Path(link).is_absolute() or ":" in link or not (page.parent / link).is_file()]
+    assert wrong == []
+    return links
+
+
+def test_deformable_goes_on_where_it_was_killed(snakemake, tmp_path):
+    out = tmp_path / "out"
+    log = out / "training" / "log.jsonl"
+    kill_once(snakemake("deformable"), log)
     epochs, manifest = log.read_text(), (out / "dataset" / "dataset.json").stat()
     assert not (out / "models" / "deformable.safetensors").exists()
 
-    ended(snakemake("--unlock"))
-    ended(snakemake())
+    ended(snakemake("deformable", "--unlock"))
+    ended(snakemake("deformable"))
     assert (out / "dataset" / "dataset.json").stat() == manifest
     assert log.read_text().startswith(epochs)
-    assert "Nothing to be done" in ended(snakemake())
+    assert "Nothing to be done" in ended(snakemake("deformable"))
 
     page = (out / "index.html").read_text()
-    links = re.findall(r'(?:href|src)="([^"]+)"', page)
-    assert len(links) > 10
-    assert [link for link in links if Path(link).is_absolute() or ":" in link or not (out / link).is_file()] == []
+    assert len(links_of(out / "index.html")) > 10
     errors = read_json(out / "evaluation" / "shape.json")["models"]
     for kind in ("pca", "deformable"):
         assert f"<td>{errors[f'models/{kind}.safetensors']['test']['percent']:.3f}</td>" in page
         identity = read_json(out / "models" / f"{kind}.json")["model_id"]
         assert read_face(out / "astronaut" / f"{kind}.npz").model_id == identity
+
+
+def test_portrait_goes_on_where_it_was_killed_and_past_a_bad_picture(snakemake, tmp_path):
+    pictures, out, good = tmp_path / "pictures", tmp_path / "out", "a & 'b' 1"
+    pictures.mkdir()
+    example = ROOT / "examples" / "astronaut"
+    subprocess.run([sys.executable, example / "fetch_image.py", pictures / f"{good}.png"], check=True)
+    shutil.copyfile(example / "landmarks.json", pictures / f"{good}.json")
+    (pictures / "unmarked.png").write_bytes(b"no picture")
+    start = ("portrait", "--config", "size=128", f"pictures={pictures}")
+
+    head = out / "heads" / good
+    kill_once(snakemake(*start), head / "refined.json")
+    face = (head / "face.npz").stat()
+    assert not (head / "rig.glb").exists() and not (out / "index.html").exists()
+    ended(snakemake(*start, "--unlock"))
+
+    ended(snakemake(*start), code=1)
+    assert (head / "face.npz").stat() == face
+    rig = read_gltf(head / "rig.glb")
+    assert len(rig.names) == 52 and rig.texture.shape == (128, 128, 3)
+    page = (out / "index.html").read_text("utf-8")
+    assert "1 of 2 finished" in page and "a &amp; &#x27;b&#x27; 1" in page
+    assert re.search(r'class="failed">reconstruct failed: [^<]*unmarked\.json: expected', page)
+    assert f"<td>{read_json(head / 'refined.json')['after']['all']:.3f}</td>" in page
+    shown = {f"heads/{good}/{name}" for name in ("rig.glb", "rig.png", "textured/face.obj")}
+    assert shown < set(links_of(out / "index.html"))
+
+    (pictures / "unmarked.png").unlink()
+    ended(snakemake(*start))
+    assert (head / "face.npz").stat() == face and "unmarked" not in (out / "index.html").read_text("utf-8")
+    assert "Nothing to be done" in ended(snakemake(*start))

@@ -60,7 +60,8 @@ def bundled(ctx, param, value):
         return value
     if value.name != str(value) or value.suffix:
         return value
-    kinds = sorted(path.stem for path in asset_path("").glob("*.safetensors"))
+    # Shape models have their kind's name; the landmark map is none.
+    kinds = sorted(path.stem for path in asset_path("").glob("*.safetensors") if path.stem != "landmark_map")
     if value.name not in kinds:
         raise InputError(f"{value}: expected a model file or one of {', '.join(kinds)}, found neither")
     return asset_path(f"{value.name}.safetensors")

@@ -52,7 +52,6 @@ def command(face, landmarks, out, image, parsing, weight, laplacian, model, leve
 
     \b
     Example:
-      caricli reconstruct-from-landmarks landmarks.json --image drawing.png --out face.obj
       caricli refine face.npz landmarks.json --image drawing.png --out refined.obj
       caricli refine face.npz landmarks.json --parsing labels.png --out refined.obj
     """

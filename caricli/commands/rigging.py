@@ -67,9 +67,7 @@ def face_pictures(face, texture):
     """The pictures on skin and eyes: the one that was given, else what the OBJ names, or the OBJ beside an NPZ; and the
     `eyes.png` that `caricli texture` wrote beside that. Either may be None."""
     mesh = face if face.suffix.lower() == ".obj" else face.with_suffix(".obj")
-    if texture is not None or not mesh.is_file():
-        return texture, None
-    skin = texture_path(mesh)
+    skin = texture_path(mesh) if texture is None and mesh.is_file() else texture
     eyes = skin and skin.with_name(EYES)
     return skin, eyes if eyes and eyes.is_file() else None
 

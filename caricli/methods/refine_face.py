@@ -17,7 +17,7 @@ OPPOSITE = ((37, 41), (38, 40), (43, 47), (44, 46), (61, 67), (62, 66), (63, 65)
 CORNERS = ((48, 60), (54, 64))
 """Outer and inner corner of the mouth, which many mark in one place."""
 
-FARTHEST, CROSSED, SAME, STILL = 0.25, 0.02, 1e-4, 1e-6
+FARTHEST, CROSSED, LIPS_CROSSED, SAME, STILL = 0.25, 0.02, 0.06, 1e-4, 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,6 +47,10 @@ def refine_face(vertices, pose, points, template, weight=1.0, laplacian="cotange
     if len(points) not in (68, len(note.landmarks)):
         raise InputError(f"expected 68 or {len(note.landmarks)} landmarks, found {len(points)}")
     jaw = slide_contour(vertices, pose.rotation, template.vertices, note.landmarks[:JAW], note.jaw_paths)
+    # Where paths meet two landmarks can slide to one vertex; then the second stays where it was marked.
+    first = np.zeros(JAW, dtype=bool)
+    first[np.unique(jaw, return_index=True)[1]] = True
+    jaw = np.where(first, jaw, note.landmarks[:JAW])
     anchors = np.concatenate([jaw, note.landmarks[JAW : len(points)]])
     known = np.flatnonzero(np.isfinite(points).all(axis=1))
     diagonal = float(np.linalg.norm(np.ptp(points[known], axis=0)))
@@ -92,7 +96,7 @@ def _meeting(points, pose, diagonal, own):
         passed, before = (float((places[lower] - places[upper]) @ up) for places in (points, own))
         if abs(passed - before) < SAME:
             continue
-        if passed > CROSSED:
+        if passed > max(before, 0) + (LIPS_CROSSED if upper in PARTS["mouth"] else CROSSED):
             raise InputError(f"landmarks {upper} and {lower}: expected the upper above the lower, found them crossed")
         if passed > 0:
             points[[upper, lower]] = points[[upper, lower]].mean(0)

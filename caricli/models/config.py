@@ -148,6 +148,37 @@ class DeformableConfig:
         return NetworkSize(self.latent, self.width, self.layers, self.hidden, self.frequency)
 
 
+@dataclass(frozen=True)
+class LandmarkMapConfig:
+    """Settings of a landmark map; the defaults are those of configs/landmark_map/default.yaml.
+
+    dimension: principal components of a domain. width: of the generators' hidden layers, judge_width: of the
+    discriminators'. least: smallest singular value of the linear map that training starts from. adversarial, cycle,
+    characteristic: weights of the losses. views: random poses of every mesh. epochs, batch, learning_rate.
+    """
+
+    dimension: int = 32
+    width: int = 64
+    judge_width: int = 128
+    least: float = 0.7
+    adversarial: float = 0.3
+    cycle: float = 10.0
+    characteristic: float = 1.0
+    views: int = 8
+    epochs: int = 10
+    batch: int = 256
+    learning_rate: float = 2e-4
+
+    def __post_init__(self):
+        """Refuse impossible sizes."""
+        ranges = {
+            "dimension": (1, 136), "width": (1, 4096), "judge_width": (1, 4096), "least": (0.1, 1),
+            "adversarial": (0, 1e6), "cycle": (0, 1e6), "characteristic": (0, 1e6), "views": (1, 1000),
+            "epochs": (0, 10**6), "batch": (1, 10**5), "learning_rate": (1e-9, 1),
+        }  # fmt: skip
+        check_ranges(self, ranges)
+
+
 def check_ranges(config, ranges):
     """Raise ValueError where a setting is out of its range. ranges: names to (low, high)."""
     for name, (low, high) in ranges.items():

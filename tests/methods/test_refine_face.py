@@ -148,7 +148,7 @@ def test_lids_and_lips_that_cross_a_little_meet(upper, lower, pairs, template):
 def test_lids_and_lips_that_cross_much_are_refused(upper, lower, pairs, template):
     for truth in pairs[:2]:
         points = truth.points.copy()
-        up = 0.03 * np.linalg.norm(np.ptp(points, axis=0)) * upwards(truth.pose)
+        up = 0.08 * np.linalg.norm(np.ptp(points, axis=0)) * upwards(truth.pose)
         points[lower] = points[upper] + up
         with pytest.raises(InputError, match=f"landmarks {upper} and {lower}: expected the upper above the lower"):
             refine_face(template.vertices, truth.pose, points, template)

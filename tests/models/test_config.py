@@ -5,7 +5,7 @@ import pytest
 from caricli.errors import InputError
 from caricli.io.bundled import config_path
 from caricli.io.config import read_config
-from caricli.models.config import KernelConfig, LinearConfig, MorphableConfig
+from caricli.models.config import KernelConfig, LandmarkMapConfig, LinearConfig, MorphableConfig
 
 
 @pytest.mark.parametrize("kind", ["pca", "intrinsic"])
@@ -56,3 +56,15 @@ def test_impossible_settings_are_refused(setting):
 def test_settings_do_not_change():
     with pytest.raises(FrozenInstanceError):
         LinearConfig().dimension = 3
+
+
+@pytest.mark.parametrize("name", ["tiny", "default"])
+def test_the_bundled_settings_of_the_landmark_map_can_be_read(name):
+    config = read_config(config_path(f"landmark_map/{name}.yaml"), LandmarkMapConfig)
+    assert (config == LandmarkMapConfig()) == (name == "default")
+
+
+@pytest.mark.parametrize("setting", ["dimension=0", "width=0", "least=1.1", "adversarial=-1", "views=0", "batch=0"])
+def test_impossible_settings_of_the_landmark_map_are_refused(setting):
+    with pytest.raises(InputError, match=setting.split("=")[0]):
+        read_config(None, LandmarkMapConfig, [setting])

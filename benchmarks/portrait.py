@@ -1,0 +1,71 @@
+"""Refining and texturing faces: seconds.
+
+Usage: python benchmarks/portrait.py. Medians of five runs after a warm-up, in seconds of processors, so that other work
+on the machine does not count and more cores do not help. `refine` is its Laplacian deformation with 68 anchors, from
+the factorisation to the last round of rotations: at the size of the head, and at the 35,709 vertices of the paper,
+decimated from the twice subdivided head. The texture has 1024 texels a side, of a rendered portrait of 512 pixels. The
+last line is JSON. The paper needs 20.02 s for a refinement.
+"""
+
+import json
+import statistics
+import time
+
+import igl
+import numpy as np
+
+from caricli.geometry.laplacian_deformation import LaplacianDeformation
+from caricli.methods.evaluate_portrait import PortraitStudio
+from caricli.methods.texture_face import texture_face
+from caricli.template.fine_mesh import fine_mesh
+from caricli.template.head import load_head
+
+RUNS, SIZES, TEXTURE, PICTURE = 5, (4_200, 35_709), 1024, 512
+_PUSH = 0.004
+
+
+def main():
+    """Print the three figures and the JSON line."""
+    template = load_head().template()
+    seconds = {f"refine {count} vertices": refined(template, count) for count in SIZES}
+    seconds[f"texture {TEXTURE} texels"] = textured(template)
+    for name, value in seconds.items():
+        print(f"{name}: {value:.3f} s")
+    print(json.dumps({"seconds": seconds}))
+
+
+def refined(template, count):
+    """Seconds to factor and move a mesh of about so many vertices."""
+    vertices, faces = template.vertices, template.faces
+    if count > len(vertices):
+        fine = fine_mesh(template, 2)
+        vertices = fine.weights @ vertices
+        ratio = int(len(fine.faces) * count / len(vertices))
+        vertices, faces, *_ = igl.decimate(vertices, np.asarray(fine.faces, dtype=np.int32), ratio)
+    marks = template.vertices[template.annotation.landmarks[:68]]
+    # Decimation keeps no vertex for sure: the nearest to every landmark, each once.
+    anchors = np.unique(np.linalg.norm(vertices[None] - marks[:, None], axis=2).argmin(1))
+    targets = vertices[anchors] + np.random.default_rng(0).normal(0, _PUSH, (len(anchors), 3)) * [1, 1, 0]
+    return median(lambda: LaplacianDeformation(vertices, faces, anchors, 1.0).move(targets))
+
+
+def textured(template):
+    """Seconds to paint the head with a portrait of it."""
+    portrait = PortraitStudio(template, PICTURE).portray("head", template.vertices, np.random.default_rng(0))
+    view = template.vertices, portrait.pose, portrait.image, portrait.mask, template
+    return median(lambda: texture_face(*view, TEXTURE))
+
+
+def median(work):
+    """Median processor seconds of runs after a warm-up."""
+    work()
+    seconds = []
+    for _ in range(RUNS):
+        start = time.process_time()
+        work()
+        seconds.append(time.process_time() - start)
+    return statistics.median(seconds)
+
+
+if __name__ == "__main__":
+    main()

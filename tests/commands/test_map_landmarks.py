@@ -1,0 +1,54 @@
+import numpy as np
+import pytest
+
+from caricli.io.bundled import asset_path
+from caricli.io.checkpoint import read_checkpoint, write_checkpoint
+from caricli.io.image import read_image
+from caricli.io.landmarks import Landmarks, read_landmarks, write_landmarks
+
+BUNDLED = asset_path("landmark_map.safetensors")
+
+
+def test_landmarks_are_mapped_and_drawn(run, marks, tmp_path):
+    out = tmp_path / "new" / "normal.json"
+    result = run("map-landmarks", marks, "--to", "normal", "--out", out)
+    assert result.exit_code == 0, result.output
+    assert f"{out}: 68 landmarks to normal, moved by " in result.stdout
+    given, mapped = read_landmarks(marks), read_landmarks(out)
+    assert mapped.image_size == given.image_size and mapped.points.shape == (68, 2)
+    moved = np.linalg.norm(mapped.points - given.points, axis=1).mean() / np.linalg.norm(np.ptp(given.points, axis=0))
+    assert 0 < moved < 0.1
+    picture = read_image(out.with_suffix(".png"))
+    blue, red = ((picture[..., k] > picture[..., 2 - k].astype(int) + 100).nonzero()[1].mean() for k in (2, 0))
+    assert red < blue, "the given caricature is on the left"
+
+
+def test_of_81_landmarks_the_first_68_are_mapped(run, points, marks, tmp_path):
+    write_landmarks(tmp_path / "81.txt", Landmarks(points))
+    result = run("map-landmarks", tmp_path / "81.txt", "--to", "caricature", "--out", tmp_path / "a.json")
+    assert "68 landmarks (the first of 81)" in result.stdout
+    run("map-landmarks", marks, "--to", "caricature", "--out", tmp_path / "b.json", "--map", BUNDLED)
+    assert len(read_landmarks(tmp_path / "b.json").points) == 68
+    np.testing.assert_array_equal(*(read_landmarks(tmp_path / name).points for name in ("a.json", "b.json")))
+
+
+@pytest.mark.parametrize("name", ["unknown", "few", "scheme", "truncated", "model"])
+def test_bad_input_is_refused(refused, points, marks, tmp_path, name):
+    landmarks, path, expected = marks, tmp_path / "map.safetensors", str(tmp_path / "map.safetensors")
+    tensors, metadata = read_checkpoint(BUNDLED)
+    if name in ("unknown", "few"):
+        landmarks, path, expected = tmp_path / "bad.txt", BUNDLED, str(tmp_path / "bad.txt")
+        bad = points[:68].copy()
+        bad[3] = np.nan
+        rows = bad if name == "unknown" else points[:20]
+        landmarks.write_text("".join("null null\n" if np.isnan(x) else f"{x} {y}\n" for x, y in rows))
+    elif name == "scheme":
+        write_checkpoint(path, tensors, metadata | {"scheme": "wflw98"})
+    elif name == "truncated":
+        path.write_bytes(BUNDLED.read_bytes()[:-100])
+    else:
+        path = asset_path("pca.safetensors")
+        expected = str(path)
+    out = tmp_path / "out" / "mapped.json"
+    assert expected in refused("map-landmarks", landmarks, "--to", "normal", "--out", out, "--map", path)
+    assert not out.parent.exists()

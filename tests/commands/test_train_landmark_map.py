@@ -1,0 +1,50 @@
+import pytest
+
+from caricli.io.bundled import config_path
+from caricli.io.checkpoint import read_checkpoint
+from caricli.io.strict_json import read_json
+
+TINY = ("--config", config_path("landmark_map/tiny.yaml"))
+
+
+@pytest.fixture(scope="module")
+def trained(run, dataset, tmp_path_factory):
+    path = tmp_path_factory.mktemp("map") / "map.safetensors"
+    result = run("train", "landmark-map", "--data", dataset, "--out", path, *TINY, "--seed", 3)
+    assert result.exit_code == 0, result.output
+    assert f"{path}: error to normal " in result.stdout
+    return path
+
+
+def test_a_map_is_written_with_a_report(trained, run, marks, tmp_path):
+    report, (tensors, metadata) = read_json(trained.with_suffix(".json")), read_checkpoint(trained)
+    assert report["command"] == "train landmark-map" and report["seed"] == 3 and report["config"]["dimension"] == 4
+    assert metadata["schema"] == "caricli.landmark-map/1" and len(tensors["normal.basis"]) <= 4
+    assert len(report["epochs"]) == report["config"]["epochs"] + 1
+    assert report["meshes"]["training"] == {"normal": 4, "caricature": 4}
+    for errors in report["error"].values():
+        assert {"map", "identity", "mean", "paired regression"} < set(errors)
+    result = run("map-landmarks", marks, "--to", "normal", "--out", tmp_path / "m.json", "--map", trained)
+    assert result.exit_code == 0, result.output
+
+
+def test_the_same_seed_gives_the_same_bytes(trained, run, dataset, tmp_path):
+    again = tmp_path / "again.safetensors"
+    run("train", "landmark-map", "--data", dataset, "--out", again, *TINY, "--seed", 3)
+    assert again.read_bytes() == trained.read_bytes()
+
+
+def test_a_dataset_without_both_domains_is_refused(run, refused, tmp_path):
+    folder, out = tmp_path / "regular", tmp_path / "out" / "map.safetensors"
+    sizes = ("--identities", 4, "--expressions", 2, "--levels", 1, "--workers", 1)
+    assert run("dataset", "build", folder, *sizes).exit_code == 0
+    line = refused("train", "landmark-map", "--data", folder, "--out", out, *TINY)
+    assert str(folder) in line and "caricature faces, found 0" in line
+    assert not out.parent.exists()
+
+
+@pytest.mark.parametrize("setting", ["least=0", "views=0", "cycle=-1", "no_such=1"])
+def test_impossible_settings_are_refused(refused, dataset, tmp_path, setting):
+    out = tmp_path / "map.safetensors"
+    line = refused("train", "landmark-map", "--data", dataset, "--out", out, "--set", setting)
+    assert setting.split("=")[0] in line and not out.exists()
