@@ -18,12 +18,17 @@ class ContactSolver:
     def __init__(self, transfer, pairs):
         """transfer: DeformationTransfer. pairs: (P, 2) vertex ids, distinct in each row."""
         self.pairs = pairs
-        right = np.zeros((transfer.count, len(pairs)))
-        rows = np.arange(len(pairs))
-        right[pairs[:, 0], rows], right[pairs[:, 1], rows] = 1.0, -1.0
-        self.responses = np.zeros(right.shape[::-1])
-        self.responses[:, transfer.free] = transfer.solve(right[transfer.free]).T
-        self.compliance = self.responses[:, pairs[:, 0]] - self.responses[:, pairs[:, 1]]
+        # Only what is free moves; -1 is held.
+        self.rows = np.full(transfer.count, -1)
+        self.rows[transfer.free] = np.arange(len(transfer.free))
+        # Column by column in memory, as they are solved.
+        right = np.zeros((len(transfer.free), len(pairs)), order="F")
+        for ends, sign in zip(self.rows[pairs].T, (1.0, -1.0), strict=True):
+            free = np.flatnonzero(ends >= 0)
+            right[ends[free], free] = sign
+        self.responses = transfer.solve(right).T
+        first, second = (np.where(ends >= 0, self.responses[:, ends], 0.0) for ends in self.rows[pairs].T)
+        self.compliance = first - second
         self.softness = SOFTNESS * max(float(np.diag(self.compliance).mean()), 1e-300) if len(pairs) else 0.0
 
     def solve(self, moved, closed, targets, normals, floors, share=1.0):
@@ -56,7 +61,7 @@ class ContactSolver:
                 break
             active = (active & ~released) | violated
         pulling, corrected = np.flatnonzero(pulls.any(axis=1)), np.array(moved)
-        takes = np.flatnonzero(np.broadcast_to(share, len(moved)))
-        answer = self.responses[np.ix_(pulling, takes)].T @ pulls[pulling]
+        takes = np.flatnonzero((np.broadcast_to(share, len(moved)) != 0) & (self.rows >= 0))
+        answer = self.responses[np.ix_(pulling, self.rows[takes])].T @ pulls[pulling]
         corrected[takes] += np.broadcast_to(share, len(moved))[takes, None] * answer
         return corrected

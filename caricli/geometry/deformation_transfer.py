@@ -78,7 +78,7 @@ class DeformationTransfer:
 
     def solve(self, right):
         """Solve the factored system for every column. right: (free vertices, n). Returns the same shape."""
-        solution = np.empty(right.shape)
+        solution = np.empty_like(right)
         # A few columns at a time stay in the cache.
         for start in range(0, right.shape[1], 3):
             block = np.ascontiguousarray(right[:, start : start + 3])
