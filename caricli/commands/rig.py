@@ -108,14 +108,14 @@ def _said(rig, measures):
 
 def _sheet(rig, progress):
     """The neutral face and every expression from the front."""
-    from caricli.methods.expression_templates import STARTS
+    from caricli.methods.expression_templates import start_delta
     from caricli.render.contact_sheet import contact_sheet
     from caricli.render.draw_rig import draw_rig, neutral_sky
 
     sky = neutral_sky(rig)
     drawn = [draw_rig(rig, rig.neutral, "front", SIZE, sky)]
-    for k, name in enumerate(rig.names):
-        start = rig.deltas[rig.names.index(STARTS[name])] if STARTS.get(name) in rig.names else 0.0
+    for k in range(len(rig.names)):
+        start = start_delta(rig.names, rig.deltas, k)
         drawn.append(draw_rig(rig, rig.neutral + start + rig.deltas[k], "front", SIZE, sky))
         progress(k + 1, len(rig.names))
     return contact_sheet(drawn, min(COLUMNS, len(drawn)), ["neutral", *rig.names])

@@ -46,19 +46,21 @@ def head_mask(path, picture, face, pose, template, sources):
             f"{shown(sources[0])}: expected a face with fitted landmarks, found none; make one with caricli "
             "reconstruct-from-landmarks"
         )
-    placed = _placed(face.vertices, pose)
+    placed = pose.place(face.vertices)
     raster = rasterise(placed, template.faces, picture.shape[1], picture.shape[0])
     if (raster.face >= 0).mean() < 1e-4:
         raise InputError(f"{shown(sources[1])}: expected the picture that the face was fitted to, found it outside")
     if path is None:
-        return mask_face(picture, placed, template.faces, face.landmarks)
-    mask = read_image(path)
-    if mask.shape != picture.shape:
-        expected, found = (f"{image.shape[1]} x {image.shape[0]}" for image in (picture, mask))
-        raise InputError(f"{shown(path)}: expected the picture's size, {expected}, found {found}")
-    mask = mask.mean(2) > 127
+        mask = mask_face(picture, placed, template.faces, face.landmarks)
+    else:
+        given = read_image(path)
+        if given.shape != picture.shape:
+            expected, found = (f"{image.shape[1]} x {image.shape[0]}" for image in (picture, given))
+            raise InputError(f"{shown(path)}: expected the picture's size, {expected}, found {found}")
+        mask = given.mean(2) > 127
     if not (mask & (raster.face >= 0)).any():
-        raise InputError(f"{shown(path)}: expected white where the head is, found none there")
+        expected = "the head where the face was fitted" if path is None else "white where the head is"
+        raise InputError(f"{shown(path or sources[1])}: expected {expected}, found none there")
     return mask
 
 
@@ -79,10 +81,10 @@ def paint(face, pose, picture, mask, template, size, flat, generator):
     still = np.zeros((0, *vertices.shape), np.float32)
     rig = Rig((), vertices.astype(np.float32), still, mesh.faces, mesh.polygons, mesh.uvs, mesh.uv_polygons,
               texture=image)  # fmt: skip
-    placed = _placed(vertices, pose)
+    placed = pose.place(vertices)
     again = render_textured(rig, placed, picture.shape[1], picture.shape[0])
     both = mask & (rasterise(placed, mesh.faces, picture.shape[1], picture.shape[0]).face >= 0)
-    error = float(np.abs(again.astype(float) - picture)[both].mean() / 255) if both.any() else 0.0
+    error = float(np.abs(again.astype(float) - picture)[both].mean() / 255)
     balls = fit_eyeballs(vertices, still, mesh)
     eyes = paint_eye(TEXTURE, generator, *eye_colours(picture, face.landmarks))
     return Painted(add_eyeballs(rig, balls, generator, eyes), error, seen)
@@ -106,10 +108,3 @@ def write_textured(folder, painted, face, model):
     rows = [plain, draw_textured(rig, views, VIEW), draw_textured(rig, [*ANGLES][3:], VIEW)]
     labels = ["before", "", "", "after", "", "", "", "", ""]
     write_png(folder / "sheet.png", contact_sheet([picture for row in rows for picture in row], 3, labels))
-
-
-def _placed(vertices, pose):
-    """(V, 3) pixels and depth."""
-    camera = pose.scale * vertices @ pose.rotation.T
-    camera[:, :2] += pose.translation
-    return camera

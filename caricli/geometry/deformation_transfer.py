@@ -2,10 +2,10 @@
 
 import numpy as np
 import scipy.sparse as sp
-from cholespy import CholeskySolverD, MatrixType
 from scipy.sparse.csgraph import connected_components
 
 from caricli.errors import NumericsError
+from caricli.geometry.cholesky import Cholesky
 from caricli.geometry.triangle_normals import triangle_normals
 
 _FLAT = 1e-10
@@ -53,11 +53,7 @@ class DeformationTransfer:
         self.loose = np.flatnonzero(~anchored)
         self.free = np.flatnonzero(~held)
         weak = _HOLD * laplacian.diagonal().mean() * ~anchored[self.parts]
-        system = (laplacian + sp.diags(weak)).tocsr()[self.free][:, self.free].tocoo()
-        self._solver = CholeskySolverD(
-            len(self.free), system.row.astype(np.int32), system.col.astype(np.int32), system.data, MatrixType.COO
-        )
-        # Upper and lower triangle are summed apart and may differ in the last bit; the solver reads one of them.
+        self._factor = Cholesky((laplacian + sp.diags(weak)).tocsr()[self.free][:, self.free])
 
     def displacements(self, triangles, maps, shift):
         """Displacements for the maps of some triangles; all others keep their shape.
@@ -78,16 +74,7 @@ class DeformationTransfer:
 
     def solve(self, right):
         """Solve the factored system for every column. right: (free vertices, n). Returns the same shape."""
-        solution = np.empty_like(right)
-        # A few columns at a time stay in the cache.
-        for start in range(0, right.shape[1], 3):
-            block = np.ascontiguousarray(right[:, start : start + 3])
-            found = np.empty_like(block)
-            self._solver.solve(block, found)
-            solution[:, start : start + 3] = found
-        if not np.isfinite(solution).all():
-            raise NumericsError("deformation transfer has no finite solution: are there degenerate triangles?")
-        return solution
+        return self._factor.solve(right)
 
 
 def _frames(vertices, faces):

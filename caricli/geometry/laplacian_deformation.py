@@ -3,9 +3,9 @@
 import igl
 import numpy as np
 import scipy.sparse as sp
-from cholespy import CholeskySolverD, MatrixType
 
 from caricli.errors import NumericsError
+from caricli.geometry.cholesky import Cholesky
 from caricli.geometry.vertex_neighbours import vertex_neighbours
 
 ROUNDS = 4
@@ -43,10 +43,7 @@ class LaplacianDeformation:
         self.laplacian = (sp.identity(count) - mean).tocsr()
         self.weight = np.zeros(count)
         self.weight[self.anchors] = weight
-        system = (self.laplacian.T @ self.laplacian + sp.diags(self.weight)).tocoo()
-        self._solver = CholeskySolverD(
-            count, system.row.astype(np.int32), system.col.astype(np.int32), system.data, MatrixType.COO
-        )
+        self._factor = Cholesky(self.laplacian.T @ self.laplacian + sp.diags(self.weight))
         self.detail = self.laplacian @ self.vertices
         self.edges = self.shares[:, None] * (self.vertices[self.rows] - self.vertices[self.columns])
 
@@ -58,10 +55,10 @@ class LaplacianDeformation:
         places = np.array(self.vertices)
         places[self.anchors] = targets
         pulls = self.weight[:, None] * places
-        moved = self._solve(self.laplacian.T @ self.detail + pulls)
+        moved = self._factor.solve(self.laplacian.T @ self.detail + pulls)
         for _ in range(rounds):
             turned = np.einsum("vab,vb->va", self._rotations(moved), self.detail)
-            moved = self._solve(self.laplacian.T @ turned + pulls)
+            moved = self._factor.solve(self.laplacian.T @ turned + pulls)
         return moved
 
     def _rotations(self, moved):
@@ -72,11 +69,3 @@ class LaplacianDeformation:
         sign = np.ones((len(moved), 3))
         sign[:, 2] = np.linalg.det(u @ vt)
         return np.swapaxes((u * sign[:, None]) @ vt, 1, 2)
-
-    def _solve(self, right):
-        right = np.ascontiguousarray(right)
-        solution = np.empty_like(right)
-        self._solver.solve(right, solution)
-        if not np.isfinite(solution).all():
-            raise NumericsError("the deformation has no finite solution: are there degenerate triangles?")
-        return solution

@@ -22,6 +22,10 @@ class Pose:
         """Points (..., 3) to pixels (..., 2)."""
         return self.scale * points @ self.rotation[:2].T + self.translation
 
+    def place(self, points):
+        """Points (..., 3) to pixels and depth in pixels (..., 3), as `rasterise` takes them."""
+        return self.scale * points @ self.rotation.T + [*self.translation, 0]
+
     def lift(self, pixels, points):
         """The 3D positions that project to pixels (K, 2) and keep the depth of points (K, 3)."""
         camera = points @ self.rotation.T

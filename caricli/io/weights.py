@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from caricli.errors import InputError, OutputError
+from caricli.io.arkit import ARKIT_NAMES
 from caricli.io.files import decode_text, read_bytes, shown
 from caricli.io.limits import MAX_FILE_BYTES, MAX_JSON_BYTES, MAX_SHAPES
 from caricli.io.npz import read_npz
@@ -19,18 +20,6 @@ LEAST, MOST = -0.5, 1.5
 MAX_FPS = 1000.0
 MAX_FRAMES, MAX_WEIGHTS = 2**19, 2**25
 """Longest track, about two hours at 60 frames a second; most weights of one track."""
-
-LIVE_LINK_SHAPES = tuple(
-    "eyeBlinkLeft eyeLookDownLeft eyeLookInLeft eyeLookOutLeft eyeLookUpLeft eyeSquintLeft eyeWideLeft "
-    "eyeBlinkRight eyeLookDownRight eyeLookInRight eyeLookOutRight eyeLookUpRight eyeSquintRight eyeWideRight "
-    "jawForward jawRight jawLeft jawOpen mouthClose mouthFunnel mouthPucker mouthRight mouthLeft mouthSmileLeft "
-    "mouthSmileRight mouthFrownLeft mouthFrownRight mouthDimpleLeft mouthDimpleRight mouthStretchLeft "
-    "mouthStretchRight mouthRollLower mouthRollUpper mouthShrugLower mouthShrugUpper mouthPressLeft mouthPressRight "
-    "mouthLowerDownLeft mouthLowerDownRight mouthUpperUpLeft mouthUpperUpRight browDownLeft browDownRight browInnerUp "
-    "browOuterUpLeft browOuterUpRight cheekPuff cheekSquintLeft cheekSquintRight noseSneerLeft noseSneerRight "
-    "tongueOut".split()
-)
-"""ARKit's 52 names in the order of Live Link Face's columns, which write the first letter as a capital."""
 
 HEAD_ANGLES = ("HeadYaw", "HeadPitch", "HeadRoll")
 
@@ -117,7 +106,7 @@ def _from_csv(text, path, fps):
         twice = next(word for k, word in enumerate(header) if columns[word.lower()] != k)
         raise InputError(f"{shown(path)}: line 1: expected distinct columns, found {shown(twice, 40)!r} twice")
     head = [name for name in HEAD_ANGLES if name.lower() in columns]
-    wanted = [*LIVE_LINK_SHAPES, *(HEAD_ANGLES if head else ())]
+    wanted = [*ARKIT_NAMES, *(HEAD_ANGLES if head else ())]
     missing = [name for name in ("BlendShapeCount", *wanted) if name.lower() not in columns]
     if missing:
         more = f" and {len(missing) - 3} more" if len(missing) > 3 else ""
@@ -137,9 +126,9 @@ def _from_csv(text, path, fps):
             name, word = next((header[pick], words[pick]) for pick in picks if not _is_number(words[pick]))
             expected = f"line {number}: {name}: expected a number"
             raise InputError(f"{shown(path)}: {expected}, found {shown(word, 40)!r}") from None
-    count = len(LIVE_LINK_SHAPES)
+    count = len(ARKIT_NAMES)
     track = WeightTrack(
-        LIVE_LINK_SHAPES, _live_link_times(timecodes, fps), values[:, :count], values[:, count:] if head else None
+        ARKIT_NAMES, _live_link_times(timecodes, fps), values[:, :count], values[:, count:] if head else None
     )
     return _checked(track, path, lambda row: f"line {rows[row][0]}")
 
@@ -303,7 +292,7 @@ def _check_size(frames, names, path):
 
 def _checked(track, path, where):
     """The track with ARKit's spelling, refused where it is unsound."""
-    known = {name.lower(): name for name in LIVE_LINK_SHAPES}
+    known = {name.lower(): name for name in ARKIT_NAMES}
     names = tuple(known.get(name.lower(), name) for name in track.names)
     track = WeightTrack(names, track.times, track.weights, track.head)
     problem = _problem(track, where)

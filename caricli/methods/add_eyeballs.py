@@ -39,8 +39,7 @@ def fit_eyeballs(neutral, deltas, template):
     balls = place_eyeballs(neutral, template.faces, annotation.curves, annotation.regions)
     for side, (centre, radius) in zip(("left", "right"), balls, strict=False):
         ids = lid_vertices(annotation, side)
-        moving = np.concatenate([neutral[ids][None], *(neutral[ids] + w * deltas[:, ids] for w in _AMOUNTS)])
-        away = moving.reshape(-1, 3) - centre
+        away = moving_vertices(neutral, deltas, ids) - centre
         deep = (CLEARANCE * radius) ** 2 - (away[:, :2] ** 2).sum(1)
         behind = np.where(deep > 0, np.sqrt(np.maximum(deep, 0)) - away[:, 2], 0.0)
         retreat = max(float(behind.max()), 0.0)
@@ -52,6 +51,12 @@ def lid_vertices(annotation, side):
     """Vertices of the lids of one eye, without the lining of its socket."""
     ids = np.union1d(annotation.curves[f"eye_upper_{side}"], annotation.curves[f"eye_lower_{side}"])
     return np.setdiff1d(np.union1d(ids, annotation.regions[f"eyes_{side}"]), annotation.regions[f"eye_socket_{side}"])
+
+
+def moving_vertices(neutral, deltas, ids):
+    """(N, 3) where vertices are in the neutral face and on the way to every expression."""
+    ways = [neutral[ids][None], *(neutral[ids] + amount * deltas[:, ids] for amount in _AMOUNTS)]
+    return np.concatenate(ways).reshape(-1, 3)
 
 
 def add_eyeballs(rig, eyeballs, generator, picture=None):

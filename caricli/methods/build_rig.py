@@ -15,8 +15,8 @@ def build_rig(mesh, templates, generator, levels=0, eyeballs=True, texture=None,
 
     mesh: Template in the shape of the neutral face; its annotation may be None, then there are no eyes. templates:
     ExpressionTemplates of the same faces. generator: numpy Generator, of the picture of the eyes. levels: how often
-    polygons are split, linearly. texture, eyes: (H, W, 3) uint8, pictures of skin and
-    eyes, or None.
+    polygons are split, linearly. texture, eyes: (H, W, 3) uint8, pictures of skin and eyes,
+    or None.
     Returns Rig, RigMeasures and a list of Eyeball. Raises NumericsError for triangles without area.
     """
     neutral = mesh.vertices

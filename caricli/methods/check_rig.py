@@ -9,7 +9,7 @@ import numpy as np
 from caricli.errors import NumericsError
 from caricli.geometry.deformation_gradients import DeformationGradients
 from caricli.geometry.flipped_triangles import flipped_triangles
-from caricli.template.arkit import ARKIT_NAMES
+from caricli.io.arkit import ARKIT_NAMES
 
 HEAD_HEIGHT = (0.1, 1.0)
 """How high a head may be, metres."""

@@ -88,11 +88,11 @@ class PortraitStudio:
         """
         pose = self._pose(vertices, generator)
         colours = 255 * self.painter.draw(random_look(generator))
-        camera = pose.scale * vertices @ pose.rotation.T + [*pose.translation, 0]
+        camera = pose.place(vertices)
         faces, note = self.template.faces, self.template.annotation
         seen = self.fine.weights @ sky_visibility(vertices, faces, smooth_normals(vertices, faces))
         balls = [
-            (pose.scale * pose.rotation @ centre + [*pose.translation, 0], pose.scale * radius)
+            (pose.place(centre), pose.scale * radius)
             for centre, radius in place_eyeballs(vertices, faces, note.curves, note.regions)
         ]
         drawn = shade(

@@ -48,9 +48,8 @@ class ExpressionTemplates:
         return (np.abs(self.deltas) <= _STILL * np.ptp(self.neutral[:, 1])).all((0, 2))
 
     def start(self, k):
-        """(V, 3) what expression k starts from: the neutral face, or the expression it is an addition to."""
-        base = STARTS.get(self.names[k])
-        return self.neutral + (self.deltas[self.names.index(base)] if base in self.names else 0.0)
+        """(V, 3) what expression k starts from."""
+        return self.neutral + start_delta(self.names, self.deltas, k)
 
     @cached_property
     def pairs(self):
@@ -125,6 +124,12 @@ class Motion:
     closed: np.ndarray
     offsets: np.ndarray
     gaps: np.ndarray
+
+
+def start_delta(names, deltas, k):
+    """What expression k is added to besides the neutral face: the displacements of another one (V, 3), or 0."""
+    base = STARTS.get(names[k])
+    return deltas[names.index(base)] if base in names else 0.0
 
 
 def check_templates(names, neutral, faces, shapes):

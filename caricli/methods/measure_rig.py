@@ -6,10 +6,8 @@ import numpy as np
 
 from caricli.geometry.deformation_gradients import DeformationGradients
 from caricli.geometry.flipped_triangles import flipped_triangles
-from caricli.methods.add_eyeballs import lid_vertices
-from caricli.methods.expression_templates import STARTS
-
-_STEPS = (0.25, 0.5, 0.75, 1.0)
+from caricli.methods.add_eyeballs import lid_vertices, moving_vertices
+from caricli.methods.expression_templates import start_delta
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,7 +38,7 @@ def measure_rig(deltas, neutral, templates, annotation, scale, eyeballs=()):
     """
     gradients = DeformationGradients(neutral, templates.faces)
     place = {name: k for k, name in enumerate(templates.names)}
-    starts = [neutral + (deltas[place[STARTS[n]]] if STARTS.get(n) in place else 0.0) for n in templates.names]
+    starts = [neutral + start_delta(templates.names, deltas, k) for k in range(len(deltas))]
     flipped = [flipped_triangles(s + d, gradients).mean() for s, d in zip(starts, deltas, strict=True)]
     sizes, usual = (np.sqrt((d**2).sum(-1).mean(-1)) for d in (deltas, templates.deltas))
     moving = np.array([made is not None for made in templates.motions])
@@ -68,8 +66,7 @@ def measure_rig(deltas, neutral, templates, annotation, scale, eyeballs=()):
     inside = None
     for ball in eyeballs:
         ids = lid_vertices(annotation, ball.side)
-        moving = np.concatenate([neutral[ids][None], *(neutral[ids] + w * deltas[:, ids] for w in _STEPS)])
-        depth = ball.radius - np.linalg.norm(moving - ball.centre, axis=-1).min()
+        depth = ball.radius - np.linalg.norm(moving_vertices(neutral, deltas, ids) - ball.centre, axis=1).min()
         inside = depth if inside is None else max(inside, depth)
     return RigMeasures(np.array(flipped), strength, gaps, lids, lips, lips_open, inside)
 

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import igl
 import numpy as np
 import scipy.sparse as sp
-from cholespy import CholeskySolverD, MatrixType
 
 from caricli.errors import NumericsError
+from caricli.geometry.cholesky import Cholesky
 
 UNMOVED = 0.05
 _RATIO, _TOLERANCE, _ITERATIONS = 4.0, 1e-11, 200
@@ -102,24 +102,10 @@ def _solve(system, shifts, right):
     for group in np.unique(groups):
         members = np.flatnonzero(groups == group)
         usual = float(np.sqrt(np.maximum(shifts[members].min(), floor) * np.maximum(shifts[members].max(), floor)))
-        factor = _factor(system + usual * sp.identity(system.shape[0]))
+        factor = Cholesky(system + usual * sp.identity(system.shape[0]))
         for k in members:
-            solution[:, k] = _conjugate_gradients(system, shifts[k], np.ascontiguousarray(right[:, k]), factor)
+            solution[:, k] = _conjugate_gradients(system, shifts[k], right[:, k], factor.solve)
     return solution
-
-
-def _factor(matrix):
-    entries = matrix.tocoo()
-    solver = CholeskySolverD(
-        matrix.shape[0], entries.row.astype(np.int32), entries.col.astype(np.int32), entries.data, MatrixType.COO
-    )
-
-    def solve(right):
-        found = np.empty_like(right)
-        solver.solve(right, found)
-        return found
-
-    return solve
 
 
 def _conjugate_gradients(system, shift, right, precondition):
@@ -131,12 +117,10 @@ def _conjugate_gradients(system, shift, right, precondition):
     for step in range(_ITERATIONS):
         if (np.linalg.norm(residual, axis=0) <= goal).all():
             break
-        preconditioned = precondition(np.ascontiguousarray(residual))
+        preconditioned = precondition(residual)
         product = (residual * preconditioned).sum(0)
         way = preconditioned + (product / last if step else 0.0) * way
         image = system @ way + shift * way
         length = product / np.maximum((way * image).sum(0), np.finfo(float).tiny)
         found, residual, last = found + length * way, residual - length * image, np.where(product > 0, product, 1.0)
-    if not np.isfinite(found).all():
-        raise NumericsError("the blendshapes have no finite solution: are there degenerate triangles?")
     return found

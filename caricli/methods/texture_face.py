@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 import scipy.sparse as sp
-from cholespy import CholeskySolverD, MatrixType
 from scipy.ndimage import distance_transform_edt
 
+from caricli.geometry.cholesky import Cholesky
 from caricli.geometry.triangulate import triangulate
 from caricli.geometry.vertex_neighbours import vertex_neighbours
 from caricli.render.diffuse_background import diffuse_background
@@ -20,7 +20,7 @@ from caricli.template.template import CAVITIES
 GRAZING, FACING = 0.12, 0.5
 MIRRORED = 0.08
 BEHIND = 0.006
-_EDGE, _TRUST, _HOLD, _FAINT = 0.012, 0.35, 1e4, 1e-3
+_EDGE, _TRUST, _HOLD, _FAINT = 0.012, 0.35, 1e4, 1e-6
 _BUFFER = 1024
 
 
@@ -62,13 +62,8 @@ def texture_face(vertices, pose, image, mask, mesh, size=1024):
         place = mirror[corners]
         pocket = (weights * pockets[place]).sum(1)
         other, other_seen = view.look(blend(vertices, place), blend(normals, place), pocket)
-        share = seen / np.maximum(seen + MIRRORED * other_seen, 1e-9)
-        colours = share[:, None] * colours + (1 - share[:, None]) * other
-        seen = np.maximum(seen, other_seen * (1 - share))
-        flipped, flipped_certain = known[mirror], certain[mirror]
-        share = certain / np.maximum(certain + MIRRORED * flipped_certain, 1e-9)
-        known = share[:, None] * known + (1 - share[:, None]) * flipped
-        certain = np.maximum(certain, flipped_certain * (1 - share))
+        colours, seen = _completed(colours, seen, other, other_seen)
+        known, certain = _completed(known, certain, known[mirror], certain[mirror])
     filled = blend(_spread(known, certain, mesh.faces), corners)
     trust = np.clip(seen / _TRUST, 0, 1)[:, None]
     trust = trust * trust * (3 - 2 * trust)
@@ -77,6 +72,12 @@ def texture_face(vertices, pose, image, mask, mesh, size=1024):
     shown[covered] = trust[:, 0]
     picture = np.clip(np.round(pad_texture(picture, covered)), 0, 255).astype(np.uint8)
     return FaceTexture(picture, shown, covered)
+
+
+def _completed(colours, seen, other, other_seen):
+    """Colours (N, 3), and how far they are known (N,), with those of the other side where these are hardly seen."""
+    share = seen / np.maximum(seen + MIRRORED * other_seen, 1e-9)
+    return share[:, None] * colours + (1 - share[:, None]) * other, np.maximum(seen, other_seen * (1 - share))
 
 
 class _View:
@@ -92,21 +93,15 @@ class _View:
         # Visibility needs no more pixels than the mesh has detail.
         rows, columns = mask.shape
         self.zoom = min(1.0, _BUFFER / max(rows, columns))
-        points = self._placed(vertices)
-        self.depth = rasterise(points * self.zoom, faces, round(columns * self.zoom), round(rows * self.zoom)).depth
-
-    def _placed(self, points):
-        """(N, 3) pixels and depth in pixels."""
-        camera = self.pose.scale * points @ self.pose.rotation.T
-        camera[:, :2] += self.pose.translation
-        return camera
+        size = round(columns * self.zoom), round(rows * self.zoom)
+        self.depth = rasterise(pose.place(vertices) * self.zoom, faces, *size).depth
 
     def look(self, points, normals, pocket):
         """Colours (N, 3) and how far (N,) from 0 to 1 points with normals (N, 3) are seen.
 
         pocket: (N,) from 0 to 1, in the mouth or an eye socket: nobody looks there from the side.
         """
-        placed = self._placed(points)
+        placed = self.pose.place(points)
         x, y = placed[:, 0], placed[:, 1]
         colours = sample_pixels(self.pictured, x, y).astype(np.float64)
         inside = sample_pixels(self.inside, x, y, border=0.0)
@@ -122,15 +117,8 @@ class _View:
 
 def _spread(colours, certain, faces):
     """(V, 3) colours of vertices, those that are not known the smoothest continuation of the others."""
-    count = len(colours)
-    adjacency, _ = vertex_neighbours(faces, count)
+    adjacency, _ = vertex_neighbours(faces, len(colours))
     laplacian = sp.diags(np.asarray(adjacency.sum(1)).ravel()) - adjacency
-    hold = _HOLD * certain**2 + _FAINT * 1e-3
+    hold = _HOLD * certain**2
     usual = np.average(colours, axis=0, weights=certain + 1e-9)
-    system = (laplacian + sp.diags(hold)).tocoo()
-    solver = CholeskySolverD(count, system.row.astype(np.int32), system.col.astype(np.int32), system.data,
-                             MatrixType.COO)  # fmt: skip
-    right = np.ascontiguousarray(_HOLD * certain[:, None] ** 2 * colours + _FAINT * 1e-3 * usual)
-    found = np.empty_like(right)
-    solver.solve(right, found)
-    return found
+    return Cholesky(laplacian + sp.diags(hold + _FAINT)).solve(hold[:, None] * colours + _FAINT * usual)

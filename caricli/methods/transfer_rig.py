@@ -6,7 +6,7 @@ from threadpoolctl import threadpool_limits
 from caricli.geometry.contact_solver import ContactSolver
 from caricli.geometry.deformation_transfer import DeformationTransfer
 from caricli.geometry.similarity import similarity
-from caricli.methods.expression_templates import STARTS, contact_normals
+from caricli.methods.expression_templates import STARTS, contact_normals, start_delta
 
 
 # The matrices are small: threads that wait for each other cost more than they bring.
@@ -43,6 +43,5 @@ def transfer_rig(templates, neutral, contacts=True):
             targets = scale * made.offsets @ rotation.T - own
             floors = np.minimum(scale * made.gaps - gaps, 0)
             moved = solver.solve(moved, made.closed, targets, normals, floors, made.near)
-        base = STARTS.get(templates.names[k])
-        moves[k] = moved - (moves[templates.names.index(base)] if base in templates.names else 0.0)
+        moves[k] = moved - start_delta(templates.names, moves, k)
     return moves

@@ -5,12 +5,13 @@ import pygltflib
 import pytest
 from scipy.spatial.transform import Rotation
 
+from caricli.io.arkit import ARKIT_NAMES
 from caricli.io.gltf import read_gltf, write_gltf
 from caricli.io.image import read_image
 from caricli.io.obj import read_obj
 from caricli.io.rig import Rig, read_rig, write_rig
 from caricli.io.strict_json import read_json
-from caricli.io.weights import LIVE_LINK_SHAPES, WeightTrack, write_weights
+from caricli.io.weights import WeightTrack, write_weights
 
 SHAPES = ("jawOpen", "mouthSmileLeft", "eyeBlinkLeft", "browInnerUp", "tongueOut")
 TIMES = np.arange(6) / 30
@@ -30,12 +31,12 @@ def rig_file(ball, tmp_path_factory):
 def values():
     """Weights (T, 52) in Live Link Face's order; the tongue, which MediaPipe lacks, stays in."""
     values = np.random.default_rng(6).random((6, 52)).round(5)
-    values[:, LIVE_LINK_SHAPES.index("tongueOut")] = 0
+    values[:, ARKIT_NAMES.index("tongueOut")] = 0
     return values
 
 
 def live_link(path, values, head=None, start=40):
-    names = [name[0].upper() + name[1:] for name in LIVE_LINK_SHAPES]
+    names = [name[0].upper() + name[1:] for name in ARKIT_NAMES]
     angles = "HeadYaw,HeadPitch,HeadRoll,LeftEyeYaw,LeftEyePitch,LeftEyeRoll,RightEyeYaw,RightEyePitch,RightEyeRoll"
     turns = np.zeros((len(values), 9))
     if head is not None:
@@ -48,10 +49,10 @@ def live_link(path, values, head=None, start=40):
 
 
 def mediapipe(path, values):
-    names = ["_neutral", *sorted(set(LIVE_LINK_SHAPES) - {"tongueOut"})]
+    names = ["_neutral", *sorted(set(ARKIT_NAMES) - {"tongueOut"})]
     results = []
     for k, row in enumerate(values):
-        scores = {name: row[LIVE_LINK_SHAPES.index(name)] if k else 0.2 for k, name in enumerate(names)}
+        scores = {name: row[ARKIT_NAMES.index(name)] if k else 0.2 for k, name in enumerate(names)}
         categories = [
             {"index": i, "score": float(scores[name]), "categoryName": name, "displayName": ""}
             for i, name in enumerate(names)
@@ -82,7 +83,7 @@ def test_live_link_and_mediapipe_give_the_same_frames(run, rig_file, values, tmp
         assert result.stdout == f"{out}: 6 frames at 30 a second, {driven} of 5 expressions driven\n"
         made.append((out, [read_obj(frames / f"frame-{k:04d}.obj").vertices for k in range(6)]))
     rig = read_rig(rig_file)
-    columns = [LIVE_LINK_SHAPES.index(name) for name in SHAPES]
+    columns = [ARKIT_NAMES.index(name) for name in SHAPES]
     for row, *frames in zip(values, *(frames for _, frames in made), strict=True):
         np.testing.assert_array_equal(*frames)
         np.testing.assert_allclose(frames[0], posed(rig, row[columns]), atol=1e-6)
@@ -122,7 +123,7 @@ def glb_animation(path):
 def test_the_head_turns_in_the_glb_and_in_the_frames_alike(run, rig_file, values, tmp_path):
     head = np.linspace([0, 0, 0], [0.5, -0.2, 0.1], 6)
     source, rig = live_link(tmp_path / "take.csv", values, head), read_rig(rig_file)
-    columns = [LIVE_LINK_SHAPES.index(name) for name in SHAPES]
+    columns = [ARKIT_NAMES.index(name) for name in SHAPES]
     for words, turned in (((), True), (("--no-head",), False)):
         out, frames = tmp_path / f"{turned}.glb", tmp_path / f"{turned}"
         result = run("animate", rig_file, source, "--out", out, "--frames", frames, *words)

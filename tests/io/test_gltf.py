@@ -14,10 +14,10 @@ from hypothesis import strategies as st
 
 import caricli
 from caricli.errors import InputError, OutputError
+from caricli.io.arkit import ARKIT_NAMES
 from caricli.io.face import fans
 from caricli.io.gltf import Animation, read_gltf, shading_normals, write_gltf
 from caricli.io.rig import EYES, Rig, read_rig, write_rig
-from caricli.template.arkit import ARKIT_NAMES
 
 VALIDATOR = Path(caricli.__file__).parents[1] / "tests" / "gltf_validator"
 DTYPES = {5121: "<u1", 5123: "<u2", 5125: "<u4", 5126: "<f4"}

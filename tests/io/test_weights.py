@@ -4,14 +4,14 @@ import numpy as np
 import pytest
 
 from caricli.errors import InputError, OutputError
+from caricli.io.arkit import ARKIT_NAMES
 from caricli.io.npz import write_npz
-from caricli.io.weights import LIVE_LINK_SHAPES, WeightTrack, read_weights, write_weights
-from caricli.template.arkit import ARKIT_NAMES
+from caricli.io.weights import WeightTrack, read_weights, write_weights
 
 ANGLES = (
     "HeadYaw,HeadPitch,HeadRoll,LeftEyeYaw,LeftEyePitch,LeftEyeRoll,RightEyeYaw,RightEyePitch,RightEyeRoll"
 ).split(",")
-PASCAL = [name[0].upper() + name[1:] for name in LIVE_LINK_SHAPES]
+PASCAL = [name[0].upper() + name[1:] for name in ARKIT_NAMES]
 WEIGHTS = np.random.default_rng(11).random((4, 52)).round(6)
 HEAD = np.random.default_rng(12).normal(size=(4, 3)).round(6)
 
@@ -34,8 +34,8 @@ def category(index, name, score, snake):
 
 def result(weights, snake=False):
     """Categories of one face as MediaPipe's Face Landmarker gives them."""
-    names = ["_neutral", *sorted(set(LIVE_LINK_SHAPES) - {"tongueOut"})]
-    scores = [0.01, *(weights[LIVE_LINK_SHAPES.index(name)] for name in names[1:])]
+    names = ["_neutral", *sorted(set(ARKIT_NAMES) - {"tongueOut"})]
+    scores = [0.01, *(weights[ARKIT_NAMES.index(name)] for name in names[1:])]
     return [category(k, name, float(score), snake) for k, (name, score) in enumerate(zip(names, scores, strict=True))]
 
 
@@ -45,12 +45,12 @@ def written(path, value):
 
 
 def test_the_columns_are_arkits_names():
-    assert len(LIVE_LINK_SHAPES) == 52 and sorted(LIVE_LINK_SHAPES) == sorted(ARKIT_NAMES)
+    assert len(ARKIT_NAMES) == len(set(ARKIT_NAMES)) == 52
 
 
 def test_a_live_link_take(tmp_path):
     track = read_weights(live_link(tmp_path / "a.csv"))
-    assert track.names == LIVE_LINK_SHAPES
+    assert track.names == ARKIT_NAMES
     np.testing.assert_array_equal(track.weights, WEIGHTS)
     np.testing.assert_array_equal(track.head, HEAD)
     np.testing.assert_allclose(track.times, np.arange(4) * 1.001 / 60)
@@ -59,7 +59,7 @@ def test_a_live_link_take(tmp_path):
 @pytest.mark.parametrize("count", ["BlendShapeCount", "BlendshapeCount"])
 def test_either_spelling_and_any_order_of_columns(tmp_path, count):
     order = np.random.default_rng(1).permutation(52)
-    camel = [LIVE_LINK_SHAPES[k] for k in order]
+    camel = [ARKIT_NAMES[k] for k in order]
     track = read_weights(live_link(tmp_path / "a.csv", WEIGHTS[:, order], names=camel, count=count))
     np.testing.assert_array_equal(track.weights, WEIGHTS)
 
@@ -105,8 +105,8 @@ def test_timecodes_become_seconds(tmp_path, timecodes, fps, times):
 @pytest.mark.parametrize("snake", [False, True])
 def test_mediapipe_results_in_every_published_shape(tmp_path, shape, snake):
     track = read_weights(written(tmp_path / "a.json", shape([result(w, snake) for w in WEIGHTS])))
-    assert set(track.names) == set(LIVE_LINK_SHAPES) - {"tongueOut"} and track.head is None
-    expected = WEIGHTS[:, [LIVE_LINK_SHAPES.index(name) for name in track.names]]
+    assert set(track.names) == set(ARKIT_NAMES) - {"tongueOut"} and track.head is None
+    expected = WEIGHTS[:, [ARKIT_NAMES.index(name) for name in track.names]]
     np.testing.assert_array_equal(track.weights, expected)
     np.testing.assert_allclose(track.times, np.arange(4) / 30)
 

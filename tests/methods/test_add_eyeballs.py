@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from caricli.geometry.triangulate import triangulate
+from caricli.io.arkit import ARKIT_NAMES
 from caricli.io.rig import EYES, SKIN, Rig, rig_problem
 from caricli.methods.add_eyeballs import ANGLES, CLEARANCE, Eyeball, add_eyeballs, fit_eyeballs, lid_vertices
-from caricli.template.arkit import ARKIT_NAMES
 
 CENTRE = np.array([0.03, 0.1, 0.05])
 BALLS = [Eyeball("left", CENTRE, 0.012, 0.0), Eyeball("right", CENTRE * [-1, 1, 1], 0.01, 0.0)]

@@ -1,14 +1,13 @@
 import numpy as np
 import pytest
 
+from caricli.io.arkit import ARKIT_NAMES
 from caricli.io.rig import Rig
 from caricli.methods.check_rig import check_rig, nearest_arkit
-from caricli.template.arkit import ARKIT_NAMES, LIVE_LINK_NAMES
 
 
 def test_arkit_names_are_those_of_the_head(head):
     assert len(ARKIT_NAMES) == 52 and set(ARKIT_NAMES) == set(head.action_names)
-    assert LIVE_LINK_NAMES[ARKIT_NAMES.index("eyeBlinkLeft")] == "EyeBlinkLeft"
 
 
 @pytest.fixture

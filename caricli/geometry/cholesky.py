@@ -1,0 +1,31 @@
+"""Sparse symmetric systems with many right-hand sides."""
+
+import numpy as np
+from cholespy import CholeskySolverD, MatrixType
+
+from caricli.errors import NumericsError
+
+_BLOCK = 3
+
+
+class Cholesky:
+    """A sparse symmetric positive definite matrix, factored once."""
+
+    def __init__(self, matrix):
+        """matrix: (n, n) sparse."""
+        entries = matrix.tocoo()
+        rows, columns = entries.row.astype(np.int32), entries.col.astype(np.int32)
+        self._solver = CholeskySolverD(matrix.shape[0], rows, columns, entries.data, MatrixType.COO)
+
+    def solve(self, right):
+        """Solve for every column. right: (n, m). Returns the same shape. Raises NumericsError where there is none."""
+        solution = np.empty_like(right)
+        # A few columns at a time stay in the cache.
+        for start in range(0, right.shape[1], _BLOCK):
+            block = np.ascontiguousarray(right[:, start : start + _BLOCK])
+            found = np.empty_like(block)
+            self._solver.solve(block, found)
+            solution[:, start : start + _BLOCK] = found
+        if not np.isfinite(solution).all():
+            raise NumericsError("a sparse system has no finite solution: are there degenerate triangles?")
+        return solution

@@ -1,0 +1,26 @@
+import numpy as np
+import pytest
+import scipy.sparse as sp
+
+from caricli.errors import NumericsError
+from caricli.geometry.cholesky import Cholesky
+
+
+def system(size):
+    return sp.diags([np.full(size - 1, -1.0), np.full(size, 2.5), np.full(size - 1, -1.0)], [-1, 0, 1])
+
+
+@pytest.mark.parametrize("columns", [1, 3, 7])
+@pytest.mark.parametrize("order", ["C", "F"])
+def test_every_column_is_solved(columns, order):
+    right = np.asarray(np.random.default_rng(0).normal(size=(40, columns)), order=order)
+    given = right.copy()
+    found = Cholesky(system(40)).solve(right)
+    np.testing.assert_allclose(system(40) @ found, right, atol=1e-12)
+    np.testing.assert_array_equal(right, given)
+    assert found.flags["F_CONTIGUOUS"] == right.flags["F_CONTIGUOUS"]
+
+
+def test_no_answer_is_an_error():
+    with pytest.raises(NumericsError, match="no finite solution"):
+        Cholesky(system(4)).solve(np.full((4, 2), np.nan))
