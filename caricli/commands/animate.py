@@ -28,7 +28,7 @@ REPORT = "animation.json"
 @click.option("-o", "--out", type=PATH, metavar="ANIM.glb", callback=named(".glb"), help="The rig with its animation.")
 @click.option("--frames", type=PATH, metavar="DIR", help="A folder for every frame as a file.")
 @click.option("--format", "kind", type=click.Choice(["obj", "png"]), default="obj", help="Of the files in --frames.")
-@click.option("--video", type=PATH, metavar="FILE", help="A video, .mp4 or .gif.")
+@click.option("--video", type=PATH, metavar="FILE", callback=named(".mp4", ".gif"), help="A video, .mp4 or .gif.")
 @click.option("--fps", type=FiniteRange(0, 240, min_open=True), metavar="N", help="Frames a second.  [default: theirs]")
 @click.option(
     "--source-fps",

@@ -26,13 +26,13 @@ class FiniteRange(click.FloatRange):
         return self.fail(f"{value} is not a number.", param, ctx) if number != number else number
 
 
-def named(suffix: str) -> Callable:
-    """Return a click callback that refuses a new file whose name does not end in `suffix`, such as ".png"."""
+def named(*suffixes: str) -> Callable:
+    """Return a click callback that refuses a new file whose name ends in none of `suffixes`, such as ".png"."""
 
     def check(ctx, param, value):
         # What exists already has its own refusals: a folder, an input, a file to keep.
-        if value is not None and value.suffix.lower() != suffix and not value.exists():
-            raise OutputError(f"{value}: expected a name that ends in {suffix}")
+        if value is not None and value.suffix.lower() not in suffixes and not value.exists():
+            raise OutputError(f"{value}: expected a name that ends in {' or '.join(suffixes)}")
         return value
 
     return check
