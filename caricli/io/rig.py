@@ -27,6 +27,7 @@ _STORED = {
     "materials": np.int32,
     "texture": np.uint8,
     "eye_texture": np.uint8,
+    "normal_deltas": np.float32,
 }
 _REQUIRED = ("names", "neutral", "deltas", "faces")
 
@@ -38,7 +39,8 @@ class Rig:
     names (K,), distinct, none for a head that keeps still; neutral (V,3) float32, metres, +y up, +z front; deltas
     (K,V,3) float32, metres; faces (F,3) int32; polygons (P,N) int32 padded with -1, uvs (T,2) float64, origin bottom
     left, and uv_polygons (P,N), as in ObjMesh; materials (P,) int32, SKIN or EYES, of the polygons; texture and
-    eye_texture (H,W,3) uint8 sRGB, the top row first, of either material. What is None is absent.
+    eye_texture (H,W,3) uint8 sRGB, the top row first, of either material; normal_deltas (K,N,3) float32, metres, what
+    the same expressions do to a normal face of N vertices (expressions paper, equation 19). What is None is absent.
     """
 
     names: tuple
@@ -51,6 +53,7 @@ class Rig:
     materials: np.ndarray | None = None
     texture: np.ndarray | None = None
     eye_texture: np.ndarray | None = None
+    normal_deltas: np.ndarray | None = None
 
 
 def read_rig(path):
@@ -117,6 +120,10 @@ def rig_problem(rig):
         return f"deltas: expected the shape {(len(names), *neutral.shape)}, found {deltas.shape}"
     if not np.isfinite(deltas).all():
         return "deltas: expected finite numbers, found others"
+    if rig.normal_deltas is not None:
+        normal = np.asarray(rig.normal_deltas)
+        if normal.ndim != 3 or (len(normal), normal.shape[2]) != (len(names), 3) or not np.isfinite(normal).all():
+            return f"normal_deltas: expected {len(names)} finite displacements of a face, found {normal.shape}"
     if rig.materials is not None:
         materials = np.asarray(rig.materials)
         fits = rig.polygons is not None and materials.shape == (len(rig.polygons),)

@@ -8,6 +8,12 @@ from caricli.io.npz import read_npz, write_npz
 from caricli.io.rig import Rig, read_rig, write_rig
 
 
+@pytest.fixture
+def full_rig(full_rig):
+    normal = np.random.default_rng(5).normal(0, 0.003, (len(full_rig.names), 7, 3))
+    return dataclasses.replace(full_rig, normal_deltas=normal.astype(np.float32))
+
+
 def test_all_fields_come_back_exactly(full_rig, tmp_path):
     write_rig(tmp_path / "a.npz", full_rig)
     back = read_rig(tmp_path / "a.npz")
@@ -36,7 +42,8 @@ def test_what_is_none_is_absent(full_rig, tmp_path):
 
 
 def test_a_head_that_keeps_still(full_rig, tmp_path):
-    still = dataclasses.replace(full_rig, names=(), deltas=full_rig.deltas[:0])
+    none = full_rig.deltas[:0]
+    still = dataclasses.replace(full_rig, names=(), deltas=none, normal_deltas=None)
     write_rig(tmp_path / "a.npz", still)
     back = read_rig(tmp_path / "a.npz")
     assert back.names == () and back.deltas.shape == (0, *full_rig.neutral.shape) and back.deltas.dtype == np.float32
@@ -73,6 +80,9 @@ CASES = [
     (lambda r: {"materials": r.materials[:-1]}, "materials: expected"),
     (lambda r: {"texture": r.texture[:, :, 0]}, "texture: expected (H,W,3) uint8"),
     (lambda r: {"eye_texture": r.eye_texture[:0]}, "eye_texture: expected (H,W,3) uint8"),
+    (lambda r: {"normal_deltas": r.normal_deltas[:3]}, "normal_deltas: expected 4 finite displacements"),
+    (lambda r: {"normal_deltas": r.normal_deltas[..., :2]}, "normal_deltas: expected 4 finite displacements"),
+    (lambda r: {"normal_deltas": bad(r.normal_deltas, np.nan)}, "normal_deltas: expected 4 finite displacements"),
 ]
 
 
