@@ -31,6 +31,7 @@ COMMANDS = {
     "edit-semantic": ("edit_semantic", "Edit", "More or less of what labels name, such as BigNose."),
     "caricaturize": ("caricaturize", "Edit", "A regular face made a caricature, by degrees."),
     "rig": ("rig", "Rig", "A face with the 52 expressions of ARKit, as GLB."),
+    "blendshapes": ("blendshapes", "Rig", "The expressions of a caricature, its identity kept."),
     "animate": ("animate", "Rig", "A rig that moves as a face tracker says."),
     "train": (None, "Models", "Train a shape model on a dataset."),
     "train pca": ("train_pca", "Models", "A linear model of vertex positions."),

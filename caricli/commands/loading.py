@@ -57,13 +57,18 @@ def load_seen_face(path, model=None):
     face = load_face(path, shape_model)
     if face.latent is not None and face.model_id != shape_model.model_id:
         face = replace(face, latent=None, residual=None)
+    return face, shape_model, face_pose(face, path)
+
+
+def face_pose(face, path):
+    """The Pose of a Face that was read from a path. Raises InputError for a face without a camera."""
     camera = face.camera_scale, face.camera_rotation, face.camera_translation
     if any(part is None for part in camera):
         raise InputError(
             f"{shown(path)}: expected a face with the camera of its picture, found none; make one with caricli "
             "reconstruct-from-landmarks and give its NPZ"
         )
-    return face, shape_model, Pose(*camera)
+    return Pose(*camera)
 
 
 def load_latent_face(path, model, anew=False):

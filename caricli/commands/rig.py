@@ -12,7 +12,6 @@ from caricli.io.outputs import staged
 from caricli.io.provenance import provenance
 from caricli.io.strict_json import read_json, write_json
 
-SIZE, COLUMNS = 224, 9
 APART = 0.12
 
 
@@ -43,10 +42,11 @@ def command(face, out, templates, eyeballs, texture, sparse, usd, check, levels,
       caricli rig --check rig.glb
     """
     from caricli.commands.loading import progress_bar
-    from caricli.commands.rigging import check_report, face_pictures, load_mesh, load_templates
+    from caricli.commands.rigging import check_report, expression_sheet, face_pictures, load_mesh, load_templates
     from caricli.io.gltf import write_gltf
     from caricli.io.rig import write_rig
     from caricli.methods.build_rig import build_rig
+    from caricli.methods.transfer_rig import transfer_rig
 
     if check is not None and face is out is None:
         return click.echo(check_report(check))
@@ -59,7 +59,9 @@ def command(face, out, templates, eyeballs, texture, sparse, usd, check, levels,
         image = None if picture is None else read_image(picture)
         try:
             generator = np.random.default_rng(seed)
-            rig, measures, balls = build_rig(mesh, known, generator, levels, eyeballs, image, eyes and read_image(eyes))
+            deltas = transfer_rig(known, mesh.vertices)
+            pictures = image, eyes and read_image(eyes)
+            rig, measures, balls = build_rig(mesh, known, deltas, generator, levels, eyeballs, *pictures)
         except NumericsError as error:
             raise NumericsError(f"{shown(face)}: {error}") from error
         write_gltf(glb, rig, sparse)
@@ -72,7 +74,7 @@ def command(face, out, templates, eyeballs, texture, sparse, usd, check, levels,
         about = {"subdivide": levels, "sparse": sparse, "units": "m", "axes": "+y up, +z front"}
         write_json(report, provenance("rig", [face, picture, eyes, *used], seed, **about, **figures))
         with progress_bar("drawing") as progress:
-            write_png(sheet, _sheet(rig, progress))
+            write_png(sheet, expression_sheet(rig, progress))
     if measures.lips_open is not None and measures.lips_open > APART:
         click.echo(f"{face}: its lips are apart, and stay so where no expression closes them", err=True)
     click.echo(f"{out}: {_said(rig, measures)}")
@@ -104,18 +106,3 @@ def _said(rig, measures):
     if measures.lip_gap is not None:
         words.append(f"lips to {100 * measures.lip_gap:.1f} %")
     return ", ".join([*words, f"flipped triangles at most {100 * measures.flipped.max():.3f} %"])
-
-
-def _sheet(rig, progress):
-    """The neutral face and every expression from the front."""
-    from caricli.methods.expression_templates import start_delta
-    from caricli.render.contact_sheet import contact_sheet
-    from caricli.render.draw_rig import draw_rig, neutral_sky
-
-    sky = neutral_sky(rig)
-    drawn = [draw_rig(rig, rig.neutral, "front", SIZE, sky)]
-    for k in range(len(rig.names)):
-        start = start_delta(rig.names, rig.deltas, k)
-        drawn.append(draw_rig(rig, rig.neutral + start + rig.deltas[k], "front", SIZE, sky))
-        progress(k + 1, len(rig.names))
-    return contact_sheet(drawn, min(COLUMNS, len(drawn)), ["neutral", *rig.names])

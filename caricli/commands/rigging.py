@@ -11,11 +11,14 @@ from caricli.io.gltf import read_gltf
 from caricli.io.mtl import texture_path
 from caricli.io.obj import read_obj
 from caricli.methods.check_rig import check_rig
-from caricli.methods.expression_templates import check_templates, mended_templates
+from caricli.methods.expression_templates import check_templates, mended_templates, start_delta
+from caricli.render.contact_sheet import contact_sheet
+from caricli.render.draw_rig import draw_rig, neutral_sky
 from caricli.template.head import load_head
 from caricli.template.template import Template
 
 NEUTRAL, EYES = "neutral", "eyes.png"
+SIZE, COLUMNS = 224, 9
 
 
 def load_templates(folder):
@@ -70,6 +73,23 @@ def face_pictures(face, texture):
     skin = texture_path(mesh) if texture is None and mesh.is_file() else texture
     eyes = skin and skin.with_name(EYES)
     return skin, eyes if eyes and eyes.is_file() else None
+
+
+def expression_sheet(rig, progress, given=None):
+    """A picture of the neutral face and every expression from the front.
+
+    rig: Rig. progress: called with finished pictures and their total. given: (V, 3) another shape to begin with, or
+    None.
+    """
+    sky, shapes = neutral_sky(rig), {} if given is None else {"as given": given}
+    shapes |= {NEUTRAL: rig.neutral}
+    for k, name in enumerate(rig.names):
+        shapes[name] = rig.neutral + start_delta(rig.names, rig.deltas, k) + rig.deltas[k]
+    drawn = []
+    for shape in shapes.values():
+        drawn.append(draw_rig(rig, shape, "front", SIZE, sky))
+        progress(len(drawn), len(shapes))
+    return contact_sheet(drawn, min(COLUMNS, len(drawn)), [*shapes])
 
 
 def check_report(path):

@@ -132,6 +132,14 @@ def start_delta(names, deltas, k):
     return deltas[names.index(base)] if base in names else 0.0
 
 
+def combined_templates(templates, expressions):
+    """ExpressionTemplates of combinations. expressions: dict from names to dicts of names of templates to weights."""
+    known = dict(zip(templates.names, templates.deltas, strict=True))
+    none = np.zeros_like(templates.neutral)
+    deltas = [sum((w * known[name] for name, w in weights.items()), none) for weights in expressions.values()]
+    return ExpressionTemplates(tuple(expressions), templates.neutral, templates.faces, np.array(deltas))
+
+
 def check_templates(names, neutral, faces, shapes):
     """ExpressionTemplates of shapes (K, V, 3), or InputError where the mesh is none to transfer from."""
     edges = np.sort(faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)

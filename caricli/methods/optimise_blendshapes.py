@@ -5,12 +5,18 @@ from dataclasses import dataclass
 import igl
 import numpy as np
 import scipy.sparse as sp
+from scipy.sparse.csgraph import connected_components
 
 from caricli.errors import NumericsError
 from caricli.geometry.cholesky import Cholesky
+from caricli.geometry.vertex_neighbours import vertex_neighbours
 
-UNMOVED = 0.05
+UNMOVED, WHOLE = 0.05, 0.25
+"""Shares of an expression's largest displacement: below the first a vertex counts as unmoved, above the second its
+displacement is taken as it is."""
+
 _RATIO, _TOLERANCE, _ITERATIONS = 4.0, 1e-11, 200
+_THIN = 1e-3
 
 
 @dataclass(frozen=True)
@@ -22,40 +28,73 @@ class BlendshapeWeights:
     smoothness: float = 0.05
 
 
-def optimise_blendshapes(initial, normal, vertices, faces, weights=BlendshapeWeights()):  # noqa: B008 (frozen)
+def optimise_blendshapes(initial, normal, vertices, faces, weights=BlendshapeWeights(), least=0.0):  # noqa: B008 (frozen)
     """Displacements D* of a caricature that exaggerate no more than a normal face's and relate as they do.
 
-    Minimises ``sum_i d |L (D*_i - m_i D_i)|^2 + s sum_ij |c_ij| |D*_i - sign(c_ij) D*_j|^2 + o sum_i |L D*_i|^2``
-    (equation 11), with the cotangent Laplacian L, the masks m (equation 6) and the cosines c (equation 8). For negative
-    cosines equation 9 falls without bound as two shapes part; what bounds it is that opposite expressions be each
-    other's reverse, which is the same up to the squares of the two. Vertices that no normal expression moves by more
-    than ``UNMOVED`` of its largest displacement stay, so constants, which L does not see, have nowhere to go.
+    Minimises ``sum_i d |B (D*_i - m_i D_i)|^2 + s sum_ij |c_ij| |D*_i - sign(c_ij) D*_j|^2 + o sum_i |B D*_i|^2``
+    (equation 11), squares integrated over the surface, with the Laplace-Beltrami operator B of cotangents in units of
+    the head's height, so that the weights mean the same on any mesh; the masks m (``masks``) and the cosines c
+    (equation 8). For negative cosines equation 9 falls without bound as two shapes part; what bounds it is that
+    opposite expressions be each other's reverse, which is the same up to the squares of the two. Vertices that no
+    normal expression moves by more than ``UNMOVED`` stay, so constants, which B does not see, have nowhere to go.
 
     The cosines alone couple the expressions: in the eigenvectors of their matrix one sparse system remains for each,
     solved by conjugate gradients that a few factorisations precondition.
 
     initial, normal: (K, V, 3) displacements D of the caricature and of the normal face, metres. vertices: (V, 3) of the
-    caricature. faces: (F, 3). Returns (K, V, 3). Raises NumericsError for degenerate triangles and where nothing moves.
+    caricature. faces: (F, 3). least: as of ``masks``. Returns (K, V, 3). Raises NumericsError for degenerate triangles,
+    where nothing moves, and for a part of the mesh that moves as a whole.
     """
-    count = len(vertices)
-    masks = displacement_masks(normal)
-    free = np.flatnonzero(masks.max(0) >= UNMOVED)
+    count, moved = len(vertices), displacement_masks(normal)
+    free = np.flatnonzero(moved.max(0) >= UNMOVED)
     if not len(free):
         raise NumericsError("expected expressions that move something, found none")
-    laplacian = -igl.cotmatrix(np.asarray(vertices, dtype=np.float64), faces)
-    if not np.isfinite(laplacian.data).all():
-        raise NumericsError("expected triangles with an area, found some without")
-    square = (laplacian.T @ laplacian).tocsr()
-    wanted = weights.deformation * (masks[..., None] * initial)
+    _, parts = connected_components(vertex_neighbours(faces, count)[0], directed=False)
+    loose = np.setdiff1d(parts, parts[moved.max(0) < UNMOVED])
+    if len(loose):
+        found = f"{len(loose)} without, such as that of vertex {np.flatnonzero(parts == loose[0])[0]}"
+        raise NumericsError(f"expected in every part of the mesh a vertex that no expression moves, found {found}")
+    operator, area = laplace_beltrami(vertices, faces)
+    square = (operator.T @ sp.diags(area) @ operator).tocsr()
+    wanted = weights.deformation * (masks(normal, least)[..., None] * initial)
+    # In displacements times the root of the area the structure term is a multiple of the identity.
+    root = np.sqrt(area[free])
     right = square @ wanted.transpose(1, 0, 2).reshape(count, -1)
-    right = right[free].reshape(len(free), len(initial), 3)
-    system = (weights.deformation + weights.smoothness) * square[free][:, free]
+    right = (right[free] / root[:, None]).reshape(len(free), len(initial), 3)
+    scale = sp.diags(1 / root)
+    system = (weights.deformation + weights.smoothness) * (scale @ square[free][:, free] @ scale)
     levels, modes = np.linalg.eigh(structure(normal))
     shifts = 2 * weights.structure * np.maximum(levels, 0)
     solved = _solve(system.tocsr(), shifts, np.einsum("vic,ik->vkc", right, modes))
     result = np.zeros((len(initial), count, 3))
-    result[:, free] = np.einsum("vkc,ik->ivc", solved, modes)
+    result[:, free] = np.einsum("vkc,ik->ivc", solved, modes) / root[:, None]
     return result
+
+
+def laplace_beltrami(vertices, faces):
+    """The sparse operator (V, V) in units of the height of the vertices, and the area (V,) of each vertex in the same.
+
+    vertices: (V, 3). faces: (F, 3). Raises NumericsError for triangles without an area.
+    """
+    vertices = np.asarray(vertices, dtype=np.float64) / np.ptp(vertices[:, 1])
+    cotangents, area = igl.cotmatrix(vertices, faces), igl.massmatrix(vertices, faces).diagonal()
+    if not (np.isfinite(cotangents.data).all() and np.isfinite(area).all() and area.max() > 0):
+        raise NumericsError("expected triangles with an area, found some without")
+    # Slivers would drown everything else.
+    area = np.maximum(area, _THIN * area.mean())
+    return sp.diags(-1 / area) @ cotangents, area
+
+
+def masks(normal, least=0.0):
+    """(K, V) how much of a displacement is kept, from 0 to 1: that of equation 6 where the normal face hardly moves.
+
+    Equation 6 as it stands would halve what moves half as far as the farthest vertex.
+    normal: (K, V, 3) displacements, metres. least: (K,) or a number, metres; an expression that moves nothing so far is
+    taken for noise, the more so the less it moves.
+    """
+    farthest = np.linalg.norm(normal, axis=-1).max(1)
+    damped = np.divide(farthest, least, out=np.ones_like(farthest), where=farthest < least)
+    return np.minimum(1, damped[:, None] * displacement_masks(normal) / WHOLE)
 
 
 def displacement_masks(normal):
@@ -80,14 +119,14 @@ def structure(normal):
     return np.diag(np.abs(found).sum(1)) - found
 
 
-def energy(candidate, initial, normal, vertices, faces, weights=BlendshapeWeights()):  # noqa: B008 (frozen)
+def energy(candidate, initial, normal, vertices, faces, weights=BlendshapeWeights(), least=0.0):  # noqa: B008 (frozen)
     """What ``optimise_blendshapes`` minimises. candidate: (K, V, 3). Returns a float."""
-    laplacian = -igl.cotmatrix(np.asarray(vertices, dtype=np.float64), faces)
-    gaps = candidate - displacement_masks(normal)[..., None] * initial
-    rows = candidate.reshape(len(candidate), -1)
+    operator, area = laplace_beltrami(vertices, faces)
+    gaps, root = candidate - masks(normal, least)[..., None] * initial, np.sqrt(area)[:, None]
+    rows = (root * candidate).reshape(len(candidate), -1)
 
     def bent(shapes):
-        return sum(((laplacian @ shape) ** 2).sum() for shape in shapes)
+        return sum(((root * (operator @ shape)) ** 2).sum() for shape in shapes)
 
     together = 2 * np.einsum("im,ij,jm->", rows, structure(normal), rows, optimize=True)
     return weights.deformation * bent(gaps) + weights.structure * together + weights.smoothness * bent(candidate)

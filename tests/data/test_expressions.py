@@ -1,6 +1,6 @@
 import pytest
 
-from caricli.data.expressions import expand_sides
+from caricli.data.expressions import expand_sides, facs_expressions, read_expressions
 from caricli.errors import InputError
 from caricli.io.bundled import asset_path
 from caricli.io.config import read_yaml
@@ -28,3 +28,42 @@ def test_the_bundled_table_has_25_expressions_of_known_actions(head):
         assert all(0 < weight <= 1 for weight in expanded.values()), name
         assert bool(expanded) == (name != "neutral")
     assert len({str(weights) for weights in table.values()}) == 25
+
+
+def test_the_default_set_is_neutral_and_46(head):
+    found = facs_expressions(head.action_names)
+    assert len(found) == 47 and next(iter(found)) == "neutral" and found["jawOpen"] == {"jawOpen": 1.0}
+    assert list(facs_expressions(("jawOpen", "mine"))) == ["neutral", "jawOpen"]
+
+
+def test_a_file_is_read_with_the_neutral_one_first(tmp_path):
+    path = tmp_path / "set.yaml"
+    path.write_text("smile: {mouthSmile: 0.7, jawOpen: 0}\nneutral: {}\n")
+    smile = {"mouthSmileLeft": 0.7, "mouthSmileRight": 0.7, "jawOpen": 0.0}
+    expected = {"neutral": {}, "smile": smile}
+    assert read_expressions(path, NAMES) == expected and list(read_expressions(path, NAMES)) == list(expected)
+    path.write_text('{"neutral": {}, "smile": {"mouthSmileLeft": 1.5}}')
+    assert read_expressions(path, NAMES)["smile"] == {"mouthSmileLeft": 1.5}
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("smile: {jawOpen: 1}\nfrown: {jawOpen: 1}", "expected an expression 'neutral' without actions, found none"),
+        ("neutral: {jawOpen: 1}\nfrown: {jawOpen: 1}", "expected an expression 'neutral' without actions"),
+        ("neutral: {}\na: {jawOpen: 1}\na: {jawOpen: 0.5}", "expected distinct keys, found 'a' twice"),
+        ("neutral: {}\na: {jawOpen: -0.1}", "a: expected weights from 0 to 1.5, found jawOpen: -0.1"),
+        ("neutral: {}\na: {jawOpen: .nan}", "expected weights from 0 to 1.5"),
+        ("neutral: {}\na: {jawOpen: yes}", "expected weights from 0 to 1.5"),
+        ("neutral: {}\na: {earWiggle: 1}", "a: no ARKit action is named 'earWiggle'"),
+        ("neutral: {}\na: {}", "a: expected actions with weights, found {}"),
+        ("neutral: {}", "expected 2 to"),
+        ("[neutral, smile]", "expected 2 to"),
+    ],
+)
+def test_bad_files_are_refused(text, words, tmp_path):
+    path = tmp_path / "set.yaml"
+    path.write_text(text)
+    with pytest.raises(InputError) as refused:
+        read_expressions(path, NAMES)
+    assert words in str(refused.value) and "set.yaml" in str(refused.value) and "\n" not in str(refused.value)

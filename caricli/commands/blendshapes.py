@@ -1,0 +1,90 @@
+"""caricli blendshapes: the expressions of a caricature from one picture of it."""
+
+import time
+
+import click
+import numpy as np
+
+from caricli.commands.options import PATH, FiniteRange, out_option, overwrite_option, seed_option
+from caricli.errors import CaricliError
+from caricli.io.files import shown
+from caricli.io.outputs import staged
+from caricli.io.provenance import provenance
+from caricli.io.strict_json import write_json
+
+
+@click.command()
+@click.argument("source", type=PATH, metavar="FACE.npz|LANDMARKS")
+@out_option("B.npz", "The blendshapes; B.glb, .json and .png are written beside it.", suffix=".npz")
+@click.option("--expressions", type=PATH, metavar="FILE", help="YAML or JSON with what to make.  [default: 46 FACS]")
+@click.option(
+    "--method",
+    type=click.Choice(["full", "initial", "transfer"]),
+    default="full",
+    help="Optimise the displacements, stop before, or transfer those of the normal face.",
+)
+@click.option(
+    "--reconstruct",
+    type=click.Choice(["intrinsic", "latent"]),
+    default="intrinsic",
+    help="How faces follow the landmarks of their expressions.",
+)
+@click.option(
+    "--weights",
+    nargs=3,
+    type=FiniteRange(0, 1e6),
+    default=(1.0, 0.1, 0.05),
+    metavar="DEF STR SMO",
+    help="Of deformation, structure and smoothness.  [default: 1 0.1 0.05]",
+)
+@click.option("--map", "map_path", type=PATH, metavar="MAP", help="Of caricli train landmark-map.  [default: bundled]")
+@click.option("--model", type=PATH, metavar="MODEL", help="Of caricli train morphable.  [default: bundled]")
+@click.option("--templates", type=PATH, metavar="DIR", help="Your own neutral.obj and actions, one OBJ for each.")
+@click.option("--eyeballs/--no-eyeballs", default=True, help="Put eyes into the sockets, as part of the mesh.")
+@click.option("--texture", type=PATH, metavar="IMAGE", help="The picture on the skin.  [default: the face's own]")
+@click.option("--pts-origin", type=click.IntRange(0, 1), default=1, help="Coordinate of the first pixel in .pts files.")
+@seed_option
+@overwrite_option
+def command(source, out, expressions, method, reconstruct, weights, map_path, model, templates, eyeballs, texture,
+            pts_origin, seed, overwrite):  # fmt: skip
+    """Make the expressions of a caricature, as blendshapes that keep who it is, from one picture of it.
+
+    Its landmarks become those of a normal face, a normal face is fitted and does the expressions, and they are carried
+    back. FACE.npz is of `reconstruct-from-landmarks` or `refine`; LANDMARKS are reconstructed first. Every expression
+    starts from the neutral one, which the drawing need not show. FILE has lines such as `smile: {mouthSmile: 0.7}` and
+    `neutral: {}`. Use B.npz with `caricli retarget` and `caricli animate`.
+
+    \b
+    Example:
+      caricli blendshapes face.npz --out blendshapes.npz
+      caricli blendshapes landmarks.json --expressions moods.yaml --out moods.npz
+      caricli blendshapes face.npz --method transfer --out rival.npz
+    """
+    from caricli.commands.blended import load_job, report, write_sheet
+    from caricli.commands.loading import progress_bar
+    from caricli.io.gltf import write_gltf
+    from caricli.io.rig import write_rig
+    from caricli.methods.build_blendshapes import build_blendshapes
+    from caricli.methods.optimise_blendshapes import BlendshapeWeights
+
+    job = load_job(source, expressions, map_path, model, templates, reconstruct, texture, pts_origin)
+    files = [out, *(out.with_suffix(suffix) for suffix in (".glb", ".json", ".png"))]
+    with staged(*files, overwrite=overwrite, inputs=job.inputs) as (npz, glb, json, png):
+        start = time.perf_counter()
+        try:
+            made = build_blendshapes(
+                job.vertices, job.pose, job.templates, job.morphable, job.landmark_map, method,
+                BlendshapeWeights(*weights), job.model,
+            )  # fmt: skip
+            seconds = time.perf_counter() - start
+            rig, measures, balls = job.rig(made, np.random.default_rng(seed), eyeballs)
+        except CaricliError as error:
+            raise type(error)(f"{shown(source)}: {error}") from error
+        write_rig(npz, rig)
+        write_gltf(glb, rig)
+        figures, line = report(job, made, rig, measures)
+        about = {"method": method, "reconstruct": reconstruct, "weights": weights, "seconds": seconds}
+        write_json(json, provenance("blendshapes", job.inputs, seed, **about, **figures))
+        with progress_bar("drawing") as progress:
+            write_sheet(png, job, rig, progress)
+    click.echo(f"{out}: {line}, {seconds:.2f} s")
