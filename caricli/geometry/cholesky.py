@@ -12,10 +12,13 @@ class Cholesky:
     """A sparse symmetric positive definite matrix, factored once."""
 
     def __init__(self, matrix):
-        """matrix: (n, n) sparse."""
+        """matrix: (n, n) sparse. Raises NumericsError where it is not positive definite."""
         entries = matrix.tocoo()
         rows, columns = entries.row.astype(np.int32), entries.col.astype(np.int32)
-        self._solver = CholeskySolverD(matrix.shape[0], rows, columns, entries.data, MatrixType.COO)
+        try:
+            self._solver = CholeskySolverD(matrix.shape[0], rows, columns, entries.data, MatrixType.COO)
+        except ValueError as error:
+            raise NumericsError("a sparse system has no solution: does a part of the mesh hang on nothing?") from error
 
     def solve(self, right):
         """Solve for every column. right: (n, m). Returns the same shape. Raises NumericsError where there is none."""

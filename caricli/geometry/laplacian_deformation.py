@@ -17,7 +17,10 @@ class LaplacianDeformation:
 
     L(v)_i is what sets vertex i apart from the mean of its neighbours (eq. 9), R_i the rotation of its one-ring, which
     the paper leaves out: without it large corrections shear and shrink what stands out. Solution and rotations are
-    found in turns (Sorkine and Alexa 2007), with one factorisation.
+    found in turns (Sorkine and Alexa 2007), with one factorisation: not of L^T L, but of S = D L with D the sums of the
+    weights, which is symmetric and has a third of the entries. With l_i the turned detail, the least has
+    S v = D l + D^2 u and S u = P^T w (p - P v), P picking the anchors; S + P^T P is positive definite, and what P^T P
+    adds is settled exactly among the anchors.
     """
 
     def __init__(self, vertices, faces, anchors, weight, laplacian="cotangent"):
@@ -26,46 +29,44 @@ class LaplacianDeformation:
         vertices: (V, 3). faces: (F, 3). anchors: (K,) distinct ids. weight: of an anchor against a vertex. laplacian:
         "uniform", every neighbour counts the same, as published, or "cotangent".
         """
-        self.vertices, self.anchors = np.asarray(vertices, dtype=np.float64), np.asarray(anchors)
-        count = len(vertices)
-        adjacency, mean = vertex_neighbours(faces, count)
+        self.vertices, self.anchors, self.weight = np.asarray(vertices, dtype=np.float64), np.asarray(anchors), weight
+        count, known = len(vertices), np.arange(len(self.anchors))
+        weights, _ = vertex_neighbours(faces, count)
         if laplacian == "cotangent":
             cotangents = igl.cotmatrix(self.vertices, faces)
             if not np.isfinite(cotangents.data).all():
                 raise NumericsError("expected triangles with an area, found some without")
             # Clipped far from zero, or the mean of neighbours could lie anywhere.
             usual = np.median(cotangents.data[cotangents.data > 0])
-            weights = adjacency.multiply(cotangents).tocsr()
+            weights = weights.multiply(cotangents).tocsr()
             weights.data = np.clip(weights.data, _LEAST * usual, None)
-            mean = sp.diags(1 / np.asarray(weights.sum(1)).ravel()) @ weights
-        mean = mean.tocoo()
-        self.rows, self.columns, self.shares = mean.row, mean.col, mean.data
-        self.laplacian = (sp.identity(count) - mean).tocsr()
-        self.weight = np.zeros(count)
-        self.weight[self.anchors] = weight
-        self._factor = Cholesky(self.laplacian.T @ self.laplacian + sp.diags(self.weight))
-        self.detail = self.laplacian @ self.vertices
-        self.edges = self.shares[:, None] * (self.vertices[self.rows] - self.vertices[self.columns])
+        self.degrees = weights @ np.ones((count, 1))
+        stiffness = sp.diags(self.degrees[:, 0]) - weights
+        self.detail = stiffness @ self.vertices / self.degrees
+        self.pick = sp.csr_matrix((np.ones(len(known)), (known, self.anchors)), (len(known), count))
+        self._factor = Cholesky(stiffness + self.pick.T @ self.pick)
+        self.responses = self._factor.solve(self.pick.T.toarray())
+        free = np.identity(len(known)) - self.responses[self.anchors]
+        bending = (self.degrees * self.responses).T @ (self.degrees * self.responses)
+        self.among = np.block([[free, weight * np.identity(len(known))], [-bending, free]])
+        # Of edges turned: sum_j w_ij (v0_i - v0_j) (v_i - v_j)^T, one coordinate of v0 after the other.
+        edges = [sp.diags(column) @ weights - weights @ sp.diags(column) for column in self.vertices.T]
+        self.rings = sp.vstack([sp.diags(np.asarray(edge.sum(1)).ravel()) - edge for edge in edges]).tocsr()
 
     def move(self, targets, rounds=ROUNDS):
         """Vertices (V, 3) with the anchors at their targets (K, 3), nearly.
 
         rounds: how often the rotations are estimated; 0 keeps every R_i at one.
         """
-        places = np.array(self.vertices)
-        places[self.anchors] = targets
-        pulls = self.weight[:, None] * places
-        moved = self._factor.solve(self.laplacian.T @ self.detail + pulls)
+        moved = self._least(self.detail, targets)
         for _ in range(rounds):
-            turned = np.einsum("vab,vb->va", self._rotations(moved), self.detail)
-            moved = self._factor.solve(self.laplacian.T @ turned + pulls)
+            rotations = igl.fit_rotations(self.rings @ moved).reshape(3, -1, 3)
+            moved = self._least(np.einsum("avb,vb->va", rotations, self.detail), targets)
         return moved
 
-    def _rotations(self, moved):
-        """(V, 3, 3) best rotations of the one-rings."""
-        products = (self.edges[:, :, None] * (moved[self.rows] - moved[self.columns])[:, None, :]).reshape(-1, 9)
-        sums = np.stack([np.bincount(self.rows, column, len(moved)) for column in products.T], axis=1)
-        u, _, vt = np.linalg.svd(sums.reshape(-1, 3, 3))
-        sign = np.ones((len(moved), 3))
-        sign[:, 2] = np.linalg.det(u @ vt)
-        return np.swapaxes((u * sign[:, None]) @ vt, 1, 2)
+    def _least(self, detail, targets):
+        """Vertices (V, 3) of least energy for turned detail (V, 3)."""
+        pull = self.degrees * detail
+        known = np.concatenate([self.weight * targets, self.responses.T @ pull])
+        forces, places = np.split(np.linalg.solve(self.among, known), 2)
+        return self._factor.solve(pull + self.degrees**2 * (self.responses @ forces) + self.pick.T @ places)

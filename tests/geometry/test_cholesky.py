@@ -24,3 +24,8 @@ def test_every_column_is_solved(columns, order):
 def test_no_answer_is_an_error():
     with pytest.raises(NumericsError, match="no finite solution"):
         Cholesky(system(4)).solve(np.full((4, 2), np.nan))
+
+
+def test_a_matrix_that_is_not_positive_definite_is_refused():
+    with pytest.raises(NumericsError, match="a sparse system has no solution"):
+        Cholesky(sp.diags([1.0, -1.0, 1.0]))

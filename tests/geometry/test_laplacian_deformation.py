@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from caricli.errors import NumericsError
 from caricli.geometry.deformation_gradients import rotation_matrices
@@ -13,25 +14,44 @@ def targets(vertices, size=0.2, seed=0):
     return vertices[ANCHORS] + size * np.random.default_rng(seed).normal(size=(len(ANCHORS), 3))
 
 
-@pytest.mark.parametrize("name", ["patch", "ball"])
-@pytest.mark.parametrize("weight", [0.3, 1.0, 50.0])
-def test_uniform_is_the_least_squares_of_equation_10(name, weight, request):
-    vertices, faces = request.getfixturevalue(name)
-    wanted, count = targets(vertices), len(vertices)
-    rings = [set() for _ in range(count)]
-    for triangle in faces.tolist():
-        for vertex in triangle:
-            rings[vertex] |= set(triangle) - {vertex}
-    laplacian = np.zeros((count, count))
-    for vertex, ring in enumerate(rings):
-        for other in ring:
-            laplacian[vertex, vertex] += 1 / len(ring)
-            laplacian[vertex, other] -= 1 / len(ring)
-    pick = np.eye(count)[ANCHORS] * np.sqrt(weight)
-    right = np.vstack([laplacian @ vertices, np.sqrt(weight) * wanted])
-    dense = np.linalg.lstsq(np.vstack([laplacian, pick]), right, rcond=None)[0]
-    found = LaplacianDeformation(vertices, faces, ANCHORS, weight, "uniform").move(wanted, rounds=0)
-    np.testing.assert_allclose(found, dense, atol=1e-8)
+def slow_weights(vertices, faces, laplacian):
+    """(V, V) of the edges: one, or the cotangents of the angles that face them, far from zero."""
+    weights = np.zeros((len(vertices), len(vertices)))
+    for triangle in faces:
+        for a, b, c in (np.roll(triangle, k) for k in range(3)):
+            one, other = vertices[b] - vertices[a], vertices[c] - vertices[a]
+            weights[b, c] += one @ other / np.linalg.norm(np.cross(one, other)) / 2
+    weights += weights.T
+    usual = np.median(weights[weights > 0])
+    return np.where(weights == 0, 0, 1 if laplacian == "uniform" else np.maximum(weights, 0.01 * usual))
+
+
+@pytest.mark.parametrize("laplacian", KINDS)
+@pytest.mark.parametrize("name", ["patch", "ball", "both"])
+@pytest.mark.parametrize("weight", [0.3, 50.0])
+def test_it_is_the_least_squares_of_equation_10(name, weight, laplacian, patch, ball):
+    vertices, faces = ball if name == "ball" else patch
+    anchors = ANCHORS
+    if name == "both":
+        anchors = np.append(ANCHORS, len(vertices) + np.array([5, 70]))
+        vertices, faces = np.vstack([vertices, ball[0] + 4]), np.vstack([faces, ball[1] + len(vertices)])
+    wanted = vertices[anchors] + 0.2 * np.random.default_rng(0).normal(size=(len(anchors), 3))
+    weights = slow_weights(vertices, faces, laplacian)
+    matrix = np.identity(len(vertices)) - weights / weights.sum(1, keepdims=True)
+    pick = np.eye(len(vertices))[anchors] * np.sqrt(weight)
+
+    def dense(detail):
+        right = np.vstack([detail, np.sqrt(weight) * wanted])
+        return np.linalg.lstsq(np.vstack([matrix, pick]), right, rcond=None)[0]
+
+    deformation, slow = LaplacianDeformation(vertices, faces, anchors, weight, laplacian), dense(matrix @ vertices)
+    np.testing.assert_allclose(deformation.move(wanted, rounds=0), slow, atol=1e-8)
+    turns = [
+        Rotation.align_vectors(slow[ring > 0] - slow[i], vertices[ring > 0] - vertices[i], ring[ring > 0])[0]
+        for i, ring in enumerate(weights)
+    ]
+    slow = dense(np.stack([turn.apply(own) for turn, own in zip(turns, matrix @ vertices, strict=True)]))
+    np.testing.assert_allclose(deformation.move(wanted, rounds=1), slow, atol=1e-7)
 
 
 @pytest.mark.parametrize("laplacian", KINDS)
