@@ -40,7 +40,8 @@ def refine_face(vertices, pose, points, template, weight=1.0, laplacian="cotange
 
     vertices: (V, 3) metres. pose: Pose of the picture. points: (L, 2) pixels, NaN where unknown. template: Template
     with the annotation. weight: of a landmark against the shape of the surface (the paper's lambda). laplacian:
-    "cotangent", or "uniform" as published. Jaw landmarks stand where the outline is.
+    "cotangent", or "uniform" as published. Jaw landmarks stand where the outline is. Mouth cavity and eye sockets stay
+    behind the skin.
     Returns Refinement. Raises InputError when the landmarks are not of this picture or contradict each other.
     """
     note = template.annotation
@@ -74,6 +75,8 @@ def refine_face(vertices, pose, points, template, weight=1.0, laplacian="cotange
     sound = moved if still else untangle(moved, template.gradients)
     if sound is not moved:
         moved = move(sound)
+    if not still:
+        moved = template.cavities.tuck(moved)
     return Refinement(
         vertices=moved,
         landmarks=pose.project(moved[anchors]),

@@ -58,6 +58,18 @@ def test_synthetic_faces_are_met_by_a_sound_surface(number, pairs, refined, temp
     assert found.moved == pytest.approx(np.linalg.norm(found.vertices - template.vertices, axis=1).max())
 
 
+def test_the_mouth_stays_behind_the_skin(pairs, template):
+    """A mouth cavity that stands out of the upper lip."""
+    truth, cavities = pairs[0], template.cavities
+    inside = template.mask("inner_mouth")
+    inside[template.annotation.landmarks] = False
+    vertices = template.vertices + inside[:, None] * [0, 0.012, 0.02]
+    assert np.abs(cavities.tuck(vertices) - vertices).max() > 0.005
+    found = refine_face(vertices, truth.pose, truth.points, template)
+    np.testing.assert_allclose(cavities.tuck(found.vertices), found.vertices, atol=1e-3)
+    assert found.after["all"] <= 0.3
+
+
 def test_uniform_meets_them_too(pairs, template):
     for truth in pairs[1:3]:
         found = refine_face(template.vertices, truth.pose, truth.points, template, laplacian="uniform")
