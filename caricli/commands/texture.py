@@ -19,7 +19,8 @@ REPORT = "face.json"
 @click.argument("image", type=PATH)
 @out_option("DIR", "A folder for face.obj, .mtl, .npz, .glb, .json, texture.png, eyes.png and sheet.png.")
 @click.option("--mask", type=PATH, metavar="MASK.png", help="White where the head is.  [default: cut out by colours]")
-@click.option("--size", type=click.IntRange(64, 4096), default=1024, metavar="PIXELS", help="Side of the texture.")
+@click.option("--size", type=click.IntRange(64, 4096), metavar="PIXELS", help="Side of the texture.  [default: 1024 or "
+              "more, as fine as the picture]")  # fmt: skip
 @click.option("--project-uv", "flat", is_flag=True, help="The picture itself as texture, as published, to compare.")
 @model_option
 @seed_option
@@ -47,8 +48,8 @@ def command(face, image, out, mask, size, flat, model, seed, overwrite):
         painted = paint(seen, pose, picture, cut, shape_model.template, size, flat, generator)
         seconds = time.perf_counter() - start
         write_textured(folder, painted, seen, shape_model)
-        about = {"size": size, "project_uv": flat, "seconds": seconds, "model_id": shape_model.model_id}
-        figures = {"photometric_error": painted.error, "seen": painted.seen, "head": float(cut.mean())}
+        about = {"project_uv": flat, "seconds": seconds, "model_id": shape_model.model_id, "head": float(cut.mean())}
+        figures = {"size": len(painted.rig.texture), "photometric_error": painted.error, "seen": painted.seen}
         write_json(folder / REPORT, provenance("texture", [face, image, mask], seed, **about, **figures))
     shown = f"{100 * painted.seen:.0f} % of the surface seen, photometric error {100 * painted.error:.2f} %"
     click.echo(f"{out}: {shown}, {seconds:.1f} s")

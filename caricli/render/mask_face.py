@@ -8,7 +8,7 @@ from caricli.render.rasterise import rasterise
 OUTLINE = (*range(17), *range(26, 16, -1))
 """Landmarks around the face: along the jaw, back along the brows."""
 
-_SIDE, _ROUNDS = 400, 4
+_SIDE, _ROUNDS = 800, 4
 _CORE, _BAND, _FOREHEAD = 0.04, 0.06, 0.15
 
 
@@ -19,7 +19,7 @@ def mask_face(image, projected, faces, points):
     (L, 2) landmarks, pixels. Returns (H, W) bool; what the landmarks enclose where the colours tell nothing.
     """
     height, width = image.shape[:2]
-    # Colours of regions need no more pixels.
+    # Finer than this the outline of a region is no more exact.
     shrink = min(1.0, _SIDE / max(height, width))
     small = cv2.resize(image, None, fx=shrink, fy=shrink, interpolation=cv2.INTER_AREA) if shrink < 1 else image
     rows, columns = small.shape[:2]

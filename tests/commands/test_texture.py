@@ -120,7 +120,7 @@ def test_the_glb_has_skin_and_eyes(textured, run):
 
 
 def test_rig_takes_both_pictures_along(run, textured, tmp_path, monkeypatch):
-    monkeypatch.setattr("caricli.commands.rig._sheet", lambda rig, progress: np.zeros((4, 4, 3), np.uint8))
+    monkeypatch.setattr("caricli.commands.rigging.expression_sheet", lambda rig, progress: np.zeros((4, 4, 3), np.uint8))
     result = run("rig", textured / "face.npz", "--out", tmp_path / "rig.glb")
     assert result.exit_code == 0, result.output
     rig = read_rig(tmp_path / "rig.npz")
@@ -164,12 +164,20 @@ def test_the_plain_variant_has_the_picture_itself(run, scene, tmp_path):
     result = run(COMMAND, *inputs(scene), *QUICK, "--project-uv", "--out", out)
     assert result.exit_code == 0, result.output
     report, mesh = read_json(out / "face.json"), read_obj(out / "face.obj")
-    assert report["project_uv"] is True and report["photometric_error"] < 0.03
+    assert report["project_uv"] is True and report["photometric_error"] < 0.03 and report["size"] == SIDE
     mask, photo = read_image(scene / "mask.png")[..., 0] > 0, read_image(scene / "photo.png")
     np.testing.assert_array_equal(read_image(out / "texture.png")[mask], photo[mask])
     wanted = (POSE.project(mesh.vertices) + 0.5) / SIDE
     np.testing.assert_array_equal(mesh.uv_polygons, mesh.polygons)
     np.testing.assert_allclose(mesh.uvs, np.stack([wanted[:, 0], 1 - wanted[:, 1]], axis=1), atol=1e-5)
+
+
+def test_without_a_size_it_is_as_fine_as_the_picture(run, scene, tmp_path, monkeypatch):
+    monkeypatch.setattr("caricli.methods.texture_face.SMALLEST", 64)
+    out = tmp_path / "out"
+    assert run(COMMAND, *inputs(scene), "--out", out).exit_code == 0
+    side = read_json(out / "face.json")["size"]
+    assert 64 < side < 2048 and read_image(out / "texture.png").shape == (side, side, 3)
 
 
 def saved(image, path, mode):

@@ -2,7 +2,7 @@ import cv2
 import numpy as np
 import pytest
 
-from caricli.render.sample_texture import sample_pixels, sample_texture
+from caricli.render.sample_texture import sample_pixels, sample_texture, texture_matrix
 
 
 def bilinear(image, x, y):
@@ -51,3 +51,17 @@ def test_uvs_start_at_the_bottom_left():
     corner = np.array([0.5 / 8, 0.5 / 4])
     found = sample_texture(texture, np.array([corner, 1 - corner, [0, 0], [1, 1], [0.5, 0.5]]))
     assert found[:, 0].tolist() == [200, 100, 200, 100, 0] and found.shape == (5, 3)
+
+
+def test_the_matrix_takes_the_samples():
+    generator = np.random.default_rng(2)
+    colours, owner = generator.uniform(0, 255, (5, 3)), generator.integers(0, 5, (6, 9))
+    uvs = generator.uniform(-0.2, 1.2, (300, 2))
+    matrix = texture_matrix(owner, 5, uvs)
+    assert matrix.shape == (300, 5) and matrix.min() >= 0
+    np.testing.assert_allclose(matrix.sum(1), 1)
+    # OpenCV knows 32 places between two pixels.
+    wanted = sample_texture(colours[owner].astype(np.float32), uvs)
+    np.testing.assert_allclose(matrix @ colours, wanted, atol=0.04 * 255)
+    corners = texture_matrix(np.arange(12).reshape(3, 4), 12, np.array([[0.5 / 4, 0.5 / 3], [3.5 / 4, 2.5 / 3]]))
+    np.testing.assert_allclose(corners.toarray(), np.eye(12)[[8, 3]], atol=1e-12)
