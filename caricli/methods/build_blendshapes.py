@@ -72,11 +72,11 @@ def build_blendshapes(
         usual = np.median(np.linalg.norm(parts[1], axis=2).max(1))
         least = np.where(np.arange(len(shapes)) == 0, usual, 0.0)
         found = optimise_blendshapes(*parts, vertices, faces, weights or BlendshapeWeights(), least)
-        found[1:] += found[0]
+        neutral, found[0] = vertices + found[0], 0
         if contacts:
-            kept = Contacts(templates, vertices, DeformationTransfer(vertices, faces, held))
+            kept = Contacts(templates, neutral, DeformationTransfer(neutral, faces, held))
             found = np.array([m if templates.motions[k] is None else kept.keep(k, m) for k, m in enumerate(found)])
-        shapes = vertices + found
+        shapes = neutral + found
     return Blendshapes(shapes, normal, given, fit, marks)
 
 

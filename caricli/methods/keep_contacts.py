@@ -1,8 +1,12 @@
 """Lids and lips that meet where those of the templates meet, and never pass through each other."""
 
+import numpy as np
+
 from caricli.geometry.contact_solver import ContactSolver
 from caricli.geometry.similarity import similarity
 from caricli.methods.expression_templates import contact_normals
+
+_ASTRAY = 5
 
 
 class Contacts:
@@ -27,4 +31,8 @@ class Contacts:
         made = self.templates.motions[k]
         targets = self.scale * made.offsets @ self.rotation.T - self.own
         floors = (self.scale * made.gaps - self.gaps).clip(max=0)
+        gaps = moved[self.templates.pairs[:, 0]] - moved[self.templates.pairs[:, 1]]
+        # Nothing goes so far through anything: the lips were crossed before, and the normal points the wrong way.
+        astray = (gaps * self.normals).sum(1) < floors - _ASTRAY * self.scale * self.templates.reach
+        floors = np.where(astray, -np.inf, floors)
         return self.solver.solve(moved, made.closed, targets, self.normals, floors, made.near)
