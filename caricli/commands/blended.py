@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from caricli.commands.loading import DEFAULT_LATENT, face_pose, load_face, load_model
-from caricli.commands.rigging import expression_sheet, face_pictures, load_templates
+from caricli.commands.rigging import face_pictures, load_templates
 from caricli.data.expressions import NEUTRAL, facs_expressions, read_expressions
 from caricli.errors import InputError
 from caricli.geometry.scaled_orthographic_pose import Pose
@@ -13,8 +13,9 @@ from caricli.io.bundled import asset_path
 from caricli.io.checkpoint import read_checkpoint
 from caricli.io.face import topology_id
 from caricli.io.files import shown
-from caricli.io.image import read_image, write_png
+from caricli.io.image import read_image
 from caricli.io.landmarks import read_landmarks
+from caricli.methods.build_blendshapes import build_blendshapes
 from caricli.methods.build_rig import build_rig
 from caricli.methods.expression_templates import ExpressionTemplates, combined_templates
 from caricli.methods.fit_landmarks import fit_landmarks
@@ -24,70 +25,87 @@ from caricli.models.morphable import MorphableModel
 
 
 @dataclass(frozen=True, eq=False)
-class BlendJob:
-    """A caricature and what its expressions are made with.
+class BlendTools:
+    """What expressions are made with: expressions, dict from names to weights of actions; templates of them, the
+    neutral one first; latent, ShapeModel for latent reconstruction, or None; inputs, the paths that were read."""
 
-    vertices (V, 3) with its own expression; pose of its picture; expressions, dict from names to weights of actions;
-    templates of them, the neutral one first; model, ShapeModel for latent reconstruction, or None; picture and eyes,
-    (H, W, 3) for skin and eyes, or None; inputs, the paths that were read.
-    """
-
-    vertices: np.ndarray
-    pose: Pose
     expressions: dict
     templates: ExpressionTemplates
     morphable: MorphableModel
     landmark_map: LandmarkMap
-    model: object
-    picture: np.ndarray | None
-    eyes: np.ndarray | None
+    latent: object
     inputs: list
 
-    def rig(self, made, generator, eyeballs):
-        """Rig, RigMeasures and Eyeballs of Blendshapes: every expression starts from the neutral one."""
+    def rig(self, made, generator, eyeballs=True, pictures=(None, None)):
+        """Rig, RigMeasures and Eyeballs of Blendshapes: every expression starts from the neutral one.
+
+        pictures: (H, W, 3) uint8 for skin and eyes, or None.
+        """
         mesh, neutral = self.morphable.template.with_vertices(made.shapes[0]), made.normal[0]
         acting = replace(self.templates, names=self.templates.names[1:], deltas=self.templates.deltas[1:])
         deltas = made.shapes[1:] - made.shapes[0]
-        rig, *rest = build_rig(mesh, acting, deltas, generator, 0, eyeballs, self.picture, self.eyes)
+        rig, *rest = build_rig(mesh, acting, deltas, generator, 0, eyeballs, *pictures)
         return replace(rig, normal_deltas=(made.normal[1:] - neutral).astype(np.float32)), *rest
 
 
-def load_job(source, expressions, map_path, model, templates, reconstruct, texture, pts_origin):
-    """The BlendJob of the command's arguments. Raises InputError."""
+@dataclass(frozen=True, eq=False)
+class Caricature:
+    """vertices (V, 3) with an expression of their own; pose of their picture; pictures of skin and eyes, (H, W, 3) or
+    None each; inputs, the paths that were read."""
+
+    vertices: np.ndarray
+    pose: Pose
+    pictures: tuple
+    inputs: list
+
+
+def load_tools(expressions=None, map_path=None, model=None, templates=None, reconstruct="intrinsic"):
+    """The BlendTools of paths, or None for what is bundled. Raises InputError."""
     morphable = load_model(model, "morphable")
     if morphable.kind != "morphable":
         raise InputError(f"{shown(model)}: expected a model of kind morphable, found {morphable.kind}")
     known, _, used = load_templates(templates)
-    if topology_id(known.faces) != morphable.template.topology_id:
-        counts = len(morphable.template.vertices), len(known.neutral)
-        raise InputError(f"expected templates of the model's mesh ({counts[0]} vertices), found {counts[1]} vertices")
+    latent = load_model(kind=DEFAULT_LATENT) if reconstruct == "latent" else None
+    for ids in [topology_id(known.faces), *([latent.template.topology_id] if latent else [])]:
+        if ids != morphable.template.topology_id:
+            expected = f"templates and models of one mesh, that of the morphable model ({len(morphable.mean)} vertices)"
+            raise InputError(f"{shown(model or templates)}: expected {expected}, found another")
     chosen = facs_expressions(known.names) if templates is None else {NEUTRAL: {}} | {n: {n: 1.0} for n in known.names}
     if expressions is not None:
         chosen = read_expressions(expressions, known.names)
     map_path = map_path or asset_path("landmark_map.safetensors")
     landmark_map = map_from_checkpoint(*read_checkpoint(map_path), shown(map_path))
-    skin, eyes = texture, None
+    inputs = [path for path in (expressions, model, map_path, *used) if path is not None]
+    return BlendTools(chosen, combined_templates(known, chosen), morphable, landmark_map, latent, inputs)
+
+
+def load_caricature(source, morphable, texture=None, pts_origin=1):
+    """The Caricature of a face (NPZ), or of landmarks, which are reconstructed. Raises InputError."""
     if source.suffix.lower() == ".npz":
         face = load_face(source, morphable)
-        vertices, pose = face.vertices, face_pose(face, source)
-        skin, eyes = face_pictures(source, texture)
+        vertices, pose, paths = face.vertices, face_pose(face, source), face_pictures(source, texture)
     else:
-        fit = fit_landmarks(read_landmarks(source, pts_origin).points, load_model())
-        vertices, pose = fit.vertices, fit.pose
-    latent = load_model(kind=DEFAULT_LATENT) if reconstruct == "latent" else None
-    if len(vertices) != len(morphable.mean) or (latent and latent.template.topology_id != topology_id(known.faces)):
-        raise InputError(f"{shown(model)}: its mesh is not that of the bundled models; give a FACE.npz of its own")
-    pictures = [path and read_image(path) for path in (skin, eyes)]
-    inputs = [path for path in (source, expressions, model, map_path, skin, eyes, *used) if path is not None]
-    set_of = combined_templates(known, chosen)
-    return BlendJob(vertices.astype(float), pose, chosen, set_of, morphable, landmark_map, latent, *pictures, inputs)
+        intrinsic = load_model()
+        if intrinsic.template.topology_id != morphable.template.topology_id:
+            raise InputError(f"{shown(source)}: expected a FACE.npz for a model of another mesh, found landmarks")
+        fit = fit_landmarks(read_landmarks(source, pts_origin).points, intrinsic)
+        vertices, pose, paths = fit.vertices, fit.pose, (texture, None)
+    pictures = tuple(path and read_image(path) for path in paths)
+    inputs = [path for path in (source, *paths) if path is not None]
+    return Caricature(vertices.astype(float), pose, pictures, inputs)
 
 
-def report(job, made, rig, measures):
+def build(tools, face, method="full", weights=None):
+    """Blendshapes of a Caricature by a method of ``build_blendshapes``."""
+    known = tools.templates, tools.morphable, tools.landmark_map
+    return build_blendshapes(face.vertices, face.pose, *known, method, weights, tools.latent)
+
+
+def report(tools, face, made, rig, measures):
     """What the JSON says of Blendshapes, and the line to print."""
-    moves = measure_blendshapes(made.shapes - job.vertices, made.normal - made.normal_given)
+    moves = measure_blendshapes(made.shapes - face.vertices, made.normal - made.normal_given)
     rows = {}
-    for k, (name, weights) in enumerate(job.expressions.items()):
+    for k, (name, weights) in enumerate(tools.expressions.items()):
         values = {"drift": moves.drift[k], "strength": moves.strength[k], "excess": moves.excess[k]}
         if k:
             values |= {"flipped": measures.flipped[k - 1], "contact_gap": measures.contact_gap[k - 1]}
@@ -99,7 +117,7 @@ def report(job, made, rig, measures):
         "units": "m",
         "axes": "+y up, +z front",
     }
-    drift = 100 * np.nanmean(moves.drift) / np.ptp(job.vertices[:, 1])
+    drift = 100 * np.nanmean(moves.drift) / np.ptp(face.vertices[:, 1])
     line = (
         f"{len(rig.names)} expressions, {len(rig.neutral)} vertices, strength {np.nanmean(moves.strength):.2f} of a "
         f"normal face's, drift {drift:.3f} %, flipped triangles at most {100 * measures.flipped.max():.3f} %"
@@ -107,8 +125,8 @@ def report(job, made, rig, measures):
     return figures, line
 
 
-def write_sheet(path, job, rig, progress):
-    """The picture of all expressions, with the one of the picture before them."""
+def with_given(rig, face):
+    """(W, 3) the vertices of a Rig with the expression that the Caricature has in its picture."""
     given = np.array(rig.neutral)
-    given[: len(job.vertices)] = job.vertices
-    write_png(path, expression_sheet(rig, progress, given))
+    given[: len(face.vertices)] = face.vertices
+    return given

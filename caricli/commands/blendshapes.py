@@ -8,6 +8,7 @@ import numpy as np
 from caricli.commands.options import PATH, FiniteRange, out_option, overwrite_option, seed_option
 from caricli.errors import CaricliError
 from caricli.io.files import shown
+from caricli.io.image import write_png
 from caricli.io.outputs import staged
 from caricli.io.provenance import provenance
 from caricli.io.strict_json import write_json
@@ -60,31 +61,32 @@ def command(source, out, expressions, method, reconstruct, weights, map_path, mo
       caricli blendshapes landmarks.json --expressions moods.yaml --out moods.npz
       caricli blendshapes face.npz --method transfer --out rival.npz
     """
-    from caricli.commands.blended import load_job, report, write_sheet
+    from caricli.commands.blended import build, load_caricature, load_tools, report, with_given
     from caricli.commands.loading import progress_bar
+    from caricli.commands.rigging import expression_sheet
     from caricli.io.gltf import write_gltf
     from caricli.io.rig import write_rig
-    from caricli.methods.build_blendshapes import build_blendshapes
     from caricli.methods.optimise_blendshapes import BlendshapeWeights
 
-    job = load_job(source, expressions, map_path, model, templates, reconstruct, texture, pts_origin)
-    files = [out, *(out.with_suffix(suffix) for suffix in (".glb", ".json", ".png"))]
-    with staged(*files, overwrite=overwrite, inputs=job.inputs) as (npz, glb, json, png):
-        start = time.perf_counter()
+    tools = load_tools(expressions, map_path, model, templates, reconstruct)
+    face = load_caricature(source, tools.morphable, texture, pts_origin)
+    files, inputs = (
+        [out, *(out.with_suffix(suffix) for suffix in (".glb", ".json", ".png"))],
+        face.inputs + tools.inputs,
+    )
+    with staged(*files, overwrite=overwrite, inputs=inputs) as (npz, glb, json, png):
         try:
-            made = build_blendshapes(
-                job.vertices, job.pose, job.templates, job.morphable, job.landmark_map, method,
-                BlendshapeWeights(*weights), job.model,
-            )  # fmt: skip
+            start = time.perf_counter()
+            made = build(tools, face, method, BlendshapeWeights(*weights))
             seconds = time.perf_counter() - start
-            rig, measures, balls = job.rig(made, np.random.default_rng(seed), eyeballs)
+            rig, measures, _ = tools.rig(made, np.random.default_rng(seed), eyeballs, face.pictures)
         except CaricliError as error:
             raise type(error)(f"{shown(source)}: {error}") from error
         write_rig(npz, rig)
         write_gltf(glb, rig)
-        figures, line = report(job, made, rig, measures)
+        figures, line = report(tools, face, made, rig, measures)
         about = {"method": method, "reconstruct": reconstruct, "weights": weights, "seconds": seconds}
-        write_json(json, provenance("blendshapes", job.inputs, seed, **about, **figures))
+        write_json(json, provenance("blendshapes", inputs, seed, **about, **figures))
         with progress_bar("drawing") as progress:
-            write_sheet(png, job, rig, progress)
+            write_png(png, expression_sheet(rig, progress, with_given(rig, face)))
     click.echo(f"{out}: {line}, {seconds:.2f} s")

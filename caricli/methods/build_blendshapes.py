@@ -1,12 +1,13 @@
 """Expressions of a caricature from those of a normal face (expressions paper, section 3.2)."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from threadpoolctl import threadpool_limits
 
 from caricli.geometry.deformation_transfer import DeformationTransfer, triangle_maps
 from caricli.geometry.elastic_anchors import ElasticAnchors
+from caricli.geometry.similarity import similarity
 from caricli.geometry.slide_contour import slide_contour
 from caricli.methods.fit_landmarks import JAW, LandmarkFit, LatentSettings
 from caricli.methods.fit_morphable import fit_morphable
@@ -20,8 +21,9 @@ WEIGHTS = (1.2, 3.0)
 """Of identity and expression in the fit of the normal face: its expression, which every displacement is counted from,
 is followed with caution."""
 
-FARTHEST, STRENGTH = 1.3, 0.5
-"""How far a landmark may go, of the way of the normal face's; how much landmarks pull, against the surface."""
+EXAGGERATION, FARTHEST, STRENGTH = 1.08, 1.25, 0.1
+"""How much more than the normal face a caricature does, and how far a landmark may go at most, of the way of the normal
+face's; how much landmarks pull, against the surface."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,15 +57,17 @@ def build_blendshapes(
     keeps them. Returns Blendshapes. Raises InputError, NumericsError.
     """
     template, faces = morphable.template, morphable.template.faces
+    scale, *_ = similarity(template.vertices, vertices)
+    vertices, pose = vertices / scale, replace(pose, scale=pose.scale * scale)
     anchors = _anchors(vertices, pose, template)
     fit = fit_morphable(map_landmarks(pose.project(vertices[anchors]), landmark_map, "normal"), morphable, WEIGHTS)
     who, _ = morphable.parts(fit.latent)
     given = morphable.decode(fit.latent)
     normal = morphable.mean + np.tensordot(who, morphable.identity, 1) + templates.deltas
-    moves = normal - given
-    held = displacement_masks(moves).max(0) < UNMOVED
+    held = displacement_masks(templates.deltas).max(0) < UNMOVED
     if method == "transfer":
-        return Blendshapes(_transferred(vertices, given, normal, held, faces), normal, given, fit, None)
+        shapes = _transferred(vertices, given, normal, held, faces)
+        return Blendshapes(scale * shapes, normal, given, fit, None)
     marks = _marks(vertices[anchors], pose, given, normal, fit, landmark_map)
     shapes = _reconstructed(vertices, pose, anchors, marks, given, normal, template, model)
     if method == "full":
@@ -77,7 +81,7 @@ def build_blendshapes(
             kept = Contacts(templates, neutral, DeformationTransfer(neutral, faces, held))
             found = np.array([m if templates.motions[k] is None else kept.keep(k, m) for k, m in enumerate(found)])
         shapes = neutral + found
-    return Blendshapes(shapes, normal, given, fit, marks)
+    return Blendshapes(scale * shapes, normal, given, fit, marks)
 
 
 def _anchors(vertices, pose, template):
@@ -121,7 +125,7 @@ def _reconstructed(vertices, pose, anchors, marks, given, normal, template, mode
     gradients, elastic = template.gradients, ElasticAnchors(template.vertices, template.faces, np.unique(anchors))
     features, usual, shapes = gradients.features(vertices), gradients.features(given), []
     for points, shape in zip(marks, normal, strict=True):
-        moved = gradients.vertices(features + gradients.features(shape) - usual)
+        moved = gradients.vertices(features + EXAGGERATION * (gradients.features(shape) - usual))
         # Features do not say where; what hardly moves is where it was.
         way = np.linalg.norm(shape - given, axis=1)
         calm = way <= np.median(way)

@@ -9,7 +9,7 @@ import numpy as np
 
 from caricli.data.albedo import AlbedoPainter, random_look
 from caricli.errors import CaricliError
-from caricli.geometry.deformation_gradients import rotation_matrices
+from caricli.geometry.head_rotation import TURNS, head_rotation
 from caricli.geometry.scaled_orthographic_pose import Pose
 from caricli.geometry.similarity import similarity
 from caricli.geometry.slide_contour import slide_contour
@@ -38,7 +38,6 @@ PAPER_SIDE = 224
 """Pixels of the pictures that the paper's network takes."""
 
 _UNBOUND = tuple(weight / 100 for weight in WEIGHTS)
-_TURNS = np.array([12.0, 30.0, 12.0])
 _FILLED, _ASIDE = (0.7, 0.85), 0.03
 
 
@@ -113,9 +112,7 @@ class PortraitStudio:
         return Portrait(name, image, points, drawn[..., 3] > 127, vertices, pose)
 
     def _pose(self, vertices, generator):
-        pitch, yaw, roll = np.diag(generator.uniform(-1, 1, 3) * np.radians(_TURNS))
-        pitch, yaw, roll = rotation_matrices(np.stack([pitch, yaw, roll]))
-        rotation = roll @ pitch @ yaw @ np.diag([1.0, -1.0, -1.0])
+        rotation = head_rotation(generator.uniform(-1, 1, 3) * TURNS)
         flat = vertices @ rotation[:2].T
         scale = generator.uniform(*_FILLED) * self.size / np.ptp(flat, axis=0).max()
         middle = self.size * (0.5 + generator.uniform(-_ASIDE, _ASIDE, 2))

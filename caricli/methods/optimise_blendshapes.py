@@ -45,12 +45,12 @@ def optimise_blendshapes(initial, normal, vertices, faces, weights=BlendshapeWei
     caricature. faces: (F, 3). least: as of ``masks``. Returns (K, V, 3). Raises NumericsError for degenerate triangles,
     where nothing moves, and for a part of the mesh that moves as a whole.
     """
-    count, moved = len(vertices), displacement_masks(normal)
-    free = np.flatnonzero(moved.max(0) >= UNMOVED)
+    count, moved = len(vertices), displacement_masks(normal, least).max(0)
+    free = np.flatnonzero(moved >= UNMOVED)
     if not len(free):
         raise NumericsError("expected expressions that move something, found none")
     _, parts = connected_components(vertex_neighbours(faces, count)[0], directed=False)
-    loose = np.setdiff1d(parts, parts[moved.max(0) < UNMOVED])
+    loose = np.setdiff1d(parts, parts[moved < UNMOVED])
     if len(loose):
         found = f"{len(loose)} without, such as that of vertex {np.flatnonzero(parts == loose[0])[0]}"
         raise NumericsError(f"expected in every part of the mesh a vertex that no expression moves, found {found}")
@@ -89,18 +89,20 @@ def masks(normal, least=0.0):
     """(K, V) how much of a displacement is kept, from 0 to 1: that of equation 6 where the normal face hardly moves.
 
     Equation 6 as it stands would halve what moves half as far as the farthest vertex.
-    normal: (K, V, 3) displacements, metres. least: (K,) or a number, metres; an expression that moves nothing so far is
-    taken for noise, the more so the less it moves.
+    normal, least: as of ``displacement_masks``.
     """
-    farthest = np.linalg.norm(normal, axis=-1).max(1)
-    damped = np.divide(farthest, least, out=np.ones_like(farthest), where=farthest < least)
-    return np.minimum(1, damped[:, None] * displacement_masks(normal) / WHOLE)
+    return np.minimum(1, displacement_masks(normal, least) / WHOLE)
 
 
-def displacement_masks(normal):
-    """(K, V) how far every vertex of a normal face moves, of the farthest (equation 6); 0 where nothing moves."""
+def displacement_masks(normal, least=0.0):
+    """(K, V) how far every vertex of a normal face moves, of the farthest (equation 6); 0 where nothing moves.
+
+    normal: (K, V, 3) displacements, metres. least: (K,) or a number, metres; an expression that moves nothing so far is
+    taken for noise: its displacements count as shares of this.
+    """
     lengths = np.linalg.norm(normal, axis=-1)
-    return lengths / np.maximum(lengths.max(1, keepdims=True), np.finfo(float).tiny)
+    farthest = np.maximum(lengths.max(1), least)
+    return lengths / np.maximum(farthest, np.finfo(float).tiny)[:, None]
 
 
 def cosines(normal):

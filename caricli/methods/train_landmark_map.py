@@ -8,7 +8,7 @@ from threadpoolctl import threadpool_limits
 
 from caricli.data.expressions import expand_sides
 from caricli.errors import NumericsError
-from caricli.geometry.deformation_gradients import rotation_matrices
+from caricli.geometry.head_rotation import TURNS, head_rotation
 from caricli.geometry.similarity import similarity
 from caricli.geometry.slide_contour import slide_contour
 from caricli.io.bundled import asset_path
@@ -18,7 +18,6 @@ from caricli.models.landmark_map import COUNT, DOMAINS, WEIGHTS, Domain, Landmar
 from caricli.models.principal_components import principal_components
 from caricli.template.head import load_head
 
-_TURNS = np.radians([12.0, 30.0, 12.0])
 _START, _FINAL_RATE = 1e-2, 0.02
 _COMPARED = 1000
 
@@ -52,8 +51,7 @@ def see_faces(vertices, expressions, kinds, template, views, generator):
     points = np.empty((len(vertices), views, COUNT, 2))
     for k, shape in enumerate(vertices):
         for view, turn in enumerate(turns[k]):
-            pitch, yaw, roll = rotation_matrices(np.diag(turn * _TURNS))
-            rotation = roll @ pitch @ yaw @ np.diag([1.0, -1.0, -1.0])
+            rotation = head_rotation(turn * TURNS)
             jaw = slide_contour(shape, rotation, template.vertices, note.landmarks[:JAW], note.jaw_paths)
             points[k, view] = shape[np.r_[jaw, note.landmarks[JAW:COUNT]]] @ rotation[:2].T
     pitch, yaw = turns[..., 0].ravel(), turns[..., 1].ravel()

@@ -26,7 +26,7 @@ def run():
 def small_pictures():
     """Views of 48 pixels in the sheets of faces, which are otherwise most of the time."""
     with pytest.MonkeyPatch.context() as patch:
-        for name in ("encode", "sample", "interpolate", "edit_semantic", "caricaturize", "rig"):
+        for name in ("encode", "sample", "interpolate", "edit_semantic", "caricaturize", "rigging"):
             patch.setattr(f"caricli.commands.{name}.SIZE", 48)
         yield
 

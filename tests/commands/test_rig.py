@@ -34,7 +34,7 @@ def quick_pictures(small_pictures):
 @pytest.fixture
 def undrawn(monkeypatch):
     """No contact sheet."""
-    monkeypatch.setattr("caricli.commands.rig._sheet", lambda rig, progress: np.zeros((4, 4, 3), np.uint8))
+    monkeypatch.setattr("caricli.commands.rigging.expression_sheet", lambda rig, progress: np.zeros((4, 4, 3), np.uint8))
 
 
 @pytest.fixture(scope="module")

@@ -120,7 +120,9 @@ def test_the_glb_has_skin_and_eyes(textured, run):
 
 
 def test_rig_takes_both_pictures_along(run, textured, tmp_path, monkeypatch):
-    monkeypatch.setattr("caricli.commands.rigging.expression_sheet", lambda rig, progress: np.zeros((4, 4, 3), np.uint8))
+    monkeypatch.setattr(
+        "caricli.commands.rigging.expression_sheet", lambda rig, progress: np.zeros((4, 4, 3), np.uint8)
+    )
     result = run("rig", textured / "face.npz", "--out", tmp_path / "rig.glb")
     assert result.exit_code == 0, result.output
     rig = read_rig(tmp_path / "rig.npz")
