@@ -9,10 +9,13 @@ import time
 from pathlib import Path
 from urllib.parse import unquote
 
+import numpy as np
 import pytest
 
 from caricli.io.face import read_face
 from caricli.io.gltf import read_gltf
+from caricli.io.image import read_image
+from caricli.io.obj import ObjMesh, write_obj
 from caricli.io.strict_json import read_json
 
 ROOT = Path(__file__).parents[1]
@@ -49,12 +52,12 @@ def ended(process, code=0):
     return printed
 
 
-def kill_once(process, path):
+def kill_once(process, path, how=signal.SIGKILL):
     """Kill the workflow as soon as there is a file; what it printed."""
     deadline = time.monotonic() + PATIENCE
     while not path.exists() and process.poll() is None and time.monotonic() < deadline:
         time.sleep(0.05)
-    os.killpg(process.pid, signal.SIGKILL)
+    os.killpg(process.pid, how)
     printed, _ = process.communicate()
     assert path.exists(), printed
     return printed
@@ -119,4 +122,53 @@ def test_portrait_goes_on_where_it_was_killed_and_past_a_bad_picture(snakemake, 
     (pictures / "unmarked.png").unlink()
     ended(snakemake(*start))
     assert (head / "face.npz").stat() == face and "unmarked" not in (out / "index.html").read_text("utf-8")
+    assert "Nothing to be done" in ended(snakemake(*start))
+
+
+def test_expressions_go_on_where_they_were_stopped_and_past_bad_files(snakemake, head, tmp_path):
+    drawings, drivers, out, good = tmp_path / "drawings", tmp_path / "drivers", tmp_path / "out", "a & 'b' 1"
+    drawings.mkdir()
+    drivers.mkdir()
+    example = ROOT / "examples" / "astronaut"
+    subprocess.run([sys.executable, example / "fetch_image.py", drawings / f"{good}.png"], check=True)
+    shutil.copyfile(example / "landmarks.json", drawings / f"{good}.json")
+    (drawings / "unmarked.jpg").write_bytes(b"no picture")
+    shutil.copyfile(example / "landmarks.json", drivers / "astronaut.json")
+    (drivers / "bad.txt").write_text("1 2\n")
+    neutral, moods = tmp_path / "neutral.obj", tmp_path / "moods.json"
+    for path, actions in ((neutral, {}), (drivers / "open.obj", {"jawOpen": 0.7})):
+        write_obj(path, ObjMesh(head.evaluate(weight=0.8, actions=actions), head.polygons))
+    moods.write_text('{"neutral": {}, "jawOpen": {"jawOpen": 1}, "smile": {"mouthSmileLeft": 1, "mouthSmileRight": 1}}')
+    folders = f"drawings={drawings}", f"drivers={drivers}"
+    start = ("expressions", "--config", "size=128", *folders, f"neutral={neutral}", f"expressions={moods}")
+
+    home = out / "heads" / good
+    kill_once(snakemake(*start), home / "logs" / "texture.txt", signal.SIGTERM)
+    face = (home / "refined.npz").stat()
+    assert not (home / "textured").exists()
+
+    ended(snakemake(*start), code=1)
+    assert (home / "refined.npz").stat() == face
+    blendshapes = read_gltf(home / "blendshapes.glb")
+    assert blendshapes.names == ("jawOpen", "smile") and blendshapes.texture.shape == (128, 128, 3)
+    weights = read_json(home / "expressions" / "open.json")["weights"]
+    assert abs(weights["jawOpen"] - 0.7) < 0.02 and weights["smile"] < 0.02
+    assert read_json(home / "expressions" / "astronaut.json")["weights"]["smile"] > 0.2
+    page = (out / "index.html").read_text("utf-8")
+    assert "2 of 6 expressions finished" in page and "a &amp; &#x27;b&#x27; 1" in page
+    assert re.search(r'unmarked</b><p class="failed">reconstruct failed: [^<]*unmarked\.json: expected', page)
+    assert re.search(r'bad<p class="failed">driver failed: [^<]*bad\.txt: expected', page)
+    shown = {f"heads/{good}/{name}" for name in ("blendshapes.glb", "blendshapes.png", "expressions/open.obj")}
+    assert shown < set(links_of(out / "index.html"))
+    small = out / "thumbnails" / "heads" / good
+    rest, wide = (read_image(small / f"{name}.jpg").astype(int) for name in ("neutral", "expressions/open"))
+    assert rest.shape == wide.shape == (224, 224, 3)
+    assert np.abs(rest - wide)[:112].mean() < np.abs(rest - wide)[112:].mean() / 3
+
+    (drawings / "unmarked.jpg").unlink()
+    (drivers / "bad.txt").unlink()
+    ended(snakemake(*start))
+    page = (out / "index.html").read_text("utf-8")
+    assert "2 of 2 expressions finished" in page and "failed:" not in page
+    assert (home / "refined.npz").stat() == face
     assert "Nothing to be done" in ended(snakemake(*start))

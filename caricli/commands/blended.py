@@ -73,10 +73,13 @@ def load_tools(expressions=None, map_path=None, model=None, templates=None, reco
     chosen = facs_expressions(known.names) if templates is None else {NEUTRAL: {}} | {n: {n: 1.0} for n in known.names}
     if expressions is not None:
         chosen = read_expressions(expressions, known.names)
+    combined = combined_templates(known, chosen)
+    if not combined.deltas.any():
+        raise InputError(f"{shown(expressions)}: expected expressions that move something, found none")
     map_path = map_path or asset_path("landmark_map.safetensors")
     landmark_map = map_from_checkpoint(*read_checkpoint(map_path), shown(map_path))
     inputs = [path for path in (expressions, model, map_path, *used) if path is not None]
-    return BlendTools(chosen, combined_templates(known, chosen), morphable, landmark_map, latent, inputs)
+    return BlendTools(chosen, combined, morphable, landmark_map, latent, inputs)
 
 
 def load_caricature(source, morphable, texture=None, pts_origin=1):

@@ -14,6 +14,7 @@ from caricli.io.directions import Directions, write_directions
 from caricli.io.landmarks import Landmarks, write_landmarks
 from caricli.io.obj import ObjMesh, write_obj
 from caricli.io.strict_json import write_json
+from caricli.render.sky import DIRECTIONS
 
 
 @pytest.fixture(scope="session")
@@ -28,6 +29,18 @@ def small_pictures():
     with pytest.MonkeyPatch.context() as patch:
         for name in ("encode", "sample", "interpolate", "edit_semantic", "caricaturize", "rigging"):
             patch.setattr(f"caricli.commands.{name}.SIZE", 48)
+        yield
+
+
+@pytest.fixture(scope="module")
+def quick_pictures(small_pictures):
+    """Small pictures without shadows, which take most of the time that is left."""
+
+    def lit(vertices, faces, normals):
+        return np.ones((len(vertices), len(DIRECTIONS)), np.float32)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("caricli.render.draw_rig.sky_visibility", lit)
         yield
 
 

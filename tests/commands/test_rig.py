@@ -12,29 +12,18 @@ from caricli.io.image import read_image, write_png
 from caricli.io.obj import ObjMesh, read_obj, write_obj
 from caricli.io.rig import read_rig
 from caricli.io.strict_json import read_json
-from caricli.render.sky import DIRECTIONS
 
 pytestmark = pytest.mark.usefixtures("quick_pictures")
 
 WIDE = [1.15, 0.9, 1.2]
 
 
-@pytest.fixture(scope="module")
-def quick_pictures(small_pictures):
-    """Small pictures without shadows, which take most of the time that is left."""
-
-    def lit(vertices, faces, normals):
-        return np.ones((len(vertices), len(DIRECTIONS)), np.float32)
-
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("caricli.render.draw_rig.sky_visibility", lit)
-        yield
-
-
 @pytest.fixture
 def undrawn(monkeypatch):
     """No contact sheet."""
-    monkeypatch.setattr("caricli.commands.rigging.expression_sheet", lambda rig, progress: np.zeros((4, 4, 3), np.uint8))
+    monkeypatch.setattr(
+        "caricli.commands.rigging.expression_sheet", lambda rig, progress: np.zeros((4, 4, 3), np.uint8)
+    )
 
 
 @pytest.fixture(scope="module")

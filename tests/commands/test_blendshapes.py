@@ -1,0 +1,146 @@
+import json
+
+import numpy as np
+import pytest
+
+from caricli.io.arkit import ARKIT_NAMES
+from caricli.io.face import Face, read_face, write_face
+from caricli.io.gltf import read_gltf
+from caricli.io.image import read_image
+from caricli.io.landmarks import Landmarks, write_landmarks
+from caricli.io.npz import read_npz, write_npz
+from caricli.io.rig import read_rig
+from caricli.io.strict_json import read_json
+
+pytestmark = pytest.mark.usefixtures("quick_pictures")
+
+SET = "neutral: {}\nsmile: {mouthSmile: 0.9}\nopen: {jawOpen: 0.8}\n"
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    return tmp_path_factory.mktemp("blendshapes")
+
+
+@pytest.fixture(scope="module")
+def landmarks(points, folder):
+    write_landmarks(folder / "marks.json", Landmarks(points[:68], (400, 400)))
+    return folder / "marks.json"
+
+
+@pytest.fixture(scope="module")
+def face(run, landmarks, folder):
+    """A reconstructed face."""
+    result = run("reconstruct-from-landmarks", landmarks, "--out", folder / "face.obj")
+    assert result.exit_code == 0, result.output
+    return folder / "face.npz"
+
+
+@pytest.fixture(scope="module")
+def moods(folder):
+    (folder / "set.yaml").write_text(SET)
+    return folder / "set.yaml"
+
+
+@pytest.fixture(scope="module")
+def blended(run, face, quick_pictures, folder):
+    """The path of blendshapes, made by the command, and what the command said."""
+    out = folder / "new" / "b.npz"
+    result = run("blendshapes", face, "--out", out)
+    assert result.exit_code == 0, result.output
+    return out, result
+
+
+def test_a_face_gets_46_expressions(blended, face):
+    out, result = blended
+    assert sorted(path.name for path in out.parent.iterdir()) == ["b.glb", "b.json", "b.npz", "b.png"]
+    assert result.stdout.startswith(f"{out}: 46 expressions, ") and result.stdout.count("\n") == 1
+    rig = read_rig(out)
+    assert len(rig.names) == 46 and set(rig.names) < set(ARKIT_NAMES)
+    assert rig.normal_deltas.shape == (46, 4200, 3) and len(rig.neutral) > 4200
+    # The picture shows a smile, the neutral face less of it; the skull is where it was.
+    moved = np.linalg.norm(rig.neutral[:4200] - read_face(face).vertices, axis=1)
+    assert 0.001 < moved.max() < 0.03 and (moved < 1e-6).sum() > 500
+    jaw = rig.names.index("jawOpen")
+    assert rig.deltas[jaw, :, 1].min() < -0.01
+    picture = read_image(out.with_suffix(".png"))
+    assert picture.shape[1] >= 9 * 48 and picture.shape[0] >= 6 * 48
+
+
+def test_the_glb_holds_the_same(blended):
+    rig, glb = read_rig(blended[0]), read_gltf(blended[0].with_suffix(".glb"))
+    assert glb.names == rig.names
+    np.testing.assert_allclose(glb.deltas, rig.deltas, atol=1e-6)
+
+
+def test_the_report_says_what_every_expression_is_and_does(blended, face):
+    report = read_json(blended[0].with_suffix(".json"))
+    assert report["command"] == "blendshapes" and report["method"] == "full" and report["weights"] == [1.0, 0.1, 0.05]
+    assert str(face) in report["inputs"] and report["seconds"] > 0 and report["structure"] < 0.5
+    rows = report["expressions"]
+    assert len(rows) == 47 and next(iter(rows)) == "neutral" and rows["jawOpen"]["weights"] == {"jawOpen": 1.0}
+    for name, row in rows.items():
+        assert row["drift"] < 0.001 and (name == "neutral" or 0.3 < row["strength"] < 2), name
+
+
+@pytest.mark.parametrize("more", [("--method", "initial"), ("--method", "transfer"), ("--reconstruct", "latent")])
+def test_a_set_of_ones_own_by_any_method(run, landmarks, moods, more, tmp_path):
+    out = tmp_path / "b.npz"
+    result = run("blendshapes", landmarks, "--expressions", moods, "--no-eyeballs", "--out", out, *more)
+    assert result.exit_code == 0, result.output
+    rig = read_rig(out)
+    assert rig.names == ("smile", "open") and len(rig.neutral) == 4200
+    assert 0.005 < np.abs(rig.deltas).max() < 0.1 and f"2 expressions, {len(rig.neutral)} vertices" in result.stdout
+
+
+def test_weights_are_those_of_equation_11(run, face, moods, tmp_path):
+    sizes = {}
+    for name, weights in {"usual": (1, 0.1, 0.05), "smooth": (1, 0.1, 5), "none": (0, 1, 1)}.items():
+        out = tmp_path / f"{name}.npz"
+        result = run("blendshapes", face, "--expressions", moods, "--weights", *weights, "--out", out)
+        assert result.exit_code == 0, result.output
+        sizes[name] = np.abs(read_rig(out).deltas[:, :4200]).sum()
+    assert sizes["smooth"] < 0.5 * sizes["usual"] and sizes["none"] < 0.1 * sizes["usual"]
+
+
+def test_it_can_be_animated_and_retargeted(run, blended, face, landmarks, tmp_path):
+    out, track = blended[0], {"schema": "caricli.weights/1", "fps": 10, "names": ["jawOpen"], "weights": [[0], [1]]}
+    (tmp_path / "w.json").write_text(json.dumps(track))
+    assert run("animate", out, tmp_path / "w.json", "--out", tmp_path / "talk.glb").exit_code == 0
+    result = run("retarget", out, landmarks, "--out", tmp_path / "driven.obj")
+    assert result.exit_code == 0, result.output
+    assert "mouthSmile" in result.stdout
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("smile: {mouthSmile: 1}\nopen: {jawOpen: 1}", "expected an expression 'neutral'"),
+        ("neutral: {}\na: {jawOpen: 1}\na: {jawOpen: 0.5}", "distinct keys, found 'a' twice"),
+        ("neutral: {}\na: {jawOpen: -1}", "weights from 0 to 1.5"),
+        ("neutral: {}\na: {mouthSmile: 0}", "expected expressions that move something"),
+    ],
+)
+def test_bad_sets_are_refused(refused, face, text, words, tmp_path):
+    (tmp_path / "set.yaml").write_text(text)
+    out = tmp_path / "new" / "b.npz"
+    assert words in refused("blendshapes", face, "--expressions", tmp_path / "set.yaml", "--out", out)
+    assert not out.parent.exists()
+
+
+def test_bad_faces_landmarks_and_maps_are_refused(run, refused, face, points, tmp_path):
+    out = tmp_path / "new" / "b.npz"
+    few = {"schema": "caricli.landmarks/1", "scheme": "ibug68", "points": points[:5].tolist() + [None] * 63}
+    (tmp_path / "few.json").write_text(json.dumps(few))
+    assert "few.json: expected at least 8" in refused("blendshapes", tmp_path / "few.json", "--out", out)
+    seen = read_face(face)
+    write_face(tmp_path / "blind.npz", Face(seen.vertices, seen.faces))
+    assert "blind.npz: expected a face with the camera" in refused("blendshapes", tmp_path / "blind.npz", "--out", out)
+    flat = read_npz(face)
+    flat["vertices"][flat["faces"][9, 0]] = flat["vertices"][flat["faces"][9, 1]]
+    write_npz(tmp_path / "flat.npz", flat)
+    assert "flat.npz: " in refused("blendshapes", tmp_path / "flat.npz", "--out", out)
+    assert "b.safetensors" in refused("blendshapes", face, "--map", tmp_path / "b.safetensors", "--out", out)
+    assert "--weights" in run("blendshapes", face, "--weights", -1, 0, 0, "--out", out).output
+    refused("blendshapes", face, "--out", face)
+    assert not out.parent.exists()
