@@ -13,7 +13,7 @@ from caricli.io.outputs import staged_folder
 from caricli.io.provenance import provenance
 from caricli.io.strict_json import write_json
 
-SIZE, DRAWN = 224, 2
+SIZE = 224
 SHOWN = ("laugh", "surprise", "closed_eyes", "pucker", "caricature_disdain", "caricature_furious")
 _COLUMNS = {
     "error": ("error %", 3), "drift": ("drift %", 3), "strength": ("strength", 3), "excess": ("excess %", 1),
@@ -56,15 +56,17 @@ def command(dataset, out, count, everyone, given, faces, seed, overwrite):
         check_topology(tools.morphable.template, data.template, "the bundled morphable model")
         tools, caricatures = _known(data, tools, dataset, everyone, count)
         drawings = {path.stem: load_caricature(path, tools.morphable) for path in faces}
-        generator, figures, cells = np.random.default_rng(seed), [], {}
+        generator, figures, cells = np.random.default_rng(seed), [], []
         with progress_bar("building blendshapes") as progress:
             for known in caricatures:
-                found, drawn = _compared(known, given, generator, tools, latent, len(figures) < DRAWN)
+                # One is enough to see, the most exaggerated of somebody.
+                draw = not cells and known.level == max(each.level for each in caricatures)
+                found, drawn = _compared(known, given, generator, tools, latent, draw)
                 figures.append(found)
-                cells |= drawn
+                cells += drawn
                 progress(len(figures), len(caricatures) + len(drawings))
             for name, face in drawings.items():
-                cells |= _drawn(name, face, tools)
+                cells += _drawn(name, face, tools)
         whole, errors, nearest, compared = mean_comparison(figures)
         rows = {
             name: {rival: values[k] for rival, values in errors.items() if np.isfinite(values[k])}
@@ -72,12 +74,13 @@ def command(dataset, out, count, everyone, given, faces, seed, overwrite):
             for k, name in enumerate(tools.expressions)
         }
         recipe = provenance("evaluate blendshapes", [dataset / "dataset.json", *faces], seed, given=given)
+        labels, drawn = zip(*cells, strict=True)
         each = [
             {"person": known.identity, "level": known.level, "rivals": _finite(found, [*tools.expressions])}
             for known, found in zip(caricatures, figures, strict=True)
         ]
         write_json(folder / "blendshapes.json", recipe | {"means": whole, "expressions": rows, "caricatures": each})
-        write_png(folder / "blendshapes.png", contact_sheet([*cells.values()], 1 + len(SHOWN), [*cells]))
+        write_png(folder / "blendshapes.png", contact_sheet(drawn, 1 + len(SHOWN), labels))
     _print_tables(len(figures), whole, rows)
 
 
@@ -105,7 +108,7 @@ def _known(data, tools, where, everyone, count):
 
 
 def _compared(known, given, generator, tools, latent, draw):
-    """Figures of one KnownCaricature by rival, and its pictures by label, if they are to be drawn."""
+    """Figures of one KnownCaricature by rival, and its pictures with labels, if they are to be drawn."""
     from caricli.commands.blended import Caricature
     from caricli.methods.evaluate_blendshapes import compare_blendshapes, random_pose
 
@@ -117,12 +120,10 @@ def _compared(known, given, generator, tools, latent, draw):
     except CaricliError as error:
         raise type(error)(f"person {known.identity}, level {known.level}: {error}") from error
     if not draw:
-        return rivals, {}
-    name, face = f"{known.identity}, level {known.level}", Caricature(known.truth[shows], pose, (None, None), [])
+        return rivals, []
+    face = Caricature(known.truth[shows], pose, (None, None), [])
     shapes = {"truth": replace(made["optimised"], shapes=known.truth)} | made
-    return rivals, {
-        key: cell for rival in shapes for key, cell in _row(name, rival, face, shapes[rival], tools).items()
-    }
+    return rivals, [cell for rival, shape in shapes.items() for cell in _row(rival, face, shape, tools)]
 
 
 def _finite(rivals, names):
@@ -137,29 +138,26 @@ def _finite(rivals, names):
 
 
 def _drawn(name, face, tools):
-    """Pictures of a real Caricature by every method."""
+    """Pictures of a real Caricature by every method, with labels."""
     from caricli.commands.blended import build
     from caricli.methods.evaluate_blendshapes import METHODS_OF_PAPER
 
-    return {
-        key: cell
-        for rival, method in METHODS_OF_PAPER.items()
-        for key, cell in _row(name, rival, face, build(tools, face, method), tools).items()
-    }
+    rows = ((f"{name}: {rival}", build(tools, face, method)) for rival, method in METHODS_OF_PAPER.items())
+    return [cell for label, made in rows for cell in _row(label, face, made, tools)]
 
 
-def _row(name, rival, face, made, tools):
-    """The face as given and some of its expressions by one method: pictures by label."""
+def _row(label, face, made, tools):
+    """The face as given and some of its expressions: pictures with labels."""
     from caricli.commands.blended import with_given
     from caricli.render.draw_rig import draw_rig, neutral_sky
 
     rig, *_ = tools.rig(made, np.random.default_rng(0), True, face.pictures)
     sky = neutral_sky(rig)
-    shapes = {f"{name}: {rival}": with_given(rig, face)}
-    for expression in SHOWN:
-        if expression in rig.names:
-            shapes[f"{expression} ({name}, {rival})"] = rig.neutral + rig.deltas[rig.names.index(expression)]
-    return {label: draw_rig(rig, shape, "front", SIZE, sky) for label, shape in shapes.items()}
+    shapes = [(label, with_given(rig, face))]
+    for name in SHOWN:
+        known = name in rig.names
+        shapes.append((name, rig.neutral + (rig.deltas[rig.names.index(name)] if known else 0)))
+    return [(label, draw_rig(rig, shape, "front", SIZE, sky)) for label, shape in shapes]
 
 
 def _print_tables(count, whole, rows):

@@ -41,7 +41,7 @@ def test_tables_figures_and_picture_are_written(evaluated):
     # The given expression is no expression to make.
     assert found["expressions"]["neutral"]["of"] == 0
     assert len({one["person"] for one in found["caricatures"]}) >= 2
-    rows, cells = 2 * (1 + len(RIVALS)), 2
+    rows, cells = 1 + len(RIVALS), 2
     picture = read_image(out / "blendshapes.png")
     assert picture.shape[0] >= rows * 48 and cells * 48 <= picture.shape[1] < 4 * 48
 
