@@ -42,11 +42,11 @@ def explain_meshes(shapes, deltas, model, neutral=None):
     Minimises ``sum_t |H(v_t - n - sum_i a_i U_i - sum_k w_tk N_k)|^2 / noise^2 + |a|^2 + 2 sparse sum w + weak |w|^2``
     over the identity a, 0 <= w <= 1.5 and the similarities that v_t are seen through: equation 19 with the neutral face
     unknown. H takes what a vertex differs by from the mean of its neighbours: in that, identities, which vary smoothly,
-    resemble expressions, which part lips and lids, less than in positions. Where the neutral face is known, it is n, in
-    the size of the template; there is neither a nor a price, and H takes off the mean of all vertices.
+    resemble expressions, which part lips and lids, less than in positions. Where the neutral face is known, it is n;
+    there is neither a nor a price, and H takes off the mean of all vertices.
 
     shapes: (T, N, 3). deltas: (K, N, 3) metres, of the expressions on a normal face. model: MorphableModel. neutral:
-    (N, 3) of the same person, at any pose, or None.
+    (N, 3) metres, of the same person, in the face frame, or None.
     Returns Explanation. Raises InputError where no expression moves anything.
     """
     template, shapes = model.template, np.asarray(shapes, float)
@@ -54,7 +54,7 @@ def explain_meshes(shapes, deltas, model, neutral=None):
     face = template.region("face")
     middle, price = vertex_neighbours(template.faces, len(mean))[1], SPARSE
     if neutral is not None:
-        mean, identity = _moved(neutral, neutral[face], template.vertices[face]), identity[:0]
+        mean, identity = np.asarray(neutral, float), identity[:0]
         middle, price = np.full((1, len(mean)), 1 / len(mean)), 0.0
     noise, deltas = NOISE * template.height, _moving(deltas)
 
