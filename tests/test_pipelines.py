@@ -165,10 +165,14 @@ def test_expressions_go_on_where_they_were_stopped_and_past_bad_files(snakemake,
     assert rest.shape == wide.shape == (224, 224, 3)
     assert np.abs(rest - wide)[:112].mean() < np.abs(rest - wide)[112:].mean() / 3
 
+    # Landmarks without a picture, too, are a drawing.
     (drawings / "unmarked.jpg").unlink()
+    shutil.copyfile(example / "landmarks.json", drawings / "unmarked.json")
     (drivers / "bad.txt").unlink()
     ended(snakemake(*start))
     page = (out / "index.html").read_text("utf-8")
-    assert "2 of 2 expressions finished" in page and "failed:" not in page
+    assert "4 of 4 expressions finished" in page and "failed:" not in page
+    assert read_gltf(out / "heads" / "unmarked" / "blendshapes.glb").texture is None
+    assert "heads/unmarked/expressions/open.obj" in links_of(out / "index.html")
     assert (home / "refined.npz").stat() == face
     assert "Nothing to be done" in ended(snakemake(*start))

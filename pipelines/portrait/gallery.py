@@ -9,30 +9,15 @@ import sys
 from pathlib import Path
 from urllib.parse import quote
 
-from PIL import Image
+sys.path.insert(0, str(Path(__file__).parents[1] / "common"))
 
-HEIGHT = 360
+from page import PAGE, failure, links, thumbnail
+
+SIZE = 1080, 360
 STEPS = {"reconstruct": "face.npz", "refine": "refined.npz", "texture": "textured/face.npz", "rig": "rig.glb"}
 SHEETS = {"fit": "refined.png", "texture": "textured/sheet.png", "expressions": "rig.png"}
 LINKS = {"rig": "rig.glb", "head": "textured/face.glb", "OBJ": "textured/face.obj", "NPZ": "textured/face.npz"}
-PAGE = """\
-<!doctype html>
-<html lang="en">
-<meta charset="utf-8">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<title>Portraits</title>
-<style>
-  body {{ margin: 2rem auto; padding: 0 1rem; max-width: 100rem; font: 1rem/1.5 system-ui, sans-serif; color: #222 }}
-  .row {{ display: flex; flex-wrap: wrap; gap: 1rem }}
-  figure {{ margin: 0 }}
-  figure img {{ max-width: 100%; border: 1px solid #ddd }}
-  figcaption {{ color: #666 }}
-  table {{ border-collapse: collapse }}
-  th, td {{ padding: 0.2rem 0.8rem; border-bottom: 1px solid #ddd; text-align: right }}
-  th:first-child, td:first-child {{ text-align: left }}
-  .failed {{ color: #b00 }}
-</style>
-<h1>Portraits</h1>
+BODY = """\
 <p>{done} of {count} finished. NME: mean distance of landmarks in percent of their bounding box's diagonal. Photometric
 error: mean difference between the picture and the textured head in its place, in percent of full scale.</p>
 <table>
@@ -40,7 +25,6 @@ error: mean difference between the picture and the textured head in its place, i
 {rows}
 </table>
 {sections}
-</html>
 """
 
 
@@ -54,31 +38,16 @@ def figures(head):
     return *errors, "" if textured is None else f"{100 * textured['photometric_error']:.2f}"
 
 
-def failure(head):
-    """A line that says what failed, or did not come to its end, or nothing."""
-    step = next((step for step, file in STEPS.items() if not (head / file).is_file()), None)
-    if step is None:
-        return ""
-    log = head / "logs" / f"{step}.txt"
-    lines = log.read_text("utf-8", "replace").splitlines() if log.is_file() else []
-    said = next((line for line in reversed(lines) if "error" in line), None)
-    said = f"{step} did not finish" if said is None else f"{step} failed: {said}"
-    return f'<p class="failed">{html.escape(said)}</p>\n'
+def failed(name):
+    """A line that says what failed for a head, or nothing."""
+    head = Path("heads", name)
+    return failure((step, head / file, head / "logs" / f"{step}.txt") for step, file in STEPS.items())
 
 
 def figure(source, small, caption, link=None):
-    """A small copy of a picture, with a link to the whole one if there is one; nothing where it cannot be read."""
-    try:
-        with Image.open(source) as picture:
-            picture = picture.convert("RGB")
-    except (OSError, SyntaxError, ValueError, Image.DecompressionBombError):
-        return ""
-    picture.thumbnail((3 * HEIGHT, HEIGHT))
-    small.parent.mkdir(parents=True, exist_ok=True)
-    picture.save(small, quality=85)
-    shown = f'<img src="{quote(small.as_posix())}" alt="{caption}" width="{picture.width}" height="{picture.height}">'
-    shown = f'<a href="{quote(link.as_posix())}">{shown}</a>' if link else shown
-    return f"<figure>{shown}<figcaption>{caption}</figcaption></figure>\n"
+    """A small copy of a picture with its caption; nothing where it cannot be read."""
+    shown = thumbnail(source, small, SIZE, caption, link)
+    return shown and f"<figure>{shown}<figcaption>{caption}</figcaption></figure>\n"
 
 
 def section(name, picture):
@@ -87,9 +56,8 @@ def section(name, picture):
     shown = figure(picture, small / "picture.jpg", "picture")
     for caption, file in SHEETS.items():
         shown += figure(head / file, small / f"{caption}.jpg", caption, head / file)
-    links = [f'<a href="{quote(str(head / f))}">{k}</a>' for k, f in LINKS.items() if (head / f).is_file()]
-    title = f'<h2 id="{quote(name)}">{html.escape(name)}</h2>\n{failure(head)}'
-    return f'{title}<div class="row">\n{shown}</div>\n<p>{", ".join(links)}</p>\n'
+    title = f'<h2 id="{quote(name)}">{html.escape(name)}</h2>\n{failed(name)}'
+    return f'{title}<div class="row">\n{shown}</div>\n<p>{links(head, LINKS)}</p>\n'
 
 
 def row(name):
@@ -101,10 +69,11 @@ def row(name):
 def main(page, *given):
     """Write the page of pictures, each given by its name and its path."""
     pictures = dict(zip(given[::2], given[1::2], strict=True))
-    done = sum(not failure(Path("heads", name)) for name in pictures)
+    done = sum(not failed(name) for name in pictures)
     rows = "\n".join(row(name) for name in pictures)
     sections = "".join(section(name, picture) for name, picture in pictures.items())
-    Path(page).write_text(PAGE.format(done=done, count=len(pictures), rows=rows, sections=sections), "utf-8")
+    body = BODY.format(done=done, count=len(pictures), rows=rows, sections=sections)
+    Path(page).write_text(PAGE.format(title="Portraits", body=body), "utf-8")
 
 
 if __name__ == "__main__":

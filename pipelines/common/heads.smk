@@ -1,0 +1,116 @@
+"""What workflows from pictures to heads share: what a folder holds, and the commands up to the texture.
+
+FOLDER, of the pictures and their landmarks, is set before this is included; None stands for the astronaut.
+"""
+
+import sys
+from pathlib import Path
+
+EXAMPLE = Path(workflow.basedir).parents[1] / "examples" / "astronaut"
+PICTURE_KINDS = (".png", ".jpg", ".jpeg", ".webp")
+MARK_KINDS = (".json", ".pts", ".txt", ".npy")
+
+
+def by_stem(folder, kinds):
+    """The files of these kinds in a folder by their stems; of one stem, the kind that is named first."""
+    if not Path(folder).is_dir():
+        sys.exit(f"{folder}: expected a folder, found none")
+    order = {kind: number for number, kind in enumerate(kinds)}
+    paths = [path for path in sorted(Path(folder).iterdir()) if path.suffix.lower() in order]
+    # Snakemake takes these for its own.
+    if bad := next((path for path in paths if set("{}<>") & set(str(path))), None):
+        sys.exit(f"{bad}: expected a path without any of {{}}<>, found this one")
+    found = {path.stem: path for path in sorted(paths, key=lambda path: -order[path.suffix.lower()])}
+    return {stem: found[stem] for stem in sorted(found)}
+
+
+if FOLDER is None:
+    PICTURES, MARKS = ({"astronaut": Path(f"pictures/astronaut.{kind}")} for kind in ("png", "json"))
+else:
+    PICTURES, MARKS = by_stem(FOLDER, PICTURE_KINDS), by_stem(FOLDER, MARK_KINDS)
+
+
+def picture(wildcards):
+    """The picture of a head, if there is one."""
+    return str(PICTURES[wildcards.name]) if wildcards.name in PICTURES else []
+
+
+def image(wildcards, input):
+    """The option for it."""
+    return ["--image", input.picture] if input.picture else []
+
+
+def known_marks(wildcards):
+    """None where there are none: then the first command of that head fails, and not the whole workflow."""
+    return str(MARKS[wildcards.name]) if wildcards.name in MARKS else []
+
+
+def marks(wildcards):
+    """The landmarks of a head, or where they would be."""
+    return known_marks(wildcards) or str(PICTURES[wildcards.name].with_suffix(MARK_KINDS[0]))
+
+
+wildcard_constraints:
+    name="[^/]+",
+
+
+localrules:
+    astronaut,
+
+
+rule astronaut:
+    output:
+        "pictures/astronaut.png",
+        "pictures/astronaut.json",
+    shell:
+        "python {EXAMPLE}/fetch_image.py {output[0]}\n"
+        "cp {EXAMPLE}/landmarks.json {output[1]}"
+
+
+rule reconstruct:
+    input:
+        picture=picture,
+        marks=known_marks,
+    output:
+        multiext("heads/{name}/face", ".obj", ".npz", ".json", ".png"),
+    params:
+        marks=marks,
+        image=image,
+    log:
+        "heads/{name}/logs/reconstruct.txt",
+    shell:
+        "caricli reconstruct-from-landmarks {params.marks:q} {params.image:q} --out {output[0]:q} --overwrite"
+        " 2> {log:q}"
+
+
+rule refine:
+    input:
+        "heads/{name}/face.npz",
+        picture=picture,
+        marks=known_marks,
+    output:
+        multiext("heads/{name}/refined", ".obj", ".npz", ".json", ".png"),
+    params:
+        marks=marks,
+        image=image,
+    log:
+        "heads/{name}/logs/refine.txt",
+    # One head after the other.
+    priority: 1
+    shell:
+        "caricli refine {input[0]:q} {params.marks:q} {params.image:q} --out {output[0]:q} --overwrite 2> {log:q}"
+
+
+rule texture:
+    input:
+        "heads/{name}/refined.npz",
+        picture=picture,
+    output:
+        directory("heads/{name}/textured"),
+    params:
+        size=["--size", str(config["size"])] if "size" in config else [],
+    log:
+        "heads/{name}/logs/texture.txt",
+    priority: 2
+    shell:
+        "caricli texture {input[0]:q} {input.picture:q} {params.size:q} --out {output:q} --overwrite 2> {log:q}"
