@@ -164,7 +164,7 @@ def test_landmarks_tell_better_than_the_expression_that_was_fitted(model, deltas
         made = np.tensordot(model.parts(fit.latent)[1], model.expression, 1)
         regressed.append(lsq_linear(flat.T, made.ravel(), (0, STRONGEST)).x)
     better, worse = (shift(np.array(found), truth, deltas)[0] for found in (direct, regressed))
-    assert better < worse and better < 0.6 * shift(truth, truth, deltas)[1]
+    assert better < worse and better < 0.7 * shift(truth, truth, deltas)[1]
 
 
 def test_place_and_size_of_landmarks_do_not_matter_and_some_may_be_unknown(model, deltas, people):
