@@ -90,7 +90,8 @@ def explain_landmarks(fits, points, deltas, model):
     """Explain landmarks by one identity, and an expression and a pose for each: equation 19 in the picture plane.
 
     Minimises ``sum_t |s_t R_t (n + sum_i a_i U_i + sum_k w_tk N_k) + x_t - q_t|^2 / noise^2 + |caution a|^2 + 2 sparse
-    sum w + weak |w|^2`` over identity, 0 <= w <= 1.5 and poses, on the landmarks, distances in shares of their diagonal.
+    sum w + weak |w|^2`` over identity, 0 <= w <= 1.5 and poses, on the landmarks, distances in shares of their
+    diagonal.
 
     fits: LandmarkFit of ``fit_morphable`` for each: where the poses start, and what the landmarks stand on. points: T
     arrays (L, 2) pixels, NaN where unknown. deltas: (K, N, 3) metres. model: MorphableModel.
@@ -134,7 +135,8 @@ class _View:
         motions = np.array(motions).transpose(0, 2, 1).reshape(6, -1)
         seen = self.pose.scale / unit * self.pose.rotation[:2].T
         parts = ((fields @ seen).reshape(len(fields), -1) for fields in (identity, deltas))
-        return BoundedSystem(motions, *parts, SPARSE_LANDMARKS).reduced(((self.points - self.pose.project(mean)) / unit).ravel())
+        right = (self.points - self.pose.project(mean)) / unit
+        return BoundedSystem(motions, *parts, SPARSE_LANDMARKS).reduced(right.ravel())
 
     def move(self, step):
         """Turn the camera, log its scale and shift it."""
