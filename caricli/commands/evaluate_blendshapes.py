@@ -122,8 +122,7 @@ def _compared(known, given, generator, tools, latent, draw):
     if not draw:
         return rivals, []
     face = Caricature(known.truth[shows], pose, (None, None), [])
-    shapes = {"truth": replace(made["optimised"], shapes=known.truth)} | made
-    return rivals, [cell for rival, shape in shapes.items() for cell in _row(rival, face, shape, tools)]
+    return rivals, [cell for rival, shapes in made.items() for cell in _row(rival, face, shapes, tools)]
 
 
 def _finite(rivals, names):
@@ -169,11 +168,12 @@ def _print_tables(count, whole, rows):
         Column("method", no_wrap=True), *(title for title, _ in _COLUMNS.values()), title=f"{count} caricatures"
     )
     for name, row in whole.items():
-        table.add_row(name, *(f"{row[key]:.{digits}f}" for key, (_, digits) in _COLUMNS.items()))
+        table.add_row(name, *(f"{row[key]:.{digits}f}" if key in row else "-" for key, (_, digits) in _COLUMNS.items()))
     console.print(table)
-    table = Table(Column("error % of", no_wrap=True), *whole, "optimised nearest", title="expressions")
+    rivals = [name for name in whole if name != "truth"]
+    table = Table(Column("error % of", no_wrap=True), *rivals, "optimised nearest", title="expressions")
     for name, row in rows.items():
         if row["of"]:
-            cells = (f"{row[rival]:.3f}" for rival in whole)
+            cells = (f"{row[rival]:.3f}" for rival in rivals)
             table.add_row(name, *cells, f"{row['optimised_is_nearest_on']} of {row['of']}")
     console.print(table)

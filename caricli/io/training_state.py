@@ -41,6 +41,5 @@ def read_state(path, device="cpu"):
         raise InputError(f"{shown(path)}: cannot be read: {shown(error.strerror or error)}") from error
     except _DAMAGE as error:
         raise InputError(
-            f"{shown(path)}: expected the state of a training, found a damaged or other file; "
-            "--overwrite begins anew"
+            f"{shown(path)}: expected the state of a training, found a damaged or other file; --overwrite begins anew"
         ) from error

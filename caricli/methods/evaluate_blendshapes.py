@@ -1,7 +1,7 @@
 """Blendshapes of caricatures whose true expressions are known (expressions paper, section 4.2.1)."""
 
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -76,32 +76,37 @@ def compare_blendshapes(truth, given, pose, templates, morphable, landmark_map, 
 
     truth: (K, V, 3) metres. given: number of the expression that the picture shows. pose: Pose. templates:
     ExpressionTemplates of the same expressions. latent: ShapeModel of latents.
-    Returns (figures by rival, Blendshapes by rival). Figures: error, drift, strength, excess (K,), in percent of the
-    head's height, of the normal face's and of its mean displacement, NaN for the given one; structure; flipped, percent
-    of triangles, at most; seconds.
+    Returns (figures by rival, Blendshapes by rival), both with "truth" first. Figures: error, drift, strength, excess
+    (K,), in percent of the head's height, of the normal face's and of its mean displacement, NaN for the given one;
+    structure; flipped, percent of triangles, at most; seconds.
     """
-    vertices, gradients = truth[given], morphable.template.gradients
-    height, others = np.ptp(vertices[:, 1]), np.arange(len(truth)) != given
-    figures, made = {}, {}
+    vertices, made, seconds = truth[given], {}, {}
     for name, arguments in RIVALS.items():
         start = time.perf_counter()
         model = latent if arguments.get("latent") else None
-        made[name] = found = build_blendshapes(
-            vertices, pose, templates, morphable, landmark_map, arguments["method"], model=model
-        )
-        seconds = time.perf_counter() - start
-        seen = measure_blendshapes(found.shapes - vertices, found.normal - found.normal_given)
-        error = np.linalg.norm(found.shapes - truth, axis=2).mean(1)
-        each = {
-            "error": 100 * error / height,
-            "drift": 100 * seen.drift / height,
-            "strength": seen.strength,
-            "excess": 100 * seen.excess,
-        }
-        flipped = 100 * max(flipped_triangles(shape, gradients).mean() for shape in found.shapes)
-        figures[name] = {key: np.where(others, values, np.nan) for key, values in each.items()}
-        figures[name] |= {"structure": seen.structure, "flipped": flipped, "seconds": seconds}
-    return figures, made
+        known = vertices, pose, templates, morphable, landmark_map
+        made[name] = build_blendshapes(*known, arguments["method"], model=model)
+        seconds[name] = {"seconds": time.perf_counter() - start}
+    made = {"truth": replace(made["transfer"], shapes=truth)} | made
+    others, gradients = np.arange(len(truth)) != given, morphable.template.gradients
+    return {
+        name: _figures(m, truth, vertices, others, gradients) | seconds.get(name, {}) for name, m in made.items()
+    }, made
+
+
+def _figures(found, truth, vertices, others, gradients):
+    """Figures of one rival's Blendshapes."""
+    height = np.ptp(vertices[:, 1])
+    seen = measure_blendshapes(found.shapes - vertices, found.normal - found.normal_given)
+    each = {
+        "error": 100 * np.linalg.norm(found.shapes - truth, axis=2).mean(1) / height,
+        "drift": 100 * seen.drift / height,
+        "strength": seen.strength,
+        "excess": 100 * seen.excess,
+    }
+    flipped = 100 * max(flipped_triangles(shape, gradients).mean() for shape in found.shapes)
+    figures = {key: np.where(others, values, np.nan) for key, values in each.items()}
+    return figures | {"structure": seen.structure, "flipped": flipped}
 
 
 def mean_comparison(figures):
@@ -110,11 +115,9 @@ def mean_comparison(figures):
     Returns (dict by rival of floats, dict by rival of (K,) mean errors, (K,) on how many caricatures "optimised" is
     nearest to the truth of all, (K,) how many were compared).
     """
-    whole, errors = {}, {}
-    for name in RIVALS:
-        whole[name] = {key: float(np.nanmean([f[name][key] for f in figures])) for key in figures[0][name]}
-        whole[name]["seconds"] = float(np.median([f[name]["seconds"] for f in figures]))
-        errors[name] = np.array([f[name]["error"] for f in figures])
+    whole, errors = {}, {name: np.array([f[name]["error"] for f in figures]) for name in RIVALS}
+    for name, first in figures[0].items():
+        whole[name] = {key: float(np.nanmean([f[name][key] for f in figures])) for key in first}
     best = np.min([errors[name] for name in RIVALS if name != "optimised"], axis=0)
     nearest, compared = (errors["optimised"] < best).sum(0), np.isfinite(best).sum(0)
     means = {name: np.where(compared, np.nansum(e, 0) / np.maximum(compared, 1), np.nan) for name, e in errors.items()}

@@ -32,7 +32,7 @@ def test_tables_figures_and_picture_are_written(evaluated):
     found = read_json(out / "blendshapes.json")
     assert found["command"] == "evaluate blendshapes" and found["given"] == "neutral" and found["seed"] == 0
     assert "3 caricatures" in printed and len(found["caricatures"]) == 3
-    assert tuple(found["means"]) == tuple(RIVALS)
+    assert tuple(found["means"]) == ("truth", *RIVALS) and found["means"]["truth"]["error"] == 0
     for name, row in found["means"].items():
         each = [one["rivals"][name]["error"]["smile"] for one in found["caricatures"]]
         assert row["error"] == pytest.approx(np.mean(each)) and f" {row['error']:.3f} " in printed
