@@ -34,10 +34,10 @@ def command(dataset, out, count, everyone, given, faces, seed, overwrite):
     """Build the expressions of caricatures by every method, and compare them with the true ones.
 
     The dataset is a full grid, without --count, so that it has the same caricature with every expression. Each is seen
-    once, in a random pose. Errors are mean distances to the true shapes in percent of the head's height; drift is how
-    far what no normal face moves is moved, strength how far what it moves clearly, of the normal face's; excess, how
-    much farther than there; structure, how the cosines between expressions differ from its. Pictures of --face show the
-    methods on real drawings.
+    once, in a random pose. Errors are mean distances to the true shapes in percent of the head's height. Drift is how
+    far a caricature moves where the normal face hardly does, which changes who it is; strength, how far where that one
+    moves clearly, as a share of its way; excess, how much farther on average; structure, how much the cosines between
+    expressions differ from the normal face's. With --face the methods are drawn on real drawings, too.
 
     \b
     Example:
