@@ -169,7 +169,8 @@ def _signals_raise():
     try:
         yield
     finally:
-        for number, handler in previous.items():
+        # After a stop the process ends, and a second signal must not change how.
+        for number, handler in previous.items() if last == -math.inf else ():
             signal.signal(number, handler)
 
 
