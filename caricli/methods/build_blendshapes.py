@@ -9,6 +9,7 @@ from caricli.geometry.deformation_transfer import DeformationTransfer, triangle_
 from caricli.geometry.elastic_anchors import ElasticAnchors
 from caricli.geometry.similarity import similarity
 from caricli.geometry.slide_contour import slide_contour
+from caricli.methods.expression_templates import STARTS, start_delta
 from caricli.methods.fit_landmarks import JAW, LandmarkFit, LatentSettings
 from caricli.methods.fit_morphable import fit_morphable
 from caricli.methods.keep_contacts import Contacts
@@ -79,7 +80,10 @@ def build_blendshapes(
         neutral, found[0] = vertices + found[0], 0
         if contacts:
             kept = Contacts(templates, neutral, DeformationTransfer(neutral, faces, held))
-            found = np.array([m if templates.motions[k] is None else kept.keep(k, m) for k, m in enumerate(found)])
+            for k in sorted(range(len(found)), key=lambda k: templates.names[k] in STARTS):
+                if templates.motions[k] is not None:
+                    start = start_delta(templates.names, found, k)
+                    found[k] = kept.keep(k, found[k] + start) - start
         shapes = neutral + found
     return Blendshapes(scale * shapes, normal, given, fit, marks)
 

@@ -92,6 +92,16 @@ def test_lids_meet_where_contacts_are_kept(built, caricature, pose, templates, m
         assert curve_gap(built["full"].shapes[blink], *ids) < 0.03 * usual < curve_gap(free.shapes[blink], *ids)
 
 
+def test_lips_close_on_an_open_jaw(head, head_template, caricature, pose, morphable, same):
+    both = {"neutral": {}, "mouthClose": {"mouthClose": 1.0}, "jawOpen": {"jawOpen": 1.0}}
+    made = build_blendshapes(
+        caricature[0], pose, combined_templates(mended_templates(head, head_template), both), morphable, same
+    )
+    ids = [head_template.annotation.curves[f"mouth_inner_{lip}"] for lip in ("upper", "lower")]
+    neutral, close, wide = made.shapes
+    assert curve_gap((wide + close - neutral)[:, :2], *ids) < 0.2 * curve_gap(wide[:, :2], *ids)
+
+
 def test_an_expression_in_the_picture_is_undone(caricature, pose, templates, morphable, same):
     wide = templates.names.index("open")
     made = build_blendshapes(caricature[wide], pose, templates, morphable, same)
