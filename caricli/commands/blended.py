@@ -84,6 +84,8 @@ def load_tools(expressions=None, map_path=None, model=None, templates=None, reco
 
 def load_caricature(source, morphable, texture=None, pts_origin=1):
     """The Caricature of a face (NPZ), or of landmarks, which are reconstructed. Raises InputError."""
+    if source.suffix.lower() == ".obj":
+        raise InputError(f"{shown(source)}: expected FACE.npz or landmarks, found an OBJ, which has no camera")
     if source.suffix.lower() == ".npz":
         face = load_face(source, morphable)
         vertices, pose, paths = face.vertices, face_pose(face, source), face_pictures(source, texture)

@@ -13,11 +13,15 @@ from caricli.io.outputs import staged
 from caricli.io.provenance import provenance
 from caricli.io.strict_json import write_json
 
+WEIGHTS = 1.0, 0.1, 0.05
+
 
 @click.command()
 @click.argument("source", type=PATH, metavar="FACE.npz|LANDMARKS")
 @out_option("B.npz", "The blendshapes; B.glb, .json and .png are written beside it.", suffix=".npz")
-@click.option("--expressions", type=PATH, metavar="FILE", help="YAML or JSON with what to make.  [default: 46 FACS]")
+@click.option(
+    "--expressions", type=PATH, metavar="FILE", help="YAML or JSON with what to make.  [default: 46 of ARKit's]"
+)
 @click.option(
     "--method",
     type=click.Choice(["full", "initial", "transfer"]),
@@ -34,7 +38,7 @@ from caricli.io.strict_json import write_json
     "--weights",
     nargs=3,
     type=FiniteRange(0, 1e6),
-    default=(1.0, 0.1, 0.05),
+    default=WEIGHTS,
     metavar="DEF STR SMO",
     help="Of deformation, structure and smoothness.  [default: 1 0.1 0.05]",
 )
@@ -52,8 +56,9 @@ def command(source, out, expressions, method, reconstruct, weights, map_path, mo
 
     Its landmarks become those of a normal face, a normal face is fitted and does the expressions, and they are carried
     back. FACE.npz is of `reconstruct-from-landmarks` or `refine`; LANDMARKS are reconstructed first. Every expression
-    starts from the neutral one, which the drawing need not show. FILE has lines such as `smile: {mouthSmile: 0.7}` and
-    `neutral: {}`. Use B.npz with `caricli retarget` and `caricli animate`.
+    starts from the neutral one, which the drawing need not show, and which is found with caution. FILE has a line
+    `neutral: {}` and others such as `smile: {mouthSmile: 0.7}`, of the 52 actions of ARKit. Use B.npz with `caricli
+    retarget` and `caricli animate`.
 
     \b
     Example:
@@ -68,6 +73,10 @@ def command(source, out, expressions, method, reconstruct, weights, map_path, mo
     from caricli.io.rig import write_rig
     from caricli.methods.optimise_blendshapes import BlendshapeWeights
 
+    if method == "transfer" and reconstruct != "intrinsic":
+        raise click.UsageError("--reconstruct is for methods that follow landmarks, not for transfer.")
+    if method != "full" and weights != WEIGHTS:
+        raise click.UsageError("--weights are those of --method full.")
     tools = load_tools(expressions, map_path, model, templates, reconstruct)
     face = load_caricature(source, tools.morphable, texture, pts_origin)
     files, inputs = (

@@ -70,7 +70,7 @@ def command(dataset, out, count, everyone, given, faces, seed, overwrite):
         whole, errors, nearest, compared = mean_comparison(figures)
         rows = {
             name: {rival: values[k] for rival, values in errors.items() if np.isfinite(values[k])}
-            | {"optimised_is_nearest_on": int(nearest[k]), "of": int(compared[k])}
+            | {"full_is_nearest_on": int(nearest[k]), "of": int(compared[k])}
             for k, name in enumerate(tools.expressions)
         }
         recipe = provenance("evaluate blendshapes", [dataset / "dataset.json", *faces], seed, given=given)
@@ -171,9 +171,9 @@ def _print_tables(count, whole, rows):
         table.add_row(name, *(f"{row[key]:.{digits}f}" if key in row else "-" for key, (_, digits) in _COLUMNS.items()))
     console.print(table)
     rivals = [name for name in whole if name != "truth"]
-    table = Table(Column("error % of", no_wrap=True), *rivals, "optimised nearest", title="expressions")
+    table = Table(Column("error % of", no_wrap=True), *rivals, "full nearest", title="expressions")
     for name, row in rows.items():
         if row["of"]:
             cells = (f"{row[rival]:.3f}" for rival in rivals)
-            table.add_row(name, *cells, f"{row['optimised_is_nearest_on']} of {row['of']}")
+            table.add_row(name, *cells, f"{row['full_is_nearest_on']} of {row['of']}")
     console.print(table)

@@ -86,7 +86,7 @@ def command(ctx, rig, drivers, out, out_dir, neutral, animation, fps, model, pts
             figures = {"weights": dict(zip(moving.names, weights.tolist(), strict=True)), f"left_{unit}": float(left)}
             description = provenance("retarget", [rig, path, neutral], **about, **figures)
             _write(files, moving, weights, explained.neutral, shape_model.template, description)
-        return f"{shown(target)}: {_said(moving.names, weights)}; {left:.2f} {unit} left"
+        return f"{shown(target)}: {_said(moving.names, weights)}; {left:.2f} {unit} unexplained"
 
     run_batch(ctx, jobs, retarget, "faces")
 

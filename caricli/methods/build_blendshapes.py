@@ -18,10 +18,6 @@ from caricli.methods.optimise_blendshapes import UNMOVED, BlendshapeWeights, dis
 from caricli.models.landmark_map import COUNT
 
 METHODS = ("full", "initial", "transfer")
-WEIGHTS = (1.2, 3.0)
-"""Of identity and expression in the fit of the normal face: its expression, which every displacement is counted from,
-is followed with caution."""
-
 EXAGGERATION, FARTHEST, STRENGTH = 1.08, 1.25, 0.1
 """How much more than the normal face a caricature does, and how far a landmark may go at most, of the way of the normal
 face's; how much landmarks pull, against the surface."""
@@ -61,7 +57,7 @@ def build_blendshapes(
     scale, *_ = similarity(template.vertices, vertices)
     vertices, pose = vertices / scale, replace(pose, scale=pose.scale * scale)
     anchors = _anchors(vertices, pose, template)
-    fit = fit_morphable(map_landmarks(pose.project(vertices[anchors]), landmark_map, "normal"), morphable, WEIGHTS)
+    fit = fit_morphable(map_landmarks(pose.project(vertices[anchors]), landmark_map, "normal"), morphable)
     who, _ = morphable.parts(fit.latent)
     given = morphable.decode(fit.latent)
     normal = morphable.mean + np.tensordot(who, morphable.identity, 1) + templates.deltas

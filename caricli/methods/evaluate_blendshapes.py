@@ -16,7 +16,7 @@ from caricli.methods.build_blendshapes import build_blendshapes
 from caricli.methods.measure_blendshapes import measure_blendshapes
 
 RIVALS = {
-    "optimised": {"method": "full"},
+    "full": {"method": "full"},
     "initial": {"method": "initial"},
     "initial, latent": {"method": "initial", "latent": True},
     "transfer": {"method": "transfer"},
@@ -112,13 +112,13 @@ def _figures(found, truth, vertices, others, gradients):
 def mean_comparison(figures):
     """Means over caricatures of ``compare_blendshapes`` figures (list): by rival, whole and by expression.
 
-    Returns (dict by rival of floats, dict by rival of (K,) mean errors, (K,) on how many caricatures "optimised" is
+    Returns (dict by rival of floats, dict by rival of (K,) mean errors, (K,) on how many caricatures "full" is
     nearest to the truth of all, (K,) how many were compared).
     """
     whole, errors = {}, {name: np.array([f[name]["error"] for f in figures]) for name in RIVALS}
     for name, first in figures[0].items():
         whole[name] = {key: float(np.nanmean([f[name][key] for f in figures])) for key in first}
-    best = np.min([errors[name] for name in RIVALS if name != "optimised"], axis=0)
-    nearest, compared = (errors["optimised"] < best).sum(0), np.isfinite(best).sum(0)
+    best = np.min([errors[name] for name in RIVALS if name != "full"], axis=0)
+    nearest, compared = (errors["full"] < best).sum(0), np.isfinite(best).sum(0)
     means = {name: np.where(compared, np.nansum(e, 0) / np.maximum(compared, 1), np.nan) for name, e in errors.items()}
     return whole, means, nearest, compared

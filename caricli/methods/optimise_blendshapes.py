@@ -42,9 +42,12 @@ def optimise_blendshapes(initial, normal, vertices, faces, weights=BlendshapeWei
     solved by conjugate gradients that a few factorisations precondition.
 
     initial, normal: (K, V, 3) displacements D of the caricature and of the normal face, metres. vertices: (V, 3) of the
-    caricature. faces: (F, 3). least: as of ``masks``. Returns (K, V, 3). Raises NumericsError for degenerate triangles,
-    where nothing moves, and for a part of the mesh that moves as a whole.
+    caricature. faces: (F, 3). weights: not negative, that of the deformation above 0. least: as of ``masks``.
+    Returns (K, V, 3). Raises NumericsError for degenerate triangles, where nothing moves, and for a part of the mesh
+    that moves as a whole.
     """
+    if weights.deformation <= 0:
+        raise NumericsError("expected a weight of the deformation above 0: without it nothing moves")
     count, moved = len(vertices), displacement_masks(normal, least).max(0)
     free = np.flatnonzero(moved >= UNMOVED)
     if not len(free):

@@ -37,7 +37,7 @@ def test_tables_figures_and_picture_are_written(evaluated):
         each = [one["rivals"][name]["error"]["smile"] for one in found["caricatures"]]
         assert row["error"] == pytest.approx(np.mean(each)) and f" {row['error']:.3f} " in printed
     smile = found["expressions"]["smile"]
-    assert smile["of"] == 3 and 0 <= smile["optimised_is_nearest_on"] <= 3
+    assert smile["of"] == 3 and 0 <= smile["full_is_nearest_on"] <= 3
     # The given expression is no expression to make.
     assert found["expressions"]["neutral"]["of"] == 0
     assert len({one["person"] for one in found["caricatures"]}) >= 2

@@ -101,6 +101,8 @@ def test_size_place_and_order_of_shapes_do_not_matter(problem):
 
 def test_where_nothing_moves_there_is_nothing_to_optimise(problem):
     initial, normal, vertices, faces = problem
+    with pytest.raises(NumericsError, match="above 0"):
+        optimise_blendshapes(initial, normal, vertices, faces, BlendshapeWeights(0, 1, 1))
     with pytest.raises(NumericsError, match="found none"):
         optimise_blendshapes(initial, 0 * normal, vertices, faces)
     flat = np.array(vertices)
