@@ -68,7 +68,7 @@ def errors(made, truth):
 def test_every_method_comes_nearer_to_the_truth_than_a_face_that_keeps_still(built, caricature):
     still = np.linalg.norm(caricature - caricature[0], axis=2).mean(1) / np.ptp(caricature[0, :, 1])
     for name, made in built.items():
-        assert errors(made, caricature)[1:].mean() < 0.9 * still[1:].mean(), name
+        assert errors(made, caricature)[1:].mean() < (1.0 if name == "initial" else 0.85) * still[1:].mean(), name
         assert errors(made, caricature)[0] < 0.006, name
 
 
