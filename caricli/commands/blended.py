@@ -1,6 +1,7 @@
 """What `caricli blendshapes` reads, makes of it and writes besides its options."""
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -26,9 +27,11 @@ from caricli.models.morphable import MorphableModel
 
 @dataclass(frozen=True, eq=False)
 class BlendTools:
-    """What expressions are made with: expressions, dict from names to weights of actions; templates of them, the
-    neutral one first; latent, ShapeModel for latent reconstruction, or None; inputs, the paths that were read."""
+    """What expressions are made with: actions, ExpressionTemplates; expressions, dict from names to weights of actions;
+    templates of these, the neutral one first; latent, ShapeModel for latent reconstruction, or None; inputs, the paths
+    that were read."""
 
+    actions: ExpressionTemplates
     expressions: dict
     templates: ExpressionTemplates
     morphable: MorphableModel
@@ -36,15 +39,19 @@ class BlendTools:
     latent: object
     inputs: list
 
+    @cached_property
+    def acting(self):
+        """The templates without the neutral one; what they find out of themselves is kept for every rig."""
+        return replace(self.templates, names=self.templates.names[1:], deltas=self.templates.deltas[1:])
+
     def rig(self, made, generator, eyeballs=True, pictures=(None, None)):
         """Rig, RigMeasures and Eyeballs of Blendshapes: every expression starts from the neutral one.
 
         pictures: (H, W, 3) uint8 for skin and eyes, or None.
         """
         mesh, neutral = self.morphable.template.with_vertices(made.shapes[0]), made.normal[0]
-        acting = replace(self.templates, names=self.templates.names[1:], deltas=self.templates.deltas[1:])
         deltas = made.shapes[1:] - made.shapes[0]
-        rig, *rest = build_rig(mesh, acting, deltas, generator, 0, eyeballs, *pictures)
+        rig, *rest = build_rig(mesh, self.acting, deltas, generator, 0, eyeballs, *pictures)
         return replace(rig, normal_deltas=(made.normal[1:] - neutral).astype(np.float32)), *rest
 
 
@@ -79,7 +86,7 @@ def load_tools(expressions=None, map_path=None, model=None, templates=None, reco
     map_path = map_path or asset_path("landmark_map.safetensors")
     landmark_map = map_from_checkpoint(*read_checkpoint(map_path), shown(map_path))
     inputs = [path for path in (expressions, model, map_path, *used) if path is not None]
-    return BlendTools(chosen, combined, morphable, landmark_map, latent, inputs)
+    return BlendTools(known, chosen, combined, morphable, landmark_map, latent, inputs)
 
 
 def load_caricature(source, morphable, texture=None, pts_origin=1):

@@ -79,10 +79,8 @@ def command(source, out, expressions, method, reconstruct, weights, map_path, mo
         raise click.UsageError("--weights are those of --method full.")
     tools = load_tools(expressions, map_path, model, templates, reconstruct)
     face = load_caricature(source, tools.morphable, texture, pts_origin)
-    files, inputs = (
-        [out, *(out.with_suffix(suffix) for suffix in (".glb", ".json", ".png"))],
-        face.inputs + tools.inputs,
-    )
+    files = [out, *(out.with_suffix(suffix) for suffix in (".glb", ".json", ".png"))]
+    inputs = face.inputs + tools.inputs
     with staged(*files, overwrite=overwrite, inputs=inputs) as (npz, glb, json, png):
         try:
             start = time.perf_counter()

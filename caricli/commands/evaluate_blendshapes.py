@@ -86,13 +86,11 @@ def command(dataset, out, count, everyone, given, faces, seed, overwrite):
 
 def _known(data, tools, where, everyone, count):
     """BlendTools for the expressions of a Dataset, and its KnownCaricatures, ``count`` of them at most."""
-    from caricli.commands.rigging import load_templates
     from caricli.methods.evaluate_blendshapes import dataset_expressions, known_caricatures
     from caricli.methods.expression_templates import combined_templates
 
-    templates, *_ = load_templates(None)
     try:
-        expressions = dataset_expressions(data, templates.names)
+        expressions = dataset_expressions(data, tools.actions.names)
     except InputError as error:
         raise InputError(f"{shown(where)}: {error}") from error
     people = sorted(set(data.identity.tolist()) if everyone else data.manifest["splits"]["test"])
@@ -103,7 +101,7 @@ def _known(data, tools, where, everyone, count):
         )
     # Of as many people as there are.
     chosen = np.unique(np.linspace(0, len(found) - 1, count).round().astype(int))
-    own = replace(tools, expressions=expressions, templates=combined_templates(templates, expressions))
+    own = replace(tools, expressions=expressions, templates=combined_templates(tools.actions, expressions))
     return own, [found[k] for k in chosen]
 
 
@@ -139,9 +137,9 @@ def _finite(rivals, names):
 def _drawn(name, face, tools):
     """Pictures of a real Caricature by every method, with labels."""
     from caricli.commands.blended import build
-    from caricli.methods.evaluate_blendshapes import METHODS_OF_PAPER
+    from caricli.methods.build_blendshapes import METHODS
 
-    rows = ((f"{name}: {rival}", build(tools, face, method)) for rival, method in METHODS_OF_PAPER.items())
+    rows = ((f"{name}: {method}", build(tools, face, method)) for method in METHODS)
     return [cell for label, made in rows for cell in _row(label, face, made, tools)]
 
 

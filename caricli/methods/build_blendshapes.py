@@ -8,9 +8,8 @@ from threadpoolctl import threadpool_limits
 from caricli.geometry.deformation_transfer import DeformationTransfer, triangle_maps
 from caricli.geometry.elastic_anchors import ElasticAnchors
 from caricli.geometry.similarity import similarity
-from caricli.geometry.slide_contour import slide_contour
 from caricli.methods.expression_templates import STARTS, start_delta
-from caricli.methods.fit_landmarks import JAW, LandmarkFit, LatentSettings
+from caricli.methods.fit_landmarks import LandmarkFit, LatentSettings, landmark_vertices
 from caricli.methods.fit_morphable import fit_morphable
 from caricli.methods.keep_contacts import Contacts
 from caricli.methods.map_landmarks import map_landmarks
@@ -56,7 +55,7 @@ def build_blendshapes(
     template, faces = morphable.template, morphable.template.faces
     scale, *_ = similarity(template.vertices, vertices)
     vertices, pose = vertices / scale, replace(pose, scale=pose.scale * scale)
-    anchors = _anchors(vertices, pose, template)
+    anchors = landmark_vertices(vertices, pose.rotation, template, COUNT)
     fit = fit_morphable(map_landmarks(pose.project(vertices[anchors]), landmark_map, "normal"), morphable)
     who, _ = morphable.parts(fit.latent)
     given = morphable.decode(fit.latent)
@@ -82,13 +81,6 @@ def build_blendshapes(
                     found[k] = kept.keep(k, found[k] + start) - start
         shapes = neutral + found
     return Blendshapes(scale * shapes, normal, given, fit, marks)
-
-
-def _anchors(vertices, pose, template):
-    """(68,) vertices that the landmarks of a posed face stand on."""
-    note = template.annotation
-    jaw = slide_contour(vertices, pose.rotation, template.vertices, note.landmarks[:JAW], note.jaw_paths)
-    return np.concatenate([jaw, note.landmarks[JAW:COUNT]])
 
 
 def _marks(own, pose, given, normal, fit, landmark_map):

@@ -16,15 +16,12 @@ from caricli.methods.build_blendshapes import build_blendshapes
 from caricli.methods.measure_blendshapes import measure_blendshapes
 
 RIVALS = {
-    "full": {"method": "full"},
-    "initial": {"method": "initial"},
-    "initial, latent": {"method": "initial", "latent": True},
-    "transfer": {"method": "transfer"},
+    "full": ("full", False),
+    "initial": ("initial", False),
+    "initial, latent": ("initial", True),
+    "transfer": ("transfer", False),
 }
-"""What is compared: arguments of ``build_blendshapes``; "latent" stands for a model of latents."""
-
-METHODS_OF_PAPER = {name: a["method"] for name, a in RIVALS.items() if "latent" not in a}
-"""Those of figure 4."""
+"""What is compared: methods of ``build_blendshapes``, and whether a latent is fitted to the landmarks."""
 
 _SIZE = 400.0
 
@@ -81,17 +78,15 @@ def compare_blendshapes(truth, given, pose, templates, morphable, landmark_map, 
     structure; flipped, percent of triangles, at most; seconds.
     """
     vertices, made, seconds = truth[given], {}, {}
-    for name, arguments in RIVALS.items():
+    known = vertices, pose, templates, morphable, landmark_map
+    for name, (method, in_latent) in RIVALS.items():
         start = time.perf_counter()
-        model = latent if arguments.get("latent") else None
-        known = vertices, pose, templates, morphable, landmark_map
-        made[name] = build_blendshapes(*known, arguments["method"], model=model)
+        made[name] = build_blendshapes(*known, method, model=latent if in_latent else None)
         seconds[name] = {"seconds": time.perf_counter() - start}
     made = {"truth": replace(made["transfer"], shapes=truth)} | made
     others, gradients = np.arange(len(truth)) != given, morphable.template.gradients
-    return {
-        name: _figures(m, truth, vertices, others, gradients) | seconds.get(name, {}) for name, m in made.items()
-    }, made
+    figures = {name: _figures(found, truth, vertices, others, gradients) for name, found in made.items()}
+    return {name: own | seconds.get(name, {}) for name, own in figures.items()}, made
 
 
 def _figures(found, truth, vertices, others, gradients):

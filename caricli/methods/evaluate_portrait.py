@@ -12,8 +12,7 @@ from caricli.errors import CaricliError
 from caricli.geometry.head_rotation import TURNS, head_rotation
 from caricli.geometry.scaled_orthographic_pose import Pose
 from caricli.geometry.similarity import similarity
-from caricli.geometry.slide_contour import slide_contour
-from caricli.methods.fit_landmarks import JAW, PARTS, fit_landmarks
+from caricli.methods.fit_landmarks import PARTS, fit_landmarks, landmark_vertices
 from caricli.methods.fit_morphable import WEIGHTS, fit_morphable
 from caricli.methods.refine_face import refine_face
 from caricli.render.blend import over
@@ -105,8 +104,7 @@ class PortraitStudio:
             visibility=seen.astype(np.float32),
             rotation=pose.rotation,
         )
-        jaw = slide_contour(vertices, pose.rotation, self.template.vertices, note.landmarks[:JAW], note.jaw_paths)
-        points = pose.project(vertices[np.r_[jaw, note.landmarks[JAW:68]]])
+        points = pose.project(vertices[landmark_vertices(vertices, pose.rotation, self.template, 68)])
         points += noise / 100 * np.linalg.norm(np.ptp(points, axis=0)) * generator.normal(size=points.shape)
         image = over(drawn, self._background(generator))
         return Portrait(name, image, points, drawn[..., 3] > 127, vertices, pose)

@@ -66,6 +66,16 @@ class LandmarkFit:
     settings: IntrinsicSettings | LatentSettings
 
 
+def landmark_vertices(vertices, rotation, template, count):
+    """(count,) vertex ids that the first landmarks stand on, those of the jaw on the outline of a posed face.
+
+    vertices: (V, 3). rotation: (3, 3) of the camera. template: Template with the annotation.
+    """
+    note = template.annotation
+    jaw = slide_contour(vertices, rotation, template.vertices, note.landmarks[:JAW], note.jaw_paths)
+    return np.concatenate([jaw, note.landmarks[JAW:count]])
+
+
 class _Observation:
     """Known landmarks in units of their diagonal around their centre, and where they can stand on the mesh."""
 
@@ -87,9 +97,7 @@ class _Observation:
 
     def anchors(self, vertices, rotation):
         """(L,) vertex ids of all landmarks for a posed shape; the jaw slides to the outline."""
-        note = self.template.annotation
-        jaw = slide_contour(vertices, rotation, self.template.vertices, note.landmarks[:JAW], note.jaw_paths)
-        return np.concatenate([jaw, note.landmarks[JAW : self.count]])
+        return landmark_vertices(vertices, rotation, self.template, self.count)
 
     def settle(self, vertices, weights=None, rotation=None):
         """Pose and anchors that agree with each other. Returns (Pose in units of the diagonal, (L,) anchors)."""

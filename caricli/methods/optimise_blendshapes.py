@@ -124,19 +124,6 @@ def structure(normal):
     return np.diag(np.abs(found).sum(1)) - found
 
 
-def energy(candidate, initial, normal, vertices, faces, weights=BlendshapeWeights(), least=0.0):  # noqa: B008 (frozen)
-    """What ``optimise_blendshapes`` minimises. candidate: (K, V, 3). Returns a float."""
-    operator, area = laplace_beltrami(vertices, faces)
-    gaps, root = candidate - masks(normal, least)[..., None] * initial, np.sqrt(area)[:, None]
-    rows = (root * candidate).reshape(len(candidate), -1)
-
-    def bent(shapes):
-        return sum(((root * (operator @ shape)) ** 2).sum() for shape in shapes)
-
-    together = 2 * np.einsum("im,ij,jm->", rows, structure(normal), rows, optimize=True)
-    return weights.deformation * bent(gaps) + weights.structure * together + weights.smoothness * bent(candidate)
-
-
 def _solve(system, shifts, right):
     """Solve ``(system + shift_k) x_k = right_k``. right: (n, K, 3). Returns the same shape."""
     solution = np.empty_like(right)

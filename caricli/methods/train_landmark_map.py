@@ -10,10 +10,9 @@ from caricli.data.expressions import expand_sides
 from caricli.errors import NumericsError
 from caricli.geometry.head_rotation import TURNS, head_rotation
 from caricli.geometry.similarity import similarity
-from caricli.geometry.slide_contour import slide_contour
 from caricli.io.bundled import asset_path
 from caricli.io.config import read_yaml
-from caricli.methods.fit_landmarks import JAW
+from caricli.methods.fit_landmarks import landmark_vertices
 from caricli.models.landmark_map import COUNT, DOMAINS, WEIGHTS, Domain, LandmarkMap, align, generate, other
 from caricli.models.principal_components import principal_components
 from caricli.template.head import load_head
@@ -47,13 +46,12 @@ def see_faces(vertices, expressions, kinds, template, views, generator):
     mesh. generator: numpy Generator.
     Returns SeenFaces of N * views, labelled with expression and turn.
     """
-    note, turns = template.annotation, generator.uniform(-1, 1, (len(vertices), views, 3))
+    turns = generator.uniform(-1, 1, (len(vertices), views, 3))
     points = np.empty((len(vertices), views, COUNT, 2))
     for k, shape in enumerate(vertices):
         for view, turn in enumerate(turns[k]):
             rotation = head_rotation(turn * TURNS)
-            jaw = slide_contour(shape, rotation, template.vertices, note.landmarks[:JAW], note.jaw_paths)
-            points[k, view] = shape[np.r_[jaw, note.landmarks[JAW:COUNT]]] @ rotation[:2].T
+            points[k, view] = shape[landmark_vertices(shape, rotation, template, COUNT)] @ rotation[:2].T
     pitch, yaw = turns[..., 0].ravel(), turns[..., 1].ravel()
     acts = np.repeat(expressions, views)[:, None] == np.arange(kinds)
     labels = np.column_stack([np.ones(len(yaw)), acts, yaw, pitch, yaw**2, pitch**2, yaw * pitch])

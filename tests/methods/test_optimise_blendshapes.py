@@ -8,7 +8,6 @@ from caricli.methods.optimise_blendshapes import (
     BlendshapeWeights,
     cosines,
     displacement_masks,
-    energy,
     laplace_beltrami,
     masks,
     optimise_blendshapes,
@@ -29,6 +28,23 @@ def problem():
     initial, normal = generator.normal(size=(2, SHAPES, SIDE**2, 3))
     normal[:, :SIDE] = 0
     return initial, normal, vertices, faces
+
+
+def energy(candidate, initial, normal, vertices, faces):
+    """Equation 11 with the usual weights, pair by pair."""
+    weights, (operator, area), cosine = BlendshapeWeights(), laplace_beltrami(vertices, faces), cosines(normal)
+
+    def squared(field):
+        return (area[:, None] * field**2).sum()
+
+    total = 0.0
+    for i, shape in enumerate(candidate):
+        total += weights.deformation * squared(operator @ (shape - masks(normal)[i][:, None] * initial[i]))
+        total += weights.smoothness * squared(operator @ shape)
+        for j, other in enumerate(candidate):
+            gap = shape - np.sign(cosine[i, j]) * other
+            total += weights.structure * abs(cosine[i, j]) * squared(gap)
+    return total
 
 
 @pytest.mark.parametrize("weights", [BlendshapeWeights(), BlendshapeWeights(1, 3, 0), BlendshapeWeights(2, 0, 0.5)])
