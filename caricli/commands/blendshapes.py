@@ -40,7 +40,7 @@ WEIGHTS = 1.0, 0.1, 0.05
     type=FiniteRange(0, 1e6),
     default=WEIGHTS,
     metavar="DEF STR SMO",
-    help="Of deformation, structure and smoothness.  [default: 1 0.1 0.05]",
+    help="Of deformation, structure and smoothness.",
 )
 @click.option("--map", "map_path", type=PATH, metavar="MAP", help="Of caricli train landmark-map.  [default: bundled]")
 @click.option("--model", type=PATH, metavar="MODEL", help="Of caricli train morphable.  [default: bundled]")
