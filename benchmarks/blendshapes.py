@@ -15,9 +15,9 @@ from portrait import median
 from caricli.commands.blended import load_tools
 from caricli.geometry.exaggerate_curvature import exaggerate_curvature
 from caricli.geometry.head_rotation import head_rotation
-from caricli.geometry.scaled_orthographic_pose import Pose
-from caricli.methods.build_blendshapes import build_blendshapes
-from caricli.methods.optimise_blendshapes import optimise_blendshapes
+from caricli.geometry.fit_camera import Pose
+from caricli.methods.expressions.build_blendshapes import build_blendshapes
+from caricli.methods.expressions.optimise_blendshapes import optimise_blendshapes
 from caricli.template.fine_mesh import fine_mesh
 
 SIZES = (4_200, 5_500)

@@ -18,10 +18,10 @@ from caricli.commands.loading import DEFAULT_LATENT, load_model
 from caricli.geometry.flipped_triangles import flipped_triangles
 from caricli.geometry.self_intersections import self_intersections
 from caricli.io.landmarks import read_landmarks
-from caricli.methods.edit_handles import edit_handles
-from caricli.methods.encode_face import encode_face
-from caricli.methods.fit_landmarks import fit_landmarks
-from caricli.methods.handle_points import handle_points
+from caricli.methods.edit.edit_handles import edit_handles
+from caricli.methods.faces.encode_face import encode_face
+from caricli.methods.reconstruct.fit_landmarks import fit_landmarks
+from caricli.methods.edit.handle_points import handle_points
 
 REPEATS = 5
 NEIGHBOURHOOD = 0.1  # of the head's height around a part

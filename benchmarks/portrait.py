@@ -15,8 +15,8 @@ import igl
 import numpy as np
 
 from caricli.geometry.laplacian_deformation import LaplacianDeformation
-from caricli.methods.evaluate_portrait import PortraitStudio
-from caricli.methods.texture_face import texture_face
+from caricli.methods.evaluate.evaluate_portrait import PortraitStudio
+from caricli.methods.texture.texture_face import texture_face
 from caricli.template.fine_mesh import fine_mesh
 from caricli.template.head import load_head
 

@@ -15,7 +15,7 @@ import scipy.sparse as sp
 from scipy.linalg.blas import saxpy
 
 from caricli.io.rig import Rig
-from caricli.methods.pose_rig import RigPoser
+from caricli.methods.animate.pose_rig import RigPoser
 from caricli.template.fine_mesh import fine_mesh
 from caricli.template.head import load_head
 

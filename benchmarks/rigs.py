@@ -17,10 +17,10 @@ import numpy as np
 from caricli.data.dataset import read_dataset
 from caricli.geometry.similarity import similarity
 from caricli.io.obj import read_obj
-from caricli.methods.add_eyeballs import fit_eyeballs
-from caricli.methods.expression_templates import ExpressionTemplates, mended_templates
-from caricli.methods.measure_rig import measure_rig
-from caricli.methods.transfer_rig import transfer_rig
+from caricli.methods.rig.add_eyeballs import fit_eyeballs
+from caricli.methods.rig.expression_templates import ExpressionTemplates, mended_templates
+from caricli.methods.rig.measure_rig import measure_rig
+from caricli.methods.rig.transfer_rig import transfer_rig
 from caricli.template.fine_mesh import fine_mesh
 from caricli.template.head import load_head
 

@@ -14,14 +14,14 @@ from pathlib import Path
 import numpy as np
 import torch
 
-from caricli.commands.train_deformable import network_points
+from caricli.commands.train.deformable import network_points
 from caricli.data.dataset import read_dataset
-from caricli.methods.evaluate_ablation import fit_codes
-from caricli.methods.evaluate_shape import spread_rows
-from caricli.methods.train_autodecoder import AutoDecoderTraining, Surface
-from caricli.models.ablation import AblationConfig, VertexArray
+from caricli.methods.evaluate.evaluate_ablation import fit_codes
+from caricli.methods.evaluate.evaluate_shape import spread_rows
+from caricli.methods.train.train_autodecoder import AutoDecoderTraining, Surface
+from caricli.models.ablation.networks import AblationConfig, VertexArray
 from caricli.models.config import DeformableConfig
-from caricli.models.deformable import Frame
+from caricli.models.deformable.model import Frame
 
 
 def main():

@@ -14,7 +14,7 @@ from caricli.io.image import read_image
 from caricli.io.obj import read_obj
 from caricli.io.rig import read_rig
 from caricli.io.strict_json import read_json
-from caricli.io.weights import read_weights
+from caricli.io.track import read_weights
 
 ROOT = Path(__file__).parents[1]
 

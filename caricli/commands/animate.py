@@ -7,7 +7,7 @@ from difflib import get_close_matches
 import click
 import numpy as np
 
-from caricli.commands.options import PATH, FiniteRange, named, overwrite_option
+from caricli.commands.shared.options import PATH, FiniteRange, named, overwrite_option
 from caricli.errors import InputError
 from caricli.io.files import shown
 from caricli.io.image import write_png
@@ -17,7 +17,7 @@ from caricli.io.provenance import provenance
 from caricli.io.rig import Rig, read_rig
 from caricli.io.strict_json import write_json
 from caricli.io.video import write_video
-from caricli.io.weights import read_weights
+from caricli.io.track import read_weights
 
 REPORT = "animation.json"
 
@@ -119,10 +119,10 @@ def _scales(texts):
 def _motion(rig_path, path, fps, source_fps, smooth, scales, no_head):
     """The _Motion that was asked for, and what the JSON says of it."""
     from caricli.io.gltf import read_gltf
-    from caricli.methods.bind_weights import bind_weights
-    from caricli.methods.resample_weights import resample_weights
-    from caricli.methods.smooth_weights import smooth_weights
-    from caricli.methods.turn_head import turn_head
+    from caricli.methods.animate.bind_weights import bind_weights
+    from caricli.methods.animate.resample_weights import resample_weights
+    from caricli.methods.animate.smooth_weights import smooth_weights
+    from caricli.methods.animate.turn_head import turn_head
 
     rig = (read_gltf if rig_path.suffix.lower() == ".glb" else read_rig)(rig_path)
     unknown = [name for name in scales if name not in rig.names]
@@ -158,7 +158,7 @@ def _frames(motion, description):
     from scipy.spatial.transform import Rotation
 
     from caricli.commands.loading import progress_bar
-    from caricli.methods.pose_rig import RigPoser
+    from caricli.methods.animate.pose_rig import RigPoser
 
     poser = RigPoser(motion.rig)
     turns = None if motion.turns is None else Rotation.from_quat(motion.turns).as_matrix()

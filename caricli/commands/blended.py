@@ -9,20 +9,20 @@ from caricli.commands.loading import DEFAULT_LATENT, face_pose, load_face, load_
 from caricli.commands.rigging import face_pictures, load_templates
 from caricli.data.expressions import NEUTRAL, facs_expressions, read_expressions
 from caricli.errors import InputError
-from caricli.geometry.scaled_orthographic_pose import Pose
+from caricli.geometry.fit_camera import Pose
 from caricli.io.bundled import asset_path
 from caricli.io.checkpoint import read_checkpoint
 from caricli.io.face import topology_id
 from caricli.io.files import shown
 from caricli.io.image import read_image
 from caricli.io.landmarks import read_landmarks
-from caricli.methods.build_blendshapes import build_blendshapes
-from caricli.methods.build_rig import build_rig
-from caricli.methods.expression_templates import ExpressionTemplates, combined_templates
-from caricli.methods.fit_landmarks import fit_landmarks
-from caricli.methods.measure_blendshapes import measure_blendshapes
-from caricli.models.landmark_map import LandmarkMap, map_from_checkpoint
-from caricli.models.morphable import MorphableModel
+from caricli.methods.expressions.build_blendshapes import build_blendshapes
+from caricli.methods.rig.build_rig import build_rig
+from caricli.methods.rig.expression_templates import ExpressionTemplates, combined_templates
+from caricli.methods.reconstruct.fit_landmarks import fit_landmarks
+from caricli.methods.expressions.measure_blendshapes import measure_blendshapes
+from caricli.models.landmark_map.model import LandmarkMap, map_from_checkpoint
+from caricli.models.morphable.model import MorphableModel
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,7 +5,7 @@ import time
 import click
 import numpy as np
 
-from caricli.commands.options import PATH, FiniteRange, out_option, overwrite_option, seed_option
+from caricli.commands.shared.options import PATH, FiniteRange, out_option, overwrite_option, seed_option
 from caricli.errors import CaricliError
 from caricli.io.files import shown
 from caricli.io.image import write_png
@@ -71,7 +71,7 @@ def command(source, out, expressions, method, reconstruct, weights, map_path, mo
     from caricli.commands.rigging import expression_sheet
     from caricli.io.gltf import write_gltf
     from caricli.io.rig import write_rig
-    from caricli.methods.optimise_blendshapes import BlendshapeWeights
+    from caricli.methods.expressions.optimise_blendshapes import BlendshapeWeights
 
     if method == "transfer" and reconstruct != "intrinsic":
         raise click.UsageError("--reconstruct is for methods that follow landmarks, not for transfer.")

@@ -5,7 +5,7 @@ from dataclasses import asdict
 import click
 import numpy as np
 
-from caricli.commands.options import (
+from caricli.commands.shared.options import (
     PATH,
     FiniteRange,
     directions_option,
@@ -63,13 +63,13 @@ def command(ctx, faces, strength, mode, out, out_dir, marked, image, directions,
       caricli caricaturize faces/*.npz --mode own --out-dir caricatures
       caricli caricaturize landmarks.json --from-landmarks --image photo.jpg --out caricature.obj
     """
-    from caricli.commands.batch import named_jobs, run_batch
+    from caricli.commands.shared.batch import named_jobs, run_batch
     from caricli.commands.edited import directions_path, load_directions
     from caricli.commands.loading import DEFAULT_LATENT, load_model
     from caricli.commands.pictures import picture_beside
     from caricli.commands.series import write_series_face
-    from caricli.methods.caricaturize_face import caricaturize_face
-    from caricli.methods.nearest_identity import likeness
+    from caricli.methods.edit.caricaturize_face import caricaturize_face
+    from caricli.methods.faces.nearest_identity import likeness
     from caricli.template.fine_mesh import fine_mesh
 
     if image and not marked:
@@ -117,8 +117,8 @@ def _landmark_loader(model):
     """The same for landmark files, fitted as `caricli reconstruct-from-landmarks` does; with a portrait."""
     from caricli.commands.loading import load_model
     from caricli.commands.pictures import read_picture
-    from caricli.methods.encode_face import encode_face
-    from caricli.methods.fit_landmarks import fit_landmarks
+    from caricli.methods.faces.encode_face import encode_face
+    from caricli.methods.reconstruct.fit_landmarks import fit_landmarks
 
     elastic = model if model.kind == "intrinsic" else load_model()
     # The elastic fit is the better one; on another mesh than the bundled models' only the latent one is left.
@@ -142,7 +142,7 @@ def _landmark_loader(model):
 def _figures(face, model, directions):
     """What the JSON says of a face."""
     from caricli.commands.edited import face_figures
-    from caricli.methods.caricaturize_face import exaggeration
+    from caricli.methods.edit.caricaturize_face import exaggeration
 
     return {"exaggeration": asdict(exaggeration(face, model, directions))} | face_figures(face, model)
 
@@ -157,7 +157,7 @@ def _summary(figures):
 def _sheet(faces, strength, portrait, model, fine):
     """The faces in a row, each from two sides, after the picture where there is one."""
     from caricli.commands.series import draw_series_face
-    from caricli.methods.subdivide_face import subdivide_face
+    from caricli.methods.faces.subdivide_face import subdivide_face
     from caricli.render.contact_sheet import contact_sheet
 
     pictures, labels = ([], []) if portrait is None else ([portrait], ["given"])

@@ -5,7 +5,7 @@ import time
 import click
 import numpy as np
 
-from caricli.commands.options import PATH, face_files, model_option, out_option, overwrite_option, subdivide_option
+from caricli.commands.shared.options import PATH, face_files, model_option, out_option, overwrite_option, subdivide_option
 from caricli.errors import InputError
 from caricli.io.image import write_png
 from caricli.io.outputs import staged
@@ -48,8 +48,8 @@ def command(face, handles, file, pins, symmetric, out, norm, avoid, steps, basel
     from caricli.commands.loading import DEFAULT_LATENT, load_latent_face, load_model
     from caricli.commands.series import write_series_face
     from caricli.geometry.self_intersections import self_intersections
-    from caricli.methods.edit_handles import HandleSettings, edit_handles
-    from caricli.methods.handle_points import handle_points
+    from caricli.methods.edit.edit_handles import HandleSettings, edit_handles
+    from caricli.methods.edit.handle_points import handle_points
     from caricli.template.fine_mesh import fine_mesh
 
     shape_model = load_model(model, DEFAULT_LATENT)
@@ -123,9 +123,9 @@ def _said(edit, points, crossing):
 
 def _picture(before, edit, drawn, model, fine, steps, baseline):
     """The face before and after in three views, with the baseline below; or a film strip."""
-    from caricli.methods.deform_arap import deform_arap
-    from caricli.methods.edit_handles import edit_handles
-    from caricli.methods.subdivide_face import subdivide_face
+    from caricli.methods.edit.deform_arap import deform_arap
+    from caricli.methods.edit.edit_handles import edit_handles
+    from caricli.methods.faces.subdivide_face import subdivide_face
     from caricli.render.contact_sheet import contact_sheet
     from caricli.render.head_views import head_views
 

@@ -3,7 +3,7 @@
 import click
 import numpy as np
 
-from caricli.commands.options import (
+from caricli.commands.shared.options import (
     PATH,
     directions_option,
     face_files,
@@ -47,8 +47,8 @@ def command(face, labels, out, keep, steps, listed, directions, model, levels, o
     from caricli.commands.edited import directions_path, face_figures, load_directions
     from caricli.commands.loading import DEFAULT_LATENT, load_latent_face, load_model
     from caricli.commands.series import write_series_face
-    from caricli.commands.train_semantic import print_table
-    from caricli.methods.edit_semantic import edit_semantic
+    from caricli.commands.train.semantic import print_table
+    from caricli.methods.edit.edit_semantic import edit_semantic
     from caricli.template.fine_mesh import fine_mesh
 
     shape_model = load_model(model, DEFAULT_LATENT)
@@ -91,8 +91,8 @@ def _strengths(labels):
 def _strip(face, model, directions, strengths, keep, steps, fine):
     """The face before beside after, or in steps from minus to plus the strengths."""
     from caricli.commands.series import draw_series_face
-    from caricli.methods.edit_semantic import edit_semantic
-    from caricli.methods.subdivide_face import subdivide_face
+    from caricli.methods.edit.edit_semantic import edit_semantic
+    from caricli.methods.faces.subdivide_face import subdivide_face
     from caricli.render.contact_sheet import contact_sheet
 
     parts = np.linspace(-1, 1, steps) if steps else (0.0, 1.0)

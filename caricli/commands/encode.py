@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import click
 
-from caricli.commands.options import PATH, model_option, out_folder_option, out_option, overwrite_option
+from caricli.commands.shared.options import PATH, model_option, out_folder_option, out_option, overwrite_option
 from caricli.io.face import write_face
 from caricli.io.image import write_png
 from caricli.io.outputs import staged
@@ -33,9 +33,9 @@ def command(ctx, faces, out, out_dir, model, overwrite):
       caricli encode head.obj --out head.npz
       caricli encode scans/*.obj --out-dir encoded --model pca
     """
-    from caricli.commands.batch import named_jobs, run_batch
+    from caricli.commands.shared.batch import named_jobs, run_batch
     from caricli.commands.loading import DEFAULT_LATENT, load_face, load_model
-    from caricli.methods.encode_face import encode_face
+    from caricli.methods.faces.encode_face import encode_face
     from caricli.render.comparison_sheet import comparison_sheet
 
     jobs = named_jobs(faces, "FACE", out, out_dir, ".npz")

@@ -5,7 +5,7 @@ import time
 import click
 import numpy as np
 
-from caricli.commands.options import (
+from caricli.commands.shared.options import (
     PATH,
     FiniteRange,
     face_files,
@@ -56,11 +56,11 @@ def command(
       caricli fit-morphable landmarks.json --image drawing.png --out face.obj
       caricli fit-morphable smile.json --expression-only --identity face.npz --out smile.obj
     """
-    from caricli.commands.batch import named_jobs, run_batch
+    from caricli.commands.shared.batch import named_jobs, run_batch
     from caricli.commands.fitted import fit_figures, write_fit
     from caricli.commands.loading import load_latent_face, load_model
     from caricli.commands.pictures import picture_beside, read_picture
-    from caricli.methods.fit_morphable import fit_morphable
+    from caricli.methods.reconstruct.fit_morphable import fit_morphable
     from caricli.template.fine_mesh import fine_mesh
 
     if identity is not None and not expression_only:

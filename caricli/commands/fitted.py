@@ -17,7 +17,7 @@ def write_fit(files, model, fit, fine, given, image, description):
     files: the four paths. model: ShapeModel. fine: FineMesh of the OBJ. given: (L, 2) landmarks. image: (H, W, 3) or
     None. description: JSON value.
     """
-    from caricli.methods.subdivide_face import subdivide_face
+    from caricli.methods.faces.subdivide_face import subdivide_face
     from caricli.render.fit_sheet import fit_sheet
 
     obj_file, npz_file, json_file, png_file = files

@@ -3,7 +3,7 @@
 import click
 import numpy as np
 
-from caricli.commands.options import PATH, model_option, overwrite_option, subdivide_option
+from caricli.commands.shared.options import PATH, model_option, overwrite_option, subdivide_option
 from caricli.io.image import write_png
 from caricli.io.outputs import staged
 from caricli.io.provenance import provenance
@@ -37,7 +37,7 @@ def command(first, second, steps, out_dir, model, levels, overwrite):
     from caricli.commands.loading import DEFAULT_LATENT, load_latent_face, load_model, progress_bar
     from caricli.commands.series import draw_series_face, series_paths, write_series_face
     from caricli.geometry.flipped_triangles import flipped_triangles
-    from caricli.methods.interpolate_faces import interpolate_faces
+    from caricli.methods.faces.interpolate_faces import interpolate_faces
     from caricli.render.contact_sheet import contact_sheet
     from caricli.template.fine_mesh import fine_mesh
 

@@ -6,14 +6,14 @@ from dataclasses import replace
 import numpy as np
 
 from caricli.errors import InputError
-from caricli.geometry.scaled_orthographic_pose import Pose
+from caricli.geometry.fit_camera import Pose
 from caricli.io.bundled import asset_path
 from caricli.io.checkpoint import read_checkpoint
 from caricli.io.face import read_face, topology_id
 from caricli.io.files import shown
 from caricli.io.obj import ObjMesh
 from caricli.io.strict_json import read_json
-from caricli.methods.encode_face import encode_face
+from caricli.methods.faces.encode_face import encode_face
 
 DEFAULT_LATENT = "kernel"
 """Kind of the bundled model that latents belong to where nothing else is said."""

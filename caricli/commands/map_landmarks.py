@@ -3,7 +3,7 @@
 import click
 import numpy as np
 
-from caricli.commands.options import PATH, out_option, overwrite_option
+from caricli.commands.shared.options import PATH, out_option, overwrite_option
 from caricli.errors import InputError
 from caricli.io.files import shown
 from caricli.io.landmarks import Landmarks, read_landmarks, write_landmarks
@@ -33,8 +33,8 @@ def command(landmarks, to, out, map_path, pts_origin, overwrite):
     from caricli.io.bundled import asset_path
     from caricli.io.checkpoint import read_checkpoint
     from caricli.io.image import write_png
-    from caricli.methods.map_landmarks import map_landmarks
-    from caricli.models.landmark_map import COUNT, map_from_checkpoint
+    from caricli.methods.edit.map_landmarks import map_landmarks
+    from caricli.models.landmark_map.model import COUNT, map_from_checkpoint
 
     map_path = map_path or asset_path("landmark_map.safetensors")
     picture = out.with_suffix(".png")
@@ -55,7 +55,7 @@ def command(landmarks, to, out, map_path, pts_origin, overwrite):
 
 def _drawing(given, mapped, to):
     """Given and mapped landmarks side by side, at one scale."""
-    from caricli.models.landmark_map import other
+    from caricli.models.landmark_map.model import other
     from caricli.render.contact_sheet import contact_sheet
     from caricli.render.overlay import draw_landmarks
 

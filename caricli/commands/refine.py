@@ -4,7 +4,7 @@ import time
 
 import click
 
-from caricli.commands.options import (
+from caricli.commands.shared.options import (
     PATH,
     FiniteRange,
     face_files,
@@ -58,7 +58,7 @@ def command(face, landmarks, out, image, parsing, weight, laplacian, model, leve
     from caricli.commands.loading import load_seen_face
     from caricli.commands.pictures import read_picture
     from caricli.commands.refined import snap_to_parsing, write_refined
-    from caricli.methods.refine_face import refine_face
+    from caricli.methods.reconstruct.refine_face import refine_face
     from caricli.template.fine_mesh import fine_mesh
 
     files = face_files(out)

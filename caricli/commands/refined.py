@@ -8,8 +8,8 @@ from caricli.io.face import Face, write_face
 from caricli.io.files import shown
 from caricli.io.obj import write_obj
 from caricli.io.parsing import read_parsing
-from caricli.methods.encode_face import encode_face
-from caricli.methods.snap_eyes import snap_eyes
+from caricli.methods.faces.encode_face import encode_face
+from caricli.methods.reconstruct.snap_eyes import snap_eyes
 from caricli.render.contact_sheet import contact_sheet
 from caricli.render.fit_sheet import fit_sheet
 

@@ -3,13 +3,13 @@
 import click
 import numpy as np
 
-from caricli.commands.options import PATH, out_option, overwrite_option
+from caricli.commands.shared.options import PATH, out_option, overwrite_option
 from caricli.errors import InputError, OutputError
 from caricli.io.bundled import asset_path
 from caricli.io.face import read_face
 from caricli.io.files import shown
 from caricli.io.image import read_image, write_png
-from caricli.io.limits import MAX_IMAGE_PIXELS
+from caricli.limits import MAX_IMAGE_PIXELS
 from caricli.io.outputs import staged
 from caricli.io.strict_json import read_json
 from caricli.render.contact_sheet import contact_sheet

@@ -3,7 +3,7 @@
 import click
 import numpy as np
 
-from caricli.commands.options import (
+from caricli.commands.shared.options import (
     PATH,
     FiniteRange,
     face_files,
@@ -55,7 +55,7 @@ def command(ctx, rig, drivers, out, out_dir, neutral, animation, fps, model, pts
       caricli retarget b.npz photo.json --out face.obj
       caricli retarget b.npz take/*.obj --neutral calm.obj --out-dir frames --animation take.glb --fps 30
     """
-    from caricli.commands.batch import named_jobs, run_batch
+    from caricli.commands.shared.batch import named_jobs, run_batch
     from caricli.commands.loading import load_model
 
     jobs = named_jobs(drivers, "NORMAL_FACE", out, out_dir, ".obj")
@@ -113,8 +113,8 @@ def _explained(drivers, rig, model, neutral, pts_origin, whole):
     whole: whether a driver that cannot be read ends everything.
     """
     from caricli.commands.loading import load_face, progress_bar
-    from caricli.methods.fit_morphable import fit_morphable
-    from caricli.methods.retarget_expression import explain_landmarks, explain_meshes
+    from caricli.methods.reconstruct.fit_morphable import fit_morphable
+    from caricli.methods.expressions.retarget_expression import explain_landmarks, explain_meshes
 
     known, failed = {}, {}
     calm = None if neutral is None else load_face(neutral, model).vertices
@@ -141,7 +141,7 @@ def _explained(drivers, rig, model, neutral, pts_origin, whole):
 
 def _write(files, rig, weights, neutral, template, description):
     """Write OBJ, NPZ, JSON and picture of a caricature with an expression."""
-    from caricli.methods.pose_rig import RigPoser
+    from caricli.methods.animate.pose_rig import RigPoser
     from caricli.render.contact_sheet import contact_sheet
     from caricli.render.draw_rig import draw_rig
     from caricli.render.head_views import head_views

@@ -3,7 +3,7 @@
 import click
 import numpy as np
 
-from caricli.commands.options import PATH, out_option, overwrite_option, seed_option
+from caricli.commands.shared.options import PATH, out_option, overwrite_option, seed_option
 from caricli.errors import NumericsError
 from caricli.io.bundled import asset_path
 from caricli.io.files import shown
@@ -45,8 +45,8 @@ def command(face, out, templates, eyeballs, texture, sparse, usd, check, levels,
     from caricli.commands.rigging import check_report, expression_sheet, face_pictures, load_mesh, load_templates
     from caricli.io.gltf import write_gltf
     from caricli.io.rig import write_rig
-    from caricli.methods.build_rig import build_rig
-    from caricli.methods.transfer_rig import transfer_rig
+    from caricli.methods.rig.build_rig import build_rig
+    from caricli.methods.rig.transfer_rig import transfer_rig
 
     if check is not None and face is out is None:
         return click.echo(check_report(check))

@@ -10,8 +10,8 @@ from caricli.io.files import shown
 from caricli.io.gltf import read_gltf
 from caricli.io.mtl import texture_path
 from caricli.io.obj import read_obj
-from caricli.methods.check_rig import check_rig
-from caricli.methods.expression_templates import check_templates, mended_templates, start_delta
+from caricli.methods.rig.check_rig import check_rig
+from caricli.methods.rig.expression_templates import check_templates, mended_templates, start_delta
 from caricli.render.contact_sheet import contact_sheet
 from caricli.render.draw_rig import draw_rig, neutral_sky
 from caricli.template.head import load_head

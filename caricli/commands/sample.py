@@ -5,7 +5,7 @@ from itertools import islice
 import click
 import numpy as np
 
-from caricli.commands.options import (
+from caricli.commands.shared.options import (
     PATH,
     FiniteRange,
     model_option,
@@ -48,7 +48,7 @@ def command(out_dir, count, spread, seed, model, levels, overwrite):
     """
     from caricli.commands.loading import DEFAULT_LATENT, load_model, progress_bar
     from caricli.commands.series import draw_series_face, series_paths, write_series_face
-    from caricli.methods.sample_faces import sample_faces
+    from caricli.methods.faces.sample_faces import sample_faces
     from caricli.render.contact_sheet import contact_sheet
     from caricli.template.fine_mesh import fine_mesh
 

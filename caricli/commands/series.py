@@ -5,7 +5,7 @@ import numpy as np
 from caricli.commands.loading import template_mesh
 from caricli.io.face import Face, write_face
 from caricli.io.obj import write_obj
-from caricli.methods.subdivide_face import subdivide_face
+from caricli.methods.faces.subdivide_face import subdivide_face
 from caricli.render.head_views import head_views
 
 _ROUNDING = 1e-6

@@ -5,7 +5,7 @@ import time
 import click
 import numpy as np
 
-from caricli.commands.options import PATH, model_option, out_option, overwrite_option, seed_option
+from caricli.commands.shared.options import PATH, model_option, out_option, overwrite_option, seed_option
 from caricli.io.image import read_image
 from caricli.io.outputs import staged_folder
 from caricli.io.provenance import provenance

@@ -12,8 +12,8 @@ from caricli.io.gltf import write_gltf
 from caricli.io.image import read_image, write_png
 from caricli.io.obj import ObjMesh, write_obj
 from caricli.io.rig import Rig
-from caricli.methods.add_eyeballs import TEXTURE, add_eyeballs, fit_eyeballs
-from caricli.methods.texture_face import texture_face
+from caricli.methods.rig.add_eyeballs import TEXTURE, add_eyeballs, fit_eyeballs
+from caricli.methods.texture.texture_face import texture_face
 from caricli.render.contact_sheet import contact_sheet
 from caricli.render.diffuse_background import diffuse_background
 from caricli.render.draw_textured import ANGLES, draw_textured, render_textured

@@ -4,7 +4,7 @@ from dataclasses import asdict
 
 import click
 
-from caricli.commands.options import config_option, data_option, out_option, overwrite_option, set_option
+from caricli.commands.shared.options import config_option, data_option, out_option, overwrite_option, set_option
 from caricli.errors import InputError
 from caricli.io.checkpoint import write_checkpoint
 from caricli.io.config import read_config
@@ -31,7 +31,7 @@ def train_linear(kind, dataset, out, config, overrides, overwrite):
     from caricli.commands.loading import dataset_files, progress_bar
     from caricli.data.albedo import random_albedos
     from caricli.data.dataset import SPLITS, read_dataset
-    from caricli.methods.evaluate_shape import evaluate_shape
+    from caricli.methods.evaluate.evaluate_shape import evaluate_shape
     from caricli.models.checkpoint import model_class, model_from_checkpoint, model_to_checkpoint
     from caricli.models.config import KernelConfig, LinearConfig, MorphableConfig
 
@@ -74,7 +74,7 @@ def train_linear(kind, dataset, out, config, overrides, overwrite):
 
 def _agreement(model, data):
     """How well a morphable model tells who from what on test meshes, and on those that are not exaggerated."""
-    from caricli.methods.measure_separation import measure_separation
+    from caricli.methods.evaluate.measure_separation import measure_separation
 
     groups = {"test": data.rows("test")}
     if "kind" in data.factors:

@@ -26,10 +26,10 @@ from caricli.geometry.similarity import similarity
 from caricli.geometry.untangle import untangle
 from caricli.io.bundled import asset_path
 from caricli.io.config import read_yaml
-from caricli.io.limits import MAX_NPZ_BYTES
+from caricli.limits import MAX_NPZ_BYTES
 from caricli.io.npz import write_npz
 from caricli.io.provenance import sha256_file
-from caricli.models.intrinsic import IntrinsicModel
+from caricli.models.intrinsic.model import IntrinsicModel
 from caricli.template.head import load_head
 
 KINDS = ("regular", "curvature", "parts", "curvature and parts")

@@ -6,7 +6,7 @@ from caricli.errors import InputError
 from caricli.io.bundled import asset_path
 from caricli.io.config import read_yaml
 from caricli.io.files import shown
-from caricli.io.limits import MAX_SHAPES
+from caricli.limits import MAX_SHAPES
 from caricli.io.strict_json import read_json
 
 NEUTRAL, MOST = "neutral", 1.5

@@ -11,7 +11,7 @@ from caricli.errors import InputError
 from caricli.geometry.flipped_triangles import flipped_triangles
 from caricli.geometry.triangulate import triangulate
 from caricli.io.files import read_text
-from caricli.io.limits import MAX_NPZ_BYTES
+from caricli.limits import MAX_NPZ_BYTES
 from caricli.io.obj import read_obj
 from caricli.io.strict_json import read_json
 from caricli.template.annotation import parse_annotation

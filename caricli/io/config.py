@@ -8,7 +8,7 @@ import typing
 
 from caricli.errors import InputError
 from caricli.io.files import read_text, shown
-from caricli.io.limits import MAX_CONFIG_BYTES, MAX_CONFIG_DEPTH
+from caricli.limits import MAX_CONFIG_BYTES, MAX_CONFIG_DEPTH
 
 # YAML 1.1 takes 1e-4 for text, which nobody means.
 _EXPONENT = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)[eE][-+]?\d+")

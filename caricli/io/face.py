@@ -8,7 +8,7 @@ import numpy as np
 
 from caricli.errors import InputError, OutputError
 from caricli.io.files import shown
-from caricli.io.limits import MAX_COORDINATE, MAX_CORNERS, MAX_POLYGON_CORNERS, MAX_POLYGONS, MAX_VERTICES
+from caricli.limits import MAX_COORDINATE, MAX_CORNERS, MAX_POLYGON_CORNERS, MAX_POLYGONS, MAX_VERTICES
 from caricli.io.npz import read_npz, text_of, write_npz
 from caricli.io.obj import padding_is_last, read_obj, repeats
 

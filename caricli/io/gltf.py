@@ -15,7 +15,7 @@ from caricli.errors import InputError, OutputError
 from caricli.io.face import fans
 from caricli.io.files import content_kind, read_bytes, shown
 from caricli.io.image import read_image
-from caricli.io.limits import (
+from caricli.limits import (
     MAX_CORNERS,
     MAX_FILE_BYTES,
     MAX_JSON_BYTES,

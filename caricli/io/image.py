@@ -7,7 +7,7 @@ import numpy as np
 
 from caricli.errors import InputError, OutputError
 from caricli.io.files import content_kind, read_bytes, shown
-from caricli.io.limits import MAX_IMAGE_BYTES, MAX_IMAGE_PIXELS
+from caricli.limits import MAX_IMAGE_BYTES, MAX_IMAGE_PIXELS
 from caricli.io.outputs import writing
 
 _FORMATS = ("PNG", "JPEG", "WEBP", "BMP", "TIFF", "GIF")

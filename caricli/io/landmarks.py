@@ -8,7 +8,7 @@ import numpy as np
 
 from caricli.errors import InputError, OutputError
 from caricli.io.files import decode_text, read_bytes, shown
-from caricli.io.limits import MAX_COORDINATE, MAX_LANDMARK_BYTES
+from caricli.limits import MAX_COORDINATE, MAX_LANDMARK_BYTES
 from caricli.io.npz import read_array
 from caricli.io.outputs import write_bytes
 from caricli.io.strict_json import parse_json, write_json

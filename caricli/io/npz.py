@@ -10,7 +10,7 @@ import numpy as np
 
 from caricli.errors import InputError, OutputError
 from caricli.io.files import looks_like_pickle, read_bytes, shown
-from caricli.io.limits import MAX_ARRAY_DIMENSIONS, MAX_NPZ_BYTES, MAX_NPZ_HEADER_BYTES, MAX_NPZ_MEMBERS
+from caricli.limits import MAX_ARRAY_DIMENSIONS, MAX_NPZ_BYTES, MAX_NPZ_HEADER_BYTES, MAX_NPZ_MEMBERS
 from caricli.io.outputs import writing
 
 _HEADER = re.compile(

@@ -9,7 +9,7 @@ import numpy as np
 
 from caricli.errors import InputError, OutputError
 from caricli.io.files import content_kind, read_bytes, shown
-from caricli.io.limits import (
+from caricli.limits import (
     MAX_COORDINATE,
     MAX_CORNERS,
     MAX_FILE_BYTES,

@@ -8,7 +8,7 @@ import numpy as np
 
 from caricli.errors import InputError
 from caricli.io.files import read_bytes, shown
-from caricli.io.limits import MAX_IMAGE_BYTES, MAX_IMAGE_PIXELS
+from caricli.limits import MAX_IMAGE_BYTES, MAX_IMAGE_PIXELS
 from caricli.io.strict_json import read_json
 
 SCHEMA = "caricli.parsing/1"

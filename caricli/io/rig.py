@@ -7,7 +7,7 @@ import numpy as np
 from caricli.errors import InputError, OutputError
 from caricli.io.face import AXES, UNITS, Face, face_problem
 from caricli.io.files import shown
-from caricli.io.limits import MAX_SHAPES
+from caricli.limits import MAX_SHAPES
 from caricli.io.npz import read_npz, text_of, write_npz
 
 SCHEMA = "caricli.rig/1"

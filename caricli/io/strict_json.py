@@ -9,7 +9,7 @@ import numpy as np
 
 from caricli.errors import InputError, OutputError
 from caricli.io.files import decode_text, read_bytes, shown
-from caricli.io.limits import MAX_JSON_BYTES, MAX_JSON_DEPTH
+from caricli.limits import MAX_JSON_BYTES, MAX_JSON_DEPTH
 from caricli.io.outputs import write_bytes
 
 _STRING = re.compile(rb'"(?:[^"\\]|\\.)*+"?', re.DOTALL)

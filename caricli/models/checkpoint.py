@@ -16,7 +16,7 @@ _TEMPLATE = ("vertices", "faces", "polygons", "uvs", "uv_polygons")
 
 def model_class(kind):
     """The class of a kind, imported only when it is asked for: not every kind needs torch."""
-    return getattr(import_module(f"caricli.models.{kind}"), f"{kind.capitalize()}Model")
+    return getattr(import_module(f"caricli.models.{kind}.model"), f"{kind.capitalize()}Model")
 
 
 def model_to_checkpoint(model, recipe):

@@ -7,7 +7,7 @@ import scipy.sparse as sp
 
 from caricli.geometry.subdivide import subdivide
 from caricli.geometry.triangulate import triangulate
-from caricli.io.limits import MAX_VERTICES
+from caricli.limits import MAX_VERTICES
 
 
 @dataclass(frozen=True)

@@ -5,13 +5,13 @@ import pygltflib
 import pytest
 from scipy.spatial.transform import Rotation
 
-from caricli.io.arkit import ARKIT_NAMES
+from caricli.structures.arkit import ARKIT_NAMES
 from caricli.io.gltf import read_gltf, write_gltf
 from caricli.io.image import read_image
 from caricli.io.obj import read_obj
 from caricli.io.rig import Rig, read_rig, write_rig
 from caricli.io.strict_json import read_json
-from caricli.io.weights import WeightTrack, write_weights
+from caricli.io.track import WeightTrack, write_weights
 
 SHAPES = ("jawOpen", "mouthSmileLeft", "eyeBlinkLeft", "browInnerUp", "tongueOut")
 TIMES = np.arange(6) / 30

@@ -3,7 +3,7 @@ import json
 import numpy as np
 import pytest
 
-from caricli.io.arkit import ARKIT_NAMES
+from caricli.structures.arkit import ARKIT_NAMES
 from caricli.io.face import Face, read_face, write_face
 from caricli.io.gltf import read_gltf
 from caricli.io.image import read_image

@@ -23,7 +23,7 @@ def names(folder):
 @pytest.mark.parametrize("kind", ["pca", "intrinsic"])
 def test_the_latent_and_what_is_left_over_bring_the_mesh_back(run, smile, models, kind, tmp_path):
     from caricli.commands.loading import load_model
-    from caricli.methods.encode_face import decode_face
+    from caricli.methods.faces.encode_face import decode_face
 
     out = tmp_path / "out" / "smile.npz"
     result = run("encode", smile, "--out", out, "--model", models[kind])

@@ -9,13 +9,13 @@ import pytest
 from PIL import Image
 
 from caricli.commands.loading import load_model
-from caricli.geometry.scaled_orthographic_pose import Pose
+from caricli.geometry.fit_camera import Pose
 from caricli.io.face import Face, read_face, write_face
 from caricli.io.image import read_image, write_png
 from caricli.io.landmarks import Landmarks, write_landmarks
 from caricli.io.obj import ObjMesh, read_obj, write_obj
 from caricli.io.strict_json import read_json, write_json
-from caricli.methods.encode_face import decode_face, encode_face
+from caricli.methods.faces.encode_face import decode_face, encode_face
 
 COMMAND = "refine"
 NAMES = ["refined.json", "refined.npz", "refined.obj", "refined.png"]

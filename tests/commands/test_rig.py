@@ -4,7 +4,7 @@ import shutil
 import numpy as np
 import pytest
 
-from caricli.io.arkit import ARKIT_NAMES
+from caricli.structures.arkit import ARKIT_NAMES
 from caricli.io.bundled import asset_path
 from caricli.io.face import read_face, write_face
 from caricli.io.gltf import read_gltf

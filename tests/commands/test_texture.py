@@ -9,7 +9,7 @@ from PIL import Image
 
 from caricli.commands.rigging import face_pictures
 from caricli.data.albedo import draw_albedo
-from caricli.geometry.scaled_orthographic_pose import Pose
+from caricli.geometry.fit_camera import Pose
 from caricli.io.face import Face, read_face, write_face
 from caricli.io.gltf import read_gltf
 from caricli.io.image import read_image, write_png
@@ -175,7 +175,7 @@ def test_the_plain_variant_has_the_picture_itself(run, scene, tmp_path):
 
 
 def test_without_a_size_it_is_as_fine_as_the_picture(run, scene, tmp_path, monkeypatch):
-    monkeypatch.setattr("caricli.methods.texture_face.SMALLEST", 64)
+    monkeypatch.setattr("caricli.methods.texture.texture_face.SMALLEST", 64)
     out = tmp_path / "out"
     assert run(COMMAND, *inputs(scene), "--out", out).exit_code == 0
     side = read_json(out / "face.json")["size"]

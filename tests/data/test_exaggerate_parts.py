@@ -3,7 +3,7 @@ import pytest
 
 from caricli.data.exaggerate_parts import exaggerate_parts
 from caricli.data.move_parts import NAMES, move_parts, random_hand, random_part_changes
-from caricli.models.intrinsic import IntrinsicModel
+from caricli.models.intrinsic.model import IntrinsicModel
 
 NO_HAND = np.zeros((81, 3))
 

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 import caricli
 from caricli.errors import InputError, OutputError
-from caricli.io.arkit import ARKIT_NAMES
+from caricli.structures.arkit import ARKIT_NAMES
 from caricli.io.face import fans
 from caricli.io.gltf import Animation, read_gltf, shading_normals, write_gltf
 from caricli.io.rig import EYES, Rig, read_rig, write_rig

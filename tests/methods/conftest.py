@@ -7,7 +7,7 @@ import pytest
 
 from caricli.data.identities import random_identity
 from caricli.geometry.deformation_gradients import rotation_matrices
-from caricli.geometry.scaled_orthographic_pose import Pose
+from caricli.geometry.fit_camera import Pose
 from caricli.geometry.slide_contour import slide_contour
 
 FRONT = np.diag([1.0, -1.0, -1.0])

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from caricli.models.intrinsic import IntrinsicModel
-from caricli.models.kernel import KernelModel
-from caricli.models.pca import PcaModel
+from caricli.models.intrinsic.model import IntrinsicModel
+from caricli.models.kernel.model import KernelModel
+from caricli.models.pca.model import PcaModel
 from caricli.template.annotation import parse_annotation
 from caricli.template.template import Template
 

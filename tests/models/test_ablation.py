@@ -7,10 +7,10 @@ import torch
 from caricli.errors import InputError
 from caricli.io.bundled import config_path
 from caricli.io.config import read_config
-from caricli.methods.train_autodecoder import Surface
-from caricli.models.ablation import AblationConfig, ConditionedSiren, VertexArray
+from caricli.methods.train.train_autodecoder import Surface
+from caricli.models.ablation.networks import AblationConfig, ConditionedSiren, VertexArray
 from caricli.models.config import NetworkSize
-from caricli.models.deformable import Frame
+from caricli.models.deformable.model import Frame
 
 SIZE = NetworkSize(latent=6, width=16, layers=4, hidden=8)
 

@@ -4,7 +4,7 @@ import torch
 
 from caricli.models.checkpoint import model_from_checkpoint, model_to_checkpoint
 from caricli.models.config import DeformableConfig, NetworkSize
-from caricli.models.deformable import DeformableModel, Frame, HyperSiren, siren
+from caricli.models.deformable.model import DeformableModel, Frame, HyperSiren, siren
 from caricli.models.prior import Prior
 
 SIZE = NetworkSize(latent=6, width=16, layers=3, hidden=12)

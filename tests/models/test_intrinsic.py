@@ -3,8 +3,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from caricli.geometry.flipped_triangles import flipped_triangles
-from caricli.models.intrinsic import IntrinsicModel, feature_weights
-from caricli.models.pca import PcaModel
+from caricli.models.intrinsic.model import IntrinsicModel, feature_weights
+from caricli.models.pca.model import PcaModel
 
 
 @pytest.fixture(scope="module")

@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
-from caricli.models.kernel import KernelModel, vertex_weights, with_mirror_images
-from caricli.models.pca import PcaModel
+from caricli.models.kernel.model import KernelModel, vertex_weights, with_mirror_images
+from caricli.models.pca.model import PcaModel
 
 
 @pytest.fixture(scope="module")

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from caricli.errors import InputError
-from caricli.models.landmark_map import (
+from caricli.models.landmark_map.model import (
     DOMAINS,
     WEIGHTS,
     Domain,

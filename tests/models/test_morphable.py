@@ -3,7 +3,7 @@ import pytest
 
 from caricli.errors import InputError, NumericsError
 from caricli.models.checkpoint import model_from_checkpoint, model_to_checkpoint
-from caricli.models.morphable import MorphableModel, separate
+from caricli.models.morphable.model import MorphableModel, separate
 
 PEOPLE, SHOWN = (a.ravel() for a in np.meshgrid(np.arange(30), np.arange(4), indexing="ij"))
 

@@ -1,6 +1,6 @@
 import numpy as np
 
-from caricli.models.pca import PcaModel
+from caricli.models.pca.model import PcaModel
 
 
 def test_decode_is_the_mean_plus_the_weighted_basis(pca):

@@ -1,0 +1,147 @@
+"""Hashes of what every command writes on small inputs: the same before and after a change that should change nothing.
+
+    python benchmarks/output_hashes.py hashes.json                       writes them
+    python benchmarks/output_hashes.py hashes.json --against before.json  and says what differs
+
+Wall-clock times are left out of JSON files; the states of trainings, which hold them, are not hashed.
+"""
+
+import argparse
+import hashlib
+import json
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+ROOT = Path(__file__).parents[1]
+ASTRONAUT = ROOT / "examples" / "astronaut"
+TINY = "--set epochs=2 --set points=32 --set width=16 --set hidden=16 --set latent=8"
+
+# Every line is run in turn in one folder; what it writes goes into a folder of its own, or beside the others.
+COMMANDS = """
+template export head.obj
+template export open.obj --open-mouth
+dataset build dataset --identities 4 --expressions 3 --levels 2 --workers 2 --albedo 2 --albedo-size 32
+dataset build drawn --count 6 --identities 5 --workers 2
+dataset show dataset -o show.png --faces 4 --size 48
+sample --out-dir sampled --count 3 --seed 3 --subdivide 1
+dataset import sampled imported --annotation annotation.json
+train pca --data dataset --out pca.safetensors --set dimension=5
+train intrinsic --data dataset --out intrinsic.safetensors --set dimension=5
+train kernel --data dataset --out kernel.safetensors --set dimension=5 --set components=8
+train morphable --data dataset --out morphable.safetensors --set identity=3 --set expression=2 --set albedo=4
+train landmark-map --data dataset --out map.safetensors --set dimension=4 --set epochs=1 --set views=2
+train deformable --data dataset --out run {tiny} --set validate_every=1
+train semantic --data big --out directions.npz --model pca --label BigNose --label Smile
+evaluate shape pca.safetensors kernel --data dataset --out shape.json
+evaluate ablation --data dataset --out ablation {tiny} --set array_hidden=8 --set code_steps=2 --set batch=4
+evaluate portrait --data dataset --out portrait --count 1 --pictures pictures
+evaluate blendshapes --data dataset --out expressions --count 1 --everyone
+reconstruct-from-landmarks landmarks.json --image astronaut.png --out face.obj
+reconstruct-from-landmarks landmarks.json --method latent --prior-weight 2 --out latent.obj --subdivide 1
+reconstruct-from-landmarks landmarks.json --method latent --model deformable --out deformable.obj
+fit-morphable landmarks.json --image astronaut.png --out regular.obj
+fit-morphable landmarks.json --expression-only --identity regular.npz --out expression.obj
+refine face.npz landmarks.json --image astronaut.png --out refined.obj
+texture refined.npz astronaut.png --out textured --size 256
+texture refined.npz astronaut.png --out flat --project-uv
+encode face.obj --out encoded.npz
+encode face.obj --out encoded-deformable.npz --model deformable
+interpolate sampled/face-000.npz sampled/face-001.npz --steps 3 --out-dir between
+map-landmarks landmarks.json --to normal --out normal.json
+edit-handle sampled/face-000.npz --handle nose_tip=0,0,0.01 --pin chin --symmetric --out pulled.obj --baseline arap
+edit-handle sampled/face-001.npz --handle l30=0,0,0.008 --norm l1 --no-intersections --steps 2 --out strip.obj
+edit-semantic sampled/face-000.npz --label BigNose=2 --keep BigEar --steps 3 --out nose.obj
+caricaturize sampled/face-000.npz --strength 1.5 --out caricature.obj
+caricaturize landmarks.json --from-landmarks --image astronaut.png --mode own --out own.obj
+rig textured/face.npz --out rig.glb --usd
+rig head.obj --out sparse.glb --sparse --subdivide 1 --no-eyeballs
+blendshapes textured/face.npz --expressions moods.yaml --out blendshapes.npz
+blendshapes landmarks.json --expressions moods.yaml --method initial --reconstruct latent --out initial.npz
+retarget blendshapes.npz sampled/face-000.obj --neutral head.obj --out retargeted.obj
+retarget blendshapes.npz landmarks.json --out photographed.obj --animation driven.glb
+animate rig.npz weights.json --out talk.glb --frames frames --format obj --smooth 1
+animate rig.npz weights.json --video talk.gif --size 64
+render face.npz head.obj -o sheet.png --size 96
+render face.npz -o overlay.png --image astronaut.png
+render face.npz -o turn.png --turntable 3 --size 64
+""".format(tiny=TINY).strip().splitlines()  # fmt: skip
+MOODS = "neutral: {}\nsmile: {mouthSmile: 0.7}\nopen: {jawOpen: 0.8}\nblink: {eyeBlink: 1.0}\n"
+WEIGHTS = {"schema": "caricli.weights/1", "fps": 10, "names": ["jawOpen", "eyeBlinkLeft"], "head": [[0, 0, 0]] * 3,
+           "weights": [[0.0, 0.0], [0.5, 0.3], [0.9, 1.0]]}  # fmt: skip
+_UNHASHED = {".pt"}
+_TIMES = {"seconds"}
+
+
+def main():
+    """Run all commands and write or compare the hashes."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("out", type=Path)
+    parser.add_argument("--against", type=Path, help="hashes of before")
+    parser.add_argument("--package", type=Path, default=ROOT, help="the checkout whose commands are run")
+    parser.add_argument("--keep", type=Path, help="a new folder for what the commands write")
+    options = parser.parse_args()
+    with tempfile.TemporaryDirectory() as scratch:
+        folder = options.keep or Path(scratch)
+        folder.mkdir(exist_ok=True)
+        hashes = run_all(folder, options.package.resolve())
+    options.out.write_text(json.dumps(hashes, indent=1) + "\n")
+    if options.against:
+        before = json.loads(options.against.read_text())
+        different = [name for name in sorted({*before, *hashes}) if before.get(name) != hashes.get(name)]
+        print(f"{len(hashes)} files, {len(different)} different", *different, sep="\n  ")
+        sys.exit(bool(different))
+
+
+def run_all(folder, package):
+    """Hashes of all files by name, after all commands."""
+    environment = os.environ | {"PYTHONPATH": str(package), "OMP_NUM_THREADS": "1"}
+    prepare(folder, environment)
+    for line in COMMANDS:
+        start = time.monotonic()
+        done = subprocess.run(
+            [sys.executable, "-m", "caricli", *line.split()], cwd=folder, env=environment, capture_output=True, text=True
+        )
+        print(f"{done.returncode} {time.monotonic() - start:5.1f} s  {line}", done.stderr[-300:], flush=True)
+    files = sorted(path for path in folder.rglob("*") if path.is_file() and path.suffix not in _UNHASHED)
+    return {path.relative_to(folder).as_posix(): digest(path) for path in files}
+
+
+def prepare(folder, environment):
+    """Lay the inputs into the folder that no command makes."""
+    subprocess.run([sys.executable, str(ASTRONAUT / "fetch_image.py"), str(folder / "astronaut.png")], check=True)
+    shutil.copy(ASTRONAUT / "landmarks.json", folder)
+    shutil.copy(ROOT / "caricli" / "assets" / "head_annotation.json", folder / "annotation.json")
+    (folder / "pictures").mkdir()
+    shutil.copy(folder / "astronaut.png", folder / "pictures")
+    shutil.copy(folder / "landmarks.json", folder / "pictures" / "astronaut.json")
+    (folder / "moods.yaml").write_text(MOODS)
+    (folder / "weights.json").write_text(json.dumps(WEIGHTS))
+    sizes = "dataset build big --count 90 --identities 30 --workers 2".split()
+    subprocess.run([sys.executable, "-m", "caricli", *sizes], cwd=folder, env=environment, check=True)
+
+
+def digest(path):
+    """SHA-256 of a file, of JSON without its times."""
+    data = path.read_bytes()
+    if path.suffix in (".json", ".jsonl"):
+        lines = data.splitlines() if path.suffix == ".jsonl" else [data]
+        data = json.dumps([without_times(json.loads(line)) for line in lines]).encode()
+    elif path.name == "ablation.md":
+        data = b"\n".join(line.rsplit(b"|", 2)[0] for line in data.splitlines())
+    return hashlib.sha256(data).hexdigest()
+
+
+def without_times(value):
+    """A JSON value without what a clock said."""
+    if isinstance(value, dict):
+        return {key: without_times(item) for key, item in value.items() if key not in _TIMES}
+    return [without_times(item) for item in value] if isinstance(value, list) else value
+
+
+if __name__ == "__main__":
+    main()

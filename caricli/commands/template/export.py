@@ -1,0 +1,29 @@
+"""caricli template export: the head as a file."""
+
+import click
+
+from caricli.commands.shared.options import PATH, named, overwrite_option
+from caricli.io.outputs import staged
+
+
+@click.command()
+@click.argument("out", type=PATH, metavar="OUT.obj", callback=named(".obj"))
+@click.option("--open-mouth", is_flag=True, help="The network template, with the lips apart.")
+@overwrite_option
+def command(out, open_mouth, overwrite):
+    """Write the head as OBJ with quads and UVs, in metres, Y up, +Z out of the face.
+
+    \b
+    Example:
+      caricli template export head.obj
+      caricli template export head_open.obj --open-mouth
+    """
+    from caricli.commands.loading import template_mesh
+    from caricli.io.obj import write_obj
+    from caricli.template.head import load_head
+
+    head = load_head()
+    template = head.open_mouth_template() if open_mouth else head.template()
+    with staged(out, overwrite=overwrite) as (temporary,):
+        write_obj(temporary, template_mesh(template, template.vertices))
+    click.echo(f"{out}: {len(template.vertices)} vertices, {len(template.polygons)} polygons")

@@ -1,0 +1,34 @@
+"""A track of weights at an even frame rate."""
+
+import numpy as np
+
+from caricli.errors import InputError
+from caricli.io.track import MAX_FRAMES, MAX_WEIGHTS, WeightTrack
+
+_EVEN = 1e-3  # seconds that a frame may be early or late
+
+
+def resample_weights(track, fps=None):
+    """Sample a track at even times, linearly in between; angles go on over half turns.
+
+    track: WeightTrack. fps: frames per second; where absent the track's own, by the median of its steps, and a track
+    whose frames are even already stays as it is.
+    Returns WeightTrack and its frames per second. Raises InputError when that is too many frames.
+    """
+    steps = np.diff(track.times)
+    own = 1 / float(np.median(steps)) if len(steps) else 30.0
+    if fps is None:
+        mean = len(steps) / track.times[-1] if len(steps) else own
+        if not len(steps) or np.abs(track.times - np.arange(len(track.times)) / mean).max() < _EVEN:
+            return track, mean
+        fps = own
+    count = np.floor(track.times[-1] * fps + 1e-6) + 1
+    if count > MAX_FRAMES or count * len(track.names) > MAX_WEIGHTS:
+        found = f"{track.times[-1]:g} seconds at {fps:g} frames a second"
+        raise InputError(f"weights: expected at most {MAX_FRAMES} frames and {MAX_WEIGHTS} weights, found {found}")
+    times = np.arange(int(count)) / fps
+    columns = [np.interp(times, track.times, column) for column in track.weights.T]
+    head = None
+    if track.head is not None:
+        head = np.stack([np.interp(times, track.times, a) for a in np.unwrap(track.head, axis=0).T], axis=1)
+    return WeightTrack(track.names, times, np.stack(columns, axis=1), head), fps

@@ -1,0 +1,1 @@
+"""Faces changed as a user asks."""

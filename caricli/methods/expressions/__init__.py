@@ -1,0 +1,1 @@
+"""Expressions that keep who a face is."""

@@ -1,0 +1,1 @@
+"""Faces in the terms of a shape model."""

@@ -1,0 +1,118 @@
+"""What a rig offers to an engine's face tracking, and how sound it is."""
+
+import re
+from dataclasses import dataclass
+from difflib import get_close_matches
+
+import numpy as np
+
+from caricli.errors import NumericsError
+from caricli.geometry.deformation_gradients import DeformationGradients
+from caricli.geometry.flipped_triangles import flipped_triangles
+from caricli.structures.arkit import ARKIT_NAMES
+
+HEAD_HEIGHT = (0.1, 1.0)
+"""How high a head may be, metres."""
+
+_MOVED = 1e-6
+_SIMILAR = 0.9
+_UNITS = {"millimetres": 1e-3, "centimetres": 1e-2, "inches": 0.0254}
+_PLAIN = {name.lower(): name for name in ARKIT_NAMES}
+
+
+@dataclass(frozen=True)
+class ShapeCheck:
+    """One shape at full weight.
+
+    name; largest displacement, metres; moved, number of vertices moved by more than a micrometre; flipped, share of
+    triangles turned over, in [0, 1], or None where it cannot be told.
+    """
+
+    name: str
+    largest: float
+    moved: int
+    flipped: float | None
+
+    @property
+    def empty(self):
+        """Whether it moves nothing."""
+        return self.moved == 0
+
+
+@dataclass(frozen=True)
+class RigCheck:
+    """What was found.
+
+    exact, names in ARKit's spelling; near, dict of other names to the spelling that they are near; unknown, names near
+    none; missing, ARKit's names that are neither there nor near; vertices and triangles, numbers of them; height,
+    metres; hint, text where the height is no head's, else None; shapes, a tuple of ShapeCheck in the rig's order.
+    """
+
+    exact: tuple
+    near: dict
+    unknown: tuple
+    missing: tuple
+    vertices: int
+    triangles: int
+    height: float
+    hint: str | None
+    shapes: tuple
+
+
+def check_rig(rig):
+    """Compare a rig with what ARKit's face tracking drives, and look at every shape.
+
+    Parameters: rig, Rig.
+    Returns: RigCheck.
+    """
+    near = {name: arkit for name in rig.names if (arkit := nearest_arkit(name)) and arkit != name}
+    exact = tuple(name for name in rig.names if name in ARKIT_NAMES)
+    found = {*exact, *near.values()}
+    neutral = np.asarray(rig.neutral, np.float64)
+    height = float(np.ptp(neutral[:, 1]))
+    return RigCheck(
+        exact=exact,
+        near=near,
+        unknown=tuple(name for name in rig.names if name not in near and name not in exact),
+        missing=tuple(name for name in ARKIT_NAMES if name not in found),
+        vertices=len(neutral),
+        triangles=len(rig.faces),
+        height=height,
+        hint=_hint(height),
+        shapes=tuple(_shape_checks(rig, neutral)),
+    )
+
+
+def nearest_arkit(name):
+    """The ARKit name that a name means, or None.
+
+    Case, spaces and other separators, a prefix such as ``blendShape1.``, and the suffixes L and R are seen through, and
+    so is a slip of the pen.
+    """
+    if name in ARKIT_NAMES:
+        return name
+    side = re.sub(r"(?<=[a-z])(?:L|R)$|[\W_]+[lLrR]$", lambda m: {"l": "Left", "r": "Right"}[m[0][-1].lower()], name)
+    plain = re.sub(r"[\W_]+", "", re.split(r"[.:|]", side)[-1]).lower()
+    close = [plain] if plain in _PLAIN else get_close_matches(plain, _PLAIN, 1, _SIMILAR)
+    return _PLAIN[close[0]] if close else None
+
+
+def _hint(height):
+    if HEAD_HEIGHT[0] <= height <= HEAD_HEIGHT[1]:
+        return None
+    for unit, metres in _UNITS.items():
+        if HEAD_HEIGHT[0] <= height * metres <= HEAD_HEIGHT[1]:
+            return f"{height:.3g} m high, as a head in {unit}: expected metres"
+    return f"{height:.3g} m high: expected a head in metres, {HEAD_HEIGHT[0]} to {HEAD_HEIGHT[1]:g} m"
+
+
+def _shape_checks(rig, neutral):
+    try:
+        gradients = DeformationGradients(neutral, rig.faces)
+    except NumericsError:
+        # Triangles without area have no side to turn over, and nothing around them tells.
+        gradients = None
+    for name, delta in zip(rig.names, rig.deltas, strict=True):
+        length = np.linalg.norm(np.asarray(delta, np.float64), axis=1)
+        flipped = None if gradients is None else float(flipped_triangles(neutral + delta, gradients).mean())
+        yield ShapeCheck(name, float(length.max()), int((length > _MOVED).sum()), flipped)

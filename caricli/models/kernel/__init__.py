@@ -1,0 +1,1 @@
+"""Principal components and a Gaussian process."""

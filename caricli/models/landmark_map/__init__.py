@@ -1,0 +1,1 @@
+"""A map between landmarks of normal faces and caricatures."""

@@ -1,0 +1,1 @@
+"""Identity, expression and albedo."""

@@ -1,0 +1,1 @@
+"""What several commands load by name or path, and write."""

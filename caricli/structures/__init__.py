@@ -1,0 +1,1 @@
+"""The nouns: frozen, checked once where they are made, without paths."""

@@ -1,0 +1,42 @@
+import numpy as np
+import pytest
+
+from caricli.errors import InputError
+from caricli.io.track import WeightTrack
+from caricli.methods.animate.bind_weights import bind_weights
+
+
+def track(*names):
+    weights = np.arange(2.0 * len(names)).reshape(2, len(names)) / 10
+    return WeightTrack(names, np.array([0, 0.1]), weights)
+
+
+def test_names_bind_whatever_the_order():
+    names = ("jawOpen", "tongueOut", "cheekPuff", "mouthLeft")
+    given = track("cheekPuff", "jawOpen", "browUp")
+    bound = bind_weights(given, names)
+    np.testing.assert_array_equal(bound.weights[:, 0], given.weights[:, 1])
+    np.testing.assert_array_equal(bound.weights[:, 2], given.weights[:, 0])
+    assert not bound.weights[:, [1, 3]].any()
+    assert bound.unmatched == ("browUp",) and bound.undriven == ("tongueOut", "mouthLeft")
+
+
+def test_a_permuted_track_gives_the_same_weights():
+    names, order = ("a", "b", "c"), [2, 0, 1]
+    given = track(*names)
+    permuted = WeightTrack(tuple(names[k] for k in order), given.times, given.weights[:, order])
+    np.testing.assert_array_equal(bind_weights(permuted, names).weights, given.weights)
+
+
+def test_only_the_first_letter_may_differ_in_case():
+    bound = bind_weights(track("JawOpen", "Smile", "EYEBLINK"), ("jawOpen", "smile", "eyeBlink"))
+    assert bound.unmatched == ("EYEBLINK",) and bound.undriven == ("eyeBlink",)
+    both = bind_weights(track("Smile", "smile"), ("smile", "Smile"))
+    assert not both.unmatched and both.weights[0].tolist() == [0.1, 0]
+
+
+def test_what_cannot_be_bound_is_refused():
+    with pytest.raises(InputError, match="such as jawOpen; found none of them, but x, y"):
+        bind_weights(track("x", "y"), ("jawOpen",))
+    with pytest.raises(InputError, match="either spelling"):
+        bind_weights(track("Smile", "smile"), ("smile",))

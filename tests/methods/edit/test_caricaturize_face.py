@@ -1,0 +1,65 @@
+import numpy as np
+import pytest
+
+from caricli.errors import InputError
+from caricli.geometry.deformation_gradients import rotation_matrices
+from caricli.geometry.flipped_triangles import flipped_triangles
+from caricli.io.directions import Directions
+from caricli.methods.edit.caricaturize_face import HELD, caricaturize_face, exaggeration
+from caricli.methods.faces.encode_face import encode_face
+
+
+@pytest.fixture(params=["pca", "kernel", "intrinsic"])
+def model(request):
+    return request.getfixturevalue(request.param)
+
+
+@pytest.fixture
+def directions(model):
+    normal, one = np.random.default_rng(0).normal(size=(1, len(model.prior.mean))), np.ones(1)
+    normal /= np.linalg.norm(normal)
+    return Directions(("Caricature",), normal, 0 * normal, one, one, 1, one, one, "id", {}, normal[:0])
+
+
+def test_the_direction_is_measured_in_its_own_steps(model, directions, strangers):
+    face = encode_face(strangers[1], model)
+    grown = [caricaturize_face(face, model, s, "direction", directions) for s in (0, 1, 2)]
+    steps = np.diff([exaggeration(each, model, directions).caricature for each in grown])
+    np.testing.assert_allclose(steps, 1, atol=1e-9)
+    assert all(each.residual is face.residual for each in grown)
+    np.testing.assert_allclose(grown[0].vertices, face.vertices, atol=1e-8)
+
+
+def test_own_grows_in_step_and_nearly_without_flips(model, strangers):
+    face = encode_face(strangers[0], model)
+    grown = [caricaturize_face(face, model, s, "own") for s in (0, 0.5, 1, 1.5, 2)]
+    distances = [exaggeration(each, model).distance for each in grown]
+    assert (np.diff(distances) > 0).all() and distances[-1] > 1.4 * distances[0]
+    assert grown[0] is face and exaggeration(face, model).caricature is None
+    assert max(flipped_triangles(each.vertices, model.template.gradients).mean() for each in grown) < 0.003
+
+
+def test_own_moves_and_turns_with_the_face(pca, strangers):
+    turn = rotation_matrices(np.radians([[5.0, 10.0, -3.0]]))[0]
+    face, turned = (encode_face(v, pca) for v in (strangers[3], 1.1 * strangers[3] @ turn.T + 0.05))
+    grown, other = (caricaturize_face(each, pca, 1.0, "own").vertices for each in (face, turned))
+    assert np.abs(other - (1.1 * grown @ turn.T + 0.05)).max() < 1e-6
+    assert exaggeration(turned, pca).distance == pytest.approx(exaggeration(face, pca).distance, abs=1e-9)
+
+
+def test_own_changes_eyes_and_mouth_less_than_the_rest(pca, strangers):
+    gradients, held = pca.template.gradients, pca.template.mask(*HELD)
+    for vertices in strangers[:3]:
+        face = encode_face(vertices, pca)
+        grown = caricaturize_face(face, pca, 1.0, "own")
+        change = np.linalg.norm(gradients.features(grown.vertices) - gradients.features(face.vertices), axis=1)
+        assert np.median(change[held]) < 0.7 * np.median(change[~held])
+
+
+def test_directions_without_caricatures_are_refused(pca, strangers):
+    normal, one = np.eye(len(pca.prior.mean))[:1], np.ones(1)
+    others = Directions(("Smile",), normal, normal, one, one, 1, one, one, "id", {}, normal[:0])
+    face = encode_face(strangers[0], pca)
+    assert exaggeration(face, pca, others).caricature is None
+    with pytest.raises(InputError, match="'Caricature': not among the 1 known"):
+        caricaturize_face(face, pca, 1.0, "direction", others)

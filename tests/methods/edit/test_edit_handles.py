@@ -1,0 +1,96 @@
+import numpy as np
+import pytest
+
+from caricli.geometry.self_intersections import self_intersections
+from caricli.methods.edit.deform_arap import deform_arap
+from caricli.methods.edit.edit_handles import HandleSettings, edit_handles
+from caricli.methods.faces.encode_face import encode_face
+from caricli.methods.edit.handle_points import vertex_of
+
+
+@pytest.fixture(scope="module")
+def face(strangers, kernel):
+    return encode_face(strangers[1], kernel)
+
+
+def pull(face, model, displacement, name="nose_tip", **options):
+    handles = np.array([vertex_of(name, model.template)])
+    return edit_handles(face, model, handles, np.array([displacement]), **options)
+
+
+@pytest.mark.parametrize("norm", [1, 2])
+@pytest.mark.parametrize(
+    ("names", "ways"),
+    [
+        (["nose_tip"], [[0, 0, 1]]),
+        (["chin"], [[0, -1, 0]]),
+        (["ear_left", "ear_right"], [[1, 0, 0], [-1, 0, 0]]),
+        (["cheekbone_left", "cheekbone_right"], [[1, 0, 0], [-1, 0, 0]]),
+    ],
+)
+def test_handles_go_where_they_are_asked_to_and_little_else_moves(face, kernel, names, ways, norm):
+    asked = 0.05 * kernel.template.height * np.array(ways, float)
+    handles = np.array([vertex_of(name, kernel.template) for name in names])
+    edit = edit_handles(face, kernel, handles, asked, HandleSettings(norm))
+    assert np.linalg.norm(edit.achieved - asked, axis=1).max() < 0.05 * np.linalg.norm(asked[0])
+    assert edit.elsewhere < 0.2 and edit.share == 1
+    assert edit.flipped[1] <= edit.flipped[0]
+    moved = np.linalg.norm(edit.face.vertices - face.vertices, axis=1)
+    assert moved.max() < 2 * np.linalg.norm(asked[0])
+
+
+def test_no_displacement_changes_nothing(face, kernel):
+    edit = pull(face, kernel, np.zeros(3))
+    assert np.array_equal(edit.face.vertices, face.vertices) and np.array_equal(edit.face.latent, face.latent)
+
+
+def test_a_pin_stays(face, kernel):
+    handles = np.array([vertex_of(name, kernel.template) for name in ("chin", "l6")])
+    asked = np.array([[0, -0.012, 0], [0.0, 0, 0]])
+    held = edit_handles(face, kernel, handles, asked)
+    free = pull(face, kernel, asked[0], "chin")
+    stays, goes = held.achieved[1], (free.face.vertices - face.vertices)[handles[1]]
+    assert np.linalg.norm(stays) < 1e-4 < 2e-4 < np.linalg.norm(goes)
+
+
+def test_what_the_latent_cannot_express_stays(face, strangers, kernel):
+    """A wart far from the handle is there before and after."""
+    bumpy = strangers[1].copy()
+    spot = int(vertex_of("forehead", kernel.template))
+    bumpy[spot, 2] += 0.005
+    plain, edit = (pull(each, kernel, [0, 0, 0.01]) for each in (face, encode_face(bumpy, kernel)))
+    difference = edit.face.vertices - plain.face.vertices
+    assert difference[spot, 2] == pytest.approx(0.005, abs=1e-3)
+    assert np.abs(np.delete(difference, spot, 0)).mean() < 2e-4
+
+
+def test_the_first_norm_leaves_more_of_the_latent_alone(face, kernel):
+    changes = []
+    for norm in (1, 2):
+        settings = HandleSettings(norm, keep=0.0)
+        edit = pull(face, kernel, [0, 0, 0.012], settings=settings)
+        changes.append(np.abs(kernel.prior.whiten(edit.face.latent) - kernel.prior.whiten(face.latent)))
+    assert changes[0].sum() < changes[1].sum()
+    assert np.median(changes[0]) < 0.3 * np.median(changes[1])
+
+
+def test_an_edit_is_shortened_before_the_surface_crosses_itself(head_template, kernel):
+    """The chin goes up through the mouth."""
+    face = encode_face(head_template.vertices, kernel)
+    asked = [0, 0.3 * kernel.template.height, 0]
+    reckless, careful = (pull(face, kernel, asked, "chin", avoid=avoid) for avoid in (False, True))
+    assert reckless.share == 1 and 0 < careful.share < 1
+    crossing = [len(self_intersections(edit.face.vertices, kernel.template.faces)) for edit in (reckless, careful)]
+    assert crossing[0] > 0 == crossing[1]
+    height = careful.achieved[0, 1]
+    assert height == pytest.approx(careful.share * asked[1], rel=0.1)
+
+
+def test_as_rigid_as_possible_moves_a_free_ball_and_bends_a_held_one(ball):
+    vertices, faces = ball
+    top, bottom = vertices[:, 2].argmax(), vertices[:, 2].argmin()
+    moved = deform_arap(vertices, faces, [top], np.array([[0, 0, 0.3]])) - vertices
+    assert np.abs(moved - [0, 0, 0.3]).max() < 0.02
+    held = deform_arap(vertices, faces, [top, bottom], np.array([[0, 0, 0.3], [0, 0, 0]])) - vertices
+    assert np.allclose(held[[top, bottom]], [[0, 0, 0.3], [0, 0, 0]])
+    assert np.linalg.norm(held - held.mean(0), axis=1).max() > 0.1

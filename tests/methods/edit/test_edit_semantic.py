@@ -1,0 +1,75 @@
+import numpy as np
+import pytest
+
+from caricli.errors import InputError
+from caricli.io.directions import Directions
+from caricli.methods.edit.edit_semantic import edit_semantic, label_direction
+from caricli.methods.faces.encode_face import encode_face
+
+
+def directions_of(normals, gradients=None):
+    normals = np.asarray(normals, float)
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    zeros = np.zeros(len(normals))
+    names = ("BigNose", "Smile", "Old")[: len(normals)]
+    gradients = np.zeros_like(normals) if gradients is None else np.asarray(gradients, float)
+    return Directions(names, normals, gradients, zeros, zeros, 1, zeros, zeros, "id", {}, normals[:0])
+
+
+@pytest.fixture(params=["pca", "intrinsic", "kernel"])
+def model(request):
+    return request.getfixturevalue(request.param)
+
+
+@pytest.fixture
+def directions(model):
+    generator = np.random.default_rng(0)
+    normals, gradients = generator.normal(size=(2, 3, len(model.prior.mean)))
+    return directions_of(normals, gradients)
+
+
+def test_the_whitened_latent_moves_by_the_strengths(model, directions, strangers):
+    face = encode_face(strangers[1], model)
+    edited = edit_semantic(face, model, directions, {"BigNose": 2.0, "Old": -1.0})
+    step = model.prior.whiten(edited.latent) - model.prior.whiten(face.latent)
+    np.testing.assert_allclose(step, 2 * directions.normals[0] - directions.normals[2], atol=1e-9)
+    assert edited.residual is face.residual
+    assert np.abs(edited.vertices - face.vertices).max() > 1e-3
+
+
+def test_there_and_back_is_the_same_face(model, directions, strangers):
+    face = encode_face(strangers[2] + 0.02, model)
+    there = edit_semantic(face, model, directions, {"Smile": 3.0}, ["Old"])
+    back = edit_semantic(there, model, directions, {"Smile": -3.0}, ["Old"])
+    assert np.abs(back.vertices - face.vertices).max() < 1e-7 * model.template.height
+    zero = edit_semantic(face, model, directions, {"Smile": 0.0})
+    assert np.abs(zero.vertices - face.vertices).max() < 1e-8
+
+
+def test_what_is_kept_is_not_in_the_direction():
+    known = directions_of([[1, 1, 0, 0], [0, 1, 0, 1], [0, 0, 1, 0]], [[0, 0, 0, 0], [0, 0, 1, 0], [0, 0, 0, 0]])
+    free = label_direction(known, "BigNose", ["Smile"])
+    assert np.isclose(np.linalg.norm(free), 1) and free @ known.normals[0] > 0
+    assert abs(free @ known.normals[1]) < 1e-12 and abs(free @ known.gradients[1]) < 1e-12
+    assert label_direction(known, "BigNose") is not free
+    np.testing.assert_allclose(label_direction(known, "BigNose", ["Old"]), known.normals[0])
+
+
+def test_a_label_cannot_change_while_its_opposite_is_kept():
+    known = directions_of([[1, 0.01, 0], [-1, 0, 0]])
+    with pytest.raises(InputError, match="BigNose: cannot change while Smile is kept"):
+        label_direction(known, "BigNose", ["Smile"])
+
+
+def test_the_nearest_name_is_suggested():
+    known = directions_of(np.eye(3))
+    for name, near in (("bignose", "BigNose"), ("Smlie", "Smile"), ("Elderly", "")):
+        with pytest.raises(InputError, match=f"{name}.*3 known.*did you mean '{near}"):
+            label_direction(known, name)
+
+
+@pytest.mark.parametrize("strength", [np.nan, np.inf, 21.0, -1e9])
+def test_absurd_strengths_are_refused(pca, strangers, strength):
+    known = directions_of(np.eye(len(pca.prior.mean))[:3])
+    with pytest.raises(InputError, match="Smile: expected a strength of at most 20"):
+        edit_semantic(encode_face(strangers[0], pca), pca, known, {"Smile": strength})

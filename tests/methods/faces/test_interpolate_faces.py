@@ -1,0 +1,49 @@
+import numpy as np
+import pytest
+
+from caricli.geometry.flipped_triangles import flipped_triangles
+from caricli.methods.faces.encode_face import encode_face
+from caricli.methods.faces.interpolate_faces import interpolate_faces
+
+
+@pytest.fixture(scope="module", params=["pca", "intrinsic"])
+def walk(request, strangers):
+    """A model and the five faces from one stranger to another, who stands somewhere else."""
+    model = request.getfixturevalue(request.param)
+    ends = [encode_face(vertices, model) for vertices in (strangers[1], strangers[2] + 0.05)]
+    return model, list(interpolate_faces(*ends, model, 5))
+
+
+def test_the_ends_are_the_given_faces(walk, strangers):
+    _, faces = walk
+    assert len(faces) == 5
+    assert np.array_equal(faces[0].vertices, strangers[1]) and np.array_equal(faces[-1].vertices, strangers[2] + 0.05)
+
+
+def test_latents_run_along_a_line_in_equal_steps(walk):
+    _, faces = walk
+    latents = np.array([face.latent for face in faces])
+    assert np.allclose(np.diff(latents, axis=0), (latents[-1] - latents[0]) / 4)
+
+
+def test_the_way_is_smooth_and_untorn(walk):
+    model, faces = walk
+    shapes = np.array([face.vertices for face in faces])
+    steps = np.linalg.norm(np.diff(shapes, axis=0), axis=-1)
+    assert steps.mean(1).max() < 1.3 * steps.mean(1).min()
+    # No vertex jumps: from one step to the next its way bends by less than it goes.
+    bends = np.linalg.norm(np.diff(shapes, 2, axis=0), axis=-1)
+    assert np.quantile(bends / steps[:-1], 0.99) < 0.5
+    flipped = flipped_triangles(shapes, model.template.gradients).mean(1)
+    assert flipped.max() <= max(flipped[0], flipped[-1]) + 2e-4
+
+
+def test_there_and_back_is_the_same_way(pca, strangers):
+    ends = [encode_face(vertices, pca) for vertices in strangers[:2]]
+    there, back = (list(interpolate_faces(*order, pca, 3)) for order in (ends, ends[::-1]))
+    assert np.abs(there[1].vertices - back[1].vertices).max() < 1e-9
+
+
+def test_two_steps_are_the_ends(pca, strangers):
+    ends = [encode_face(vertices, pca) for vertices in strangers[:2]]
+    assert list(interpolate_faces(*ends, pca, 2)) == ends

@@ -1,0 +1,45 @@
+import numpy as np
+import pytest
+import torch
+
+from caricli.methods.faces.encode_face import encode_face
+from caricli.methods.faces.subdivide_face import subdivide_face
+from caricli.models.config import NetworkSize
+from caricli.models.deformable.model import DeformableModel, HyperSiren
+from caricli.models.prior import Prior
+from caricli.template.fine_mesh import fine_mesh
+
+
+@pytest.fixture(scope="module")
+def deformable(head, head_template):
+    """A network of random weights: smooth, and far from linear between vertices."""
+    network = HyperSiren(NetworkSize(4, 16, 3, 8), torch.Generator().manual_seed(0))
+    return DeformableModel(head_template, network, head.open_mouth_template().vertices, Prior.standard(4))
+
+
+@pytest.mark.parametrize("kind", ["pca", "intrinsic", "deformable"])
+@pytest.mark.parametrize("levels", [0, 1, 3])
+def test_the_faces_own_vertices_come_first(request, strangers, kind, levels):
+    model, vertices = request.getfixturevalue(kind), strangers[1]
+    fine = fine_mesh(model.template, levels)
+    latent = encode_face(vertices, model, 0.1 * model.prior.factor[0]).latent
+    found = subdivide_face(vertices, latent, model, fine)
+    assert found.shape == (fine.weights.shape[0], 3) and fine.polygons.max() < len(found)
+    assert np.abs(found[: len(vertices)] - vertices).max() < 1e-6
+
+
+@pytest.mark.parametrize("kind", ["pca", "intrinsic"])
+def test_linear_models_keep_their_surface(request, strangers, kind):
+    model = request.getfixturevalue(kind)
+    fine = fine_mesh(model.template, 2)
+    found = subdivide_face(strangers[0], model.encode(strangers[0]), model, fine)
+    assert np.abs(found - fine.weights @ strangers[0]).max() < 1e-9
+
+
+def test_a_network_is_evaluated_between_its_vertices(deformable):
+    latent = np.full(4, 0.3)
+    fine = fine_mesh(deformable.template, 1)
+    found = subdivide_face(deformable.decode(latent), latent, deformable, fine)
+    expected = deformable.decode_at(latent, fine.weights @ deformable.frame.points)
+    assert np.abs(found - expected).max() < 1e-6
+    assert np.abs(found - fine.weights @ deformable.decode(latent)).max() > 1e-5

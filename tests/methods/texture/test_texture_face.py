@@ -1,0 +1,276 @@
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pytest
+from scipy.ndimage import binary_erosion
+
+from caricli.geometry.deformation_gradients import rotation_matrices
+from caricli.geometry.fit_camera import Pose
+from caricli.geometry.triangulate import triangulate
+from caricli.io.rig import Rig
+from caricli.methods.texture.texture_face import ROUNDS, texture_face
+from caricli.render.diffuse_background import diffuse_background
+from caricli.render.draw_textured import render_textured
+from caricli.render.rasterise import rasterise
+from caricli.render.sample_texture import sample_pixels, sample_texture
+from caricli.render.smooth_normals import smooth_normals
+from caricli.render.uv_map import pad_texture, uv_map
+from caricli.template.template import CAVITIES
+
+SIZE, SIDE = 384, 400
+MAGENTA = np.array([255.0, 0, 255])
+FRONT = np.diag([1.0, -1, -1])
+
+
+@dataclass(frozen=True)
+class Texels:
+    """Of a mesh: places (N, 3), unit normals (N, 3), and whether in the mouth, an eye socket or a nostril."""
+
+    covered: np.ndarray
+    places: np.ndarray
+    normals: np.ndarray
+    inside: np.ndarray
+
+
+@dataclass(frozen=True)
+class Scene:
+    """A head in colours that are known, seen from one side in front of magenta, and what was made of its picture."""
+
+    pose: Pose
+    image: np.ndarray
+    mask: np.ndarray
+    found: object
+
+
+def texels_of(vertices, template):
+    face, weights = uv_map(template.uvs, triangulate(template.uv_polygons), SIZE)
+    covered = face >= 0
+    corners, weights = template.faces[face[covered]], weights[covered].astype(float)
+
+    def blend(values):
+        return np.einsum("nk,nkc->nc", weights, values[corners])
+
+    normals = blend(smooth_normals(vertices, template.faces))
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    pockets = template.mask(*CAVITIES, "nostril_left", "nostril_right").astype(float)[:, None]
+    return Texels(covered, blend(vertices), normals, blend(pockets)[:, 0] > 0.1)
+
+
+def colours(places):
+    """Smooth, the same on both sides, nowhere near magenta."""
+    x, y, z = 14 * (places - [0, 0.12, 0.05]).T
+    x = np.abs(x)
+    red, green, blue = 150 + 60 * np.sin(1.3 * y + z), 140 + 40 * np.cos(2 * x + y), 90 + 50 * np.sin(x - 1.5 * y + 1)
+    return np.stack([red, green, blue], axis=1)
+
+
+def still(vertices, template, texture):
+    deltas = np.zeros((0, *vertices.shape), np.float32)
+    mesh = (template.faces, template.polygons, template.uvs, template.uv_polygons)
+    return Rig((), vertices.astype(np.float32), deltas, *mesh, texture=texture)
+
+
+def placed(vertices, pose):
+    camera = pose.scale * vertices @ pose.rotation.T
+    camera[:, :2] += pose.translation
+    return camera
+
+
+def photograph(vertices, template, texture, pose):
+    return render_textured(still(vertices, template, texture), placed(vertices, pose), SIDE, SIDE, paper=MAGENTA)
+
+
+@pytest.fixture(scope="module")
+def template(head_template):
+    return head_template
+
+
+@pytest.fixture(scope="module")
+def face(head):
+    return head.evaluate(gender=0.2, age=0.7)
+
+
+@pytest.fixture(scope="module")
+def texels(face, template):
+    return texels_of(face, template)
+
+
+@pytest.fixture(scope="module")
+def truth(texels, template):
+    """The texture that the head has."""
+    picture = np.zeros((SIZE, SIZE, 3))
+    picture[texels.covered] = colours(texels_of(template.vertices, template).places)
+    return np.round(pad_texture(picture, texels.covered)).astype(np.uint8)
+
+
+@pytest.fixture(scope="module")
+def scenes(face, template, truth):
+    """By the angle to the side, in degrees."""
+    made = {}
+    for yaw in (0, 40, -50):
+        rotation = rotation_matrices(np.radians([[0.0, yaw, 0]]))[0] @ FRONT
+        middle = (face.min(0) + face.max(0)) / 2
+        pose = Pose(1250.0, rotation, np.array([SIDE / 2, SIDE / 2]) - 1250 * rotation[:2] @ middle)
+        image = photograph(face, template, truth, pose)
+        mask = rasterise(placed(face, pose), template.faces, SIDE, SIDE).face >= 0
+        assert (image[~mask] == MAGENTA).all() and 0.15 < mask.mean() < 0.8
+        made[yaw] = Scene(pose, image, mask, texture_face(face, pose, image, mask, template, SIZE))
+    return made
+
+
+@pytest.mark.parametrize("yaw", [0, 40, -50])
+def test_it_looks_like_its_picture(yaw, scenes, face, template):
+    scene = scenes[yaw]
+    assert scene.found.image.shape == (SIZE, SIZE, 3) and scene.found.image.dtype == np.uint8
+    again = photograph(face, template, scene.found.image, scene.pose).astype(float)
+    assert np.abs(again - scene.image)[scene.mask].mean() < 0.03 * 255
+
+
+@pytest.mark.parametrize("yaw", [0, 40, -50])
+def test_no_background_anywhere(yaw, scenes, truth):
+    distance = np.abs(scenes[yaw].found.image.astype(float) - MAGENTA).sum(-1)
+    assert distance.min() > 150
+    assert np.abs(truth - MAGENTA).sum(-1).min() < distance.min() + 40
+
+
+@pytest.mark.parametrize("yaw", [0, 40, -50])
+def test_what_is_seen_is_as_it_was(yaw, scenes, texels, truth):
+    found = scenes[yaw].found
+    np.testing.assert_array_equal(found.covered, texels.covered)
+    assert found.seen.min() == 0 and found.seen.max() == 1 and not found.seen[~found.covered].any()
+    cosine = -(texels.normals @ scenes[yaw].pose.rotation[2])
+    sure = found.seen == 1
+    assert sure[texels.covered][(cosine > 0.7) & ~texels.inside].mean() > 0.85
+    error = np.abs(found.image.astype(float) - truth).mean(-1)
+    assert error[sure].mean() < 2 and np.quantile(error[sure], 0.99) < 8
+
+
+@pytest.mark.parametrize("yaw", [40, -50])
+def test_the_hidden_side_is_that_of_the_other_one(yaw, scenes, texels, truth):
+    scene = scenes[yaw]
+    cosine = -(texels.normals @ scene.pose.rotation[2])
+    # Of the front of the head, what looks away.
+    hidden = (cosine < 0) & (texels.normals[:, 2] > 0.2) & ~texels.inside
+    assert hidden.sum() > 500
+    wanted = truth[texels.covered][hidden].astype(float)
+    mirrored = np.abs(scene.found.image[texels.covered][hidden] - wanted).mean() / 255
+    pixels = scene.pose.project(texels.places[hidden])
+    flat = sample_pixels(diffuse_background(scene.image, scene.mask), pixels[:, 0], pixels[:, 1])
+    projected = np.abs(flat - wanted).mean() / 255
+    assert mirrored < 0.04 and mirrored < projected / 2, (mirrored, projected)
+
+
+def test_no_face_on_the_back_of_the_head(face, template, texels, scenes):
+    """A picture that is loud in front."""
+    scene = scenes[0]
+    squares = (np.indices((SIDE, SIDE)) // 12).sum(0) % 2 * 200
+    image = np.where(scene.mask[..., None], np.uint8(squares[..., None] + [20, 30, 25]), scene.image)
+    found = texture_face(face, scene.pose, image, scene.mask, template, SIZE).image[texels.covered].astype(float)
+    front, back = texels.normals[:, 2] > 0.7, (texels.normals[:, 2] < -0.5) & ~texels.inside
+    assert found[back].std(0).max() < 0.2 * found[front].std(0).min()
+    middle = found[front].mean(0)
+    assert np.abs(found[back].mean(0) - middle).max() < 60
+
+
+@pytest.mark.parametrize("yaw", [0, 40])
+def test_seams_are_not_seen(yaw, scenes, template):
+    found = scenes[yaw].found
+    corners, places = (rows[template.polygons >= 0] for rows in (template.polygons, template.uv_polygons))
+    pairs = np.unique(np.stack([corners, places], axis=1), axis=0)
+    colour = sample_texture(found.image, template.uvs)
+    seen = sample_pixels(found.seen, template.uvs[:, 0] * SIZE - 0.5, (1 - template.uvs[:, 1]) * SIZE - 0.5)
+    inside, compared = template.mask(*CAVITIES), 0
+    for vertex in np.flatnonzero(np.bincount(pairs[:, 0]) > 1):
+        uvs = pairs[pairs[:, 0] == vertex, 1]
+        # Where what is seen ends, the picture may differ from what continues it.
+        if not inside[vertex] and np.ptp(seen[uvs]) < 0.02:
+            compared += 1
+            assert np.ptp(colour[uvs], axis=0).max() <= 7, vertex
+    assert compared >= 15
+
+
+def test_borders_go_on_beyond_the_islands(scenes, texels):
+    image = scenes[0].found.image
+    np.testing.assert_array_equal(image, pad_texture(image, texels.covered))
+    assert image[~texels.covered].min() > 0
+
+
+def test_the_same_input_gives_the_same_bytes(scenes, face, template):
+    scene = scenes[40]
+    image, mask, vertices = scene.image.copy(), scene.mask.copy(), face.copy()
+    first, again = (texture_face(vertices, scene.pose, image, mask, template, 64).image for _ in range(2))
+    assert first.shape == (64, 64, 3) and first.tobytes() == again.tobytes()
+    np.testing.assert_array_equal(image, scene.image)
+    np.testing.assert_array_equal(mask, scene.mask)
+    np.testing.assert_array_equal(vertices, face)
+
+
+def test_what_covers_the_face_is_not_painted_on_it(scenes, face, template, texels):
+    """A hand in front of the eyes, left out of the mask."""
+    scene = scenes[0]
+    image, mask = scene.image.copy(), scene.mask.copy()
+    image[150:190, 120:280], mask[150:190, 120:280] = MAGENTA, False
+    found = texture_face(face, scene.pose, image, mask, template, SIZE)
+    assert np.abs(found.image - MAGENTA).sum(-1).min() > 150
+    assert found.seen.sum() < scene.found.seen.sum()
+
+
+def test_a_mesh_without_mirror_map(scenes, face, template):
+    scene = scenes[40]
+    mesh = replace(template, annotation=replace(template.annotation, mirror=None))
+    found = texture_face(face, scene.pose, scene.image, scene.mask, mesh, SIZE)
+    assert np.abs(found.image - MAGENTA).sum(-1).min() > 150
+    assert found.seen.sum() < scene.found.seen.sum()
+    again = photograph(face, template, found.image, scene.pose).astype(float)
+    assert np.abs(again - scene.image)[scene.mask].mean() < 0.03 * 255
+
+
+def test_fine_lines_come_back_and_nothing_else_changes(scenes, face, template, monkeypatch):
+    """Waves of about five texels between two colours."""
+    scene = scenes[40]
+    waves = 0.5 + 0.5 * np.sin(np.indices((SIDE, SIDE)).sum(0) * np.pi / 6)[..., None]
+    image = np.where(scene.mask[..., None], [60, 90, 110] + waves * [100, 60, 20], scene.image).astype(np.uint8)
+    found, errors = {}, {}
+    for rounds in (0, ROUNDS):
+        monkeypatch.setattr("caricli.methods.texture.texture_face.ROUNDS", rounds)
+        found[rounds] = texture_face(face, scene.pose, image, scene.mask, template, SIZE)
+        again = photograph(face, template, found[rounds].image, scene.pose).astype(float)
+        sure = photograph(face, template, np.repeat(np.uint8(255 * found[rounds].seen)[..., None], 3, 2), scene.pose)
+        shown = scene.mask & (sure.min(2) > 250)
+        errors[rounds] = np.abs(again - image)[shown].mean()
+    assert shown.mean() > 0.1 and errors[ROUNDS] < 0.85 * errors[0], errors
+    np.testing.assert_array_equal(found[ROUNDS].seen, found[0].seen)
+    unseen = found[0].covered & (found[0].seen == 0)
+    np.testing.assert_array_equal(found[ROUNDS].image[unseen], found[0].image[unseen])
+    # No ringing: between the two colours, as all was before.
+    texels = found[ROUNDS].image[found[ROUNDS].covered]
+    assert (texels.min(0) >= [60, 90, 110]).all() and (texels.max(0) <= [160, 150, 130]).all()
+
+
+def test_outlines_are_not_drawn_on_what_is_hardly_seen(scenes, face, template, monkeypatch):
+    """A black line inside the border of the mask, and ever more rounds."""
+    scene = scenes[0]
+    line = scene.mask & ~binary_erosion(scene.mask, iterations=3)
+    image, found = np.where(line[..., None], np.uint8(0), scene.image), []
+    for rounds in (0, 60):
+        monkeypatch.setattr("caricli.methods.texture.texture_face.ROUNDS", rounds)
+        found.append(texture_face(face, scene.pose, image, scene.mask, template, SIZE))
+    hardly = found[0].covered & (found[0].seen > 0) & (found[0].seen < 0.5)
+    before, after = (one.image[hardly].astype(float) for one in found)
+    assert hardly.sum() > 300 and (before - after).mean() < 0.6 and np.quantile(before - after, 0.99) < 20
+
+
+def test_the_size_follows_the_picture(scenes, face, template, monkeypatch):
+    scene = scenes[0]
+    monkeypatch.setattr("caricli.methods.texture.texture_face.SMALLEST", 32)
+
+    def size(factor):
+        """Of a picture with so many times the pixels a side."""
+        rows, columns = (np.indices((int(SIDE * factor),) * 2) / factor).astype(int)
+        pose = Pose(scene.pose.scale * factor, scene.pose.rotation, scene.pose.translation * factor)
+        return len(texture_face(face, pose, scene.image[rows, columns], scene.mask[rows, columns], template).image)
+
+    sizes = [size(factor) for factor in (0.25, 0.5, 1)]
+    assert sizes[0] > 32 and sizes[1] == 2 * sizes[0] and sizes[2] == 2 * sizes[1]
+    monkeypatch.setattr("caricli.methods.texture.texture_face.LARGEST", sizes[0])
+    assert size(1) == sizes[0]

@@ -1,0 +1,158 @@
+import io
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import torch
+
+from caricli.errors import NumericsError
+from caricli.methods.train.train_autodecoder import AutoDecoderTraining, Surface
+from caricli.models.config import DeformableConfig
+from caricli.models.deformable.model import Frame, HyperSiren
+
+CONFIG = DeformableConfig(
+    latent=4, width=24, layers=2, hidden=16, frequency=5.0, epochs=30, batch=8, points=60, learning_rate=5e-3,
+    precision="float32", validate_every=5,
+)  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def shapes(ball):
+    """Ellipsoids that lean: three numbers each."""
+    vertices = ball[0]
+    generator = np.random.default_rng(0)
+    scales = 1 + 0.2 * generator.normal(size=(30, 1, 3))
+    return (vertices * scales + 0.1 * scales[:, :, :1] * vertices[:, [1, 2, 0]]).astype(np.float32)
+
+
+def training(ball, shapes, config=CONFIG, unseen=5, **options):
+    surface = Surface(Frame(ball[0]), ball[1])
+    network = HyperSiren(config.size(), torch.Generator().manual_seed(config.seed))
+    count = len(shapes) - unseen
+    return AutoDecoderTraining(network, surface, shapes[:count], shapes[count:], config, **options)
+
+
+def weights(run):
+    return torch.cat([p.detach().flatten() for p in [*run.network.parameters(), run.latents, run.codes]])
+
+
+@pytest.mark.parametrize("start", ["principal", "random"])
+def test_it_learns_shapes_that_it_has_not_seen(ball, shapes, start):
+    records = list(training(ball, shapes, replace(CONFIG, start=start, epochs=150, mixup=0.0)).epochs())
+    assert [r.epoch for r in records] == list(range(1, 151))
+    spread = np.linalg.norm(shapes - shapes.mean(0), axis=-1).mean()
+    assert records[-1].train_error < 0.4 * spread
+    validations = [r.validation_error for r in records if r.validation_error is not None]
+    assert len(validations) == 30
+    assert validations[-1] < (0.3 if start == "principal" else 0.6) * spread
+
+
+def test_resumed_training_ends_in_the_same_weights(ball, shapes):
+    whole = training(ball, shapes)
+    all_records = list(whole.epochs())
+    run, records = training(ball, shapes), []
+    for stop in (3, 10, 11, 30):
+        for record in run.epochs():
+            records.append(record)
+            if record.epoch == stop:
+                break
+        saved = io.BytesIO()
+        torch.save(run.state(), saved)
+        saved.seek(0)
+        run = training(ball, shapes)
+        run.load_state(torch.load(saved, weights_only=True))
+    assert records == all_records
+    assert torch.equal(weights(run), weights(whole))
+
+
+def test_another_seed_gives_other_weights(ball, shapes):
+    one, two = (training(ball, shapes, replace(CONFIG, epochs=1, seed=seed)) for seed in (0, 1))
+    list(one.epochs()), list(two.epochs())
+    assert not torch.equal(weights(one), weights(two))
+
+
+def test_shares_of_a_batch_sum_to_the_whole_gradient(ball, shapes, monkeypatch):
+    gradients, figures = [], []
+
+    def keep(run, part):
+        figures.append(part)
+        gradients.append(torch.cat([p.grad.flatten() for p in [*run.network.parameters(), run.latents]]))
+        return part
+
+    monkeypatch.setattr(AutoDecoderTraining, "_sum_over_processes", keep)
+    for process in range(3):
+        training(ball, shapes, process=process, processes=3)._step(torch.arange(8), 0)
+    alone = training(ball, shapes)
+    figure = alone._step(torch.arange(8), 0)
+    whole = torch.cat([p.grad.flatten() for p in [*alone.network.parameters(), alone.latents]])
+    assert torch.allclose(sum(gradients), whole, rtol=1e-4, atol=1e-5 * float(whole.abs().max()))
+    assert torch.allclose(sum(figures), figure, rtol=1e-5)
+
+
+def test_patience_ends_it(ball, shapes, monkeypatch):
+    run = training(ball, shapes, replace(CONFIG, validate_every=2, patience=3))
+    errors = iter([1.0, 0.8, 0.9, 0.7, 0.8, 0.7, 0.9, 0.1])
+    monkeypatch.setattr(run, "_validate", lambda: next(errors))
+    records = list(run.epochs())
+    assert [r.epoch for r in records if r.best] == [2, 4, 8]
+    assert records[-1].epoch == 14 and run.ended
+
+
+def test_a_loss_that_is_not_finite_stops_it_before_the_weights_are_touched(ball, shapes):
+    run = training(ball, shapes)
+    list(zip(range(2), run.epochs(), strict=False))
+    before = weights(run)
+    run.shapes[3] = torch.nan
+    with pytest.raises(NumericsError, match="epoch 3 is not finite"):
+        list(run.epochs())
+    assert torch.isfinite(weights(run)).all() and before.shape == weights(run).shape
+
+
+def test_mixup_teaches_what_lies_between_two_shapes(ball, shapes):
+    errors = []
+    for mixup in (0.0, 1.0):
+        run = training(ball, shapes, replace(CONFIG, mixup=mixup, epochs=150, noise=0.0, smoothness_weight=0.0))
+        list(run.epochs())
+        first, second = torch.arange(24), torch.arange(1, 25)
+        everywhere = run.surface.at_vertices(np.arange(300))
+        latents, aims = run._mixtures(first, second, torch.full((24,), 0.8), everywhere)
+        mean, cosine, sine = run.shapes.mean(0), np.cos(0.8), np.sin(0.8)
+        expected = mean + cosine * (run.shapes[first] - mean) + sine * (run.shapes[second] - mean)
+        assert torch.allclose(aims, expected, atol=1e-5)
+        with torch.no_grad():
+            errors.append(float((run.network(latents, everywhere) - aims).norm(dim=-1).mean()))
+    assert errors[1] < 0.9 * errors[0]
+
+
+def test_the_prior_term_keeps_latents_white(ball, shapes):
+    def moments(prior_weight):
+        run = training(ball, shapes, replace(CONFIG, prior_weight=prior_weight, latent_rate=0.05))
+        list(run.epochs())
+        spread = run.latents.detach() / CONFIG.latent_std
+        return (spread.mT @ spread / len(spread) - torch.eye(4)).norm()
+
+    assert moments(100.0) < 0.5 * moments(0.0)
+
+
+def test_smoothness_at_drawn_latents_lowers_their_roughness(ball, shapes):
+    def roughness(weight):
+        run = training(ball, shapes, replace(CONFIG, smoothness_weight=weight))
+        list(run.epochs())
+        drawn = CONFIG.latent_std * torch.randn(50, 4, generator=torch.Generator().manual_seed(5))
+        measure = training(ball, shapes, replace(CONFIG, smoothness_weight=1.0)).roughness
+        with torch.no_grad():
+            return float(measure(run.network, drawn, np.random.default_rng(0)))
+
+    assert roughness(10.0) < 0.8 * roughness(0.0)
+
+
+def test_drawn_points_lie_on_their_triangles_and_cover_the_surface(ball):
+    surface = Surface(Frame(ball[0]), ball[1])
+    points = surface.draw(4000, 0.25, np.random.default_rng(0))
+    assert len(points.positions) == 4000
+    # No more than all vertices, each once; the others on the surface.
+    assert torch.allclose(points.values(surface.vertices), points.positions, atol=1e-6)
+    assert len(torch.unique(points.corners[:300, 0])) == 300
+    assert torch.allclose(points.weights.sum(1), torch.ones(4000), atol=1e-5) and points.weights.min() >= 0
+    upper = (points.positions[300:, 1] > 0).float().mean()
+    assert 0.45 < upper < 0.55
