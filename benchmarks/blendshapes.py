@@ -15,9 +15,9 @@ from portrait import median
 from caricli.commands.blended import load_tools
 from caricli.geometry.exaggerate_curvature import exaggerate_curvature
 from caricli.geometry.head_rotation import head_rotation
-from caricli.geometry.fit_camera import Pose
 from caricli.methods.expressions.build_blendshapes import build_blendshapes
 from caricli.methods.expressions.optimise_blendshapes import optimise_blendshapes
+from caricli.structures import Camera
 from caricli.template.fine_mesh import fine_mesh
 
 SIZES = (4_200, 5_500)
@@ -29,7 +29,7 @@ def main():
     template, moves = tools.morphable.template, tools.templates.deltas
     seconds = {f"optimise {count} vertices": optimised(template, moves, count) for count in SIZES}
     (caricature,) = exaggerate_curvature(template.vertices, template.faces, [0.2])
-    seen = caricature, Pose(1600.0, head_rotation(np.array([0.05, 0.2, 0])), np.array([300.0, 300]))
+    seen = caricature, Camera(1600.0, head_rotation(np.array([0.05, 0.2, 0])), np.array([300.0, 300]))
     known = tools.templates, tools.morphable, tools.landmark_map
     seconds["build 4200 vertices"] = median(lambda: build_blendshapes(*seen, *known))
     for name, value in seconds.items():
@@ -42,7 +42,7 @@ def optimised(template, moves, count):
     vertices, faces = template.vertices, template.faces
     if count > len(vertices):
         fine = fine_mesh(template, 1)
-        vertices, faces, moves = fine.weights @ vertices, fine.faces, np.stack([fine.weights @ move for move in moves])
+        vertices, faces, moves = fine.weights @ vertices, fine.mesh.faces, np.stack([fine.weights @ move for move in moves])
         ratio = int(len(faces) * count / len(vertices))
         vertices, faces, _, born = igl.decimate(vertices, np.asarray(faces, dtype=np.int32), ratio)
         moves = moves[:, born]

@@ -18,8 +18,8 @@ import torch
 from caricli.commands.loading import load_model
 from caricli.io.bundled import asset_path
 from caricli.io.landmarks import read_landmarks
-from caricli.methods.reconstruct.fit_landmarks import fit_landmarks
 from caricli.methods.faces.subdivide_face import subdivide_face
+from caricli.methods.reconstruct.fit_landmarks import fit_landmarks
 from caricli.methods.train.train_autodecoder import AutoDecoderTraining, Surface
 from caricli.models.checkpoint import KINDS
 from caricli.models.config import DeformableConfig

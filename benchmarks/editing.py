@@ -19,9 +19,9 @@ from caricli.geometry.flipped_triangles import flipped_triangles
 from caricli.geometry.self_intersections import self_intersections
 from caricli.io.landmarks import read_landmarks
 from caricli.methods.edit.edit_handles import edit_handles
+from caricli.methods.edit.handle_points import handle_points
 from caricli.methods.faces.encode_face import encode_face
 from caricli.methods.reconstruct.fit_landmarks import fit_landmarks
-from caricli.methods.edit.handle_points import handle_points
 
 REPEATS = 5
 NEIGHBOURHOOD = 0.1  # of the head's height around a part

@@ -22,23 +22,24 @@ ASTRONAUT = ROOT / "examples" / "astronaut"
 TINY = "--set epochs=2 --set points=32 --set width=16 --set hidden=16 --set latent=8"
 
 # Every line is run in turn in one folder; what it writes goes into a folder of its own, or beside the others.
-COMMANDS = """
+COMMANDS = f"""
 template export head.obj
 template export open.obj --open-mouth
 dataset build dataset --identities 4 --expressions 3 --levels 2 --workers 2 --albedo 2 --albedo-size 32
 dataset build drawn --count 6 --identities 5 --workers 2
 dataset show dataset -o show.png --faces 4 --size 48
 sample --out-dir sampled --count 3 --seed 3 --subdivide 1
-dataset import sampled imported --annotation annotation.json
+sample --out-dir plain --count 3 --seed 4
+dataset import plain imported --annotation annotation.json
 train pca --data dataset --out pca.safetensors --set dimension=5
 train intrinsic --data dataset --out intrinsic.safetensors --set dimension=5
 train kernel --data dataset --out kernel.safetensors --set dimension=5 --set components=8
 train morphable --data dataset --out morphable.safetensors --set identity=3 --set expression=2 --set albedo=4
 train landmark-map --data dataset --out map.safetensors --set dimension=4 --set epochs=1 --set views=2
-train deformable --data dataset --out run {tiny} --set validate_every=1
+train deformable --data dataset --out run {TINY} --set validate_every=1
 train semantic --data big --out directions.npz --model pca --label BigNose --label Smile
 evaluate shape pca.safetensors kernel --data dataset --out shape.json
-evaluate ablation --data dataset --out ablation {tiny} --set array_hidden=8 --set code_steps=2 --set batch=4
+evaluate ablation --data dataset --out ablation {TINY} --set array_hidden=8 --set code_steps=2 --set batch=4
 evaluate portrait --data dataset --out portrait --count 1 --pictures pictures
 evaluate blendshapes --data dataset --out expressions --count 1 --everyone
 reconstruct-from-landmarks landmarks.json --image astronaut.png --out face.obj
@@ -62,14 +63,14 @@ rig textured/face.npz --out rig.glb --usd
 rig head.obj --out sparse.glb --sparse --subdivide 1 --no-eyeballs
 blendshapes textured/face.npz --expressions moods.yaml --out blendshapes.npz
 blendshapes landmarks.json --expressions moods.yaml --method initial --reconstruct latent --out initial.npz
-retarget blendshapes.npz sampled/face-000.obj --neutral head.obj --out retargeted.obj
+retarget blendshapes.npz plain/face-000.obj --neutral head.obj --out retargeted.obj
 retarget blendshapes.npz landmarks.json --out photographed.obj --animation driven.glb
 animate rig.npz weights.json --out talk.glb --frames frames --format obj --smooth 1
 animate rig.npz weights.json --video talk.gif --size 64
 render face.npz head.obj -o sheet.png --size 96
 render face.npz -o overlay.png --image astronaut.png
 render face.npz -o turn.png --turntable 3 --size 64
-""".format(tiny=TINY).strip().splitlines()  # fmt: skip
+""".strip().splitlines()  # fmt: skip
 MOODS = "neutral: {}\nsmile: {mouthSmile: 0.7}\nopen: {jawOpen: 0.8}\nblink: {eyeBlink: 1.0}\n"
 WEIGHTS = {"schema": "caricli.weights/1", "fps": 10, "names": ["jawOpen", "eyeBlinkLeft"], "head": [[0, 0, 0]] * 3,
            "weights": [[0.0, 0.0], [0.5, 0.3], [0.9, 1.0]]}  # fmt: skip

@@ -40,8 +40,8 @@ def refined(template, count):
     if count > len(vertices):
         fine = fine_mesh(template, 2)
         vertices = fine.weights @ vertices
-        ratio = int(len(fine.faces) * count / len(vertices))
-        vertices, faces, *_ = igl.decimate(vertices, np.asarray(fine.faces, dtype=np.int32), ratio)
+        ratio = int(len(fine.mesh.faces) * count / len(vertices))
+        vertices, faces, *_ = igl.decimate(vertices, np.asarray(fine.mesh.faces, dtype=np.int32), ratio)
     marks = template.vertices[template.annotation.landmarks[:68]]
     # Decimation keeps no vertex for sure: the nearest to every landmark, each once.
     anchors = np.unique(np.linalg.norm(vertices[None] - marks[:, None], axis=2).argmin(1))

@@ -14,8 +14,8 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.linalg.blas import saxpy
 
-from caricli.io.rig import Rig
 from caricli.methods.animate.pose_rig import RigPoser
+from caricli.structures import Rig
 from caricli.template.fine_mesh import fine_mesh
 from caricli.template.head import load_head
 

@@ -88,8 +88,8 @@ def timed(templates, template, count):
     fine = fine_mesh(template, levels)
     vertices = fine.weights @ templates.neutral
     # Every vertex that decimation leaves has one that it was born from, whose displacements it takes.
-    ratio = int(len(fine.faces) * count / len(vertices))
-    reduced, faces, _, kept = igl.decimate(vertices, np.asarray(fine.faces, dtype=np.int32), ratio)
+    ratio = int(len(fine.mesh.faces) * count / len(vertices))
+    reduced, faces, _, kept = igl.decimate(vertices, np.asarray(fine.mesh.faces, dtype=np.int32), ratio)
     chosen = np.asarray(kept).ravel()
     deltas = np.stack([(fine.weights @ delta)[chosen] for delta in templates.deltas])
     own = ExpressionTemplates(templates.names, reduced, np.asarray(faces), deltas)

@@ -26,8 +26,8 @@ from caricli.io.bundled import asset_path
 from caricli.io.config import read_yaml
 from caricli.methods.edit.caricaturize_face import LABEL, caricaturize_face, exaggeration
 from caricli.methods.edit.edit_semantic import edit_semantic, label_direction
-from caricli.methods.faces.encode_face import encode_face
 from caricli.methods.evaluate.evaluate_shape import spread_rows
+from caricli.methods.faces.encode_face import encode_face
 from caricli.methods.faces.nearest_identity import nearest_identity
 from caricli.template.head import load_head
 

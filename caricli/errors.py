@@ -1,5 +1,8 @@
 """The few kinds of failure that a user can meet; each message is one line that says what was expected and what came."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+
 
 class CaricliError(Exception):
     """Anything that caricli refuses or fails to do; the command line turns it into one line and exit code 1."""
@@ -15,3 +18,23 @@ class OutputError(CaricliError):
 
 class NumericsError(CaricliError):
     """A computation broke down: a singular system, a solve that is not finite, an impossible fit."""
+
+
+def shown(value: object, limit: int | None = None) -> str:
+    """Return text that stays on one line, characters that do not print escaped.
+
+    value: a path or anything with a text; bytes are read as Latin-1. limit: the longest text kept, characters.
+    """
+    text = value.decode("latin-1") if isinstance(value, bytes) else str(value)
+    if limit is not None and len(text) > limit:
+        text = text[:limit] + "..."
+    return "".join(c if c.isprintable() else c.encode("unicode_escape", "backslashreplace").decode() for c in text)
+
+
+@contextmanager
+def naming(what: object) -> Iterator[None]:
+    """Begin the message of a CaricliError raised inside with what it is about, such as the path of a file."""
+    try:
+        yield
+    except CaricliError as error:
+        raise type(error)(f"{shown(what)}: {error}") from error

@@ -9,7 +9,7 @@ from PIL import Image
 
 from caricli.io.checkpoint import read_checkpoint
 from caricli.io.face import read_face
-from caricli.io.gltf import read_gltf
+from caricli.io.gltf.read_gltf import read_gltf
 from caricli.io.image import read_image
 from caricli.io.obj import read_obj
 from caricli.io.rig import read_rig

@@ -13,10 +13,11 @@ import numpy as np
 import pytest
 
 from caricli.io.face import read_face
-from caricli.io.gltf import read_gltf
+from caricli.io.gltf.read_gltf import read_gltf
 from caricli.io.image import read_image
-from caricli.io.obj import ObjMesh, write_obj
+from caricli.io.obj import write_obj
 from caricli.io.strict_json import read_json
+from caricli.structures import Mesh
 
 ROOT = Path(__file__).parents[1]
 PATIENCE = 300
@@ -137,7 +138,7 @@ def test_expressions_go_on_where_they_were_stopped_and_past_bad_files(snakemake,
     (drivers / "bad.txt").write_text("1 2\n")
     neutral, moods = tmp_path / "neutral.obj", tmp_path / "moods.json"
     for path, actions in ((neutral, {}), (drivers / "open.obj", {"jawOpen": 0.7})):
-        write_obj(path, ObjMesh(head.evaluate(weight=0.8, actions=actions), head.polygons))
+        write_obj(path, Mesh(head.evaluate(weight=0.8, actions=actions), head.polygons))
     moods.write_text('{"neutral": {}, "jawOpen": {"jawOpen": 1}, "smile": {"mouthSmileLeft": 1, "mouthSmileRight": 1}}')
     folders = f"drawings={drawings}", f"drivers={drivers}"
     start = ("expressions", "--config", "size=128", *folders, f"neutral={neutral}", f"expressions={moods}")

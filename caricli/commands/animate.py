@@ -8,16 +8,16 @@ import click
 import numpy as np
 
 from caricli.commands.shared.options import PATH, FiniteRange, named, overwrite_option
-from caricli.errors import InputError
-from caricli.io.files import shown
+from caricli.errors import InputError, shown
 from caricli.io.image import write_png
-from caricli.io.obj import ObjMesh, write_obj
+from caricli.io.obj import write_obj
 from caricli.io.outputs import staged, staged_folder
 from caricli.io.provenance import provenance
-from caricli.io.rig import Rig, read_rig
+from caricli.io.rig import read_rig
 from caricli.io.strict_json import write_json
-from caricli.io.video import write_video
 from caricli.io.track import read_weights
+from caricli.io.video import write_video
+from caricli.structures import Rig
 
 REPORT = "animation.json"
 
@@ -60,7 +60,8 @@ def command(rig, weights, out, frames, kind, video, fps, source_fps, smooth, sca
       caricli animate rig.npz blendshapes.json --video talk.mp4 --fps 30 --scale jawOpen=1.3
       caricli animate rig.glb take.csv --frames frames --format png --view three-quarter
     """
-    from caricli.io.gltf import Animation, write_gltf
+    from caricli.io.gltf.write_gltf import write_gltf
+    from caricli.structures import Animation
 
     if out is None and frames is None and video is None:
         raise click.UsageError("Give at least one of --out, --frames and --video.")
@@ -118,7 +119,7 @@ def _scales(texts):
 
 def _motion(rig_path, path, fps, source_fps, smooth, scales, no_head):
     """The _Motion that was asked for, and what the JSON says of it."""
-    from caricli.io.gltf import read_gltf
+    from caricli.io.gltf.read_gltf import read_gltf
     from caricli.methods.animate.bind_weights import bind_weights
     from caricli.methods.animate.resample_weights import resample_weights
     from caricli.methods.animate.smooth_weights import smooth_weights
@@ -178,12 +179,10 @@ def _pictures(motion, view, size):
 
 def _write_frames(folder, motion, kind, view, size):
     """Write every frame as frame-0000.obj, with the rig's polygons and UVs, or as frame-0000.png."""
-    rig = motion.rig
-    polygons = rig.faces if rig.polygons is None else rig.polygons
     digits = max(4, len(str(len(motion.times) - 1)))
     for k, frame in enumerate(_pictures(motion, view, size) if kind == "png" else _frames(motion, "frames")):
         path = folder / f"frame-{k:0{digits}d}.{kind}"
         if kind == "png":
             write_png(path, frame)
         else:
-            write_obj(path, ObjMesh(frame.astype(float), polygons, rig.uvs, rig.uv_polygons))
+            write_obj(path, motion.rig.mesh.with_vertices(frame.astype(float)))

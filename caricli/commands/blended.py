@@ -5,24 +5,23 @@ from functools import cached_property
 
 import numpy as np
 
-from caricli.commands.loading import DEFAULT_LATENT, face_pose, load_face, load_model
+from caricli.commands.loading import DEFAULT_LATENT, face_camera, load_face, load_model
 from caricli.commands.rigging import face_pictures, load_templates
 from caricli.data.expressions import NEUTRAL, facs_expressions, read_expressions
-from caricli.errors import InputError
-from caricli.geometry.fit_camera import Pose
+from caricli.errors import InputError, shown
 from caricli.io.bundled import asset_path
 from caricli.io.checkpoint import read_checkpoint
-from caricli.io.face import topology_id
-from caricli.io.files import shown
 from caricli.io.image import read_image
 from caricli.io.landmarks import read_landmarks
 from caricli.methods.expressions.build_blendshapes import build_blendshapes
+from caricli.methods.expressions.measure_blendshapes import measure_blendshapes
+from caricli.methods.reconstruct.fit_landmarks import fit_landmarks
 from caricli.methods.rig.build_rig import build_rig
 from caricli.methods.rig.expression_templates import ExpressionTemplates, combined_templates
-from caricli.methods.reconstruct.fit_landmarks import fit_landmarks
-from caricli.methods.expressions.measure_blendshapes import measure_blendshapes
 from caricli.models.landmark_map.model import LandmarkMap, map_from_checkpoint
 from caricli.models.morphable.model import MorphableModel
+from caricli.structures import Camera
+from caricli.structures.mesh import topology_id
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,7 +60,7 @@ class Caricature:
     None each; inputs, the paths that were read."""
 
     vertices: np.ndarray
-    pose: Pose
+    pose: Camera
     pictures: tuple
     inputs: list
 
@@ -95,7 +94,7 @@ def load_caricature(source, morphable, texture=None, pts_origin=1):
         raise InputError(f"{shown(source)}: expected FACE.npz or landmarks, found an OBJ, which has no camera")
     if source.suffix.lower() == ".npz":
         face = load_face(source, morphable)
-        vertices, pose, paths = face.vertices, face_pose(face, source), face_pictures(source, texture)
+        vertices, pose, paths = face.vertices, face_camera(face, source), face_pictures(source, texture)
     else:
         intrinsic = load_model()
         if intrinsic.template.topology_id != morphable.template.topology_id:

@@ -6,8 +6,7 @@ import click
 import numpy as np
 
 from caricli.commands.shared.options import PATH, FiniteRange, out_option, overwrite_option, seed_option
-from caricli.errors import CaricliError
-from caricli.io.files import shown
+from caricli.errors import CaricliError, shown
 from caricli.io.image import write_png
 from caricli.io.outputs import staged
 from caricli.io.provenance import provenance
@@ -69,7 +68,7 @@ def command(source, out, expressions, method, reconstruct, weights, map_path, mo
     from caricli.commands.blended import build, load_caricature, load_tools, report, with_given
     from caricli.commands.loading import progress_bar
     from caricli.commands.rigging import expression_sheet
-    from caricli.io.gltf import write_gltf
+    from caricli.io.gltf.write_gltf import write_gltf
     from caricli.io.rig import write_rig
     from caricli.methods.expressions.optimise_blendshapes import BlendshapeWeights
 

@@ -17,12 +17,12 @@ from caricli.commands.shared.options import (
     overwrite_option,
     subdivide_option,
 )
-from caricli.io.face import Face
 from caricli.io.image import write_png
 from caricli.io.landmarks import read_landmarks
 from caricli.io.outputs import staged
 from caricli.io.provenance import provenance
 from caricli.io.strict_json import write_json
+from caricli.structures import Face
 
 SIZE, DRAWN = 320, (0.0, 0.5, 1.0)
 
@@ -63,11 +63,11 @@ def command(ctx, faces, strength, mode, out, out_dir, marked, image, directions,
       caricli caricaturize faces/*.npz --mode own --out-dir caricatures
       caricli caricaturize landmarks.json --from-landmarks --image photo.jpg --out caricature.obj
     """
-    from caricli.commands.shared.batch import named_jobs, run_batch
     from caricli.commands.edited import directions_path, load_directions
     from caricli.commands.loading import DEFAULT_LATENT, load_model
     from caricli.commands.pictures import picture_beside
     from caricli.commands.series import write_series_face
+    from caricli.commands.shared.batch import named_jobs, run_batch
     from caricli.methods.edit.caricaturize_face import caricaturize_face
     from caricli.methods.faces.nearest_identity import likeness
     from caricli.template.fine_mesh import fine_mesh
@@ -131,8 +131,7 @@ def _landmark_loader(model):
         pixels = None if picture is None else read_picture(picture, marks, path)
         fit = fit_landmarks(marks.points, fitter, method)
         own = (fit.latent, fit.residual) if fitter is model else ()
-        camera = (fit.pose.scale, fit.pose.rotation, fit.pose.translation)
-        seen = Face(fit.vertices, model.template.faces, None, None, *camera, fit.landmarks)
+        seen = Face(model.template.with_vertices(fit.vertices), fit.pose, fit.landmarks)
         portrait = None if pixels is None else _portrait(pixels, marks.points)
         return encode_face(fit.vertices, model, *own), seen, portrait, f"{path}: reconstructed, NME {fit.nme:.2f} %"
 

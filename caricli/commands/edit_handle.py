@@ -5,7 +5,14 @@ import time
 import click
 import numpy as np
 
-from caricli.commands.shared.options import PATH, face_files, model_option, out_option, overwrite_option, subdivide_option
+from caricli.commands.shared.options import (
+    PATH,
+    face_files,
+    model_option,
+    out_option,
+    overwrite_option,
+    subdivide_option,
+)
 from caricli.errors import InputError
 from caricli.io.image import write_png
 from caricli.io.outputs import staged
@@ -133,7 +140,7 @@ def _picture(before, edit, drawn, model, fine, steps, baseline):
     template, views = model.template, ("front", "three-quarter") if steps else ("front", "three-quarter", "profile")
 
     def draw(face):
-        finer = subdivide_face(face.vertices, face.latent, model, fine), fine.faces, fine.weights
+        finer = subdivide_face(face.vertices, face.latent, model, fine), fine.mesh.faces, fine.weights
         return head_views(face.vertices, template.faces, template.annotation, views, SIZE, finer)
 
     if steps:

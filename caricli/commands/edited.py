@@ -1,11 +1,10 @@
 """What commands share that move a face along semantic directions."""
 
 from caricli.data.attributes import measure_attributes
-from caricli.errors import InputError
+from caricli.errors import InputError, shown
 from caricli.geometry.flipped_triangles import flipped_triangles
 from caricli.io.bundled import asset_path
 from caricli.io.directions import read_directions
-from caricli.io.files import shown
 
 
 def directions_path(path, model):

@@ -33,8 +33,8 @@ def command(ctx, faces, out, out_dir, model, overwrite):
       caricli encode head.obj --out head.npz
       caricli encode scans/*.obj --out-dir encoded --model pca
     """
-    from caricli.commands.shared.batch import named_jobs, run_batch
     from caricli.commands.loading import DEFAULT_LATENT, load_face, load_model
+    from caricli.commands.shared.batch import named_jobs, run_batch
     from caricli.methods.faces.encode_face import encode_face
     from caricli.render.comparison_sheet import comparison_sheet
 

@@ -56,10 +56,10 @@ def command(
       caricli fit-morphable landmarks.json --image drawing.png --out face.obj
       caricli fit-morphable smile.json --expression-only --identity face.npz --out smile.obj
     """
-    from caricli.commands.shared.batch import named_jobs, run_batch
     from caricli.commands.fitted import fit_figures, write_fit
     from caricli.commands.loading import load_latent_face, load_model
     from caricli.commands.pictures import picture_beside, read_picture
+    from caricli.commands.shared.batch import named_jobs, run_batch
     from caricli.methods.reconstruct.fit_morphable import fit_morphable
     from caricli.template.fine_mesh import fine_mesh
 

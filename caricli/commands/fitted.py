@@ -4,11 +4,11 @@ from dataclasses import asdict
 
 import numpy as np
 
-from caricli.commands.loading import template_mesh
-from caricli.io.face import Face, write_face
+from caricli.io.face import write_face
 from caricli.io.image import write_png
 from caricli.io.obj import write_obj
 from caricli.io.strict_json import write_json
+from caricli.structures import Face
 
 
 def write_fit(files, model, fit, fine, given, image, description):
@@ -21,15 +21,14 @@ def write_fit(files, model, fit, fine, given, image, description):
     from caricli.render.fit_sheet import fit_sheet
 
     obj_file, npz_file, json_file, png_file = files
-    template, camera = model.template, (fit.pose.scale, fit.pose.rotation, fit.pose.translation)
+    template = model.template
     fine_vertices = subdivide_face(fit.vertices, fit.latent, model, fine)
-    write_obj(obj_file, template_mesh(fine, fine_vertices))
-    mesh = (template.polygons, template.uvs, template.uv_polygons)
-    fitted = (fit.latent, fit.residual, *camera, fit.landmarks, model.model_id)
-    write_face(npz_file, Face(fit.vertices, template.faces, *fitted, *mesh))
+    write_obj(obj_file, fine.mesh.with_vertices(fine_vertices))
+    fitted = (fit.pose, fit.landmarks, fit.latent, fit.residual, model.model_id)
+    write_face(npz_file, Face(template.with_vertices(fit.vertices), *fitted))
     write_json(json_file, description)
-    drawn = (fine_vertices, fine.faces, fine.weights)
-    shown = (fit.vertices, template.faces, template.annotation, given, fit.landmarks, camera, image)
+    drawn = (fine_vertices, fine.mesh.faces, fine.weights)
+    shown = (fit.vertices, template.faces, template.annotation, given, fit.landmarks, fit.pose, image)
     write_png(png_file, fit_sheet(*shown, fine=drawn))
 
 

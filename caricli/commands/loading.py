@@ -5,13 +5,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from caricli.errors import InputError
-from caricli.geometry.fit_camera import Pose
+from caricli.errors import InputError, shown
 from caricli.io.bundled import asset_path
 from caricli.io.checkpoint import read_checkpoint
-from caricli.io.face import read_face, topology_id
-from caricli.io.files import shown
-from caricli.io.obj import ObjMesh
+from caricli.io.face import read_face
 from caricli.io.strict_json import read_json
 from caricli.methods.faces.encode_face import encode_face
 
@@ -27,15 +24,10 @@ def load_model(path=None, kind="intrinsic"):
     return model_from_checkpoint(*read_checkpoint(path), shown(path))
 
 
-def template_mesh(template, vertices):
-    """Vertices with the polygons and UVs of their Template or FineMesh, ready to be written as OBJ."""
-    return ObjMesh(vertices, template.polygons, template.uvs, template.uv_polygons)
-
-
 def load_face(path, model):
     """The Face of a file, OBJ or NPZ, refused when its mesh is not the model's or its size not a head's."""
     face, template = read_face(path), model.template
-    if topology_id(face.faces) != template.topology_id:
+    if face.mesh.topology_id != template.topology_id:
         raise InputError(
             f"{shown(path)}: expected the topology of the model ({len(template.vertices)} vertices, "
             f"{len(template.faces)} triangles), found another ({len(face.vertices)} vertices, {len(face.faces)})"
@@ -50,25 +42,24 @@ def load_seen_face(path, model=None):
     """A face that knows its camera, with what it is a face of.
 
     path: NPZ. model: path of the model of its mesh; where none is given, the bundled one that made it, or the default.
-    Returns Face, ShapeModel and Pose. Raises InputError for a face without a camera.
+    Returns Face, ShapeModel and Camera. Raises InputError for a face without a camera.
     """
     kind = None if model is not None else _bundled_kind(read_face(path).model_id)
     shape_model = load_model(model, kind or "intrinsic")
     face = load_face(path, shape_model)
     if face.latent is not None and face.model_id != shape_model.model_id:
         face = replace(face, latent=None, residual=None)
-    return face, shape_model, face_pose(face, path)
+    return face, shape_model, face_camera(face, path)
 
 
-def face_pose(face, path):
-    """The Pose of a Face that was read from a path. Raises InputError for a face without a camera."""
-    camera = face.camera_scale, face.camera_rotation, face.camera_translation
-    if any(part is None for part in camera):
+def face_camera(face, path):
+    """The Camera of a Face that was read from a path. Raises InputError for a face without one."""
+    if face.camera is None:
         raise InputError(
             f"{shown(path)}: expected a face with the camera of its picture, found none; make one with caricli "
             "reconstruct-from-landmarks and give its NPZ"
         )
-    return Pose(*camera)
+    return face.camera
 
 
 def load_latent_face(path, model, anew=False):

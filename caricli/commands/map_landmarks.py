@@ -4,10 +4,10 @@ import click
 import numpy as np
 
 from caricli.commands.shared.options import PATH, out_option, overwrite_option
-from caricli.errors import InputError
-from caricli.io.files import shown
-from caricli.io.landmarks import Landmarks, read_landmarks, write_landmarks
+from caricli.errors import InputError, shown
+from caricli.io.landmarks import read_landmarks, write_landmarks
 from caricli.io.outputs import staged
+from caricli.structures import Landmarks
 
 SIZE, MARGIN = 512, 0.15
 _COLOURS = {"normal": (30, 110, 200), "caricature": (215, 40, 40)}

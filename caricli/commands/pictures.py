@@ -1,8 +1,7 @@
 """Pictures that landmarks belong to."""
 
-from caricli.errors import InputError
+from caricli.errors import InputError, naming
 from caricli.io.image import read_image
-from caricli.io.landmarks import check_inside
 
 PICTURES = (".png", ".jpg", ".jpeg", ".webp", ".bmp", ".tif", ".tiff", ".gif")
 
@@ -14,7 +13,8 @@ def read_picture(image, marks, path):
     if marks.image_size is not None and tuple(marks.image_size) != size:
         found = "{} x {}".format(*marks.image_size)
         raise InputError(f"{path}: expected landmarks of the {size[0]} x {size[1]} picture {image}, found {found}")
-    check_inside(marks.points, size, path)
+    with naming(path):
+        marks.check_inside(size)
     return picture
 
 

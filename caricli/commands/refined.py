@@ -2,16 +2,15 @@
 
 import numpy as np
 
-from caricli.commands.loading import template_mesh
-from caricli.errors import InputError
-from caricli.io.face import Face, write_face
-from caricli.io.files import shown
+from caricli.errors import InputError, shown
+from caricli.io.face import write_face
 from caricli.io.obj import write_obj
 from caricli.io.parsing import read_parsing
 from caricli.methods.faces.encode_face import encode_face
 from caricli.methods.reconstruct.snap_eyes import snap_eyes
 from caricli.render.contact_sheet import contact_sheet
 from caricli.render.fit_sheet import fit_sheet
+from caricli.structures import Face
 
 _EYE_NAMES = ("eye_left", "eye_right")
 
@@ -36,16 +35,15 @@ def write_refined(files, found, seen, model, pose, points, pixels, fine):
 
     files: paths, the OBJ's and the NPZ's first. The latent of the face stays; what it cannot express is the residual.
     """
-    template, camera = model.template, (pose.scale, pose.rotation, pose.translation)
+    template = model.template
     finer = fine.weights @ found.vertices if fine.levels else found.vertices
-    write_obj(files[0], template_mesh(fine, finer))
+    write_obj(files[0], fine.mesh.with_vertices(finer))
     code = None if seen.latent is None else encode_face(found.vertices, model, seen.latent)
     known = (None, None) if code is None else (code.latent, code.residual)
-    mesh = (template.polygons, template.uvs, template.uv_polygons)
     model_id = None if code is None else model.model_id
-    write_face(files[1], Face(found.vertices, template.faces, *known, *camera, found.landmarks, model_id, *mesh))
+    write_face(files[1], Face(template.with_vertices(found.vertices), pose, found.landmarks, *known, model_id))
     rows = []
     for vertices in (seen.vertices, found.vertices):
         fitted = pose.project(vertices[found.anchors])
-        rows.append(fit_sheet(vertices, template.faces, template.annotation, points, fitted, camera, pixels, 384))
+        rows.append(fit_sheet(vertices, template.faces, template.annotation, points, fitted, pose, pixels, 384))
     return contact_sheet(rows, 1, ["before", "after"])

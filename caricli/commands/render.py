@@ -4,14 +4,13 @@ import click
 import numpy as np
 
 from caricli.commands.shared.options import PATH, out_option, overwrite_option
-from caricli.errors import InputError, OutputError
+from caricli.errors import InputError, OutputError, shown
 from caricli.io.bundled import asset_path
 from caricli.io.face import read_face
-from caricli.io.files import shown
 from caricli.io.image import read_image, write_png
-from caricli.limits import MAX_IMAGE_PIXELS
 from caricli.io.outputs import staged
 from caricli.io.strict_json import read_json
+from caricli.limits import MAX_IMAGE_PIXELS
 from caricli.render.contact_sheet import contact_sheet
 from caricli.render.overlay import overlay_mesh
 from caricli.render.place_eyeballs import place_eyeballs
@@ -100,10 +99,9 @@ def _strip(path, views, frames, size):
 
 def _overlay(path, image):
     face = read_face(path)
-    camera = (face.camera_scale, face.camera_rotation, face.camera_translation)
-    if any(part is None for part in camera):
+    if face.camera is None:
         raise InputError(f"{shown(path)}: expected a face NPZ with a camera to lay it over a picture, found none")
-    return overlay_mesh(read_image(image), face.vertices, face.faces, *camera, eyeballs=_eyeballs(face))
+    return overlay_mesh(read_image(image), face.mesh, face.camera, eyeballs=_eyeballs(face))
 
 
 def _eyeballs(face):

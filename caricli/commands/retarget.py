@@ -13,16 +13,16 @@ from caricli.commands.shared.options import (
     out_option,
     overwrite_option,
 )
-from caricli.errors import CaricliError, InputError
-from caricli.io.face import Face, write_face
-from caricli.io.files import shown
+from caricli.errors import CaricliError, InputError, shown
+from caricli.io.face import write_face
 from caricli.io.image import write_png
 from caricli.io.landmarks import read_landmarks
-from caricli.io.obj import ObjMesh, write_obj
+from caricli.io.obj import write_obj
 from caricli.io.outputs import staged
 from caricli.io.provenance import provenance
 from caricli.io.rig import read_rig
 from caricli.io.strict_json import write_json
+from caricli.structures import Face
 
 SIZE = 384
 _MESHES, _SAID, _SEEN = (".obj", ".npz"), 3, 0.05
@@ -55,8 +55,8 @@ def command(ctx, rig, drivers, out, out_dir, neutral, animation, fps, model, pts
       caricli retarget b.npz photo.json --out face.obj
       caricli retarget b.npz take/*.obj --neutral calm.obj --out-dir frames --animation take.glb --fps 30
     """
-    from caricli.commands.shared.batch import named_jobs, run_batch
     from caricli.commands.loading import load_model
+    from caricli.commands.shared.batch import named_jobs, run_batch
 
     jobs = named_jobs(drivers, "NORMAL_FACE", out, out_dir, ".obj")
     meshes = [path.suffix.lower() in _MESHES for path in drivers]
@@ -113,8 +113,8 @@ def _explained(drivers, rig, model, neutral, pts_origin, whole):
     whole: whether a driver that cannot be read ends everything.
     """
     from caricli.commands.loading import load_face, progress_bar
-    from caricli.methods.reconstruct.fit_morphable import fit_morphable
     from caricli.methods.expressions.retarget_expression import explain_landmarks, explain_meshes
+    from caricli.methods.reconstruct.fit_morphable import fit_morphable
 
     known, failed = {}, {}
     calm = None if neutral is None else load_face(neutral, model).vertices
@@ -148,9 +148,9 @@ def _write(files, rig, weights, neutral, template, description):
 
     obj_file, npz_file, json_file, png_file = files
     vertices = RigPoser(rig).pose(weights).astype(float)
-    polygons = rig.faces if rig.polygons is None else rig.polygons
-    write_obj(obj_file, ObjMesh(vertices, polygons, rig.uvs, rig.uv_polygons))
-    write_face(npz_file, Face(vertices, rig.faces, polygons=polygons, uvs=rig.uvs, uv_polygons=rig.uv_polygons))
+    mesh = rig.mesh.with_vertices(vertices)
+    write_obj(obj_file, mesh)
+    write_face(npz_file, Face(mesh))
     write_json(json_file, description)
     driver = neutral + np.tensordot(weights, rig.normal_deltas, 1)
     pictures = head_views(driver, template.faces, template.annotation, ("front",), SIZE)
@@ -160,7 +160,8 @@ def _write(files, rig, weights, neutral, template, description):
 
 def _write_animation(files, rig, weights, fps, description):
     """Write the GLB and its JSON."""
-    from caricli.io.gltf import Animation, write_gltf
+    from caricli.io.gltf.write_gltf import write_gltf
+    from caricli.structures import Animation
 
     glb, json_file = files
     write_gltf(glb, rig, animation=Animation(np.arange(len(weights)) / fps, weights))

@@ -4,9 +4,8 @@ import click
 import numpy as np
 
 from caricli.commands.shared.options import PATH, out_option, overwrite_option, seed_option
-from caricli.errors import NumericsError
+from caricli.errors import NumericsError, shown
 from caricli.io.bundled import asset_path
-from caricli.io.files import shown
 from caricli.io.image import read_image, write_png
 from caricli.io.outputs import staged
 from caricli.io.provenance import provenance
@@ -43,7 +42,7 @@ def command(face, out, templates, eyeballs, texture, sparse, usd, check, levels,
     """
     from caricli.commands.loading import progress_bar
     from caricli.commands.rigging import check_report, expression_sheet, face_pictures, load_mesh, load_templates
-    from caricli.io.gltf import write_gltf
+    from caricli.io.gltf.write_gltf import write_gltf
     from caricli.io.rig import write_rig
     from caricli.methods.rig.build_rig import build_rig
     from caricli.methods.rig.transfer_rig import transfer_rig

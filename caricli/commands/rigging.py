@@ -4,16 +4,16 @@ from collections import Counter
 
 import numpy as np
 
-from caricli.errors import InputError
-from caricli.io.face import read_face, topology_id
-from caricli.io.files import shown
-from caricli.io.gltf import read_gltf
+from caricli.errors import InputError, shown
+from caricli.io.face import read_face
+from caricli.io.gltf.read_gltf import read_gltf
 from caricli.io.mtl import texture_path
 from caricli.io.obj import read_obj
 from caricli.methods.rig.check_rig import check_rig
 from caricli.methods.rig.expression_templates import check_templates, mended_templates, start_delta
 from caricli.render.contact_sheet import contact_sheet
 from caricli.render.draw_rig import draw_rig, neutral_sky
+from caricli.structures.mesh import topology_id
 from caricli.template.head import load_head
 from caricli.template.template import Template
 
@@ -42,7 +42,7 @@ def load_templates(folder):
     others = [path for path in files if path != by_name[NEUTRAL]]
     shapes = [read_obj(path) for path in others]
     for path, mesh in zip(others, shapes, strict=True):
-        if mesh.vertices.shape != neutral.vertices.shape or not np.array_equal(mesh.polygons, neutral.polygons):
+        if mesh.vertices.shape != neutral.vertices.shape or not np.array_equal(mesh.polygons, neutral.mesh.polygons):
             found = f"{len(mesh.vertices)} vertices and {len(mesh.polygons)} polygons"
             raise InputError(f"{shown(path)}: expected the mesh of {NEUTRAL}.obj, found another ({found})")
     names, vertices = [path.stem for path in others], np.stack([mesh.vertices for mesh in shapes])
@@ -62,8 +62,8 @@ def load_mesh(path, templates, annotation):
             f"{shown(path)}: expected the topology of the templates ({expected}), found another ({found}); "
             "give --templates for a mesh of your own"
         )
-    polygons = face.faces if face.polygons is None else face.polygons
-    return Template(face.vertices, face.faces, polygons, annotation, face.uvs, face.uv_polygons)
+    mesh = face.mesh
+    return Template(mesh.vertices, mesh.polygons, mesh.uvs, mesh.uv_polygons, annotation=annotation)
 
 
 def face_pictures(face, texture):

@@ -2,14 +2,13 @@
 
 import numpy as np
 
-from caricli.commands.loading import template_mesh
-from caricli.io.face import Face, write_face
+from caricli.io.face import write_face
 from caricli.io.obj import write_obj
 from caricli.methods.faces.subdivide_face import subdivide_face
 from caricli.render.head_views import head_views
+from caricli.structures import Face
 
 _ROUNDING = 1e-6
-_SEEN = ("camera_scale", "camera_rotation", "camera_translation", "landmarks")
 
 
 def series_paths(folder, name, count, sheet):
@@ -26,16 +25,14 @@ def write_series_face(files, face, model, fine, source=None):
     """
     template, obj_file, npz_file = model.template, *files
     finer = subdivide_face(face.vertices, face.latent, model, fine)
-    write_obj(obj_file, template_mesh(fine, finer))
-    mesh = {"polygons": template.polygons, "uvs": template.uvs, "uv_polygons": template.uv_polygons}
+    write_obj(obj_file, fine.mesh.with_vertices(finer))
     residual = face.residual if np.abs(face.residual).max() > _ROUNDING else None
-    known = {"latent": face.latent, "residual": residual, "model_id": model.model_id}
-    known |= {} if source is None else {key: getattr(source, key) for key in _SEEN}
-    write_face(npz_file, Face(face.vertices, template.faces, **known, **mesh))
+    seen = (None, None) if source is None else (source.camera, source.landmarks)
+    write_face(npz_file, Face(template.with_vertices(face.vertices), *seen, face.latent, residual, model.model_id))
     return finer
 
 
 def draw_series_face(face, finer, model, fine, size):
     """Front and three-quarter view of what ``write_series_face`` wrote."""
-    mesh, drawn = (face.vertices, model.template.faces, model.template.annotation), (finer, fine.faces, fine.weights)
+    mesh, drawn = (face.vertices, model.template.faces, model.template.annotation), (finer, fine.mesh.faces, fine.weights)
     return head_views(*mesh, ("front", "three-quarter"), size, drawn)

@@ -5,13 +5,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from caricli.commands.rigging import EYES
-from caricli.errors import InputError
+from caricli.errors import InputError, shown
 from caricli.io.face import write_face
-from caricli.io.files import shown
-from caricli.io.gltf import write_gltf
+from caricli.io.gltf.write_gltf import write_gltf
 from caricli.io.image import read_image, write_png
-from caricli.io.obj import ObjMesh, write_obj
-from caricli.io.rig import Rig
+from caricli.io.obj import write_obj
 from caricli.methods.rig.add_eyeballs import TEXTURE, add_eyeballs, fit_eyeballs
 from caricli.methods.texture.texture_face import texture_face
 from caricli.render.contact_sheet import contact_sheet
@@ -22,6 +20,8 @@ from caricli.render.head_views import head_views
 from caricli.render.mask_face import mask_face
 from caricli.render.paint_eye import paint_eye
 from caricli.render.rasterise import rasterise
+from caricli.structures import Mesh, Rig
+from caricli.template.template import Template
 
 SKIN, VIEW = "texture.png", 320
 
@@ -73,14 +73,13 @@ def paint(face, pose, picture, mask, template, size, flat, generator):
         places = pose.project(vertices) + 0.5
         uvs = places / picture.shape[1::-1]
         uvs[:, 1] = 1 - uvs[:, 1]
-        mesh = replace(template, uvs=uvs, uv_polygons=template.polygons)
+        mesh = Template(vertices, template.polygons, uvs, template.polygons, annotation=template.annotation)
         image, seen = diffuse_background(picture, mask), 1.0
     else:
         mesh, found = template, texture_face(vertices, pose, picture, mask, template, size)
         image, seen = found.image, float(found.seen[found.covered].mean())
     still = np.zeros((0, *vertices.shape), np.float32)
-    rig = Rig((), vertices.astype(np.float32), still, mesh.faces, mesh.polygons, mesh.uvs, mesh.uv_polygons,
-              texture=image)  # fmt: skip
+    rig = Rig((), mesh.with_vertices(vertices.astype(np.float32)), still, texture=image)
     placed = pose.place(vertices)
     again = render_textured(rig, placed, picture.shape[1], picture.shape[0])
     both = mask & (rasterise(placed, mesh.faces, picture.shape[1], picture.shape[0]).face >= 0)
@@ -95,13 +94,13 @@ def write_textured(folder, painted, face, model):
     rig, template, count = painted.rig, model.template, len(face.vertices)
     own = slice(None, len(template.polygons))
     width = template.polygons.shape[1]
-    uv_polygons = rig.uv_polygons[own, :width]
-    mesh = (rig.polygons[own, :width], rig.uvs[: uv_polygons.max() + 1], uv_polygons)
+    uv_polygons = rig.mesh.uv_polygons[own, :width]
+    mesh = Mesh(face.vertices, rig.mesh.polygons[own, :width], rig.mesh.uvs[: uv_polygons.max() + 1], uv_polygons)
     write_png(folder / SKIN, rig.texture)
     if rig.eye_texture is not None:
         write_png(folder / EYES, rig.eye_texture)
-    write_obj(folder / "face.obj", ObjMesh(face.vertices, *mesh), SKIN)
-    write_face(folder / "face.npz", replace(face, polygons=mesh[0], uvs=mesh[1], uv_polygons=mesh[2]))
+    write_obj(folder / "face.obj", mesh, SKIN)
+    write_face(folder / "face.npz", replace(face, mesh=mesh))
     write_gltf(folder / "face.glb", rig)
     views = ("front", "three-quarter", "profile")
     plain = head_views(rig.neutral[:count].astype(float), template.faces, template.annotation, views, VIEW)

@@ -8,7 +8,6 @@ from scipy.spatial import cKDTree
 
 from caricli.errors import InputError
 from caricli.geometry.triangle_normals import triangle_normals
-from caricli.geometry.triangulate import triangulate
 from caricli.geometry.vertex_neighbours import vertex_neighbours
 from caricli.render.uv_map import pad_texture, uv_map
 
@@ -240,7 +239,7 @@ class TexturePainter:
         """template: Template with UVs. size: texels, width and height. Raises InputError when there are no UVs."""
         if template.uvs is None:
             raise InputError("an albedo needs a template with UVs, found one without")
-        face, weights = uv_map(template.uvs, triangulate(template.uv_polygons), size)
+        face, weights = uv_map(template.uvs, template.uv_faces, size)
         self.covered = face >= 0
         corners, values = template.faces[face[self.covered]], weights[self.covered]
         count = len(corners)

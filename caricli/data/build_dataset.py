@@ -26,9 +26,9 @@ from caricli.geometry.similarity import similarity
 from caricli.geometry.untangle import untangle
 from caricli.io.bundled import asset_path
 from caricli.io.config import read_yaml
-from caricli.limits import MAX_NPZ_BYTES
 from caricli.io.npz import write_npz
 from caricli.io.provenance import sha256_file
+from caricli.limits import MAX_NPZ_BYTES
 from caricli.models.intrinsic.model import IntrinsicModel
 from caricli.template.head import load_head
 

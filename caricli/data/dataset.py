@@ -166,10 +166,8 @@ def _read_template(folder, manifest):
     count = len(arrays["vertices"])
     annotation = parse_annotation(manifest["annotation"], count, str(folder / "dataset.json"))
     uvs = (arrays.get("uvs"), arrays.get("uv_polygons"))
-    template = Template(arrays["vertices"], arrays["faces"], arrays["polygons"], annotation, *uvs)
-    if template.topology_id != manifest["topology_id"] or not (
-        0 <= template.faces.min() <= template.faces.max() < count
-    ):
+    template = Template(arrays["vertices"], arrays["polygons"], *uvs, annotation=annotation)
+    if template.topology_id != manifest["topology_id"] or not np.array_equal(template.faces, arrays["faces"]):
         raise InputError(f"{folder / 'template.npz'}: its faces do not fit dataset.json")
     return template
 

@@ -2,12 +2,11 @@
 
 from numbers import Real
 
-from caricli.errors import InputError
+from caricli.errors import InputError, shown
 from caricli.io.bundled import asset_path
 from caricli.io.config import read_yaml
-from caricli.io.files import shown
-from caricli.limits import MAX_SHAPES
 from caricli.io.strict_json import read_json
+from caricli.limits import MAX_SHAPES
 
 NEUTRAL, MOST = "neutral", 1.5
 

@@ -9,11 +9,10 @@ import numpy as np
 from caricli.data.dataset import SHARD_SIZE, split_identities, write_dataset
 from caricli.errors import InputError
 from caricli.geometry.flipped_triangles import flipped_triangles
-from caricli.geometry.triangulate import triangulate
 from caricli.io.files import read_text
-from caricli.limits import MAX_NPZ_BYTES
 from caricli.io.obj import read_obj
 from caricli.io.strict_json import read_json
+from caricli.limits import MAX_NPZ_BYTES
 from caricli.template.annotation import parse_annotation
 from caricli.template.template import Template
 
@@ -47,8 +46,8 @@ def import_dataset(obj_folder, folder, annotation_path, labels_path=None, seed=0
         shapes[number] = mesh.vertices
         progress(number + 1, len(files))
     annotation = parse_annotation(read_json(annotation_path), len(first.vertices), str(annotation_path))
-    faces = triangulate(first.polygons)
-    template = Template(shapes.mean(0, dtype=float), faces, first.polygons, annotation, first.uvs, first.uv_polygons)
+    mean = shapes.mean(0, dtype=float)
+    template = Template(mean, first.polygons, first.uvs, first.uv_polygons, annotation=annotation)
     identities, names, values = _read_labels(labels_path, files)
 
     def shards():

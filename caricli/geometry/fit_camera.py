@@ -1,46 +1,22 @@
 """The scaled orthographic camera that sees 3D points where a picture shows them."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from caricli.errors import NumericsError
 from caricli.geometry.deformation_gradients import rotation_matrices
+from caricli.structures import Camera
 
 _STEPS = 10
 
 
-@dataclass(frozen=True)
-class Pose:
-    """Pixels q = scale * rotation[:2] @ p + translation; rotation (3, 3) takes the face to x right, y down, z in."""
-
-    scale: float
-    rotation: np.ndarray
-    translation: np.ndarray
-
-    def project(self, points):
-        """Points (..., 3) to pixels (..., 2)."""
-        return self.scale * points @ self.rotation[:2].T + self.translation
-
-    def place(self, points):
-        """Points (..., 3) to pixels and depth in pixels (..., 3), as `rasterise` takes them."""
-        return self.scale * points @ self.rotation.T + [*self.translation, 0]
-
-    def lift(self, pixels, points):
-        """The 3D positions that project to pixels (K, 2) and keep the depth of points (K, 3)."""
-        camera = points @ self.rotation.T
-        camera[:, :2] = (pixels - self.translation) / self.scale
-        return camera @ self.rotation
-
-
-def scaled_orthographic_pose(points, pixels, weights=None):
-    """Fit a pose to 3D-2D correspondences.
+def fit_camera(points, pixels, weights=None):
+    """Fit a camera to 3D-2D correspondences.
 
     Starts from the affine fit (Kemelmacher-Shlizerman and Seitz 2011, section 3.2) made orthonormal, with scale and
     translation solved again for that rotation, and refines ``sum_k w_k |s R[:2] p_k + t - q_k|^2`` by Gauss-Newton.
 
     points: (K, 3), not all in one plane. pixels: (K, 2). weights: (K,) not negative.
-    Returns Pose. Raises NumericsError where the correspondences do not determine it.
+    Returns Camera. Raises NumericsError where the correspondences do not determine it.
     """
     weights = np.ones(len(points)) if weights is None else weights
     if any(_in_one_place(values[weights > 0]) for values in (points, pixels)):
@@ -74,7 +50,7 @@ def scaled_orthographic_pose(points, pixels, weights=None):
             break
     flat = p @ rotation[:2].T
     scale = (share * flat * q).sum() / (share * flat**2).sum()
-    return Pose(float(scale), rotation, pixels_mean - scale * rotation[:2] @ points_mean)
+    return Camera(float(scale), rotation, pixels_mean - scale * rotation[:2] @ points_mean)
 
 
 def _in_one_place(values):

@@ -5,11 +5,11 @@ import math
 
 import numpy as np
 
-from caricli.errors import InputError, OutputError
-from caricli.io.files import content_kind, looks_like_pickle, read_bytes, shown
-from caricli.limits import MAX_ARRAY_DIMENSIONS, MAX_CHECKPOINT_BYTES, MAX_CHECKPOINT_HEADER_BYTES
+from caricli.errors import InputError, OutputError, shown
+from caricli.io.files import content_kind, looks_like_pickle, read_bytes
 from caricli.io.outputs import write_bytes
 from caricli.io.strict_json import format_json, parse_json
+from caricli.limits import MAX_ARRAY_DIMENSIONS, MAX_CHECKPOINT_BYTES, MAX_CHECKPOINT_HEADER_BYTES
 
 _KEY = "caricli"
 _DTYPES = {

@@ -6,8 +6,8 @@ import re
 import types
 import typing
 
-from caricli.errors import InputError
-from caricli.io.files import read_text, shown
+from caricli.errors import InputError, shown
+from caricli.io.files import read_text
 from caricli.limits import MAX_CONFIG_BYTES, MAX_CONFIG_DEPTH
 
 # YAML 1.1 takes 1e-4 for text, which nobody means.

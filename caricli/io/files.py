@@ -3,7 +3,7 @@
 import os
 import stat
 
-from caricli.errors import InputError
+from caricli.errors import InputError, shown
 
 _SIGNATURES = (
     (b"\x89PNG", "a PNG image"),
@@ -15,18 +15,6 @@ _SIGNATURES = (
     (b"\x93NUMPY", "an NPY array"),
     (b"glTF", "a GLB file"),
 )
-
-
-def shown(value, limit=None):
-    """Return text that stays on one line.
-
-    Parameters: value, a path or any text (bytes are read as Latin-1); limit, the longest text kept (characters).
-    Returns: str; characters that do not print are escaped.
-    """
-    text = value.decode("latin-1") if isinstance(value, bytes) else str(value)
-    if limit is not None and len(text) > limit:
-        text = text[:limit] + "..."
-    return "".join(c if c.isprintable() else c.encode("unicode_escape", "backslashreplace").decode() for c in text)
 
 
 def content_kind(data):

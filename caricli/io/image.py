@@ -5,10 +5,10 @@ import warnings
 
 import numpy as np
 
-from caricli.errors import InputError, OutputError
-from caricli.io.files import content_kind, read_bytes, shown
-from caricli.limits import MAX_IMAGE_BYTES, MAX_IMAGE_PIXELS
+from caricli.errors import InputError, OutputError, shown
+from caricli.io.files import content_kind, read_bytes
 from caricli.io.outputs import writing
+from caricli.limits import MAX_IMAGE_BYTES, MAX_IMAGE_PIXELS
 
 _FORMATS = ("PNG", "JPEG", "WEBP", "BMP", "TIFF", "GIF")
 

@@ -1,38 +1,21 @@
 """2D landmarks: JSON, iBUG .pts, plain text and NPY."""
 
 import io
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
-from caricli.errors import InputError, OutputError
-from caricli.io.files import decode_text, read_bytes, shown
-from caricli.limits import MAX_COORDINATE, MAX_LANDMARK_BYTES
+from caricli.errors import InputError, OutputError, naming, shown
+from caricli.io.files import decode_text, read_bytes
 from caricli.io.npz import read_array
 from caricli.io.outputs import write_bytes
 from caricli.io.strict_json import parse_json, write_json
+from caricli.limits import MAX_COORDINATE, MAX_LANDMARK_BYTES
+from caricli.structures.landmarks import SCHEMES, Landmarks
 
 SCHEMA = "caricli.landmarks/1"
-SCHEMES = {68: "ibug68", 81: "ibug68+13"}
-"""Name of the scheme by its number of points: iBUG's 68, or these and the 13 further ones of the annotation."""
-MIN_KNOWN = 8
-MIN_INSIDE, MIN_DIAGONAL = 0.5, 8.0
-
 _KIND = "a landmark file"
 _MAX_IMAGE_SIDE = 1_000_000
-
-
-@dataclass(frozen=True, eq=False)
-class Landmarks:
-    """Landmarks of one picture.
-
-    points (L,2) float64, L 68 or 81, pixels, origin at the top left, y down, a NaN row where a point is not known;
-    image_size (width, height) in pixels, or None when the file does not say.
-    """
-
-    points: np.ndarray
-    image_size: tuple[int, int] | None = None
 
 
 def read_landmarks(path, pts_origin=1):
@@ -57,8 +40,8 @@ def read_landmarks(path, pts_origin=1):
             points = _points_from_pts(lines, path) - pts_origin
         else:
             points = _points_from_lines(list(enumerate(lines, 1)), path)
-    _check(points, size, path)
-    return Landmarks(points, size)
+    with naming(path):
+        return Landmarks(points, size)
 
 
 def write_landmarks(path, landmarks):
@@ -69,11 +52,7 @@ def write_landmarks(path, landmarks):
     written.
     """
     suffix = Path(path).suffix.lower()
-    points = np.asarray(landmarks.points, np.float64)
-    try:
-        _check(points, landmarks.image_size, path)
-    except InputError as error:
-        raise OutputError(str(error)) from None
+    points = landmarks.points
     if suffix == ".json":
         value = {"schema": SCHEMA, "scheme": SCHEMES[len(points)]}
         if landmarks.image_size is not None:
@@ -173,43 +152,3 @@ def _points_from_lines(lines, path):
 
 def _is_number(value):
     return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) <= MAX_COORDINATE
-
-
-def _check(points, size, path):
-    if points.shape not in [(count, 2) for count in SCHEMES]:
-        raise InputError(f"{shown(path)}: expected 68 or 81 points, found {len(points)}")
-    known = ~np.isnan(points).all(axis=1)
-    if not (np.abs(points[known]) <= MAX_COORDINATE).all():
-        k = int(np.nonzero(known)[0][np.argmin((np.abs(points[known]) <= MAX_COORDINATE).all(axis=1))])
-        raise InputError(f"{shown(path)}: point {k}: expected finite coordinates, found {points[k].tolist()}")
-    if known.sum() < MIN_KNOWN:
-        raise InputError(f"{shown(path)}: expected at least {MIN_KNOWN} known points, found {known.sum()}")
-    spread = np.ptp(points[known], axis=0).max()
-    if spread <= 1e-6 * max(1e-6, np.abs(points[known]).max()):
-        raise InputError(f"{shown(path)}: expected the points of a face, found all of them in one place")
-    if size is not None:
-        check_inside(points, size, path)
-
-
-def check_inside(points, size, path):
-    """Refuse landmarks far outside the image they belong to.
-
-    Parameters: points (L,2), NaN where unknown; size, (width, height) in pixels; path, named in the message.
-    Raises: InputError when a point lies more than one image size beyond the border, fewer than half of them lie inside,
-    or the face is smaller than a few pixels.
-    """
-    image = np.array(size, np.float64)
-    known = points[~np.isnan(points).any(axis=1)]
-    inside = ((known >= 0) & (known <= image)).all(axis=1).mean()
-    if inside < MIN_INSIDE or np.linalg.norm(np.ptp(known, axis=0)) < MIN_DIAGONAL:
-        raise InputError(
-            f"{shown(path)}: expected the landmarks of a face in the {size[0]} x {size[1]} image, found "
-            f"{100 * inside:.0f} % of them inside, {np.linalg.norm(np.ptp(known, axis=0)):.3g} pixels across"
-        )
-    outside = ((points < -image) | (points > 2 * image)).any(axis=1)
-    if outside.any():
-        k = int(np.argmax(outside))
-        raise InputError(
-            f"{shown(path)}: point {k}: expected a place in or near the {size[0]} x {size[1]} image, "
-            f"found {points[k].tolist()}"
-        )

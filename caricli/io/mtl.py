@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
-from caricli.errors import InputError
-from caricli.io.files import read_bytes, shown
+from caricli.errors import InputError, shown
+from caricli.io.files import read_bytes
 from caricli.limits import MAX_CONFIG_BYTES, MAX_FILE_BYTES
 
 _NAMES = (b"/", b"\\", b"..", b"\0", b":")

@@ -8,10 +8,10 @@ import zlib
 
 import numpy as np
 
-from caricli.errors import InputError, OutputError
-from caricli.io.files import looks_like_pickle, read_bytes, shown
-from caricli.limits import MAX_ARRAY_DIMENSIONS, MAX_NPZ_BYTES, MAX_NPZ_HEADER_BYTES, MAX_NPZ_MEMBERS
+from caricli.errors import InputError, OutputError, shown
+from caricli.io.files import looks_like_pickle, read_bytes
 from caricli.io.outputs import writing
+from caricli.limits import MAX_ARRAY_DIMENSIONS, MAX_NPZ_BYTES, MAX_NPZ_HEADER_BYTES, MAX_NPZ_MEMBERS
 
 _HEADER = re.compile(
     rb"\{'descr': ?'([<>|=]?(?:b1|[iu][1248]|f[248]|[SU]\d{1,6}))', ?'fortran_order': ?(True|False), ?"
@@ -160,3 +160,14 @@ def _check_members(members, path, max_bytes):
 def text_of(array):
     """The text that an array of no dimensions holds, or None where it is no such array."""
     return str(array.item()) if array is not None and array.dtype.kind == "U" and array.ndim == 0 else None
+
+
+def take_texts(arrays, texts, noun):
+    """Take the texts that every file of a schema holds out of its arrays.
+
+    arrays: dict, changed. texts: dict of keys to what is expected. noun: what the file is, for the message.
+    Raises InputError where one is missing or another.
+    """
+    for key, expected in texts.items():
+        if text_of(arrays.pop(key, None)) != expected:
+            raise InputError(f"expected {noun} with {key} {expected!r}, found another or none")

@@ -2,13 +2,13 @@
 
 import io
 import re
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
-from caricli.errors import InputError, OutputError
-from caricli.io.files import content_kind, read_bytes, shown
+from caricli.errors import InputError, OutputError, shown
+from caricli.io.files import content_kind, read_bytes
+from caricli.io.outputs import write_bytes
 from caricli.limits import (
     MAX_COORDINATE,
     MAX_CORNERS,
@@ -17,7 +17,8 @@ from caricli.limits import (
     MAX_POLYGONS,
     MAX_VERTICES,
 )
-from caricli.io.outputs import write_bytes
+from caricli.structures import Mesh
+from caricli.structures.checks import repeats
 
 _KIND = "an OBJ file"
 _MAX_LINE_BYTES = 8192
@@ -36,20 +37,6 @@ _CORNERS = {
 }
 
 
-@dataclass(frozen=True, eq=False)
-class ObjMesh:
-    """A polygon mesh as an OBJ file holds it.
-
-    vertices (V,3) float64; polygons (P,N) int32, each row padded with -1; uvs (T,2) float64 or None; uv_polygons (P,N)
-    int32 padded alike, indices into uvs, or None.
-    """
-
-    vertices: np.ndarray
-    polygons: np.ndarray
-    uvs: np.ndarray | None = None
-    uv_polygons: np.ndarray | None = None
-
-
 def read_obj(path):
     """Read an OBJ file.
 
@@ -57,7 +44,7 @@ def read_obj(path):
     colours). Texture coordinates count only when every face has them; faces with and without in one file are refused,
     because dropping either part would lose it silently.
     Parameters: path.
-    Returns: ObjMesh, indices from 0.
+    Returns: Mesh, indices from 0.
     Raises: InputError naming the line when a coordinate is missing, not finite or beyond MAX_COORDINATE, when an index
     is 0 or out of range, when a face repeats a vertex or has fewer than 3 or more than MAX_POLYGON_CORNERS corners,
     and when there are no vertices or no faces.
@@ -76,20 +63,19 @@ def read_obj(path):
     uvs = records.coordinates(records.uvs, records.uv_lines, 2) if records.uvs else np.zeros((0, 2))
     polygons, uv_polygons = records.polygons(len(vertices), len(uvs))
     if uv_polygons is None:
-        return ObjMesh(vertices, polygons)
-    return ObjMesh(vertices, polygons, uvs, uv_polygons)
+        return Mesh(vertices, polygons)
+    return Mesh(vertices, polygons, uvs, uv_polygons)
 
 
 def write_obj(path, mesh, texture=None, mtl=None):
     """Write an OBJ file, and its material when there is a texture.
 
-    Parameters: path; mesh, ObjMesh; texture, the file name of a PNG in the same folder, or None; mtl, the path of the
+    Parameters: path; mesh, Mesh; texture, the file name of a PNG in the same folder, or None; mtl, the path of the
     material file to write, in the same folder as `path` (default: `path` with the suffix .mtl).
     Raises: OutputError when the mesh could not be read back, the texture is no plain file name or has no UVs to sit
     on, or a file cannot be written.
     """
     path = Path(path)
-    _check(path, mesh)
     lines = ["# units m, axes +y up, +z front\n"]
     if texture is not None:
         mtl = path.with_suffix(".mtl") if mtl is None else Path(mtl)
@@ -114,18 +100,6 @@ def write_obj(path, mesh, texture=None, mtl=None):
     row = [f"f{corner * n}\n" for n in range(mesh.polygons.shape[1] + 1)]
     lines.append("".join([row[n] for n in used.sum(1).tolist()]) % tuple(corners.tolist()))
     write_bytes(path, "".join(lines).encode("utf-8"))
-
-
-def padding_is_last(polygons):
-    """Return whether each row of (P,N) has at least 3 indices of 0 or more, followed by -1 only."""
-    used = polygons >= 0
-    return bool((used[:, :3]).all() and (used[:, 1:] <= used[:, :-1]).all() and (polygons >= -1).all())
-
-
-def repeats(polygons):
-    """Return the rows (P,) bool of (P,N), padded with -1, that hold an index twice."""
-    ordered = np.sort(polygons, axis=1)
-    return ((ordered[:, 1:] == ordered[:, :-1]) & (ordered[:, 1:] >= 0)).any(axis=1)
 
 
 class _Records:
@@ -273,23 +247,3 @@ def _is_coordinate(word):
         return b"_" not in word and abs(float(word)) <= MAX_COORDINATE
     except ValueError:
         return False
-
-
-def _check(path, mesh):
-    vertices, polygons = mesh.vertices, mesh.polygons
-    if not (vertices.ndim == 2 and vertices.shape[1] == 3 and polygons.ndim == 2 and polygons.shape[1] >= 3):
-        raise OutputError(f"{shown(path)}: expected vertices (V,3) and polygons (P,N), found other shapes")
-    if not len(polygons):
-        raise OutputError(f"{shown(path)}: expected a mesh with faces, found none")
-    tables = [(vertices, polygons)]
-    if mesh.uvs is not None:
-        if mesh.uv_polygons is None or not np.array_equal(mesh.uv_polygons >= 0, polygons >= 0):
-            raise OutputError(f"{shown(path)}: expected a texture index for every corner, found fewer or more")
-        tables.append((mesh.uvs, mesh.uv_polygons))
-    for points, indices in tables:
-        if not np.all(np.abs(points) <= MAX_COORDINATE):
-            raise OutputError(f"{shown(path)}: expected finite coordinates of at most {MAX_COORDINATE:g}, found others")
-        if not padding_is_last(indices) or indices.max() >= len(points):
-            raise OutputError(f"{shown(path)}: expected indices below {len(points)}, found others")
-    if repeats(polygons).any():
-        raise OutputError(f"{shown(path)}: expected faces with distinct vertices, found one twice")

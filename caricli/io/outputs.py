@@ -7,8 +7,7 @@ import tempfile
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from caricli.errors import OutputError
-from caricli.io.files import shown
+from caricli.errors import OutputError, shown
 
 _PREFIX = ".caricli-"
 _WRITE_ERRORS = {

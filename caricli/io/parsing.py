@@ -6,10 +6,10 @@ from pathlib import Path
 
 import numpy as np
 
-from caricli.errors import InputError
-from caricli.io.files import read_bytes, shown
-from caricli.limits import MAX_IMAGE_BYTES, MAX_IMAGE_PIXELS
+from caricli.errors import InputError, shown
+from caricli.io.files import read_bytes
 from caricli.io.strict_json import read_json
+from caricli.limits import MAX_IMAGE_BYTES, MAX_IMAGE_PIXELS
 
 SCHEMA = "caricli.parsing/1"
 

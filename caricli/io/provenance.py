@@ -4,8 +4,7 @@ import hashlib
 import os
 
 from caricli import __version__
-from caricli.errors import InputError
-from caricli.io.files import shown
+from caricli.errors import InputError, shown
 
 
 def sha256_file(path):

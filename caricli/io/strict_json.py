@@ -7,10 +7,10 @@ import re
 
 import numpy as np
 
-from caricli.errors import InputError, OutputError
-from caricli.io.files import decode_text, read_bytes, shown
-from caricli.limits import MAX_JSON_BYTES, MAX_JSON_DEPTH
+from caricli.errors import InputError, OutputError, shown
+from caricli.io.files import decode_text, read_bytes
 from caricli.io.outputs import write_bytes
+from caricli.limits import MAX_JSON_BYTES, MAX_JSON_DEPTH
 
 _STRING = re.compile(rb'"(?:[^"\\]|\\.)*+"?', re.DOTALL)
 _NOT_BRACKET = re.compile(rb"[^\[\]{}]+")

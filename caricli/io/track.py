@@ -1,22 +1,20 @@
 """Weights of expressions over time: Live Link Face CSV, MediaPipe blendshape JSON, caricli's own JSON, NPZ."""
 
 import re
-from dataclasses import dataclass
 
 import numpy as np
 
-from caricli.errors import InputError, OutputError
-from caricli.structures.arkit import ARKIT_NAMES
-from caricli.io.files import decode_text, read_bytes, shown
-from caricli.limits import MAX_FILE_BYTES, MAX_JSON_BYTES, MAX_SHAPES
+from caricli.errors import InputError, naming, shown
+from caricli.io.files import decode_text, read_bytes
 from caricli.io.npz import read_npz
 from caricli.io.outputs import write_bytes
 from caricli.io.strict_json import format_json, parse_json
+from caricli.limits import MAX_FILE_BYTES, MAX_JSON_BYTES, MAX_SHAPES
+from caricli.structures.arkit import ARKIT_NAMES
+from caricli.structures.track import FrameError, Track
 
 SCHEMA = "caricli.weights/1"
 
-LEAST, MOST = -0.5, 1.5
-"""Range of a weight: trackers overshoot 0 and 1 a little, never this far."""
 MAX_FPS = 1000.0
 MAX_FRAMES, MAX_WEIGHTS = 2**19, 2**25
 """Longest track, about two hours at 60 frames a second; most weights of one track."""
@@ -27,21 +25,6 @@ _LIVE_LINK_FPS, _OTHER_FPS = 60.0, 30.0
 _COMMON_FPS = (24, 25, 30, 48, 50, 60, 90, 120, 240)
 _TIMECODE = re.compile(r"(\d{1,2}):(\d{1,2}):(\d{1,2})[:;](\d{1,4}(?:\.\d{1,9})?)")
 _DAY = 86400.0
-_MAX_ANGLE = 4 * np.pi
-
-
-@dataclass(frozen=True, eq=False)
-class WeightTrack:
-    """How much of each expression a face shows over time.
-
-    names (N,), distinct, ARKit's in its own spelling; times (T,) seconds, rising from 0; weights (T,N) from LEAST to
-    MOST; head (T,3) yaw, pitch and roll of the head in radians as Live Link Face has them, or None.
-    """
-
-    names: tuple
-    times: np.ndarray
-    weights: np.ndarray
-    head: np.ndarray | None = None
 
 
 def read_weights(path, fps=None):
@@ -59,7 +42,7 @@ def read_weights(path, fps=None):
     JSON of caricli: schema, names, weights and fps or times, optionally head. NPZ: names, weights, optionally fps (30).
 
     Parameters: path; fps, frames per second of the recording where the file does not say.
-    Returns: WeightTrack.
+    Returns: Track.
     Raises: InputError when it is none of these, a row is ragged, names repeat, or a number is missing, not finite or
     out of range.
     """
@@ -80,12 +63,9 @@ def read_weights(path, fps=None):
 def write_weights(path, track):
     """Write weights as caricli's JSON: fps where the times are even, else the times.
 
-    Parameters: path; track, WeightTrack.
+    Parameters: path; track, Track.
     Raises: OutputError when the track could not be read back or the file cannot be written.
     """
-    problem = _problem(track, lambda row: f"frame {row}")
-    if problem:
-        raise OutputError(f"{shown(path)}: {problem}")
     times = np.asarray(track.times, float)
     fps = (len(times) - 1) / times[-1] if len(times) > 1 else _OTHER_FPS
     fps = round(fps, 6)
@@ -127,10 +107,9 @@ def _from_csv(text, path, fps):
             expected = f"line {number}: {name}: expected a number"
             raise InputError(f"{shown(path)}: {expected}, found {shown(word, 40)!r}") from None
     count = len(ARKIT_NAMES)
-    track = WeightTrack(
-        ARKIT_NAMES, _live_link_times(timecodes, fps), values[:, :count], values[:, count:] if head else None
-    )
-    return _checked(track, path, lambda row: f"line {rows[row][0]}")
+    places = [f"line {number}" for number, _ in rows]
+    angles = values[:, count:] if head else None
+    return _track(path, places, ARKIT_NAMES, _live_link_times(timecodes, fps), values[:, :count], angles)
 
 
 def _is_number(word):
@@ -183,7 +162,7 @@ def _from_mediapipe(value, path, fps):
         bare = frames[given.index(False)]
         raise InputError(f"{shown(path)}: frame {bare}: expected a timestamp as in other frames, found none")
     times = np.array(stamps, float) if all(given) else np.array(frames) / (fps or _OTHER_FPS)
-    return _checked(WeightTrack(names, times - times[0], weights), path, lambda row: f"frame {frames[row]}")
+    return _track(path, [f"frame {k}" for k in frames], names, times - times[0], weights)
 
 
 def _is_categories(value):
@@ -241,7 +220,7 @@ def _from_own(value, path):
     else:
         times = _table([value["times"]], len(rows), f"{shown(path)}: times")[0]
     head = _table(value["head"], 3, f"{shown(path)}: head") if "head" in value else None
-    return _checked(WeightTrack(tuple(names), times, weights, head), path, lambda row: f"frame {row}")
+    return _track(path, _numbered(rows), names, times, weights, head)
 
 
 def _from_npz(arrays, path, fps):
@@ -258,8 +237,7 @@ def _from_npz(arrays, path, fps):
         raise InputError(f"{shown(path)}: fps: expected one number, found {arrays['fps'].shape}")
     rate = float(arrays["fps"].item()) if "fps" in arrays else fps or _OTHER_FPS
     _check_fps(rate, f"{shown(path)}: fps")
-    track = WeightTrack(tuple(names.tolist()), np.arange(len(weights)) / rate, weights.astype(float))
-    return _checked(track, path, lambda row: f"frame {row}")
+    return _track(path, _numbered(weights), names.tolist(), np.arange(len(weights)) / rate, weights.astype(float))
 
 
 def _table(rows, width, where):
@@ -290,39 +268,17 @@ def _check_size(frames, names, path):
         raise InputError(f"{shown(path)}: expected at most {most}, found {frames} frames of {names}")
 
 
-def _checked(track, path, where):
-    """The track with ARKit's spelling, refused where it is unsound."""
-    known = {name.lower(): name for name in ARKIT_NAMES}
-    names = tuple(known.get(name.lower(), name) for name in track.names)
-    track = WeightTrack(names, track.times, track.weights, track.head)
-    problem = _problem(track, where)
-    if problem:
-        raise InputError(f"{shown(path)}: {problem}")
-    return track
+def _numbered(frames):
+    """What frames are called that have no other name in their file."""
+    return [f"frame {k}" for k in range(len(frames))]
 
 
-def _problem(track, where):
-    """Return what is wrong with a track as "where: expected ..., found ...", or None."""
-    names, times, weights = track.names, np.asarray(track.times), np.asarray(track.weights)
-    if not names or not all(names) or len(set(names)) < len(names):
-        twice = next((name for k, name in enumerate(names) if name in names[:k]), "an empty one")
-        return f"names: expected distinct names, found {shown(twice, 40)!r}" + (" twice" if names else "")
-    if weights.shape != (len(times), len(names)) or not len(times):
-        return f"weights: expected the shape {(len(times), len(names))}, found {weights.shape}"
-    bad = ~((weights >= LEAST) & (weights <= MOST))
-    if bad.any():
-        row, column = np.argwhere(bad)[0]
-        expected = f"expected a weight from {LEAST:g} to {MOST:g}"
-        return f"{where(row)}: {shown(names[column], 40)}: {expected}, found {weights[row, column]:g}"
-    steps = np.diff(times)
-    if times[0] != 0 or not (steps > 0).all() or not np.isfinite(times).all():
-        row = 0 if times[0] != 0 else int(np.argmin(steps > 0)) + 1
-        return f"{where(row)}: expected times that rise from 0, found {times[row]:g} s"
-    if track.head is not None:
-        head = np.asarray(track.head)
-        if head.shape != (len(times), 3):
-            return f"head: expected the shape {(len(times), 3)}, found {head.shape}"
-        bad = ~(np.abs(head) <= _MAX_ANGLE).all(1)
-        if bad.any():
-            return f"{where(int(np.argmax(bad)))}: expected angles of the head in radians, found {head[np.argmax(bad)]}"
-    return None
+def _track(path, rows, names, times, weights, head=None):
+    """The Track of a file, with ARKit's spelling. rows: (T,) texts, what a frame is called in the file."""
+    arkit = {name.lower(): name for name in ARKIT_NAMES}
+    spelled = tuple(arkit.get(name.lower(), name) for name in names)
+    with naming(path):
+        try:
+            return Track(spelled, times, weights, head)
+        except FrameError as error:
+            raise InputError(f"{rows[error.frame]}: {error.problem}") from None

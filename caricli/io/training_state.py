@@ -2,8 +2,7 @@
 
 import pickle
 
-from caricli.errors import InputError
-from caricli.io.files import shown
+from caricli.errors import InputError, shown
 from caricli.io.outputs import staged, writing
 
 SCHEMA = "caricli.training/1"

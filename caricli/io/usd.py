@@ -2,12 +2,10 @@
 
 import numpy as np
 
-from caricli.errors import OutputError
-from caricli.io.face import fans
-from caricli.io.files import shown
-from caricli.io.gltf import shading_normals
+from caricli.errors import OutputError, shown
+from caricli.io.gltf.write_gltf import shading_normals
 from caricli.io.outputs import writing
-from caricli.io.rig import EYES, rig_problem
+from caricli.structures import Material
 
 _SUFFIXES = (".usdc", ".usda")
 
@@ -23,18 +21,15 @@ def write_usd(path, rig):
     """
     if not str(path).endswith(_SUFFIXES):
         raise OutputError(f"{shown(path)}: expected a name in {' or '.join(_SUFFIXES)}, found another")
-    problem = rig_problem(rig)
-    if problem:
-        raise OutputError(f"{shown(path)}: {problem}")
     try:
         from pxr import Sdf, Tf, Usd, UsdGeom, UsdSkel, Vt
     except ImportError:
         raise OutputError(f"{shown(path)}: USD needs a package: pip install 'caricli[usd]'") from None
 
-    polygons = np.asarray(rig.faces if rig.polygons is None else rig.polygons)
+    polygons = rig.mesh.polygons
     used = polygons >= 0
     neutral, deltas = (np.asarray(a, np.float32) for a in (rig.neutral, rig.deltas))
-    normals, normal_deltas = shading_normals(rig, fans(polygons))
+    normals, normal_deltas = shading_normals(rig)
 
     stage = Usd.Stage.CreateInMemory()
     UsdGeom.SetStageUpAxis(stage, UsdGeom.Tokens.y)
@@ -49,14 +44,14 @@ def write_usd(path, rig):
     mesh.CreateExtentAttr(Vt.Vec3fArray.FromNumpy(np.stack([neutral.min(0), neutral.max(0)])))
     mesh.CreateFaceVertexCountsAttr(_ints(used.sum(1), Vt))
     mesh.CreateFaceVertexIndicesAttr(_ints(polygons[used], Vt))
-    if rig.uvs is not None:
+    if rig.mesh.uvs is not None:
         st = UsdGeom.PrimvarsAPI(mesh).CreatePrimvar(
             "st", Sdf.ValueTypeNames.TexCoord2fArray, UsdGeom.Tokens.faceVarying
         )
-        st.Set(Vt.Vec2fArray.FromNumpy(np.asarray(rig.uvs, np.float32)))
-        st.SetIndices(_ints(np.asarray(rig.uv_polygons)[used], Vt))
+        st.Set(Vt.Vec2fArray.FromNumpy(np.asarray(rig.mesh.uvs, np.float32)))
+        st.SetIndices(_ints(np.asarray(rig.mesh.uv_polygons)[used], Vt))
     if rig.materials is not None:
-        (eyes,) = np.nonzero(np.asarray(rig.materials) == EYES)
+        (eyes,) = np.nonzero(np.asarray(rig.materials) == Material.EYE)
         UsdGeom.Subset.CreateGeomSubset(mesh, "eyes", UsdGeom.Tokens.face, _ints(eyes, Vt))
 
     names = Vt.TokenArray(rig.names)

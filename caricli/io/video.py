@@ -5,8 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from caricli.errors import OutputError
-from caricli.io.files import shown
+from caricli.errors import OutputError, shown
 from caricli.io.outputs import writing
 
 VIDEO_SUFFIXES = (".mp4", ".gif")

@@ -52,8 +52,11 @@ def model_from_checkpoint(tensors, metadata, where):
         count = len(parts["vertices"])
         _check_template(parts, count, where)
         annotation = parse_annotation(metadata["annotation"], count, where)
-        vertices = parts["vertices"].astype(np.float64)
-        template = Template(vertices, parts["faces"], parts["polygons"], annotation, parts["uvs"], parts["uv_polygons"])
+        parts["vertices"] = parts["vertices"].astype(np.float64)
+        faces = parts.pop("faces")
+        template = Template(**parts, annotation=annotation)
+        if not np.array_equal(template.faces, faces):
+            raise InputError(f"{where}: its template is not a mesh")
         own = {name.removeprefix("model."): value for name, value in tensors.items() if name.startswith("model.")}
         return model_class(metadata["kind"]).from_tensors(template, own, model_id(metadata["kind"], own))
     except (KeyError, ValueError, IndexError, TypeError, np.linalg.LinAlgError) as error:

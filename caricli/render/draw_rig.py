@@ -3,14 +3,13 @@
 import numpy as np
 
 from caricli.errors import InputError
-from caricli.geometry.triangulate import triangulate
-from caricli.io.rig import EYES, SKIN
 from caricli.render.blend import over
 from caricli.render.curved_triangles import curved_triangles
 from caricli.render.shade import CLAY, shade
 from caricli.render.sky import sky_visibility
 from caricli.render.smooth_normals import smooth_normals
 from caricli.render.views import VIEWS
+from caricli.structures import Material
 
 EYE_WHITE = (232, 228, 222)
 PAPER = (255, 255, 255)
@@ -60,20 +59,20 @@ def _painted(rig, vertices, normals, visibility):
     if rig.materials is None:
         colour = np.broadcast_to(CLAY, vertices.shape)
         return vertices, rig.faces, colour, visibility
-    owner = np.repeat(rig.materials, (rig.polygons >= 0).sum(1) - 2)
-    faces = triangulate(rig.polygons)
-    uv_faces = faces if rig.uvs is None else triangulate(rig.uv_polygons)
+    owner = rig.triangle_materials
+    faces = rig.mesh.faces
+    uv_faces = faces if rig.mesh.uvs is None else rig.mesh.uv_faces
     parts, count = [], 0
-    for material, image, plain in ((SKIN, rig.texture, CLAY), (EYES, rig.eye_texture, EYE_WHITE)):
+    for material, image, plain in ((Material.SKIN, rig.texture, CLAY), (Material.EYE, rig.eye_texture, EYE_WHITE)):
         corners = np.stack([faces[owner == material], uv_faces[owner == material]], -1).reshape(-1, 2)
         if not len(corners):
             continue
         # Along a seam a vertex has two places in the picture, so it becomes two.
         pairs, triangles = np.unique(corners, axis=0, return_inverse=True)
         triangles, at = triangles.reshape(-1, 3), pairs[:, 0]
-        painted = image is not None and rig.uvs is not None
+        painted = image is not None and rig.mesh.uvs is not None
         points, ways, seen = vertices[at], normals[at], visibility[at]
-        uvs = rig.uvs[pairs[:, 1]] if painted else np.zeros((len(at), 2))
+        uvs = rig.mesh.uvs[pairs[:, 1]] if painted else np.zeros((len(at), 2))
         while _coarse(points, triangles, _PAINTED_EDGE if painted else _PLAIN_EDGE):
             points, triangles, ways, (uvs, seen) = curved_triangles(points, triangles, ways, (uvs, seen))
         colours = _sampled(image, uvs) if painted else np.broadcast_to(plain, points.shape)

@@ -4,12 +4,11 @@ import cv2
 import numpy as np
 
 from caricli.geometry.triangle_normals import triangle_normals
-from caricli.geometry.triangulate import triangulate
-from caricli.io.rig import EYES, SKIN
 from caricli.render.rasterise import rasterise
 from caricli.render.sample_texture import sample_texture
 from caricli.render.smooth_normals import smooth_normals
 from caricli.render.views import VIEWS
+from caricli.structures import Material
 
 ANGLES = VIEWS | {"behind": 180.0}
 PAPER, INSIDE = 255.0, (46.0, 36.0, 34.0)
@@ -42,15 +41,14 @@ def render_textured(rig, placed, width, height, shade=0.0, paper=PAPER):
     rig: Rig with UVs. placed: (V, 3) its vertices, in pixels and depth, as `rasterise` takes them. shade: how much
     darker a surface is that is seen from the side. Returns (height, width, 3) uint8.
     """
-    faces = triangulate(rig.polygons)
+    faces = rig.mesh.faces
     raster = rasterise(placed, faces, width, height)
     shown = raster.face >= 0
     face, weights = raster.face[shown], raster.barycentric[shown].astype(np.float64)
-    uvs = np.einsum("nk,nkc->nc", weights, rig.uvs[triangulate(rig.uv_polygons)[face]])
-    materials = np.zeros(len(rig.polygons), int) if rig.materials is None else rig.materials
-    owner = np.repeat(materials, (rig.polygons >= 0).sum(1) - 2)[face]
+    uvs = np.einsum("nk,nkc->nc", weights, rig.mesh.uvs[rig.mesh.uv_faces[face]])
+    owner = rig.triangle_materials[face]
     colours = np.full((len(face), 3), paper)
-    for material, picture in ((SKIN, rig.texture), (EYES, rig.eye_texture)):
+    for material, picture in ((Material.SKIN, rig.texture), (Material.EYE, rig.eye_texture)):
         if picture is not None and (owner == material).any():
             colours[owner == material] = sample_texture(picture, uvs[owner == material])
     if shade:

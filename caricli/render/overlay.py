@@ -2,7 +2,6 @@
 
 import numpy as np
 
-from caricli.errors import InputError
 from caricli.render.blend import over
 from caricli.render.shade import CLAY, shade
 
@@ -20,35 +19,16 @@ _IBUG = (
 )
 
 
-def overlay_mesh(
-    image, vertices, faces, camera_scale, camera_rotation, camera_translation, opacity=0.7, colour=CLAY, eyeballs=()
-):
-    """Draw a mesh over a picture through a scaled orthographic camera: q = s R[:2] p + t.
+def overlay_mesh(image, mesh, camera, opacity=0.7, colour=CLAY, eyeballs=()):
+    """Draw a mesh over a picture.
 
-    image: (H, W, 3) uint8. vertices: (V, 3), face frame. faces: (F, 3). camera_scale: pixels per unit.
-    camera_rotation: (3, 3), proper, face frame to OpenCV's (x right, y down, z into the picture). camera_translation:
-    (2,), pixels; (0, 0) is the centre of the top-left pixel. opacity: 0 to 1. colour, eyeballs: as in `shade`, the
-    eyeballs in the face frame.
+    image: (H, W, 3) uint8. mesh: Mesh in the face frame. camera: Camera. opacity: 0 to 1. colour, eyeballs: as in
+    `shade`, the eyeballs in the face frame.
     Returns (H, W, 3) uint8.
-    Raises InputError when the camera is not one.
     """
-    rotation, translation = np.asarray(camera_rotation, float), np.asarray(camera_translation, float)
-    if (
-        rotation.shape != (3, 3)
-        or not np.allclose(rotation @ rotation.T, np.eye(3), atol=1e-3)
-        or (np.linalg.det(rotation) < 0)
-    ):
-        raise InputError("camera_rotation must be a proper rotation of shape (3, 3)")
-    if translation.shape != (2,) or not np.isfinite(translation).all() or not 0 < camera_scale < np.inf:
-        raise InputError("a camera needs a positive finite scale and a finite translation of shape (2,)")
-
-    def to_picture(points):
-        return camera_scale * np.asarray(points, float) @ rotation.T + [*translation, 0]
-
-    balls = [(to_picture(centre), camera_scale * radius) for centre, radius in eyeballs]
-    picture = shade(
-        to_picture(vertices), faces, image.shape[1], image.shape[0], colour=colour, eyeballs=balls, gaze=rotation[:, 2]
-    )
+    balls = [(camera.place(centre), camera.scale * radius) for centre, radius in eyeballs]
+    look = {"colour": colour, "eyeballs": balls, "gaze": camera.rotation[:, 2]}
+    picture = shade(camera.place(mesh.vertices), mesh.faces, image.shape[1], image.shape[0], **look)
     return over(picture, image, opacity)
 
 

@@ -1,1 +1,11 @@
 """The nouns: frozen, checked once where they are made, without paths."""
+
+from caricli.structures.camera import Camera
+from caricli.structures.directions import Directions
+from caricli.structures.face import Face
+from caricli.structures.landmarks import Landmarks
+from caricli.structures.mesh import Mesh
+from caricli.structures.rig import Material, Rig
+from caricli.structures.track import Animation, Track
+
+__all__ = ["Animation", "Camera", "Directions", "Face", "Landmarks", "Material", "Mesh", "Rig", "Track"]

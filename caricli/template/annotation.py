@@ -6,22 +6,6 @@ import numpy as np
 
 from caricli.errors import InputError
 
-EXTRA_NAMES = (
-    *("forehead_right", "forehead_centre", "forehead_left", "ear_right_top", "ear_right_outer", "ear_right_lobe"),
-    *("ear_left_top", "ear_left_outer", "ear_left_lobe", "cheekbone_right", "cheekbone_left", "temple_right"),
-    "temple_left",
-)
-
-
-# Left and right are the subject's; iBUG counts from the image's left.
-POINT_NAMES = {
-    "nose_tip": 30, "nose_root": 27, "nose_base": 33, "nostril_right": 31, "nostril_left": 35, "chin": 8,
-    "jaw_right": 4, "jaw_left": 12, "mouth_corner_right": 48, "mouth_corner_left": 54, "upper_lip": 51, "lower_lip": 57,
-    "brow_right": 19, "brow_left": 24, "brow_inner_right": 21, "brow_inner_left": 22, "eye_outer_right": 36,
-    "eye_inner_right": 39, "eye_inner_left": 42, "eye_outer_left": 45, "forehead": 69, "ear_right": 72, "ear_left": 75,
-} | {name: number for number, name in enumerate(EXTRA_NAMES, 68)}  # fmt: skip
-"""Landmark numbers by the names of points."""
-
 
 @dataclass(frozen=True)
 class Annotation:

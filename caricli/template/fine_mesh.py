@@ -2,30 +2,35 @@
 
 from dataclasses import dataclass
 
-import numpy as np
 import scipy.sparse as sp
 
 from caricli.geometry.subdivide import subdivide
-from caricli.geometry.triangulate import triangulate
 from caricli.limits import MAX_VERTICES
+from caricli.structures import Mesh
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class FineMesh:
-    """levels; weights (W, V) of the template's vertices, which come first; the other fields as in Template."""
+    """A mesh whose polygons were split.
 
-    levels: int
+    mesh: Mesh of W vertices, those of the coarse one first.
+    weights: (W, V) sparse, of the coarse vertices.
+    levels: how often polygons were split.
+    """
+
+    mesh: Mesh
     weights: sp.csr_matrix
-    faces: np.ndarray
-    polygons: np.ndarray
-    uvs: np.ndarray | None
-    uv_polygons: np.ndarray | None
+    levels: int
+
+    def shaped(self, vertices):
+        """The Mesh of a coarse shape (V, 3), what is between its vertices carried along linearly."""
+        return self.mesh.with_vertices(self.weights @ vertices if self.levels else vertices)
 
 
 def fine_mesh(template, levels):
     """Subdivide a template's polygons and UVs.
 
-    template: Template. levels: how often; 0 gives the template's own mesh.
+    template: Mesh. levels: how often; 0 gives the template's own mesh.
     Returns FineMesh. Raises InputError beyond the cap on vertices or UVs, with which no file could be read back.
     """
     weights, polygons = subdivide(template.polygons, len(template.vertices), levels, MAX_VERTICES)
@@ -33,5 +38,4 @@ def fine_mesh(template, levels):
     if uvs is not None:
         uv_weights, uv_polygons = subdivide(uv_polygons, len(uvs), levels, MAX_VERTICES)
         uvs = uv_weights @ uvs
-    faces = triangulate(polygons) if levels else template.faces
-    return FineMesh(levels, weights, faces, polygons, uvs, uv_polygons)
+    return FineMesh(Mesh(weights @ template.vertices, polygons, uvs, uv_polygons), weights, levels)

@@ -12,7 +12,6 @@ from pathlib import Path
 import numpy as np
 
 from caricli.errors import CaricliError, InputError
-from caricli.geometry.triangulate import triangulate
 from caricli.io.bundled import asset_path
 from caricli.io.npz import read_npz, write_npz
 from caricli.io.outputs import staged
@@ -72,8 +71,7 @@ class Head:
         """The Template of ``evaluate(**options)`` with the bundled annotation."""
         path = asset_path("head_annotation.json")
         annotation = parse_annotation(read_json(path), self.actions.shape[1], path.name)
-        faces = triangulate(self.polygons)
-        return Template(self.evaluate(**options), faces, self.polygons, annotation, self.uvs, self.uv_polygons)
+        return Template(self.evaluate(**options), self.polygons, self.uvs, self.uv_polygons, annotation=annotation)
 
     def open_mouth_template(self):
         """The template with the lips apart, for networks that tell points apart by their position alone."""

@@ -1,38 +1,23 @@
 """The mesh that a shape space deforms, with everything that is known about it."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
 
 from caricli.geometry.deformation_gradients import DeformationGradients
 from caricli.geometry.tuck_cavities import Cavities
-from caricli.io.face import topology_id
+from caricli.structures import Mesh
 from caricli.template.annotation import Annotation
 
 CAVITIES = ("inner_mouth", "eye_socket_left", "eye_socket_right")
 
 
-@dataclass(frozen=True)
-class Template:
-    """vertices (V, 3) metres; faces (F, 3); polygons (P, N) padded with -1; uvs (T, 2); uv_polygons (P, N)."""
+@dataclass(frozen=True, eq=False)
+class Template(Mesh):
+    """A Mesh whose places have names. Its height is what shape errors are measured against."""
 
-    vertices: np.ndarray
-    faces: np.ndarray
-    polygons: np.ndarray
-    annotation: Annotation
-    uvs: np.ndarray | None = None
-    uv_polygons: np.ndarray | None = None
-
-    @property
-    def height(self):
-        """Vertical extent in metres: what shape errors are measured against."""
-        return float(np.ptp(self.vertices[:, 1]))
-
-    @cached_property
-    def topology_id(self):
-        """SHA-256 of the faces."""
-        return topology_id(self.faces)
+    annotation: Annotation = field(kw_only=True)
 
     @cached_property
     def gradients(self):
@@ -55,7 +40,3 @@ class Template:
         for name in names:
             mask[self.annotation.regions.get(name, [])] = True
         return mask
-
-    def with_vertices(self, vertices):
-        """The same mesh in another shape."""
-        return replace(self, vertices=vertices)

@@ -11,8 +11,9 @@ import igl
 import numpy as np
 
 from caricli.data.identities import random_identity
-from caricli.io.obj import ObjMesh, write_obj
+from caricli.io.obj import write_obj
 from caricli.io.strict_json import write_json
+from caricli.structures import Mesh
 from caricli.template.head import load_head
 
 COLUMNS, ROWS = 90, 72
@@ -72,7 +73,7 @@ def main():
         acting = {"jawOpen": 0.0, "mouthSmileLeft": generator.uniform(0, 0.8)}
         acting["mouthSmileRight"] = acting["mouthSmileLeft"]
         shape = head.evaluate(**vars(random_identity(head, generator)), actions=acting)
-        write_obj(folder / f"scan_{number:03d}.obj", ObjMesh(sample(shape), quads, uvs, uv_quads))
+        write_obj(folder / f"scan_{number:03d}.obj", Mesh(sample(shape), quads, uvs, uv_quads))
 
     points = sample(template.vertices)
     landmarks = [

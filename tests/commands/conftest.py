@@ -10,11 +10,12 @@ from scipy.optimize import linear_sum_assignment
 from caricli.cli import cli
 from caricli.commands.loading import load_model
 from caricli.geometry.deformation_gradients import rotation_matrices
-from caricli.io.directions import Directions, write_directions
-from caricli.io.landmarks import Landmarks, write_landmarks
-from caricli.io.obj import ObjMesh, write_obj
+from caricli.io.directions import write_directions
+from caricli.io.landmarks import write_landmarks
+from caricli.io.obj import write_obj
 from caricli.io.strict_json import write_json
 from caricli.render.sky import DIRECTIONS
+from caricli.structures import Directions, Landmarks, Mesh
 
 
 @pytest.fixture(scope="session")
@@ -117,7 +118,7 @@ def smile(head, tmp_path_factory):
     """An OBJ of a head with an expression, somewhere else than the template."""
     path = tmp_path_factory.mktemp("smile") / "smile.obj"
     vertices = head.evaluate(gender=0.3, actions={"mouthSmileLeft": 0.8}) + [0.01, 0.02, 0.03]
-    write_obj(path, ObjMesh(vertices, head.polygons, head.uvs, head.uv_polygons))
+    write_obj(path, Mesh(vertices, head.polygons, head.uvs, head.uv_polygons))
     return path
 
 
@@ -168,7 +169,7 @@ def egg(head_template):
         return vertices + np.tensordot(latent, fields, 1)
 
     def write(path, latent):
-        write_obj(path, ObjMesh(shape(latent), polygons, uvs, uv_polygons))
+        write_obj(path, Mesh(shape(latent), polygons, uvs, uv_polygons))
 
     return SimpleNamespace(vertices=vertices, polygons=polygons, annotation=annotation, shape=shape, write=write)
 

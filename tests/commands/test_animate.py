@@ -5,13 +5,15 @@ import pygltflib
 import pytest
 from scipy.spatial.transform import Rotation
 
-from caricli.structures.arkit import ARKIT_NAMES
-from caricli.io.gltf import read_gltf, write_gltf
+from caricli.io.gltf.read_gltf import read_gltf
+from caricli.io.gltf.write_gltf import write_gltf
 from caricli.io.image import read_image
 from caricli.io.obj import read_obj
-from caricli.io.rig import Rig, read_rig, write_rig
+from caricli.io.rig import read_rig, write_rig
 from caricli.io.strict_json import read_json
-from caricli.io.track import WeightTrack, write_weights
+from caricli.io.track import write_weights
+from caricli.structures import Rig, Track
+from caricli.structures.arkit import ARKIT_NAMES
 
 SHAPES = ("jawOpen", "mouthSmileLeft", "eyeBlinkLeft", "browInnerUp", "tongueOut")
 TIMES = np.arange(6) / 30
@@ -64,7 +66,7 @@ def mediapipe(path, values):
 
 def ours(path, weights, head=None, names=SHAPES, times=None):
     times = np.arange(len(weights)) / 30 if times is None else times
-    write_weights(path, WeightTrack(tuple(names), times, np.asarray(weights, float), head))
+    write_weights(path, Track(tuple(names), times, np.asarray(weights, float), head))
     return path
 
 

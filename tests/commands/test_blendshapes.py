@@ -3,14 +3,15 @@ import json
 import numpy as np
 import pytest
 
-from caricli.structures.arkit import ARKIT_NAMES
-from caricli.io.face import Face, read_face, write_face
-from caricli.io.gltf import read_gltf
+from caricli.io.face import read_face, write_face
+from caricli.io.gltf.read_gltf import read_gltf
 from caricli.io.image import read_image
-from caricli.io.landmarks import Landmarks, write_landmarks
+from caricli.io.landmarks import write_landmarks
 from caricli.io.npz import read_npz, write_npz
 from caricli.io.rig import read_rig
 from caricli.io.strict_json import read_json
+from caricli.structures import Face, Landmarks
+from caricli.structures.arkit import ARKIT_NAMES
 
 pytestmark = pytest.mark.usefixtures("quick_pictures")
 

@@ -5,8 +5,9 @@ from caricli.commands.loading import load_model
 from caricli.io.face import read_face
 from caricli.io.image import read_image, write_png
 from caricli.io.landmarks import read_landmarks
-from caricli.io.obj import ObjMesh, read_obj, write_obj
+from caricli.io.obj import read_obj, write_obj
 from caricli.io.strict_json import read_json
+from caricli.structures import Mesh
 
 pytestmark = pytest.mark.usefixtures("small_pictures")
 
@@ -16,7 +17,7 @@ def people(head, tmp_path_factory):
     """Two OBJ files, one with an expression."""
     folder = tmp_path_factory.mktemp("people")
     for name, more in (("a", {"gender": 0.1, "weight": 0.9}), ("b", {"age": 0.9, "actions": {"jawOpen": 0.4}})):
-        mesh = ObjMesh(head.evaluate(**more), head.polygons, head.uvs, head.uv_polygons)
+        mesh = Mesh(head.evaluate(**more), head.polygons, head.uvs, head.uv_polygons)
         write_obj(folder / f"{name}.obj", mesh)
     return folder / "a.obj", folder / "b.obj"
 
@@ -66,7 +67,7 @@ def test_its_own_way_goes_away_from_the_mean_and_keeps_size_and_place(run, peopl
 
 def test_the_mean_head_has_no_own_way(run, head, pca, tmp_path):
     template = load_model(pca[1]).template
-    write_obj(tmp_path / "mean.obj", ObjMesh(template.vertices + 0.01, head.polygons))
+    write_obj(tmp_path / "mean.obj", Mesh(template.vertices + 0.01, head.polygons))
     out = tmp_path / "c.obj"
     assert (
         run("caricaturize", tmp_path / "mean.obj", "--mode", "own", "--strength", 2, "--out", out, *pca).exit_code == 0

@@ -2,8 +2,9 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from caricli.io.face import Face, read_face, write_face
+from caricli.io.face import read_face, write_face
 from caricli.io.strict_json import read_json, write_json
+from caricli.structures import Face
 
 
 @pytest.fixture(scope="module", autouse=True)

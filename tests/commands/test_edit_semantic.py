@@ -7,8 +7,9 @@ from caricli.commands.loading import load_model
 from caricli.io.directions import read_directions, write_directions
 from caricli.io.face import read_face, write_face
 from caricli.io.image import read_image
-from caricli.io.obj import ObjMesh, read_obj, write_obj
+from caricli.io.obj import read_obj, write_obj
 from caricli.io.strict_json import read_json
+from caricli.structures import Mesh
 
 pytestmark = pytest.mark.usefixtures("small_pictures")
 
@@ -113,7 +114,7 @@ def test_bad_input_is_one_line_and_leaves_nothing(refused, smile, models, direct
     check("none.npz", options=("--model", models["pca"], "--directions", tmp_path / "none.npz"))
     check("directions are of", options=("--model", models["pca"], "--directions", directions["kernel"]))
     check("bundled", "pca", "train semantic", options=("--model", models["pca"]))
-    write_obj(tmp_path / "ball.obj", ObjMesh(*ball))
+    write_obj(tmp_path / "ball.obj", Mesh(*ball))
     check("topology", face=tmp_path / "ball.obj")
     other = tmp_path / "other.npz"
     assert run("encode", smile, "--out", other, "--model", models["kernel"]).exit_code == 0

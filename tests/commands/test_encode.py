@@ -1,10 +1,11 @@
 import numpy as np
 import pytest
 
-from caricli.io.face import Face, read_face, write_face
+from caricli.io.face import read_face, write_face
 from caricli.io.image import read_image
-from caricli.io.obj import ObjMesh, write_obj
+from caricli.io.obj import write_obj
 from caricli.io.strict_json import read_json
+from caricli.structures import Face, Mesh
 
 pytestmark = pytest.mark.usefixtures("small_pictures")
 
@@ -12,7 +13,7 @@ pytestmark = pytest.mark.usefixtures("small_pictures")
 @pytest.fixture
 def foreign(ball, tmp_path):
     path = tmp_path / "ball.obj"
-    write_obj(path, ObjMesh(*ball))
+    write_obj(path, Mesh(*ball))
     return path
 
 
@@ -83,7 +84,7 @@ def test_bundled_models_have_names(run, refused, smile, tmp_path, monkeypatch):
 
 def scaled(path, smile, factor):
     face = read_face(smile)
-    write_obj(path, ObjMesh(face.vertices * factor, face.polygons))
+    write_obj(path, Mesh(face.vertices * factor, face.polygons))
 
 
 BAD = {

@@ -1,10 +1,11 @@
 import numpy as np
 import pytest
 
-from caricli.io.face import Face, read_face, write_face
+from caricli.io.face import read_face, write_face
 from caricli.io.image import read_image
-from caricli.io.obj import ObjMesh, read_obj, write_obj
+from caricli.io.obj import read_obj, write_obj
 from caricli.io.strict_json import read_json
+from caricli.structures import Face, Mesh
 
 pytestmark = pytest.mark.usefixtures("small_pictures")
 
@@ -14,7 +15,7 @@ def ends(run, head, models, tmp_path_factory):
     """An OBJ, and the NPZ of another face encoded by the pca model."""
     folder = tmp_path_factory.mktemp("ends")
     for name, more in (("a", {"gender": 0.1}), ("b", {"age": 0.9, "actions": {"jawOpen": 0.5}})):
-        mesh = ObjMesh(head.evaluate(**more), head.polygons, head.uvs, head.uv_polygons)
+        mesh = Mesh(head.evaluate(**more), head.polygons, head.uvs, head.uv_polygons)
         write_obj(folder / f"{name}.obj", mesh)
     encoded = run("encode", folder / "b.obj", "--out", folder / "b.npz", "--model", models["pca"])
     assert encoded.exit_code == 0, encoded.output
@@ -95,7 +96,7 @@ def test_a_latent_of_nobody_is_encoded_again(run, ends, models, tmp_path):
 
 def test_bad_input_is_one_line_and_leaves_nothing(refused, ends, ball, models, tmp_path):
     out = ("--out-dir", tmp_path / "new", "--model", models["pca"])
-    write_obj(tmp_path / "ball.obj", ObjMesh(*ball))
+    write_obj(tmp_path / "ball.obj", Mesh(*ball))
     said = refused("interpolate", ends[0], tmp_path / "ball.obj", *out)
     assert "ball.obj" in said and "topology" in said and "300 vertices" in said
     assert "none.npz" in refused("interpolate", ends[0], tmp_path / "none.npz", *out)

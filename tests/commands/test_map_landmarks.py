@@ -4,7 +4,8 @@ import pytest
 from caricli.io.bundled import asset_path
 from caricli.io.checkpoint import read_checkpoint, write_checkpoint
 from caricli.io.image import read_image
-from caricli.io.landmarks import Landmarks, read_landmarks, write_landmarks
+from caricli.io.landmarks import read_landmarks, write_landmarks
+from caricli.structures import Landmarks
 
 BUNDLED = asset_path("landmark_map.safetensors")
 

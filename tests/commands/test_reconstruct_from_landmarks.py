@@ -6,9 +6,10 @@ import pytest
 from caricli.io.bundled import asset_path
 from caricli.io.face import read_face
 from caricli.io.image import read_image, write_png
-from caricli.io.landmarks import Landmarks, write_landmarks
+from caricli.io.landmarks import write_landmarks
 from caricli.io.obj import read_obj
 from caricli.io.strict_json import read_json, write_json
+from caricli.structures import Landmarks
 
 COMMAND = "reconstruct-from-landmarks"
 NAMES = ["face.json", "face.npz", "face.obj", "face.png"]
@@ -134,7 +135,7 @@ def test_a_finer_mesh_begins_with_the_plain_one(run, reconstructed, photo, tmp_p
     result = run(COMMAND, marks, "--image", photo, "--out", tmp_path / "face.obj", "--subdivide", 1)
     assert result.exit_code == 0, result.output
     coarse, fine = (read_obj(folder / "face.obj") for folder in (plain, tmp_path))
-    assert len(fine.vertices) == 16_755 and len(fine.polygons) == 4 * len(coarse.polygons)
+    assert len(fine.vertices) == 16_755 and len(fine.mesh.polygons) == 4 * len(coarse.polygons)
     assert np.abs(fine.vertices[:4200] - coarse.vertices).max() < 1e-6
     assert (tmp_path / "face.npz").read_bytes() == (plain / "face.npz").read_bytes()
     assert read_json(plain / "face.json")["subdivide"] == 0 and read_json(tmp_path / "face.json")["subdivide"] == 1

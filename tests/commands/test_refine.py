@@ -9,18 +9,18 @@ import pytest
 from PIL import Image
 
 from caricli.commands.loading import load_model
-from caricli.geometry.fit_camera import Pose
-from caricli.io.face import Face, read_face, write_face
+from caricli.io.face import read_face, write_face
 from caricli.io.image import read_image, write_png
-from caricli.io.landmarks import Landmarks, write_landmarks
-from caricli.io.obj import ObjMesh, read_obj, write_obj
+from caricli.io.landmarks import write_landmarks
+from caricli.io.obj import read_obj, write_obj
 from caricli.io.strict_json import read_json, write_json
 from caricli.methods.faces.encode_face import decode_face, encode_face
+from caricli.structures import Camera, Face, Landmarks, Mesh
 
 COMMAND = "refine"
 NAMES = ["refined.json", "refined.npz", "refined.obj", "refined.png"]
 WIDTH, HEIGHT = 400, 440
-POSE = Pose(1400.0, np.diag([1.0, -1, -1]), np.array([200.0, 400.0]))
+POSE = Camera(1400.0, np.diag([1.0, -1, -1]), np.array([200.0, 400.0]))
 
 
 @pytest.fixture(scope="module")
@@ -243,7 +243,7 @@ def test_a_face_without_camera(suffix, refused, coarse, landmarks, tmp_path):
     face = read_face(coarse)
     path = (tmp_path / "bare").with_suffix(suffix)
     if suffix == ".obj":
-        write_obj(path, ObjMesh(face.vertices, face.polygons, face.uvs, face.uv_polygons))
+        write_obj(path, Mesh(face.vertices, face.polygons, face.uvs, face.uv_polygons))
     else:
         write_face(path, replace(face, camera_scale=None, camera_rotation=None, camera_translation=None))
     said = refused(COMMAND, path, landmarks, "--out", tmp_path / "out" / "refined.obj")

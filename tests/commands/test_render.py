@@ -3,9 +3,10 @@ import pytest
 from click.testing import CliRunner
 
 from caricli.cli import cli
-from caricli.io.face import Face, write_face
+from caricli.io.face import write_face
 from caricli.io.image import read_image, write_png
-from caricli.io.obj import ObjMesh, write_obj
+from caricli.io.obj import write_obj
+from caricli.structures import Face, Mesh
 
 OCTAHEDRON = np.array([[1.0, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]])
 FACES = np.array([[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]], np.int32)
@@ -14,7 +15,7 @@ FACES = np.array([[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 
 @pytest.fixture
 def obj(tmp_path):
     path = tmp_path / "head.obj"
-    write_obj(path, ObjMesh(OCTAHEDRON * 0.1, FACES, None, None))
+    write_obj(path, Mesh(OCTAHEDRON * 0.1, FACES, None, None))
     return path
 
 

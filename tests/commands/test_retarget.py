@@ -7,13 +7,14 @@ import pytest
 from caricli.commands import retarget
 from caricli.commands.loading import load_model
 from caricli.geometry.similarity import similarity
-from caricli.io.face import Face, read_face, write_face
-from caricli.io.gltf import read_gltf
+from caricli.io.face import read_face, write_face
+from caricli.io.gltf.read_gltf import read_gltf
 from caricli.io.image import read_image
-from caricli.io.landmarks import Landmarks, write_landmarks
-from caricli.io.obj import ObjMesh, read_obj, write_obj
-from caricli.io.rig import Rig, read_rig, write_rig
+from caricli.io.landmarks import write_landmarks
+from caricli.io.obj import read_obj, write_obj
+from caricli.io.rig import read_rig, write_rig
 from caricli.io.strict_json import read_json
+from caricli.structures import Face, Landmarks, Mesh, Rig
 
 COMMAND = "retarget"
 NAMES = ("jawOpen", "mouthSmileLeft", "mouthSmileRight", "browInnerUp", "eyeBlinkLeft")
@@ -51,7 +52,7 @@ def drivers(head, head_template, deltas, tmp_path_factory):
     meshes, files = [], []
     for number, shape in enumerate([neutral, *(neutral + np.tensordot(TRUTH, deltas.astype(float), 1))]):
         meshes.append(folder / f"mesh-{number}.obj")
-        write_obj(meshes[-1], ObjMesh(shape, head.polygons, head.uvs, head.uv_polygons))
+        write_obj(meshes[-1], Mesh(shape, head.polygons, head.uvs, head.uv_polygons))
         points = 1400 * shape[marks, :2] * [1, -1] + [200, 320]
         files.append(folder / f"marks-{number}.json")
         write_landmarks(files[-1], Landmarks(points, (400, 400)))
@@ -167,7 +168,7 @@ def test_bad_input_is_one_line_and_leaves_nothing(refused, ball, rig_file, drive
     few.write_text("\n".join([*(f"{3 * k} {k * k}" for k in range(5)), *["null null"] * 63]))
     check("few.txt", "at least 8", driver=few)
     vertices, faces = ball
-    write_obj(tmp_path / "ball.obj", ObjMesh(0.1 * vertices, faces))
+    write_obj(tmp_path / "ball.obj", Mesh(0.1 * vertices, faces))
     check("ball.obj", "topology", driver=tmp_path / "ball.obj")
     check("ball.obj", "topology", options=("--neutral", tmp_path / "ball.obj"))
     check("no such file", driver=tmp_path / "none.obj")

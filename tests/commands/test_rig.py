@@ -4,14 +4,15 @@ import shutil
 import numpy as np
 import pytest
 
-from caricli.structures.arkit import ARKIT_NAMES
 from caricli.io.bundled import asset_path
 from caricli.io.face import read_face, write_face
-from caricli.io.gltf import read_gltf
+from caricli.io.gltf.read_gltf import read_gltf
 from caricli.io.image import read_image, write_png
-from caricli.io.obj import ObjMesh, read_obj, write_obj
+from caricli.io.obj import read_obj, write_obj
 from caricli.io.rig import read_rig
 from caricli.io.strict_json import read_json
+from caricli.structures import Mesh
+from caricli.structures.arkit import ARKIT_NAMES
 
 pytestmark = pytest.mark.usefixtures("quick_pictures")
 
@@ -32,7 +33,7 @@ def face(head, tmp_path_factory):
     path = tmp_path_factory.mktemp("face") / "face.obj"
     vertices = head.evaluate(gender=0.1, age=0.8, weight=0.7) * WIDE
     write_png(path.with_name("skin.png"), np.random.default_rng(1).integers(0, 256, (16, 16, 3), np.uint8))
-    write_obj(path, ObjMesh(vertices, head.polygons, head.uvs, head.uv_polygons), texture="skin.png")
+    write_obj(path, Mesh(vertices, head.polygons, head.uvs, head.uv_polygons), texture="skin.png")
     return path
 
 
@@ -61,7 +62,7 @@ def target(egg, tmp_path):
     path = tmp_path / "scan.obj"
     egg.write(path, np.array([0, 0, 0, 0.8]))
     mesh = read_obj(path)
-    write_obj(path, ObjMesh(mesh.vertices * WIDE, mesh.polygons, mesh.uvs, mesh.uv_polygons))
+    write_obj(path, Mesh(mesh.vertices * WIDE, mesh.polygons, mesh.uvs, mesh.uv_polygons))
     return path
 
 
@@ -73,7 +74,7 @@ def test_a_head_gets_arkits_expressions_and_eyes(rigged, face, head):
     rig = read_rig(out.with_suffix(".npz"))
     assert sorted(rig.names) == sorted(ARKIT_NAMES) and len(rig.neutral) > 4200
     np.testing.assert_allclose(rig.neutral[:4200], read_obj(face).vertices, atol=1e-6)
-    np.testing.assert_array_equal(rig.polygons[: len(head.polygons)], head.polygons)
+    np.testing.assert_array_equal(rig.mesh.polygons[: len(head.polygons)], head.polygons)
     np.testing.assert_array_equal(rig.texture, read_image(face.with_name("skin.png")))
     picture = read_image(out.with_suffix(".png"))
     assert picture.shape[1] >= 9 * 48 and picture.shape[0] >= 6 * 48
@@ -141,7 +142,7 @@ def test_ones_own_expressions(run, scans, target, egg, tmp_path):
     rig = read_rig(out.with_suffix(".npz"))
     assert rig.names == ("Grin", "jawOpen", "mouthClose") and rig.texture is None
     np.testing.assert_allclose(rig.neutral, read_obj(target).vertices, atol=1e-6)
-    np.testing.assert_array_equal(rig.polygons, egg.polygons)
+    np.testing.assert_array_equal(rig.mesh.polygons, egg.polygons)
     report = read_json(out.with_suffix(".json"))
     assert report["expressions"]["jawOpen"]["action_units"] and "action_units" not in report["expressions"]["Grin"]
     assert len(report["inputs"]) == 5 and "lid_gap" not in report
@@ -228,7 +229,7 @@ class TestRefused:
     def test_faces(self, check, scans, target, ball, tmp_path):
         check("none.obj", face=tmp_path / "none.obj")
         check("scan.obj", "topology of the templates (4200 vertices, 8356 triangles)", "--templates", options=())
-        write_obj(tmp_path / "ball.obj", ObjMesh(*ball))
+        write_obj(tmp_path / "ball.obj", Mesh(*ball))
         check("ball.obj", "topology of the templates", "found another (300 vertices", face=tmp_path / "ball.obj")
         mesh = read_obj(target)
         mesh.vertices[mesh.polygons[40, 1]] = mesh.vertices[mesh.polygons[40, 0]]
@@ -252,9 +253,9 @@ class TestRefused:
 
     def test_templates_of_other_meshes(self, check, scans, ball):
         mesh = read_obj(scans / "Grin.obj")
-        write_obj(scans / "Grin.obj", ObjMesh(*ball))
+        write_obj(scans / "Grin.obj", Mesh(*ball))
         check("Grin.obj: expected the mesh of neutral.obj", "300 vertices")
-        write_obj(scans / "Grin.obj", ObjMesh(mesh.vertices, np.roll(mesh.polygons, 1, axis=0)))
+        write_obj(scans / "Grin.obj", Mesh(mesh.vertices, np.roll(mesh.polygons, 1, axis=0)))
         check("Grin.obj: expected the mesh of neutral.obj")
         (scans / "Grin.obj").write_text("v 1 2\n")
         check("Grin.obj")
@@ -267,9 +268,9 @@ class TestRefused:
                 write_obj(path, change(mesh))
 
         extra = np.array([[0, 1, 200, -1]])
-        rewrite(lambda mesh: ObjMesh(mesh.vertices, np.vstack([mesh.polygons, extra])))
+        rewrite(lambda mesh: Mesh(mesh.vertices, np.vstack([mesh.polygons, extra])))
         check("Neutral.obj: expected at most two triangles on every edge, found 3")
-        rewrite(lambda mesh: ObjMesh(np.vstack([mesh.vertices, [[1, 2, 3]]]), mesh.polygons))
+        rewrite(lambda mesh: Mesh(np.vstack([mesh.vertices, [[1, 2, 3]]]), mesh.polygons))
         check("Neutral.obj: expected every vertex in a triangle, found 1 without")
         rewrite(lambda mesh: mesh)
         mesh = read_obj(scans / "Neutral.obj")

@@ -7,9 +7,10 @@ from caricli.geometry.deformation_gradients import rotation_matrices
 from caricli.geometry.similarity import similarity
 from caricli.io.face import read_face
 from caricli.io.image import read_image
-from caricli.io.landmarks import Landmarks, write_landmarks
+from caricli.io.landmarks import write_landmarks
 from caricli.io.obj import read_obj
 from caricli.io.strict_json import read_json
+from caricli.structures import Landmarks
 
 
 @pytest.fixture(scope="module")

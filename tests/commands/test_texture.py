@@ -9,21 +9,21 @@ from PIL import Image
 
 from caricli.commands.rigging import face_pictures
 from caricli.data.albedo import draw_albedo
-from caricli.geometry.fit_camera import Pose
-from caricli.io.face import Face, read_face, write_face
-from caricli.io.gltf import read_gltf
+from caricli.io.face import read_face, write_face
+from caricli.io.gltf.read_gltf import read_gltf
 from caricli.io.image import read_image, write_png
-from caricli.io.obj import ObjMesh, read_obj, write_obj
-from caricli.io.rig import EYES, SKIN, Rig, read_rig
+from caricli.io.obj import read_obj, write_obj
+from caricli.io.rig import read_rig
 from caricli.io.strict_json import read_json
 from caricli.render.draw_textured import render_textured
 from caricli.render.rasterise import rasterise
+from caricli.structures import Camera, Face, Material, Mesh, Rig
 
 COMMAND = "texture"
 NAMES = ["eyes.png", "face.glb", "face.json", "face.mtl", "face.npz", "face.obj", "sheet.png", "texture.png"]
 SIDE = 300
 MAGENTA = np.array([255.0, 0, 255])
-POSE = Pose(1050.0, np.diag([1.0, -1, -1]), np.array([150.0, 290.0]))
+POSE = Camera(1050.0, np.diag([1.0, -1, -1]), np.array([150.0, 290.0]))
 QUICK = ("--size", 96)
 
 
@@ -111,7 +111,7 @@ def test_trimesh_opens_the_obj_with_its_picture(textured, scene):
 
 def test_the_glb_has_skin_and_eyes(textured, run):
     rig = read_gltf(textured / "face.glb")
-    assert rig.names == () and set(rig.materials) == {SKIN, EYES} and len(rig.neutral) > 4200
+    assert rig.names == () and set(rig.materials) == {Material.SKIN, Material.EYE} and len(rig.neutral) > 4200
     np.testing.assert_array_equal(rig.texture, read_image(textured / "texture.png"))
     np.testing.assert_array_equal(rig.eye_texture, read_image(textured / "eyes.png"))
     np.testing.assert_allclose(rig.neutral[:4200], read_face(textured / "face.npz").vertices, atol=1e-6)
@@ -259,7 +259,7 @@ def test_a_face_that_was_fitted_to_no_picture(kind, refused, scene, tmp_path):
     face = read_face(scene / "face.npz")
     path = tmp_path / ("bare.obj" if kind == "OBJ" else "bare.npz")
     if kind == "OBJ":
-        write_obj(path, ObjMesh(face.vertices, face.polygons, face.uvs, face.uv_polygons))
+        write_obj(path, Mesh(face.vertices, face.polygons, face.uvs, face.uv_polygons))
     elif kind == "NPZ":
         write_face(path, replace(face, camera_scale=None, camera_rotation=None, camera_translation=None))
     else:

@@ -8,9 +8,10 @@ import pytest
 
 from caricli.data import build_dataset as building
 from caricli.data.build_dataset import BuildSettings, build_dataset
-from caricli.geometry.triangulate import triangulate
-from caricli.io.obj import ObjMesh, write_obj
+from caricli.io.obj import write_obj
 from caricli.io.strict_json import write_json
+from caricli.structures import Mesh
+from caricli.structures.mesh import triangle_fans
 from caricli.template.annotation import parse_annotation
 from caricli.template.template import Template
 
@@ -75,8 +76,8 @@ def barrel():
     uv_polygons = np.vstack([uv_quads, uv_bottom, uv_top]).astype(np.int32)
     annotation = {"ibug68": [k % len(vertices) for k in range(68)]}
     parsed = parse_annotation(annotation, len(vertices), "barrel")
-    template = Template(vertices, triangulate(polygons), polygons, parsed, uvs, uv_polygons)
-    return SimpleNamespace(template=template, annotation=annotation, mesh=ObjMesh(vertices, polygons, uvs, uv_polygons))
+    template = Template(vertices, triangle_fans(polygons), polygons, parsed, uvs, uv_polygons)
+    return SimpleNamespace(template=template, annotation=annotation, mesh=Mesh(vertices, polygons, uvs, uv_polygons))
 
 
 @pytest.fixture
@@ -88,7 +89,7 @@ def barrels(barrel, tmp_path):
     shapes = barrel.template.vertices @ (np.eye(3) + bend)
     for number, shape in enumerate(shapes):
         mesh = barrel.mesh
-        write_obj(folder / f"scan_{number:02d}.obj", ObjMesh(shape, mesh.polygons, mesh.uvs, mesh.uv_polygons))
+        write_obj(folder / f"scan_{number:02d}.obj", Mesh(shape, mesh.polygons, mesh.uvs, mesh.uv_polygons))
     write_json(tmp_path / "annotation.json", barrel.annotation)
     return folder, shapes, tmp_path / "annotation.json"
 

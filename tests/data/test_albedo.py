@@ -13,7 +13,7 @@ from caricli.data.albedo import (
     vertex_painter,
 )
 from caricli.errors import InputError
-from caricli.geometry.triangulate import triangulate
+from caricli.structures.mesh import triangle_fans
 
 SIZE = 192
 
@@ -100,7 +100,7 @@ def test_each_ornament_changes_the_face_and_leaves_the_back_of_the_head(head_tem
 
 
 def test_seams_agree(head_template, texture, plain):
-    corners = np.stack([head_template.faces, triangulate(head_template.uv_polygons)], -1).reshape(-1, 2)
+    corners = np.stack([head_template.faces, triangle_fans(head_template.uv_polygons)], -1).reshape(-1, 2)
     pairs = np.unique(corners, axis=0)
     _, at, counts = np.unique(pairs[:, 0], return_inverse=True, return_counts=True)
     # The seams of mouth and eye sockets lie inside, where colours change from one texel to the next.
@@ -117,7 +117,7 @@ def test_seams_agree(head_template, texture, plain):
 
 def test_texture_and_vertices_tell_the_same(head_template, texture, painter):
     look = random_look(np.random.default_rng(3), "soft")
-    corners = np.stack([head_template.faces, triangulate(head_template.uv_polygons)], -1).reshape(-1, 2)
+    corners = np.stack([head_template.faces, triangle_fans(head_template.uv_polygons)], -1).reshape(-1, 2)
     difference = sampled(texture.draw(look), head_template.uvs[corners[:, 1]]) - 255 * painter.draw(look)[corners[:, 0]]
     assert np.median(np.abs(difference)) < 3
 

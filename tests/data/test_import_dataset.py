@@ -4,8 +4,9 @@ import pytest
 from caricli.data.dataset import SPLITS, read_dataset
 from caricli.data.import_dataset import import_dataset
 from caricli.errors import CaricliError, InputError
-from caricli.io.obj import ObjMesh, read_obj, write_obj
+from caricli.io.obj import read_obj, write_obj
 from caricli.io.strict_json import write_json
+from caricli.structures import Mesh
 
 
 @pytest.fixture
@@ -37,7 +38,7 @@ def test_order_quads_uvs_and_coordinates_are_kept(barrel, barrels, out):
     assert data.factors["file"].tolist() == [f"scan_{k:02d}.obj" for k in range(12)]
     # The template's mesh can be written as it came.
     template = data.template
-    write_obj(out / "back.obj", ObjMesh(template.vertices, template.polygons, template.uvs, template.uv_polygons))
+    write_obj(out / "back.obj", Mesh(template.vertices, template.polygons, template.uvs, template.uv_polygons))
     back, first = read_obj(out / "back.obj"), read_obj(folder / "scan_00.obj")
     np.testing.assert_array_equal(back.polygons, first.polygons)
     np.testing.assert_array_equal(back.uv_polygons, first.uv_polygons)
@@ -63,7 +64,7 @@ def test_the_seed_decides_the_split_and_the_bytes(barrels, tmp_path):
 def test_meshes_without_uvs_and_with_other_files_beside_them(barrel, barrels, out):
     folder, shapes, annotation = barrels
     for number, shape in enumerate(shapes):
-        write_obj(folder / f"scan_{number:02d}.obj", ObjMesh(shape, barrel.mesh.polygons, None, None))
+        write_obj(folder / f"scan_{number:02d}.obj", Mesh(shape, barrel.mesh.polygons, None, None))
     (folder / "notes.txt").write_text("mine")
     assert import_dataset(folder, out, annotation) == 12
     assert read_dataset(out).template.uvs is None
@@ -136,15 +137,15 @@ def test_another_topology_is_refused_with_the_name_of_the_file(barrel, barrels, 
     folder, shapes, annotation = barrels
     mesh = barrel.mesh
     bad = folder / "scan_07.obj"
-    write_obj(bad, ObjMesh(np.vstack([shapes[7], [[0, 0, 0]]]), mesh.polygons, mesh.uvs, mesh.uv_polygons))
+    write_obj(bad, Mesh(np.vstack([shapes[7], [[0, 0, 0]]]), mesh.polygons, mesh.uvs, mesh.uv_polygons))
     with pytest.raises(InputError, match="scan_07.obj.*62 vertices.*found 63"):
         import_dataset(folder, out, annotation)
-    write_obj(bad, ObjMesh(shapes[7], mesh.polygons[:-1], mesh.uvs, mesh.uv_polygons[:-1]))
+    write_obj(bad, Mesh(shapes[7], mesh.polygons[:-1], mesh.uvs, mesh.uv_polygons[:-1]))
     with pytest.raises(InputError, match="scan_07.obj"):
         import_dataset(folder, out, annotation)
     turned = mesh.polygons.copy()
     turned[3] = np.roll(turned[3], 1)
-    write_obj(bad, ObjMesh(shapes[7], turned, mesh.uvs, mesh.uv_polygons))
+    write_obj(bad, Mesh(shapes[7], turned, mesh.uvs, mesh.uv_polygons))
     with pytest.raises(InputError, match="scan_07.obj.*faces"):
         import_dataset(folder, out, annotation)
     bad.write_text("v 0 0 nan\n")
@@ -171,6 +172,6 @@ def test_meshes_without_area_are_refused(barrel, barrels, out):
     for number, shape in enumerate(shapes):
         flat = shape.copy()
         flat[barrel.mesh.polygons[0]] = flat[0]
-        write_obj(folder / f"scan_{number:02d}.obj", ObjMesh(flat, barrel.mesh.polygons, None, None))
+        write_obj(folder / f"scan_{number:02d}.obj", Mesh(flat, barrel.mesh.polygons, None, None))
     with pytest.raises(CaricliError, match="area"):
         import_dataset(folder, out, annotation)

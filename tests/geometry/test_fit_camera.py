@@ -6,7 +6,8 @@ from hypothesis.extra.numpy import arrays
 from scipy.spatial.transform import Rotation
 
 from caricli.errors import NumericsError
-from caricli.geometry.fit_camera import Pose, scaled_orthographic_pose
+from caricli.geometry.fit_camera import fit_camera
+from caricli.structures import Camera
 
 POINTS = np.random.default_rng(0).normal(size=(68, 3)) * [0.05, 0.07, 0.03] + [0.0, 0.12, 0.1]
 CAMERA = np.diag([1.0, -1.0, -1.0])
@@ -14,7 +15,7 @@ VECTORS = arrays(float, 3, elements=st.floats(-1.8, 1.8))
 
 
 def pose_of(vector, scale=1200.0, translation=(250.0, 300.0)):
-    return Pose(scale, Rotation.from_rotvec(vector).as_matrix() @ CAMERA, np.array(translation))
+    return Camera(scale, Rotation.from_rotvec(vector).as_matrix() @ CAMERA, np.array(translation))
 
 
 def assert_same(found, expected):
@@ -27,14 +28,14 @@ def assert_same(found, expected):
 @given(vector=VECTORS, scale=st.floats(1e-2, 1e5), x=st.floats(-1e4, 1e4), count=st.integers(5, 68))
 def test_any_pose_is_recovered(vector, scale, x, count):
     expected = pose_of(vector, scale, (x, -x / 3))
-    assert_same(scaled_orthographic_pose(POINTS[:count], expected.project(POINTS[:count])), expected)
+    assert_same(fit_camera(POINTS[:count], expected.project(POINTS[:count])), expected)
 
 
 def test_the_rotation_is_proper_whatever_the_noise():
     generator = np.random.default_rng(1)
     for _ in range(20):
         pixels = pose_of(generator.normal(size=3)).project(POINTS) + generator.normal(0, 20, (68, 2))
-        pose = scaled_orthographic_pose(POINTS, pixels)
+        pose = fit_camera(POINTS, pixels)
         assert np.allclose(pose.rotation @ pose.rotation.T, np.eye(3), atol=1e-9)
         assert np.linalg.det(pose.rotation) == pytest.approx(1.0)
         assert pose.scale > 0
@@ -45,12 +46,12 @@ def test_nothing_near_the_fit_to_noisy_pixels_is_better(noise):
     generator = np.random.default_rng(2)
     pixels = pose_of([0.2, 0.4, -0.1]).project(POINTS) + generator.normal(0, noise, (68, 2))
     weights = generator.uniform(0.1, 1, 68)
-    pose = scaled_orthographic_pose(POINTS, pixels, weights)
+    pose = fit_camera(POINTS, pixels, weights)
     best = (weights * ((pose.project(POINTS) - pixels) ** 2).sum(1)).sum()
     for _ in range(200):
         rotation = Rotation.from_rotvec(generator.normal(0, 1e-5, 3)).as_matrix() @ pose.rotation
         scale = pose.scale * np.exp(generator.normal(0, 1e-5))
-        near = Pose(scale, rotation, pose.translation + generator.normal(0, 1e-3, 2))
+        near = Camera(scale, rotation, pose.translation + generator.normal(0, 1e-3, 2))
         assert (weights * ((near.project(POINTS) - pixels) ** 2).sum(1)).sum() > best
 
 
@@ -60,15 +61,15 @@ def test_an_outlier_without_weight_is_not_seen():
     pixels[[3, 40]] += [[900.0, -500.0], [-2000.0, 100.0]]
     weights = np.ones(68)
     weights[[3, 40]] = 0
-    assert_same(scaled_orthographic_pose(POINTS, pixels, weights), expected)
-    assert abs(scaled_orthographic_pose(POINTS, pixels).scale / expected.scale - 1) > 1e-3
+    assert_same(fit_camera(POINTS, pixels, weights), expected)
+    assert abs(fit_camera(POINTS, pixels).scale / expected.scale - 1) > 1e-3
 
 
 def test_only_ratios_of_weights_count_and_inputs_are_left_alone():
     pixels = pose_of([0.1, -0.5, 0.3]).project(POINTS) + np.random.default_rng(3).normal(0, 5, (68, 2))
     weights = np.linspace(0.1, 1, 68)
     inputs = POINTS.copy(), pixels.copy(), weights.copy()
-    one, two = (scaled_orthographic_pose(POINTS, pixels, factor * weights) for factor in (1, 250))
+    one, two = (fit_camera(POINTS, pixels, factor * weights) for factor in (1, 250))
     assert_same(one, two)
     assert all(np.array_equal(a, b) for a, b in zip(inputs, (POINTS, pixels, weights), strict=True))
 
@@ -76,9 +77,9 @@ def test_only_ratios_of_weights_count_and_inputs_are_left_alone():
 def test_the_pose_follows_the_picture():
     """Twice the resolution and another origin change scale and translation only."""
     pixels = pose_of([0.3, 0.2, 0.1]).project(POINTS) + np.random.default_rng(4).normal(0, 5, (68, 2))
-    pose = scaled_orthographic_pose(POINTS, pixels)
-    expected = Pose(2 * pose.scale, pose.rotation, 2 * pose.translation + [10, -20])
-    assert_same(scaled_orthographic_pose(POINTS, 2 * pixels + [10, -20]), expected)
+    pose = fit_camera(POINTS, pixels)
+    expected = Camera(2 * pose.scale, pose.rotation, 2 * pose.translation + [10, -20])
+    assert_same(fit_camera(POINTS, 2 * pixels + [10, -20]), expected)
 
 
 def test_lift_undoes_project_and_keeps_the_depth():
@@ -110,4 +111,4 @@ def test_project_takes_batches():
 )
 def test_correspondences_that_determine_nothing_are_refused(points, pixels, weights):
     with pytest.raises(NumericsError, match="landmarks"):
-        scaled_orthographic_pose(points, pixels, weights)
+        fit_camera(points, pixels, weights)

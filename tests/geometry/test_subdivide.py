@@ -5,7 +5,7 @@ import pytest
 from caricli.errors import InputError
 from caricli.geometry.subdivide import subdivide
 from caricli.geometry.triangle_normals import triangle_normals
-from caricli.geometry.triangulate import triangulate
+from caricli.structures.mesh import triangle_fans
 
 LIMIT = 10**6
 # A house seen from its side: a pentagon, a quad and a triangle in the plane, and a quad and a triangle that leave it.
@@ -88,7 +88,7 @@ def test_the_given_points_come_first_exactly_and_weights_are_means(levels):
 def test_fine_points_lie_on_the_coarse_surface_and_cover_it(ball, levels):
     vertices, faces = ball
     weights, quads = subdivide(faces, len(vertices), levels, LIMIT)
-    fine, fine_faces = weights @ vertices, triangulate(quads)
+    fine, fine_faces = weights @ vertices, triangle_fans(quads)
     assert igl.point_mesh_squared_distance(fine, vertices, faces)[0].max() < 1e-28
     assert igl.doublearea(fine, fine_faces).sum() == pytest.approx(igl.doublearea(vertices, faces).sum(), rel=1e-12)
     # As many fine triangles stand in a row for each coarse one, and none of them is turned.

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from caricli.io.face import fans
-from caricli.io.rig import EYES, SKIN, Rig
+from caricli.structures import Material, Rig
+from caricli.structures.mesh import triangle_fans
 
 ROWS, COLUMNS = 5, 8
 
@@ -41,11 +41,11 @@ def full_rig():
         names=("jawOpen", "mouthSmileLeft", "eyeLookUpLeft", "tongueOut"),
         neutral=neutral,
         deltas=deltas,
-        faces=fans(polygons),
+        faces=triangle_fans(polygons),
         polygons=polygons,
         uvs=np.concatenate([skin[2], eye[2]]),
         uv_polygons=np.concatenate([skin[3], eye[3] + uv_count]).astype(np.int32),
-        materials=np.repeat([SKIN, EYES], [len(skin[1]), len(eye[1])]).astype(np.int32),
+        materials=np.repeat([Material.SKIN, Material.EYE], [len(skin[1]), len(eye[1])]).astype(np.int32),
         texture=pictures[0],
         eye_texture=pictures[1],
     )

@@ -17,12 +17,13 @@ from caricli.errors import InputError
 from caricli.io import image as image_module
 from caricli.io.checkpoint import read_checkpoint, write_checkpoint
 from caricli.io.config import read_config
-from caricli.io.face import Face, read_face, write_face
+from caricli.io.face import read_face, write_face
 from caricli.io.image import read_image, write_png
-from caricli.io.landmarks import Landmarks, read_landmarks, write_landmarks
+from caricli.io.landmarks import read_landmarks, write_landmarks
 from caricli.io.npz import read_npz
-from caricli.io.obj import ObjMesh, read_obj, write_obj
+from caricli.io.obj import read_obj, write_obj
 from caricli.io.strict_json import read_json
+from caricli.structures import Face, Landmarks, Mesh
 
 
 @dataclass(frozen=True)
@@ -56,7 +57,7 @@ def good_files(tmp_path_factory):
     folder = tmp_path_factory.mktemp("good")
     polygons = np.array([[0, 1, 2, 3]], np.int32)
     vertices = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0.25]])
-    mesh = ObjMesh(vertices, polygons, vertices[:, :2], polygons)
+    mesh = Mesh(vertices, polygons, vertices[:, :2], polygons)
     write_obj(folder / "mesh.obj", mesh)
     write_obj(folder / "face.obj", mesh)
     face = Face(vertices, np.array([[0, 1, 2], [0, 2, 3]], np.int32), latent=np.arange(3.0), model_id="pca")

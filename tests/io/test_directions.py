@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from caricli.errors import InputError, OutputError
-from caricli.io.directions import Directions, read_directions, write_directions
+from caricli.io.directions import read_directions, write_directions
 from caricli.io.npz import read_npz, write_npz
+from caricli.structures import Directions
 
 
 def some():

@@ -8,9 +8,11 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from caricli.errors import InputError, OutputError
-from caricli.io.face import Face, read_face, topology_id, write_face
+from caricli.io.face import read_face, write_face
 from caricli.io.npz import read_npz, write_npz
-from caricli.io.obj import ObjMesh, write_obj
+from caricli.io.obj import write_obj
+from caricli.structures import Face, Mesh
+from caricli.structures.mesh import topology_id
 
 VERTICES = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0.1]])
 FACES = np.array([[0, 1, 2], [0, 2, 3]], np.int32)
@@ -81,12 +83,12 @@ def test_round_trip(tmp_path_factory, data):
 
 def test_obj_gives_the_geometry(tmp_path):
     face = full()
-    write_obj(tmp_path / "a.obj", ObjMesh(VERTICES, face.polygons, face.uvs, face.uv_polygons))
+    write_obj(tmp_path / "a.obj", Mesh(VERTICES, face.polygons, face.uvs, face.uv_polygons))
     back = read_face(tmp_path / "a.obj")
     assert_equal(back, Face(VERTICES, FACES, polygons=face.polygons, uvs=face.uvs, uv_polygons=face.uv_polygons))
     write_face(tmp_path / "a.npz", back)
     through = read_face(tmp_path / "a.npz")
-    write_obj(tmp_path / "b.obj", ObjMesh(VERTICES, through.polygons, through.uvs, through.uv_polygons))
+    write_obj(tmp_path / "b.obj", Mesh(VERTICES, through.polygons, through.uvs, through.uv_polygons))
     assert (tmp_path / "b.obj").read_bytes() == (tmp_path / "a.obj").read_bytes()
 
 

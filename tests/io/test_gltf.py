@@ -14,10 +14,12 @@ from hypothesis import strategies as st
 
 import caricli
 from caricli.errors import InputError, OutputError
+from caricli.io.gltf.read_gltf import read_gltf
+from caricli.io.gltf.write_gltf import shading_normals, write_gltf
+from caricli.io.rig import read_rig, write_rig
+from caricli.structures import Animation, Material, Rig
 from caricli.structures.arkit import ARKIT_NAMES
-from caricli.io.face import fans
-from caricli.io.gltf import Animation, read_gltf, shading_normals, write_gltf
-from caricli.io.rig import EYES, Rig, read_rig, write_rig
+from caricli.structures.mesh import triangle_fans
 
 VALIDATOR = Path(caricli.__file__).parents[1] / "tests" / "gltf_validator"
 DTYPES = {5121: "<u1", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
@@ -41,7 +43,7 @@ def grid(side, names=("bump",)):
     neutral = np.stack([x.ravel(), y.ravel(), np.zeros(side**2)], axis=1).astype(np.float32)
     deltas = np.zeros((len(names), side**2, 3), np.float32)
     deltas[0, side + 1] = [0, 0, 0.01]
-    return Rig(names, neutral, deltas, fans(polygons), polygons)
+    return Rig(names, neutral, deltas, triangle_fans(polygons), polygons)
 
 
 def movement(rig, frames=7):
@@ -55,7 +57,7 @@ def movement(rig, frames=7):
 def head_rig(head):
     """All actions of the open head, with what is noise at rest."""
     deltas = np.where(np.abs(head.actions).max(2, keepdims=True) > 1e-6, head.actions, 0).astype(np.float32)
-    faces = fans(head.polygons)
+    faces = triangle_fans(head.polygons)
     neutral = head.evaluate().astype(np.float32)
     return Rig(head.action_names, neutral, deltas, faces, head.polygons, head.uvs, head.uv_polygons)
 
@@ -71,7 +73,7 @@ def subdivided_rig(head_rig):
         tuple(head_rig.names[k] for k in kept),
         (weights @ head_rig.neutral).astype(np.float32),
         np.stack([weights @ head_rig.deltas[k] for k in kept]).astype(np.float32),
-        fans(polygons),
+        triangle_fans(polygons),
         polygons,
         uv_weights @ head_rig.uvs,
         uv_polygons,
@@ -88,7 +90,7 @@ def kinds(full, head, subdivided):
         "eyes, seams and pictures, sparse": (full, {"sparse": True}),
         "eyes without pictures": (replace(full, texture=None, eye_texture=None), {}),
         "a picture without UVs": (replace(full, uvs=None, uv_polygons=None), {}),
-        "only eyes": (replace(full, materials=np.full_like(full.materials, EYES)), {}),
+        "only eyes": (replace(full, materials=np.full_like(full.materials, Material.EYE)), {}),
         "animated": (full, {"animation": turning}),
         "animated sparse": (full, {"animation": turning, "sparse": True}),
         "one frame, no rotation": (full, {"animation": Animation([0.0], turning.weights[:1])}),
@@ -232,8 +234,8 @@ def test_what_was_written_comes_back(name, sparse, request, tmp_path):
     np.testing.assert_array_equal(back.neutral, rig.neutral)
     np.testing.assert_array_equal(back.deltas, rig.deltas)
     np.testing.assert_array_equal(back.faces, rig.faces)
-    corners = fans(rig.uv_polygons)
-    np.testing.assert_allclose(back.uvs[back.uv_polygons], rig.uvs[corners], rtol=0, atol=1e-6)
+    corners = triangle_fans(rig.mesh.uv_polygons)
+    np.testing.assert_allclose(back.uvs[back.uv_polygons], rig.mesh.uvs[corners], rtol=0, atol=1e-6)
     for key in ("texture", "eye_texture"):
         np.testing.assert_array_equal(getattr(back, key), getattr(rig, key))
     if rig.materials is None:
@@ -252,7 +254,7 @@ def test_a_head_that_keeps_still_comes_back(full_rig, tmp_path):
     np.testing.assert_array_equal(back.neutral, full_rig.neutral)
     np.testing.assert_array_equal(back.faces, full_rig.faces)
     np.testing.assert_array_equal(back.materials, np.repeat(full_rig.materials, 2))
-    np.testing.assert_allclose(back.uvs[back.uv_polygons], full_rig.uvs[fans(full_rig.uv_polygons)], atol=1e-6)
+    np.testing.assert_allclose(back.uvs[back.uv_polygons], full_rig.uvs[triangle_fans(full_rig.uv_polygons)], atol=1e-6)
     for key in ("texture", "eye_texture"):
         np.testing.assert_array_equal(getattr(back, key), getattr(full_rig, key))
 
@@ -464,7 +466,7 @@ def test_other_programs_files_are_read(tmp_path):
     np.testing.assert_array_equal(rig.deltas, deltas)
     np.testing.assert_array_equal(rig.faces, faces)
     uvs = np.stack([fractions[:, 0], 1 - fractions[:, 1]], axis=1)
-    np.testing.assert_allclose(rig.uvs[rig.uv_polygons], uvs[faces], atol=1e-6)
+    np.testing.assert_allclose(rig.mesh.uvs[rig.mesh.uv_polygons], uvs[faces], atol=1e-6)
     assert rig.materials is rig.texture is None
 
 

@@ -6,7 +6,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from caricli.errors import InputError, OutputError
-from caricli.io.landmarks import Landmarks, check_inside, read_landmarks, write_landmarks
+from caricli.io.landmarks import read_landmarks, write_landmarks
+from caricli.structures import Landmarks
 
 NAN = float("nan")
 

@@ -3,7 +3,8 @@ import pytest
 
 from caricli.errors import InputError
 from caricli.io.mtl import texture_path
-from caricli.io.obj import ObjMesh, write_obj
+from caricli.io.obj import write_obj
+from caricli.structures import Mesh
 
 
 @pytest.fixture
@@ -21,7 +22,7 @@ def written(tmp_path):
 
 def test_what_we_write_is_found(tmp_path):
     corners = np.array([[0, 1, 2]])
-    mesh = ObjMesh(np.eye(3), corners, np.eye(3)[:, :2], corners)
+    mesh = Mesh(np.eye(3), corners, np.eye(3)[:, :2], corners)
     write_obj(tmp_path / "face.obj", mesh, texture="skin.png")
     assert texture_path(tmp_path / "face.obj") == tmp_path / "skin.png"
 

@@ -6,7 +6,8 @@ from hypothesis.extra.numpy import arrays
 
 from caricli.errors import InputError, OutputError
 from caricli.io import obj
-from caricli.io.obj import ObjMesh, read_obj, write_obj
+from caricli.io.obj import read_obj, write_obj
+from caricli.structures import Mesh
 
 TRIANGLE = "v 0 0 0\nv 1 0 0\nv 0 1 0\n"
 
@@ -147,10 +148,10 @@ def meshes(draw):
     width = max(map(len, rows))
     polygons = np.array([row + [-1] * (width - len(row)) for row in rows], np.int32)
     if draw(st.booleans()):
-        return ObjMesh(vertices, polygons)
+        return Mesh(vertices, polygons)
     uvs = draw(arrays(np.float32, (draw(st.integers(1, 9)), 2), elements=coordinate))
     indices = draw(arrays(np.int32, polygons.shape, elements=st.integers(0, len(uvs) - 1)))
-    return ObjMesh(vertices, polygons, uvs, np.where(polygons < 0, -1, indices).astype(np.int32))
+    return Mesh(vertices, polygons, uvs, np.where(polygons < 0, -1, indices).astype(np.int32))
 
 
 @settings(max_examples=100, deadline=None, derandomize=True)
@@ -173,7 +174,7 @@ def test_round_trip(tmp_path_factory, mesh):
 def square():
     polygons = np.array([[0, 1, 2, 3]], np.int32)
     corners = np.array([[0, 0], [1, 0], [1, 1], [0, 1.0]])
-    return ObjMesh(np.c_[corners, np.zeros(4)], polygons, corners, polygons)
+    return Mesh(np.c_[corners, np.zeros(4)], polygons, corners, polygons)
 
 
 def test_texture_and_material(tmp_path):
@@ -191,20 +192,20 @@ def test_texture_and_material(tmp_path):
 def test_what_could_not_be_read_back_is_not_written(tmp_path):
     vertices, polygons = square().vertices, square().polygons
     bad = {
-        "found others": ObjMesh(vertices * np.nan, polygons),
-        "at most 1e\\+06": ObjMesh(vertices * 1e7, polygons),
-        "indices below 4": ObjMesh(vertices, polygons + 1),
-        "indices below 4, found others": ObjMesh(vertices, np.array([[0, -1, 1, 2]], np.int32)),
-        "distinct vertices": ObjMesh(vertices, polygons % 3),
-        "faces, found none": ObjMesh(vertices, polygons[:0]),
-        "other shapes": ObjMesh(vertices[:, :2], polygons),
-        "for every corner": ObjMesh(vertices, polygons, vertices[:, :2], None),
+        "found others": Mesh(vertices * np.nan, polygons),
+        "at most 1e\\+06": Mesh(vertices * 1e7, polygons),
+        "indices below 4": Mesh(vertices, polygons + 1),
+        "indices below 4, found others": Mesh(vertices, np.array([[0, -1, 1, 2]], np.int32)),
+        "distinct vertices": Mesh(vertices, polygons % 3),
+        "faces, found none": Mesh(vertices, polygons[:0]),
+        "other shapes": Mesh(vertices[:, :2], polygons),
+        "for every corner": Mesh(vertices, polygons, vertices[:, :2], None),
     }
     for message, mesh in bad.items():
         with pytest.raises(OutputError, match=message):
             write_obj(tmp_path / "a.obj", mesh)
     with pytest.raises(OutputError, match="UVs for the texture"):
-        write_obj(tmp_path / "a.obj", ObjMesh(vertices, polygons), texture="a.png")
+        write_obj(tmp_path / "a.obj", Mesh(vertices, polygons), texture="a.png")
     for texture in ("../a.png", "a\nb.png", ""):
         with pytest.raises(OutputError, match="plain file name"):
             write_obj(tmp_path / "a.obj", square(), texture=texture)

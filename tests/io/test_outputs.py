@@ -11,13 +11,14 @@ import pytest
 from caricli.errors import OutputError
 from caricli.io import outputs
 from caricli.io.checkpoint import write_checkpoint
-from caricli.io.face import Face, write_face
+from caricli.io.face import write_face
 from caricli.io.image import write_png
-from caricli.io.landmarks import Landmarks, write_landmarks
+from caricli.io.landmarks import write_landmarks
 from caricli.io.npz import write_npz
-from caricli.io.obj import ObjMesh, write_obj
+from caricli.io.obj import write_obj
 from caricli.io.outputs import staged, staged_folder, write_bytes
 from caricli.io.strict_json import write_json
+from caricli.structures import Face, Landmarks, Mesh
 
 
 def tree(folder):
@@ -196,7 +197,7 @@ def little_room(size):
 NOISE = np.random.default_rng(0).uniform(0, 1000, (4000, 3))
 ROWS = np.arange(3999).reshape(-1, 3).astype(np.int32)
 WRITERS = {
-    "a.obj": lambda path: write_obj(path, ObjMesh(NOISE, ROWS)),
+    "a.obj": lambda path: write_obj(path, Mesh(NOISE, ROWS)),
     "face.npz": lambda path: write_face(path, Face(NOISE, ROWS)),
     "a.npz": lambda path: write_npz(path, {"x": NOISE}),
     "a.json": lambda path: write_json(path, NOISE),

@@ -5,7 +5,8 @@ import pytest
 
 from caricli.errors import InputError, OutputError
 from caricli.io.npz import read_npz, write_npz
-from caricli.io.rig import Rig, read_rig, write_rig
+from caricli.io.rig import read_rig, write_rig
+from caricli.structures import Rig
 
 
 @pytest.fixture

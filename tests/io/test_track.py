@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 from caricli.errors import InputError, OutputError
-from caricli.structures.arkit import ARKIT_NAMES
 from caricli.io.npz import write_npz
-from caricli.io.track import WeightTrack, read_weights, write_weights
+from caricli.io.track import read_weights, write_weights
+from caricli.structures import Track
+from caricli.structures.arkit import ARKIT_NAMES
 
 ANGLES = (
     "HeadYaw,HeadPitch,HeadRoll,LeftEyeYaw,LeftEyePitch,LeftEyeRoll,RightEyeYaw,RightEyePitch,RightEyeRoll"
@@ -127,7 +128,7 @@ def test_mediapipe_single_results_rates_stamps_and_frames_without_a_face(tmp_pat
 @pytest.mark.parametrize("times", [np.arange(4) / 24, [0, 0.1, 0.15, 2]])
 @pytest.mark.parametrize("head", [None, HEAD])
 def test_our_json_comes_back_as_it_was(tmp_path, times, head):
-    given = WeightTrack(("jawOpen", "grin"), np.asarray(times), WEIGHTS[:, :2], head)
+    given = Track(("jawOpen", "grin"), np.asarray(times), WEIGHTS[:, :2], head)
     write_weights(tmp_path / "a.json", given)
     track = read_weights(tmp_path / "a.json")
     assert track.names == given.names and (track.head is None) == (head is None)
@@ -279,5 +280,5 @@ def test_bad_npz_and_other_files(tmp_path):
 def test_what_could_not_be_read_back_is_not_written(tmp_path):
     for weights, word in (([[np.nan]], "found nan"), ([[0.0], [1.0]], "shape")):
         with pytest.raises(OutputError, match=word):
-            write_weights(tmp_path / "a.json", WeightTrack(("a",), np.zeros(1), np.array(weights)))
+            write_weights(tmp_path / "a.json", Track(("a",), np.zeros(1), np.array(weights)))
     assert not any(tmp_path.iterdir())

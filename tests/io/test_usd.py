@@ -5,9 +5,9 @@ import numpy as np
 import pytest
 
 from caricli.errors import OutputError
-from caricli.io.gltf import shading_normals
-from caricli.io.rig import Rig
+from caricli.io.gltf.write_gltf import shading_normals
 from caricli.io.usd import write_usd
+from caricli.structures import Rig
 
 Usd = pytest.importorskip("pxr.Usd", reason="usd-core is not installed")
 from pxr import Gf, UsdGeom, UsdSkel, UsdValidation  # noqa: E402

@@ -7,8 +7,8 @@ import pytest
 
 from caricli.data.identities import random_identity
 from caricli.geometry.deformation_gradients import rotation_matrices
-from caricli.geometry.fit_camera import Pose
 from caricli.geometry.slide_contour import slide_contour
+from caricli.structures import Camera
 
 FRONT = np.diag([1.0, -1.0, -1.0])
 
@@ -39,7 +39,7 @@ class Truth:
     """A face, the pose in which it was seen, and its 68 or 81 landmarks in pixels."""
 
     vertices: np.ndarray
-    pose: Pose
+    pose: Camera
     points: np.ndarray
 
 
@@ -51,7 +51,7 @@ def seen(intrinsic):
         turns = np.radians([[pitch, 0, 0], [0, yaw, 0], [0, 0, roll]])
         matrices = rotation_matrices(turns)
         rotation = matrices[2] @ matrices[0] @ matrices[1] @ FRONT
-        pose = Pose(1500.0, rotation, np.array([310.0, 540.0]))
+        pose = Camera(1500.0, rotation, np.array([310.0, 540.0]))
         note = intrinsic.template.annotation
         jaw = slide_contour(vertices, rotation, intrinsic.template.vertices, note.landmarks[:17], note.jaw_paths)
         return Truth(vertices, pose, pose.project(vertices[np.r_[jaw, note.landmarks[17:count]]]))

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from caricli.errors import InputError
-from caricli.io.rig import EYES, SKIN, Rig
 from caricli.render.draw_rig import draw_rig
+from caricli.structures import Material, Rig
 
 
 @pytest.fixture(scope="module")
@@ -17,7 +17,7 @@ def rig(sphere):
     uvs = np.stack([0.5 + 0.5 * points[:, 0] / 0.03, 0.5 + 0.5 * points[:, 1] / 0.03], 1)
     image = np.zeros((16, 16, 3), np.uint8)
     image[:, :8], image[:, 8:] = (220, 20, 20), (20, 20, 220)
-    materials = np.repeat([SKIN, EYES], len(faces)).astype(np.int32)
+    materials = np.repeat([Material.SKIN, Material.EYE], len(faces)).astype(np.int32)
     deltas = np.zeros((1, *points.shape), np.float32)
     return Rig(("still",), points, deltas, both, both, uvs, both, materials, None, image)
 

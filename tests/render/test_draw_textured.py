@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
-from caricli.io.rig import EYES, SKIN, Rig
 from caricli.render.draw_textured import ANGLES, INSIDE, draw_textured, render_textured
+from caricli.structures import Material, Rig
 
 # Of pictures that are one colour on every side.
 LEFT, RIGHT, BACK, WHITE = (200, 30, 40), (30, 180, 60), (60, 70, 220), 255
@@ -70,7 +70,7 @@ def test_views_are_from_where_they_say(ball):
 
 def test_eyes_have_their_own_picture_and_none_is_paper(ball):
     eyes = np.full((4, 4, 3), 77, np.uint8)
-    materials = np.where(ball.neutral[ball.polygons].mean(1)[:, 1] > 0, EYES, SKIN).astype(np.int32)
+    materials = np.where(ball.neutral[ball.polygons].mean(1)[:, 1] > 0, Material.EYE, Material.SKIN).astype(np.int32)
     both = Rig((), ball.neutral, ball.deltas, ball.faces, ball.polygons, ball.uvs, ball.uv_polygons, materials,
                ball.texture, eyes)  # fmt: skip
     image = render_textured(both, placed(ball.neutral, 40, 49.5), 100, 100)

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from caricli.geometry.subdivide import subdivide
-from caricli.geometry.triangulate import triangulate
 from caricli.render.head_views import head_views
 from caricli.render.views import render_views
+from caricli.structures.mesh import triangle_fans
 
 BARE = SimpleNamespace(curves={}, regions={})
 VIEWS = ("front", "profile")
@@ -14,7 +14,7 @@ VIEWS = ("front", "profile")
 
 def finer(vertices, faces, levels):
     weights, quads = subdivide(faces, len(vertices), levels, 10**6)
-    return weights @ vertices, triangulate(quads), weights
+    return weights @ vertices, triangle_fans(quads), weights
 
 
 def test_without_a_finer_mesh_they_are_the_plain_views(lopsided):

@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 
 from caricli.errors import InputError
-from caricli.geometry.triangulate import triangulate
 from caricli.render.uv_map import pad_texture, uv_map
+from caricli.structures.mesh import triangle_fans
 from caricli.template.head import load_head
 
 SQUARE = np.array([[0.25, 0.25], [0.75, 0.25], [0.75, 0.75], [0.25, 0.75]])
@@ -23,7 +23,7 @@ def test_texels_know_their_place():
 
 def test_every_triangle_of_the_head_is_there():
     head = load_head()
-    uv_faces = triangulate(head.uv_polygons)
+    uv_faces = triangle_fans(head.uv_polygons)
     face, barycentric = uv_map(head.uvs, uv_faces, 512)
     seen = np.unique(face[face >= 0], return_counts=True)
     a, b, c = np.moveaxis(head.uvs[uv_faces] * 512, 1, 0)

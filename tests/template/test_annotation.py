@@ -5,7 +5,8 @@ import pytest
 
 from caricli.errors import InputError
 from caricli.io.bundled import asset_path
-from caricli.template.annotation import EXTRA_NAMES, parse_annotation
+from caricli.structures.landmarks import EXTRA_NAMES
+from caricli.template.annotation import parse_annotation
 
 COUNT = 200
 

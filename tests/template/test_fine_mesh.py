@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from caricli.errors import InputError
-from caricli.geometry.triangulate import triangulate
+from caricli.structures.mesh import triangle_fans
 from caricli.template.annotation import parse_annotation
 from caricli.template.fine_mesh import fine_mesh
 from caricli.template.template import Template
@@ -17,13 +17,13 @@ def test_level_0_is_the_templates_own_mesh(head_template):
 
 def test_a_finer_head_has_uvs_at_every_corner(head_template):
     fine = fine_mesh(head_template, 1)
-    assert np.array_equal(fine.faces, triangulate(fine.polygons)) and len(fine.polygons) == 4 * 4178
-    assert fine.uv_polygons.shape == fine.polygons.shape and fine.uv_polygons.max() < len(fine.uvs)
+    assert np.array_equal(fine.mesh.faces, triangle_fans(fine.mesh.polygons)) and len(fine.mesh.polygons) == 4 * 4178
+    assert fine.mesh.uv_polygons.shape == fine.mesh.polygons.shape and fine.mesh.uv_polygons.max() < len(fine.mesh.uvs)
     # Quads come four for each of the template's, the first corner of each at one of its corners.
-    corners = fine.polygons[:, 0].reshape(-1, 4), fine.uv_polygons[:, 0].reshape(-1, 4)
+    corners = fine.mesh.polygons[:, 0].reshape(-1, 4), fine.mesh.uv_polygons[:, 0].reshape(-1, 4)
     assert np.array_equal(corners[0], head_template.polygons)
     assert np.array_equal(corners[1], head_template.uv_polygons)
-    assert np.array_equal(fine.uvs[: len(head_template.uvs)], head_template.uvs)
+    assert np.array_equal(fine.mesh.uvs[: len(head_template.uvs)], head_template.uvs)
 
 
 def test_what_could_not_be_read_back_is_refused(head_template):
@@ -35,4 +35,4 @@ def test_a_template_without_uvs_stays_without(ball):
     vertices, faces = ball
     template = Template(vertices, faces, faces, parse_annotation({"ibug68": list(range(68))}, len(vertices), "ball"))
     fine = fine_mesh(template, 2)
-    assert fine.uvs is None and fine.uv_polygons is None and len(fine.faces) == 24 * len(faces)
+    assert fine.mesh.uvs is None and fine.mesh.uv_polygons is None and len(fine.mesh.faces) == 24 * len(faces)

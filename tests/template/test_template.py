@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from caricli.io.face import topology_id
+from caricli.structures.mesh import topology_id
 from caricli.template.annotation import parse_annotation
 from caricli.template.template import Template
 

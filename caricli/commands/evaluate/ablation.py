@@ -4,7 +4,14 @@ from dataclasses import asdict
 
 import click
 
-from caricli.commands.shared.options import config_option, data_option, device_option, out_option, overwrite_option, set_option
+from caricli.commands.shared.options import (
+    config_option,
+    data_option,
+    device_option,
+    out_option,
+    overwrite_option,
+    set_option,
+)
 from caricli.errors import InputError
 from caricli.io.config import read_config
 from caricli.io.image import write_png

@@ -6,8 +6,7 @@ import click
 import numpy as np
 
 from caricli.commands.shared.options import PATH, data_option, out_option, overwrite_option, seed_option
-from caricli.errors import CaricliError, InputError
-from caricli.io.files import shown
+from caricli.errors import CaricliError, InputError, shown
 from caricli.io.image import write_png
 from caricli.io.outputs import staged_folder
 from caricli.io.provenance import provenance

@@ -4,8 +4,7 @@ import click
 import numpy as np
 
 from caricli.commands.shared.options import PATH, FiniteRange, data_option, out_option, overwrite_option, seed_option
-from caricli.errors import CaricliError, InputError
-from caricli.io.files import shown
+from caricli.errors import CaricliError, InputError, shown
 from caricli.io.image import write_png
 from caricli.io.outputs import staged_folder
 from caricli.io.provenance import provenance
@@ -144,9 +143,9 @@ def _rendered(data, rows, seed, noise):
 def _measured(portrait, models, show):
     """Figures of a portrait by method, what was refused, and pairs of picture and label, if they are to be shown."""
     from caricli.commands.textured import head_mask, paint
-    from caricli.io.face import Face
     from caricli.methods.evaluate.evaluate_portrait import ADJUSTED, measure_portrait, reconstruct_portrait
     from caricli.render.draw_textured import draw_textured
+    from caricli.structures import Face
 
     try:
         found, refused = reconstruct_portrait(portrait.points, models)
@@ -156,14 +155,14 @@ def _measured(portrait, models, show):
     # One mask for all: with a mask of its own a bad fit would be compared where it is good.
     mask = portrait.mask
     if mask is None:
-        face = Face(best.vertices, template.faces, landmarks=portrait.points)
+        face = Face(template.with_vertices(best.vertices), landmarks=portrait.points)
         mask = head_mask(None, portrait.image, face, best.pose, template, (portrait.name, portrait.name))
     figures, rigs = {}, {}
     for name, each in found.items():
         figures[name] = measure_portrait(each, portrait, template)
         # What equation 7 adjusts is compared by its landmarks alone, as published.
         if name not in ADJUSTED:
-            face = Face(each.vertices, template.faces, landmarks=each.landmarks)
+            face = Face(template.with_vertices(each.vertices), landmarks=each.landmarks)
             generator = np.random.default_rng(0)
             painted = paint(face, each.pose, portrait.image, mask, template, TEXTURE, False, generator)
             figures[name]["photometric"], rigs[name] = 100 * painted.error, painted.rig
@@ -190,11 +189,8 @@ def _picture(portrait, found=None, template=None):
     note, pose = template.annotation, found.pose
     drawn = overlay_mesh(
         np.full_like(picture, 255),
-        found.vertices,
-        template.faces,
-        zoom * pose.scale,
-        pose.rotation,
-        zoom * pose.translation,
+        template.with_vertices(found.vertices),
+        pose.zoomed(zoom),
         opacity=1,
         eyeballs=place_eyeballs(found.vertices, template.faces, note.curves, note.regions),
     )

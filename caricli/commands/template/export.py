@@ -18,12 +18,11 @@ def command(out, open_mouth, overwrite):
       caricli template export head.obj
       caricli template export head_open.obj --open-mouth
     """
-    from caricli.commands.loading import template_mesh
     from caricli.io.obj import write_obj
     from caricli.template.head import load_head
 
     head = load_head()
     template = head.open_mouth_template() if open_mouth else head.template()
     with staged(out, overwrite=overwrite) as (temporary,):
-        write_obj(temporary, template_mesh(template, template.vertices))
+        write_obj(temporary, template)
     click.echo(f"{out}: {len(template.vertices)} vertices, {len(template.polygons)} polygons")

@@ -202,12 +202,12 @@ def network_points(template, path=None):
     import numpy as np
     from scipy.spatial import cKDTree
 
-    from caricli.io.face import read_face, topology_id
+    from caricli.io.face import read_face
     from caricli.template.head import load_head
 
     if path is not None:
         face = read_face(path)
-        if topology_id(face.faces) != template.topology_id:
+        if face.mesh.topology_id != template.topology_id:
             raise InputError(f"{path}: its topology is not the dataset's ({len(template.vertices)} vertices)")
         points = face.vertices
     elif template.topology_id == load_head().template().topology_id:

@@ -13,10 +13,9 @@ from caricli.commands.shared.options import (
     seed_option,
     set_option,
 )
-from caricli.errors import InputError
+from caricli.errors import InputError, shown
 from caricli.io.checkpoint import write_checkpoint
 from caricli.io.config import read_config
-from caricli.io.files import shown
 from caricli.io.outputs import staged
 from caricli.io.provenance import provenance
 from caricli.io.strict_json import write_json

@@ -4,8 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from caricli.errors import InputError
-from caricli.io.files import shown
+from caricli.errors import InputError, shown
 from caricli.io.track import MAX_WEIGHTS
 
 
@@ -22,7 +21,7 @@ def bind_weights(track, names):
     """Bind weights by name, never by order.
 
     A name binds to the same name, else to the one that differs in the case of the first letter alone.
-    track: WeightTrack. names: the rig's (K,).
+    track: Track. names: the rig's (K,).
     Returns BoundWeights; what nothing drives stays 0.
     Raises InputError when no name is common, two names of the track bind to one of the rig, or frames times shapes are
     too many.

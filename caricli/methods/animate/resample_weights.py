@@ -3,7 +3,8 @@
 import numpy as np
 
 from caricli.errors import InputError
-from caricli.io.track import MAX_FRAMES, MAX_WEIGHTS, WeightTrack
+from caricli.io.track import MAX_FRAMES, MAX_WEIGHTS
+from caricli.structures import Track
 
 _EVEN = 1e-3  # seconds that a frame may be early or late
 
@@ -11,9 +12,9 @@ _EVEN = 1e-3  # seconds that a frame may be early or late
 def resample_weights(track, fps=None):
     """Sample a track at even times, linearly in between; angles go on over half turns.
 
-    track: WeightTrack. fps: frames per second; where absent the track's own, by the median of its steps, and a track
+    track: Track. fps: frames per second; where absent the track's own, by the median of its steps, and a track
     whose frames are even already stays as it is.
-    Returns WeightTrack and its frames per second. Raises InputError when that is too many frames.
+    Returns Track and its frames per second. Raises InputError when that is too many frames.
     """
     steps = np.diff(track.times)
     own = 1 / float(np.median(steps)) if len(steps) else 30.0
@@ -31,4 +32,4 @@ def resample_weights(track, fps=None):
     head = None
     if track.head is not None:
         head = np.stack([np.interp(times, track.times, a) for a in np.unwrap(track.head, axis=0).T], axis=1)
-    return WeightTrack(track.names, times, np.stack(columns, axis=1), head), fps
+    return Track(track.names, times, np.stack(columns, axis=1), head), fps

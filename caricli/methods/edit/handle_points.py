@@ -6,7 +6,7 @@ import re
 import numpy as np
 
 from caricli.errors import InputError
-from caricli.template.annotation import POINT_NAMES
+from caricli.structures.landmarks import POINT_NAMES
 
 _FARTHEST = 0.5
 _SAME = 1e-9

@@ -9,11 +9,11 @@ from caricli.data.expressions import NEUTRAL, expand_sides
 from caricli.errors import InputError
 from caricli.geometry.flipped_triangles import flipped_triangles
 from caricli.geometry.head_rotation import TURNS, head_rotation
-from caricli.geometry.fit_camera import Pose
 from caricli.io.bundled import asset_path
 from caricli.io.config import read_yaml
 from caricli.methods.expressions.build_blendshapes import build_blendshapes
 from caricli.methods.expressions.measure_blendshapes import measure_blendshapes
+from caricli.structures import Camera
 
 RIVALS = {
     "full": ("full", False),
@@ -63,15 +63,15 @@ def known_caricatures(data, people):
 
 
 def random_pose(generator, height):
-    """A Pose in which a head of a height in metres is seen, turned a little."""
+    """A Camera in which a head of a height in metres is seen, turned a little."""
     rotation = head_rotation(generator.uniform(-1, 1, 3) * TURNS)
-    return Pose(_SIZE / height, rotation, np.array([_SIZE, _SIZE]))
+    return Camera(_SIZE / height, rotation, np.array([_SIZE, _SIZE]))
 
 
 def compare_blendshapes(truth, given, pose, templates, morphable, landmark_map, latent):
     """Build the expressions of a known caricature by every method and measure them.
 
-    truth: (K, V, 3) metres. given: number of the expression that the picture shows. pose: Pose. templates:
+    truth: (K, V, 3) metres. given: number of the expression that the picture shows. pose: Camera. templates:
     ExpressionTemplates of the same expressions. latent: ShapeModel of latents.
     Returns (figures by rival, Blendshapes by rival), both with "truth" first. Figures: error, drift, strength, excess
     (K,), in percent of the head's height, of the normal face's and of its mean displacement, NaN for the given one;

@@ -10,7 +10,6 @@ import numpy as np
 from caricli.data.albedo import AlbedoPainter, random_look
 from caricli.errors import CaricliError
 from caricli.geometry.head_rotation import TURNS, head_rotation
-from caricli.geometry.fit_camera import Pose
 from caricli.geometry.similarity import similarity
 from caricli.methods.reconstruct.fit_landmarks import PARTS, fit_landmarks, landmark_vertices
 from caricli.methods.reconstruct.fit_morphable import WEIGHTS, fit_morphable
@@ -20,6 +19,7 @@ from caricli.render.place_eyeballs import place_eyeballs
 from caricli.render.shade import shade
 from caricli.render.sky import sky_visibility
 from caricli.render.smooth_normals import smooth_normals
+from caricli.structures import Camera
 from caricli.template.fine_mesh import fine_mesh
 
 COARSE = {
@@ -50,7 +50,7 @@ class Portrait:
     points: np.ndarray
     mask: np.ndarray | None = None
     truth: np.ndarray | None = None
-    pose: Pose | None = None
+    pose: Camera | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,7 +60,7 @@ class Reconstruction:
     those of what it refines."""
 
     vertices: np.ndarray
-    pose: Pose
+    pose: Camera
     landmarks: np.ndarray
     errors: dict
     flipped: float
@@ -73,7 +73,7 @@ class PortraitStudio:
     def __init__(self, template, size):
         """template: Template of the faces. size: pixels, width and height of a picture."""
         self.template, self.size, self.fine = template, size, fine_mesh(template, 1)
-        corners = (self.fine.weights @ template.vertices)[self.fine.faces]
+        corners = (self.fine.weights @ template.vertices)[self.fine.mesh.faces]
         grain = np.median(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2))
         self.painter = AlbedoPainter(template, self.fine.weights, float(grain))
 
@@ -95,7 +95,7 @@ class PortraitStudio:
         ]
         drawn = shade(
             self.fine.weights @ camera,
-            self.fine.faces,
+            self.fine.mesh.faces,
             self.size,
             self.size,
             vertex_colours=colours,
@@ -114,7 +114,7 @@ class PortraitStudio:
         flat = vertices @ rotation[:2].T
         scale = generator.uniform(*_FILLED) * self.size / np.ptp(flat, axis=0).max()
         middle = self.size * (0.5 + generator.uniform(-_ASIDE, _ASIDE, 2))
-        return Pose(float(scale), rotation, middle - scale * (flat.min(0) + flat.max(0)) / 2)
+        return Camera(float(scale), rotation, middle - scale * (flat.min(0) + flat.max(0)) / 2)
 
     def _background(self, generator):
         """Plain, or cloudy and grainy."""

@@ -8,12 +8,17 @@ from threadpoolctl import threadpool_limits
 from caricli.geometry.deformation_transfer import DeformationTransfer, triangle_maps
 from caricli.geometry.elastic_anchors import ElasticAnchors
 from caricli.geometry.similarity import similarity
-from caricli.methods.rig.expression_templates import STARTS, start_delta
+from caricli.methods.edit.map_landmarks import map_landmarks
+from caricli.methods.expressions.optimise_blendshapes import (
+    UNMOVED,
+    BlendshapeWeights,
+    displacement_masks,
+    optimise_blendshapes,
+)
 from caricli.methods.reconstruct.fit_landmarks import LandmarkFit, LatentSettings, landmark_vertices
 from caricli.methods.reconstruct.fit_morphable import fit_morphable
+from caricli.methods.rig.expression_templates import STARTS, start_delta
 from caricli.methods.rig.keep_contacts import Contacts
-from caricli.methods.edit.map_landmarks import map_landmarks
-from caricli.methods.expressions.optimise_blendshapes import UNMOVED, BlendshapeWeights, displacement_masks, optimise_blendshapes
 from caricli.models.landmark_map.model import COUNT
 
 METHODS = ("full", "initial", "transfer")
@@ -47,7 +52,7 @@ def build_blendshapes(
     landmarks do not show kept. "initial" stops there; "full" optimises the displacements (equations 4 to 11) and lets
     lids and lips meet; "transfer" instead transfers the deformations of the normal face (Sumner and Popovic 2004).
 
-    vertices: (V, 3) metres, S(e_x). pose: Pose of its picture. templates: ExpressionTemplates, of the models' topology.
+    vertices: (V, 3) metres, S(e_x). pose: Camera of its picture. templates: ExpressionTemplates, of the models' topology.
     morphable: MorphableModel. landmark_map: LandmarkMap. method: of METHODS. weights: BlendshapeWeights. model:
     ShapeModel whose latent is fitted to the landmarks, or None for deformation gradients. contacts: whether "full"
     keeps them. Returns Blendshapes. Raises InputError, NumericsError.

@@ -8,10 +8,10 @@ from threadpoolctl import threadpool_limits
 
 from caricli.errors import InputError
 from caricli.geometry.deformation_gradients import rotation_matrices
-from caricli.geometry.fit_camera import Pose
 from caricli.geometry.similarity import similarity
 from caricli.geometry.vertex_neighbours import vertex_neighbours
 from caricli.methods.reconstruct.fit_landmarks import LatentSettings
+from caricli.structures import Camera
 
 STRONGEST = 1.5
 """Upper bound of a weight."""
@@ -142,7 +142,7 @@ class _View:
         """Turn the camera, log its scale and shift it."""
         rotation = rotation_matrices(step[None, :3])[0] @ self.pose.rotation
         shift = self.diagonal * LatentSettings.noise * step[4:]
-        self.pose = Pose(self.pose.scale * float(np.exp(step[3])), rotation, self.pose.translation + shift)
+        self.pose = Camera(self.pose.scale * float(np.exp(step[3])), rotation, self.pose.translation + shift)
 
     def error(self, vertices):
         """Mean distance from the landmarks in percent of their diagonal."""

@@ -7,10 +7,11 @@ from threadpoolctl import threadpool_limits
 
 from caricli.errors import InputError
 from caricli.geometry.deformation_gradients import rotation_matrices
+from caricli.geometry.fit_camera import fit_camera
 from caricli.geometry.flipped_triangles import flipped_triangles
-from caricli.geometry.fit_camera import Pose, scaled_orthographic_pose
 from caricli.geometry.slide_contour import slide_contour
 from caricli.geometry.untangle import untangle
+from caricli.structures import Camera
 
 JAW = 17
 PARTS = {
@@ -54,7 +55,7 @@ class LandmarkFit:
     vertices: np.ndarray
     latent: np.ndarray
     residual: np.ndarray | None
-    pose: Pose
+    pose: Camera
     landmarks: np.ndarray
     anchors: np.ndarray
     nme: float
@@ -100,7 +101,7 @@ class _Observation:
         return landmark_vertices(vertices, rotation, self.template, self.count)
 
     def settle(self, vertices, weights=None, rotation=None):
-        """Pose and anchors that agree with each other. Returns (Pose in units of the diagonal, (L,) anchors)."""
+        """Camera and anchors that agree with each other. Returns (Camera in units of the diagonal, (L,) anchors)."""
         rotation = np.diag([1.0, -1.0, -1.0]) if rotation is None else rotation
         for _ in range(2):
             anchors = self.anchors(vertices, rotation)
@@ -109,8 +110,8 @@ class _Observation:
         return pose, anchors
 
     def pose(self, vertices, anchors, weights):
-        """Pose in units of the diagonal for given anchors."""
-        return scaled_orthographic_pose(vertices[anchors[self.known]], self.points, weights)
+        """Camera in units of the diagonal for given anchors."""
+        return fit_camera(vertices[anchors[self.known]], self.points, weights)
 
     def error(self, vertices, pose, anchors):
         """(K,) distances of the known landmarks as shares of the diagonal."""
@@ -119,7 +120,7 @@ class _Observation:
     def in_pixels(self, pose):
         """The same pose for the given picture."""
         translation = pose.translation * self.diagonal + self.centre
-        return Pose(pose.scale * self.diagonal, pose.rotation, translation)
+        return Camera(pose.scale * self.diagonal, pose.rotation, translation)
 
 
 def fit_landmarks(points, model, method="intrinsic", prior_weight=1.0):
@@ -284,4 +285,4 @@ def _normal_equations(positions, jacobian, pose, points, weights, noise):
 
 def _moved(pose, step):
     rotation = rotation_matrices(step[None, :3])[0] @ pose.rotation
-    return Pose(pose.scale * float(np.exp(step[3])), rotation, pose.translation + step[4:])
+    return Camera(pose.scale * float(np.exp(step[3])), rotation, pose.translation + step[4:])

@@ -38,7 +38,7 @@ class Refinement:
 def refine_face(vertices, pose, points, template, weight=1.0, laplacian="cotangent"):
     """Move the landmarks' vertices onto their landmarks in the picture, at their depth, and the surface along.
 
-    vertices: (V, 3) metres. pose: Pose of the picture. points: (L, 2) pixels, NaN where unknown. template: Template
+    vertices: (V, 3) metres. pose: Camera of the picture. points: (L, 2) pixels, NaN where unknown. template: Template
     with the annotation. weight: of a landmark against the shape of the surface (the paper's lambda). laplacian:
     "cotangent", or "uniform" as published. Jaw landmarks stand where the outline is. Mouth cavity and eye sockets stay
     behind the skin.

@@ -5,10 +5,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from caricli.geometry.triangulate import triangulate
-from caricli.io.rig import EYES, SKIN
 from caricli.render.paint_eye import paint_eye
 from caricli.render.place_eyeballs import place_eyeballs
+from caricli.structures import Material, Mesh
 
 RINGS, SECTORS = 14, 24
 CLEARANCE = 1.01
@@ -69,12 +68,12 @@ def add_eyeballs(rig, eyeballs, generator, picture=None):
     if not eyeballs:
         return rig
     points, quads, uvs, uv_quads = _ball()
-    uv_start = 1 if rig.uvs is None else len(rig.uvs)
+    uv_start = 1 if rig.mesh.uvs is None else len(rig.mesh.uvs)
     # Every corner needs a place in a picture once the eyes have one.
-    known = np.zeros((1, 2)) if rig.uvs is None else rig.uvs
-    skin_uvs = np.where(rig.polygons >= 0, 0, -1) if rig.uvs is None else rig.uv_polygons
-    wide = max(rig.polygons.shape[1], quads.shape[1])
-    polygons, uv_polygons = [_widened(rig.polygons, wide)], [_widened(skin_uvs, wide)]
+    known = np.zeros((1, 2)) if rig.mesh.uvs is None else rig.mesh.uvs
+    skin_uvs = np.where(rig.mesh.polygons >= 0, 0, -1) if rig.mesh.uvs is None else rig.mesh.uv_polygons
+    wide = max(rig.mesh.polygons.shape[1], quads.shape[1])
+    polygons, uv_polygons = [_widened(rig.mesh.polygons, wide)], [_widened(skin_uvs, wide)]
     neutral, deltas = [rig.neutral], [rig.deltas]
     for number, ball in enumerate(eyeballs):
         neutral.append(ball.centre + ball.radius * points)
@@ -87,13 +86,9 @@ def add_eyeballs(rig, eyeballs, generator, picture=None):
     count = len(polygons) - len(eyeballs) * len(quads)
     return replace(
         rig,
-        neutral=np.concatenate(neutral).astype(np.float32),
+        mesh=Mesh(np.concatenate(neutral).astype(np.float32), polygons, np.concatenate([known, uvs]), uv_polygons),
         deltas=np.concatenate(deltas, axis=1).astype(np.float32),
-        faces=triangulate(polygons),
-        polygons=polygons,
-        uvs=np.concatenate([known, uvs]),
-        uv_polygons=uv_polygons,
-        materials=np.where(np.arange(len(polygons)) < count, SKIN, EYES).astype(np.int32),
+        materials=np.where(np.arange(len(polygons)) < count, Material.SKIN, Material.EYE).astype(np.int32),
         eye_texture=paint_eye(TEXTURE, generator) if picture is None else picture,
     )
 

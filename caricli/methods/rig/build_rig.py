@@ -3,9 +3,9 @@
 import numpy as np
 
 from caricli.geometry.similarity import similarity
-from caricli.io.rig import Rig
 from caricli.methods.rig.add_eyeballs import add_eyeballs, fit_eyeballs
 from caricli.methods.rig.measure_rig import measure_rig
+from caricli.structures import Rig
 from caricli.template.fine_mesh import fine_mesh
 
 
@@ -24,14 +24,6 @@ def build_rig(mesh, templates, deltas, generator, levels=0, eyeballs=True, textu
     measures = measure_rig(deltas, neutral, templates, mesh.annotation, scale, balls)
     fine = fine_mesh(mesh, levels)
     finer = np.stack([fine.weights @ delta for delta in deltas])
-    rig = Rig(
-        names=templates.names,
-        neutral=(fine.weights @ neutral).astype(np.float32),
-        deltas=finer.astype(np.float32),
-        faces=fine.faces,
-        polygons=fine.polygons,
-        uvs=fine.uvs,
-        uv_polygons=fine.uv_polygons,
-        texture=texture,
-    )
+    shaped = fine.mesh.with_vertices((fine.weights @ neutral).astype(np.float32))
+    rig = Rig(templates.names, shaped, finer.astype(np.float32), texture=texture)
     return add_eyeballs(rig, balls, generator, eyes), measures, balls

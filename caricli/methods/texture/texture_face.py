@@ -9,7 +9,6 @@ from scipy.ndimage import distance_transform_edt
 
 from caricli.geometry.cholesky import Cholesky
 from caricli.geometry.triangle_normals import triangle_normals
-from caricli.geometry.triangulate import triangulate
 from caricli.geometry.vertex_neighbours import vertex_neighbours
 from caricli.render.diffuse_background import diffuse_background
 from caricli.render.rasterise import rasterise
@@ -45,11 +44,11 @@ def texture_face(vertices, pose, image, mask, mesh, size=None):
     from what is known. Background never enters: it is replaced by diffused colours of the face first. What a rendering
     blurs of this is then given back to the texels that are seen.
 
-    vertices: (V, 3) metres. pose: Pose. image: (H, W, 3) uint8. mask: (H, W) bool, the head. mesh: Template with UVs.
+    vertices: (V, 3) metres. pose: Camera. image: (H, W, 3) uint8. mask: (H, W) bool, the head. mesh: Template with UVs.
     size: texels, width and height; where there is none, the power of two, within limits, with which texels of what is
     seen are one to two pixels wide, by their median. Returns FaceTexture.
     """
-    uv_faces = triangulate(mesh.uv_polygons)
+    uv_faces = mesh.uv_faces
     view = _View(vertices, pose, image, mask, mesh.faces, mesh.uvs[uv_faces])
     size = size or view.size()
     face, weights = uv_map(mesh.uvs, uv_faces, size)

@@ -6,7 +6,7 @@ import numpy as np
 
 from caricli.data.attributes import measure_attributes
 from caricli.errors import InputError
-from caricli.io.directions import Directions
+from caricli.structures import Directions
 
 COSTS = (1e-3, 1e-2, 1e-1, 1.0)
 FOLDS, FEWEST = 5, 10

@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 from caricli.io.image import read_image, write_png
-from caricli.io.landmarks import Landmarks, write_landmarks
+from caricli.io.landmarks import write_landmarks
 from caricli.io.strict_json import read_json, write_json
 from caricli.methods.evaluate.evaluate_portrait import COARSE, METHODS, REFINED, PortraitStudio
+from caricli.structures import Landmarks
 
 COMMAND = "evaluate", "portrait"
 

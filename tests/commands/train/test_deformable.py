@@ -12,9 +12,10 @@ import pytest
 
 from caricli.io.bundled import config_path
 from caricli.io.checkpoint import read_checkpoint
-from caricli.io.face import Face, write_face
+from caricli.io.face import write_face
 from caricli.io.image import read_image
 from caricli.models.checkpoint import model_from_checkpoint
+from caricli.structures import Face
 
 SMALL = ("--set", "epochs=6", "--set", "validate_every=2")
 

@@ -8,9 +8,10 @@ from caricli.data.dataset import read_dataset
 from caricli.io.bundled import asset_path
 from caricli.io.directions import read_directions
 from caricli.io.npz import read_npz, write_npz
-from caricli.io.obj import ObjMesh, write_obj
+from caricli.io.obj import write_obj
 from caricli.io.provenance import sha256_file
 from caricli.io.strict_json import read_json, write_json
+from caricli.structures import Mesh
 
 
 @pytest.fixture(scope="module")
@@ -24,7 +25,7 @@ def labelled(run, head, tmp_path_factory):
         names = ("nose-scale-horiz-incr", "chin-height-incr", "mouth-scale-horiz-incr")
         changes = {name: amount for name, amount in zip(names, amounts, strict=True) if name in head.change_names}
         vertices = head.evaluate(gender=generator.uniform(), changes=changes)
-        write_obj(folder / "scans" / f"{k:02d}.obj", ObjMesh(vertices, head.polygons, head.uvs, head.uv_polygons))
+        write_obj(folder / "scans" / f"{k:02d}.obj", Mesh(vertices, head.polygons, head.uvs, head.uv_polygons))
         lines.append(f"{k:02d}.obj,p{k},{amounts[0]},{generator.normal()},1")
     (folder / "labels.csv").write_text("\n".join(lines))
     write_json(folder / "annotation.json", head.template().annotation.source)

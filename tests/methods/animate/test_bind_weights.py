@@ -2,13 +2,13 @@ import numpy as np
 import pytest
 
 from caricli.errors import InputError
-from caricli.io.track import WeightTrack
 from caricli.methods.animate.bind_weights import bind_weights
+from caricli.structures import Track
 
 
 def track(*names):
     weights = np.arange(2.0 * len(names)).reshape(2, len(names)) / 10
-    return WeightTrack(names, np.array([0, 0.1]), weights)
+    return Track(names, np.array([0, 0.1]), weights)
 
 
 def test_names_bind_whatever_the_order():
@@ -24,7 +24,7 @@ def test_names_bind_whatever_the_order():
 def test_a_permuted_track_gives_the_same_weights():
     names, order = ("a", "b", "c"), [2, 0, 1]
     given = track(*names)
-    permuted = WeightTrack(tuple(names[k] for k in order), given.times, given.weights[:, order])
+    permuted = Track(tuple(names[k] for k in order), given.times, given.weights[:, order])
     np.testing.assert_array_equal(bind_weights(permuted, names).weights, given.weights)
 
 

@@ -3,8 +3,8 @@ import tracemalloc
 import numpy as np
 import pytest
 
-from caricli.io.rig import Rig
 from caricli.methods.animate.pose_rig import RigPoser
+from caricli.structures import Rig
 
 
 @pytest.fixture(scope="module")

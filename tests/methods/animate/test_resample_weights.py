@@ -2,13 +2,13 @@ import numpy as np
 import pytest
 
 from caricli.errors import InputError
-from caricli.io.track import WeightTrack
 from caricli.methods.animate.resample_weights import resample_weights
+from caricli.structures import Track
 
 
 def track(times, head=None):
     times = np.asarray(times, float)
-    return WeightTrack(("a", "b"), times, np.stack([0.1 * times, 0.5 - 0.2 * times], 1), head)
+    return Track(("a", "b"), times, np.stack([0.1 * times, 0.5 - 0.2 * times], 1), head)
 
 
 def test_an_even_track_stays_as_it_is():

@@ -4,9 +4,9 @@ import pytest
 from caricli.errors import InputError
 from caricli.geometry.deformation_gradients import rotation_matrices
 from caricli.geometry.flipped_triangles import flipped_triangles
-from caricli.io.directions import Directions
 from caricli.methods.edit.caricaturize_face import HELD, caricaturize_face, exaggeration
 from caricli.methods.faces.encode_face import encode_face
+from caricli.structures import Directions
 
 
 @pytest.fixture(params=["pca", "kernel", "intrinsic"])

@@ -4,8 +4,8 @@ import pytest
 from caricli.geometry.self_intersections import self_intersections
 from caricli.methods.edit.deform_arap import deform_arap
 from caricli.methods.edit.edit_handles import HandleSettings, edit_handles
-from caricli.methods.faces.encode_face import encode_face
 from caricli.methods.edit.handle_points import vertex_of
+from caricli.methods.faces.encode_face import encode_face
 
 
 @pytest.fixture(scope="module")

@@ -2,9 +2,9 @@ import numpy as np
 import pytest
 
 from caricli.errors import InputError
-from caricli.io.directions import Directions
 from caricli.methods.edit.edit_semantic import edit_semantic, label_direction
 from caricli.methods.faces.encode_face import encode_face
+from caricli.structures import Directions
 
 
 def directions_of(normals, gradients=None):

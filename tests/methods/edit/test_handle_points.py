@@ -2,7 +2,7 @@ import pytest
 
 from caricli.errors import InputError
 from caricli.methods.edit.handle_points import displacement_of, handle_points, vertex_of
-from caricli.template.annotation import POINT_NAMES
+from caricli.structures.landmarks import POINT_NAMES
 
 
 def test_places_are_vertices_landmarks_or_names(head_template):

@@ -5,12 +5,12 @@ from caricli.commands.loading import load_model
 from caricli.errors import NumericsError
 from caricli.geometry.exaggerate_curvature import exaggerate_curvature
 from caricli.geometry.head_rotation import head_rotation
-from caricli.geometry.fit_camera import Pose
 from caricli.methods.expressions.build_blendshapes import build_blendshapes
-from caricli.methods.rig.expression_templates import combined_templates, mended_templates
 from caricli.methods.expressions.measure_blendshapes import measure_blendshapes
+from caricli.methods.rig.expression_templates import combined_templates, mended_templates
 from caricli.methods.rig.measure_rig import curve_gap
 from caricli.models.landmark_map.model import COUNT, DOMAINS, WEIGHTS, Domain, LandmarkMap
+from caricli.structures import Camera
 
 EXPRESSIONS = {
     "neutral": {},
@@ -51,7 +51,7 @@ def caricature(templates):
 
 @pytest.fixture(scope="module")
 def pose():
-    return Pose(1600.0, head_rotation(np.radians([4.0, 12, -3])), np.array([300.0, 320]))
+    return Camera(1600.0, head_rotation(np.radians([4.0, 12, -3])), np.array([300.0, 320]))
 
 
 @pytest.fixture(scope="module")
@@ -113,7 +113,7 @@ def test_an_expression_in_the_picture_is_undone(caricature, pose, templates, mor
 
 @pytest.mark.parametrize("method", ["full", "initial", "transfer"])
 def test_the_size_of_the_face_does_not_matter(built, caricature, pose, templates, morphable, same, method):
-    smaller = Pose(pose.scale / 3, pose.rotation, pose.translation)
+    smaller = Camera(pose.scale / 3, pose.rotation, pose.translation)
     made = build_blendshapes(3 * caricature[0], smaller, templates, morphable, same, method)
     np.testing.assert_allclose(made.shapes, 3 * built[method].shapes, atol=1e-6)
 

@@ -11,8 +11,6 @@ from caricli.geometry.deformation_gradients import rotation_matrices
 from caricli.geometry.similarity import similarity
 from caricli.io.bundled import asset_path
 from caricli.io.strict_json import read_json
-from caricli.methods.rig.expression_templates import mended_templates
-from caricli.methods.reconstruct.fit_morphable import fit_morphable
 from caricli.methods.expressions.retarget_expression import (
     STRONGEST,
     WEAK,
@@ -21,6 +19,8 @@ from caricli.methods.expressions.retarget_expression import (
     explain_landmarks,
     explain_meshes,
 )
+from caricli.methods.reconstruct.fit_morphable import fit_morphable
+from caricli.methods.rig.expression_templates import mended_templates
 
 FRONT = np.diag([1.0, -1.0, -1.0])
 

@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
-from caricli.methods.faces.encode_face import decode_face, encode_face
 from caricli.methods.evaluate.evaluate_shape import evaluate_shape
+from caricli.methods.faces.encode_face import decode_face, encode_face
 
 
 @pytest.fixture(params=["pca", "intrinsic"])

@@ -24,7 +24,7 @@ def test_the_faces_own_vertices_come_first(request, strangers, kind, levels):
     fine = fine_mesh(model.template, levels)
     latent = encode_face(vertices, model, 0.1 * model.prior.factor[0]).latent
     found = subdivide_face(vertices, latent, model, fine)
-    assert found.shape == (fine.weights.shape[0], 3) and fine.polygons.max() < len(found)
+    assert found.shape == (fine.weights.shape[0], 3) and fine.mesh.polygons.max() < len(found)
     assert np.abs(found[: len(vertices)] - vertices).max() < 1e-6
 
 

@@ -6,10 +6,10 @@ import pytest
 from caricli.errors import InputError
 from caricli.geometry.deformation_gradients import rotation_matrices
 from caricli.geometry.flipped_triangles import flipped_triangles
-from caricli.geometry.fit_camera import Pose
 from caricli.methods.faces.encode_face import decode_face, encode_face
 from caricli.methods.reconstruct.fit_landmarks import PARTS
 from caricli.methods.reconstruct.refine_face import refine_face
+from caricli.structures import Camera
 
 VIEWS = ((0, 0, 0), (5, 30, 10), (-10, -20, 0), (0, 15, -30), (10, -45, 5), (0, 0, 90))
 
@@ -98,7 +98,7 @@ def test_picture_and_camera_moved_together_move_nothing(angle, pairs, refined, t
     turn = rotation_matrices(np.radians([[0, 0, angle]]))[0]
     points = 0.37 * truth.points @ turn[:2, :2].T + [-40.0, 900.0]
     translation = 0.37 * turn[:2, :2] @ truth.pose.translation + [-40.0, 900.0]
-    pose = Pose(0.37 * truth.pose.scale, turn @ truth.pose.rotation, translation)
+    pose = Camera(0.37 * truth.pose.scale, turn @ truth.pose.rotation, translation)
     there = refine_face(template.vertices, pose, points, template)
     np.testing.assert_allclose(there.vertices, here.vertices, atol=1e-7)
     landmarks = 0.37 * here.landmarks @ turn[:2, :2].T + [-40.0, 900.0]

@@ -3,10 +3,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from caricli.geometry.triangulate import triangulate
-from caricli.structures.arkit import ARKIT_NAMES
-from caricli.io.rig import EYES, SKIN, Rig, rig_problem
+from caricli.io.rig import rig_problem
 from caricli.methods.rig.add_eyeballs import ANGLES, CLEARANCE, Eyeball, add_eyeballs, fit_eyeballs, lid_vertices
+from caricli.structures import Material, Rig
+from caricli.structures.arkit import ARKIT_NAMES
+from caricli.structures.mesh import triangle_fans
 
 CENTRE = np.array([0.03, 0.1, 0.05])
 BALLS = [Eyeball("left", CENTRE, 0.012, 0.0), Eyeball("right", CENTRE * [-1, 1, 1], 0.01, 0.0)]
@@ -19,7 +20,7 @@ def skin():
     neutral = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0.5, 2, 0]], np.float32)
     deltas = np.random.default_rng(0).normal(size=(52, 5, 3)).astype(np.float32)
     uvs = neutral[:, :2].astype(float) / 2
-    return Rig(ARKIT_NAMES, neutral, deltas, triangulate(SKIN_QUADS), SKIN_QUADS, uvs, SKIN_QUADS)
+    return Rig(ARKIT_NAMES, neutral, deltas, triangle_fans(SKIN_QUADS), SKIN_QUADS, uvs, SKIN_QUADS)
 
 
 def balls_of(rig, skin):
@@ -34,11 +35,11 @@ def test_the_face_comes_first_and_as_it_was(skin):
     assert rig_problem(rig) is None and rig.names == skin.names
     np.testing.assert_array_equal(rig.neutral[:5], skin.neutral)
     np.testing.assert_array_equal(rig.deltas[:, :5], skin.deltas)
-    np.testing.assert_array_equal(rig.polygons[:2], SKIN_QUADS)
-    np.testing.assert_array_equal(rig.uv_polygons[:2], SKIN_QUADS)
-    np.testing.assert_array_equal(rig.uvs[:5], skin.uvs)
-    np.testing.assert_array_equal(rig.faces, triangulate(rig.polygons))
-    np.testing.assert_array_equal(rig.materials, np.where(np.arange(len(rig.polygons)) < 2, SKIN, EYES))
+    np.testing.assert_array_equal(rig.mesh.polygons[:2], SKIN_QUADS)
+    np.testing.assert_array_equal(rig.mesh.uv_polygons[:2], SKIN_QUADS)
+    np.testing.assert_array_equal(rig.mesh.uvs[:5], skin.uvs)
+    np.testing.assert_array_equal(rig.faces, triangle_fans(rig.mesh.polygons))
+    np.testing.assert_array_equal(rig.materials, np.where(np.arange(len(rig.mesh.polygons)) < 2, Material.SKIN, Material.EYE))
 
 
 def test_balls_are_closed_spheres_that_look_outwards(skin):
@@ -57,21 +58,21 @@ def test_balls_are_closed_spheres_that_look_outwards(skin):
 
 def test_the_picture_is_unrolled_from_the_pupil(skin):
     rig = add_eyeballs(skin, BALLS, np.random.default_rng(0))
-    corners, rows = rig.polygons[rig.materials == EYES], rig.uv_polygons[rig.materials == EYES]
+    corners, rows = rig.mesh.polygons[rig.materials == Material.EYE], rig.mesh.uv_polygons[rig.materials == Material.EYE]
     half = len(corners) // 2
     np.testing.assert_array_equal(rows[:half], rows[half:])
-    assert rows[corners >= 0].min() == 5 and rows.max() == len(rig.uvs) - 1
-    assert rig.uvs.min() >= 0 and rig.uvs.max() <= 1
+    assert rows[corners >= 0].min() == 5 and rows.max() == len(rig.mesh.uvs) - 1
+    assert rig.mesh.uvs.min() >= 0 and rig.mesh.uvs.max() <= 1
     front, used = corners[:half], corners[:half] >= 0
     towards = (rig.neutral[front[used]] - BALLS[0].centre) / BALLS[0].radius
-    away = rig.uvs[rows[:half][used]] - 0.5
+    away = rig.mesh.uvs[rows[:half][used]] - 0.5
     # The distance from the middle is the angle from the front; up is up, and right is the subject's left.
     angles = np.arctan2(np.linalg.norm(towards[:, :2], axis=1), towards[:, 2])
     np.testing.assert_allclose(np.linalg.norm(away, axis=1), angles / (2 * np.pi), atol=1e-5)
     along = towards[:, :2] / np.maximum(np.linalg.norm(towards[:, :2], axis=1, keepdims=True), 1e-2)
     assert ((away * along).sum(1) >= 0.99 * np.linalg.norm(away, axis=1))[np.abs(towards[:, 2]) < 0.999].all()
     # No polygon covers more of the picture than its share, those around the back neither.
-    assert np.ptp(np.where(used[..., None], rig.uvs[rows[:half]], rig.uvs[rows[:half, :1]]), axis=1).max() < 0.15
+    assert np.ptp(np.where(used[..., None], rig.mesh.uvs[rows[:half]], rig.mesh.uvs[rows[:half, :1]]), axis=1).max() < 0.15
 
 
 def test_eyes_turn_where_the_name_says(skin):
@@ -102,17 +103,17 @@ def test_a_face_without_uvs_gets_one_place_for_its_corners(skin):
     bare = replace(skin, uvs=None, uv_polygons=None)
     rig = add_eyeballs(bare, BALLS[:1], np.random.default_rng(0))
     assert rig_problem(rig) is None
-    np.testing.assert_array_equal(rig.uv_polygons[:2], [[0, 0, 0, 0], [0, 0, 0, -1]])
-    own = rig.uv_polygons[2:][rig.polygons[2:] >= 0]
-    assert own.min() == 1 and own.max() == len(rig.uvs) - 1
+    np.testing.assert_array_equal(rig.mesh.uv_polygons[:2], [[0, 0, 0, 0], [0, 0, 0, -1]])
+    own = rig.mesh.uv_polygons[2:][rig.mesh.polygons[2:] >= 0]
+    assert own.min() == 1 and own.max() == len(rig.mesh.uvs) - 1
 
 
 @pytest.mark.parametrize("width", [3, 6])
 def test_polygons_of_any_width(skin, width):
-    rows = triangulate(SKIN_QUADS) if width == 3 else np.pad(SKIN_QUADS, ((0, 0), (0, 2)), constant_values=-1)
+    rows = triangle_fans(SKIN_QUADS) if width == 3 else np.pad(SKIN_QUADS, ((0, 0), (0, 2)), constant_values=-1)
     rig = add_eyeballs(replace(skin, polygons=rows, uv_polygons=rows), BALLS, np.random.default_rng(0))
-    assert rig_problem(rig) is None and rig.polygons.shape[1] == max(width, 4)
-    np.testing.assert_array_equal(rig.polygons[: len(rows), :width], rows)
+    assert rig_problem(rig) is None and rig.mesh.polygons.shape[1] == max(width, 4)
+    np.testing.assert_array_equal(rig.mesh.polygons[: len(rows), :width], rows)
     np.testing.assert_array_equal(rig.faces, add_eyeballs(skin, BALLS, np.random.default_rng(0)).faces)
 
 

@@ -4,11 +4,12 @@ import numpy as np
 import pytest
 
 from caricli.errors import NumericsError
-from caricli.geometry.triangulate import triangulate
-from caricli.io.rig import EYES, rig_problem
+from caricli.io.rig import rig_problem
 from caricli.methods.rig.build_rig import build_rig
 from caricli.methods.rig.expression_templates import ExpressionTemplates, mended_templates
 from caricli.methods.rig.transfer_rig import transfer_rig
+from caricli.structures import Material
+from caricli.structures.mesh import triangle_fans
 
 BALL = 314  # vertices of an eyeball
 
@@ -43,7 +44,7 @@ def test_a_rig_is_expressions_eyes_and_picture(templates, face, deltas):
     np.testing.assert_allclose(rig.neutral[:4200], face.vertices, atol=1e-7)
     np.testing.assert_allclose(rig.deltas[:, :4200], deltas, atol=1e-7)
     np.testing.assert_array_equal(rig.texture, texture)
-    np.testing.assert_array_equal(rig.polygons[: len(face.polygons)], face.polygons)
+    np.testing.assert_array_equal(rig.mesh.polygons[: len(face.polygons)], face.polygons)
     # Of these expressions one turns an eye, the left one.
     moving = rig.deltas.any(2)
     assert moving[1, 4200 : 4200 + BALL].any() and not moving[:, 4200 + BALL :].any()
@@ -74,8 +75,8 @@ def test_finer_meshes_do_the_same(templates, face, deltas):
     at = np.linalg.norm(fine.neutral - middle, axis=1).argmin()
     np.testing.assert_allclose(fine.neutral[at], middle, atol=1e-6)
     np.testing.assert_allclose(fine.deltas[:, at], coarse.deltas[:, edge].astype(float).mean(1), atol=1e-6)
-    skin = fine.polygons[fine.materials != EYES]
-    np.testing.assert_array_equal(fine.faces[: len(triangulate(skin))], triangulate(skin))
+    skin = fine.mesh.polygons[fine.materials != Material.EYE]
+    np.testing.assert_array_equal(fine.mesh.faces[: len(triangle_fans(skin))], triangle_fans(skin))
 
 
 def test_the_scale_of_the_face_is_no_strength(templates, face):

@@ -1,9 +1,9 @@
 import numpy as np
 import pytest
 
-from caricli.structures.arkit import ARKIT_NAMES
-from caricli.io.rig import Rig
 from caricli.methods.rig.check_rig import check_rig, nearest_arkit
+from caricli.structures import Rig
+from caricli.structures.arkit import ARKIT_NAMES
 
 
 def test_arkit_names_are_those_of_the_head(head):

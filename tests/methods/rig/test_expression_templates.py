@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from caricli.errors import InputError
-from caricli.structures.arkit import ARKIT_NAMES
 from caricli.methods.rig.expression_templates import (
     STRENGTH,
     ExpressionTemplates,
@@ -14,6 +13,7 @@ from caricli.methods.rig.expression_templates import (
     thinned,
 )
 from caricli.methods.rig.measure_rig import curve_gap
+from caricli.structures.arkit import ARKIT_NAMES
 
 _TOUCH = 2e-4
 

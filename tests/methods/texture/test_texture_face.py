@@ -5,9 +5,6 @@ import pytest
 from scipy.ndimage import binary_erosion
 
 from caricli.geometry.deformation_gradients import rotation_matrices
-from caricli.geometry.fit_camera import Pose
-from caricli.geometry.triangulate import triangulate
-from caricli.io.rig import Rig
 from caricli.methods.texture.texture_face import ROUNDS, texture_face
 from caricli.render.diffuse_background import diffuse_background
 from caricli.render.draw_textured import render_textured
@@ -15,6 +12,8 @@ from caricli.render.rasterise import rasterise
 from caricli.render.sample_texture import sample_pixels, sample_texture
 from caricli.render.smooth_normals import smooth_normals
 from caricli.render.uv_map import pad_texture, uv_map
+from caricli.structures import Camera, Rig
+from caricli.structures.mesh import triangle_fans
 from caricli.template.template import CAVITIES
 
 SIZE, SIDE = 384, 400
@@ -36,14 +35,14 @@ class Texels:
 class Scene:
     """A head in colours that are known, seen from one side in front of magenta, and what was made of its picture."""
 
-    pose: Pose
+    pose: Camera
     image: np.ndarray
     mask: np.ndarray
     found: object
 
 
 def texels_of(vertices, template):
-    face, weights = uv_map(template.uvs, triangulate(template.uv_polygons), SIZE)
+    face, weights = uv_map(template.uvs, triangle_fans(template.uv_polygons), SIZE)
     covered = face >= 0
     corners, weights = template.faces[face[covered]], weights[covered].astype(float)
 
@@ -110,7 +109,7 @@ def scenes(face, template, truth):
     for yaw in (0, 40, -50):
         rotation = rotation_matrices(np.radians([[0.0, yaw, 0]]))[0] @ FRONT
         middle = (face.min(0) + face.max(0)) / 2
-        pose = Pose(1250.0, rotation, np.array([SIDE / 2, SIDE / 2]) - 1250 * rotation[:2] @ middle)
+        pose = Camera(1250.0, rotation, np.array([SIDE / 2, SIDE / 2]) - 1250 * rotation[:2] @ middle)
         image = photograph(face, template, truth, pose)
         mask = rasterise(placed(face, pose), template.faces, SIDE, SIDE).face >= 0
         assert (image[~mask] == MAGENTA).all() and 0.15 < mask.mean() < 0.8
@@ -267,7 +266,7 @@ def test_the_size_follows_the_picture(scenes, face, template, monkeypatch):
     def size(factor):
         """Of a picture with so many times the pixels a side."""
         rows, columns = (np.indices((int(SIDE * factor),) * 2) / factor).astype(int)
-        pose = Pose(scene.pose.scale * factor, scene.pose.rotation, scene.pose.translation * factor)
+        pose = Camera(scene.pose.scale * factor, scene.pose.rotation, scene.pose.translation * factor)
         return len(texture_face(face, pose, scene.image[rows, columns], scene.mask[rows, columns], template).image)
 
     sizes = [size(factor) for factor in (0.25, 0.5, 1)]

@@ -1,0 +1,57 @@
+"""The camera that sees a face as a picture shows it."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from caricli.structures.checks import refuse, shape_problem
+
+_ORTHOGONAL = 1e-4
+
+
+@dataclass(frozen=True, eq=False)
+class Camera:
+    """A scaled orthographic camera: pixels q = scale * rotation[:2] @ p + translation.
+
+    scale: pixels per metre, above 0.
+    rotation: (3, 3), proper, from the face's axes to x right, y down, z into the picture.
+    translation: (2,) pixels; (0, 0) is the centre of the top-left pixel.
+    Raises InputError when it is no camera.
+    """
+
+    scale: float
+    rotation: np.ndarray
+    translation: np.ndarray
+
+    def __post_init__(self) -> None:
+        """Check that it is a camera."""
+        for key, shape in (("scale", ()), ("rotation", (3, 3)), ("translation", (2,))):
+            value = np.asarray(getattr(self, key), np.float64)
+            refuse(shape_problem(f"camera_{key}", value, shape))
+            object.__setattr__(self, key, value if shape else float(value))
+        if not self.scale > 0:
+            refuse(f"camera_scale: expected more than 0, found {self.scale}")
+        far = not (np.abs(self.rotation) <= 1.001).all()
+        if far or np.abs(self.rotation @ self.rotation.T - np.eye(3)).max() > _ORTHOGONAL or self._mirrors():
+            refuse("camera_rotation: expected a proper rotation, found another matrix")
+
+    def _mirrors(self) -> bool:
+        return bool(np.linalg.det(self.rotation) < 0)
+
+    def project(self, points: np.ndarray) -> np.ndarray:
+        """Points (..., 3) to pixels (..., 2)."""
+        return self.scale * points @ self.rotation[:2].T + self.translation
+
+    def place(self, points: np.ndarray) -> np.ndarray:
+        """Points (..., 3) to pixels and depth in pixels (..., 3), as `rasterise` takes them."""
+        return self.scale * points @ self.rotation.T + [*self.translation, 0]
+
+    def lift(self, pixels: np.ndarray, points: np.ndarray) -> np.ndarray:
+        """The 3D positions that project to pixels (K, 2) and keep the depth of points (K, 3)."""
+        camera = points @ self.rotation.T
+        camera[:, :2] = (pixels - self.translation) / self.scale
+        return camera @ self.rotation
+
+    def zoomed(self, zoom: float, corner: np.ndarray | tuple[float, float] = (0.0, 0.0)) -> "Camera":
+        """The camera of the picture that begins at ``corner``, in pixels, and is ``zoom`` times as large."""
+        return Camera(self.scale * zoom, self.rotation, (self.translation - corner) * zoom)

@@ -1,0 +1,51 @@
+"""One face."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from caricli.structures.camera import Camera
+from caricli.structures.checks import refuse, shape_problem
+from caricli.structures.mesh import Mesh
+
+FEATURES = 9
+"""Deformation-gradient features of a vertex: rotation vector (3), symmetric stretch minus one (6)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Face:
+    """A mesh, the camera of its picture, and what a shape model says of it. What is None is not known.
+
+    mesh: Mesh, in the face's own frame, never posed.
+    camera: Camera of the picture that the face was fitted to.
+    landmarks: (L, 2) pixels, where the fitted landmarks are in the picture.
+    latent: (D,), whatever its model means.
+    residual: (V, 9) deformation-gradient features beyond those of the latent.
+    model_id: SHA-256 of the model that the latent belongs to.
+    Raises InputError when an array has another shape or holds what is not finite.
+    """
+
+    mesh: Mesh
+    camera: Camera | None = None
+    landmarks: np.ndarray | None = None
+    latent: np.ndarray | None = None
+    residual: np.ndarray | None = None
+    model_id: str | None = None
+
+    def __post_init__(self) -> None:
+        """Check that the parts fit each other."""
+        shapes = {"latent": (None,), "residual": (len(self.mesh.vertices), FEATURES), "landmarks": (None, 2)}
+        for key, shape in shapes.items():
+            value = getattr(self, key)
+            if value is not None:
+                refuse(shape_problem(key, np.asarray(value), shape))
+
+    @property
+    def vertices(self) -> np.ndarray:
+        """(V, 3) of the mesh."""
+        return self.mesh.vertices
+
+    @property
+    def faces(self) -> np.ndarray:
+        """(F, 3) of the mesh."""
+        return self.mesh.faces

@@ -1,0 +1,133 @@
+"""2D landmarks of one picture, and the one table of their layouts: iBUG-68, and with 13 further points 81.
+
+iBUG counts from the left of the picture; left and right are the subject's.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from caricli.errors import InputError
+from caricli.limits import MAX_COORDINATE
+from caricli.structures.checks import refuse
+
+SCHEMES = {68: "ibug68", 81: "ibug68+13"}
+"""Names of the layouts by their number of points."""
+
+COUNT = 68
+"""Points of iBUG."""
+
+JAW = range(0, 17)
+BROW_RIGHT, BROW_LEFT = range(17, 22), range(22, 27)
+BRIDGE, NOSTRILS = range(27, 31), range(31, 36)
+EYE_RIGHT, EYE_LEFT = range(36, 42), range(42, 48)
+LIPS, LIPS_INSIDE = range(48, 60), range(60, 68)
+FOREHEAD = range(68, 71)
+EAR_RIGHT, EAR_LEFT = range(71, 74), range(74, 77)
+CHEEKBONES, TEMPLES = range(77, 79), range(79, 81)
+
+BROWS, NOSE, EYES, MOUTH, EXTRA = range(17, 27), range(27, 36), range(36, 48), range(48, 68), range(68, 81)
+PARTS = {"jaw": JAW, "brows": BROWS, "nose": NOSE, "eyes": EYES, "mouth": MOUTH, "extra": EXTRA}
+"""What errors are told apart by."""
+
+POLYLINES = (JAW, BROW_RIGHT, BROW_LEFT, BRIDGE, NOSTRILS)
+RINGS = (EYE_RIGHT, EYE_LEFT, LIPS, LIPS_INSIDE)
+"""Open and closed lines that the points stand on, as they are drawn."""
+
+OUTLINE = (*JAW, *reversed(BROWS))
+"""Around the face: along the jaw, back along the brows."""
+
+UPPER_LID = {"left": (42, 43, 44, 45), "right": (39, 38, 37, 36)}
+LOWER_LID = {"left": (42, 47, 46, 45), "right": (39, 40, 41, 36)}
+"""From the inner to the outer corner of an eye."""
+
+UPPER_LIP, LOWER_LIP = (48, 49, 50, 51, 52, 53, 54), (48, 59, 58, 57, 56, 55, 54)
+UPPER_LIP_INSIDE, LOWER_LIP_INSIDE = (60, 61, 62, 63, 64), (60, 67, 66, 65, 64)
+"""From the right to the left corner of the mouth."""
+
+LID_PAIRS = ((37, 41), (38, 40), (43, 47), (44, 46))
+LIP_PAIRS = ((61, 67), (62, 66), (63, 65))
+"""Upper and lower points that may meet, but not pass each other."""
+
+MOUTH_CORNERS = ((48, 60), (54, 64))
+"""Outer and inner corner, which many mark in one place."""
+
+EXTRA_NAMES = (
+    *("forehead_right", "forehead_centre", "forehead_left", "ear_right_top", "ear_right_outer", "ear_right_lobe"),
+    *("ear_left_top", "ear_left_outer", "ear_left_lobe", "cheekbone_right", "cheekbone_left", "temple_right"),
+    "temple_left",
+)
+POINT_NAMES = {
+    "nose_tip": 30, "nose_root": 27, "nose_base": 33, "nostril_right": 31, "nostril_left": 35, "chin": 8,
+    "jaw_right": 4, "jaw_left": 12, "mouth_corner_right": 48, "mouth_corner_left": 54, "upper_lip": 51, "lower_lip": 57,
+    "brow_right": 19, "brow_left": 24, "brow_inner_right": 21, "brow_inner_left": 22, "eye_outer_right": 36,
+    "eye_inner_right": 39, "eye_inner_left": 42, "eye_outer_left": 45, "forehead": 69, "ear_right": 72, "ear_left": 75,
+} | {name: number for number, name in enumerate(EXTRA_NAMES, COUNT)}  # fmt: skip
+"""Numbers of points by their names."""
+
+FEWEST = 8
+"""Points that must be known."""
+
+_INSIDE, _SMALLEST = 0.5, 8.0  # share of the points inside the picture; diagonal of a face, pixels
+
+
+@dataclass(frozen=True, eq=False)
+class Landmarks:
+    """Landmarks of one picture.
+
+    points: (68, 2) or (81, 2) float64, pixels, origin at the top left, y down; a NaN row where a point is not known.
+    image_size: (width, height) in pixels, or None where it is not known.
+    Raises InputError for another number of points, a coordinate that is not finite, fewer than FEWEST known points, all
+    of them in one place, or, where the size is known, points that do not belong to such a picture.
+    """
+
+    points: np.ndarray
+    image_size: tuple[int, int] | None = None
+
+    def __post_init__(self) -> None:
+        """Check that they can be the landmarks of a face."""
+        points = np.asarray(self.points, np.float64)
+        object.__setattr__(self, "points", points)
+        if points.shape not in [(count, 2) for count in SCHEMES]:
+            refuse(f"expected 68 or 81 points, found {len(points)}")
+        given = ~np.isnan(points).all(axis=1)
+        near = (np.abs(points) <= MAX_COORDINATE).all(axis=1)
+        if not near[given].all():
+            k = int(np.argmax(given & ~near))
+            refuse(f"point {k}: expected finite coordinates, found {points[k].tolist()}")
+        if given.sum() < FEWEST:
+            refuse(f"expected at least {FEWEST} known points, found {given.sum()}")
+        if np.ptp(points[given], axis=0).max() <= 1e-6 * max(1e-6, np.abs(points[given]).max()):
+            refuse("expected the points of a face, found all of them in one place")
+        if self.image_size is not None:
+            self.check_inside(self.image_size)
+
+    @property
+    def known(self) -> np.ndarray:
+        """(L,) bool: points that are known."""
+        return np.isfinite(self.points).all(axis=1)
+
+    @property
+    def diagonal(self) -> float:
+        """Diagonal of the known points' bounding box, pixels: what errors are measured against."""
+        return float(np.linalg.norm(np.ptp(self.points[self.known], axis=0)))
+
+    def check_inside(self, size: tuple[int, int]) -> None:
+        """Refuse landmarks far outside a picture of (width, height) pixels.
+
+        Raises InputError when a point lies more than one picture's size beyond its border, fewer than half of them lie
+        inside, or the face is smaller than a few pixels.
+        """
+        image = np.array(size, np.float64)
+        points = self.points[self.known]
+        inside = ((points >= 0) & (points <= image)).all(axis=1).mean()
+        if inside < _INSIDE or self.diagonal < _SMALLEST:
+            raise InputError(
+                f"expected the landmarks of a face in the {size[0]} x {size[1]} image, found {100 * inside:.0f} % of "
+                f"them inside, {self.diagonal:.3g} pixels across"
+            )
+        outside = ((self.points < -image) | (self.points > 2 * image)).any(axis=1)
+        if outside.any():
+            k = int(np.argmax(outside))
+            expected = f"a place in or near the {size[0]} x {size[1]} image"
+            raise InputError(f"point {k}: expected {expected}, found {self.points[k].tolist()}")

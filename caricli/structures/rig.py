@@ -1,0 +1,107 @@
+"""A face with named expressions."""
+
+from dataclasses import dataclass
+from enum import IntEnum
+
+import numpy as np
+
+from caricli.errors import InputError, shown
+from caricli.limits import MAX_SHAPES
+from caricli.structures.checks import refuse
+from caricli.structures.mesh import Mesh
+
+
+class Material(IntEnum):
+    """What a polygon is made of."""
+
+    SKIN = 0
+    EYE = 1
+
+
+@dataclass(frozen=True, eq=False)
+class Rig:
+    """A face with named expressions: ``mesh + sum_k weight_k deltas_k`` (portrait paper, equation 13).
+
+    names: (K,), distinct; none for a head that keeps still.
+    mesh: Mesh of the neutral face, float32.
+    deltas: (K, V, 3) float32, metres.
+    materials: (P,) int32, a Material for every polygon; all skin where there are none.
+    texture, eye_texture: (H, W, 3) uint8 sRGB, the top row first, of either material; or None.
+    normal_deltas: (K, N, 3) float32, metres, what the same expressions do to a normal face of N vertices (expressions
+    paper, equation 19); or None.
+    Raises InputError when the parts do not fit each other or hold what is not finite.
+    """
+
+    names: tuple[str, ...]
+    mesh: Mesh
+    deltas: np.ndarray
+    materials: np.ndarray | None = None
+    texture: np.ndarray | None = None
+    eye_texture: np.ndarray | None = None
+    normal_deltas: np.ndarray | None = None
+
+    def __post_init__(self) -> None:
+        """Check that the parts fit each other."""
+        names = self.names
+        sound = isinstance(names, tuple) and all(isinstance(name, str) and name for name in names)
+        if not sound or len(names) > MAX_SHAPES or len(set(names)) < len(names):
+            refuse(f"names: expected at most {MAX_SHAPES} distinct names, found {shown(names, 60)}")
+        refuse(self._delta_problem(), self._material_problem())
+        for key in ("texture", "eye_texture"):
+            if getattr(self, key) is not None:
+                refuse(_picture_problem(key, np.asarray(getattr(self, key))))
+
+    @property
+    def neutral(self) -> np.ndarray:
+        """(V, 3) vertices of the neutral face."""
+        return self.mesh.vertices
+
+    @property
+    def faces(self) -> np.ndarray:
+        """(F, 3) triangles of the mesh."""
+        return self.mesh.faces
+
+    @property
+    def triangle_materials(self) -> np.ndarray:
+        """(F,) int: the Material of every triangle."""
+        if self.materials is None:
+            return np.full(len(self.mesh.faces), Material.SKIN)
+        return np.repeat(self.materials, self.mesh.triangles_of_polygons)
+
+    def picture(self, material: Material) -> np.ndarray | None:
+        """The picture (H, W, 3) uint8 of a material, or None."""
+        return self.eye_texture if material == Material.EYE else self.texture
+
+    def shape(self, name: str) -> np.ndarray:
+        """(V, 3) vertices with one expression at full weight. Raises InputError when it has another name."""
+        if name not in self.names:
+            raise InputError(f"expected one of the rig's {len(self.names)} expressions, found {shown(name, 60)!r}")
+        return self.neutral + self.deltas[self.names.index(name)]
+
+    def _delta_problem(self) -> str | None:
+        deltas = np.asarray(self.deltas)
+        expected = (len(self.names), *self.neutral.shape)
+        if deltas.shape != expected:
+            return f"deltas: expected the shape {expected}, found {deltas.shape}"
+        if not np.isfinite(deltas).all():
+            return "deltas: expected finite numbers, found others"
+        if self.normal_deltas is None:
+            return None
+        normal = np.asarray(self.normal_deltas)
+        if normal.ndim != 3 or (len(normal), normal.shape[2]) != (len(self.names), 3) or not np.isfinite(normal).all():
+            return f"normal_deltas: expected {len(self.names)} finite displacements of a face, found {normal.shape}"
+        return None
+
+    def _material_problem(self) -> str | None:
+        if self.materials is None:
+            return None
+        materials = np.asarray(self.materials)
+        if materials.shape != (len(self.mesh.polygons),) or not np.isin(materials, [*Material]).all():
+            return f"materials: expected {[*map(int, Material)]} for every polygon, found others"
+        return None
+
+
+def _picture_problem(key: str, image: np.ndarray) -> str | None:
+    if image.dtype != np.uint8 or image.ndim != 3 or image.shape[2] != 3 or 0 in image.shape:
+        return f"{key}: expected (H,W,3) uint8, found {image.shape} {image.dtype}"
+    return None
