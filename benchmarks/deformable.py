@@ -15,7 +15,6 @@ from pathlib import Path
 import numpy as np
 import torch
 
-from caricli.commands.loading import load_model
 from caricli.io.bundled import asset_path
 from caricli.io.landmarks import read_landmarks
 from caricli.methods.faces.subdivide_face import subdivide_face
@@ -24,6 +23,7 @@ from caricli.methods.train.train_autodecoder import AutoDecoderTraining, Surface
 from caricli.models.checkpoint import KINDS
 from caricli.models.config import DeformableConfig
 from caricli.models.deformable.model import HyperSiren, siren
+from caricli.store.models import load_model
 from caricli.template.fine_mesh import fine_mesh
 
 ASTRONAUT = Path(__file__).parents[1] / "examples" / "astronaut" / "landmarks.json"

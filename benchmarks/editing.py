@@ -14,7 +14,6 @@ import numpy as np
 from landmarks import ASTRONAUT, landmark_files
 from scipy.spatial import cKDTree
 
-from caricli.commands.loading import DEFAULT_LATENT, load_model
 from caricli.geometry.flipped_triangles import flipped_triangles
 from caricli.geometry.self_intersections import self_intersections
 from caricli.io.landmarks import read_landmarks
@@ -22,6 +21,7 @@ from caricli.methods.edit.edit_handles import edit_handles
 from caricli.methods.edit.handle_points import handle_points
 from caricli.methods.faces.encode_face import encode_face
 from caricli.methods.reconstruct.fit_landmarks import fit_landmarks
+from caricli.store.models import DEFAULT_LATENT, load_model
 
 REPEATS = 5
 NEIGHBOURHOOD = 0.1  # of the head's height around a part

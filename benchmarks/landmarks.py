@@ -14,9 +14,9 @@ from pathlib import Path
 
 import numpy as np
 
-from caricli.commands.loading import load_model
 from caricli.io.landmarks import read_landmarks
 from caricli.methods.reconstruct.fit_landmarks import fit_landmarks
+from caricli.store.models import load_model
 
 ASTRONAUT = Path(__file__).parents[1] / "examples" / "astronaut"
 PRIOR_WEIGHTS = (0.1, 0.3, 1.0, 3.0, 10.0, 30.0)

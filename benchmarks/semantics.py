@@ -15,8 +15,6 @@ from pathlib import Path
 
 import numpy as np
 
-from caricli.commands.edited import directions_path, load_directions
-from caricli.commands.loading import DEFAULT_LATENT, load_model
 from caricli.data.attributes import measure_attributes
 from caricli.data.dataset import read_dataset
 from caricli.data.expressions import expand_sides
@@ -29,6 +27,8 @@ from caricli.methods.edit.edit_semantic import edit_semantic, label_direction
 from caricli.methods.evaluate.evaluate_shape import spread_rows
 from caricli.methods.faces.encode_face import encode_face
 from caricli.methods.faces.nearest_identity import nearest_identity
+from caricli.store.directions import directions_path, load_directions
+from caricli.store.models import DEFAULT_LATENT, load_model
 from caricli.template.head import load_head
 
 FACES, FAR = 100, 2.0

@@ -158,7 +158,7 @@ def _frames(motion, description):
     """Yield the vertices of every frame, the head turned; each is overwritten by the next."""
     from scipy.spatial.transform import Rotation
 
-    from caricli.commands.loading import progress_bar
+    from caricli.commands.shared.progress import progress_bar
     from caricli.methods.animate.pose_rig import RigPoser
 
     poser = RigPoser(motion.rig)

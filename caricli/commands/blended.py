@@ -5,8 +5,7 @@ from functools import cached_property
 
 import numpy as np
 
-from caricli.commands.loading import DEFAULT_LATENT, face_camera, load_face, load_model
-from caricli.commands.rigging import face_pictures, load_templates
+from caricli.commands.rigging import face_pictures
 from caricli.data.expressions import NEUTRAL, facs_expressions, read_expressions
 from caricli.errors import InputError, shown
 from caricli.io.bundled import asset_path
@@ -20,6 +19,9 @@ from caricli.methods.rig.build_rig import build_rig
 from caricli.methods.rig.expression_templates import ExpressionTemplates, combined_templates
 from caricli.models.landmark_map.model import LandmarkMap, map_from_checkpoint
 from caricli.models.morphable.model import MorphableModel
+from caricli.store.expression_templates import load_templates
+from caricli.store.faces import face_camera, load_face
+from caricli.store.models import DEFAULT_LATENT, load_model
 from caricli.structures import Camera
 from caricli.structures.mesh import topology_id
 

@@ -66,8 +66,8 @@ def command(source, out, expressions, method, reconstruct, weights, map_path, mo
       caricli blendshapes face.npz --method transfer --out rival.npz
     """
     from caricli.commands.blended import build, load_caricature, load_tools, report, with_given
-    from caricli.commands.loading import progress_bar
     from caricli.commands.rigging import expression_sheet
+    from caricli.commands.shared.progress import progress_bar
     from caricli.io.gltf.write_gltf import write_gltf
     from caricli.io.rig import write_rig
     from caricli.methods.expressions.optimise_blendshapes import BlendshapeWeights

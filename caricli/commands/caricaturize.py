@@ -63,13 +63,13 @@ def command(ctx, faces, strength, mode, out, out_dir, marked, image, directions,
       caricli caricaturize faces/*.npz --mode own --out-dir caricatures
       caricli caricaturize landmarks.json --from-landmarks --image photo.jpg --out caricature.obj
     """
-    from caricli.commands.edited import directions_path, load_directions
-    from caricli.commands.loading import DEFAULT_LATENT, load_model
-    from caricli.commands.pictures import picture_beside
     from caricli.commands.series import write_series_face
     from caricli.commands.shared.batch import named_jobs, run_batch
     from caricli.methods.edit.caricaturize_face import caricaturize_face
     from caricli.methods.faces.nearest_identity import likeness
+    from caricli.store.directions import directions_path, load_directions
+    from caricli.store.models import DEFAULT_LATENT, load_model
+    from caricli.store.pictures import picture_beside
     from caricli.template.fine_mesh import fine_mesh
 
     if image and not marked:
@@ -104,7 +104,7 @@ def command(ctx, faces, strength, mode, out, out_dir, marked, image, directions,
 
 def _face_loader(model, anew):
     """A function: path to EncodedFace, Face, no picture, and what is to be said."""
-    from caricli.commands.loading import load_latent_face
+    from caricli.store.faces import load_latent_face
 
     def load(path, _):
         face, source, note = load_latent_face(path, model, anew)
@@ -115,10 +115,10 @@ def _face_loader(model, anew):
 
 def _landmark_loader(model):
     """The same for landmark files, fitted as `caricli reconstruct-from-landmarks` does; with a portrait."""
-    from caricli.commands.loading import load_model
-    from caricli.commands.pictures import read_picture
     from caricli.methods.faces.encode_face import encode_face
     from caricli.methods.reconstruct.fit_landmarks import fit_landmarks
+    from caricli.store.models import load_model
+    from caricli.store.pictures import read_picture
 
     elastic = model if model.kind == "intrinsic" else load_model()
     # The elastic fit is the better one; on another mesh than the bundled models' only the latent one is left.
@@ -140,8 +140,8 @@ def _landmark_loader(model):
 
 def _figures(face, model, directions):
     """What the JSON says of a face."""
-    from caricli.commands.edited import face_figures
     from caricli.methods.edit.caricaturize_face import exaggeration
+    from caricli.methods.edit.face_figures import face_figures
 
     return {"exaggeration": asdict(exaggeration(face, model, directions))} | face_figures(face, model)
 

@@ -52,11 +52,12 @@ def command(face, handles, file, pins, symmetric, out, norm, avoid, steps, basel
       caricli edit-handle face.npz --handle nose_tip=0,0,5% --out nose.obj
       caricli edit-handle face.npz --handle ear_left=5%,0,0 --symmetric --pin chin --steps 5 --out ears.obj
     """
-    from caricli.commands.loading import DEFAULT_LATENT, load_latent_face, load_model
     from caricli.commands.series import write_series_face
     from caricli.geometry.self_intersections import self_intersections
     from caricli.methods.edit.edit_handles import HandleSettings, edit_handles
     from caricli.methods.edit.handle_points import handle_points
+    from caricli.store.faces import load_latent_face
+    from caricli.store.models import DEFAULT_LATENT, load_model
     from caricli.template.fine_mesh import fine_mesh
 
     shape_model = load_model(model, DEFAULT_LATENT)

@@ -44,11 +44,13 @@ def command(face, labels, out, keep, steps, listed, directions, model, levels, o
       caricli edit-semantic face.npz --label BigNose=2 --label Smile=-1 --out edited.obj
       caricli edit-semantic face.npz --label BigNose=3 --keep BigMouth --steps 5 --out strip.obj
     """
-    from caricli.commands.edited import directions_path, face_figures, load_directions
-    from caricli.commands.loading import DEFAULT_LATENT, load_latent_face, load_model
     from caricli.commands.series import write_series_face
     from caricli.commands.train.semantic import print_table
     from caricli.methods.edit.edit_semantic import edit_semantic
+    from caricli.methods.edit.face_figures import face_figures
+    from caricli.store.directions import directions_path, load_directions
+    from caricli.store.faces import load_latent_face
+    from caricli.store.models import DEFAULT_LATENT, load_model
     from caricli.template.fine_mesh import fine_mesh
 
     shape_model = load_model(model, DEFAULT_LATENT)

@@ -33,10 +33,11 @@ def command(ctx, faces, out, out_dir, model, overwrite):
       caricli encode head.obj --out head.npz
       caricli encode scans/*.obj --out-dir encoded --model pca
     """
-    from caricli.commands.loading import DEFAULT_LATENT, load_face, load_model
     from caricli.commands.shared.batch import named_jobs, run_batch
     from caricli.methods.faces.encode_face import encode_face
     from caricli.render.comparison_sheet import comparison_sheet
+    from caricli.store.faces import load_face
+    from caricli.store.models import DEFAULT_LATENT, load_model
 
     jobs = named_jobs(faces, "FACE", out, out_dir, ".npz")
     shape_model = load_model(model, DEFAULT_LATENT)

@@ -57,10 +57,11 @@ def command(
       caricli fit-morphable smile.json --expression-only --identity face.npz --out smile.obj
     """
     from caricli.commands.fitted import fit_figures, write_fit
-    from caricli.commands.loading import load_latent_face, load_model
-    from caricli.commands.pictures import picture_beside, read_picture
     from caricli.commands.shared.batch import named_jobs, run_batch
     from caricli.methods.reconstruct.fit_morphable import fit_morphable
+    from caricli.store.faces import load_latent_face
+    from caricli.store.models import load_model
+    from caricli.store.pictures import picture_beside, read_picture
     from caricli.template.fine_mesh import fine_mesh
 
     if identity is not None and not expression_only:

@@ -34,11 +34,13 @@ def command(first, second, steps, out_dir, model, levels, overwrite):
       caricli interpolate faces/face-000.npz faces/face-001.npz --steps 9 --out-dir between
       caricli interpolate neutral.obj smile.obj --steps 5 --out-dir smiling --subdivide 1
     """
-    from caricli.commands.loading import DEFAULT_LATENT, load_latent_face, load_model, progress_bar
     from caricli.commands.series import draw_series_face, series_paths, write_series_face
+    from caricli.commands.shared.progress import progress_bar
     from caricli.geometry.flipped_triangles import flipped_triangles
     from caricli.methods.faces.interpolate_faces import interpolate_faces
     from caricli.render.contact_sheet import contact_sheet
+    from caricli.store.faces import load_latent_face
+    from caricli.store.models import DEFAULT_LATENT, load_model
     from caricli.template.fine_mesh import fine_mesh
 
     shape_model = load_model(model, DEFAULT_LATENT)

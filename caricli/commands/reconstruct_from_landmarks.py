@@ -55,10 +55,10 @@ def command(ctx, landmarks, out, out_dir, image, method, model, prior_weight, pt
       caricli reconstruct-from-landmarks marks/*.txt --image drawings --out-dir faces
     """
     from caricli.commands.fitted import fit_figures, write_fit
-    from caricli.commands.loading import DEFAULT_LATENT, load_model
-    from caricli.commands.pictures import picture_beside, read_picture
     from caricli.commands.shared.batch import named_jobs, run_batch
     from caricli.methods.reconstruct.fit_landmarks import fit_landmarks
+    from caricli.store.models import DEFAULT_LATENT, load_model
+    from caricli.store.pictures import picture_beside, read_picture
     from caricli.template.fine_mesh import fine_mesh
 
     jobs = named_jobs(landmarks, "LANDMARKS", out, out_dir, ".obj")

@@ -55,10 +55,10 @@ def command(face, landmarks, out, image, parsing, weight, laplacian, model, leve
       caricli refine face.npz landmarks.json --image drawing.png --out refined.obj
       caricli refine face.npz landmarks.json --parsing labels.png --out refined.obj
     """
-    from caricli.commands.loading import load_seen_face
-    from caricli.commands.pictures import read_picture
     from caricli.commands.refined import snap_to_parsing, write_refined
     from caricli.methods.reconstruct.refine_face import refine_face
+    from caricli.store.faces import load_seen_face
+    from caricli.store.pictures import read_picture
     from caricli.template.fine_mesh import fine_mesh
 
     files = face_files(out)

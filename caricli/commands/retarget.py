@@ -55,8 +55,8 @@ def command(ctx, rig, drivers, out, out_dir, neutral, animation, fps, model, pts
       caricli retarget b.npz photo.json --out face.obj
       caricli retarget b.npz take/*.obj --neutral calm.obj --out-dir frames --animation take.glb --fps 30
     """
-    from caricli.commands.loading import load_model
     from caricli.commands.shared.batch import named_jobs, run_batch
+    from caricli.store.models import load_model
 
     jobs = named_jobs(drivers, "NORMAL_FACE", out, out_dir, ".obj")
     meshes = [path.suffix.lower() in _MESHES for path in drivers]
@@ -112,9 +112,10 @@ def _explained(drivers, rig, model, neutral, pts_origin, whole):
 
     whole: whether a driver that cannot be read ends everything.
     """
-    from caricli.commands.loading import load_face, progress_bar
+    from caricli.commands.shared.progress import progress_bar
     from caricli.methods.expressions.retarget_expression import explain_landmarks, explain_meshes
     from caricli.methods.reconstruct.fit_morphable import fit_morphable
+    from caricli.store.faces import load_face
 
     known, failed = {}, {}
     calm = None if neutral is None else load_face(neutral, model).vertices

@@ -40,12 +40,13 @@ def command(face, out, templates, eyeballs, texture, sparse, usd, check, levels,
       caricli rig scan.obj --templates expressions --out rig.glb
       caricli rig --check rig.glb
     """
-    from caricli.commands.loading import progress_bar
-    from caricli.commands.rigging import check_report, expression_sheet, face_pictures, load_mesh, load_templates
+    from caricli.commands.rigging import check_report, expression_sheet, face_pictures, load_mesh
+    from caricli.commands.shared.progress import progress_bar
     from caricli.io.gltf.write_gltf import write_gltf
     from caricli.io.rig import write_rig
     from caricli.methods.rig.build_rig import build_rig
     from caricli.methods.rig.transfer_rig import transfer_rig
+    from caricli.store.expression_templates import load_templates
 
     if check is not None and face is out is None:
         return click.echo(check_report(check))

@@ -46,10 +46,11 @@ def command(out_dir, count, spread, seed, model, levels, overwrite):
       caricli sample --out-dir faces --count 20
       caricli sample --out-dir fine --count 3 --seed 7 --spread 0.8 --subdivide 2
     """
-    from caricli.commands.loading import DEFAULT_LATENT, load_model, progress_bar
     from caricli.commands.series import draw_series_face, series_paths, write_series_face
+    from caricli.commands.shared.progress import progress_bar
     from caricli.methods.faces.sample_faces import sample_faces
     from caricli.render.contact_sheet import contact_sheet
+    from caricli.store.models import DEFAULT_LATENT, load_model
     from caricli.template.fine_mesh import fine_mesh
 
     shape_model = load_model(model, DEFAULT_LATENT)

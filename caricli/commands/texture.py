@@ -37,8 +37,8 @@ def command(face, image, out, mask, size, flat, model, seed, overwrite):
       caricli texture face.npz photo.jpg --mask head.png --size 2048 --out textured
       caricli rig textured/face.npz --out rig.glb
     """
-    from caricli.commands.loading import load_seen_face
     from caricli.commands.textured import head_mask, paint, write_textured
+    from caricli.store.faces import load_seen_face
 
     with staged_folder(out, overwrite=overwrite, inputs=(face, image, mask, model), marker=REPORT) as folder:
         seen, shape_model, pose = load_seen_face(face, model)

@@ -28,12 +28,13 @@ def training_command(function):
 
 def train_linear(kind, dataset, out, config, overrides, overwrite):
     """Train a model of components, measure it, and write it with a JSON of recipe and errors beside it."""
-    from caricli.commands.loading import dataset_files, progress_bar
+    from caricli.commands.shared.progress import progress_bar
     from caricli.data.albedo import random_albedos
     from caricli.data.dataset import SPLITS, read_dataset
     from caricli.methods.evaluate.evaluate_shape import evaluate_shape
     from caricli.models.checkpoint import model_class, model_from_checkpoint, model_to_checkpoint
     from caricli.models.config import KernelConfig, LinearConfig, MorphableConfig
+    from caricli.store.datasets import dataset_files
 
     if out.suffix != ".safetensors":
         raise InputError(f"{out}: expected a name that ends in .safetensors")

@@ -8,13 +8,13 @@ from click.testing import CliRunner
 from scipy.optimize import linear_sum_assignment
 
 from caricli.cli import cli
-from caricli.commands.loading import load_model
 from caricli.geometry.deformation_gradients import rotation_matrices
 from caricli.io.directions import write_directions
 from caricli.io.landmarks import write_landmarks
 from caricli.io.obj import write_obj
 from caricli.io.strict_json import write_json
 from caricli.render.sky import DIRECTIONS
+from caricli.store.models import load_model
 from caricli.structures import Directions, Landmarks, Mesh
 
 

@@ -23,8 +23,8 @@ def names(folder):
 
 @pytest.mark.parametrize("kind", ["pca", "intrinsic"])
 def test_the_latent_and_what_is_left_over_bring_the_mesh_back(run, smile, models, kind, tmp_path):
-    from caricli.commands.loading import load_model
     from caricli.methods.faces.encode_face import decode_face
+    from caricli.store.models import load_model
 
     out = tmp_path / "out" / "smile.npz"
     result = run("encode", smile, "--out", out, "--model", models[kind])

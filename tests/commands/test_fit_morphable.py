@@ -1,11 +1,11 @@
 import numpy as np
 import pytest
 
-from caricli.commands.loading import load_model
 from caricli.io.face import read_face
 from caricli.io.landmarks import write_landmarks
 from caricli.io.obj import read_obj
 from caricli.io.strict_json import read_json
+from caricli.store.models import load_model
 from caricli.structures import Landmarks
 
 COMMAND = "fit-morphable"

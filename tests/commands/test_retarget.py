@@ -5,7 +5,6 @@ import pygltflib
 import pytest
 
 from caricli.commands import retarget
-from caricli.commands.loading import load_model
 from caricli.geometry.similarity import similarity
 from caricli.io.face import read_face, write_face
 from caricli.io.gltf.read_gltf import read_gltf
@@ -14,6 +13,7 @@ from caricli.io.landmarks import write_landmarks
 from caricli.io.obj import read_obj, write_obj
 from caricli.io.rig import read_rig, write_rig
 from caricli.io.strict_json import read_json
+from caricli.store.models import load_model
 from caricli.structures import Face, Landmarks, Mesh, Rig
 
 COMMAND = "retarget"

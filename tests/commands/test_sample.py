@@ -1,11 +1,11 @@
 import numpy as np
 import pytest
 
-from caricli.commands.loading import load_model
 from caricli.io.face import read_face
 from caricli.io.image import read_image
 from caricli.io.obj import read_obj
 from caricli.io.strict_json import read_json
+from caricli.store.models import load_model
 
 NAMES = ["face-000.npz", "face-000.obj", "face-001.npz", "face-001.obj", "sheet.json", "sheet.png"]
 

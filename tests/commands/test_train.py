@@ -3,7 +3,6 @@ import shutil
 import numpy as np
 import pytest
 
-from caricli.commands.loading import load_model
 from caricli.data.dataset import read_dataset
 from caricli.io.bundled import asset_path, config_path
 from caricli.io.checkpoint import read_checkpoint
@@ -11,6 +10,7 @@ from caricli.io.provenance import sha256_file
 from caricli.io.strict_json import read_json, write_json
 from caricli.methods.evaluate.evaluate_shape import evaluate_shape
 from caricli.models.checkpoint import KINDS
+from caricli.store.models import load_model
 
 
 @pytest.mark.parametrize("kind", ["pca", "intrinsic", "kernel"])

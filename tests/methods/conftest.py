@@ -15,21 +15,21 @@ FRONT = np.diag([1.0, -1.0, -1.0])
 
 @pytest.fixture(scope="session")
 def intrinsic():
-    from caricli.commands.loading import load_model
+    from caricli.store.models import load_model
 
     return load_model(kind="intrinsic")
 
 
 @pytest.fixture(scope="session")
 def pca():
-    from caricli.commands.loading import load_model
+    from caricli.store.models import load_model
 
     return load_model(kind="pca")
 
 
 @pytest.fixture(scope="session")
 def kernel():
-    from caricli.commands.loading import load_model
+    from caricli.store.models import load_model
 
     return load_model(kind="kernel")
 

@@ -33,7 +33,7 @@ def command(out, count, identities, expressions, levels, albedos, albedo_size, s
       caricli dataset build dataset --count 1409
       caricli dataset build grid --identities 150 --expressions 25 --levels 4
     """
-    from caricli.commands.loading import progress_bar
+    from caricli.commands.shared.progress import progress_bar
     from caricli.data.build_dataset import BuildSettings, build_dataset
 
     settings = BuildSettings(count, identities, expressions, levels, seed)

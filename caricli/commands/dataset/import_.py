@@ -24,7 +24,7 @@ def command(obj_dir, out, annotation, labels, seed, overwrite):
       caricli dataset import scans dataset --annotation annotation.json
       caricli dataset import scans dataset --annotation annotation.json --labels labels.csv
     """
-    from caricli.commands.loading import progress_bar
+    from caricli.commands.shared.progress import progress_bar
     from caricli.data.import_dataset import import_dataset
 
     inputs = (obj_dir, annotation, labels)

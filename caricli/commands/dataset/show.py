@@ -24,10 +24,10 @@ def command(dataset, out, faces, size, seed, overwrite):
     Example:
       caricli dataset show dataset -o sheet.png
     """
-    from caricli.commands.loading import dataset_files
     from caricli.data.dataset import read_dataset
     from caricli.data.summarise_dataset import summarise_dataset
     from caricli.render.dataset_sheet import dataset_sheet
+    from caricli.store.datasets import dataset_files
 
     data = read_dataset(dataset)
     if out is not None:

@@ -45,12 +45,13 @@ def command(dataset, out, config, overrides, device, overwrite):
     from rich.console import Console
     from rich.table import Table
 
-    from caricli.commands.loading import dataset_files, progress_bar
+    from caricli.commands.shared.progress import progress_bar
     from caricli.commands.train.deformable import chosen_device, network_points
     from caricli.data.dataset import read_dataset
     from caricli.methods.evaluate.evaluate_ablation import NETWORKS, evaluate_ablation
     from caricli.models.ablation.networks import AblationConfig
     from caricli.models.deformable.model import Frame
+    from caricli.store.datasets import dataset_files
 
     settings, device = read_config(config, AblationConfig, overrides), chosen_device(device)
     inputs = (dataset, config, *dataset_files(dataset))

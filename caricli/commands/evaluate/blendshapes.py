@@ -44,10 +44,12 @@ def command(dataset, out, count, everyone, given, faces, seed, overwrite):
       caricli evaluate blendshapes --data grid --everyone --given any --face drawing.npz --out expressions
     """
     from caricli.commands.blended import load_caricature, load_tools
-    from caricli.commands.loading import DEFAULT_LATENT, check_topology, dataset_files, load_model, progress_bar
+    from caricli.commands.shared.progress import progress_bar
     from caricli.data.dataset import read_dataset
     from caricli.methods.evaluate.evaluate_blendshapes import mean_comparison
     from caricli.render.contact_sheet import contact_sheet
+    from caricli.store.datasets import dataset_files
+    from caricli.store.models import DEFAULT_LATENT, check_topology, load_model
 
     inputs = [dataset, *dataset_files(dataset), *faces]
     with staged_folder(out, overwrite=overwrite, inputs=inputs, marker="blendshapes.json") as folder:

@@ -48,10 +48,12 @@ def command(dataset, out, count, noise, pictures, seed, overwrite):
       caricli evaluate portrait --data dataset --out portraits
       caricli evaluate portrait --data dataset --count 10 --pictures drawings --out portraits
     """
-    from caricli.commands.loading import check_topology, dataset_files, load_model, progress_bar
+    from caricli.commands.shared.progress import progress_bar
     from caricli.data.dataset import read_dataset
     from caricli.methods.evaluate.evaluate_portrait import COARSE, mean_figures, refinement_gains
     from caricli.render.contact_sheet import contact_sheet
+    from caricli.store.datasets import dataset_files
+    from caricli.store.models import check_topology, load_model
 
     pairs = [] if pictures is None else _pairs(pictures)
     inputs = (dataset, *dataset_files(dataset), pictures, *(path for pair in pairs for path in pair))
@@ -105,7 +107,7 @@ def command(dataset, out, count, noise, pictures, seed, overwrite):
 
 def _pairs(folder):
     """Pictures of a folder with their landmark files."""
-    from caricli.commands.pictures import PICTURES
+    from caricli.store.pictures import PICTURES
 
     if not folder.is_dir():
         raise InputError(f"{shown(folder)}: expected a folder of pictures, found none")
@@ -122,9 +124,9 @@ def _pairs(folder):
 
 
 def _real(path, marks_path):
-    from caricli.commands.pictures import read_picture
     from caricli.io.landmarks import read_landmarks
     from caricli.methods.evaluate.evaluate_portrait import Portrait
+    from caricli.store.pictures import read_picture
 
     marks = read_landmarks(marks_path)
     return Portrait(path.name, read_picture(path, marks, marks_path), marks.points)

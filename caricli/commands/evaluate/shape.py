@@ -30,9 +30,10 @@ def command(models, dataset, out, count, overwrite):
     from rich.console import Console
     from rich.table import Table
 
-    from caricli.commands.loading import check_topology, dataset_files, load_model
     from caricli.data.dataset import SPLITS, read_dataset
     from caricli.methods.evaluate.evaluate_shape import evaluate_shape, spread_rows
+    from caricli.store.datasets import dataset_files
+    from caricli.store.models import check_topology, load_model
 
     inputs, results = (*models, *dataset_files(dataset)), {}
     table = Table("model", "kind", "D", *(f"{split} mm (%)" for split in SPLITS), "test latent rms")

@@ -2,7 +2,7 @@
 
 import click
 
-from caricli.commands.loading import progress_bar
+from caricli.commands.shared.progress import progress_bar
 from caricli.errors import CaricliError
 
 

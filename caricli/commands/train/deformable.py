@@ -119,8 +119,8 @@ class _Run:
 
     def finish(self, data):
         """Measure the best model and write what is known about it."""
-        from caricli.commands.loading import load_model
         from caricli.methods.evaluate.evaluate_shape import evaluate_shape, spread_rows
+        from caricli.store.models import load_model
 
         model = load_model(self.folder / "model.safetensors")
         errors = {}

@@ -43,11 +43,12 @@ def command(dataset, out, config, overrides, seed, overwrite):
       caricli train landmark-map --data dataset --out map.safetensors
       caricli train landmark-map --data dataset --out small.safetensors --set dimension=16 --seed 1
     """
-    from caricli.commands.loading import dataset_files, progress_bar
+    from caricli.commands.shared.progress import progress_bar
     from caricli.data.dataset import read_dataset
     from caricli.methods.train.train_landmark_map import train_landmark_map
     from caricli.models.config import LandmarkMapConfig
     from caricli.models.landmark_map.model import map_from_checkpoint, map_to_checkpoint
+    from caricli.store.datasets import dataset_files
 
     settings = read_config(config, LandmarkMapConfig, overrides)
     report_file = out.with_suffix(".json")

@@ -35,8 +35,9 @@ def command(dataset, out, model, wanted, count, seed, overwrite):
       caricli train semantic --data dataset --out directions.npz --model pca
       caricli train semantic --data dataset --out noses.npz --label BigNose --label HookNose --count 500
     """
-    from caricli.commands.loading import DEFAULT_LATENT, check_topology, dataset_files, load_model
     from caricli.data.dataset import read_dataset
+    from caricli.store.datasets import dataset_files
+    from caricli.store.models import DEFAULT_LATENT, check_topology, load_model
 
     report_file = out.with_suffix(".json")
     with staged(out, report_file, overwrite=overwrite, inputs=(model, *dataset_files(dataset))) as files:
@@ -86,7 +87,7 @@ def _columns(attributes, wanted, dataset):
 
 def _learn(model, data, columns, count, seed, where):
     """Directions of some labels of a Dataset, and what was left out."""
-    from caricli.commands.loading import progress_bar
+    from caricli.commands.shared.progress import progress_bar
     from caricli.methods.evaluate.evaluate_shape import spread_rows
     from caricli.methods.train.train_semantic import measure_directions, train_semantic
 
@@ -106,7 +107,7 @@ def _learn(model, data, columns, count, seed, where):
 
 def _people(model, data):
     """(I, D) whitened latents of the most regular test mesh of every person."""
-    from caricli.commands.loading import progress_bar
+    from caricli.commands.shared.progress import progress_bar
 
     test = np.flatnonzero(data.rows("test"))
     test = test[np.argsort(data.level[test], kind="stable")]

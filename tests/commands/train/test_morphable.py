@@ -1,10 +1,10 @@
 import numpy as np
 import pytest
 
-from caricli.commands.loading import load_model
 from caricli.data.dataset import read_dataset
 from caricli.io.bundled import config_path
 from caricli.io.strict_json import read_json
+from caricli.store.models import load_model
 
 TINY = ("--config", config_path("morphable/tiny.yaml"))
 

@@ -3,7 +3,6 @@ import shutil
 import numpy as np
 import pytest
 
-from caricli.commands.loading import load_model
 from caricli.data.dataset import read_dataset
 from caricli.io.bundled import asset_path
 from caricli.io.directions import read_directions
@@ -11,6 +10,7 @@ from caricli.io.npz import read_npz, write_npz
 from caricli.io.obj import write_obj
 from caricli.io.provenance import sha256_file
 from caricli.io.strict_json import read_json, write_json
+from caricli.store.models import load_model
 from caricli.structures import Mesh
 
 

@@ -34,7 +34,7 @@ def portrait(studio, strangers):
 
 @pytest.fixture(scope="module")
 def models():
-    from caricli.commands.loading import load_model
+    from caricli.store.models import load_model
 
     return {kind: load_model(kind=kind) for kind, *_ in COARSE.values()}
 

@@ -1,7 +1,6 @@
 import numpy as np
 import pytest
 
-from caricli.commands.loading import load_model
 from caricli.errors import NumericsError
 from caricli.geometry.exaggerate_curvature import exaggerate_curvature
 from caricli.geometry.head_rotation import head_rotation
@@ -10,6 +9,7 @@ from caricli.methods.expressions.measure_blendshapes import measure_blendshapes
 from caricli.methods.rig.expression_templates import combined_templates, mended_templates
 from caricli.methods.rig.measure_rig import curve_gap
 from caricli.models.landmark_map.model import COUNT, DOMAINS, WEIGHTS, Domain, LandmarkMap
+from caricli.store.models import load_model
 from caricli.structures import Camera
 
 EXPRESSIONS = {

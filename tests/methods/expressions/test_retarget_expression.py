@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from scipy.optimize import lsq_linear
 
-from caricli.commands.loading import load_model
 from caricli.data.identities import random_identity
 from caricli.errors import InputError
 from caricli.geometry.deformation_gradients import rotation_matrices
@@ -21,6 +20,7 @@ from caricli.methods.expressions.retarget_expression import (
 )
 from caricli.methods.reconstruct.fit_morphable import fit_morphable
 from caricli.methods.rig.expression_templates import mended_templates
+from caricli.store.models import load_model
 
 FRONT = np.diag([1.0, -1.0, -1.0])
 

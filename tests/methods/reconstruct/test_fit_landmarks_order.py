@@ -1,9 +1,9 @@
 import numpy as np
 import pytest
 
-from caricli.commands.loading import load_model
 from caricli.errors import InputError
 from caricli.methods.reconstruct.fit_landmarks import fit_landmarks
+from caricli.store.models import load_model
 
 
 @pytest.fixture(scope="module")

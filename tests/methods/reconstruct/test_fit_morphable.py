@@ -1,10 +1,10 @@
 import numpy as np
 import pytest
 
-from caricli.commands.loading import load_model
 from caricli.errors import InputError
 from caricli.geometry.deformation_gradients import rotation_matrices
 from caricli.methods.reconstruct.fit_morphable import fit_morphable
+from caricli.store.models import load_model
 
 
 @pytest.fixture(scope="module")

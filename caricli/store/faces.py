@@ -1,27 +1,11 @@
-"""What several commands load and show: models, templates, faces, progress."""
+"""Faces of files, in the terms of a model."""
 
-from contextlib import contextmanager
 from dataclasses import replace
 
-import numpy as np
-
 from caricli.errors import InputError, shown
-from caricli.io.bundled import asset_path
-from caricli.io.checkpoint import read_checkpoint
 from caricli.io.face import read_face
-from caricli.io.strict_json import read_json
 from caricli.methods.faces.encode_face import encode_face
-
-DEFAULT_LATENT = "kernel"
-"""Kind of the bundled model that latents belong to where nothing else is said."""
-
-
-def load_model(path=None, kind="intrinsic"):
-    """The model of a file, or the bundled one of a kind."""
-    from caricli.models.checkpoint import model_from_checkpoint
-
-    path = asset_path(f"{kind}.safetensors") if path is None else path
-    return model_from_checkpoint(*read_checkpoint(path), shown(path))
+from caricli.store.models import DEFAULT_ELASTIC, bundled_kind, load_model, model_name
 
 
 def load_face(path, model):
@@ -44,8 +28,8 @@ def load_seen_face(path, model=None):
     path: NPZ. model: path of the model of its mesh; where none is given, the bundled one that made it, or the default.
     Returns Face, ShapeModel and Camera. Raises InputError for a face without a camera.
     """
-    kind = None if model is not None else _bundled_kind(read_face(path).model_id)
-    shape_model = load_model(model, kind or "intrinsic")
+    kind = None if model is not None else bundled_kind(read_face(path).model_id)
+    shape_model = load_model(model, kind or DEFAULT_ELASTIC)
     face = load_face(path, shape_model)
     if face.latent is not None and face.model_id != shape_model.model_id:
         face = replace(face, latent=None, residual=None)
@@ -70,14 +54,14 @@ def load_latent_face(path, model, anew=False):
     Raises InputError for another topology, and for a latent of another model.
     """
     face, dimension = load_face(path, model), len(model.prior.mean)
-    foreign = anew and face.model_id != model.model_id and _bundled_kind(face.model_id)
+    foreign = anew and face.model_id != model.model_id and bundled_kind(face.model_id)
     if face.latent is None or face.model_id is None or foreign:
         code = encode_face(face.vertices, model)
         had = f"its latent is of {model_name(face.model_id)}" if foreign else "had no latent"
         error = f"shape error {code.millimetres:.2f} mm ({code.percent:.2f} %)"
         return code, face, f"{shown(path)}: {had}; encoded by {model_name(model.model_id)}, {error}"
     if face.model_id != model.model_id:
-        its, ours = (_bundled_kind(i) or "MODEL" for i in (face.model_id, model.model_id))
+        its, ours = (bundled_kind(i) or "MODEL" for i in (face.model_id, model.model_id))
         names = model_name(face.model_id), model_name(model.model_id)
         raise InputError(
             f"{shown(path)}: its latent is of {names[0]}, not of {names[1]}; give --model "
@@ -86,42 +70,3 @@ def load_latent_face(path, model, anew=False):
     if len(face.latent) != dimension:
         raise InputError(f"{shown(path)}: expected a latent of {dimension} numbers, found {len(face.latent)}")
     return encode_face(face.vertices, model, face.latent, face.residual), face, None
-
-
-def model_name(model_id):
-    """What a message calls the model of an id."""
-    kind = _bundled_kind(model_id)
-    return f"the bundled {kind} model" if kind else f"the model {shown(model_id, 12)}"
-
-
-def _bundled_kind(model_id):
-    from caricli.models.checkpoint import KINDS
-
-    files = {kind: asset_path(f"{kind}.json") for kind in KINDS}
-    same = (kind for kind, file in files.items() if file.is_file() and read_json(file).get("model_id") == model_id)
-    return next(same, None)
-
-
-def check_topology(template, dataset_template, where):
-    """Refuse a model and a dataset of different meshes."""
-    if template.topology_id != dataset_template.topology_id:
-        counts = len(template.vertices), len(dataset_template.vertices)
-        raise InputError(f"{where}: its topology ({counts[0]} vertices) is not the dataset's ({counts[1]} vertices)")
-
-
-def dataset_files(folder):
-    """The files of a dataset folder, which no output may replace."""
-    return [folder / "dataset.json", *folder.glob("*.npz")]
-
-
-@contextmanager
-def progress_bar(description):
-    """Yield ``report(done, total)``: a bar with the time left on stderr where that is a terminal, else nothing."""
-    from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
-
-    console = Console(stderr=True)
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
-    with Progress(*columns, console=console, disable=not console.is_terminal, transient=True) as progress:
-        task = progress.add_task(description, total=None)
-        yield lambda done, total: progress.update(task, completed=done, total=total)

@@ -1,10 +1,9 @@
-"""What commands share that move a face along semantic directions."""
+"""Directions of labels by path, or those that come with caricli."""
 
-from caricli.data.attributes import measure_attributes
 from caricli.errors import InputError, shown
-from caricli.geometry.flipped_triangles import flipped_triangles
 from caricli.io.bundled import asset_path
 from caricli.io.directions import read_directions
+from caricli.store.models import model_name
 
 
 def directions_path(path, model):
@@ -17,8 +16,6 @@ def directions_path(path, model):
 
 def load_directions(path, model):
     """The Directions of a file, refused when they are not of the model."""
-    from caricli.commands.loading import model_name
-
     directions = read_directions(path)
     if directions.model_id != model.model_id:
         raise InputError(
@@ -29,13 +26,3 @@ def load_directions(path, model):
         found = directions.normals.shape[1]
         raise InputError(f"{shown(path)}: expected directions of {len(model.prior.mean)} numbers, found {found}")
     return directions
-
-
-def face_figures(face, model):
-    """What the JSON says of an EncodedFace: prior, flipped triangles and, where they can be measured, attributes."""
-    template = model.template
-    flipped = float(flipped_triangles(face.vertices, template.gradients).mean())
-    figures = {"prior_rms": face.prior_rms, "flipped": flipped}
-    if template.annotation.has_extra:
-        figures["attributes"] = measure_attributes(face.vertices, template)
-    return figures

@@ -1,0 +1,24 @@
+"""What random numbers are drawn for: every purpose has a stream of its own, so that none depends on another."""
+
+from enum import IntEnum
+
+
+class DatasetSeed(IntEnum):
+    """Streams of a generated dataset, after its seed."""
+
+    IDENTITY = 0
+    DRAW = 1
+    PRIOR = 2
+    SPLIT = 3
+    ALBEDO = 4
+
+
+class TrainingSeed(IntEnum):
+    """Streams of a training, after its seed."""
+
+    ORDER = 0
+    STEP = 1
+    VALIDATION = 2
+    START = 3
+    CODES = 4
+    SURFACE = 5

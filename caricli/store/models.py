@@ -1,0 +1,52 @@
+"""Models by name or path: those that come with caricli, and users' own."""
+
+from pathlib import Path
+
+from caricli.errors import InputError, shown
+from caricli.io.bundled import asset_path
+from caricli.io.checkpoint import read_checkpoint
+from caricli.io.strict_json import read_json
+from caricli.models.checkpoint import KINDS, model_from_checkpoint
+from caricli.models.shape_model import ShapeModel
+from caricli.template.template import Template
+
+DEFAULT_ELASTIC = "intrinsic"
+"""Kind of the bundled model that follows landmarks elastically."""
+
+DEFAULT_LATENT = "kernel"
+"""Kind of the bundled model that latents belong to where nothing else is said."""
+
+
+def load_model(path: Path | None = None, kind: str = DEFAULT_ELASTIC, only: str | None = None) -> ShapeModel:
+    """Load the model of a file, or the bundled one of a kind.
+
+    only: the kind that it must have, where just one will do.
+    Raises InputError when it is no model, damaged, or of another kind.
+    """
+    path = asset_path(f"{only or kind}.safetensors") if path is None else path
+    model = model_from_checkpoint(*read_checkpoint(path), shown(path))
+    if only is not None and model.kind != only:
+        raise InputError(f"{shown(path)}: expected a model of kind {only}, found {model.kind}")
+    return model
+
+
+def model_name(model_id: str | None) -> str:
+    """What a message calls the model of an id."""
+    kind = bundled_kind(model_id)
+    return f"the bundled {kind} model" if kind else f"the model {shown(model_id, 12)}"
+
+
+def bundled_kind(model_id: str | None) -> str | None:
+    """The kind of the bundled model that has an id, or None."""
+    reports = {kind: asset_path(f"{kind}.json") for kind in KINDS}
+    for kind, report in reports.items():
+        if report.is_file() and read_json(report).get("model_id") == model_id:
+            return kind
+    return None
+
+
+def check_topology(template: Template, dataset_template: Template, where: object) -> None:
+    """Refuse a model and a dataset of different meshes. where: what the model is called."""
+    if template.topology_id != dataset_template.topology_id:
+        counts = len(template.vertices), len(dataset_template.vertices)
+        raise InputError(f"{where}: its topology ({counts[0]} vertices) is not the dataset's ({counts[1]} vertices)")
