@@ -109,7 +109,7 @@ def run_all(folder, package):
         )
         print(f"{done.returncode} {time.monotonic() - start:5.1f} s  {line}", done.stderr[-300:], flush=True)
     files = sorted(path for path in folder.rglob("*") if path.is_file() and path.suffix not in _UNHASHED)
-    return {path.relative_to(folder).as_posix(): digest(path) for path in files}
+    return {path.relative_to(folder).as_posix(): digest(path, package) for path in files}
 
 
 def prepare(folder, environment):
@@ -126,10 +126,11 @@ def prepare(folder, environment):
     subprocess.run([sys.executable, "-m", "caricli", *sizes], cwd=folder, env=environment, check=True)
 
 
-def digest(path):
-    """SHA-256 of a file, of JSON without its times."""
+def digest(path, package):
+    """SHA-256 of a file, of JSON without its times and the place of the package, whose bundled files are inputs."""
     data = path.read_bytes()
     if path.suffix in (".json", ".jsonl"):
+        data = data.replace(str(package).encode(), b"$caricli")
         lines = data.splitlines() if path.suffix == ".jsonl" else [data]
         data = json.dumps([without_times(json.loads(line)) for line in lines]).encode()
     elif path.name == "ablation.md":
