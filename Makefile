@@ -2,10 +2,11 @@
 PYTHON ?= python3
 VENV ?= .venv
 BIN := $(VENV)/bin
+FAST := tests/structures tests/io tests/geometry tests/template tests/store tests/test_cli.py tests/test_docs.py
 VALIDATOR := tests/gltf_validator
 VALIDATOR_STAMP := $(VALIDATOR)/node_modules/.package-lock.json
 
-.PHONY: demo test lint docs setup clean
+.PHONY: demo test fast lint docs setup clean
 
 demo: setup examples/astronaut/astronaut.png
 	$(BIN)/caricli reconstruct-from-landmarks examples/astronaut/landmarks.json \
@@ -15,8 +16,14 @@ demo: setup examples/astronaut/astronaut.png
 test: setup $(VALIDATOR_STAMP)
 	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 --dist loadfile
 
+# Neither training nor rendering: under a minute, for every few lines that are changed.
+fast: setup
+	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -q -n 2 --durations=0 --durations-min=5 $(FAST)
+
 lint: setup
+	$(BIN)/ruff format --check
 	$(BIN)/ruff check
+	$(BIN)/mypy
 	$(BIN)/lint-imports --no-cache
 	$(BIN)/python docs/generate_cli.py --check
 	$(BIN)/python -m pytest -q tests/test_docs.py

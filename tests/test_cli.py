@@ -81,9 +81,15 @@ def test_sections_stay_together():
 
 def test_every_command_of_the_table_exists_and_every_module_is_in_the_table():
     modules = {module for module, _, _ in COMMANDS.values() if module}
-    files = (ROOT / "caricli" / "commands").glob("*.py")
-    commands = {path.stem for path in files if re.search(r"^def command\(", path.read_text("utf-8"), re.M)}
-    assert commands == modules
+    folder = ROOT / "caricli" / "commands"
+    files = [path for path in folder.rglob("*.py") if re.search(r"^def command\(", path.read_text("utf-8"), re.M)]
+    assert {".".join(path.relative_to(folder).with_suffix("").parts) for path in files} == modules
+
+
+def test_modules_are_named_as_commands_are_typed():
+    for name, (module, _, _) in COMMANDS.items():
+        if module:
+            assert module.removesuffix("_") == name.replace(" ", ".").replace("-", "_")
 
 
 @pytest.mark.parametrize("args", [["--help"], ["--version"], ["dataset", "--help"]])
