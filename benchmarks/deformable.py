@@ -20,8 +20,8 @@ from caricli.io.landmarks import read_landmarks
 from caricli.methods.faces.subdivide_face import subdivide_face
 from caricli.methods.reconstruct.fit_landmarks import fit_landmarks
 from caricli.methods.train.train_autodecoder import AutoDecoderTraining, Surface
-from caricli.models.checkpoint import KINDS
-from caricli.models.config import DeformableConfig
+from caricli.models.kinds import KINDS
+from caricli.models.deformable.config import DeformableConfig
 from caricli.models.deformable.model import HyperSiren, siren
 from caricli.store.models import load_model
 from caricli.template.fine_mesh import fine_mesh

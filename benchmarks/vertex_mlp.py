@@ -20,8 +20,8 @@ from caricli.methods.evaluate.evaluate_ablation import fit_codes
 from caricli.methods.evaluate.evaluate_shape import spread_rows
 from caricli.methods.train.train_autodecoder import AutoDecoderTraining, Surface
 from caricli.models.ablation.networks import AblationConfig, VertexArray
-from caricli.models.config import DeformableConfig
-from caricli.models.deformable.model import Frame
+from caricli.models.deformable.config import DeformableConfig
+from caricli.models.deformable.model import UnitBox
 
 
 def main():
@@ -30,7 +30,7 @@ def main():
     usual = {name: getattr(DeformableConfig(), name) for name in DeformableConfig.__dataclass_fields__}
     config = AblationConfig(**usual | {"precision": "float32", "validate_every": 10**6})
     shapes, unseen = data.vertices[data.rows("train")], data.vertices[spread_rows(data.rows("test"), 100)]
-    surface = Surface(Frame(network_points(data.template)), data.template.faces)
+    surface = Surface(UnitBox(network_points(data.template)), data.template.faces)
 
     def begin(epochs):
         generator = torch.Generator().manual_seed(config.seed)

@@ -153,7 +153,8 @@ def _signals_raise():
     if threading.current_thread() is not threading.main_thread():
         yield
         return
-    owner, last = os.getpid(), -math.inf
+    owner = os.getpid()
+    last = -math.inf
 
     def stop(number, frame):
         nonlocal last

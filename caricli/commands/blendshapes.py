@@ -1,18 +1,27 @@
 """caricli blendshapes: the expressions of a caricature from one picture of it."""
 
 import time
+from dataclasses import astuple
 
 import click
-import numpy as np
 
-from caricli.commands.shared.options import PATH, FiniteRange, out_option, overwrite_option, seed_option
-from caricli.errors import CaricliError, shown
+from caricli.commands.shared.options import (
+    PATH,
+    FiniteRange,
+    model_option,
+    out_option,
+    overwrite_option,
+    pts_origin_option,
+    seed_option,
+)
+from caricli.errors import naming
 from caricli.io.image import write_png
 from caricli.io.outputs import staged
 from caricli.io.provenance import provenance
 from caricli.io.strict_json import write_json
+from caricli.methods.expressions.settings import METHODS, RECONSTRUCTIONS, BlendshapeSettings, BlendshapeWeights
 
-WEIGHTS = 1.0, 0.1, 0.05
+DEFAULT_WEIGHTS = astuple(BlendshapeWeights())
 
 
 @click.command()
@@ -23,34 +32,50 @@ WEIGHTS = 1.0, 0.1, 0.05
 )
 @click.option(
     "--method",
-    type=click.Choice(["full", "initial", "transfer"]),
-    default="full",
+    type=click.Choice(METHODS),
+    default=BlendshapeSettings.method,
     help="Optimise the displacements, stop before, or transfer those of the normal face.",
 )
 @click.option(
     "--reconstruct",
-    type=click.Choice(["intrinsic", "latent"]),
-    default="intrinsic",
+    type=click.Choice(RECONSTRUCTIONS),
+    default=BlendshapeSettings.reconstruct,
     help="How faces follow the landmarks of their expressions.",
 )
 @click.option(
     "--weights",
     nargs=3,
     type=FiniteRange(0, 1e6),
-    default=WEIGHTS,
+    default=DEFAULT_WEIGHTS,
     metavar="DEF STR SMO",
-    help="Of deformation, structure and smoothness.",
+    help="How much deformation, structure and smoothness count.",
 )
-@click.option("--map", "map_path", type=PATH, metavar="MAP", help="Of caricli train landmark-map.  [default: bundled]")
-@click.option("--model", type=PATH, metavar="MODEL", help="Of caricli train morphable.  [default: bundled]")
+@click.option(
+    "--map", "map_path", type=PATH, metavar="MAP", help="What `caricli train landmark-map` wrote.  [default: bundled]"
+)
+@model_option
 @click.option("--templates", type=PATH, metavar="DIR", help="Your own neutral.obj and actions, one OBJ for each.")
 @click.option("--eyeballs/--no-eyeballs", default=True, help="Put eyes into the sockets, as part of the mesh.")
 @click.option("--texture", type=PATH, metavar="IMAGE", help="The picture on the skin.  [default: the face's own]")
-@click.option("--pts-origin", type=click.IntRange(0, 1), default=1, help="Coordinate of the first pixel in .pts files.")
+@pts_origin_option
 @seed_option
 @overwrite_option
-def command(source, out, expressions, method, reconstruct, weights, map_path, model, templates, eyeballs, texture,
-            pts_origin, seed, overwrite):  # fmt: skip
+def command(
+    source,
+    out,
+    expressions,
+    method,
+    reconstruct,
+    weights,
+    map_path,
+    model,
+    templates,
+    eyeballs,
+    texture,
+    pts_origin,
+    seed,
+    overwrite,
+):
     """Make the expressions of a caricature, as blendshapes that keep who it is, from one picture of it.
 
     Its landmarks become those of a normal face, a normal face is fitted and does the expressions, and they are carried
@@ -65,34 +90,55 @@ def command(source, out, expressions, method, reconstruct, weights, map_path, mo
       caricli blendshapes landmarks.json --expressions moods.yaml --out moods.npz
       caricli blendshapes face.npz --method transfer --out rival.npz
     """
-    from caricli.commands.blended import build, load_caricature, load_tools, report, with_given
-    from caricli.commands.rigging import expression_sheet
+    from caricli.methods.expressions.build_blendshapes import build_blendshapes
+    from caricli.methods.expressions.rig_blendshapes import (
+        blendshape_figures,
+        describe_blendshapes,
+        measure_expressions,
+        rig_blendshapes,
+    )
+    from caricli.methods.rig.make_rig import RigSettings
+    from caricli.store.expression_tools import ToolPaths, load_caricature, load_tools
+
+    _check_usage(method, reconstruct, weights)
+    settings = BlendshapeSettings(method, reconstruct, BlendshapeWeights(*weights))
+    paths = ToolPaths(expressions, map_path, model, templates)
+    tools, tool_files = load_tools(paths, latent=reconstruct == "latent")
+    face, pictures = load_caricature(source, tools, texture, pts_origin)
+    inputs = [source, *pictures.files, *tool_files]
+    images = pictures.load()
+    with staged(out, *map(out.with_suffix, (".glb", ".json", ".png")), overwrite=overwrite, inputs=inputs) as files:
+        with naming(source):
+            start = time.perf_counter()
+            blendshapes = build_blendshapes(face, tools, settings)
+            seconds = time.perf_counter() - start
+            result = rig_blendshapes(blendshapes, tools, RigSettings(eyeballs=eyeballs, seed=seed), images)
+        about = {"method": method, "reconstruct": reconstruct, "weights": weights, "seconds": seconds}
+        measures = measure_expressions(blendshapes, face)
+        figures = blendshape_figures(blendshapes, measures, tools, result)
+        _write(files, face, result.rig, provenance("blendshapes", inputs, seed, **about, **figures))
+    click.echo(f"{out}: {describe_blendshapes(face, measures, result)}, {seconds:.2f} s")
+
+
+def _check_usage(method, reconstruct, weights):
+    """Refuse options that the method does not use."""
+    if method == "transfer" and reconstruct != "intrinsic":
+        raise click.UsageError("--reconstruct is for methods that follow landmarks, not for transfer.")
+    if method != "full" and weights != DEFAULT_WEIGHTS:
+        raise click.UsageError("--weights are those of --method full.")
+
+
+def _write(files, face, rig, description):
+    """Write NPZ, GLB, JSON and picture of a Rig."""
     from caricli.commands.shared.progress import progress_bar
     from caricli.io.gltf.write_gltf import write_gltf
     from caricli.io.rig import write_rig
-    from caricli.methods.expressions.optimise_blendshapes import BlendshapeWeights
+    from caricli.methods.expressions.rig_blendshapes import shape_as_given
+    from caricli.render.expression_sheet import expression_sheet
 
-    if method == "transfer" and reconstruct != "intrinsic":
-        raise click.UsageError("--reconstruct is for methods that follow landmarks, not for transfer.")
-    if method != "full" and weights != WEIGHTS:
-        raise click.UsageError("--weights are those of --method full.")
-    tools = load_tools(expressions, map_path, model, templates, reconstruct)
-    face = load_caricature(source, tools.morphable, texture, pts_origin)
-    files = [out, *(out.with_suffix(suffix) for suffix in (".glb", ".json", ".png"))]
-    inputs = face.inputs + tools.inputs
-    with staged(*files, overwrite=overwrite, inputs=inputs) as (npz, glb, json, png):
-        try:
-            start = time.perf_counter()
-            made = build(tools, face, method, BlendshapeWeights(*weights))
-            seconds = time.perf_counter() - start
-            rig, measures, _ = tools.rig(made, np.random.default_rng(seed), eyeballs, face.pictures)
-        except CaricliError as error:
-            raise type(error)(f"{shown(source)}: {error}") from error
-        write_rig(npz, rig)
-        write_gltf(glb, rig)
-        figures, line = report(tools, face, made, rig, measures)
-        about = {"method": method, "reconstruct": reconstruct, "weights": weights, "seconds": seconds}
-        write_json(json, provenance("blendshapes", inputs, seed, **about, **figures))
-        with progress_bar("drawing") as progress:
-            write_png(png, expression_sheet(rig, progress, with_given(rig, face)))
-    click.echo(f"{out}: {line}, {seconds:.2f} s")
+    npz, glb, json, png = files
+    write_rig(npz, rig)
+    write_gltf(glb, rig)
+    write_json(json, description)
+    with progress_bar("drawing") as progress:
+        write_png(png, expression_sheet(rig, progress, shape_as_given(rig, face)))

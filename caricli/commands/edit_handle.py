@@ -141,8 +141,8 @@ def _picture(before, edit, drawn, model, fine, steps, baseline):
     template, views = model.template, ("front", "three-quarter") if steps else ("front", "three-quarter", "profile")
 
     def draw(face):
-        finer = subdivide_face(face.vertices, face.latent, model, fine), fine.mesh.faces, fine.weights
-        return head_views(face.vertices, template.faces, template.annotation, views, SIZE, finer)
+        finer = fine.with_vertices(subdivide_face(face.vertices, face.latent, model, fine))
+        return head_views(template.with_vertices(face.vertices), views, SIZE, finer)
 
     if steps:
         parts = np.linspace(0, 1, steps)
@@ -152,6 +152,6 @@ def _picture(before, edit, drawn, model, fine, steps, baseline):
     rows, labels = [np.hstack(draw(face)) for face in (before, edit.face)], ["before", "after"]
     if baseline:
         rigid = deform_arap(before.vertices, template.faces, handles, displacements)
-        rows.append(np.hstack(head_views(rigid, template.faces, template.annotation, views, SIZE)))
+        rows.append(np.hstack(head_views(template.with_vertices(rigid), views, SIZE)))
         labels.append("as rigid as possible")
     return contact_sheet(rows, 1, labels)

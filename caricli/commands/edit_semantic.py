@@ -45,7 +45,7 @@ def command(face, labels, out, keep, steps, listed, directions, model, levels, o
       caricli edit-semantic face.npz --label BigNose=3 --keep BigMouth --steps 5 --out strip.obj
     """
     from caricli.commands.series import write_series_face
-    from caricli.commands.train.semantic import print_table
+    from caricli.commands.shared.tables import print_directions
     from caricli.methods.edit.edit_semantic import edit_semantic
     from caricli.methods.edit.face_figures import face_figures
     from caricli.store.directions import directions_path, load_directions
@@ -57,7 +57,7 @@ def command(face, labels, out, keep, steps, listed, directions, model, levels, o
     path = directions_path(directions, shape_model)
     known = load_directions(path, shape_model)
     if listed:
-        return print_table(known)
+        return print_directions(known)
     if face is None or out is None or not labels:
         raise click.UsageError("Give a FACE, at least one --label and --out; or --list.")
     strengths, fine = _strengths(labels), fine_mesh(shape_model.template, levels)

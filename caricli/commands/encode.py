@@ -54,7 +54,7 @@ def command(ctx, faces, out, out_dir, model, overwrite):
             known = {"model_id": shape_model.model_id, "shape_error": error, "prior_rms": code.prior_rms}
             write_json(json_file, provenance("encode", [path], **known))
             own = shape_model.decode(code.latent)
-            write_png(png_file, comparison_sheet(face.vertices, own, template.faces, template.annotation, SIZE))
+            write_png(png_file, comparison_sheet(template.with_vertices(face.vertices), own, SIZE))
         return f"{target}: shape error {code.millimetres:.3f} mm ({code.percent:.3f} %), prior {code.prior_rms:.2f}"
 
     run_batch(ctx, jobs, encode, "faces")

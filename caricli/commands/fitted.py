@@ -23,13 +23,13 @@ def write_fit(files, model, fit, fine, given, image, description):
     obj_file, npz_file, json_file, png_file = files
     template = model.template
     fine_vertices = subdivide_face(fit.vertices, fit.latent, model, fine)
-    write_obj(obj_file, fine.mesh.with_vertices(fine_vertices))
+    finer = fine.with_vertices(fine_vertices)
+    write_obj(obj_file, finer.mesh)
     fitted = (fit.pose, fit.landmarks, fit.latent, fit.residual, model.model_id)
-    write_face(npz_file, Face(template.with_vertices(fit.vertices), *fitted))
+    face = Face(template.with_vertices(fit.vertices), *fitted)
+    write_face(npz_file, face)
     write_json(json_file, description)
-    drawn = (fine_vertices, fine.mesh.faces, fine.weights)
-    shown = (fit.vertices, template.faces, template.annotation, given, fit.landmarks, fit.pose, image)
-    write_png(png_file, fit_sheet(*shown, fine=drawn))
+    write_png(png_file, fit_sheet(face, template, given, image, fine=finer))
 
 
 def fit_figures(fit, seconds):

@@ -44,6 +44,6 @@ def write_refined(files, found, seen, model, pose, points, pixels, fine):
     write_face(files[1], Face(template.with_vertices(found.vertices), pose, found.landmarks, *known, model_id))
     rows = []
     for vertices in (seen.vertices, found.vertices):
-        fitted = pose.project(vertices[found.anchors])
-        rows.append(fit_sheet(vertices, template.faces, template.annotation, points, fitted, pose, pixels, 384))
+        drawn = Face(template.with_vertices(vertices), pose, pose.project(vertices[found.anchors]))
+        rows.append(fit_sheet(drawn, template, points, pixels, 384))
     return contact_sheet(rows, 1, ["before", "after"])

@@ -5,16 +5,16 @@ import numpy as np
 
 from caricli.commands.shared.options import PATH, out_option, overwrite_option
 from caricli.errors import InputError, OutputError, shown
-from caricli.io.bundled import asset_path
 from caricli.io.face import read_face
 from caricli.io.image import read_image, write_png
 from caricli.io.outputs import staged
-from caricli.io.strict_json import read_json
 from caricli.limits import MAX_IMAGE_PIXELS
 from caricli.render.contact_sheet import contact_sheet
 from caricli.render.overlay import overlay_mesh
 from caricli.render.place_eyeballs import place_eyeballs
+from caricli.render.shade import Look
 from caricli.render.views import VIEWS, render_views, turntable
+from caricli.template.annotation import bundled_annotation
 
 
 def _views(ctx, param, value):
@@ -91,19 +91,15 @@ def command(paths, out, views, frames, size, columns, image, overwrite):
 
 def _strip(path, views, frames, size):
     face = read_face(path)
-    looks = {"size": size, "eyeballs": _eyeballs(face)}
+    look = Look(eyeballs=place_eyeballs(face.mesh, bundled_annotation()))
     if frames:
-        return turntable(face.vertices, face.faces, frames, **looks)
-    return render_views(face.vertices, face.faces, views, **looks)
+        return turntable(face.mesh, frames, size, look)
+    return render_views(face.mesh, views, size, look)
 
 
 def _overlay(path, image):
     face = read_face(path)
     if face.camera is None:
         raise InputError(f"{shown(path)}: expected a face NPZ with a camera to lay it over a picture, found none")
-    return overlay_mesh(read_image(image), face.mesh, face.camera, eyeballs=_eyeballs(face))
-
-
-def _eyeballs(face):
-    annotation = read_json(asset_path("head_annotation.json"))
-    return place_eyeballs(face.vertices, face.faces, annotation["curves"], annotation["regions"])
+    eyeballs = place_eyeballs(face.mesh, bundled_annotation())
+    return overlay_mesh(read_image(image), face.mesh, face.camera, eyeballs=eyeballs)

@@ -154,7 +154,7 @@ def _write(files, rig, weights, neutral, template, description):
     write_face(npz_file, Face(mesh))
     write_json(json_file, description)
     driver = neutral + np.tensordot(weights, rig.normal_deltas, 1)
-    pictures = head_views(driver, template.faces, template.annotation, ("front",), SIZE)
+    pictures = head_views(template.with_vertices(driver), ("front",), SIZE)
     pictures.append(draw_rig(rig, vertices, "front", SIZE))
     write_png(png_file, contact_sheet(pictures, 2, ["driver", "caricature"]))
 

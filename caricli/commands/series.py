@@ -34,5 +34,5 @@ def write_series_face(files, face, model, fine, source=None):
 
 def draw_series_face(face, finer, model, fine, size):
     """Front and three-quarter view of what ``write_series_face`` wrote."""
-    mesh, drawn = (face.vertices, model.template.faces, model.template.annotation), (finer, fine.mesh.faces, fine.weights)
-    return head_views(*mesh, ("front", "three-quarter"), size, drawn)
+    head = model.template.with_vertices(face.vertices)
+    return head_views(head, ("front", "three-quarter"), size, fine.with_vertices(finer))

@@ -84,7 +84,7 @@ def paint(face, pose, picture, mask, template, size, flat, generator):
     again = render_textured(rig, placed, picture.shape[1], picture.shape[0])
     both = mask & (rasterise(placed, mesh.faces, picture.shape[1], picture.shape[0]).face >= 0)
     error = float(np.abs(again.astype(float) - picture)[both].mean() / 255)
-    balls = fit_eyeballs(vertices, still, mesh)
+    balls = fit_eyeballs(mesh.with_vertices(vertices), mesh.annotation, still)
     eyes = paint_eye(TEXTURE, generator, *eye_colours(picture, face.landmarks))
     return Painted(add_eyeballs(rig, balls, generator, eyes), error, seen)
 
@@ -103,7 +103,7 @@ def write_textured(folder, painted, face, model):
     write_face(folder / "face.npz", replace(face, mesh=mesh))
     write_gltf(folder / "face.glb", rig)
     views = ("front", "three-quarter", "profile")
-    plain = head_views(rig.neutral[:count].astype(float), template.faces, template.annotation, views, VIEW)
+    plain = head_views(template.with_vertices(rig.neutral[:count].astype(float)), views, VIEW)
     rows = [plain, draw_textured(rig, views, VIEW), draw_textured(rig, [*ANGLES][3:], VIEW)]
     labels = ["before", "", "", "after", "", "", "", "", ""]
     write_png(folder / "sheet.png", contact_sheet([picture for row in rows for picture in row], 3, labels))

@@ -9,6 +9,7 @@ from scipy.spatial import cKDTree
 from caricli.errors import InputError
 from caricli.geometry.triangle_normals import triangle_normals
 from caricli.geometry.vertex_neighbours import vertex_neighbours
+from caricli.render.paint import mix, smooth_step
 from caricli.render.uv_map import pad_texture, uv_map
 
 STYLES = ("soft", "flat")
@@ -145,27 +146,27 @@ class AlbedoPainter:
         ripple = np.cos(self.places @ waves.T + phases).mean(1)
         mottle = 0 * ripple if look.flat else ripple
         colour = self._skin(look, mottle)
-        colour = _mix(colour, 0.8 * look.hair, 0.8 * look.stubble * self._beard(look, edge))
+        colour = mix(colour, 0.8 * look.hair, 0.8 * look.stubble * self._beard(look, edge))
         if look.lipstick is not None:
-            lid = _step(self.upper, 0.14, 0.14 - edge if look.flat else 0.02) * (self.places[:, 1] > 0.02)
-            colour = _mix(colour, 0.5 * look.lipstick + 0.05, look.shadow * lid)
+            lid = smooth_step(self.upper, 0.14, 0.14 - edge if look.flat else 0.02) * (self.places[:, 1] > 0.02)
+            colour = mix(colour, 0.5 * look.lipstick + 0.05, look.shadow * lid)
         tone = _pigmented(0.8 * look.melanin + 0.04, look.blood + 0.9 * look.lips)
-        tone = tone if look.lipstick is None else _mix(tone, look.lipstick, 0.75)
-        colour = _mix(colour, tone, _step(self.lips, edge / 2, -edge / 2))
-        colour = _mix(colour, 0.4 * tone, 0.8 * _step(self.slit, max(0.03, self.grain), 0))
-        colour = _mix(colour, _CAVITY, _step(self.cavities, 0.2, 0.7))
+        tone = tone if look.lipstick is None else mix(tone, look.lipstick, 0.75)
+        colour = mix(colour, tone, smooth_step(self.lips, edge / 2, -edge / 2))
+        colour = mix(colour, 0.4 * tone, 0.8 * smooth_step(self.slit, max(0.03, self.grain), 0))
+        colour = mix(colour, _CAVITY, smooth_step(self.cavities, 0.2, 0.7))
         if look.scalp:
             line = self.scalp + 0.12 * np.cos(self.places @ waves[:6].T / 2 + phases[:6]).mean(1)
             strand = look.hair * (1 + 0.4 * mottle)[:, None]
-            colour = _mix(colour, strand, _step(line, 0.5 - 2 * edge, 0.5 + 2 * edge))
+            colour = mix(colour, strand, smooth_step(line, 0.5 - 2 * edge, 0.5 + 2 * edge))
         width, density = look.brow
         for distance, share in self.brows:
             thick = width * np.interp(share, [0, 0.2, 0.6, 1], [0.55, 1, 0.8, 0.2])
-            colour = _mix(colour, 0.7 * look.hair, density * _step(distance - thick, edge / 2, -edge / 2))
+            colour = mix(colour, 0.7 * look.hair, density * smooth_step(distance - thick, edge / 2, -edge / 2))
         for distance, amount in ((self.upper, 1.0), (self.lower, 0.45)):
             size = (0.02 + 0.02 * look.lash) * amount**0.5
-            dark = amount * look.lash * _step(distance - size, edge / 2, -edge / 2)
-            colour = _mix(colour, 0.15 * look.hair, dark)
+            dark = amount * look.lash * smooth_step(distance - size, edge / 2, -edge / 2)
+            colour = mix(colour, 0.15 * look.hair, dark)
         if look.flat:
             grey = colour.mean(1, keepdims=True)
             colour = grey + _SATURATION * (colour - grey)
@@ -177,7 +178,7 @@ class AlbedoPainter:
         marks = self.marks
         flush = cheeks * self._round(marks[np.array(_CHEEKS)].mean(1), 0.2, look.flat)
         flush += nose * self._round(marks[[30]], 0.13, look.flat)
-        flush += ears * _step(self.ears, *((0.45, 0.55) if look.flat else (0.1, 0.9)))
+        flush += ears * smooth_step(self.ears, *((0.45, 0.55) if look.flat else (0.1, 0.9)))
         flush += 0.2 * self.nostrils + 0.4 * self.sockets
         melanin = look.melanin * (1 + 0.3 * mottle)
         if look.spots:
@@ -189,7 +190,7 @@ class AlbedoPainter:
     def _round(self, centres, radius, hard=False):
         """Round areas about points, soft or with a clear border."""
         distance = cKDTree(centres).query(self.places)[0] / radius
-        return _step(distance, 1 + max(self.grain / radius, 0.1), 1.0) if hard else np.exp(-(distance**2))
+        return smooth_step(distance, 1 + max(self.grain / radius, 0.1), 1.0) if hard else np.exp(-(distance**2))
 
     def _freckles(self, look):
         """Small round spots over nose and cheeks."""
@@ -205,13 +206,14 @@ class AlbedoPainter:
         distance, nearest = cKDTree((weights[..., None] * corners[chosen]).sum(1)).query(self.places)
         # A spot smaller than the grain of the places is spread over it, and paler for it.
         size = np.maximum(sizes[nearest], self.grain)
-        return (sizes[nearest] / size) ** 2 * _step(distance, size + self.grain / 2, size - self.grain)
+        return (sizes[nearest] / size) ** 2 * smooth_step(distance, size + self.grain / 2, size - self.grain)
 
     def _beard(self, look, edge):
         """Where a beard grows: along the jaw and round the mouth, not higher than the nose."""
-        grown = sum(_step(d, far, 0.1) for d, far in ((self.jaw, 0.45), (self.chin, 0.35), (self.lips, 0.28)))
-        grown = np.minimum(grown, 1) * _step(self.places[:, 1], self.marks[33, 1] + 0.02, self.marks[33, 1] - 0.12)
-        return _step(grown, 0.5 - 2 * edge, 0.5 + 2 * edge) if look.flat else grown
+        grown = sum(smooth_step(d, far, 0.1) for d, far in ((self.jaw, 0.45), (self.chin, 0.35), (self.lips, 0.28)))
+        nose = self.marks[33, 1]
+        grown = np.minimum(grown, 1) * smooth_step(self.places[:, 1], nose + 0.02, nose - 0.12)
+        return smooth_step(grown, 0.5 - 2 * edge, 0.5 + 2 * edge) if look.flat else grown
 
 
 def albedo_at_vertices(painter, generator, style=None):
@@ -239,7 +241,7 @@ class TexturePainter:
         """template: Template with UVs. size: texels, width and height. Raises InputError when there are no UVs."""
         if template.uvs is None:
             raise InputError("an albedo needs a template with UVs, found one without")
-        face, weights = uv_map(template.uvs, template.uv_faces, size)
+        face, weights = uv_map(template, size)
         self.covered = face >= 0
         corners, values = template.faces[face[self.covered]], weights[self.covered]
         count = len(corners)
@@ -293,16 +295,6 @@ def _signed(points, outline):
         crossings += between & (points[:, 0] < x + (points[:, 1] - y) * (u - x) / (v - y if v != y else 1.0))
     distance = _along(points, np.concatenate([outline, outline[:1]]))[0]
     return np.where(crossings % 2, -distance, distance)
-
-
-def _step(value, start, end):
-    """0 before the start, 1 after the end, which may be the smaller one, smooth between them."""
-    t = np.clip((value - start) / (end - start), 0, 1)
-    return t * t * (3 - 2 * t)
-
-
-def _mix(first, second, share):
-    return first + np.asarray(share)[..., None] * (second - first)
 
 
 def _srgb(linear):

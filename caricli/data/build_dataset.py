@@ -30,13 +30,13 @@ from caricli.io.npz import write_npz
 from caricli.io.provenance import sha256_file
 from caricli.limits import MAX_NPZ_BYTES
 from caricli.models.intrinsic.model import IntrinsicModel
+from caricli.template.annotation import DELICATE
 from caricli.template.head import load_head
 
 KINDS = ("regular", "curvature", "parts", "curvature and parts")
 KIND_SHARES = (0.15, 0.15, 0.35, 0.35)
 PART_STRENGTH = (0.75, 1.6)
 EXPONENTS = (0.0, 0.1, 0.2, 0.3)
-HELD = ("eyes_left", "eyes_right", "eye_socket_left", "eye_socket_right", "mouth", "inner_mouth")
 MAX_FLIPPED = 0.0008
 PRIOR_SHAPES, PRIOR_DIMENSION = 360, 128
 TRIES = 30
@@ -167,7 +167,7 @@ class _Worker:
         self.settings, self.head = settings, load_head()
         self.template = self.head.template()
         self.expressions = list(_expression_table(self.head).values())[: settings.expressions]
-        self.hold = self.template.mask(*HELD).astype(float)
+        self.hold = self.template.mask(*DELICATE).astype(float)
         self.model = IntrinsicModel(self.template, *prior) if prior else None
         self._people = {}
 

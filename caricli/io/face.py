@@ -5,10 +5,11 @@ from pathlib import Path
 import numpy as np
 
 from caricli.errors import InputError, naming, shown
+from caricli.io.mesh import is_mesh_file, read_mesh
+from caricli.io.mesh_arrays import mesh_from_arrays, mesh_to_arrays
 from caricli.io.npz import read_npz, take_texts, write_npz
-from caricli.io.obj import read_obj
 from caricli.limits import MAX_VERTICES
-from caricli.structures import Camera, Face, Mesh
+from caricli.structures import Camera, Face
 
 SCHEMA = "caricli.face/1"
 UNITS = "m"
@@ -34,13 +35,13 @@ _CAMERA = ("camera_scale", "camera_rotation", "camera_translation")
 
 
 def read_face(path: Path) -> Face:
-    """Read a face: an NPZ, or the mesh of an OBJ, whose polygons become fans of triangles. Floats come as float64.
+    """Read a face: an NPZ, or the mesh of a file that ``read_mesh`` reads. Floats come as float64.
 
     Raises InputError when the file is malformed, a shape, unit, axis or schema differs, a value is not finite, an
     index is out of range, or topology_id does not match the faces.
     """
-    if Path(path).suffix.lower() == ".obj":
-        return Face(read_obj(path))
+    if is_mesh_file(path):
+        return Face(read_mesh(path))
     arrays = read_npz(path)
     with naming(path):
         take_texts(arrays, _TEXTS, "a face")
@@ -63,22 +64,13 @@ def write_face(path: Path, face: Face) -> None:
 
     Raises OutputError when the file cannot be written.
     """
-    mesh, camera = face.mesh, face.camera
-    values = {
-        "vertices": mesh.vertices,
-        "faces": mesh.faces,
-        "latent": face.latent,
-        "residual": face.residual,
-        "landmarks": face.landmarks,
-        "model_id": face.model_id,
-        "polygons": None if mesh.is_plain else mesh.polygons,
-        "uvs": mesh.uvs,
-        "uv_polygons": mesh.uv_polygons,
-    }
+    mesh = face.mesh
+    camera = face.camera
+    values: dict = {"vertices": mesh.vertices} | mesh_to_arrays(mesh)
+    values |= {key: getattr(face, key) for key in ("latent", "residual", "landmarks", "model_id")}
     if camera is not None:
-        values |= dict(zip(_CAMERA, (camera.scale, camera.rotation, camera.translation), strict=True))
-    arrays = {key: np.array(text) for key, text in _TEXTS.items()}
-    arrays["topology_id"] = np.array(mesh.topology_id)
+        values |= dict(zip(_CAMERA, [camera.scale, camera.rotation, camera.translation], strict=True))
+    arrays = {key: np.array(text) for key, text in (_TEXTS | {"topology_id": mesh.topology_id}).items()}
     for key, stored in _STORED.items():
         if values.get(key) is not None:
             arrays[key] = np.asarray(values[key], stored)
@@ -86,28 +78,16 @@ def write_face(path: Path, face: Face) -> None:
 
 
 def _face(values: dict) -> Face:
-    """The Face of values by key, with vertices and faces."""
-    faces = values["faces"]
-    if faces.ndim != 2 or faces.shape[1] != 3 or not len(faces):
-        raise InputError(f"faces: expected (F,3) with F from 1, found {faces.shape}")
-    if "polygons" not in values and ("uvs" in values or "uv_polygons" in values):
-        raise InputError("polygons: expected them beside the UVs, found none")
-    polygons = values.get("polygons", faces)
-    try:
-        mesh = Mesh(values["vertices"], polygons, values.get("uvs"), values.get("uv_polygons"))
-    except InputError as error:
-        # Without polygons it is the faces that are wrong.
-        raise InputError(str(error).replace("polygons:", "faces:") if polygons is faces else str(error)) from error
-    if not np.array_equal(mesh.faces, faces):
-        raise InputError("faces: expected the triangles of the polygons, found others")
-    known = [key for key in _CAMERA if key in values]
-    if known and len(known) < len(_CAMERA):
-        raise InputError(f"camera: expected {', '.join(_CAMERA)}, found only {', '.join(known)}")
-    camera = Camera(*(values[key] for key in _CAMERA)) if known else None
+    """The Face of values by key, vertices and faces among them."""
+    mesh = mesh_from_arrays(values, "vertices")
+    given = [key for key in _CAMERA if key in values]
+    if given and len(given) < len(_CAMERA):
+        raise InputError(f"camera: expected {', '.join(_CAMERA)}, found only {', '.join(given)}")
+    camera = Camera(*(values[key] for key in _CAMERA)) if given else None
     return Face(mesh, camera, *(values.get(key) for key in ("landmarks", "latent", "residual", "model_id")))
 
 
-def _value(key: str, array: np.ndarray):
+def _value(key: str, array: np.ndarray) -> np.ndarray | str:
     stored = np.dtype(_STORED[key])
     if stored.kind == "U":
         if array.dtype.kind != "U" or array.ndim or not array.item():

@@ -6,8 +6,9 @@ import numpy as np
 
 from caricli.errors import InputError, naming, shown
 from caricli.io.face import AXES, UNITS
+from caricli.io.mesh_arrays import MESH_DTYPES, mesh_from_arrays, mesh_to_arrays
 from caricli.io.npz import read_npz, take_texts, write_npz
-from caricli.structures import Mesh, Rig
+from caricli.structures import Rig
 
 SCHEMA = "caricli.rig/1"
 
@@ -17,16 +18,14 @@ _STORED = {
     "names": np.str_,
     "neutral": np.float32,
     "deltas": np.float32,
-    "faces": np.int32,
-    "polygons": np.int32,
-    "uvs": np.float64,
-    "uv_polygons": np.int32,
+    **MESH_DTYPES,
     "materials": np.int32,
     "texture": np.uint8,
     "eye_texture": np.uint8,
     "normal_deltas": np.float32,
 }
 _REQUIRED = ("names", "neutral", "deltas", "faces")
+_LOOKS = ("materials", "texture", "eye_texture", "normal_deltas")
 
 
 def read_rig(path: Path) -> Rig:
@@ -52,14 +51,11 @@ def write_rig(path: Path, rig: Rig) -> None:
 
     Raises OutputError when the file cannot be written.
     """
-    mesh = rig.mesh
-    values = {"names": rig.names, "neutral": mesh.vertices, "deltas": rig.deltas, "faces": mesh.faces}
-    values |= {"polygons": None if mesh.is_plain else mesh.polygons, "uvs": mesh.uvs, "uv_polygons": mesh.uv_polygons}
-    values |= {"materials": rig.materials, "texture": rig.texture, "eye_texture": rig.eye_texture}
-    values["normal_deltas"] = rig.normal_deltas
+    values: dict = {"names": rig.names, "neutral": rig.neutral, "deltas": rig.deltas} | mesh_to_arrays(rig.mesh)
+    values |= {key: getattr(rig, key) for key in _LOOKS}
     arrays = {key: np.array(text) for key, text in _TEXTS.items()}
     for key, stored in _STORED.items():
-        if values[key] is not None:
+        if values.get(key) is not None:
             arrays[key] = np.asarray(values[key], stored)
     write_npz(path, arrays)
 
@@ -77,20 +73,8 @@ def _value(key: str, array: np.ndarray) -> np.ndarray:
 
 
 def _rig(values: dict) -> Rig:
-    names, faces = values["names"], values["faces"]
+    names = values["names"]
     if names.ndim != 1:
         raise InputError(f"names: expected a list of names, found {names.shape}")
-    if faces.ndim != 2 or faces.shape[1] != 3 or not len(faces):
-        raise InputError(f"faces: expected (F,3) with F from 1, found {faces.shape}")
-    if "polygons" not in values and ("uvs" in values or "uv_polygons" in values):
-        raise InputError("polygons: expected them beside the UVs, found none")
-    polygons = values.get("polygons", faces)
-    try:
-        mesh = Mesh(values["neutral"], polygons, values.get("uvs"), values.get("uv_polygons"))
-    except InputError as error:
-        message = str(error).replace("vertices:", "neutral:")
-        raise InputError(message.replace("polygons:", "faces:") if polygons is faces else message) from error
-    if not np.array_equal(mesh.faces, faces):
-        raise InputError("faces: expected the triangles of the polygons, found others")
-    more = (values.get(key) for key in ("materials", "texture", "eye_texture", "normal_deltas"))
-    return Rig(tuple(names.tolist()), mesh, values["deltas"], *more)
+    mesh = mesh_from_arrays(values, "neutral")
+    return Rig(tuple(names.tolist()), mesh, values["deltas"], **{key: values.get(key) for key in _LOOKS})

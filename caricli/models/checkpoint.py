@@ -1,31 +1,28 @@
 """Shape models to plain tensors with a description, and back."""
 
 import hashlib
-from importlib import import_module
+from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 
-from caricli.errors import InputError
+from caricli.errors import InputError, naming, shown
+from caricli.models.kinds import KINDS, model_class
+from caricli.models.shape_model import ShapeModel
 from caricli.template.annotation import parse_annotation
 from caricli.template.template import Template
 
 SCHEMA = "caricli.model/1"
-KINDS = ("pca", "intrinsic", "kernel", "deformable", "morphable")
-_TEMPLATE = ("vertices", "faces", "polygons", "uvs", "uv_polygons")
+_NO_MESH = "its template is not a mesh"
 
 
-def model_class(kind):
-    """The class of a kind, imported only when it is asked for: not every kind needs torch."""
-    return getattr(import_module(f"caricli.models.{kind}.model"), f"{kind.capitalize()}Model")
-
-
-def model_to_checkpoint(model, recipe):
+def model_to_checkpoint(model: ShapeModel, recipe: Any) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
     """A model as (tensors, metadata), from which ``model_from_checkpoint`` rebuilds it.
 
-    model: ShapeModel. recipe: JSON value, how it was trained.
+    recipe: JSON value, how it was trained.
     """
     tensors = {f"model.{name}": value for name, value in model.tensors().items()}
-    for name in _TEMPLATE:
+    for name in ("vertices", "faces", "polygons", "uvs", "uv_polygons"):
         value = getattr(model.template, name)
         if value is not None:
             tensors[f"template.{name}"] = value.astype(np.int32 if value.dtype.kind == "i" else np.float64)
@@ -33,37 +30,33 @@ def model_to_checkpoint(model, recipe):
     return tensors, {"schema": SCHEMA, "kind": model.kind, "annotation": annotation, "recipe": recipe}
 
 
-def model_from_checkpoint(tensors, metadata, where):
+def model_from_checkpoint(
+    tensors: Mapping[str, np.ndarray], metadata: Mapping[str, Any], where: object
+) -> ShapeModel:
     """Rebuild a ShapeModel.
 
     tensors, metadata: of ``model_to_checkpoint``, read from a file. where: its name, for messages.
     Raises InputError when something is missing or does not fit.
     """
-    if metadata.get("schema") != SCHEMA:
-        raise InputError(f"{where}: expected a model of schema {SCHEMA!r}, found {metadata.get('schema')!r}")
-    if metadata.get("kind") not in KINDS:
-        raise InputError(f"{where}: expected a model of kind {' or '.join(KINDS)}, found {metadata.get('kind')!r}")
-    for name, value in tensors.items():
-        if not np.isfinite(value).all():
-            raise InputError(f"{where}: {name} must be finite")
+    with naming(where):
+        if metadata.get("schema") != SCHEMA:
+            raise InputError(f"expected a model of schema {SCHEMA!r}, found {shown(metadata.get('schema'), 60)!r}")
+        kind = metadata.get("kind")
+        if not isinstance(kind, str) or kind not in KINDS:
+            raise InputError(f"expected a model of kind {' or '.join(KINDS)}, found {shown(kind, 60)!r}")
+        for name, value in tensors.items():
+            if not np.isfinite(value).all():
+                raise InputError(f"{shown(name, 60)} must be finite")
     try:
-        parts = {name: tensors[f"template.{name}"] for name in _TEMPLATE[:3]}
-        parts |= {name: tensors.get(f"template.{name}") for name in _TEMPLATE[3:]}
-        count = len(parts["vertices"])
-        _check_template(parts, count, where)
-        annotation = parse_annotation(metadata["annotation"], count, where)
-        parts["vertices"] = parts["vertices"].astype(np.float64)
-        faces = parts.pop("faces")
-        template = Template(**parts, annotation=annotation)
-        if not np.array_equal(template.faces, faces):
-            raise InputError(f"{where}: its template is not a mesh")
+        template = _template(tensors, metadata["annotation"], where)
         own = {name.removeprefix("model."): value for name, value in tensors.items() if name.startswith("model.")}
-        return model_class(metadata["kind"]).from_tensors(template, own, model_id(metadata["kind"], own))
+        return model_class(kind).from_tensors(template, own, model_id(kind, own))
     except (KeyError, ValueError, IndexError, TypeError, np.linalg.LinAlgError) as error:
-        raise InputError(f"{where}: not a valid model: {type(error).__name__} {error}") from error
+        problem = f"{type(error).__name__} {shown(error, 200)}"
+        raise InputError(f"{shown(where)}: not a valid model: {problem}") from error
 
 
-def model_id(kind, tensors):
+def model_id(kind: str, tensors: Mapping[str, np.ndarray]) -> str:
     """SHA-256 of a model's own tensors: the same for the file and for the model in memory."""
     digest = hashlib.sha256(kind.encode())
     for name in sorted(tensors):
@@ -72,18 +65,20 @@ def model_id(kind, tensors):
     return digest.hexdigest()
 
 
-def _check_template(parts, count, where):
-    faces, polygons, uvs, uv_polygons = (parts[name] for name in _TEMPLATE[1:])
-    fits = (
-        parts["vertices"].shape == (count, 3)
-        and all(part is None or part.dtype.kind in "iu" for part in (faces, polygons, uv_polygons))
-        and faces.ndim == polygons.ndim == 2
-        and faces.shape[1] == 3
-        and 0 <= faces.min() <= faces.max() < count
-        and -1 <= polygons.min() <= polygons.max() < count
-        and (uvs is None) == (uv_polygons is None)
-        and (uvs is None or (uvs.ndim == 2 and uvs.shape[1] == 2 and uv_polygons.shape == polygons.shape))
-        and (uvs is None or -1 <= uv_polygons.min() <= uv_polygons.max() < len(uvs))
-    )
-    if not fits:
-        raise InputError(f"{where}: its template is not a mesh")
+def _template(tensors: Mapping[str, np.ndarray], annotation: Any, where: object) -> Template:
+    vertices = tensors["template.vertices"].astype(np.float64)
+    faces = tensors["template.faces"]
+    polygons = tensors["template.polygons"]
+    uvs = tensors.get("template.uvs")
+    uv_polygons = tensors.get("template.uv_polygons")
+    tables = [table for table in (faces, polygons, uv_polygons) if table is not None]
+    with naming(where):
+        if any(table.dtype.kind not in "iu" for table in tables):
+            raise InputError(_NO_MESH)
+    parsed = parse_annotation(annotation, len(vertices), shown(where))
+    with naming(f"{shown(where)}: {_NO_MESH}"):
+        template = Template(vertices, polygons, uvs, uv_polygons, annotation=parsed)
+    with naming(where):
+        if not np.array_equal(template.faces, faces):
+            raise InputError(_NO_MESH)
+    return template

@@ -1,9 +1,11 @@
 """Pictures with alpha over pictures without."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 
-def over(image, background, opacity=1.0):
+def over(image: np.ndarray, background: np.ndarray | Sequence[float], opacity: float = 1.0) -> np.ndarray:
     """Lay a picture over a background.
 
     image: (H, W, 3 or 4) uint8, alpha not premultiplied. background: (H, W, 3) uint8, or one colour (3,), 0 to 255.

@@ -4,25 +4,28 @@ import numpy as np
 
 from caricli.render.contact_sheet import contact_sheet
 from caricli.render.head_views import head_views
+from caricli.template.template import Template
 
-NEAR, FAR = (170, 170, 170), (190, 0, 30)
+NEAR = (170, 170, 170)
+FAR = (190, 0, 30)
 _WORST = 0.02  # of the height: from here on as red as it gets
 
 
-def comparison_sheet(given, found, faces, annotation, size=320):
-    """Three rows of views: the given head, the found one, and the found one coloured by its distance, grey to red.
+def comparison_sheet(given: Template, vertices: np.ndarray, size: int = 320) -> np.ndarray:
+    """Three rows of views: the given head, another shape of it, and this one coloured by its distance, grey to red.
 
-    given, found: (V, 3) metres. faces: (F, 3). annotation: with ``curves`` and ``regions``. size: pixels of a view.
+    given: Template in the shape of the head. vertices: (V, 3) metres, of the other shape. size: pixels of a view.
     Returns (H, W, 3) uint8.
     """
-    worst = _WORST * np.ptp(given[:, 1])
-    share = np.clip(np.linalg.norm(found - given, axis=1, keepdims=True) / worst, 0, 1)
+    worst = _WORST * np.ptp(given.vertices[:, 1])
+    share = np.clip(np.linalg.norm(vertices - given.vertices, axis=1, keepdims=True) / worst, 0, 1)
     colours = (1 - share) * np.array(NEAR) + share * np.array(FAR)
     views = ("front", "three-quarter", "profile")
+    other = given.with_vertices(vertices)
     rows = [
-        head_views(given, faces, annotation, views, size),
-        head_views(found, faces, annotation, views, size),
-        head_views(found, faces, annotation, views, size, vertex_colours=colours),
+        head_views(given, views, size),
+        head_views(other, views, size),
+        head_views(other, views, size, vertex_colours=colours),
     ]
     labels = ["given", "encoded", f"distance, red from {1000 * worst:.1f} mm"]
     return contact_sheet([np.hstack(row) for row in rows], 1, labels)

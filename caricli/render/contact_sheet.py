@@ -1,14 +1,23 @@
 """Many pictures on one sheet."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from caricli.errors import InputError
 from caricli.render.blend import over
 
-_GAP = 0.03  # of a cell's shorter side
+_GAP = 0.03  # of a cell's shorter side, between cells
+_TEXT = 0.06  # of a cell's shorter side, height of the letters
+_STRIP = 1.6  # of the letters' height, of the strip they stand in
 
 
-def contact_sheet(images, columns=None, labels=None, background=(255, 255, 255)):
+def contact_sheet(
+    images: Sequence[np.ndarray],
+    columns: int | None = None,
+    labels: Sequence[str] | None = None,
+    background: Sequence[int] = (255, 255, 255),
+) -> np.ndarray:
     """Lay pictures out in rows, each centred in a cell of the largest one's size, with a label under it.
 
     images: list of (H, W, 3 or 4) uint8. columns: pictures in a row; near to a square sheet when absent. labels: one
@@ -24,13 +33,15 @@ def contact_sheet(images, columns=None, labels=None, background=(255, 255, 255))
     columns = min(columns or int(np.ceil(np.sqrt(len(images) * height / width))), len(images))
     rows = -(-len(images) // columns)
     gap = max(2, round(_GAP * min(width, height)))
-    size = max(10, round(0.06 * min(width, height)))
-    strip = 0 if labels is None else round(1.6 * size)
+    size = max(10, round(_TEXT * min(width, height)))
+    strip = 0 if labels is None else round(_STRIP * size)
     sheet = np.empty((gap + rows * (height + strip + gap), gap + columns * (width + gap), 3), np.uint8)
     sheet[:] = background
     for k, image in enumerate(images):
-        top, left = gap + (k // columns) * (height + strip + gap), gap + (k % columns) * (width + gap)
-        y, x = top + (height - image.shape[0]) // 2, left + (width - image.shape[1]) // 2
+        top = gap + (k // columns) * (height + strip + gap)
+        left = gap + (k % columns) * (width + gap)
+        y = top + (height - image.shape[0]) // 2
+        x = left + (width - image.shape[1]) // 2
         cell = sheet[y : y + image.shape[0], x : x + image.shape[1]]
         cell[:] = over(image, cell)
         if labels is not None:
@@ -39,7 +50,7 @@ def contact_sheet(images, columns=None, labels=None, background=(255, 255, 255))
     return sheet
 
 
-def _labelled(strip, text, size):
+def _labelled(strip: np.ndarray, text: str, size: int) -> np.ndarray:
     """Write one line of text in the middle of a strip, in the grey that stands out from its background."""
     from PIL import Image, ImageDraw, ImageFont
 

@@ -4,15 +4,18 @@ import numpy as np
 
 from caricli.render.contact_sheet import contact_sheet
 from caricli.render.head_views import head_views
+from caricli.template.template import Template
 
 
-def dataset_sheet(shapes, faces, annotation, count, size, generator):
+def dataset_sheet(
+    shapes: np.ndarray, template: Template, count: int, size: int, generator: np.random.Generator
+) -> np.ndarray:
     """Front and three-quarter views of randomly chosen shapes.
 
-    shapes: (N, V, 3). faces: (F, 3). annotation: with ``curves`` and ``regions``. count: meshes on the sheet. size:
-    pixels of a view. generator: numpy Generator.
+    shapes: (N, V, 3) metres. template: Template of their topology. count: meshes on the sheet. size: pixels of a view.
+    generator: numpy Generator.
     Returns (H, W, 3) uint8.
     """
     chosen = np.sort(generator.choice(len(shapes), min(count, len(shapes)), replace=False))
-    pairs = [head_views(shape, faces, annotation, ("front", "three-quarter"), size) for shape in shapes[chosen]]
-    return contact_sheet([np.hstack(pair) for pair in pairs])
+    heads = (template.with_vertices(shape) for shape in shapes[chosen])
+    return contact_sheet([np.hstack(head_views(head, ("front", "three-quarter"), size)) for head in heads])

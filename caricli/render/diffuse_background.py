@@ -5,27 +5,32 @@ import numpy as np
 from scipy.ndimage import distance_transform_edt
 
 LAYERS = 48
+"""Pixels that the mean goes on from the border, farther than any blur of a texture reaches."""
+
 _KERNEL = np.ones((3, 3), np.float32)
 
 
-def diffuse_background(image, mask):
+def diffuse_background(image: np.ndarray, mask: np.ndarray) -> np.ndarray:
     """Replace the background, layer by layer from the border of the face, with the mean of what was replaced before.
 
     A breadth-first search over the eight neighbours; beyond ``LAYERS`` pixels the nearest colour goes on.
-    image: (H, W, 3) uint8. mask: (H, W) bool, the face. Returns (H, W, 3) uint8, equal to the image inside the mask.
+
+    image: (H, W, 3) uint8. mask: (H, W) bool, the face.
+    Returns (H, W, 3) uint8, equal to the image inside the mask.
     """
     if not mask.any():
         return image.copy()
-    known, colours = mask.astype(np.float32), image.astype(np.float32) * mask[..., None]
+    filled = mask.astype(np.float32)
+    colours = image.astype(np.float32) * mask[..., None]
     for _ in range(LAYERS):
-        weight = cv2.filter2D(known, -1, _KERNEL, borderType=cv2.BORDER_CONSTANT)
-        fresh = (known == 0) & (weight > 0)
+        weight = cv2.filter2D(filled, -1, _KERNEL, borderType=cv2.BORDER_CONSTANT)
+        fresh = (filled == 0) & (weight > 0)
         if not fresh.any():
             break
         total = cv2.filter2D(colours, -1, _KERNEL, borderType=cv2.BORDER_CONSTANT)
         colours[fresh] = total[fresh] / weight[fresh][:, None]
-        known[fresh] = 1.0
-    row, column = distance_transform_edt(known == 0, return_distances=False, return_indices=True)
+        filled[fresh] = 1.0
+    row, column = distance_transform_edt(filled == 0, return_distances=False, return_indices=True)
     diffused = np.round(colours[row, column]).astype(np.uint8)
     diffused[mask] = image[mask]
     return diffused

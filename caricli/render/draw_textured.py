@@ -1,5 +1,7 @@
 """A textured head from any side, as flat as its texture."""
 
+from collections.abc import Iterable, Sequence
+
 import cv2
 import numpy as np
 
@@ -7,15 +9,20 @@ from caricli.geometry.triangle_normals import triangle_normals
 from caricli.render.rasterise import rasterise
 from caricli.render.sample_texture import sample_texture
 from caricli.render.smooth_normals import smooth_normals
-from caricli.render.views import VIEWS
-from caricli.structures import Material
+from caricli.render.views import TO_PICTURE, VIEWS, turn_about_y
+from caricli.structures import Material, Rig
 
 ANGLES = VIEWS | {"behind": 180.0}
-PAPER, INSIDE = 255.0, (46.0, 36.0, 34.0)
-_FILL, _SUPER, _SHADE = 0.9, 2, 0.18
+PAPER = 255.0
+INSIDE = (46.0, 36.0, 34.0)
+"""sRGB of what is seen from inside, through the open neck."""
+
+_FILL = 0.9  # of the picture's side
+_SUPER = 2  # times as large it is drawn before it is shrunk
+_SHADE = 0.18  # how much darker a surface is that is seen from the side
 
 
-def draw_textured(rig, views, size):
+def draw_textured(rig: Rig, views: Iterable[str], size: int) -> list[np.ndarray]:
     """Draw the neutral face of a textured rig, its colours as they are but for a little darkness where it turns away.
 
     rig: Rig with UVs and textures. views: keys of ``ANGLES``. size: pixels.
@@ -26,31 +33,34 @@ def draw_textured(rig, views, size):
     scale = _FILL * size * _SUPER / np.ptp(vertices, axis=0).max()
     pictures = []
     for view in views:
-        angle = np.radians(ANGLES[view])
-        turn = np.array([[np.cos(angle), 0, np.sin(angle)], [0, 1, 0], [-np.sin(angle), 0, np.cos(angle)]])
-        placed = scale * (vertices - middle) @ (np.diag([1.0, -1.0, -1.0]) @ turn).T
+        placed = scale * (vertices - middle) @ (TO_PICTURE @ turn_about_y(ANGLES[view])).T
         placed[:, :2] += size * _SUPER / 2 - 0.5
         picture = render_textured(rig, placed, size * _SUPER, size * _SUPER, _SHADE)
         pictures.append(cv2.resize(picture, (size, size), interpolation=cv2.INTER_AREA))
     return pictures
 
 
-def render_textured(rig, placed, width, height, shade=0.0, paper=PAPER):
+def render_textured(
+    rig: Rig,
+    placed: np.ndarray,
+    width: int,
+    height: int,
+    shade: float = 0.0,
+    paper: float | np.ndarray | Sequence[float] = PAPER,
+) -> np.ndarray:
     """Look up the textures of a rig at every pixel.
 
-    rig: Rig with UVs. placed: (V, 3) its vertices, in pixels and depth, as `rasterise` takes them. shade: how much
-    darker a surface is that is seen from the side. Returns (height, width, 3) uint8.
+    rig: Rig with UVs. placed: (V, 3) its vertices, in pixels and depth, as `rasterise` takes them. width, height:
+    pixels. shade: how much darker a surface is that is seen from the side. paper: sRGB, 0 to 255, behind it and where
+    there is no picture.
+    Returns (height, width, 3) uint8.
     """
-    faces = rig.mesh.faces
+    faces = rig.faces
     raster = rasterise(placed, faces, width, height)
     shown = raster.face >= 0
-    face, weights = raster.face[shown], raster.barycentric[shown].astype(np.float64)
-    uvs = np.einsum("nk,nkc->nc", weights, rig.mesh.uvs[rig.mesh.uv_faces[face]])
-    owner = rig.triangle_materials[face]
-    colours = np.full((len(face), 3), paper)
-    for material, picture in ((Material.SKIN, rig.texture), (Material.EYE, rig.eye_texture)):
-        if picture is not None and (owner == material).any():
-            colours[owner == material] = sample_texture(picture, uvs[owner == material])
+    face = raster.face[shown]
+    weights = raster.barycentric[shown].astype(np.float64)
+    colours = _looked_up(rig, face, weights, paper)
     if shade:
         normals = np.einsum("nk,nkc->nc", weights, smooth_normals(placed, faces)[faces[face]])
         facing = np.abs(normals[:, 2]) / np.maximum(np.linalg.norm(normals, axis=1), 1e-9)
@@ -60,3 +70,18 @@ def render_textured(rig, placed, width, height, shade=0.0, paper=PAPER):
     image = np.full((height, width, 3), paper)
     image[shown] = colours
     return np.clip(np.round(image), 0, 255).astype(np.uint8)
+
+
+def _looked_up(
+    rig: Rig, face: np.ndarray, weights: np.ndarray, paper: float | np.ndarray | Sequence[float]
+) -> np.ndarray:
+    """Colours (N, 3) of places in triangles (N,) with barycentric weights (N, 3)."""
+    assert rig.mesh.uvs is not None
+    uvs = np.einsum("nk,nkc->nc", weights, rig.mesh.uvs[rig.mesh.uv_faces[face]])
+    materials = rig.triangle_materials[face]
+    colours = np.full((len(face), 3), paper)
+    for material in (Material.SKIN, Material.EYE):
+        picture = rig.picture(material)
+        if picture is not None and (materials == material).any():
+            colours[materials == material] = sample_texture(picture, uvs[materials == material])
+    return colours

@@ -3,18 +3,23 @@
 import cv2
 import numpy as np
 
-EYES = range(36, 42), range(42, 48)
-_IRIS, _FEWEST = 0.2, 12
+from caricli.structures.landmarks import EYE_LEFT, EYE_RIGHT
+
+_IRIS = 0.2  # of the eye's width, from its middle: as far the iris is sure to reach
+_FEWEST = 12  # pixels between the lids: fewer say nothing about a colour
+_IRIS_SHADES = (0.3, 0.8)  # quantiles of brightness: pupil and reflections are the extremes of what is inside
+_WHITE_SHADE = 0.6  # quantile of brightness: lashes and shadows of the lids are darker than the white
 
 
-def eye_colours(image, points):
+def eye_colours(image: np.ndarray, points: np.ndarray) -> tuple[np.ndarray | None, np.ndarray | None]:
     """Colours of iris and white, from the pixels between the lids.
 
     image: (H, W, 3) uint8. points: (L, 2) landmarks, pixels, NaN where unknown.
     Returns two (3,) arrays, sRGB 0 to 255, or None for either that cannot be seen.
     """
-    irises, whites = [], []
-    for eye in EYES:
+    irises: list[np.ndarray] = []
+    whites: list[np.ndarray] = []
+    for eye in (EYE_RIGHT, EYE_LEFT):
         outline = points[list(eye)]
         if not np.isfinite(outline).all():
             continue
@@ -28,9 +33,13 @@ def eye_colours(image, points):
         inside = away < _IRIS * np.ptp(outline[:, 0])
         light = colours.mean(1)
         if inside.sum() >= _FEWEST // 2:
-            # Pupil and reflections are the extremes of what is inside.
-            low, high = np.quantile(light[inside], (0.3, 0.8))
+            low, high = np.quantile(light[inside], _IRIS_SHADES)
             irises.append(np.median(colours[inside & (light >= low) & (light <= high)], axis=0))
         if (~inside).sum() >= _FEWEST // 2:
-            whites.append(np.median(colours[~inside & (light >= np.quantile(light[~inside], 0.6))], axis=0))
-    return tuple(np.mean(found, axis=0) if found else None for found in (irises, whites))
+            bright = light >= np.quantile(light[~inside], _WHITE_SHADE)
+            whites.append(np.median(colours[~inside & bright], axis=0))
+    return _mean(irises), _mean(whites)
+
+
+def _mean(colours: list[np.ndarray]) -> np.ndarray | None:
+    return np.mean(colours, axis=0) if colours else None

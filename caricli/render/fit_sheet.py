@@ -3,43 +3,62 @@
 import numpy as np
 from PIL import Image
 
+from caricli.errors import InputError
 from caricli.render.contact_sheet import contact_sheet
 from caricli.render.head_views import head_views
 from caricli.render.overlay import draw_landmarks, overlay_mesh
 from caricli.render.place_eyeballs import place_eyeballs
-from caricli.structures import Mesh
+from caricli.structures import Face
+from caricli.template.fine_mesh import FineMesh
+from caricli.template.template import Template
 
-GIVEN, FITTED = (30, 160, 70), (215, 40, 40)
-_MARGIN = 0.35
+GIVEN = (30, 160, 70)
+FITTED = (215, 40, 40)
+_MARGIN = 0.35  # of the larger side of what is shown, around it
 
 
-def fit_sheet(vertices, faces, annotation, given, fitted, camera, image=None, size=512, fine=None):
+def fit_sheet(
+    face: Face,
+    template: Template,
+    given: np.ndarray,
+    image: np.ndarray | None = None,
+    size: int = 512,
+    fine: FineMesh | None = None,
+) -> np.ndarray:
     """Picture with given (green circles) and fitted (red) landmarks, mesh over the picture, three views.
 
-    vertices: (V, 3). faces: (F, 3). annotation: with ``curves`` and ``regions``. given, fitted: (L, 2) pixels, NaN
-    where unknown. camera: Camera. image: (H, W, 3) uint8, white where there is
-    none. size: pixels of one view. fine: a subdivision to draw in the views, as in `head_views`.
-    Returns (H, W, 3) uint8.
+    face: Face with the camera and the landmarks that were fitted. template: Template of its topology, whose annotation
+    says where the eyes are. given: (L, 2) pixels, NaN where unknown. image: (H, W, 3) uint8, white where there is none.
+    size: pixels of one view. fine: FineMesh in the face's shape, to draw in the views.
+    Returns (H, W, 3) uint8. Raises InputError when the face has no camera or no landmarks.
     """
-    eyeballs = place_eyeballs(vertices, faces, annotation.curves, annotation.regions)
-    projected = camera.project(vertices)
-    low, high = np.nanmin(given, axis=0), np.nanmax(given, axis=0)
-    if image is None:
-        low, high = np.minimum(low, projected.min(0)), np.maximum(high, projected.max(0))
-    corner = low - _MARGIN * (high - low).max()
-    window = float((high - low).max() * (1 + 2 * _MARGIN))
-    corner = (low + high - window) / 2
-    picture = _crop(image, corner, window, size)
+    camera = face.camera
+    if camera is None or face.landmarks is None:
+        raise InputError("a picture of a fit needs a face with camera and landmarks, found one without")
+    corner, window = _window(given, camera.project(face.vertices) if image is None else None)
     zoom = size / window
-    given, fitted = (given - corner) * zoom, (fitted - corner) * zoom
-    dotted = draw_landmarks(picture, fitted, FITTED)
-    marked = draw_landmarks(dotted, given, GIVEN, radius=max(1.5, size / 120), hollow=True, lines=False)
-    over = overlay_mesh(picture, Mesh(vertices, faces), camera.zoomed(zoom, corner), eyeballs=eyeballs)
-    views = head_views(vertices, faces, annotation, ("front", "three-quarter", "profile"), size, fine)
-    return contact_sheet([marked, over, *views], columns=5)
+    picture = _crop(image, corner, window, size)
+    dotted = draw_landmarks(picture, (face.landmarks - corner) * zoom, FITTED)
+    circle = max(1.5, size / 120)
+    marked = draw_landmarks(dotted, (given - corner) * zoom, GIVEN, radius=circle, hollow=True, lines=False)
+    eyeballs = place_eyeballs(face.mesh, template.annotation)
+    over = overlay_mesh(picture, face.mesh, camera.zoomed(zoom, corner), eyeballs=eyeballs)
+    head = template.with_vertices(face.vertices)
+    return contact_sheet([marked, over, *head_views(head, ("front", "three-quarter", "profile"), size, fine)], 5)
 
 
-def _crop(image, corner, window, size):
+def _window(given: np.ndarray, projected: np.ndarray | None) -> tuple[np.ndarray, float]:
+    """Corner (2,) and side, in pixels, of the square around the given landmarks and the mesh."""
+    low = np.nanmin(given, axis=0)
+    high = np.nanmax(given, axis=0)
+    if projected is not None:
+        low = np.minimum(low, projected.min(0))
+        high = np.maximum(high, projected.max(0))
+    window = float((high - low).max() * (1 + 2 * _MARGIN))
+    return (low + high - window) / 2, window
+
+
+def _crop(image: np.ndarray | None, corner: np.ndarray, window: float, size: int) -> np.ndarray:
     if image is None:
         return np.full((size, size, 3), 255, dtype=np.uint8)
     box = (*corner, *(corner + window))

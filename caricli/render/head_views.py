@@ -1,24 +1,35 @@
 """Views of a head with its eyeballs."""
 
+from collections.abc import Iterable
+
 import numpy as np
 
 from caricli.render.place_eyeballs import place_eyeballs
+from caricli.render.shade import Look
 from caricli.render.sky import sky_visibility
 from caricli.render.smooth_normals import smooth_normals
 from caricli.render.views import render_views
+from caricli.template.fine_mesh import FineMesh
+from caricli.template.template import Template
 
 
-def head_views(vertices, faces, annotation, views, size, fine=None, **looks):
+def head_views(
+    head: Template,
+    views: Iterable[str],
+    size: int,
+    fine: FineMesh | None = None,
+    vertex_colours: np.ndarray | None = None,
+) -> list[np.ndarray]:
     """Draw a head from several sides, with eyeballs where the annotation knows its lids.
 
-    vertices: (V, 3), face frame. faces: (F, 3). annotation: with ``curves`` and ``regions``. views, size, looks: as in
-    `render_views`. fine: (vertices (W, 3), faces, weights (W, V)) of a subdivision to draw instead; what its vertices
-    see of the sky is carried over from the coarse ones, because rays take most of the time.
+    head: Template in the shape of the face. views: keys of VIEWS. size: pixels, width and height of a picture. fine:
+    FineMesh in the same shape, to draw instead; what its vertices see of the sky is carried over from the coarse ones,
+    because rays take most of the time. vertex_colours: sRGB, 0 to 255, of the vertices that are drawn.
     Returns a list of (size, size, 4) uint8.
     """
-    looks["eyeballs"] = place_eyeballs(vertices, faces, annotation.curves, annotation.regions)
+    eyeballs = place_eyeballs(head, head.annotation)
     if fine is None:
-        return render_views(vertices, faces, views, size, **looks)
-    fine_vertices, fine_faces, weights = fine
-    seen = weights @ sky_visibility(vertices, faces, smooth_normals(vertices, faces))
-    return render_views(fine_vertices, fine_faces, views, size, visibility=seen.astype(np.float32), **looks)
+        return render_views(head, views, size, Look(vertex_colours=vertex_colours, eyeballs=eyeballs))
+    seen = fine.weights @ sky_visibility(head.vertices, head.faces, smooth_normals(head.vertices, head.faces))
+    look = Look(vertex_colours=vertex_colours, eyeballs=eyeballs, visibility=seen.astype(np.float32))
+    return render_views(fine.mesh, views, size, look)

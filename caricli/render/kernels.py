@@ -1,5 +1,8 @@
 """Warp kernels; imported by `warp_start` alone, after warp has been set up."""
 
+# mypy: ignore-errors
+# Warp reads the annotations as types of its own language, which no checker of Python knows.
+
 import warp as wp
 
 # Nothing differentiates through these kernels; leaving the adjoints out halves the time to compile them.
@@ -12,24 +15,36 @@ RIM = wp.constant(wp.normalize(wp.vec3(0.62, -0.50, 0.60)))
 VIEW = wp.constant(wp.vec3(0.0, 0.0, -1.0))
 
 
+@wp.struct
+class Rays:
+    """Where rays begin and end.
+
+    mesh: what they meet.
+    start: depth at which rays into a picture begin, or how far above a surface those from its vertices do.
+    reach: length.
+    """
+
+    mesh: wp.uint64
+    start: float
+    reach: float
+
+
 @wp.kernel
 def nearest_face(
-    mesh: wp.uint64,
+    rays: Rays,
     width: int,
-    start: float,
-    reach: float,
     face: wp.array(dtype=wp.int32),
     barycentric: wp.array(dtype=wp.vec3),
     depth: wp.array(dtype=wp.float32),
 ):
     """First triangle that the ray through a pixel's centre meets."""
     i = wp.tid()
-    origin = wp.vec3(float(i % width), float(i // width), start)
-    hit = wp.mesh_query_ray(mesh, origin, wp.vec3(0.0, 0.0, 1.0), reach)
+    origin = wp.vec3(float(i % width), float(i // width), rays.start)
+    hit = wp.mesh_query_ray(rays.mesh, origin, wp.vec3(0.0, 0.0, 1.0), rays.reach)
     if hit.result:
         face[i] = hit.face
         barycentric[i] = wp.vec3(hit.u, hit.v, 1.0 - hit.u - hit.v)
-        depth[i] = start + hit.t
+        depth[i] = rays.start + hit.t
 
 
 @wp.struct
@@ -75,18 +90,16 @@ def outside_hit(mesh: wp.uint64, origin: wp.vec3, way: wp.vec3, reach: float):
 
 @wp.kernel
 def sky_seen(
-    mesh: wp.uint64,
+    rays: Rays,
     points: wp.array(dtype=wp.vec3),
     normals: wp.array(dtype=wp.vec3),
     directions: wp.array(dtype=wp.vec3),
-    lift: float,
-    reach: float,
     seen: wp.array2d(dtype=wp.float32),
 ):
     """One where a vertex sees the sky in a direction; zero where the mesh is in the way or it lies behind."""
     i, j = wp.tid()
     if wp.dot(normals[i], directions[j]) > 0.0:
-        hit = outside_hit(mesh, points[i] + lift * normals[i], directions[j], reach)
+        hit = outside_hit(rays.mesh, points[i] + rays.start * normals[i], directions[j], rays.reach)
         if hit.found != 1:
             seen[i, j] = 1.0
 

@@ -1,38 +1,48 @@
 """A fitted mesh and its landmarks over the picture they belong to."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from caricli.render.blend import over
-from caricli.render.shade import CLAY, shade
+from caricli.render.shade import CLAY, Look, shade
+from caricli.structures import Camera, Mesh
+from caricli.structures.landmarks import COUNT, POLYLINES, RINGS
 
-# The polylines of the iBUG-68 landmarks: first, last, closed.
-_IBUG = (
-    (0, 16, False),
-    (17, 21, False),
-    (22, 26, False),
-    (27, 30, False),
-    (31, 35, False),
-    (36, 41, True),
-    (42, 47, True),
-    (48, 59, True),
-    (60, 67, True),
-)
+_DOT = 0.006  # of the picture's shorter side: radius of a landmark
+_SMALLEST_DOT = 1.5  # pixels
+_FRACTION_BITS = 4  # OpenCV takes places in sixteenths of a pixel
+_FARTHEST = 1 << 14  # pixels; in sixteenths farther points would overflow OpenCV's integers
 
 
-def overlay_mesh(image, mesh, camera, opacity=0.7, colour=CLAY, eyeballs=()):
+def overlay_mesh(
+    image: np.ndarray,
+    mesh: Mesh,
+    camera: Camera,
+    opacity: float = 0.7,
+    colour: Sequence[float] = CLAY,
+    eyeballs: Sequence[tuple[np.ndarray, float]] = (),
+) -> np.ndarray:
     """Draw a mesh over a picture.
 
     image: (H, W, 3) uint8. mesh: Mesh in the face frame. camera: Camera. opacity: 0 to 1. colour, eyeballs: as in
-    `shade`, the eyeballs in the face frame.
+    `Look`, the eyeballs in the face frame.
     Returns (H, W, 3) uint8.
     """
     balls = [(camera.place(centre), camera.scale * radius) for centre, radius in eyeballs]
-    look = {"colour": colour, "eyeballs": balls, "gaze": camera.rotation[:, 2]}
-    picture = shade(camera.place(mesh.vertices), mesh.faces, image.shape[1], image.shape[0], **look)
-    return over(picture, image, opacity)
+    look = Look(colour, eyeballs=balls, gaze=camera.rotation[:, 2])
+    height, width = image.shape[:2]
+    return over(shade(camera.place(mesh.vertices), mesh.faces, width, height, look), image, opacity)
 
 
-def draw_landmarks(image, points, colour=(0, 200, 120), radius=None, lines=True, hollow=False):
+def draw_landmarks(
+    image: np.ndarray,
+    points: np.ndarray | Sequence[Sequence[float]],
+    colour: Sequence[int] = (0, 200, 120),
+    radius: float | None = None,
+    lines: bool = True,
+    hollow: bool = False,
+) -> np.ndarray:
     """Draw landmarks as dots, those of iBUG-68 joined by thin lines.
 
     image: (H, W, 3) uint8. points: (L, 2), pixels; rows with NaN are left out, and the lines to them. colour: sRGB, 0
@@ -44,27 +54,25 @@ def draw_landmarks(image, points, colour=(0, 200, 120), radius=None, lines=True,
 
     points = np.asarray(points, float)
     picture = np.ascontiguousarray(image).copy()
-    radius = max(1.5, 0.006 * min(image.shape[:2])) if radius is None else radius
+    radius = max(_SMALLEST_DOT, _DOT * min(image.shape[:2])) if radius is None else radius
     thickness = max(1, round(radius / 2.5))
-    colour = tuple(int(c) for c in colour)
-    shift, far = 4, 1 << 14
-    # OpenCV draws at fractions of a pixel given in 1/16; far points would overflow its integers.
-    fixed = np.rint(np.clip(np.where(np.isfinite(points), points, 0), -far, far) * 2**shift).astype(int)
-    known = np.isfinite(points).all(1)
-    if lines and len(points) >= 68:
-        for first, last, closed in _IBUG:
-            ids = [*range(first, last + 1), *([first] if closed else [])]
-            for a, b in zip(ids, ids[1:], strict=False):
-                if known[a] and known[b]:
-                    cv2.line(picture, fixed[a].tolist(), fixed[b].tolist(), colour, thickness, cv2.LINE_AA, shift)
-    for k in np.flatnonzero(known):
-        cv2.circle(
-            picture,
-            fixed[k].tolist(),
-            round(radius * 2**shift),
-            colour,
-            thickness if hollow else -1,
-            cv2.LINE_AA,
-            shift,
-        )
+    ink = tuple(int(c) for c in colour)
+    near = np.clip(np.where(np.isfinite(points), points, 0), -_FARTHEST, _FARTHEST)
+    fixed = np.rint(near * 2**_FRACTION_BITS).astype(int)
+    shown = np.isfinite(points).all(1)
+    if lines and len(points) >= COUNT:
+        for a, b in _edges():
+            if shown[a] and shown[b]:
+                ends = fixed[a].tolist(), fixed[b].tolist()
+                cv2.line(picture, *ends, ink, thickness, cv2.LINE_AA, _FRACTION_BITS)
+    filled = thickness if hollow else cv2.FILLED
+    size = round(radius * 2**_FRACTION_BITS)
+    for k in np.flatnonzero(shown):
+        cv2.circle(picture, fixed[k].tolist(), size, ink, filled, cv2.LINE_AA, _FRACTION_BITS)
     return picture
+
+
+def _edges() -> list[tuple[int, int]]:
+    """Pairs of landmarks of iBUG-68 that a line joins, in the order they are drawn."""
+    paths = [*map(list, POLYLINES), *([*ring, ring[0]] for ring in RINGS)]
+    return [edge for path in paths for edge in zip(path, path[1:], strict=False)]

@@ -2,15 +2,38 @@
 
 import numpy as np
 
-IRIS, PUPIL = 0.078, 0.032
+from caricli.render.paint import mix, smooth_step
+
+IRIS = 0.078
+PUPIL = 0.032
 """Radii, as shares of the picture's width, which spans the ball from pole to pole."""
 
-_WHITE, _VEINED = (236, 231, 224), (214, 178, 164)
-_RIM, _OUTER, _INNER = (38, 24, 16), (104, 68, 40), (150, 108, 66)
-_EDGE = 0.006
+_EDGE = 0.006  # of the width: how soft the borders of iris and pupil are
+_VEINS = (0.11, 0.25)  # of the width: from where to where the white turns reddish
+_RIM_START = 0.78  # of the iris: from there on it darkens
+_FIBRES = 24
+_FINENESS = (20, 90)  # waves around the iris, least and one more than most
+_CONTRAST = 0.05  # of the iris' brightness
+_GLINT = (0.024, 0.028)  # of the width, left of the middle and above it
+_GLINT_RADII = (0.014, 0.007)  # of the width, where it ends and where it is full
+_GLINT_STRENGTH = 0.9
+
+# sRGB, 0 to 255.
+_WHITE = (236, 231, 224)
+_VEINED = (214, 178, 164)
+_RIM = (38, 24, 16)
+_OUTER = (104, 68, 40)
+_INNER = (150, 108, 66)
+_BLACK = 8.0
+_LIGHT = 250.0
 
 
-def paint_eye(size, generator, iris=None, white=None):
+def paint_eye(
+    size: int,
+    generator: np.random.Generator,
+    iris: np.ndarray | None = None,
+    white: np.ndarray | None = None,
+) -> np.ndarray:
     """Paint sclera, iris and pupil for UVs that unroll a ball from its front, at the middle.
 
     size: pixels, width and height. generator: numpy Generator, of the fibres of the iris. iris, white: (3,)
@@ -18,35 +41,35 @@ def paint_eye(size, generator, iris=None, white=None):
     Returns (size, size, 3) uint8 sRGB.
     """
     y, x = (np.mgrid[:size, :size] + 0.5) / size - 0.5
-    radius, angle = np.hypot(x, y), np.arctan2(y, x)
-    waves = sum(a * np.cos(n * angle + p) for n, a, p in zip(
-        generator.integers(20, 90, 24), generator.uniform(0, 1, 24), generator.uniform(0, 2 * np.pi, 24), strict=True
-    ))  # fmt: skip
-    white, veined = _tinted(white, _WHITE, _VEINED)
+    radius = np.hypot(x, y)
+    waves = _waves(np.arctan2(y, x), generator)
+    sclera, veined = _tinted(white, _WHITE, _VEINED)
     inner, outer, rim = _tinted(iris, _INNER, _OUTER, _RIM)
-    picture = _mix(white, veined, _step(radius, 0.11, 0.25))
-    depth = _step(radius, PUPIL, IRIS)[..., None]
-    iris = (1 - depth) * inner + depth * outer
-    iris *= 1 + 0.05 * waves[..., None] / np.sqrt(12)
-    iris = _mix(iris, rim, _step(radius, 0.78 * IRIS, IRIS))
-    picture = _mix(iris, picture, _step(radius, IRIS - _EDGE / 2, IRIS + _EDGE / 2))
-    picture = _mix(np.full(3, 8.0), picture, _step(radius, PUPIL - _EDGE / 2, PUPIL + _EDGE / 2))
+    picture = mix(sclera, veined, smooth_step(radius, *_VEINS))
+    depth = smooth_step(radius, PUPIL, IRIS)[..., None]
+    fibres = (1 - depth) * inner + depth * outer
+    fibres *= 1 + _CONTRAST * waves[..., None] / np.sqrt(_FIBRES / 2)
+    fibres = mix(fibres, rim, smooth_step(radius, _RIM_START * IRIS, IRIS))
+    picture = mix(fibres, picture, smooth_step(radius, IRIS - _EDGE / 2, IRIS + _EDGE / 2))
+    picture = mix(np.full(3, _BLACK), picture, smooth_step(radius, PUPIL - _EDGE / 2, PUPIL + _EDGE / 2))
     # A light that stays, because the engines' own reflections hardly show on small eyes.
-    glint = _step(np.hypot(x + 0.024, y + 0.028), 0.014, 0.007)
-    return np.clip(np.round(_mix(picture, np.full(3, 250.0), 0.9 * glint)), 0, 255).astype(np.uint8)
+    glint = smooth_step(np.hypot(x + _GLINT[0], y + _GLINT[1]), *_GLINT_RADII)
+    picture = mix(picture, np.full(3, _LIGHT), _GLINT_STRENGTH * glint)
+    return np.clip(np.round(picture), 0, 255).astype(np.uint8)
 
 
-def _tinted(colour, *usual):
+def _waves(angle: np.ndarray, generator: np.random.Generator) -> np.ndarray:
+    """Random waves around the iris, the sum of a few dozen of them. angle: (S, S) radians."""
+    counts = generator.integers(*_FINENESS, _FIBRES)
+    strengths = generator.uniform(0, 1, _FIBRES)
+    phases = generator.uniform(0, 2 * np.pi, _FIBRES)
+    waves = np.zeros_like(angle)
+    for count, strength, phase in zip(counts, strengths, phases, strict=True):
+        waves += strength * np.cos(count * angle + phase)
+    return waves
+
+
+def _tinted(colour: np.ndarray | None, *usual: tuple[int, int, int]) -> np.ndarray:
     """The usual colours, scaled so that the first becomes another where one is given."""
-    usual = np.array(usual, float)
-    return usual if colour is None else np.clip(usual * (np.asarray(colour, float) / usual[0]), 0, 255)
-
-
-def _step(value, start, end):
-    """0 before the start, 1 after the end, smooth between them."""
-    t = np.clip((value - start) / (end - start), 0, 1)
-    return t * t * (3 - 2 * t)
-
-
-def _mix(first, second, share):
-    return first + share[..., None] * (second - first)
+    colours = np.array(usual, float)
+    return colours if colour is None else np.clip(colours * (np.asarray(colour, float) / colours[0]), 0, 255)

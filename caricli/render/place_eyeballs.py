@@ -1,35 +1,41 @@
 """Eyeballs for heads that come without."""
 
+from collections.abc import Sequence
+
 import numpy as np
+
+from caricli.structures import Mesh
+from caricli.template.annotation import Annotation
 
 _CLEARANCE = 1.02  # of the radius: how far the lids stay off the eyeball
 
 
-def place_eyeballs(vertices, faces, curves, regions):
+def place_eyeballs(mesh: Mesh, annotation: Annotation) -> list[tuple[np.ndarray, float]]:
     """Put a ball into each eye socket: the sphere nearest to its surface, behind the middle of the lids' opening.
 
-    vertices: (V, 3), face frame: +Z out of the face. faces: (F, 3). curves, regions: the annotation's tables of vertex
-    ids; used are the lid margins `eye_upper_*` and `eye_lower_*`, polylines along edges, and `eye_socket_*`, for left
-    and right.
+    mesh: Mesh. annotation: Annotation; used are the lid margins `eye_upper_*` and `eye_lower_*`, polylines along edges,
+    and the regions `eye_socket_*`, for left and right.
     Returns a list of (centre (3,), radius), in the unit of the vertices; without the eyes that the annotation does not
     know, and empty where it does not fit the faces because it was made for another mesh.
     """
-    vertices, faces = np.asarray(vertices, float), np.asarray(faces)
+    vertices = np.asarray(mesh.vertices, float)
+    curves = annotation.curves
     eyeballs = []
     for side in ("left", "right"):
         lids = [np.asarray(curves[name]) for name in (f"eye_upper_{side}", f"eye_lower_{side}") if name in curves]
-        socket = np.asarray(regions.get(f"eye_socket_{side}", ()), int)
-        if len(lids) == 2 and len(socket) >= 4 and _fits(vertices, faces, lids, socket):
+        socket = np.asarray(annotation.regions.get(f"eye_socket_{side}", ()), int)
+        if len(lids) == 2 and len(socket) >= 4 and _fits(mesh, lids, socket):
             eyeballs.append(_ball(vertices[socket], vertices[np.concatenate(lids)]))
     return eyeballs
 
 
-def _ball(lining, margin):
+def _ball(lining: np.ndarray, margin: np.ndarray) -> tuple[np.ndarray, float]:
     middle = lining.mean(0)
     # |p - c|^2 = r^2 is linear in c and |c|^2 - r^2.
     p = lining - middle
     c = np.linalg.lstsq(np.column_stack([2 * p, np.ones(len(p))]), (p**2).sum(1), rcond=None)[0]
-    centre, radius = middle + c[:3], np.sqrt(max(c[3] + (c[:3] ** 2).sum(), 0))
+    centre = middle + c[:3]
+    radius = np.sqrt(max(c[3] + (c[:3] ** 2).sum(), 0))
     # Half way to the middle of the opening: exaggerated lids leave their socket, and the eyes would squint.
     centre[:2] = (centre[:2] + (margin.min(0) + margin.max(0))[:2] / 2) / 2
     # As far forward as every point of the margins allows.
@@ -38,15 +44,15 @@ def _ball(lining, margin):
     return centre, float(radius)
 
 
-def _fits(vertices, faces, lids, socket):
+def _fits(mesh: Mesh, lids: Sequence[np.ndarray], socket: np.ndarray) -> bool:
     """Whether the ids exist and neighbours along the lids share an edge of the mesh."""
-    if max(socket.max(), *(lid.max() for lid in lids)) >= len(vertices):
+    if max(socket.max(), *(lid.max() for lid in lids)) >= len(mesh.vertices):
         return False
-    edges = _numbered(faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2))
+    edges = _numbered(mesh.faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2))
     return all(np.isin(_numbered(np.stack([lid[:-1], lid[1:]], 1)), edges).all() for lid in lids)
 
 
-def _numbered(edges):
+def _numbered(edges: np.ndarray) -> np.ndarray:
     """One number for each edge (E, 2), whatever its direction."""
     low, high = np.sort(edges.astype(np.int64), axis=1).T
     return low << 32 | high

@@ -1,14 +1,21 @@
 """Curves as a picture."""
 
 import io
+from collections.abc import Mapping
 
 import numpy as np
 
 
-def plot_curves(panels, x_label="epoch", y_label="mean distance in % of the head's height", size=(900, 420)):
+def plot_curves(
+    panels: Mapping[str, Mapping[str, tuple]],
+    x_label: str = "epoch",
+    y_label: str = "mean distance in % of the head's height",
+    size: tuple[int, int] = (900, 420),
+) -> np.ndarray:
     """Draw curves with a logarithmic y axis, panels side by side.
 
-    panels: dict from titles to dicts from names to (x, y) sequences; y positive. size: of one panel, pixels.
+    panels: dict from titles to dicts from names to (x, y) sequences; y positive. x_label, y_label: what the axes say.
+    size: of one panel, pixels.
     Returns (H, W, 3) uint8.
     """
     from matplotlib.backends.backend_agg import FigureCanvasAgg

@@ -1,6 +1,7 @@
 """Which triangle is seen at each pixel."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -12,8 +13,9 @@ from caricli.render.warp_start import warp_start
 class Raster:
     """What the pixels of a picture see of a mesh.
 
-    face: (H, W) int32, -1 where nothing is seen. barycentric: (H, W, 3) float32, weights of the triangle's corners,
-    zero where nothing is seen. depth: (H, W) float32, in the unit of the vertices, infinite where nothing is seen.
+    face: (H, W) int32, -1 where nothing is seen.
+    barycentric: (H, W, 3) float32, weights of the triangle's corners, zero where nothing is seen.
+    depth: (H, W) float32, in the unit of the vertices, infinite where nothing is seen.
     """
 
     face: np.ndarray
@@ -21,11 +23,11 @@ class Raster:
     depth: np.ndarray
 
 
-def rasterise(vertices, faces, width, height):
+def rasterise(vertices: np.ndarray, faces: np.ndarray, width: int, height: int) -> Raster:
     """Find the nearest triangle at every pixel by a ray straight into the picture.
 
     vertices: (V, 3), pixels, x right, y down, z into the picture (the smaller is the nearer); the centre of the
-    top-left pixel is (0, 0). faces: (F, 3). Both sides of a triangle are seen.
+    top-left pixel is (0, 0). faces: (F, 3). Both sides of a triangle are seen. width, height: pixels.
     Returns a Raster.
     Raises InputError when a coordinate is not finite or an index is out of range.
     """
@@ -40,8 +42,10 @@ def rasterise(vertices, faces, width, height):
     )
     if len(triangles) and width and height:
         mesh = wp_mesh(points, triangles)
-        start, reach = depth_range(points)
-        flat = [
+        rays = kernels.Rays()
+        rays.mesh = mesh.id
+        rays.start, rays.reach = depth_range(points)
+        flat: list[Any] = [
             wp.array(a.reshape(s), dtype=t, device="cpu", copy=False)
             for a, s, t in (
                 (raster.face, -1, wp.int32),
@@ -49,13 +53,14 @@ def rasterise(vertices, faces, width, height):
                 (raster.depth, -1, wp.float32),
             )
         ]
-        wp.launch(kernels.nearest_face, width * height, [mesh.id, width, start, reach], flat, device="cpu")
+        wp.launch(kernels.nearest_face, width * height, [rays, width], flat, device="cpu")
     return raster
 
 
-def mesh_arrays(vertices, faces):
+def mesh_arrays(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Check a mesh and give it as float32 (V, 3) and int32 (F, 3), C-contiguous.
 
+    vertices: (V, 3), any unit. faces: (F, 3).
     Raises InputError when a coordinate is not finite in single precision or an index is out of range.
     """
     with np.errstate(over="ignore"):
@@ -77,7 +82,7 @@ def mesh_arrays(vertices, faces):
     return points, triangles
 
 
-def wp_mesh(points, triangles):
+def wp_mesh(points: np.ndarray, triangles: np.ndarray) -> Any:
     """A warp mesh on the CPU from `mesh_arrays`' float32 points and int32 triangles."""
     import warp as wp
 
@@ -86,8 +91,12 @@ def wp_mesh(points, triangles):
     )
 
 
-def depth_range(points):
-    """Where rays into the picture start, just before the nearest point, and how far they must reach."""
-    nearest, farthest = float(points[:, 2].min()), float(points[:, 2].max())
+def depth_range(points: np.ndarray) -> tuple[float, float]:
+    """Where rays into the picture start, just before the nearest point, and how far they must reach.
+
+    points: (V, 3), as `rasterise` takes them.
+    """
+    nearest = float(points[:, 2].min())
+    farthest = float(points[:, 2].max())
     margin = 1 + 0.01 * (farthest - nearest)
     return nearest - margin, farthest - nearest + 2 * margin

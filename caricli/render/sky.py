@@ -1,15 +1,22 @@
 """How much of the sky each vertex sees: the source of soft shadows."""
 
+from collections.abc import Sequence
+from typing import Any
+
 import numpy as np
 
 from caricli.render.rasterise import mesh_arrays, wp_mesh
 from caricli.render.warp_start import warp_start
 
+_LIFT = 1e-3  # of the mesh's size: rays start so far above the surface, which they would hit else
+_REACH = 2.0  # of the mesh's size: no ray through it is longer
 
-def _sphere(count):
+
+def _sphere(count: int) -> np.ndarray:
     """Directions spread evenly over the sphere on a Fibonacci spiral, (count, 3)."""
     k = np.arange(count) + 0.5
-    y, turn = 1 - 2 * k / count, np.pi * (1 + np.sqrt(5)) * k
+    y = 1 - 2 * k / count
+    turn = np.pi * (1 + np.sqrt(5)) * k
     r = np.sqrt(1 - y * y)
     return np.stack([r * np.cos(turn), y, r * np.sin(turn)], 1)
 
@@ -17,7 +24,7 @@ def _sphere(count):
 DIRECTIONS = _sphere(48)
 
 
-def sky_visibility(vertices, faces, normals):
+def sky_visibility(vertices: np.ndarray, faces: np.ndarray, normals: np.ndarray) -> np.ndarray:
     """See from every vertex which of DIRECTIONS end in the sky and which in the mesh itself.
 
     vertices: (V, 3), any unit. faces: (F, 3), counter-clockwise from outside. normals: (V, 3), unit length.
@@ -32,19 +39,18 @@ def sky_visibility(vertices, faces, normals):
         size = float(np.linalg.norm(np.ptp(points, axis=0)))
         points = (points - points.mean(0)) / np.float32(size or 1)
         mesh = wp_mesh(points, triangles)
-        wp.launch(
-            kernels.sky_seen,
-            seen.shape,
-            [mesh.id]
-            + [wp.array(a, dtype=wp.vec3, device="cpu") for a in (points, normals.astype(np.float32), DIRECTIONS)]
-            + [1e-3, 2.0],
-            [wp.array(seen, device="cpu", copy=False)],
-            device="cpu",
-        )
+        rays = kernels.Rays()
+        rays.mesh = mesh.id
+        rays.start = _LIFT
+        rays.reach = _REACH
+        vectors = [_vectors(a) for a in (points, normals, DIRECTIONS)]
+        wp.launch(kernels.sky_seen, seen.shape, [rays, *vectors], [_shared(seen)], device="cpu")
     return seen
 
 
-def light_received(visibility, normals, lights, sharpness=8.0):
+def light_received(
+    visibility: np.ndarray, normals: np.ndarray, lights: Sequence[np.ndarray | None], sharpness: float = 8.0
+) -> np.ndarray:
     """Share of each light's rays that reach each vertex, of all that could without the mesh in the way.
 
     visibility: of `sky_visibility`. normals: (V, 3), in the same frame. lights: L times the way (3,) to a wide light in
@@ -54,14 +60,25 @@ def light_received(visibility, normals, lights, sharpness=8.0):
     kernels = warp_start()
     import warp as wp
 
-    way = [np.zeros(3) if light is None else np.asarray(light) for light in lights]
-    lobes = np.maximum((DIRECTIONS[None] * np.array(way)[:, None]).sum(-1), 0) ** sharpness
+    ways = np.array([np.zeros(3) if light is None else np.asarray(light) for light in lights])
+    lobes = np.maximum((DIRECTIONS[None] * ways[:, None]).sum(-1), 0) ** sharpness
     lobes[[light is None for light in lights]] = 1
     share = np.ones((len(normals), len(lights)), np.float32)
     if share.size:
-        vectors = [wp.array(a.astype(np.float32), dtype=wp.vec3, device="cpu") for a in (normals, DIRECTIONS)]
-        seen, strengths, out = (
-            wp.array(a, device="cpu", copy=False) for a in (visibility, lobes.astype(np.float32), share)
-        )
-        wp.launch(kernels.light_share, share.shape, [seen, *vectors, strengths], [out], device="cpu")
+        given = [_shared(visibility), _vectors(normals), _vectors(DIRECTIONS), _shared(lobes.astype(np.float32))]
+        wp.launch(kernels.light_share, share.shape, given, [_shared(share)], device="cpu")
     return share
+
+
+def _vectors(array: np.ndarray) -> Any:
+    """A copy of (N, 3) as warp's vectors."""
+    import warp as wp
+
+    return wp.array(array.astype(np.float32), dtype=wp.vec3, device="cpu")
+
+
+def _shared(array: np.ndarray) -> Any:
+    """A warp array in the memory of a float32 one."""
+    import warp as wp
+
+    return wp.array(array, device="cpu", copy=False)

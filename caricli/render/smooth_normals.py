@@ -3,7 +3,7 @@
 import numpy as np
 
 
-def smooth_normals(vertices, faces):
+def smooth_normals(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
     """Unit normals of vertices, averaged over their triangles by corner angle.
 
     Vertices at the same place share a normal, so that a mesh split along the borders of its texture shows no seam.
@@ -18,7 +18,8 @@ def smooth_normals(vertices, faces):
     normals /= np.where(length > 0, length, 1)
     total = np.zeros((len(vertices), 3))
     for k in range(3):
-        a, b = corners[:, (k + 1) % 3] - corners[:, k], corners[:, (k + 2) % 3] - corners[:, k]
+        a = corners[:, (k + 1) % 3] - corners[:, k]
+        b = corners[:, (k + 2) % 3] - corners[:, k]
         angle = np.arctan2(np.linalg.norm(np.cross(a, b), axis=1), (a * b).sum(1))
         for axis in range(3):
             total[:, axis] += np.bincount(place[faces[:, k]], angle * normals[:, axis], len(vertices))

@@ -1,88 +1,80 @@
 """Pictures of a head from agreed sides."""
 
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+
 import numpy as np
 
 from caricli.errors import InputError
-from caricli.render.shade import CLAY, shade
+from caricli.render.shade import Look, shade
 from caricli.render.sky import sky_visibility
 from caricli.render.smooth_normals import smooth_normals
+from caricli.structures import Mesh
 
-# Turn of the head about its vertical axis in degrees; positive looks to the right of the picture.
 VIEWS = {"front": 0.0, "three-quarter": -35.0, "profile": -90.0, "three-quarter-right": 35.0, "profile-right": 90.0}
-_TO_PICTURE = np.diag([1.0, -1.0, -1.0])
+"""Turn of the head about its vertical axis in degrees; positive looks to the right of the picture."""
+
+TO_PICTURE = np.diag([1.0, -1.0, -1.0])
+"""From the face's axes to x right, y down, z into the picture, as the front view shows it."""
+
+_FILL = 0.92  # of the picture's side: a border around the head
 
 
-def render_views(vertices, faces, views=("front", "three-quarter", "profile"), size=512, **looks):
+def render_views(
+    mesh: Mesh,
+    views: Iterable[str] = ("front", "three-quarter", "profile"),
+    size: int = 512,
+    look: Look | None = None,
+) -> list[np.ndarray]:
     """Draw a head from several sides at one common scale.
 
-    vertices: (V, 3), face frame: Y up, +Z out of the face, +x the subject's left. faces: (F, 3). views: keys of VIEWS.
-    size: pixels, width and height of a picture. looks: of `shade` (colour, vertex_colours, supersample, eyeballs,
-    visibility); the eyeballs are in the face frame.
+    mesh: Mesh. views: keys of VIEWS. size: pixels, width and height of a picture. look: Look, its eyeballs in the face
+    frame; gaze and rotation follow the view.
     Returns a list of (size, size, 4) uint8.
     Raises InputError when a view is not known.
     """
+    views = list(views)
     unknown = [v for v in views if v not in VIEWS]
     if unknown:
         raise InputError(f"no view is called {unknown[0]!r}: expected some of {', '.join(VIEWS)}")
-    return _turned(vertices, faces, [VIEWS[v] for v in views], size, centred=True, **looks)
+    return _turned(mesh, [VIEWS[v] for v in views], size, look or Look(), centred=True)
 
 
-def turntable(vertices, faces, frames, size=512, **looks):
+def turntable(mesh: Mesh, frames: int, size: int = 512, look: Look | None = None) -> list[np.ndarray]:
     """Draw a head turning once about its vertical axis, from the front.
 
-    vertices, faces, size, looks: as in `render_views`. frames: how many pictures, evenly spread over the turn.
+    mesh, size, look: as in `render_views`. frames: how many pictures, evenly spread over the turn.
     Returns a list of (size, size, 4) uint8.
     """
-    return _turned(vertices, faces, [360 * k / frames for k in range(frames)], size, centred=False, **looks)
+    return _turned(mesh, [360 * k / frames for k in range(frames)], size, look or Look(), centred=False)
 
 
-def _turned(
-    vertices,
-    faces,
-    angles,
-    size,
-    centred,
-    colour=CLAY,
-    supersample=3,
-    vertex_colours=None,
-    eyeballs=(),
-    visibility=None,
-):
-    vertices, faces = np.asarray(vertices, float), np.asarray(faces)
+def _turned(mesh: Mesh, angles: Sequence[float], size: int, look: Look, centred: bool) -> list[np.ndarray]:
+    """Pictures of a head turned by angles in degrees, each centred, or all about the middle of the head."""
+    vertices = np.asarray(mesh.vertices, float)
     middle = (vertices.min(0) + vertices.max(0)) / 2
     vertices = vertices - middle
-    rotations = [_TO_PICTURE @ _turn(angle) for angle in angles]
+    rotations = [TO_PICTURE @ turn_about_y(angle) for angle in angles]
     extents = [(v.min(0)[:2], v.max(0)[:2]) for v in (vertices @ r.T for r in rotations)]
     if centred:
         widest = max((np.ptp(e, axis=0).max() for e in extents), default=0)
     else:
         widest = 2 * max((np.abs(e).max() for e in extents), default=0)
-    scale = 0.92 * size / (widest or 1)
+    scale = _FILL * size / (widest or 1)
+    visibility = look.visibility
     if visibility is None:
-        visibility = sky_visibility(vertices, faces, smooth_normals(vertices, faces))
+        visibility = sky_visibility(vertices, mesh.faces, smooth_normals(vertices, mesh.faces))
     pictures = []
     for rotation, (low, high) in zip(rotations, extents, strict=True):
         shift = np.array([*(-(low + high) / 2 if centred else (0, 0)), 0]) * scale + [(size - 1) / 2, (size - 1) / 2, 0]
-        balls = [(scale * rotation @ (np.asarray(c) - middle) + shift, scale * r) for c, r in eyeballs]
-        pictures.append(
-            shade(
-                scale * vertices @ rotation.T + shift,
-                faces,
-                size,
-                size,
-                colour,
-                supersample,
-                vertex_colours,
-                balls,
-                rotation[:, 2],
-                visibility,
-                rotation,
-            )
-        )
+        balls = [(scale * rotation @ (np.asarray(c) - middle) + shift, scale * r) for c, r in look.eyeballs]
+        seen = replace(look, eyeballs=balls, gaze=rotation[:, 2], visibility=visibility, rotation=rotation)
+        pictures.append(shade(scale * vertices @ rotation.T + shift, mesh.faces, size, size, seen))
     return pictures
 
 
-def _turn(degrees):
-    """Rotation about the vertical axis that carries +Z towards +x."""
-    c, s = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
+def turn_about_y(degrees: float) -> np.ndarray:
+    """The rotation (3, 3) about the vertical axis that carries +Z towards +x."""
+    c = np.cos(np.radians(degrees))
+    s = np.sin(np.radians(degrees))
     return np.array([[c, 0, s], [0, 1, 0], [-s, 0, c]])

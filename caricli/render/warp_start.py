@@ -5,13 +5,18 @@ import os
 import shutil
 import sys
 import tempfile
+from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
+from types import ModuleType
+
+from caricli.errors import OutputError
+from caricli.io.cache import cache_folder
 
 
 @cache
-def warp_start():
+def warp_start() -> ModuleType:
     """Start warp once per process without a word on stdout or stderr.
 
     Compiled kernels are kept in WARP_CACHE_PATH where the user set it, else in `caricli/warp` of the user's cache
@@ -30,23 +35,20 @@ def warp_start():
     return kernels
 
 
-def _kernel_folder():
-    cache_home = os.environ.get("XDG_CACHE_HOME", "")
-    # The XDG specification has relative paths ignored.
-    home = Path(cache_home) if os.path.isabs(cache_home) else Path("~/.cache").expanduser()
-    folder = Path(os.environ.get("WARP_CACHE_PATH") or home / "caricli" / "warp")
+def _kernel_folder() -> str:
     try:
+        folder = Path(os.environ.get("WARP_CACHE_PATH") or cache_folder() / "warp")
         folder.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=folder):
             return str(folder)
-    except OSError:
-        folder = tempfile.mkdtemp(prefix="caricli-warp-")
-        atexit.register(shutil.rmtree, folder, ignore_errors=True)
-        return folder
+    except (OSError, OutputError):
+        passing = tempfile.mkdtemp(prefix="caricli-warp-")
+        atexit.register(shutil.rmtree, passing, ignore_errors=True)
+        return passing
 
 
 @contextmanager
-def _silent_stderr():
+def _silent_stderr() -> Iterator[None]:
     """Hold back what native code writes to file descriptor 2 (warp warns there when a machine has no GPU)."""
     if sys.stderr is not None:
         sys.stderr.flush()

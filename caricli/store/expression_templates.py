@@ -1,43 +1,62 @@
 """Templates of expressions: the open head's, or a folder of OBJ files."""
 
 from collections import Counter
+from pathlib import Path
 
 import numpy as np
 
 from caricli.data.expressions import NEUTRAL
-from caricli.errors import InputError, shown
-from caricli.io.face import read_face
+from caricli.errors import InputError, naming, shown
+from caricli.io.bundled import asset_path
 from caricli.io.obj import read_obj
-from caricli.methods.rig.expression_templates import check_templates, mended_templates
+from caricli.io.strict_json import read_json
+from caricli.methods.rig.expression_templates import ExpressionTemplates, check_templates
+from caricli.methods.rig.head_expressions import head_expressions
+from caricli.structures import Mesh
 from caricli.template.head import load_head
 
 
-def load_templates(folder):
-    """ExpressionTemplates, the Annotation of their mesh or None, and the files that they are read from.
+def load_templates(folder: Path | None = None) -> tuple[ExpressionTemplates, list[Path]]:
+    """ExpressionTemplates, and the files that they are read from.
 
     folder: path of one with OBJ files, or None for the open head's own.
+    Raises InputError where it holds no neutral face and expressions of one mesh that can be transferred from.
     """
     if folder is None:
         head = load_head()
-        template = head.template()
-        return mended_templates(head, template), template.annotation, []
+        return head_expressions(head, head.template()), []
+    neutral_path, others = _template_files(folder)
+    neutral = read_obj(neutral_path)
+    shapes = np.stack([_shape_of(path, neutral) for path in others])
+    with naming(neutral_path):
+        templates = check_templates([path.stem for path in others], neutral, shapes)
+    return templates, sorted([neutral_path, *others])
+
+
+def load_action_units() -> dict[str, dict]:
+    """What FACS says of ARKit's actions by name: ``action_units``, and the ``facs46`` that they are, or None."""
+    return read_json(asset_path("facs.json"))
+
+
+def _template_files(folder: Path) -> tuple[Path, list[Path]]:
+    """The neutral OBJ of a folder and the others, in the order of their names."""
     if not folder.is_dir():
         raise InputError(f"{shown(folder)}: expected a folder with {NEUTRAL}.obj and expressions, found none")
     files = sorted(path for path in folder.iterdir() if path.suffix.lower() == ".obj")
-    by_name, count = {path.stem.lower(): path for path in files}, Counter(path.stem.lower() for path in files)
-    if len(by_name) < len(files):
-        raise InputError(f"{shown(folder)}: expected distinct names, found {count.most_common(1)[0][0]!r} twice")
-    if NEUTRAL not in by_name or len(files) < 2:
+    names = [path.stem.lower() for path in files]
+    (name, count), *_ = Counter(names).most_common(1) or [("", 0)]
+    if count > 1:
+        raise InputError(f"{shown(folder)}: expected distinct names, found {name!r} twice")
+    if NEUTRAL not in names or len(files) < 2:
         raise InputError(f"{shown(folder)}: expected {NEUTRAL}.obj and expressions, found {len(files)} other OBJ files")
-    neutral = read_face(by_name[NEUTRAL])
-    others = [path for path in files if path != by_name[NEUTRAL]]
-    shapes = [read_obj(path) for path in others]
-    for path, mesh in zip(others, shapes, strict=True):
-        if mesh.vertices.shape != neutral.vertices.shape or not np.array_equal(mesh.polygons, neutral.mesh.polygons):
-            found = f"{len(mesh.vertices)} vertices and {len(mesh.polygons)} polygons"
-            raise InputError(f"{shown(path)}: expected the mesh of {NEUTRAL}.obj, found another ({found})")
-    names, vertices = [path.stem for path in others], np.stack([mesh.vertices for mesh in shapes])
-    try:
-        return check_templates(names, neutral.vertices, neutral.faces, vertices), None, files
-    except InputError as error:
-        raise InputError(f"{shown(by_name[NEUTRAL])}: {error}") from error
+    neutral = files[names.index(NEUTRAL)]
+    return neutral, [path for path in files if path != neutral]
+
+
+def _shape_of(path: Path, neutral: Mesh) -> np.ndarray:
+    """Vertices (V, 3) of an OBJ, refused when it is another mesh than the neutral one's."""
+    mesh = read_obj(path)
+    if mesh.vertices.shape != neutral.vertices.shape or not np.array_equal(mesh.polygons, neutral.polygons):
+        found = f"{len(mesh.vertices)} vertices and {len(mesh.polygons)} polygons"
+        raise InputError(f"{shown(path)}: expected the mesh of {NEUTRAL}.obj, found another ({found})")
+    return mesh.vertices

@@ -6,7 +6,8 @@ from caricli.errors import InputError, shown
 from caricli.io.bundled import asset_path
 from caricli.io.checkpoint import read_checkpoint
 from caricli.io.strict_json import read_json
-from caricli.models.checkpoint import KINDS, model_from_checkpoint
+from caricli.models.checkpoint import model_from_checkpoint
+from caricli.models.kinds import KINDS
 from caricli.models.shape_model import ShapeModel
 from caricli.template.template import Template
 

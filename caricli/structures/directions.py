@@ -62,6 +62,12 @@ class Directions:
                 refuse(f"{key}: expected finite numbers, found others")
         self._check_ranges()
 
+    @property
+    def figures(self) -> dict[str, dict[str, float]]:
+        """By name what was measured of a label: auc, positives, cost and change."""
+        columns = {key: np.asarray(getattr(self, key)).tolist() for key in ("auc", "positives", "cost", "change")}
+        return {name: {key: columns[key][k] for key in columns} for k, name in enumerate(self.names)}
+
     def _check_ranges(self) -> None:
         lengths = np.linalg.norm(np.asarray(self.normals, float), axis=1)
         if np.abs(lengths - 1).max() > _UNIT:

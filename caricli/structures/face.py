@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from caricli.errors import InputError
 from caricli.structures.camera import Camera
 from caricli.structures.checks import refuse, shape_problem
 from caricli.structures.mesh import Mesh
@@ -49,3 +50,20 @@ class Face:
     def faces(self) -> np.ndarray:
         """(F, 3) of the mesh."""
         return self.mesh.faces
+
+    def require_camera(self) -> Camera:
+        """The camera. Raises InputError for a face without one."""
+        if self.camera is None:
+            raise InputError(
+                "expected a face with the camera of its picture, found none; make one with caricli "
+                "reconstruct-from-landmarks and give its NPZ"
+            )
+        return self.camera
+
+    def require_landmarks(self) -> np.ndarray:
+        """(L, 2) the landmarks. Raises InputError for a face without any."""
+        if self.landmarks is None:
+            raise InputError(
+                "expected a face with fitted landmarks, found none; make one with caricli reconstruct-from-landmarks"
+            )
+        return self.landmarks

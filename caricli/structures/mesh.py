@@ -93,6 +93,8 @@ class Mesh:
             return f"uvs: expected (T,2), found {uvs.shape}"
         if uv_polygons.shape != self.polygons.shape or ((uv_polygons >= 0) != (self.polygons >= 0)).any():
             return "uv_polygons: expected an index for every corner of polygons, found fewer or more"
+        if uv_polygons.dtype.kind not in "iu":
+            return f"uv_polygons: expected whole numbers, found {uv_polygons.dtype}"
         return coordinate_problem("uvs", uvs) or index_problem("uv_polygons", uv_polygons, len(uvs), distinct=False)
 
 
@@ -120,12 +122,15 @@ def _floats(values: np.ndarray) -> np.ndarray:
 
 def _indices(values: np.ndarray) -> np.ndarray:
     array = np.asarray(values)
-    # An index too large for 32 bits must not come out as another one.
-    return array if array.size and np.abs(array).max() > MAX_CORNERS else array.astype(np.int32, copy=False)
+    # A fraction, or an index too large for 32 bits, must not come out as another index.
+    fits = array.dtype.kind in "iu" and (not array.size or (array.min() >= -1 and array.max() <= MAX_CORNERS))
+    return array.astype(np.int32, copy=False) if fits else array
 
 
 def _polygon_problem(polygons: np.ndarray, vertex_count: int) -> str | None:
     sound = polygons.ndim == 2 and 3 <= polygons.shape[1] <= MAX_POLYGON_CORNERS
     if not sound or not 1 <= polygons.size <= MAX_CORNERS or len(polygons) > 2 * MAX_POLYGONS:
         return f"polygons: expected (P,N) with N from 3 to {MAX_POLYGON_CORNERS}, found {polygons.shape}"
+    if polygons.dtype.kind not in "iu":
+        return f"polygons: expected whole numbers, found {polygons.dtype}"
     return index_problem("polygons", polygons, vertex_count)

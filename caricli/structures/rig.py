@@ -7,6 +7,7 @@ import numpy as np
 
 from caricli.errors import InputError, shown
 from caricli.limits import MAX_SHAPES
+from caricli.structures.arkit import start_delta
 from caricli.structures.checks import refuse
 from caricli.structures.mesh import Mesh
 
@@ -77,6 +78,10 @@ class Rig:
         if name not in self.names:
             raise InputError(f"expected one of the rig's {len(self.names)} expressions, found {shown(name, 60)!r}")
         return self.neutral + self.deltas[self.names.index(name)]
+
+    def shape_in_use(self, k: int) -> np.ndarray:
+        """(V, 3) vertices with expression k at full weight, on top of the expression that it is meant for."""
+        return self.neutral + start_delta(self.names, self.deltas, k) + self.deltas[k]
 
     def _delta_problem(self) -> str | None:
         deltas = np.asarray(self.deltas)

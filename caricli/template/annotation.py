@@ -1,35 +1,63 @@
 """What is known by name on a head: landmarks, jaw paths, curves, regions, mirror map, eyeballs."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache
+from typing import Any
 
 import numpy as np
 
 from caricli.errors import InputError
+from caricli.io.bundled import asset_path
+from caricli.io.strict_json import read_json
+from caricli.structures.landmarks import COUNT, EXTRA, JAW
+
+CAVITIES = ("inner_mouth", "eye_socket_left", "eye_socket_right")
+"""Regions that turn inwards, which neither landmarks nor pictures see."""
+
+DELICATE = ("eyes_left", "eyes_right", "eye_socket_left", "eye_socket_right", "mouth", "inner_mouth")
+"""Regions where curvature says nothing about character: exaggeration by it leaves them as they are."""
 
 
 @dataclass(frozen=True)
 class Annotation:
-    """Vertex ids by name; ``source`` is the JSON value it was read from, kept so that a checkpoint can carry it."""
+    """Vertex ids by name.
+
+    landmarks: (68,) or (81,) vertex ids.
+    jaw_paths: 17 arrays of vertex ids, back to front, along which the jaw's landmarks slide.
+    curves, regions: vertex ids by name.
+    mirror: (V,) the vertex on the other side of every vertex, or None.
+    eyeballs: JSON object, as it was read.
+    source: the JSON value that all this was read from, kept so that a checkpoint can carry it.
+    """
 
     landmarks: np.ndarray
-    jaw_paths: tuple
-    curves: dict
-    regions: dict
+    jaw_paths: tuple[np.ndarray, ...]
+    curves: dict[str, np.ndarray]
+    regions: dict[str, np.ndarray]
     mirror: np.ndarray | None
     eyeballs: dict
     source: dict
 
     @property
-    def has_extra(self):
+    def has_extra(self) -> bool:
         """Whether the 13 points beyond iBUG-68 are there."""
-        return len(self.landmarks) == 81
+        return len(self.landmarks) == COUNT + len(EXTRA)
 
-    def anchor_ids(self):
+    def anchor_ids(self) -> np.ndarray:
         """Every vertex that a landmark can stand on, the jaw paths included, without repeats."""
         return np.unique(np.concatenate([self.landmarks, *self.jaw_paths]))
 
 
-def parse_annotation(value, vertex_count, where):
+@cache
+def bundled_annotation() -> Annotation:
+    """The Annotation of the bundled head, without the head."""
+    path = asset_path("head_annotation.json")
+    value = read_json(path)
+    return parse_annotation(value, len(value["mirror"]), path.name)
+
+
+def parse_annotation(value: Any, vertex_count: int, where: str) -> Annotation:
     """Check an annotation's JSON value against a mesh.
 
     value: dict of the form of ``assets/head_annotation.json``; only ``ibug68`` is required. ``extra13``, ``jaw_paths``
@@ -38,10 +66,10 @@ def parse_annotation(value, vertex_count, where):
     Returns Annotation. Raises InputError.
     """
     if not isinstance(value, dict):
-        found = type(value).__name__
-        raise InputError(f"{where}: expected a JSON object with vertex ids under 'ibug68', found {found}")
+        kind = type(value).__name__
+        raise InputError(f"{where}: expected a JSON object with vertex ids under 'ibug68', found {kind}")
 
-    def ids(key, item, count=None):
+    def ids(key: str, item: Any, count: int | None = None) -> np.ndarray:
         array = np.asarray(item if isinstance(item, list) else None, dtype=object)
         if array.ndim != 1 or not all(type(i) is int and 0 <= i < vertex_count for i in array):
             raise InputError(f"{where}: '{key}' must be a list of vertex ids from 0 to {vertex_count - 1}")
@@ -49,7 +77,7 @@ def parse_annotation(value, vertex_count, where):
             raise InputError(f"{where}: '{key}' must have {count} vertex ids, found {len(array)}")
         return array.astype(np.int64)
 
-    def table(key):
+    def table(key: str) -> dict[str, np.ndarray]:
         entries = value.get(key, {})
         if not isinstance(entries, dict):
             raise InputError(f"{where}: '{key}' must map names to lists of vertex ids")
@@ -57,15 +85,10 @@ def parse_annotation(value, vertex_count, where):
 
     if "ibug68" not in value:
         raise InputError(f"{where}: 'ibug68', the 68 landmark vertices, is missing")
-    landmarks = ids("ibug68", value["ibug68"], 68)
+    landmarks = ids("ibug68", value["ibug68"], COUNT)
     if "extra13" in value:
-        landmarks = np.concatenate([landmarks, ids("extra13", value["extra13"], 13)])
-    paths = value.get("jaw_paths", [[int(i)] for i in landmarks[:17]])
-    if not isinstance(paths, list) or len(paths) != 17:
-        raise InputError(f"{where}: 'jaw_paths' must be 17 lists of vertex ids")
-    jaw_paths = tuple(ids(f"jaw_paths[{k}]", path) for k, path in enumerate(paths))
-    if any(landmark not in path for landmark, path in zip(landmarks[:17], jaw_paths, strict=True)):
-        raise InputError(f"{where}: every path in 'jaw_paths' must contain the jaw landmark that slides along it")
+        landmarks = np.concatenate([landmarks, ids("extra13", value["extra13"], len(EXTRA))])
+    jaw_paths = _jaw_paths(value, landmarks[JAW], ids, where)
     mirror = ids("mirror", value["mirror"], vertex_count) if "mirror" in value else None
     if mirror is not None and not np.array_equal(mirror[mirror], np.arange(vertex_count)):
         raise InputError(f"{where}: 'mirror' must be its own inverse")
@@ -73,3 +96,13 @@ def parse_annotation(value, vertex_count, where):
     if not isinstance(eyeballs, dict):
         raise InputError(f"{where}: 'eyeballs' must be an object")
     return Annotation(landmarks, jaw_paths, table("curves"), table("regions"), mirror, eyeballs, value)
+
+
+def _jaw_paths(value: dict, jaw: np.ndarray, ids: Callable, where: str) -> tuple[np.ndarray, ...]:
+    paths = value.get("jaw_paths", [[int(i)] for i in jaw])
+    if not isinstance(paths, list) or len(paths) != len(JAW):
+        raise InputError(f"{where}: 'jaw_paths' must be {len(JAW)} lists of vertex ids")
+    jaw_paths = tuple(ids(f"jaw_paths[{k}]", path) for k, path in enumerate(paths))
+    if any(landmark not in path for landmark, path in zip(jaw, jaw_paths, strict=True)):
+        raise InputError(f"{where}: every path in 'jaw_paths' must contain the jaw landmark that slides along it")
+    return jaw_paths

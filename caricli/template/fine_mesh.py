@@ -1,7 +1,8 @@
 """The template's mesh at any resolution."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
+import numpy as np
 import scipy.sparse as sp
 
 from caricli.geometry.subdivide import subdivide
@@ -22,20 +23,25 @@ class FineMesh:
     weights: sp.csr_matrix
     levels: int
 
-    def shaped(self, vertices):
-        """The Mesh of a coarse shape (V, 3), what is between its vertices carried along linearly."""
-        return self.mesh.with_vertices(self.weights @ vertices if self.levels else vertices)
+    def with_vertices(self, vertices: np.ndarray) -> "FineMesh":
+        """The same split mesh in another shape. vertices: (W, 3) metres."""
+        return replace(self, mesh=self.mesh.with_vertices(vertices))
+
+    def shaped(self, vertices: np.ndarray) -> "FineMesh":
+        """The same split of a coarse shape (V, 3), what is between its vertices carried along linearly."""
+        return self.with_vertices(self.weights @ vertices if self.levels else vertices)
 
 
-def fine_mesh(template, levels):
+def fine_mesh(template: Mesh, levels: int) -> FineMesh:
     """Subdivide a template's polygons and UVs.
 
     template: Mesh. levels: how often; 0 gives the template's own mesh.
     Returns FineMesh. Raises InputError beyond the cap on vertices or UVs, with which no file could be read back.
     """
     weights, polygons = subdivide(template.polygons, len(template.vertices), levels, MAX_VERTICES)
-    uvs, uv_polygons = template.uvs, template.uv_polygons
-    if uvs is not None:
+    uvs = template.uvs
+    uv_polygons = template.uv_polygons
+    if uvs is not None and uv_polygons is not None:
         uv_weights, uv_polygons = subdivide(uv_polygons, len(uvs), levels, MAX_VERTICES)
         uvs = uv_weights @ uvs
     return FineMesh(Mesh(weights @ template.vertices, polygons, uvs, uv_polygons), weights, levels)

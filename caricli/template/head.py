@@ -3,20 +3,17 @@
 import contextlib
 import io
 import logging
-import os
 import warnings
 from dataclasses import dataclass
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 
 from caricli.errors import CaricliError, InputError
-from caricli.io.bundled import asset_path
 from caricli.io.npz import read_npz, write_npz
 from caricli.io.outputs import staged
-from caricli.io.strict_json import read_json
-from caricli.template.annotation import parse_annotation
+from caricli.io.cache import cache_folder
+from caricli.template.annotation import bundled_annotation
 from caricli.template.template import Template
 
 CACHE_NAME = "head-1.npz"
@@ -69,9 +66,8 @@ class Head:
 
     def template(self, **options):
         """The Template of ``evaluate(**options)`` with the bundled annotation."""
-        path = asset_path("head_annotation.json")
-        annotation = parse_annotation(read_json(path), self.actions.shape[1], path.name)
-        return Template(self.evaluate(**options), self.polygons, self.uvs, self.uv_polygons, annotation=annotation)
+        vertices = self.evaluate(**options)
+        return Template(vertices, self.polygons, self.uvs, self.uv_polygons, annotation=bundled_annotation())
 
     def open_mouth_template(self):
         """The template with the lips apart, for networks that tell points apart by their position alone."""
@@ -81,19 +77,14 @@ class Head:
 @cache
 def load_head():
     """The head from the cache ($XDG_CACHE_HOME/caricli, else ~/.cache/caricli), extracted there on first use."""
-    path = cache_folder() / CACHE_NAME
     with contextlib.suppress(CaricliError, KeyError):
-        return _unpack(read_npz(path))
+        return _unpack(read_npz(cache_folder() / CACHE_NAME))
     arrays = _extract()
-    # A cache that cannot be written only costs time.
-    with contextlib.suppress(CaricliError, OSError), staged(path, overwrite=True) as (temporary,):
-        write_npz(temporary, arrays)
+    # A cache that cannot be written, or has no place, only costs time.
+    with contextlib.suppress(CaricliError, OSError):
+        with staged(cache_folder() / CACHE_NAME, overwrite=True) as (temporary,):
+            write_npz(temporary, arrays)
     return _unpack(arrays)
-
-
-def cache_folder():
-    """Where caricli keeps what it can make again."""
-    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "caricli"
 
 
 def _unpack(arrays):

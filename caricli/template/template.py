@@ -8,33 +8,34 @@ import numpy as np
 from caricli.geometry.deformation_gradients import DeformationGradients
 from caricli.geometry.tuck_cavities import Cavities
 from caricli.structures import Mesh
-from caricli.template.annotation import Annotation
-
-CAVITIES = ("inner_mouth", "eye_socket_left", "eye_socket_right")
+from caricli.template.annotation import CAVITIES, Annotation
 
 
 @dataclass(frozen=True, eq=False)
 class Template(Mesh):
-    """A Mesh whose places have names. Its height is what shape errors are measured against."""
+    """A Mesh whose places have names. Its height is what shape errors are measured against.
+
+    annotation: Annotation of the vertices.
+    """
 
     annotation: Annotation = field(kw_only=True)
 
     @cached_property
-    def gradients(self):
+    def gradients(self) -> DeformationGradients:
         """Deformation gradients against these vertices, factored on first use."""
         return DeformationGradients(self.vertices, self.faces)
 
     @cached_property
-    def cavities(self):
+    def cavities(self) -> Cavities:
         """Mouth cavity and eye sockets, as far as the annotation names them, prepared on first use."""
         regions = self.annotation.regions
         return Cavities(self.vertices, self.faces, [regions[name] for name in CAVITIES if name in regions])
 
-    def region(self, name):
+    def region(self, name: str) -> np.ndarray:
         """Vertex ids of a region; all vertices where the annotation does not name it."""
         return self.annotation.regions.get(name, np.arange(len(self.vertices)))
 
-    def mask(self, *names):
+    def mask(self, *names: str) -> np.ndarray:
         """(V,) bool: vertices in any of the regions that the annotation names."""
         mask = np.zeros(len(self.vertices), dtype=bool)
         for name in names:

@@ -9,7 +9,7 @@ from caricli.io.checkpoint import read_checkpoint
 from caricli.io.provenance import sha256_file
 from caricli.io.strict_json import read_json, write_json
 from caricli.methods.evaluate.evaluate_shape import evaluate_shape
-from caricli.models.checkpoint import KINDS
+from caricli.models.kinds import KINDS
 from caricli.store.models import load_model
 
 

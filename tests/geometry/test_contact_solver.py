@@ -4,7 +4,7 @@ import igl
 import numpy as np
 import pytest
 
-from caricli.geometry.contact_solver import SOFTNESS, ContactSolver
+from caricli.geometry.contact_solver import SOFTNESS, Conditions, ContactSolver
 from caricli.geometry.deformation_transfer import DeformationTransfer
 
 PAIRS = np.array([[30, 33], [31, 33], [30, 34]])  # neighbours, whose conditions break and meet each other
@@ -55,15 +55,15 @@ def gaps(displacements):
 
 
 def test_without_a_condition_nothing_changes(solver, moved, patch):
-    assert solver.solve(moved, NONE, np.zeros((3, 3)), NORMALS, FAR) is moved
+    assert solver.solve(moved, Conditions(NONE, np.zeros((3, 3)), NORMALS, FAR)) is moved
     none = ContactSolver(DeformationTransfer(*patch, np.arange(63) < 5), np.zeros((0, 2), int))
-    given = np.zeros(0, bool), np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0)
-    np.testing.assert_array_equal(none.solve(moved, *given), moved)
+    given = Conditions(np.zeros(0, bool), np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0))
+    np.testing.assert_array_equal(none.solve(moved, given), moved)
 
 
 def test_pairs_that_close_agree_with_a_dense_penalty(solver, dense, moved):
     closed, targets = np.array([True, False, True]), np.array([[0.3, -0.1, 0.2], [9, 9, 9], [0.0, 0.1, -0.4]])
-    found = solver.solve(moved, closed, targets, NORMALS, FAR)
+    found = solver.solve(moved, Conditions(closed, targets, NORMALS, FAR))
     which = np.repeat([0, 2], 3)
     expected, _ = dense(moved, which, np.tile(np.eye(3), (2, 1)), targets[closed].ravel())
     np.testing.assert_allclose(found, expected, atol=1e-9)
@@ -80,7 +80,7 @@ def test_what_may_not_come_nearer_is_the_best_of_all_active_sets(solver, dense, 
     start = (gaps(moved) * normals).sum(1)
     # Between them conditions that are met from the start, that are not, and that others break or meet.
     floors = start + generator.uniform(-0.1, 0.2, 3)
-    found = solver.solve(moved, NONE, np.zeros((3, 3)), normals, floors)
+    found = solver.solve(moved, Conditions(NONE, np.zeros((3, 3)), normals, floors))
     kept = []
     for choice in product([False, True], repeat=3):
         active = np.flatnonzero(choice)
@@ -97,7 +97,7 @@ def test_what_may_not_come_nearer_is_the_best_of_all_active_sets(solver, dense, 
 def test_closing_and_keeping_apart_together(solver, dense, moved):
     closed, targets = np.array([True, False, False]), np.full((3, 3), 0.2)
     floors = np.array([9.0, *(gaps(moved) * NORMALS).sum(1)[1:]]) + [0, 0.1, -0.3]
-    found = solver.solve(moved, closed, targets, NORMALS, floors)
+    found = solver.solve(moved, Conditions(closed, targets, NORMALS, floors))
     directions = np.vstack([np.eye(3), NORMALS[1]])
     expected, _ = dense(moved, np.array([0, 0, 0, 1]), directions, np.r_[targets[0], floors[1]])
     np.testing.assert_allclose(found, expected, atol=1e-9)
@@ -106,6 +106,6 @@ def test_closing_and_keeping_apart_together(solver, dense, moved):
 def test_what_was_given_stays_as_it_was(solver, moved):
     given = moved, np.array([True, False, False]), np.ones((3, 3)), NORMALS, np.ones(3)
     copies = [array.copy() for array in given]
-    solver.solve(*given)
+    solver.solve(moved, Conditions(*given[1:]))
     for array, copy in zip(given, copies, strict=True):
         np.testing.assert_array_equal(array, copy)

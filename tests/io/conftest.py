@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from caricli.structures import Material, Rig
-from caricli.structures.mesh import triangle_fans
+from caricli.structures import Material, Mesh, Rig
 
 ROWS, COLUMNS = 5, 8
 
@@ -31,6 +30,7 @@ def full_rig():
     skin, eye = band(0.12, [0, 0.1, 0]), band(0.02, [0.03, 0.12, 0.12])
     count, uv_count = len(skin[0]), len(skin[2])
     polygons = np.concatenate([skin[1], eye[1] + count]).astype(np.int32)
+    uv_polygons = np.concatenate([skin[3], eye[3] + uv_count]).astype(np.int32)
     neutral = np.concatenate([skin[0], eye[0]]).astype(np.float32)
     deltas = np.zeros((4, *neutral.shape), np.float32)
     deltas[0, :COLUMNS] = [0, -0.01, 0.02]
@@ -39,12 +39,8 @@ def full_rig():
     pictures = np.random.default_rng(4).integers(0, 256, (2, 16, 16, 3), np.uint8)
     return Rig(
         names=("jawOpen", "mouthSmileLeft", "eyeLookUpLeft", "tongueOut"),
-        neutral=neutral,
+        mesh=Mesh(neutral, polygons, np.concatenate([skin[2], eye[2]]), uv_polygons),
         deltas=deltas,
-        faces=triangle_fans(polygons),
-        polygons=polygons,
-        uvs=np.concatenate([skin[2], eye[2]]),
-        uv_polygons=np.concatenate([skin[3], eye[3] + uv_count]).astype(np.int32),
         materials=np.repeat([Material.SKIN, Material.EYE], [len(skin[1]), len(eye[1])]).astype(np.int32),
         texture=pictures[0],
         eye_texture=pictures[1],

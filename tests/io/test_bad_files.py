@@ -9,9 +9,12 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
+import trimesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from PIL import Image
+from trimesh.exchange.ply import export_ply
+from trimesh.exchange.stl import export_stl_ascii
 
 from caricli.errors import InputError
 from caricli.io import image as image_module
@@ -20,6 +23,7 @@ from caricli.io.config import read_config
 from caricli.io.face import read_face, write_face
 from caricli.io.image import read_image, write_png
 from caricli.io.landmarks import read_landmarks, write_landmarks
+from caricli.io.mesh import read_mesh, write_mesh
 from caricli.io.npz import read_npz
 from caricli.io.obj import read_obj, write_obj
 from caricli.io.strict_json import read_json
@@ -35,6 +39,12 @@ class Settings:
 
 READERS = {
     "mesh.obj": read_obj,
+    "mesh.ply": read_mesh,
+    "text.ply": read_mesh,
+    "mesh.stl": read_mesh,
+    "text.stl": read_mesh,
+    "mesh.glb": read_mesh,
+    "mesh.gltf": read_mesh,
     "face.obj": read_face,
     "face.npz": read_face,
     "arrays.npz": read_npz,
@@ -60,7 +70,12 @@ def good_files(tmp_path_factory):
     mesh = Mesh(vertices, polygons, vertices[:, :2], polygons)
     write_obj(folder / "mesh.obj", mesh)
     write_obj(folder / "face.obj", mesh)
-    face = Face(vertices, np.array([[0, 1, 2], [0, 2, 3]], np.int32), latent=np.arange(3.0), model_id="pca")
+    for suffix in ("ply", "stl", "glb", "gltf"):
+        write_mesh(folder / f"mesh.{suffix}", mesh)
+    triangles = trimesh.Trimesh(mesh.vertices, mesh.faces, process=False)
+    (folder / "text.ply").write_bytes(export_ply(triangles, encoding="ascii"))
+    (folder / "text.stl").write_text(export_stl_ascii(triangles))
+    face = Face(Mesh(vertices, np.array([[0, 1, 2], [0, 2, 3]])), latent=np.arange(3.0), model_id="pca")
     write_face(folder / "face.npz", face)
     np.savez(folder / "arrays.npz", x=np.arange(4.0), y=np.array("text"))
     points = np.stack([np.arange(68.0), np.arange(68.0) ** 2], axis=1)
@@ -179,7 +194,7 @@ def test_random_bytes(tmp_path_factory, name):
 
     @FUZZ
     @given(
-        prefix=st.sampled_from([b"", b"PK\x03\x04", b"\x93NUMPY\1\0", b"\x89PNG\r\n\x1a\n", b"{", b"v 1 2 3\nf "]),
+        prefix=st.sampled_from([b"", b"ply\n", b"solid ", b"glTF\2\0\0\0", b"PK\x03\x04", b"\x93NUMPY\1\0", b"\x89PNG\r\n\x1a\n", b"{", b"v 1 2 3\nf "]),
         data=st.binary(max_size=200),
     )
     def check(prefix, data):

@@ -89,6 +89,6 @@ def test_truncated_and_other_files_are_refused(tmp_path):
 
 
 def test_what_could_not_be_read_is_not_written(tmp_path):
-    with pytest.raises(OutputError, match="unit vectors"):
-        write_directions(tmp_path / "a.npz", dataclasses.replace(some(), normals=np.ones((3, 4))))
+    with pytest.raises(OutputError, match="model_id: expected text, found none"):
+        write_directions(tmp_path / "a.npz", dataclasses.replace(some(), model_id=""))
     assert not (tmp_path / "a.npz").exists()

@@ -189,23 +189,9 @@ def test_texture_and_material(tmp_path):
     np.testing.assert_array_equal(read_obj(tmp_path / "b.obj").uv_polygons, square().uv_polygons)
 
 
-def test_what_could_not_be_read_back_is_not_written(tmp_path):
-    vertices, polygons = square().vertices, square().polygons
-    bad = {
-        "found others": Mesh(vertices * np.nan, polygons),
-        "at most 1e\\+06": Mesh(vertices * 1e7, polygons),
-        "indices below 4": Mesh(vertices, polygons + 1),
-        "indices below 4, found others": Mesh(vertices, np.array([[0, -1, 1, 2]], np.int32)),
-        "distinct vertices": Mesh(vertices, polygons % 3),
-        "faces, found none": Mesh(vertices, polygons[:0]),
-        "other shapes": Mesh(vertices[:, :2], polygons),
-        "for every corner": Mesh(vertices, polygons, vertices[:, :2], None),
-    }
-    for message, mesh in bad.items():
-        with pytest.raises(OutputError, match=message):
-            write_obj(tmp_path / "a.obj", mesh)
+def test_what_cannot_be_written_is_refused(tmp_path):
     with pytest.raises(OutputError, match="UVs for the texture"):
-        write_obj(tmp_path / "a.obj", Mesh(vertices, polygons), texture="a.png")
+        write_obj(tmp_path / "a.obj", Mesh(square().vertices, square().polygons), texture="a.png")
     for texture in ("../a.png", "a\nb.png", ""):
         with pytest.raises(OutputError, match="plain file name"):
             write_obj(tmp_path / "a.obj", square(), texture=texture)

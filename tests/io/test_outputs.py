@@ -198,7 +198,7 @@ NOISE = np.random.default_rng(0).uniform(0, 1000, (4000, 3))
 ROWS = np.arange(3999).reshape(-1, 3).astype(np.int32)
 WRITERS = {
     "a.obj": lambda path: write_obj(path, Mesh(NOISE, ROWS)),
-    "face.npz": lambda path: write_face(path, Face(NOISE, ROWS)),
+    "face.npz": lambda path: write_face(path, Face(Mesh(NOISE, ROWS))),
     "a.npz": lambda path: write_npz(path, {"x": NOISE}),
     "a.json": lambda path: write_json(path, NOISE),
     "a.png": lambda path: write_png(path, NOISE.astype(np.uint8)[None]),

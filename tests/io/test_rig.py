@@ -3,10 +3,10 @@ import dataclasses
 import numpy as np
 import pytest
 
-from caricli.errors import InputError, OutputError
+from caricli.errors import InputError
 from caricli.io.npz import read_npz, write_npz
 from caricli.io.rig import read_rig, write_rig
-from caricli.structures import Rig
+from caricli.structures import Mesh, Rig
 
 
 @pytest.fixture
@@ -15,31 +15,33 @@ def full_rig(full_rig):
     return dataclasses.replace(full_rig, normal_deltas=normal.astype(np.float32))
 
 
+def parts(rig):
+    """What a rig and its mesh hold, by name."""
+    mesh = {field.name: getattr(rig.mesh, field.name) for field in dataclasses.fields(Mesh)}
+    return mesh | {field.name: getattr(rig, field.name) for field in dataclasses.fields(Rig)[2:]}
+
+
 def test_all_fields_come_back_exactly(full_rig, tmp_path):
     write_rig(tmp_path / "a.npz", full_rig)
     back = read_rig(tmp_path / "a.npz")
-    for field in dataclasses.fields(Rig):
-        value, expected = getattr(back, field.name), getattr(full_rig, field.name)
-        assert type(value) is type(expected), field.name
+    for name, expected in parts(full_rig).items():
+        value = parts(back)[name]
+        assert type(value) is type(expected), name
         if isinstance(expected, np.ndarray):
-            assert value.dtype == expected.dtype, field.name
-        np.testing.assert_array_equal(value, expected, field.name)
+            assert value.dtype == expected.dtype, name
+        np.testing.assert_array_equal(value, expected, name)
     stored = read_npz(tmp_path / "a.npz")
     texts = [str(stored[key]) for key in ("schema", "units", "axes")]
     assert texts == ["caricli.rig/1", "m", "+y up, +z front"]
 
 
 def test_what_is_none_is_absent(full_rig, tmp_path):
-    bare = Rig(full_rig.names, full_rig.neutral, full_rig.deltas, full_rig.faces)
+    bare = Rig(full_rig.names, Mesh(full_rig.neutral, full_rig.faces), full_rig.deltas)
     write_rig(tmp_path / "a.npz", bare)
     assert set(read_npz(tmp_path / "a.npz")) == {"schema", "units", "axes", "names", "neutral", "deltas", "faces"}
     back = read_rig(tmp_path / "a.npz")
-    assert [f.name for f in dataclasses.fields(Rig) if getattr(back, f.name) is not None] == [
-        "names",
-        "neutral",
-        "deltas",
-        "faces",
-    ]
+    held = [field.name for field in dataclasses.fields(Rig) if getattr(back, field.name) is not None]
+    assert held == ["names", "mesh", "deltas"] and back.mesh.is_plain
 
 
 def test_a_head_that_keeps_still(full_rig, tmp_path):
@@ -50,8 +52,6 @@ def test_a_head_that_keeps_still(full_rig, tmp_path):
     assert back.names == () and back.deltas.shape == (0, *full_rig.neutral.shape) and back.deltas.dtype == np.float32
     np.testing.assert_array_equal(back.neutral, full_rig.neutral)
     np.testing.assert_array_equal(back.texture, full_rig.texture)
-    with pytest.raises(OutputError, match="deltas: expected the shape"):
-        write_rig(tmp_path / "b.npz", dataclasses.replace(full_rig, names=()))
 
 
 def test_the_same_rig_gives_the_same_bytes(full_rig, tmp_path):
@@ -75,7 +75,7 @@ CASES = [
     (lambda r: {"deltas": bad(r.deltas, np.inf)}, "deltas: expected finite"),
     (lambda r: {"deltas": r.deltas[:, :-1]}, "deltas: expected the shape"),
     (lambda r: {"faces": bad(r.faces, 10**6)}, "faces: expected indices below"),
-    (lambda r: {"uv_polygons": bad(r.uv_polygons, 10**6)}, "uv_polygons: expected indices below"),
+    (lambda r: {"uv_polygons": bad(r.mesh.uv_polygons, 10**6)}, "uv_polygons: expected indices below"),
     (lambda r: {"uvs": None}, "uvs: expected them together"),
     (lambda r: {"materials": bad(r.materials, 2)}, "materials: expected"),
     (lambda r: {"materials": r.materials[:-1]}, "materials: expected"),
@@ -88,23 +88,14 @@ CASES = [
 
 
 @pytest.mark.parametrize(("changes", "words"), CASES)
-def test_a_bad_rig_is_neither_written_nor_read(full_rig, changes, words, tmp_path):
+def test_a_bad_rig_is_not_read(full_rig, changes, words, tmp_path):
     changed = changes(full_rig)
-    with pytest.raises(OutputError) as refused:
-        write_rig(tmp_path / "a.npz", dataclasses.replace(full_rig, **changed))
-    assert words in str(refused.value) and "\n" not in str(refused.value)
-    assert not (tmp_path / "a.npz").exists()
     write_rig(tmp_path / "a.npz", full_rig)
     arrays = read_npz(tmp_path / "a.npz") | changed
     write_npz(tmp_path / "b.npz", {key: np.asarray(value) for key, value in arrays.items() if value is not None})
     with pytest.raises(InputError) as refused:
         read_rig(tmp_path / "b.npz")
     assert words in str(refused.value) and "\n" not in str(refused.value)
-
-
-def test_a_picture_of_floats_is_not_written(full_rig, tmp_path):
-    with pytest.raises(OutputError, match="texture: expected .* uint8, found .* float64"):
-        write_rig(tmp_path / "a.npz", dataclasses.replace(full_rig, texture=full_rig.texture / 255))
 
 
 @pytest.mark.parametrize(

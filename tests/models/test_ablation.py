@@ -10,14 +10,14 @@ from caricli.io.config import read_config
 from caricli.methods.train.train_autodecoder import Surface
 from caricli.models.ablation.networks import AblationConfig, ConditionedSiren, VertexArray
 from caricli.models.config import NetworkSize
-from caricli.models.deformable.model import Frame
+from caricli.models.deformable.model import UnitBox
 
 SIZE = NetworkSize(latent=6, width=16, layers=4, hidden=8)
 
 
 @pytest.fixture(scope="module")
 def surface(ball):
-    return Surface(Frame(ball[0]), ball[1])
+    return Surface(UnitBox(ball[0]), ball[1])
 
 
 @pytest.fixture(scope="module")

@@ -4,7 +4,7 @@ import torch
 
 from caricli.models.checkpoint import model_from_checkpoint, model_to_checkpoint
 from caricli.models.config import DeformableConfig, NetworkSize
-from caricli.models.deformable.model import DeformableModel, Frame, HyperSiren, siren
+from caricli.models.deformable.model import DeformableModel, UnitBox, HyperSiren, siren
 from caricli.models.prior import Prior
 
 SIZE = NetworkSize(latent=6, width=16, layers=3, hidden=12)
@@ -108,7 +108,7 @@ def test_it_survives_its_checkpoint(model):
 
 def test_a_frame_fills_the_cube():
     points = np.random.default_rng(0).normal(size=(50, 3)) * [1, 2, 3] + 5
-    inside = Frame(points).normalise(points)
+    inside = UnitBox(points).normalise(points)
     assert np.abs(inside).max() == pytest.approx(1)
     assert np.ptp(inside, axis=0).max() == pytest.approx(2)
 

@@ -3,6 +3,27 @@
 import numpy as np
 import pytest
 
+from caricli.structures import Mesh
+from caricli.template.annotation import Annotation
+from caricli.template.template import Template
+
+
+@pytest.fixture(scope="session")
+def bare():
+    """An annotation that knows nothing."""
+    return Annotation(np.zeros(68, int), (), {}, {}, None, {}, {})
+
+
+@pytest.fixture(scope="session")
+def lopsided_head(lopsided, bare):
+    """The lopsided sphere as a Template without names."""
+    return Template(*lopsided, annotation=bare)
+
+
+@pytest.fixture(scope="session")
+def lopsided_mesh(lopsided):
+    return Mesh(*lopsided)
+
 
 @pytest.fixture(scope="session")
 def sphere():

@@ -1,10 +1,7 @@
-from types import SimpleNamespace
-
 import numpy as np
 
 from caricli.render.comparison_sheet import comparison_sheet
 
-BARE = SimpleNamespace(curves={}, regions={})
 SIZE = 64
 
 
@@ -18,19 +15,18 @@ def red(picture):
     return (picture[..., 0] > 1.8 * np.maximum(picture[..., 1], picture[..., 2]) + 20).sum()
 
 
-def test_equal_heads_have_no_red_and_three_rows_of_three_views(lopsided):
-    vertices, faces = lopsided
-    sheet = comparison_sheet(vertices, vertices, faces, BARE, SIZE)
+def test_equal_heads_have_no_red_and_three_rows_of_three_views(lopsided_head):
+    sheet = comparison_sheet(lopsided_head, lopsided_head.vertices, SIZE)
     assert sheet.shape[0] > 3 * SIZE and sheet.shape[1] > 3 * SIZE
     assert all((row < 250).any(-1).mean() > 0.2 for row in rows(sheet))
     assert red(rows(sheet)[2]) == 0
 
 
-def test_red_is_where_the_heads_differ(lopsided):
-    vertices, faces = lopsided
+def test_red_is_where_the_heads_differ(lopsided_head):
+    vertices = lopsided_head.vertices
     found = vertices.copy()
     found[vertices[:, 1] > 0.3] *= 1.1
-    given, encoded, distance = rows(comparison_sheet(vertices, found, faces, BARE, SIZE))
+    given, encoded, distance = rows(comparison_sheet(lopsided_head, found, SIZE))
     assert red(given) == red(encoded) == 0
     height = len(distance) // 2
     assert red(distance[:height]) > 100 > 10 * red(distance[height:])

@@ -1,22 +1,17 @@
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 
 from caricli.render.dataset_sheet import dataset_sheet
 
-BARE = SimpleNamespace(curves={}, regions={})
-
 
 @pytest.fixture(scope="module")
-def shapes(lopsided):
-    vertices, faces = lopsided
+def shapes(lopsided_head):
     stretch = np.random.default_rng(0).uniform(0.5, 1.5, (9, 1, 3))
-    return vertices * stretch, faces
+    return lopsided_head.vertices * stretch, lopsided_head
 
 
 def sheet(shapes, count=4, seed=0, size=40):
-    return dataset_sheet(*shapes, BARE, count, size, np.random.default_rng(seed))
+    return dataset_sheet(*shapes, count, size, np.random.default_rng(seed))
 
 
 def test_every_face_has_two_views(shapes):

@@ -5,7 +5,7 @@ import pytest
 
 from caricli.errors import InputError
 from caricli.render.draw_rig import draw_rig
-from caricli.structures import Material, Rig
+from caricli.structures import Material, Mesh, Rig
 
 
 @pytest.fixture(scope="module")
@@ -19,7 +19,7 @@ def rig(sphere):
     image[:, :8], image[:, 8:] = (220, 20, 20), (20, 20, 220)
     materials = np.repeat([Material.SKIN, Material.EYE], len(faces)).astype(np.int32)
     deltas = np.zeros((1, *points.shape), np.float32)
-    return Rig(("still",), points, deltas, both, both, uvs, both, materials, None, image)
+    return Rig(("still",), Mesh(points, both, uvs, both), deltas, materials, None, image)
 
 
 def test_eyes_have_their_picture_and_skin_its_own_colour(rig):
@@ -53,9 +53,10 @@ def test_views_turn_the_head(rig):
 
 
 def test_rigs_without_materials_or_pictures_are_drawn_plainly(rig):
+    flat = Mesh(rig.neutral, rig.mesh.polygons)
     for bare in (
-        replace(rig, materials=None, uvs=None, uv_polygons=None, polygons=None, eye_texture=None),
-        replace(rig, uvs=None, uv_polygons=None),
+        replace(rig, materials=None, mesh=flat, eye_texture=None),
+        replace(rig, mesh=flat),
         replace(rig, eye_texture=None),
     ):
         picture = draw_rig(bare, bare.neutral, "front", 64).astype(int)

@@ -1,25 +1,23 @@
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 
+from caricli.errors import InputError
 from caricli.render.fit_sheet import FITTED, GIVEN, fit_sheet
+from caricli.structures import Camera, Face
 
 FRONT = np.diag([1.0, -1.0, -1.0])
-BARE = SimpleNamespace(curves={}, regions={})
 SIZE = 96
 
 
 @pytest.fixture(scope="module")
-def fitted(lopsided):
-    """Vertices, faces, given and fitted landmarks and a camera that shows the shape about (300, 200)."""
-    vertices, faces = lopsided
-    camera = 50.0, FRONT, np.array([300.0, 200.0])
-    ids = np.flatnonzero(vertices[:, 2] > 0.3)[::8]
-    points = camera[0] * vertices[ids] @ FRONT[:2].T + camera[2]
+def fitted(lopsided_head):
+    """A Template, a Face of it whose camera shows it about (300, 200), and given landmarks."""
+    camera = Camera(50.0, FRONT, np.array([300.0, 200.0]))
+    vertices = lopsided_head.vertices
+    points = camera.project(vertices[np.flatnonzero(vertices[:, 2] > 0.3)[::8]])
     given = points + np.array([4.0, 0.0])
     given[2] = np.nan
-    return vertices, faces, given, points, camera
+    return lopsided_head, Face(lopsided_head, camera, points), given
 
 
 def panels(sheet):
@@ -32,9 +30,10 @@ def near(panel, colour, tolerance=40):
 
 
 def sheet_of(fitted, image=None, shift=0.0, zoom=1.0):
-    vertices, faces, given, points, (scale, rotation, translation) = fitted
-    camera = scale * zoom, rotation, translation * zoom + shift
-    return fit_sheet(vertices, faces, BARE, given * zoom + shift, points * zoom + shift, camera, image, SIZE)
+    head, face, given = fitted
+    camera = Camera(face.camera.scale * zoom, FRONT, face.camera.translation * zoom + shift)
+    moved = Face(face.mesh, camera, face.landmarks * zoom + shift)
+    return fit_sheet(moved, head, given * zoom + shift, image, SIZE)
 
 
 def test_five_panels_none_of_them_empty(fitted):
@@ -82,9 +81,17 @@ def test_size_and_place_of_the_picture_do_not_matter(fitted):
 
 
 def test_inputs_stay_as_they_are(fitted):
-    vertices, faces, given, points, camera = fitted
+    head, face, given = fitted
     image = np.full((60, 60, 3), 7, np.uint8)
-    copies = [np.copy(a) for a in (vertices, given, points, camera[2], image)]
-    fit_sheet(vertices, faces, BARE, given, points, camera, image, SIZE)
-    for before, after in zip(copies, (vertices, given, points, camera[2], image), strict=True):
+    arrays = face.vertices, given, face.landmarks, face.camera.translation, image
+    copies = [np.copy(a) for a in arrays]
+    fit_sheet(face, head, given, image, SIZE)
+    for before, after in zip(copies, arrays, strict=True):
         np.testing.assert_array_equal(before, after)
+
+
+def test_a_face_that_was_never_fitted_is_refused(fitted):
+    head, face, given = fitted
+    for bare in (Face(head), Face(head, face.camera), Face(head, landmarks=face.landmarks)):
+        with pytest.raises(InputError, match="camera and landmarks"):
+            fit_sheet(bare, head, given)

@@ -1,8 +1,9 @@
 import numpy as np
 import pytest
 
-from caricli.render.mask_face import OUTLINE, mask_face
+from caricli.render.mask_face import mask_face
 from caricli.render.rasterise import rasterise
+from caricli.structures.landmarks import OUTLINE
 
 HEIGHT, WIDTH = 240, 220
 CENTRE, RADII = np.array([110.0, 120.0]), np.array([70.0, 95.0])

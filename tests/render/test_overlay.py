@@ -4,38 +4,34 @@ from scipy.spatial.transform import Rotation
 
 from caricli.errors import InputError
 from caricli.render.overlay import draw_landmarks, overlay_mesh
+from caricli.structures import Camera, Mesh
+from caricli.structures.landmarks import POLYLINES, RINGS
 
 
-def camera(angles=(0, 0, 0)):
+def turned(angles=(0, 0, 0)):
     return Rotation.from_euler("yxz", angles, degrees=True).as_matrix() @ np.diag([1.0, -1, -1])
 
 
 def test_a_known_point_lands_on_its_camera_pixel(sphere):
-    scale, rotation, translation = 200.0, camera((25, -15, 10)), np.array([70.3, 38.8])
+    camera = Camera(200.0, turned((25, -15, 10)), np.array([70.3, 38.8]))
     point = np.array([0.11, -0.07, 0.05])
     white, black = (
         overlay_mesh(
-            np.full((90, 120, 3), paper, np.uint8),
-            point + 0.03 * sphere[0],
-            sphere[1],
-            scale,
-            rotation,
-            translation,
-            opacity=1.0,
+            np.full((90, 120, 3), paper, np.uint8), Mesh(point + 0.03 * sphere[0], sphere[1]), camera, opacity=1.0
         ).astype(float)
         for paper in (255, 0)
     )
     coverage = 1 - (white - black).mean(-1) / 255
     y, x = np.mgrid[:90, :120]
     found = [(coverage * axis).sum() / coverage.sum() for axis in (x, y)]
-    np.testing.assert_allclose(found, scale * rotation[:2] @ point + translation, atol=0.05)
+    np.testing.assert_allclose(found, 200.0 * camera.rotation[:2] @ point + [70.3, 38.8], atol=0.05)
     assert abs(coverage.sum() / (np.pi * 6**2) - 1) < 0.03
 
 
 def test_opacity_mixes_picture_and_mesh(sphere):
     paper = np.full((40, 40, 3), (0, 0, 255), np.uint8)
     full, half, none = (
-        overlay_mesh(paper, sphere[0], sphere[1], 12.0, camera(), [20.0, 20], opacity=o).astype(float)
+        overlay_mesh(paper, Mesh(*sphere), Camera(12.0, turned(), [20.0, 20]), opacity=o).astype(float)
         for o in (1.0, 0.5, 0.0)
     )
     assert (none == paper).all()
@@ -45,7 +41,7 @@ def test_opacity_mixes_picture_and_mesh(sphere):
 
 def test_the_picture_is_not_changed(sphere):
     paper = np.full((40, 40, 3), 200, np.uint8)
-    overlay_mesh(paper, sphere[0], sphere[1], 12.0, camera(), [20.0, 20])
+    overlay_mesh(paper, Mesh(*sphere), Camera(12.0, turned(), [20.0, 20]))
     draw_landmarks(paper, [[3.0, 3.0]])
     assert (paper == 200).all()
 
@@ -63,7 +59,7 @@ def test_the_picture_is_not_changed(sphere):
 )
 def test_what_is_no_camera_is_refused(sphere, scale, rotation, translation):
     with pytest.raises(InputError, match="camera"):
-        overlay_mesh(np.zeros((8, 8, 3), np.uint8), sphere[0], sphere[1], scale, rotation, translation)
+        overlay_mesh(np.zeros((8, 8, 3), np.uint8), Mesh(*sphere), Camera(scale, rotation, translation))
 
 
 def test_landmarks_are_dots_at_their_pixels():
@@ -89,6 +85,18 @@ def test_unknown_landmarks_and_lines_to_them_are_left_out():
     assert drawn[50, int(points[1, 0]) : x2].all()  # joined by a line
     dots = draw_landmarks(paper, points, radius=1, lines=False).any(-1)
     assert 0 < dots.sum() < drawn.sum()
+
+
+def test_open_lines_end_and_rings_close():
+    points = np.full((68, 2), np.nan)
+    for first, last, closed in [(line[0], line[-1], False) for line in POLYLINES] + [
+        (ring[0], ring[-1], True) for ring in RINGS
+    ]:
+        ends = points.copy()
+        ends[first] = 10, 50
+        ends[last] = 90, 50
+        drawn = draw_landmarks(np.zeros((100, 100, 3), np.uint8), ends, radius=1)
+        assert drawn[50, 50].any() == closed
 
 
 def test_far_points_do_no_harm_and_dots_grow_with_the_picture():

@@ -1,6 +1,10 @@
+from dataclasses import replace
+
 import numpy as np
+import pytest
 
 from caricli.render.place_eyeballs import place_eyeballs
+from caricli.structures import Mesh
 
 
 def edge_path(faces, start, length):
@@ -11,36 +15,36 @@ def edge_path(faces, start, length):
     return path
 
 
-def tables(faces, shift=0):
-    path = [shift + k for k in edge_path(faces, 4, 6)]
-    return {"eye_upper_left": path[:3], "eye_lower_left": path[3:]}, {"eye_socket_left": list(range(shift, shift + 50))}
+@pytest.fixture
+def one_eye(sphere, bare):
+    path = np.array(edge_path(sphere[1], 4, 6))
+    curves = {"eye_upper_left": path[:3], "eye_lower_left": path[3:]}
+    return replace(bare, curves=curves, regions={"eye_socket_left": np.arange(50)})
 
 
-def test_a_ball_fills_its_socket_behind_the_lids(sphere):
+def test_a_ball_fills_its_socket_behind_the_lids(sphere, one_eye):
     vertices, faces = sphere
     vertices = 0.01 * vertices + [0.03, 0.1, 0.2]
-    curves, regions = tables(faces)
-    lids = curves["eye_upper_left"] + curves["eye_lower_left"]
-    ((centre, radius),) = place_eyeballs(vertices, faces, curves, regions)
+    lids = np.concatenate([one_eye.curves["eye_upper_left"], one_eye.curves["eye_lower_left"]])
+    ((centre, radius),) = place_eyeballs(Mesh(vertices, faces), one_eye)
     np.testing.assert_allclose(radius, 0.01, rtol=1e-6)
     assert (np.linalg.norm(vertices[lids] - centre, axis=1) > 1.019 * radius).all()
     assert centre[2] < 0.2
 
 
-def test_follows_a_similarity(sphere):
+def test_follows_a_similarity(sphere, one_eye):
     vertices, faces = sphere
-    curves, regions = tables(faces)
-    ((centre, radius),) = place_eyeballs(vertices, faces, curves, regions)
-    ((moved, larger),) = place_eyeballs(3 * vertices + [1, 2, 3], faces, curves, regions)
+    ((centre, radius),) = place_eyeballs(Mesh(vertices, faces), one_eye)
+    ((moved, larger),) = place_eyeballs(Mesh(3 * vertices + [1, 2, 3], faces), one_eye)
     np.testing.assert_allclose(moved, 3 * centre + [1, 2, 3], atol=1e-9)
     np.testing.assert_allclose(larger, 3 * radius)
 
 
-def test_another_mesh_and_an_annotation_without_eyes_give_none(sphere):
-    vertices, faces = sphere
-    curves, regions = tables(faces)
-    assert place_eyeballs(vertices, faces, curves, regions)
-    assert place_eyeballs(vertices, faces, {}, {}) == []
-    assert place_eyeballs(vertices[:4], faces[:0], curves, regions) == []
-    far_apart = {"eye_upper_left": [0, 1], "eye_lower_left": [2, 3]}  # the corners of an octahedron: no edges any more
-    assert place_eyeballs(vertices, faces, far_apart, regions) == []
+def test_another_mesh_and_an_annotation_without_eyes_give_none(sphere, bare, one_eye):
+    mesh = Mesh(*sphere)
+    assert place_eyeballs(mesh, one_eye)
+    assert place_eyeballs(mesh, bare) == []
+    assert place_eyeballs(Mesh(sphere[0][:4], np.array([[0, 1, 2]])), one_eye) == []
+    # The corners of an octahedron: no edges any more.
+    far_apart = {"eye_upper_left": np.array([0, 1]), "eye_lower_left": np.array([2, 3])}
+    assert place_eyeballs(mesh, replace(one_eye, curves=far_apart)) == []

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from caricli.render.rasterise import rasterise
-from caricli.render.shade import shade
+from caricli.render.shade import Look, shade
 
 SIZE = 64
 
@@ -32,10 +32,10 @@ def test_light_comes_from_the_upper_left_and_is_neither_burnt_nor_black(sphere):
 def test_colours_are_of_the_vertices_and_the_right_channel(sphere):
     vertices, faces = sphere
     colours = np.where(vertices[:, :1] > 0, [200.0, 30, 30], [30.0, 30, 200])
-    picture = shade(in_picture(vertices), faces, SIZE, SIZE, vertex_colours=colours).astype(int)
+    picture = shade(in_picture(vertices), faces, SIZE, SIZE, Look(vertex_colours=colours)).astype(int)
     left, right = picture[SIZE // 2, SIZE // 4], picture[SIZE // 2, 3 * SIZE // 4]
     assert left[2] > 2 * left[0] and right[0] > 2 * right[2]
-    plain = shade(in_picture(vertices), faces, SIZE, SIZE, colour=(30, 200, 30)).astype(int)
+    plain = shade(in_picture(vertices), faces, SIZE, SIZE, Look(colour=(30, 200, 30))).astype(int)
     assert plain[SIZE // 2, SIZE // 2, 1] > 2 * plain[SIZE // 2, SIZE // 2, 0]
 
 
@@ -65,14 +65,14 @@ def test_an_eyeball_looks_along_its_gaze_and_hides_behind_the_mesh(sphere):
     vertices, faces = sphere
     far = in_picture(vertices * 0.1) + [0, 0, 90]
     middle = [(SIZE - 1) / 2, (SIZE - 1) / 2, 0.0]
-    ball = shade(far, faces, SIZE, SIZE, eyeballs=[(middle, 20.0)]).astype(int)
+    ball = shade(far, faces, SIZE, SIZE, Look(eyeballs=[(middle, 20.0)])).astype(int)
     assert ball[SIZE // 2, SIZE // 2, :3].max() < 40 and ball[SIZE // 2, SIZE // 2, 3] == 255  # the pupil
     assert ball[SIZE // 2, SIZE // 2 + 12, :3].min() > 90  # the white
-    turned = shade(far, faces, SIZE, SIZE, eyeballs=[(middle, 20.0)], gaze=(0.6, 0, -0.8)).astype(int)
+    turned = shade(far, faces, SIZE, SIZE, Look(eyeballs=[(middle, 20.0)], gaze=(0.6, 0, -0.8))).astype(int)
     assert turned[SIZE // 2, SIZE // 2 + 12, :3].max() < 40
     near = in_picture(vertices) - [0, 0, 90]
     plain = shade(near, faces, SIZE, SIZE)
-    assert (shade(near, faces, SIZE, SIZE, eyeballs=[(middle, 20.0)]) == plain).all()
+    assert (shade(near, faces, SIZE, SIZE, Look(eyeballs=[(middle, 20.0)])) == plain).all()
 
 
 def test_same_input_same_bytes_and_inputs_are_not_changed(lopsided):

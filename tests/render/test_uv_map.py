@@ -3,15 +3,18 @@ import pytest
 
 from caricli.errors import InputError
 from caricli.render.uv_map import pad_texture, uv_map
-from caricli.structures.mesh import triangle_fans
-from caricli.template.head import load_head
+from caricli.structures import Mesh
 
 SQUARE = np.array([[0.25, 0.25], [0.75, 0.25], [0.75, 0.75], [0.25, 0.75]])
 HALVES = np.array([[0, 1, 2], [0, 2, 3]])
 
 
+def painted(uvs=SQUARE, uv_faces=HALVES):
+    return Mesh(np.c_[SQUARE, np.zeros(4)], HALVES, uvs, uv_faces)
+
+
 def test_texels_know_their_place():
-    face, barycentric = uv_map(SQUARE, HALVES, 64)
+    face, barycentric = uv_map(painted(), 64)
     inside = face >= 0
     assert inside[16:48, 16:48].all() and inside.sum() == 32 * 32
     assert face[47, 40] == 0 and face[18, 20] == 1  # row 0 is the top, v = 1
@@ -21,12 +24,10 @@ def test_texels_know_their_place():
     assert not barycentric[~inside].any()
 
 
-def test_every_triangle_of_the_head_is_there():
-    head = load_head()
-    uv_faces = triangle_fans(head.uv_polygons)
-    face, barycentric = uv_map(head.uvs, uv_faces, 512)
+def test_every_triangle_of_the_head_is_there(head_template):
+    face, barycentric = uv_map(head_template, 512)
     seen = np.unique(face[face >= 0], return_counts=True)
-    a, b, c = np.moveaxis(head.uvs[uv_faces] * 512, 1, 0)
+    a, b, c = np.moveaxis(head_template.uvs[head_template.uv_faces] * 512, 1, 0)
     area = np.abs((b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0]) / 2
     assert np.isin(np.flatnonzero(area > 8), seen[0]).all()
     assert seen[1].sum() == pytest.approx(area.sum(), rel=0.02)
@@ -35,9 +36,11 @@ def test_every_triangle_of_the_head_is_there():
 
 def test_bad_meshes_are_refused():
     with pytest.raises(InputError):
-        uv_map(np.where(SQUARE > 0.5, np.nan, SQUARE), HALVES, 16)
+        uv_map(painted(np.where(SQUARE > 0.5, np.nan, SQUARE)), 16)
     with pytest.raises(InputError):
-        uv_map(SQUARE, HALVES + 2, 16)
+        uv_map(painted(uv_faces=HALVES + 2), 16)
+    with pytest.raises(InputError, match="without"):
+        uv_map(painted(None, None), 16)
 
 
 def test_padding_keeps_what_is_there_and_takes_the_nearest():

@@ -2,7 +2,9 @@ import numpy as np
 import pytest
 
 from caricli.errors import InputError
+from caricli.render.shade import Look
 from caricli.render.views import VIEWS, render_views, turntable
+from caricli.structures import Mesh
 
 MIRROR = np.array([-1.0, 1, 1])
 
@@ -21,15 +23,14 @@ def mean_difference(a, b):
 )
 def test_a_mirrored_mesh_gives_the_mirrored_view(lopsided, view, twin):
     vertices, faces = lopsided
-    picture = render_views(vertices, faces, [view], 64)[0]
-    mirrored = render_views(vertices * MIRROR, faces[:, ::-1], [twin], 64)[0]
+    picture = render_views(Mesh(vertices, faces), [view], 64)[0]
+    mirrored = render_views(Mesh(vertices * MIRROR, faces[:, ::-1]), [twin], 64)[0]
     assert mean_difference(picture, mirrored[:, ::-1]) < 0.01
     assert mean_difference(picture, mirrored) > 0.02
 
 
-def test_all_views_have_one_scale_and_fit(lopsided):
-    vertices, faces = lopsided
-    pictures = render_views(vertices, faces, list(VIEWS), 96)
+def test_all_views_have_one_scale_and_fit(lopsided_mesh):
+    pictures = render_views(lopsided_mesh, list(VIEWS), 96)
     boxes = [box(p) for p in pictures]
     heights = [b[3] - b[2] for b in boxes]
     assert max(heights) - min(heights) <= 2
@@ -41,14 +42,14 @@ def test_all_views_have_one_scale_and_fit(lopsided):
 def test_the_subjects_left_is_on_the_right_and_up_is_up(sphere):
     vertices, faces = sphere
     colours = np.where(vertices[:, :1] > 0.4, [230.0, 20, 20], np.where(vertices[:, 1:2] > 0.4, [20.0, 20, 230], 120.0))
-    front = render_views(vertices, faces, ["front"], 64, vertex_colours=colours)[0].astype(int)
+    front = render_views(Mesh(vertices, faces), ["front"], 64, Look(vertex_colours=colours))[0].astype(int)
     assert front[32, 56, 0] > 2 * front[32, 56, 2] and front[8, 32, 2] > 2 * front[8, 32, 0]
 
 
 def test_profile_looks_to_the_left_and_its_twin_to_the_right(sphere):
     vertices, faces = sphere
     nosed = vertices + np.exp(-20 * ((vertices - [0, 0, 1]) ** 2).sum(1))[:, None] * [0, 0, 1]
-    left, right = render_views(nosed, faces, ["profile", "profile-right"], 64)
+    left, right = render_views(Mesh(nosed, faces), ["profile", "profile-right"], 64)
     row = [np.flatnonzero(p[32, :, 3]) for p in (left, right)]
     tall = [np.flatnonzero(p[16, :, 3]) for p in (left, right)]
     assert tall[0].min() - row[0].min() > 10 and row[1].max() - tall[1].max() > 10
@@ -56,13 +57,13 @@ def test_profile_looks_to_the_left_and_its_twin_to_the_right(sphere):
 
 def test_a_turntable_starts_in_front_and_comes_round(lopsided):
     vertices, faces = lopsided
-    frames = turntable(vertices, faces, 4, 64)
+    frames = turntable(Mesh(vertices, faces), 4, 64)
     assert len(frames) == 4
-    behind = turntable(vertices * [-1, 1, -1], faces, 4, 64)[0]
+    behind = turntable(Mesh(vertices * [-1, 1, -1], faces), 4, 64)[0]
     assert mean_difference(frames[2], behind) < 0.01
     assert all(not p[:, [0, -1], 3].any() and not p[[0, -1], :, 3].any() for p in frames)
 
 
 def test_an_unknown_view_is_refused(sphere):
     with pytest.raises(InputError, match="'behind'.*front"):
-        render_views(*sphere, ["behind"], 16)
+        render_views(Mesh(*sphere), ["behind"], 16)

@@ -6,7 +6,7 @@ import pytest
 from caricli.errors import InputError
 from caricli.io.bundled import asset_path
 from caricli.structures.landmarks import EXTRA_NAMES
-from caricli.template.annotation import parse_annotation
+from caricli.template.annotation import CAVITIES, DELICATE, bundled_annotation, parse_annotation
 
 COUNT = 200
 
@@ -136,5 +136,8 @@ def test_the_bundled_annotation_is_good_and_fits_only_its_mesh():
     assert len(EXTRA_NAMES) == len(value["extra13_names"]) == 13
     for name in ("face", "scalp", "inner_mouth", "eye_socket_left"):
         assert len(annotation.regions[name]) > 20
+    assert {*CAVITIES, *DELICATE} <= set(annotation.regions)
+    bundled = bundled_annotation()
+    assert bundled is bundled_annotation() and bundled.source == value and len(bundled.mirror) == 4200
     with pytest.raises(InputError, match="from 0 to 4198"):
         parse_annotation(value, 4199, "head_annotation.json")

@@ -12,7 +12,7 @@ def test_level_0_is_the_templates_own_mesh(head_template):
     fine = fine_mesh(head_template, 0)
     assert (fine.weights @ head_template.vertices == head_template.vertices).all()
     for name in ("faces", "polygons", "uvs", "uv_polygons"):
-        assert np.array_equal(getattr(fine, name), getattr(head_template, name)), name
+        assert np.array_equal(getattr(fine.mesh, name), getattr(head_template, name)), name
 
 
 def test_a_finer_head_has_uvs_at_every_corner(head_template):
@@ -33,6 +33,20 @@ def test_what_could_not_be_read_back_is_refused(head_template):
 
 def test_a_template_without_uvs_stays_without(ball):
     vertices, faces = ball
-    template = Template(vertices, faces, faces, parse_annotation({"ibug68": list(range(68))}, len(vertices), "ball"))
+    annotation = parse_annotation({"ibug68": list(range(68))}, len(vertices), "ball")
+    template = Template(vertices, faces, annotation=annotation)
     fine = fine_mesh(template, 2)
     assert fine.mesh.uvs is None and fine.mesh.uv_polygons is None and len(fine.mesh.faces) == 24 * len(faces)
+
+
+def test_another_shape_keeps_the_split(head_template):
+    fine = fine_mesh(head_template, 1)
+    wide = head_template.vertices * [2, 1, 1]
+    shaped = fine.shaped(wide)
+    np.testing.assert_array_equal(shaped.mesh.vertices, fine.weights @ wide)
+    assert shaped.weights is fine.weights and shaped.levels == 1
+    assert shaped.mesh.topology_id == fine.mesh.topology_id
+    np.testing.assert_array_equal(fine.with_vertices(shaped.mesh.vertices).mesh.vertices, shaped.mesh.vertices)
+    with pytest.raises(InputError, match="as the mesh has"):
+        fine.with_vertices(wide)
+    np.testing.assert_array_equal(fine_mesh(head_template, 0).shaped(wide).mesh.vertices, wide)

@@ -11,7 +11,7 @@ def template(ball):
     vertices, faces = ball
     regions = {"nose": [1, 2, 3], "mouth": [3, 4]}
     annotation = parse_annotation({"ibug68": list(range(68)), "regions": regions}, len(vertices), "ball")
-    return Template(vertices, faces, faces, annotation)
+    return Template(vertices, faces, annotation=annotation)
 
 
 def test_height_is_the_extent_along_y(template):

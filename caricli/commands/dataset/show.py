@@ -32,8 +32,8 @@ def command(dataset, out, faces, size, seed, overwrite):
     data = read_dataset(dataset)
     if out is not None:
         with staged(out, overwrite=overwrite, inputs=dataset_files(dataset)) as (temporary,):
-            mesh = data.template.faces, data.template.annotation
-            write_png(temporary, dataset_sheet(data.vertices, *mesh, faces, size, np.random.default_rng(seed)))
+            sheet = dataset_sheet(data.vertices, data.template, faces, size, np.random.default_rng(seed))
+            write_png(temporary, sheet)
         click.echo(f"{out}: {min(faces, len(data.vertices))} meshes drawn")
     for line in summarise_dataset(data):
         click.echo(line)

@@ -188,14 +188,9 @@ def _picture(portrait, found=None, template=None):
     picture = cv2.resize(portrait.image, None, fx=zoom, fy=zoom, interpolation=cv2.INTER_AREA)
     if found is None:
         return picture
-    note, pose = template.annotation, found.pose
-    drawn = overlay_mesh(
-        np.full_like(picture, 255),
-        template.with_vertices(found.vertices),
-        pose.zoomed(zoom),
-        opacity=1,
-        eyeballs=place_eyeballs(found.vertices, template.faces, note.curves, note.regions),
-    )
+    head = template.with_vertices(found.vertices)
+    eyeballs = place_eyeballs(head, template.annotation)
+    drawn = overlay_mesh(np.full_like(picture, 255), head, found.pose.zoomed(zoom), opacity=1, eyeballs=eyeballs)
     drawn = draw_landmarks(drawn, zoom * portrait.points, GIVEN, radius=2, hollow=True, lines=False)
     return draw_landmarks(drawn, zoom * found.landmarks, FITTED, radius=1, lines=False)
 

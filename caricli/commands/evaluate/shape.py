@@ -2,6 +2,8 @@
 
 from contextlib import nullcontext
 from dataclasses import asdict
+from pathlib import Path
+from typing import Any
 
 import click
 
@@ -27,27 +29,38 @@ def command(models, dataset, out, count, overwrite):
       caricli evaluate shape pca.safetensors intrinsic.safetensors --data dataset
       caricli evaluate shape run/model.safetensors kernel --data dataset --count 100
     """
-    from rich.console import Console
-    from rich.table import Table
-
+    from caricli.commands.shared.tables import print_table
     from caricli.data.dataset import SPLITS, read_dataset
-    from caricli.methods.evaluate.evaluate_shape import evaluate_shape, spread_rows
+    from caricli.methods.evaluate.evaluate_shape import evaluate_splits
     from caricli.store.datasets import dataset_files
     from caricli.store.models import check_topology, load_model
 
-    inputs, results = (*models, *dataset_files(dataset)), {}
-    table = Table("model", "kind", "D", *(f"{split} mm (%)" for split in SPLITS), "test latent rms")
+    inputs = (*models, *dataset_files(dataset))
+    rows = []
+    results = {}
     with staged(out, overwrite=overwrite, inputs=inputs) if out else nullcontext([None]) as (temporary,):
         data = read_dataset(dataset)
-        rows = {split: spread_rows(data.rows(split), count or len(data.vertices)) for split in SPLITS}
         for path in models:
             model = load_model(path)
             check_topology(model.template, data.template, path)
-            errors = {split: evaluate_shape(model, data.vertices[rows[split]]) for split in SPLITS}
-            cells = [f"{e.millimetres:.3f} ({e.percent:.3f})" if e else "-" for e in errors.values()]
-            rms = f"{errors['test'].prior_rms:.2f}" if errors["test"] else "-"
-            table.add_row(path.name, model.kind, str(len(model.prior.mean)), *cells, rms)
-            results[str(path)] = {split: asdict(e) for split, e in errors.items() if e}
+            errors = evaluate_splits(model, data, count=count or 0)
+            results[str(path)] = {split: asdict(error) for split, error in errors.items()}
+            rows.append((*_about(path, model), *(_cell(errors.get(split)) for split in SPLITS), _spread(errors)))
         if temporary:
             write_json(temporary, provenance("evaluate shape", [*models, dataset / "dataset.json"], models=results))
-    Console(width=None if Console().is_terminal else 120).print(table)
+    print_table(("model", "kind", "D", *(f"{split} mm (%)" for split in SPLITS), "test latent rms"), rows)
+
+
+def _about(path: Path, model: Any) -> tuple[str, str, str]:
+    """Name, kind and dimension of a ShapeModel."""
+    return path.name, model.kind, str(len(model.prior.mean))
+
+
+def _cell(error: Any) -> str:
+    """A ShapeError, or "-" for none."""
+    return "-" if error is None else f"{error.millimetres:.3f} ({error.percent:.3f})"
+
+
+def _spread(errors: dict) -> str:
+    """Root mean square latent of the test meshes among ShapeErrors by split."""
+    return f"{errors['test'].prior_rms:.2f}" if "test" in errors else "-"

@@ -95,6 +95,10 @@ subdivide_option = click.option(
 
 image_option = click.option("--image", type=PATH, metavar="IMAGE", help="The picture that the landmarks belong to.")
 
+pts_origin_option = click.option(
+    "--pts-origin", type=click.IntRange(0, 1), default=1, help="Coordinate of the first pixel in .pts files."
+)
+
 device_option = click.option(
     "--device", type=click.Choice(["auto", "cpu", "cuda"]), default="auto", help="Where to train."
 )

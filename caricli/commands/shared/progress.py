@@ -1,10 +1,13 @@
 """Bars for what takes its time."""
 
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+
+import click
 
 
 @contextmanager
-def progress_bar(description):
+def progress_bar(description: str) -> Iterator[Callable[[int, int], None]]:
     """Yield ``report(done, total)``: a bar with the time left on stderr where that is a terminal, else nothing."""
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
@@ -14,3 +17,28 @@ def progress_bar(description):
     with Progress(*columns, console=console, disable=not console.is_terminal, transient=True) as progress:
         task = progress.add_task(description, total=None)
         yield lambda done, total: progress.update(task, completed=done, total=total)
+
+
+@contextmanager
+def training_bar(epochs: int) -> Iterator[Callable[[dict], None]]:
+    """Yield show(line of the log): a bar with loss and errors where stderr is a terminal, else lines now and then."""
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+    console = Console(stderr=True)
+    columns = (BarColumn(), MofNCompleteColumn(), TimeRemainingColumn(), TextColumn("{task.description}"))
+    with Progress(*columns, console=console, disable=not console.is_terminal, transient=True) as progress:
+        task = progress.add_task("", total=epochs)
+        validation = ""
+
+        def show(line: dict) -> None:
+            nonlocal validation
+            if line["validation"] is not None:
+                validation = f", validation {line['validation']:.3f} %"
+            text = f"loss {line['loss']:.4g}, train {line['train']:.3f} %{validation}"
+            progress.update(task, completed=line["epoch"], description=text)
+            if line["validation"] is not None and not console.is_terminal:
+                minutes = line["seconds"] / 60 * (epochs / line["epoch"] - 1)
+                click.echo(f"epoch {line['epoch']} of {epochs}: {text}, about {minutes:.0f} min left", err=True)
+
+        yield show

@@ -1,9 +1,9 @@
 """caricli train intrinsic: principal components of deformation-gradient features."""
 
-from caricli.commands.train_linear import train_linear, training_command
+from caricli.commands.shared.linear_training import linear_command, train_and_write
 
 
-@training_command
+@linear_command
 def command(dataset, out, config, overrides, overwrite):
     """Train a linear model of deformations, which extrapolates without tearing.
 
@@ -14,4 +14,4 @@ def command(dataset, out, config, overrides, overwrite):
       caricli train intrinsic --data dataset --out intrinsic.safetensors
       caricli train intrinsic --data dataset --out small.safetensors --set dimension=32
     """
-    train_linear("intrinsic", dataset, out, config, overrides, overwrite)
+    train_and_write("intrinsic", dataset, out, config, overrides, overwrite)

@@ -1,9 +1,9 @@
 """caricli train kernel: principal components, the finer ones predicted from the coarser ones."""
 
-from caricli.commands.train_linear import train_linear, training_command
+from caricli.commands.shared.linear_training import linear_command, train_and_write
 
 
-@training_command
+@linear_command
 def command(dataset, out, config, overrides, overwrite):
     """Train a model of vertex positions that predicts fine components from coarse ones.
 
@@ -15,4 +15,4 @@ def command(dataset, out, config, overrides, overwrite):
       caricli train kernel --data dataset --out kernel.safetensors
       caricli train kernel --data dataset --out small.safetensors --set dimension=32 --set components=96
     """
-    train_linear("kernel", dataset, out, config, overrides, overwrite)
+    train_and_write("kernel", dataset, out, config, overrides, overwrite)

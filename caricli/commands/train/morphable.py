@@ -1,9 +1,9 @@
 """caricli train morphable: identity, expression and albedo in linear bases of their own."""
 
-from caricli.commands.train_linear import train_linear, training_command
+from caricli.commands.shared.linear_training import linear_command, train_and_write
 
 
-@training_command
+@linear_command
 def command(dataset, out, config, overrides, overwrite):
     """Train a linear morphable model, in which who and what expression are separate.
 
@@ -16,4 +16,4 @@ def command(dataset, out, config, overrides, overwrite):
       caricli train morphable --data dataset --out morphable.safetensors
       caricli train morphable --data dataset --out small.safetensors --set identity=32 --set expression=16
     """
-    train_linear("morphable", dataset, out, config, overrides, overwrite)
+    train_and_write("morphable", dataset, out, config, overrides, overwrite)

@@ -1,9 +1,9 @@
 """caricli train pca: principal components of vertex positions."""
 
-from caricli.commands.train_linear import train_linear, training_command
+from caricli.commands.shared.linear_training import linear_command, train_and_write
 
 
-@training_command
+@linear_command
 def command(dataset, out, config, overrides, overwrite):
     """Train a linear model of vertex positions.
 
@@ -14,4 +14,4 @@ def command(dataset, out, config, overrides, overwrite):
       caricli train pca --data dataset --out pca.safetensors
       caricli train pca --data dataset --out small.safetensors --set dimension=32
     """
-    train_linear("pca", dataset, out, config, overrides, overwrite)
+    train_and_write("pca", dataset, out, config, overrides, overwrite)

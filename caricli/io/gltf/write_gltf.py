@@ -1,4 +1,4 @@
-"""Rigs to GLB: one mesh with named morph targets."""
+"""Rigs to GLB or glTF: one mesh with named morph targets."""
 
 import io
 from pathlib import Path
@@ -8,70 +8,49 @@ import scipy.sparse as sp
 
 from caricli import __version__
 from caricli.errors import OutputError, shown
-from caricli.io.gltf.format import (
-    BINARY_CHUNK,
-    CHUNK,
-    DTYPES,
-    HEADER,
-    JSON_CHUNK,
-    MAGIC,
-    MATERIAL_NAMES,
-    SOURCE_VERTEX,
-    TYPES,
-    VERSION,
-)
-from caricli.io.outputs import write_bytes
-from caricli.io.strict_json import format_json
-from caricli.limits import MAX_FILE_BYTES
+from caricli.io.gltf.container import write_container
+from caricli.io.gltf.format import DTYPES, MATERIAL_NAMES, SOURCE_VERTEX, TYPES, VERSION
 from caricli.structures import Animation, Material, Rig
 
 _COLOURS = {Material.SKIN: [0.7, 0.42, 0.3, 1], Material.EYE: [0.85, 0.83, 0.8, 1]}
 _ROUGHNESS = 0.6
 _CODES = {dtype: code for code, dtype in DTYPES.items()}
-_FOR_VERTICES, _FOR_INDICES = 34962, 34963
-_LINEAR, _LINEAR_MIPMAP_LINEAR = 9729, 9987
+_FOR_VERTICES = 34962
+_FOR_INDICES = 34963
+_LINEAR = 9729
+_LINEAR_MIPMAP_LINEAR = 9987
 
 
 def write_gltf(path: Path, rig: Rig, sparse: bool = False, animation: Animation | None = None) -> None:
-    """Write a rig as GLB: metres, +y up, +z front; the same rig gives the same bytes.
+    """Write a rig: metres, +y up, +z front; the same rig gives the same bytes.
 
     One node with one mesh; one primitive for every material; morph targets of positions and normals, their names in
     ``mesh.extras.targetNames``. Vertices are split where the UVs have a seam, and `SOURCE_VERTEX` leads back; those of
     no polygon stand at the end of the first primitive.
-    Parameters: path; rig, Rig; sparse, whether of a target only the vertices that move are stored; animation, Animation
-    or None.
-    Raises: OutputError when the rig could not be read back, the animation does not fit it, or the file cannot be
-    written.
+    path: a GLB, or, where it ends in .gltf, one text with all inside. sparse: whether of a target only the vertices
+    that move are stored. animation: weights of the rig's shapes over time, or None.
+    Raises OutputError when the animation does not fit the rig, the file would be larger than what is read, or it
+    cannot be written.
     """
     if animation is not None and np.shape(animation.weights)[1] != len(rig.names):
-        found = np.shape(animation.weights)[1]
-        raise OutputError(f"{shown(path)}: expected weights of the rig's {len(rig.names)} expressions, found {found}")
+        count = np.shape(animation.weights)[1]
+        raise OutputError(f"{shown(path)}: expected weights of the rig's {len(rig.names)} expressions, found {count}")
     buffer = _Buffer()
+    mesh = {"name": "head", "primitives": _primitives(rig, sparse, buffer)}
+    if rig.names:
+        mesh |= {"weights": [0] * len(rig.names), "extras": {"targetNames": list(rig.names)}}
     document = {
         "asset": {"version": f"{VERSION}.0", "generator": f"caricli {__version__}"},
         "scene": 0,
         "scenes": [{"nodes": [0]}],
         "nodes": [{"name": "head", "mesh": 0}],
-        "meshes": [
-            {
-                "name": "head",
-                "primitives": _primitives(rig, sparse, buffer),
-                **({"weights": [0] * len(rig.names), "extras": {"targetNames": list(rig.names)}} if rig.names else {}),
-            }
-        ],
+        "meshes": [mesh],
         **_materials(rig, buffer),
     }
     if animation is not None and (rig.names or animation.rotations is not None):
         document["animations"] = [_animation(animation, buffer)]
-    binary = b"".join(buffer.parts)
-    document |= {"accessors": buffer.accessors, "bufferViews": buffer.views, "buffers": [{"byteLength": len(binary)}]}
-    text = format_json(document, path, indent=None).strip().encode()
-    text += b" " * (-len(text) % 4)
-    length = HEADER.size + 2 * CHUNK.size + len(text) + len(binary)
-    if length > MAX_FILE_BYTES:
-        raise OutputError(f"{shown(path)}: expected at most {MAX_FILE_BYTES} bytes of GLB, found {length}")
-    start = HEADER.pack(MAGIC, VERSION, length) + CHUNK.pack(len(text), JSON_CHUNK)
-    write_bytes(path, start + text + CHUNK.pack(len(binary), BINARY_CHUNK) + binary)
+    document |= {"accessors": buffer.accessors, "bufferViews": buffer.views}
+    write_container(path, document, b"".join(buffer.parts))
 
 
 def shading_normals(rig: Rig) -> tuple[np.ndarray, np.ndarray]:
@@ -80,11 +59,12 @@ def shading_normals(rig: Rig) -> tuple[np.ndarray, np.ndarray]:
     Returns (V,3) and (K,V,3) float32; +z where a vertex has no triangle with an area; what is added is zero where no
     neighbour moves.
     """
-    neutral, triangles = np.asarray(rig.neutral, np.float64), rig.mesh.faces
+    neutral = np.asarray(rig.neutral, np.float64)
+    triangles = rig.mesh.faces
     places = (triangles.ravel(), np.repeat(np.arange(len(triangles)), 3))
     around = sp.csr_matrix((np.ones(triangles.size), places), shape=(len(neutral), len(triangles)))
 
-    def normals(vertices):
+    def normals(vertices: np.ndarray) -> np.ndarray:
         a, b, c = (vertices[triangles[:, k]] for k in range(3))
         total = around @ np.cross(b - a, c - a)
         length = np.linalg.norm(total, axis=1, keepdims=True)
@@ -100,10 +80,13 @@ def shading_normals(rig: Rig) -> tuple[np.ndarray, np.ndarray]:
 class _Buffer:
     """The binary chunk as it grows, with the views and accessors of its parts."""
 
-    def __init__(self):
-        self.parts, self.views, self.accessors, self._length = [], [], [], 0
+    def __init__(self) -> None:
+        self.parts: list[bytes] = []
+        self.views: list[dict] = []
+        self.accessors: list[dict] = []
+        self._length = 0
 
-    def view(self, data, target=None):
+    def view(self, data: bytes, target: int | None = None) -> int:
         """Append bytes, padded to a multiple of four; returns the number of the view."""
         padding = bytes(-len(data) % 4)
         view = {"buffer": 0, "byteOffset": self._length, "byteLength": len(data)}
@@ -112,7 +95,7 @@ class _Buffer:
         self._length += len(data) + len(padding)
         return len(self.views) - 1
 
-    def accessor(self, array, target=None, bounds=False, sparse=False):
+    def accessor(self, array: np.ndarray, target: int | None = None, bounds: bool = False, sparse: bool = False) -> int:
         """Append an array (N,) or (N,W), of a type that glTF knows; returns the number of the accessor."""
         array = np.ascontiguousarray(array)
         rows = array.reshape(len(array), -1)
@@ -134,17 +117,18 @@ class _Buffer:
         return len(self.accessors) - 1
 
 
-def _index_dtype(count):
+def _index_dtype(count: int) -> np.dtype:
     # The largest number of a type is the mark of a restart and no index.
     return np.dtype("<u2") if count <= np.iinfo(np.uint16).max else np.dtype("<u4")
 
 
-def _primitives(rig, sparse, buffer):
-    mesh = rig.mesh
-    triangles = mesh.faces
+def _primitives(rig: Rig, sparse: bool, buffer: _Buffer) -> list[dict]:
+    """One primitive for every material."""
+    triangles = rig.mesh.faces
     materials = rig.triangle_materials
-    corners, uvs = (mesh.uv_faces, mesh.uvs) if mesh.uvs is not None else (np.zeros_like(triangles), np.zeros((1, 2)))
-    neutral, deltas = (np.asarray(a, np.float32) for a in (rig.neutral, rig.deltas))
+    uvs = rig.mesh.uvs if rig.mesh.uvs is not None else np.zeros((1, 2))
+    corners = rig.mesh.uv_faces if rig.mesh.uvs is not None else np.zeros_like(triangles)
+    neutral = np.asarray(rig.neutral, np.float32)
     normals, normal_deltas = shading_normals(rig)
     keys = triangles.astype(np.int64) * len(uvs) + corners
     loose = np.setdiff1d(np.arange(len(neutral)), triangles) * len(uvs)
@@ -158,34 +142,37 @@ def _primitives(rig, sparse, buffer):
             "NORMAL": buffer.accessor(normals[source], _FOR_VERTICES),
             SOURCE_VERTEX: buffer.accessor(source.astype(np.float32), _FOR_VERTICES),
         }
-        if mesh.uvs is not None:
+        if rig.mesh.uvs is not None:
             # glTF counts v from the top.
             flipped = np.stack([uvs[corner, 0], 1 - uvs[corner, 1]], axis=1).astype(np.float32)
             attributes["TEXCOORD_0"] = buffer.accessor(flipped, _FOR_VERTICES)
-        target = None if sparse else _FOR_VERTICES
-        primitives.append(
-            {
-                "attributes": attributes,
-                "indices": buffer.accessor(indices.ravel().astype(_index_dtype(len(source))), _FOR_INDICES),
-                "material": number,
-            }
-        )
+        indices = indices.ravel().astype(_index_dtype(len(source)))
+        primitive = {"attributes": attributes, "indices": buffer.accessor(indices, _FOR_INDICES), "material": number}
         if rig.names:
-            primitives[-1]["targets"] = [
-                {
-                    "POSITION": buffer.accessor(delta[source], target, bounds=True, sparse=sparse),
-                    "NORMAL": buffer.accessor(normal[source], target, sparse=sparse),
-                }
-                for delta, normal in zip(deltas, normal_deltas, strict=True)
-            ]
+            primitive["targets"] = _targets(rig.deltas[:, source], normal_deltas[:, source], sparse, buffer)
+        primitives.append(primitive)
     return primitives
 
 
-def _materials(rig, buffer):
+def _targets(deltas: np.ndarray, normal_deltas: np.ndarray, sparse: bool, buffer: _Buffer) -> list[dict]:
+    """The morph targets of a primitive, from what happens to its vertices (K,V,3) and their normals (K,V,3)."""
+    target = None if sparse else _FOR_VERTICES
+    return [
+        {
+            "POSITION": buffer.accessor(delta, target, bounds=True, sparse=sparse),
+            "NORMAL": buffer.accessor(normal, target, sparse=sparse),
+        }
+        for delta, normal in zip(np.asarray(deltas, np.float32), normal_deltas, strict=True)
+    ]
+
+
+def _materials(rig: Rig, buffer: _Buffer) -> dict[str, list[dict]]:
     """The materials in the order of the primitives, with their pictures."""
-    materials, images = [], []
-    for material in np.unique(rig.triangle_materials).tolist():
-        surface = {"metallicFactor": 0, "roughnessFactor": _ROUGHNESS}
+    materials: list[dict] = []
+    images: list[dict] = []
+    for number in np.unique(rig.triangle_materials).tolist():
+        material = Material(number)
+        surface: dict = {"metallicFactor": 0, "roughnessFactor": _ROUGHNESS}
         image = rig.picture(material)
         # A picture without UVs has no place on the surface.
         if image is None or rig.mesh.uvs is None:
@@ -204,7 +191,7 @@ def _materials(rig, buffer):
     }
 
 
-def _png(image):
+def _png(image: np.ndarray) -> bytes:
     from PIL import Image
 
     stream = io.BytesIO()
@@ -212,7 +199,7 @@ def _png(image):
     return stream.getvalue()
 
 
-def _animation(animation, buffer):
+def _animation(animation: Animation, buffer: _Buffer) -> dict:
     times = buffer.accessor(np.asarray(animation.times, np.float32), bounds=True)
     weights = np.asarray(animation.weights, np.float32).ravel()
     outputs = {"weights": weights} if len(weights) else {}

@@ -1,69 +1,95 @@
 """A regular face made a caricature: along the direction of all caricatures, or away from the mean face."""
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
+from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
 
+from caricli.errors import InputError
 from caricli.geometry.similarity import similarity
 from caricli.geometry.untangle import untangle
 from caricli.geometry.vertex_neighbours import vertex_neighbours
 from caricli.methods.edit.edit_semantic import edit_semantic, label_index
-from caricli.methods.faces.encode_face import encode_face
+from caricli.methods.faces.encode_face import EncodedFace, encode_face
+from caricli.methods.faces.face_figures import face_figures
+from caricli.methods.faces.nearest_identity import likeness
 from caricli.models.intrinsic.model import feature_weights
+from caricli.models.shape_model import ShapeModel
+from caricli.structures import Directions, Face
+from caricli.template.annotation import DELICATE
+from caricli.template.template import Template
+
+MODES = ("direction", "own")
+"""Towards what caricatures have in common, or away from the mean head."""
 
 LABEL = "Caricature"
+"""The label whose direction leads from regular faces to caricatures."""
+
 OWN = 0.75
-ROUNDS, EDGE, STEP = 12, 4, 0.25
-HELD = ("eyes_left", "eyes_right", "eye_socket_left", "eye_socket_right", "mouth", "inner_mouth")
+"""Features that a strength of 1 adds, as a share of the face's own: shows about as clearly as 1 along the direction."""
+
+ROUNDS = 12
+"""Edges that features are smoothed over: folds, which are smaller, would only fold over."""
+
+EDGE = 4
+"""Edges over which the exaggeration fades out towards eyes and mouth."""
+
+STEP = 0.25
+"""Strength of one step: small enough that triangles that turn over can be turned back."""
 
 
 @dataclass(frozen=True)
 class Exaggeration:
     """How much of a caricature a face is.
 
-    caricature: standard deviations along the direction of caricatures, or None where there is none; distance: root mean
-    square distance of its features from the template's, weighted by area.
+    caricature: standard deviations along the direction of caricatures, or None where there is none.
+    distance: root mean square distance of its features from the template's, weighted by area.
     """
 
     caricature: float | None
     distance: float
 
 
-def caricaturize_face(face, model, strength, mode="direction", directions=None):
+def caricaturize_face(
+    face: EncodedFace,
+    model: ShapeModel,
+    strength: float,
+    mode: str = "direction",
+    directions: Directions | None = None,
+) -> EncodedFace:
     """Exaggerate a face by the method of a name.
 
     "direction" goes ``strength`` standard deviations from regular faces towards caricatures (deformable paper 5.4), and
     what the latent cannot express stays. "own" enlarges what sets the face apart from the mean head, as caricaturists
     do: to its deformation-gradient features against the template, which the mean head has none of, ``OWN * strength``
-    times the same features, smoothed over ``ROUNDS`` edges, are added; folds would only fold over, and eyes and mouth
-    keep the expression. It grows by steps of ``STEP``, each of which is taken back where it turns triangles over, so
-    that more strength never exaggerates less. Size and place stay.
+    times the same features, smoothed over ``ROUNDS`` edges, are added; eyes and mouth keep the expression. It grows by
+    steps of ``STEP``, each of which is taken back where it turns triangles over, so that more strength never
+    exaggerates less. Size and place stay.
 
-    face: EncodedFace of the model. model: ShapeModel. mode: "direction" or "own". directions: Directions of the model
-    with the label "Caricature", for "direction".
+    face: EncodedFace of the model. model: ShapeModel. strength: 0 changes nothing, 1 shows clearly, 2 is strong.
+    mode: one of MODES. directions: Directions of the model with the label "Caricature", for "direction".
     Returns EncodedFace. Raises InputError.
     """
     if mode == "direction":
+        if directions is None:
+            raise InputError("expected directions of the model for the mode 'direction', found none")
         return edit_semantic(face, model, directions, {LABEL: strength})
     if not strength:
         return face
-    template, gradients = model.template, model.template.gradients
-    grown = _aligned(face.vertices, template)
-    features = gradients.features(grown)
-    whole = OWN * _broad(features, template)
-    for amount in (*[STEP] * int(strength / STEP), strength % STEP):
-        before, features = grown, features + amount * whole
-        grown = untangle(gradients.vertices(features), gradients, before=before)
-        features = gradients.features(grown)
-    grown = template.cavities.tuck(grown)
+    template = model.template
+    grown = template.cavities.tuck(_grown(_aligned(face.vertices, template), strength, template))
     place = template.region("face")
     scale, rotation, translation = similarity(grown[place], face.vertices[place])
-    return encode_face(scale * grown @ rotation.T + translation, model)
+    mesh = face.mesh.with_vertices(scale * grown @ rotation.T + translation)
+    return encode_face(Face(mesh, face.camera, face.landmarks), model)
 
 
-def exaggeration(face, model, directions=None):
-    """Measure an EncodedFace. directions: Directions of the model, or None. Returns Exaggeration."""
+def exaggeration(face: EncodedFace, model: ShapeModel, directions: Directions | None = None) -> Exaggeration:
+    """Measure how much of a caricature a face is.
+
+    face: EncodedFace of the model. model: ShapeModel. directions: Directions of the model, or None.
+    """
     features = model.template.gradients.features(_aligned(face.vertices, model.template))
     distance = float(np.sqrt(feature_weights(model.template) @ (features**2).sum(1)))
     if directions is None or LABEL not in directions.names:
@@ -72,11 +98,39 @@ def exaggeration(face, model, directions=None):
     return Exaggeration(float(normal @ model.prior.whiten(face.latent)), distance)
 
 
-def _broad(features, template):
+def caricature_figures(
+    before: EncodedFace, after: EncodedFace, model: ShapeModel, directions: Directions | None = None
+) -> dict[str, Any]:
+    """What the JSON says of a caricature: whether it is still like its ``identity``, and both faces.
+
+    before, after: EncodedFace of the model. model: ShapeModel. directions: Directions of the model, or None.
+    """
+    like = None if directions is None else likeness(before, after, model, directions.people)
+    figures: dict[str, Any] = {"identity": None if like is None else asdict(like)}
+    for when, face in (("before", before), ("after", after)):
+        measured = asdict(exaggeration(face, model, directions))
+        figures[when] = {"exaggeration": measured} | face_figures(face, model)
+    return figures
+
+
+def _grown(vertices: np.ndarray, strength: float, template: Template) -> np.ndarray:
+    """Vertices (V, 3) in the template's pose with more of their own features, untorn."""
+    gradients = template.gradients
+    features = gradients.features(vertices)
+    whole = OWN * _broad(features, template)
+    grown = vertices
+    for amount in (*[STEP] * int(strength / STEP), strength % STEP):
+        more = gradients.vertices(features + amount * whole)
+        grown = untangle(more, gradients, before=grown)
+        features = gradients.features(grown)
+    return grown
+
+
+def _broad(features: np.ndarray, template: Template) -> np.ndarray:
     """Features (V, 9) without their details, fading out towards eyes and mouth."""
     _, neighbours = vertex_neighbours(template.faces, len(template.vertices))
     mean = 0.5 * (sp.identity(len(template.vertices)) + neighbours)
-    free = 1.0 - template.mask(*HELD)
+    free = 1.0 - template.mask(*DELICATE)
     for _ in range(EDGE):
         free = mean @ free
     for _ in range(ROUNDS):
@@ -84,7 +138,7 @@ def _broad(features, template):
     return free[:, None] * features
 
 
-def _aligned(vertices, template):
+def _aligned(vertices: np.ndarray, template: Template) -> np.ndarray:
     """Vertices in the template's pose and size, so that neither is taken for what is special about a face."""
     place = template.region("face")
     scale, rotation, translation = similarity(vertices[place], template.vertices[place])

@@ -6,9 +6,10 @@ import numpy as np
 from caricli.errors import NumericsError
 
 _STEPS = 50
+"""Alternations of rotations and positions; the shape has settled by then."""
 
 
-def deform_arap(vertices, faces, handles, displacements):
+def deform_arap(vertices: np.ndarray, faces: np.ndarray, handles: np.ndarray, displacements: np.ndarray) -> np.ndarray:
     """Move handles so that every one-ring stays as rigid as it can (Sorkine and Alexa 2007), by libigl.
 
     vertices: (V, 3). faces: (F, 3). handles: (H,) vertex ids. displacements: (H, 3).
@@ -18,7 +19,7 @@ def deform_arap(vertices, faces, handles, displacements):
     data = igl.ARAPData()
     data.max_iter = _STEPS
     igl.arap_precomputation(vertices, np.asarray(faces, np.int64), 3, np.asarray(handles, np.int32), data)
-    found = igl.arap_solve(vertices[handles] + displacements, data, vertices)
-    if not np.isfinite(found).all():
+    deformed = igl.arap_solve(vertices[handles] + displacements, data, vertices)
+    if not np.isfinite(deformed).all():
         raise NumericsError("as-rigid-as-possible deformation came to no finite shape")
-    return found
+    return deformed

@@ -1,27 +1,38 @@
 """Move a few points of a face, the rest of it follows as faces do (deformable paper, section 5.3)."""
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.spatial import cKDTree
 
 from caricli.geometry.flipped_triangles import flipped_triangles
+from caricli.geometry.gauss_newton import gauss_newton
 from caricli.geometry.self_intersections import self_intersections
 from caricli.geometry.untangle import untangle
+from caricli.methods.edit.handle_points import Handles
 from caricli.methods.faces.encode_face import EncodedFace, decode_face, encode_face
-
-_CORRECTIONS = 2
-_SPREAD, _ROUNDS = 100, 16
-_BISECTIONS = 6
-_ZERO = 0.05
+from caricli.models.shape_model import ShapeModel
+from caricli.structures import Face
 
 
 @dataclass(frozen=True)
 class HandleSettings:
-    """Weights of the edit, in whitened latents and in ``tolerance``, a share of the head's height.
+    """What an edit is tuned by; terms are weighed in whitened latents and in ``tolerance``.
 
-    norm: of the latent's change, 1 as in equation 4, or 2; preserve: its weight. keep: weight of the movement of points
-    that are far from all handles; reach: how far they are then, a share of the head's height.
+    norm: of the latent's change, 1 as in equation 4, or 2, which moves all of the latent a little and folds less.
+    tolerance: share of the template's height, how near to its goal a handle is near enough.
+    preserve: weight of the latent's change: small, so that handles reach their goals.
+    keep: weight of the movement of points that are far from all handles: without it the whole head goes along.
+    reach: share of the template's height, how far they are then: about a nose's length.
+    least: weight (0 to 1) below which a point is too near to a handle to be kept.
+    spread: points all over the head that are kept, besides landmarks: enough that no part is free to go.
+    rounds: Gauss-Newton steps at most.
+    settled: largest entry of a step, in whitened latents, that moves nothing that is seen.
+    smallest: change of a latent's entry, in standard deviations, below which the first norm is rounded off.
+    corrections: times that handles are asked for what they missed.
+    untangling: rounds of turning flipped triangles back, few because the face before is near.
+    bisections: of the way to the first self-intersection: to 1/64 of it.
     """
 
     norm: int = 2
@@ -29,26 +40,51 @@ class HandleSettings:
     preserve: float = 0.01
     keep: float = 0.1
     reach: float = 0.25
+    least: float = 0.1
+    spread: int = 100
     rounds: int = 15
+    settled: float = 1e-3
+    smallest: float = 0.05
+    corrections: int = 2
+    untangling: int = 16
+    bisections: int = 6
 
 
 @dataclass(frozen=True, eq=False)
 class HandleEdit:
     """An edited face.
 
-    face: EncodedFace. achieved: (H, 3) metres, how far the handles went. share: of the asked displacements that was
-    tried, 1 unless new self-intersections had to be avoided. flipped: number of triangles that are, before and after.
+    face: EncodedFace.
+    handles: Handles as they were asked for.
+    achieved: (H, 3) metres, how far the handles went.
+    share: of the asked displacements that was tried, 1 unless new self-intersections had to be avoided.
+    flipped: number of triangles that are, before and after.
     elsewhere: share of the movement's energy at vertices farther than ``reach`` from all handles.
     """
 
     face: EncodedFace
+    handles: Handles
     achieved: np.ndarray
     share: float
-    flipped: tuple
+    flipped: tuple[int, int]
     elsewhere: float
 
+    @property
+    def reached(self) -> np.ndarray:
+        """(H,) share of every displacement that was reached, along it; nan for what was to stay."""
+        asked = self.handles.displacements
+        squares = (asked**2).sum(1)
+        with np.errstate(invalid="ignore", divide="ignore"):
+            return np.where(squares > 0, (self.achieved * asked).sum(1) / squares, np.nan)
 
-def edit_handles(face, model, handles, displacements, settings=HandleSettings(), avoid=False):  # noqa: B008 (frozen)
+
+def edit_handles(
+    face: EncodedFace,
+    model: ShapeModel,
+    handles: Handles,
+    settings: HandleSettings = HandleSettings(),  # noqa: B008 (frozen)
+    avoid: bool = False,
+) -> HandleEdit:
     """Find the likeliest face whose handles are where they are asked to be.
 
     Minimises over the whitened latent z, in units of the tolerance,
@@ -57,90 +93,123 @@ def edit_handles(face, model, handles, displacements, settings=HandleSettings(),
     latent of principal components moves the whole head. The first norm is not smooth; Gauss-Newton steps are reweighted
     for it. Handles are then corrected for what the residual, which stays on the face, does to them.
 
-    face: EncodedFace of the model. model: ShapeModel. handles: (H,) vertex ids. displacements: (H, 3) metres, zero for
-    what is to stay. settings: HandleSettings. avoid: go only as far as nothing new goes through the surface.
+    face: EncodedFace of the model. model: ShapeModel. handles: Handles of its mesh. settings: HandleSettings.
+    avoid: go only as far as nothing new goes through the surface.
     Returns HandleEdit.
     """
-    template, before = model.template, face.vertices
-    solve = _Solve(face, model, handles, settings)
-    share, solved = 1.0, solve(displacements)
+    gradients = model.template.gradients
+    solver = _Solver(face, model, handles, settings)
+    share = 1.0
+    edited = solver.solve(handles.displacements)
     if avoid:
-        crossing = self_intersections(before, template.faces)
-        share, solved = _farthest(solve, displacements, solved, lambda v: _added(v, template.faces, crossing))
-    vertices, latent, residual = solved
-    moved = vertices - before
+        crossing = _crossing(face)
+        share, edited = _farthest(solver, handles, edited, lambda trial: not _crossing(trial) <= crossing)
+    moved = edited.vertices - face.vertices
     energy = (moved**2).sum(1)
-    flipped = tuple(int(flipped_triangles(v, template.gradients).sum()) for v in (before, vertices))
-    elsewhere = float(energy[solve.far].sum() / max(energy.sum(), 1e-30))
-    edited = encode_face(vertices, model, latent, residual)
-    return HandleEdit(edited, moved[handles], share, flipped, elsewhere)
+    before, after = (int(flipped_triangles(each.vertices, gradients).sum()) for each in (face, edited))
+    return HandleEdit(
+        face=encode_face(edited, model),
+        handles=handles,
+        achieved=moved[handles.vertices],
+        share=share,
+        flipped=(before, after),
+        elsewhere=float(energy[solver.far].sum() / max(energy.sum(), 1e-30)),
+    )
 
 
-def _farthest(solve, displacements, whole, bad):
-    """The largest share of the displacements, to 1/64, whose shape is not bad, and what it came to."""
-    if not bad(whole[0]):
+def handle_steps(
+    face: EncodedFace, model: ShapeModel, handles: Handles, settings: HandleSettings, steps: int
+) -> list[EncodedFace]:
+    """The same face edited by equal steps of the displacements, from none to all of them.
+
+    face, model, handles, settings: as in ``edit_handles``. steps: number of faces, at least 2.
+    """
+    shares = np.linspace(0, 1, steps)
+    return [edit_handles(face, model, handles.scaled(share), settings).face for share in shares]
+
+
+def _farthest(solver: "_Solver", handles: Handles, whole: Face, bad: Callable[[Face], bool]) -> tuple[float, Face]:
+    """The largest share of the displacements whose face is not bad, and this face; whole: that of all of them."""
+    if not bad(whole):
         return 1.0, whole
-    low, high, best = 0.0, 1.0, solve(0 * displacements)
-    for _ in range(_BISECTIONS):
+    low = 0.0
+    high = 1.0
+    best = solver.solve(0 * handles.displacements)
+    for _ in range(solver.settings.bisections):
         middle = (low + high) / 2
-        trial = solve(middle * displacements)
-        low, high, best = (low, middle, best) if bad(trial[0]) else (middle, high, trial)
+        trial = solver.solve(middle * handles.displacements)
+        if bad(trial):
+            high = middle
+        else:
+            low = middle
+            best = trial
     return low, best
 
 
-class _Solve:
-    """Displacements of the handles to a face."""
+def _crossing(face: Face) -> set[tuple[int, ...]]:
+    """Pairs of triangles that go through each other."""
+    return set(map(tuple, self_intersections(face.vertices, face.faces).tolist()))
 
-    def __init__(self, face, model, handles, settings):
-        self.face, self.model, self.handles, self.settings = face, model, handles, settings
-        template, reach = model.template, settings.reach * model.template.height
-        distance, _ = cKDTree(template.vertices[handles]).query(template.vertices)
+
+class _Solver:
+    """Displacements of the handles to a face; ``far`` are the vertices (V,) beyond the reach of all handles."""
+
+    def __init__(self, face: EncodedFace, model: ShapeModel, handles: Handles, settings: HandleSettings) -> None:
+        self.face = face
+        self.model = model
+        self.handles = handles.vertices
+        self.settings = settings
+        template = model.template
+        reach = settings.reach * template.height
+        distance, _ = cKDTree(template.vertices[self.handles]).query(template.vertices)
         self.far = distance > reach
-        spread = np.arange(0, len(template.vertices), max(1, len(template.vertices) // _SPREAD))
-        others = np.union1d(template.annotation.landmarks, spread)
+        stride = max(1, len(template.vertices) // settings.spread)
+        others = np.union1d(template.annotation.landmarks, np.arange(0, len(template.vertices), stride))
         weights = 1 - np.exp(-((distance[others] / reach) ** 2))
-        self.kept, self.weights = others[weights > 0.1], weights[weights > 0.1]
-        self.points = np.concatenate([handles, self.kept])
-        self.unit = settings.tolerance * template.height
+        kept = weights > settings.least
+        self.points = np.concatenate([self.handles, others[kept]])
+        self.weights = self._point_weights(weights[kept])
         self.start = model.prior.whiten(face.latent)
         self.places = model.decode_points(face.latent, self.points)
 
-    def __call__(self, displacements):
-        """Returns vertices (V, 3), latent (D,), and the residual (V, 9) that goes with them."""
+    def _point_weights(self, kept: np.ndarray) -> np.ndarray:
+        """(3K,) weights of the coordinates of all points, from those of the kept ones."""
+        count = len(self.handles)
+        unit = self.settings.tolerance * self.model.template.height
+        weights = np.concatenate([np.full(count, 1 / count), self.settings.keep * kept / max(len(kept), 1)])
+        return np.repeat(weights, 3) / unit**2
+
+    def solve(self, displacements: np.ndarray) -> Face:
+        """The face whose handles went by displacements (H, 3)."""
         if not displacements.any():
-            return self.face.vertices, self.face.latent, self.face.residual
-        model, face, asked, whitened = self.model, self.face, displacements, self.start
-        gradients = model.template.gradients
-        for _ in range(1 + _CORRECTIONS):
+            return self.face
+        gradients = self.model.template.gradients
+        asked = displacements
+        whitened = self.start
+        for _ in range(1 + self.settings.corrections):
             whitened = self._latent(asked, whitened)
-            latent = model.prior.colour(whitened)
-            vertices = decode_face(latent, face.residual, model, face.shift)
-            vertices = untangle(vertices, gradients, _ROUNDS, face.vertices)
-            missing = displacements - (vertices - face.vertices)[self.handles]
+            latent = self.model.prior.colour(whitened)
+            decoded = decode_face(replace(self.face, latent=latent), self.model, self.face.shift)
+            vertices = untangle(decoded.vertices, gradients, self.settings.untangling, self.face.vertices)
+            missing = displacements - (vertices - self.face.vertices)[self.handles]
             asked = asked + missing
-        return vertices, latent, face.residual
+        return replace(decoded, mesh=decoded.mesh.with_vertices(vertices))
 
-    def _latent(self, displacements, whitened):
-        settings, model, count = self.settings, self.model, len(self.handles)
+    def _latent(self, displacements: np.ndarray, whitened: np.ndarray) -> np.ndarray:
+        """The whitened latent (D,) that takes the handles nearest to their goals, sought from another one."""
         goal = self.places.copy()
-        goal[:count] += displacements
-        weights = np.concatenate([np.full(count, 1 / count), settings.keep * self.weights / max(len(self.kept), 1)])
-        weights = np.repeat(weights, 3) / self.unit**2
-        for _ in range(settings.rounds):
-            positions, jacobian = model.points_jacobian(model.prior.colour(whitened), self.points)
-            rows = (jacobian @ model.prior.factor).reshape(-1, len(whitened))
-            change = whitened - self.start
-            # |x| = x^2 / |x|: the reweighting of the first norm, rounded off near zero.
-            pull = np.maximum(np.abs(change), _ZERO) ** (settings.norm - 2.0) * settings.preserve
-            system = (rows.T * weights) @ rows + np.diag(pull)
-            right = rows.T @ (weights * (goal - positions).ravel()) - pull * change
-            step = np.linalg.solve(system, right)
-            whitened = whitened + step
-            if np.abs(step).max() < 1e-3:
-                break
-        return whitened
+        goal[: len(self.handles)] += displacements
+        return gauss_newton(
+            whitened, lambda z: self._normal_equations(z, goal), self.settings.rounds, self.settings.settled
+        )
 
-
-def _added(vertices, faces, before):
-    """Whether triangles go through each other that did not before."""
-    return not set(map(tuple, self_intersections(vertices, faces))) <= set(map(tuple, before))
+    def _normal_equations(self, whitened: np.ndarray, goal: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """System (D, D) and right side (D,) at a whitened latent (D,) for goals (K, 3)."""
+        settings = self.settings
+        positions, jacobian = self.model.points_jacobian(self.model.prior.colour(whitened), self.points)
+        rows = (jacobian @ self.model.prior.factor).reshape(-1, len(whitened))
+        change = whitened - self.start
+        # |x| = x^2 / |x|: the reweighting of the first norm, rounded off near zero.
+        pull = np.maximum(np.abs(change), settings.smallest) ** (settings.norm - 2.0) * settings.preserve
+        system = (rows.T * self.weights) @ rows + np.diag(pull)
+        return system, rows.T @ (self.weights * (goal - positions).ravel()) - pull * change

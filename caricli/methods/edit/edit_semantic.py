@@ -1,21 +1,38 @@
 """A face moved along the directions of labels."""
 
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from difflib import get_close_matches
 
 import numpy as np
 
 from caricli.errors import InputError
-from caricli.methods.faces.encode_face import decode_face, encode_face
+from caricli.methods.faces.encode_face import EncodedFace, decode_face, encode_face
+from caricli.models.shape_model import ShapeModel
+from caricli.structures import Directions
 
 STRONGEST = 20.0
+"""Standard deviations, beyond which no face is left."""
+
 _LEAST = 0.05
+"""Length of a unit normal that must be left beside the labels to keep: what is shorter points anywhere."""
+
+_INDEPENDENT = 1e-6
+"""Singular value, relative to the largest, from which on labels to keep say something of their own."""
 
 
-def edit_semantic(face, model, directions, strengths, keep=()):
+def edit_semantic(
+    face: EncodedFace,
+    model: ShapeModel,
+    directions: Directions,
+    strengths: Mapping[str, float],
+    keep: Sequence[str] = (),
+) -> EncodedFace:
     """Move the whitened latent by ``sum_k s_k n_k``; what the latent cannot express stays as it is.
 
-    face: EncodedFace of the model. model: ShapeModel. directions: Directions of the model. strengths: dict from labels
-    to standard deviations, at most ``STRONGEST`` in size. keep: labels that are not to change, see ``label_direction``.
+    face: EncodedFace of the model. model: ShapeModel. directions: Directions of the model.
+    strengths: standard deviations by label, at most ``STRONGEST`` in size.
+    keep: labels that are not to change, see ``label_direction``.
     Returns EncodedFace. Raises InputError.
     """
     for name, strength in strengths.items():
@@ -23,15 +40,30 @@ def edit_semantic(face, model, directions, strengths, keep=()):
             raise InputError(f"label {name}: expected a strength of at most {STRONGEST:g}, found {strength}")
     step = sum(strength * label_direction(directions, name, keep) for name, strength in strengths.items())
     latent = face.latent + model.prior.factor @ step
-    return encode_face(decode_face(latent, face.residual, model, face.shift), model, latent, face.residual)
+    return encode_face(decode_face(replace(face, latent=latent), model, face.shift), model)
 
 
-def label_direction(directions, name, keep=()):
+def semantic_steps(
+    face: EncodedFace,
+    model: ShapeModel,
+    directions: Directions,
+    strengths: Mapping[str, float],
+    keep: Sequence[str],
+    shares: Iterable[float],
+) -> list[EncodedFace]:
+    """The same face edited by shares of the strengths; the other arguments are those of ``edit_semantic``."""
+    steps = [{name: share * strength for name, strength in strengths.items()} for share in shares]
+    return [edit_semantic(face, model, directions, step, keep) for step in steps]
+
+
+def label_direction(directions: Directions, name: str, keep: Sequence[str] = ()) -> np.ndarray:
     """The unit normal of a label, free of the labels to keep (Shen et al. 2020, conditional manipulation).
 
     It is projected onto the orthogonal complement of their normals, which part their classes, and of their gradients,
-    along which their measures change. Returns (D,). Raises InputError for unknown labels, and for one that the kept
-    ones leave no way to change.
+    along which their measures change.
+
+    directions: Directions. name: of a label. keep: names of labels.
+    Returns (D,). Raises InputError for unknown labels, and for one that the kept ones leave no way to change.
     """
     normal = directions.normals[label_index(directions, name)]
     kept = [label_index(directions, other) for other in keep]
@@ -40,7 +72,7 @@ def label_direction(directions, name, keep=()):
     rows = np.vstack([directions.normals[kept], directions.gradients[kept]])
     rows = rows[np.linalg.norm(rows, axis=1) > 0]
     _, sizes, span = np.linalg.svd(rows / np.linalg.norm(rows, axis=1, keepdims=True), full_matrices=False)
-    span = span[sizes > 1e-6 * sizes[0]]
+    span = span[sizes > _INDEPENDENT * sizes[0]]
     free = normal - span.T @ (span @ normal)
     length = np.linalg.norm(free)
     if length < _LEAST:
@@ -48,10 +80,10 @@ def label_direction(directions, name, keep=()):
     return free / length
 
 
-def label_index(directions, name):
+def label_index(directions: Directions, name: str) -> int:
     """Where a label stands in Directions. Raises InputError that suggests the nearest of their names."""
     if name in directions.names:
         return directions.names.index(name)
-    lower = {known.lower(): known for known in directions.names}
-    near = get_close_matches(name.lower(), lower, 1, 0.0)
-    raise InputError(f"label {name!r}: not among the {len(directions.names)} known; did you mean {lower[near[0]]!r}?")
+    names = {label.lower(): label for label in directions.names}
+    near = names[get_close_matches(name.lower(), names, 1, 0.0)[0]]
+    raise InputError(f"label {name!r}: not among the {len(directions.names)} known; did you mean {near!r}?")

@@ -2,39 +2,95 @@
 
 import difflib
 import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from caricli.errors import InputError
 from caricli.structures.landmarks import POINT_NAMES
+from caricli.template.template import Template
 
 _FARTHEST = 0.5
+"""Of the head's height, the most that a handle is moved: beyond it no face is left."""
+
 _SAME = 1e-9
+"""Metres: displacements of one vertex that differ by less do not contradict each other."""
 
 
-def vertex_of(where, template):
+@dataclass(frozen=True, eq=False)
+class Handles:
+    """Points of a face that are moved, or held where they are.
+
+    vertices: (H,) vertex ids, distinct.
+    displacements: (H, 3) metres, zero for what is to stay.
+    names: H texts, what a person calls them.
+    """
+
+    vertices: np.ndarray
+    displacements: np.ndarray
+    names: tuple[str, ...]
+
+    def scaled(self, share: float) -> "Handles":
+        """The same points moved by a share of the way."""
+        return replace(self, displacements=share * self.displacements)
+
+
+def handle_points(
+    asked: Sequence[tuple[object, object]], pins: Sequence[str], head: Template, symmetric: bool = False
+) -> Handles:
+    """Places and displacements as they are written to Handles.
+
+    asked: pairs (where, three lengths), see ``vertex_of`` and ``displacement_of``.
+    pins: places that stay.
+    head: Template in the shape of the face that is edited: shares are of its height.
+    symmetric: add the mirror images.
+    Raises InputError for unknown places and lengths, and for handles that contradict each other.
+    """
+    if symmetric and head.annotation.mirror is None:
+        raise InputError("--symmetric: this topology's annotation has no mirror map")
+    wanted = [(where, displacement_of(values, head.height, where)) for where, values in asked]
+    wanted += [(pin, np.zeros(3)) for pin in pins]
+    handles: dict[int, tuple[np.ndarray, str]] = {}
+    for vertex, displacement, name in _placed(wanted, head, symmetric):
+        other, other_name = handles.setdefault(vertex, (displacement, name))
+        if np.abs(other - displacement).max() > _SAME:
+            raise InputError(f"handles {other_name} and {name} contradict each other: both are vertex {vertex}")
+    displacements = np.array([displacement for displacement, _ in handles.values()])
+    if not displacements.any():
+        raise InputError("expected a handle that moves, found none")
+    return Handles(np.array(list(handles)), displacements, tuple(name for _, name in handles.values()))
+
+
+def vertex_of(where: object, head: Template) -> int:
     """The vertex id of a place: a vertex index, a landmark such as ``l30``, or one of POINT_NAMES.
 
     Raises InputError, which names what is near, when there is no such place.
     """
-    note, text = template.annotation, str(where).strip()
+    landmarks = head.annotation.landmarks
+    text = str(where).strip()
     if text.isascii() and text.isdigit():
-        if int(text) >= len(template.vertices):
-            raise InputError(f"handle {text}: expected a vertex from 0 to {len(template.vertices) - 1}")
+        if int(text) >= len(head.vertices):
+            raise InputError(f"handle {text}: expected a vertex from 0 to {len(head.vertices) - 1}")
         return int(text)
     number = int(text[1:]) if re.fullmatch(r"l\d{1,4}", text, re.ASCII) else POINT_NAMES.get(text)
     if number is None:
         near = difflib.get_close_matches(text, POINT_NAMES, 1)
-        known = f"expected a vertex, l0 to l80 or one of {', '.join(POINT_NAMES)}"
-        hint = f"did you mean {near[0]}?" if near else known
+        places = f"expected a vertex, l0 to l80 or one of {', '.join(POINT_NAMES)}"
+        hint = f"did you mean {near[0]}?" if near else places
         raise InputError(f"handle {text[:40]!r} is not known; {hint}")
-    if number >= len(note.landmarks):
-        raise InputError(f"handle {text}: expected a landmark from l0 to l{len(note.landmarks) - 1}")
-    return int(note.landmarks[number])
+    if number >= len(landmarks):
+        raise InputError(f"handle {text}: expected a landmark from l0 to l{len(landmarks) - 1}")
+    return int(landmarks[number])
 
 
-def displacement_of(values, height, where):
-    """Three lengths, metres or such as "5%" of the head's height, to (3,) metres. Raises InputError."""
+def displacement_of(values: object, height: float, where: object) -> np.ndarray:
+    """Three lengths to (3,) metres.
+
+    values: list of numbers or texts, metres, or such as "5%" of the head's height. height: of the head, metres.
+    where: the place, for messages.
+    Raises InputError for other values, and for more than half the height.
+    """
     if not isinstance(values, list | tuple) or len(values) != 3:
         raise InputError(f"handle {where}: expected three lengths dx,dy,dz, found {values!r}")
     lengths = []
@@ -52,30 +108,12 @@ def displacement_of(values, height, where):
     return displacement
 
 
-def handle_points(asked, pins, template, symmetric=False):
-    """Places and displacements to what ``edit_handles`` takes.
-
-    asked: list of pairs (where, three lengths). pins: places that stay. template: Template. symmetric: add the mirror
-    images.
-    Returns (handles (H,) vertex ids, displacements (H, 3) metres, names (H,)).
-    Raises InputError for unknown places and lengths, and for handles that contradict each other.
-    """
-    found = {}
-
-    def add(vertex, displacement, name):
-        known = found.setdefault(vertex, (displacement, name))
-        if np.abs(known[0] - displacement).max() > _SAME:
-            raise InputError(f"handles {known[1]} and {name} contradict each other: both are vertex {vertex}")
-
-    if symmetric and template.annotation.mirror is None:
-        raise InputError("--symmetric: this topology's annotation has no mirror map")
-    pairs = [(where, displacement_of(values, template.height, where)) for where, values in asked]
-    for where, displacement in [*pairs, *((pin, np.zeros(3)) for pin in pins)]:
-        vertex = vertex_of(where, template)
-        add(vertex, displacement, str(where))
-        if symmetric:
-            add(int(template.annotation.mirror[vertex]), displacement * [-1, 1, 1], f"{where} mirrored")
-    moved = [displacement for displacement, _ in found.values()]
-    if not np.any(moved):
-        raise InputError("expected a handle that moves, found none")
-    return np.array(list(found)), np.array(moved), [name for _, name in found.values()]
+def _placed(
+    wanted: list[tuple[object, np.ndarray]], head: Template, symmetric: bool
+) -> Iterator[tuple[int, np.ndarray, str]]:
+    """Vertex, displacement and name of every handle, each followed by its mirror image where these are wanted."""
+    for where, displacement in wanted:
+        vertex = vertex_of(where, head)
+        yield vertex, displacement, str(where)
+        if symmetric and head.annotation.mirror is not None:
+            yield int(head.annotation.mirror[vertex]), displacement * [-1, 1, 1], f"{where} mirrored"

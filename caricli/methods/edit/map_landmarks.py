@@ -3,10 +3,11 @@
 import numpy as np
 
 from caricli.errors import InputError
-from caricli.models.landmark_map.model import COUNT
+from caricli.models.landmark_map.model import LandmarkMap
+from caricli.structures.landmarks import COUNT
 
 
-def map_landmarks(points, landmark_map, to):
+def map_landmarks(points: np.ndarray, landmark_map: LandmarkMap, to: str) -> np.ndarray:
     """Map the 68 iBUG landmarks of a face; eyes and mouth keep place, size and turn.
 
     points: (L, 2) pixels, y down; what comes after the 68 is left out. landmark_map: LandmarkMap. to: "normal" or
@@ -15,6 +16,15 @@ def map_landmarks(points, landmark_map, to):
     """
     unknown = np.flatnonzero(np.isnan(points[:COUNT]).any(axis=1))
     if len(points) < COUNT or len(unknown):
-        found = f"{len(points)}" if len(points) < COUNT else f"{COUNT - len(unknown)}, not landmark {unknown[0]}"
-        raise InputError(f"expected all {COUNT} landmarks to be known, found {found}")
+        count = f"{len(points)}" if len(points) < COUNT else f"{COUNT - len(unknown)}, not landmark {unknown[0]}"
+        raise InputError(f"expected all {COUNT} landmarks to be known, found {count}")
     return landmark_map.map(points[:COUNT], to)
+
+
+def mean_shift(points: np.ndarray, mapped: np.ndarray) -> float:
+    """How far the 68 landmarks moved on average, in percent of the diagonal of the given ones.
+
+    points: (L, 2) as given to ``map_landmarks``. mapped: (68, 2) what came of them.
+    """
+    moved = np.linalg.norm(mapped - points[:COUNT], axis=1).mean()
+    return float(100 * moved / np.linalg.norm(np.ptp(points[:COUNT], axis=0)))

@@ -1,25 +1,48 @@
 """What each choice of the deformable model is worth (deformable paper, sections 3.3 and 4.2)."""
 
 import time
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
 import torch
 
-from caricli.methods.train.train_autodecoder import AutoDecoderTraining, Surface
+from caricli.data.dataset import Dataset
+from caricli.methods.evaluate.evaluate_shape import split_rows
+from caricli.methods.train.code_fit import CodeFit
+from caricli.methods.train.stages import Report, unwatched
+from caricli.methods.train.surface import Points, Surface, TrainingMeshes
+from caricli.methods.train.train_autodecoder import AutoDecoderTraining, EpochRecord
+from caricli.models.ablation.config import AblationConfig
 from caricli.models.ablation.networks import ConditionedSiren, VertexArray
-from caricli.models.deformable.model import HyperSiren
+from caricli.models.deformable.model import UnitBox
+from caricli.models.deformable.networks import HyperSiren
+from caricli.models.intrinsic.config import IntrinsicConfig
 from caricli.models.intrinsic.model import IntrinsicModel
+from caricli.models.pca.config import PcaConfig
 from caricli.models.pca.model import PcaModel
+from caricli.models.shape_model import ShapeModel
+from caricli.seeds import TrainingSeed
+from caricli.template.template import Template
 
-POSITIONS, DISPLACEMENTS, CONDITIONING = "vertex positions", "vertex displacements", "SIREN with conditioning"
+POSITIONS = "vertex positions"
+DISPLACEMENTS = "vertex displacements"
+CONDITIONING = "SIREN with conditioning"
 HYPERNETWORK = "SIREN hypernetwork"
 VERTICES_ONLY = f"{HYPERNETWORK}, vertices only"
 NETWORKS = (POSITIONS, DISPLACEMENTS, CONDITIONING, HYPERNETWORK, VERTICES_ONLY)
-LINEAR = {"PCA": PcaModel, "intrinsic": IntrinsicModel}
-_CODE_RATE = 0.3
-_SURFACE_POINTS = 20_000
-_CODES, _BETWEEN = 4, 5
+LINEAR = ("PCA", "intrinsic")
+DRAWN = (POSITIONS, DISPLACEMENTS, CONDITIONING, HYPERNETWORK)
+"""Networks whose curves make the figure."""
+
+CODE_RATE = 0.3
+"""Learning rate of the final codes, in units of latent_std: it falls to nothing along a cosine."""
+
+SURFACE_POINTS = 20_000
+"""Points between the vertices that errors are measured at: about as many as the paper draws."""
+
+Fields = Callable[[int, Points], torch.Tensor]
+"""From the number of a mesh and Points to displacements (n, 3)."""
 
 
 @dataclass(frozen=True)
@@ -37,52 +60,89 @@ class AblationRow:
     test: float
     surface: float
     seconds: float
-    curves: dict | None = None
+    curves: dict[str, list[tuple[int, float]]] | None = None
 
 
-def evaluate_ablation(template, frame, shapes, unseen, config, device="cpu", report=lambda done, total: None):
+def ablation_meshes(data: Dataset, points: np.ndarray, config: AblationConfig, device: str = "cpu") -> TrainingMeshes:
+    """The meshes of a dataset that an ablation trains and measures on, as many as the settings say.
+
+    points: (V, 3) metres, the shape that the networks deform.
+    Raises InputError when a split has too few meshes.
+    """
+    shapes = data.vertices[split_rows(data, "train", 3, config.meshes)]
+    unseen = data.vertices[split_rows(data, "test", 1, config.unseen)]
+    return TrainingMeshes(Surface(UnitBox(points), data.template.faces, device), shapes, unseen)
+
+
+def evaluate_ablation(
+    template: Template, meshes: TrainingMeshes, config: AblationConfig, report: Report = unwatched
+) -> Iterator[AblationRow]:
     """Train all NETWORKS, then PCA and intrinsic of the same latent dimension, on the same meshes.
 
-    template: Template. frame: Frame of the networks. shapes (N, V, 3), unseen (U, V, 3): metres. config:
-    AblationConfig. report: called with the epochs done and their total.
+    report: called with the epochs done and their total.
     Yields an AblationRow each. Raises NumericsError when a loss is not finite.
     """
-    surface = Surface(frame, template.faces, device)
-    measure = _Measure(surface, shapes, unseen, template.height, config.seed)
+    measure = _Measure(meshes, template.height, config.seed)
     for k, name in enumerate(NETWORKS):
         settings = replace(config, vertex_share=1.0) if name == VERTICES_ONLY else config
-        network = _network(name, template, settings).to(device)
-        start, records = time.perf_counter(), []
-        training = AutoDecoderTraining(network, surface, shapes, unseen, settings)
+        network = _network(name, template, settings, meshes.surface)
+        records = []
+        start = time.perf_counter()
+        training = AutoDecoderTraining(network, meshes, settings)
         for record in training.epochs():
             records.append(record)
             report(k * config.epochs + record.epoch, len(NETWORKS) * config.epochs)
         seconds = time.perf_counter() - start
         parameters = sum(parameter.numel() for parameter in network.requires_grad_(False).parameters())
-        codes = fit_codes(training)
+        codes = fit_codes(training, config.code_steps)
         network.precision = torch.float32  # as models decode
         errors = measure(_network_fields(network, training.latents), _network_fields(network, codes))
         yield AblationRow(name, parameters, *errors, seconds, _curves(records, template.height))
-    for name, kind in LINEAR.items():
+    for name in LINEAR:
         start = time.perf_counter()
-        model = kind.train(template, shapes, config.latent, config.seed)
+        model = _linear_model(name, template, meshes.shapes, config)
         seconds = time.perf_counter() - start
         parameters = sum(tensor.size for tensor in model.tensors().values())
-        errors = measure(_model_fields(model, surface, shapes), _model_fields(model, surface, unseen))
-        yield AblationRow(name, parameters, *errors, seconds)
+        fields = (_model_fields(model, meshes.surface, shapes) for shapes in (meshes.shapes, meshes.unseen))
+        yield AblationRow(name, parameters, *measure(*fields), seconds)
 
 
-def _network(name, template, config):
-    generator, precision = torch.Generator().manual_seed(config.seed), getattr(torch, config.precision)
+def fit_codes(training: AutoDecoderTraining, steps: int) -> torch.Tensor:
+    """Codes (U, D) of a training's unseen meshes, fitted to their vertices (supplement 3).
+
+    Minimises equation 1 over the codes by Adam, at vertices drawn anew every step, from the last validation's codes.
+    """
+    config = training.config
+    fit = CodeFit(training.codes, CODE_RATE, config)
+    schedule = torch.optim.lr_scheduler.CosineAnnealingLR(fit.optimiser, steps)
+    for step in range(steps):
+        generator = np.random.default_rng([config.seed, TrainingSeed.CODES, step])
+        fit.step(training.network, training.surface.draw(config.points, 1.0, generator), training.unseen)
+        schedule.step()
+    return fit.codes.detach()
+
+
+def _network(name: str, template: Template, config: AblationConfig, surface: Surface) -> torch.nn.Module:
+    generator = torch.Generator().manual_seed(config.seed)
+    precision = getattr(torch, config.precision)
+    network: torch.nn.Module
     if name in (POSITIONS, DISPLACEMENTS):
-        sizes = config.size(), config.array_hidden, len(template.vertices)
-        return VertexArray(*sizes, config.latent_std, generator, positions=name == POSITIONS)
-    if name == CONDITIONING:
-        return ConditionedSiren(config.size(), config.latent_std, generator, precision)
-    return HyperSiren(config.size(), generator, precision)
+        sizes = (config.size(), config.array_hidden, len(template.vertices))
+        network = VertexArray(*sizes, config.latent_std, generator, positions=name == POSITIONS)
+    elif name == CONDITIONING:
+        network = ConditionedSiren(config.size(), config.latent_std, generator, precision)
+    else:
+        network = HyperSiren(config.size(), generator, precision)
+    return network.to(surface.vertices.device)
 
 
-def _curves(records, height):
+def _linear_model(name: str, template: Template, shapes: np.ndarray, config: AblationConfig) -> ShapeModel:
+    if name == "PCA":
+        return PcaModel.train(template, shapes, PcaConfig(config.latent, config.seed))
+    return IntrinsicModel.train(template, shapes, IntrinsicConfig(config.latent, config.seed))
+
+
+def _curves(records: list[EpochRecord], height: float) -> dict[str, list[tuple[int, float]]]:
     errors = {
         "train": [(record.epoch, record.train_error) for record in records],
         "test": [(record.epoch, record.validation_error) for record in records if record.validation_error is not None],
@@ -90,20 +150,20 @@ def _curves(records, height):
     return {split: [(epoch, 100 * error / height) for epoch, error in pairs] for split, pairs in errors.items()}
 
 
-def _network_fields(network, codes):
-    """A function from the number of a mesh and Points to the displacements of its code."""
+def _network_fields(network: torch.nn.Module, codes: torch.Tensor) -> Fields:
+    """The displacements of codes (N, D)."""
 
     @torch.no_grad()
-    def displace(number, points):
+    def displace(number: int, points: Points) -> torch.Tensor:
         return network(codes[number : number + 1], points)[0]
 
     return displace
 
 
-def _model_fields(model, surface, shapes):
-    """The same for the projections of shapes on a linear model."""
+def _model_fields(model: ShapeModel, surface: Surface, shapes: np.ndarray) -> Fields:
+    """The displacements of the projections of shapes on a linear model."""
 
-    def displace(number, points):
+    def displace(number: int, points: Points) -> torch.Tensor:
         shape = model.decode(model.encode(shapes[number].astype(np.float64)))
         return points.values(surface.displacements(shape))
 
@@ -113,35 +173,17 @@ def _model_fields(model, surface, shapes):
 class _Measure:
     """Mean distances in percent of the head's height: training meshes, unseen ones, unseen ones between vertices."""
 
-    def __init__(self, surface, shapes, unseen, height, seed):
-        between = surface.draw(_SURFACE_POINTS, 0.0, np.random.default_rng([seed, _BETWEEN]))
-        vertices = surface.at_vertices(np.arange(len(surface.vertices)))
-        self.percent = 100 / (surface.frame.scale * height)
-        shapes, unseen = surface.displacements(shapes), surface.displacements(unseen)
-        self.tasks = (shapes, vertices), (unseen, vertices), (unseen, between)
+    def __init__(self, meshes: TrainingMeshes, height: float, seed: int) -> None:
+        surface = meshes.surface
+        between = surface.draw(SURFACE_POINTS, 0.0, np.random.default_rng([seed, TrainingSeed.SURFACE]))
+        vertices = surface.at_vertices()
+        self.percent = 100 / (surface.box.scale * height)
+        shapes = surface.displacements(meshes.shapes)
+        unseen = surface.displacements(meshes.unseen)
+        self.tasks = ((shapes, vertices), (unseen, vertices), (unseen, between))
 
-    def __call__(self, known, new):
-        """known, new: fields of the training and of the unseen meshes."""
-        for displace, (fields, points) in zip((known, new, new), self.tasks, strict=True):
+    def __call__(self, trained: Fields, new: Fields) -> Iterator[float]:
+        """trained, new: of the training and of the unseen meshes."""
+        for displace, (fields, points) in zip((trained, new, new), self.tasks, strict=True):
             gaps = (displace(k, points) - points.values(field) for k, field in enumerate(fields))
             yield self.percent * float(torch.stack([gap.norm(dim=-1).mean() for gap in gaps]).mean())
-
-
-def fit_codes(training):
-    """Codes (U, D) of a training's unseen meshes, fitted to their vertices (supplement 3).
-
-    Minimises equation 1 over the codes by Adam, at vertices drawn anew every step, from the last validation's codes.
-    """
-    config, surface = training.config, training.surface
-    codes = training.codes.detach().clone().requires_grad_()
-    optimiser = torch.optim.Adam([codes], lr=_CODE_RATE * config.latent_std)
-    schedule = torch.optim.lr_scheduler.CosineAnnealingLR(optimiser, config.code_steps)
-    for step in range(config.code_steps):
-        points = surface.draw(config.points, 1.0, np.random.default_rng([config.seed, _CODES, step]))
-        squares = (training.network(codes, points) - points.values(training.unseen)).square().sum(-1)
-        loss = config.data_weight * squares.mean() + config.latent_weight * codes.square().mean()
-        optimiser.zero_grad()
-        loss.backward()
-        optimiser.step()
-        schedule.step()
-    return codes.detach()

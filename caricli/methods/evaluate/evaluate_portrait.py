@@ -11,15 +11,18 @@ from caricli.data.albedo import AlbedoPainter, random_look
 from caricli.errors import CaricliError
 from caricli.geometry.head_rotation import TURNS, head_rotation
 from caricli.geometry.similarity import similarity
-from caricli.methods.reconstruct.fit_landmarks import PARTS, fit_landmarks, landmark_vertices
-from caricli.methods.reconstruct.fit_morphable import WEIGHTS, fit_morphable
+from caricli.methods.reconstruct.fit_landmarks import fit_landmarks
+from caricli.methods.reconstruct.fit_morphable import fit_morphable
+from caricli.methods.reconstruct.landmark_vertices import landmark_vertices
 from caricli.methods.reconstruct.refine_face import refine_face
+from caricli.methods.reconstruct.settings import MorphableWeights
 from caricli.render.blend import over
 from caricli.render.place_eyeballs import place_eyeballs
-from caricli.render.shade import shade
+from caricli.render.shade import Look, shade
 from caricli.render.sky import sky_visibility
 from caricli.render.smooth_normals import smooth_normals
-from caricli.structures import Camera
+from caricli.structures import Camera, Face
+from caricli.structures.landmarks import PARTS
 from caricli.template.fine_mesh import fine_mesh
 
 COARSE = {
@@ -36,7 +39,7 @@ METHODS = (*(f"{name}{end}" for name in COARSE for end in ("", REFINED)), *ADJUS
 PAPER_SIDE = 224
 """Pixels of the pictures that the paper's network takes."""
 
-_UNBOUND = tuple(weight / 100 for weight in WEIGHTS)
+_UNBOUND = MorphableWeights(MorphableWeights.identity / 100, MorphableWeights.expression / 100)
 _FILLED, _ASIDE = (0.7, 0.85), 0.03
 
 
@@ -55,13 +58,15 @@ class Portrait:
 
 @dataclass(frozen=True, eq=False)
 class Reconstruction:
-    """vertices (V, 3) metres; pose; landmarks (L, 2) pixels where they project to; errors, mean distances to the given
-    ones by part and "all", in percent of their diagonal; flipped, share of triangles; seconds, a refinement's with
-    those of what it refines."""
+    """A face and how well it fits.
 
-    vertices: np.ndarray
-    pose: Camera
-    landmarks: np.ndarray
+    face: Face with the camera of the picture and the landmarks where they project to.
+    errors: percent of the diagonal of the given landmarks, mean distances to these by part and "all".
+    flipped: share of triangles that are turned over.
+    seconds: a refinement's with those of what it refines.
+    """
+
+    face: Face
     errors: dict
     flipped: float
     seconds: float
@@ -87,23 +92,17 @@ class PortraitStudio:
         pose = self._pose(vertices, generator)
         colours = 255 * self.painter.draw(random_look(generator))
         camera = pose.place(vertices)
-        faces, note = self.template.faces, self.template.annotation
+        faces = self.template.faces
         seen = self.fine.weights @ sky_visibility(vertices, faces, smooth_normals(vertices, faces))
-        balls = [
-            (pose.place(centre), pose.scale * radius)
-            for centre, radius in place_eyeballs(vertices, faces, note.curves, note.regions)
-        ]
-        drawn = shade(
-            self.fine.weights @ camera,
-            self.fine.mesh.faces,
-            self.size,
-            self.size,
+        balls = place_eyeballs(self.template.with_vertices(vertices), self.template.annotation)
+        look = Look(
             vertex_colours=colours,
-            eyeballs=balls,
+            eyeballs=[(pose.place(centre), pose.scale * radius) for centre, radius in balls],
             gaze=pose.rotation[:, 2],
             visibility=seen.astype(np.float32),
             rotation=pose.rotation,
         )
+        drawn = shade(self.fine.weights @ camera, self.fine.mesh.faces, self.size, self.size, look)
         points = pose.project(vertices[landmark_vertices(vertices, pose.rotation, self.template, 68)])
         points += noise / 100 * np.linalg.norm(np.ptp(points, axis=0)) * generator.normal(size=points.shape)
         image = over(drawn, self._background(generator))
@@ -143,13 +142,12 @@ def reconstruct_portrait(points, models):
         coarse = found[name] = _timed(partial(fit, points, model, *how))
         start = time.perf_counter()
         try:
-            fine = refine_face(coarse.vertices, coarse.pose, points, model.template)
+            fine = refine_face(coarse.face, points, model.template)
         except CaricliError as error:
             refused[name + REFINED] = str(error)
             continue
         seconds = coarse.seconds + time.perf_counter() - start
-        figures = fine.landmarks, fine.after, fine.flipped, seconds
-        found[name + REFINED] = Reconstruction(fine.vertices, coarse.pose, *figures)
+        found[name + REFINED] = Reconstruction(fine.face, fine.after, fine.flipped, seconds)
     morphable = models["morphable"]
     for name, kept in zip(ADJUSTED, (np.zeros(len(morphable.identity)), None), strict=True):
         found[name] = _timed(partial(fit_morphable, points, morphable, _UNBOUND, kept))
@@ -162,7 +160,7 @@ def _timed(fitting):
     fit = fitting()
     seconds = time.perf_counter() - start
     errors = fit.part_errors | {"all": fit.nme}
-    return Reconstruction(fit.vertices, fit.pose, fit.landmarks, errors, fit.flipped, seconds)
+    return Reconstruction(fit.face, errors, fit.flipped, seconds)
 
 
 def measure_portrait(found, portrait, template):
@@ -185,7 +183,7 @@ def measure_portrait(found, portrait, template):
     }
     if portrait.truth is not None:
         face = template.region("face")
-        ours, true = found.vertices[face], portrait.truth[face]
+        ours, true = found.face.vertices[face], portrait.truth[face]
         scale, rotation, translation = similarity(ours, true)
         distances = np.linalg.norm(scale * ours @ rotation.T + translation - true, axis=1)
         figures["shape"] = float(100 * distances.mean() / np.ptp(portrait.truth[:, 1]))

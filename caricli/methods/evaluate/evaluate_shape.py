@@ -1,10 +1,16 @@
 """How well a shape model holds the shapes of a dataset."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
 
-_BATCH = 32
+from caricli.data.dataset import SPLITS, Dataset
+from caricli.errors import InputError
+from caricli.models.shape_model import ShapeModel
+
+BATCH = 32
+"""Shapes that are encoded at once: more take more memory and no less time."""
 
 
 @dataclass(frozen=True)
@@ -17,23 +23,43 @@ class ShapeError:
     prior_rms: float
 
 
-def spread_rows(rows, count):
+def spread_rows(rows: np.ndarray, count: int) -> np.ndarray:
     """At most ``count`` of the chosen rows, evenly spread. rows: (N,) bool. Returns (n,) ids."""
     ids = np.flatnonzero(rows)
     return ids[np.linspace(0, len(ids) - 1, min(count, len(ids))).round().astype(int)] if len(ids) else ids
 
 
-def evaluate_shape(model, shapes):
+def split_rows(data: Dataset, split: str, least: int, count: int = 0) -> np.ndarray:
+    """(n,) ids of a split's meshes, at most ``count`` of them, evenly spread; 0 for all.
+
+    least: how many meshes the split must have. Raises InputError when it has fewer.
+    """
+    rows = data.rows(split)
+    if rows.sum() < least:
+        raise InputError(f"the dataset's {split} split has {rows.sum()} meshes, at least {least} are needed")
+    return spread_rows(rows, count or len(rows))
+
+
+def evaluate_splits(
+    model: ShapeModel, data: Dataset, splits: Iterable[str] = SPLITS, count: int = 0
+) -> dict[str, ShapeError]:
+    """The ShapeError of every split that has meshes, of at most ``count`` of them, evenly spread; 0 for all."""
+    errors = {split: evaluate_shape(model, data.vertices[split_rows(data, split, 0, count)]) for split in splits}
+    return {split: error for split, error in errors.items() if error is not None}
+
+
+def evaluate_shape(model: ShapeModel, shapes: np.ndarray) -> ShapeError | None:
     """Encode and decode shapes and measure ``mean_v |v - v*|``.
 
-    model: ShapeModel. shapes: (N, V, 3) metres.
-    Returns ShapeError, or None for no shapes.
+    shapes: (N, V, 3) metres.
+    Returns None for no shapes.
     """
     if not len(shapes):
         return None
-    errors, spreads = [], []
-    for start in range(0, len(shapes), _BATCH):
-        batch = shapes[start : start + _BATCH].astype(np.float64)
+    errors = []
+    spreads = []
+    for start in range(0, len(shapes), BATCH):
+        batch = shapes[start : start + BATCH].astype(np.float64)
         latents = model.encode(batch)
         errors.append(np.linalg.norm(model.decode(latents) - batch, axis=-1).mean(-1))
         spreads.append(model.prior.rms(latents))

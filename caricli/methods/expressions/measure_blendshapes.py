@@ -12,10 +12,13 @@ CLEAR = 0.5
 
 @dataclass(frozen=True, eq=False)
 class BlendshapeMeasures:
-    """drift (K,), mean displacement where the normal face hardly moves, metres: a change of identity; strength (K,),
-    mean displacement where the normal face moves clearly, of the normal face's; excess (K,), how much farther vertices
-    go than those of the normal face, on average, of its mean displacement; structure, mean difference of the cosines
-    between expressions from those of the normal face. NaN for an expression that does nothing."""
+    """What was measured of K expressions; NaN for one that does nothing.
+
+    drift: (K,) metres, mean displacement where the normal face hardly moves: a change of identity.
+    strength: (K,) mean displacement where the normal face moves clearly, of the normal face's.
+    excess: (K,) how much farther vertices go than those of the normal face, on average, of its mean displacement.
+    structure: mean difference of the cosines between expressions from those of the normal face.
+    """
 
     drift: np.ndarray
     strength: np.ndarray
@@ -23,13 +26,16 @@ class BlendshapeMeasures:
     structure: float
 
 
-def measure_blendshapes(moves, normal):
-    """Compare displacements (K, V, 3) of a caricature with those (K, V, 3) of a normal face: BlendshapeMeasures."""
+def measure_blendshapes(moves: np.ndarray, normal: np.ndarray) -> BlendshapeMeasures:
+    """Compare displacements of a caricature with those of a normal face. moves, normal: (K, V, 3), metres."""
     shares = displacement_masks(normal)
-    own, usual = np.linalg.norm(moves, axis=2), np.linalg.norm(normal, axis=2)
-    still, clear, acts = shares < UNMOVED, shares > CLEAR, usual.any(axis=1)
+    own = np.linalg.norm(moves, axis=2)
+    usual = np.linalg.norm(normal, axis=2)
+    still = shares < UNMOVED
+    clear = shares > CLEAR
+    acts = usual.any(axis=1)
 
-    def mean(values, where):
+    def mean(values: np.ndarray, where: np.ndarray) -> np.ndarray:
         return np.where(acts, (values * where).sum(1) / np.maximum(where.sum(1), 1), np.nan)
 
     with np.errstate(invalid="ignore", divide="ignore"):

@@ -1,6 +1,6 @@
 """Caricature blendshapes that keep who it is (expressions paper, section 3.2.3)."""
 
-from dataclasses import dataclass
+from collections.abc import Callable
 
 import igl
 import numpy as np
@@ -10,25 +10,38 @@ from scipy.sparse.csgraph import connected_components
 from caricli.errors import NumericsError
 from caricli.geometry.cholesky import Cholesky
 from caricli.geometry.vertex_neighbours import vertex_neighbours
+from caricli.methods.expressions.settings import BlendshapeWeights
+from caricli.structures import Mesh
 
-UNMOVED, WHOLE = 0.05, 0.25
-"""Shares of an expression's largest displacement: below the first a vertex counts as unmoved, above the second its
-displacement is taken as it is."""
+UNMOVED = 0.05
+"""Share of an expression's largest displacement below which a vertex counts as unmoved."""
 
-_RATIO, _TOLERANCE, _ITERATIONS = 4.0, 1e-11, 200
+WHOLE = 0.25
+"""Share of an expression's largest displacement above which a displacement is taken as it is."""
+
+_RATIO = 4.0
+"""Shifts within this factor of each other share a factorisation; smaller means more of them and fewer iterations."""
+
+_TOLERANCE = 1e-11
+"""Of a right side: residual that ends conjugate gradients."""
+
+_ITERATIONS = 200
+"""Steps of conjugate gradients at most; a few do, because the factorisation is near."""
+
 _THIN = 1e-3
+"""Of the mean area: least area of a vertex, because slivers would drown everything else."""
+
+_UNSHIFTED = 1e-12
+"""Of the mean diagonal: shifts below it are taken for none."""
 
 
-@dataclass(frozen=True)
-class BlendshapeWeights:
-    """Weights of equation 11: the masked deformation, the structure of the set, smoothness."""
-
-    deformation: float = 1.0
-    structure: float = 0.1
-    smoothness: float = 0.05
-
-
-def optimise_blendshapes(initial, normal, vertices, faces, weights=BlendshapeWeights(), least=0.0):  # noqa: B008 (frozen)
+def optimise_blendshapes(
+    initial: np.ndarray,
+    normal: np.ndarray,
+    mesh: Mesh,
+    weights: BlendshapeWeights = BlendshapeWeights(),  # noqa: B008 (frozen)
+    least: np.ndarray | float = 0.0,
+) -> np.ndarray:
     """Displacements D* of a caricature that exaggerate no more than a normal face's and relate as they do.
 
     Minimises ``sum_i d |B (D*_i - m_i D_i)|^2 + s sum_ij |c_ij| |D*_i - sign(c_ij) D*_j|^2 + o sum_i |B D*_i|^2``
@@ -41,23 +54,16 @@ def optimise_blendshapes(initial, normal, vertices, faces, weights=BlendshapeWei
     The cosines alone couple the expressions: in the eigenvectors of their matrix one sparse system remains for each,
     solved by conjugate gradients that a few factorisations precondition.
 
-    initial, normal: (K, V, 3) displacements D of the caricature and of the normal face, metres. vertices: (V, 3) of the
-    caricature. faces: (F, 3). weights: not negative, that of the deformation above 0. least: as of ``masks``.
+    initial, normal: (K, V, 3) displacements D of the caricature and of the normal face, metres. mesh: Mesh of the
+    caricature. weights: not negative, that of the deformation above 0. least: as of ``masks``.
     Returns (K, V, 3). Raises NumericsError for degenerate triangles, where nothing moves, and for a part of the mesh
     that moves as a whole.
     """
     if weights.deformation <= 0:
         raise NumericsError("expected a weight of the deformation above 0: without it nothing moves")
-    count, moved = len(vertices), displacement_masks(normal, least).max(0)
-    free = np.flatnonzero(moved >= UNMOVED)
-    if not len(free):
-        raise NumericsError("expected expressions that move something, found none")
-    _, parts = connected_components(vertex_neighbours(faces, count)[0], directed=False)
-    loose = np.setdiff1d(parts, parts[moved < UNMOVED])
-    if len(loose):
-        found = f"{len(loose)} without, such as that of vertex {np.flatnonzero(parts == loose[0])[0]}"
-        raise NumericsError(f"expected in every part of the mesh a vertex that no expression moves, found {found}")
-    operator, area = laplace_beltrami(vertices, faces)
+    count = len(mesh.vertices)
+    free = _free_vertices(mesh, displacement_masks(normal, least).max(0))
+    operator, area = laplace_beltrami(mesh)
     square = (operator.T @ sp.diags(area) @ operator).tocsr()
     wanted = weights.deformation * (masks(normal, least)[..., None] * initial)
     # In displacements times the root of the area the structure term is a multiple of the identity.
@@ -74,21 +80,34 @@ def optimise_blendshapes(initial, normal, vertices, faces, weights=BlendshapeWei
     return result
 
 
-def laplace_beltrami(vertices, faces):
-    """The sparse operator (V, V) in units of the height of the vertices, and the area (V,) of each vertex in the same.
+def _free_vertices(mesh: Mesh, moved: np.ndarray) -> np.ndarray:
+    """Ids of the vertices that move, by how far they do (V,); NumericsError where none is, or nothing holds a part."""
+    free = np.flatnonzero(moved >= UNMOVED)
+    if not len(free):
+        raise NumericsError("expected expressions that move something, found none")
+    _, parts = connected_components(vertex_neighbours(mesh.faces, len(moved))[0], directed=False)
+    loose = np.setdiff1d(parts, parts[moved < UNMOVED])
+    if len(loose):
+        found = f"{len(loose)} without, such as that of vertex {np.flatnonzero(parts == loose[0])[0]}"
+        raise NumericsError(f"expected in every part of the mesh a vertex that no expression moves, found {found}")
+    return free
 
-    vertices: (V, 3). faces: (F, 3). Raises NumericsError for triangles without an area.
+
+def laplace_beltrami(mesh: Mesh) -> tuple[sp.spmatrix, np.ndarray]:
+    """The sparse operator (V, V) in units of the height of a mesh, and the area (V,) of each vertex in the same.
+
+    Raises NumericsError for triangles without an area.
     """
-    vertices = np.asarray(vertices, dtype=np.float64) / np.ptp(vertices[:, 1])
-    cotangents, area = igl.cotmatrix(vertices, faces), igl.massmatrix(vertices, faces).diagonal()
+    vertices = np.asarray(mesh.vertices, dtype=np.float64) / np.ptp(mesh.vertices[:, 1])
+    cotangents = igl.cotmatrix(vertices, mesh.faces)
+    area = igl.massmatrix(vertices, mesh.faces).diagonal()
     if not (np.isfinite(cotangents.data).all() and np.isfinite(area).all() and area.max() > 0):
         raise NumericsError("expected triangles with an area, found some without")
-    # Slivers would drown everything else.
     area = np.maximum(area, _THIN * area.mean())
     return sp.diags(-1 / area) @ cotangents, area
 
 
-def masks(normal, least=0.0):
+def masks(normal: np.ndarray, least: np.ndarray | float = 0.0) -> np.ndarray:
     """(K, V) how much of a displacement is kept, from 0 to 1: that of equation 6 where the normal face hardly moves.
 
     Equation 6 as it stands would halve what moves half as far as the farthest vertex.
@@ -97,7 +116,7 @@ def masks(normal, least=0.0):
     return np.minimum(1, displacement_masks(normal, least) / WHOLE)
 
 
-def displacement_masks(normal, least=0.0):
+def displacement_masks(normal: np.ndarray, least: np.ndarray | float = 0.0) -> np.ndarray:
     """(K, V) how far every vertex of a normal face moves, of the farthest (equation 6); 0 where nothing moves.
 
     normal: (K, V, 3) displacements, metres. least: (K,) or a number, metres; an expression that moves nothing so far is
@@ -108,27 +127,27 @@ def displacement_masks(normal, least=0.0):
     return lengths / np.maximum(farthest, np.finfo(float).tiny)[:, None]
 
 
-def cosines(normal):
+def cosines(normal: np.ndarray) -> np.ndarray:
     """(K, K) of the angles between whole displacements (equation 8); 0 for one that moves nothing, but 1 to itself."""
     rows = normal.reshape(len(normal), -1)
     lengths = np.linalg.norm(rows, axis=1, keepdims=True)
     rows = rows / np.where(lengths > 0, lengths, 1)
-    found = rows @ rows.T
-    np.fill_diagonal(found, 1.0)
-    return found
+    products = rows @ rows.T
+    np.fill_diagonal(products, 1.0)
+    return products
 
 
-def structure(normal):
+def structure(normal: np.ndarray) -> np.ndarray:
     """(K, K) positive semidefinite S with ``sum_ij |c_ij| |x_i - sign(c_ij) x_j|^2 = 2 x^T S x``."""
-    found = cosines(normal)
-    return np.diag(np.abs(found).sum(1)) - found
+    cosine = cosines(normal)
+    return np.diag(np.abs(cosine).sum(1)) - cosine
 
 
-def _solve(system, shifts, right):
+def _solve(system: sp.csr_matrix, shifts: np.ndarray, right: np.ndarray) -> np.ndarray:
     """Solve ``(system + shift_k) x_k = right_k``. right: (n, K, 3). Returns the same shape."""
     solution = np.empty_like(right)
     # Shifts within a factor of each other share a factorisation; the eigenvalues of what it leaves lie within it too.
-    floor = 1e-12 * system.diagonal().mean()
+    floor = _UNSHIFTED * system.diagonal().mean()
     groups = np.floor(np.log(np.maximum(shifts, floor)) / np.log(_RATIO)).astype(int)
     for group in np.unique(groups):
         members = np.flatnonzero(groups == group)
@@ -139,12 +158,16 @@ def _solve(system, shifts, right):
     return solution
 
 
-def _conjugate_gradients(system, shift, right, precondition):
-    """Columns of (n, 3) side by side."""
-    found = precondition(right)
-    residual = right - system @ found - shift * found
-    goal = _TOLERANCE * np.maximum(np.linalg.norm(right, axis=0), np.finfo(float).tiny)
-    way, last = np.zeros_like(right), np.ones(right.shape[1])
+def _conjugate_gradients(
+    system: sp.csr_matrix, shift: float, right: np.ndarray, precondition: Callable[[np.ndarray], np.ndarray]
+) -> np.ndarray:
+    """The solution (n, 3) of ``(system + shift) x = right``, its columns side by side."""
+    tiny = np.finfo(float).tiny
+    solution = precondition(right)
+    residual = right - system @ solution - shift * solution
+    goal = _TOLERANCE * np.maximum(np.linalg.norm(right, axis=0), tiny)
+    way = np.zeros_like(right)
+    last = np.ones(right.shape[1])
     for step in range(_ITERATIONS):
         if (np.linalg.norm(residual, axis=0) <= goal).all():
             break
@@ -152,6 +175,8 @@ def _conjugate_gradients(system, shift, right, precondition):
         product = (residual * preconditioned).sum(0)
         way = preconditioned + (product / last if step else 0.0) * way
         image = system @ way + shift * way
-        length = product / np.maximum((way * image).sum(0), np.finfo(float).tiny)
-        found, residual, last = found + length * way, residual - length * image, np.where(product > 0, product, 1.0)
-    return found
+        length = product / np.maximum((way * image).sum(0), tiny)
+        solution = solution + length * way
+        residual = residual - length * image
+        last = np.where(product > 0, product, 1.0)
+    return solution

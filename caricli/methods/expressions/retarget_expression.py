@@ -1,5 +1,6 @@
 """Weights of a rig's expressions that explain the expressions of normal faces (expressions paper, equation 19)."""
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,29 +11,45 @@ from caricli.errors import InputError
 from caricli.geometry.deformation_gradients import rotation_matrices
 from caricli.geometry.similarity import similarity
 from caricli.geometry.vertex_neighbours import vertex_neighbours
-from caricli.methods.reconstruct.fit_landmarks import LatentSettings
+from caricli.methods.reconstruct.landmark_fit import LandmarkFit
+from caricli.methods.reconstruct.settings import LatentSettings
+from caricli.models.morphable.model import MorphableModel
 from caricli.structures import Camera
 
-STRONGEST = 1.5
-"""Upper bound of a weight."""
 
-NOISE = 0.007
-"""How far a vertex is expected from where its neighbours place it, as a share of the template's height."""
+@dataclass(frozen=True)
+class RetargetSettings:
+    """What is likely of faces and expressions.
 
-SPARSE, WEAK = 1.0, 1e-4
-"""Prices of a weight and of half its square: few expressions at a time are likelier than many, where both explain."""
+    strongest: upper bound of a weight.
+    noise: share of the template's height; how far a vertex is expected from where its neighbours place it.
+    sparse: price of a weight: few expressions at a time are likelier than many, where both explain.
+    sparse_landmarks: the same price where there are landmarks alone: more of a strong expression is found in them, 0.6
+    instead of 0.5, at the same error of the face.
+    weak: price of half the square of a weight, which makes the weights unique.
+    caution: how much dearer identity is where there are landmarks alone.
+    rounds: exchanges between identity and weights at most.
+    settled: largest step, in the units of motions and identity, that ends them.
+    """
 
-CAUTION, SPARSE_LANDMARKS = 2.0, 1.5
-"""Of landmarks identity is twice as dear, and a weight by a half: more of a strong expression is found in them, 0.6
-instead of 0.5, at the same error of the face."""
-
-_ROUNDS, _SETTLED = 20, 1e-3
+    strongest: float = 1.5
+    noise: float = 0.007
+    sparse: float = 1.0
+    sparse_landmarks: float = 1.5
+    weak: float = 1e-4
+    caution: float = 2.0
+    rounds: int = 20
+    settled: float = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
 class Explanation:
-    """What faces do: weights (T, K) of the expressions; neutral (N, 3) metres, the face that does it; errors (T,), what
-    is left: millimetres from the vertices of meshes, percent of the diagonal from landmarks."""
+    """What faces do.
+
+    weights: (T, K) of the expressions.
+    neutral: (N, 3) metres, the face that does it.
+    errors: (T,) what is left: millimetres from the vertices of meshes, percent of the diagonal from landmarks.
+    """
 
     weights: np.ndarray
     neutral: np.ndarray
@@ -40,7 +57,13 @@ class Explanation:
 
 
 @threadpool_limits.wrap(limits=1)
-def explain_meshes(shapes, deltas, model, neutral=None):
+def explain_meshes(
+    shapes: Sequence[np.ndarray],
+    deltas: np.ndarray,
+    model: MorphableModel,
+    neutral: np.ndarray | None = None,
+    settings: RetargetSettings = RetargetSettings(),  # noqa: B008 (frozen)
+) -> Explanation:
     """Explain meshes by one identity, and an expression and a similarity transform for each.
 
     Minimises ``sum_t |H(v_t - n - sum_i a_i U_i - sum_k w_tk N_k)|^2 / noise^2 + |a|^2 + 2 sparse sum w + weak |w|^2``
@@ -49,178 +72,235 @@ def explain_meshes(shapes, deltas, model, neutral=None):
     resemble expressions, which part lips and lids, less than in positions. Where the neutral face is known, it is n;
     there is neither a nor a price, and H takes off the mean of all vertices.
 
-    shapes: (T, N, 3). deltas: (K, N, 3) metres, of the expressions on a normal face. model: MorphableModel. neutral:
-    (N, 3) metres, of the same person, in the face frame, or None.
-    Returns Explanation. Raises InputError where no expression moves anything.
+    shapes: T of (N, 3). deltas: (K, N, 3) metres, of the expressions on a normal face. neutral: (N, 3) metres, of the
+    same person, in the face frame, or None.
+    Raises InputError where no expression moves anything.
     """
-    template, shapes = model.template, np.asarray(shapes, float)
-    mean, identity = model.mean, model.identity
-    face = template.region("face")
-    middle, price = vertex_neighbours(template.faces, len(mean))[1], SPARSE
-    if neutral is not None:
-        mean, identity = np.asarray(neutral, float), identity[:0]
-        middle, price = np.full((1, len(mean)), 1 / len(mean)), 0.0
-    noise, deltas = NOISE * template.height, _moving(deltas)
-
-    def rows(fields):
-        return np.array([(field - middle @ field).ravel() / noise for field in fields]).reshape(-1, mean.size)
-
-    centred = mean - mean.mean(0)
-    motions = np.stack([*(np.cross(axis, centred) for axis in np.eye(3)), centred])
-    system = BoundedSystem(rows(motions), rows(identity), rows(deltas), price)
-    shapes = [_moved(shape, shape[face], mean[face]) for shape in shapes]
-    who = np.zeros(len(identity))
-    for _ in range(_ROUNDS):
-        reduced = [system.reduced(rows([shape - mean])[0]) for shape in shapes]
-        (who, weights, steps), before = exchange(reduced, who), who
-        shapes = [
-            _moved(shape, shape, shape - np.tensordot(step, motions, 1))
-            for shape, step in zip(shapes, steps, strict=True)
-        ]
-        if max(np.abs(steps).max(), np.abs(who - before).max(initial=0)) < _SETTLED:
+    deltas = _check_moving(deltas)
+    space = _MeshSpace(deltas, model, neutral, settings)
+    face = model.template.region("face")
+    faces = [_by_similarity(shape, shape[face], space.mean[face]) for shape in np.asarray(shapes, float)]
+    who = np.zeros(len(space.identity))
+    for _ in range(settings.rounds):
+        before = who
+        who, weights, steps = exchange([space.equations(shape) for shape in faces], who)
+        faces = [space.move(shape, step) for shape, step in zip(faces, steps, strict=True)]
+        if max(np.abs(steps).max(), np.abs(who - before).max(initial=0)) < settings.settled:
             break
-    neutral = mean + np.tensordot(who, identity, 1)
-    left = (shape - neutral - np.tensordot(w, deltas, 1) for shape, w in zip(shapes, weights, strict=True))
+    own = space.mean + np.tensordot(who, space.identity, 1)
+    left = (shape - own - np.tensordot(w, deltas, 1) for shape, w in zip(faces, weights, strict=True))
     errors = [1000 * np.linalg.norm(gaps - gaps.mean(0), axis=1).mean() for gaps in left]
-    return Explanation(weights, neutral, np.array(errors))
+    return Explanation(weights, own, np.array(errors))
+
+
+class _MeshSpace:
+    """What a mesh can be: a mean face, motions, identities and expressions, in what vertices differ by from others."""
+
+    def __init__(
+        self, deltas: np.ndarray, model: MorphableModel, neutral: np.ndarray | None, settings: RetargetSettings
+    ) -> None:
+        template = model.template
+        self.mean = model.mean
+        self.identity = model.identity
+        self._middle = vertex_neighbours(template.faces, len(self.mean))[1]
+        price = settings.sparse
+        if neutral is not None:
+            self.mean = np.asarray(neutral, float)
+            self.identity = model.identity[:0]
+            self._middle = np.full((1, len(self.mean)), 1 / len(self.mean))
+            price = 0.0
+        self._noise = settings.noise * template.height
+        centred = self.mean - self.mean.mean(0)
+        self._motions = np.stack([*(np.cross(axis, centred) for axis in np.eye(3)), centred])
+        rows = (self._rows(fields) for fields in (self._motions, self.identity, deltas))
+        self._system = BoundedSystem(*rows, price, settings)
+
+    def _rows(self, fields: Iterable[np.ndarray]) -> np.ndarray:
+        rows = [(field - self._middle @ field).ravel() / self._noise for field in fields]
+        return np.array(rows).reshape(-1, self.mean.size)
+
+    def equations(self, shape: np.ndarray) -> "FaceEquations":
+        """Of a face (N, 3)."""
+        return self._system.reduced(self._rows([shape - self.mean])[0])
+
+    def move(self, shape: np.ndarray, step: np.ndarray) -> np.ndarray:
+        """The face (N, 3) without a motion: turns about three axes and a growth."""
+        return _by_similarity(shape, shape, shape - np.tensordot(step, self._motions, 1))
 
 
 @threadpool_limits.wrap(limits=1)
-def explain_landmarks(fits, points, deltas, model):
-    """Explain landmarks by one identity, and an expression and a pose for each: equation 19 in the picture plane.
+def explain_landmarks(
+    fits: Sequence[LandmarkFit],
+    points: Sequence[np.ndarray],
+    deltas: np.ndarray,
+    model: MorphableModel,
+    settings: RetargetSettings = RetargetSettings(),  # noqa: B008 (frozen)
+) -> Explanation:
+    """Explain landmarks by one identity, and an expression and a camera for each: equation 19 in the picture plane.
 
     Minimises ``sum_t |s_t R_t (n + sum_i a_i U_i + sum_k w_tk N_k) + x_t - q_t|^2 / noise^2 + |caution a|^2 + 2 sparse
-    sum w + weak |w|^2`` over identity, 0 <= w <= 1.5 and poses, on the landmarks, distances in shares of their
+    sum w + weak |w|^2`` over identity, 0 <= w <= 1.5 and cameras, on the landmarks, distances in shares of their
     diagonal.
 
-    fits: LandmarkFit of ``fit_morphable`` for each: where the poses start, and what the landmarks stand on. points: T
-    arrays (L, 2) pixels, NaN where unknown. deltas: (K, N, 3) metres. model: MorphableModel.
-    Returns Explanation. Raises InputError where no expression moves anything.
+    fits: LandmarkFit of ``fit_morphable`` for each: where the cameras start, and what the landmarks stand on. points: T
+    arrays (L, 2) pixels, NaN where unknown. deltas: (K, N, 3) metres.
+    Raises InputError where no expression moves anything.
     """
-    deltas = _moving(deltas)
+    deltas = _check_moving(deltas)
     views = [_View(fit, marks) for fit, marks in zip(fits, points, strict=True)]
-    identity = model.identity / CAUTION
-    who = CAUTION * np.mean([model.parts(fit.latent)[0] for fit in fits], axis=0)
+    identity = model.identity / settings.caution
+    who = settings.caution * np.mean([model.parts(fit.face.latent)[0] for fit in fits], axis=0)
     weights = np.zeros((len(views), len(deltas)))
-    for _ in range(_ROUNDS):
-        reduced = []
-        for view, w in zip(views, weights, strict=True):
-            at = view.anchors
-            now = model.mean[at] + np.tensordot(who, identity[:, at], 1) + np.tensordot(w, deltas[:, at], 1)
-            reduced.append(view.reduced(now, model.mean[at], identity[:, at], deltas[:, at]))
-        (who, weights, steps), before = exchange(reduced, who), who
+    for _ in range(settings.rounds):
+        before = who
+        equations = [
+            view.equations(_Linear(model.mean, identity, deltas, view.anchors), who, w, settings)
+            for view, w in zip(views, weights, strict=True)
+        ]
+        who, weights, steps = exchange(equations, who)
         for view, step in zip(views, steps, strict=True):
             view.move(step)
-        if max(np.abs(steps).max(), np.abs(who - before).max(initial=0)) < _SETTLED:
+        if max(np.abs(steps).max(), np.abs(who - before).max(initial=0)) < settings.settled:
             break
     neutral = model.mean + np.tensordot(who, identity, 1)
     shapes = (neutral + np.tensordot(w, deltas, 1) for w in weights)
     return Explanation(weights, neutral, np.array([v.error(shape) for v, shape in zip(views, shapes, strict=True)]))
 
 
+class _Linear:
+    """Where the vertices that landmarks stand on can be: mean (L, 3), identities (I, L, 3), expressions (K, L, 3)."""
+
+    def __init__(self, mean: np.ndarray, identity: np.ndarray, deltas: np.ndarray, anchors: np.ndarray) -> None:
+        self.mean = mean[anchors]
+        self.identity = identity[:, anchors]
+        self.deltas = deltas[:, anchors]
+
+    def points(self, who: np.ndarray, weights: np.ndarray) -> np.ndarray:
+        """(L, 3) of an identity and weights."""
+        return self.mean + np.tensordot(who, self.identity, 1) + np.tensordot(weights, self.deltas, 1)
+
+
 class _View:
-    """The known landmarks of one picture, and the camera as it is found."""
+    """The landmarks of one picture that are known, and its camera as far as it is found."""
 
-    def __init__(self, fit, points):
-        known = np.isfinite(points).all(axis=1)
-        self.anchors, self.points = fit.anchors[known], points[known]
-        self.pose, self.diagonal = fit.pose, float(np.linalg.norm(np.ptp(self.points, axis=0)))
+    def __init__(self, fit: LandmarkFit, points: np.ndarray) -> None:
+        given = np.isfinite(points).all(axis=1)
+        self.anchors = fit.anchors[given]
+        self.points = points[given]
+        self.camera = fit.face.require_camera()
+        self.diagonal = float(np.linalg.norm(np.ptp(self.points, axis=0)))
 
-    def reduced(self, now, mean, identity, deltas):
-        """The problem around a shape whose landmarks are at (L, 3)."""
+    def equations(
+        self, space: _Linear, who: np.ndarray, weights: np.ndarray, settings: RetargetSettings
+    ) -> "FaceEquations":
+        """The problem around an identity (I,) and weights (K,)."""
         unit = self.diagonal * LatentSettings.noise
-        x, y, z = self.pose.scale / unit * (now @ self.pose.rotation.T).T
-        none, one = np.zeros_like(x), np.ones_like(x)
+        x, y, z = self.camera.scale / unit * (space.points(who, weights) @ self.camera.rotation.T).T
+        none = np.zeros_like(x)
+        one = np.ones_like(x)
         motions = [(none, -z), (z, none), (-y, x), (x, y), (one, none), (none, one)]
-        motions = np.array(motions).transpose(0, 2, 1).reshape(6, -1)
-        seen = self.pose.scale / unit * self.pose.rotation[:2].T
-        parts = ((fields @ seen).reshape(len(fields), -1) for fields in (identity, deltas))
-        right = (self.points - self.pose.project(mean)) / unit
-        return BoundedSystem(motions, *parts, SPARSE_LANDMARKS).reduced(right.ravel())
+        seen = self.camera.scale / unit * self.camera.rotation[:2].T
+        parts = ((fields @ seen).reshape(len(fields), -1) for fields in (space.identity, space.deltas))
+        right = (self.points - self.camera.project(space.mean)) / unit
+        rows = np.array(motions).transpose(0, 2, 1).reshape(6, -1)
+        return BoundedSystem(rows, *parts, settings.sparse_landmarks, settings).reduced(right.ravel())
 
-    def move(self, step):
+    def move(self, step: np.ndarray) -> None:
         """Turn the camera, log its scale and shift it."""
-        rotation = rotation_matrices(step[None, :3])[0] @ self.pose.rotation
+        rotation = rotation_matrices(step[None, :3])[0] @ self.camera.rotation
         shift = self.diagonal * LatentSettings.noise * step[4:]
-        self.pose = Camera(self.pose.scale * float(np.exp(step[3])), rotation, self.pose.translation + shift)
+        self.camera = Camera(self.camera.scale * float(np.exp(step[3])), rotation, self.camera.translation + shift)
 
-    def error(self, vertices):
+    def error(self, vertices: np.ndarray) -> float:
         """Mean distance from the landmarks in percent of their diagonal."""
-        gaps = self.pose.project(vertices[self.anchors]) - self.points
+        gaps = self.camera.project(vertices[self.anchors]) - self.points
         return 100 * np.linalg.norm(gaps, axis=1).mean() / self.diagonal
 
 
 class BoundedSystem:
     """Least squares ``|p motions + a identity + w deltas - right|^2 + weak |w|^2 + 2 price sum w``, factored once for
     every right side; only w is bounded.
-
-    motions (M, R), identity (I, R), deltas (K, R): rows. price: not negative.
     """
 
-    def __init__(self, motions, identity, deltas, price):
+    def __init__(
+        self,
+        motions: np.ndarray,
+        identity: np.ndarray,
+        deltas: np.ndarray,
+        price: float,
+        settings: RetargetSettings = RetargetSettings(),  # noqa: B008 (frozen)
+    ) -> None:
+        """motions (M, R), identity (I, R), deltas (K, R): rows. price: not negative."""
         rows = np.concatenate([motions, identity, deltas])
         weak = np.zeros((len(rows), len(deltas)))
-        weak[len(motions) + len(identity) :] = WEAK**0.5 * np.eye(len(deltas))
+        weak[len(motions) + len(identity) :] = settings.weak**0.5 * np.eye(len(deltas))
         basis, upper = np.linalg.qr(np.concatenate([rows, weak], axis=1).T)
         # The first rows of the triangle are the motions' own: what is below them no motion can do.
-        self._count, parts = len(motions), [len(motions), len(motions) + len(identity)]
+        self._count = len(motions)
+        parts = [len(motions), len(motions) + len(identity)]
         self._motions, *self._couplings = np.split(upper[: len(motions)], parts, axis=1)
         _, self.identity, self.deltas = np.split(upper[len(motions) :], parts, axis=1)
         self._basis = basis[: rows.shape[1]]
+        self._strongest = settings.strongest
         self._rotation, self._root = np.linalg.qr(self.deltas)
         self._toll = np.linalg.solve(self._root.T, np.full(len(deltas), price))
 
-    def reduced(self, right):
-        """The Frame of a right side (R,)."""
+    def reduced(self, right: np.ndarray) -> "FaceEquations":
+        """The equations of a right side (R,)."""
         own, rest = np.split(right @ self._basis, [self._count])
-        return Frame(self, own, rest)
+        return FaceEquations(self, own, rest)
 
-    def weights(self, rest):
+    def weights(self, rest: np.ndarray) -> np.ndarray:
         """The best w (K,) for rows of the triangle below the motions."""
         wanted = rest @ self._rotation - self._toll
-        found = lsq_linear(self._root, wanted, (0, STRONGEST), "bvls", max_iter=10 * len(wanted)).x
-        return np.clip(found, 0, STRONGEST)  # rounding
+        bounds = (0, self._strongest)
+        solution = lsq_linear(self._root, wanted, bounds, "bvls", max_iter=10 * len(wanted)).x
+        return np.clip(solution, *bounds)  # rounding
 
-    def motion(self, own, who, weights):
+    def motion(self, own: np.ndarray, who: np.ndarray, weights: np.ndarray) -> np.ndarray:
         """The best p (M,) for the motions' own rows, a and w."""
         identity, deltas = self._couplings
         return np.linalg.solve(self._motions, own - identity @ who - deltas @ weights)
 
 
 @dataclass(frozen=True, eq=False)
-class Frame:
-    """A BoundedSystem with the right side of one face: own (M,) and rest, the rows of the triangle."""
+class FaceEquations:
+    """A BoundedSystem with the right side of one face.
+
+    own, rest: (M,) and (I + K,), of the rows of the triangle that are the motions', and of those below.
+    """
 
     system: BoundedSystem
     own: np.ndarray
     rest: np.ndarray
 
 
-def exchange(frames, who):
-    """One step towards the least of ``|a|^2`` and the sums of all Frames, which share a: w for a, a for w, and p.
+def exchange(equations: Sequence[FaceEquations], who: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """One step towards the least of ``|a|^2`` and the sums of all faces, which share a: w for a, a for w, and p.
 
     Repeated, it finds the least; solving for all at once brings weights back no better, and not sooner.
 
-    frames: T of them. who: (I,) the a to start from. Returns a (I,), w (T, K), p (T, M).
+    equations: T of them. who: (I,) the a to start from. Returns a (I,), w (T, K), p (T, M).
     """
-    weights = np.array([frame.system.weights(frame.rest - frame.system.identity @ who) for frame in frames])
-    square, right = np.eye(len(who)), np.zeros(len(who))
-    for frame, w in zip(frames, weights, strict=True):
-        identity = frame.system.identity
+    weights = np.array([face.system.weights(face.rest - face.system.identity @ who) for face in equations])
+    square = np.eye(len(who))
+    right = np.zeros(len(who))
+    for face, w in zip(equations, weights, strict=True):
+        identity = face.system.identity
         square += identity.T @ identity
-        right += identity.T @ (frame.rest - frame.system.deltas @ w)
+        right += identity.T @ (face.rest - face.system.deltas @ w)
     who = np.linalg.solve(square, right)
-    motions = [frame.system.motion(frame.own, who, w) for frame, w in zip(frames, weights, strict=True)]
+    motions = [face.system.motion(face.own, who, w) for face, w in zip(equations, weights, strict=True)]
     return who, weights, np.array(motions)
 
 
-def _moved(vertices, source, target):
+def _by_similarity(vertices: np.ndarray, source: np.ndarray, target: np.ndarray) -> np.ndarray:
     """Vertices (V, 3) by the similarity that takes source to target."""
     scale, rotation, translation = similarity(source, target)
     return scale * vertices @ rotation.T + translation
 
 
-def _moving(deltas):
+def _check_moving(deltas: np.ndarray) -> np.ndarray:
     """Displacements in double precision, refused where there are none."""
     deltas = np.asarray(deltas, float)
     if not deltas.any():

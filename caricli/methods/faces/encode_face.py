@@ -1,65 +1,84 @@
 """A mesh in the terms of a shape model, and back: what the latent cannot express is kept beside it."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
-
-@dataclass(frozen=True, eq=False)
-class EncodedFace:
-    """A face and what a model says of it.
-
-    vertices (V, 3) metres; latent (D,); residual (V, 9) deformation-gradient features beyond those of the latent;
-    shift (3,) metres, from the centroid of the latent's own shape to the face's; millimetres and percent of the head's
-    height, the shape error of the latent alone; prior_rms.
-    """
-
-    vertices: np.ndarray
-    latent: np.ndarray
-    residual: np.ndarray
-    shift: np.ndarray
-    millimetres: float
-    percent: float
-    prior_rms: float
-
+from caricli.models.intrinsic.model import IntrinsicModel
+from caricli.models.shape_model import ShapeModel
+from caricli.structures import Face
 
 _SAME = 1e-6
+"""Metres: a residual whose shape is as near as this is the one that was kept with the latent."""
 
 
-def encode_face(vertices, model, latent=None, residual=None):
+@dataclass(frozen=True, eq=False)
+class EncodedFace(Face):
+    """A Face with all that a model says of it: ``latent``, ``residual`` and ``model_id`` are there.
+
+    shift: (3,) metres, from the centroid of the latent's own shape to the face's.
+    millimetres, percent: shape error of the latent alone, the latter of the template's height.
+    prior_rms: root mean square of the whitened latent, about 1 for a typical face.
+    """
+
+    latent: np.ndarray = field(kw_only=True)
+    residual: np.ndarray = field(kw_only=True)
+    shift: np.ndarray = field(kw_only=True)
+    millimetres: float = field(kw_only=True)
+    percent: float = field(kw_only=True)
+    prior_rms: float = field(kw_only=True)
+
+
+def encode_face(face: Face, model: ShapeModel) -> EncodedFace:
     """Find the latent of a face and what it leaves over.
 
-    The face keeps its likeness: ``decode_face`` of all three gives the very vertices back.
+    The face keeps its likeness: ``decode_face`` gives the very vertices back. Mesh, camera and landmarks stay.
 
-    vertices: (V, 3) metres, of the model's topology. model: ShapeModel. latent: (D,) where it is known already;
-    residual: (V, 9) that was kept with it, taken as it is where both give the vertices to a micrometre.
+    face: Face of the model's topology. A latent that is the model's is kept, and with it a residual where both give the
+    vertices to a micrometre; else they are found.
+    model: ShapeModel.
     Returns EncodedFace.
     """
-    vertices = np.asarray(vertices, dtype=np.float64)
-    latent = model.encode(vertices) if latent is None else np.asarray(latent, dtype=np.float64)
+    vertices = np.asarray(face.vertices, dtype=np.float64)
+    kept = face.latent is not None and face.model_id == model.model_id
+    latent = np.asarray(face.latent, dtype=np.float64) if kept else model.encode(vertices)
     own = model.decode(latent)
     shift = vertices.mean(0) - own.mean(0)
+    residual = face.residual if kept else None
+    coded = Face(face.mesh.with_vertices(vertices), face.camera, face.landmarks, latent, residual, model.model_id)
     # Features of no shape do not come back from their shape: only as they were given do steps to and fro cancel.
-    kept = residual is not None and np.abs(decode_face(latent, residual, model, shift) - vertices).max() < _SAME
-    if not kept:
-        residual = model.template.gradients.features(vertices) - _latent_features(model, latent, own)
+    if residual is None or not _gives_back(coded, model, shift):
+        residual = model.template.gradients.features(vertices) - _own_features(model, latent, own)
     error = float(np.linalg.norm(own - vertices, axis=-1).mean())
-    figures = 1000 * error, 100 * error / model.template.height, float(model.prior.rms(latent))
-    return EncodedFace(vertices, latent, residual, shift, *figures)
+    return EncodedFace(
+        **vars(coded) | {"residual": residual},
+        shift=shift,
+        millimetres=1000 * error,
+        percent=100 * error / model.template.height,
+        prior_rms=float(model.prior.rms(latent)),
+    )
 
 
-def decode_face(latent, residual, model, shift=0.0):
+def decode_face(face: Face, model: ShapeModel, shift: np.ndarray | float = 0.0) -> Face:
     """The inverse of ``encode_face``: features of the latent plus the residual, solved for the shape.
 
-    latent: (D,). residual: (V, 9). model: ShapeModel; an IntrinsicModel's ``decode(latent, residual)`` is the same.
-    shift: (3,) metres, or none.
-    Returns (V, 3).
+    face: Face with a latent of the model, and a residual where there is one; its own shape does not count.
+    model: ShapeModel; an IntrinsicModel's ``decode(latent, residual)`` is the same.
+    shift: (3,) metres, of the centroid from that of the latent's own shape.
+    Returns the Face in that shape.
     """
-    own = model.decode(latent)
-    features = _latent_features(model, latent, own) + residual
-    return model.template.gradients.vertices(features) + own.mean(0) + shift
+    assert face.latent is not None
+    own = model.decode(face.latent)
+    features = _own_features(model, face.latent, own) + (0.0 if face.residual is None else face.residual)
+    mesh = face.mesh.with_vertices(model.template.gradients.vertices(features) + own.mean(0) + shift)
+    return Face(mesh, face.camera, face.landmarks, face.latent, face.residual, face.model_id)
 
 
-def _latent_features(model, latent, own):
+def _gives_back(face: Face, model: ShapeModel, shift: np.ndarray) -> bool:
+    return bool(np.abs(decode_face(face, model, shift).vertices - face.vertices).max() < _SAME)
+
+
+def _own_features(model: ShapeModel, latent: np.ndarray, own: np.ndarray) -> np.ndarray:
+    """Features (V, 9) that a latent stands for; own: (V, 3), its shape."""
     # What an intrinsic latent stands for are features that no shape has exactly, its own shape's among them.
-    return model.features(latent) if model.kind == "intrinsic" else model.template.gradients.features(own)
+    return model.features(latent) if isinstance(model, IntrinsicModel) else model.template.gradients.features(own)

@@ -1,25 +1,40 @@
 """Faces between two faces, along the straight line of their latents."""
 
+from collections.abc import Iterator
+from dataclasses import replace
+
 import numpy as np
 
 from caricli.geometry.untangle import untangle
-from caricli.methods.faces.encode_face import decode_face, encode_face
+from caricli.methods.faces.encode_face import EncodedFace, decode_face, encode_face
+from caricli.models.shape_model import ShapeModel
+from caricli.structures import Face
 
 
-def interpolate_faces(first, second, model, steps):
+def interpolate_faces(
+    first: EncodedFace, second: EncodedFace, model: ShapeModel, steps: int
+) -> Iterator[EncodedFace]:
     """Go from one face to another in equal steps of the latent, and of what it leaves over.
 
-    The ends are the given faces exactly; in between, triangles that flip on the way are turned back.
+    The ends are the given faces exactly; in between, triangles that flip on the way are turned back. No picture shows
+    what is between two faces, so none has a camera.
 
     first, second: EncodedFace of the model. model: ShapeModel. steps: number of faces, both ends included, at least 2.
     Yields an EncodedFace for every step.
     """
-    yield first
+    yield _unseen(first)
     for weight in np.linspace(0, 1, steps)[1:-1]:
-        latent, residual, shift = (
-            (1 - weight) * getattr(first, name) + weight * getattr(second, name)
-            for name in ("latent", "residual", "shift")
-        )
-        vertices = decode_face(latent, residual, model, shift)
-        yield encode_face(untangle(vertices, model.template.gradients), model, latent)
-    yield second
+        latent = (1 - weight) * first.latent + weight * second.latent
+        residual = (1 - weight) * first.residual + weight * second.residual
+        shift = (1 - weight) * first.shift + weight * second.shift
+        blend = Face(first.mesh, latent=latent, residual=residual, model_id=model.model_id)
+        vertices = untangle(decode_face(blend, model, shift).vertices, model.template.gradients)
+        yield encode_face(replace(blend, mesh=first.mesh.with_vertices(vertices), residual=None), model)
+    yield _unseen(second)
+
+
+def _unseen(face: EncodedFace) -> EncodedFace:
+    """The face without camera and landmarks."""
+    if face.camera is None and face.landmarks is None:
+        return face
+    return replace(face, camera=None, landmarks=None)

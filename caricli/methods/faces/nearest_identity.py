@@ -4,8 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from caricli.models.shape_model import ShapeModel
+from caricli.structures import Face
 
-def nearest_identity(latents, neutrals):
+
+def nearest_identity(latents: np.ndarray, neutrals: np.ndarray) -> np.ndarray:
     """The nearest neutral face of every face, by the Euclidean distance of whitened latents.
 
     latents: (N, D) whitened. neutrals: (I, D) whitened, one for every person.
@@ -16,9 +19,12 @@ def nearest_identity(latents, neutrals):
 
 @dataclass(frozen=True)
 class Likeness:
-    """Distances in whitened latents: from an edited face to the one it was made of, and to the nearest other person.
+    """How much an edited face is still like itself, in distances of whitened latents.
 
-    kept: whether its own is the nearest; people: how many others there are.
+    own: to the face that it was made of.
+    nearest_other: to the nearest other person.
+    kept: whether its own is the nearest.
+    people: how many others there are.
     """
 
     own: float
@@ -27,10 +33,10 @@ class Likeness:
     people: int
 
 
-def likeness(before, after, model, people):
+def likeness(before: Face, after: Face, model: ShapeModel, people: np.ndarray) -> Likeness | None:
     """Tell whether a face is still nearest to itself after an edit; both latents are found again from the meshes.
 
-    before, after: EncodedFace of the model. model: ShapeModel. people: (I, D) whitened latents of others.
+    before, after: Face of the model's topology. model: ShapeModel. people: (I, D) whitened latents of others.
     Returns Likeness, or None where there are no others.
     """
     if not len(people):

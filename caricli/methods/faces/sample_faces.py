@@ -1,37 +1,62 @@
 """Random faces of a shape model."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
+
+import numpy as np
 
 from caricli.errors import NumericsError
 from caricli.geometry.flipped_triangles import flipped_triangles
 from caricli.geometry.untangle import untangle
 from caricli.methods.faces.encode_face import EncodedFace, encode_face
+from caricli.models.shape_model import ShapeModel
+from caricli.structures import Face
 
 MAX_FLIPPED = 0.002
+"""Share of flipped triangles up to which a face is taken: a handful of slivers, which no picture shows."""
+
 TRIES = 50
+"""Draws in a row that may be rejected before the model or the spread is to blame."""
 
 
 @dataclass(frozen=True, eq=False)
 class SampledFace:
-    """A random face; shares of flipped triangles as drawn and as it is; draws that were rejected before it."""
+    """A random face.
+
+    face: EncodedFace.
+    flipped_drawn, flipped: shares of flipped triangles as drawn and as it is.
+    rejected: draws before it that were not taken.
+    """
 
     face: EncodedFace
     flipped_drawn: float
     flipped: float
     rejected: int
 
+    def figures(self) -> dict[str, float]:
+        """What reports say of it."""
+        return {
+            "prior_rms": self.face.prior_rms,
+            "flipped": self.flipped,
+            "flipped_drawn": self.flipped_drawn,
+            "rejected": self.rejected,
+        }
 
-def sample_faces(model, generator, spread=1.0, max_flipped=MAX_FLIPPED):
+
+def sample_faces(
+    model: ShapeModel, generator: np.random.Generator, spread: float = 1.0, max_flipped: float = MAX_FLIPPED
+) -> Iterator[SampledFace]:
     """Draw faces from a model's prior for as long as they are asked for.
 
     Flipped triangles are turned back and cavities tucked behind the skin; a face that keeps too many flipped ones is
     rejected for another draw.
 
-    model: ShapeModel. generator: numpy Generator. spread: factor of the prior's standard deviation; smaller is nearer
-    to the mean face. max_flipped: share of flipped triangles up to which a face is taken.
+    model: ShapeModel. generator: of the draws. spread: factor of the prior's standard deviation; smaller is nearer to
+    the mean face. max_flipped: share of flipped triangles up to which a face is taken.
     Yields SampledFace. Raises NumericsError after ``TRIES`` rejections in a row.
     """
-    template, rejected = model.template, 0
+    template = model.template
+    rejected = 0
     while rejected < TRIES:
         latent = model.prior.colour(spread * generator.normal(size=len(model.prior.mean)))
         drawn = model.decode(latent)
@@ -40,7 +65,8 @@ def sample_faces(model, generator, spread=1.0, max_flipped=MAX_FLIPPED):
         if after > max_flipped:
             rejected += 1
             continue
-        yield SampledFace(encode_face(vertices, model, latent), before, after, rejected)
+        face = Face(template.with_vertices(vertices), latent=latent, model_id=model.model_id)
+        yield SampledFace(encode_face(face, model), before, after, rejected)
         rejected = 0
     raise NumericsError(
         f"{TRIES} random faces in a row had more than {100 * max_flipped:g} % flipped triangles: a smaller spread "

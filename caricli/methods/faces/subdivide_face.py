@@ -1,13 +1,19 @@
 """A face on a finer mesh."""
 
+from caricli.models.shape_model import ShapeModel
+from caricli.structures import Face
+from caricli.template.fine_mesh import FineMesh
 
-def subdivide_face(vertices, latent, model, fine):
-    """Decode a latent on a finer mesh and add what the face has beyond it, carried along linearly.
 
-    vertices: (V, 3) of the face, which come first in the result. latent: (D,). model: ShapeModel. fine: FineMesh of the
-    model's template.
-    Returns (W, 3).
+def subdivide_face(face: Face, model: ShapeModel, fine: FineMesh) -> FineMesh:
+    """Decode a face's latent on a finer mesh and add what the face has beyond it, carried along linearly.
+
+    face: Face of the model's topology; one without a latent is carried along as a whole.
+    model: ShapeModel of the latent.
+    fine: FineMesh of the model's template.
+    Returns the FineMesh in the shape of the face, whose own vertices come first.
     """
-    if not fine.levels:
-        return vertices
-    return model.decode_on(latent, fine.weights) + fine.weights @ (vertices - model.decode(latent))
+    if not fine.levels or face.latent is None:
+        return fine.shaped(face.vertices)
+    beyond = face.vertices - model.decode(face.latent)
+    return fine.with_vertices(model.decode_on(face.latent, fine.weights) + fine.weights @ beyond)

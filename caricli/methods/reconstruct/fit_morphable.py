@@ -4,29 +4,38 @@ from dataclasses import replace
 
 import numpy as np
 
-from caricli.methods.reconstruct.fit_landmarks import LatentSettings, fit_landmarks_latent
+from caricli.methods.reconstruct.fit_landmarks_latent import fit_landmarks_latent
+from caricli.methods.reconstruct.landmark_fit import LandmarkFit
+from caricli.methods.reconstruct.settings import MorphableWeights
+from caricli.models.morphable.model import MorphableModel
 from caricli.models.pca.model import PcaModel
 
-WEIGHTS = (1.2, 1.0)
-"""Of identity and expression in equation 6; their common scale is that of ``LatentSettings.noise``."""
 
+def fit_morphable(
+    points: np.ndarray,
+    model: MorphableModel,
+    weights: MorphableWeights = MorphableWeights(),  # noqa: B008 (frozen)
+    identity: np.ndarray | None = None,
+) -> LandmarkFit:
+    """Fit identity, expression and camera (equations 7 and 8, squared, with the regularisation of equation 6).
 
-def fit_morphable(points, model, weights=WEIGHTS, identity=None):
-    """Fit identity, expression and pose (equations 7 and 8, squared, with the regularisation of equation 6).
+    Minimises ``sum_n w_n |q_n - p_n|^2 / noise^2 + weights.identity |a|^2 + weights.expression |b|^2`` over the camera
+    and the coefficients a and b by ``fit_landmarks_latent``; distances are shares of the landmarks' diagonal.
 
-    Minimises ``sum_n w_n |q_n - p_n|^2 / noise^2 + weights[0] |identity|^2 + weights[1] |expression|^2`` over the pose
-    and both coefficients by ``fit_landmarks_latent``; distances are shares of the landmarks' diagonal.
-
-    points: (L, 2) pixels, y down, NaN where unknown. model: MorphableModel. weights: of identity and expression, above
-    zero. identity: (I,) coefficients that stay as they are ("Adjust Exp"), or None to fit them too.
+    points: (L, 2) pixels, y down, NaN where unknown. model: MorphableModel. weights: MorphableWeights. identity: (I,)
+    coefficients that stay as they are ("Adjust Exp"), or None to fit them too.
     Returns LandmarkFit; its latent is the model's. Raises InputError, NumericsError.
     """
-    who, what = model.identity / weights[0] ** 0.5, model.expression / weights[1] ** 0.5
+    who = model.identity / weights.identity**0.5
+    what = model.expression / weights.expression**0.5
     if identity is None:
         space = PcaModel(model.template, model.mean, np.concatenate([who, what]))
     else:
         space = PcaModel(model.template, model.mean + np.tensordot(identity, model.identity, 1), what)
-    fit = fit_landmarks_latent(points, space, LatentSettings())
-    fitted = fit.latent / np.sqrt(np.repeat(weights, (len(who), len(what))))[-len(fit.latent) :]
-    latent = fitted if identity is None else np.concatenate([identity, fitted])
-    return replace(fit, latent=latent, prior_rms=float(model.prior.rms(latent)))
+    fit = fit_landmarks_latent(points, space)
+    prices = np.repeat((weights.identity, weights.expression), (len(who), len(what)))
+    own = fit.face.latent
+    own = own / np.sqrt(prices)[-len(own) :]
+    latent = own if identity is None else np.concatenate([identity, own])
+    face = replace(fit.face, latent=latent, model_id=model.model_id)
+    return replace(fit, face=face, prior_rms=float(model.prior.rms(latent)))

@@ -1,5 +1,6 @@
 """Eyeballs for a rig (portrait paper, section 4.3)."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -7,15 +8,26 @@ from scipy.spatial.transform import Rotation
 
 from caricli.render.paint_eye import paint_eye
 from caricli.render.place_eyeballs import place_eyeballs
-from caricli.structures import Material, Mesh
+from caricli.structures import Material, Mesh, Rig
+from caricli.template.annotation import Annotation
 
-RINGS, SECTORS = 14, 24
+RINGS = 14
+"""Rows of polygons from the front of an eyeball to its back."""
+
+SECTORS = 24
+"""Polygons around an eyeball."""
+
 CLEARANCE = 1.01
+"""Of an eyeball's radius: how far the lids stay from its centre."""
+
 ANGLES = {"Up": (-22, 0), "Down": (25, 0), "In": (0, 30), "Out": (0, 30)}
 """How far `eyeLook*` turns an eye, in degrees, about x and about y (towards the nose or away from it)."""
 
 TEXTURE = 512
+"""Side of the picture of an eye, pixels."""
+
 _AMOUNTS = (0.25, 0.5, 0.75, 1.0)
+"""Weights at which lids on their way through an expression are looked at."""
 
 
 @dataclass(frozen=True)
@@ -28,77 +40,89 @@ class Eyeball:
     retreat: float
 
 
-def fit_eyeballs(neutral, deltas, template):
+def fit_eyeballs(mesh: Mesh, annotation: Annotation, deltas: np.ndarray) -> list[Eyeball]:
     """Spheres in the eye sockets, so far inside that the lids clear them on the way to every expression.
 
-    neutral: (V, 3). deltas: (K, V, 3). template: Template of the same topology; its annotation knows lids and sockets.
-    Returns a list of Eyeball, without the eyes that the annotation does not know.
+    mesh: Mesh of the neutral face, metres. annotation: of its topology; it knows lids and sockets. deltas: (K, V, 3).
+    Returns them without the eyes that the annotation does not know.
     """
-    annotation, found = template.annotation, []
-    balls = place_eyeballs(neutral, template.faces, annotation.curves, annotation.regions)
+    eyeballs = []
+    balls = place_eyeballs(mesh, annotation)
     for side, (centre, radius) in zip(("left", "right"), balls, strict=False):
         ids = lid_vertices(annotation, side)
-        away = moving_vertices(neutral, deltas, ids) - centre
+        away = moving_vertices(mesh.vertices, deltas, ids) - centre
         deep = (CLEARANCE * radius) ** 2 - (away[:, :2] ** 2).sum(1)
         behind = np.where(deep > 0, np.sqrt(np.maximum(deep, 0)) - away[:, 2], 0.0)
         retreat = max(float(behind.max()), 0.0)
-        found.append(Eyeball(side, centre - [0, 0, retreat], radius, retreat))
-    return found
+        eyeballs.append(Eyeball(side, centre - [0, 0, retreat], radius, retreat))
+    return eyeballs
 
 
-def lid_vertices(annotation, side):
+def lid_vertices(annotation: Annotation, side: str) -> np.ndarray:
     """Vertices of the lids of one eye, without the lining of its socket."""
     ids = np.union1d(annotation.curves[f"eye_upper_{side}"], annotation.curves[f"eye_lower_{side}"])
     return np.setdiff1d(np.union1d(ids, annotation.regions[f"eyes_{side}"]), annotation.regions[f"eye_socket_{side}"])
 
 
-def moving_vertices(neutral, deltas, ids):
+def moving_vertices(neutral: np.ndarray, deltas: np.ndarray, ids: np.ndarray) -> np.ndarray:
     """(N, 3) where vertices are in the neutral face and on the way to every expression."""
     ways = [neutral[ids][None], *(neutral[ids] + amount * deltas[:, ids] for amount in _AMOUNTS)]
     return np.concatenate(ways).reshape(-1, 3)
 
 
-def add_eyeballs(rig, eyeballs, generator, picture=None):
+def add_eyeballs(
+    rig: Rig, eyeballs: Sequence[Eyeball], generator: np.random.Generator, picture: np.ndarray | None = None
+) -> Rig:
     """The rig with eyeballs as part of its mesh: own polygons, UVs and picture, turned by the `eyeLook*` shapes.
 
-    rig: Rig with polygons. eyeballs: list of Eyeball. generator: numpy Generator for their picture, where none
-    (S, S, 3) is given.
+    generator: of their picture, where none (S, S, 3) is given.
     Returns Rig; the vertices of the face come first.
     """
     if not eyeballs:
         return rig
-    points, quads, uvs, uv_quads = _ball()
-    uv_start = 1 if rig.mesh.uvs is None else len(rig.mesh.uvs)
-    # Every corner needs a place in a picture once the eyes have one.
-    known = np.zeros((1, 2)) if rig.mesh.uvs is None else rig.mesh.uvs
-    skin_uvs = np.where(rig.mesh.polygons >= 0, 0, -1) if rig.mesh.uvs is None else rig.mesh.uv_polygons
-    wide = max(rig.mesh.polygons.shape[1], quads.shape[1])
-    polygons, uv_polygons = [_widened(rig.mesh.polygons, wide)], [_widened(skin_uvs, wide)]
-    neutral, deltas = [rig.neutral], [rig.deltas]
-    for number, ball in enumerate(eyeballs):
-        neutral.append(ball.centre + ball.radius * points)
-        turned = [ball.radius * (points @ _turn(name, ball.side).T - points) for name in rig.names]
-        deltas.append(np.reshape(turned, (len(rig.names), len(points), 3)))
-        own, own_uvs = _widened(quads, wide), _widened(uv_quads, wide)
-        polygons.append(np.where(own >= 0, own + len(rig.neutral) + number * len(points), -1))
-        uv_polygons.append(np.where(own >= 0, own_uvs + uv_start, -1))
-    polygons, uv_polygons = (np.concatenate(parts).astype(np.int32) for parts in (polygons, uv_polygons))
-    count = len(polygons) - len(eyeballs) * len(quads)
+    ball = _unit_ball()
+    turned = [
+        [each.radius * (ball.vertices @ _turn(name, each.side).T - ball.vertices) for name in rig.names]
+        for each in eyeballs
+    ]
+    deltas = [np.reshape(moves, (len(rig.names), len(ball.vertices), 3)) for moves in turned]
+    mesh = _with_balls(rig.mesh, ball, eyeballs)
+    skin = np.arange(len(mesh.polygons)) < len(rig.mesh.polygons)
     return replace(
         rig,
-        mesh=Mesh(np.concatenate(neutral).astype(np.float32), polygons, np.concatenate([known, uvs]), uv_polygons),
-        deltas=np.concatenate(deltas, axis=1).astype(np.float32),
-        materials=np.where(np.arange(len(polygons)) < count, Material.SKIN, Material.EYE).astype(np.int32),
+        mesh=mesh,
+        deltas=np.concatenate([rig.deltas, *deltas], axis=1).astype(np.float32),
+        materials=np.where(skin, Material.SKIN, Material.EYE).astype(np.int32),
         eye_texture=paint_eye(TEXTURE, generator) if picture is None else picture,
     )
 
 
-def _widened(polygons, width):
+def _with_balls(mesh: Mesh, ball: Mesh, eyeballs: Sequence[Eyeball]) -> Mesh:
+    """A Mesh and after it a unit ball for every eye, all of them in one place of the picture."""
+    width = max(mesh.polygons.shape[1], ball.polygons.shape[1])
+    # Every corner needs a place in a picture once the eyes have one.
+    uvs = np.zeros((1, 2)) if mesh.uvs is None else mesh.uvs
+    skin_uvs = np.where(mesh.polygons >= 0, 0, -1) if mesh.uvs is None else mesh.uv_polygons
+    own = _widen(ball.polygons, width)
+    own_uvs = np.where(own >= 0, _widen(ball.uv_polygons, width) + len(uvs), -1)
+    starts = len(mesh.vertices) + len(ball.vertices) * np.arange(len(eyeballs))
+    polygons = [_widen(mesh.polygons, width), *(np.where(own >= 0, own + start, -1) for start in starts)]
+    uv_polygons = [_widen(skin_uvs, width), *([own_uvs] * len(eyeballs))]
+    placed = [each.centre + each.radius * ball.vertices for each in eyeballs]
+    return Mesh(
+        np.concatenate([mesh.vertices, *placed]).astype(np.float32),
+        np.concatenate(polygons).astype(np.int32),
+        np.concatenate([uvs, ball.uvs]),
+        np.concatenate(uv_polygons).astype(np.int32),
+    )
+
+
+def _widen(polygons: np.ndarray, width: int) -> np.ndarray:
     """Rows padded with -1."""
     return np.pad(polygons, ((0, 0), (0, width - polygons.shape[1])), constant_values=-1)
 
 
-def _turn(name, side):
+def _turn(name: str, side: str) -> np.ndarray:
     """(3, 3) rotation of an eye in an expression; +x is the subject's left."""
     direction = name.removeprefix("eyeLook").lower().removesuffix(side)
     if not name.startswith("eyeLook") or direction.capitalize() not in ANGLES or not name.lower().endswith(side):
@@ -108,11 +132,12 @@ def _turn(name, side):
     return Rotation.from_euler("xy", [about_x, -about_y if inwards else about_y], degrees=True).as_matrix()
 
 
-def _ball():
-    """Points (N, 3) of a unit sphere with a pole to the front, quads (Q, 4) padded with -1, UVs (T, 2) and theirs."""
+def _unit_ball() -> Mesh:
+    """A unit sphere of quads, with triangles at its poles, one of them to the front, its picture unrolled from there."""
     polar = np.pi * np.arange(1, RINGS) / RINGS
     around = 2 * np.pi * np.arange(SECTORS) / SECTORS
-    x, y = np.outer(np.sin(polar), np.cos(around)), np.outer(np.sin(polar), np.sin(around))
+    x = np.outer(np.sin(polar), np.cos(around))
+    y = np.outer(np.sin(polar), np.sin(around))
     z = np.repeat(np.cos(polar)[:, None], SECTORS, axis=1)
     points = np.concatenate([[[0, 0, 1]], np.stack([x, y, z], -1).reshape(-1, 3), [[0, 0, -1]]])
     # The back is the whole rim of the picture: a place for each of its triangles.
@@ -128,4 +153,4 @@ def _ball():
     quads = np.concatenate([front, *sides, back])
     uv_quads = quads.copy()
     uv_quads[-SECTORS:, 1] += np.arange(SECTORS)
-    return points, quads, uvs, uv_quads
+    return Mesh(points, quads, uvs, uv_quads)

@@ -2,11 +2,14 @@
 
 import numpy as np
 
-from caricli.geometry.contact_solver import ContactSolver
+from caricli.geometry.contact_solver import Conditions, ContactSolver
+from caricli.geometry.deformation_transfer import DeformationTransfer
 from caricli.geometry.similarity import similarity
-from caricli.methods.rig.expression_templates import contact_normals
+from caricli.methods.rig.expression_templates import ExpressionTemplates, contact_normals
 
-_ASTRAY = 5
+ASTRAY = 5
+"""Reaches that a vertex may pass its partner by: nothing goes so far through anything, so the lips were crossed before,
+and the normal points the wrong way."""
 
 
 class Contacts:
@@ -16,23 +19,26 @@ class Contacts:
     do in the templates, measured by the size of the face.
     """
 
-    def __init__(self, templates, vertices, transfer):
-        """templates: ExpressionTemplates. vertices: (V, 3) of the face. transfer: DeformationTransfer of the face."""
-        self.templates, pairs = templates, templates.pairs
+    def __init__(self, templates: ExpressionTemplates, vertices: np.ndarray, transfer: DeformationTransfer) -> None:
+        """vertices: (V, 3) of the face, metres. transfer: DeformationTransfer of the face."""
+        pairs = templates.pairs
+        self.templates = templates
         self.scale, self.rotation, _ = similarity(templates.neutral, vertices)
         self.solver = ContactSolver(transfer, pairs)
         usual = templates.normals @ self.rotation.T
-        self.normals = contact_normals(vertices, templates.faces, pairs, self.scale * templates.reach, usual)
+        mesh = templates.mesh.with_vertices(vertices)
+        self.normals = contact_normals(mesh, pairs, self.scale * templates.reach, usual)
         self.own = vertices[pairs[:, 0]] - vertices[pairs[:, 1]]
         self.gaps = (self.own * self.normals).sum(1)
 
-    def keep(self, k, moved):
+    def keep(self, k: int, moved: np.ndarray) -> np.ndarray:
         """The displacements (V, 3) of expression k, nearest to ``moved`` (V, 3), that keep the contacts."""
-        made = self.templates.motions[k]
-        targets = self.scale * made.offsets @ self.rotation.T - self.own
-        floors = (self.scale * made.gaps - self.gaps).clip(max=0)
+        motion = self.templates.motions[k]
+        if motion is None:
+            return moved
+        targets = self.scale * motion.offsets @ self.rotation.T - self.own
+        floors = (self.scale * motion.gaps - self.gaps).clip(max=0)
         gaps = moved[self.templates.pairs[:, 0]] - moved[self.templates.pairs[:, 1]]
-        # Nothing goes so far through anything: the lips were crossed before, and the normal points the wrong way.
-        astray = (gaps * self.normals).sum(1) < floors - _ASTRAY * self.scale * self.templates.reach
+        astray = (gaps * self.normals).sum(1) < floors - ASTRAY * self.scale * self.templates.reach
         floors = np.where(astray, -np.inf, floors)
-        return self.solver.solve(moved, made.closed, targets, self.normals, floors, made.near)
+        return self.solver.solve(moved, Conditions(motion.closed, targets, self.normals, floors), motion.near)

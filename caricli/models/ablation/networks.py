@@ -10,35 +10,20 @@ from math import sqrt
 import torch
 from torch import nn
 
-from caricli.models.config import DeformableConfig, check_ranges
-from caricli.models.deformable.model import Affine, siren, siren_start
+from caricli.models.deformable.config import NetworkSize
+from caricli.models.deformable.networks import Affine, siren, siren_start
 
 _SLOPE = 0.1
+"""Of the leaky ReLU below zero."""
 
 
 @dataclass(frozen=True)
-class AblationConfig(DeformableConfig):
-    """Settings of the ablation: those of a DeformableConfig, which all networks share, and these.
+class ArraySize:
+    """latent: D. hidden: width of the hidden layer. vertices: V."""
 
-    meshes, unseen: how many of the training and of the test meshes are used, 0 for all. array_hidden: width of the
-    vertex arrays' hidden layer. code_steps: of the unseen meshes' codes after the training.
-    """
-
-    start: str = "random"
-    prior_weight: float = 0.0
-    noise: float = 0.0
-    mixup: float = 0.0
-    smoothness_weight: float = 0.0
-    meshes: int = 600
-    unseen: int = 90
-    array_hidden: int = 400
-    code_steps: int = 800
-
-    def __post_init__(self):
-        """Refuse impossible sizes."""
-        super().__post_init__()
-        ranges = {"meshes": (0, 10**6), "unseen": (0, 10**6), "array_hidden": (1, 10**5), "code_steps": (1, 10**6)}
-        check_ranges(self, ranges)
+    latent: int
+    hidden: int
+    vertices: int
 
 
 class VertexArray(nn.Module):
@@ -47,15 +32,15 @@ class VertexArray(nn.Module):
     Positions and displacements differ by a constant, so only in where training starts: the origin or the template.
     """
 
-    def __init__(self, size, hidden, count, latent_std, generator, positions=False):
-        """size: NetworkSize. hidden: width. count: V. latent_std, generator: see ConditionedSiren.
-
-        positions: put out positions instead of displacements.
-        """
+    def __init__(
+        self, size: ArraySize, latent_std: float, generator: torch.Generator, positions: bool = False
+    ) -> None:
+        """latent_std, generator: see ConditionedSiren. positions: put out positions instead of displacements."""
         super().__init__()
-        self.first = Affine(size.latent, hidden, generator)
-        self.last = Affine(hidden, 3 * count, generator, scale=0.01)
-        self.latent_std, self.positions = latent_std, positions
+        self.first = Affine(size.latent, size.hidden, generator)
+        self.last = Affine(size.hidden, 3 * size.vertices, generator, scale=0.01)
+        self.latent_std = latent_std
+        self.positions = positions
 
     def forward(self, latents, points):
         """Latents (B, D) and Points to displacements (B, n, 3)."""
@@ -70,13 +55,21 @@ class ConditionedSiren(nn.Module):
     That is the same as a linear function of the latent added to those layers' biases, and so it is computed.
     """
 
-    def __init__(self, size, latent_std, generator, precision=torch.float32):
-        """size: NetworkSize. latent_std: latents are divided by it, so that they weigh as much as features do.
+    def __init__(
+        self,
+        size: NetworkSize,
+        latent_std: float,
+        generator: torch.Generator,
+        precision: torch.dtype = torch.float32,
+    ) -> None:
+        """latent_std: latents are divided by it, so that they weigh as much as features do.
 
-        generator: torch.Generator of the initial weights. precision: see ``siren``.
+        generator: of the initial weights. precision: see ``siren``.
         """
         super().__init__()
-        self.size, self.latent_std, self.precision = size, latent_std, precision
+        self.size = size
+        self.latent_std = latent_std
+        self.precision = precision
         self.middle = max(1, size.layers // 2)
         self.tensors = nn.ParameterList(siren_start(size, generator))
         # The features of the middle layer share its input with the latent: weights for the sum of both.

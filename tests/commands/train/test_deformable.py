@@ -46,7 +46,7 @@ def test_what_it_writes(trained, head):
     model = model_from_checkpoint(*read_checkpoint(trained / "model.safetensors"), "model")
     assert model.kind == "deformable" and model.model_id == recipe["model_id"]
     # The open head is deformed from a shape whose lips are apart.
-    assert np.allclose(model.frame.points, head.open_mouth_template().vertices)
+    assert np.allclose(model.box.points, head.open_mouth_template().vertices)
     assert np.allclose(model.template.vertices, head.template().vertices)
 
 

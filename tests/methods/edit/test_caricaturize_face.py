@@ -4,9 +4,10 @@ import pytest
 from caricli.errors import InputError
 from caricli.geometry.deformation_gradients import rotation_matrices
 from caricli.geometry.flipped_triangles import flipped_triangles
-from caricli.methods.edit.caricaturize_face import HELD, caricaturize_face, exaggeration
+from caricli.methods.edit.caricaturize_face import caricaturize_face, exaggeration
 from caricli.methods.faces.encode_face import encode_face
 from caricli.structures import Directions
+from caricli.template.annotation import DELICATE
 
 
 @pytest.fixture(params=["pca", "kernel", "intrinsic"])
@@ -48,7 +49,7 @@ def test_own_moves_and_turns_with_the_face(pca, strangers):
 
 
 def test_own_changes_eyes_and_mouth_less_than_the_rest(pca, strangers):
-    gradients, held = pca.template.gradients, pca.template.mask(*HELD)
+    gradients, held = pca.template.gradients, pca.template.mask(*DELICATE)
     for vertices in strangers[:3]:
         face = encode_face(vertices, pca)
         grown = caricaturize_face(face, pca, 1.0, "own")

@@ -16,7 +16,7 @@ from caricli.methods.evaluate.evaluate_ablation import (
 from caricli.methods.evaluate.evaluate_shape import evaluate_shape
 from caricli.methods.train.train_autodecoder import AutoDecoderTraining, Surface
 from caricli.models.ablation.networks import AblationConfig, VertexArray
-from caricli.models.deformable.model import Frame
+from caricli.models.deformable.model import UnitBox
 from caricli.models.pca.model import PcaModel
 from caricli.template.annotation import parse_annotation
 from caricli.template.template import Template
@@ -43,7 +43,7 @@ def shapes(ball):
 
 @pytest.fixture(scope="module")
 def rows(template, shapes):
-    frame, progress = Frame(template.vertices), []
+    frame, progress = UnitBox(template.vertices), []
     report = lambda done, total: progress.append((done, total))  # noqa: E731
     found = list(evaluate_ablation(template, frame, shapes[:24], shapes[24:], CONFIG, report=report))
     assert progress == [(k, 30) for k in range(1, 31)]
@@ -88,7 +88,7 @@ def test_linear_models_are_measured_as_everywhere(rows, template, shapes):
 
 
 def test_the_same_seed_gives_the_same_figures(rows, template, shapes):
-    again = list(evaluate_ablation(template, Frame(template.vertices), shapes[:24], shapes[24:], CONFIG))
+    again = list(evaluate_ablation(template, UnitBox(template.vertices), shapes[:24], shapes[24:], CONFIG))
     for row in again:
         assert replace(row, seconds=0.0) == replace(rows[row.name], seconds=0.0)
 
@@ -96,7 +96,7 @@ def test_the_same_seed_gives_the_same_figures(rows, template, shapes):
 def test_codes_reach_what_the_network_can_express(ball, shapes):
     generator = torch.Generator().manual_seed(0)
     network = VertexArray(CONFIG.size(), 12, len(ball[0]), CONFIG.latent_std, generator)
-    surface = Surface(Frame(ball[0]), ball[1])
+    surface = Surface(UnitBox(ball[0]), ball[1])
     points = surface.at_vertices(np.arange(len(ball[0])))
     truth = CONFIG.latent_std * torch.randn(3, CONFIG.latent, generator=generator)
     with torch.no_grad():

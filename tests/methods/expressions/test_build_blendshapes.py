@@ -120,8 +120,8 @@ def test_the_size_of_the_face_does_not_matter(built, caricature, pose, templates
 
 def test_landmarks_are_carried_by_the_map(built, caricature, pose):
     made = built["initial"]
-    moved = made.fit.pose.project(made.normal[2][made.fit.anchors[:COUNT]])
-    start = made.fit.pose.project(made.normal[0][made.fit.anchors[:COUNT]])
+    moved = made.fit.face.camera.project(made.normal[2][made.fit.anchors[:COUNT]])
+    start = made.fit.face.camera.project(made.normal[0][made.fit.anchors[:COUNT]])
     np.testing.assert_allclose(made.landmarks[2] - made.landmarks[0], moved - start, atol=0.1)
     chin = made.landmarks[2, 8] - made.landmarks[0, 8]
     assert chin[1] > 10

@@ -161,7 +161,7 @@ def test_landmarks_tell_better_than_the_expression_that_was_fitted(model, deltas
         points = picture(shape, model, 6.0)
         fit = fit_morphable(points, model)
         direct.append(explain_landmarks([fit], [points], deltas, model).weights[0])
-        made = np.tensordot(model.parts(fit.latent)[1], model.expression, 1)
+        made = np.tensordot(model.parts(fit.face.latent)[1], model.expression, 1)
         regressed.append(lsq_linear(flat.T, made.ravel(), (0, STRONGEST)).x)
     better, worse = (shift(np.array(found), truth, deltas)[0] for found in (direct, regressed))
     assert better < worse and better < 0.7 * shift(truth, truth, deltas)[1]

@@ -4,7 +4,7 @@ import torch
 
 from caricli.methods.faces.encode_face import encode_face
 from caricli.methods.faces.subdivide_face import subdivide_face
-from caricli.models.config import NetworkSize
+from caricli.models.deformable.config import NetworkSize
 from caricli.models.deformable.model import DeformableModel, HyperSiren
 from caricli.models.prior import Prior
 from caricli.template.fine_mesh import fine_mesh
@@ -40,6 +40,6 @@ def test_a_network_is_evaluated_between_its_vertices(deformable):
     latent = np.full(4, 0.3)
     fine = fine_mesh(deformable.template, 1)
     found = subdivide_face(deformable.decode(latent), latent, deformable, fine)
-    expected = deformable.decode_at(latent, fine.weights @ deformable.frame.points)
+    expected = deformable.decode_at(latent, fine.weights @ deformable.box.points)
     assert np.abs(found - expected).max() < 1e-6
     assert np.abs(found - fine.weights @ deformable.decode(latent)).max() > 1e-5

@@ -13,8 +13,7 @@ from caricli.render.sample_texture import sample_pixels, sample_texture
 from caricli.render.smooth_normals import smooth_normals
 from caricli.render.uv_map import pad_texture, uv_map
 from caricli.structures import Camera, Rig
-from caricli.structures.mesh import triangle_fans
-from caricli.template.template import CAVITIES
+from caricli.template.annotation import CAVITIES
 
 SIZE, SIDE = 384, 400
 MAGENTA = np.array([255.0, 0, 255])
@@ -42,7 +41,7 @@ class Scene:
 
 
 def texels_of(vertices, template):
-    face, weights = uv_map(template.uvs, triangle_fans(template.uv_polygons), SIZE)
+    face, weights = uv_map(template, SIZE)
     covered = face >= 0
     corners, weights = template.faces[face[covered]], weights[covered].astype(float)
 

@@ -7,8 +7,8 @@ import torch
 
 from caricli.errors import NumericsError
 from caricli.methods.train.train_autodecoder import AutoDecoderTraining, Surface
-from caricli.models.config import DeformableConfig
-from caricli.models.deformable.model import Frame, HyperSiren
+from caricli.models.deformable.config import DeformableConfig
+from caricli.models.deformable.model import UnitBox, HyperSiren
 
 CONFIG = DeformableConfig(
     latent=4, width=24, layers=2, hidden=16, frequency=5.0, epochs=30, batch=8, points=60, learning_rate=5e-3,
@@ -26,7 +26,7 @@ def shapes(ball):
 
 
 def training(ball, shapes, config=CONFIG, unseen=5, **options):
-    surface = Surface(Frame(ball[0]), ball[1])
+    surface = Surface(UnitBox(ball[0]), ball[1])
     network = HyperSiren(config.size(), torch.Generator().manual_seed(config.seed))
     count = len(shapes) - unseen
     return AutoDecoderTraining(network, surface, shapes[:count], shapes[count:], config, **options)
@@ -147,7 +147,7 @@ def test_smoothness_at_drawn_latents_lowers_their_roughness(ball, shapes):
 
 
 def test_drawn_points_lie_on_their_triangles_and_cover_the_surface(ball):
-    surface = Surface(Frame(ball[0]), ball[1])
+    surface = Surface(UnitBox(ball[0]), ball[1])
     points = surface.draw(4000, 0.25, np.random.default_rng(0))
     assert len(points.positions) == 4000
     # No more than all vertices, each once; the others on the surface.

@@ -14,7 +14,7 @@ from caricli.methods.train.train_landmark_map import (
     see_faces,
     train_landmark_map,
 )
-from caricli.models.config import LandmarkMapConfig
+from caricli.models.landmark_map.config import LandmarkMapConfig
 from caricli.models.landmark_map.model import DOMAINS, align
 
 CONFIG = LandmarkMapConfig(dimension=6, width=8, judge_width=8, epochs=3, batch=64)

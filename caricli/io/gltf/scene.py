@@ -1,0 +1,70 @@
+"""Where the nodes of a glTF scene put their meshes."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from caricli.errors import InputError
+from caricli.io.gltf.document import Document, take
+from caricli.structures.checks import shape_problem
+
+_MAX_NODES = 65536
+
+
+def node_placements(document: Document) -> Iterator[tuple[dict, np.ndarray]]:
+    """The meshes of the scene with the transform (4,4) of each of their nodes; all meshes where there is no scene.
+
+    Raises InputError when the nodes are no tree, too many, or a transform is none.
+    """
+    content = document.content
+    if not take(content, "scenes", list, []):
+        yield from ((mesh, np.eye(4)) for mesh in take(content, "meshes", list, []))
+        return
+    scene = document.item({"scene": content.get("scene", 0)}, "scene", "scenes")
+    waiting = [(number, np.eye(4)) for number in reversed(take(scene, "nodes", list, []))]
+    visited: set[int] = set()
+    while waiting:
+        number, above = waiting.pop()
+        node = document.item({"node": number}, "node", "nodes")
+        if number in visited or len(visited) >= _MAX_NODES:
+            raise InputError(f"nodes: expected a tree of at most {_MAX_NODES} nodes, found another")
+        visited.add(number)
+        with np.errstate(over="ignore", invalid="ignore"):  # what comes of it no mesh takes
+            placement = above @ _transform(node)
+        if "mesh" in node:
+            # The specification has skinned meshes ignore where their node is.
+            yield document.item(node, "mesh", "meshes"), np.eye(4) if "skin" in node else placement
+        waiting += [(child, placement) for child in reversed(take(node, "children", list, []))]
+
+
+def _transform(node: dict) -> np.ndarray:
+    """The transform (4,4) of a node, from its matrix or its translation, rotation and scale."""
+    if "matrix" in node:
+        return _numbers(node, "matrix", 16).reshape(4, 4).T
+    transform = np.eye(4)
+    if "rotation" in node:
+        transform[:3, :3] = _rotation(_numbers(node, "rotation", 4))
+    if "scale" in node:
+        transform[:3, :3] *= _numbers(node, "scale", 3)
+    if "translation" in node:
+        transform[:3, 3] = _numbers(node, "translation", 3)
+    return transform
+
+
+def _numbers(node: dict, key: str, count: int) -> np.ndarray:
+    values = take(node, key, list)
+    sound = len(values) == count and all(type(value) in (int, float) and abs(value) < 1e30 for value in values)
+    numbers = np.array(values, np.float64) if sound else np.zeros(0)
+    problem = shape_problem(key, numbers, (count,))
+    if problem:
+        raise InputError(problem)
+    return numbers
+
+
+def _rotation(quaternion: np.ndarray) -> np.ndarray:
+    """The rotation (3,3) of a quaternion xyzw."""
+    from scipy.spatial.transform import Rotation
+
+    if not 0.5 <= np.linalg.norm(quaternion) <= 2:
+        raise InputError("rotation: expected a unit quaternion, found another")
+    return Rotation.from_quat(quaternion).as_matrix()

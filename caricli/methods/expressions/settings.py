@@ -1,0 +1,41 @@
+"""How expressions of caricatures are made."""
+
+from dataclasses import dataclass
+
+METHODS = ("full", "initial", "transfer")
+"""Optimise the displacements, stop before, or transfer those of the normal face."""
+
+RECONSTRUCTIONS = ("intrinsic", "latent")
+"""Landmarks are followed by deformation gradients, or by the latent of a model."""
+
+
+@dataclass(frozen=True)
+class BlendshapeWeights:
+    """Weights of equation 11: the masked deformation, the structure of the set, smoothness."""
+
+    deformation: float = 1.0
+    structure: float = 0.1
+    smoothness: float = 0.05
+
+
+@dataclass(frozen=True)
+class BlendshapeSettings:
+    """How expressions are made.
+
+    method: of METHODS.
+    reconstruct: of RECONSTRUCTIONS.
+    weights: of equation 11, for "full".
+    contacts: whether "full" lets lids and lips meet.
+    exaggeration: factor of the normal face's change of deformation gradients: a caricature does a little more.
+    farthest: factor of the way of a normal face's landmark: none goes farther, because the map exaggerates moves as it
+    exaggerates faces.
+    strength: how much landmarks pull, against the surface: little, because the deformation gradients already do most.
+    """
+
+    method: str = "full"
+    reconstruct: str = "intrinsic"
+    weights: BlendshapeWeights = BlendshapeWeights()
+    contacts: bool = True
+    exaggeration: float = 1.08
+    farthest: float = 1.25
+    strength: float = 0.1

@@ -1,0 +1,37 @@
+"""What expressions of caricatures are made with."""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+from caricli.methods.rig.expression_templates import ExpressionTemplates, combine_templates
+from caricli.models.landmark_map.model import LandmarkMap
+from caricli.models.morphable.model import MorphableModel
+from caricli.models.shape_model import ShapeModel
+
+
+@dataclass(frozen=True, eq=False)
+class ExpressionTools:
+    """Everything that expressions are made of but the caricature, all of one mesh.
+
+    actions: ExpressionTemplates that expressions are combined of.
+    expressions: weights of actions by name, the neutral expression first.
+    morphable: MorphableModel of normal faces.
+    landmark_map: LandmarkMap between normal faces and caricatures.
+    latent: ShapeModel that can follow landmarks in its latent, or None.
+    """
+
+    actions: ExpressionTemplates
+    expressions: dict[str, dict[str, float]]
+    morphable: MorphableModel
+    landmark_map: LandmarkMap
+    latent: ShapeModel | None = None
+
+    @cached_property
+    def templates(self) -> ExpressionTemplates:
+        """Of the expressions, the neutral one first."""
+        return combine_templates(self.actions, self.expressions)
+
+    @cached_property
+    def acting(self) -> ExpressionTemplates:
+        """The templates without the neutral one; what they find out of themselves is kept for every rig."""
+        return replace(self.templates, names=self.templates.names[1:], deltas=self.templates.deltas[1:])

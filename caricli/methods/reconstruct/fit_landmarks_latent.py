@@ -1,0 +1,135 @@
+"""A 3D face from 2D landmarks that stays inside a shape model."""
+
+import numpy as np
+from threadpoolctl import threadpool_limits
+
+from caricli.geometry.deformation_gradients import rotation_matrices
+from caricli.geometry.gauss_newton import Damping
+from caricli.methods.reconstruct.landmark_fit import LandmarkFit, Observation, outlier_weights
+from caricli.methods.reconstruct.settings import DampingSettings, LatentSettings, OutlierSettings
+from caricli.models.shape_model import ShapeModel
+from caricli.structures import Camera, Face
+
+_OUTLIERS = OutlierSettings()
+_DAMPING = DampingSettings()
+
+_CAMERA = 6
+"""Unknowns of a camera: turn (3), logarithm of the scale, shift (2)."""
+
+
+@threadpool_limits.wrap(limits=1)
+def fit_landmarks_latent(
+    points: np.ndarray,
+    model: ShapeModel,
+    settings: LatentSettings = LatentSettings(),  # noqa: B008 (frozen)
+) -> LandmarkFit:
+    """Fit a face that stays inside a shape model (deformable paper, equation 3 and supplement 5).
+
+    Minimises ``sum_k w_k |s R[:2] p_k(z) + t - b_k|^2 / noise^2 + |whitened z|^2`` over camera and latent: alternating
+    rounds of camera, outline and latent, then Levenberg-Marquardt steps on all together, then a last camera. Only the
+    points that landmarks can stand on are decoded.
+
+    points: (L, 2) pixels, y down, NaN where unknown. model: any ShapeModel. settings: LatentSettings.
+    Returns LandmarkFit without a residual. Raises InputError, NumericsError.
+    """
+    observation = Observation(points, model.template)
+    search = _Search(observation, model, settings.noise)
+    damping = Damping(_DAMPING.start, _DAMPING.ease, _DAMPING.tighten)
+    for number in range(settings.iterations):
+        joint = number >= settings.rounds
+        search.look(joint, robust=number >= _OUTLIERS.first_round)
+        search.descend(joint, damping)
+    latent = model.prior.colour(search.whitened)
+    mesh = model.template.with_vertices(model.decode(latent))
+    face = Face(mesh, search.camera, latent=latent, model_id=model.model_id)
+    return observation.measure(face, model, search.weights, settings)
+
+
+class _Search:
+    """Where a fit inside a model is: camera, whitened latent (D,), anchors (L,), and weights (K,) of the landmarks."""
+
+    def __init__(self, observation: Observation, model: ShapeModel, noise: float) -> None:
+        """noise: expected error of a landmark as a share of the diagonal. It begins with the model's mean shape."""
+        self.observation = observation
+        self.model = model
+        self.noise = noise
+        self.candidates = model.template.annotation.anchor_ids()
+        self.whitened = np.zeros(len(model.prior.mean))
+        self.camera, self.anchors = observation.settle(self.shape(self.whitened))
+        self.weights = np.ones(len(observation.ids))
+
+    def shape(self, whitened: np.ndarray) -> np.ndarray:
+        """(V, 3) vertices that landmarks can stand on, the others at zero."""
+        sparse = np.zeros_like(self.model.template.vertices)
+        sparse[self.candidates] = self.model.decode_points(self.model.prior.colour(whitened), self.candidates)
+        return sparse
+
+    def look(self, joint: bool, robust: bool) -> None:
+        """Find what the landmarks stand on. joint: keep the camera. robust: tell outliers apart."""
+        shape = self.shape(self.whitened)
+        if joint:
+            self.anchors = self.observation.anchors(shape, self.camera.rotation)
+        else:
+            self.camera, self.anchors = self.observation.settle(shape, self.weights, self.camera.rotation)
+        if robust:
+            self.weights = outlier_weights(self.observation.errors(shape, self.camera, self.anchors), _OUTLIERS)
+
+    def descend(self, joint: bool, damping: Damping) -> None:
+        """Take a step that lowers the cost, if one of a few does. joint: of camera and latent, else of the latent."""
+        system, right = self.normal_equations()
+        if not joint:
+            system = system[_CAMERA:, _CAMERA:]
+            right = right[_CAMERA:]
+        before = self.cost(self.camera, self.whitened)
+        for _ in range(_DAMPING.tries):
+            step = damping.step(system, right)
+            camera = _moved(self.camera, step[:_CAMERA]) if joint else self.camera
+            whitened = self.whitened + step[-len(self.whitened) :]
+            if self.cost(camera, whitened) < before:
+                self.camera = camera
+                self.whitened = whitened
+                damping.accept()
+                break
+            damping.reject()
+
+    def cost(self, camera: Camera, whitened: np.ndarray) -> float:
+        """What is minimised, for anchors and weights as they are."""
+        errors = self.observation.errors(self.shape(whitened), camera, self.anchors)
+        return (self.weights * errors**2).sum() / self.noise**2 + (whitened**2).sum()
+
+    def normal_equations(self) -> tuple[np.ndarray, np.ndarray]:
+        """Gauss-Newton system (6 + D, 6 + D) and right side for camera and latent."""
+        camera = self.camera
+        latent = self.model.prior.colour(self.whitened)
+        positions, jacobian = self.model.points_jacobian(latent, self.anchors[self.observation.ids])
+        rows = _camera_rows(positions, jacobian @ self.model.prior.factor, camera)
+        scale = np.sqrt(self.weights)[:, None] / self.noise
+        residual = ((self.observation.points - camera.project(positions)) * scale).ravel()
+        rows = (rows * scale[:, :, None]).reshape(len(residual), -1)
+        system = rows.T @ rows
+        right = rows.T @ residual
+        system[_CAMERA:, _CAMERA:] += np.eye(len(self.whitened))
+        right[_CAMERA:] -= self.whitened
+        return system, right
+
+
+def _camera_rows(positions: np.ndarray, jacobian: np.ndarray, camera: Camera) -> np.ndarray:
+    """(K, 2, 6 + D) derivatives of projected positions (K, 3), whose derivatives by the latent are (K, 3, D)."""
+    turned = positions @ camera.rotation.T
+    rows = np.zeros((len(positions), 2, _CAMERA + jacobian.shape[2]))
+    rows[:, 0, 1] = turned[:, 2]
+    rows[:, 0, 2] = -turned[:, 1]
+    rows[:, 1, 0] = -turned[:, 2]
+    rows[:, 1, 2] = turned[:, 0]
+    rows[:, :, 3] = turned[:, :2]
+    rows[:, :, _CAMERA:] = np.einsum("ab,kbd->kad", camera.rotation[:2], jacobian)
+    rows *= camera.scale
+    rows[:, 0, 4] = 1.0
+    rows[:, 1, 5] = 1.0
+    return rows
+
+
+def _moved(camera: Camera, step: np.ndarray) -> Camera:
+    """The camera turned, scaled and shifted by a step (6,)."""
+    rotation = rotation_matrices(step[None, :3])[0] @ camera.rotation
+    return Camera(camera.scale * float(np.exp(step[3])), rotation, camera.translation + step[4:])

@@ -1,0 +1,146 @@
+"""The landmarks of a picture against a template, and what a face is that was fitted to them."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from caricli.errors import InputError
+from caricli.geometry.fit_camera import fit_camera
+from caricli.geometry.flipped_triangles import flipped_triangles
+from caricli.methods.reconstruct.landmark_vertices import landmark_vertices
+from caricli.methods.reconstruct.settings import IntrinsicSettings, LatentSettings, OutlierSettings
+from caricli.models.shape_model import ShapeModel
+from caricli.structures import Camera, Face
+from caricli.structures.landmarks import FEWEST, PARTS
+from caricli.template.template import Template
+
+
+@dataclass(frozen=True, eq=False)
+class LandmarkFit:
+    """A fitted face and how well it fits.
+
+    face: Face in the template's topology, with camera, fitted landmarks, latent, and residual where there is one.
+    anchors: (L,) vertex ids that the landmarks stand on.
+    nme: percent, mean distance of the fitted landmarks to the given ones, of the diagonal of these.
+    nme_latent: percent, the same for the shape of the latent alone.
+    prior_rms: root mean square of the whitened latent, about 1 for a typical face.
+    flipped: share of triangles that are turned over.
+    part_errors: percent, mean distances by part of the face.
+    rounds: iterations that it took.
+    settings: IntrinsicSettings or LatentSettings.
+    """
+
+    face: Face
+    anchors: np.ndarray
+    nme: float
+    nme_latent: float
+    prior_rms: float
+    flipped: float
+    part_errors: dict[str, float]
+    rounds: int
+    settings: IntrinsicSettings | LatentSettings
+
+
+class Observation:
+    """The landmarks that are known, in units of their diagonal around their centre, and where they can stand.
+
+    ids: (K,) numbers of the known landmarks. points: (K, 2) their places in those units. count: L, of all landmarks.
+    Cameras and errors of its methods are in those units too, but for ``in_pixels``.
+    """
+
+    def __init__(self, points: np.ndarray, template: Template) -> None:
+        """points: (L, 2) pixels, y down, NaN where unknown. template: Template that they stand on.
+
+        Raises InputError for another number of landmarks, too few known ones, and all in one place.
+        """
+        note = template.annotation
+        if len(points) not in (68, len(note.landmarks)):
+            expected = "68 or 81" if note.has_extra else "the 68 that the model's annotation has"
+            raise InputError(f"expected {expected} landmarks, found {len(points)}")
+        self.template = template
+        self.count = len(points)
+        self.ids = np.flatnonzero(np.isfinite(points).all(axis=1))
+        if len(self.ids) < FEWEST:
+            raise InputError(f"expected at least {FEWEST} known landmarks, found {len(self.ids)}")
+        given = points[self.ids]
+        self.centre = given.mean(0)
+        self.diagonal = float(np.linalg.norm(np.ptp(given, axis=0)))
+        if self.diagonal == 0:
+            raise InputError("all landmarks lie in one place")
+        self.points = (given - self.centre) / self.diagonal
+
+    def anchors(self, vertices: np.ndarray, rotation: np.ndarray) -> np.ndarray:
+        """(L,) vertex ids of all landmarks for a posed shape (V, 3); the jaw slides to the outline."""
+        return landmark_vertices(vertices, rotation, self.template, self.count)
+
+    def settle(
+        self, vertices: np.ndarray, weights: np.ndarray | None = None, rotation: np.ndarray | None = None
+    ) -> tuple[Camera, np.ndarray]:
+        """Camera and anchors (L,) that agree with each other.
+
+        vertices: (V, 3). weights: (K,) of the known landmarks. rotation: (3, 3) to begin with, or from the front.
+        """
+        rotation = np.diag([1.0, -1.0, -1.0]) if rotation is None else rotation
+        for _ in range(2):
+            anchors = self.anchors(vertices, rotation)
+            camera = self.camera(vertices, anchors, weights)
+            rotation = camera.rotation
+        return camera, anchors
+
+    def camera(self, vertices: np.ndarray, anchors: np.ndarray, weights: np.ndarray | None) -> Camera:
+        """The Camera for given anchors (L,)."""
+        return fit_camera(vertices[anchors[self.ids]], self.points, weights)
+
+    def gaps(self, vertices: np.ndarray, camera: Camera, anchors: np.ndarray) -> np.ndarray:
+        """(K, 2) metres across the picture from the anchors of the known landmarks to these."""
+        return (self.points - camera.project(vertices[anchors[self.ids]])) / camera.scale
+
+    def errors(self, vertices: np.ndarray, camera: Camera, anchors: np.ndarray) -> np.ndarray:
+        """(K,) distances of the known landmarks as shares of the diagonal."""
+        return np.linalg.norm(camera.project(vertices[anchors[self.ids]]) - self.points, axis=1)
+
+    def in_pixels(self, camera: Camera) -> Camera:
+        """The same camera for the given picture."""
+        translation = camera.translation * self.diagonal + self.centre
+        return Camera(camera.scale * self.diagonal, camera.rotation, translation)
+
+    def measure(
+        self, face: Face, model: ShapeModel, weights: np.ndarray, settings: IntrinsicSettings | LatentSettings
+    ) -> LandmarkFit:
+        """The fit that a face is: last camera, landmarks and figures.
+
+        face: Face with a latent and the camera that it was found with, in units of the diagonal. model: of the latent.
+        weights: (K,) of the known landmarks.
+        Raises InputError for a face that is seen from behind.
+        """
+        camera, anchors = self.settle(face.vertices, weights, _rotation(face))
+        if camera.rotation[2, 2] > 0:
+            raise InputError(
+                "the landmarks show a face from behind: are they mirrored, upside down, or in another order?"
+            )
+        errors = 100 * self.errors(face.vertices, camera, anchors)
+        own = face.vertices if face.residual is None else model.decode(face.latent)
+        own_errors = 100 * self.errors(own, *self.settle(own, weights, _rotation(face)))
+        parts = {name: errors[np.isin(self.ids, list(numbers))] for name, numbers in PARTS.items()}
+        pixels = self.in_pixels(camera)
+        return LandmarkFit(
+            face=replace(face, camera=pixels, landmarks=pixels.project(face.vertices[anchors])),
+            anchors=anchors,
+            nme=float(errors.mean()),
+            nme_latent=float(own_errors.mean()),
+            prior_rms=float(model.prior.rms(face.latent)),
+            flipped=float(flipped_triangles(face.vertices, model.template.gradients).mean()),
+            part_errors={name: float(values.mean()) for name, values in parts.items() if len(values)},
+            rounds=settings.iterations,
+            settings=settings,
+        )
+
+
+def outlier_weights(errors: np.ndarray, settings: OutlierSettings) -> np.ndarray:
+    """Weights (K,) of landmarks in (0, 1]: errors (K,) far beyond the usual lose theirs (Geman and McClure)."""
+    scale = settings.tolerance * max(1.4826 * np.median(errors), settings.floor)
+    return np.maximum(1 / (1 + (errors / scale) ** 2) ** 2, settings.least)
+
+
+def _rotation(face: Face) -> np.ndarray | None:
+    return None if face.camera is None else face.camera.rotation

@@ -1,0 +1,86 @@
+"""A rig from a neutral face: expressions, contacts, eyes, pictures, any resolution."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from caricli.methods.rig.add_eyeballs import Eyeball, add_eyeballs, fit_eyeballs
+from caricli.methods.rig.expression_templates import ExpressionTemplates
+from caricli.methods.rig.measure_rig import RigMeasures, measure_rig
+from caricli.methods.rig.transfer_rig import transfer_rig
+from caricli.structures import Mesh, Rig
+from caricli.template.fine_mesh import fine_mesh
+
+
+@dataclass(frozen=True)
+class RigSettings:
+    """What a rig is made of.
+
+    levels: how often polygons are split, linearly.
+    eyeballs: whether eyes are put into the sockets, where the templates know them.
+    seed: of the picture of the eyes, where none is given.
+    """
+
+    levels: int = 0
+    eyeballs: bool = True
+    seed: int = 0
+
+
+@dataclass(frozen=True, eq=False)
+class Pictures:
+    """What is on a face. skin, eyes: (H, W, 3) uint8 sRGB, the top row first, or None."""
+
+    skin: np.ndarray | None = None
+    eyes: np.ndarray | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class RigResult:
+    """A rig with what was measured on the way.
+
+    rig: Rig.
+    measures: RigMeasures of its expressions.
+    eyeballs: those that it has.
+    """
+
+    rig: Rig
+    measures: RigMeasures
+    eyeballs: list[Eyeball]
+
+
+def make_rig(
+    mesh: Mesh,
+    templates: ExpressionTemplates,
+    settings: RigSettings = RigSettings(),  # noqa: B008 (frozen)
+    pictures: Pictures = Pictures(),  # noqa: B008 (frozen)
+) -> RigResult:
+    """Give a neutral face the expressions of templates by deformation transfer, lids and lips meeting as they do there.
+
+    mesh: Mesh of the face, metres, of the templates' topology.
+    Raises NumericsError for triangles without area.
+    """
+    return assemble_rig(mesh, templates, transfer_rig(templates, mesh.vertices), settings, pictures)
+
+
+def assemble_rig(
+    mesh: Mesh,
+    templates: ExpressionTemplates,
+    deltas: np.ndarray,
+    settings: RigSettings = RigSettings(),  # noqa: B008 (frozen)
+    pictures: Pictures = Pictures(),  # noqa: B008 (frozen)
+) -> RigResult:
+    """Give a neutral face displacements, put eyes into it and split its polygons.
+
+    mesh: Mesh of the face, metres, of the templates' topology. deltas: (K, V, 3) metres, what the expressions of the
+    templates do to it.
+    Raises NumericsError for triangles without area.
+    """
+    annotation = templates.annotation if settings.eyeballs else None
+    eyeballs = [] if annotation is None else fit_eyeballs(mesh, annotation, deltas)
+    measures = measure_rig(mesh.vertices, deltas, templates, eyeballs)
+    fine = fine_mesh(mesh, settings.levels)
+    finer = np.stack([fine.weights @ delta for delta in deltas])
+    shape = fine.mesh.with_vertices((fine.weights @ mesh.vertices).astype(np.float32))
+    rig = Rig(templates.names, shape, finer.astype(np.float32), texture=pictures.skin)
+    rig = add_eyeballs(rig, eyeballs, np.random.default_rng(settings.seed), pictures.eyes)
+    return RigResult(rig, measures, eyeballs)

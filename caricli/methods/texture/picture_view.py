@@ -1,0 +1,141 @@
+"""What a picture shows of points of a surface."""
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from scipy.ndimage import distance_transform_edt
+
+from caricli.geometry.triangle_normals import triangle_normals
+from caricli.methods.texture.settings import TextureSettings
+from caricli.render.diffuse_background import diffuse_background
+from caricli.render.rasterise import rasterise
+from caricli.render.sample_texture import sample_pixels, texture_matrix
+from caricli.structures import Camera, Mesh
+
+
+@dataclass(frozen=True, eq=False)
+class SurfacePoints:
+    """Points of a surface.
+
+    places: (N, 3) metres. normals: (N, 3) of any length. pockets: (N,) from 0 to 1, how far they are in the mouth or an
+    eye socket: nobody looks there from the side.
+    """
+
+    places: np.ndarray
+    normals: np.ndarray
+    pockets: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class SeenColours:
+    """What a picture shows of points. colours: (N, 3) sRGB, 0 to 255. seen: (N,) from 0 to 1, how far they are known."""
+
+    colours: np.ndarray
+    seen: np.ndarray
+
+    def completed(self, other: "SeenColours", weight: float) -> "SeenColours":
+        """With those of the other side where these are hardly seen. weight: of the other side."""
+        share = self.seen / np.maximum(self.seen + weight * other.seen, 1e-9)
+        colours = share[:, None] * self.colours + (1 - share[:, None]) * other.colours
+        return SeenColours(colours, np.maximum(self.seen, other.seen * (1 - share)))
+
+
+class PictureView:
+    """A head in a picture: colours without background, depth, and how near the border of the mask a pixel is."""
+
+    def __init__(
+        self, head: Mesh, camera: Camera, image: np.ndarray, mask: np.ndarray, settings: TextureSettings
+    ) -> None:
+        """head: Mesh with UVs. image: (H, W, 3) uint8. mask: (H, W) bool, the head."""
+        self.camera = camera
+        self.settings = settings
+        self.height = head.height
+        assert head.uvs is not None
+        self.corners = head.uvs[head.uv_faces]
+        self.pictured = diffuse_background(image, mask)
+        # Texels near the border of the mask would show the outline of the drawing or what is behind it.
+        reach = settings.edge * camera.scale * self.height
+        inside = distance_transform_edt(np.pad(mask, 1))[1:-1, 1:-1]
+        self.inside = np.clip(inside / max(reach, 1.0) - 0.5, 0, 1).astype(np.float32)
+        rows, columns = mask.shape
+        self.zoom = min(1.0, settings.buffer / max(rows, columns))
+        size = (round(columns * self.zoom), round(rows * self.zoom))
+        self.small = cv2.resize(self.pictured, size, interpolation=cv2.INTER_AREA)
+        placed = self._shrunk(camera.place(head.vertices))
+        self.raster = rasterise(placed, head.faces, *size)
+        face = self.raster.face
+        mask = cv2.resize(mask.astype(np.uint8), size, interpolation=cv2.INTER_NEAREST) > 0
+        self.pixels = mask & (face >= 0) & (triangle_normals(placed, head.faces)[face, 2] < 0)
+        flat = placed[head.faces]
+        self.areas = np.abs(np.linalg.det(flat[:, 1:, :2] - flat[:, :1, :2]))
+
+    def size(self) -> int:
+        """Texels, width and height, none wider than two pixels, by the median over what is seen."""
+        smallest = self.settings.smallest
+        face = self.raster.face[self.pixels]
+        spans = np.abs(np.linalg.det(self.corners[:, 1:] - self.corners[:, :1]))[face]
+        texels = np.median(np.sqrt(self.areas[face] / np.maximum(spans, 1e-12))) if len(face) else smallest
+        return int(np.clip(2 ** int(np.log2(max(texels, 1))), smallest, self.settings.largest))
+
+    def look(self, points: SurfacePoints) -> SeenColours:
+        """The colours of points, and how far they are seen."""
+        settings = self.settings
+        placed = self.camera.place(points.places)
+        x = placed[:, 0]
+        y = placed[:, 1]
+        colours = sample_pixels(self.pictured, x, y).astype(np.float64)
+        inside = sample_pixels(self.inside, x, y, border=0.0)
+        shrunk = self._shrunk(placed)
+        nearest = sample_pixels(self.raster.depth, shrunk[:, 0], shrunk[:, 1], cv2.INTER_NEAREST, float("inf"))
+        behind = placed[:, 2] - nearest / self.zoom
+        lengths = np.maximum(np.linalg.norm(points.normals, axis=1), 1e-9)
+        cosine = -(points.normals @ self.camera.rotation[2]) / lengths
+        # A surface at an angle is behind itself by the width of a pixel.
+        allowed = settings.behind * self.camera.scale * self.height / np.clip(cosine, 0.2, 1)
+        facing = np.clip((cosine - settings.grazing) / (settings.facing - settings.grazing), 0, 1) ** 2
+        return SeenColours(colours, np.maximum(facing, points.pockets) * inside * (behind < allowed))
+
+    def sharpen(self, colours: np.ndarray, trust: np.ndarray, places: np.ndarray, owner: np.ndarray) -> np.ndarray:
+        """Colours (N, 3) of texels with which a rendering comes nearer to the picture.
+
+        A rendering mixes four texels at every pixel. What then differs from the picture is given back to them, as far
+        as each is seen, and to texels between pixels as what it is there; none leaves the colours that the picture has
+        next to it.
+
+        colours: (N, 3) from 0 to 255. trust: (N, 1) from 0 to 1. places: (N, 3) metres, of the texels. owner: (S, S)
+        the texel that each place of the texture shows.
+        """
+        face = self.raster.face[self.pixels]
+        weights = self.raster.barycentric[self.pixels]
+        lookup = texture_matrix(owner, len(colours), np.einsum("nk,nkc->nc", weights, self.corners[face]))
+        missing = np.zeros(self.small.shape, np.float32)
+        # Only once as far as it is seen: in rounds, what is hardly seen would take on the picture all the same.
+        missing[self.pixels] = (lookup @ trust) * (self.small[self.pixels] - lookup @ colours)
+        sharper = colours.copy()
+        seen = trust[:, 0] > 0
+        lookup = lookup[:, seen]
+        back = lookup.T.tocsr()
+        alone = self.settings.alone
+        total = back @ np.ones((len(face), 1)) + alone
+        x, y, _ = self._shrunk(self.camera.place(places[seen])).T
+        current = colours[seen]
+        least, most = self._range(x, y, current)
+        for _ in range(self.settings.rounds):
+            share = (back @ missing[self.pixels] + alone * sample_pixels(missing, x, y)) / total
+            better = np.clip(current + trust[seen] * share, least, most)
+            missing[self.pixels] -= lookup @ (better - current)
+            current = better
+        sharper[seen] = current
+        return sharper
+
+    def _range(self, x: np.ndarray, y: np.ndarray, colours: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Least and largest colours (N, 3) that texels may take: their own, and those of the pixels around."""
+        square = np.ones((3, 3), np.uint8)
+        darkest = sample_pixels(cv2.erode(self.small, square), x, y, cv2.INTER_NEAREST)
+        brightest = sample_pixels(cv2.dilate(self.small, square), x, y, cv2.INTER_NEAREST)
+        return np.minimum(darkest, colours), np.maximum(brightest, colours)
+
+    def _shrunk(self, placed: np.ndarray) -> np.ndarray:
+        """Places (N, 3) in the smaller picture; its pixels' centres are whole numbers too."""
+        return self.zoom * placed + [(self.zoom - 1) / 2, (self.zoom - 1) / 2, 0]

@@ -1,0 +1,51 @@
+"""What textures are tuned by; light to import, because the command line takes its defaults from here."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class TextureSettings:
+    """How a picture is brought onto a face.
+
+    grazing, facing: cosine between surface and view below which nothing is seen, and from which on all is: at a grazing
+    angle one pixel would be smeared over many texels.
+    mirrored: how much the other side counts where a texel is seen itself; small, so that both sides keep what is theirs.
+    behind: share of the head's height that a point may be behind the surface which is seen, for what rasterising rounds.
+    edge: share of the head's height, width of the band inside the mask's border that hardly counts: outlines are there.
+    trust: how far a texel must be seen to take nothing but the picture.
+    hold: stiffness of colours that are seen against the smoothest continuation; faint: pull towards the usual colour,
+    so that a mesh in pieces has an answer.
+    rounds: of giving back what a rendering blurs; alone: weight that keeps texels which no pixel shows near the others.
+    smallest, largest: texels, limits of the size that follows the picture.
+    buffer: pixels, longest side of what is rasterised; more than the largest texture can hold tell nothing.
+    """
+
+    grazing: float = 0.12
+    facing: float = 0.5
+    mirrored: float = 0.08
+    behind: float = 0.006
+    edge: float = 0.012
+    trust: float = 0.35
+    hold: float = 1e4
+    faint: float = 1e-6
+    rounds: int = 8
+    alone: float = 0.25
+    smallest: int = 1024
+    largest: int = 4096
+    buffer: int = 2048
+
+
+@dataclass(frozen=True)
+class PaintSettings:
+    """How a head is painted.
+
+    size: texels, side of the texture; None for as fine as the picture.
+    project_uv: the picture itself as texture, as published (portrait paper, equation 12), to compare.
+    seed: of the fibres of the iris.
+    texture: TextureSettings.
+    """
+
+    size: int | None = None
+    project_uv: bool = False
+    seed: int = 0
+    texture: TextureSettings = TextureSettings()

@@ -1,0 +1,92 @@
+"""The models that come from decompositions: trained, and measured as they are written."""
+
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+
+from caricli.data.albedo import random_albedos
+from caricli.data.dataset import Dataset
+from caricli.methods.evaluate.evaluate_shape import ShapeError, evaluate_splits, split_rows
+from caricli.methods.evaluate.measure_separation import measure_separation
+from caricli.methods.train.stages import Report, unwatched
+from caricli.models.checkpoint import model_class, model_from_checkpoint, model_to_checkpoint
+from caricli.models.intrinsic.config import IntrinsicConfig
+from caricli.models.kernel.config import KernelConfig
+from caricli.models.morphable.config import MorphableConfig
+from caricli.models.morphable.model import MorphableModel, MorphableShapes
+from caricli.models.pca.config import PcaConfig
+from caricli.models.shape_model import ShapeModel
+
+LinearSettings = PcaConfig | IntrinsicConfig | KernelConfig | MorphableConfig
+
+CONFIGS: dict[str, type] = {
+    "pca": PcaConfig,
+    "intrinsic": IntrinsicConfig,
+    "kernel": KernelConfig,
+    "morphable": MorphableConfig,
+}
+"""Settings by the kind of model."""
+
+FEWEST = 3
+"""Training meshes: two directions, which is the least that a space of shapes can have."""
+
+
+@dataclass(frozen=True, eq=False)
+class LinearTraining:
+    """A trained model and what it is worth.
+
+    checkpoint: tensors and metadata, to be written.
+    model: ShapeModel, as it comes out of the checkpoint.
+    errors: ShapeError by split.
+    agreement: of a morphable model, see ``measure_separation``, by group of test meshes; None of others.
+    """
+
+    checkpoint: tuple[dict[str, np.ndarray], dict]
+    model: ShapeModel
+    errors: dict[str, ShapeError]
+    agreement: dict | None
+
+    @property
+    def figures(self) -> dict:
+        """JSON object: model_id, shape errors, and agreement where there is one."""
+        errors = {split: asdict(error) for split, error in self.errors.items()}
+        figures = {"model_id": self.model.model_id, "shape_error": errors}
+        return figures if self.agreement is None else figures | {"agreement": self.agreement}
+
+
+def train_linear(
+    kind: str, data: Dataset, config: LinearSettings, recipe: dict, report: Report = unwatched
+) -> LinearTraining:
+    """Train a model of components on a dataset's training meshes and measure it on all splits.
+
+    kind: a key of CONFIGS. recipe: JSON object, how it is trained, for the checkpoint.
+    Raises InputError when there are too few meshes, NumericsError when all are the same.
+    """
+    report(0, 2)
+    rows = split_rows(data, "train", FEWEST)
+    shapes = data.vertices[rows]
+    if isinstance(config, MorphableConfig):
+        albedos = random_albedos(data.template, config.seed)
+        people = MorphableShapes(shapes, data.identity[rows], data.expression[rows], albedos)
+        trained = MorphableModel.train(data.template, people, config)
+    else:
+        trained = model_class(kind).train(data.template, shapes, config)
+    report(1, 2)
+    checkpoint = model_to_checkpoint(trained, recipe)
+    model = model_from_checkpoint(*checkpoint, f"the trained {kind} model")
+    errors = evaluate_splits(model, data)
+    agreement = _agreement(model, data) if kind == "morphable" else None
+    report(2, 2)
+    return LinearTraining(checkpoint, model, errors, agreement)
+
+
+def _agreement(model: Any, data: Dataset) -> dict[str, dict]:
+    """How well a morphable model tells who from what on test meshes, and on those that are not exaggerated."""
+    groups = {"test": data.rows("test")}
+    if "kind" in data.factors:
+        groups["test_regular"] = groups["test"] & (data.factors["kind"] == 0)
+    return {
+        name: measure_separation(model, data.vertices[rows], data.identity[rows], data.expression[rows])
+        for name, rows in groups.items()
+    }

@@ -1,0 +1,22 @@
+"""The face of a picture, cut out by its landmarks."""
+
+import numpy as np
+from PIL import Image
+
+_HALF = 0.8
+"""Half the side of the square, of the larger extent of the landmarks: with all of the head around them."""
+
+
+def crop_portrait(picture: np.ndarray, points: np.ndarray, size: int) -> np.ndarray:
+    """The square around landmarks.
+
+    picture: (H, W, 3) uint8. points: (L, 2) pixels, NaN where unknown. size: pixels, side of the result.
+    Returns (size, size, 3) uint8, black beyond the picture.
+    """
+    low = np.nanmin(points, axis=0)
+    high = np.nanmax(points, axis=0)
+    middle = (low + high) / 2
+    half = _HALF * (high - low).max()
+    box = (*(middle - half), *(middle + half))
+    image = Image.fromarray(picture)
+    return np.asarray(image.transform((size, size), Image.Transform.EXTENT, box, Image.Resampling.BICUBIC))

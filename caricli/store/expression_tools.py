@@ -1,0 +1,93 @@
+"""What expressions of caricatures are made with, and the caricatures, by path."""
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from caricli.data.expressions import NEUTRAL, facs_expressions, read_expressions
+from caricli.errors import InputError, naming, shown
+from caricli.io.landmarks import read_landmarks
+from caricli.methods.expressions.tools import ExpressionTools
+from caricli.methods.reconstruct.fit_landmarks import fit_landmarks
+from caricli.methods.rig.expression_templates import ExpressionTemplates
+from caricli.store.expression_templates import load_templates
+from caricli.store.faces import load_face
+from caricli.store.landmark_maps import landmark_map_path, load_landmark_map
+from caricli.store.models import DEFAULT_LATENT, load_model
+from caricli.store.rig_sources import PicturePaths, picture_paths
+from caricli.structures import Face
+from caricli.template.template import Template
+
+
+@dataclass(frozen=True)
+class ToolPaths:
+    """Where the tools of expressions are; what is None is bundled.
+
+    expressions: YAML or JSON of names with actions. landmark_map: of `train landmark-map`. model: of `train morphable`.
+    templates: folder with a neutral OBJ and actions.
+    """
+
+    expressions: Path | None = None
+    landmark_map: Path | None = None
+    model: Path | None = None
+    templates: Path | None = None
+
+
+def load_tools(paths: ToolPaths = ToolPaths(), latent: bool = False) -> tuple[ExpressionTools, list[Path]]:  # noqa: B008 (frozen)
+    """The ExpressionTools of paths, and the files that were read.
+
+    latent: whether landmarks are followed in the latent of a model.
+    Raises InputError where they are not of one mesh, or no expression moves anything.
+    """
+    morphable = load_model(paths.model, only="morphable")
+    actions, template_files = load_templates(paths.templates)
+    model = load_model(kind=DEFAULT_LATENT) if latent else None
+    meshes = [actions.mesh, *([model.template] if model else [])]
+    if any(mesh.topology_id != morphable.template.topology_id for mesh in meshes):
+        expected = f"templates and models of one mesh, that of the morphable model ({len(morphable.mean)} vertices)"
+        raise InputError(f"{shown(paths.model or paths.templates)}: expected {expected}, found another")
+    expressions = _expressions(paths, actions)
+    actions = _on_template(actions, morphable.template)
+    tools = ExpressionTools(actions, expressions, morphable, load_landmark_map(paths.landmark_map), model)
+    if not tools.templates.deltas.any():
+        raise InputError(f"{shown(paths.expressions)}: expected expressions that move something, found none")
+    files = [paths.expressions, paths.model, landmark_map_path(paths.landmark_map), *template_files]
+    return tools, [path for path in files if path is not None]
+
+
+def _expressions(paths: ToolPaths, actions: ExpressionTemplates) -> dict[str, dict[str, float]]:
+    """Weights of actions by the name of the expression, the neutral one first."""
+    if paths.expressions is not None:
+        return read_expressions(paths.expressions, actions.names)
+    if paths.templates is not None:
+        return {NEUTRAL: {}} | {name: {name: 1.0} for name in actions.names}
+    return facs_expressions(actions.names)
+
+
+def _on_template(actions: ExpressionTemplates, template: Template) -> ExpressionTemplates:
+    """The same templates with what is known by name on the mesh of a model."""
+    return replace(actions, mesh=template.with_vertices(actions.neutral))
+
+
+def load_caricature(
+    source: Path, tools: ExpressionTools, texture: Path | None = None, pts_origin: int = 1
+) -> tuple[Face, PicturePaths]:
+    """A Face with the camera of its picture, and the pictures on it.
+
+    source: a face (NPZ), or landmarks, which are reconstructed. texture: the skin's picture, or None for the face's
+    own. pts_origin: coordinate of the first pixel in .pts files.
+    Raises InputError for a face without a camera or of another mesh than the tools'.
+    """
+    morphable = tools.morphable
+    suffix = source.suffix.lower()
+    if suffix == ".obj":
+        raise InputError(f"{shown(source)}: expected FACE.npz or landmarks, found an OBJ, which has no camera")
+    if suffix == ".npz":
+        face = load_face(source, morphable)
+        with naming(source):
+            face.require_camera()
+        return face, picture_paths(source, texture)
+    intrinsic = load_model()
+    if intrinsic.template.topology_id != morphable.template.topology_id:
+        raise InputError(f"{shown(source)}: expected a FACE.npz for a model of another mesh, found landmarks")
+    fit = fit_landmarks(read_landmarks(source, pts_origin).points, intrinsic)
+    return Face(morphable.template.with_vertices(fit.face.vertices), fit.face.camera), PicturePaths(texture)

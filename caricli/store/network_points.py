@@ -1,0 +1,26 @@
+"""The shape that a network deforms: of a file, or what suits the template."""
+
+from pathlib import Path
+
+import numpy as np
+
+from caricli.errors import InputError, naming
+from caricli.io.face import read_face
+from caricli.template.head import load_head
+from caricli.template.template import Template
+
+
+def load_network_points(template: Template, path: Path | None = None) -> np.ndarray:
+    """(V, 3) metres: the mesh of a file, or the open head with its lips apart, or else the template itself.
+
+    Raises InputError when the file has another topology.
+    """
+    if path is not None:
+        face = read_face(path)
+        with naming(path):
+            if face.mesh.topology_id != template.topology_id:
+                raise InputError(f"its topology is not the dataset's ({len(template.vertices)} vertices)")
+        return face.vertices
+    if template.topology_id == load_head().template().topology_id:
+        return load_head().open_mouth_template().vertices
+    return template.vertices

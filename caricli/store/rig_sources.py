@@ -1,0 +1,59 @@
+"""What rigs are made from: a neutral face and the pictures on it."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from caricli.errors import InputError, shown
+from caricli.io.face import read_face
+from caricli.io.image import read_image
+from caricli.io.mtl import texture_path
+from caricli.methods.rig.expression_templates import ExpressionTemplates
+from caricli.methods.rig.make_rig import Pictures
+from caricli.structures import Mesh
+
+EYES_FILE = "eyes.png"
+"""Name of the picture of the eyes beside that of the skin."""
+
+
+def load_neutral(path: Path, templates: ExpressionTemplates) -> Mesh:
+    """The Mesh of a neutral face, OBJ or NPZ, refused when its topology is not that of the templates."""
+    mesh = read_face(path).mesh
+    if mesh.topology_id != templates.mesh.topology_id:
+        expected = f"{len(templates.neutral)} vertices, {len(templates.faces)} triangles"
+        found = f"{len(mesh.vertices)} vertices, {len(mesh.faces)}"
+        raise InputError(
+            f"{shown(path)}: expected the topology of the templates ({expected}), found another ({found}); "
+            "give --templates for a mesh of your own"
+        )
+    return mesh
+
+
+@dataclass(frozen=True)
+class PicturePaths:
+    """Where the pictures on a face are. skin, eyes: paths, or None."""
+
+    skin: Path | None = None
+    eyes: Path | None = None
+
+    @property
+    def files(self) -> list[Path]:
+        """Those that there are."""
+        return [path for path in (self.skin, self.eyes) if path is not None]
+
+    def load(self) -> Pictures:
+        """Read them."""
+        return Pictures(*(None if path is None else read_image(path) for path in (self.skin, self.eyes)))
+
+
+def picture_paths(face: Path, texture: Path | None = None) -> PicturePaths:
+    """The pictures on a face: the given one, else what the OBJ names, or the OBJ beside an NPZ; and the `eyes.png` that
+    `caricli texture` wrote beside that.
+
+    face: path of an OBJ or NPZ. texture: path of the skin's picture, or None to look for it.
+    """
+    mesh = face if face.suffix.lower() == ".obj" else face.with_suffix(".obj")
+    skin = texture_path(mesh) if texture is None and mesh.is_file() else texture
+    if skin is None:
+        return PicturePaths()
+    eyes = skin.with_name(EYES_FILE)
+    return PicturePaths(skin, eyes if eyes.is_file() else None)

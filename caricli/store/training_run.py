@@ -1,0 +1,158 @@
+"""The folder of a training: model, log, loss curve, and the state to resume from."""
+
+import json
+import time
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+from caricli.data.dataset import Dataset
+from caricli.errors import InputError, OutputError, naming
+from caricli.io.checkpoint import write_checkpoint
+from caricli.io.image import write_png
+from caricli.io.outputs import staged, write_bytes
+from caricli.io.strict_json import write_json
+from caricli.io.training_state import read_state, write_state
+from caricli.methods.evaluate.evaluate_shape import ShapeError, evaluate_splits
+from caricli.methods.train.train_autodecoder import AutoDecoderTraining, EpochRecord
+from caricli.methods.train.train_deformable import trained_model
+from caricli.models.checkpoint import model_to_checkpoint
+from caricli.render.plot_curves import plot_curves
+from caricli.store.models import load_model
+from caricli.template.template import Template
+
+STATE = "state.pt"
+MODEL = "model.safetensors"
+REPORT = "model.json"
+LOG = "log.jsonl"
+CURVES = "loss.png"
+FILES = (STATE, MODEL, REPORT, LOG, CURVES)
+
+MEASURED = 100
+"""Meshes of a split that the finished model is measured on, at most: encoding takes a second each."""
+
+LOGGED = 20
+"""Validations that the report repeats."""
+
+
+@dataclass(frozen=True)
+class Beginning:
+    """How a training treats a folder that holds one already.
+
+    resume: go on from its state; begin where there is none. overwrite: begin anew. writes: whether this process is the
+    one that writes.
+    """
+
+    resume: bool = False
+    overwrite: bool = False
+    writes: bool = True
+
+
+class TrainingRun:
+    """One training in its folder, from the beginning or from where it was left."""
+
+    def __init__(self, folder: Path, recipe: dict, beginning: Beginning) -> None:
+        """Read the state to go on from, or make room for a new one.
+
+        recipe: JSON object, how it is trained.
+        Raises InputError when there is a training with other settings or data, OutputError when files are in the way.
+        """
+        self.folder = folder
+        self.recipe = recipe
+        self.writes = beginning.writes
+        self.state: dict | None = None
+        self.log: list[dict] = []
+        self.seconds = 0.0
+        self.started = time.monotonic()
+        path = folder / STATE
+        if beginning.resume and path.exists():
+            self.state, trained = read_state(path)
+            with naming(path):
+                _check_same(trained, recipe)
+            self.log = self.state["log"]
+            self.seconds = self.state["seconds"]
+        elif self.writes:
+            self._prepare(beginning.overwrite or beginning.resume)
+
+    def follow(self, training: AutoDecoderTraining, template: Template) -> Iterator[dict]:
+        """Train to the end; log, checkpoint and keep the best model on the way.
+
+        template: of the model. Yields the log's line of every epoch: errors in percent of the template's height.
+        """
+        if self.state is not None:
+            training.load_state(self.state)
+        last = time.monotonic()
+        for record in training.epochs():
+            self.log.append(self._line(record, template.height))
+            if self.writes and record.best:
+                self._write_model(training, template)
+            if self.writes and (training.ended or time.monotonic() - last >= training.config.checkpoint_seconds):
+                self._write_state(training)
+                last = time.monotonic()
+            yield self.log[-1]
+
+    def finish(self, data: Dataset) -> dict[str, ShapeError]:
+        """Measure the best model on meshes that it was not trained on, and write the report."""
+        model = load_model(self.folder / MODEL)
+        errors = evaluate_splits(model, data, ("validation", "test"), MEASURED)
+        figures = {
+            "model_id": model.model_id,
+            "epochs": self.log[-1]["epoch"],
+            "shape_error": {split: asdict(error) for split, error in errors.items()},
+            "log": [line for line in self.log if line["validation"] is not None][-LOGGED:],
+        }
+        with staged(self.folder / REPORT, overwrite=True) as (temporary,):
+            write_json(temporary, self.recipe | figures)
+        return errors
+
+    def _prepare(self, overwrite: bool) -> None:
+        if self.folder.exists() and not self.folder.is_dir():
+            raise OutputError(f"{self.folder}: expected a folder to write, found a file")
+        old = [self.folder / name for name in FILES if (self.folder / name).exists()]
+        if old and not overwrite:
+            raise OutputError(f"{old[0]} exists; give --resume to go on or --overwrite to begin anew")
+        for path in old:
+            path.unlink()
+
+    def _line(self, record: EpochRecord, height: float) -> dict:
+        return {
+            "epoch": record.epoch,
+            "loss": record.loss,
+            "train": 100 * record.train_error / height,
+            "validation": None if record.validation_error is None else 100 * record.validation_error / height,
+            "seconds": self._elapsed(),
+        }
+
+    def _elapsed(self) -> float:
+        return round(self.seconds + time.monotonic() - self.started, 1)
+
+    def _write_model(self, training: AutoDecoderTraining, template: Template) -> None:
+        with staged(self.folder / MODEL, overwrite=True) as (temporary,):
+            write_checkpoint(temporary, *model_to_checkpoint(trained_model(training, template), self.recipe))
+
+    def _write_state(self, training: AutoDecoderTraining) -> None:
+        state = training.state() | {"log": self.log, "seconds": self._elapsed()}
+        write_state(self.folder / STATE, state, self.recipe)
+        with staged(self.folder / LOG, overwrite=True) as (temporary,):
+            write_bytes(temporary, "".join(json.dumps(line) + "\n" for line in self.log).encode())
+        if training.ended or self.log[-1]["validation"] is not None:
+            self._write_curves()
+
+    def _write_curves(self) -> None:
+        lines = {name: [line for line in self.log if line[name] is not None] for name in ("train", "validation")}
+        curves = {name: ([r["epoch"] for r in rows], [r[name] for r in rows]) for name, rows in lines.items()}
+        with staged(self.folder / CURVES, overwrite=True) as (temporary,):
+            write_png(temporary, plot_curves({"shape error": curves}))
+
+
+def _check_same(trained: dict, asked: dict) -> None:
+    """Refuse to go on with other settings or contents; where the files lie does not matter."""
+    then = trained["config"]
+    now = asked["config"]
+    if then == now and sorted(trained["inputs"].values()) == sorted(asked["inputs"].values()):
+        return
+    settings = [f"{name} {then.get(name)} there, {now[name]} here" for name in now if then.get(name) != now[name]]
+    raise InputError(
+        "expected a training with these settings and data, found another "
+        f"({', '.join(settings) or 'other data'}); --overwrite begins anew"
+    )
