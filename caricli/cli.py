@@ -54,6 +54,7 @@ COMMANDS = {
     "template": (None, "Data", "The head that every face is a deformation of."),
     "template export": ("template.export", "Data", "Write the head as OBJ with quads and UVs."),
     "render": ("render", "Look", "Shaded pictures of faces."),
+    "inspect": ("inspect", "Look", "What any file holds, and whether it is whole."),
 }
 
 

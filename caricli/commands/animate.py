@@ -1,23 +1,18 @@
 """caricli animate: a rig that moves as a face tracker says."""
 
 from contextlib import ExitStack
-from dataclasses import dataclass, replace
-from difflib import get_close_matches
 
 import click
-import numpy as np
 
 from caricli.commands.shared.options import PATH, FiniteRange, named, overwrite_option
 from caricli.errors import InputError, shown
 from caricli.io.image import write_png
-from caricli.io.obj import write_obj
+from caricli.io.mesh import write_mesh
 from caricli.io.outputs import staged, staged_folder
 from caricli.io.provenance import provenance
-from caricli.io.rig import read_rig
 from caricli.io.strict_json import write_json
 from caricli.io.track import read_weights
 from caricli.io.video import write_video
-from caricli.structures import Rig
 
 REPORT = "animation.json"
 
@@ -60,12 +55,12 @@ def command(rig, weights, out, frames, kind, video, fps, source_fps, smooth, sca
       caricli animate rig.npz blendshapes.json --video talk.mp4 --fps 30 --scale jawOpen=1.3
       caricli animate rig.glb take.csv --frames frames --format png --view three-quarter
     """
-    from caricli.io.gltf.write_gltf import write_gltf
-    from caricli.structures import Animation
+    from caricli.methods.animate.animate_rig import AnimationSettings, animate_rig
+    from caricli.store.rig_sources import load_rig
 
     if out is None and frames is None and video is None:
         raise click.UsageError("Give at least one of --out, --frames and --video.")
-    first = out or video
+    first = out or video or frames
     # A video often lies beside a rig of its name, whose JSON is another.
     report_file = out.with_suffix(".json") if out else video and video.with_name(f"{video.name}.json")
     files = [path for path in (out, video, report_file) if path is not None]
@@ -73,35 +68,19 @@ def command(rig, weights, out, frames, kind, video, fps, source_fps, smooth, sca
     with ExitStack() as stack:
         temporary = dict(zip(files, stack.enter_context(staged(*files, **given)), strict=True)) if files else {}
         folder = stack.enter_context(staged_folder(frames, marker=REPORT, **given)) if frames else None
-        motion, report = _motion(rig, weights, fps, source_fps, smooth, _scales(scales), no_head)
-        if out is not None:
-            write_gltf(temporary[out], motion.rig, animation=Animation(motion.times, motion.weights, motion.turns))
-        if video is not None:
-            write_video(temporary[video], _pictures(motion, view, size), motion.fps)
+        settings = AnimationSettings(fps, smooth, _scales(scales), not no_head)
+        performance = animate_rig(load_rig(rig), read_weights(weights, source_fps), settings)
+        _write_moving(temporary.get(out), temporary.get(video), performance, view, size)
         if folder is not None:
-            _write_frames(folder, motion, kind, view, size)
-        for path in (folder and folder / REPORT, report_file and temporary[report_file]):
+            _write_frames(folder, performance, kind, view, size)
+        for path in [folder and folder / REPORT, temporary.get(report_file)]:
             if path is not None:
-                write_json(path, report)
-    if report["unmatched"]:
-        click.echo(f"{shown(weights)}: the rig lacks {shown(', '.join(report['unmatched']), 400)}", err=True)
-    matched = f"{len(report['ranges'])} of {len(motion.rig.names)} expressions driven"
-    click.echo(f"{shown(first or frames)}: {len(motion.times)} frames at {motion.fps:.4g} a second, {matched}")
-
-
-@dataclass(frozen=True, eq=False)
-class _Motion:
-    """A rig, and for every frame its time, its weights (T, K) and the turning of the head (T, 4), or None."""
-
-    rig: Rig
-    fps: float
-    times: np.ndarray
-    weights: np.ndarray
-    turns: np.ndarray | None
+                write_json(path, provenance("animate", [rig, weights], **performance.figures()))
+    _say(first, weights, performance)
 
 
 def _scales(texts):
-    """A dict of names to factors."""
+    """Factors by name."""
     scales = {}
     for text in texts:
         name, _, value = text.rpartition("=")
@@ -117,72 +96,48 @@ def _scales(texts):
     return scales
 
 
-def _motion(rig_path, path, fps, source_fps, smooth, scales, no_head):
-    """The _Motion that was asked for, and what the JSON says of it."""
-    from caricli.io.gltf.read_gltf import read_gltf
-    from caricli.methods.animate.bind_weights import bind_weights
-    from caricli.methods.animate.resample_weights import resample_weights
-    from caricli.methods.animate.smooth_weights import smooth_weights
-    from caricli.methods.animate.turn_head import turn_head
+def _write_moving(glb, video, performance, view, size):
+    """Write the rig with its animation, and the video, where there is a path."""
+    from caricli.io.gltf.write_gltf import write_gltf
 
-    rig = (read_gltf if rig_path.suffix.lower() == ".glb" else read_rig)(rig_path)
-    unknown = [name for name in scales if name not in rig.names]
-    if unknown:
-        near = get_close_matches(unknown[0], rig.names, 1, 0.0)[0]
-        raise InputError(f"--scale {unknown[0]}: not among the rig's {len(rig.names)}; did you mean {near!r}?")
-    track = read_weights(path, source_fps)
-    head = None if no_head or track.head is None else smooth_weights(track.head, track.times, smooth)
-    calm = smooth_weights(track.weights, track.times, smooth)
-    track, fps = resample_weights(replace(track, weights=calm, head=head), fps)
-    bound = bind_weights(track, rig.names)
-    driven = [k for k, name in enumerate(rig.names) if name not in bound.undriven]
-    weights = np.clip(bound.weights, 0, 1) * [scales.get(name, 1.0) for name in rig.names]
-    report = provenance(
-        "animate",
-        [rig_path, path],
-        fps=fps,
-        frames=len(track.times),
-        seconds=float(track.times[-1]),
-        smooth=smooth,
-        scale=scales,
-        head=head is not None,
-        unmatched=bound.unmatched,
-        undriven=bound.undriven,
-        clipped=int(np.count_nonzero((bound.weights < 0) | (bound.weights > 1))),
-        ranges={rig.names[k]: [float(weights[:, k].min()), float(weights[:, k].max())] for k in driven},
-    )
-    return _Motion(rig, fps, track.times, weights, None if head is None else turn_head(track.head)), report
+    if glb is not None:
+        write_gltf(glb, performance.rig, animation=performance.animation)
+    if video is not None:
+        write_video(video, _pictures(performance, view, size), performance.fps)
 
 
-def _frames(motion, description):
-    """Yield the vertices of every frame, the head turned; each is overwritten by the next."""
-    from scipy.spatial.transform import Rotation
-
-    from caricli.commands.shared.progress import progress_bar
-    from caricli.methods.animate.pose_rig import RigPoser
-
-    poser = RigPoser(motion.rig)
-    turns = None if motion.turns is None else Rotation.from_quat(motion.turns).as_matrix()
-    with progress_bar(description) as report:
-        for k, weights in enumerate(motion.weights):
-            vertices = poser.pose(weights)
-            yield vertices if turns is None else vertices @ turns[k].T
-            report(k + 1, len(motion.weights))
-
-
-def _pictures(motion, view, size):
-    from caricli.render.draw_rig import draw_rig, neutral_sky
-
-    sky = neutral_sky(motion.rig)
-    return (draw_rig(motion.rig, vertices, view, size, sky) for vertices in _frames(motion, "pictures"))
-
-
-def _write_frames(folder, motion, kind, view, size):
+def _write_frames(folder, performance, kind, view, size):
     """Write every frame as frame-0000.obj, with the rig's polygons and UVs, or as frame-0000.png."""
-    digits = max(4, len(str(len(motion.times) - 1)))
-    for k, frame in enumerate(_pictures(motion, view, size) if kind == "png" else _frames(motion, "frames")):
+    digits = max(4, len(str(len(performance.animation.times) - 1)))
+    frames = _pictures(performance, view, size) if kind == "png" else _shapes(performance, "frames")
+    for k, frame in enumerate(frames):
         path = folder / f"frame-{k:0{digits}d}.{kind}"
         if kind == "png":
             write_png(path, frame)
         else:
-            write_obj(path, motion.rig.mesh.with_vertices(frame.astype(float)))
+            write_mesh(path, performance.rig.mesh.with_vertices(frame.astype(float)))
+
+
+def _pictures(performance, view, size):
+    from caricli.render.draw_rig import draw_rig, neutral_sky
+
+    sky = neutral_sky(performance.rig)
+    return (draw_rig(performance.rig, vertices, view, size, sky) for vertices in _shapes(performance, "pictures"))
+
+
+def _shapes(performance, description):
+    """Vertices of every frame, with a bar."""
+    from caricli.commands.shared.progress import progress_bar
+
+    with progress_bar(description) as report:
+        yield from performance.frames(report)
+
+
+def _say(out, weights, performance):
+    """Print what the rig lacks, and what was written."""
+    unmatched = performance.bound.unmatched
+    if unmatched:
+        click.echo(f"{shown(weights)}: the rig lacks {shown(', '.join(unmatched), 400)}", err=True)
+    counts = f"{len(performance.driven)} of {len(performance.rig.names)} expressions driven"
+    frames = len(performance.animation.times)
+    click.echo(f"{shown(out)}: {frames} frames at {performance.fps:.4g} a second, {counts}")

@@ -1,7 +1,5 @@
 """caricli encode: meshes to latents."""
 
-from dataclasses import replace
-
 import click
 
 from caricli.commands.shared.options import PATH, model_option, out_folder_option, out_option, overwrite_option
@@ -41,20 +39,17 @@ def command(ctx, faces, out, out_dir, model, overwrite):
 
     jobs = named_jobs(faces, "FACE", out, out_dir, ".npz")
     shape_model = load_model(model, DEFAULT_LATENT)
-    template = shape_model.template
 
     def encode(path, target):
         paths = [target.with_suffix(suffix) for suffix in SUFFIXES]
         with staged(*paths, overwrite=overwrite, inputs=(*faces, model)) as (npz_file, json_file, png_file):
-            face = load_face(path, shape_model)
-            code = encode_face(face.vertices, shape_model)
-            found = {"latent": code.latent, "residual": code.residual, "model_id": shape_model.model_id}
-            write_face(npz_file, replace(face, **found))
+            code = encode_face(load_face(path, shape_model).without_latent(), shape_model)
+            write_face(npz_file, code)
             error = {"millimetres": code.millimetres, "percent": code.percent}
-            known = {"model_id": shape_model.model_id, "shape_error": error, "prior_rms": code.prior_rms}
-            write_json(json_file, provenance("encode", [path], **known))
-            own = shape_model.decode(code.latent)
-            write_png(png_file, comparison_sheet(template.with_vertices(face.vertices), own, SIZE))
+            figures = {"model_id": code.model_id, "shape_error": error, "prior_rms": code.prior_rms}
+            write_json(json_file, provenance("encode", [path], **figures))
+            head = shape_model.template.with_vertices(code.vertices)
+            write_png(png_file, comparison_sheet(head, shape_model.decode(code.latent), SIZE))
         return f"{target}: shape error {code.millimetres:.3f} mm ({code.percent:.3f} %), prior {code.prior_rms:.2f}"
 
     run_batch(ctx, jobs, encode, "faces")

@@ -12,14 +12,17 @@ from caricli.commands.shared.options import (
     model_option,
     out_option,
     overwrite_option,
+    pts_origin_option,
     subdivide_option,
 )
-from caricli.errors import InputError
+from caricli.errors import naming
 from caricli.io.image import write_png
-from caricli.io.landmarks import read_landmarks
 from caricli.io.outputs import staged
 from caricli.io.provenance import provenance
 from caricli.io.strict_json import write_json
+from caricli.methods.reconstruct.settings import RefineSettings
+
+SIZE = 384
 
 
 @click.command()
@@ -31,20 +34,21 @@ from caricli.io.strict_json import write_json
 @click.option(
     "--weight",
     type=FiniteRange(1e-4, 1e4),
-    default=1.0,
+    default=RefineSettings.weight,
     metavar="W",
     help="Of landmarks against the shape of the surface; larger is more exact.",
 )
 @click.option(
     "--laplacian",
     type=click.Choice(["cotangent", "uniform"]),
-    default="cotangent",
+    default=RefineSettings.laplacian,
     help="How neighbours count: by the angles between them, or all the same, as published.",
 )
 @model_option
+@pts_origin_option
 @subdivide_option
 @overwrite_option
-def command(face, landmarks, out, image, parsing, weight, laplacian, model, levels, overwrite):
+def command(face, landmarks, out, image, parsing, weight, laplacian, model, pts_origin, levels, overwrite):
     """Move a face (NPZ with a camera) exactly onto the landmarks of its picture by Laplacian deformation.
 
     Depth and local shape stay as they are. In the picture that is written, green circles are the given landmarks and
@@ -55,30 +59,28 @@ def command(face, landmarks, out, image, parsing, weight, laplacian, model, leve
       caricli refine face.npz landmarks.json --image drawing.png --out refined.obj
       caricli refine face.npz landmarks.json --parsing labels.png --out refined.obj
     """
-    from caricli.commands.refined import snap_to_parsing, write_refined
     from caricli.methods.reconstruct.refine_face import refine_face
+    from caricli.methods.reconstruct.renew_residual import renew_residual
+    from caricli.methods.reconstruct.snap_eyes import snap_eyes
+    from caricli.render.refine_sheet import refine_sheet
+    from caricli.store.face_files import write_face_files
     from caricli.store.faces import load_seen_face
-    from caricli.store.pictures import read_picture
+    from caricli.store.pictures import load_eyes, load_marked_picture
     from caricli.template.fine_mesh import fine_mesh
 
-    files = face_files(out)
-    with staged(*files, overwrite=overwrite, inputs=(face, landmarks, image, parsing, model)) as temporary:
-        seen, shape_model, pose = load_seen_face(face, model)
-        marks = read_landmarks(landmarks)
-        pixels = None if image is None else read_picture(image, marks, landmarks)
-        points, snapped = snap_to_parsing(marks, parsing, pixels)
+    inputs = (face, landmarks, image, parsing, model)
+    with staged(*face_files(out), overwrite=overwrite, inputs=inputs) as files:
+        seen, shape_model = load_seen_face(face, model)
+        marks, pixels = load_marked_picture(landmarks, image, pts_origin)
+        points, snapped = snap_eyes(marks.points, load_eyes(parsing, marks.image_size))
         start = time.perf_counter()
-        try:
-            found = refine_face(seen.vertices, pose, points, shape_model.template, weight, laplacian)
-        except InputError as error:
-            raise InputError(f"{landmarks}: {error}") from error
+        with naming(landmarks):
+            result = refine_face(seen, points, shape_model.template, RefineSettings(weight, laplacian))
         seconds = time.perf_counter() - start
-        fine = fine_mesh(shape_model.template, levels)
-        sheet = write_refined(temporary, found, seen, shape_model, pose, points, pixels, fine)
         about = {"weight": weight, "laplacian": laplacian, "snapped": snapped, "subdivide": levels, "seconds": seconds}
-        about |= {"before": found.before, "after": found.after, "moved": found.moved, "flipped": found.flipped}
-        inputs = [face, landmarks, image, parsing]
-        write_json(temporary[2], provenance("refine", inputs, model_id=shape_model.model_id, **about))
-        write_png(temporary[3], sheet)
-    figures = f"NME {found.before['all']:.2f} to {found.after['all']:.3f} %, flipped {100 * found.flipped:.3f} %"
-    click.echo(f"{out}: {figures}, moved at most {1000 * found.moved:.1f} mm, {seconds:.2f} s")
+        about = {"model_id": shape_model.model_id} | about | result.figures()
+        finer = fine_mesh(shape_model.template, levels).shaped(result.face.vertices)
+        write_face_files(files[0], files[1], renew_residual(result.face, shape_model), finer)
+        write_json(files[2], provenance("refine", inputs[:4], **about))
+        write_png(files[3], refine_sheet((seen, result.face), result.anchors, shape_model.template, points, pixels, SIZE))
+    click.echo(f"{out}: {result.describe()}, {seconds:.2f} s")

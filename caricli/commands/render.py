@@ -1,7 +1,6 @@
 """caricli render: shaded pictures of faces."""
 
 import click
-import numpy as np
 
 from caricli.commands.shared.options import PATH, out_option, overwrite_option
 from caricli.errors import InputError, OutputError, shown
@@ -9,12 +8,7 @@ from caricli.io.face import read_face
 from caricli.io.image import read_image, write_png
 from caricli.io.outputs import staged
 from caricli.limits import MAX_IMAGE_PIXELS
-from caricli.render.contact_sheet import contact_sheet
-from caricli.render.overlay import overlay_mesh
-from caricli.render.place_eyeballs import place_eyeballs
-from caricli.render.shade import Look
-from caricli.render.views import VIEWS, render_views, turntable
-from caricli.template.annotation import bundled_annotation
+from caricli.render.views import VIEWS
 
 
 def _views(ctx, param, value):
@@ -68,37 +62,37 @@ def command(paths, out, views, frames, size, columns, image, overwrite):
       caricli render faces/*.obj -o sheet.png --views front --size 256
       caricli render face.npz -o overlay.png --image drawing.png
     """
+    from caricli.render.face_sheet import SheetSettings, face_sheet
+
     if image is not None and len(paths) > 1:
         raise click.UsageError("--image takes one FACE.")
-    pictures = len(paths) * (frames or len(views))
+    settings = SheetSettings(views, frames, size, columns)
+    _check_size(out, len(paths) * settings.count, size)
+    with staged(out, overwrite=overwrite, inputs=(*paths, image)) as (temporary,):
+        faces = [read_face(path) for path in paths]
+        if image is None:
+            picture = face_sheet([face.mesh for face in faces], [path.stem for path in paths], settings)
+        else:
+            picture = _overlay(faces[0], paths[0], image)
+        write_png(temporary, picture)
+    click.echo(f"{shown(out)}: {picture.shape[1]} x {picture.shape[0]} pixels, faces: {len(paths)}")
+
+
+def _check_size(out, pictures, size):
+    """Refuse a sheet that no reader would take."""
     if pictures * size * size > MAX_IMAGE_PIXELS:
         raise OutputError(
             f"{shown(out)}: {pictures} pictures of {size} x {size} are more than {MAX_IMAGE_PIXELS} pixels "
             "together; give a smaller --size"
         )
-    with staged(out, overwrite=overwrite, inputs=(*paths, image)) as (temporary,):
-        if image is not None:
-            picture = _overlay(paths[0], image)
-        else:
-            strips = [_strip(path, views, frames, size) for path in paths]
-            if len(strips) == 1:
-                picture = contact_sheet(strips[0], columns or (None if frames else len(views)))
-            else:
-                picture = contact_sheet([np.hstack(s) for s in strips], columns, [path.stem for path in paths])
-        write_png(temporary, picture)
-    click.echo(f"{shown(out)}: {picture.shape[1]} x {picture.shape[0]} pixels, faces: {len(paths)}")
 
 
-def _strip(path, views, frames, size):
-    face = read_face(path)
-    look = Look(eyeballs=place_eyeballs(face.mesh, bundled_annotation()))
-    if frames:
-        return turntable(face.mesh, frames, size, look)
-    return render_views(face.mesh, views, size, look)
+def _overlay(face, path, image):
+    """The face over its picture."""
+    from caricli.render.overlay import overlay_mesh
+    from caricli.render.place_eyeballs import place_eyeballs
+    from caricli.template.annotation import bundled_annotation
 
-
-def _overlay(path, image):
-    face = read_face(path)
     if face.camera is None:
         raise InputError(f"{shown(path)}: expected a face NPZ with a camera to lay it over a picture, found none")
     eyeballs = place_eyeballs(face.mesh, bundled_annotation())

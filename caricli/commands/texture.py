@@ -3,15 +3,17 @@
 import time
 
 import click
-import numpy as np
 
 from caricli.commands.shared.options import PATH, model_option, out_option, overwrite_option, seed_option
-from caricli.io.image import read_image
+from caricli.errors import naming
+from caricli.io.image import read_image, write_png
 from caricli.io.outputs import staged_folder
 from caricli.io.provenance import provenance
 from caricli.io.strict_json import write_json
+from caricli.methods.texture.settings import PaintSettings
 
 REPORT = "face.json"
+SIZE = 320
 
 
 @click.command()
@@ -19,8 +21,12 @@ REPORT = "face.json"
 @click.argument("image", type=PATH)
 @out_option("DIR", "A folder for face.obj, .mtl, .npz, .glb, .json, texture.png, eyes.png and sheet.png.")
 @click.option("--mask", type=PATH, metavar="MASK.png", help="White where the head is.  [default: cut out by colours]")
-@click.option("--size", type=click.IntRange(64, 4096), metavar="PIXELS", help="Side of the texture.  [default: 1024 or "
-              "more, as fine as the picture]")  # fmt: skip
+@click.option(
+    "--size",
+    type=click.IntRange(64, 4096),
+    metavar="PIXELS",
+    help="Side of the texture.  [default: 1024 or more, as fine as the picture]",
+)
 @click.option("--project-uv", "flat", is_flag=True, help="The picture itself as texture, as published, to compare.")
 @model_option
 @seed_option
@@ -37,19 +43,24 @@ def command(face, image, out, mask, size, flat, model, seed, overwrite):
       caricli texture face.npz photo.jpg --mask head.png --size 2048 --out textured
       caricli rig textured/face.npz --out rig.glb
     """
-    from caricli.commands.textured import head_mask, paint, write_textured
-    from caricli.store.faces import load_seen_face
+    from caricli.methods.texture.paint_head import paint_head
+    from caricli.render.texture_sheet import texture_sheet
+    from caricli.store.faces import load_seen_face, write_painted_head
+    from caricli.store.pictures import load_mask
 
-    with staged_folder(out, overwrite=overwrite, inputs=(face, image, mask, model), marker=REPORT) as folder:
-        seen, shape_model, pose = load_seen_face(face, model)
-        picture, generator = read_image(image), np.random.default_rng(seed)
-        cut = head_mask(mask, picture, seen, pose, shape_model.template, (face, image))
+    inputs = (face, image, mask, model)
+    with staged_folder(out, overwrite=overwrite, inputs=inputs, marker=REPORT) as folder:
+        seen, shape_model = load_seen_face(face, model)
+        picture = read_image(image)
+        with naming(face):
+            seen.require_landmarks()
+        head = load_mask(mask, image, seen, picture)
         start = time.perf_counter()
-        painted = paint(seen, pose, picture, cut, shape_model.template, size, flat, generator)
+        painted = paint_head(seen, shape_model.template, picture, head, PaintSettings(size, flat, seed))
         seconds = time.perf_counter() - start
-        write_textured(folder, painted, seen, shape_model)
-        about = {"project_uv": flat, "seconds": seconds, "model_id": shape_model.model_id, "head": float(cut.mean())}
-        figures = {"size": len(painted.rig.texture), "photometric_error": painted.error, "seen": painted.seen}
-        write_json(folder / REPORT, provenance("texture", [face, image, mask], seed, **about, **figures))
-    shown = f"{100 * painted.seen:.0f} % of the surface seen, photometric error {100 * painted.error:.2f} %"
-    click.echo(f"{out}: {shown}, {seconds:.1f} s")
+        write_painted_head(folder, painted, seen)
+        about = {"project_uv": flat, "seconds": seconds, "model_id": shape_model.model_id, "head": float(head.mean())}
+        report = provenance("texture", inputs[:3], seed, **about, **painted.figures())
+        write_json(folder / REPORT, report)
+        write_png(folder / "sheet.png", texture_sheet(painted.head, painted.rig, SIZE))
+    click.echo(f"{out}: {painted.describe()}, {seconds:.1f} s")

@@ -5,12 +5,25 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.sparse as sp
 from scipy.spatial import cKDTree
+from skimage.measure import points_in_poly
 
 from caricli.errors import InputError
 from caricli.geometry.triangle_normals import triangle_normals
 from caricli.geometry.vertex_neighbours import vertex_neighbours
 from caricli.render.paint import mix, smooth_step
 from caricli.render.uv_map import pad_texture, uv_map
+from caricli.structures.landmarks import (
+    BROW_LEFT,
+    BROW_RIGHT,
+    COUNT,
+    LOWER_LID,
+    LOWER_LIP,
+    LOWER_LIP_INSIDE,
+    MOUTH,
+    UPPER_LID,
+    UPPER_LIP,
+    UPPER_LIP_INSIDE,
+)
 
 STYLES = ("soft", "flat")
 """Painted softly, or in the clear areas of a cartoon."""
@@ -23,17 +36,14 @@ _DARK_HAIR, _RED_HAIR = np.array([1.15, 1.5, 1.9]), np.array([0.1, 0.75, 1.6])
 _CAVITY = np.array([0.16, 0.025, 0.03])
 _NEAR_MOUTH = 0.6
 _SATURATION = 1.2  # of a cartoon's colours
-# Numbers of iBUG-68, where the annotation names no curve; brows from the nose outwards.
-_BROWS = ((22, 23, 24, 25, 26), (21, 20, 19, 18, 17))
-_LIDS = {
-    "upper": {"left": (42, 43, 44, 45), "right": (39, 38, 37, 36)},
-    "lower": {"left": (42, 47, 46, 45), "right": (39, 40, 41, 36)},
-}
+# Landmarks, where the annotation names no curve; brows from the nose outwards.
+_BROWS = (BROW_LEFT, BROW_RIGHT[::-1])
+_LIDS = {"upper": UPPER_LID, "lower": LOWER_LID}
 _MOUTH = {
-    "mouth_upper": (48, 49, 50, 51, 52, 53, 54),
-    "mouth_lower": (48, 59, 58, 57, 56, 55, 54),
-    "mouth_inner_upper": (60, 61, 62, 63, 64),
-    "mouth_inner_lower": (60, 67, 66, 65, 64),
+    "mouth_upper": UPPER_LIP,
+    "mouth_lower": LOWER_LIP,
+    "mouth_inner_upper": UPPER_LIP_INSIDE,
+    "mouth_inner_lower": LOWER_LIP_INSIDE,
 }
 _CHEEKS = ((41, 41, 48, 2), (46, 46, 54, 14))
 
@@ -106,7 +116,7 @@ class AlbedoPainter:
     def __init__(self, template, weights, grain):
         """template: Template. weights: sparse (P, V), the places. grain: metres between neighbouring places."""
         vertices, note = template.vertices, template.annotation
-        marks = vertices[note.landmarks[:68]]
+        marks = vertices[note.landmarks[:COUNT]]
         middle, unit = marks[[36, 45]].mean(0), np.linalg.norm(marks[45] - marks[36])
         self.surface, self.faces = (vertices - middle) / unit, template.faces
         self.marks, self.grain = (marks - middle) / unit, grain / unit
@@ -134,7 +144,7 @@ class AlbedoPainter:
         self.jaw = _along(self.places, self.marks[2:15])[0]
         self.chin = _along(self.places, self.marks[[57, 8]])[0]
         self.slit = np.minimum(_along(self.places, inner_upper)[0], _along(self.places, inner_lower)[0])
-        near = np.linalg.norm(self.places - self.marks[48:68].mean(0), axis=1) < _NEAR_MOUTH
+        near = np.linalg.norm(self.places - self.marks[MOUTH].mean(0), axis=1) < _NEAR_MOUTH
         outline = np.concatenate([upper, lower[::-1]])
         self.lips = np.full(len(self.places), _NEAR_MOUTH)
         self.lips[near] = _signed(self.places[near, :2], outline[:, :2])
@@ -288,13 +298,8 @@ def _along(points, line):
 
 def _signed(points, outline):
     """Distance (P,) of points (P, 2) to a closed outline (L, 2), negative inside."""
-    ends = np.roll(outline, -1, axis=0)
-    crossings = np.zeros(len(points), int)
-    for (x, y), (u, v) in zip(outline, ends, strict=True):
-        between = (points[:, 1] < y) != (points[:, 1] < v)
-        crossings += between & (points[:, 0] < x + (points[:, 1] - y) * (u - x) / (v - y if v != y else 1.0))
     distance = _along(points, np.concatenate([outline, outline[:1]]))[0]
-    return np.where(crossings % 2, -distance, distance)
+    return np.where(points_in_poly(points, outline), -distance, distance)
 
 
 def _srgb(linear):

@@ -1,73 +1,202 @@
 """Semantic attributes of a face, measured on its landmarks."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
-# A mesh has an attribute when it is measured above this quantile of the training meshes.
+from caricli.structures.landmarks import (
+    BROW_LEFT,
+    BROW_RIGHT,
+    BROWS,
+    CHEEKBONES,
+    EYES,
+    LID_PAIRS,
+    LOWER_LIP_INSIDE,
+    POINT_NAMES,
+    UPPER_LIP_INSIDE,
+)
+from caricli.template.template import Template
+
 QUANTILE = 0.75
+"""A mesh has an attribute when it is measured above this quantile of the training meshes."""
+
+_BINARY = ("Women", "Caricature")
+"""Attributes that are one or the other: the threshold is half."""
+
+_LEAST = 1e-9
+"""Metres: below it a length is none, and nothing is divided by it."""
+
+_UPPER_INSIDE = UPPER_LIP_INSIDE[2]
+_LOWER_INSIDE = LOWER_LIP_INSIDE[2]
+"""Where the lips meet in the middle."""
+
+# Points of the jaw that have no name of their own: where face, chin and head are measured across.
+_FACE_SIDES = (2, 14)
+_CHIN_SIDES = (6, 10)
+_JAW_ENDS = (0, 16)
 
 
-def measure_attributes(vertices, template, gender=None, age=None, exaggerated=None):
+def measure_attributes(
+    vertices: np.ndarray,
+    template: Template,
+    gender: float | None = None,
+    age: float | None = None,
+    exaggerated: bool | None = None,
+) -> dict[str, float]:
     """Measure attributes under the names of WebCariA (Ji et al. 2020); larger means more of it.
 
-    vertices: (V, 3) metres. template: Template with 81 landmarks. gender (1 is female), age: in [0, 1] and exaggerated:
-    0 or 1, where known.
-    Returns dict from names to numbers; lengths are divided by the size of the face.
+    vertices: (V, 3) metres. template: with 81 landmarks. gender: 1 is female, and age: from 0 to 1, where known.
+    exaggerated: where known.
+    Returns numbers by names; lengths are divided by the size of the face.
     """
-    note = template.annotation
-    p = vertices[note.landmarks]
-    ends = np.array([path[0] for path in note.jaw_paths])
-
-    def gap(a, b):
-        return float(np.linalg.norm(p[a] - p[b]))
-
-    width, height = gap(2, 14), float(p[27, 1] - p[8, 1])
-    size = np.sqrt(width * max(height, 1e-9))
-    brow = p[17:27, 1].mean()
-    nose = (gap(31, 35) * gap(27, 33) * max(p[30, 2] - p[[31, 35], 2].mean(), 1e-9)) ** (1 / 3) / size
-    # How far the bridge stands before the line from root to tip, and how far the tip hangs.
-    line = p[27] + (p[30] - p[27]) * ((p[28:30, 1] - p[27, 1]) / (p[30, 1] - p[27, 1]))[:, None]
-    hook = ((p[28:30, 2] - line[:, 2]).mean() + 0.5 * (p[33, 1] - p[30, 1])) / size
-    eye_width = (gap(36, 39) + gap(42, 45)) / 2
-    eye_height = (gap(37, 41) + gap(38, 40) + gap(43, 47) + gap(44, 46)) / 4
-    eye = np.sqrt(eye_width * eye_height) / size
-    mouth, lips = gap(48, 54), (gap(51, 62) + gap(57, 66)) / 2
-    # Lips that went through each other are less than closed.
-    opening = float(p[62, 1] - p[66, 1])
-    corners = (p[[48, 54], 1].mean() - p[[51, 57, 62, 66], 1].mean()) / mouth
-    forehead = (p[69, 1] - brow) / size
-    jaw, chin = gap(4, 12), gap(6, 10)
-    arch = ((p[19, 1] + p[24, 1]) - p[[17, 21, 22, 26], 1].sum() / 2) / (gap(17, 21) + gap(22, 26))
-    ears = (gap(71, 73) + gap(74, 76)) / 2 / size
-    measures = {
-        "BigNose": nose, "SmallNose": -nose, "WideNose": gap(31, 35) / size, "LongNose": gap(27, 33) / size,
-        "HookNose": hook, "BigMouth": mouth / size, "SmallMouth": -mouth / size, "ThickLips": lips / size,
-        "ThinLips": -lips / size, "MouthOpen": opening / size, "Smile": corners, "Frown": -corners,
-        "BigEye": eye, "SmallEye": -eye, "NarrowEye": -eye_height / eye_width, "WideSetEyes": gap(39, 42) / size,
-        "LargeForehead": forehead, "SmallForehead": -forehead, "SquareJaw": jaw / gap(2, 14) + 0.5 * chin / jaw,
-        "PointedChin": -chin / jaw, "LongChin": float(p[57, 1] - p[8, 1]) / size,
-        "HighCheekbones": gap(77, 78) / jaw + (p[77:79, 2].mean() - p[[4, 12], 2].mean()) / size,
-        "RoundFace": width / height, "LongFace": -width / height,
-        "DoubleChin": (p[8, 1] - vertices[ends[7:10], 1].mean()) / size,
-        "ArchedEyebrows": arch, "RaisedEyebrows": (brow - p[36:48, 1].mean()) / size, "BigEar": ears,
-        "ProtrudingEars": gap(72, 75) / gap(0, 16),
-    }  # fmt: skip
+    face = _Face(vertices[template.annotation.landmarks])
+    throat = vertices[[path[0] for path in template.annotation.jaw_paths][7:10]]
+    measures = face.outline() | face.nose() | face.mouth() | face.eyes_and_brows() | face.ears()
+    measures["DoubleChin"] = (face.at("chin")[1] - throat[:, 1].mean()) / face.size
+    measures = {name: measures[name] for name in _ORDER}
     if gender is not None:
         measures["Women"] = gender
     if age is not None:
-        measures |= {"Youth": -age, "Old": age}
+        measures["Youth"] = -age
+        measures["Old"] = age
     if exaggerated is not None:
         measures["Caricature"] = float(exaggerated)
     return {name: float(value) for name, value in measures.items()}
 
 
-def binary_labels(measures, names, training):
+_ORDER = (
+    *("BigNose", "SmallNose", "WideNose", "LongNose", "HookNose", "BigMouth", "SmallMouth", "ThickLips", "ThinLips"),
+    *("MouthOpen", "Smile", "Frown", "BigEye", "SmallEye", "NarrowEye", "WideSetEyes", "LargeForehead"),
+    *("SmallForehead", "SquareJaw", "PointedChin", "LongChin", "HighCheekbones", "RoundFace", "LongFace", "DoubleChin"),
+    *("ArchedEyebrows", "RaisedEyebrows", "BigEar", "ProtrudingEars"),
+)
+"""The attributes that landmarks tell, in the order of datasets."""
+
+
+class _Face:
+    """Lengths on the landmarks of one face."""
+
+    def __init__(self, points: np.ndarray) -> None:
+        """points: (81, 3) metres."""
+        self.points = points
+        self.width = self.gap(*_FACE_SIDES)
+        self.height = float(self.at("nose_root")[1] - self.at("chin")[1])
+        self.size = np.sqrt(self.width * max(self.height, _LEAST))
+
+    def at(self, name: str) -> np.ndarray:
+        """(3,) the landmark of a name."""
+        return self.points[POINT_NAMES[name]]
+
+    def gap(self, first: int | str, second: int | str) -> float:
+        """Distance of two landmarks, given by numbers or names."""
+        ends = (POINT_NAMES[end] if isinstance(end, str) else end for end in (first, second))
+        start, end = (self.points[number] for number in ends)
+        return float(np.linalg.norm(start - end))
+
+    def outline(self) -> dict[str, float]:
+        """Forehead, jaw, chin, cheekbones, and how long the face is for its width."""
+        points = self.points
+        forehead = (self.at("forehead")[1] - self._brow_height()) / self.size
+        jaw = self.gap("jaw_right", "jaw_left")
+        chin = self.gap(*_CHIN_SIDES)
+        cheekbones = list(CHEEKBONES)
+        jaw_points = [POINT_NAMES["jaw_right"], POINT_NAMES["jaw_left"]]
+        forwards = points[cheekbones, 2].mean() - points[jaw_points, 2].mean()
+        return {
+            "LargeForehead": forehead,
+            "SmallForehead": -forehead,
+            "SquareJaw": jaw / self.width + 0.5 * chin / jaw,
+            "PointedChin": -chin / jaw,
+            "LongChin": float(self.at("lower_lip")[1] - self.at("chin")[1]) / self.size,
+            "HighCheekbones": self.gap("cheekbone_right", "cheekbone_left") / jaw + forwards / self.size,
+            "RoundFace": self.width / self.height,
+            "LongFace": -self.width / self.height,
+        }
+
+    def nose(self) -> dict[str, float]:
+        """Size, width, length, and how hooked the nose is."""
+        root = self.at("nose_root")
+        tip = self.at("nose_tip")
+        nostrils = self.points[[POINT_NAMES["nostril_right"], POINT_NAMES["nostril_left"]]]
+        width = self.gap("nostril_right", "nostril_left")
+        length = self.gap("nose_root", "nose_base")
+        depth = max(tip[2] - nostrils[:, 2].mean(), _LEAST)
+        nose = (width * length * depth) ** (1 / 3) / self.size
+        # How far the bridge stands before the line from root to tip, and how far the tip hangs.
+        bridge = self.points[POINT_NAMES["nose_root"] + 1 : POINT_NAMES["nose_tip"]]
+        line = root + (tip - root) * ((bridge[:, 1] - root[1]) / (tip[1] - root[1]))[:, None]
+        hook = ((bridge[:, 2] - line[:, 2]).mean() + 0.5 * (self.at("nose_base")[1] - tip[1])) / self.size
+        return {
+            "BigNose": nose,
+            "SmallNose": -nose,
+            "WideNose": width / self.size,
+            "LongNose": length / self.size,
+            "HookNose": hook,
+        }
+
+    def mouth(self) -> dict[str, float]:
+        """Width, lips, opening, and where the corners are."""
+        width = self.gap("mouth_corner_right", "mouth_corner_left")
+        lips = (self.gap("upper_lip", _UPPER_INSIDE) + self.gap("lower_lip", _LOWER_INSIDE)) / 2
+        heights = self.points[:, 1]
+        # Lips that went through each other are less than closed.
+        opening = float(heights[_UPPER_INSIDE] - heights[_LOWER_INSIDE])
+        ends = [POINT_NAMES["mouth_corner_right"], POINT_NAMES["mouth_corner_left"]]
+        middle = [POINT_NAMES["upper_lip"], POINT_NAMES["lower_lip"], _UPPER_INSIDE, _LOWER_INSIDE]
+        corners = (heights[ends].mean() - heights[middle].mean()) / width
+        return {
+            "BigMouth": width / self.size,
+            "SmallMouth": -width / self.size,
+            "ThickLips": lips / self.size,
+            "ThinLips": -lips / self.size,
+            "MouthOpen": opening / self.size,
+            "Smile": corners,
+            "Frown": -corners,
+        }
+
+    def eyes_and_brows(self) -> dict[str, float]:
+        """Size, shape and distance of the eyes; height and arch of the brows."""
+        width = (self.gap("eye_outer_right", "eye_inner_right") + self.gap("eye_inner_left", "eye_outer_left")) / 2
+        height = sum(self.gap(*pair) for pair in LID_PAIRS) / len(LID_PAIRS)
+        eye = np.sqrt(width * height) / self.size
+        ends = [BROW_RIGHT[0], BROW_RIGHT[-1], BROW_LEFT[0], BROW_LEFT[-1]]
+        heights = self.points[:, 1]
+        middles = self.at("brow_right")[1] + self.at("brow_left")[1]
+        lengths = self.gap(*ends[:2]) + self.gap(*ends[2:])
+        arch = (middles - heights[ends].sum() / 2) / lengths
+        eyes = heights[EYES.start : EYES.stop].mean()
+        return {
+            "BigEye": eye,
+            "SmallEye": -eye,
+            "NarrowEye": -height / width,
+            "WideSetEyes": self.gap("eye_inner_right", "eye_inner_left") / self.size,
+            "ArchedEyebrows": arch,
+            "RaisedEyebrows": (self._brow_height() - eyes) / self.size,
+        }
+
+    def ears(self) -> dict[str, float]:
+        """Size of the ears, and how far they stand out."""
+        right = self.gap("ear_right_top", "ear_right_lobe")
+        left = self.gap("ear_left_top", "ear_left_lobe")
+        return {
+            "BigEar": (right + left) / 2 / self.size,
+            "ProtrudingEars": self.gap("ear_right_outer", "ear_left_outer") / self.gap(*_JAW_ENDS),
+        }
+
+    def _brow_height(self) -> float:
+        return self.points[BROWS.start : BROWS.stop, 1].mean()
+
+
+def binary_labels(
+    measures: np.ndarray, names: Sequence[str], training: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """Turn measures into labels by comparing them with the training meshes.
 
     measures: (N, A). names: A names. training: (N,) bool.
     Returns (labels (N, A) bool, thresholds (A,)).
     """
     thresholds = np.quantile(measures[training], QUANTILE, axis=0)
-    for name in ("Women", "Caricature"):
+    for name in _BINARY:
         if name in names:
             thresholds[list(names).index(name)] = 0.5
     return measures > thresholds, thresholds

@@ -1,21 +1,31 @@
 """Named expressions: actions with weights."""
 
+from collections.abc import Collection, Mapping
 from numbers import Real
+from pathlib import Path
+from typing import Any
 
-from caricli.errors import InputError, shown
+from caricli.errors import InputError, naming, shown
 from caricli.io.bundled import asset_path
 from caricli.io.config import read_yaml
 from caricli.io.strict_json import read_json
 from caricli.limits import MAX_SHAPES
 
-NEUTRAL, MOST = "neutral", 1.5
+NEUTRAL = "neutral"
+"""Name of the expression without actions."""
+
+MAX_WEIGHT = 1.5
+"""Largest weight of an action in a user's table: what lies beyond tears faces."""
+
+_SHOWN = 60
+"""Characters of a wrong value that a message shows."""
 
 
-def expand_sides(weights, action_names):
+def expand_sides(weights: Mapping[str, float], action_names: Collection[str]) -> dict[str, float]:
     """Give both sides what a name without a side says.
 
-    weights: dict from ARKit action names, with or without Left or Right, to values in [0, 1]. action_names: the known.
-    Returns dict from full names. Raises InputError for unknown names.
+    weights: from ARKit action names, with or without Left or Right, to values in [0, 1]. action_names: those there are.
+    Returns weights by full names. Raises InputError for other names.
     """
     expanded = {}
     for name, weight in weights.items():
@@ -26,37 +36,46 @@ def expand_sides(weights, action_names):
     return expanded
 
 
-def facs_expressions(action_names):
-    """The neutral expression and the 46 FACS-style ones, those of them that are among the actions. Returns a dict."""
+def named_expressions(action_names: Collection[str]) -> dict[str, dict[str, float]]:
+    """The 25 expressions that datasets show, the neutral one first: names to actions with weights."""
+    table = read_yaml(asset_path("expressions.yaml"))
+    return {name: expand_sides(weights, action_names) for name, weights in table.items()}
+
+
+def facs_expressions(action_names: Collection[str]) -> dict[str, dict[str, float]]:
+    """The neutral expression and the 46 FACS-style ones, those of them that are among the actions."""
     facs = read_json(asset_path("facs.json"))
     return {NEUTRAL: {}} | {name: {name: 1.0} for name in action_names if facs.get(name, {}).get("facs46")}
 
 
-def read_expressions(path, action_names):
+def read_expressions(path: Path, action_names: Collection[str]) -> dict[str, dict[str, float]]:
     """Read expressions: YAML or JSON, names with actions and their weights, among them ``neutral`` without any.
 
-    Returns a dict, the neutral one first, from names to dicts as of ``expand_sides``. Raises InputError for duplicate
-    names, an unknown action, a weight below 0 or above ``MOST``, and where the neutral one is missing or moves.
+    Returns actions with weights, as of ``expand_sides``, by names, the neutral one first. Raises InputError for
+    duplicate names, an unknown action, a weight below 0 or above ``MAX_WEIGHT``, and where the neutral one is missing
+    or moves.
     """
-    table, where = read_yaml(path), shown(path)
-    if not isinstance(table, dict) or not 1 < len(table) <= MAX_SHAPES:
-        found = f"{len(table)} entries" if isinstance(table, dict) else shown(table, 60)
-        raise InputError(f"{where}: expected 2 to {MAX_SHAPES} names with actions, found {found}")
-    if table.get(NEUTRAL, "none") not in ({}, None):
-        found = shown(table.get(NEUTRAL, "none"), 60)
-        raise InputError(f"{where}: expected an expression {NEUTRAL!r} without actions, found {found}")
-    expressions = {NEUTRAL: {}}
-    for name, weights in table.items():
-        if name == NEUTRAL:
-            continue
-        if not isinstance(weights, dict) or not weights:
-            raise InputError(f"{where}: {shown(name, 60)}: expected actions with weights, found {shown(weights, 60)}")
-        for action, weight in weights.items():
-            if isinstance(weight, bool) or not isinstance(weight, Real) or not 0 <= weight <= MOST:
-                found = f"{shown(action, 60)}: {shown(weight, 60)}"
-                raise InputError(f"{where}: {shown(name, 60)}: expected weights from 0 to {MOST}, found {found}")
-        try:
-            expressions[name] = expand_sides(weights, action_names)
-        except InputError as error:
-            raise InputError(f"{where}: {shown(name, 60)}: {error}") from error
-    return expressions
+    table = read_yaml(path)
+    with naming(path):
+        if not isinstance(table, dict) or not 1 < len(table) <= MAX_SHAPES:
+            given = f"{len(table)} entries" if isinstance(table, dict) else shown(table, _SHOWN)
+            raise InputError(f"expected 2 to {MAX_SHAPES} names with actions, found {given}")
+        neutral = table.pop(NEUTRAL, "none")
+        if neutral not in ({}, None):
+            given = shown(neutral, _SHOWN)
+            raise InputError(f"expected an expression {NEUTRAL!r} without actions, found {given}")
+        expressions: dict[str, dict[str, float]] = {NEUTRAL: {}}
+        for name, weights in table.items():
+            with naming(shown(name, _SHOWN)):
+                _check_weights(weights)
+                expressions[name] = expand_sides(weights, action_names)
+        return expressions
+
+
+def _check_weights(weights: Any) -> None:
+    if not isinstance(weights, dict) or not weights:
+        raise InputError(f"expected actions with weights, found {shown(weights, _SHOWN)}")
+    for action, weight in weights.items():
+        if isinstance(weight, bool) or not isinstance(weight, Real) or not 0 <= weight <= MAX_WEIGHT:
+            given = f"{shown(action, _SHOWN)}: {shown(weight, _SHOWN)}"
+            raise InputError(f"expected weights from 0 to {MAX_WEIGHT}, found {given}")

@@ -1,36 +1,69 @@
-"""The faces that a generated dataset's meshes were exaggerated from."""
+"""Faces of the open head before exaggeration, each where the face of a template is."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
 
 import numpy as np
 
 from caricli.data.dataset import Dataset
-from caricli.data.expressions import expand_sides
+from caricli.data.expressions import named_expressions
+from caricli.data.identities import Identity
 from caricli.geometry.similarity import similarity
-from caricli.io.bundled import asset_path
-from caricli.io.config import read_yaml
-from caricli.template.head import load_head
+from caricli.template.head import Head, load_head
+from caricli.template.template import Template
 
 
-def regular_faces(data: Dataset, rows: np.ndarray) -> np.ndarray:
-    """The faces that the meshes of a generated Dataset were exaggerated from, drawn again.
+@dataclass(frozen=True, eq=False)
+class Person:
+    """A person, and the similarity that aligns the neutral face to the template's.
 
-    rows: (n,) numbers of the meshes.
+    scale, rotation (3, 3), translation (3,) metres: of every expression of the person.
+    """
+
+    identity: Identity
+    scale: float
+    rotation: np.ndarray
+    translation: np.ndarray
+
+    def place(self, vertices: np.ndarray) -> np.ndarray:
+        """Vertices (..., 3) of the person's head to where the template's are."""
+        return self.scale * vertices @ self.rotation.T + self.translation
+
+
+def align_person(identity: Identity, neutral: np.ndarray, template: Template) -> Person:
+    """The Person of an identity. neutral: (V, 3) metres, the head without expression."""
+    face = template.region("face")
+    return Person(identity, *similarity(neutral[face], template.vertices[face]))
+
+
+def regular_face(person: Person, actions: Mapping[str, float], head: Head) -> np.ndarray:
+    """Aligned vertices (V, 3) of a person with an expression. actions: weights by full names."""
+    return person.place(head.evaluate(**vars(person.identity), actions=actions))
+
+
+def regular_faces(data: Dataset, rows: np.ndarray, expression: int | None = None) -> np.ndarray:
+    """The faces that the meshes of a generated Dataset were exaggerated from, made again.
+
+    rows: (n,) numbers of the meshes. expression: the number of one that all show, or None for their own.
     Returns (n, V, 3) metres.
     """
     head = load_head()
-    template = data.template
-    place = template.region("face")
-    actions = list(read_yaml(asset_path("expressions.yaml")).values())
+    actions = list(named_expressions(head.action_names).values())
     shapes = []
     for row in rows:
-        factors = {name: float(data.factors[name][row]) for name in ("gender", "age", "weight")}
-        changes = data.factors["changes"][row].astype(float).tolist()
-        factors["changes"] = dict(zip(data.manifest["changes"], changes, strict=True))
-        scale, rotation, shift = similarity(head.evaluate(**factors)[place], template.vertices[place])
-        acting = head.evaluate(**factors, actions=expand_sides(actions[data.expression[row]], head.action_names))
-        shapes.append(scale * acting @ rotation.T + shift)
+        identity = _identity(data, row)
+        person = align_person(identity, head.evaluate(**vars(identity)), data.template)
+        number = data.expression[row] if expression is None else expression
+        shapes.append(regular_face(person, actions[number], head))
     return np.array(shapes)
 
 
 def has_partners(data: Dataset) -> bool:
-    """Whether ``regular_faces`` can be drawn for a Dataset."""
+    """Whether ``regular_faces`` can be made for a Dataset."""
     return {"gender", "age", "weight", "changes"} <= set(data.factors) and "changes" in data.manifest
+
+
+def _identity(data: Dataset, row: int) -> Identity:
+    gender, age, weight = (float(data.factors[name][row]) for name in ("gender", "age", "weight"))
+    changes = data.factors["changes"][row].astype(float).tolist()
+    return Identity(gender, age, weight, dict(zip(data.manifest["changes"], changes, strict=True)))

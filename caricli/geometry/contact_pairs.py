@@ -7,11 +7,16 @@ from scipy.spatial import cKDTree
 from caricli.geometry.vertex_neighbours import vertex_neighbours
 
 FACING = -0.3
+"""Cosine between the normals of vertices that face each other: less, so more than 107 degrees."""
+
 APART = 3.0
+"""Times as far apart vertices were before they closed."""
+
 RINGS = 4
+"""Edges: what is nearer along the surface is one fold, no contact."""
 
 
-def touching_pairs(vertices, faces, reach):
+def touching_pairs(vertices: np.ndarray, faces: np.ndarray, reach: float) -> np.ndarray:
     """Pairs of vertices nearer than ``reach`` that face each other, at least ``RINGS`` edges apart on the surface.
 
     vertices: (V, 3). faces: (F, 3). reach: in their unit.
@@ -23,12 +28,13 @@ def touching_pairs(vertices, faces, reach):
     facing = (normals[pairs[:, 0]] * normals[pairs[:, 1]]).sum(1) < FACING
     # Back to back, as the two sides of a thin wall, is no contact.
     facing &= (offsets * normals[pairs[:, 1]]).sum(1) > 0
-    pairs, offsets = pairs[facing], offsets[facing]
+    pairs = pairs[facing]
+    offsets = offsets[facing]
     far = ~_connected(pairs, faces, len(vertices))
     return _nearest(pairs[far], np.linalg.norm(offsets[far], axis=1))
 
 
-def closing_pairs(before, after, faces, reach):
+def closing_pairs(before: np.ndarray, after: np.ndarray, faces: np.ndarray, reach: float) -> np.ndarray:
     """Pairs of vertices nearer than ``reach`` after, which were farther than that and ``APART`` times as far before.
 
     before, after: (V, 3). faces: (F, 3). reach: in their unit.
@@ -37,17 +43,22 @@ def closing_pairs(before, after, faces, reach):
     pairs = cKDTree(after).query_pairs(reach, output_type="ndarray")
     now, then = (np.linalg.norm(v[pairs[:, 0]] - v[pairs[:, 1]], axis=1) for v in (after, before))
     came = closes(then, now, reach)
-    pairs, now = pairs[came], now[came]
+    pairs = pairs[came]
+    now = now[came]
     far = ~_connected(pairs, faces, len(before))
     return _nearest(pairs[far], now[far])
 
 
-def closes(before, after, reach):
-    """Whether distances come from afar to within reach. before, after: (P,) distances. Returns (P,) bool."""
+def closes(before: np.ndarray, after: np.ndarray, reach: float) -> np.ndarray:
+    """Whether distances come from afar to within reach.
+
+    before, after: (P,) distances. reach: in their unit.
+    Returns (P,) bool.
+    """
     return (after < reach) & (before > reach) & (before > APART * after)
 
 
-def _nearest(pairs, distances):
+def _nearest(pairs: np.ndarray, distances: np.ndarray) -> np.ndarray:
     """Of pairs (P, 2), those that are the nearest of either of their vertices."""
     order = np.argsort(distances, kind="stable")
     pairs = pairs[order]
@@ -58,7 +69,7 @@ def _nearest(pairs, distances):
     return np.unique(pairs, axis=0)
 
 
-def _connected(pairs, faces, count):
+def _connected(pairs: np.ndarray, faces: np.ndarray, count: int) -> np.ndarray:
     """(P,) whether fewer than ``RINGS`` edges lead from one vertex of a pair to the other."""
     if not len(pairs):
         return np.zeros(0, dtype=bool)

@@ -9,10 +9,14 @@ from scipy.spatial.transform import Rotation
 from caricli.errors import NumericsError
 from caricli.geometry.per_column import per_column
 
-FEATURES = 9
 _STRETCH = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
-_MIN_WEIGHT = 1e-3
-_COLLAPSED = 1e-9
+"""Entries of the symmetric stretch in the order of the features."""
+
+_MIN_WEIGHT = 1e-3  # least cotangent weight: negative ones would make the system indefinite
+_COLLAPSED = 1e-9  # of the template's plane, given to a ring that has none
+_HOLD = 1e-11  # of the mean diagonal: what makes a system without translation definite, and changes nothing else
+_LEAST_AREA = 1e-12  # of the mean: rounding gives triangles of three points in line as much
+_SMALL_ANGLE = 1e-4  # radians: below it the series is exact and the closed form divides zero by zero
 
 
 class DeformationGradients:
@@ -30,17 +34,24 @@ class DeformationGradients:
     features do not hold.
     """
 
-    def __init__(self, vertices, faces):
-        """vertices: (V, 3) template. faces: (F, 3); every vertex in a triangle, every triangle with an area."""
+    def __init__(self, vertices: np.ndarray, faces: np.ndarray) -> None:
+        """Factor the system.
+
+        vertices: (V, 3) template. faces: (F, 3); every vertex in a triangle, every triangle with an area.
+        Raises NumericsError for others.
+        """
         vertices = np.asarray(vertices, dtype=np.float64)
-        self.template, self.faces, self.count = vertices, np.asarray(faces), len(vertices)
+        self.template = vertices
+        self.faces = np.asarray(faces)
+        self.count = len(vertices)
         # The cotangents of a triangle without area are NaN in libigl, or meaningless where rounding gives it a little.
         areas = igl.doublearea(vertices, self.faces)
-        if areas.min() <= 1e-12 * areas.mean():
+        if areas.min() <= _LEAST_AREA * areas.mean():
             raise NumericsError("the template has triangles without area: deformation gradients need all of them")
         cotangents = igl.cotmatrix(vertices, self.faces).tocoo()
         off = cotangents.row != cotangents.col
-        i, j = cotangents.row[off], cotangents.col[off]
+        i = cotangents.row[off]
+        j = cotangents.col[off]
         weights = np.clip(cotangents.data[off], _MIN_WEIGHT, None)
         if not np.isfinite(weights).all() or len(np.unique(i)) < self.count:
             raise NumericsError("the template has vertices outside every triangle, or degenerate triangles")
@@ -49,7 +60,8 @@ class DeformationGradients:
         np.add.at(metric, i, weights[:, None, None] * edges[:, :, None] * edges[:, None, :])
         extent, axes = np.linalg.eigh(metric)
         axes *= np.sign(np.linalg.det(axes))[:, None, None]
-        self.tangents, self.normals = axes[:, :, 1:], axes[:, :, 0]
+        self.tangents = axes[:, :, 1:]
+        self.normals = axes[:, :, 0]
         coefficients = weights[:, None] * np.einsum("ka,kab->kb", edges, self.tangents[i]) / extent[i, 1:]
         rows = (2 * i[:, None] + np.arange(2)).ravel()
         self.gradient = sp.csr_matrix(
@@ -63,22 +75,24 @@ class DeformationGradients:
         system = (self.divergence @ self.gradient).tocsc()
         # The system knows no translation; a weak hold makes it definite, and the centroid is set afterwards.
         self.stiffness = system.diagonal().mean()
-        self._factor = splu((system + 1e-11 * self.stiffness * sp.identity(self.count)).tocsc())
+        self._factor = splu((system + _HOLD * self.stiffness * sp.identity(self.count)).tocsc())
 
-    def maps(self, vertices):
+    def maps(self, vertices: np.ndarray) -> np.ndarray:
         """The linear map of every one-ring, never inside out.
 
-        vertices: (..., V, 3). Returns (..., V, 3, 3).
+        vertices: (..., V, 3).
+        Returns (..., V, 3, 3).
         """
         planes, normals, area = self._planes(vertices)
         normal = np.sqrt(area)[..., None] * normals
         tangential = np.swapaxes(planes, -1, -2) @ np.swapaxes(self.tangents, -1, -2)
         return tangential + normal[..., :, None] * self.normals[:, None, :]
 
-    def features(self, vertices):
+    def features(self, vertices: np.ndarray) -> np.ndarray:
         """Vertices to features: rotation vectors (radians) and stretches minus one.
 
-        vertices: (..., V, 3). Returns (..., V, 9).
+        vertices: (..., V, 3).
+        Returns (..., V, 9).
         """
         # The map respects the splitting into plane and normal, so its polar decomposition is that of a 2x2 matrix,
         # whose square root has a closed form: sqrt(C) = (C + sqrt(det C)) / sqrt(tr C + 2 sqrt(det C)).
@@ -97,7 +111,7 @@ class DeformationGradients:
         symmetric = np.stack([stretch[..., a, b] - (a == b) for a, b in _STRETCH], axis=-1)
         return np.concatenate([vectors.reshape(*area.shape, 3), symmetric], axis=-1)
 
-    def _planes(self, vertices):
+    def _planes(self, vertices: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Images of the tangents (..., V, 2, 3), unit normals (..., V, 3), changes of area (..., V)."""
         planes = per_column(self.gradient, vertices).reshape(*vertices.shape[:-1], 2, 3)
         # A ring collapsed to a line or point has no plane; a trace of the template's gives it one.
@@ -107,17 +121,18 @@ class DeformationGradients:
         area = np.maximum(area, _COLLAPSED**2)
         return planes, normals / area[..., None], area
 
-    def features_to_maps(self, features):
+    def features_to_maps(self, features: np.ndarray) -> np.ndarray:
         """Features to linear maps. features: (..., V, 9). Returns (..., V, 3, 3)."""
         return rotation_matrices(features[..., :3]) @ _stretches(features)
 
-    def planes_jacobian(self, features, directions):
+    def planes_jacobian(self, features: np.ndarray, directions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """The tangent parts of the maps, and how they change along directions in feature space.
 
         features: (V, 9). directions: (D, V, 9).
         Returns (V, 2, 3) and (V, 2, 3, D).
         """
-        rotations, stretches = rotation_matrices(features[:, :3]), _stretches(features)
+        rotations = rotation_matrices(features[:, :3])
+        stretches = _stretches(features)
         planes = rotations @ (stretches @ self.tangents)
         # d exp(r) = [J_l(r) dr]_x exp(r), with the left Jacobian of the rotation group.
         turns = np.einsum("vab,dvb->vad", _left_jacobians(features[:, :3]), directions[..., :3])
@@ -128,45 +143,48 @@ class DeformationGradients:
         stretched = np.einsum("vab,vbcd,vct->vatd", rotations, change, self.tangents, optimize=True)
         return np.swapaxes(planes, 1, 2), np.swapaxes(turned + stretched, 1, 2)
 
-    def maps_to_vertices(self, maps):
+    def maps_to_vertices(self, maps: np.ndarray) -> np.ndarray:
         """The shape whose one-ring maps are nearest to the given ones, its centroid at the origin.
 
-        maps: (..., V, 3, 3). Returns (..., V, 3).
+        maps: (..., V, 3, 3).
+        Returns (..., V, 3).
         """
         planes = np.swapaxes(maps @ self.tangents, -1, -2).reshape(*maps.shape[:-3], 2 * self.count, 3)
         right = per_column(self.divergence, planes)
         vertices = self.solve(right)
         return vertices - vertices.mean(-2, keepdims=True)
 
-    def vertices(self, features):
+    def vertices(self, features: np.ndarray) -> np.ndarray:
         """Features to vertices, the centroid at the origin. features: (..., V, 9). Returns (..., V, 3)."""
         return self.maps_to_vertices(self.features_to_maps(features))
 
-    def solve(self, right):
+    def solve(self, right: np.ndarray) -> np.ndarray:
         """Solve the prefactored system for every column. right: (..., V, n). Returns the same shape."""
         columns = np.moveaxis(right, -2, 0)
         return np.moveaxis(self._factor.solve(columns.reshape(self.count, -1)).reshape(columns.shape), 0, -2)
 
 
-def rotation_matrices(vectors):
+def rotation_matrices(vectors: np.ndarray) -> np.ndarray:
     """Rotation vectors (..., 3) in radians to matrices (..., 3, 3)."""
     return Rotation.from_rotvec(vectors.reshape(-1, 3)).as_matrix().reshape(*vectors.shape, 3)
 
 
-def _stretches(features):
+def _stretches(features: np.ndarray) -> np.ndarray:
     stretch = np.empty((*features.shape[:-1], 3, 3))
     for k, (a, b) in enumerate(_STRETCH):
         stretch[..., a, b] = stretch[..., b, a] = features[..., 3 + k] + (a == b)
     return stretch
 
 
-def _left_jacobians(vectors):
+def _left_jacobians(vectors: np.ndarray) -> np.ndarray:
+    """Left Jacobians (V, 3, 3) of the rotation group at rotation vectors (V, 3)."""
     angles = np.linalg.norm(vectors, axis=-1)[:, None, None]
-    small = angles < 1e-4
+    small = angles < _SMALL_ANGLE
     safe = np.where(small, 1.0, angles)
     first = np.where(small, 0.5 - angles**2 / 24, (1 - np.cos(safe)) / safe**2)
     second = np.where(small, 1 / 6 - angles**2 / 120, (safe - np.sin(safe)) / safe**3)
     cross = np.zeros((len(vectors), 3, 3))
     for a, b, c in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
-        cross[:, b, c], cross[:, c, b] = -vectors[:, a], vectors[:, a]
+        cross[:, b, c] = -vectors[:, a]
+        cross[:, c, b] = vectors[:, a]
     return np.eye(3) + first * cross + second * cross @ cross

@@ -8,11 +8,11 @@ from caricli.errors import NumericsError
 from caricli.geometry.cholesky import Cholesky
 from caricli.geometry.triangle_normals import triangle_normals
 
-_FLAT = 1e-10
-_HOLD = 1e-8
+_FLAT = 1e-10  # of the mean: triangles with less area have none
+_HOLD = 1e-8  # of the mean diagonal: makes a part definite that nothing holds, and changes nothing else
 
 
-def triangle_maps(before, after, faces):
+def triangle_maps(before: np.ndarray, after: np.ndarray, faces: np.ndarray) -> np.ndarray:
     """The linear map of every triangle, its normal scaled with the root of the area (portrait paper, eq. 14 and 15).
 
     before, after: (V, 3). faces: (F, 3), all with an area in ``before``.
@@ -30,9 +30,15 @@ class DeformationTransfer:
     seventh of the unknowns. One factorisation serves all maps and coordinates.
     """
 
-    def __init__(self, vertices, faces, held):
-        """vertices: (V, 3). faces: (F, 3). held: (V,) bool. Raises NumericsError for triangles without area."""
-        vertices, self.faces, self.count = np.asarray(vertices, dtype=np.float64), np.asarray(faces), len(vertices)
+    def __init__(self, vertices: np.ndarray, faces: np.ndarray, held: np.ndarray) -> None:
+        """Factor the system.
+
+        vertices: (V, 3). faces: (F, 3). held: (V,) bool.
+        Raises NumericsError for triangles without area.
+        """
+        vertices = np.asarray(vertices, dtype=np.float64)
+        self.faces = np.asarray(faces)
+        self.count = len(vertices)
         normals = triangle_normals(vertices, self.faces)
         doubles = np.linalg.norm(normals, axis=1)
         flat = doubles <= _FLAT * doubles.mean()
@@ -43,7 +49,8 @@ class DeformationTransfer:
         opposite = np.roll(corners, -2, axis=1) - np.roll(corners, -1, axis=1)
         self.slopes = np.cross(normals[:, None] / doubles[:, None, None], opposite) / 2
         cotangents = 2 * np.einsum("fad,fbd->fab", self.slopes, self.slopes) / doubles[:, None, None]
-        rows, columns = np.repeat(self.faces, 3, axis=1).ravel(), np.tile(self.faces, 3).ravel()
+        rows = np.repeat(self.faces, 3, axis=1).ravel()
+        columns = np.tile(self.faces, 3).ravel()
         laplacian = sp.csr_matrix((cotangents.ravel(), (rows, columns)), shape=(self.count, self.count))
         held = np.asarray(held, dtype=bool)
         number, self.parts = connected_components(laplacian, directed=False)
@@ -55,7 +62,7 @@ class DeformationTransfer:
         weak = _HOLD * laplacian.diagonal().mean() * ~anchored[self.parts]
         self._factor = Cholesky((laplacian + sp.diags(weak)).tocsr()[self.free][:, self.free])
 
-    def displacements(self, triangles, maps, shift):
+    def displacements(self, triangles: np.ndarray, maps: np.ndarray, shift: np.ndarray) -> np.ndarray:
         """Displacements for the maps of some triangles; all others keep their shape.
 
         triangles: (m,) numbers. maps: (m, 3, 3). shift: (3,) mean displacement of every part with nothing held.
@@ -72,12 +79,12 @@ class DeformationTransfer:
             moved[inside] += shift - moved[inside].mean(0)
         return moved
 
-    def solve(self, right):
+    def solve(self, right: np.ndarray) -> np.ndarray:
         """Solve the factored system for every column. right: (free vertices, n). Returns the same shape."""
         return self._factor.solve(right)
 
 
-def _frames(vertices, faces):
+def _frames(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
     """(F, 3, 3) columns: two edges and the scaled normal."""
     edges = vertices[faces[:, 1:]] - vertices[faces[:, :1]]
     normals = np.cross(edges[:, 0], edges[:, 1])

@@ -6,7 +6,12 @@ import scipy.sparse as sp
 from scipy.sparse.linalg import splu
 
 STIFFNESS_LENGTH = 0.04
+"""Of the head's height: how far bending stiffness reaches around an anchor, about the width of an eye."""
+
 SPREAD_LENGTH = 0.02
+"""Of the head's height: over how much of its surroundings the force on an anchor is spread."""
+
+_HOLD = 1e-9  # of the mean diagonal: makes the system definite, which knows no translation
 
 
 class ElasticAnchors:
@@ -19,7 +24,7 @@ class ElasticAnchors:
     one small dense system for any subset of the prepared points. A common translation is free.
     """
 
-    def __init__(self, vertices, faces, points):
+    def __init__(self, vertices: np.ndarray, faces: np.ndarray, points: np.ndarray) -> None:
         """vertices: (V, 3) template. faces: (F, 3). points: (K,) vertex ids that can be anchors, without repeats."""
         points = np.asarray(points)
         height = np.ptp(vertices[:, 1])
@@ -27,7 +32,7 @@ class ElasticAnchors:
         mass = igl.massmatrix(vertices, faces).diagonal()
         plate = (STIFFNESS_LENGTH * height) ** 2 * laplacian @ sp.diags(1 / mass) @ laplacian
         self.stiffness = laplacian.diagonal().mean()
-        factor = splu((laplacian + plate + 1e-9 * self.stiffness * sp.identity(len(vertices))).tocsc())
+        factor = splu((laplacian + plate + _HOLD * self.stiffness * sp.identity(len(vertices))).tocsc())
         self.rows = {int(p): k for k, p in enumerate(points)}
         self.points = points
         # Diffusion for the time l^2 / 2 spreads a point over its surroundings along the surface, never across a gap.
@@ -39,7 +44,9 @@ class ElasticAnchors:
         self.responses -= mass @ self.responses / mass.sum()
         self.compliance = self.averages @ self.responses
 
-    def move(self, points, moves, strength, confidence=None):
+    def move(
+        self, points: np.ndarray, moves: np.ndarray, strength: float, confidence: np.ndarray | None = None
+    ) -> np.ndarray:
         """The smoothest displacement field in which the points make their moves.
 
         points: (K,) vertex ids among the prepared ones. moves: (K, n) metres along n axes. strength: weight of the

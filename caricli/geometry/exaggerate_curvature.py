@@ -1,5 +1,7 @@
 """Exaggeration by curvature: steep where the surface bends, calm where it is flat."""
 
+from collections.abc import Sequence
+
 import igl
 import numpy as np
 import scipy.sparse as sp
@@ -8,10 +10,19 @@ from scipy.sparse.linalg import splu
 from caricli.errors import NumericsError
 
 SMOOTHING = 2e-4
+"""Of the surface: time of the diffusion that smooths the curvature, over about a hundredth of the head's width."""
+
 MAX_LOG_WEIGHT = 1.2
+"""Natural logarithm: no gradient is scaled by more than 3.3 or less than its inverse, or needles would grow."""
+
+_LEAST_AREA = 1e-12  # of the mean; rounding gives a triangle of three points in line a little area
+_LEAST_DENSITY = 1e-3  # of the mean curvature of the sphere: keeps the logarithm of flat places sane
+_HOLD = 1e-9  # of the mean diagonal: makes the Poisson system definite, which knows no translation
 
 
-def exaggerate_curvature(vertices, faces, exponents, hold=None):
+def exaggerate_curvature(
+    vertices: np.ndarray, faces: np.ndarray, exponents: Sequence[float], hold: np.ndarray | None = None
+) -> np.ndarray:
     """Scale the coordinates' gradients by |Gaussian curvature|^gamma and solve the Poisson equation.
 
     Minimises ``integral |grad x' - w grad x|^2`` with ``w = |K|^gamma``, K smoothed over the surface and w of mean one
@@ -24,33 +35,42 @@ def exaggerate_curvature(vertices, faces, exponents, hold=None):
     """
     vertices = np.asarray(vertices, dtype=np.float64)
     double_areas = igl.doublearea(vertices, faces)
-    # Rounding gives a triangle of three points in line a little area, and cotangents without meaning.
-    if not double_areas.min() > 1e-12 * double_areas.mean() or len(np.unique(faces)) < len(vertices):
+    # Cotangents of triangles without area have no meaning.
+    if not double_areas.min() > _LEAST_AREA * double_areas.mean() or len(np.unique(faces)) < len(vertices):
         raise NumericsError("curvature exaggeration needs triangles with an area, and every vertex in one")
-    laplacian, mass = -igl.cotmatrix(vertices, faces), igl.massmatrix(vertices, faces).diagonal()
+    laplacian = -igl.cotmatrix(vertices, faces)
+    mass = igl.massmatrix(vertices, faces).diagonal()
+    density = _log_density(vertices, faces, laplacian, mass, hold)
+    gradient = igl.grad(vertices, faces)
+    areas = np.tile(double_areas / 2, 3)
+    factor = splu((laplacian + _HOLD * laplacian.diagonal().mean() * sp.identity(len(vertices))).tocsc())
+    slopes = gradient @ vertices
+    results = []
+    for exponent in exponents:
+        weights = np.exp(np.clip(exponent * density, -MAX_LOG_WEIGHT, MAX_LOG_WEIGHT))
+        weights /= weights @ mass / mass.sum()
+        scaled = np.tile(weights[faces].mean(1), 3) * areas
+        exaggerated = factor.solve(gradient.T @ (scaled[:, None] * slopes))
+        results.append(exaggerated + vertices.mean(0) - exaggerated.mean(0))
+    if not np.isfinite(results).all():
+        raise NumericsError("curvature exaggeration did not stay finite")
+    return np.array(results)
+
+
+def _log_density(
+    vertices: np.ndarray, faces: np.ndarray, laplacian: sp.csc_matrix, mass: np.ndarray, hold: np.ndarray | None
+) -> np.ndarray:
+    """Logarithms (V,) of the smoothed curvature, of mean 0, and 0 where the surface is held."""
     total = mass.sum()
-    # The angle defect at the boundary is no curvature; the clip keeps both ends of the logarithm sane.
     density = np.abs(igl.gaussian_curvature(vertices, faces)) / mass * total
+    # The angle defect at the boundary is no curvature.
     boundary = np.zeros(len(vertices), dtype=bool)
     boundary[igl.boundary_facets(faces)[0].ravel()] = True
     density[boundary] = np.median(density)
-    log_density = np.log(np.clip(density, 1e-3, None))
+    log_density = np.log(np.clip(density, _LEAST_DENSITY, None))
     smoother = splu((sp.diags(mass) + SMOOTHING * total * laplacian).tocsc())
     log_density = smoother.solve(mass * log_density)
     log_density -= mass @ log_density / total
     if hold is not None:
         log_density *= np.clip(1 - smoother.solve(mass * hold), 0, 1) * (1 - hold)
-    gradient, areas = igl.grad(vertices, faces), np.tile(double_areas / 2, 3)
-    factor = splu((laplacian + 1e-9 * laplacian.diagonal().mean() * sp.identity(len(vertices))).tocsc())
-    slopes = gradient @ vertices
-    results = []
-    for exponent in exponents:
-        weights = np.exp(np.clip(exponent * log_density, -MAX_LOG_WEIGHT, MAX_LOG_WEIGHT))
-        weights /= weights @ mass / total
-        scaled = np.tile(weights[faces].mean(1), 3) * areas
-        exaggerated = factor.solve(gradient.T @ (scaled[:, None] * slopes))
-        results.append(exaggerated + vertices.mean(0) - exaggerated.mean(0))
-    results = np.array(results)
-    if not np.isfinite(results).all():
-        raise NumericsError("curvature exaggeration did not stay finite")
-    return results
+    return log_density

@@ -2,10 +2,11 @@
 
 import numpy as np
 
+from caricli.geometry.deformation_gradients import DeformationGradients
 from caricli.geometry.triangle_normals import triangle_normals
 
 
-def flipped_triangles(vertices, gradients):
+def flipped_triangles(vertices: np.ndarray, gradients: DeformationGradients) -> np.ndarray:
     """Triangles whose normal points away from where the map of their surroundings takes it.
 
     The surroundings are the one-rings of the triangle's corners: their mean linear map M takes the template's edges to
@@ -14,7 +15,8 @@ def flipped_triangles(vertices, gradients):
     vertices: (..., V, 3). gradients: DeformationGradients of the template.
     Returns (..., F) bool.
     """
-    faces, template = gradients.faces, gradients.template
+    faces = gradients.faces
+    template = gradients.template
     maps = gradients.maps(vertices)
     around = sum(maps[..., faces[:, k], :, :] for k in range(3))
     a, b = (template[faces[:, k]] - template[faces[:, 0]] for k in (1, 2))

@@ -10,8 +10,8 @@ def gauss_newton(
 ) -> np.ndarray:
     """Repeat the full step ``x + A(x)^-1 b(x)``.
 
-    start: (D,). normal_equations: called with x, returns the system A (D, D) and the right side b (D,). rounds: at most.
-    settled: a step none of whose entries is as large ends it. solve: of one dense linear system.
+    start: (D,). normal_equations: called with x, returns the system A (D, D) and the right side b (D,). rounds: at
+    most. settled: a step none of whose entries is as large ends it. solve: of one dense linear system.
     Returns (D,).
     """
     x = start

@@ -1,11 +1,17 @@
 """Shapes between two shapes."""
 
+import numpy as np
+
+from caricli.geometry.deformation_gradients import DeformationGradients
 from caricli.geometry.untangle import untangle
 
 ROUNDS = 20
+"""Of `untangle`: half way between two caricatures more is tangled than after one edit."""
 
 
-def interpolate_shapes(first, second, weight, gradients):
+def interpolate_shapes(
+    first: np.ndarray, second: np.ndarray, weight: float, gradients: DeformationGradients
+) -> np.ndarray:
     """Blend the deformation features of two shapes and solve: what turns, turns, and nothing shrinks on the way.
 
     Where blended rings do not fit each other (nostrils, lids), triangles can flip that are whole at both ends; they are

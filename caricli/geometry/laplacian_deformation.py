@@ -9,7 +9,9 @@ from caricli.geometry.cholesky import Cholesky
 from caricli.geometry.vertex_neighbours import vertex_neighbours
 
 ROUNDS = 4
-_LEAST = 1e-2
+"""Estimates of the rotations: later ones change little."""
+
+_LEAST = 1e-2  # of the usual cotangent weight: with less the mean of neighbours could lie anywhere
 
 
 class LaplacianDeformation:
@@ -23,40 +25,50 @@ class LaplacianDeformation:
     adds is settled exactly among the anchors.
     """
 
-    def __init__(self, vertices, faces, anchors, weight, laplacian="cotangent"):
+    def __init__(
+        self,
+        vertices: np.ndarray,
+        faces: np.ndarray,
+        anchors: np.ndarray,
+        weight: float,
+        laplacian: str = "cotangent",
+    ) -> None:
         """Factor the system. Raises NumericsError for triangles without area.
 
         vertices: (V, 3). faces: (F, 3). anchors: (K,) distinct ids. weight: of an anchor against a vertex. laplacian:
         "uniform", every neighbour counts the same, as published, or "cotangent".
         """
-        self.vertices, self.anchors, self.weight = np.asarray(vertices, dtype=np.float64), np.asarray(anchors), weight
-        count, known = len(vertices), np.arange(len(self.anchors))
+        self.vertices = np.asarray(vertices, dtype=np.float64)
+        self.anchors = np.asarray(anchors)
+        self.weight = weight
+        count = len(vertices)
+        order = np.arange(len(self.anchors))
         weights, _ = vertex_neighbours(faces, count)
         if laplacian == "cotangent":
             cotangents = igl.cotmatrix(self.vertices, faces)
             if not np.isfinite(cotangents.data).all():
                 raise NumericsError("expected triangles with an area, found some without")
-            # Clipped far from zero, or the mean of neighbours could lie anywhere.
             usual = np.median(cotangents.data[cotangents.data > 0])
             weights = weights.multiply(cotangents).tocsr()
             weights.data = np.clip(weights.data, _LEAST * usual, None)
         self.degrees = weights @ np.ones((count, 1))
         stiffness = sp.diags(self.degrees[:, 0]) - weights
         self.detail = stiffness @ self.vertices / self.degrees
-        self.pick = sp.csr_matrix((np.ones(len(known)), (known, self.anchors)), (len(known), count))
+        self.pick = sp.csr_matrix((np.ones(len(order)), (order, self.anchors)), (len(order), count))
         self._factor = Cholesky(stiffness + self.pick.T @ self.pick)
         self.responses = self._factor.solve(self.pick.T.toarray())
-        free = np.identity(len(known)) - self.responses[self.anchors]
+        free = np.identity(len(order)) - self.responses[self.anchors]
         bending = (self.degrees * self.responses).T @ (self.degrees * self.responses)
-        self.among = np.block([[free, weight * np.identity(len(known))], [-bending, free]])
+        self.among = np.block([[free, weight * np.identity(len(order))], [-bending, free]])
         # Of edges turned: sum_j w_ij (v0_i - v0_j) (v_i - v_j)^T, one coordinate of v0 after the other.
         edges = [sp.diags(column) @ weights - weights @ sp.diags(column) for column in self.vertices.T]
         self.rings = sp.vstack([sp.diags(np.asarray(edge.sum(1)).ravel()) - edge for edge in edges]).tocsr()
 
-    def move(self, targets, rounds=ROUNDS):
-        """Vertices (V, 3) with the anchors at their targets (K, 3), nearly.
+    def move(self, targets: np.ndarray, rounds: int = ROUNDS) -> np.ndarray:
+        """Vertices with the anchors at their targets, nearly.
 
-        rounds: how often the rotations are estimated; 0 keeps every R_i at one.
+        targets: (K, 3). rounds: how often the rotations are estimated; 0 keeps every R_i at one.
+        Returns (V, 3).
         """
         moved = self._least(self.detail, targets)
         for _ in range(rounds):
@@ -64,9 +76,9 @@ class LaplacianDeformation:
             moved = self._least(np.einsum("avb,vb->va", rotations, self.detail), targets)
         return moved
 
-    def _least(self, detail, targets):
+    def _least(self, detail: np.ndarray, targets: np.ndarray) -> np.ndarray:
         """Vertices (V, 3) of least energy for turned detail (V, 3)."""
         pull = self.degrees * detail
-        known = np.concatenate([self.weight * targets, self.responses.T @ pull])
-        forces, places = np.split(np.linalg.solve(self.among, known), 2)
+        right = np.concatenate([self.weight * targets, self.responses.T @ pull])
+        forces, places = np.split(np.linalg.solve(self.among, right), 2)
         return self._factor.solve(pull + self.degrees**2 * (self.responses @ forces) + self.pick.T @ places)

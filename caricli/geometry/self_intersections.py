@@ -3,10 +3,10 @@
 import numpy as np
 from scipy.spatial import cKDTree
 
-_PARALLEL = 1e-12
+_PARALLEL = 1e-12  # sine of the angle between an edge and a plane: with less they do not meet
 
 
-def self_intersections(vertices, faces):
+def self_intersections(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
     """Find pairs of triangles without a common corner, an edge of one of which goes through the other.
 
     vertices: (V, 3). faces: (F, 3).
@@ -21,19 +21,21 @@ def self_intersections(vertices, faces):
     first, second = pairs.T
     apart = (faces[first][:, :, None] != faces[second][:, None]).all((1, 2))
     pairs = pairs[apart]
-    first, second = corners[pairs[:, 0]], corners[pairs[:, 1]]
-    hit = _an_edge_pierces(first, second) | _an_edge_pierces(second, first)
+    triangles = corners[pairs[:, 0]]
+    others = corners[pairs[:, 1]]
+    hit = _an_edge_pierces(triangles, others) | _an_edge_pierces(others, triangles)
     return np.unique(np.sort(pairs[hit], axis=1), axis=0)
 
 
-def _near_pairs(corners):
+def _near_pairs(corners: np.ndarray) -> np.ndarray:
     """(K, 2) triangles whose bounding spheres touch, each pair once."""
     centres = corners.mean(1)
     radii = np.linalg.norm(corners - centres[:, None], axis=-1).max(1)
     # Half of the triangles are small and near to few others, which one query finds at once; the large ones look for
     # what is not larger than themselves.
     limit = np.median(radii)
-    small, large = np.flatnonzero(radii <= limit), np.flatnonzero(radii > limit)
+    small = np.flatnonzero(radii <= limit)
+    large = np.flatnonzero(radii > limit)
     pairs = [small[cKDTree(centres[small]).query_pairs(2 * limit, output_type="ndarray")]]
     if len(large):
         near = cKDTree(centres).query_ball_point(centres[large], 2 * radii[large], return_sorted=False)
@@ -46,12 +48,15 @@ def _near_pairs(corners):
     return np.stack([first, second], axis=1)[gaps <= (radii[first] + radii[second]) ** 2]
 
 
-def _an_edge_pierces(triangles, others):
+def _an_edge_pierces(triangles: np.ndarray, others: np.ndarray) -> np.ndarray:
     """(K,) bool: whether an edge of triangles (K, 3, 3) goes through the inside of others (K, 3, 3)."""
-    origin, a, b = others[:, 0], others[:, 1] - others[:, 0], others[:, 2] - others[:, 0]
-    found = np.zeros(len(triangles), dtype=bool)
+    origin = others[:, 0]
+    a = others[:, 1] - origin
+    b = others[:, 2] - origin
+    pierces = np.zeros(len(triangles), dtype=bool)
     for k in range(3):
-        start, way = triangles[:, k], triangles[:, (k + 1) % 3] - triangles[:, k]
+        start = triangles[:, k]
+        way = triangles[:, (k + 1) % 3] - start
         # Möller and Trumbore 1997.
         p = np.cross(way, b)
         determinant = (a * p).sum(1)
@@ -60,6 +65,7 @@ def _an_edge_pierces(triangles, others):
         rest = start - origin
         u = (rest * p).sum(1) * inverse
         q = np.cross(rest, a)
-        v, t = (way * q).sum(1) * inverse, (b * q).sum(1) * inverse
-        found |= ~parallel & (u > 0) & (v > 0) & (u + v < 1) & (t > 0) & (t < 1)
-    return found
+        v = (way * q).sum(1) * inverse
+        t = (b * q).sum(1) * inverse
+        pierces |= ~parallel & (u > 0) & (v > 0) & (u + v < 1) & (t > 0) & (t < 1)
+    return pierces

@@ -1,12 +1,23 @@
 """Contour landmarks that stay on the outline of a turned head."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 BACKWARD_MARGIN = 0.02
+"""Of the head's height: a near jaw that bulges a little stays where it was marked."""
+
 FORWARD_MARGIN = 0.001
+"""Of the head's height: rounding alone moves nothing."""
 
 
-def slide_contour(vertices, rotation, template, landmarks, paths):
+def slide_contour(
+    vertices: np.ndarray,
+    rotation: np.ndarray,
+    template: np.ndarray,
+    landmarks: np.ndarray,
+    paths: Sequence[np.ndarray],
+) -> np.ndarray:
     """Where on its path every contour landmark lies on the posed head's outline.
 
     A landmark moves to the point of its path that lies furthest outwards in the picture: forwards, as on the far side

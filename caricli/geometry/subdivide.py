@@ -6,7 +6,7 @@ import scipy.sparse as sp
 from caricli.errors import InputError
 
 
-def subdivide(polygons, count, levels, limit):
+def subdivide(polygons: np.ndarray, count: int, levels: int, limit: int) -> tuple[sp.csr_matrix, np.ndarray]:
     """Split every polygon of n corners into n quads, some times over, without moving any point.
 
     Every edge and every polygon gets a point in its middle, the mean of its corners: the topology of Catmull and Clark.
@@ -28,7 +28,7 @@ def subdivide(polygons, count, levels, limit):
     return weights, polygons
 
 
-def _split(polygons, count):
+def _split(polygons: np.ndarray, count: int) -> tuple[sp.csr_matrix, np.ndarray]:
     """One level: weights (count + edges + polygons, count) and quads."""
     starts, owners, edges, after = _corners(polygons, count)
     sizes = (polygons >= 0).sum(1)
@@ -47,21 +47,27 @@ def _split(polygons, count):
     return weights, quads.astype(np.int32)
 
 
-def _corners(polygons, count):
+def _corners(polygons: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Points and polygons of all corners (C,), edges (E, 2), and the edge after every corner (C,)."""
     used = polygons >= 0
     following = np.roll(polygons, -1, axis=1)
     last = used & np.c_[~used[:, 1:], np.ones(len(polygons), dtype=bool)]
     following[last] = polygons[:, 0]
-    starts, ends = polygons[used].astype(np.int64), following[used].astype(np.int64)
+    starts = polygons[used].astype(np.int64)
+    ends = following[used].astype(np.int64)
     keys, after = np.unique(np.minimum(starts, ends) * count + np.maximum(starts, ends), return_inverse=True)
     return starts, np.nonzero(used)[0], np.stack(np.divmod(keys, count), axis=1), after
 
 
-def _check_count(polygons, count, levels, limit):
-    starts, _, edges, _ = _corners(polygons, count)
-    edges, faces, corners = len(edges), len(polygons), len(starts)
+def _check_count(polygons: np.ndarray, count: int, levels: int, limit: int) -> None:
+    starts, _, pairs, _ = _corners(polygons, count)
+    edges = len(pairs)
+    faces = len(polygons)
+    corners = len(starts)
     for _ in range(levels):
-        count, edges, faces, corners = count + edges + faces, 2 * edges + corners, corners, 4 * corners
+        count += edges + faces
+        edges = 2 * edges + corners
+        faces = corners
+        corners *= 4
     if count > limit:
         raise InputError(f"subdivision beyond the memory cap: expected at most {limit} points, found {count}")

@@ -3,7 +3,7 @@
 import numpy as np
 
 
-def triangle_normals(vertices, faces):
+def triangle_normals(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
     """Cross products of the triangles' edges: direction the normal, length twice the area.
 
     vertices: (..., V, 3). faces: (F, 3).

@@ -4,7 +4,7 @@ import numpy as np
 import scipy.sparse as sp
 
 
-def vertex_neighbours(faces, count):
+def vertex_neighbours(faces: np.ndarray, count: int) -> tuple[sp.csr_matrix, sp.csr_matrix]:
     """Adjacency of the vertices of a mesh, and the operator that takes the mean of every vertex's neighbours.
 
     faces: (F, 3). count: V; every vertex is in a triangle.

@@ -5,41 +5,40 @@ import math
 import re
 import types
 import typing
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any, TypeVar
 
 from caricli.errors import InputError, shown
 from caricli.io.files import read_text
 from caricli.limits import MAX_CONFIG_BYTES, MAX_CONFIG_DEPTH
 
+Settings = TypeVar("Settings")
+
 # YAML 1.1 takes 1e-4 for text, which nobody means.
 _EXPONENT = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)[eE][-+]?\d+")
 
 
-def read_config(path, cls, overrides=()):
+def read_config(path: Path | None, cls: type[Settings], overrides: Iterable[str] = ()) -> Settings:
     """Read settings.
 
-    Parameters: path of a YAML file, or None for the defaults; cls, a dataclass whose fields are bool, int, float, str,
-    list[T], tuple[T, ...], tuple[T, U] or any of these with None; overrides, "key=value" texts that win over the file,
-    each value in YAML.
-    Returns: an instance of cls.
-    Raises: InputError for tags, anchors, duplicate or unknown keys, a wrong type, a number that is not finite, a
-    missing field, or a value that the class refuses with ValueError.
+    path: a YAML file, or None for the defaults. cls: a dataclass whose fields are bool, int, float, str, list[T],
+    tuple[T, ...], tuple[T, U] or any of these with None. overrides: "key=value" texts that win over the file, each
+    value in YAML.
+    Returns an instance of cls.
+    Raises InputError for tags, anchors, duplicate or unknown keys, a wrong type, a number that is not finite, a missing
+    field, or a value that the class refuses with ValueError.
     """
     name = shown(path) if path is not None else "settings"
-    values = {}
-    if path is not None:
-        values = _parse(read_text(path, MAX_CONFIG_BYTES, "a YAML file"), name)
-        if values is None:
-            values = {}
-        if not isinstance(values, dict):
-            raise InputError(f"{name}: expected 'key: value' lines, found {shown(values, 60)!r}")
-    hints = typing.get_type_hints(cls)
-    fields = {field.name: field for field in dataclasses.fields(cls) if field.init}
-    settings = {key: _known(key, value, fields, hints, name) for key, value in values.items()}
+    values = {} if path is None else _read_values(path)
+    fields: dict[str, dataclasses.Field] = {field.name: field for field in _init_fields(cls)}
+    hints = {key: hint for key, hint in typing.get_type_hints(cls).items() if key in fields}
+    settings = {key: _setting(key, value, hints, name) for key, value in values.items()}
     for override in overrides:
         key, separator, text = override.partition("=")
         if not separator:
             raise InputError(f"expected key=value, found {shown(override, 60)!r}")
-        settings[key] = _override(key, text, fields, hints)
+        settings[key] = _override(key, text, hints)
     for key, field in fields.items():
         required = field.default is dataclasses.MISSING and field.default_factory is dataclasses.MISSING
         if required and key not in settings:
@@ -50,17 +49,28 @@ def read_config(path, cls, overrides=()):
         raise InputError(f"{name}: {shown(error, 200)}") from error
 
 
-def read_yaml(path):
-    """Read a YAML file of plain values: no tags, anchors or duplicate keys.
-
-    Raises: InputError.
-    """
+def read_yaml(path: Path) -> Any:
+    """Read a YAML file of plain values. Raises InputError for tags, anchors and duplicate keys."""
     return _parse(read_text(path, MAX_CONFIG_BYTES, "a YAML file"), shown(path))
 
 
-def _known(key, value, fields, hints, name):
-    if key not in fields:
-        raise InputError(f"{name}: expected one of {', '.join(fields)}, found the key {shown(key, 60)!r}")
+def _init_fields(cls: Any) -> list[dataclasses.Field]:
+    return [field for field in dataclasses.fields(cls) if field.init]
+
+
+def _read_values(path: Path) -> dict:
+    values = read_yaml(path)
+    if values is None:
+        return {}
+    if not isinstance(values, dict):
+        raise InputError(f"{shown(path)}: expected 'key: value' lines, found {shown(values, 60)!r}")
+    return values
+
+
+def _setting(key: str, value: Any, hints: dict[str, Any], name: str) -> Any:
+    """The value of a key, as its type says."""
+    if key not in hints:
+        raise InputError(f"{name}: expected one of {', '.join(hints)}, found the key {shown(key, 60)!r}")
     try:
         return _convert(value, hints[key])
     except ValueError:
@@ -68,14 +78,14 @@ def _known(key, value, fields, hints, name):
         raise InputError(f"{name}: {key}: expected {expected}, found {shown(value, 60)!r}") from None
 
 
-def _override(key, text, fields, hints):
+def _override(key: str, text: str, hints: dict[str, Any]) -> Any:
     name = f"{shown(key, 60)}={shown(text, 60)}"
-    if key in fields and hints[key] is str:
+    if hints.get(key) is str:
         return text
-    return _known(key, _parse(text, name) if text else "", fields, hints, name)
+    return _setting(key, _parse(text, name) if text else "", hints, name)
 
 
-def _parse(text, name):
+def _parse(text: str, name: str) -> Any:
     import yaml
 
     try:
@@ -100,11 +110,11 @@ def _parse(text, name):
         raise InputError(f"{name}: expected YAML, found {shown(error, 120)}") from None
 
 
-def _refuse_duplicates(node, name):
+def _refuse_duplicates(node: Any, name: str) -> None:
     children = getattr(node, "value", None)
     if not isinstance(children, list):
         return
-    seen = set()
+    seen: set[str] = set()
     for child in children:
         if isinstance(child, tuple):
             key, child = child
@@ -116,9 +126,10 @@ def _refuse_duplicates(node, name):
         _refuse_duplicates(child, name)
 
 
-def _convert(value, hint):
-    """Return value as the type says, or raise ValueError."""
-    origin, arguments = typing.get_origin(hint), typing.get_args(hint)
+def _convert(value: Any, hint: Any) -> Any:
+    """The value as the type says, or ValueError."""
+    origin = typing.get_origin(hint)
+    arguments = typing.get_args(hint)
     if origin in (typing.Union, types.UnionType):
         for argument in arguments:
             try:
@@ -149,10 +160,11 @@ def _convert(value, hint):
     raise ValueError
 
 
-def _describe(hint):
+def _describe(hint: Any) -> str:
     if hint in (None, type(None)):
         return "null"
-    origin, arguments = typing.get_origin(hint), typing.get_args(hint)
+    origin = typing.get_origin(hint)
+    arguments = typing.get_args(hint)
     if origin in (typing.Union, types.UnionType):
         return " or ".join(_describe(argument) for argument in arguments)
     if origin in (list, tuple):

@@ -12,7 +12,7 @@ from caricli.structures import Directions
 
 SCHEMA = "caricli.directions/1"
 
-_STORED = {
+_STORED: dict[str, type] = {
     "names": np.str_,
     "normals": np.float32,
     "gradients": np.float32,
@@ -25,6 +25,7 @@ _STORED = {
     "recipe": np.str_,
     "people": np.float32,
 }
+
 
 def read_directions(path: Path) -> Directions:
     """Read directions that ``write_directions`` wrote; floats as float64, normals of unit length.
@@ -46,15 +47,15 @@ def write_directions(path: Path, directions: Directions) -> None:
         raise OutputError(f"{shown(path)}: model_id: expected text, found none")
     values = {key: getattr(directions, key) for key in _STORED}
     values["recipe"] = format_json(directions.recipe, path, indent=None).strip()
-    arrays = {key: np.asarray(value, _STORED[key]) for key, value in values.items()}
+    arrays: dict[str, np.ndarray] = {key: np.array(value, _STORED[key]) for key, value in values.items()}
     write_npz(path, {"schema": np.array(SCHEMA)} | arrays)
 
 
 def _directions(arrays: dict) -> Directions:
     if set(arrays) != set(_STORED):
         odd = min(set(arrays) ^ set(_STORED))
-        found = "it" if odd in arrays else "none"
-        raise InputError(f"expected the arrays of directions, with {shown(odd, 60)!r} found {found}")
+        state = "it" if odd in arrays else "none"
+        raise InputError(f"expected the arrays of directions, with {shown(odd, 60)!r} found {state}")
     for key, stored in _STORED.items():
         if arrays[key].dtype.kind != np.dtype(stored).kind:
             raise InputError(f"{key}: expected {np.dtype(stored).name}, found {arrays[key].dtype}")

@@ -2,6 +2,7 @@
 
 import os
 import stat
+from pathlib import Path
 
 from caricli.errors import InputError, shown
 
@@ -17,11 +18,10 @@ _SIGNATURES = (
 )
 
 
-def content_kind(data):
-    """Name what bytes look like when they are not the text that was expected.
+def content_kind(data: bytes) -> str | None:
+    """Name what bytes look like when they are not the text that was expected; the start of a file is enough.
 
-    Parameters: data, bytes (the start of a file is enough).
-    Returns: a phrase such as "an HTML page", or None when they may be plain text.
+    Returns a phrase such as "an HTML page", or None when they may be plain text.
     """
     head = bytes(data[:4096])
     for signature, kind in _SIGNATURES:
@@ -35,24 +35,23 @@ def content_kind(data):
     return "binary data" if b"\0" in head else None
 
 
-def looks_like_pickle(data):
-    """Return whether bytes start as a pickle of protocol 2 to 5 does."""
+def looks_like_pickle(data: bytes) -> bool:
+    """Whether bytes start as a pickle of protocol 2 to 5 does."""
     return len(data) > 2 and data[0] == 0x80 and 2 <= data[1] <= 5
 
 
-def read_bytes(path, max_bytes, kind):
+def read_bytes(path: Path, max_bytes: int, kind: str) -> bytes:
     """Read a regular file whole.
 
-    Parameters: path; max_bytes, the largest size accepted; kind, what is expected, for the message ("an OBJ file").
-    Returns: bytes, at least one.
-    Raises: InputError when the path is missing, no regular file, unreadable, empty or too large.
+    max_bytes: the largest size accepted. kind: what is expected, for the message ("an OBJ file").
+    Returns at least one byte. Raises InputError when the path is missing, no regular file, unreadable, empty or too large.
     """
     try:
         # Looking before opening: opening a pipe would wait for a writer for ever.
         status = os.stat(path)
         if not stat.S_ISREG(status.st_mode):
-            found = "a folder" if stat.S_ISDIR(status.st_mode) else "something that is not a regular file"
-            raise InputError(f"{shown(path)}: expected {kind}, found {found}")
+            other = "a folder" if stat.S_ISDIR(status.st_mode) else "something that is not a regular file"
+            raise InputError(f"{shown(path)}: expected {kind}, found {other}")
         if status.st_size > max_bytes:
             raise InputError(
                 f"{shown(path)}: expected {kind} of at most {max_bytes} bytes, found {status.st_size} bytes"
@@ -70,25 +69,20 @@ def read_bytes(path, max_bytes, kind):
     return data
 
 
-def read_text(path, max_bytes, kind):
-    """Read a UTF-8 text file whole.
-
-    Parameters and errors as in `read_bytes`; binary data, HTML and invalid UTF-8 are refused too.
-    Returns: str.
-    """
+def read_text(path: Path, max_bytes: int, kind: str) -> str:
+    """Read a UTF-8 text file whole, as `read_bytes` does; binary data, HTML and invalid UTF-8 are refused too."""
     return decode_text(read_bytes(path, max_bytes, kind), path, kind)
 
 
-def decode_text(data, name, kind):
+def decode_text(data: bytes, name: object, kind: str) -> str:
     """Turn bytes into text, strictly UTF-8.
 
-    Parameters: data, bytes; name, the file for the message; kind, what is expected.
-    Returns: str.
-    Raises: InputError for binary data, HTML or invalid UTF-8.
+    name: the file, for the message. kind: what is expected.
+    Raises InputError for binary data, HTML or invalid UTF-8.
     """
-    found = content_kind(data)
-    if found:
-        raise InputError(f"{shown(name)}: expected {kind}, found {found}")
+    other = content_kind(data)
+    if other:
+        raise InputError(f"{shown(name)}: expected {kind}, found {other}")
     try:
         return data.decode("utf-8")
     except UnicodeDecodeError as error:

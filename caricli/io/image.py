@@ -2,6 +2,8 @@
 
 import io
 import warnings
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -13,14 +15,14 @@ from caricli.limits import MAX_IMAGE_BYTES, MAX_IMAGE_PIXELS
 _FORMATS = ("PNG", "JPEG", "WEBP", "BMP", "TIFF", "GIF")
 
 
-def read_image(path):
+def read_image(path: Path) -> np.ndarray:
     """Read a picture as RGB.
 
     It is turned upright as its EXIF orientation says; transparent pixels are laid over white paper; of an animation
     the first frame is read; 16-bit greys are scaled to 8 bits.
-    Parameters: path, a PNG, JPEG, WebP, BMP, TIFF or GIF of at most MAX_IMAGE_PIXELS.
-    Returns: (H,W,3) uint8.
-    Raises: InputError when it is no such picture, damaged, or too large; its size is checked before it is decoded.
+    path: a PNG, JPEG, WebP, BMP, TIFF or GIF of at most MAX_IMAGE_PIXELS.
+    Returns (H,W,3) uint8.
+    Raises InputError when it is no such picture, damaged, or too large; its size is checked before it is decoded.
     """
     from PIL import Image, ImageOps
 
@@ -32,25 +34,25 @@ def read_image(path):
             with Image.open(io.BytesIO(data), formats=_FORMATS) as image:
                 width, height = image.size
                 if width * height > MAX_IMAGE_PIXELS:
-                    found = f"{width} x {height}"
-                    raise InputError(f"{shown(path)}: expected at most {MAX_IMAGE_PIXELS} pixels, found {found}")
+                    size = f"{width} x {height}"
+                    raise InputError(f"{shown(path)}: expected at most {MAX_IMAGE_PIXELS} pixels, found {size}")
                 image.load()
                 return _rgb(ImageOps.exif_transpose(image), Image)
     except InputError:
         raise
     except Image.UnidentifiedImageError:
-        found = content_kind(data) or "another kind of file"
-        raise InputError(f"{shown(path)}: expected a PNG, JPEG, WebP, BMP, TIFF or GIF image, found {found}") from None
+        kind = content_kind(data) or "another kind of file"
+        raise InputError(f"{shown(path)}: expected a PNG, JPEG, WebP, BMP, TIFF or GIF image, found {kind}") from None
     # Pillow's decoders raise whatever they meet (SyntaxError, struct.error, ...); all of it means a damaged file.
     except Exception as error:
         raise InputError(f"{shown(path)}: expected an image, found a damaged one: {shown(error, 120)}") from error
 
 
-def write_png(path, image):
+def write_png(path: Path, image: np.ndarray) -> None:
     """Write a PNG.
 
-    Parameters: path; image (H,W,3) or (H,W,4) uint8.
-    Raises: OutputError when the array is no such image or the file cannot be written.
+    image: (H,W,3) or (H,W,4) uint8.
+    Raises OutputError when the array is no such image or the file cannot be written.
     """
     from PIL import Image
 
@@ -60,7 +62,7 @@ def write_png(path, image):
         Image.fromarray(np.ascontiguousarray(image)).save(stream, "PNG")
 
 
-def _rgb(image, pillow):
+def _rgb(image: Any, pillow: Any) -> np.ndarray:
     if image.mode.startswith("I") or image.mode == "F":
         # Pillow clips these to 255 on conversion instead of scaling them.
         values = np.asarray(image, np.float64)

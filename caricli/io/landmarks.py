@@ -2,6 +2,7 @@
 
 import io
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -18,43 +19,42 @@ _KIND = "a landmark file"
 _MAX_IMAGE_SIDE = 1_000_000
 
 
-def read_landmarks(path, pts_origin=1):
+def read_landmarks(path: Path, pts_origin: int = 1) -> Landmarks:
     """Read landmarks; the content decides the format, whatever the extension.
 
     JSON (DESIGN section 4), `.pts` (`version: 1`, `n_points: 68`, points in braces), text with `x y` (or `x, y`) a
     line, NPY (L,2). A point that is not known is `null` in JSON, `null null` in text and .pts, a NaN row in NPY.
-    Parameters: path; pts_origin, 0 or 1, the coordinate of the first pixel in .pts files, subtracted.
-    Returns: Landmarks.
-    Raises: InputError when the file is malformed, has not 68 or 81 points, has a coordinate that is not finite, fewer
-    than MIN_KNOWN known points, all of them in one place, or one further outside the picture than its size.
+    pts_origin: 0 or 1, the coordinate of the first pixel in .pts files, subtracted.
+    Raises InputError when the file is malformed, or its points are not those of a face or of its picture.
     """
     data = read_bytes(path, MAX_LANDMARK_BYTES, _KIND)
-    size = None
     if data.startswith(b"\x93NUMPY"):
         points = _points_from_npy(data, path)
     elif data.lstrip()[:1] in (b"{", b"["):
-        points, size = _points_from_json(parse_json(data, path), path)
+        value = parse_json(data, path)
+        with naming(path):
+            return Landmarks(_points_from_json(value), _image_size(value.get("image")))
     else:
         lines = decode_text(data, path, _KIND).removeprefix("\ufeff").splitlines() or [""]
-        if Path(path).suffix.lower() == ".pts" or lines[0].startswith("version"):
-            points = _points_from_pts(lines, path) - pts_origin
-        else:
-            points = _points_from_lines(list(enumerate(lines, 1)), path)
+        with naming(path):
+            if Path(path).suffix.lower() == ".pts" or lines[0].startswith("version"):
+                points = _points_from_pts(lines) - pts_origin
+            else:
+                points = _points_from_lines(list(enumerate(lines, 1)))
     with naming(path):
-        return Landmarks(points, size)
+        return Landmarks(points)
 
 
-def write_landmarks(path, landmarks):
+def write_landmarks(path: Path, landmarks: Landmarks) -> None:
     """Write landmarks in the format of the path's extension: .json, .pts (from 1), .txt or .npy.
 
-    Parameters: path; landmarks, Landmarks; the image size is kept in JSON only.
-    Raises: OutputError when the extension is another, the landmarks could not be read back, or the file cannot be
-    written.
+    The image size is kept in JSON only.
+    Raises OutputError when the extension is another or the file cannot be written.
     """
     suffix = Path(path).suffix.lower()
     points = landmarks.points
     if suffix == ".json":
-        value = {"schema": SCHEMA, "scheme": SCHEMES[len(points)]}
+        value: dict[str, Any] = {"schema": SCHEMA, "scheme": SCHEMES[len(points)]}
         if landmarks.image_size is not None:
             width, height = landmarks.image_size
             value["image"] = {"width": int(width), "height": int(height)}
@@ -73,65 +73,65 @@ def write_landmarks(path, landmarks):
         raise OutputError(f"{shown(path)}: expected .json, .pts, .txt or .npy for landmarks, found {shown(suffix)!r}")
 
 
-def _text(points):
+def _text(points: np.ndarray) -> str:
     return "".join("null null\n" if np.isnan(x) else f"{x!r} {y!r}\n" for x, y in points.tolist())
 
 
-def _points_from_npy(data, path):
+def _points_from_npy(data: bytes, path: Path) -> np.ndarray:
     points = read_array(io.BytesIO(data), len(data), shown(path))
     if points.dtype.kind not in "iuf" or points.ndim != 2 or points.shape[1] != 2:
         raise InputError(f"{shown(path)}: expected numbers (L,2), found {points.dtype} {points.shape}")
     return points.astype(np.float64)
 
 
-def _points_from_json(value, path):
+def _points_from_json(value: Any) -> np.ndarray:
     if not isinstance(value, dict) or value.get("schema") != SCHEMA:
-        found = value.get("schema") if isinstance(value, dict) else "a list"
-        raise InputError(f"{shown(path)}: expected the schema {SCHEMA!r}, found {shown(found, 60)!r}")
+        schema = value.get("schema") if isinstance(value, dict) else "a list"
+        raise InputError(f"expected the schema {SCHEMA!r}, found {shown(schema, 60)!r}")
     unknown = set(value) - {"schema", "scheme", "image", "points"}
     if unknown:
-        raise InputError(f"{shown(path)}: expected schema, scheme, image and points, found {shown(min(unknown), 60)!r}")
+        raise InputError(f"expected schema, scheme, image and points, found {shown(min(unknown), 60)!r}")
     entries = value.get("points")
     if not isinstance(entries, list):
-        raise InputError(f"{shown(path)}: expected points to be a list, found {shown(entries, 60)!r}")
+        raise InputError(f"expected points to be a list, found {shown(entries, 60)!r}")
     if len(entries) in SCHEMES and value.get("scheme") != SCHEMES[len(entries)]:
         expected = f"the scheme {SCHEMES[len(entries)]!r} for {len(entries)} points"
-        raise InputError(f"{shown(path)}: expected {expected}, found {shown(value.get('scheme'), 60)!r}")
+        raise InputError(f"expected {expected}, found {shown(value.get('scheme'), 60)!r}")
     points = np.full((len(entries), 2), np.nan)
     for k, entry in enumerate(entries):
         if entry is None:
             continue
         if not (isinstance(entry, list) and len(entry) == 2 and all(_is_number(x) for x in entry)):
-            raise InputError(f"{shown(path)}: point {k}: expected [x, y] or null, found {shown(entry, 60)!r}")
+            raise InputError(f"point {k}: expected [x, y] or null, found {shown(entry, 60)!r}")
         points[k] = entry
-    return points, _image_size(value.get("image"), path)
-
-
-def _image_size(image, path):
-    if image is None:
-        return None
-    if not isinstance(image, dict) or set(image) != {"width", "height"}:
-        raise InputError(f"{shown(path)}: expected an image with width and height, found {shown(image, 60)!r}")
-    size = image["width"], image["height"]
-    if not all(type(side) is int and 1 <= side <= _MAX_IMAGE_SIDE for side in size):
-        raise InputError(f"{shown(path)}: expected an image size in whole pixels, found {shown(size, 60)}")
-    return size
-
-
-def _points_from_pts(lines, path):
-    rows = [(number, line.strip()) for number, line in enumerate(lines, 1) if line.strip()]
-    words = [line.replace(" ", "").replace("\t", "") for _, line in rows]
-    if len(rows) < 4 or words[0] != "version:1" or not words[1].startswith("n_points:"):
-        raise InputError(f"{shown(path)}: expected 'version: 1', 'n_points: L' and points in braces, found other text")
-    if words[2] != "{" or words[-1] != "}":
-        raise InputError(f"{shown(path)}: expected points between '{{' and '}}', found no such lines")
-    points = _points_from_lines(rows[3:-1], path)
-    if words[1] != f"n_points:{len(points)}":
-        raise InputError(f"{shown(path)}: expected {shown(rows[1][1], 40)!r}, found {len(points)} points")
     return points
 
 
-def _points_from_lines(lines, path):
+def _image_size(image: Any) -> tuple[int, int] | None:
+    if image is None:
+        return None
+    if not isinstance(image, dict) or set(image) != {"width", "height"}:
+        raise InputError(f"expected an image with width and height, found {shown(image, 60)!r}")
+    size = (image["width"], image["height"])
+    if not all(type(side) is int and 1 <= side <= _MAX_IMAGE_SIDE for side in size):
+        raise InputError(f"expected an image size in whole pixels, found {shown(size, 60)}")
+    return size
+
+
+def _points_from_pts(lines: list[str]) -> np.ndarray:
+    rows = [(number, line.strip()) for number, line in enumerate(lines, 1) if line.strip()]
+    words = [line.replace(" ", "").replace("\t", "") for _, line in rows]
+    if len(rows) < 4 or words[0] != "version:1" or not words[1].startswith("n_points:"):
+        raise InputError(f"expected 'version: 1', 'n_points: L' and points in braces, found other text")
+    if words[2] != "{" or words[-1] != "}":
+        raise InputError(f"expected points between '{{' and '}}', found no such lines")
+    points = _points_from_lines(rows[3:-1])
+    if words[1] != f"n_points:{len(points)}":
+        raise InputError(f"expected {shown(rows[1][1], 40)!r}, found {len(points)} points")
+    return points
+
+
+def _points_from_lines(lines: list[tuple[int, str]]) -> np.ndarray:
     points = []
     for number, line in lines:
         words = line.replace(",", " ").split()
@@ -145,10 +145,10 @@ def _points_from_lines(lines, path):
         except ValueError:
             x = y = np.nan
         if not (abs(x) <= MAX_COORDINATE and abs(y) <= MAX_COORDINATE) or "_" in line:
-            raise InputError(f"{shown(path)}: line {number}: expected two numbers x y, found {shown(line, 60)!r}")
+            raise InputError(f"line {number}: expected two numbers x y, found {shown(line, 60)!r}")
         points.append((x, y))
     return np.array(points).reshape(-1, 2)
 
 
-def _is_number(value):
+def _is_number(value: Any) -> bool:
     return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) <= MAX_COORDINATE

@@ -9,20 +9,21 @@ from caricli.limits import MAX_CONFIG_BYTES, MAX_FILE_BYTES
 _NAMES = (b"/", b"\\", b"..", b"\0", b":")
 
 
-def texture_path(path):
-    """Find the diffuse picture of a mesh: the first `map_Kd` of its first `mtllib`, both in the OBJ's own folder.
+def texture_path(path: Path) -> Path | None:
+    """Find the diffuse picture of an OBJ file: the first `map_Kd` of its first `mtllib`, both in the OBJ's own folder.
 
-    Parameters: path of an OBJ file.
-    Returns: path of the picture, or None where no material or picture is named.
-    Raises: InputError when a file cannot be read, or a name leads out of the folder.
+    Returns the path of the picture, or None where no material or picture is named, as in any other kind of file.
+    Raises InputError when a file cannot be read, or a name leads out of the folder.
     """
+    if Path(path).suffix.lower() != ".obj":
+        return None
     library = _named(read_bytes(path, MAX_FILE_BYTES, "an OBJ file"), b"mtllib", path)
     if library is None:
         return None
     return _named(read_bytes(library, MAX_CONFIG_BYTES, "a material file"), b"map_Kd", library)
 
 
-def _named(data, key, path):
+def _named(data: bytes, key: bytes, path: Path) -> Path | None:
     """The file beside ``path`` that the first line with a key names, or None."""
     for line in data.splitlines():
         words = line.split(maxsplit=1)

@@ -5,10 +5,13 @@ import math
 import re
 import zipfile
 import zlib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import IO, Literal
 
 import numpy as np
 
-from caricli.errors import InputError, OutputError, shown
+from caricli.errors import InputError, OutputError, naming, shown
 from caricli.io.files import looks_like_pickle, read_bytes
 from caricli.io.outputs import writing
 from caricli.limits import MAX_ARRAY_DIMENSIONS, MAX_NPZ_BYTES, MAX_NPZ_HEADER_BYTES, MAX_NPZ_MEMBERS
@@ -22,12 +25,12 @@ _MAX_EXPANSION = 1032
 _CHUNK_BYTES = 2**20
 
 
-def read_npz(path, max_bytes=MAX_NPZ_BYTES):
+def read_npz(path: Path, max_bytes: int = MAX_NPZ_BYTES) -> dict[str, np.ndarray]:
     """Read an NPZ file.
 
-    Parameters: path; max_bytes, the cap on the file and on the sum of its expanded members.
-    Returns: dict of name to ndarray, in the file's order, native byte order; bool, int, float and text arrays only.
-    Raises: InputError when it is no NPZ, holds objects, or a member's header does not match its bytes.
+    max_bytes: the cap on the file and on the sum of its expanded members.
+    Returns arrays by name in the file's order, of native byte order: bool, int, float and text only.
+    Raises InputError when it is no NPZ, holds objects, or a member's header does not match its bytes.
     """
     data = read_bytes(path, max_bytes, "an NPZ file")
     _check_directory(data, path)
@@ -40,18 +43,18 @@ def read_npz(path, max_bytes=MAX_NPZ_BYTES):
         raise InputError(f"{shown(path)}: expected an NPZ file, found a damaged one: {shown(error, 120)}") from error
 
 
-def write_npz(path, arrays):
+def write_npz(path: Path, arrays: Mapping[str, np.ndarray]) -> None:
     """Write an NPZ file, compressed; the same arrays give the same bytes.
 
-    Parameters: path; arrays, dict of name to array (bool, int, float or text), kept in this order.
-    Raises: OutputError when it cannot be written or is more than `read_npz` takes; TypeError for another kind of array.
+    arrays: bool, int, float or text by name; their order is kept.
+    Raises OutputError when it cannot be written or is more than `read_npz` takes; TypeError for another kind of array.
     """
     total = sum(np.asarray(value).nbytes for value in arrays.values())
     if total > MAX_NPZ_BYTES * 0.99:
         raise OutputError(f"{shown(path)}: expected at most {MAX_NPZ_BYTES} bytes of arrays, found {total}")
     with writing(path), zipfile.ZipFile(path, "w") as archive:
-        for name, value in arrays.items():
-            value = np.asarray(value)
+        for name, array in arrays.items():
+            value = np.asarray(array)
             if value.dtype.kind not in "biufSU":
                 raise TypeError(f"{name}: arrays of {value.dtype} are not written")
             # Fixed time, system and mode: nothing of the moment or the machine enters the bytes.
@@ -63,70 +66,81 @@ def write_npz(path, arrays):
                 np.lib.format.write_array(member, value, version=(1, 0), allow_pickle=False)
 
 
-def read_array(stream, size, name):
+def read_array(stream: IO[bytes], size: int, name: str) -> np.ndarray:
     """Read one NPY array from a stream.
 
-    Parameters: stream with `read`, positioned at the start; size, the bytes that it holds; name, for the message.
-    Returns: ndarray, writable, native byte order.
-    Raises: InputError when the header is not a plain array's or does not match `size`.
+    stream: positioned at the start. size: the bytes that it holds. name: the file, for the message.
+    Returns an array that can be written to, of native byte order.
+    Raises InputError when the header is not a plain array's or does not match the size.
     """
+    with naming(name):
+        dtype, shape, order, header_size = _read_header(stream)
+        expected = math.prod(shape) * dtype.itemsize
+        if expected != size - header_size or dtype.itemsize == 0:
+            raise InputError(f"expected {expected} bytes for shape {shape} of {dtype}, found {size - header_size}")
+        buffer = _read_exactly(stream, expected)
+        if dtype.kind == "b" and (buffer > 1).any():
+            raise InputError("expected true or false, found another value")
+        array = buffer.view(dtype).reshape(shape, order=order)
+        array = array.astype(dtype.newbyteorder("="), copy=False)
+        if dtype.kind == "U":
+            codes = np.ascontiguousarray(array).reshape(-1).view(np.uint32)
+            if (codes > 0x10FFFF).any() or ((codes >= 0xD800) & (codes < 0xE000)).any():
+                raise InputError("expected text, found codes that are no characters")
+        return array
+
+
+def _read_header(stream: IO[bytes]) -> tuple[np.dtype, tuple[int, ...], Literal["C", "F"], int]:
+    """Type, shape and order of an NPY array, and how many bytes stand before its values."""
     start = stream.read(8)
     if start[:6] != b"\x93NUMPY" or start[6:] not in (b"\1\0", b"\2\0", b"\3\0"):
-        found = "a pickle" if looks_like_pickle(start) else "something else"
-        raise InputError(f"{name}: expected an NPY array, found {found}")
+        raise InputError(f"expected an NPY array, found {'a pickle' if looks_like_pickle(start) else 'something else'}")
     width = 2 if start[6] == 1 else 4
     length = int.from_bytes(stream.read(width), "little")
     if length > MAX_NPZ_HEADER_BYTES:
-        raise InputError(f"{name}: expected a header of at most {MAX_NPZ_HEADER_BYTES} bytes, found {length}")
+        raise InputError(f"expected a header of at most {MAX_NPZ_HEADER_BYTES} bytes, found {length}")
     header = stream.read(length)
     match = _HEADER.fullmatch(header)
     if not match:
         if re.search(rb"'descr': ?'\|?O", header):
-            raise InputError(f"{name}: expected numbers or text, found Python objects, which are never loaded")
-        raise InputError(f"{name}: expected an array of numbers or text, found the header {shown(header, 80)!r}")
-    shape = [word.strip() for word in match[3].decode().split(",") if word.strip()]
-    if len(shape) > MAX_ARRAY_DIMENSIONS or any(len(word) > 10 or not word.isdigit() for word in shape):
-        raise InputError(f"{name}: expected at most {MAX_ARRAY_DIMENSIONS} dimensions, found {shown(match[3], 80)}")
-    shape = tuple(int(word) for word in shape)
-    dtype = np.dtype(match[1].decode())
-    expected, found = math.prod(shape) * dtype.itemsize, size - 8 - width - length
-    if expected != found or dtype.itemsize == 0:
-        raise InputError(f"{name}: expected {expected} bytes for shape {shape} of {dtype}, found {found}")
-    buffer = np.empty(expected, np.uint8)
+            raise InputError("expected numbers or text, found Python objects, which are never loaded")
+        raise InputError(f"expected an array of numbers or text, found the header {shown(header, 80)!r}")
+    sides = [word.strip() for word in match[3].decode().split(",") if word.strip()]
+    if len(sides) > MAX_ARRAY_DIMENSIONS or any(len(side) > 10 or not side.isdigit() for side in sides):
+        raise InputError(f"expected at most {MAX_ARRAY_DIMENSIONS} dimensions, found {shown(match[3], 80)}")
+    shape = tuple(int(side) for side in sides)
+    return np.dtype(match[1].decode()), shape, "F" if match[2] == b"True" else "C", 8 + width + length
+
+
+def _read_exactly(stream: IO[bytes], size: int) -> np.ndarray:
+    """As many bytes (size,) uint8 as a stream must hold to its end."""
+    buffer = np.empty(size, np.uint8)
     # One byte more than the rest is asked for, so that a zip member is read to its end and its checksum compared.
     at = 0
-    while chunk := stream.read(min(_CHUNK_BYTES, expected - at + 1)):
-        if at + len(chunk) > expected:
-            raise InputError(f"{name}: expected {expected} bytes of data, found more")
+    while chunk := stream.read(min(_CHUNK_BYTES, size - at + 1)):
+        if at + len(chunk) > size:
+            raise InputError(f"expected {size} bytes of data, found more")
         buffer[at : at + len(chunk)] = np.frombuffer(chunk, np.uint8)
         at += len(chunk)
-    if at < expected:
-        raise InputError(f"{name}: expected {expected} bytes of data, found {at}")
-    if dtype.kind == "b" and (buffer > 1).any():
-        raise InputError(f"{name}: expected true or false, found another value")
-    array = buffer.view(dtype).reshape(shape, order="F" if match[2] == b"True" else "C")
-    array = array.astype(dtype.newbyteorder("="), copy=False)
-    if dtype.kind == "U":
-        codes = np.ascontiguousarray(array).reshape(-1).view(np.uint32)
-        if (codes > 0x10FFFF).any() or ((codes >= 0xD800) & (codes < 0xE000)).any():
-            raise InputError(f"{name}: expected text, found codes that are no characters")
-    return array
+    if at < size:
+        raise InputError(f"expected {size} bytes of data, found {at}")
+    return buffer
 
 
-def _key(member):
+def _key(member: zipfile.ZipInfo) -> str:
     return member.filename.removesuffix(".npy")
 
 
-def _read_member(archive, member, path):
+def _read_member(archive: zipfile.ZipFile, member: zipfile.ZipInfo, path: Path) -> np.ndarray:
     with archive.open(member) as stream:
         return read_array(stream, member.file_size, f"{shown(path)}: {shown(_key(member), 40)}")
 
 
-def _check_directory(data, path):
+def _check_directory(data: bytes, path: Path) -> None:
     """Refuse a zip directory too large to list before zipfile lists it."""
     if not data.startswith((b"PK\x03\x04", b"PK\x05\x06")):
-        found = "a pickle" if looks_like_pickle(data) else "something else"
-        raise InputError(f"{shown(path)}: expected an NPZ file, found {found}")
+        other = "a pickle" if looks_like_pickle(data) else "something else"
+        raise InputError(f"{shown(path)}: expected an NPZ file, found {other}")
     end = data.rfind(b"PK\x05\x06")
     if end < 0 or len(data) < end + 22:
         raise InputError(f"{shown(path)}: expected an NPZ file, found a truncated one")
@@ -136,7 +150,7 @@ def _check_directory(data, path):
         raise InputError(f"{shown(path)}: expected at most {MAX_NPZ_MEMBERS} arrays, found a directory of {size} bytes")
 
 
-def _check_members(members, path, max_bytes):
+def _check_members(members: list[zipfile.ZipInfo], path: Path, max_bytes: int) -> None:
     if not members:
         raise InputError(f"{shown(path)}: expected an NPZ file with arrays, found none")
     if len(members) > MAX_NPZ_MEMBERS:
@@ -153,19 +167,18 @@ def _check_members(members, path, max_bytes):
         if member.flag_bits & 1 or member.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
             raise InputError(f"{name}: expected a stored or deflated member, found another kind")
         if member.file_size > member.compress_size * _MAX_EXPANSION + 64:
-            found = f"only {member.compress_size} packed ones"
-            raise InputError(f"{name}: expected {member.file_size} bytes, found {found}")
+            raise InputError(f"{name}: expected {member.file_size} bytes, found only {member.compress_size} packed ones")
 
 
-def text_of(array):
+def text_of(array: np.ndarray | None) -> str | None:
     """The text that an array of no dimensions holds, or None where it is no such array."""
     return str(array.item()) if array is not None and array.dtype.kind == "U" and array.ndim == 0 else None
 
 
-def take_texts(arrays, texts, noun):
+def take_texts(arrays: dict[str, np.ndarray], texts: Mapping[str, str], noun: str) -> None:
     """Take the texts that every file of a schema holds out of its arrays.
 
-    arrays: dict, changed. texts: dict of keys to what is expected. noun: what the file is, for the message.
+    arrays: changed. texts: what is expected, by key. noun: what the file is, for the message.
     Raises InputError where one is missing or another.
     """
     for key, expected in texts.items():

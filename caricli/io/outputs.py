@@ -4,6 +4,7 @@ import errno
 import os
 import shutil
 import tempfile
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
@@ -23,15 +24,17 @@ _WRITE_ERRORS = {
 
 
 @contextmanager
-def staged(*paths, overwrite=False, inputs=()):
+def staged(
+    *paths: Path, overwrite: bool = False, inputs: Iterable[Path | None] = ()
+) -> Iterator[tuple[Path, ...]]:
     """Write several files so that either all of them appear or none.
 
-    Parameters: paths, the files to write; overwrite, whether existing files are replaced; inputs, files that must not
-    be written to (None entries are skipped).
-    Yields: a tuple of temporary paths, one per output, each with its output's file name in a hidden folder on the same
-    file system. On success all are synced and renamed; on any exception, KeyboardInterrupt included, all are removed,
-    and so are the parent folders made here that are empty.
-    Raises: OutputError when an output exists without `overwrite`, is an input, is given twice or cannot be written.
+    overwrite: whether existing files are replaced. inputs: files that must not be written to (None entries are
+    skipped).
+    Yields temporary paths, one per output, each with its output's file name in a hidden folder on the same file system.
+    On success all are synced and renamed; on any exception, KeyboardInterrupt included, all are removed, and so are the
+    parent folders made here that are empty.
+    Raises OutputError when an output exists without `overwrite`, is an input, is given twice or cannot be written.
     """
     finals = [_checked_file(path, overwrite, inputs) for path in paths]
     for k, final in enumerate(finals):
@@ -48,14 +51,16 @@ def staged(*paths, overwrite=False, inputs=()):
 
 
 @contextmanager
-def staged_folder(path, overwrite=False, inputs=(), marker=None):
+def staged_folder(
+    path: Path, overwrite: bool = False, inputs: Iterable[Path | None] = (), marker: str | None = None
+) -> Iterator[Path]:
     """Write a folder so that it appears with all its content or not at all.
 
-    Parameters: path, the folder to write; overwrite, whether an existing folder is replaced as a whole; inputs, files
-    and folders that must not be written to; marker, the name of a file that an existing folder must hold to be
-    replaced, so that a mistyped path never deletes someone's own files (an empty folder is always replaceable).
-    Yields: a temporary folder, renamed on success and removed on any exception.
-    Raises: OutputError as `staged` does, and when the folder to replace holds an input or the current folder.
+    overwrite: whether an existing folder is replaced as a whole. inputs: files and folders that must not be written to.
+    marker: the name of a file that an existing folder must hold to be replaced, so that a mistyped path never deletes
+    someone's own files (an empty folder is always replaceable).
+    Yields a temporary folder, renamed on success and removed on any exception.
+    Raises OutputError as `staged` does, and when the folder to replace holds an input or the current folder.
     """
     final = _checked_folder(path, overwrite, inputs, marker)
     with _write_errors([path]), _staging({final.parent}) as folders:
@@ -65,16 +70,16 @@ def staged_folder(path, overwrite=False, inputs=(), marker=None):
         for folder, _, names in os.walk(temporary):
             for name in names:
                 _sync(Path(folder) / name)
-            _sync_folder(folder)
+            _sync_folder(Path(folder))
         _publish([temporary], [final], [path], overwrite)
 
 
 @contextmanager
-def writing(path):
+def writing(path: Path) -> Iterator[None]:
     """Turn the operating system's refusal to write into an OutputError.
 
-    Parameters: path, the file being written; when it is a temporary path of `staged` the message names the output.
-    Raises: OutputError for any OSError raised inside.
+    path: the file being written; when it is a temporary path of `staged` the message names the output.
+    Raises OutputError for any OSError raised inside.
     """
     try:
         yield
@@ -82,38 +87,36 @@ def writing(path):
         raise OutputError(f"{shown(_final_name(path))}: cannot be written: {_reason(error)}") from error
 
 
-def write_bytes(path, data):
+def write_bytes(path: Path, data: bytes) -> None:
     """Write bytes to a file.
 
-    Parameters: path; data, bytes.
-    Raises: OutputError when it cannot be written.
+    Raises OutputError when it cannot be written.
     """
     with writing(path), open(path, "wb") as stream:
         stream.write(data)
 
 
-def _reason(error):
+def _reason(error: OSError) -> str:
     return shown(error.strerror or error)
 
 
-def _final_name(path):
-    path = Path(path)
-    return Path(*(part for part in path.parts if not part.startswith(_PREFIX)))
+def _final_name(path: Path | str) -> Path:
+    return Path(*(part for part in Path(path).parts if not part.startswith(_PREFIX)))
 
 
 @contextmanager
-def _write_errors(paths):
+def _write_errors(paths: Sequence[Path]) -> Iterator[None]:
     try:
         yield
     except OSError as error:
         named = isinstance(error.filename, str | os.PathLike) and _PREFIX in str(error.filename)
         if not named and error.errno not in _WRITE_ERRORS:
             raise
-        name = _final_name(error.filename) if named else paths[0]
+        name = _final_name(str(error.filename)) if named else paths[0]
         raise OutputError(f"{shown(name)}: cannot be written: {_reason(error)}") from error
 
 
-def _resolved(path, inputs):
+def _resolved(path: Path, inputs: Iterable[Path | None]) -> Path:
     try:
         final = Path(os.path.realpath(path))
         with writing(path):
@@ -125,26 +128,26 @@ def _resolved(path, inputs):
     return final
 
 
-def _same(first, second):
+def _same(first: Path, second: Path) -> bool:
     try:
         return os.path.samefile(first, second)
     except OSError:
         return False
 
 
-def _checked_file(path, overwrite, inputs):
+def _checked_file(path: Path, overwrite: bool, inputs: Iterable[Path | None]) -> Path:
     final = _resolved(path, inputs)
     with writing(path):
         if final.exists():
             if not final.is_file():
-                found = "a folder" if final.is_dir() else "something that is not a regular file"
-                raise OutputError(f"{shown(path)}: expected a file to write, found {found}")
+                other = "a folder" if final.is_dir() else "something that is not a regular file"
+                raise OutputError(f"{shown(path)}: expected a file to write, found {other}")
             if not overwrite:
                 raise OutputError(f"{shown(path)} exists; give --overwrite to replace it")
     return final
 
 
-def _checked_folder(path, overwrite, inputs, marker):
+def _checked_folder(path: Path, overwrite: bool, inputs: Iterable[Path | None], marker: str | None) -> Path:
     final = _resolved(path, inputs)
     with writing(path):
         if not final.exists():
@@ -164,9 +167,10 @@ def _checked_folder(path, overwrite, inputs, marker):
 
 
 @contextmanager
-def _staging(parents):
-    created = []
-    folders = {}
+def _staging(parents: set[Path]) -> Iterator[dict[Path, Path]]:
+    """Hidden folders in the parents, which are made where they are not there; all goes away at the end."""
+    created: list[Path] = []
+    folders: dict[Path, Path] = {}
     try:
         for parent in sorted(parents):
             for folder in reversed([parent, *parent.parents]):
@@ -186,8 +190,9 @@ def _staging(parents):
                 folder.rmdir()
 
 
-def _publish(temporaries, finals, paths, overwrite):
-    moved = []
+def _publish(temporaries: Sequence[Path], finals: Sequence[Path], paths: Sequence[Path], overwrite: bool) -> None:
+    """Give the finished files their places; what fails half way is taken back."""
+    moved: list[tuple[Path, Path, Path | None]] = []
     try:
         for temporary, final, path in zip(temporaries, finals, paths, strict=True):
             backup = None
@@ -213,7 +218,7 @@ def _publish(temporaries, finals, paths, overwrite):
         _sync_folder(parent)
 
 
-def _sync(path):
+def _sync(path: Path) -> None:
     descriptor = os.open(path, os.O_RDONLY)
     try:
         os.fsync(descriptor)
@@ -221,7 +226,7 @@ def _sync(path):
         os.close(descriptor)
 
 
-def _sync_folder(path):
+def _sync_folder(path: Path) -> None:
     # Some file systems cannot sync a folder; the files themselves are synced by then.
     with suppress(OSError):
         _sync(path)

@@ -22,13 +22,13 @@ CELEBAMASK_HQ = {
 """Label numbers of CelebAMask-HQ, by the names used here; left and right are the picture's."""
 
 
-def read_parsing(path):
+def read_parsing(path: Path) -> tuple[np.ndarray, dict[str, int]]:
     """Read a label map.
 
-    Parameters: path of a PNG of one byte a pixel, grey or with a palette; the JSON beside it, of the same stem, names
-    its labels: `{"schema": "caricli.parsing/1", "labels": {"skin": 1, ...}}`. Without one they are CelebAMask-HQ's.
-    Returns: (H,W) uint8, and a dict of names to numbers.
-    Raises: InputError when it is no such picture, too large, or the legend is malformed.
+    path: a PNG of one byte a pixel, grey or with a palette; the JSON beside it, of the same stem, names its labels:
+    `{"schema": "caricli.parsing/1", "labels": {"skin": 1, ...}}`. Without one they are CelebAMask-HQ's.
+    Returns (H,W) uint8, and the numbers of the labels by their names.
+    Raises InputError when it is no such picture, too large, or the legend is malformed.
     """
     from PIL import Image
 
@@ -37,8 +37,8 @@ def read_parsing(path):
         # Pillow warns of sizes above a cap of its own; the cap here is lower and refuses.
         with warnings.catch_warnings(action="ignore"), Image.open(io.BytesIO(data), formats=("PNG",)) as image:
             if image.width * image.height > MAX_IMAGE_PIXELS or image.mode not in ("L", "P", "1"):
-                found = f"{image.width} x {image.height} of mode {image.mode}"
-                raise InputError(f"{shown(path)}: expected a PNG of label numbers, one byte a pixel, found {found}")
+                kind = f"{image.width} x {image.height} of mode {image.mode}"
+                raise InputError(f"{shown(path)}: expected a PNG of label numbers, one byte a pixel, found {kind}")
             labels = np.array(image.convert("L") if image.mode == "1" else image)
     except InputError:
         raise
@@ -48,10 +48,9 @@ def read_parsing(path):
     return labels, _read_legend(legend) if legend.is_file() else dict(CELEBAMASK_HQ)
 
 
-def _read_legend(path):
+def _read_legend(path: Path) -> dict[str, int]:
     value = read_json(path)
     names = value.get("labels") if isinstance(value, dict) and value.get("schema") == SCHEMA else None
-    sound = isinstance(names, dict) and all(type(n) is int and 0 <= n < 256 for n in names.values())
-    if not sound:
+    if not isinstance(names, dict) or not all(type(n) is int and 0 <= n < 256 for n in names.values()):
         raise InputError(f"{shown(path)}: expected schema {SCHEMA!r} and labels from 0 to 255, found another JSON")
     return names

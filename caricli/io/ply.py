@@ -9,13 +9,15 @@ import numpy as np
 from caricli.errors import InputError, naming, shown
 from caricli.io.files import content_kind, read_bytes
 from caricli.io.outputs import write_bytes
-from caricli.limits import MAX_CORNERS, MAX_FILE_BYTES, MAX_POLYGONS, MAX_VERTICES
+from caricli.limits import MAX_FILE_BYTES, MAX_POLYGONS, MAX_VERTICES
 from caricli.structures import Mesh
 
 _KIND = "a PLY file"
 _MAX_HEADER_BYTES = 2**16
 _MAX_PROPERTIES = 256
-_MOST = {"vertex": MAX_VERTICES, "face": MAX_POLYGONS}
+_MAX_EMPTY_LINES = 16
+_KEYWORDS = (b"format", b"comment", b"obj_info", b"element", b"property")
+_FORMS = ([b"ascii"], [b"binary_little_endian"], [b"binary_big_endian"])
 
 
 def read_ply(path: Path) -> Mesh:
@@ -50,21 +52,31 @@ def _check_header(data: bytes) -> None:
     """Refuse what a header claims beyond the caps, before memory is asked for by it."""
     if data[:4] not in (b"ply\n", b"ply\r"):
         raise InputError(f"expected {_KIND}, found {content_kind(data) or 'something else'}")
-    header, marker, _ = data[:_MAX_HEADER_BYTES].partition(b"end_header")
-    if not marker:
+    head = data[:_MAX_HEADER_BYTES]
+    lines = [line.split() for line in head.split(b"\n")]
+    if [b"end_header"] not in lines:
         raise InputError(f"expected {_KIND} with a header of at most {_MAX_HEADER_BYTES} bytes, found none")
-    lines = [line.split() for line in header.splitlines()]
-    if sum(words[:1] == [b"property"] for words in lines) > _MAX_PROPERTIES:
+    lines = lines[: lines.index([b"end_header"])]
+    # Only what trimesh takes for the same thing: a line that it alone read as an element could claim anything.
+    odd = next((words for words in lines[1:] if not words or words[0] not in _KEYWORDS), None)
+    if odd is not None:
+        raise InputError(f"expected a line of a PLY header, found {shown(b' '.join(odd), 60)!r}")
+    if len(lines) < 2 or lines[1][:1] != [b"format"] or lines[1][1:2] not in _FORMS:
+        raise InputError("expected 'format ascii 1.0' or a binary format in line 2, found none")
+    if sum(words[0] == b"property" for words in lines) > _MAX_PROPERTIES:
         raise InputError(f"expected at most {_MAX_PROPERTIES} properties, found more")
-    rows = 0
-    for words in lines:
-        if words[:1] == [b"element"]:
-            rows += _element_count(words)
-    if [b"format", b"ascii"] in [words[:2] for words in lines]:
-        # Every line of a text becomes an array, and lines that are not there would only be left out.
-        line_count = data[len(header) :].strip().count(b"\n")
-        if line_count != rows:
-            raise InputError(f"expected {rows} lines of values, found {line_count}")
+    rows = sum(_element_count(words) for words in lines if words[0] == b"element")
+    if rows > MAX_VERTICES + MAX_POLYGONS:
+        raise InputError(f"expected at most {MAX_VERTICES + MAX_POLYGONS} rows, found {rows}")
+    if lines[1][1] == b"ascii":
+        _check_line_count(data, rows, len(lines) + 1)
+
+
+def _check_line_count(data: bytes, rows: int, header_lines: int) -> None:
+    # Every line of a text becomes an array, and lines that are not there would only be left out.
+    line_count = data.count(b"\n") + (not data.endswith(b"\n")) - header_lines
+    if not rows <= line_count <= rows + _MAX_EMPTY_LINES:
+        raise InputError(f"expected {rows} lines of values, found {line_count}")
 
 
 def _element_count(words: list[bytes]) -> int:
@@ -74,10 +86,11 @@ def _element_count(words: list[bytes]) -> int:
         raise InputError(f"expected 'element NAME COUNT' in the header, found {shown(b' '.join(words), 60)!r}")
     if name == "edge":
         raise InputError("expected vertices and faces only, found edges")
-    most = _MOST.get(name, MAX_CORNERS)
-    if int(words[2]) > most:
-        raise InputError(f"expected at most {most} of {shown(name, 40)}, found {int(words[2])}")
-    return int(words[2])
+    count = int(words[2])
+    most = MAX_VERTICES if name == "vertex" else MAX_POLYGONS
+    if count > most:
+        raise InputError(f"expected at most {most} of {shown(name, 40)}, found {count}")
+    return count
 
 
 def _load(data: bytes) -> dict:

@@ -54,10 +54,12 @@ def _check_size(data: bytes) -> None:
     count = int.from_bytes(data[_HEADER_BYTES - 4 : _HEADER_BYTES], "little")
     if len(data) != _HEADER_BYTES + _TRIANGLE_BYTES * count:
         kind = content_kind(data)
-        if kind or not data.lstrip()[:5].lower() == b"solid":
+        text = data.lower()
+        if kind or not text.lstrip().startswith(b"solid"):
             raise InputError(f"expected {_KIND}, found {kind or 'something else'} or a truncated one")
-        count = data.lower().count(b"vertex") // 3
-        if data.lower().count(b"endsolid") > _MAX_SOLIDS:
+        # These words are what trimesh splits the text at.
+        count = max(text.count(b"vertex") // 3, text.count(b"normal"))
+        if text.count(b"endsolid") > _MAX_SOLIDS:
             raise InputError(f"expected at most {_MAX_SOLIDS} solids, found more")
     if count > MAX_POLYGONS:
         raise InputError(f"expected at most {MAX_POLYGONS} triangles, found {count}")

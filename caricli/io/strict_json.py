@@ -4,6 +4,9 @@ import json
 import math
 import os
 import re
+from collections import Counter
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -16,22 +19,20 @@ _STRING = re.compile(rb'"(?:[^"\\]|\\.)*+"?', re.DOTALL)
 _NOT_BRACKET = re.compile(rb"[^\[\]{}]+")
 
 
-def read_json(path):
-    """Read a JSON file strictly.
+def read_json(path: Path) -> Any:
+    """Read a JSON file strictly: at most MAX_JSON_BYTES of UTF-8.
 
-    Parameters: path, a file of at most MAX_JSON_BYTES in UTF-8.
-    Returns: the value; numbers are finite, keys of an object are distinct, nesting is at most MAX_JSON_DEPTH.
-    Raises: InputError otherwise.
+    Returns the value; numbers are finite, keys of an object are distinct, nesting is at most MAX_JSON_DEPTH.
+    Raises InputError otherwise.
     """
     return parse_json(read_bytes(path, MAX_JSON_BYTES, "a JSON file"), path)
 
 
-def parse_json(data, name):
+def parse_json(data: bytes, name: object) -> Any:
     """Turn bytes into a JSON value, with the same strictness as `read_json`.
 
-    Parameters: data, bytes; name, the file for the message.
-    Returns: the value.
-    Raises: InputError when it is not strict JSON.
+    name: the file, for the message.
+    Raises InputError when it is not strict JSON.
     """
     text = decode_text(data, name, "a JSON file")
     brackets = np.frombuffer(_NOT_BRACKET.sub(b"", _STRING.sub(b"", data)), np.uint8)
@@ -53,32 +54,31 @@ def parse_json(data, name):
     return value
 
 
-def write_json(path, value):
+def write_json(path: Path, value: Any) -> None:
     """Write a value as JSON: insertion order, indent 2, UTF-8, a newline at the end.
 
-    Parameters: path; value, made of dicts, lists, tuples, strings, numbers, bools, None, paths and NumPy values.
-    Raises: OutputError when a number is not finite or the file cannot be written.
+    value: made of dicts, lists, tuples, strings, numbers, bools, None, paths and NumPy values.
+    Raises OutputError when a number is not finite or the file cannot be written.
     """
     write_bytes(path, format_json(value, path).encode("utf-8"))
 
 
-def format_json(value, name, indent=2):
-    """Return the text that `write_json` writes.
+def format_json(value: Any, name: object, indent: int | None = 2) -> str:
+    """The text that `write_json` writes; it ends in a newline.
 
-    Parameters: value as in `write_json`; name, the file for the message; indent, spaces, or None for one line.
-    Returns: str that ends in a newline.
-    Raises: OutputError when a number is not finite or a text is not UTF-8.
+    name: the file, for the message. indent: spaces, or None for one line.
+    Raises OutputError when a number is not finite or a text is not UTF-8.
     """
     try:
         text = json.dumps(value, indent=indent, allow_nan=False, ensure_ascii=False, default=_plain) + "\n"
         text.encode("utf-8")
     except ValueError as error:
-        found = shown(error, 120)
-        raise OutputError(f"{shown(name)}: expected finite numbers and UTF-8 text, found: {found}") from None
+        reason = shown(error, 120)
+        raise OutputError(f"{shown(name)}: expected finite numbers and UTF-8 text, found: {reason}") from None
     return text
 
 
-def _plain(value):
+def _plain(value: Any) -> Any:
     if isinstance(value, np.ndarray | np.generic):
         return value.tolist()
     if isinstance(value, os.PathLike):
@@ -86,27 +86,27 @@ def _plain(value):
     raise TypeError(f"{type(value).__name__} has no JSON form")
 
 
-def _distinct(pairs):
+def _distinct(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     value = dict(pairs)
     if len(value) < len(pairs):
-        seen = set()
-        key = next(key for key, _ in pairs if key in seen or seen.add(key))
+        counts = Counter(key for key, _ in pairs)
+        key = next(key for key, count in counts.items() if count > 1)
         raise ValueError(f"the key {shown(key, 40)!r} twice")
     return value
 
 
-def _refuse_constant(text):
+def _refuse_constant(text: str) -> float:
     raise ValueError(f"{text}, which is not a number")
 
 
-def _finite(text):
+def _finite(text: str) -> float:
     value = float(text)
     if not math.isfinite(value):
         raise ValueError(f"the number {shown(text, 40)}, which is too large")
     return value
 
 
-def _integer(text):
+def _integer(text: str) -> int:
     if len(text) > 40:
         raise ValueError(f"the number {shown(text, 40)}, which is too large")
     return int(text)

@@ -1,6 +1,8 @@
 """What a training needs to go on: tensors and counters in one file, loaded without running code."""
 
 import pickle
+from pathlib import Path
+from typing import Any
 
 from caricli.errors import InputError, shown
 from caricli.io.outputs import staged, writing
@@ -10,11 +12,11 @@ SCHEMA = "caricli.training/1"
 _DAMAGE = OSError, RuntimeError, pickle.UnpicklingError, EOFError, KeyError, TypeError, ValueError, AttributeError
 
 
-def write_state(path, state, recipe):
+def write_state(path: Path, state: dict, recipe: Any) -> None:
     """Replace the state of a training at once: killed while it writes, the one before stays.
 
-    Parameters: path; state, dict of tensors, numbers, lists and dicts; recipe, JSON value, what is being trained.
-    Raises: OutputError when it cannot be written.
+    state: tensors, numbers, lists and dicts by name. recipe: JSON value, what is being trained.
+    Raises OutputError when it cannot be written.
     """
     import torch
 
@@ -22,12 +24,12 @@ def write_state(path, state, recipe):
         torch.save({"schema": SCHEMA, "recipe": recipe, "state": state}, stream)
 
 
-def read_state(path, device="cpu"):
+def read_state(path: Path, device: Any = "cpu") -> tuple[dict, Any]:
     """Read the state of a training.
 
-    Parameters: path; device, where its tensors go.
-    Returns: (state, recipe) as `write_state` took them.
-    Raises: InputError when it is missing, truncated, of another schema or holds anything but plain values.
+    device: where its tensors go.
+    Returns the state and the recipe as `write_state` took them.
+    Raises InputError when it is missing, truncated, of another schema or holds anything but plain values.
     """
     import torch
 

@@ -1,7 +1,9 @@
 """Moving pictures: MP4 through OpenCV, GIF through Pillow."""
 
+from collections.abc import Iterable, Iterator
 from itertools import chain
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -12,13 +14,13 @@ VIDEO_SUFFIXES = (".mp4", ".gif")
 _MAX_GIF_FPS = 50  # shorter frames are shown a tenth of a second by browsers
 
 
-def write_video(path, frames, fps):
+def write_video(path: Path, frames: Iterable[np.ndarray], fps: float) -> None:
     """Write a video; an odd width or height is made even by repeating the last column or row.
 
     Frames are taken one at a time; an MP4 (MPEG-4 part 2) keeps none of them, a GIF its own, each with its palette.
-    Parameters: path that ends in .mp4 or .gif; frames, iterable of (H,W,3) uint8 RGB of one size; fps, above 0, for a
-    GIF at most 50.
-    Raises: OutputError when the name ends otherwise, the rate is none, there is no frame, the sizes differ, no encoder
+    path: ends in .mp4 or .gif. frames: (H,W,3) uint8 RGB of one size. fps: frames a second, above 0, for a GIF at most
+    50.
+    Raises OutputError when the name ends otherwise, the rate is none, there is no frame, the sizes differ, no encoder
     can be opened, or the file cannot be written.
     """
     suffix = Path(path).suffix.lower()
@@ -28,16 +30,19 @@ def write_video(path, frames, fps):
     if not 0 < fps <= most:
         expected = f"above 0 and at most {most} frames a second for {suffix}"
         raise OutputError(f"{shown(path)}: expected {expected}, found {fps:g}; give another --fps")
-    frames = _even(frames, path)
-    first = next(frames, None)
+    even = _even(frames, path)
+    first = next(even, None)
     if first is None:
         raise OutputError(f"{shown(path)}: expected at least one frame, found none")
     with writing(path):
-        (_write_gif if suffix == ".gif" else _write_mp4)(path, chain([first], frames), first.shape, fps)
+        if suffix == ".gif":
+            _write_gif(path, chain([first], even), fps)
+        else:
+            _write_mp4(path, chain([first], even), first.shape, fps)
 
 
-def _even(frames, path):
-    shape = None
+def _even(frames: Iterable[np.ndarray], path: Path) -> Iterator[np.ndarray]:
+    shape: tuple[int, ...] | None = None
     for frame in frames:
         if frame.dtype != np.uint8 or frame.ndim != 3 or frame.shape[2] != 3 or 0 in frame.shape:
             raise OutputError(f"{shown(path)}: expected frames (H,W,3) uint8, found {frame.shape} {frame.dtype}")
@@ -47,14 +52,15 @@ def _even(frames, path):
         yield np.pad(frame, ((0, shape[0] % 2), (0, shape[1] % 2), (0, 0)), "edge")
 
 
-def _write_mp4(path, frames, shape, fps):
+def _write_mp4(path: Path, frames: Iterable[np.ndarray], shape: tuple[int, ...], fps: float) -> None:
     import cv2
 
     level = cv2.utils.logging.getLogLevel()
     cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)
     try:
+        letters = cv2.VideoWriter_fourcc(*"mp4v")  # type: ignore[attr-defined]  # OpenCV's own stubs lack it
         # MPEG-4 holds rates as fractions of 16 bits.
-        writer = cv2.VideoWriter(str(path), cv2.VideoWriter_fourcc(*"mp4v"), round(fps, 2), shape[1::-1])
+        writer = cv2.VideoWriter(str(path), letters, round(fps, 2), shape[1::-1])
         if not writer.isOpened():
             raise OutputError(
                 f"{shown(path)}: cannot be written: this machine's OpenCV has no MPEG-4 encoder; try .gif"
@@ -70,10 +76,10 @@ def _write_mp4(path, frames, shape, fps):
         raise OutputError(f"{shown(path)}: cannot be written: OpenCV wrote nothing")
 
 
-def _write_gif(path, frames, shape, fps):
+def _write_gif(path: Path, frames: Iterable[np.ndarray], fps: float) -> None:
     from PIL import Image
 
-    def pictures():
+    def pictures() -> Iterator[Any]:
         for k, frame in enumerate(frames):
             # Dither would crawl over a face that stands still.
             picture = Image.fromarray(frame).quantize(256, Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE)
@@ -81,7 +87,7 @@ def _write_gif(path, frames, shape, fps):
             picture.info["duration"] = 10 * (round(100 * (k + 1) / fps) - round(100 * k / fps))
             yield picture
 
-    pictures = pictures()
-    first = next(pictures)
+    following = pictures()
+    first = next(following)
     with open(path, "wb") as stream:
-        first.save(stream, "GIF", save_all=True, append_images=pictures, loop=0, disposal=1)
+        first.save(stream, "GIF", save_all=True, append_images=following, loop=0, disposal=1)

@@ -5,7 +5,7 @@ import numpy as np
 from caricli.errors import InputError
 from caricli.render.blend import over
 from caricli.render.curved_triangles import split_long_edges
-from caricli.render.sample_texture import sample_texture
+from caricli.render.sample_texture import sample_texture_finely
 from caricli.render.shade import CLAY, Look, shade
 from caricli.render.sky import sky_visibility
 from caricli.render.smooth_normals import smooth_normals
@@ -80,7 +80,7 @@ def _painted(rig: Rig, points: np.ndarray, normals: np.ndarray, visibility: np.n
         places, faces, _, (uvs, seen) = split_long_edges(
             points[at], faces.reshape(-1, 3), normals[at], carried, longest
         )
-        colours = np.broadcast_to(plain, places.shape) if image is None else sample_texture(image, uvs)
+        colours = np.broadcast_to(plain, places.shape) if image is None else sample_texture_finely(image, uvs)
         parts.append((places, faces + count, colours, seen))
         count += len(places)
     points, faces, colours, seen = (np.concatenate(part) for part in zip(*parts, strict=True))

@@ -33,8 +33,19 @@ def sample_texture(texture: np.ndarray, uvs: np.ndarray) -> np.ndarray:
     return sample_pixels(texture, places[:, 0], places[:, 1]).astype(np.float64)
 
 
+def sample_texture_finely(texture: np.ndarray, uvs: np.ndarray) -> np.ndarray:
+    """As `sample_texture`, but without OpenCV's rounding to 1/32 of a texel and to whole grey levels.
+
+    For colours that are interpolated further. texture: (H, W, C). uvs: (N, 2).
+    Returns (N, C).
+    """
+    height, width, channels = texture.shape
+    texels = np.arange(height * width).reshape(height, width)
+    return texture_matrix(texels, texels.size, uvs) @ texture.reshape(-1, channels)
+
+
 def texture_matrix(owner: np.ndarray, count: int, uvs: np.ndarray) -> sp.csr_matrix:
-    """What `sample_texture` takes of every colour, where texels share colours.
+    """What bilinear samples take of every colour, where texels share colours.
 
     owner: (H, W) int, the colour that a texel has, of ``count``. uvs: (N, 2).
     Returns (N, count), sparse.

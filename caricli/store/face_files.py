@@ -1,16 +1,18 @@
 """The files of a face: its mesh for other tools, and its NPZ for the next command."""
 
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Container, Iterable, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TypeVar
+from typing import Any
 
 import numpy as np
 
 from caricli.io.face import write_face
+from caricli.io.image import write_png
 from caricli.io.mesh import write_mesh
-from caricli.methods.faces.subdivide_face import subdivide_face
-from caricli.models.shape_model import ShapeModel
+from caricli.io.strict_json import write_json
+from caricli.methods.faces.draw_face import FaceDrawing
+from caricli.methods.faces.encode_face import EncodedFace
 from caricli.structures import Face
 from caricli.template.fine_mesh import FineMesh
 
@@ -18,19 +20,72 @@ _ROUNDING = 1e-6
 """Residuals up to this are what single precision loses, and are left out."""
 
 
-def write_face_files(mesh_file: Path, npz_file: Path, face: Face, finer: FineMesh) -> None:
-    """Write the mesh of a face, in the format of its suffix, and its NPZ.
+def write_face_result(
+    files: Sequence[Path], face: Face, drawing: FaceDrawing, description: dict[str, Any], sheet: np.ndarray
+) -> None:
+    """Write the four files of a face.
 
-    face: Face in its model's own mesh. finer: FineMesh in the shape of the face.
+    files: paths of the mesh, whose suffix says its format, the NPZ, the JSON and the PNG.
+    face: Face in its model's own mesh. drawing: FaceDrawing with the finer mesh. description: JSON value.
+    sheet: (H, W, 3) uint8.
     Raises OutputError when a file cannot be written.
     """
+    write_face_files(files[0], files[1], face, drawing.finer(face))
+    write_json(files[2], description)
+    write_png(files[3], sheet)
+
+
+def write_face_files(mesh_file: Path, npz_file: Path, face: Face, finer: FineMesh) -> None:
+    """Write mesh and NPZ alone; see ``write_face_result``."""
     write_mesh(mesh_file, finer.mesh)
     if face.residual is not None and not np.abs(face.residual).max() > _ROUNDING:
         face = replace(face, residual=None)
     write_face(npz_file, face)
 
 
-def series_files(folder: Path, name: str, count: int, sheet: str) -> list[Path]:
-    """Files of many faces: OBJ and NPZ of each in turn, named name-000 and so on; then PNG and JSON of a sheet."""
-    faces = [folder / f"{name}-{number:03d}{suffix}" for number in range(count) for suffix in (".obj", ".npz")]
-    return [*faces, folder / f"{sheet}.png", folder / f"{sheet}.json"]
+@dataclass(frozen=True)
+class FaceSeries:
+    """Many faces in a folder: name-000.obj and .npz and so on; and the PNG and JSON of a sheet.
+
+    folder: path. name: that files of faces begin with. count: number of faces. sheet: stem of the sheet's files.
+    """
+
+    folder: Path
+    name: str
+    count: int
+    sheet: str
+
+    @property
+    def stems(self) -> list[str]:
+        """Of the faces' files."""
+        return [f"{self.name}-{number:03d}" for number in range(self.count)]
+
+    @property
+    def files(self) -> list[Path]:
+        """Mesh and NPZ of every face in turn, then the PNG and the JSON of the sheet."""
+        names = [f"{stem}{suffix}" for stem in self.stems for suffix in (".obj", ".npz")]
+        return [self.folder / name for name in (*names, f"{self.sheet}.png", f"{self.sheet}.json")]
+
+    def write(
+        self,
+        files: Sequence[Path],
+        faces: Iterable[tuple[EncodedFace, dict[str, Any]]],
+        drawing: FaceDrawing,
+        drawn: Container[int],
+        report: Callable[[int, int], None],
+    ) -> tuple[list[dict[str, Any]], list[list[np.ndarray]]]:
+        """Write faces as they come.
+
+        files: where, in the order of ``files``. faces: ``count`` pairs of a face and its figures. drawing: FaceDrawing.
+        drawn: numbers of the faces to draw. report: called with how many are done, and ``count``.
+        Returns the rows of a report, and the views of those that were drawn.
+        """
+        rows = []
+        views = []
+        for number, (face, figures) in enumerate(faces):
+            write_face_files(*files[2 * number : 2 * number + 2], face, drawing.finer(face))
+            if number in drawn:
+                views.append(drawing.draw(face))
+            rows.append({"face": self.stems[number]} | figures)
+            report(number + 1, self.count)
+        return rows, views

@@ -1,72 +1,121 @@
-"""Faces of files, in the terms of a model."""
+"""Faces by path, in the terms of a model, and the files that they become."""
 
 from dataclasses import replace
+from pathlib import Path
 
-from caricli.errors import InputError, shown
-from caricli.io.face import read_face
-from caricli.methods.faces.encode_face import encode_face
+import numpy as np
+
+from caricli.errors import InputError, naming, shown
+from caricli.io.face import read_face, write_face
+from caricli.io.gltf.write_gltf import write_gltf
+from caricli.io.image import write_png
+from caricli.io.obj import write_obj
+from caricli.methods.faces.encode_face import EncodedFace, encode_face
+from caricli.methods.texture.paint_head import Painted
+from caricli.models.morphable.model import MorphableModel
+from caricli.models.shape_model import ShapeModel
 from caricli.store.models import DEFAULT_ELASTIC, bundled_kind, load_model, model_name
+from caricli.store.rig_sources import EYES_FILE
+from caricli.structures import Face, Mesh
+
+SKIN_FILE = "texture.png"
+"""Name of the picture of the skin beside its OBJ."""
+
+_SMALLEST = 0.2
+_LARGEST = 5.0
+"""Heights of the template between which a face is a head in metres."""
 
 
-def load_face(path, model):
+def load_face(path: Path, model: ShapeModel) -> Face:
     """The Face of a file, OBJ or NPZ, refused when its mesh is not the model's or its size not a head's."""
-    face, template = read_face(path), model.template
+    face = read_face(path)
+    template = model.template
     if face.mesh.topology_id != template.topology_id:
         raise InputError(
             f"{shown(path)}: expected the topology of the model ({len(template.vertices)} vertices, "
             f"{len(template.faces)} triangles), found another ({len(face.vertices)} vertices, {len(face.faces)})"
         )
-    height = float(np.ptp(face.vertices[:, 1]))
-    if not 0.2 < height / template.height < 5:
+    height = face.mesh.height
+    if not _SMALLEST < height / template.height < _LARGEST:
         raise InputError(f"{shown(path)}: expected a head about {template.height:.3g} m high, found {height:.3g} m")
     return face
 
 
-def load_seen_face(path, model=None):
+def load_seen_face(path: Path, model: Path | None = None) -> tuple[Face, ShapeModel]:
     """A face that knows its camera, with what it is a face of.
 
     path: NPZ. model: path of the model of its mesh; where none is given, the bundled one that made it, or the default.
-    Returns Face, ShapeModel and Camera. Raises InputError for a face without a camera.
+    Returns Face, without a latent that is not the model's, and ShapeModel. Raises InputError for a face without a
+    camera.
     """
     kind = None if model is not None else bundled_kind(read_face(path).model_id)
     shape_model = load_model(model, kind or DEFAULT_ELASTIC)
     face = load_face(path, shape_model)
     if face.latent is not None and face.model_id != shape_model.model_id:
         face = replace(face, latent=None, residual=None)
-    return face, shape_model, face_camera(face, path)
+    with naming(path):
+        face.require_camera()
+    return face, shape_model
 
 
-def face_camera(face, path):
-    """The Camera of a Face that was read from a path. Raises InputError for a face without one."""
-    if face.camera is None:
-        raise InputError(
-            f"{shown(path)}: expected a face with the camera of its picture, found none; make one with caricli "
-            "reconstruct-from-landmarks and give its NPZ"
-        )
-    return face.camera
-
-
-def load_latent_face(path, model, anew=False):
+def load_latent_face(path: Path, model: ShapeModel, anew: bool = False) -> tuple[EncodedFace, str | None]:
     """A face for commands that need a latent: its own where the file has one, else it is encoded first.
 
     path: OBJ or NPZ. model: ShapeModel. anew: encode also what has a latent of another bundled model.
-    Returns EncodedFace, the Face of the file, and a line that says that it was encoded, or None.
+    Returns the EncodedFace in the model's own mesh, and a line that says that it was encoded, or None.
     Raises InputError for another topology, and for a latent of another model.
     """
-    face, dimension = load_face(path, model), len(model.prior.mean)
+    face = load_face(path, model)
+    # What is made of it is in the model's own polygons and UVs.
+    face = replace(face, mesh=model.template.with_vertices(face.vertices))
+    dimension = len(model.prior.mean)
     foreign = anew and face.model_id != model.model_id and bundled_kind(face.model_id)
     if face.latent is None or face.model_id is None or foreign:
-        code = encode_face(face.vertices, model)
+        code = encode_face(face, model)
         had = f"its latent is of {model_name(face.model_id)}" if foreign else "had no latent"
         error = f"shape error {code.millimetres:.2f} mm ({code.percent:.2f} %)"
-        return code, face, f"{shown(path)}: {had}; encoded by {model_name(model.model_id)}, {error}"
+        return code, f"{shown(path)}: {had}; encoded by {model_name(model.model_id)}, {error}"
     if face.model_id != model.model_id:
         its, ours = (bundled_kind(i) or "MODEL" for i in (face.model_id, model.model_id))
-        names = model_name(face.model_id), model_name(model.model_id)
         raise InputError(
-            f"{shown(path)}: its latent is of {names[0]}, not of {names[1]}; give --model "
-            f"{its}, or encode it again: caricli encode {shown(path)} --model {ours} --out NEW.npz"
+            f"{shown(path)}: its latent is of {model_name(face.model_id)}, not of {model_name(model.model_id)}; give "
+            f"--model {its}, or encode it again: caricli encode {shown(path)} --model {ours} --out NEW.npz"
         )
     if len(face.latent) != dimension:
         raise InputError(f"{shown(path)}: expected a latent of {dimension} numbers, found {len(face.latent)}")
-    return encode_face(face.vertices, model, face.latent, face.residual), face, None
+    return encode_face(face, model), None
+
+
+def load_identity(path: Path | None, model: MorphableModel) -> tuple[np.ndarray, str | None]:
+    """Identity coefficients (I,) of a face, or of the mean face where there is none.
+
+    path: OBJ or NPZ, or None. Returns them, and a line that says that the face was encoded, or None.
+    Raises InputError for another topology, and for a latent of a model that is not bundled.
+    """
+    if path is None:
+        return np.zeros(len(model.identity)), None
+    code, note = load_latent_face(path, model, anew=True)
+    return model.parts(code.latent)[0], note
+
+
+def write_painted_head(folder: Path, painted: Painted, face: Face) -> None:
+    """Write a textured head: OBJ with material and pictures, NPZ for the next command, GLB with eyes.
+
+    folder: of face.obj, .mtl, .npz and .glb, texture.png and eyes.png. face: Face that was painted.
+    Raises OutputError when a file cannot be written.
+    """
+    rig = painted.rig
+    assert rig.texture is not None
+    write_png(folder / SKIN_FILE, rig.texture)
+    if rig.eye_texture is not None:
+        write_png(folder / EYES_FILE, rig.eye_texture)
+    mesh = _trimmed(painted.head)
+    write_obj(folder / "face.obj", mesh, SKIN_FILE)
+    write_face(folder / "face.npz", replace(face, mesh=mesh))
+    write_gltf(folder / "face.glb", rig)
+
+
+def _trimmed(mesh: Mesh) -> Mesh:
+    """The mesh without the last UVs, those of parts that it does not have."""
+    assert mesh.uvs is not None and mesh.uv_polygons is not None
+    return Mesh(mesh.vertices, mesh.polygons, mesh.uvs[: mesh.uv_polygons.max() + 1], mesh.uv_polygons)

@@ -5,11 +5,13 @@ from pathlib import Path
 
 from caricli.errors import InputError, shown
 from caricli.io.face import read_face
+from caricli.io.gltf.read_gltf import read_gltf
 from caricli.io.image import read_image
 from caricli.io.mtl import texture_path
+from caricli.io.rig import read_rig
 from caricli.methods.rig.expression_templates import ExpressionTemplates
 from caricli.methods.rig.make_rig import Pictures
-from caricli.structures import Mesh
+from caricli.structures import Mesh, Rig
 
 EYES_FILE = "eyes.png"
 """Name of the picture of the eyes beside that of the skin."""
@@ -26,6 +28,11 @@ def load_neutral(path: Path, templates: ExpressionTemplates) -> Mesh:
             "give --templates for a mesh of your own"
         )
     return mesh
+
+
+def load_rig(path: Path) -> Rig:
+    """The Rig of an NPZ, or of a GLB, ours or another program's. Raises InputError."""
+    return read_gltf(path) if path.suffix.lower() == ".glb" else read_rig(path)
 
 
 @dataclass(frozen=True)

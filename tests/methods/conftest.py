@@ -36,10 +36,10 @@ def kernel():
 
 @dataclass(frozen=True)
 class Truth:
-    """A face, the pose in which it was seen, and its 68 or 81 landmarks in pixels."""
+    """A face, the camera that saw it, and its 68 or 81 landmarks in pixels."""
 
     vertices: np.ndarray
-    pose: Camera
+    camera: Camera
     points: np.ndarray
 
 
@@ -51,10 +51,10 @@ def seen(intrinsic):
         turns = np.radians([[pitch, 0, 0], [0, yaw, 0], [0, 0, roll]])
         matrices = rotation_matrices(turns)
         rotation = matrices[2] @ matrices[0] @ matrices[1] @ FRONT
-        pose = Camera(1500.0, rotation, np.array([310.0, 540.0]))
+        camera = Camera(1500.0, rotation, np.array([310.0, 540.0]))
         note = intrinsic.template.annotation
         jaw = slide_contour(vertices, rotation, intrinsic.template.vertices, note.landmarks[:17], note.jaw_paths)
-        return Truth(vertices, pose, pose.project(vertices[np.r_[jaw, note.landmarks[17:count]]]))
+        return Truth(vertices, camera, camera.project(vertices[np.r_[jaw, note.landmarks[17:count]]]))
 
     return make
 

@@ -1,32 +1,46 @@
 """Many inputs in one call: one bad item does not stop the others."""
 
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
 import click
 
 from caricli.commands.shared.progress import progress_bar
 from caricli.errors import CaricliError
 
 
-def named_jobs(inputs, noun, out, out_dir, suffix):
+def named_jobs(
+    inputs: Sequence[Path], noun: str, out: Path | None, out_dir: Path | None, *suffixes: str
+) -> list[tuple[Path, Path]]:
     """Pairs of an input and the file to write for it: ``out`` for one, or one in ``out_dir`` under the input's name.
 
-    noun: what the command's help calls an input. suffix: of the files, such as ".obj".
+    noun: what the command's help calls an input. suffixes: that files may have, such as ".obj"; those in ``out_dir``
+    have the first.
     Raises click.UsageError unless exactly one of out and out_dir fits.
     """
     if (out is None) == (out_dir is None):
         raise click.UsageError("Give either --out for one result or --out-dir for many.")
-    if out is not None and (len(inputs) > 1 or out.suffix.lower() != suffix):
-        raise click.UsageError(f"--out takes one {noun} and a name that ends in {suffix}; for more use --out-dir.")
-    jobs = [(path, out or out_dir / f"{path.stem}{suffix}") for path in inputs]
+    if out is not None and (len(inputs) > 1 or out.suffix.lower() not in suffixes):
+        ends = " or ".join(suffixes)
+        raise click.UsageError(f"--out takes one {noun} and a name that ends in {ends}; for more use --out-dir.")
+    jobs = [(path, _target(path, out, out_dir, suffixes[0])) for path in inputs]
     if len({target for _, target in jobs}) < len(jobs):
         raise click.UsageError(f"Two {noun} have the same name; their results would replace each other.")
     return jobs
 
 
-def run_batch(ctx, items, work, description):
+def _target(path: Path, out: Path | None, out_dir: Path | None, suffix: str) -> Path:
+    if out is not None:
+        return out
+    assert out_dir is not None
+    return out_dir / f"{path.stem}{suffix}"
+
+
+def run_batch(ctx: click.Context, items: Sequence[tuple], work: Callable[..., str], description: str) -> None:
     """Do the work for every item and say what came of it; failures end as a table and exit code 1.
 
-    items: a list of tuples, the first entry the path that a failure is reported under. work: called with the entries of
-    an item, returns the line to print. A single item fails as any command does.
+    items: tuples, the first entry the path that a failure is reported under. work: called with the entries of an item,
+    returns the line to print. description: of the progress. A single item fails as any command does.
     """
     failures = []
     with progress_bar(description) as report:

@@ -35,12 +35,13 @@ def train_and_write(
     from caricli.commands.shared.tables import shape_errors
     from caricli.data.dataset import read_dataset
     from caricli.io.checkpoint import write_checkpoint
-    from caricli.methods.train.train_linear import CONFIGS, train_linear
+    from caricli.methods.train.train_linear import train_linear
+    from caricli.models.kinds import config_class
     from caricli.store.datasets import dataset_files
 
     if out.suffix != ".safetensors":
         raise InputError(f"{out}: expected a name that ends in .safetensors")
-    settings = read_config(config, CONFIGS[kind], overrides)
+    settings = read_config(config, config_class(kind), overrides)
     inputs = (dataset, config, *dataset_files(dataset))
     with (
         staged(out, out.with_suffix(".json"), overwrite=overwrite, inputs=inputs) as (model_file, report_file),

@@ -6,7 +6,7 @@ that something failed by raising a `CaricliError`. Paths are not checked here: t
 missing file is a failure (exit 1), not wrong usage (exit 2).
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import click
@@ -38,9 +38,42 @@ def named(*suffixes: str) -> Callable:
     return check
 
 
-def face_files(path):
-    """The four files of a face: OBJ, NPZ, JSON and PNG of one stem."""
-    return [path.with_suffix(suffix) for suffix in (".obj", ".npz", ".json", ".png")]
+def named_mesh(ctx, param, value):
+    """Refuse a new file whose name ends in no suffix of a mesh."""
+    from caricli.io.mesh import MESH_SUFFIXES
+
+    return named(*MESH_SUFFIXES)(ctx, param, value)
+
+
+def face_files(path: Path) -> list[Path]:
+    """The four files of a face, of one stem: its mesh with the suffix that was typed, NPZ, JSON and PNG."""
+    return [path, *(path.with_suffix(suffix) for suffix in (".npz", ".json", ".png"))]
+
+
+def named_numbers(
+    option: str, texts: Sequence[str], expected: str, noun: str, limits: tuple[float, float] | None = None
+) -> dict[str, float]:
+    """Numbers by name, of an option that is repeated with NAME=NUMBER.
+
+    option: as it is typed. texts: its values. expected: what a message says of their form, with an example. noun: what
+    the names are names of. limits: smallest and largest number, or None for any, nan among them.
+    Raises InputError for another form, another number, and a name that is there twice.
+    """
+    numbers = {}
+    for text in texts:
+        name, _, value = text.rpartition("=")
+        try:
+            number = float(value)
+        except ValueError:
+            raise InputError(f"{option} {text}: expected {expected}") from None
+        if not name:
+            raise InputError(f"{option} {text}: expected {expected}, found the {noun} ''")
+        if limits is not None and not limits[0] <= number <= limits[1]:
+            raise InputError(f"{option} {text}: expected {expected}")
+        numbers[name] = number
+    if len(numbers) < len(texts):
+        raise InputError(f"{option}: expected every {noun} once, found {' '.join(texts)}")
+    return numbers
 
 
 overwrite_option = click.option("--overwrite", is_flag=True, help="Replace outputs that exist.")
@@ -112,11 +145,15 @@ set_option = click.option(
 )
 
 
-def out_option(metavar: str, help: str, required: bool = True, suffix: str | None = None) -> Callable:
-    """Return the option `-o`, `--out` for the output file or folder that `metavar` names; it arrives as `out`."""
-    return click.option(
-        "-o", "--out", type=PATH, metavar=metavar, required=required, help=help, callback=suffix and named(suffix)
-    )
+def out_option(
+    metavar: str, help: str, required: bool = True, suffix: str | None = None, check: Callable | None = None
+) -> Callable:
+    """Return the option `-o`, `--out` for the output file or folder that `metavar` names; it arrives as `out`.
+
+    suffix: that its name must end in, if any. check: a callback of click instead, such as ``named_mesh``.
+    """
+    check = named(suffix) if suffix else check
+    return click.option("-o", "--out", type=PATH, metavar=metavar, required=required, help=help, callback=check)
 
 
 def out_folder_option(help: str) -> Callable:

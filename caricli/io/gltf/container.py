@@ -32,7 +32,7 @@ def write_container(path: Path, document: dict, binary: bytes) -> None:
 
     Raises OutputError when it is larger than what ``read_container`` takes or cannot be written.
     """
-    buffer = {"byteLength": len(binary)}
+    buffer: dict[str, object] = {"byteLength": len(binary)}
     if Path(path).suffix.lower() == ".gltf":
         buffer |= {"uri": _DATA + base64.b64encode(binary).decode()}
         _write(path, format_json(document | {"buffers": [buffer]}, path, indent=None).encode(), MAX_JSON_BYTES)

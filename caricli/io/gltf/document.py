@@ -1,5 +1,7 @@
 """The arrays of a glTF document; nothing in it is trusted, and nothing is allocated before it is checked."""
 
+from typing import Any
+
 import numpy as np
 
 from caricli.errors import InputError, shown
@@ -9,7 +11,7 @@ from caricli.limits import MAX_CORNERS
 _MAX_STRIDE = 252
 
 
-def take(parent: dict, key: str, kind: type, default: object = None):
+def take(parent: dict, key: str, kind: type, default: object = None) -> Any:
     """The value of a key, of one kind. Raises InputError when it is another."""
     value = parent.get(key, default)
     if not isinstance(value, kind):

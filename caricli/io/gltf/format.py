@@ -16,10 +16,12 @@ MAGIC = b"glTF"
 VERSION = 2
 JSON_CHUNK = b"JSON"
 BINARY_CHUNK = b"BIN\0"
+_COMPONENTS = {5121: "u1", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
+
 HEADER = struct.Struct("<4sII")
 CHUNK = struct.Struct("<I4s")
 
-DTYPES = {5121: np.dtype("u1"), 5123: np.dtype("<u2"), 5125: np.dtype("<u4"), 5126: np.dtype("<f4")}
+DTYPES: dict[int, np.dtype] = {code: np.dtype(name) for code, name in _COMPONENTS.items()}
 """Types of components by their codes."""
 
 TYPES = {1: "SCALAR", 2: "VEC2", 3: "VEC3", 4: "VEC4"}

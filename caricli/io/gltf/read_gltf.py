@@ -174,6 +174,7 @@ def _surface(document: Document, primitives: list[dict], shape_count: int) -> _S
     starts: dict[str, int] = {}
     triangles: list[np.ndarray] = []
     total = 0
+    triangle_count = 0
     for primitive in primitives:
         block = _block(document, primitive)
         key = repr((block.attributes, block.targets))
@@ -185,7 +186,8 @@ def _surface(document: Document, primitives: list[dict], shape_count: int) -> _S
                 expected = f"at most {MAX_VERTICES} vertices and {MAX_NPZ_BYTES} bytes of displacements"
                 raise InputError(f"expected {expected}, found {total} vertices and {shape_count} targets")
         triangles.append(starts[key] + _primitive_triangles(document, primitive, block.count))
-        if sum(len(part) for part in triangles) > MAX_CORNERS // 3:
+        triangle_count += len(triangles[-1])
+        if triangle_count > MAX_CORNERS // 3:
             raise InputError(f"expected at most {MAX_CORNERS // 3} triangles, found more")
     return _Surface(blocks, triangles)
 
@@ -255,23 +257,26 @@ def _scene_mesh(document: Document) -> Mesh:
     faces: list[np.ndarray] = []
     uvs: list[np.ndarray | None] = []
     count = 0
+    triangle_count = 0
     for surface, placement in _surfaces(document):
         positions = surface.attribute(document, "POSITION", 3).astype(np.float64)
         triangles = count + np.concatenate(surface.triangles)
         count += len(positions)
+        triangle_count += len(triangles)
         with np.errstate(over="ignore", invalid="ignore"):  # what comes of it no mesh takes
             vertices.append(positions @ placement[:3, :3].T + placement[:3, 3])
             is_mirror = np.linalg.det(placement[:3, :3]) < 0
         # A mirror turns triangles inside out.
         faces.append(triangles[:, ::-1] if is_mirror else triangles)
         uvs.append(surface.uvs(document))
-        if count > MAX_VERTICES or sum(len(part) for part in faces) > MAX_CORNERS // 3:
-            raise InputError(f"expected at most {MAX_VERTICES} vertices in the scene, found more")
-    triangles = np.concatenate(faces)
+        if count > MAX_VERTICES or triangle_count > MAX_CORNERS // 3:
+            expected = f"at most {MAX_VERTICES} vertices and {MAX_CORNERS // 3} triangles in the scene"
+            raise InputError(f"expected {expected}, found more")
+    all_faces = np.concatenate(faces)
     places = [part for part in uvs if part is not None]
     if len(places) < len(uvs):
-        return Mesh(np.concatenate(vertices), triangles)
-    return Mesh(np.concatenate(vertices), triangles, np.concatenate(places), triangles)
+        return Mesh(np.concatenate(vertices), all_faces)
+    return Mesh(np.concatenate(vertices), all_faces, np.concatenate(places), all_faces)
 
 
 def _surfaces(document: Document) -> Iterator[tuple[_Surface, np.ndarray]]:

@@ -8,7 +8,7 @@ from caricli.errors import InputError
 from caricli.io.gltf.document import Document, take
 from caricli.structures.checks import shape_problem
 
-_MAX_NODES = 65536
+_MAX_NODES = 16384
 
 
 def node_placements(document: Document) -> Iterator[tuple[dict, np.ndarray]]:

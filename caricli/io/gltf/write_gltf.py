@@ -36,10 +36,10 @@ def write_gltf(path: Path, rig: Rig, sparse: bool = False, animation: Animation 
         count = np.shape(animation.weights)[1]
         raise OutputError(f"{shown(path)}: expected weights of the rig's {len(rig.names)} expressions, found {count}")
     buffer = _Buffer()
-    mesh = {"name": "head", "primitives": _primitives(rig, sparse, buffer)}
+    mesh: dict[str, object] = {"name": "head", "primitives": _primitives(rig, sparse, buffer)}
     if rig.names:
         mesh |= {"weights": [0] * len(rig.names), "extras": {"targetNames": list(rig.names)}}
-    document = {
+    document: dict[str, object] = {
         "asset": {"version": f"{VERSION}.0", "generator": f"caricli {__version__}"},
         "scene": 0,
         "scenes": [{"nodes": [0]}],

@@ -3,15 +3,17 @@
 import numpy as np
 from scipy.linalg.blas import sgemv
 
+from caricli.structures import Rig
+
 
 class RigPoser:
     """Evaluates ``neutral + sum_k weight_k deltas_k`` in single precision, frame after frame, in one buffer.
 
     Neighbouring shapes that are not zero go through memory in one matrix-vector product; the others are not read.
-    rig: Rig, whose deltas are not copied where they are float32 already.
     """
 
-    def __init__(self, rig):
+    def __init__(self, rig: Rig) -> None:
+        """The deltas of the rig are not copied where they are float32 already."""
         self._neutral = np.ascontiguousarray(rig.neutral, np.float32).ravel()
         self._deltas = np.ascontiguousarray(rig.deltas, np.float32).reshape(len(rig.names), -1)
         self._weights = np.zeros(len(rig.names), np.float32)
@@ -19,7 +21,7 @@ class RigPoser:
         self._vertices = self._frame.reshape(-1, 3)
         self._vertices.flags.writeable = False
 
-    def pose(self, weights):
+    def pose(self, weights: np.ndarray) -> np.ndarray:
         """Vertices (V, 3) float32 of weights (K,): a view that the next call overwrites; copy it to keep it."""
         self._weights[:] = weights
         self._frame[:] = self._neutral

@@ -6,24 +6,31 @@ from caricli.errors import InputError
 from caricli.io.track import MAX_FRAMES, MAX_WEIGHTS
 from caricli.structures import Track
 
-_EVEN = 1e-3  # seconds that a frame may be early or late
+_EVEN = 1e-3
+"""Seconds that a frame may be early or late in a track that counts as even."""
+
+_LONE_FPS = 30.0
+"""Frames a second of a track of one frame."""
+
+_ROUNDING = 1e-6
+"""Frames that the last one may lack."""
 
 
-def resample_weights(track, fps=None):
+def resample_weights(track: Track, fps: float | None = None) -> tuple[Track, float]:
     """Sample a track at even times, linearly in between; angles go on over half turns.
 
-    track: Track. fps: frames per second; where absent the track's own, by the median of its steps, and a track
-    whose frames are even already stays as it is.
+    fps: frames per second; where absent the track's own, by the median of its steps, and a track whose frames are even
+    already stays as it is.
     Returns Track and its frames per second. Raises InputError when that is too many frames.
     """
     steps = np.diff(track.times)
-    own = 1 / float(np.median(steps)) if len(steps) else 30.0
+    own = 1 / float(np.median(steps)) if len(steps) else _LONE_FPS
     if fps is None:
         mean = len(steps) / track.times[-1] if len(steps) else own
         if not len(steps) or np.abs(track.times - np.arange(len(track.times)) / mean).max() < _EVEN:
             return track, mean
         fps = own
-    count = np.floor(track.times[-1] * fps + 1e-6) + 1
+    count = np.floor(track.times[-1] * fps + _ROUNDING) + 1
     if count > MAX_FRAMES or count * len(track.names) > MAX_WEIGHTS:
         found = f"{track.times[-1]:g} seconds at {fps:g} frames a second"
         raise InputError(f"weights: expected at most {MAX_FRAMES} frames and {MAX_WEIGHTS} weights, found {found}")

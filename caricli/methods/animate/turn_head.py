@@ -4,12 +4,13 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 
-def turn_head(angles):
+def turn_head(angles: np.ndarray) -> np.ndarray:
     """Rotations about the origin of the face frame, ``R = R_y(yaw) R_x(pitch) R_z(roll)``.
 
     Epic publishes no signs for Live Link Face. Here they are right-handed in the axes of ARKit's face anchor, which are
     those of the face frame (+x the face's left, +y up, +z out of the face): positive yaw turns to the face's own left,
     positive pitch nods down, positive roll leans to its own right shoulder.
+
     angles: (T, 3) yaw, pitch, roll in radians.
     Returns (T, 4) unit quaternions xyzw, each in the half-space of the one before, so that steps are the short way.
     """

@@ -10,7 +10,7 @@ from caricli.errors import InputError
 from caricli.geometry.similarity import similarity
 from caricli.geometry.untangle import untangle
 from caricli.geometry.vertex_neighbours import vertex_neighbours
-from caricli.methods.edit.edit_semantic import edit_semantic, label_index
+from caricli.methods.edit.edit_semantic import SemanticEdit, edit_semantic, label_index
 from caricli.methods.faces.encode_face import EncodedFace, encode_face
 from caricli.methods.faces.face_figures import face_figures
 from caricli.methods.faces.nearest_identity import likeness
@@ -74,7 +74,7 @@ def caricaturize_face(
     if mode == "direction":
         if directions is None:
             raise InputError("expected directions of the model for the mode 'direction', found none")
-        return edit_semantic(face, model, directions, {LABEL: strength})
+        return edit_semantic(face, model, SemanticEdit(directions, {LABEL: strength}))
     if not strength:
         return face
     template = model.template

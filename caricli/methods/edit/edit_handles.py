@@ -55,7 +55,7 @@ class HandleEdit:
     """An edited face.
 
     face: EncodedFace.
-    handles: Handles as they were asked for.
+    handles: Handles as they were asked for. settings: what it was tuned by.
     achieved: (H, 3) metres, how far the handles went.
     share: of the asked displacements that was tried, 1 unless new self-intersections had to be avoided.
     flipped: number of triangles that are, before and after.
@@ -64,10 +64,16 @@ class HandleEdit:
 
     face: EncodedFace
     handles: Handles
+    settings: HandleSettings
     achieved: np.ndarray
     share: float
     flipped: tuple[int, int]
     elsewhere: float
+
+    @property
+    def tried(self) -> Handles:
+        """As far as they were pulled."""
+        return self.handles.scaled(self.share)
 
     @property
     def reached(self) -> np.ndarray:
@@ -110,22 +116,12 @@ def edit_handles(
     return HandleEdit(
         face=encode_face(edited, model),
         handles=handles,
+        settings=settings,
         achieved=moved[handles.vertices],
         share=share,
         flipped=(before, after),
         elsewhere=float(energy[solver.far].sum() / max(energy.sum(), 1e-30)),
     )
-
-
-def handle_steps(
-    face: EncodedFace, model: ShapeModel, handles: Handles, settings: HandleSettings, steps: int
-) -> list[EncodedFace]:
-    """The same face edited by equal steps of the displacements, from none to all of them.
-
-    face, model, handles, settings: as in ``edit_handles``. steps: number of faces, at least 2.
-    """
-    shares = np.linspace(0, 1, steps)
-    return [edit_handles(face, model, handles.scaled(share), settings).face for share in shares]
 
 
 def _farthest(solver: "_Solver", handles: Handles, whole: Face, bad: Callable[[Face], bool]) -> tuple[float, Face]:

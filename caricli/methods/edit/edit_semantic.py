@@ -1,7 +1,7 @@
 """A face moved along the directions of labels."""
 
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from difflib import get_close_matches
 
 import numpy as np
@@ -21,39 +21,43 @@ _INDEPENDENT = 1e-6
 """Singular value, relative to the largest, from which on labels to keep say something of their own."""
 
 
-def edit_semantic(
-    face: EncodedFace,
-    model: ShapeModel,
-    directions: Directions,
-    strengths: Mapping[str, float],
-    keep: Sequence[str] = (),
-) -> EncodedFace:
-    """Move the whitened latent by ``sum_k s_k n_k``; what the latent cannot express stays as it is.
+@dataclass(frozen=True, eq=False)
+class SemanticEdit:
+    """How far a face goes towards labels.
 
-    face: EncodedFace of the model. model: ShapeModel. directions: Directions of the model.
+    directions: Directions of its model.
     strengths: standard deviations by label, at most ``STRONGEST`` in size.
     keep: labels that are not to change, see ``label_direction``.
+    Raises InputError for a strength that is larger, or no number.
+    """
+
+    directions: Directions
+    strengths: Mapping[str, float]
+    keep: Sequence[str] = ()
+
+    def __post_init__(self) -> None:
+        """Check the strengths."""
+        for name, strength in self.strengths.items():
+            if not abs(strength) <= STRONGEST:
+                raise InputError(f"label {name}: expected a strength of at most {STRONGEST:g}, found {strength}")
+
+    def scaled(self, share: float) -> "SemanticEdit":
+        """The same way, a share of it."""
+        return replace(self, strengths={name: share * strength for name, strength in self.strengths.items()})
+
+    def step(self) -> np.ndarray:
+        """(D,) that a whitened latent goes. Raises InputError for unknown labels, and those that cannot change."""
+        return sum(size * label_direction(self.directions, name, self.keep) for name, size in self.strengths.items())
+
+
+def edit_semantic(face: EncodedFace, model: ShapeModel, edit: SemanticEdit) -> EncodedFace:
+    """Move the whitened latent by ``sum_k s_k n_k``; what the latent cannot express stays as it is.
+
+    face: EncodedFace of the model. model: ShapeModel. edit: SemanticEdit by directions of the model.
     Returns EncodedFace. Raises InputError.
     """
-    for name, strength in strengths.items():
-        if not abs(strength) <= STRONGEST:
-            raise InputError(f"label {name}: expected a strength of at most {STRONGEST:g}, found {strength}")
-    step = sum(strength * label_direction(directions, name, keep) for name, strength in strengths.items())
-    latent = face.latent + model.prior.factor @ step
+    latent = face.latent + model.prior.factor @ edit.step()
     return encode_face(decode_face(replace(face, latent=latent), model, face.shift), model)
-
-
-def semantic_steps(
-    face: EncodedFace,
-    model: ShapeModel,
-    directions: Directions,
-    strengths: Mapping[str, float],
-    keep: Sequence[str],
-    shares: Iterable[float],
-) -> list[EncodedFace]:
-    """The same face edited by shares of the strengths; the other arguments are those of ``edit_semantic``."""
-    steps = [{name: share * strength for name, strength in strengths.items()} for share in shares]
-    return [edit_semantic(face, model, directions, step, keep) for step in steps]
 
 
 def label_direction(directions: Directions, name: str, keep: Sequence[str] = ()) -> np.ndarray:

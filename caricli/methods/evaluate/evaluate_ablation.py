@@ -14,7 +14,7 @@ from caricli.methods.train.stages import Report, unwatched
 from caricli.methods.train.surface import Points, Surface, TrainingMeshes
 from caricli.methods.train.train_autodecoder import AutoDecoderTraining, EpochRecord
 from caricli.models.ablation.config import AblationConfig
-from caricli.models.ablation.networks import ConditionedSiren, VertexArray
+from caricli.models.ablation.networks import ArraySize, ConditionedSiren, VertexArray
 from caricli.models.deformable.model import UnitBox
 from caricli.models.deformable.networks import HyperSiren
 from caricli.models.intrinsic.config import IntrinsicConfig
@@ -127,8 +127,8 @@ def _network(name: str, template: Template, config: AblationConfig, surface: Sur
     precision = getattr(torch, config.precision)
     network: torch.nn.Module
     if name in (POSITIONS, DISPLACEMENTS):
-        sizes = (config.size(), config.array_hidden, len(template.vertices))
-        network = VertexArray(*sizes, config.latent_std, generator, positions=name == POSITIONS)
+        size = ArraySize(config.latent, config.array_hidden, len(template.vertices))
+        network = VertexArray(size, config.latent_std, generator, positions=name == POSITIONS)
     elif name == CONDITIONING:
         network = ConditionedSiren(config.size(), config.latent_std, generator, precision)
     else:

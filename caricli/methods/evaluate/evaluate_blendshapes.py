@@ -1,29 +1,43 @@
 """Blendshapes of caricatures whose true expressions are known (expressions paper, section 4.2.1)."""
 
 import time
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from caricli.data.expressions import NEUTRAL, expand_sides
-from caricli.errors import InputError
+from caricli.data.dataset import Dataset
+from caricli.data.expressions import NEUTRAL, named_expressions
+from caricli.errors import InputError, naming
 from caricli.geometry.flipped_triangles import flipped_triangles
 from caricli.geometry.head_rotation import TURNS, head_rotation
-from caricli.io.bundled import asset_path
-from caricli.io.config import read_yaml
-from caricli.methods.expressions.build_blendshapes import build_blendshapes
+from caricli.methods.expressions.build_blendshapes import Blendshapes, build_blendshapes
 from caricli.methods.expressions.measure_blendshapes import measure_blendshapes
-from caricli.structures import Camera
+from caricli.methods.expressions.settings import BlendshapeSettings
+from caricli.methods.expressions.tools import ExpressionTools
+from caricli.methods.train.stages import Report, unwatched
+from caricli.structures import Camera, Face
+from caricli.template.template import Template
 
 RIVALS = {
-    "full": ("full", False),
-    "initial": ("initial", False),
-    "initial, latent": ("initial", True),
-    "transfer": ("transfer", False),
+    "full": ("full", "intrinsic"),
+    "initial": ("initial", "intrinsic"),
+    "initial, latent": ("initial", "latent"),
+    "transfer": ("transfer", "intrinsic"),
 }
-"""What is compared: methods of ``build_blendshapes``, and whether a latent is fitted to the landmarks."""
+"""What is compared: ``method`` and ``reconstruct`` of BlendshapeSettings."""
 
-_SIZE = 400.0
+TRUTH = "truth"
+"""What rivals are measured against, among them."""
+
+GIVEN = ("neutral", "any")
+"""Which expression the pictures of caricatures show: none, or a random one."""
+
+PICTURED = 400.0
+"""Pixels that a head is high in its picture; landmarks have no pixels, so that it hardly matters."""
+
+Figures = dict[str, dict]
+"""By rival: error, drift, strength, excess (K,), structure, flipped, and seconds."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,85 +49,183 @@ class KnownCaricature:
     truth: np.ndarray
 
 
-def dataset_expressions(data, action_names):
-    """The named expressions of a generated Dataset, neutral first: dict from names to dicts of actions and weights.
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """What came of one caricature.
+
+    face: Face as it was given, with the camera of its picture.
+    figures: by rival, TRUTH among them: error, drift, strength and excess (K,), in percent of the head's height, of the
+    normal face's and of its mean displacement, NaN for the given expression; structure; flipped, percent of triangles,
+    at most; seconds.
+    blendshapes: Blendshapes by rival.
+    """
+
+    face: Face
+    figures: Figures
+    blendshapes: dict[str, Blendshapes]
+
+
+@dataclass(frozen=True, eq=False)
+class ComparisonTally:
+    """Figures of all caricatures so far. expressions: K names, neutral first."""
+
+    expressions: list[str]
+    caricatures: list[KnownCaricature] = field(default_factory=list)
+    figures: list[Figures] = field(default_factory=list)
+
+    def add(self, caricature: KnownCaricature, comparison: Comparison) -> None:
+        """Count a caricature."""
+        self.caricatures.append(caricature)
+        self.figures.append(comparison.figures)
+
+    @property
+    def summary(self) -> dict:
+        """JSON object: means, expressions (see ``by_expression``), and the figures of all caricatures."""
+        each = [
+            {"person": caricature.identity, "level": caricature.level, "rivals": _finite(figures, self.expressions)}
+            for caricature, figures in zip(self.caricatures, self.figures, strict=True)
+        ]
+        return {"means": self.means, "expressions": self.by_expression, "caricatures": each}
+
+    @property
+    def means(self) -> dict[str, dict[str, float]]:
+        """Mean figures by rival."""
+        return {
+            name: {key: float(np.nanmean([f[name][key] for f in self.figures])) for key in first}
+            for name, first in self.figures[0].items()
+        }
+
+    @property
+    def by_expression(self) -> dict[str, dict]:
+        """By expression: mean error by rival; on how many caricatures "full" is nearest to the truth; of how many."""
+        errors = {name: np.array([f[name]["error"] for f in self.figures]) for name in RIVALS}
+        best = np.min([errors[name] for name in RIVALS if name != "full"], axis=0)
+        nearest = (errors["full"] < best).sum(0)
+        compared = np.isfinite(best).sum(0)
+        means = {
+            name: np.where(compared, np.nansum(own, 0) / np.maximum(compared, 1), np.nan)
+            for name, own in errors.items()
+        }
+        return {
+            name: {rival: own[k] for rival, own in means.items() if np.isfinite(own[k])}
+            | {"full_is_nearest_on": int(nearest[k]), "of": int(compared[k])}
+            for k, name in enumerate(self.expressions)
+        }
+
+
+def dataset_expressions(data: Dataset, action_names: Sequence[str]) -> dict[str, dict[str, float]]:
+    """The named expressions of a generated Dataset, neutral first: weights of actions by name.
 
     Raises InputError where the names are not those of the bundled table, or the neutral one is missing.
     """
-    table, names = read_yaml(asset_path("expressions.yaml")), data.manifest.get("expressions", [])
+    table = named_expressions(action_names)
+    names = data.manifest.get("expressions", [])
     if NEUTRAL not in names or not set(names) <= set(table):
         raise InputError("expected a dataset of caricli dataset build, with a neutral expression, found another")
-    order = [NEUTRAL, *(name for name in names if name != NEUTRAL)]
-    return {name: expand_sides(table[name], action_names) for name in order}
+    return {name: table[name] for name in (NEUTRAL, *(name for name in names if name != NEUTRAL))}
 
 
-def known_caricatures(data, people):
-    """KnownCaricatures of a Dataset: exaggerated people (iterable of ints) of whom every expression is there."""
-    names, columns = data.manifest["expressions"], (data.identity, data.level, data.expression)
-    rows = {key: row for row, key in enumerate(zip(*(column.tolist() for column in columns), strict=True))}
+def dataset_caricatures(data: Dataset, everyone: bool = False, count: int = 50) -> list[KnownCaricature]:
+    """Caricatures of a Dataset of whom every expression is there, at most ``count``, of as many people as there are.
+
+    everyone: not only people of the test split.
+    Raises InputError where there are none.
+    """
+    people = set(data.identity.tolist()) if everyone else data.manifest["splits"]["test"]
+    caricatures = known_caricatures(data, sorted(people))
+    if not caricatures:
+        raise InputError("expected caricatures with every expression, found none; build one without --count")
+    chosen = np.unique(np.linspace(0, len(caricatures) - 1, count).round().astype(int))
+    return [caricatures[k] for k in chosen]
+
+
+def known_caricatures(data: Dataset, people: Iterable[int]) -> list[KnownCaricature]:
+    """KnownCaricatures of a Dataset: exaggerated people of whom every expression is there."""
+    names = data.manifest["expressions"]
+    columns = (data.identity.tolist(), data.level.tolist(), data.expression.tolist())
+    rows = {key: row for row, key in enumerate(zip(*columns, strict=True))}
     order = sorted(range(len(names)), key=lambda k: names[k] != NEUTRAL)
-    found = []
+    caricatures = []
     for identity in people:
         for level in sorted(set(data.level[data.identity == identity].tolist()) - {1}):
             keys = [(identity, level, k) for k in order]
             if all(key in rows for key in keys):
                 truth = data.vertices[[rows[key] for key in keys]].astype(np.float64)
-                found.append(KnownCaricature(int(identity), int(level), truth))
-    return found
+                caricatures.append(KnownCaricature(int(identity), int(level), truth))
+    return caricatures
 
 
-def random_pose(generator, height):
+def evaluate_blendshapes(
+    caricatures: Sequence[KnownCaricature],
+    tools: ExpressionTools,
+    given: str = GIVEN[0],
+    seed: int = 0,
+    report: Report = unwatched,
+) -> Iterator[tuple[KnownCaricature, Comparison]]:
+    """Compare the rivals on caricatures, each seen once from a random side.
+
+    tools: of the same expressions, with a model of latents. given: of GIVEN, what the pictures show. report: called
+    with the caricatures done and all.
+    Yields each with what came of it. Raises InputError, NumericsError.
+    """
+    generator = np.random.default_rng(seed)
+    for done, caricature in enumerate(caricatures):
+        shows = 0 if given == NEUTRAL else int(generator.integers(len(caricature.truth)))
+        camera = random_camera(generator, np.ptp(caricature.truth[shows][:, 1]))
+        with naming(f"person {caricature.identity}, level {caricature.level}"):
+            comparison = compare_blendshapes(caricature.truth, shows, camera, tools)
+        yield caricature, comparison
+        report(done + 1, len(caricatures))
+
+
+def random_camera(generator: np.random.Generator, height: float) -> Camera:
     """A Camera in which a head of a height in metres is seen, turned a little."""
     rotation = head_rotation(generator.uniform(-1, 1, 3) * TURNS)
-    return Camera(_SIZE / height, rotation, np.array([_SIZE, _SIZE]))
+    return Camera(PICTURED / height, rotation, np.array([PICTURED, PICTURED]))
 
 
-def compare_blendshapes(truth, given, pose, templates, morphable, landmark_map, latent):
+def compare_blendshapes(truth: np.ndarray, given: int, camera: Camera, tools: ExpressionTools) -> Comparison:
     """Build the expressions of a known caricature by every method and measure them.
 
-    truth: (K, V, 3) metres. given: number of the expression that the picture shows. pose: Camera. templates:
-    ExpressionTemplates of the same expressions. latent: ShapeModel of latents.
-    Returns (figures by rival, Blendshapes by rival), both with "truth" first. Figures: error, drift, strength, excess
-    (K,), in percent of the head's height, of the normal face's and of its mean displacement, NaN for the given one;
-    structure; flipped, percent of triangles, at most; seconds.
+    truth: (K, V, 3) metres. given: number of the expression that the picture shows. tools: of the same expressions,
+    with a model of latents.
     """
-    vertices, made, seconds = truth[given], {}, {}
-    known = vertices, pose, templates, morphable, landmark_map
-    for name, (method, in_latent) in RIVALS.items():
+    template = tools.morphable.template
+    face = Face(template.with_vertices(truth[given]), camera)
+    built = {}
+    seconds = {}
+    for name, (method, reconstruct) in RIVALS.items():
         start = time.perf_counter()
-        made[name] = build_blendshapes(*known, method, model=latent if in_latent else None)
+        built[name] = build_blendshapes(face, tools, BlendshapeSettings(method, reconstruct))
         seconds[name] = {"seconds": time.perf_counter() - start}
-    made = {"truth": replace(made["transfer"], shapes=truth)} | made
-    others, gradients = np.arange(len(truth)) != given, morphable.template.gradients
-    figures = {name: _figures(found, truth, vertices, others, gradients) for name, found in made.items()}
-    return {name: own | seconds.get(name, {}) for name, own in figures.items()}, made
+    built = {TRUTH: replace(built["transfer"], shapes=truth)} | built
+    others = np.arange(len(truth)) != given
+    figures = {name: _figures(own, truth, others, face, template) for name, own in built.items()}
+    return Comparison(face, {name: own | seconds.get(name, {}) for name, own in figures.items()}, built)
 
 
-def _figures(found, truth, vertices, others, gradients):
-    """Figures of one rival's Blendshapes."""
-    height = np.ptp(vertices[:, 1])
-    seen = measure_blendshapes(found.shapes - vertices, found.normal - found.normal_given)
+def _figures(blendshapes: Blendshapes, truth: np.ndarray, others: np.ndarray, face: Face, template: Template) -> dict:
+    """Figures of one rival. others: (K,) bool, expressions that were not given."""
+    height = face.mesh.height
+    moves = blendshapes.shapes - face.vertices
+    measures = measure_blendshapes(moves, blendshapes.normal - blendshapes.normal_given)
     each = {
-        "error": 100 * np.linalg.norm(found.shapes - truth, axis=2).mean(1) / height,
-        "drift": 100 * seen.drift / height,
-        "strength": seen.strength,
-        "excess": 100 * seen.excess,
+        "error": 100 * np.linalg.norm(blendshapes.shapes - truth, axis=2).mean(1) / height,
+        "drift": 100 * measures.drift / height,
+        "strength": measures.strength,
+        "excess": 100 * measures.excess,
     }
-    flipped = 100 * max(flipped_triangles(shape, gradients).mean() for shape in found.shapes)
+    flipped = 100 * max(flipped_triangles(shape, template.gradients).mean() for shape in blendshapes.shapes)
     figures = {key: np.where(others, values, np.nan) for key, values in each.items()}
-    return figures | {"structure": seen.structure, "flipped": flipped}
+    return figures | {"structure": measures.structure, "flipped": flipped}
 
 
-def mean_comparison(figures):
-    """Means over caricatures of ``compare_blendshapes`` figures (list): by rival, whole and by expression.
-
-    Returns (dict by rival of floats, dict by rival of (K,) mean errors, (K,) on how many caricatures "full" is
-    nearest to the truth of all, (K,) how many were compared).
-    """
-    whole, errors = {}, {name: np.array([f[name]["error"] for f in figures]) for name in RIVALS}
-    for name, first in figures[0].items():
-        whole[name] = {key: float(np.nanmean([f[name][key] for f in figures])) for key in first}
-    best = np.min([errors[name] for name in RIVALS if name != "full"], axis=0)
-    nearest, compared = (errors["full"] < best).sum(0), np.isfinite(best).sum(0)
-    means = {name: np.where(compared, np.nansum(e, 0) / np.maximum(compared, 1), np.nan) for name, e in errors.items()}
-    return whole, means, nearest, compared
+def _finite(figures: Figures, names: list[str]) -> Figures:
+    """Figures by rival, those of expressions by name; what is not a number is left out."""
+    return {
+        rival: {
+            key: {n: float(v) for n, v in zip(names, value, strict=True) if np.isfinite(v)} if np.ndim(value) else value
+            for key, value in own.items()
+        }
+        for rival, own in figures.items()
+    }

@@ -26,12 +26,15 @@ class FaceDrawing:
     fine: FineMesh
     size: int
 
-    def draw(self, face: Face, views: Iterable[str] = VIEWS, finer: FineMesh | None = None) -> list[np.ndarray]:
+    def finer(self, face: Face) -> FineMesh:
+        """The FineMesh in the shape of a Face of the model's topology."""
+        return subdivide_face(face, self.model, self.fine)
+
+    def draw(self, face: Face, views: Iterable[str] = VIEWS) -> list[np.ndarray]:
         """Draw a face from several sides.
 
-        face: Face of the model's topology. views: as in ``render_views``. finer: the face's ``subdivide_face``, where
-        there is one already.
+        face: Face of the model's topology. views: as in ``render_views``.
         Returns a list of (size, size, 4) uint8.
         """
-        finer = subdivide_face(face, self.model, self.fine) if finer is None else finer
-        return head_views(self.model.template.with_vertices(face.vertices), views, self.size, finer)
+        head = self.model.template.with_vertices(face.vertices)
+        return head_views(head, views, self.size, self.finer(face))

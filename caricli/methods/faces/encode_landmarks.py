@@ -30,7 +30,7 @@ class LandmarkEncoder:
         fit = fit_landmarks(points, self.fitter, "intrinsic" if self.fitter.kind == "intrinsic" else "latent")
         face = replace(fit.face, mesh=self.model.template.with_vertices(fit.face.vertices))
         if self.fitter is not self.model:
-            face = replace(face, latent=None, residual=None, model_id=None)
+            face = face.without_latent()
         return encode_face(face, self.model), fit.nme
 
 

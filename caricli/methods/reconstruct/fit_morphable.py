@@ -34,7 +34,7 @@ def fit_morphable(
         space = PcaModel(model.template, model.mean + np.tensordot(identity, model.identity, 1), what)
     fit = fit_landmarks_latent(points, space)
     prices = np.repeat((weights.identity, weights.expression), (len(who), len(what)))
-    own = fit.face.latent
+    own = fit.face.require_latent()
     own = own / np.sqrt(prices)[-len(own) :]
     latent = own if identity is None else np.concatenate([identity, own])
     face = replace(fit.face, latent=latent, model_id=model.model_id)

@@ -1,6 +1,7 @@
 """The landmarks of a picture against a template, and what a face is that was fitted to them."""
 
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -13,6 +14,8 @@ from caricli.models.shape_model import ShapeModel
 from caricli.structures import Camera, Face
 from caricli.structures.landmarks import FEWEST, PARTS
 from caricli.template.template import Template
+
+_CONVENTION = "pixels = scale * rotation[:2] @ vertex + translation; x right, y down, z into the picture"
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,6 +42,26 @@ class LandmarkFit:
     part_errors: dict[str, float]
     rounds: int
     settings: IntrinsicSettings | LatentSettings
+
+    def figures(self) -> dict[str, Any]:
+        """What reports say of the fit, as JSON."""
+        camera = self.face.require_camera()
+        return {
+            "settings": asdict(self.settings),
+            "nme": self.nme,
+            "nme_latent": self.nme_latent,
+            "part_errors": self.part_errors,
+            "prior_rms": self.prior_rms,
+            "flipped": self.flipped,
+            "pose": {
+                "scale": camera.scale,
+                "rotation": camera.rotation,
+                "translation": camera.translation,
+                "convention": _CONVENTION,
+            },
+            "anchors": np.asarray(self.anchors),
+            "iterations": self.rounds,
+        }
 
 
 class Observation:
@@ -113,13 +136,14 @@ class Observation:
         weights: (K,) of the known landmarks.
         Raises InputError for a face that is seen from behind.
         """
+        latent = face.require_latent()
         camera, anchors = self.settle(face.vertices, weights, _rotation(face))
         if camera.rotation[2, 2] > 0:
             raise InputError(
                 "the landmarks show a face from behind: are they mirrored, upside down, or in another order?"
             )
         errors = 100 * self.errors(face.vertices, camera, anchors)
-        own = face.vertices if face.residual is None else model.decode(face.latent)
+        own = face.vertices if face.residual is None else model.decode(latent)
         own_errors = 100 * self.errors(own, *self.settle(own, weights, _rotation(face)))
         parts = {name: errors[np.isin(self.ids, list(numbers))] for name, numbers in PARTS.items()}
         pixels = self.in_pixels(camera)
@@ -128,7 +152,7 @@ class Observation:
             anchors=anchors,
             nme=float(errors.mean()),
             nme_latent=float(own_errors.mean()),
-            prior_rms=float(model.prior.rms(face.latent)),
+            prior_rms=float(model.prior.rms(latent)),
             flipped=float(flipped_triangles(face.vertices, model.template.gradients).mean()),
             part_errors={name: float(values.mean()) for name, values in parts.items() if len(values)},
             rounds=settings.iterations,

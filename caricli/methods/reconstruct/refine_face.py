@@ -1,6 +1,7 @@
 """A face aligned exactly with the landmarks of its picture (portrait paper, section 3.2.2)."""
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -36,6 +37,15 @@ class Refinement:
     after: dict[str, float]
     moved: float
     flipped: float
+
+    def figures(self) -> dict[str, Any]:
+        """What reports say of it, as JSON."""
+        return {"before": self.before, "after": self.after, "moved": self.moved, "flipped": self.flipped}
+
+    def describe(self) -> str:
+        """What is printed of it."""
+        errors = f"NME {self.before['all']:.2f} to {self.after['all']:.3f} %"
+        return f"{errors}, flipped {100 * self.flipped:.3f} %, moved at most {1000 * self.moved:.1f} mm"
 
 
 def refine_face(

@@ -14,5 +14,4 @@ def renew_residual(face: Face, model: ShapeModel) -> Face:
     """
     if face.latent is None:
         return replace(face, residual=None, model_id=None)
-    code = encode_face(face.vertices, model, face.latent)
-    return replace(face, latent=code.latent, residual=code.residual, model_id=model.model_id)
+    return encode_face(replace(face, residual=None), model)

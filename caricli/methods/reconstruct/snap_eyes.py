@@ -9,16 +9,19 @@ from caricli.structures.landmarks import EYE_LEFT, EYE_RIGHT
 
 def snap_eyes(
     points: np.ndarray,
-    eyes: np.ndarray,
+    eyes: np.ndarray | None,
     settings: SnapSettings = SnapSettings(),  # noqa: B008 (frozen)
 ) -> tuple[np.ndarray, int]:
     """Move every eye landmark to the nearest point on the border of the eyes, where one is near.
 
-    points: (L, 2) pixels, NaN where unknown. eyes: (H, W) bool, pixels that show an eye. settings: SnapSettings.
+    points: (L, 2) pixels, NaN where unknown. eyes: (H, W) bool, pixels that show an eye, or None where
+    nobody knows. settings: SnapSettings.
     Returns (L, 2), and how many landmarks moved.
     """
     snapped = np.array(points)
     moved = 0
+    if eyes is None:
+        return snapped, moved
     outlines, _ = cv2.findContours(eyes.astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
     if not outlines:
         return snapped, moved

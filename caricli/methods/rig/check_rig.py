@@ -1,6 +1,7 @@
 """What a rig offers to an engine's face tracking, and how sound it is."""
 
 import re
+from collections.abc import Iterator
 from dataclasses import dataclass
 from difflib import get_close_matches
 
@@ -9,14 +10,15 @@ import numpy as np
 from caricli.errors import NumericsError
 from caricli.geometry.deformation_gradients import DeformationGradients
 from caricli.geometry.flipped_triangles import flipped_triangles
+from caricli.structures import Rig
 from caricli.structures.arkit import ARKIT_NAMES
 
-HEAD_HEIGHT = (0.1, 1.0)
-"""How high a head may be, metres."""
-
 _MOVED = 1e-6
+"""Metres: a vertex that moves less stays."""
+
 _SIMILAR = 0.9
-_UNITS = {"millimetres": 1e-3, "centimetres": 1e-2, "inches": 0.0254}
+"""Ratio of matching letters from which on a name is taken for a slip of the pen."""
+
 _PLAIN = {name.lower(): name for name in ARKIT_NAMES}
 
 
@@ -24,8 +26,9 @@ _PLAIN = {name.lower(): name for name in ARKIT_NAMES}
 class ShapeCheck:
     """One shape at full weight.
 
-    name; largest displacement, metres; moved, number of vertices moved by more than a micrometre; flipped, share of
-    triangles turned over, in [0, 1], or None where it cannot be told.
+    largest: metres, largest displacement.
+    moved: vertices moved by more than a micrometre.
+    flipped: share of triangles turned over, in [0, 1], or None where it cannot be told.
     """
 
     name: str
@@ -34,7 +37,7 @@ class ShapeCheck:
     flipped: float | None
 
     @property
-    def empty(self):
+    def empty(self) -> bool:
         """Whether it moves nothing."""
         return self.moved == 0
 
@@ -43,47 +46,35 @@ class ShapeCheck:
 class RigCheck:
     """What was found.
 
-    exact, names in ARKit's spelling; near, dict of other names to the spelling that they are near; unknown, names near
-    none; missing, ARKit's names that are neither there nor near; vertices and triangles, numbers of them; height,
-    metres; hint, text where the height is no head's, else None; shapes, a tuple of ShapeCheck in the rig's order.
+    exact: names in ARKit's spelling.
+    near: other names, and the spelling that they are near.
+    unknown: names near none.
+    missing: ARKit's names that are neither there nor near.
+    shapes: ShapeCheck of every shape in the rig's order.
     """
 
-    exact: tuple
-    near: dict
-    unknown: tuple
-    missing: tuple
-    vertices: int
-    triangles: int
-    height: float
-    hint: str | None
-    shapes: tuple
+    exact: tuple[str, ...]
+    near: dict[str, str]
+    unknown: tuple[str, ...]
+    missing: tuple[str, ...]
+    shapes: tuple[ShapeCheck, ...]
 
 
-def check_rig(rig):
-    """Compare a rig with what ARKit's face tracking drives, and look at every shape.
-
-    Parameters: rig, Rig.
-    Returns: RigCheck.
-    """
+def check_rig(rig: Rig) -> RigCheck:
+    """Compare a rig with what ARKit's face tracking drives, and look at every shape."""
     near = {name: arkit for name in rig.names if (arkit := nearest_arkit(name)) and arkit != name}
     exact = tuple(name for name in rig.names if name in ARKIT_NAMES)
-    found = {*exact, *near.values()}
-    neutral = np.asarray(rig.neutral, np.float64)
-    height = float(np.ptp(neutral[:, 1]))
+    covered = {*exact, *near.values()}
     return RigCheck(
         exact=exact,
         near=near,
         unknown=tuple(name for name in rig.names if name not in near and name not in exact),
-        missing=tuple(name for name in ARKIT_NAMES if name not in found),
-        vertices=len(neutral),
-        triangles=len(rig.faces),
-        height=height,
-        hint=_hint(height),
-        shapes=tuple(_shape_checks(rig, neutral)),
+        missing=tuple(name for name in ARKIT_NAMES if name not in covered),
+        shapes=tuple(_shape_checks(rig)),
     )
 
 
-def nearest_arkit(name):
+def nearest_arkit(name: str) -> str | None:
     """The ARKit name that a name means, or None.
 
     Case, spaces and other separators, a prefix such as ``blendShape1.``, and the suffixes L and R are seen through, and
@@ -97,16 +88,8 @@ def nearest_arkit(name):
     return _PLAIN[close[0]] if close else None
 
 
-def _hint(height):
-    if HEAD_HEIGHT[0] <= height <= HEAD_HEIGHT[1]:
-        return None
-    for unit, metres in _UNITS.items():
-        if HEAD_HEIGHT[0] <= height * metres <= HEAD_HEIGHT[1]:
-            return f"{height:.3g} m high, as a head in {unit}: expected metres"
-    return f"{height:.3g} m high: expected a head in metres, {HEAD_HEIGHT[0]} to {HEAD_HEIGHT[1]:g} m"
-
-
-def _shape_checks(rig, neutral):
+def _shape_checks(rig: Rig) -> Iterator[ShapeCheck]:
+    neutral = np.asarray(rig.neutral, np.float64)
     try:
         gradients = DeformationGradients(neutral, rig.faces)
     except NumericsError:

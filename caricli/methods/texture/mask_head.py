@@ -24,15 +24,16 @@ def mesh_pixels(face: Face, image: np.ndarray) -> np.ndarray:
     return pixels
 
 
-def mask_head(face: Face, image: np.ndarray) -> np.ndarray:
+def mask_head(face: Face, image: np.ndarray, points: np.ndarray | None = None) -> np.ndarray:
     """(H, W) bool: the head in a picture, cut out by its colours.
 
-    face: Face with the camera of the picture and fitted landmarks. image: (H, W, 3) uint8.
+    face: Face with the camera of the picture. image: (H, W, 3) uint8. points: (L, 2) pixels, landmarks, NaN where
+    unknown; None for the fitted ones of the face.
     Raises InputError when the face is outside, or the picture shows nothing like a head there.
     """
     pixels = mesh_pixels(face, image)
     placed = face.require_camera().place(face.vertices)
-    mask = mask_face(image, placed, face.faces, face.require_landmarks())
+    mask = mask_face(image, placed, face.faces, face.require_landmarks() if points is None else points)
     if not (mask & pixels).any():
         raise InputError("expected the head where the face was fitted, found none there")
     return mask

@@ -29,7 +29,10 @@ class SurfacePoints:
 
 @dataclass(frozen=True, eq=False)
 class SeenColours:
-    """What a picture shows of points. colours: (N, 3) sRGB, 0 to 255. seen: (N,) from 0 to 1, how far they are known."""
+    """What a picture shows of points.
+
+    colours: (N, 3) sRGB, 0 to 255. seen: (N,) from 0 to 1, how far the points are seen.
+    """
 
     colours: np.ndarray
     seen: np.ndarray

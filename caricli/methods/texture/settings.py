@@ -9,8 +9,8 @@ class TextureSettings:
 
     grazing, facing: cosine between surface and view below which nothing is seen, and from which on all is: at a grazing
     angle one pixel would be smeared over many texels.
-    mirrored: how much the other side counts where a texel is seen itself; small, so that both sides keep what is theirs.
-    behind: share of the head's height that a point may be behind the surface which is seen, for what rasterising rounds.
+    mirrored: how much the other side counts where a texel is seen itself; small, so that sides keep what is theirs.
+    behind: share of the head's height that a point may be behind the surface that is seen: rasterising rounds.
     edge: share of the head's height, width of the band inside the mask's border that hardly counts: outlines are there.
     trust: how far a texel must be seen to take nothing but the picture.
     hold: stiffness of colours that are seen against the smoothest continuation; faint: pull towards the usual colour,

@@ -10,23 +10,16 @@ from caricli.data.dataset import Dataset
 from caricli.methods.evaluate.evaluate_shape import ShapeError, evaluate_splits, split_rows
 from caricli.methods.evaluate.measure_separation import measure_separation
 from caricli.methods.train.stages import Report, unwatched
-from caricli.models.checkpoint import model_class, model_from_checkpoint, model_to_checkpoint
+from caricli.models.checkpoint import model_from_checkpoint, model_to_checkpoint
 from caricli.models.intrinsic.config import IntrinsicConfig
 from caricli.models.kernel.config import KernelConfig
+from caricli.models.kinds import model_class
 from caricli.models.morphable.config import MorphableConfig
 from caricli.models.morphable.model import MorphableModel, MorphableShapes
 from caricli.models.pca.config import PcaConfig
 from caricli.models.shape_model import ShapeModel
 
 LinearSettings = PcaConfig | IntrinsicConfig | KernelConfig | MorphableConfig
-
-CONFIGS: dict[str, type] = {
-    "pca": PcaConfig,
-    "intrinsic": IntrinsicConfig,
-    "kernel": KernelConfig,
-    "morphable": MorphableConfig,
-}
-"""Settings by the kind of model."""
 
 FEWEST = 3
 """Training meshes: two directions, which is the least that a space of shapes can have."""
@@ -60,7 +53,7 @@ def train_linear(
 ) -> LinearTraining:
     """Train a model of components on a dataset's training meshes and measure it on all splits.
 
-    kind: a key of CONFIGS. recipe: JSON object, how it is trained, for the checkpoint.
+    kind: of models/kinds.py, one with LinearSettings. recipe: JSON object, how it is trained, for the checkpoint.
     Raises InputError when there are too few meshes, NumericsError when all are the same.
     """
     report(0, 2)

@@ -13,6 +13,7 @@ from caricli.geometry.per_column import per_column
 from caricli.models.intrinsic.config import IntrinsicConfig
 from caricli.models.principal_components import principal_components
 from caricli.models.prior import Prior
+from caricli.structures.face import FEATURES
 from caricli.template.template import Template
 
 _BATCH = 32

@@ -22,7 +22,7 @@ def test_a_model_is_written_that_rebuilds_itself_with_a_report(trained, dataset)
     assert model.kind == "morphable" and report["model_id"] == model.model_id
     assert report["command"] == "train morphable" and report["config"]["identity"] == 6
     # Two people with two levels, of two expressions each, are what is trained on.
-    assert len(model.identity) == 6 and 1 <= len(model.expression) <= 4 and len(model.albedo) == 5
+    assert len(model.identity) == 6 and 1 <= len(model.expression) <= 4 and len(model.albedo.basis) == 5
     assert 0 < report["shape_error"]["train"]["percent"] < report["shape_error"]["test"]["percent"] < 10
     regular = report["agreement"]["test_regular"]
     assert regular["identity_of_an_expression"] is None or regular["identity_of_an_expression"] < 0.9

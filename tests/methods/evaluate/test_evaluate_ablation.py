@@ -15,8 +15,10 @@ from caricli.methods.evaluate.evaluate_ablation import (
 )
 from caricli.methods.evaluate.evaluate_shape import evaluate_shape
 from caricli.methods.train.train_autodecoder import AutoDecoderTraining, Surface
-from caricli.models.ablation.networks import AblationConfig, VertexArray
+from caricli.models.ablation.config import AblationConfig
+from caricli.models.ablation.networks import ArraySize, VertexArray
 from caricli.models.deformable.model import UnitBox
+from caricli.models.pca.config import PcaConfig
 from caricli.models.pca.model import PcaModel
 from caricli.template.annotation import parse_annotation
 from caricli.template.template import Template
@@ -82,7 +84,7 @@ def test_positions_begin_farther_away_than_displacements(rows):
 
 
 def test_linear_models_are_measured_as_everywhere(rows, template, shapes):
-    model = PcaModel.train(template, shapes[:24], CONFIG.latent, CONFIG.seed)
+    model = PcaModel.train(template, shapes[:24], PcaConfig(CONFIG.latent, CONFIG.seed))
     for error, part in ((rows["PCA"].train, shapes[:24]), (rows["PCA"].test, shapes[24:])):
         np.testing.assert_allclose(error, evaluate_shape(model, part).percent, rtol=1e-4)
 
@@ -95,7 +97,7 @@ def test_the_same_seed_gives_the_same_figures(rows, template, shapes):
 
 def test_codes_reach_what_the_network_can_express(ball, shapes):
     generator = torch.Generator().manual_seed(0)
-    network = VertexArray(CONFIG.size(), 12, len(ball[0]), CONFIG.latent_std, generator)
+    network = VertexArray(ArraySize(CONFIG.latent, 12, len(ball[0])), CONFIG.latent_std, generator)
     surface = Surface(UnitBox(ball[0]), ball[1])
     points = surface.at_vertices(np.arange(len(ball[0])))
     truth = CONFIG.latent_std * torch.randn(3, CONFIG.latent, generator=generator)

@@ -2,12 +2,13 @@ import numpy as np
 import pytest
 
 from caricli.methods.evaluate.evaluate_shape import evaluate_shape
+from caricli.models.pca.config import PcaConfig
 from caricli.models.pca.model import PcaModel
 
 
 @pytest.fixture(scope="module")
 def model(head_template, people):
-    return PcaModel.train(head_template, people[:30], 29)
+    return PcaModel.train(head_template, people[:30], PcaConfig(29))
 
 
 def test_training_shapes_are_held_exactly_by_all_components(model, people):

@@ -2,7 +2,8 @@ import numpy as np
 import pytest
 
 from caricli.methods.evaluate.measure_separation import agreement, measure_separation
-from caricli.models.morphable.model import MorphableModel
+from caricli.models.linear_basis import LinearBasis
+from caricli.models.morphable.model import MorphableModel, ShapeBases
 
 
 def test_equal_within_groups_is_one_and_groups_that_mean_nothing_are_zero():
@@ -23,7 +24,8 @@ def test_groups_of_one_or_nothing_that_varies_tell_nothing():
 def test_a_model_that_tells_who_from_what_agrees_in_both(head_template):
     generator = np.random.default_rng(1)
     identity, expression = 0.01 * generator.normal(size=(2, 2, *head_template.vertices.shape))
-    model = MorphableModel(head_template, head_template.vertices, identity, expression, *[identity[0], identity], 1e-4)
+    bases = ShapeBases(head_template.vertices, identity, expression, noise=1e-4)
+    model = MorphableModel(head_template, bases, LinearBasis(identity[0], identity))
     who, what = (a.ravel() for a in np.meshgrid(np.arange(6), np.arange(5), indexing="ij"))
     latents = np.hstack([generator.normal(size=(6, 2))[who], generator.normal(size=(5, 2))[what]])
     figures = measure_separation(model, model.decode(latents), who, what)

@@ -8,7 +8,8 @@ from caricli.methods.expressions.build_blendshapes import build_blendshapes
 from caricli.methods.expressions.measure_blendshapes import measure_blendshapes
 from caricli.methods.rig.expression_templates import combined_templates, mended_templates
 from caricli.methods.rig.measure_rig import curve_gap
-from caricli.models.landmark_map.model import COUNT, DOMAINS, WEIGHTS, Domain, LandmarkMap
+from caricli.models.landmark_map.model import DOMAINS, GENERATOR_WEIGHTS, Domain, LandmarkMap
+from caricli.structures.landmarks import COUNT
 from caricli.store.models import load_model
 from caricli.structures import Camera
 
@@ -38,7 +39,7 @@ def same():
     domain = Domain(np.zeros(size), np.eye(size))
     none = {"linear": np.eye(size), "first": np.zeros((size, 1)), "first_bias": np.zeros(1), "second": np.zeros((1, 1)),
             "second_bias": np.zeros(1), "last": np.zeros((1, size)), "last_bias": np.zeros(size)}  # fmt: skip
-    assert set(none) == set(WEIGHTS)
+    assert set(none) == set(GENERATOR_WEIGHTS)
     return LandmarkMap(dict.fromkeys(DOMAINS, domain), dict.fromkeys(DOMAINS, none))
 
 

@@ -8,14 +8,11 @@ from caricli.errors import CaricliError, InputError
 from caricli.geometry.deformation_gradients import rotation_matrices
 from caricli.geometry.similarity import similarity
 from caricli.io.landmarks import read_landmarks
-from caricli.methods.reconstruct.fit_landmarks import (
-    PARTS,
-    IntrinsicSettings,
-    LatentSettings,
-    fit_landmarks_intrinsic,
-    fit_landmarks_latent,
-)
+from caricli.methods.reconstruct.fit_landmarks_intrinsic import fit_landmarks_intrinsic
+from caricli.methods.reconstruct.fit_landmarks_latent import fit_landmarks_latent
+from caricli.methods.reconstruct.settings import IntrinsicSettings, LatentSettings
 from caricli.render.smooth_normals import smooth_normals
+from caricli.structures.landmarks import PARTS
 
 ANGLES = [(0, 0, 0), (0, 20, 0), (0, -20, 5), (15, 10, -20), (-15, -10, 20), (5, 15, 10)]
 
@@ -66,10 +63,10 @@ def test_a_known_face_in_a_known_pose_is_found_again(fit, method, intrinsic, see
     truth = seen(strangers[number], *ANGLES[number])
     result = fit(truth.points)
     assert result.nme < (0.6 if method == "intrinsic" else 1.5)
-    assert angle(result.pose.rotation, truth.pose.rotation) < 8
+    assert angle(result.face.camera.rotation, truth.camera.rotation) < 8
     face = intrinsic.template.region("face")
     mean = intrinsic.decode(intrinsic.prior.mean)
-    error = shape_error(result.vertices[face], truth.vertices[face])
+    error = shape_error(result.face.vertices[face], truth.vertices[face])
     assert error < 0.9 * shape_error(mean[face], truth.vertices[face])
     assert result.prior_rms < 1.5 and result.flipped < 5e-3
 
@@ -77,45 +74,45 @@ def test_a_known_face_in_a_known_pose_is_found_again(fit, method, intrinsic, see
 def test_yaw_is_told_from_its_opposite(fit, seen, strangers):
     yaws = []
     for yaw in (-20, 0, 20):
-        forwards = fit(seen(strangers[3], yaw=yaw).points).pose.rotation @ [0, 0, 1.0]
+        forwards = fit(seen(strangers[3], yaw=yaw).points).camera.rotation @ [0, 0, 1.0]
         yaws.append(np.degrees(np.arctan2(forwards[0], -forwards[2])))
-    signs = np.sign(seen(strangers[3], yaw=20).pose.rotation @ [0, 0, 1.0])[0]
+    signs = np.sign(seen(strangers[3], yaw=20).camera.rotation @ [0, 0, 1.0])[0]
     np.testing.assert_allclose(signs * np.array(yaws), [-20, 0, 20], atol=7)
 
 
 def test_the_result_holds_together(fit, fitted, one, method, intrinsic, kernel):
     model = intrinsic if method == "intrinsic" else kernel
-    assert fitted.vertices.shape == (4200, 3) and np.isfinite(fitted.vertices).all()
-    assert fitted.latent.shape == (len(model.prior.mean),)
-    assert fitted.landmarks.shape == (68, 2) and fitted.anchors.shape == (68,)
-    pose = fitted.pose
-    np.testing.assert_allclose(pose.rotation @ pose.rotation.T, np.eye(3), atol=1e-9)
-    assert np.linalg.det(pose.rotation) > 0 and pose.scale > 0
-    projected = pose.scale * fitted.vertices @ pose.rotation[:2].T + pose.translation
-    np.testing.assert_allclose(fitted.landmarks, projected[fitted.anchors], atol=1e-8)
+    assert fitted.face.vertices.shape == (4200, 3) and np.isfinite(fitted.face.vertices).all()
+    assert fitted.face.latent.shape == (len(model.prior.mean),)
+    assert fitted.face.landmarks.shape == (68, 2) and fitted.anchors.shape == (68,)
+    camera = fitted.face.camera
+    np.testing.assert_allclose(camera.rotation @ camera.rotation.T, np.eye(3), atol=1e-9)
+    assert np.linalg.det(camera.rotation) > 0 and camera.scale > 0
+    projected = camera.scale * fitted.face.vertices @ camera.rotation[:2].T + camera.translation
+    np.testing.assert_allclose(fitted.face.landmarks, projected[fitted.anchors], atol=1e-8)
     note = model.template.annotation
     np.testing.assert_array_equal(fitted.anchors[17:], note.landmarks[17:68])
     assert all(anchor in path for anchor, path in zip(fitted.anchors, note.jaw_paths, strict=False))
     diagonal = np.linalg.norm(np.ptp(one.points, axis=0))
-    errors = 100 * np.linalg.norm(fitted.landmarks - one.points, axis=1) / diagonal
+    errors = 100 * np.linalg.norm(fitted.face.landmarks - one.points, axis=1) / diagonal
     np.testing.assert_allclose(fitted.nme, errors.mean(), atol=1e-9)
     assert set(fitted.part_errors) == set(PARTS) - {"extra"}
     for name, value in fitted.part_errors.items():
         np.testing.assert_allclose(value, errors[list(PARTS[name])].mean(), atol=1e-9)
-    np.testing.assert_allclose(fitted.prior_rms, model.prior.rms(fitted.latent))
+    np.testing.assert_allclose(fitted.prior_rms, model.prior.rms(fitted.face.latent))
 
 
 def test_latent_and_residual_are_the_face(fitted, method, intrinsic, kernel):
     if method == "latent":
-        assert fitted.residual is None and fitted.nme == fitted.nme_latent
-        np.testing.assert_allclose(kernel.decode(fitted.latent), fitted.vertices, atol=1e-9)
+        assert fitted.face.residual is None and fitted.nme == fitted.nme_latent
+        np.testing.assert_allclose(kernel.decode(fitted.face.latent), fitted.face.vertices, atol=1e-9)
         return
-    assert fitted.residual.shape == (4200, 9)
-    again = intrinsic.decode(fitted.latent, fitted.residual)
-    shift = (fitted.vertices - again).mean(0)
-    np.testing.assert_allclose(again + shift, fitted.vertices, atol=1e-6)
-    alone = intrinsic.decode(fitted.latent)
-    assert np.abs(alone + (fitted.vertices - alone).mean(0) - fitted.vertices).max() > 1e-4
+    assert fitted.face.residual.shape == (4200, 9)
+    again = intrinsic.decode(fitted.face.latent, fitted.face.residual)
+    shift = (fitted.face.vertices - again).mean(0)
+    np.testing.assert_allclose(again + shift, fitted.face.vertices, atol=1e-6)
+    alone = intrinsic.decode(fitted.face.latent)
+    assert np.abs(alone + (fitted.face.vertices - alone).mean(0) - fitted.face.vertices).max() > 1e-4
     assert fitted.nme_latent > fitted.nme
 
 
@@ -123,16 +120,16 @@ def test_same_landmarks_same_face_and_landmarks_are_not_changed(fit, fitted, one
     points = one.points.copy()
     again = fit(points)
     np.testing.assert_array_equal(points, one.points)
-    np.testing.assert_array_equal(again.vertices, fitted.vertices)
-    np.testing.assert_array_equal(again.latent, fitted.latent)
-    np.testing.assert_array_equal(again.pose.rotation, fitted.pose.rotation)
+    np.testing.assert_array_equal(again.face.vertices, fitted.face.vertices)
+    np.testing.assert_array_equal(again.face.latent, fitted.face.latent)
+    np.testing.assert_array_equal(again.face.camera.rotation, fitted.face.camera.rotation)
 
 
 @pytest.mark.parametrize(("scale", "shift"), [(0.5, (0, 0)), (0.5, (33.0, -120.0)), (7.3, (-900.0, 20.0))])
 def test_size_and_place_of_the_picture_do_not_matter(fit, fitted, one, scale, shift):
     other = fit(scale * one.points + shift)
-    np.testing.assert_allclose(other.vertices, fitted.vertices, atol=1e-6)
-    np.testing.assert_allclose(other.landmarks, scale * fitted.landmarks + shift, atol=1e-3)
+    np.testing.assert_allclose(other.face.vertices, fitted.face.vertices, atol=1e-6)
+    np.testing.assert_allclose(other.face.landmarks, scale * fitted.face.landmarks + shift, atol=1e-3)
     np.testing.assert_allclose([other.nme, other.prior_rms], [fitted.nme, fitted.prior_rms], rtol=1e-5)
 
 
@@ -141,13 +138,13 @@ def test_unknown_points_drop_out(fit, fitted, one, intrinsic):
     points = one.points.copy()
     points[hidden] = np.nan
     result = fit(points)
-    assert np.isfinite(result.landmarks).all()
-    assert angle(result.pose.rotation, fitted.pose.rotation) < 6
-    assert drift(result.vertices, fitted.vertices, intrinsic.template).mean() < 0.004
+    assert np.isfinite(result.face.landmarks).all()
+    assert angle(result.face.camera.rotation, fitted.face.camera.rotation) < 6
+    assert drift(result.face.vertices, fitted.face.vertices, intrinsic.template).mean() < 0.004
     half_known = one.points.copy()
     half_known[hidden, 0] = np.nan
     half_known[hidden, 1] = 1e5
-    np.testing.assert_array_equal(fit(half_known).vertices, result.vertices)
+    np.testing.assert_array_equal(fit(half_known).face.vertices, result.face.vertices)
 
 
 def test_a_part_that_is_hidden_is_left_out_of_the_errors(fit, one):
@@ -161,10 +158,10 @@ def test_one_wild_landmark_changes_the_rest_little(fit, fitted, one, intrinsic, 
     points = one.points.copy()
     points[number] += 0.3 * np.linalg.norm(np.ptp(points, axis=0)) * np.array([0.6, -0.8])
     result = fit(points)
-    assert drift(result.vertices, fitted.vertices, intrinsic.template).mean() < 0.0025
-    assert angle(result.pose.rotation, fitted.pose.rotation) < 3
+    assert drift(result.face.vertices, fitted.face.vertices, intrinsic.template).mean() < 0.0025
+    assert angle(result.face.camera.rotation, fitted.face.camera.rotation) < 3
     others = np.arange(68) != number
-    moved = np.linalg.norm(result.landmarks - fitted.landmarks, axis=1) / np.linalg.norm(np.ptp(one.points, axis=0))
+    moved = np.linalg.norm(result.face.landmarks - fitted.face.landmarks, axis=1) / np.linalg.norm(np.ptp(one.points, axis=0))
     assert moved[others].mean() < 0.01
 
 
@@ -187,10 +184,10 @@ def test_a_heavier_prior_stays_nearer_to_the_mean(fit, method, one):
 def test_81_landmarks(fit, method, seen, strangers):
     truth = seen(strangers[2], 3, -10, 4, count=81)
     result = fit(truth.points)
-    assert result.landmarks.shape == (81, 2)
+    assert result.face.landmarks.shape == (81, 2)
     assert "extra" in result.part_errors
     assert result.nme < (0.7 if method == "intrinsic" else 2.0)
-    assert angle(result.pose.rotation, truth.pose.rotation) < 8
+    assert angle(result.face.camera.rotation, truth.camera.rotation) < 8
 
 
 def test_the_forehead_follows_when_it_is_given(fit, seen, strangers, intrinsic):
@@ -199,7 +196,7 @@ def test_the_forehead_follows_when_it_is_given(fit, seen, strangers, intrinsic):
     higher[68:71, 1] -= 60
     top = intrinsic.template.annotation.landmarks[69]
     root = intrinsic.template.annotation.landmarks[27]
-    plain, lifted = (fit(points).vertices for points in (truth.points, higher))
+    plain, lifted = (fit(points).face.vertices for points in (truth.points, higher))
     assert (lifted[top] - lifted[root])[1] > (plain[top] - plain[root])[1] + 0.004
 
 
@@ -216,8 +213,8 @@ def test_eight_spread_points_are_enough(fit, one):
     chosen = [2, 8, 14, 30, 36, 45, 48, 54]
     points[chosen] = one.points[chosen]
     result = fit(points)
-    assert np.isfinite(result.vertices).all() and result.nme < 3
-    assert angle(result.pose.rotation, one.pose.rotation) < 25
+    assert np.isfinite(result.face.vertices).all() and result.nme < 3
+    assert angle(result.face.camera.rotation, one.camera.rotation) < 25
 
 
 def test_landmarks_that_are_no_face_are_refused_or_survived(fit, one):
@@ -233,15 +230,15 @@ def test_landmarks_that_are_no_face_are_refused_or_survived(fit, one):
             result = fit(points)
         except CaricliError:
             continue
-        assert np.isfinite(result.vertices).all() and np.isfinite(result.landmarks).all()
+        assert np.isfinite(result.face.vertices).all() and np.isfinite(result.face.landmarks).all()
 
 
 def test_latent_fit_takes_any_model_with_the_interface(intrinsic, one):
     few = type(intrinsic)(intrinsic.template, intrinsic.mean, intrinsic.basis[:12], intrinsic.offset[:13])
     result = fit_landmarks_latent(one.points, few)
-    assert result.latent.shape == (12,) and result.residual is None
+    assert result.face.latent.shape == (12,) and result.face.residual is None
     assert result.nme < 2.5
-    np.testing.assert_allclose(few.decode(result.latent), result.vertices, atol=1e-9)
+    np.testing.assert_allclose(few.decode(result.face.latent), result.face.vertices, atol=1e-9)
 
 
 # ---------------------------------------------------------------- real drawings
@@ -303,7 +300,7 @@ def test_drawings_are_reached_by_a_surface_that_stays_a_face(drawings, intrinsic
     spread = [result.prior_rms for result in results]
     assert np.mean(spread) <= 1.1, spread
     assert max(result.flipped for result in results) <= 0.003, [result.flipped for result in results]
-    spikes = [spike(result.vertices, intrinsic.template) for result in results]
+    spikes = [spike(result.face.vertices, intrinsic.template) for result in results]
     assert max(spikes) < SPIKE, spikes
 
 
@@ -315,7 +312,7 @@ def test_drawings_are_approached_inside_the_model(drawings, kernel):
     assert np.mean(nme) <= 1.3 and max(nme) <= 2.6, nme
     assert np.mean(spread) <= 0.8, spread
     assert np.mean([result.flipped for result in results]) <= 0.003
-    spikes = [spike(result.vertices, kernel.template) for result in results]
+    spikes = [spike(result.face.vertices, kernel.template) for result in results]
     assert max(spikes) < SPIKE, spikes
 
 
@@ -337,5 +334,5 @@ def test_the_default_model_is_nearer_to_drawings_than_components_at_the_same_dis
 def test_half_the_drawing_is_the_same_face(drawings, intrinsic, kernel):
     for points in drawings[:2]:
         for model, method in ((intrinsic, fit_landmarks_intrinsic), (kernel, fit_landmarks_latent)):
-            whole, half = (method(scale * points, model).vertices for scale in (1.0, 0.5))
+            whole, half = (method(scale * points, model).face.vertices for scale in (1.0, 0.5))
             np.testing.assert_allclose(half, whole, atol=1e-6)

@@ -7,9 +7,11 @@ from caricli.errors import InputError
 from caricli.geometry.deformation_gradients import rotation_matrices
 from caricli.geometry.flipped_triangles import flipped_triangles
 from caricli.methods.faces.encode_face import decode_face, encode_face
-from caricli.methods.reconstruct.fit_landmarks import PARTS
 from caricli.methods.reconstruct.refine_face import refine_face
-from caricli.structures import Camera
+from caricli.methods.reconstruct.renew_residual import renew_residual
+from caricli.methods.reconstruct.settings import RefineSettings
+from caricli.structures import Camera, Face
+from caricli.structures.landmarks import PARTS
 
 VIEWS = ((0, 0, 0), (5, 30, 10), (-10, -20, 0), (0, 15, -30), (10, -45, 5), (0, 0, 90))
 
@@ -28,7 +30,7 @@ def pairs(strangers, seen):
 @pytest.fixture(scope="module")
 def refined(pairs, template):
     """Refinements of the template to every one of them."""
-    return [refine_face(template.vertices, truth.pose, truth.points, template) for truth in pairs]
+    return [refine_face(Face(template, truth.camera), truth.points, template) for truth in pairs]
 
 
 @pytest.mark.parametrize(("number", "laplacian"), [*((k, "cotangent") for k in range(6)), (2, "uniform")])
@@ -36,8 +38,9 @@ def test_a_consistent_target_changes_nothing(number, laplacian, strangers, pairs
     truth, face = pairs[number], strangers[number]
     assert number != 2 or flipped_triangles(face, template.gradients).any()
     before = face.copy()
-    found = refine_face(face, truth.pose, truth.points, template, laplacian=laplacian)
-    assert np.abs(found.vertices - face).max() < 1e-6 * template.height
+    settings = RefineSettings(laplacian=laplacian)
+    found = refine_face(Face(template.with_vertices(face), truth.camera), truth.points, template, settings)
+    assert np.abs(found.face.vertices - face).max() < 1e-6 * template.height
     assert found.before["all"] < 1e-6 and found.after["all"] < 1e-6 and found.moved < 1e-6 * template.height
     np.testing.assert_array_equal(face, before)
 
@@ -50,12 +53,12 @@ def test_synthetic_faces_are_met_by_a_sound_surface(number, pairs, refined, temp
     assert found.flipped <= 0.001
     # The figures are what they say.
     diagonal = np.linalg.norm(np.ptp(truth.points, axis=0))
-    np.testing.assert_allclose(found.landmarks, truth.pose.project(found.vertices[found.anchors]))
-    distances = 100 * np.linalg.norm(found.landmarks - truth.points, axis=1) / diagonal
+    np.testing.assert_allclose(found.face.landmarks, truth.camera.project(found.face.vertices[found.anchors]))
+    distances = 100 * np.linalg.norm(found.face.landmarks - truth.points, axis=1) / diagonal
     assert found.after["all"] == pytest.approx(distances.mean())
     assert found.after["eyes"] == pytest.approx(distances[PARTS["eyes"]].mean())
-    assert found.flipped == flipped_triangles(found.vertices, template.gradients).mean()
-    assert found.moved == pytest.approx(np.linalg.norm(found.vertices - template.vertices, axis=1).max())
+    assert found.flipped == flipped_triangles(found.face.vertices, template.gradients).mean()
+    assert found.moved == pytest.approx(np.linalg.norm(found.face.vertices - template.vertices, axis=1).max())
 
 
 def test_the_mouth_stays_behind_the_skin(pairs, template):
@@ -65,14 +68,14 @@ def test_the_mouth_stays_behind_the_skin(pairs, template):
     inside[template.annotation.landmarks] = False
     vertices = template.vertices + inside[:, None] * [0, 0.012, 0.02]
     assert np.abs(cavities.tuck(vertices) - vertices).max() > 0.005
-    found = refine_face(vertices, truth.pose, truth.points, template)
-    np.testing.assert_allclose(cavities.tuck(found.vertices), found.vertices, atol=1e-3)
+    found = refine_face(Face(template.with_vertices(vertices), truth.camera), truth.points, template)
+    np.testing.assert_allclose(cavities.tuck(found.face.vertices), found.face.vertices, atol=1e-3)
     assert found.after["all"] <= 0.3
 
 
 def test_uniform_meets_them_too(pairs, template):
     for truth in pairs[1:3]:
-        found = refine_face(template.vertices, truth.pose, truth.points, template, laplacian="uniform")
+        found = refine_face(Face(template, truth.camera), truth.points, template, RefineSettings(laplacian="uniform"))
         assert found.after["all"] <= 0.3 and found.after["eyes"] <= found.before["eyes"] / 10
         assert found.flipped <= 0.002
 
@@ -80,15 +83,15 @@ def test_uniform_meets_them_too(pairs, template):
 def test_the_truth_comes_nearer(refined, strangers, template):
     errors = []
     for found, stranger in zip(refined, strangers, strict=True):
-        errors.append([np.linalg.norm(v - stranger, axis=1).mean() for v in (template.vertices, found.vertices)])
+        errors.append([np.linalg.norm(v - stranger, axis=1).mean() for v in (template.vertices, found.face.vertices)])
     errors = np.array(errors)
     assert errors[:, 1].mean() < 0.97 * errors[:, 0].mean(), errors
 
 
 def test_anchors_keep_their_depth(pairs, template):
     for truth in pairs[1:3]:
-        found = refine_face(template.vertices, truth.pose, truth.points, template, weight=1e4)
-        change = (found.vertices - template.vertices)[found.anchors] @ truth.pose.rotation.T
+        found = refine_face(Face(template, truth.camera), truth.points, template, RefineSettings(weight=1e4))
+        change = (found.face.vertices - template.vertices)[found.anchors] @ truth.camera.rotation.T
         assert np.abs(change[:, 2]).max() < 1e-5 < np.abs(change[:, :2]).max()
 
 
@@ -97,18 +100,18 @@ def test_picture_and_camera_moved_together_move_nothing(angle, pairs, refined, t
     truth, here = pairs[1], refined[1]
     turn = rotation_matrices(np.radians([[0, 0, angle]]))[0]
     points = 0.37 * truth.points @ turn[:2, :2].T + [-40.0, 900.0]
-    translation = 0.37 * turn[:2, :2] @ truth.pose.translation + [-40.0, 900.0]
-    pose = Camera(0.37 * truth.pose.scale, turn @ truth.pose.rotation, translation)
-    there = refine_face(template.vertices, pose, points, template)
-    np.testing.assert_allclose(there.vertices, here.vertices, atol=1e-7)
-    landmarks = 0.37 * here.landmarks @ turn[:2, :2].T + [-40.0, 900.0]
-    np.testing.assert_allclose(there.landmarks, landmarks, atol=1e-4)
+    translation = 0.37 * turn[:2, :2] @ truth.camera.translation + [-40.0, 900.0]
+    camera = Camera(0.37 * truth.camera.scale, turn @ truth.camera.rotation, translation)
+    there = refine_face(Face(template, camera), points, template)
+    np.testing.assert_allclose(there.face.vertices, here.face.vertices, atol=1e-7)
+    landmarks = 0.37 * here.face.landmarks @ turn[:2, :2].T + [-40.0, 900.0]
+    np.testing.assert_allclose(there.face.landmarks, landmarks, atol=1e-4)
 
 
 def test_a_larger_weight_is_more_exact(pairs, template):
     truth = pairs[0]
     errors = [
-        refine_face(template.vertices, truth.pose, truth.points, template, weight=weight).after["all"]
+        refine_face(Face(template, truth.camera), truth.points, template, RefineSettings(weight=weight)).after["all"]
         for weight in (0.01, 1.0, 100.0)
     ]
     assert errors[0] > errors[1] > errors[2]
@@ -118,14 +121,14 @@ def test_what_is_not_known_pulls_at_nothing(pairs, template):
     truth = pairs[0]
     points = truth.points.copy()
     points[48:68] = np.nan
-    found = refine_face(template.vertices, truth.pose, points, template)
+    found = refine_face(Face(template, truth.camera), points, template)
     assert "mouth" not in found.after and set(found.after) == {"jaw", "brows", "nose", "eyes", "all"}
-    assert found.after["all"] < 0.3 and np.isfinite(found.vertices).all() and len(found.landmarks) == 68
+    assert found.after["all"] < 0.3 and np.isfinite(found.face.vertices).all() and len(found.face.landmarks) == 68
 
 
 def test_all_81_landmarks(strangers, seen, template):
     truth = seen(strangers[0], yaw=10, count=81)
-    found = refine_face(template.vertices, truth.pose, truth.points, template)
+    found = refine_face(Face(template, truth.camera), truth.points, template)
     assert found.after["extra"] < 0.3 and len(found.anchors) == 81
 
 
@@ -133,15 +136,15 @@ def test_all_81_landmarks(strangers, seen, template):
 def test_the_residual_takes_up_what_moved(kind, request, refined, template):
     model, found = request.getfixturevalue(kind), refined[4]
     coarse = encode_face(template.vertices, model)
-    code = encode_face(found.vertices, model, coarse.latent)
+    code = encode_face(found.face.vertices, model, coarse.latent)
     np.testing.assert_array_equal(code.latent, coarse.latent)
     assert np.abs(code.residual - coarse.residual).max() > 1e-3
     again = decode_face(code.latent, code.residual, model, code.shift)
-    np.testing.assert_allclose(again, found.vertices, atol=1e-6)
+    np.testing.assert_allclose(again, found.face.vertices, atol=1e-6)
 
 
-def upwards(pose):
-    up = pose.rotation[:2, 1]
+def upwards(camera):
+    up = camera.rotation[:2, 1]
     return up / np.linalg.norm(up)
 
 
@@ -150,20 +153,20 @@ def test_lids_and_lips_that_cross_a_little_meet(upper, lower, pairs, template):
     for truth in pairs[:2]:
         points = truth.points.copy()
         middle = points[[upper, lower]].mean(0)
-        passed = 0.004 * np.linalg.norm(np.ptp(points, axis=0)) * upwards(truth.pose)
+        passed = 0.004 * np.linalg.norm(np.ptp(points, axis=0)) * upwards(truth.camera)
         points[upper], points[lower] = middle - passed, middle + passed
-        found = refine_face(template.vertices, truth.pose, points, template, weight=1e4)
-        np.testing.assert_allclose(found.landmarks[[upper, lower]], [middle, middle], atol=0.05)
+        found = refine_face(Face(template, truth.camera), points, template, RefineSettings(weight=1e4))
+        np.testing.assert_allclose(found.face.landmarks[[upper, lower]], [middle, middle], atol=0.05)
 
 
 @pytest.mark.parametrize(("upper", "lower"), [(37, 41), (63, 65)])
 def test_lids_and_lips_that_cross_much_are_refused(upper, lower, pairs, template):
     for truth in pairs[:2]:
         points = truth.points.copy()
-        up = 0.08 * np.linalg.norm(np.ptp(points, axis=0)) * upwards(truth.pose)
+        up = 0.08 * np.linalg.norm(np.ptp(points, axis=0)) * upwards(truth.camera)
         points[lower] = points[upper] + up
         with pytest.raises(InputError, match=f"landmarks {upper} and {lower}: expected the upper above the lower"):
-            refine_face(template.vertices, truth.pose, points, template)
+            refine_face(Face(template, truth.camera), points, template)
 
 
 @pytest.mark.parametrize(("a", "b"), [(8, 9), (30, 33), (37, 38), (36, 45)])
@@ -171,7 +174,7 @@ def test_landmarks_in_one_place_are_refused(a, b, pairs, template):
     points = pairs[0].points.copy()
     points[b] = points[a]
     with pytest.raises(InputError, match=f"expected landmarks in different places, found {a} and {b} in one"):
-        refine_face(template.vertices, pairs[0].pose, points, template)
+        refine_face(Face(template, pairs[0].camera), points, template)
 
 
 def test_closed_eyes_and_mouths_may_be_in_one_place(pairs, template):
@@ -179,7 +182,7 @@ def test_closed_eyes_and_mouths_may_be_in_one_place(pairs, template):
     for a, b in ((37, 41), (38, 40), (43, 47), (44, 46), (61, 67), (62, 66), (63, 65)):
         points[[a, b]] = points[[a, b]].mean(0)
     points[60], points[64] = points[48], points[54]
-    found = refine_face(template.vertices, pairs[0].pose, points, template)
+    found = refine_face(Face(template, pairs[0].camera), points, template)
     assert found.after["all"] < 0.5 and found.flipped <= 0.002
 
 
@@ -187,12 +190,12 @@ def test_landmarks_of_another_picture_are_refused(pairs, template):
     truth = pairs[0]
     for points in (truth.points + [400.0, 0], 3 * truth.points):
         with pytest.raises(InputError, match="expected landmarks of the picture that the face was fitted to"):
-            refine_face(template.vertices, truth.pose, points, template)
+            refine_face(Face(template, truth.camera), points, template)
 
 
 def test_another_number_of_landmarks_is_refused(pairs, template):
     with pytest.raises(InputError, match="expected 68 or 81 landmarks, found 70"):
-        refine_face(template.vertices, pairs[0].pose, np.zeros((70, 2)), template)
+        refine_face(Face(template, pairs[0].camera), np.zeros((70, 2)), template)
 
 
 def test_one_vertex_cannot_be_in_two_places(pairs, template):
@@ -201,8 +204,8 @@ def test_one_vertex_cannot_be_in_two_places(pairs, template):
     shared = replace(template, annotation=replace(template.annotation, landmarks=landmarks))
     points = pairs[0].points.copy()
     points[60] = points[48] + 0.001
-    found = refine_face(template.vertices, pairs[0].pose, points, shared)
+    found = refine_face(Face(template, pairs[0].camera), points, shared)
     assert found.after["all"] < 0.3
     points[60] = points[48] + [0, 0.05 * np.linalg.norm(np.ptp(points, axis=0))]
     with pytest.raises(InputError, match=f"expected one place for every vertex, found vertex {landmarks[48]} wanted"):
-        refine_face(template.vertices, pairs[0].pose, points, shared)
+        refine_face(Face(template, pairs[0].camera), points, shared)

@@ -2,7 +2,10 @@ import cv2
 import numpy as np
 import pytest
 
-from caricli.methods.reconstruct.snap_eyes import FARTHEST, snap_eyes
+from caricli.methods.reconstruct.snap_eyes import snap_eyes
+from caricli.methods.reconstruct.settings import SnapSettings
+
+FARTHEST = SnapSettings().farthest
 
 LEFT, RIGHT = np.array([60.0, 80.0]), np.array([150.0, 80.0])
 RADII = 20, 10
@@ -30,7 +33,7 @@ def marks(factor):
 def test_eyes_land_on_the_border_and_nothing_else_moves(parsing, factor):
     points = marks(factor)
     given = points.copy()
-    snapped, moved = snap_eyes(points, parsing, [4, 5])
+    snapped, moved = snap_eyes(points, np.isin(parsing, [4, 5]))
     np.testing.assert_array_equal(points, given)
     assert moved == 12
     for k in range(36, 48):
@@ -53,7 +56,7 @@ def test_no_landmark_goes_further_than_half_its_eye(parsing):
     for share, expected in ((0.9, 12), (1.5, 0)):
         moved_down = points.copy()
         moved_down[36:48, 1] += share * FARTHEST * width + RADII[1] * (share > 1)
-        snapped, count = snap_eyes(moved_down, parsing, [4, 5])
+        snapped, count = snap_eyes(moved_down, np.isin(parsing, [4, 5]))
         assert count == expected
         assert np.linalg.norm(snapped - moved_down, axis=1).max() <= FARTHEST * width + 1e-9
 
@@ -61,12 +64,12 @@ def test_no_landmark_goes_further_than_half_its_eye(parsing):
 def test_unknown_landmarks_and_absent_labels(parsing):
     points = marks(1.1)
     points[[36, 43]] = np.nan
-    snapped, moved = snap_eyes(points, parsing, [4, 5])
+    snapped, moved = snap_eyes(points, np.isin(parsing, [4, 5]))
     assert moved == 10 and np.isnan(snapped[[36, 43]]).all()
-    snapped, moved = snap_eyes(points, parsing, [7])
+    snapped, moved = snap_eyes(points, np.isin(parsing, [7]))
     assert moved == 0
     np.testing.assert_array_equal(snapped, points)
     # An eye that is not parsed stays, if the other one is far.
-    snapped, moved = snap_eyes(points, parsing, [4])
+    snapped, moved = snap_eyes(points, np.isin(parsing, [4]))
     assert moved == 5
     np.testing.assert_array_equal(snapped[42:48], points[42:48])

@@ -1,0 +1,66 @@
+"""Fresh processes that share out work."""
+
+import contextlib
+import multiprocessing
+import os
+import signal
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from functools import partial
+from typing import Any
+
+from threadpoolctl import threadpool_limits
+
+from caricli.errors import CaricliError
+
+_worker: Any = None
+"""In a worker process: what all its jobs share."""
+
+
+@contextlib.contextmanager
+def worker_pool(workers: int | None, make: Callable[[], Any]) -> Iterator[Callable]:
+    """Processes that end with the context whatever happens.
+
+    workers: how many; None for one per usable core. make: called once a process, and what it returns is the first
+    argument of all work there; as all that goes to a process, it must be of a module.
+    Yields ``run(function, jobs)``, an iterator over ``function(made, job)`` in the order of the jobs.
+    Raises CaricliError when a process was ended from outside.
+    """
+    context = multiprocessing.get_context("spawn")
+    pool = ProcessPoolExecutor(workers or _usable_cores(), context, initializer=_start, initargs=(make,))
+    try:
+        yield partial(_run, pool)
+    except BrokenProcessPool as error:
+        raise CaricliError("a worker process was ended from outside; is there enough memory?") from error
+    finally:
+        pool.shutdown(cancel_futures=True)
+
+
+def _usable_cores() -> int | None:
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
+
+
+def _run(pool: ProcessPoolExecutor, function: Callable, jobs: Iterable) -> Iterator:
+    # Workers start here and inherit the mask, so that Ctrl-C, which reaches them too, is left to the parent.
+    previous = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        return pool.map(partial(_work, function), jobs)
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, previous)
+
+
+# ---------------------------------------------------------------- in a worker
+
+
+def _start(make: Callable[[], Any]) -> None:
+    global _worker
+    # Ctrl-C reaches the whole process group; the parent ends the workers.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    threadpool_limits(1)
+    _worker = make()
+
+
+def _work(function: Callable, job: Any) -> Any:
+    return function(_worker, job)

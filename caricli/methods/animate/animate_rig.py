@@ -1,0 +1,107 @@
+"""A rig that moves as a track of weights says."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field, replace
+from difflib import get_close_matches
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from caricli.errors import InputError
+from caricli.methods.animate.bind_weights import BoundWeights, bind_weights
+from caricli.methods.animate.pose_rig import RigPoser
+from caricli.methods.animate.resample_weights import resample_weights
+from caricli.methods.animate.smooth_weights import smooth_weights
+from caricli.methods.animate.turn_head import turn_head
+from caricli.structures import Animation, Rig, Track
+
+
+@dataclass(frozen=True)
+class AnimationSettings:
+    """How a track becomes an animation.
+
+    fps: frames a second; None for the track's own.
+    smooth: strength of the One-Euro filter; 1 is usual, 0 leaves the weights.
+    scales: factors of weights by expression.
+    head: whether the head turns.
+    """
+
+    fps: float | None = None
+    smooth: float = 0.0
+    scales: dict[str, float] = field(default_factory=dict)
+    head: bool = True
+
+
+@dataclass(frozen=True, eq=False)
+class Performance:
+    """A rig and how it moves.
+
+    animation: times, weights and the turning of the head of every frame.
+    fps: frames a second.
+    bound: the weights as the track has them, before they were cut and scaled.
+    settings: what was asked for.
+    """
+
+    rig: Rig
+    animation: Animation
+    fps: float
+    bound: BoundWeights
+    settings: AnimationSettings
+
+    def frames(self, report: Callable[[int, int], object]) -> Iterator[np.ndarray]:
+        """Vertices (V, 3) of every frame, the head turned; each is overwritten by the next.
+
+        report: called with the number of frames that are done, and of all.
+        """
+        poser = RigPoser(self.rig)
+        rotations = self.animation.rotations
+        turns = None if rotations is None else Rotation.from_quat(rotations).as_matrix()
+        for k, weights in enumerate(self.animation.weights):
+            vertices = poser.pose(weights)
+            yield vertices if turns is None else vertices @ turns[k].T
+            report(k + 1, len(self.animation.weights))
+
+    @property
+    def driven(self) -> list[int]:
+        """Numbers of the rig's expressions that the track moves."""
+        return [k for k, name in enumerate(self.rig.names) if name not in self.bound.undriven]
+
+    def figures(self) -> dict:
+        """What was done, as JSON holds it."""
+        weights = self.animation.weights
+        bound = self.bound.weights
+        return {
+            "fps": self.fps,
+            "frames": len(self.animation.times),
+            "seconds": float(self.animation.times[-1]),
+            "smooth": self.settings.smooth,
+            "scale": self.settings.scales,
+            "head": self.animation.rotations is not None,
+            "unmatched": self.bound.unmatched,
+            "undriven": self.bound.undriven,
+            "clipped": int(np.count_nonzero((bound < 0) | (bound > 1))),
+            "ranges": {self.rig.names[k]: [float(weights[:, k].min()), float(weights[:, k].max())] for k in self.driven},
+        }
+
+
+def animate_rig(
+    rig: Rig,
+    track: Track,
+    settings: AnimationSettings = AnimationSettings(),  # noqa: B008 (frozen)
+) -> Performance:
+    """Move a rig by a track: weights are smoothed, resampled, bound by name, cut to 0 to 1, then scaled.
+
+    Raises InputError when a scaled expression is not the rig's, no name is common, or frames are too many.
+    """
+    unknown = [name for name in settings.scales if name not in rig.names]
+    if unknown:
+        near = get_close_matches(unknown[0], rig.names, 1, 0.0)[0]
+        raise InputError(f"scale: {unknown[0]}: not among the rig's {len(rig.names)}; did you mean {near!r}?")
+    turns = settings.head and track.head is not None
+    head = smooth_weights(track.head, track.times, settings.smooth) if turns else None
+    calm = smooth_weights(track.weights, track.times, settings.smooth)
+    even, fps = resample_weights(replace(track, weights=calm, head=head), settings.fps)
+    bound = bind_weights(even, rig.names)
+    weights = np.clip(bound.weights, 0, 1) * [settings.scales.get(name, 1.0) for name in rig.names]
+    rotations = None if even.head is None else turn_head(even.head)
+    return Performance(rig, Animation(even.times, weights, rotations), fps, bound, settings)

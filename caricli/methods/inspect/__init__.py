@@ -1,0 +1,1 @@
+"""What files hold, and whether it is whole."""

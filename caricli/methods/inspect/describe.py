@@ -1,0 +1,184 @@
+"""What is said of every kind of thing that files hold."""
+
+from collections import Counter
+from functools import singledispatch
+from typing import Any
+
+import numpy as np
+
+from caricli.data.dataset import SPLITS, Dataset
+from caricli.geometry.deformation_gradients import DeformationGradients
+from caricli.geometry.flipped_triangles import flipped_triangles
+from caricli.methods.inspect.inspection import Acquaintances, Inspection, MeshWords
+from caricli.methods.rig.check_rig import RigCheck, check_rig
+from caricli.models.landmark_map.model import LandmarkMap
+from caricli.structures import Directions, Face, Landmarks, Mesh, Rig, Track
+from caricli.structures.arkit import ARKIT_NAMES
+from caricli.structures.landmarks import PARTS, SCHEMES
+
+_NAMED = 12
+"""Names that a line lists."""
+
+_BATCH = 32
+"""Meshes whose triangles are looked at together."""
+
+
+@singledispatch
+def describe(value: Any, around: Acquaintances) -> Inspection:
+    """What is said of a structure; of any other value, it is a shape model."""
+    words = MeshWords.of(value.template, around)
+    dimension = len(value.prior.mean)
+    bundled = around.models.get(value.model_id)
+    lines = ["one of those that come with caricli"] if bundled else [f"id {value.model_id[:12]}"]
+    values = {"model_kind": value.kind, "dimension": dimension, "model_id": value.model_id, "bundled": bool(bundled)}
+    summary = f"{value.kind}, {dimension} dimensions, {words.counts}"
+    problems = tuple(words.check.problems)
+    return Inspection("a shape model", summary, (*lines, *words.lines), values | words.values, problems)
+
+
+@describe.register
+def _(value: Mesh, around: Acquaintances) -> Inspection:
+    words = MeshWords.of(value, around)
+    summary = f"{words.counts}, {words.height}"
+    return Inspection("a mesh", summary, tuple(words.lines), words.values, tuple(words.check.problems))
+
+
+@describe.register
+def _(value: Face, around: Acquaintances) -> Inspection:
+    words = MeshWords.of(value.mesh, around)
+    lines = list(words.lines)
+    values: dict[str, Any] = dict(words.values)
+    if value.camera is not None:
+        lines.append(f"a camera of {value.camera.scale:.4g} pixels a metre")
+        values["camera_scale"] = value.camera.scale
+    if value.landmarks is not None:
+        lines.append(f"{len(value.landmarks)} landmarks")
+        values["landmarks"] = len(value.landmarks)
+    if value.latent is not None:
+        of = "an unknown model" if value.model_id is None else around.model_name(value.model_id)
+        residual = "" if value.residual is None else ", and a residual"
+        lines.append(f"a latent of {len(value.latent)} numbers of {of}{residual}")
+        values |= {"latent": len(value.latent), "model_id": value.model_id, "residual": value.residual is not None}
+    summary = f"{words.counts}, {words.height}"
+    return Inspection("a face", summary, tuple(lines), values, tuple(words.check.problems))
+
+
+@describe.register
+def _(value: Rig, around: Acquaintances) -> Inspection:
+    words = MeshWords.of(value.mesh, around)
+    check = check_rig(value)
+    pictures = [name for name in ("texture", "eye_texture", "normal_deltas") if getattr(value, name) is not None]
+    lines = [f"with {', '.join(pictures)}"] if pictures else []
+    shapes = [vars(shape) for shape in check.shapes]
+    values = {"shapes": shapes, "arkit": {key: getattr(check, key) for key in ("exact", "near", "unknown", "missing")}}
+    summary = f"{words.counts}, {len(value.names)} shapes, {words.height}"
+    lines = [*words.lines, *lines, *_rig_lines(check)]
+    return Inspection("a rig", summary, tuple(lines), values | words.values, tuple(words.check.problems))
+
+
+def _rig_lines(check: RigCheck) -> list[str]:
+    """What of ARKit is there, and a table of the shapes."""
+    lines = [f"ARKit: {len(check.exact)} of {len(ARKIT_NAMES)} names, {len(check.missing)} missing"]
+    lines += [f"{name}: ARKit spells it {arkit}" for name, arkit in check.near.items()]
+    lines += [f"{name}: no ARKit name" for name in check.unknown]
+    lines += [f"missing: {', '.join(check.missing)}"] if check.missing else []
+    width = max((len(shape.name) for shape in check.shapes), default=0)
+    if check.shapes:
+        lines.append(f"{'shape':{width}}  largest mm   moved  flipped %")
+    for shape in check.shapes:
+        flipped = "     -" if shape.flipped is None else f"{100 * shape.flipped:6.3f}"
+        lines.append(f"{shape.name:{width}}  {1000 * shape.largest:10.2f}  {shape.moved:6}     {flipped}")
+    return lines
+
+
+@describe.register
+def _(value: Landmarks, around: Acquaintances) -> Inspection:
+    given = value.known
+    size = value.image_size
+    missing = {part: int((~given[list(ids)]).sum()) for part, ids in PARTS.items() if max(ids) < len(given)}
+    missing = {part: count for part, count in missing.items() if count}
+    lines = [f"not known: {', '.join(f'{count} of {part}' for part, count in missing.items())}"] if missing else []
+    lines.append("no size of the picture" if size is None else f"a picture of {size[0]} x {size[1]} pixels")
+    values = {"scheme": SCHEMES[len(given)], "points": len(given), "missing": missing, "image_size": size}
+    summary = f"{SCHEMES[len(given)]}, {given.sum()} of {len(given)} points known, {value.diagonal:.4g} pixels across"
+    return Inspection("landmarks", summary, tuple(lines), values | {"diagonal": value.diagonal})
+
+
+@describe.register
+def _(value: Track, around: Acquaintances) -> Inspection:
+    frames = len(value.times)
+    seconds = float(value.times[-1])
+    still = [name for name, column in zip(value.names, value.weights.T, strict=True) if not column.any()]
+    arkit = sum(name in ARKIT_NAMES for name in value.names)
+    lines = [
+        f"ARKit: {arkit} of {len(ARKIT_NAMES)} names" + (f", others: {_listed(_others(value))}" if _others(value) else ""),
+        f"weights from {value.weights.min():.3g} to {value.weights.max():.3g}",
+        "the head turns" if value.head is not None else "the head keeps still",
+    ]
+    lines += [f"always 0: {_listed(still)}"] if still else []
+    values = {"frames": frames, "seconds": seconds, "names": value.names, "arkit": arkit, "head": value.head is not None}
+    return Inspection("weights", f"{frames} frames, {seconds:.3g} s, {len(value.names)} names", tuple(lines), values)
+
+
+def _others(track: Track) -> list[str]:
+    return [name for name in track.names if name not in ARKIT_NAMES]
+
+
+@describe.register
+def _(value: Directions, around: Acquaintances) -> Inspection:
+    lines = [f"{name}: area under the curve {auc:.3f}" for name, auc in zip(value.names, value.auc, strict=True)]
+    dimension = value.normals.shape[1]
+    values = {"labels": value.figures, "dimension": dimension, "model_id": value.model_id, "count": int(value.count)}
+    summary = f"{len(value.names)} labels of {dimension} numbers, of {around.model_name(value.model_id)}"
+    return Inspection("directions", summary, tuple(lines), values)
+
+
+@describe.register
+def _(value: LandmarkMap, around: Acquaintances) -> Inspection:
+    sizes = {name: len(domain.basis) for name, domain in value.domains.items()}
+    summary = ", ".join(f"{count} components of {name} faces" for name, count in sizes.items())
+    return Inspection("a landmark map", summary, (), {"components": sizes})
+
+
+@describe.register
+def _(value: Dataset, around: Acquaintances) -> Inspection:
+    words = MeshWords.of(value.template, around)
+    counts = {split: int(value.rows(split).sum()) for split in SPLITS}
+    people = len(np.unique(value.identity))
+    share = _flipped_share(value)
+    lines = [
+        *words.lines,
+        "split by identity: " + ", ".join(f"{split} {count}" for split, count in counts.items()),
+        f"labels: {_listed(value.attributes)}" if len(value.attributes) else "no labels",
+        f"flipped triangles: mean {100 * share.mean():.3f} %, worst mesh {100 * share.max():.3f} %",
+    ]
+    values = {"meshes": len(value.vertices), "people": people, "splits": counts, "labels": list(value.attributes)}
+    values |= {"flipped_mean": float(share.mean()), "flipped_worst": float(share.max())}
+    broken = int((~np.isfinite(value.vertices)).any((1, 2)).sum())
+    problems = [*words.check.problems, *([f"{broken} meshes with coordinates that are not finite"] if broken else [])]
+    summary = f"{len(value.vertices)} meshes of {people} people, {words.counts}"
+    return Inspection("a dataset", summary, tuple(lines), values | words.values, tuple(problems))
+
+
+def _flipped_share(data: Dataset) -> np.ndarray:
+    """(N,) share of triangles of every mesh that are turned over against the template."""
+    gradients = DeformationGradients(data.template.vertices, data.template.faces)
+    starts = range(0, len(data.vertices), _BATCH)
+    return np.concatenate([flipped_triangles(data.vertices[k : k + _BATCH], gradients).mean(-1) for k in starts])
+
+
+@describe.register
+def _(value: dict, around: Acquaintances) -> Inspection:
+    """A report of ours."""
+    about = ("command", "version", "inputs", "seed")
+    inputs = value.get("inputs", {})
+    lines = [f"made from: {_listed(list(inputs))}"] if inputs else []
+    lines.append(f"holds: {_listed([key for key in value if key not in about])}")
+    values = {key: value[key] for key in about if key in value} | {"keys": [key for key in value if key not in about]}
+    return Inspection("a report", f"caricli {value['command']}, version {value.get('version')}", tuple(lines), values)
+
+
+def _listed(names: Any) -> str:
+    names = [name for name, _ in Counter(names).most_common()]
+    more = f" and {len(names) - _NAMED} more" if len(names) > _NAMED else ""
+    return ", ".join(names[:_NAMED]) + more

@@ -1,0 +1,97 @@
+"""What is said of a file."""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+from caricli.methods.inspect.check_mesh import MeshCheck, check_mesh
+from caricli.structures import Mesh
+
+
+@dataclass(frozen=True)
+class Inspection:
+    """What a file holds.
+
+    kind: what it is, such as "a face".
+    summary: the most important numbers, for the first line.
+    lines: what else there is to say to people.
+    values: the same for programs, as JSON holds it.
+    problems: what is not whole, in words.
+    """
+
+    kind: str
+    summary: str
+    lines: tuple[str, ...] = ()
+    values: dict[str, Any] = field(default_factory=dict)
+    problems: tuple[str, ...] = ()
+
+    def text(self, name: str, beside: list[str]) -> str:
+        """All of it in lines for people. name: of the file. beside: names of the files of the same stem."""
+        lines = [f"{name}: {self.kind}, {self.summary}", *self.lines]
+        if beside:
+            lines.append(f"beside it: {', '.join(beside)}")
+        return "\n".join([*lines, f"not whole: {', '.join(self.problems)}" if self.problems else "whole"])
+
+    def report(self, name: str, beside: list[str]) -> dict[str, Any]:
+        """All of it for programs."""
+        whole = {"whole": not self.problems, "problems": list(self.problems)}
+        return {"file": name, "kind": self.kind} | self.values | whole | {"beside": beside}
+
+
+@dataclass(frozen=True, eq=False)
+class Acquaintances:
+    """What files can refer to.
+
+    head: Mesh of the bundled models.
+    models: kinds of the bundled models by id.
+    """
+
+    head: Mesh
+    models: dict[str, str]
+
+    def model_name(self, model_id: str) -> str:
+        """What a model of an id is called."""
+        return f"the bundled {self.models[model_id]} model" if model_id in self.models else f"model {model_id[:12]}"
+
+
+@dataclass(frozen=True)
+class MeshWords:
+    """A mesh in words and numbers.
+
+    check: MeshCheck.
+    same: whether it has the topology of the bundled models.
+    """
+
+    check: MeshCheck
+    same: bool
+
+    @classmethod
+    def of(cls, mesh: Mesh, around: Acquaintances) -> "MeshWords":
+        """Check a mesh."""
+        return cls(check_mesh(mesh, around.head), mesh.topology_id == around.head.topology_id)
+
+    @property
+    def counts(self) -> str:
+        """Numbers of vertices, polygons and triangles."""
+        check = self.check
+        polygons = "" if check.polygons == check.triangles else f"{check.polygons} polygons, "
+        return f"{check.vertices} vertices, {polygons}{check.triangles} triangles"
+
+    @property
+    def height(self) -> str:
+        """How high it is."""
+        return f"{self.check.height:.3f} m high"
+
+    @property
+    def lines(self) -> list[str]:
+        """Unit, topology, UVs, parts."""
+        check = self.check
+        topology = "that of the bundled models" if self.same else "not known"
+        uvs = f"{check.uvs} UVs" if check.uvs else "no UVs"
+        parts = "one part" if check.components == 1 else f"{check.components} parts"
+        hints = [] if check.hint is None else [check.hint]
+        return [*hints, f"topology: {topology}", f"{uvs}, {parts}, {check.open_edges} open edges"]
+
+    @property
+    def values(self) -> dict[str, Any]:
+        """For programs."""
+        return {"mesh": vars(self.check) | {"known_topology": self.same}}

@@ -1,0 +1,77 @@
+"""A head with the colours of its picture: skin, eyes, and how near they come."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from caricli.errors import InputError
+from caricli.methods.rig.add_eyeballs import TEXTURE, add_eyeballs, fit_eyeballs
+from caricli.methods.texture.photometric_error import photometric_error
+from caricli.methods.texture.project_picture import project_picture
+from caricli.methods.texture.settings import PaintSettings
+from caricli.methods.texture.texture_face import texture_face
+from caricli.render.diffuse_background import diffuse_background
+from caricli.render.eye_colours import eye_colours
+from caricli.render.paint_eye import paint_eye
+from caricli.structures import Face, Rig
+from caricli.template.template import Template
+
+
+@dataclass(frozen=True, eq=False)
+class Painted:
+    """A textured head and how it was come by.
+
+    head: Template in the shape of the face, with the UVs of its texture.
+    rig: Rig of the head with its eyes, without expressions; the vertices of the face come first.
+    error: photometric error, of full scale.
+    seen: share of the surface that the picture shows.
+    """
+
+    head: Template
+    rig: Rig
+    error: float
+    seen: float
+
+    def figures(self) -> dict[str, Any]:
+        """What reports say of it, as JSON."""
+        assert self.rig.texture is not None
+        return {"size": len(self.rig.texture), "photometric_error": self.error, "seen": self.seen}
+
+    def describe(self) -> str:
+        """What is printed of it."""
+        return f"{100 * self.seen:.0f} % of the surface seen, photometric error {100 * self.error:.2f} %"
+
+
+def paint_head(
+    face: Face,
+    template: Template,
+    image: np.ndarray,
+    mask: np.ndarray,
+    settings: PaintSettings = PaintSettings(),  # noqa: B008 (frozen)
+) -> Painted:
+    """Paint a head with the picture that it was fitted to, its eyes in the colours that they have there.
+
+    face: Face with camera and fitted landmarks. template: Template of its topology. image: (H, W, 3) uint8. mask:
+    (H, W) bool, the head in it. settings: PaintSettings.
+    Returns Painted. Raises InputError when the template has no UVs and is to have a texture of its own, and when the
+    face has no camera or no landmarks.
+    """
+    camera = face.require_camera()
+    head = template.with_vertices(face.vertices)
+    if settings.project_uv:
+        head = project_picture(head, camera, image)
+        texture = diffuse_background(image, mask)
+        seen = 1.0
+    elif head.uvs is None:
+        raise InputError("expected a model whose mesh has UVs, found none; --project-uv needs none")
+    else:
+        painted = texture_face(head, camera, image, mask, settings.size, settings.texture)
+        texture = painted.image
+        seen = float(painted.seen[painted.covered].mean())
+    still = np.zeros((0, *head.vertices.shape), np.float32)
+    rig = Rig((), head.with_vertices(head.vertices.astype(np.float32)), still, texture=texture)
+    generator = np.random.default_rng(settings.seed)
+    eyes = paint_eye(TEXTURE, generator, *eye_colours(image, face.require_landmarks()))
+    whole = add_eyeballs(rig, fit_eyeballs(head, head.annotation, still), generator, eyes)
+    return Painted(head, whole, photometric_error(rig, face, image, mask), seen)

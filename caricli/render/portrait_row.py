@@ -1,0 +1,45 @@
+"""One portrait and what was made of it, in a row."""
+
+from collections.abc import Sequence
+
+import cv2
+import numpy as np
+
+from caricli.render.draw_textured import draw_textured
+from caricli.render.fit_sheet import FITTED, GIVEN
+from caricli.render.overlay import draw_landmarks, overlay_mesh
+from caricli.render.place_eyeballs import place_eyeballs
+from caricli.structures import Face, Rig
+from caricli.template.template import Template
+
+SIDES = ("three-quarter", "three-quarter-right")
+"""Views of the textured head."""
+
+
+def portrait_row(
+    image: np.ndarray,
+    given: np.ndarray,
+    fits: Sequence[Face | None],
+    rig: Rig,
+    template: Template,
+    size: int,
+) -> list[np.ndarray]:
+    """The picture; every face that was fitted to it, in its place; and a textured head from two sides.
+
+    image: (H, W, 3) uint8. given: (L, 2) pixels, NaN where unknown: green circles, beside the red dots of the fitted
+    ones. fits: Faces with camera and landmarks; the picture itself in place of None. rig: Rig of the textured head.
+    template: of the faces, whose annotation says where the eyes are. size: pixels, the longer side of each.
+    """
+    zoom = size / max(image.shape[:2])
+    picture = cv2.resize(image, None, fx=zoom, fy=zoom, interpolation=cv2.INTER_AREA)
+    fitted = [picture if face is None else _fit(picture, zoom, given, face, template) for face in fits]
+    return [picture, *fitted, *draw_textured(rig, SIDES, size)]
+
+
+def _fit(picture: np.ndarray, zoom: float, given: np.ndarray, face: Face, template: Template) -> np.ndarray:
+    """A fitted face on white, with the landmarks."""
+    eyeballs = place_eyeballs(face.mesh, template.annotation)
+    white = np.full_like(picture, 255)
+    drawn = overlay_mesh(white, face.mesh, face.require_camera().zoomed(zoom), opacity=1, eyeballs=eyeballs)
+    drawn = draw_landmarks(drawn, zoom * given, GIVEN, radius=2, hollow=True, lines=False)
+    return draw_landmarks(drawn, zoom * face.require_landmarks(), FITTED, radius=1, lines=False)

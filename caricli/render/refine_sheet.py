@@ -1,0 +1,33 @@
+"""A face before and after it was refined."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from caricli.render.contact_sheet import contact_sheet
+from caricli.render.fit_sheet import fit_sheet
+from caricli.structures import Face
+from caricli.template.template import Template
+
+
+def refine_sheet(
+    faces: Sequence[Face],
+    anchors: np.ndarray,
+    template: Template,
+    given: np.ndarray,
+    image: np.ndarray | None,
+    size: int,
+) -> np.ndarray:
+    """Pictures of both fits one above the other, as ``fit_sheet`` draws them.
+
+    faces: the Face before and after, with the camera of the picture. anchors: (L,) vertex ids of the landmarks.
+    template: Template of their topology. given: (L, 2) pixels, NaN where unknown. image: (H, W, 3) uint8, or None.
+    size: pixels of one view.
+    Returns (H, W, 3) uint8. Raises InputError when a face has no camera.
+    """
+    rows = []
+    for face in faces:
+        marked = replace(face, landmarks=face.require_camera().project(face.vertices[anchors]))
+        rows.append(fit_sheet(marked, template, given, image, size))
+    return contact_sheet(rows, 1, ["before", "after"])

@@ -1,0 +1,24 @@
+"""A head before and after it was painted."""
+
+import numpy as np
+
+from caricli.render.contact_sheet import contact_sheet
+from caricli.render.draw_textured import ANGLES, draw_textured
+from caricli.render.head_views import head_views
+from caricli.structures import Rig
+from caricli.template.template import Template
+
+_FIRST = ("front", "three-quarter", "profile")
+
+
+def texture_sheet(head: Template, rig: Rig, size: int) -> np.ndarray:
+    """Picture of the plain head from three sides, and of the textured one from all.
+
+    head: Template in the shape of the face. rig: Rig of the textured head, whose first vertices are the head's. size:
+    pixels of one view.
+    Returns (H, W, 3) uint8.
+    """
+    plain = head_views(head.with_vertices(rig.neutral[: len(head.vertices)].astype(float)), _FIRST, size)
+    others = [view for view in ANGLES if view not in _FIRST]
+    pictures = [*plain, *draw_textured(rig, _FIRST, size), *draw_textured(rig, others, size)]
+    return contact_sheet(pictures, 3, ["before", "", "", "after", "", "", "", "", ""])

@@ -1,0 +1,164 @@
+"""Any file of ours, or anybody's mesh, by what is in it."""
+
+import os
+import re
+import stat
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from caricli.data.dataset import SCHEMA as DATASET_SCHEMA
+from caricli.data.dataset import read_dataset
+from caricli.errors import InputError, shown
+from caricli.io import directions, face, landmarks, rig, track
+from caricli.io.bundled import asset_path
+from caricli.io.checkpoint import read_checkpoint
+from caricli.io.files import content_kind
+from caricli.io.gltf.read_gltf import read_gltf, read_gltf_mesh
+from caricli.io.mtl import texture_path
+from caricli.io.npz import read_npz, text_of
+from caricli.io.obj import read_obj
+from caricli.io.ply import read_ply
+from caricli.io.stl import read_stl
+from caricli.io.strict_json import read_json
+from caricli.methods.inspect.inspection import Acquaintances
+from caricli.models.checkpoint import model_from_checkpoint
+from caricli.models.kinds import KINDS
+from caricli.models.landmark_map.model import SCHEMA as LANDMARK_MAP_SCHEMA
+from caricli.models.landmark_map.model import map_from_checkpoint
+from caricli.store.models import load_model
+
+_EXPECTED = "a file of caricli's, or an OBJ, PLY, STL, GLB or glTF"
+
+_START = 4096
+"""Bytes that tell what is in a file."""
+
+_OBJ = re.compile(rb"^\s*(?:v|vt|vn|f|o|g|mtllib|usemtl)\s", re.MULTILINE)
+_CSV = re.compile(rb"^[^\n]*timecode", re.IGNORECASE)
+
+_NPZ = {face.SCHEMA: face.read_face, rig.SCHEMA: rig.read_rig, directions.SCHEMA: directions.read_directions}
+_JSON: dict[str, Callable[[Path], Any]] = {
+    landmarks.SCHEMA: landmarks.read_landmarks,
+    track.SCHEMA: track.read_weights,
+    DATASET_SCHEMA: lambda path: read_dataset(path.parent),
+}
+
+
+def load_any(path: Path) -> Any:
+    """What a file or folder holds, told by its content: one of the structures, a Dataset, a ShapeModel, a LandmarkMap,
+    or the dict of a report.
+
+    Raises InputError when it is none of them, or damaged.
+    """
+    if path.is_dir():
+        return read_dataset(path)
+    return _reader(_start_of(path), path)(path)
+
+
+def load_acquaintances() -> Acquaintances:
+    """What files can refer to: the head and the bundled models."""
+    reports = {kind: asset_path(f"{kind}.json") for kind in KINDS}
+    models = {read_json(report)["model_id"]: kind for kind, report in reports.items() if report.is_file()}
+    return Acquaintances(load_model(kind="pca").template, models)
+
+
+def files_beside(path: Path) -> list[str]:
+    """Names of the files of the same stem, and of the picture that an OBJ names."""
+    if path.is_dir():
+        return []
+    names = {other.name for other in path.parent.iterdir() if other.stem == path.stem and other.name != path.name}
+    if path.suffix.lower() == ".obj":
+        picture = texture_path(path)
+        names |= {picture.name} if picture is not None and picture.is_file() else set()
+    return sorted(names)
+
+
+def _start_of(path: Path) -> bytes:
+    try:
+        # Looking before opening: opening a pipe would wait for a writer for ever.
+        if not stat.S_ISREG(os.stat(path).st_mode):
+            raise InputError(f"{shown(path)}: expected {_EXPECTED}, found something that is not a regular file")
+        with open(path, "rb") as stream:
+            start = stream.read(_START)
+    except FileNotFoundError:
+        raise InputError(f"{shown(path)}: expected {_EXPECTED}, found no such file") from None
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or error
+        raise InputError(f"{shown(path)}: expected {_EXPECTED}, but it cannot be read: {shown(reason)}") from error
+    if not start:
+        raise InputError(f"{shown(path)}: expected {_EXPECTED}, found an empty file")
+    return start
+
+
+def _reader(start: bytes, path: Path) -> Callable[[Path], Any]:
+    """The function that reads a file that begins so."""
+    suffix = path.suffix.lower()
+    signatures: dict[bytes, Callable[[Path], Any]] = {
+        b"PK": _read_arrays,
+        b"glTF": _read_gltf,
+        b"\x93NUMPY": landmarks.read_landmarks,
+        b"ply": read_ply,
+    }
+    for signature, reader in signatures.items():
+        if start.startswith(signature):
+            return reader
+    if start[8:9] == b"{" and start[4:8] == bytes(4):
+        return _read_weights_of_model
+    if suffix == ".stl" or start.startswith(b"solid "):
+        return read_stl
+    if suffix == ".npz":
+        return read_npz
+    return _text_reader(start, path)
+
+
+def _text_reader(start: bytes, path: Path) -> Callable[[Path], Any]:
+    suffix = path.suffix.lower()
+    rubbish = content_kind(start)
+    if rubbish:
+        raise InputError(f"{shown(path)}: expected {_EXPECTED}, found {rubbish}")
+    if start.lstrip(b"\xef\xbb\xbf \t\r\n")[:1] in (b"{", b"["):
+        return _read_json
+    if _CSV.match(start):
+        return track.read_weights
+    if suffix == ".obj" or _OBJ.search(start):
+        return read_obj
+    if suffix in (".pts", ".txt") or start.startswith(b"version"):
+        return landmarks.read_landmarks
+    raise InputError(f"{shown(path)}: expected {_EXPECTED}, found other text")
+
+
+def _read_arrays(path: Path) -> Any:
+    arrays = read_npz(path)
+    schema = text_of(arrays.get("schema"))
+    if schema in _NPZ:
+        return _NPZ[schema](path)
+    if {"names", "weights"} <= set(arrays):
+        return track.read_weights(path)
+    found = shown(", ".join(arrays), 60)
+    raise InputError(f"{shown(path)}: expected a face, a rig, directions or weights, found an NPZ with {found}")
+
+
+def _read_gltf(path: Path) -> Any:
+    """A Rig where there are shapes, else the Mesh of the scene."""
+    content = read_gltf(path)
+    return content if content.names else read_gltf_mesh(path)
+
+
+def _read_weights_of_model(path: Path) -> Any:
+    tensors, metadata = read_checkpoint(path)
+    of_map = metadata.get("schema") == LANDMARK_MAP_SCHEMA
+    return (map_from_checkpoint if of_map else model_from_checkpoint)(tensors, metadata, shown(path))
+
+
+def _read_json(path: Path) -> Any:
+    value = read_json(path)
+    schema = value.get("schema") if isinstance(value, dict) else None
+    if isinstance(schema, str) and schema in _JSON:
+        return _JSON[schema](path)
+    if schema is not None:
+        raise InputError(f"{shown(path)}: expected {_EXPECTED}, found JSON of schema {shown(schema, 60)!r}")
+    if isinstance(value, dict) and "asset" in value:
+        return _read_gltf(path)
+    if isinstance(value, dict) and isinstance(value.get("command"), str):
+        return value
+    return track.read_weights(path)

@@ -1,0 +1,84 @@
+"""Normal faces that drive a caricature, and the rig that is driven."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from caricli.errors import CaricliError, InputError, naming
+from caricli.io.landmarks import read_landmarks
+from caricli.io.rig import read_rig
+from caricli.methods.expressions.retarget_rig import Driver, DrivingMesh, fit_driver
+from caricli.models.morphable.model import MorphableModel
+from caricli.store.faces import load_face
+from caricli.structures import Rig
+
+_MESHES = (".obj", ".npz")
+
+
+def is_driving_mesh(path: Path) -> bool:
+    """Whether a file drives as a mesh, not as landmarks."""
+    return path.suffix.lower() in _MESHES
+
+
+def load_driven_rig(path: Path, model: MorphableModel) -> Rig:
+    """The Rig of a file that knows what its expressions do to the normal face of a model. Raises InputError."""
+    rig = read_rig(path)
+    count = len(model.mean)
+    with naming(path):
+        if rig.normal_deltas is None:
+            raise InputError(
+                "expected a rig that says what its expressions do to a normal face, found none; "
+                "caricli blendshapes writes one"
+            )
+        if rig.normal_deltas.shape[1] != count:
+            found = rig.normal_deltas.shape[1]
+            raise InputError(f"expected normal_deltas of the model's {count} vertices, found {found}")
+        if not rig.normal_deltas.any():
+            raise InputError("expected expressions that move a normal face, found none that does")
+    return rig
+
+
+@dataclass(frozen=True, eq=False)
+class Drivers:
+    """Drivers by path, and of those that cannot be read the failures by path."""
+
+    faces: dict[Path, Driver] = field(default_factory=dict)
+    failures: dict[Path, CaricliError] = field(default_factory=dict)
+
+    def row(self, path: Path) -> int:
+        """The number of a driver among those that could be read. Raises the failure of one that could not."""
+        if path in self.failures:
+            raise self.failures[path]
+        return list(self.faces).index(path)
+
+
+def load_drivers(
+    paths: Sequence[Path],
+    model: MorphableModel,
+    pts_origin: int = 1,
+    progress: Callable[[int, int], object] = lambda done, total: None,
+    whole: bool = False,
+) -> Drivers:
+    """The Drivers of meshes of the model's topology or of landmarks, whose cameras are found.
+
+    pts_origin: coordinate of the first pixel in .pts files. progress: called with how many are read, and of how many.
+    whole: whether one that cannot be read ends everything.
+    """
+    drivers = Drivers()
+    for number, path in enumerate(paths, 1):
+        try:
+            drivers.faces[path] = _load_driver(path, model, pts_origin)
+        except CaricliError as error:
+            if whole:
+                raise
+            drivers.failures[path] = error
+        progress(number, len(paths))
+    return drivers
+
+
+def _load_driver(path: Path, model: MorphableModel, pts_origin: int) -> Driver:
+    if is_driving_mesh(path):
+        return DrivingMesh(load_face(path, model).vertices)
+    landmarks = read_landmarks(path, pts_origin)
+    with naming(path):
+        return fit_driver(landmarks, model)

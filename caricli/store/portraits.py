@@ -1,0 +1,53 @@
+"""What reconstructions of portraits are measured with: real pictures with landmarks, and the bundled models."""
+
+from pathlib import Path
+
+from caricli.errors import InputError, shown
+from caricli.methods.evaluate.portrait_studio import Portrait
+from caricli.methods.evaluate.reconstruct_portrait import COARSE
+from caricli.models.shape_model import ShapeModel
+from caricli.store.models import check_topology, load_model
+from caricli.store.pictures import PICTURES, load_marked_picture
+from caricli.template.template import Template
+
+MARKS = (".json", ".txt", ".pts", ".npy")
+"""Suffixes of landmark files."""
+
+
+def portrait_files(folder: Path | None) -> list[tuple[Path, Path]]:
+    """Pictures of a folder with their landmark files; none where there is no folder."""
+    if folder is None:
+        return []
+    if not folder.is_dir():
+        raise InputError(f"{shown(folder)}: expected a folder of pictures, found none")
+    pictures = sorted(path for path in folder.iterdir() if path.suffix.lower() in PICTURES)
+    if not pictures:
+        raise InputError(f"{shown(folder)}: expected pictures, found none")
+    return [(path, _marks(path)) for path in pictures]
+
+
+def _marks(picture: Path) -> Path:
+    """The landmark file beside a picture."""
+    for suffix in MARKS:
+        if picture.with_suffix(suffix).is_file():
+            return picture.with_suffix(suffix)
+    raise InputError(f"{shown(picture)}: expected landmarks beside it, with one of {', '.join(MARKS)}; found none")
+
+
+def load_portrait(picture: Path, marks: Path, pts_origin: int = 1) -> Portrait:
+    """A real portrait. pts_origin: coordinate of the first pixel in .pts files. Raises InputError."""
+    landmarks, image = load_marked_picture(marks, picture, pts_origin)
+    assert image is not None
+    return Portrait(picture.name, image, landmarks.points)
+
+
+def load_rivals(template: Template) -> dict[str, ShapeModel]:
+    """The bundled models that reconstruct portraits, by kind, prepared.
+
+    Raises InputError when they are not of the template's topology.
+    """
+    models = {kind: load_model(kind=kind) for kind in COARSE.values()}
+    for kind, model in models.items():
+        check_topology(model.template, template, f"the bundled {kind} model")
+        model.prepare()
+    return models
