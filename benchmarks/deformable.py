@@ -19,11 +19,13 @@ from caricli.io.bundled import asset_path
 from caricli.io.landmarks import read_landmarks
 from caricli.methods.faces.subdivide_face import subdivide_face
 from caricli.methods.reconstruct.fit_landmarks import fit_landmarks
-from caricli.methods.train.train_autodecoder import AutoDecoderTraining, Surface
-from caricli.models.kinds import KINDS
+from caricli.methods.train.surface import Surface, TrainingMeshes
+from caricli.methods.train.train_autodecoder import AutoDecoderTraining
 from caricli.models.deformable.config import DeformableConfig
-from caricli.models.deformable.model import HyperSiren, siren
+from caricli.models.deformable.networks import HyperSiren, siren
+from caricli.models.kinds import KINDS
 from caricli.store.models import load_model
+from caricli.structures import Face
 from caricli.template.fine_mesh import fine_mesh
 
 ASTRONAUT = Path(__file__).parents[1] / "examples" / "astronaut" / "landmarks.json"
@@ -50,8 +52,8 @@ def decoding(model, cuda):
     """Yield a row for each of the paper's numbers of points, spread over the surface."""
     latent = typical_latent(model)
     for count, paper in DECODED.items():
-        places = Surface(model.frame, model.template.faces).draw(count, 0.0, np.random.default_rng(0)).positions
-        points = places.numpy() / model.frame.scale + model.frame.centre
+        places = Surface(model.box, model.template.faces).draw(count, 0.0, np.random.default_rng(0)).positions
+        points = places.numpy() / model.box.scale + model.box.centre
         row = {"what": f"decode {count:,} points, s", "paper": paper}
         row["cpu"] = seconds(lambda points=points: model.decode_at(latent, points))
         if cuda:
@@ -77,19 +79,17 @@ def uses(models, marks):
     for kind, model in models.items():
         model.prepare()
         latent = typical_latent(model)
-        face = model.decode(latent)
+        face = Face(model.template.with_vertices(model.decode(latent)), latent=latent)
         yield {
             "what": f"--subdivide {LEVELS}, {fine.weights.shape[0]:,} vertices, {kind}, s",
-            "cpu": seconds(
-                lambda model=model, latent=latent: subdivide_face(model.decode(latent), latent, model, fine)
-            ),
+            "cpu": seconds(lambda model=model, face=face: subdivide_face(face, model, fine)),
         }
         yield {
             "what": f"reconstruct from landmarks, {kind}, s",
             "paper": LANDMARKS if kind == "deformable" else None,
             "cpu": seconds(lambda model=model: fit_landmarks(marks, model, "latent")),
         }
-        yield {"what": f"encode, {kind}, s", "cpu": seconds(lambda model=model, face=face: model.encode(face))}
+        yield {"what": f"encode, {kind}, s", "cpu": seconds(lambda model=model, face=face: model.encode(face.vertices))}
 
 
 def training(model, cuda):
@@ -99,8 +99,8 @@ def training(model, cuda):
     work, row = TRAINING_STEPS * config.batch * config.points, {"what": "training, points/s", "paper": TRAINED}
     for device in ("cpu", "cuda") if cuda else ("cpu",):
         network = HyperSiren(config.size(), torch.Generator().manual_seed(0), getattr(torch, config.precision))
-        surface = Surface(model.frame, model.template.faces, device)
-        epochs = AutoDecoderTraining(network.to(device), surface, shapes, shapes[:0], config).epochs()
+        surface = Surface(model.box, model.template.faces, device)
+        epochs = AutoDecoderTraining(network.to(device), TrainingMeshes(surface, shapes, shapes[:0]), config).epochs()
         row[device] = work / seconds(lambda epochs=epochs: next(epochs))
     return row
 

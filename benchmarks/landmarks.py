@@ -27,11 +27,13 @@ KINDS = ("intrinsic", "kernel", "pca", "deformable")
 def curves(marks, kinds):
     """Yield one row for each model and prior weight, averaged over the landmark sets."""
     for kind in kinds:
-        method, model = "intrinsic" if kind == "intrinsic" else "latent", load_model(kind=kind)
+        method = "intrinsic" if kind == "intrinsic" else "latent"
+        model = load_model(kind=kind)
         model.prepare()
         fit_landmarks(marks[0], model, method)
         for weight in PRIOR_WEIGHTS:
-            results, seconds = [], []
+            results = []
+            seconds = []
             for points in marks:
                 for _ in range(REPEATS if weight == 1.0 else 1):
                     start = time.perf_counter()

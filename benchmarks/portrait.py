@@ -15,45 +15,58 @@ import igl
 import numpy as np
 
 from caricli.geometry.laplacian_deformation import LaplacianDeformation
-from caricli.methods.evaluate.evaluate_portrait import PortraitStudio
+from caricli.methods.evaluate.portrait_studio import PortraitStudio
 from caricli.methods.texture.texture_face import texture_face
+from caricli.structures.landmarks import COUNT
 from caricli.template.fine_mesh import fine_mesh
 from caricli.template.head import load_head
 
-RUNS, SIZES, TEXTURE, PICTURE = 5, (4_200, 35_709), 1024, 512
-_PUSH = 0.004
+RUNS = 5
+"""Of which the median is taken."""
+
+SIZES = (4_200, 35_709)
+"""Vertices: the head's, and the paper's."""
+
+TEXTURE = 1024
+"""Texels a side."""
+
+PICTURE = 512
+"""Pixels a side."""
+
+PUSH = 0.004
+"""Metres, standard deviation of how far a landmark is moved."""
 
 
 def main():
     """Print the three figures and the JSON line."""
     template = load_head().template()
-    seconds = {f"refine {count} vertices": refined(template, count) for count in SIZES}
-    seconds[f"texture {TEXTURE} texels"] = textured(template)
+    seconds = {f"refine {count} vertices": time_refining(template, count) for count in SIZES}
+    seconds[f"texture {TEXTURE} texels"] = time_texturing(template)
     for name, value in seconds.items():
         print(f"{name}: {value:.3f} s")
     print(json.dumps({"seconds": seconds}))
 
 
-def refined(template, count):
+def time_refining(template, count):
     """Seconds to factor and move a mesh of about so many vertices."""
-    vertices, faces = template.vertices, template.faces
+    vertices = template.vertices
+    faces = template.faces
     if count > len(vertices):
         fine = fine_mesh(template, 2)
         vertices = fine.weights @ vertices
         ratio = int(len(fine.mesh.faces) * count / len(vertices))
         vertices, faces, *_ = igl.decimate(vertices, np.asarray(fine.mesh.faces, dtype=np.int32), ratio)
-    marks = template.vertices[template.annotation.landmarks[:68]]
+    marks = template.vertices[template.annotation.landmarks[:COUNT]]
     # Decimation keeps no vertex for sure: the nearest to every landmark, each once.
     anchors = np.unique(np.linalg.norm(vertices[None] - marks[:, None], axis=2).argmin(1))
-    targets = vertices[anchors] + np.random.default_rng(0).normal(0, _PUSH, (len(anchors), 3)) * [1, 1, 0]
+    targets = vertices[anchors] + np.random.default_rng(0).normal(0, PUSH, (len(anchors), 3)) * [1, 1, 0]
     return median(lambda: LaplacianDeformation(vertices, faces, anchors, 1.0).move(targets))
 
 
-def textured(template):
+def time_texturing(template):
     """Seconds to paint the head with a portrait of it."""
     portrait = PortraitStudio(template, PICTURE).portray("head", template.vertices, np.random.default_rng(0))
-    view = template.vertices, portrait.pose, portrait.image, portrait.mask, template
-    return median(lambda: texture_face(*view, TEXTURE))
+    return median(lambda: texture_face(template, portrait.camera, portrait.image, portrait.mask, TEXTURE))
 
 
 def median(work):

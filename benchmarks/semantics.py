@@ -17,106 +17,114 @@ import numpy as np
 
 from caricli.data.attributes import measure_attributes
 from caricli.data.dataset import read_dataset
-from caricli.data.expressions import expand_sides
+from caricli.data.regular_face import regular_faces
 from caricli.errors import InputError
-from caricli.geometry.similarity import similarity
-from caricli.io.bundled import asset_path
-from caricli.io.config import read_yaml
 from caricli.methods.edit.caricaturize_face import LABEL, caricaturize_face, exaggeration
-from caricli.methods.edit.edit_semantic import edit_semantic, label_direction
+from caricli.methods.edit.edit_semantic import SemanticEdit, edit_semantic, label_direction
 from caricli.methods.evaluate.evaluate_shape import spread_rows
 from caricli.methods.faces.encode_face import encode_face
 from caricli.methods.faces.nearest_identity import nearest_identity
 from caricli.store.directions import directions_path, load_directions
 from caricli.store.models import DEFAULT_LATENT, load_model
-from caricli.template.head import load_head
+from caricli.structures import Face
 
-FACES, FAR = 100, 2.0
+FACES = 100
+FAR = 2.0
+"""Standard deviations that faces are edited by."""
 STRENGTHS = (0.0, 0.5, 1.0, 1.5, 2.0)
+ALIKE = 0.7
+"""Cosine of two labels from which on they say the same: then one cannot sensibly be kept while the other changes."""
+
+
+class Attributes:
+    """What can be measured on faces of a model, before and after edits."""
+
+    def __init__(self, data, model, directions):
+        """data: Dataset. model: ShapeModel. directions: Directions of the model."""
+        self.model = model
+        self.directions = directions
+        measurable = measure_attributes(model.template.vertices, model.template)
+        self.names = [name for name in data.attributes if name in measurable]
+        columns = [data.attributes.index(name) for name in self.names]
+        self.spread = data.measures[data.rows("train")].std(0)[columns]
+        self.faces = [encoded(data.vertices[row], model) for row in spread_rows(data.rows("test"), FACES)]
+        self.start = self.table(self.faces)
+
+    def table(self, faces):
+        """(N, A) measures of faces."""
+        rows = (measure_attributes(face.vertices, self.model.template) for face in faces)
+        return np.array([[row[name] for name in self.names] for row in rows])
+
+    def moved(self, name, strength, keep=()):
+        """(N, A) measures of the faces after an edit by one label."""
+        edit = SemanticEdit(self.directions, {name: strength}, keep)
+        return self.table([edit_semantic(face, self.model, edit) for face in self.faces])
+
+    def rising(self, name):
+        """Share of faces on which a label measures in rising order from -FAR to FAR, and what --keep does to it."""
+        low = self.moved(name, -FAR)
+        high = self.moved(name, FAR)
+        own = self.names.index(name)
+        ordered = ((low < self.start) & (self.start < high))[:, own]
+        return {"rising": float(ordered.mean())} | self.keeping(name, (high - self.start) / self.spread)
+
+    def keeping(self, name, change):
+        """How the attribute that changes most beside a label changes, without and with --keep.
+
+        change: (N, A) without, in standard deviations.
+        """
+        own = self.names.index(name)
+        for other in np.argsort(-np.abs(change).mean(0)):
+            kept = self.names[other]
+            if not self.can_be_kept(name, kept):
+                continue
+            after = (self.moved(name, FAR, [kept]) - self.start) / self.spread
+            return {
+                "keep": kept,
+                "beside": float(np.abs(change[:, other]).mean()),
+                "kept": float(np.abs(after[:, other]).mean()),
+                "label_left": float(np.abs(after[:, own]).mean() / np.abs(change[:, own]).mean()),
+            }
+        return {}
+
+    def can_be_kept(self, name, kept):
+        """Whether a label can change while another is kept, and is not its opposite or its other name."""
+        if kept == name or kept not in self.directions.names:
+            return False
+        try:
+            label_direction(self.directions, name, [kept])
+        except InputError:
+            return False
+        rows = [self.directions.normals[self.directions.names.index(label)] for label in (name, kept)]
+        return abs(float(rows[0] @ rows[1])) <= ALIKE
 
 
 def labels(data, model, directions):
     """Yield a row for every label."""
-    faces = [encode_face(data.vertices[row], model) for row in spread_rows(data.rows("test"), FACES)]
-    known = measure_attributes(model.template.vertices, model.template)
-    measured = [k for k, name in enumerate(data.attributes) if name in known]
-    spread = data.measures[data.rows("train")].std(0)[measured]
-    names = [data.attributes[k] for k in measured]
-    start = table(faces, names, model.template)
+    attributes = Attributes(data, model, directions)
     for k, name in enumerate(directions.names):
         row = {"label": name, "auc": float(directions.auc[k]), "positives": int(directions.positives[k])}
-        if name in names:
-            low, high = (moved(faces, model, directions, name, names, strength) for strength in (-FAR, FAR))
-            own = names.index(name)
-            row["rising"] = float(((low < start) & (start < high))[:, own].mean())
-            row |= keeping(faces, model, directions, name, names, (high - start) / spread, start, spread)
-        yield row
-
-
-def keeping(faces, model, directions, name, names, change, start, spread):
-    """How the attribute that changes most beside a label changes, without and with --keep, in standard deviations."""
-    for other in np.argsort(-np.abs(change).mean(0)):
-        kept = names[other]
-        if kept == name or kept not in directions.names:
-            continue
-        try:
-            label_direction(directions, name, [kept])
-        except InputError:
-            continue
-        # An opposite, or the same thing under another name, cannot sensibly be kept.
-        if abs(cosine(directions, name, kept)) > 0.7:
-            continue
-        after = (moved(faces, model, directions, name, names, FAR, [kept]) - start) / spread
-        sizes = np.abs(change[:, other]).mean(), np.abs(after[:, other]).mean()
-        left = np.abs(after[:, names.index(name)]).mean() / np.abs(change[:, names.index(name)]).mean()
-        return {"keep": kept, "beside": float(sizes[0]), "kept": float(sizes[1]), "label_left": float(left)}
-    return {}
-
-
-def cosine(directions, first, second):
-    """Between the normals of two labels."""
-    rows = [directions.normals[directions.names.index(name)] for name in (first, second)]
-    return float(rows[0] @ rows[1])
-
-
-def table(faces, names, template):
-    """(N, A) measures of faces."""
-    rows = (measure_attributes(face.vertices, template) for face in faces)
-    return np.array([[row[name] for name in names] for row in rows])
-
-
-def moved(faces, model, directions, name, names, strength, keep=()):
-    """The same of faces that were edited."""
-    edited = [edit_semantic(face, model, directions, {name: strength}, keep) for face in faces]
-    return table(edited, names, model.template)
+        yield row | (attributes.rising(name) if name in attributes.names else {})
 
 
 def caricatures(data, model, directions):
     """Yield a row for every mode."""
-    head, template = load_head(), data.template
-    actions = list(read_yaml(asset_path("expressions.yaml")).values())
-    place, changes = template.region("face"), data.manifest["changes"]
 
-    def regular(row, expression):
-        known = {name: float(data.factors[name][row]) for name in ("gender", "age", "weight")}
-        known["changes"] = dict(zip(changes, data.factors["changes"][row].astype(float).tolist(), strict=True))
-        neutral = head.evaluate(**known)
-        acting = head.evaluate(**known, actions=expand_sides(actions[expression], head.action_names))
-        scale, rotation, translation = similarity(neutral[place], template.vertices[place])
-        return template.cavities.tuck(scale * acting @ rotation.T + translation)
+    def regular(row, expression=None):
+        return data.template.cavities.tuck(regular_faces(data, [row], expression)[0])
 
     test = np.flatnonzero(data.rows("test"))
     people, first = np.unique(data.identity[test], return_index=True)
     # Expression 0 of the table is the neutral one.
-    neutrals = np.array([whitened(encode_face(regular(row, 0), model), model) for row in test[first]])
+    neutrals = np.array([whitened(encoded(regular(row, 0), model), model) for row in test[first]])
     rows = spread_rows(data.rows("test"), FACES)
-    faces = [encode_face(regular(row, data.expression[row]), model) for row in rows]
+    faces = [encoded(regular(row), model) for row in rows]
     owners = np.searchsorted(people, data.identity[rows])
     for mode in ("direction", "own"):
         degrees = [[caricaturize_face(face, model, s, mode, directions) for s in STRENGTHS] for face in faces]
-        found = [[exaggeration(each, model, directions) for each in series] for series in degrees]
-        caricature, distance = (np.array([[getattr(e, key) for e in row] for row in found]) for key in
-                                ("caricature", "distance"))  # fmt: skip
+        measured = [[exaggeration(each, model, directions) for each in series] for series in degrees]
+        caricature = np.array([[each.caricature for each in row] for row in measured])
+        distance = np.array([[each.distance for each in row] for row in measured])
         latents = np.array([[whitened(each, model) for each in series] for series in degrees])
         own = [float((nearest_identity(latents[:, k], neutrals) == owners).mean()) for k in range(len(STRENGTHS))]
         yield {
@@ -130,6 +138,11 @@ def caricatures(data, model, directions):
             "own_identity": own,
             "people": len(people),
         }
+
+
+def encoded(vertices, model):
+    """The EncodedFace of vertices (V, 3)."""
+    return encode_face(Face(model.template.with_vertices(vertices)), model)
 
 
 def whitened(face, model):

@@ -91,12 +91,7 @@ def command(
       caricli blendshapes face.npz --method transfer --out rival.npz
     """
     from caricli.methods.expressions.build_blendshapes import build_blendshapes
-    from caricli.methods.expressions.rig_blendshapes import (
-        blendshape_figures,
-        describe_blendshapes,
-        measure_expressions,
-        rig_blendshapes,
-    )
+    from caricli.methods.expressions.rig_blendshapes import report_blendshapes, rig_blendshapes
     from caricli.methods.rig.make_rig import RigSettings
     from caricli.store.expression_tools import ToolPaths, load_caricature, load_tools
 
@@ -114,10 +109,9 @@ def command(
             seconds = time.perf_counter() - start
             result = rig_blendshapes(blendshapes, tools, RigSettings(eyeballs=eyeballs, seed=seed), images)
         about = {"method": method, "reconstruct": reconstruct, "weights": weights, "seconds": seconds}
-        measures = measure_expressions(blendshapes, face)
-        figures = blendshape_figures(blendshapes, measures, tools, result)
+        figures, line = report_blendshapes(face, blendshapes, tools, result)
         _write(files, face, result.rig, provenance("blendshapes", inputs, seed, **about, **figures))
-    click.echo(f"{out}: {describe_blendshapes(face, measures, result)}, {seconds:.2f} s")
+    click.echo(f"{out}: {line}, {seconds:.2f} s")
 
 
 def _check_usage(method, reconstruct, weights):

@@ -10,6 +10,7 @@ from caricli.commands.shared.options import (
     face_files,
     image_option,
     model_option,
+    named_mesh,
     out_option,
     overwrite_option,
     pts_origin_option,
@@ -28,7 +29,7 @@ SIZE = 384
 @click.command()
 @click.argument("face", type=PATH)
 @click.argument("landmarks", type=PATH)
-@out_option("REFINED.obj", "The face; REFINED.npz, .json and .png are written beside it.", suffix=".obj")
+@out_option("REFINED.obj", "The face; REFINED.npz, .json and .png are written beside it.", check=named_mesh)
 @image_option
 @click.option("--parsing", type=PATH, metavar="MASK.png", help="Labels of pixels; eye landmarks snap to the eyes.")
 @click.option(

@@ -56,25 +56,19 @@ def command(ctx, rig, drivers, out, out_dir, neutral, animation, fps, model, pts
       caricli retarget b.npz take/*.obj --neutral calm.obj --out-dir frames --animation take.glb --fps 30
     """
     from caricli.commands.shared.batch import named_jobs, run_batch
-    from caricli.commands.shared.progress import progress_bar
-    from caricli.methods.expressions.retarget_rig import retarget_rig
-    from caricli.store.drivers import load_driven_rig, load_drivers
-    from caricli.store.faces import load_face
     from caricli.store.models import load_model
 
     jobs = named_jobs(drivers, "NORMAL_FACE", out, out_dir, ".obj")
     _check_usage(drivers, neutral, animation, [target for _, target in jobs])
     normal = load_model(model, only="morphable")
-    driven = load_driven_rig(rig, normal)
-    calm = None if neutral is None else load_face(neutral, normal).vertices
-    with progress_bar("reading") as progress:
-        loaded = load_drivers(drivers, normal, pts_origin, progress, whole=animation is not None)
-    retargeting = retarget_rig(list(loaded.faces.values()), driven, normal, calm) if loaded.faces else None
+    loaded, retargeting = _load(rig, drivers, neutral, normal, pts_origin, animation is not None)
     about = {"model_id": normal.model_id, "drivers": len(loaded.faces)}
     given = {"overwrite": overwrite, "inputs": (rig, neutral, model, *drivers)}
     if animation is not None:
         with staged(animation, animation.with_suffix(".json"), **given) as files:
-            _write_animation(files, retargeting, fps, provenance("retarget", [rig, neutral, *drivers], **about, fps=fps))
+            _write_animation(
+                files, retargeting, fps, provenance("retarget", [rig, neutral, *drivers], **about, fps=fps)
+            )
         click.echo(f"{shown(animation)}: {len(drivers)} frames at {fps:.4g} a second")
 
     def retarget(path, target):
@@ -95,6 +89,23 @@ def _check_usage(drivers, neutral, animation, targets):
         raise click.UsageError("Give either meshes, with or without --neutral, or landmarks without it.")
     if animation is not None and animation.with_suffix(".obj") in targets:
         raise click.UsageError("--animation needs a name that no face has.")
+
+
+def _load(rig, drivers, neutral, normal, pts_origin, whole):
+    """The Drivers, and the Retargeting of those that could be read, or None.
+
+    normal: MorphableModel. whole: whether a driver that cannot be read ends everything.
+    """
+    from caricli.commands.shared.progress import progress_bar
+    from caricli.methods.expressions.retarget_rig import retarget_rig
+    from caricli.store.drivers import load_driven_rig, load_drivers
+    from caricli.store.faces import load_face
+
+    driven = load_driven_rig(rig, normal)
+    calm = None if neutral is None else load_face(neutral, normal).vertices
+    with progress_bar("reading") as progress:
+        loaded = load_drivers(drivers, normal, pts_origin, progress, whole)
+    return loaded, retarget_rig(list(loaded.faces.values()), driven, normal, calm) if loaded.faces else None
 
 
 def _write(files, retargeting, row, description):

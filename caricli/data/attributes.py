@@ -187,9 +187,7 @@ class _Face:
         return self.points[BROWS.start : BROWS.stop, 1].mean()
 
 
-def binary_labels(
-    measures: np.ndarray, names: Sequence[str], training: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
+def binary_labels(measures: np.ndarray, names: Sequence[str], training: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Turn measures into labels by comparing them with the training meshes.
 
     measures: (N, A). names: A names. training: (N,) bool.

@@ -10,16 +10,16 @@ from typing import Any
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from caricli.data.albedo import random_look
 from caricli.data.attributes import binary_labels
 from caricli.data.build_settings import EXPONENTS, KINDS, BuildSettings
 from caricli.data.dataset import ALBEDO_FILE, split_identities
 from caricli.data.expressions import named_expressions
-from caricli.data.mesh_source import DatasetRow, MeshSource
+from caricli.data.look import random_look
+from caricli.data.mesh_source import DatasetRow, MeshSource, Prior
 from caricli.data.move_parts import NAMES
 from caricli.data.texture_painter import TexturePainter
 from caricli.data.worker_pool import worker_pool
-from caricli.data.write_dataset import DatasetWriter
+from caricli.data.write_dataset import SHARD_SIZE, DatasetWriter
 from caricli.errors import InputError
 from caricli.io.npz import write_npz
 from caricli.io.provenance import sha256_file
@@ -29,9 +29,6 @@ from caricli.models.intrinsic.model import IntrinsicModel
 from caricli.seeds import DatasetSeed
 from caricli.template.head import load_head
 from caricli.template.template import Template
-
-SHARD_SIZE = 512
-"""Meshes of one file: about 26 MB for the open head."""
 
 PRIOR_SHAPES = 360
 """Faces that the prior of the exaggeration by parts is trained with, and"""
@@ -92,8 +89,8 @@ def build_dataset(
     return {"meshes": manifest["count"], "flipped": manifest["flipped"]}
 
 
-def _train_prior(settings: BuildSettings, template: Template, workers: int | None) -> tuple[np.ndarray, ...]:
-    """Mean, basis and offset of the IntrinsicModel of faces that parts are exaggerated with."""
+def _train_prior(settings: BuildSettings, template: Template, workers: int | None) -> Prior:
+    """The Prior of faces of people who are not in the dataset."""
     with worker_pool(workers, partial(MeshSource, settings)) as run:
         shapes = np.concatenate(list(run(MeshSource.prior_shape, range(PRIOR_SHAPES))))
     with threadpool_limits(1):
@@ -121,9 +118,7 @@ def _levels(source: MeshSource, face: tuple[int, int]) -> list[DatasetRow]:
     return source.levels(*face)
 
 
-def _counted(
-    rows: Iterator[DatasetRow], total: int, progress: Callable[[int, int], None]
-) -> Iterator[DatasetRow]:
+def _counted(rows: Iterator[DatasetRow], total: int, progress: Callable[[int, int], None]) -> Iterator[DatasetRow]:
     for done, row in enumerate(rows, 1):
         progress(done, total)
         yield row

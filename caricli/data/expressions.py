@@ -1,7 +1,6 @@
 """Named expressions: actions with weights."""
 
 from collections.abc import Collection, Mapping
-from numbers import Real
 from pathlib import Path
 from typing import Any
 
@@ -76,6 +75,6 @@ def _check_weights(weights: Any) -> None:
     if not isinstance(weights, dict) or not weights:
         raise InputError(f"expected actions with weights, found {shown(weights, _SHOWN)}")
     for action, weight in weights.items():
-        if isinstance(weight, bool) or not isinstance(weight, Real) or not 0 <= weight <= MAX_WEIGHT:
+        if isinstance(weight, bool) or not isinstance(weight, int | float) or not 0 <= weight <= MAX_WEIGHT:
             given = f"{shown(action, _SHOWN)}: {shown(weight, _SHOWN)}"
             raise InputError(f"expected weights from 0 to {MAX_WEIGHT}, found {given}")

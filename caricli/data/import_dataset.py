@@ -8,9 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
-from caricli.data.build_dataset import SHARD_SIZE
 from caricli.data.dataset import split_identities
-from caricli.data.write_dataset import DatasetWriter
+from caricli.data.write_dataset import SHARD_SIZE, DatasetWriter
 from caricli.errors import InputError, naming
 from caricli.geometry.flipped_triangles import flipped_triangles
 from caricli.io.files import read_text

@@ -24,6 +24,10 @@ STRANGERS = 1_000_000
 """Number of the first person who is only in the prior: above all that a dataset can have."""
 
 
+Prior = tuple[np.ndarray, np.ndarray, np.ndarray]
+"""Mean, basis and offset of the IntrinsicModel that parts are exaggerated with."""
+
+
 @dataclass(frozen=True, eq=False)
 class Recipe:
     """What a mesh is made of.
@@ -55,8 +59,8 @@ class DatasetRow:
 class MeshSource:
     """Makes meshes by their numbers; what all of them need is made once."""
 
-    def __init__(self, settings: BuildSettings, prior: tuple[np.ndarray, ...] | None = None) -> None:
-        """prior: mean, basis and offset of the IntrinsicModel that parts are exaggerated with, where they are."""
+    def __init__(self, settings: BuildSettings, prior: Prior | None = None) -> None:
+        """prior: where parts are exaggerated."""
         self.settings = settings
         self.head = load_head()
         self.template = self.head.template()
@@ -144,7 +148,7 @@ class MeshSource:
         exaggerated = recipe.kind != Exaggeration(0)
         measures = measure_attributes(vertices, self.template, identity.gender, identity.age, exaggerated)
         changes = [identity.changes.get(name, 0.0) for name in self.head.change_names]
-        columns = {
+        columns: dict[str, np.ndarray | int | float] = {
             "vertices": vertices.astype(np.float32),
             "identity": recipe.identity,
             "expression": recipe.expression,

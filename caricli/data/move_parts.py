@@ -291,7 +291,7 @@ def _stretch_heights(landmarks: np.ndarray, changes: Mapping[str, float]) -> np.
 
 
 def _width_profile(level: np.ndarray, changes: Mapping[str, float]) -> np.ndarray:
-    """Factors of the width (81,) at levels (81,) from 0 at the chin to 1 at the crown: a smooth bump for each change."""
+    """Factors of the width (81,) at levels (81,), 0 at the chin and 1 at the crown: a smooth bump for each change."""
     bumps = (
         ("chin_width", 0.0, 0.12),
         ("jaw_width", 0.22, 0.16),

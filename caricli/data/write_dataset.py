@@ -12,6 +12,9 @@ from caricli.io.provenance import sha256_file
 from caricli.io.strict_json import write_json
 from caricli.template.template import Template
 
+SHARD_SIZE = 512
+"""Meshes of one file: about 26 MB for the open head."""
+
 
 class DatasetWriter:
     """Writes a dataset into an empty folder, the manifest last: without it the folder is none."""

@@ -11,7 +11,7 @@ SOFTNESS = 1e-3
 nearly instead of making the system singular."""
 
 ROUNDS = 6
-"""Changes of the active set: conditions that are broken or let go after more are few and small."""
+"""Changes of the active set, at most: it may come back to where it was."""
 
 _SLACK = 1e-4  # of the largest gap: a condition broken by less counts as kept
 

@@ -44,17 +44,7 @@ class DeformationGradients:
         self.template = vertices
         self.faces = np.asarray(faces)
         self.count = len(vertices)
-        # The cotangents of a triangle without area are NaN in libigl, or meaningless where rounding gives it a little.
-        areas = igl.doublearea(vertices, self.faces)
-        if areas.min() <= _LEAST_AREA * areas.mean():
-            raise NumericsError("the template has triangles without area: deformation gradients need all of them")
-        cotangents = igl.cotmatrix(vertices, self.faces).tocoo()
-        off = cotangents.row != cotangents.col
-        i = cotangents.row[off]
-        j = cotangents.col[off]
-        weights = np.clip(cotangents.data[off], _MIN_WEIGHT, None)
-        if not np.isfinite(weights).all() or len(np.unique(i)) < self.count:
-            raise NumericsError("the template has vertices outside every triangle, or degenerate triangles")
+        i, j, weights = _weighted_edges(vertices, self.faces)
         edges = vertices[j] - vertices[i]
         metric = np.zeros((self.count, 3, 3))
         np.add.at(metric, i, weights[:, None, None] * edges[:, :, None] * edges[:, None, :])
@@ -162,6 +152,21 @@ class DeformationGradients:
         """Solve the prefactored system for every column. right: (..., V, n). Returns the same shape."""
         columns = np.moveaxis(right, -2, 0)
         return np.moveaxis(self._factor.solve(columns.reshape(self.count, -1)).reshape(columns.shape), 0, -2)
+
+
+def _weighted_edges(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Ends i, j (E,) of all edges, in both directions, and their clipped cotangent weights (E,)."""
+    # The cotangents of a triangle without area are NaN in libigl, or meaningless where rounding gives it a little.
+    areas = igl.doublearea(vertices, faces)
+    if areas.min() <= _LEAST_AREA * areas.mean():
+        raise NumericsError("the template has triangles without area: deformation gradients need all of them")
+    cotangents = igl.cotmatrix(vertices, faces).tocoo()
+    off = cotangents.row != cotangents.col
+    i = cotangents.row[off]
+    weights = np.clip(cotangents.data[off], _MIN_WEIGHT, None)
+    if not np.isfinite(weights).all() or len(np.unique(i)) < len(vertices):
+        raise NumericsError("the template has vertices outside every triangle, or degenerate triangles")
+    return i, cotangents.col[off], weights
 
 
 def rotation_matrices(vectors: np.ndarray) -> np.ndarray:

@@ -10,13 +10,13 @@ from scipy.sparse.linalg import splu
 from caricli.errors import NumericsError
 
 SMOOTHING = 2e-4
-"""Of the surface: time of the diffusion that smooths the curvature, over about a hundredth of the head's width."""
+"""Of the surface's area: time of the diffusion that smooths the curvature, over about 8 mm of a head."""
 
 MAX_LOG_WEIGHT = 1.2
 """Natural logarithm: no gradient is scaled by more than 3.3 or less than its inverse, or needles would grow."""
 
 _LEAST_AREA = 1e-12  # of the mean; rounding gives a triangle of three points in line a little area
-_LEAST_DENSITY = 1e-3  # of the mean curvature of the sphere: keeps the logarithm of flat places sane
+_LEAST_DENSITY = 1e-3  # curvature times area, of which a sphere has 4 pi: keeps the logarithm of flat places sane
 _HOLD = 1e-9  # of the mean diagonal: makes the Poisson system definite, which knows no translation
 
 

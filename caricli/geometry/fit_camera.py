@@ -6,7 +6,7 @@ from caricli.errors import NumericsError
 from caricli.geometry.deformation_gradients import rotation_matrices
 from caricli.structures import Camera
 
-_STEPS = 10  # Gauss-Newton settles after four or five
+_STEPS = 10  # at most
 _WIDEST = 0.3  # radians that one step may turn: beyond, the linear model means little
 _SETTLED = 1e-9  # radians
 

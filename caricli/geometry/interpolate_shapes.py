@@ -6,7 +6,7 @@ from caricli.geometry.deformation_gradients import DeformationGradients
 from caricli.geometry.untangle import untangle
 
 ROUNDS = 20
-"""Of `untangle`: half way between two caricatures more is tangled than after one edit."""
+"""Of `untangle`: so many turn back all that can be, as both ends are whole."""
 
 
 def interpolate_shapes(

@@ -9,7 +9,7 @@ from caricli.geometry.cholesky import Cholesky
 from caricli.geometry.vertex_neighbours import vertex_neighbours
 
 ROUNDS = 4
-"""Estimates of the rotations: later ones change little."""
+"""Estimates of the rotations."""
 
 _LEAST = 1e-2  # of the usual cotangent weight: with less the mean of neighbours could lie anywhere
 

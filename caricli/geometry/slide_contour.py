@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 BACKWARD_MARGIN = 0.02
-"""Of the head's height: a near jaw that bulges a little stays where it was marked."""
+"""Of the head's height: the near side stays where it was marked unless it gains more."""
 
 FORWARD_MARGIN = 0.001
 """Of the head's height: rounding alone moves nothing."""

@@ -17,7 +17,7 @@ MARGIN = 0.02
 """Of the head's height: as far inside a pocket is put that has to move."""
 
 ROUNDS = 5
-"""Moves: the membrane smooths each, so that the margin is reached in a few."""
+"""Moves, at most: the membrane smooths each, so that one alone does not reach the margin."""
 
 RIM_RINGS = 2
 """Edges around a rim, where a pocket touches the skin by its nature."""

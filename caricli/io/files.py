@@ -44,7 +44,8 @@ def read_bytes(path: Path, max_bytes: int, kind: str) -> bytes:
     """Read a regular file whole.
 
     max_bytes: the largest size accepted. kind: what is expected, for the message ("an OBJ file").
-    Returns at least one byte. Raises InputError when the path is missing, no regular file, unreadable, empty or too large.
+    Returns at least one byte.
+    Raises InputError when the path is missing, no regular file, unreadable, empty or too large.
     """
     try:
         # Looking before opening: opening a pipe would wait for a writer for ever.

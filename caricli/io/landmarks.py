@@ -122,9 +122,9 @@ def _points_from_pts(lines: list[str]) -> np.ndarray:
     rows = [(number, line.strip()) for number, line in enumerate(lines, 1) if line.strip()]
     words = [line.replace(" ", "").replace("\t", "") for _, line in rows]
     if len(rows) < 4 or words[0] != "version:1" or not words[1].startswith("n_points:"):
-        raise InputError(f"expected 'version: 1', 'n_points: L' and points in braces, found other text")
+        raise InputError("expected 'version: 1', 'n_points: L' and points in braces, found other text")
     if words[2] != "{" or words[-1] != "}":
-        raise InputError(f"expected points between '{{' and '}}', found no such lines")
+        raise InputError("expected points between '{' and '}', found no such lines")
     points = _points_from_lines(rows[3:-1])
     if words[1] != f"n_points:{len(points)}":
         raise InputError(f"expected {shown(rows[1][1], 40)!r}, found {len(points)} points")

@@ -167,7 +167,9 @@ def _check_members(members: list[zipfile.ZipInfo], path: Path, max_bytes: int) -
         if member.flag_bits & 1 or member.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
             raise InputError(f"{name}: expected a stored or deflated member, found another kind")
         if member.file_size > member.compress_size * _MAX_EXPANSION + 64:
-            raise InputError(f"{name}: expected {member.file_size} bytes, found only {member.compress_size} packed ones")
+            raise InputError(
+                f"{name}: expected {member.file_size} bytes, found only {member.compress_size} packed ones"
+            )
 
 
 def text_of(array: np.ndarray | None) -> str | None:

@@ -2,11 +2,14 @@
 
 import io
 import re
+from collections.abc import Iterator
+from dataclasses import dataclass, field
 from pathlib import Path
+from typing import NoReturn
 
 import numpy as np
 
-from caricli.errors import InputError, OutputError, shown
+from caricli.errors import InputError, OutputError, naming, shown
 from caricli.io.files import content_kind, read_bytes
 from caricli.io.outputs import write_bytes
 from caricli.limits import (
@@ -37,61 +40,54 @@ _CORNERS = {
 }
 
 
-def read_obj(path):
+def read_obj(path: Path) -> Mesh:
     """Read an OBJ file.
 
     Normals, groups, objects, materials, lines and points are ignored, and so are numbers after x, y, z (weights,
     colours). Texture coordinates count only when every face has them; faces with and without in one file are refused,
     because dropping either part would lose it silently.
-    Parameters: path.
-    Returns: Mesh, indices from 0.
-    Raises: InputError naming the line when a coordinate is missing, not finite or beyond MAX_COORDINATE, when an index
+    Returns a Mesh, indices from 0.
+    Raises InputError naming the line when a coordinate is missing, not finite or beyond MAX_COORDINATE, when an index
     is 0 or out of range, when a face repeats a vertex or has fewer than 3 or more than MAX_POLYGON_CORNERS corners,
     and when there are no vertices or no faces.
     """
     data = read_bytes(path, MAX_FILE_BYTES, _KIND)
-    found = content_kind(data)
-    if found:
-        raise InputError(f"{shown(path)}: expected {_KIND}, found {found}")
-    records = _Records(path)
-    records.read(data)
-    if not records.vertices:
-        raise InputError(f"{shown(path)}: expected {_KIND}, found no vertices")
-    if not records.faces:
-        raise InputError(f"{shown(path)}: expected a mesh with faces, found none")
-    vertices = records.coordinates(records.vertices, records.vertex_lines, 3)
-    uvs = records.coordinates(records.uvs, records.uv_lines, 2) if records.uvs else np.zeros((0, 2))
-    polygons, uv_polygons = records.polygons(len(vertices), len(uvs))
-    if uv_polygons is None:
-        return Mesh(vertices, polygons)
-    return Mesh(vertices, polygons, uvs, uv_polygons)
+    with naming(path):
+        other = content_kind(data)
+        if other:
+            raise InputError(f"expected {_KIND}, found {other}")
+        records = _Records()
+        records.read(data)
+        if not records.vertices.words:
+            raise InputError(f"expected {_KIND}, found no vertices")
+        if not records.faces.corners:
+            raise InputError("expected a mesh with faces, found none")
+        vertices = records.vertices.coordinates()
+        uvs = records.uvs.coordinates() if records.uvs.words else np.zeros((0, 2))
+        polygons, uv_polygons = records.faces.polygons(len(vertices), len(uvs))
+        if uv_polygons is None:
+            return Mesh(vertices, polygons)
+        return Mesh(vertices, polygons, uvs, uv_polygons)
 
 
-def write_obj(path, mesh, texture=None, mtl=None):
+def write_obj(path: Path, mesh: Mesh, texture: str | None = None, mtl: Path | None = None) -> None:
     """Write an OBJ file, and its material when there is a texture.
 
-    Parameters: path; mesh, Mesh; texture, the file name of a PNG in the same folder, or None; mtl, the path of the
-    material file to write, in the same folder as `path` (default: `path` with the suffix .mtl).
-    Raises: OutputError when the mesh could not be read back, the texture is no plain file name or has no UVs to sit
-    on, or a file cannot be written.
+    texture: the file name of a PNG in the same folder. mtl: path of the material file to write, in the same folder as
+    the OBJ (by default with its stem and the suffix .mtl).
+    Raises OutputError when the texture is no plain file name or has no UVs to sit on, or a file cannot be written.
     """
     path = Path(path)
     lines = ["# units m, axes +y up, +z front\n"]
     if texture is not None:
         mtl = path.with_suffix(".mtl") if mtl is None else Path(mtl)
-        if mesh.uvs is None:
-            raise OutputError(f"{shown(path)}: expected a mesh with UVs for the texture, found none")
-        for name in (texture, mtl.name):
-            if not name or name != Path(name).name or not name.isprintable():
-                raise OutputError(f"{shown(path)}: expected a plain file name for the material, found {shown(name)!r}")
-        material = f"newmtl face\nKa 1 1 1\nKd 1 1 1\nKs 0 0 0\nillum 1\nmap_Kd {texture}\n"
-        write_bytes(mtl, material.encode("utf-8"))
+        _write_material(path, mesh, texture, mtl)
         lines.append(f"mtllib {mtl.name}\n")
     lines.append("v %.9g %.9g %.9g\n" * len(mesh.vertices) % tuple(mesh.vertices.ravel().tolist()))
     used = mesh.polygons >= 0
     corners = mesh.polygons[used] + 1
     corner = " %d"
-    if mesh.uvs is not None:
+    if mesh.uvs is not None and mesh.uv_polygons is not None:
         lines.append("vt %.9g %.9g\n" * len(mesh.uvs) % tuple(mesh.uvs.ravel().tolist()))
         corners = np.stack([corners, mesh.uv_polygons[used] + 1], axis=1).ravel()
         corner = " %d/%d"
@@ -102,147 +98,204 @@ def write_obj(path, mesh, texture=None, mtl=None):
     write_bytes(path, "".join(lines).encode("utf-8"))
 
 
-class _Records:
-    """The lines of one file that matter, with their numbers, so that every refusal can name one."""
+def _write_material(path: Path, mesh: Mesh, texture: str, mtl: Path) -> None:
+    if mesh.uvs is None:
+        raise OutputError(f"{shown(path)}: expected a mesh with UVs for the texture, found none")
+    for name in (texture, mtl.name):
+        if not name or name != Path(name).name or not name.isprintable():
+            raise OutputError(f"{shown(path)}: expected a plain file name for the material, found {shown(name)!r}")
+    material = f"newmtl face\nKa 1 1 1\nKd 1 1 1\nKs 0 0 0\nillum 1\nmap_Kd {texture}\n"
+    write_bytes(mtl, material.encode("utf-8"))
 
-    def __init__(self, path):
-        self.path = path
-        self.vertices, self.vertex_lines = [], []
-        self.uvs, self.uv_lines = [], []
-        self.faces, self.face_lines = [], []
-        # Vertices and UVs above each face: a negative index counts back from them.
-        self.vertices_above, self.uvs_above = [], []
 
-    def fail(self, number, expected, found):
-        found = shown(found.strip() if isinstance(found, bytes) else found, 60)
-        raise InputError(f"{shown(self.path)}: line {number}: expected {expected}, found {found!r}")
+def _fail(number: int, expected: str, text: object) -> NoReturn:
+    text = shown(text.strip() if isinstance(text, bytes) else text, 60)
+    raise InputError(f"line {number}: expected {expected}, found {text!r}")
 
-    def read(self, data):
-        if b"\r" in data:
-            data = data.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
-        for number, line in _logical_lines(data):
-            words = line.split(None, 1)
-            if not words or words[0].startswith(b"#"):
-                continue
-            keyword = words[0]
-            if keyword in _IGNORED:
-                continue
-            if keyword not in (b"v", b"vt", b"f"):
-                self.fail(number, "an OBJ keyword", keyword)
-            if len(line) > _MAX_LINE_BYTES:
-                self.fail(number, f"a line of at most {_MAX_LINE_BYTES} bytes", line)
-            rest = words[1].split(b"#", 1)[0] if len(words) > 1 else b""
-            if keyword == b"f":
-                self.faces.append(rest)
-                self.face_lines.append(number)
-                self.vertices_above.append(len(self.vertex_lines))
-                self.uvs_above.append(len(self.uv_lines))
-                if len(self.faces) > MAX_POLYGONS:
-                    self.fail(number, f"at most {MAX_POLYGONS} faces", line)
-                continue
-            size, most, values, lines = (
-                (3, 7, self.vertices, self.vertex_lines) if keyword == b"v" else (2, 3, self.uvs, self.uv_lines)
-            )
-            numbers = rest.split()
-            if not size <= len(numbers) <= most:
-                self.fail(number, f"{keyword.decode()} with {size} to {most} numbers", line)
-            values.extend(numbers[:size])
-            lines.append(number)
-            if len(lines) > MAX_VERTICES:
-                self.fail(number, f"at most {MAX_VERTICES} lines {keyword.decode()}", line)
 
-    def coordinates(self, words, lines, size):
+@dataclass
+class _Coordinates:
+    """The lines of one keyword: ``size`` numbers of each, of which there may be up to ``most``."""
+
+    keyword: bytes
+    size: int
+    most: int
+    words: list[bytes] = field(default_factory=list)
+    numbers: list[int] = field(default_factory=list)
+    """The numbers of the lines, so that every refusal can name one."""
+
+    def add(self, number: int, line: bytes, rest: bytes) -> None:
+        """Take a line, of which ``rest`` stands after the keyword."""
+        values = rest.split()
+        if not self.size <= len(values) <= self.most:
+            _fail(number, f"{self.keyword.decode()} with {self.size} to {self.most} numbers", line)
+        self.words.extend(values[: self.size])
+        self.numbers.append(number)
+        if len(self.numbers) > MAX_VERTICES:
+            _fail(number, f"at most {MAX_VERTICES} lines {self.keyword.decode()}", line)
+
+    def coordinates(self) -> np.ndarray:
+        """The numbers as an array (N, size)."""
         try:
-            values = np.fromiter(map(float, words), np.float64, len(words))
+            values = np.fromiter(map(float, self.words), np.float64, len(self.words))
         except ValueError:
             values = None
-        if values is None or not np.all(np.abs(values) <= MAX_COORDINATE) or b"_" in b"".join(words):
-            for k, word in enumerate(words):
-                if not _is_coordinate(word):
-                    self.fail(lines[k // size], f"a finite coordinate of at most {MAX_COORDINATE:g}", word)
-        return values.reshape(-1, size)
+        if values is None or not np.all(np.abs(values) <= MAX_COORDINATE) or b"_" in b"".join(self.words):
+            k, word = next((k, word) for k, word in enumerate(self.words) if not _is_coordinate(word))
+            _fail(self.numbers[k // self.size], f"a finite coordinate of at most {MAX_COORDINATE:g}", word)
+        return values.reshape(-1, self.size)
 
-    def polygons(self, vertex_count, uv_count):
-        kinds, sizes = [], []
-        for line, number in zip(self.faces, self.face_lines, strict=True):
-            slashes = line.count(b"/")
-            size = len(line.split())
-            if not 3 <= size <= MAX_POLYGON_CORNERS:
-                self.fail(number, f"a face with 3 to {MAX_POLYGON_CORNERS} corners", b"f " + line)
-            kind = "v" if not slashes else "v//vn" if b"//" in line else "v/vt" if slashes == size else "v/vt/vn"
-            kinds.append(kind)
-            sizes.append(size)
-        with_uvs = {"vt" in kind for kind in kinds}
-        if len(with_uvs) > 1:
-            first = "vt" in kinds[0]
-            other = next(k for k, kind in enumerate(kinds) if ("vt" in kind) != first)
-            expected = "a face with texture coordinates like" if first else "a face without texture coordinates like"
-            self.fail(self.face_lines[other], f"{expected} those above", b"f " + self.faces[other])
-        sizes = np.array(sizes)
+
+@dataclass
+class _Corner:
+    """What the corners of faces count: vertices or texture coordinates."""
+
+    noun: str
+    column: int
+    """Where it stands in ``v/vt``."""
+    count: int
+    above: np.ndarray
+    """(P,): how many there are above each face: a negative index counts back from them."""
+    table: np.ndarray
+    """(P, N) int32, padded with -1: the indices from 0, to be filled in."""
+
+
+class _Faces:
+    """The lines that are faces, with their numbers."""
+
+    def __init__(self) -> None:
+        self.corners: list[bytes] = []
+        self.numbers: list[int] = []
+        self.vertices_above: list[int] = []
+        self.uvs_above: list[int] = []
+
+    def fail(self, row: int, expected: str) -> NoReturn:
+        _fail(self.numbers[row], expected, b"f " + self.corners[row])
+
+    def polygons(self, vertex_count: int, uv_count: int) -> tuple[np.ndarray, np.ndarray | None]:
+        """The faces as indices of vertices, and where they have them, of texture coordinates."""
+        kinds, sizes = self._kinds_and_sizes()
         width = int(sizes.max())
         if len(sizes) * width > MAX_CORNERS:
-            raise InputError(
-                f"{shown(self.path)}: expected at most {MAX_CORNERS} corners, found {len(sizes)} faces of up to {width}"
-            )
-        polygons = np.full((len(sizes), width), -1, np.int32)
-        uv_polygons = np.full((len(sizes), width), -1, np.int32) if True in with_uvs else None
-        kinds = np.array(kinds)
+            raise InputError(f"expected at most {MAX_CORNERS} corners, found {len(sizes)} faces of up to {width}")
+        shape = (len(sizes), width)
+        above = np.array(self.vertices_above)
+        wanted = [_Corner("a vertex", 0, vertex_count, above, np.full(shape, -1, np.int32))]
+        if "vt" in kinds[0]:
+            above = np.array(self.uvs_above)
+            wanted.append(_Corner("a texture coordinate", 1, uv_count, above, np.full(shape, -1, np.int32)))
         for kind in np.unique(kinds):
             rows = np.nonzero(kinds == kind)[0]
             indices = self._indices(rows, str(kind))
-            used = np.arange(width) < sizes[rows, None]
-            self._place(polygons, rows, used, indices[:, 0], self.vertices_above, vertex_count, "a vertex")
-            if uv_polygons is not None:
-                self._place(uv_polygons, rows, used, indices[:, 1], self.uvs_above, uv_count, "a texture coordinate")
-        twice = repeats(polygons)
+            for corner in wanted:
+                self._place(corner, rows, sizes[rows], indices[:, corner.column])
+        twice = repeats(wanted[0].table)
         if twice.any():
-            k = int(np.argmax(twice))
-            self.fail(self.face_lines[k], "a face with distinct vertices", b"f " + self.faces[k])
-        return polygons, uv_polygons
+            self.fail(int(np.argmax(twice)), "a face with distinct vertices")
+        return wanted[0].table, wanted[1].table if len(wanted) > 1 else None
 
-    def _indices(self, rows, kind):
+    def _kinds_and_sizes(self) -> tuple[np.ndarray, np.ndarray]:
+        """How the corners of each face are written, (P,) text, and how many it has, (P,) int."""
+        kinds: list[str] = []
+        sizes: list[int] = []
+        for row, line in enumerate(self.corners):
+            slashes = line.count(b"/")
+            size = len(line.split())
+            if not 3 <= size <= MAX_POLYGON_CORNERS:
+                self.fail(row, f"a face with 3 to {MAX_POLYGON_CORNERS} corners")
+            kinds.append("v" if not slashes else "v//vn" if b"//" in line else "v/vt" if slashes == size else "v/vt/vn")
+            sizes.append(size)
+        first = "vt" in kinds[0]
+        other = next((row for row, kind in enumerate(kinds) if ("vt" in kind) != first), None)
+        if other is not None:
+            self.fail(other, f"a face {'with' if first else 'without'} texture coordinates like those above")
+        return np.array(kinds), np.array(sizes)
+
+    def _indices(self, rows: np.ndarray, kind: str) -> np.ndarray:
+        """The numbers of all corners of some faces, written in one way; the first two columns of them."""
         pattern = _CORNERS[kind]
         columns = {"v": 1, "v/vt": 2, "v//vn": 2, "v/vt/vn": 3}[kind]
         blocks = []
         for start in range(0, len(rows), _BLOCK_ROWS):
             block = rows[start : start + _BLOCK_ROWS]
-            text = b"\n".join([self.faces[k] for k in block])
+            text = b"\n".join([self.corners[k] for k in block])
             if not pattern.fullmatch(text):
-                bad = next(k for k in block if not pattern.fullmatch(self.faces[k]))
-                self.fail(self.face_lines[bad], f"corners of the form {kind}", b"f " + self.faces[bad])
+                bad = next(k for k in block if not pattern.fullmatch(self.corners[k]))
+                self.fail(bad, f"corners of the form {kind}")
             words = text.replace(b"/", b" ").split()
             blocks.append(np.fromiter(map(int, words), np.int64, len(words)).reshape(-1, columns)[:, :2])
         return np.concatenate(blocks)
 
-    def _place(self, table, rows, used, indices, above, count, noun):
-        above = np.repeat(np.array(above)[rows], used.sum(1))
+    def _place(self, corner: _Corner, rows: np.ndarray, sizes: np.ndarray, indices: np.ndarray) -> None:
+        """Put the indices of some faces, with so many corners each, into the table."""
+        above = np.repeat(corner.above[rows], sizes)
         zero_based = np.where(indices < 0, above + indices, indices - 1)
-        bad = (zero_based < 0) | (zero_based >= count)
+        bad = (zero_based < 0) | (zero_based >= corner.count)
         if bad.any():
             k = int(np.argmax(bad))
-            row = rows[int(np.searchsorted(np.cumsum(used.sum(1)), k, side="right"))]
-            self.fail(self.face_lines[row], f"the number of {noun} from 1 to {count}", indices[k])
+            row = rows[int(np.searchsorted(np.cumsum(sizes), k, side="right"))]
+            _fail(self.numbers[row], f"the number of {corner.noun} from 1 to {corner.count}", indices[k])
+        used = np.arange(corner.table.shape[1]) < sizes[:, None]
         block = np.full(used.shape, -1, np.int32)
         block[used] = zero_based
-        table[rows] = block
+        corner.table[rows] = block
 
 
-def _logical_lines(data):
-    """Yield (number, line) with lines joined that end in a backslash."""
-    held, start = b"", 0
+class _Records:
+    """The lines of one file that matter."""
+
+    def __init__(self) -> None:
+        self.vertices = _Coordinates(b"v", 3, 7)
+        self.uvs = _Coordinates(b"vt", 2, 3)
+        self.faces = _Faces()
+
+    def read(self, data: bytes) -> None:
+        """Take all lines of a file."""
+        if b"\r" in data:
+            data = data.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
+        for number, line in _logical_lines(data):
+            words = line.split(None, 1)
+            if not words or words[0].startswith(b"#") or words[0] in _IGNORED:
+                continue
+            if words[0] not in (b"v", b"vt", b"f"):
+                _fail(number, "an OBJ keyword", words[0])
+            if len(line) > _MAX_LINE_BYTES:
+                _fail(number, f"a line of at most {_MAX_LINE_BYTES} bytes", line)
+            rest = words[1].split(b"#", 1)[0] if len(words) > 1 else b""
+            if words[0] == b"f":
+                self._add_face(number, line, rest)
+            else:
+                (self.vertices if words[0] == b"v" else self.uvs).add(number, line, rest)
+
+    def _add_face(self, number: int, line: bytes, rest: bytes) -> None:
+        faces = self.faces
+        faces.corners.append(rest)
+        faces.numbers.append(number)
+        faces.vertices_above.append(len(self.vertices.numbers))
+        faces.uvs_above.append(len(self.uvs.numbers))
+        if len(faces.corners) > MAX_POLYGONS:
+            _fail(number, f"at most {MAX_POLYGONS} faces", line)
+
+
+def _logical_lines(data: bytes) -> Iterator[tuple[int, bytes]]:
+    """The lines with their numbers, those joined that end in a backslash."""
+    held = b""
+    start = 0
     for number, line in enumerate(io.BytesIO(data), 1):
         if line.endswith((b"\\\n", b"\\")):
-            held, start = held + line.rstrip(b"\n")[:-1] + b" ", start or number
+            held += line.rstrip(b"\n")[:-1] + b" "
+            start = start or number
             if len(held) > _MAX_LINE_BYTES:
                 held = held[: _MAX_LINE_BYTES + 1]
             continue
         yield (start, held + line) if held else (number, line)
-        held, start = b"", 0
+        held = b""
+        start = 0
     if held:
         yield start, held
 
 
-def _is_coordinate(word):
+def _is_coordinate(word: bytes) -> bool:
     try:
         return b"_" not in word and abs(float(word)) <= MAX_COORDINATE
     except ValueError:

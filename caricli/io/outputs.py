@@ -24,9 +24,7 @@ _WRITE_ERRORS = {
 
 
 @contextmanager
-def staged(
-    *paths: Path, overwrite: bool = False, inputs: Iterable[Path | None] = ()
-) -> Iterator[tuple[Path, ...]]:
+def staged(*paths: Path, overwrite: bool = False, inputs: Iterable[Path | None] = ()) -> Iterator[tuple[Path, ...]]:
     """Write several files so that either all of them appear or none.
 
     overwrite: whether existing files are replaced. inputs: files that must not be written to (None entries are

@@ -30,9 +30,7 @@ def model_to_checkpoint(model: ShapeModel, recipe: Any) -> tuple[dict[str, np.nd
     return tensors, {"schema": SCHEMA, "kind": model.kind, "annotation": annotation, "recipe": recipe}
 
 
-def model_from_checkpoint(
-    tensors: Mapping[str, np.ndarray], metadata: Mapping[str, Any], where: object
-) -> ShapeModel:
+def model_from_checkpoint(tensors: Mapping[str, np.ndarray], metadata: Mapping[str, Any], where: object) -> ShapeModel:
     """Rebuild a ShapeModel.
 
     tensors, metadata: of ``model_to_checkpoint``, read from a file. where: its name, for messages.

@@ -18,12 +18,16 @@ class Kind:
 
 KINDS = {
     "pca": Kind("caricli.models.pca.model:PcaModel", "caricli.models.pca.config:PcaConfig"),
-    "intrinsic": Kind("caricli.models.intrinsic.model:IntrinsicModel", "caricli.models.intrinsic.config:IntrinsicConfig"),
+    "intrinsic": Kind(
+        "caricli.models.intrinsic.model:IntrinsicModel", "caricli.models.intrinsic.config:IntrinsicConfig"
+    ),
     "kernel": Kind("caricli.models.kernel.model:KernelModel", "caricli.models.kernel.config:KernelConfig"),
     "deformable": Kind(
         "caricli.models.deformable.model:DeformableModel", "caricli.models.deformable.config:DeformableConfig"
     ),
-    "morphable": Kind("caricli.models.morphable.model:MorphableModel", "caricli.models.morphable.config:MorphableConfig"),
+    "morphable": Kind(
+        "caricli.models.morphable.model:MorphableModel", "caricli.models.morphable.config:MorphableConfig"
+    ),
 }
 """Kinds by the names that checkpoints carry."""
 

@@ -12,9 +12,7 @@ _SAME = 1e-6
 """Rows that differ by less, relative to their largest number, are the same."""
 
 
-def principal_components(
-    rows: np.ndarray, dimension: int, seed: int = 0
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def principal_components(rows: np.ndarray, dimension: int, seed: int = 0) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Mean, components scaled to one standard deviation, and how much variance they explain.
 
     rows: (N, M), already weighted. dimension: D; fewer are returned where the rows have fewer. seed: of the randomised

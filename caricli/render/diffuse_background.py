@@ -5,7 +5,7 @@ import numpy as np
 from scipy.ndimage import distance_transform_edt
 
 LAYERS = 48
-"""Pixels that the mean goes on from the border, farther than any blur of a texture reaches."""
+"""Pixels from the border of the face on which the mean goes on."""
 
 _KERNEL = np.ones((3, 3), np.float32)
 

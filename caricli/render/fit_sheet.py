@@ -3,7 +3,6 @@
 import numpy as np
 from PIL import Image
 
-from caricli.errors import InputError
 from caricli.render.contact_sheet import contact_sheet
 from caricli.render.head_views import head_views
 from caricli.render.overlay import draw_landmarks, overlay_mesh
@@ -32,13 +31,12 @@ def fit_sheet(
     size: pixels of one view. fine: FineMesh in the face's shape, to draw in the views.
     Returns (H, W, 3) uint8. Raises InputError when the face has no camera or no landmarks.
     """
-    camera = face.camera
-    if camera is None or face.landmarks is None:
-        raise InputError("a picture of a fit needs a face with camera and landmarks, found one without")
+    camera = face.require_camera()
+    fitted = face.require_landmarks()
     corner, window = _window(given, camera.project(face.vertices) if image is None else None)
     zoom = size / window
     picture = _crop(image, corner, window, size)
-    dotted = draw_landmarks(picture, (face.landmarks - corner) * zoom, FITTED)
+    dotted = draw_landmarks(picture, (fitted - corner) * zoom, FITTED)
     circle = max(1.5, size / 120)
     marked = draw_landmarks(dotted, (given - corner) * zoom, GIVEN, radius=circle, hollow=True, lines=False)
     eyeballs = place_eyeballs(face.mesh, template.annotation)

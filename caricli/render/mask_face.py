@@ -7,7 +7,7 @@ from caricli.render.rasterise import rasterise
 from caricli.structures.landmarks import OUTLINE
 
 _SIDE = 800  # pixels; finer than this the outline of a region is no more exact
-_ROUNDS = 4  # of GrabCut: further ones move few pixels
+_ROUNDS = 4  # of GrabCut
 _CORE = 0.04  # of the face's size: as far inside its outline a pixel is surely the face
 _BAND = 0.06  # of the face's size: as far outside mesh and outline a pixel may be the head
 _FOREHEAD = 0.15  # of the face's size, below the brows: what the mesh covers above that is likely there

@@ -12,7 +12,7 @@ from caricli.structures.landmarks import COUNT, POLYLINES, RINGS
 _DOT = 0.006  # of the picture's shorter side: radius of a landmark
 _SMALLEST_DOT = 1.5  # pixels
 _FRACTION_BITS = 4  # OpenCV takes places in sixteenths of a pixel
-_FARTHEST = 1 << 14  # pixels; in sixteenths farther points would overflow OpenCV's integers
+_FARTHEST = 1 << 14  # pixels; farther points, in sixteenths, could overflow OpenCV's integers
 
 
 def overlay_mesh(

@@ -34,9 +34,9 @@ def sample_texture(texture: np.ndarray, uvs: np.ndarray) -> np.ndarray:
 
 
 def sample_texture_finely(texture: np.ndarray, uvs: np.ndarray) -> np.ndarray:
-    """As `sample_texture`, but without OpenCV's rounding to 1/32 of a texel and to whole grey levels.
+    """As `sample_texture`, but not rounded to whole grey levels: for colours that are interpolated further.
 
-    For colours that are interpolated further. texture: (H, W, C). uvs: (N, 2).
+    texture: (H, W, C). uvs: (N, 2).
     Returns (N, C).
     """
     height, width, channels = texture.shape

@@ -27,6 +27,7 @@ from caricli.models.kinds import KINDS
 from caricli.models.landmark_map.model import SCHEMA as LANDMARK_MAP_SCHEMA
 from caricli.models.landmark_map.model import map_from_checkpoint
 from caricli.store.models import load_model
+from caricli.structures import Material
 
 _EXPECTED = "a file of caricli's, or an OBJ, PLY, STL, GLB or glTF"
 
@@ -139,9 +140,10 @@ def _read_arrays(path: Path) -> Any:
 
 
 def _read_gltf(path: Path) -> Any:
-    """A Rig where there are shapes, else the Mesh of the scene."""
+    """A Rig where there are shapes or eyes, else the Mesh of the scene."""
     content = read_gltf(path)
-    return content if content.names else read_gltf_mesh(path)
+    is_rig = bool(content.names) or Material.EYE in content.triangle_materials
+    return content if is_rig else read_gltf_mesh(path)
 
 
 def _read_weights_of_model(path: Path) -> Any:

@@ -25,15 +25,10 @@ def load_driven_rig(path: Path, model: MorphableModel) -> Rig:
     rig = read_rig(path)
     count = len(model.mean)
     with naming(path):
-        if rig.normal_deltas is None:
-            raise InputError(
-                "expected a rig that says what its expressions do to a normal face, found none; "
-                "caricli blendshapes writes one"
-            )
-        if rig.normal_deltas.shape[1] != count:
-            found = rig.normal_deltas.shape[1]
-            raise InputError(f"expected normal_deltas of the model's {count} vertices, found {found}")
-        if not rig.normal_deltas.any():
+        deltas = rig.require_normal_deltas()
+        if deltas.shape[1] != count:
+            raise InputError(f"expected normal_deltas of the model's {count} vertices, found {deltas.shape[1]}")
+        if not deltas.any():
             raise InputError("expected expressions that move a normal face, found none that does")
     return rig
 

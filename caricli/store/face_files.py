@@ -83,7 +83,7 @@ class FaceSeries:
         rows = []
         views = []
         for number, (face, figures) in enumerate(faces):
-            write_face_files(*files[2 * number : 2 * number + 2], face, drawing.finer(face))
+            write_face_files(files[2 * number], files[2 * number + 1], face, drawing.finer(face))
             if number in drawn:
                 views.append(drawing.draw(face))
             rows.append({"face": self.stems[number]} | figures)

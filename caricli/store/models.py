@@ -1,6 +1,7 @@
 """Models by name or path: those that come with caricli, and users' own."""
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from caricli.errors import InputError, shown
 from caricli.io.bundled import asset_path
@@ -11,6 +12,9 @@ from caricli.models.kinds import KINDS
 from caricli.models.shape_model import ShapeModel
 from caricli.template.template import Template
 
+if TYPE_CHECKING:
+    from caricli.models.morphable.model import MorphableModel
+
 DEFAULT_ELASTIC = "intrinsic"
 """Kind of the bundled model that follows landmarks elastically."""
 
@@ -18,16 +22,19 @@ DEFAULT_LATENT = "kernel"
 """Kind of the bundled model that latents belong to where nothing else is said."""
 
 
-def load_model(path: Path | None = None, kind: str = DEFAULT_ELASTIC, only: str | None = None) -> ShapeModel:
-    """Load the model of a file, or the bundled one of a kind.
+def load_model(path: Path | None = None, kind: str = DEFAULT_ELASTIC) -> ShapeModel:
+    """Load the model of a file, or the bundled one of a kind. Raises InputError when it is no model, or damaged."""
+    path = asset_path(f"{kind}.safetensors") if path is None else path
+    return model_from_checkpoint(*read_checkpoint(path), shown(path))
 
-    only: the kind that it must have, where just one will do.
-    Raises InputError when it is no model, damaged, or of another kind.
-    """
-    path = asset_path(f"{only or kind}.safetensors") if path is None else path
-    model = model_from_checkpoint(*read_checkpoint(path), shown(path))
-    if only is not None and model.kind != only:
-        raise InputError(f"{shown(path)}: expected a model of kind {only}, found {model.kind}")
+
+def load_morphable(path: Path | None = None) -> "MorphableModel":
+    """Load the morphable model of a file, or the bundled one. Raises InputError when it is of another kind."""
+    from caricli.models.morphable.model import MorphableModel
+
+    model = load_model(path, MorphableModel.kind)
+    if not isinstance(model, MorphableModel):
+        raise InputError(f"{shown(path)}: expected a model of kind {MorphableModel.kind}, found {model.kind}")
     return model
 
 
@@ -49,5 +56,5 @@ def bundled_kind(model_id: str | None) -> str | None:
 def check_topology(template: Template, dataset_template: Template, where: object) -> None:
     """Refuse a model and a dataset of different meshes. where: what the model is called."""
     if template.topology_id != dataset_template.topology_id:
-        counts = len(template.vertices), len(dataset_template.vertices)
-        raise InputError(f"{where}: its topology ({counts[0]} vertices) is not the dataset's ({counts[1]} vertices)")
+        expected = f"the dataset's ({len(dataset_template.vertices)} vertices)"
+        raise InputError(f"{where}: its topology ({len(template.vertices)} vertices) is not {expected}")

@@ -18,15 +18,25 @@ COUNT = 68
 """Points of iBUG."""
 
 JAW = range(0, 17)
-BROW_RIGHT, BROW_LEFT = range(17, 22), range(22, 27)
-BRIDGE, NOSTRILS = range(27, 31), range(31, 36)
-EYE_RIGHT, EYE_LEFT = range(36, 42), range(42, 48)
-LIPS, LIPS_INSIDE = range(48, 60), range(60, 68)
+BROW_RIGHT = range(17, 22)
+BROW_LEFT = range(22, 27)
+BRIDGE = range(27, 31)
+NOSTRILS = range(31, 36)
+EYE_RIGHT = range(36, 42)
+EYE_LEFT = range(42, 48)
+LIPS = range(48, 60)
+LIPS_INSIDE = range(60, 68)
 FOREHEAD = range(68, 71)
-EAR_RIGHT, EAR_LEFT = range(71, 74), range(74, 77)
-CHEEKBONES, TEMPLES = range(77, 79), range(79, 81)
+EAR_RIGHT = range(71, 74)
+EAR_LEFT = range(74, 77)
+CHEEKBONES = range(77, 79)
+TEMPLES = range(79, 81)
 
-BROWS, NOSE, EYES, MOUTH, EXTRA = range(17, 27), range(27, 36), range(36, 48), range(48, 68), range(68, 81)
+BROWS = range(17, 27)
+NOSE = range(27, 36)
+EYES = range(36, 48)
+MOUTH = range(48, 68)
+EXTRA = range(68, 81)
 PARTS = {"jaw": JAW, "brows": BROWS, "nose": NOSE, "eyes": EYES, "mouth": MOUTH, "extra": EXTRA}
 """What errors are told apart by."""
 
@@ -41,8 +51,10 @@ UPPER_LID = {"left": (42, 43, 44, 45), "right": (39, 38, 37, 36)}
 LOWER_LID = {"left": (42, 47, 46, 45), "right": (39, 40, 41, 36)}
 """From the inner to the outer corner of an eye."""
 
-UPPER_LIP, LOWER_LIP = (48, 49, 50, 51, 52, 53, 54), (48, 59, 58, 57, 56, 55, 54)
-UPPER_LIP_INSIDE, LOWER_LIP_INSIDE = (60, 61, 62, 63, 64), (60, 67, 66, 65, 64)
+UPPER_LIP = (48, 49, 50, 51, 52, 53, 54)
+LOWER_LIP = (48, 59, 58, 57, 56, 55, 54)
+UPPER_LIP_INSIDE = (60, 61, 62, 63, 64)
+LOWER_LIP_INSIDE = (60, 67, 66, 65, 64)
 """From the right to the left corner of the mouth."""
 
 LID_PAIRS = ((37, 41), (38, 40), (43, 47), (44, 46))
@@ -68,7 +80,8 @@ POINT_NAMES = {
 FEWEST = 8
 """Points that must be known."""
 
-_INSIDE, _SMALLEST = 0.5, 8.0  # share of the points inside the picture; diagonal of a face, pixels
+_INSIDE = 0.5  # least share of the points inside the picture
+_SMALLEST = 8.0  # least diagonal of a face, pixels
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,7 +104,7 @@ class Landmarks:
         if points.shape not in [(count, 2) for count in SCHEMES]:
             refuse(f"expected 68 or 81 points, found {len(points)}")
         given = ~np.isnan(points).all(axis=1)
-        near = (np.abs(points) <= MAX_COORDINATE).all(axis=1)
+        near = np.all(np.abs(points) <= MAX_COORDINATE, axis=1)
         if not near[given].all():
             k = int(np.argmax(given & ~near))
             refuse(f"point {k}: expected finite coordinates, found {points[k].tolist()}")

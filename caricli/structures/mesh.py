@@ -84,7 +84,8 @@ class Mesh:
         return other
 
     def _uv_problem(self) -> str | None:
-        uvs, uv_polygons = self.uvs, self.uv_polygons
+        uvs = self.uvs
+        uv_polygons = self.uv_polygons
         if uvs is None and uv_polygons is None:
             return None
         if uvs is None or uv_polygons is None:
@@ -104,7 +105,7 @@ def topology_id(faces: np.ndarray) -> str:
 
 
 def triangle_fans(polygons: np.ndarray) -> np.ndarray:
-    """Split polygons (P, N), padded with -1, into fans of triangles (F, 3) int32 around their first corner, in order."""
+    """Split polygons (P, N), padded with -1, into fans around their first corners: triangles (F, 3) int32, in order."""
     width = polygons.shape[1]
     fans = np.stack([polygons[:, [0, k, k + 1]] for k in range(1, width - 1)], axis=1)
     return np.ascontiguousarray(fans[fans[:, :, 2] >= 0], dtype=np.int32)

@@ -79,6 +79,15 @@ class Rig:
             raise InputError(f"expected one of the rig's {len(self.names)} expressions, found {shown(name, 60)!r}")
         return self.neutral + self.deltas[self.names.index(name)]
 
+    def require_normal_deltas(self) -> np.ndarray:
+        """(K, N, 3) what the expressions do to a normal face. Raises InputError for a rig that does not say."""
+        if self.normal_deltas is None:
+            raise InputError(
+                "expected a rig that says what its expressions do to a normal face, found none; "
+                "caricli blendshapes writes one"
+            )
+        return self.normal_deltas
+
     def shape_in_use(self, k: int) -> np.ndarray:
         """(V, 3) vertices with expression k at full weight, on top of the expression that it is meant for."""
         return self.neutral + start_delta(self.names, self.deltas, k) + self.deltas[k]

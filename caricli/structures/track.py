@@ -7,7 +7,8 @@ import numpy as np
 from caricli.errors import InputError, shown
 from caricli.structures.checks import refuse
 
-LEAST, MOST = -0.5, 1.5
+LEAST = -0.5
+MOST = 1.5
 """Range of a weight: trackers overshoot 0 and 1 a little, never this far."""
 
 _MAX_ANGLE = 4 * np.pi
@@ -46,7 +47,9 @@ class Track:
 
     def __post_init__(self) -> None:
         """Check names, shapes and ranges."""
-        names, times, weights = self.names, np.asarray(self.times), np.asarray(self.weights)
+        names = self.names
+        times = np.asarray(self.times)
+        weights = np.asarray(self.weights)
         if not names or not all(names) or len(set(names)) < len(names):
             twice = next((name for k, name in enumerate(names) if name in names[:k]), "an empty one")
             refuse(f"names: expected distinct names, found {shown(twice, 40)!r}" + (" twice" if names else ""))
@@ -94,7 +97,8 @@ class Animation:
 
     def __post_init__(self) -> None:
         """Check shapes and ranges."""
-        times, weights = np.asarray(self.times, np.float32), np.asarray(self.weights, np.float32)
+        times = np.asarray(self.times, np.float32)
+        weights = np.asarray(self.weights, np.float32)
         if times.ndim != 1 or not len(times) or not np.isfinite(times).all() or times[0] < 0:
             refuse("times: expected seconds that rise from 0 on, found others")
         if (np.diff(times) <= 0).any():

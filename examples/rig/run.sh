@@ -9,7 +9,7 @@ caricli reconstruct-from-landmarks "$here/../astronaut/landmarks.json" --out "$o
 caricli edit-semantic "$out/astronaut.npz" --label MouthOpen=-1 --label Smile=-0.7 --label BigEye=1.5 \
     --label ThickLips=0.7 --out "$out/neutral.obj"
 caricli rig "$out/neutral.npz" --out "$out/rig.glb"
-caricli rig --check "$out/rig.glb"
+caricli inspect "$out/rig.glb"
 "${PYTHON:-python}" "$here/make_weights.py" "$out/weights.json" "$seconds"
 caricli animate "$out/rig.npz" "$out/weights.json" --out "$out/talk.glb"
 caricli animate "$out/rig.npz" "$out/weights.json" --video "$out/preview.gif" --fps 15 --size "$pixels"

@@ -28,8 +28,9 @@ def run():
 def small_pictures():
     """Views of 48 pixels in the sheets of faces, which are otherwise most of the time."""
     with pytest.MonkeyPatch.context() as patch:
-        for name in ("encode", "sample", "interpolate", "edit_semantic", "caricaturize", "rigging"):
+        for name in ("encode", "sample", "interpolate", "edit_semantic", "caricaturize"):
             patch.setattr(f"caricli.commands.{name}.SIZE", 48)
+        patch.setattr("caricli.render.expression_sheet.SIZE", 48)
         yield
 
 
@@ -105,11 +106,21 @@ def directions(models, tmp_path_factory):
     """Paths by kind of directions of the small models: three labels, the axes of the whitened latents."""
     folder, paths, five = tmp_path_factory.mktemp("directions"), {}, np.eye(5)[:3]
     for kind, path in models.items():
-        known = np.full(3, 0.9), np.array([4, 5, 6]), 12, np.full(3, 0.1), np.array([1.0, 0.5, -0.5])
-        about = load_model(path).model_id, {}, 3 * np.eye(5)
-        found = Directions(("BigNose", "Smile", "Caricature"), five, five[[0, 0, 2]], *known, *about)
         paths[kind] = folder / f"{kind}.npz"
-        write_directions(paths[kind], found)
+        labels = Directions(
+            names=("BigNose", "Smile", "Caricature"),
+            normals=five,
+            gradients=five[[0, 0, 2]],
+            auc=np.full(3, 0.9),
+            positives=np.array([4, 5, 6]),
+            count=12,
+            cost=np.full(3, 0.1),
+            change=np.array([1.0, 0.5, -0.5]),
+            model_id=load_model(path).model_id,
+            recipe={},
+            people=3 * np.eye(5),
+        )
+        write_directions(paths[kind], labels)
     return paths
 
 

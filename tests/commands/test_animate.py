@@ -12,7 +12,7 @@ from caricli.io.obj import read_obj
 from caricli.io.rig import read_rig, write_rig
 from caricli.io.strict_json import read_json
 from caricli.io.track import write_weights
-from caricli.structures import Rig, Track
+from caricli.structures import Mesh, Rig, Track
 from caricli.structures.arkit import ARKIT_NAMES
 
 SHAPES = ("jawOpen", "mouthSmileLeft", "eyeBlinkLeft", "browInnerUp", "tongueOut")
@@ -25,7 +25,7 @@ def rig_file(ball, tmp_path_factory):
     vertices, faces = ball
     deltas = 0.02 * np.random.default_rng(4).normal(size=(5, *vertices.shape))
     path = tmp_path_factory.mktemp("rig") / "rig.npz"
-    write_rig(path, Rig(SHAPES, (0.1 * vertices).astype(np.float32), deltas.astype(np.float32), faces))
+    write_rig(path, Rig(SHAPES, Mesh((0.1 * vertices).astype(np.float32), faces), deltas.astype(np.float32)))
     return path
 
 

@@ -94,6 +94,14 @@ def test_a_set_of_ones_own_by_any_method(run, landmarks, moods, more, tmp_path):
     assert 0.005 < np.abs(rig.deltas).max() < 0.1 and f"2 expressions, {len(rig.neutral)} vertices" in result.stdout
 
 
+def test_models_are_known_by_name(run, face, moods, tmp_path):
+    for name, model in {"own": (), "named": ("--model", "morphable")}.items():
+        out = tmp_path / f"{name}.npz"
+        result = run("blendshapes", face, "--expressions", moods, "--no-eyeballs", *model, "--out", out)
+        assert result.exit_code == 0, result.output
+    assert (tmp_path / "own.npz").read_bytes() == (tmp_path / "named.npz").read_bytes()
+
+
 def test_weights_are_those_of_equation_11(run, face, moods, tmp_path):
     sizes = {}
     for name, weights in {"usual": (1, 0.1, 0.05), "smooth": (1, 0.1, 5)}.items():
@@ -135,12 +143,13 @@ def test_bad_faces_landmarks_and_maps_are_refused(run, refused, face, points, tm
     (tmp_path / "few.json").write_text(json.dumps(few))
     assert "few.json: expected at least 8" in refused("blendshapes", tmp_path / "few.json", "--out", out)
     seen = read_face(face)
-    write_face(tmp_path / "blind.npz", Face(seen.vertices, seen.faces))
+    write_face(tmp_path / "blind.npz", Face(seen.mesh))
     assert "blind.npz: expected a face with the camera" in refused("blendshapes", tmp_path / "blind.npz", "--out", out)
     flat = read_npz(face)
     flat["vertices"][flat["faces"][9, 0]] = flat["vertices"][flat["faces"][9, 1]]
     write_npz(tmp_path / "flat.npz", flat)
     assert "flat.npz: " in refused("blendshapes", tmp_path / "flat.npz", "--out", out)
+    assert "kind morphable, found pca" in refused("blendshapes", face, "--model", "pca", "--out", out)
     assert "b.safetensors" in refused("blendshapes", face, "--map", tmp_path / "b.safetensors", "--out", out)
     assert "--weights" in run("blendshapes", face, "--weights", -1, 0, 0, "--out", out).output
     assert "above 0" in refused("blendshapes", face, "--weights", 0, 0, 1, "--out", out)

@@ -90,10 +90,10 @@ def test_from_landmarks_with_a_picture(run, marks, known, tmp_path):
     assert result.exit_code == 0, result.output
     assert "marks.json: reconstructed, NME 0." in result.stderr
     face, points = read_face(tmp_path / "c.npz"), read_landmarks(marks).points
-    assert face.camera_scale > 0 and face.landmarks.shape == points.shape
+    assert face.camera.scale > 0 and face.landmarks.shape == points.shape
     # Nothing was exaggerated: the head still lies under its landmarks.
     note = load_model(known[1]).template.annotation
-    seen = face.camera_scale * face.vertices @ face.camera_rotation[:2].T + face.camera_translation
+    seen = face.camera.project(face.vertices)
     away = np.linalg.norm(seen[note.landmarks[17:68]] - points[17:], axis=1).mean()
     assert away < 0.02 * np.linalg.norm(np.ptp(points, axis=0))
     assert set(read_json(tmp_path / "c.json")["inputs"]) == {str(marks), str(tmp_path / "photo.png"), str(known[3])}
@@ -102,13 +102,27 @@ def test_from_landmarks_with_a_picture(run, marks, known, tmp_path):
     assert with_picture[1] > read_image(tmp_path / "d.png").shape[1]
 
 
+def test_zero_based_landmarks_and_other_formats(run, points, pca, tmp_path):
+    rows = "".join(f"{x} {y}\n" for x, y in points[:68])
+    (tmp_path / "marks.pts").write_text(f"version: 1\nn_points: 68\n{{\n{rows}}}\n")
+    places = []
+    for origin in (1, 0):
+        out = tmp_path / f"{origin}.glb"
+        options = ("--from-landmarks", "--pts-origin", origin, "--strength", 0, "--out", out)
+        result = run("caricaturize", tmp_path / "marks.pts", *options, *pca)
+        assert result.exit_code == 0, result.output
+        assert out.read_bytes()[:4] == b"glTF"
+        places.append(read_face(tmp_path / f"{origin}.npz").landmarks)
+    np.testing.assert_allclose(places[1] - places[0], 1, atol=1e-6)
+
+
 def test_a_bad_item_does_not_stop_the_others(run, people, pca, tmp_path):
     bad = tmp_path / "bad.obj"
     bad.write_text("v 0 0 nan\n")
     result = run("caricaturize", people[0], bad, people[1], "--out-dir", tmp_path / "out", *pca)
     assert result.exit_code == 1 and "bad.obj" in result.stderr and "1 of 3 failed" in result.stderr
-    found = sorted(path.name for path in (tmp_path / "out").iterdir())
-    assert found == [f"{name}.{suffix}" for name in "ab" for suffix in ("json", "npz", "obj", "png")]
+    names = sorted(path.name for path in (tmp_path / "out").iterdir())
+    assert names == [f"{name}.{suffix}" for name in "ab" for suffix in ("json", "npz", "obj", "png")]
 
 
 def test_bad_input_is_one_line_and_leaves_nothing(refused, people, models, directions, pca, marks, run, tmp_path):

@@ -3,8 +3,9 @@ import pytest
 from PIL import Image
 
 from caricli.io.face import read_face, write_face
+from caricli.io.mesh import read_mesh, write_mesh
 from caricli.io.strict_json import read_json, write_json
-from caricli.structures import Face
+from caricli.structures import Face, Mesh
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -57,10 +58,25 @@ def test_a_face_of_another_bundled_model_is_encoded_anew_unless_a_model_is_named
     result = run("edit-handle", made, "--handle", "chin=0,-3%,0", "--out", tmp_path / "chin.obj")
     assert result.exit_code == 0 and "encoded by the bundled kernel model" in result.stderr
     edited, given = read_face(tmp_path / "chin.npz"), read_face(made)
-    np.testing.assert_array_equal(edited.camera_rotation, given.camera_rotation)
+    np.testing.assert_array_equal(edited.camera.rotation, given.camera.rotation)
     asked = ("--handle", "chin=0,-3%,0", "--out", tmp_path / "no.obj", "--model", "pca")
     assert "its latent is of the bundled intrinsic model" in refused("edit-handle", made, *asked)
     assert not list(tmp_path.glob("no.*"))
+
+
+def test_shares_are_of_the_face_that_is_edited(run, face, tmp_path):
+    given = read_face(face)
+    large = tmp_path / "large.obj"
+    write_mesh(large, given.mesh.with_vertices(1.2 * given.vertices))
+    for path, height in ((face, given.mesh.height), (large, 1.2 * given.mesh.height)):
+        out = tmp_path / "out" / f"{path.stem}.ply"
+        result = run("edit-handle", path, "--handle", "nose_tip=0,0,5%", "--out", out)
+        assert result.exit_code == 0, result.output
+        requested = read_json(out.with_suffix(".json"))["handles"][0]["requested"]
+        np.testing.assert_allclose(requested, [0, 0, 0.05 * height], rtol=1e-6)
+        # The mesh has the format that its name asks for.
+        mesh = read_mesh(out)
+        np.testing.assert_allclose(mesh.vertices, read_face(out.with_suffix(".npz")).vertices, atol=1e-6)
 
 
 @pytest.mark.parametrize(
@@ -86,9 +102,9 @@ def test_bad_handles_are_one_line_and_leave_nothing(refused, face, tmp_path, opt
 def test_bad_faces_and_files_are_refused(refused, face, tmp_path):
     good, out = read_face(face), ("--handle", "chin=0,1%,0", "--out", tmp_path / "x.obj")
     strange = tmp_path / "strange.npz"
-    write_face(strange, Face(good.vertices, good.faces, latent=good.latent, model_id="0" * 64))
+    write_face(strange, Face(good.mesh, latent=good.latent, model_id="0" * 64))
     assert "its latent is of the model 000000000000" in refused("edit-handle", strange, *out)
-    write_face(strange, Face(good.vertices, good.faces[:-1]))
+    write_face(strange, Face(Mesh(good.vertices, good.faces[:-1])))
     assert "expected the topology of the model" in refused("edit-handle", strange, *out)
     assert "missing.npz" in refused("edit-handle", tmp_path / "missing.npz", *out)
     listed = tmp_path / "list.json"

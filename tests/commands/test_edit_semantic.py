@@ -9,7 +9,7 @@ from caricli.io.image import read_image
 from caricli.io.obj import read_obj, write_obj
 from caricli.io.strict_json import read_json
 from caricli.store.models import load_model
-from caricli.structures import Mesh
+from caricli.structures import Camera, Mesh
 
 pytestmark = pytest.mark.usefixtures("small_pictures")
 
@@ -49,18 +49,16 @@ def test_a_strength_and_its_opposite_bring_the_face_back(run, smile, known, tmp_
 
 def test_camera_and_landmarks_stay(run, smile, models, pca, tmp_path):
     assert run("encode", smile, "--out", tmp_path / "a.npz", "--model", models["pca"]).exit_code == 0
-    camera = {
-        "camera_scale": 900.0,
-        "camera_rotation": np.diag([1.0, -1, -1]),
-        "camera_translation": np.array([3.0, 4]),
-    }
-    face = dataclasses.replace(read_face(tmp_path / "a.npz"), **camera, landmarks=np.arange(136.0).reshape(68, 2))
+    camera = Camera(900.0, np.diag([1.0, -1, -1]), np.array([3.0, 4]))
+    marks = np.arange(136.0).reshape(68, 2)
+    face = dataclasses.replace(read_face(tmp_path / "a.npz"), camera=camera, landmarks=marks)
     write_face(tmp_path / "a.npz", face)
     result = run("edit-semantic", tmp_path / "a.npz", "--label", "Smile=0", "--out", tmp_path / "b.obj", *pca)
     assert result.exit_code == 0, result.output
     edited = read_face(tmp_path / "b.npz")
-    for key in (*camera, "landmarks"):
-        np.testing.assert_array_equal(getattr(edited, key), getattr(face, key))
+    for key in ("scale", "rotation", "translation"):
+        np.testing.assert_array_equal(getattr(edited.camera, key), getattr(camera, key))
+    np.testing.assert_array_equal(edited.landmarks, marks)
     np.testing.assert_allclose(edited.vertices, face.vertices, atol=1e-6)
 
 

@@ -5,7 +5,7 @@ from caricli.io.face import read_face, write_face
 from caricli.io.image import read_image
 from caricli.io.obj import write_obj
 from caricli.io.strict_json import read_json
-from caricli.structures import Face, Mesh
+from caricli.structures import Camera, Face, Mesh
 
 pytestmark = pytest.mark.usefixtures("small_pictures")
 
@@ -33,11 +33,11 @@ def test_the_latent_and_what_is_left_over_bring_the_mesh_back(run, smile, models
     given, face, report = read_face(smile), read_face(out), read_json(out.with_suffix(".json"))
     np.testing.assert_allclose(face.vertices, given.vertices, atol=1e-7)
     for name in ("polygons", "uvs", "uv_polygons"):
-        np.testing.assert_allclose(getattr(face, name), getattr(given, name))
+        np.testing.assert_allclose(getattr(face.mesh, name), getattr(given.mesh, name))
     model = load_model(models[kind])
     assert face.model_id == report["model_id"] == model.model_id
-    back = decode_face(face.latent, face.residual, model)
-    centred = [shape - shape.mean(0) for shape in (back, face.vertices)]
+    back = decode_face(face, model)
+    centred = [shape - shape.mean(0) for shape in (back.vertices, face.vertices)]
     assert np.abs(centred[0] - centred[1]).max() < 1e-6
     distance = 1000 * np.linalg.norm(model.decode(face.latent) - face.vertices, axis=1).mean()
     np.testing.assert_allclose(report["shape_error"]["millimetres"], distance, rtol=1e-4)
@@ -57,12 +57,12 @@ def test_many_faces_and_a_bad_one(run, smile, foreign, models, tmp_path):
 
 def test_a_face_keeps_its_camera_and_gets_another_latent(run, smile, models, tmp_path):
     given = read_face(smile)
-    camera = {"camera_scale": 900.0, "camera_rotation": np.diag([1.0, -1, -1]), "camera_translation": np.ones(2)}
-    more = {"latent": np.ones(3), "model_id": "0" * 64, "landmarks": np.zeros((68, 2)), **camera}
-    write_face(tmp_path / "old.npz", Face(given.vertices, given.faces, **more))
+    camera = Camera(900.0, np.diag([1.0, -1, -1]), np.ones(2))
+    face = Face(Mesh(given.vertices, given.faces), camera, np.zeros((68, 2)), latent=np.ones(3), model_id="0" * 64)
+    write_face(tmp_path / "old.npz", face)
     assert run("encode", tmp_path / "old.npz", "--out", tmp_path / "new.npz", "--model", models["pca"]).exit_code == 0
     face = read_face(tmp_path / "new.npz")
-    assert face.latent.shape == (5,) and face.camera_scale == 900.0 and face.landmarks.shape == (68, 2)
+    assert face.latent.shape == (5,) and face.camera.scale == 900.0 and face.landmarks.shape == (68, 2)
 
 
 def test_the_same_bytes_again(run, smile, models, tmp_path):
@@ -84,7 +84,7 @@ def test_bundled_models_have_names(run, refused, smile, tmp_path, monkeypatch):
 
 def scaled(path, smile, factor):
     face = read_face(smile)
-    write_obj(path, Mesh(face.vertices * factor, face.polygons))
+    write_obj(path, face.mesh.with_vertices(face.vertices * factor))
 
 
 BAD = {

@@ -32,7 +32,7 @@ def test_four_files_that_agree_with_each_other(fitted, head):
     np.testing.assert_allclose(face.vertices, mesh.vertices, atol=1e-7)
     assert face.latent.shape == (144,) and face.residual is None and face.model_id == model.model_id
     np.testing.assert_allclose(model.decode(face.latent), face.vertices, atol=1e-5)
-    projected = face.camera_scale * face.vertices @ face.camera_rotation[:2].T + face.camera_translation
+    projected = face.camera.scale * face.vertices @ face.camera.rotation[:2].T + face.camera.translation
     np.testing.assert_allclose(projected[report["anchors"]], face.landmarks, atol=1e-3)
     assert report["command"] == COMMAND and report["weights"] == [1.2, 1.0] and report["expression_only"] is False
 

@@ -80,14 +80,14 @@ def test_a_latent_of_another_model_is_refused_with_what_to_do(run, refused, ends
 
 def test_a_latent_of_another_length_is_refused(refused, ends, models, tmp_path):
     face = read_face(ends[1])
-    write_face(tmp_path / "x.npz", Face(face.vertices, face.faces, latent=np.ones(9), model_id=face.model_id))
+    write_face(tmp_path / "x.npz", Face(face.mesh, latent=np.ones(9), model_id=face.model_id))
     said = refused("interpolate", ends[0], tmp_path / "x.npz", "--out-dir", tmp_path / "new", "--model", models["pca"])
     assert "x.npz" in said and "5 numbers, found 9" in said
 
 
 def test_a_latent_of_nobody_is_encoded_again(run, ends, models, tmp_path):
     face = read_face(ends[1])
-    write_face(tmp_path / "x.npz", Face(face.vertices, face.faces, latent=np.ones(5)))
+    write_face(tmp_path / "x.npz", Face(face.mesh, latent=np.ones(5)))
     options = ("--steps", 2, "--out-dir", tmp_path / "out", "--model", models["pca"])
     result = run("interpolate", tmp_path / "x.npz", ends[1], *options)
     assert result.exit_code == 0 and "x.npz: had no latent" in result.stderr

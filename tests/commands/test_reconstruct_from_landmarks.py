@@ -49,14 +49,14 @@ def test_four_files_that_agree_with_each_other(reconstructed, head, points):
     np.testing.assert_array_equal(mesh.uv_polygons, head.uv_polygons)
     np.testing.assert_allclose(mesh.uvs, head.uvs, atol=1e-6)
     np.testing.assert_allclose(face.vertices, mesh.vertices, atol=1e-7)
-    np.testing.assert_array_equal(face.polygons, head.polygons)
+    np.testing.assert_array_equal(face.mesh.polygons, head.polygons)
     assert face.latent.shape == (128,) and face.residual.shape == (4200, 9)
     assert face.model_id == report["model_id"]
-    projected = face.camera_scale * face.vertices @ face.camera_rotation[:2].T + face.camera_translation
+    projected = face.camera.scale * face.vertices @ face.camera.rotation[:2].T + face.camera.translation
     np.testing.assert_allclose(projected[report["anchors"]], face.landmarks, atol=1e-3)
-    np.testing.assert_allclose(report["pose"]["rotation"], face.camera_rotation, atol=1e-9)
-    np.testing.assert_allclose(report["pose"]["scale"], face.camera_scale)
-    np.testing.assert_allclose(report["pose"]["translation"], face.camera_translation)
+    np.testing.assert_allclose(report["pose"]["rotation"], face.camera.rotation, atol=1e-9)
+    np.testing.assert_allclose(report["pose"]["scale"], face.camera.scale)
+    np.testing.assert_allclose(report["pose"]["translation"], face.camera.translation)
     diagonal = np.linalg.norm(np.ptp(points[:68], axis=0))
     error = 100 * np.linalg.norm(face.landmarks - points[:68], axis=1).mean() / diagonal
     np.testing.assert_allclose(report["nme"], error, rtol=1e-4)
@@ -135,7 +135,7 @@ def test_a_finer_mesh_begins_with_the_plain_one(run, reconstructed, photo, tmp_p
     result = run(COMMAND, marks, "--image", photo, "--out", tmp_path / "face.obj", "--subdivide", 1)
     assert result.exit_code == 0, result.output
     coarse, fine = (read_obj(folder / "face.obj") for folder in (plain, tmp_path))
-    assert len(fine.vertices) == 16_755 and len(fine.mesh.polygons) == 4 * len(coarse.polygons)
+    assert len(fine.vertices) == 16_755 and len(fine.polygons) == 4 * len(coarse.polygons)
     assert np.abs(fine.vertices[:4200] - coarse.vertices).max() < 1e-6
     assert (tmp_path / "face.npz").read_bytes() == (plain / "face.npz").read_bytes()
     assert read_json(plain / "face.json")["subdivide"] == 0 and read_json(tmp_path / "face.json")["subdivide"] == 1
@@ -220,7 +220,7 @@ def test_one_input_fails_as_one_line_into_a_folder_too(refused, models, batch, t
         ["a.txt"],
         ["a.txt", "--out", "x.obj", "--out-dir", "y"],
         ["a.txt", "b.txt", "--out", "x.obj"],
-        ["a.txt", "--out", "x.ply"],
+        ["a.txt", "--out", "x.png"],
         ["a.txt", "a.json", "--out-dir", "y"],
         ["a.txt", "--out", "x.obj", "--method", "magic"],
         ["a.txt", "--out", "x.obj", "--prior-weight", "0"],

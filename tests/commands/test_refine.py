@@ -15,12 +15,12 @@ from caricli.io.obj import read_obj, write_obj
 from caricli.io.strict_json import read_json, write_json
 from caricli.methods.faces.encode_face import decode_face, encode_face
 from caricli.store.models import load_model
-from caricli.structures import Camera, Face, Landmarks, Mesh
+from caricli.structures import Camera, Face, Landmarks
 
 COMMAND = "refine"
 NAMES = ["refined.json", "refined.npz", "refined.obj", "refined.png"]
 WIDTH, HEIGHT = 400, 440
-POSE = Camera(1400.0, np.diag([1.0, -1, -1]), np.array([200.0, 400.0]))
+CAMERA = Camera(1400.0, np.diag([1.0, -1, -1]), np.array([200.0, 400.0]))
 
 
 @pytest.fixture(scope="module")
@@ -33,18 +33,15 @@ def wanted(head, model):
     """68 landmarks of someone who is not the template, in the camera of the coarse face."""
     note = model.template.annotation
     face = head.evaluate(gender=0.1, age=0.8, actions={"mouthSmileLeft": 0.7, "mouthSmileRight": 0.7})
-    return POSE.project(face[note.landmarks[:68]])
+    return CAMERA.project(face[note.landmarks[:68]])
 
 
 @pytest.fixture(scope="module")
 def coarse(model, tmp_path_factory):
     """The template as a face with a latent, its camera and fitted landmarks."""
     path, template = tmp_path_factory.mktemp("coarse") / "face.npz", model.template
-    code = encode_face(template.vertices, model)
-    marks = POSE.project(template.vertices[template.annotation.landmarks[:68]])
-    camera = POSE.scale, POSE.rotation, POSE.translation
-    write_face(path, Face(template.vertices, template.faces, code.latent, code.residual, *camera, marks, model.model_id,
-                          template.polygons, template.uvs, template.uv_polygons))  # fmt: skip
+    marks = CAMERA.project(template.vertices[template.annotation.landmarks[:68]])
+    write_face(path, encode_face(Face(template, CAMERA, marks), model))
     return path
 
 
@@ -88,11 +85,11 @@ def test_four_files_that_agree(refined, coarse, wanted, model):
     mesh, face, report = (read_obj(refined / NAMES[2]), read_face(refined / NAMES[1]), read_json(refined / NAMES[0]))
     before = read_face(coarse)
     np.testing.assert_allclose(mesh.vertices, face.vertices, atol=1e-7)
-    np.testing.assert_array_equal(mesh.polygons, before.polygons)
-    np.testing.assert_array_equal(face.uv_polygons, before.uv_polygons)
-    assert (face.camera_scale, face.model_id) == (before.camera_scale, before.model_id)
-    np.testing.assert_array_equal(face.camera_rotation, before.camera_rotation)
-    np.testing.assert_array_equal(face.camera_translation, before.camera_translation)
+    np.testing.assert_array_equal(mesh.polygons, before.mesh.polygons)
+    np.testing.assert_array_equal(face.mesh.uv_polygons, before.mesh.uv_polygons)
+    assert (face.camera.scale, face.model_id) == (before.camera.scale, before.model_id)
+    np.testing.assert_array_equal(face.camera.rotation, before.camera.rotation)
+    np.testing.assert_array_equal(face.camera.translation, before.camera.translation)
     diagonal = np.linalg.norm(np.ptp(wanted, axis=0))
     nme = 100 * np.linalg.norm(face.landmarks - wanted, axis=1).mean() / diagonal
     assert nme == pytest.approx(report["after"]["all"], rel=1e-3) and nme <= 0.3 < report["before"]["all"]
@@ -106,10 +103,8 @@ def test_four_files_that_agree(refined, coarse, wanted, model):
 def test_the_latent_stays_and_the_residual_gives_the_face_back(refined, coarse, model, run, tmp_path):
     face, before = read_face(refined / NAMES[1]), read_face(coarse)
     np.testing.assert_array_equal(face.latent, before.latent)
-    own = model.decode(face.latent.astype(float))
-    shift = face.vertices.mean(0) - own.mean(0)
-    again = decode_face(face.latent.astype(float), face.residual.astype(float), model, shift)
-    np.testing.assert_allclose(again, face.vertices, atol=1e-6)
+    shift = face.vertices.mean(0) - model.decode(face.latent).mean(0)
+    np.testing.assert_allclose(decode_face(face, model, shift).vertices, face.vertices, atol=1e-6)
     # The next command starts from what was refined.
     out = tmp_path / "same.obj"
     result = run("edit-semantic", refined / NAMES[1], "--model", "intrinsic", "--label", "BigNose=0", "--out", out)
@@ -243,9 +238,9 @@ def test_a_face_without_camera(suffix, refused, coarse, landmarks, tmp_path):
     face = read_face(coarse)
     path = (tmp_path / "bare").with_suffix(suffix)
     if suffix == ".obj":
-        write_obj(path, Mesh(face.vertices, face.polygons, face.uvs, face.uv_polygons))
+        write_obj(path, face.mesh)
     else:
-        write_face(path, replace(face, camera_scale=None, camera_rotation=None, camera_translation=None))
+        write_face(path, replace(face, camera=None))
     said = refused(COMMAND, path, landmarks, "--out", tmp_path / "out" / "refined.obj")
     assert f"{path}: expected a face with the camera of its picture" in said
     assert "caricli reconstruct-from-landmarks" in said and not (tmp_path / "out").exists()

@@ -6,7 +6,7 @@ from caricli.cli import cli
 from caricli.io.face import write_face
 from caricli.io.image import read_image, write_png
 from caricli.io.obj import write_obj
-from caricli.structures import Face, Mesh
+from caricli.structures import Camera, Face, Mesh
 
 OCTAHEDRON = np.array([[1.0, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]])
 FACES = np.array([[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]], np.int32)
@@ -22,16 +22,8 @@ def obj(tmp_path):
 @pytest.fixture
 def npz(tmp_path):
     path = tmp_path / "head.npz"
-    write_face(
-        path,
-        Face(
-            OCTAHEDRON * 0.1,
-            FACES,
-            camera_scale=100.0,
-            camera_rotation=np.diag([1.0, -1, -1]),
-            camera_translation=np.array([40.0, 25.0]),
-        ),
-    )
+    camera = Camera(100.0, np.diag([1.0, -1, -1]), np.array([40.0, 25.0]))
+    write_face(path, Face(Mesh(OCTAHEDRON * 0.1, FACES), camera))
     return path
 
 

@@ -4,7 +4,6 @@ import numpy as np
 import pygltflib
 import pytest
 
-from caricli.commands import retarget
 from caricli.geometry.similarity import similarity
 from caricli.io.face import read_face, write_face
 from caricli.io.gltf.read_gltf import read_gltf
@@ -23,7 +22,7 @@ TRUTH = np.array([[0.6, 0, 0, 0.9, 0], [0, 0.8, 0.7, 0, 0.5], [0.2, 0, 0, 0, 1.3
 
 @pytest.fixture(autouse=True)
 def small_sheets(monkeypatch):
-    monkeypatch.setattr(retarget, "SIZE", 48)
+    monkeypatch.setattr("caricli.render.driver_sheet.SIZE", 48)
 
 
 @pytest.fixture(scope="module")
@@ -37,7 +36,7 @@ def rig_file(ball, deltas, tmp_path_factory):
     vertices, faces = ball
     own = 0.02 * np.random.default_rng(4).normal(size=(5, *vertices.shape))
     path = tmp_path_factory.mktemp("rig") / "b.npz"
-    made = Rig(NAMES, (0.1 * vertices).astype(np.float32), own.astype(np.float32), faces, normal_deltas=deltas)
+    made = Rig(NAMES, Mesh((0.1 * vertices).astype(np.float32), faces), own.astype(np.float32), normal_deltas=deltas)
     write_rig(path, made)
     return path
 
@@ -80,7 +79,7 @@ def test_four_files_that_agree_with_each_other(run, rig_file, drivers, tmp_path)
     np.testing.assert_allclose(mesh.vertices, posed(rig_file, found(out)), atol=1e-6)
     np.testing.assert_allclose(face.vertices, mesh.vertices, atol=1e-6)
     np.testing.assert_array_equal(mesh.polygons, read_rig(rig_file).faces)
-    assert face.latent is None and face.camera_scale is None
+    assert face.latent is None and face.camera is None
     assert set(report["inputs"]) == {str(rig_file), str(meshes[0]), str(neutral)} and report["command"] == COMMAND
     assert report["left_mm"] < 0.01 and read_image(out.with_suffix(".png")).shape[1] > 96
 
@@ -122,15 +121,15 @@ def animated(path):
 def test_polygons_and_uvs_of_the_rig_stay(run, rig_file, drivers, tmp_path):
     rig, generator = read_rig(rig_file), np.random.default_rng(0)
     polygons = rig.faces[::-1].copy()
-    mapped = replace(rig, polygons=polygons, uvs=generator.random((len(rig.neutral), 2)), uv_polygons=polygons,
-                     materials=np.zeros(len(polygons), np.int32))  # fmt: skip
+    mesh = Mesh(rig.neutral, polygons, generator.random((len(rig.neutral), 2)), polygons)
+    mapped = replace(rig, mesh=mesh, materials=np.zeros(len(polygons), np.int32))
     write_rig(tmp_path / "b.npz", mapped)
     result = run(COMMAND, tmp_path / "b.npz", drivers[1][0], "--out", tmp_path / "f.obj")
     assert result.exit_code == 0, result.output
-    for face in (read_obj(tmp_path / "f.obj"), read_face(tmp_path / "f.npz")):
-        np.testing.assert_array_equal(face.polygons, polygons)
-        np.testing.assert_array_equal(face.uv_polygons, polygons)
-        np.testing.assert_allclose(face.uvs, mapped.uvs, atol=1e-8)
+    for back in (read_obj(tmp_path / "f.obj"), read_face(tmp_path / "f.npz").mesh):
+        np.testing.assert_array_equal(back.polygons, polygons)
+        np.testing.assert_array_equal(back.uv_polygons, polygons)
+        np.testing.assert_allclose(back.uvs, mesh.uvs, atol=1e-8)
 
 
 def test_a_bad_driver_does_not_stop_the_others_but_ends_an_animation(run, refused, rig_file, drivers, tmp_path):
@@ -174,7 +173,7 @@ def test_bad_input_is_one_line_and_leaves_nothing(refused, ball, rig_file, drive
     check("no such file", driver=tmp_path / "none.obj")
     check("kind morphable", options=("--model", "pca"))
     check("ends in .glb", options=("--animation", place / "a.gltf"))
-    write_face(tmp_path / "face.npz", Face(vertices, faces))
+    write_face(tmp_path / "face.npz", Face(Mesh(vertices, faces)))
     check("caricli.rig/1", rig=tmp_path / "face.npz")
 
 

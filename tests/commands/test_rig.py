@@ -23,7 +23,7 @@ WIDE = [1.15, 0.9, 1.2]
 def undrawn(monkeypatch):
     """No contact sheet."""
     monkeypatch.setattr(
-        "caricli.commands.rigging.expression_sheet", lambda rig, progress: np.zeros((4, 4, 3), np.uint8)
+        "caricli.render.expression_sheet.expression_sheet", lambda rig, progress: np.zeros((4, 4, 3), np.uint8)
     )
 
 
@@ -108,18 +108,6 @@ def test_the_report_says_how_sound_every_expression_is(rigged, face):
         assert np.sign(ball["centre"][0]) == (1 if side == "left" else -1)
 
 
-def test_a_glb_is_checked(run, refused, rigged, face, tmp_path):
-    result = run("rig", "--check", rigged[0])
-    assert result.exit_code == 0, result.output
-    lines = result.stdout.splitlines()
-    assert lines[0].startswith(f"{rigged[0]}: ") and "52 shapes" in lines[0]
-    assert "ARKit: 52 of 52 names, 0 missing" in lines and sum("eyeBlinkLeft" in line for line in lines) == 1
-    for path in (face, rigged[0].with_suffix(".npz"), tmp_path / "none.glb"):
-        assert path.name in refused("rig", "--check", path)
-    (tmp_path / "cut.glb").write_bytes(rigged[0].read_bytes()[:5000])
-    assert "cut.glb" in refused("rig", "--check", tmp_path / "cut.glb")
-
-
 def test_plain_fine_and_sparse(run, rigged, face, undrawn, tmp_path):
     plain, fine = tmp_path / "plain.glb", tmp_path / "fine.glb"
     assert run("rig", face, "--no-eyeballs", "--sparse", "--out", plain).exit_code == 0
@@ -195,10 +183,9 @@ def test_usd_beside_it(run, scans, target, tmp_path):
     assert (tmp_path / "rig.usdc").stat().st_size > 1000
 
 
-def test_wrong_usage(run, refused, face, rigged, tmp_path):
+def test_wrong_usage(run, refused, face, tmp_path):
     out = tmp_path / "a.glb"
-    for options in ((), (face,), ("--out", out), (face, "--check", rigged[0]), ("--check", rigged[0], "--out", out),
-                    (face, "--out", out, "--subdivide", 9)):  # fmt: skip
+    for options in ((), (face,), ("--out", out), (face, "--out", out, "--subdivide", 9)):
         result = run("rig", *options)
         assert result.exit_code == 2 and result.stdout == "", options
     assert ".glb" in refused("rig", face, "--out", tmp_path / "a.obj")

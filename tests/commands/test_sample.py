@@ -89,7 +89,7 @@ def test_bad_input_is_one_line_and_leaves_nothing(refused, models, tmp_path):
 
 
 def test_a_model_that_only_tears_leaves_nothing(refused, models, tmp_path, monkeypatch):
-    from caricli.methods import sample_faces
+    from caricli.methods.faces import sample_faces
 
     monkeypatch.setattr(sample_faces, "TRIES", 2)
     monkeypatch.setattr(sample_faces, "flipped_triangles", lambda vertices, gradients: np.ones(10))

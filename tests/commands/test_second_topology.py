@@ -50,8 +50,8 @@ def test_a_held_out_shape_is_found_from_its_landmarks(run, trained, eggs, egg, t
     assert error(written.vertices, truth) < 0.4 * error(mean, truth)
     assert error(written.vertices, truth) < 0.01 * np.ptp(truth[:, 1])
     face = read_face(tmp_path / "held.npz")
-    np.testing.assert_array_equal(face.polygons, first.polygons)
-    np.testing.assert_allclose(face.camera_rotation, rotation, atol=0.1)
+    np.testing.assert_array_equal(face.mesh.polygons, first.polygons)
+    np.testing.assert_allclose(face.camera.rotation, rotation, atol=0.1)
     assert read_json(tmp_path / "held.json")["nme"] < 1
     assert read_image(tmp_path / "held.png").std() > 10
 
@@ -81,7 +81,7 @@ def test_random_faces_and_those_between_at_any_resolution(run, trained, eggs, tm
         assert result.exit_code == 0, result.output
         mesh, face = read_obj(out / "face-000.obj"), read_face(out / "face-000.npz")
         assert len(mesh.polygons) == 4 * (first.polygons >= 0).sum() and len(mesh.uvs) > len(mesh.vertices)
-        np.testing.assert_array_equal(face.polygons, first.polygons)
+        np.testing.assert_array_equal(face.mesh.polygons, first.polygons)
         assert np.abs(mesh.vertices[:470] - face.vertices).max() < 1e-6
         result = run("interpolate", out / "face-000.npz", eggs / "egg_00.obj", "--out-dir", out, "--steps", 3, *options)
         assert result.exit_code == 0 and "egg_00.obj: had no latent" in result.stderr

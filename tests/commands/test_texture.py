@@ -1,44 +1,41 @@
 import struct
 import zlib
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
 import trimesh
 from PIL import Image
 
-from caricli.commands.rigging import face_pictures
-from caricli.data.albedo import draw_albedo
+from caricli.data.texture_painter import draw_albedo
 from caricli.io.face import read_face, write_face
 from caricli.io.gltf.read_gltf import read_gltf
 from caricli.io.image import read_image, write_png
 from caricli.io.obj import read_obj, write_obj
 from caricli.io.rig import read_rig
 from caricli.io.strict_json import read_json
+from caricli.methods.texture.settings import PaintSettings, TextureSettings
 from caricli.render.draw_textured import render_textured
 from caricli.render.rasterise import rasterise
-from caricli.structures import Camera, Face, Material, Mesh, Rig
+from caricli.store.rig_sources import PicturePaths, picture_paths
+from caricli.store.rig_sources import PicturePaths, picture_paths
+from caricli.structures import Camera, Face, Material, Rig
 
 COMMAND = "texture"
 NAMES = ["eyes.png", "face.glb", "face.json", "face.mtl", "face.npz", "face.obj", "sheet.png", "texture.png"]
 SIDE = 300
 MAGENTA = np.array([255.0, 0, 255])
-POSE = Camera(1050.0, np.diag([1.0, -1, -1]), np.array([150.0, 290.0]))
+CAMERA = Camera(1050.0, np.diag([1.0, -1, -1]), np.array([150.0, 290.0]))
 QUICK = ("--size", 96)
-
-
-def placed(vertices):
-    camera = POSE.scale * vertices @ POSE.rotation.T
-    camera[:, :2] += POSE.translation
-    return camera
 
 
 @pytest.fixture(scope="module", autouse=True)
 def small_pictures():
     """Small views and eyes, which otherwise are much of the time."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("caricli.commands.textured.VIEW", 48)
-        patch.setattr("caricli.commands.textured.TEXTURE", 64)
+        patch.setattr("caricli.commands.texture.SIZE", 48)
+        patch.setattr("caricli.methods.texture.paint_head.TEXTURE", 64)
         yield
 
 
@@ -46,15 +43,14 @@ def small_pictures():
 def scene(head, head_template, tmp_path_factory):
     """A folder with a painted head's face.npz, its picture in front of magenta, and the mask of the head."""
     folder, vertices = tmp_path_factory.mktemp("scene"), head.evaluate(gender=0.3, age=0.6)
-    marks = POSE.project(vertices[head_template.annotation.landmarks[:68]])
-    mesh = head.polygons, head.uvs, head.uv_polygons
-    camera = POSE.scale, POSE.rotation, POSE.translation
-    write_face(folder / "face.npz", Face(vertices, head_template.faces, None, None, *camera, marks, None, *mesh))
+    marks = CAMERA.project(vertices[head_template.annotation.landmarks[:68]])
+    mesh = head_template.with_vertices(vertices)
+    write_face(folder / "face.npz", Face(mesh, CAMERA, marks))
     skin = draw_albedo(head_template, np.random.default_rng(3), "soft", 256)
     still = np.zeros((0, *vertices.shape), np.float32)
-    rig = Rig((), vertices.astype(np.float32), still, head_template.faces, *mesh, texture=skin)
-    write_png(folder / "photo.png", render_textured(rig, placed(vertices), SIDE, SIDE, paper=MAGENTA))
-    mask = rasterise(placed(vertices), head_template.faces, SIDE, SIDE).face >= 0
+    rig = Rig((), mesh.with_vertices(vertices.astype(np.float32)), still, texture=skin)
+    write_png(folder / "photo.png", render_textured(rig, CAMERA.place(vertices), SIDE, SIDE, paper=MAGENTA))
+    mask = rasterise(CAMERA.place(vertices), head_template.faces, SIDE, SIDE).face >= 0
     write_png(folder / "mask.png", np.repeat(mask[..., None] * np.uint8(255), 3, axis=2))
     return folder
 
@@ -89,9 +85,9 @@ def test_no_background_and_the_colours_of_the_picture(textured, scene):
     texture = read_image(textured / "texture.png").astype(float)
     assert np.abs(texture - MAGENTA).sum(-1).min() > 150
     face = read_face(textured / "face.npz")
-    rig = Rig((), face.vertices.astype(np.float32), np.zeros((0, 4200, 3), np.float32), face.faces, face.polygons,
-              face.uvs, face.uv_polygons, texture=read_image(textured / "texture.png"))  # fmt: skip
-    again = render_textured(rig, placed(face.vertices), SIDE, SIDE).astype(float)
+    mesh = face.mesh.with_vertices(face.vertices.astype(np.float32))
+    rig = Rig((), mesh, np.zeros((0, 4200, 3), np.float32), texture=read_image(textured / "texture.png"))
+    again = render_textured(rig, CAMERA.place(face.vertices), SIDE, SIDE).astype(float)
     mask = read_image(scene / "mask.png")[..., 0] > 0
     error = np.abs(again - read_image(scene / "photo.png"))[mask].mean() / 255
     assert error == pytest.approx(read_json(textured / "face.json")["photometric_error"], abs=1e-3)
@@ -106,7 +102,7 @@ def test_trimesh_opens_the_obj_with_its_picture(textured, scene):
     np.testing.assert_array_equal(image, read_image(textured / "texture.png"))
     assert mesh.visual.uv.min() >= 0 and mesh.visual.uv.max() <= 1
     own = read_obj(textured / "face.obj")
-    np.testing.assert_array_equal(own.uv_polygons, given.uv_polygons)
+    np.testing.assert_array_equal(own.uv_polygons, given.mesh.uv_polygons)
 
 
 def test_the_glb_has_skin_and_eyes(textured, run):
@@ -115,13 +111,13 @@ def test_the_glb_has_skin_and_eyes(textured, run):
     np.testing.assert_array_equal(rig.texture, read_image(textured / "texture.png"))
     np.testing.assert_array_equal(rig.eye_texture, read_image(textured / "eyes.png"))
     np.testing.assert_allclose(rig.neutral[:4200], read_face(textured / "face.npz").vertices, atol=1e-6)
-    said = run("rig", "--check", textured / "face.glb")
+    said = run("inspect", textured / "face.glb")
     assert said.exit_code == 0 and "0 shapes" in said.stdout and "0 of 52 names" in said.stdout
 
 
 def test_rig_takes_both_pictures_along(run, textured, tmp_path, monkeypatch):
     monkeypatch.setattr(
-        "caricli.commands.rigging.expression_sheet", lambda rig, progress: np.zeros((4, 4, 3), np.uint8)
+        "caricli.render.expression_sheet.expression_sheet", lambda rig, progress: np.zeros((4, 4, 3), np.uint8)
     )
     result = run("rig", textured / "face.npz", "--out", tmp_path / "rig.glb")
     assert result.exit_code == 0, result.output
@@ -132,10 +128,10 @@ def test_rig_takes_both_pictures_along(run, textured, tmp_path, monkeypatch):
 
 
 def test_pictures_of_a_face(textured, tmp_path):
-    expected = textured / "texture.png", textured / "eyes.png"
-    assert face_pictures(textured / "face.npz", None) == face_pictures(textured / "face.obj", None) == expected
-    assert face_pictures(textured / "face.npz", tmp_path / "other.png") == (tmp_path / "other.png", None)
-    assert face_pictures(tmp_path / "none.npz", None) == (None, None)
+    expected = PicturePaths(textured / "texture.png", textured / "eyes.png")
+    assert picture_paths(textured / "face.npz") == picture_paths(textured / "face.obj") == expected
+    assert picture_paths(textured / "face.npz", tmp_path / "other.png") == PicturePaths(tmp_path / "other.png")
+    assert picture_paths(tmp_path / "none.npz") == PicturePaths()
 
 
 @pytest.fixture(scope="module")
@@ -169,13 +165,14 @@ def test_the_plain_variant_has_the_picture_itself(run, scene, tmp_path):
     assert report["project_uv"] is True and report["photometric_error"] < 0.03 and report["size"] == SIDE
     mask, photo = read_image(scene / "mask.png")[..., 0] > 0, read_image(scene / "photo.png")
     np.testing.assert_array_equal(read_image(out / "texture.png")[mask], photo[mask])
-    wanted = (POSE.project(mesh.vertices) + 0.5) / SIDE
+    wanted = (CAMERA.project(mesh.vertices) + 0.5) / SIDE
     np.testing.assert_array_equal(mesh.uv_polygons, mesh.polygons)
     np.testing.assert_allclose(mesh.uvs, np.stack([wanted[:, 0], 1 - wanted[:, 1]], axis=1), atol=1e-5)
 
 
 def test_without_a_size_it_is_as_fine_as_the_picture(run, scene, tmp_path, monkeypatch):
-    monkeypatch.setattr("caricli.methods.texture.texture_face.SMALLEST", 64)
+    settings = partial(PaintSettings, texture=TextureSettings(smallest=64))
+    monkeypatch.setattr("caricli.commands.texture.PaintSettings", settings)
     out = tmp_path / "out"
     assert run(COMMAND, *inputs(scene), "--out", out).exit_code == 0
     side = read_json(out / "face.json")["size"]
@@ -249,7 +246,7 @@ def test_masks_that_do_not_fit(refused, scene, tmp_path):
 
 def test_another_picture(refused, scene, tmp_path):
     face = read_face(scene / "face.npz")
-    write_face(tmp_path / "away.npz", replace(face, camera_translation=face.camera_translation + 5000))
+    write_face(tmp_path / "away.npz", replace(face, camera=replace(face.camera, translation=face.camera.translation + 5000)))
     said = refused(COMMAND, tmp_path / "away.npz", scene / "photo.png", "--out", tmp_path / "out")
     assert "photo.png: expected the picture that the face was fitted to" in said and not (tmp_path / "out").exists()
 
@@ -259,9 +256,9 @@ def test_a_face_that_was_fitted_to_no_picture(kind, refused, scene, tmp_path):
     face = read_face(scene / "face.npz")
     path = tmp_path / ("bare.obj" if kind == "OBJ" else "bare.npz")
     if kind == "OBJ":
-        write_obj(path, Mesh(face.vertices, face.polygons, face.uvs, face.uv_polygons))
+        write_obj(path, face.mesh)
     elif kind == "NPZ":
-        write_face(path, replace(face, camera_scale=None, camera_rotation=None, camera_translation=None))
+        write_face(path, replace(face, camera=None))
     else:
         write_face(path, replace(face, landmarks=None))
     said = refused(COMMAND, path, scene / "photo.png", "--out", tmp_path / "out")

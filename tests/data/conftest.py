@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 from caricli.data import build_dataset as building
-from caricli.data.build_dataset import BuildSettings, build_dataset
+from caricli.data.build_dataset import build_dataset
+from caricli.data.build_settings import BuildSettings
 from caricli.io.obj import write_obj
 from caricli.io.strict_json import write_json
 from caricli.structures import Mesh
-from caricli.structures.mesh import triangle_fans
 from caricli.template.annotation import parse_annotation
 from caricli.template.template import Template
 
@@ -76,7 +76,7 @@ def barrel():
     uv_polygons = np.vstack([uv_quads, uv_bottom, uv_top]).astype(np.int32)
     annotation = {"ibug68": [k % len(vertices) for k in range(68)]}
     parsed = parse_annotation(annotation, len(vertices), "barrel")
-    template = Template(vertices, triangle_fans(polygons), polygons, parsed, uvs, uv_polygons)
+    template = Template(vertices, polygons, uvs, uv_polygons, annotation=parsed)
     return SimpleNamespace(template=template, annotation=annotation, mesh=Mesh(vertices, polygons, uvs, uv_polygons))
 
 

@@ -3,15 +3,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from caricli.data.albedo import (
-    STYLES,
-    TexturePainter,
-    albedo_at_vertices,
-    draw_albedo,
-    random_albedos,
-    random_look,
-    vertex_painter,
-)
+from caricli.data.albedo import albedo_at_vertices, random_albedos, vertex_painter
+from caricli.data.look import STYLES, random_look
+from caricli.data.texture_painter import TexturePainter, draw_albedo
 from caricli.errors import InputError
 from caricli.structures.mesh import triangle_fans
 

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from caricli.data import build_dataset as building
-from caricli.data import dataset as dataset_module
-from caricli.data.build_dataset import KINDS, BuildSettings, build_dataset
+from caricli.data import write_dataset as writing
+from caricli.data.build_dataset import build_dataset
+from caricli.data.build_settings import KINDS, BuildSettings
 from caricli.data.dataset import read_dataset
 from caricli.errors import InputError, OutputError
 from caricli.geometry.flipped_triangles import flipped_triangles
@@ -117,13 +118,16 @@ def test_the_manifest_is_written_last_and_its_hashes_are_right(grid, monkeypatch
     }
     written = []
     for name in ("write_npz", "write_json"):
-        original = getattr(dataset_module, name)
+        original = getattr(writing, name)
         monkeypatch.setattr(
-            dataset_module, name, lambda path, value, real=original: (written.append(path.name), real(path, value))
+            writing, name, lambda path, value, real=original: (written.append(path.name), real(path, value))
         )
     column = np.zeros(2, dtype=np.int32)
     shard = {"vertices": np.zeros((2, 62, 3)), "identity": column, "expression": column, "level": column}
-    dataset_module.write_dataset(tmp_path, barrel.template, [shard, shard], lambda entries: ({}, {"labels": column}))
+    writer = writing.DatasetWriter(tmp_path, barrel.template)
+    writer.add_shard(shard)
+    writer.add_shard(shard)
+    writer.finish({}, {"labels": column})
     assert written == ["template.npz", "shard-0000.npz", "shard-0001.npz", "labels.npz", "dataset.json"]
 
 
@@ -143,14 +147,14 @@ def test_an_interrupted_build_leaves_nothing(tmp_path):
 
 def test_a_full_disk_ends_the_build_and_its_workers(tmp_path, monkeypatch):
     monkeypatch.setattr(building, "SHARD_SIZE", 2)
-    real = dataset_module.write_npz
+    real = writing.write_npz
 
     def full(path, arrays):
         if path.name == "shard-0001.npz":
             raise OSError(28, "No space left on device", str(path))
         real(path, arrays)
 
-    monkeypatch.setattr(dataset_module, "write_npz", full)
+    monkeypatch.setattr(writing, "write_npz", full)
     with pytest.raises(OutputError, match="No space left"), staged_folder(tmp_path / "out") as folder:
         build_dataset(folder, BuildSettings(identities=1, expressions=25, levels=1), 1)
     assert list(tmp_path.iterdir()) == []

@@ -3,6 +3,7 @@ import pytest
 
 from caricli.data.exaggerate_parts import exaggerate_parts
 from caricli.data.move_parts import NAMES, move_parts, random_hand, random_part_changes
+from caricli.models.intrinsic.config import IntrinsicConfig
 from caricli.models.intrinsic.model import IntrinsicModel
 
 NO_HAND = np.zeros((81, 3))
@@ -10,7 +11,7 @@ NO_HAND = np.zeros((81, 3))
 
 @pytest.fixture(scope="module")
 def model(head_template, people):
-    return IntrinsicModel.train(head_template, people[:30], 16)
+    return IntrinsicModel.train(head_template, people[:30], IntrinsicConfig(16))
 
 
 @pytest.mark.parametrize("seed", range(4))

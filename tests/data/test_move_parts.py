@@ -1,7 +1,8 @@
 import numpy as np
 import pytest
 
-from caricli.data.move_parts import EARS, EYES, JAW, MOUTH, NAMES, NOSE, move_parts, random_hand, random_part_changes
+from caricli.data.move_parts import NAMES, move_parts, random_hand, random_part_changes
+from caricli.structures.landmarks import EAR_RIGHT, EYE_LEFT, EYE_RIGHT, JAW, MOUTH, NOSE
 
 ONE_SIDED = ("eye_asymmetry", "brow_asymmetry", "lean")
 
@@ -95,11 +96,11 @@ def test_the_nose_pushes_the_mouth_ahead_of_it(points):
         ("jaw_width", lambda p: np.ptp(p[[4, 12], 0])),
         ("chin_forward", lambda p: p[8, 2]),
         ("forehead_height", lambda p: p[69, 1] - p[17:27, 1].mean()),
-        ("eye_size", lambda p: np.ptp(p[EYES[0], 0])),
-        ("eye_open", lambda p: np.ptp(p[EYES[1], 1])),
+        ("eye_size", lambda p: np.ptp(p[EYE_RIGHT, 0])),
+        ("eye_open", lambda p: np.ptp(p[EYE_LEFT, 1])),
         ("eye_apart", lambda p: p[42, 0] - p[39, 0]),
         ("brow_lift", lambda p: p[17:27, 1].mean() - p[36:48, 1].mean()),
-        ("ear_size", lambda p: np.ptp(p[EARS[0], 1])),
+        ("ear_size", lambda p: np.ptp(p[EAR_RIGHT, 1])),
         ("ear_out", lambda p: np.ptp(p[[72, 75], 0])),
         ("cheek_width", lambda p: np.ptp(p[JAW, 0])),
     ],

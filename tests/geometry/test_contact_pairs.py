@@ -76,8 +76,8 @@ def test_pairs_close_that_come_from_afar():
 def test_neighbours_do_not_close():
     vertices, faces = plate(0)
     squeezed = vertices * [0.1, 1, 1]
-    steps = np.diff(np.array([divmod(v, SIDE) for v in closing_pairs(vertices, squeezed, faces, 0.045).ravel()])
-                    .reshape(-1, 2, 2), axis=1)  # fmt: skip
+    pairs = closing_pairs(vertices, squeezed, faces, 0.045)
+    steps = np.diff(np.stack(np.divmod(pairs, SIDE), axis=-1), axis=1)
     assert len(steps) and (np.abs(steps[:, 0, 1]) >= RINGS).all() and not steps[:, 0, 0].any()
 
 

@@ -194,7 +194,19 @@ def test_random_bytes(tmp_path_factory, name):
 
     @FUZZ
     @given(
-        prefix=st.sampled_from([b"", b"ply\n", b"solid ", b"glTF\2\0\0\0", b"PK\x03\x04", b"\x93NUMPY\1\0", b"\x89PNG\r\n\x1a\n", b"{", b"v 1 2 3\nf "]),
+        prefix=st.sampled_from(
+            [
+                b"",
+                b"ply\n",
+                b"solid ",
+                b"glTF\2\0\0\0",
+                b"PK\x03\x04",
+                b"\x93NUMPY\1\0",
+                b"\x89PNG\r\n\x1a\n",
+                b"{",
+                b"v 1 2 3\nf ",
+            ]
+        ),
         data=st.binary(max_size=200),
     )
     def check(prefix, data):

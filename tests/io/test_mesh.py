@@ -110,7 +110,9 @@ def test_quads_of_a_ply_stay_quads(tmp_path):
     mesh = quads()
     rows = [" ".join(map(str, vertex)) for vertex in mesh.vertices.tolist()]
     rows += ["4 " + " ".join(map(str, polygon)) for polygon in mesh.polygons.tolist()]
-    header = "ply\nformat ascii 1.0\ncomment a\nelement vertex 6\nproperty float x\nproperty float y\nproperty float z\n"
+    header = (
+        "ply\nformat ascii 1.0\ncomment a\nelement vertex 6\nproperty float x\nproperty float y\nproperty float z\n"
+    )
     header += "element face 2\nproperty list uchar int vertex_indices\nend_header\n"
     (tmp_path / "a.ply").write_text(header + "\n".join(rows) + "\n")
     back = read_mesh(tmp_path / "a.ply")
@@ -144,7 +146,10 @@ def test_an_obj_names_its_picture(tmp_path):
 
 
 def test_what_cannot_be_written_is_refused(tmp_path):
-    for name, words in (("a.off", "expected a mesh (.obj, .ply, .stl, .glb or .gltf), found '.off'"), ("a", "found ''")):
+    for name, words in (
+        ("a.off", "expected a mesh (.obj, .ply, .stl, .glb or .gltf), found '.off'"),
+        ("a", "found ''"),
+    ):
         with pytest.raises(OutputError) as caught:
             write_mesh(tmp_path / name, quads())
         assert words in str(caught.value)
@@ -362,7 +367,10 @@ def test_a_ply_cannot_claim_much(tmp_path, form):
         (b"ply\nformat ascii 1.0\n\x1celement vertex 1000000000\nend_header\n", "expected a line of a PLY header"),
         (b"ply\nformat ascii 1.0\nanelement vertex 1000000000\nend_header\n", "expected a line of a PLY header"),
         (b"ply\nformat ascii 1.0\n\nend_header\n", "expected a line of a PLY header"),
-        (b"ply\nformat ascii 1.0\ncomment end_header?\nelement vertex 1000000000\nend_header\n", "of vertex, found 1000"),
+        (
+            b"ply\nformat ascii 1.0\ncomment end_header?\nelement vertex 1000000000\nend_header\n",
+            "of vertex, found 1000",
+        ),
         (b"ply\ncomment a\nformat ascii 1.0\nend_header\n", "in line 2"),
         (b"ply\nformat latin 1.0\nend_header\n", "in line 2"),
         (b"ply\nend_header\n", "in line 2"),
@@ -449,7 +457,9 @@ def test_files_are_capped(ball_mesh, tmp_path, monkeypatch, suffix):
 
 def test_trimesh_is_not_imported_before_it_is_needed(tmp_path):
     write_mesh(tmp_path / "a.obj", quads())
-    code = "import sys; from caricli.io.mesh import read_mesh; read_mesh(sys.argv[1]); sys.exit('trimesh' in sys.modules)"
+    code = (
+        "import sys; from caricli.io.mesh import read_mesh; read_mesh(sys.argv[1]); sys.exit('trimesh' in sys.modules)"
+    )
     assert subprocess.run([sys.executable, "-c", code, tmp_path / "a.obj"]).returncode == 0
 
 

@@ -3,8 +3,12 @@
 import numpy as np
 import pytest
 
+from caricli.models.intrinsic.config import IntrinsicConfig
 from caricli.models.intrinsic.model import IntrinsicModel
+from caricli.models.kernel.config import KernelConfig
 from caricli.models.kernel.model import KernelModel
+from caricli.models.kinds import config_class, model_class
+from caricli.models.pca.config import PcaConfig
 from caricli.models.pca.model import PcaModel
 from caricli.template.annotation import parse_annotation
 from caricli.template.template import Template
@@ -14,17 +18,17 @@ DIMENSION = 12
 
 @pytest.fixture(scope="session")
 def pca(head_template, people):
-    return PcaModel.train(head_template, people, DIMENSION)
+    return PcaModel.train(head_template, people, PcaConfig(DIMENSION))
 
 
 @pytest.fixture(scope="session")
 def intrinsic(head_template, people):
-    return IntrinsicModel.train(head_template, people, DIMENSION)
+    return IntrinsicModel.train(head_template, people, IntrinsicConfig(DIMENSION))
 
 
 @pytest.fixture(scope="session")
 def kernel(head_template, people):
-    return KernelModel.train(head_template, people, DIMENSION, components=30, centres=64)
+    return KernelModel.train(head_template, people, KernelConfig(DIMENSION, components=30, centres=64))
 
 
 @pytest.fixture(scope="session", params=["pca", "intrinsic", "kernel"])
@@ -38,7 +42,7 @@ def ball_template(ball):
     """A template of 300 vertices with an annotation of its own, without UVs."""
     source = {"ibug68": list(range(0, 272, 4)), "regions": {"face": list(range(150))}}
     vertices, faces = ball
-    return Template(vertices, faces, faces, parse_annotation(source, len(vertices), "ball"))
+    return Template(vertices, faces, annotation=parse_annotation(source, len(vertices), "ball"))
 
 
 @pytest.fixture(scope="session")
@@ -51,7 +55,17 @@ def balls(ball):
     return vertices + np.tensordot(weights, np.array(waves), 1) + 0.1 * weights[:, None, :3]
 
 
-@pytest.fixture(scope="session", params=[PcaModel, IntrinsicModel, KernelModel], ids=["pca", "intrinsic", "kernel"])
-def ball_model(request, ball_template, balls):
+@pytest.fixture(scope="session", params=["pca", "intrinsic", "kernel"])
+def train_balls(request, ball_template):
+    """A function that trains each kind in turn, from shapes (N, 300, 3) and a dimension."""
+
+    def train(shapes, dimension):
+        return model_class(request.param).train(ball_template, shapes, config_class(request.param)(dimension))
+
+    return train
+
+
+@pytest.fixture(scope="session")
+def ball_model(train_balls, balls):
     """Each kind in turn, small enough to be built in no time."""
-    return request.param.train(ball_template, balls, 5)
+    return train_balls(balls, 5)

@@ -7,9 +7,10 @@ import torch
 from caricli.errors import InputError
 from caricli.io.bundled import config_path
 from caricli.io.config import read_config
-from caricli.methods.train.train_autodecoder import Surface
-from caricli.models.ablation.networks import AblationConfig, ConditionedSiren, VertexArray
-from caricli.models.config import NetworkSize
+from caricli.methods.train.surface import Surface
+from caricli.models.ablation.config import AblationConfig
+from caricli.models.ablation.networks import ArraySize, ConditionedSiren, VertexArray
+from caricli.models.deformable.config import NetworkSize
 from caricli.models.deformable.model import UnitBox
 
 SIZE = NetworkSize(latent=6, width=16, layers=4, hidden=8)
@@ -30,7 +31,7 @@ def conditioned(size=SIZE, **options):
 
 
 def array(count, **options):
-    return VertexArray(SIZE, 10, count, 0.01, torch.Generator().manual_seed(0), **options)
+    return VertexArray(ArraySize(SIZE.latent, 10, count), 0.01, torch.Generator().manual_seed(0), **options)
 
 
 def test_conditioning_is_concatenation_to_the_first_and_the_middle_layer(surface, latents):
@@ -75,7 +76,10 @@ def test_training_starts_near_the_template(surface, latents):
     size = NetworkSize()
     drawn = torch.from_numpy(np.random.default_rng(0).normal(0, 0.01, (8, 128)).astype(np.float32))
     generator = torch.Generator().manual_seed(0)
-    for network in (ConditionedSiren(size, 0.01, generator), VertexArray(size, 400, 300, 0.01, generator)):
+    for network in (
+        ConditionedSiren(size, 0.01, generator),
+        VertexArray(ArraySize(size.latent, 400, 300), 0.01, generator),
+    ):
         moved = network(drawn, points)
         assert moved.norm(dim=-1).mean() < 0.1
         # Different from the start, so that there is something to learn from.
@@ -83,7 +87,8 @@ def test_training_starts_near_the_template(surface, latents):
 
 
 def test_parameters_are_the_papers():
-    count = sum(p.numel() for p in VertexArray(NetworkSize(), 400, 11_551, 0.01, torch.Generator()).parameters())
+    network = VertexArray(ArraySize(NetworkSize().latent, 400, 11_551), 0.01, torch.Generator())
+    count = sum(p.numel() for p in network.parameters())
     assert count == 128 * 400 + 400 + 401 * 3 * 11_551  # 13.9 M
 
 

@@ -4,14 +4,47 @@ import pytest
 
 from caricli.errors import InputError
 from caricli.io.bundled import config_path
-from caricli.io.config import read_config
-from caricli.models.config import KernelConfig, LandmarkMapConfig, LinearConfig, MorphableConfig
+from caricli.io.config import read_config, read_yaml
+from caricli.models.ablation.config import AblationConfig
+from caricli.models.config import LinearConfig
+from caricli.models.kernel.config import KernelConfig
+from caricli.models.kinds import KINDS, config_class, model_class
+from caricli.models.landmark_map.config import LandmarkMapConfig
+from caricli.models.morphable.config import MorphableConfig
+
+CONFIGS = {kind: config_class(kind) for kind in KINDS}
+CONFIGS |= {"ablation": AblationConfig, "landmark_map": LandmarkMapConfig}
+FILES = sorted(config_path("").glob("*/*.yaml"))
+
+
+def test_every_folder_of_settings_belongs_to_a_model():
+    assert {path.parent.name for path in FILES} == set(CONFIGS)
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda path: f"{path.parent.name}/{path.stem}")
+def test_files_name_only_what_differs_from_the_defaults(path):
+    config = CONFIGS[path.parent.name]
+    settings = read_config(path, config)
+    for key in read_yaml(path) or {}:
+        assert getattr(settings, key) != getattr(config(), key), key
+
+
+def test_a_file_of_comments_alone_means_the_defaults(tmp_path):
+    path = tmp_path / "default.yaml"
+    path.write_text("# What caricli ships.\n")
+    assert read_config(path, KernelConfig) == KernelConfig()
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_classes_of_a_kind_are_found_by_its_name(kind):
+    assert model_class(kind).kind == kind
+    assert config_class(kind)().seed == 0
 
 
 @pytest.mark.parametrize("kind", ["pca", "intrinsic"])
 @pytest.mark.parametrize("name", ["tiny", "default", "paper"])
 def test_the_bundled_settings_can_be_read(kind, name):
-    config = read_config(config_path(f"{kind}/{name}.yaml"), LinearConfig)
+    config = read_config(config_path(f"{kind}/{name}.yaml"), config_class(kind))
     assert 1 <= config.dimension <= 178
 
 

@@ -3,8 +3,9 @@ import pytest
 import torch
 
 from caricli.models.checkpoint import model_from_checkpoint, model_to_checkpoint
-from caricli.models.config import DeformableConfig, NetworkSize
-from caricli.models.deformable.model import DeformableModel, UnitBox, HyperSiren, siren
+from caricli.models.deformable.config import DeformableConfig, NetworkSize
+from caricli.models.deformable.model import DeformableModel, UnitBox
+from caricli.models.deformable.networks import HyperSiren, siren
 from caricli.models.prior import Prior
 
 SIZE = NetworkSize(latent=6, width=16, layers=3, hidden=12)
@@ -71,10 +72,10 @@ def test_the_jacobian_is_that_of_automatic_differentiation(model):
     latent = model.prior.sample(np.random.default_rng(0), 1)[0]
     positions, jacobian = model.points_jacobian(latent, points)
     assert np.abs(positions - model.decode(latent)[points]).max() < 1e-6
-    places = torch.from_numpy(model.frame.normalise(model.frame.points[points]).astype(np.float32))
+    places = torch.from_numpy(model.box.normalise(model.box.points[points]).astype(np.float32))
     given = torch.tensor(latent, dtype=torch.float32)
     slow = torch.func.jacfwd(lambda z: model.network.displacements(z, places))(given)
-    assert np.abs(jacobian - slow.numpy() / model.frame.scale).max() < 1e-5 * np.abs(jacobian).max()
+    assert np.abs(jacobian - slow.numpy() / model.box.scale).max() < 1e-5 * np.abs(jacobian).max()
 
 
 def test_encoding_finds_what_was_decoded(model):
@@ -89,9 +90,9 @@ def test_encoding_finds_what_was_decoded(model):
 
 def test_more_points_are_the_same_function(model):
     latent = model.prior.sample(np.random.default_rng(0), 1)[0]
-    between = model.frame.points[model.template.faces].mean(1)
-    fine = model.decode_at(latent, np.concatenate([model.frame.points, between]))
-    assert np.abs(fine[: len(model.frame.points)] - model.decode(latent)).max() < 1e-6
+    between = model.box.points[model.template.faces].mean(1)
+    fine = model.decode_at(latent, np.concatenate([model.box.points, between]))
+    assert np.abs(fine[: len(model.box.points)] - model.decode(latent)).max() < 1e-6
 
 
 def test_it_survives_its_checkpoint(model):
@@ -106,7 +107,7 @@ def test_it_survives_its_checkpoint(model):
     assert all(np.array_equal(first[name], second[name]) for name in first)
 
 
-def test_a_frame_fills_the_cube():
+def test_a_unit_box_fills_the_cube():
     points = np.random.default_rng(0).normal(size=(50, 3)) * [1, 2, 3] + 5
     inside = UnitBox(points).normalise(points)
     assert np.abs(inside).max() == pytest.approx(1)

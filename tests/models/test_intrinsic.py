@@ -3,13 +3,14 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from caricli.geometry.flipped_triangles import flipped_triangles
+from caricli.models.intrinsic.config import IntrinsicConfig
 from caricli.models.intrinsic.model import IntrinsicModel, feature_weights
-from caricli.models.pca.model import PcaModel
+from caricli.models.kinds import config_class, model_class
 
 
 @pytest.fixture(scope="module")
 def ball_intrinsic(ball_template, balls):
-    return IntrinsicModel.train(ball_template, balls, 5)
+    return IntrinsicModel.train(ball_template, balls, IntrinsicConfig(5))
 
 
 @pytest.mark.parametrize("shrink", [0.0, 1e-3, 0.5])
@@ -75,9 +76,9 @@ def test_it_extrapolates_turns_where_positions_tear(ball_template):
     shapes = np.array([twisted(angle) for angle in np.linspace(-0.3, 0.3, 13)])
     template = ball_template.with_vertices(vertices)
     found = {}
-    for kind in (IntrinsicModel, PcaModel):
-        model = kind.train(template, shapes, 1)
-        found[kind.kind] = model.decode(5 * model.encode(twisted(0.3)))
+    for kind in ("intrinsic", "pca"):
+        model = model_class(kind).train(template, shapes, config_class(kind)(1))
+        found[kind] = model.decode(5 * model.encode(twisted(0.3)))
     error = {kind: np.abs(shape - shape.mean(0) - twisted(1.5)).max() for kind, shape in found.items()}
     assert error["intrinsic"] < 0.05 < 0.1 < error["pca"]
     assert not flipped_triangles(found["intrinsic"], template.gradients).any()

@@ -1,7 +1,9 @@
 import numpy as np
 import pytest
 
+from caricli.models.kernel.config import KernelConfig
 from caricli.models.kernel.model import KernelModel, vertex_weights, with_mirror_images
+from caricli.models.pca.config import PcaConfig
 from caricli.models.pca.model import PcaModel
 
 
@@ -15,16 +17,17 @@ def bananas(ball_template):
 
 
 def test_the_kernel_predicts_what_a_line_leaves_out(ball_template, bananas):
-    straight = PcaModel.train(ball_template, bananas[:150], 1)
-    curved = KernelModel.train(ball_template, bananas[:150], 1, components=2, centres=40, width=1.0, near=0.0)
+    straight = PcaModel.train(ball_template, bananas[:150], PcaConfig(1))
+    config = KernelConfig(1, components=2, centres=40, width=1.0, near=0.0)
+    curved = KernelModel.train(ball_template, bananas[:150], config)
     unseen = bananas[150:]
     errors = [np.linalg.norm(m.decode(m.encode(unseen)) - unseen, axis=-1).mean() for m in (straight, curved)]
     assert errors[1] < 0.2 * errors[0]
 
 
 def test_with_as_many_components_as_dimensions_it_is_the_linear_model(ball_template, balls):
-    linear = PcaModel.train(ball_template, balls, 5)
-    kernel = KernelModel.train(ball_template, balls, 5, components=5, near=0.0)
+    linear = PcaModel.train(ball_template, balls, PcaConfig(5))
+    kernel = KernelModel.train(ball_template, balls, KernelConfig(5, components=5, near=0.0))
     assert np.allclose(kernel.decode(kernel.encode(balls)), linear.decode(linear.encode(balls)), atol=1e-9)
 
 

@@ -4,11 +4,12 @@ import pytest
 from caricli.errors import InputError
 from caricli.models.landmark_map.model import (
     DOMAINS,
-    WEIGHTS,
+    GENERATOR_WEIGHTS,
     Domain,
     LandmarkMap,
     align,
     generate,
+    generator_shapes,
     map_from_checkpoint,
     map_to_checkpoint,
     other,
@@ -33,9 +34,9 @@ def landmark_map(generator):
         domains[name] = Domain(generator.normal(size=136), basis)
     networks = {}
     for name in DOMAINS:
-        start, end = sizes[other(name)], sizes[name]
-        shapes = (start, end), (start, WIDTH), (WIDTH,), (WIDTH, WIDTH), (WIDTH,), (WIDTH, end), (end,)
-        networks[name] = {key: generator.normal(size=shape) for key, shape in zip(WEIGHTS, shapes, strict=True)}
+        shapes = generator_shapes(sizes[other(name)], WIDTH, sizes[name])
+        assert tuple(shapes) == GENERATOR_WEIGHTS
+        networks[name] = {key: generator.normal(size=shape) for key, shape in shapes.items()}
     return LandmarkMap(domains, networks)
 
 

@@ -3,7 +3,10 @@ import pytest
 
 from caricli.errors import InputError, NumericsError
 from caricli.models.checkpoint import model_from_checkpoint, model_to_checkpoint
-from caricli.models.morphable.model import MorphableModel, separate
+from caricli.models.linear_basis import LinearBasis
+from caricli.models.morphable.config import MorphableConfig
+from caricli.models.morphable.model import MorphableModel, MorphableShapes, ShapeBases
+from caricli.models.morphable.separate import separate
 
 PEOPLE, SHOWN = (a.ravel() for a in np.meshgrid(np.arange(30), np.arange(4), indexing="ij"))
 
@@ -31,7 +34,8 @@ def albedos():
 
 @pytest.fixture(scope="module")
 def model(ball_template, shapes, albedos):
-    return MorphableModel.train(ball_template, shapes, PEOPLE, SHOWN, albedos, 5, 3, 4, noise=1e-3)
+    data = MorphableShapes(shapes, PEOPLE, SHOWN, albedos)
+    return MorphableModel.train(ball_template, data, MorphableConfig(5, 3, 4, noise=1e-3))
 
 
 def test_who_and_what_are_found_apart(truth, shapes):
@@ -71,7 +75,8 @@ def test_the_numbers_of_people_and_expressions_do_not_matter_but_that_of_none(sh
 
 def test_faces_without_expressions_have_an_empty_basis(ball_template, balls, albedos):
     people = np.arange(30)
-    model = MorphableModel.train(ball_template, balls, people, np.zeros(30, int), albedos, 5, 3, 4)
+    data = MorphableShapes(balls, people, np.zeros(30, int), albedos)
+    model = MorphableModel.train(ball_template, data, MorphableConfig(5, 3, 4))
     assert model.expression.shape == (0, 300, 3) and len(model.prior.mean) == 5
     assert np.abs(model.decode(model.encode(balls)) - balls).max() < 0.05
 
@@ -98,7 +103,8 @@ def test_one_person_keeps_the_identity_and_one_expression_the_coefficients(model
 
 
 def test_encode_is_the_likeliest_latent(ball_template, model, shapes):
-    noisy = MorphableModel(ball_template, model.mean, model.identity, model.expression, model.mean, model.identity, 0.5)
+    bases = ShapeBases(model.mean, model.identity, model.expression, noise=0.5)
+    noisy = MorphableModel(ball_template, bases, LinearBasis(model.mean, model.identity))
     latent = noisy.encode(shapes[3])
 
     def cost(z):
@@ -117,7 +123,7 @@ def test_a_checkpoint_rebuilds_it(model, shapes):
     again = model_from_checkpoint(*model_to_checkpoint(model, {}), "m")
     assert again.kind == "morphable" and again.noise == pytest.approx(model.noise)
     assert np.abs(again.decode(model.encode(shapes)) - model.decode(model.encode(shapes))).max() < 2e-3
-    assert np.abs(again.albedo - model.albedo).max() < 1e-3
+    assert np.abs(again.albedo.basis - model.albedo.basis).max() < 1e-3
 
 
 @pytest.mark.parametrize(
@@ -139,5 +145,6 @@ def test_tensors_that_do_not_fit_are_refused(model, name, change):
 
 
 def test_faces_that_are_all_the_same_are_refused(ball_template, balls, albedos):
+    data = MorphableShapes(balls[[0, 0, 0]], np.arange(3), np.zeros(3, int), albedos)
     with pytest.raises(NumericsError, match="differ"):
-        MorphableModel.train(ball_template, balls[[0, 0, 0]], np.arange(3), np.zeros(3, int), albedos)
+        MorphableModel.train(ball_template, data, MorphableConfig())

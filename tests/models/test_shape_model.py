@@ -110,29 +110,29 @@ def test_inputs_are_left_alone(model, people):
     assert np.array_equal(given, before) and np.array_equal(shapes, people[:2])
 
 
-def test_training_twice_gives_the_same_tensors(ball_model, ball_template, balls):
-    again = type(ball_model).train(ball_template, balls, 5).tensors()
+def test_training_twice_gives_the_same_tensors(ball_model, train_balls, balls):
+    again = train_balls(balls, 5).tensors()
     assert all(np.array_equal(value, again[name]) for name, value in ball_model.tensors().items())
 
 
-def test_no_more_dimensions_than_shapes_allow(ball_model, ball_template, balls):
-    small = type(ball_model).train(ball_template, balls[:4], 128)
+def test_no_more_dimensions_than_shapes_allow(train_balls, balls):
+    small = train_balls(balls[:4], 128)
     assert len(small.prior.mean) == 3
     assert np.isfinite(small.decode(np.ones(3))).all()
 
 
-def test_shapes_that_come_twice_train_a_model_that_keeps_them(ball_model, ball_template, balls):
+def test_shapes_that_come_twice_train_a_model_that_keeps_them(train_balls, balls):
     shapes = np.concatenate([balls[:4], balls[:3]])
-    trained = type(ball_model).train(ball_template, shapes, 128)
+    trained = train_balls(shapes, 128)
     assert len(trained.prior.mean) == 3
     assert np.abs(trained.encode(shapes)).max() < 10
     forms = [s - s.mean(1, keepdims=True) for s in (trained.decode(trained.encode(shapes)), shapes)]
     assert np.abs(forms[0] - forms[1]).max() < 1e-3
 
 
-def test_shapes_that_are_all_the_same_are_refused(ball_model, ball_template, balls):
+def test_shapes_that_are_all_the_same_are_refused(train_balls, balls):
     with pytest.raises(NumericsError, match="at least two shapes that differ"):
-        type(ball_model).train(ball_template, np.repeat(balls[:1], 4, axis=0), 3)
+        train_balls(np.repeat(balls[:1], 4, axis=0), 3)
 
 
 def test_places_between_vertices_are_decoded_in_batches(model):

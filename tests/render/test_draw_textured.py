@@ -59,8 +59,8 @@ def test_views_are_from_where_they_say(ball):
     assert front.shape == behind.shape == (60, 60, 3) and set(ANGLES) >= {"front", "three-quarter", "profile", "behind"}
 
     def hue(image, colour):
-        return (np.abs(image / np.maximum(image.sum(-1, keepdims=True), 1) - np.array(colour) / sum(colour))
-                .max(-1) < 0.03).mean()  # fmt: skip
+        shares = image / np.maximum(image.sum(-1, keepdims=True), 1)
+        return (np.abs(shares - np.array(colour) / sum(colour)).max(-1) < 0.03).mean()
 
     assert hue(front, LEFT) > 0.2 and hue(front, RIGHT) > 0.2 and hue(front, BACK) < 0.01
     assert hue(behind, BACK) > 0.5 and hue(behind, LEFT) < 0.02 and hue(behind, RIGHT) < 0.02

@@ -92,6 +92,7 @@ def test_inputs_stay_as_they_are(fitted):
 
 def test_a_face_that_was_never_fitted_is_refused(fitted):
     head, face, given = fitted
-    for bare in (Face(head), Face(head, face.camera), Face(head, landmarks=face.landmarks)):
-        with pytest.raises(InputError, match="camera and landmarks"):
-            fit_sheet(bare, head, given)
+    with pytest.raises(InputError, match="with fitted landmarks"):
+        fit_sheet(Face(head, face.camera), head, given)
+    with pytest.raises(InputError, match="with the camera"):
+        fit_sheet(Face(head, landmarks=face.landmarks), head, given)

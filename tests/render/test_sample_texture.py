@@ -59,7 +59,8 @@ def test_fine_samples_are_not_rounded():
     uvs = generator.uniform(-0.2, 1.2, (500, 2))
     fine = sample_texture_finely(texture, uvs)
     np.testing.assert_allclose(fine, bilinear(texture.astype(float), uvs[:, 0] * 12 - 0.5, (1 - uvs[:, 1]) * 9 - 0.5))
-    assert 0.5 < np.abs(fine - sample_texture(texture, uvs)).max() < 0.06 * 255
+    # OpenCV knows 32 places between two pixels, or rounds to whole levels.
+    assert 0.4 < np.abs(fine - sample_texture(texture, uvs)).max() < 0.04 * 255
 
 
 def test_the_matrix_takes_the_samples():

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from caricli.errors import InputError
-from caricli.io.npz import read_npz, write_npz
 from caricli.io.cache import cache_folder
+from caricli.io.npz import read_npz, write_npz
 from caricli.template import head as module
 from caricli.template.head import CACHE_NAME, Head, load_head
 

@@ -77,7 +77,7 @@ def _write(folder: Path, rows: list, recipe: dict) -> None:
     write_bytes(folder / "ablation.md", "".join(f"| {' | '.join(line)} |\n" for line in lines).encode())
     drawn = {row.name: row.curves for row in rows if row.name in DRAWN}
     panels = {
-        f"{split} error": {name: list(zip(*curves[split], strict=True)) for name, curves in drawn.items()}
+        f"{split} error": {name: tuple(zip(*curves[split], strict=True)) for name, curves in drawn.items()}
         for split in ("train", "test")
     }
     write_png(folder / "ablation.png", plot_curves(panels))

@@ -4,7 +4,6 @@ from dataclasses import replace
 from typing import Any
 
 import click
-import numpy as np
 
 from caricli.commands.shared.options import PATH, data_option, out_option, overwrite_option, seed_option
 from caricli.commands.shared.tables import number, print_table
@@ -50,8 +49,8 @@ def command(dataset, out, count, everyone, given, faces, seed, overwrite):
       caricli evaluate blendshapes --data grid --everyone --given any --face drawing.npz --out expressions
     """
     from caricli.data.dataset import read_dataset
+    from caricli.methods.evaluate.blendshape_sheet import BlendshapeSheet
     from caricli.methods.evaluate.evaluate_blendshapes import dataset_caricatures, dataset_expressions
-    from caricli.render.contact_sheet import contact_sheet
     from caricli.store.datasets import dataset_files
     from caricli.store.expression_tools import load_caricature, load_tools
     from caricli.store.models import check_topology
@@ -65,51 +64,30 @@ def command(dataset, out, count, everyone, given, faces, seed, overwrite):
             tools = replace(tools, expressions=dataset_expressions(data, tools.actions.names))
             caricatures = dataset_caricatures(data, everyone, count)
         drawings = {path.stem: load_caricature(path, tools) for path in faces}
-        tally, rows = _evaluate(caricatures, tools, given, seed)
-        rows += [row for name, (face, pictures) in drawings.items() for row in _drawn(name, face, pictures, tools)]
+        sheet = BlendshapeSheet(tools, SHOWN, SIZE)
+        tally = _evaluate(caricatures, given, seed, sheet)
+        for name, (face, pictures) in drawings.items():
+            sheet.add_face(name, face, pictures.load())
         recipe = provenance("evaluate blendshapes", [dataset / "dataset.json", *faces], seed, given=given)
         write_json(folder / "blendshapes.json", recipe | tally.summary)
-        labels = [label for name, _ in rows for label in (name, *SHOWN)]
-        cells = [picture for _, pictures in rows for picture in pictures]
-        write_png(folder / "blendshapes.png", contact_sheet(cells, 1 + len(SHOWN), labels))
+        write_png(folder / "blendshapes.png", sheet.image)
     _print(tally)
 
 
-def _evaluate(caricatures: list, tools: Any, given: str, seed: int) -> tuple[Any, list]:
-    """The ComparisonTally of caricatures, and the rows of the sheet that show one of them."""
+def _evaluate(caricatures: list, given: str, seed: int, sheet: Any) -> Any:
+    """The ComparisonTally of caricatures; one of them is drawn on a BlendshapeSheet."""
     from caricli.commands.shared.progress import progress_bar
     from caricli.methods.evaluate.evaluate_blendshapes import ComparisonTally, evaluate_blendshapes
 
-    tally = ComparisonTally([*tools.expressions])
-    rows: list = []
+    tally = ComparisonTally([*sheet.tools.expressions])
     most = max(caricature.level for caricature in caricatures)
     with progress_bar("building blendshapes") as report:
-        for caricature, comparison in evaluate_blendshapes(caricatures, tools, given, seed, report):
+        for caricature, comparison in evaluate_blendshapes(caricatures, sheet.tools, given, seed, report):
             tally.add(caricature, comparison)
             # One is enough to see, the most exaggerated of somebody.
-            if not rows and caricature.level == most:
-                built = comparison.blendshapes
-                rows = [(name, _row(own, comparison.face, None, tools)) for name, own in built.items()]
-    return tally, rows
-
-
-def _drawn(name: str, face: Any, pictures: Any, tools: Any) -> list[tuple[str, list[np.ndarray]]]:
-    """The rows of a real caricature, one for every method, with their names."""
-    from caricli.methods.expressions.build_blendshapes import build_blendshapes
-    from caricli.methods.expressions.settings import METHODS, BlendshapeSettings
-
-    built = {f"{name}: {method}": build_blendshapes(face, tools, BlendshapeSettings(method)) for method in METHODS}
-    return [(label, _row(own, face, pictures.load(), tools)) for label, own in built.items()]
-
-
-def _row(blendshapes: Any, face: Any, pictures: Any, tools: Any) -> list[np.ndarray]:
-    """Pictures of a face as it was given and with some of its expressions."""
-    from caricli.methods.expressions.rig_blendshapes import rig_blendshapes, shape_as_given
-    from caricli.methods.rig.make_rig import Pictures, RigSettings
-    from caricli.render.expression_row import expression_row
-
-    rig = rig_blendshapes(blendshapes, tools, RigSettings(), pictures or Pictures()).rig
-    return expression_row(rig, shape_as_given(rig, face), SHOWN, SIZE)
+            if not sheet.cells and caricature.level == most:
+                sheet.add_comparison(comparison)
+    return tally
 
 
 def _print(tally: Any) -> None:

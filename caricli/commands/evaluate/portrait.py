@@ -36,7 +36,6 @@ SHOWN = 6
 _PARTS = {"eyes": "eyes", "nose": "nose", "brows": "brow", "mouth": "mouth", "jaw": "contour", "all": "NME %"}
 _REST = ("sum px", "colour %", "3D %", "flips %", "s")
 _DIGITS = (*[2] * len(_PARTS), 1, 2, 2, 3, 2)
-_SHEET = ("morphable", "morphable + refine", "elastic + refine")
 
 
 @click.command()
@@ -96,30 +95,16 @@ def _evaluate(sets: dict, models: dict) -> tuple[Any, np.ndarray]:
     """The PortraitTally of sets of portraits, and a sheet with some of them."""
     from caricli.commands.shared.progress import progress_bar
     from caricli.methods.evaluate.evaluate_portrait import PortraitTally, evaluate_portraits
-    from caricli.render.contact_sheet import contact_sheet
+    from caricli.methods.evaluate.portrait_sheet import PortraitSheet
 
     tally = PortraitTally()
-    cells = []
+    sheet = PortraitSheet(models["intrinsic"].template, VIEW)
     with progress_bar("reconstructing portraits") as report:
         for group, result in evaluate_portraits(sets, models, TEXTURE, report):
-            if tally.count(group) < SHOWN:
-                cells.append(_row(result, models["intrinsic"].template))
             tally.add(group, result)
-    pictures = [picture for row, _ in cells for picture in row]
-    return tally, contact_sheet(pictures, len(cells[0][0]), [label for _, labels in cells for label in labels])
-
-
-def _row(result: Any, template: Any) -> tuple[list[np.ndarray], list[str]]:
-    """Pictures of a PortraitResult, and what stands under them."""
-    from caricli.render.portrait_row import SIDES, portrait_row
-
-    portrait = result.portrait
-    faces = {name: own.face for name, own in result.reconstructions.items()}
-    rig = result.rigs.get(_SHEET[-1], result.rigs["elastic"])
-    fits = [faces.get(name) for name in _SHEET]
-    labels = [name if name in faces else f"{name} refused" for name in _SHEET]
-    row = portrait_row(portrait.image, portrait.points, fits, rig, template, VIEW)
-    return row, [portrait.name, *labels, *["textured"] * len(SIDES)]
+            if tally.count(group) <= SHOWN:
+                sheet.add(result)
+    return tally, sheet.image
 
 
 def _print(tally: Any) -> None:

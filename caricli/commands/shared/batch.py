@@ -52,8 +52,8 @@ def run_batch(ctx: click.Context, items: Sequence[tuple], work: Callable[..., st
                     raise
                 failures.append((item[0], error))
             report(number + 1, len(items))
-    for path, error in failures:
-        click.echo(f"caricli: failed: {path}: {error}", err=True)
+    for path, failure in failures:
+        click.echo(f"caricli: failed: {path}: {failure}", err=True)
     if failures:
         click.echo(f"caricli: {len(failures)} of {len(items)} failed", err=True)
         ctx.exit(1)

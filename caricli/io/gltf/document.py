@@ -23,8 +23,8 @@ def take_whole(parent: dict, key: str, least: int, most: int, default: int | Non
     """The whole number of a key, from least to most. Raises InputError when it is none."""
     value = parent.get(key, default)
     if type(value) is not int or not least <= value <= most:
-        found = shown(value, 40) if isinstance(value, int | float | str) else type(value).__name__
-        raise InputError(f"{shown(key, 40)}: expected a whole number from {least} to {most}, found {found}")
+        text = shown(value, 40) if isinstance(value, int | float | str) else type(value).__name__
+        raise InputError(f"{shown(key, 40)}: expected a whole number from {least} to {most}, found {text}")
     return value
 
 

@@ -80,7 +80,9 @@ class Performance:
             "unmatched": self.bound.unmatched,
             "undriven": self.bound.undriven,
             "clipped": int(np.count_nonzero((bound < 0) | (bound > 1))),
-            "ranges": {self.rig.names[k]: [float(weights[:, k].min()), float(weights[:, k].max())] for k in self.driven},
+            "ranges": {
+                self.rig.names[k]: [float(weights[:, k].min()), float(weights[:, k].max())] for k in self.driven
+            },
         }
 
 
@@ -97,8 +99,9 @@ def animate_rig(
     if unknown:
         near = get_close_matches(unknown[0], rig.names, 1, 0.0)[0]
         raise InputError(f"scale: {unknown[0]}: not among the rig's {len(rig.names)}; did you mean {near!r}?")
-    turns = settings.head and track.head is not None
-    head = smooth_weights(track.head, track.times, settings.smooth) if turns else None
+    head = track.head if settings.head else None
+    if head is not None:
+        head = smooth_weights(head, track.times, settings.smooth)
     calm = smooth_weights(track.weights, track.times, settings.smooth)
     even, fps = resample_weights(replace(track, weights=calm, head=head), settings.fps)
     bound = bind_weights(even, rig.names)

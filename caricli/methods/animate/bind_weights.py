@@ -40,8 +40,8 @@ def bind_weights(track: Track, names: Sequence[str]) -> BoundWeights:
         theirs = shown(", ".join(track.names[:3]), 60)
         raise InputError(f"weights: expected names of the rig, such as {ours}; found none of them, but {theirs}")
     if len(track.times) * len(names) > MAX_WEIGHTS:
-        found = f"{len(track.times)} frames of {len(names)} shapes"
-        raise InputError(f"weights: expected at most {MAX_WEIGHTS} numbers, found {found}")
+        size = f"{len(track.times)} frames of {len(names)} shapes"
+        raise InputError(f"weights: expected at most {MAX_WEIGHTS} numbers, found {size}")
     weights = np.zeros((len(track.times), len(names)))
     for k, name in enumerate(names):
         if name in columns:

@@ -32,8 +32,8 @@ def resample_weights(track: Track, fps: float | None = None) -> tuple[Track, flo
         fps = own
     count = np.floor(track.times[-1] * fps + _ROUNDING) + 1
     if count > MAX_FRAMES or count * len(track.names) > MAX_WEIGHTS:
-        found = f"{track.times[-1]:g} seconds at {fps:g} frames a second"
-        raise InputError(f"weights: expected at most {MAX_FRAMES} frames and {MAX_WEIGHTS} weights, found {found}")
+        length = f"{track.times[-1]:g} seconds at {fps:g} frames a second"
+        raise InputError(f"weights: expected at most {MAX_FRAMES} frames and {MAX_WEIGHTS} weights, found {length}")
     times = np.arange(int(count)) / fps
     columns = [np.interp(times, track.times, column) for column in track.weights.T]
     head = None

@@ -47,7 +47,9 @@ class SemanticEdit:
 
     def step(self) -> np.ndarray:
         """(D,) that a whitened latent goes. Raises InputError for unknown labels, and those that cannot change."""
-        return sum(size * label_direction(self.directions, name, self.keep) for name, size in self.strengths.items())
+        start = np.zeros(self.directions.normals.shape[1])
+        steps = (size * label_direction(self.directions, name, self.keep) for name, size in self.strengths.items())
+        return sum(steps, start)
 
 
 def edit_semantic(face: EncodedFace, model: ShapeModel, edit: SemanticEdit) -> EncodedFace:

@@ -95,7 +95,8 @@ def evaluate_ablation(
         seconds = time.perf_counter() - start
         parameters = sum(parameter.numel() for parameter in network.requires_grad_(False).parameters())
         codes = fit_codes(training, config.code_steps)
-        network.precision = torch.float32  # as models decode
+        if isinstance(network, ConditionedSiren | HyperSiren):
+            network.precision = torch.float32  # as models decode
         errors = measure(_network_fields(network, training.latents), _network_fields(network, codes))
         yield AblationRow(name, parameters, *errors, seconds, _curves(records, template.height))
     for name in LINEAR:
@@ -103,8 +104,9 @@ def evaluate_ablation(
         model = _linear_model(name, template, meshes.shapes, config)
         seconds = time.perf_counter() - start
         parameters = sum(tensor.size for tensor in model.tensors().values())
-        fields = (_model_fields(model, meshes.surface, shapes) for shapes in (meshes.shapes, meshes.unseen))
-        yield AblationRow(name, parameters, *measure(*fields), seconds)
+        trained = _model_fields(model, meshes.surface, meshes.shapes)
+        errors = measure(trained, _model_fields(model, meshes.surface, meshes.unseen))
+        yield AblationRow(name, parameters, *errors, seconds)
 
 
 def fit_codes(training: AutoDecoderTraining, steps: int) -> torch.Tensor:
@@ -182,8 +184,11 @@ class _Measure:
         unseen = surface.displacements(meshes.unseen)
         self.tasks = ((shapes, vertices), (unseen, vertices), (unseen, between))
 
-    def __call__(self, trained: Fields, new: Fields) -> Iterator[float]:
+    def __call__(self, trained: Fields, new: Fields) -> tuple[float, float, float]:
         """trained, new: of the training and of the unseen meshes."""
-        for displace, (fields, points) in zip((trained, new, new), self.tasks, strict=True):
-            gaps = (displace(k, points) - points.values(field) for k, field in enumerate(fields))
-            yield self.percent * float(torch.stack([gap.norm(dim=-1).mean() for gap in gaps]).mean())
+        seen, unseen, between = self.tasks
+        return self._mean(trained, *seen), self._mean(new, *unseen), self._mean(new, *between)
+
+    def _mean(self, displace: Fields, shapes: torch.Tensor, points: Points) -> float:
+        gaps = (displace(k, points) - points.values(shape) for k, shape in enumerate(shapes))
+        return self.percent * float(torch.stack([gap.norm(dim=-1).mean() for gap in gaps]).mean())

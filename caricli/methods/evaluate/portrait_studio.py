@@ -5,7 +5,8 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from caricli.data.albedo import AlbedoPainter, random_look
+from caricli.data.albedo import AlbedoPainter
+from caricli.data.look import random_look
 from caricli.geometry.head_rotation import TURNS, head_rotation
 from caricli.methods.reconstruct.landmark_vertices import landmark_vertices
 from caricli.render.blend import over

@@ -91,8 +91,9 @@ class _Pair:
         self.anchors = landmark_vertices(self.vertices, self.camera.rotation, self.template, COUNT)
         self.own = self.camera.project(self.vertices[self.anchors])
         self.fit = fit_morphable(map_landmarks(self.own, tools.landmark_map, "normal"), morphable)
-        who, _ = morphable.parts(self.fit.face.latent)
-        self.given = morphable.decode(self.fit.face.latent)
+        latent = self.fit.face.require_latent()
+        who, _ = morphable.parts(latent)
+        self.given = morphable.decode(latent)
         neutral = morphable.mean + np.tensordot(who, morphable.identity, 1)
         self.normal = neutral + tools.templates.deltas
         self.held = displacement_masks(tools.templates.deltas).max(0) < UNMOVED

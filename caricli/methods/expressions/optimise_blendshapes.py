@@ -88,8 +88,8 @@ def _free_vertices(mesh: Mesh, moved: np.ndarray) -> np.ndarray:
     _, parts = connected_components(vertex_neighbours(mesh.faces, len(moved))[0], directed=False)
     loose = np.setdiff1d(parts, parts[moved < UNMOVED])
     if len(loose):
-        found = f"{len(loose)} without, such as that of vertex {np.flatnonzero(parts == loose[0])[0]}"
-        raise NumericsError(f"expected in every part of the mesh a vertex that no expression moves, found {found}")
+        rest = f"{len(loose)} without, such as that of vertex {np.flatnonzero(parts == loose[0])[0]}"
+        raise NumericsError(f"expected in every part of the mesh a vertex that no expression moves, found {rest}")
     return free
 
 

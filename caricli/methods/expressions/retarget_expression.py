@@ -112,8 +112,8 @@ class _MeshSpace:
         self._noise = settings.noise * template.height
         centred = self.mean - self.mean.mean(0)
         self._motions = np.stack([*(np.cross(axis, centred) for axis in np.eye(3)), centred])
-        rows = (self._rows(fields) for fields in (self._motions, self.identity, deltas))
-        self._system = BoundedSystem(*rows, price, settings)
+        motions, identity, expressions = (self._rows(fields) for fields in (self._motions, self.identity, deltas))
+        self._system = BoundedSystem(motions, identity, expressions, price, settings)
 
     def _rows(self, fields: Iterable[np.ndarray]) -> np.ndarray:
         rows = [(field - self._middle @ field).ravel() / self._noise for field in fields]
@@ -149,7 +149,7 @@ def explain_landmarks(
     deltas = _check_moving(deltas)
     views = [_View(fit, marks) for fit, marks in zip(fits, points, strict=True)]
     identity = model.identity / settings.caution
-    who = settings.caution * np.mean([model.parts(fit.face.latent)[0] for fit in fits], axis=0)
+    who = settings.caution * np.mean([model.parts(fit.face.require_latent())[0] for fit in fits], axis=0)
     weights = np.zeros((len(views), len(deltas)))
     for _ in range(settings.rounds):
         before = who
@@ -200,10 +200,10 @@ class _View:
         one = np.ones_like(x)
         motions = [(none, -z), (z, none), (-y, x), (x, y), (one, none), (none, one)]
         seen = self.camera.scale / unit * self.camera.rotation[:2].T
-        parts = ((fields @ seen).reshape(len(fields), -1) for fields in (space.identity, space.deltas))
+        identity, deltas = ((fields @ seen).reshape(len(fields), -1) for fields in (space.identity, space.deltas))
         right = (self.points - self.camera.project(space.mean)) / unit
         rows = np.array(motions).transpose(0, 2, 1).reshape(6, -1)
-        return BoundedSystem(rows, *parts, settings.sparse_landmarks, settings).reduced(right.ravel())
+        return BoundedSystem(rows, identity, deltas, settings.sparse_landmarks, settings).reduced(right.ravel())
 
     def move(self, step: np.ndarray) -> None:
         """Turn the camera, log its scale and shift it."""

@@ -65,7 +65,7 @@ class Retargeting:
 
     def driver(self, t: int) -> Template:
         """The normal face as it is explained."""
-        moved = np.tensordot(self.explanation.weights[t], self.rig.normal_deltas, 1)
+        moved = np.tensordot(self.explanation.weights[t], self.rig.require_normal_deltas(), 1)
         return self.template.with_vertices(self.explanation.neutral + moved)
 
     def animation(self, fps: float) -> Animation:
@@ -102,9 +102,10 @@ def retarget_rig(
     """
     meshes = [driver.vertices for driver in drivers if isinstance(driver, DrivingMesh)]
     seen = [driver for driver in drivers if isinstance(driver, DrivingLandmarks)]
+    deltas = rig.require_normal_deltas()
     if meshes:
-        explanation = explain_meshes(meshes, rig.normal_deltas, model, neutral)
+        explanation = explain_meshes(meshes, deltas, model, neutral)
         return Retargeting(rig, model.template, explanation, "mm")
     fits = [driver.fit for driver in seen]
-    explanation = explain_landmarks(fits, [driver.points for driver in seen], rig.normal_deltas, model)
+    explanation = explain_landmarks(fits, [driver.points for driver in seen], deltas, model)
     return Retargeting(rig, model.template, explanation, "percent")

@@ -35,15 +35,16 @@ def shape_as_given(rig: Rig, face: Face) -> np.ndarray:
     return given
 
 
-def measure_expressions(blendshapes: Blendshapes, face: Face) -> BlendshapeMeasures:
-    """How well the expressions of a caricature keep who it is and show what they are."""
-    return measure_blendshapes(blendshapes.shapes - face.vertices, blendshapes.normal - blendshapes.normal_given)
+def report_blendshapes(
+    face: Face, blendshapes: Blendshapes, tools: ExpressionTools, result: RigResult
+) -> tuple[dict, str]:
+    """Figures of every expression of a caricature, as JSON holds them, and one line that says the most important."""
+    moves = blendshapes.shapes - face.vertices
+    measures = measure_blendshapes(moves, blendshapes.normal - blendshapes.normal_given)
+    return _figures(blendshapes, measures, tools, result), _describe(face, measures, result)
 
 
-def blendshape_figures(
-    blendshapes: Blendshapes, measures: BlendshapeMeasures, tools: ExpressionTools, result: RigResult
-) -> dict:
-    """Figures of every expression, as JSON holds them."""
+def _figures(blendshapes: Blendshapes, measures: BlendshapeMeasures, tools: ExpressionTools, result: RigResult) -> dict:
     rows = {}
     for k, (name, weights) in enumerate(tools.expressions.items()):
         values = {"drift": measures.drift[k], "strength": measures.strength[k], "excess": measures.excess[k]}
@@ -61,8 +62,7 @@ def blendshape_figures(
     }
 
 
-def describe_blendshapes(face: Face, measures: BlendshapeMeasures, result: RigResult) -> str:
-    """One line: how many expressions, how strong they are, how much they change who it is."""
+def _describe(face: Face, measures: BlendshapeMeasures, result: RigResult) -> str:
     drift = 100 * np.nanmean(measures.drift) / face.mesh.height
     return (
         f"{len(result.rig.names)} expressions, {len(result.rig.neutral)} vertices, strength "

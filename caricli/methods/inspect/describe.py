@@ -33,14 +33,14 @@ def describe(value: Any, around: Acquaintances) -> Inspection:
     values = {"model_kind": value.kind, "dimension": dimension, "model_id": value.model_id, "bundled": bool(bundled)}
     summary = f"{value.kind}, {dimension} dimensions, {words.counts}"
     problems = tuple(words.check.problems)
-    return Inspection("a shape model", summary, (*lines, *words.lines), values | words.values, problems)
+    return Inspection("shape model", summary, (*lines, *words.lines), values | words.values, problems)
 
 
 @describe.register
 def _(value: Mesh, around: Acquaintances) -> Inspection:
     words = MeshWords.of(value, around)
     summary = f"{words.counts}, {words.height}"
-    return Inspection("a mesh", summary, tuple(words.lines), words.values, tuple(words.check.problems))
+    return Inspection("mesh", summary, tuple(words.lines), words.values, tuple(words.check.problems))
 
 
 @describe.register
@@ -60,12 +60,12 @@ def _(value: Face, around: Acquaintances) -> Inspection:
         lines.append(f"a latent of {len(value.latent)} numbers of {of}{residual}")
         values |= {"latent": len(value.latent), "model_id": value.model_id, "residual": value.residual is not None}
     summary = f"{words.counts}, {words.height}"
-    return Inspection("a face", summary, tuple(lines), values, tuple(words.check.problems))
+    return Inspection("face", summary, tuple(lines), values, tuple(words.check.problems))
 
 
 @describe.register
 def _(value: Rig, around: Acquaintances) -> Inspection:
-    words = MeshWords.of(value.mesh, around)
+    words = MeshWords.of_skin(value, around)
     check = check_rig(value)
     pictures = [name for name in ("texture", "eye_texture", "normal_deltas") if getattr(value, name) is not None]
     lines = [f"with {', '.join(pictures)}"] if pictures else []
@@ -73,7 +73,7 @@ def _(value: Rig, around: Acquaintances) -> Inspection:
     values = {"shapes": shapes, "arkit": {key: getattr(check, key) for key in ("exact", "near", "unknown", "missing")}}
     summary = f"{words.counts}, {len(value.names)} shapes, {words.height}"
     lines = [*words.lines, *lines, *_rig_lines(check)]
-    return Inspection("a rig", summary, tuple(lines), values | words.values, tuple(words.check.problems))
+    return Inspection("rig", summary, tuple(lines), values | words.values, tuple(words.check.problems))
 
 
 def _rig_lines(check: RigCheck) -> list[str]:
@@ -111,12 +111,19 @@ def _(value: Track, around: Acquaintances) -> Inspection:
     still = [name for name, column in zip(value.names, value.weights.T, strict=True) if not column.any()]
     arkit = sum(name in ARKIT_NAMES for name in value.names)
     lines = [
-        f"ARKit: {arkit} of {len(ARKIT_NAMES)} names" + (f", others: {_listed(_others(value))}" if _others(value) else ""),
+        f"ARKit: {arkit} of {len(ARKIT_NAMES)} names"
+        + (f", others: {_listed(_others(value))}" if _others(value) else ""),
         f"weights from {value.weights.min():.3g} to {value.weights.max():.3g}",
         "the head turns" if value.head is not None else "the head keeps still",
     ]
     lines += [f"always 0: {_listed(still)}"] if still else []
-    values = {"frames": frames, "seconds": seconds, "names": value.names, "arkit": arkit, "head": value.head is not None}
+    values = {
+        "frames": frames,
+        "seconds": seconds,
+        "names": value.names,
+        "arkit": arkit,
+        "head": value.head is not None,
+    }
     return Inspection("weights", f"{frames} frames, {seconds:.3g} s, {len(value.names)} names", tuple(lines), values)
 
 
@@ -137,7 +144,7 @@ def _(value: Directions, around: Acquaintances) -> Inspection:
 def _(value: LandmarkMap, around: Acquaintances) -> Inspection:
     sizes = {name: len(domain.basis) for name, domain in value.domains.items()}
     summary = ", ".join(f"{count} components of {name} faces" for name, count in sizes.items())
-    return Inspection("a landmark map", summary, (), {"components": sizes})
+    return Inspection("landmark map", summary, (), {"components": sizes})
 
 
 @describe.register
@@ -157,7 +164,7 @@ def _(value: Dataset, around: Acquaintances) -> Inspection:
     broken = int((~np.isfinite(value.vertices)).any((1, 2)).sum())
     problems = [*words.check.problems, *([f"{broken} meshes with coordinates that are not finite"] if broken else [])]
     summary = f"{len(value.vertices)} meshes of {people} people, {words.counts}"
-    return Inspection("a dataset", summary, tuple(lines), values | words.values, tuple(problems))
+    return Inspection("dataset", summary, tuple(lines), values | words.values, tuple(problems))
 
 
 def _flipped_share(data: Dataset) -> np.ndarray:
@@ -175,7 +182,7 @@ def _(value: dict, around: Acquaintances) -> Inspection:
     lines = [f"made from: {_listed(list(inputs))}"] if inputs else []
     lines.append(f"holds: {_listed([key for key in value if key not in about])}")
     values = {key: value[key] for key in about if key in value} | {"keys": [key for key in value if key not in about]}
-    return Inspection("a report", f"caricli {value['command']}, version {value.get('version')}", tuple(lines), values)
+    return Inspection("report", f"caricli {value['command']}, version {value.get('version')}", tuple(lines), values)
 
 
 def _listed(names: Any) -> str:

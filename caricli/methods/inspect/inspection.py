@@ -1,17 +1,17 @@
 """What is said of a file."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from caricli.methods.inspect.check_mesh import MeshCheck, check_mesh
-from caricli.structures import Mesh
+from caricli.structures import Material, Mesh, Rig
 
 
 @dataclass(frozen=True)
 class Inspection:
     """What a file holds.
 
-    kind: what it is, such as "a face".
+    kind: what it is, such as "face".
     summary: the most important numbers, for the first line.
     lines: what else there is to say to people.
     values: the same for programs, as JSON holds it.
@@ -68,6 +68,16 @@ class MeshWords:
     def of(cls, mesh: Mesh, around: Acquaintances) -> "MeshWords":
         """Check a mesh."""
         return cls(check_mesh(mesh, around.head), mesh.topology_id == around.head.topology_id)
+
+    @classmethod
+    def of_skin(cls, rig: Rig, around: Acquaintances) -> "MeshWords":
+        """Check the mesh of a rig; its topology is that of the skin, whether there are eyes or not."""
+        faces = rig.faces[rig.triangle_materials == Material.SKIN]
+        if not len(faces) or len(faces) == len(rig.faces):
+            return cls.of(rig.mesh, around)
+        skin = cls.of(Mesh(rig.neutral[: faces.max() + 1], faces), around)
+        whole = check_mesh(rig.mesh)
+        return cls(replace(whole, flipped=skin.check.flipped), skin.same)
 
     @property
     def counts(self) -> str:

@@ -102,9 +102,10 @@ def _with_balls(mesh: Mesh, ball: Mesh, eyeballs: Sequence[Eyeball]) -> Mesh:
     width = max(mesh.polygons.shape[1], ball.polygons.shape[1])
     # Every corner needs a place in a picture once the eyes have one.
     uvs = np.zeros((1, 2)) if mesh.uvs is None else mesh.uvs
-    skin_uvs = np.where(mesh.polygons >= 0, 0, -1) if mesh.uvs is None else mesh.uv_polygons
+    one_place = np.where(mesh.polygons >= 0, 0, -1)
+    skin_uvs = one_place if mesh.uv_polygons is None else mesh.uv_polygons
     own = _widen(ball.polygons, width)
-    own_uvs = np.where(own >= 0, _widen(ball.uv_polygons, width) + len(uvs), -1)
+    own_uvs = np.where(own >= 0, _widen(np.asarray(ball.uv_polygons), width) + len(uvs), -1)
     starts = len(mesh.vertices) + len(ball.vertices) * np.arange(len(eyeballs))
     polygons = [_widen(mesh.polygons, width), *(np.where(own >= 0, own + start, -1) for start in starts)]
     uv_polygons = [_widen(skin_uvs, width), *([own_uvs] * len(eyeballs))]
@@ -112,7 +113,7 @@ def _with_balls(mesh: Mesh, ball: Mesh, eyeballs: Sequence[Eyeball]) -> Mesh:
     return Mesh(
         np.concatenate([mesh.vertices, *placed]).astype(np.float32),
         np.concatenate(polygons).astype(np.int32),
-        np.concatenate([uvs, ball.uvs]),
+        np.concatenate([uvs, np.asarray(ball.uvs)]),
         np.concatenate(uv_polygons).astype(np.int32),
     )
 
@@ -133,7 +134,7 @@ def _turn(name: str, side: str) -> np.ndarray:
 
 
 def _unit_ball() -> Mesh:
-    """A unit sphere of quads, with triangles at its poles, one of them to the front, its picture unrolled from there."""
+    """A unit sphere of quads, with triangles at its poles; its picture is unrolled from the one in front."""
     polar = np.pi * np.arange(1, RINGS) / RINGS
     around = 2 * np.pi * np.arange(SECTORS) / SECTORS
     x = np.outer(np.sin(polar), np.cos(around))

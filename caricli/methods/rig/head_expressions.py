@@ -11,7 +11,6 @@ from caricli.methods.rig.expression_templates import ExpressionTemplates, contac
 from caricli.template.head import Head
 from caricli.template.template import Template
 
-
 BLINKS = ("eyeBlinkLeft", "eyeBlinkRight")
 
 
@@ -91,8 +90,8 @@ class _Margins:
 
     def _closing(self, before: np.ndarray, after: np.ndarray) -> np.ndarray:
         """(P,) bool: pairs that come together from one displacement (V, 3) to another."""
-        distances = [np.linalg.norm(self._apart(moved), axis=1) for moved in (before, after)]
-        return closes(*distances, self.raw.reach)
+        then, now = (np.linalg.norm(self._apart(moved), axis=1) for moved in (before, after))
+        return closes(then, now, self.raw.reach)
 
     def _apart(self, moved: np.ndarray) -> np.ndarray:
         """(P, 3) from the second to the first vertex of pairs after displacements (V, 3)."""

@@ -93,8 +93,8 @@ class _Expressions:
         gaps = {}
         for side in ("left", "right"):
             name = f"eyeBlink{side.capitalize()}"
-            lids = [self.curves.get(f"eye_{lid}_{side}") for lid in ("upper", "lower")]
-            if name in self.templates.names and all(lid is not None for lid in lids):
+            lids = self._polylines(f"eye_upper_{side}", f"eye_lower_{side}")
+            if name in self.templates.names and lids:
                 shut = self.neutral + self.deltas[self.templates.names.index(name)]
                 gaps[side] = curve_gap(shut, *lids) / max(curve_gap(self.neutral, *lids), _OPEN)
         return gaps
@@ -102,8 +102,8 @@ class _Expressions:
     def lip_gaps(self) -> tuple[float | None, float | None]:
         """Of mouthClose with jawOpen and of the neutral face, seen from the front: lips may meet at any depth."""
         names = self.templates.names
-        lips = [self.curves.get(f"mouth_inner_{lip}") for lip in ("upper", "lower")]
-        if "mouthClose" not in names or "jawOpen" not in names or any(lip is None for lip in lips):
+        lips = self._polylines("mouth_inner_upper", "mouth_inner_lower")
+        if "mouthClose" not in names or "jawOpen" not in names or not lips:
             return None, None
         k = names.index("mouthClose")
         start = self.starts[k]
@@ -112,10 +112,17 @@ class _Expressions:
         )
         return shut, open_
 
+    def _polylines(self, upper: str, lower: str) -> tuple[np.ndarray, np.ndarray] | None:
+        """Vertex ids of two curves, or None where the mesh does not know both."""
+        return (self.curves[upper], self.curves[lower]) if {upper, lower} <= set(self.curves) else None
+
     def depth(self, eyeballs: Sequence[Eyeball]) -> float | None:
+        annotation = self.templates.annotation
+        if annotation is None:
+            return None
         depths = []
         for ball in eyeballs:
-            ids = lid_vertices(self.templates.annotation, ball.side)
+            ids = lid_vertices(annotation, ball.side)
             away = moving_vertices(self.neutral, self.deltas, ids) - ball.centre
             depths.append(ball.radius - np.linalg.norm(away, axis=1).min())
         return max(depths, default=None)

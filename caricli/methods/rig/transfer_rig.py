@@ -17,8 +17,8 @@ def transfer_rig(templates: ExpressionTemplates, vertices: np.ndarray, contacts:
 
     What the templates never move stays where it is.
 
-    vertices: (V, 3) metres, of the neutral face, in the templates' topology, no triangle without area. contacts: whether
-    what touches keeps touching (``Contacts``), of which the paper says nothing.
+    vertices: (V, 3) metres, of the neutral face, in the templates' topology, no triangle without area.
+    contacts: whether what touches keeps touching (``Contacts``), of which the paper says nothing.
     Returns (K, V, 3). Raises NumericsError.
     """
     scale, rotation, _ = similarity(templates.neutral, vertices)

@@ -54,6 +54,16 @@ class EpochRecord:
     best: bool
 
 
+@dataclass(frozen=True, eq=False)
+class _Draws:
+    """Random in a step: noise (B, D), points on the template, latents of the prior (P, D), angles (B,) of mixtures."""
+
+    noise: torch.Tensor
+    points: Points
+    prior: torch.Tensor
+    angles: torch.Tensor
+
+
 class AutoDecoderTraining:
     """Training that can stop after any epoch and go on from ``state()`` as if it had not.
 
@@ -155,36 +165,46 @@ class AutoDecoderTraining:
 
     def _step(self, rows: torch.Tensor, step: int) -> torch.Tensor:
         """Go one step down on a batch of meshes (B,). Returns loss and mean distance, of all processes together."""
-        config = self.config
-        generator = self._generator(TrainingSeed.STEP, step)
-        noise = torch.from_numpy(generator.normal(size=(len(rows), config.latent)).astype(np.float32))
-        points = self.surface.draw(config.points, config.vertex_share, generator)
-        drawn = torch.from_numpy(generator.normal(size=(PRIOR_CODES, config.latent)).astype(np.float32))
-        mine = slice(self.share.process, None, self.share.count)
-        device = self.latents.device
-        share = 1 / len(rows)
-        mine_rows = rows[mine].to(device)
-        angles = np.pi / 2 * generator.uniform(size=len(rows)) * (generator.uniform(size=len(rows)) < config.mixup)
-        angles = torch.from_numpy(angles.astype(np.float32))[mine].to(device)
-        mixed, aims = self._mixtures(mine_rows, rows.roll(1)[mine].to(device), angles, points)
-        mixed = mixed + config.noise * config.latent_std * noise[mine].to(device)
-        squares = (self.network(mixed, points) - aims).square().sum(-1)
-        data = share * squares.mean(1).sum()
-        loss = config.data_weight * data + config.latent_weight * share * self.latents[mine_rows].square().mean(1).sum()
-        if config.prior_weight:
-            loss = loss + config.prior_weight * self._prior_loss() / self.share.count
-        if self.roughness:
-            rough = self.roughness(self.network, config.latent_std * drawn.to(device), generator)
-            loss = loss + config.smoothness_weight * rough / self.share.count
+        loss, distance = self._loss(rows, self._generator(TrainingSeed.STEP, step))
         self.optimiser.zero_grad()
         loss.backward()
-        figures = torch.stack([loss.detach(), share * squares.detach().sqrt().mean(1).sum()]).cpu()
+        figures = torch.stack([loss.detach(), distance]).cpu()
         if self.share.count > 1:
             figures = self._sum_over_processes(figures)
         if not torch.isfinite(figures).all():
             raise NumericsError(f"the loss of epoch {self.epoch + 1} is not finite: a smaller learning_rate may help")
         self.optimiser.step()
         return figures
+
+    def _loss(self, rows: torch.Tensor, generator: np.random.Generator) -> tuple[torch.Tensor, torch.Tensor]:
+        """This process's share of the loss of a batch (B,), and of its mean distance, which has no gradient."""
+        config = self.config
+        draws = self._draw(len(rows), generator)
+        mine = slice(self.share.process, None, self.share.count)
+        share = 1 / len(rows)
+        device = self.latents.device
+        own = rows[mine].to(device)
+        others = rows.roll(1)[mine].to(device)
+        mixed, aims = self._mixtures(own, others, draws.angles[mine].to(device), draws.points)
+        mixed = mixed + config.noise * config.latent_std * draws.noise[mine].to(device)
+        squares = (self.network(mixed, draws.points) - aims).square().sum(-1)
+        data = share * squares.mean(1).sum()
+        loss = config.data_weight * data + config.latent_weight * share * self.latents[own].square().mean(1).sum()
+        if config.prior_weight:
+            loss = loss + config.prior_weight * self._prior_loss() / self.share.count
+        if self.roughness:
+            rough = self.roughness(self.network, config.latent_std * draws.prior.to(device), generator)
+            loss = loss + config.smoothness_weight * rough / self.share.count
+        return loss, share * squares.detach().sqrt().mean(1).sum()
+
+    def _draw(self, count: int, generator: np.random.Generator) -> "_Draws":
+        """What is random in a step on so many meshes."""
+        config = self.config
+        noise = generator.normal(size=(count, config.latent))
+        points = self.surface.draw(config.points, config.vertex_share, generator)
+        prior = generator.normal(size=(PRIOR_CODES, config.latent))
+        angles = np.pi / 2 * generator.uniform(size=count) * (generator.uniform(size=count) < config.mixup)
+        return _Draws(_single(noise), points, _single(prior), _single(angles))
 
     def _mixtures(
         self, rows: torch.Tensor, others: torch.Tensor, angles: torch.Tensor, points: Points
@@ -244,6 +264,10 @@ class AutoDecoderTraining:
         device_figures = figures.to(self.latents.device)
         torch.distributed.all_reduce(device_figures)
         return device_figures.cpu()
+
+
+def _single(values: np.ndarray) -> torch.Tensor:
+    return torch.from_numpy(values.astype(np.float32))
 
 
 def _start(meshes: TrainingMeshes, config: DeformableConfig) -> tuple[np.ndarray, np.ndarray]:

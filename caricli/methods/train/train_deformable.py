@@ -41,6 +41,7 @@ def trained_model(training: AutoDecoderTraining, template: Template) -> Deformab
     latents = training.latents.detach().cpu().double().numpy()
     # A copy: the model freezes its weights.
     network = copy.deepcopy(training.network)
+    assert isinstance(network, HyperSiren)
     return DeformableModel(template, network, training.surface.box.points, Prior.of(latents))
 
 

@@ -32,9 +32,7 @@ class VertexArray(nn.Module):
     Positions and displacements differ by a constant, so only in where training starts: the origin or the template.
     """
 
-    def __init__(
-        self, size: ArraySize, latent_std: float, generator: torch.Generator, positions: bool = False
-    ) -> None:
+    def __init__(self, size: ArraySize, latent_std: float, generator: torch.Generator, positions: bool = False) -> None:
         """latent_std, generator: see ConditionedSiren. positions: put out positions instead of displacements."""
         super().__init__()
         self.first = Affine(size.latent, size.hidden, generator)

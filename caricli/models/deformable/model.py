@@ -102,7 +102,7 @@ class DeformableModel:
 
     def tensors(self) -> dict[str, np.ndarray]:
         """See ShapeModel: weights in half precision, biases whole, because they hold the SIREN of the mean face."""
-        tensors = {
+        tensors: dict[str, np.ndarray] = {
             "points": self.box.points.astype(np.float64),
             "frequency": np.array([self.network.size.frequency], np.float32),
             "prior_mean": self.prior.mean.astype(np.float32),
@@ -226,8 +226,8 @@ class _LatentFit:
 
     def equations(self) -> tuple[np.ndarray, np.ndarray]:
         """Gauss-Newton's matrix (D, D) of the cost, estimated at the sample, and its gradient (D,), that of all."""
-        self.error.backward()
-        gradient = self.latent.grad.numpy() @ self.factor + 2 * self.ridge * self.whitened
+        (slope,) = torch.autograd.grad(self.error, self.latent)
+        gradient = slope.numpy() @ self.factor + 2 * self.ridge * self.whitened
         _, derivative = self.network.displacements_jacobian(self.latent.detach(), self.places[self.sample])
         rows = derivative.flatten(1).numpy().T @ self.factor
         system = 2 * (rows.T @ rows / len(self.sample) + self.ridge * np.eye(len(self.whitened)))

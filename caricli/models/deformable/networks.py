@@ -32,9 +32,7 @@ class HyperSiren(nn.Module):
     training starts near the template (supplement 2; SIREN: Sitzmann et al. 2020).
     """
 
-    def __init__(
-        self, size: NetworkSize, generator: torch.Generator, precision: torch.dtype = torch.float32
-    ) -> None:
+    def __init__(self, size: NetworkSize, generator: torch.Generator, precision: torch.dtype = torch.float32) -> None:
         """generator: of the initial weights. precision: see ``siren``."""
         super().__init__()
         self.size = size

@@ -12,9 +12,9 @@ class KernelConfig:
     dimension: of the latent; 128 is the size of the deformable paper's. components: of the shapes, those of the latent
     included; more cost space, 25 kB each. centres: of the kernel; twice as many bring another 0.2 % of the error.
     width: of the kernel, for latents of length 1. ridge: variance of the noise of the coefficients. near: how much more
-    a vertex weighs at a landmark; without it test errors are lower, and errors of fitted landmarks higher. radius: about
-    how far that reaches, a share of the head's height; 0.015 are 4 mm. seed: of the randomised decomposition and of the
-    choice of centres.
+    a vertex weighs at a landmark; without it test errors are lower, and errors of fitted landmarks higher. radius:
+    about how far that reaches, a share of the head's height; 0.015 are 4 mm. seed: of the randomised decomposition and
+    of the choice of centres.
     Raises ValueError for impossible sizes.
     """
 

@@ -51,7 +51,7 @@ class KernelModel:
 
     @classmethod
     def train(cls, template: Template, shapes: np.ndarray, config: KernelConfig) -> Self:
-        """Fit to shapes (N, V, 3) metres and their mirror images. Raises NumericsError when all of them are the same."""
+        """Fit to shapes (N, V, 3) metres and their mirror images. Raises NumericsError when all are the same."""
         rows = with_mirror_images(shapes, template.annotation.mirror)
         root = np.sqrt(vertex_weights(template, config.near, config.radius)).astype(rows.dtype)[:, None]
         rows = (rows * root).reshape(len(rows), -1)

@@ -129,9 +129,7 @@ def map_to_checkpoint(landmark_map: LandmarkMap, recipe: Any) -> tuple[dict[str,
     return landmark_map.tensors(), {"schema": SCHEMA, "scheme": _SCHEME, "recipe": recipe}
 
 
-def map_from_checkpoint(
-    tensors: Mapping[str, np.ndarray], metadata: Mapping[str, Any], where: object
-) -> LandmarkMap:
+def map_from_checkpoint(tensors: Mapping[str, np.ndarray], metadata: Mapping[str, Any], where: object) -> LandmarkMap:
     """Rebuild a LandmarkMap.
 
     tensors, metadata: of ``map_to_checkpoint``, read from a file. where: its name, for messages.
@@ -188,5 +186,5 @@ def generator_shapes(start: int, width: int, end: int) -> dict[str, tuple[int, .
 
 def _claimed_size(tensors: Mapping[str, np.ndarray], name: str) -> int:
     """First length of a tensor, 0 where there is none."""
-    shape = np.shape(tensors.get(name))
-    return shape[0] if shape else 0
+    tensor = tensors.get(name)
+    return 0 if tensor is None or tensor.ndim == 0 else len(tensor)

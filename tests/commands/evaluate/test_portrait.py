@@ -6,7 +6,8 @@ import pytest
 from caricli.io.image import read_image, write_png
 from caricli.io.landmarks import write_landmarks
 from caricli.io.strict_json import read_json, write_json
-from caricli.methods.evaluate.evaluate_portrait import COARSE, METHODS, REFINED, PortraitStudio
+from caricli.methods.evaluate.portrait_studio import PortraitStudio
+from caricli.methods.evaluate.reconstruct_portrait import COARSE, METHODS, REFINED
 from caricli.structures import Landmarks
 
 COMMAND = "evaluate", "portrait"
@@ -45,7 +46,7 @@ def test_tables_figures_and_picture_are_written(evaluated):
     assert sorted(path.name for path in out.iterdir()) == ["portrait.json", "portrait.png"]
     found = read_json(out / "portrait.json")
     assert found["command"] == "evaluate portrait" and found["seed"] == 0 and found["noise"] == 0.3
-    assert len(found["inputs"]) == 3 and found["models"].keys() == {kind for kind, *_ in COARSE.values()}
+    assert len(found["inputs"]) == 3 and found["models"].keys() == set(COARSE.values())
     assert len(found["faces"]["rendered"]) == 2 and list(found["faces"]["pictures"]) == ["one.png"]
     assert "2 rendered" in printed and "1 pictures" in printed
     for name, rivals in found["means"].items():
@@ -105,6 +106,23 @@ def test_a_dataset_of_other_meshes_is_refused(run, refused, eggs, tmp_path):
     assert run("dataset", "import", eggs, data, "--annotation", eggs.parent / "annotation.json").exit_code == 0
     said = refused(*COMMAND, "--data", data, "--out", tmp_path / "out")
     assert "topology" in said and not (tmp_path / "out").exists()
+
+
+def test_the_first_pixel_of_a_pts_file_is_as_it_is_said(run, dataset, pictures, tmp_path):
+    points = np.loadtxt(pictures / "one.txt")
+    faces = []
+    for origin in (0, 1):
+        folder = tmp_path / f"from-{origin}"
+        folder.mkdir()
+        shutil.copy(pictures / "one.png", folder)
+        rows = "\n".join(f"{x:.6f} {y:.6f}" for x, y in points + origin)
+        (folder / "one.pts").write_text(f"version: 1\nn_points: 68\n{{\n{rows}\n}}\n")
+        options = ("--count", 1, "--pictures", folder, "--pts-origin", origin)
+        result = run(*COMMAND, "--data", dataset, "--out", tmp_path / f"out-{origin}", *options)
+        assert result.exit_code == 0, result.output
+        faces.append(read_json(tmp_path / f"out-{origin}" / "portrait.json")["faces"]["pictures"]["one.png"])
+    for method, figures in faces[0].items():
+        assert figures["nme"] == pytest.approx(faces[1][method]["nme"], abs=1e-3)
 
 
 @pytest.mark.parametrize("option", [("--count", 0), ("--noise", "nan"), ("--noise", -1)])

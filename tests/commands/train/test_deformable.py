@@ -15,7 +15,7 @@ from caricli.io.checkpoint import read_checkpoint
 from caricli.io.face import write_face
 from caricli.io.image import read_image
 from caricli.models.checkpoint import model_from_checkpoint
-from caricli.structures import Face
+from caricli.structures import Face, Mesh
 
 SMALL = ("--set", "epochs=6", "--set", "validate_every=2")
 
@@ -90,7 +90,7 @@ def test_cuda_that_is_not_there_is_refused(refused, dataset, tmp_path, monkeypat
 
 
 def test_a_template_of_another_topology_is_refused(refused, dataset, ball, tmp_path):
-    write_face(tmp_path / "ball.npz", Face(*ball))
+    write_face(tmp_path / "ball.npz", Face(Mesh(*ball)))
     args = ("--template", tmp_path / "ball.npz", "--out", tmp_path / "run")
     assert "topology" in refused("train", "deformable", "--data", dataset, *args)
 

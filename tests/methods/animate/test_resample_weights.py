@@ -47,4 +47,4 @@ def test_one_frame_is_one_frame():
 
 def test_endless_tracks_are_refused_before_they_are_made():
     with pytest.raises(InputError, match="1e.12 seconds"):
-        resample_weights(track([0, 1e12]), 30)
+        resample_weights(Track(("a",), np.array([0, 1e12]), np.zeros((2, 1))), 30)

@@ -4,10 +4,14 @@ import pytest
 from caricli.errors import InputError
 from caricli.geometry.deformation_gradients import rotation_matrices
 from caricli.geometry.flipped_triangles import flipped_triangles
-from caricli.methods.edit.caricaturize_face import caricaturize_face, exaggeration
+from caricli.methods.edit.caricaturize_face import caricature_figures, caricaturize_face, exaggeration
 from caricli.methods.faces.encode_face import encode_face
-from caricli.structures import Directions
+from caricli.structures import Directions, Face
 from caricli.template.annotation import DELICATE
+
+
+def encoded(vertices, model):
+    return encode_face(Face(model.template.with_vertices(vertices)), model)
 
 
 @pytest.fixture(params=["pca", "kernel", "intrinsic"])
@@ -23,7 +27,7 @@ def directions(model):
 
 
 def test_the_direction_is_measured_in_its_own_steps(model, directions, strangers):
-    face = encode_face(strangers[1], model)
+    face = encoded(strangers[1], model)
     grown = [caricaturize_face(face, model, s, "direction", directions) for s in (0, 1, 2)]
     steps = np.diff([exaggeration(each, model, directions).caricature for each in grown])
     np.testing.assert_allclose(steps, 1, atol=1e-9)
@@ -32,7 +36,7 @@ def test_the_direction_is_measured_in_its_own_steps(model, directions, strangers
 
 
 def test_own_grows_in_step_and_nearly_without_flips(model, strangers):
-    face = encode_face(strangers[0], model)
+    face = encoded(strangers[0], model)
     grown = [caricaturize_face(face, model, s, "own") for s in (0, 0.5, 1, 1.5, 2)]
     distances = [exaggeration(each, model).distance for each in grown]
     assert (np.diff(distances) > 0).all() and distances[-1] > 1.4 * distances[0]
@@ -42,7 +46,7 @@ def test_own_grows_in_step_and_nearly_without_flips(model, strangers):
 
 def test_own_moves_and_turns_with_the_face(pca, strangers):
     turn = rotation_matrices(np.radians([[5.0, 10.0, -3.0]]))[0]
-    face, turned = (encode_face(v, pca) for v in (strangers[3], 1.1 * strangers[3] @ turn.T + 0.05))
+    face, turned = (encoded(v, pca) for v in (strangers[3], 1.1 * strangers[3] @ turn.T + 0.05))
     grown, other = (caricaturize_face(each, pca, 1.0, "own").vertices for each in (face, turned))
     assert np.abs(other - (1.1 * grown @ turn.T + 0.05)).max() < 1e-6
     assert exaggeration(turned, pca).distance == pytest.approx(exaggeration(face, pca).distance, abs=1e-9)
@@ -51,7 +55,7 @@ def test_own_moves_and_turns_with_the_face(pca, strangers):
 def test_own_changes_eyes_and_mouth_less_than_the_rest(pca, strangers):
     gradients, held = pca.template.gradients, pca.template.mask(*DELICATE)
     for vertices in strangers[:3]:
-        face = encode_face(vertices, pca)
+        face = encoded(vertices, pca)
         grown = caricaturize_face(face, pca, 1.0, "own")
         change = np.linalg.norm(gradients.features(grown.vertices) - gradients.features(face.vertices), axis=1)
         assert np.median(change[held]) < 0.7 * np.median(change[~held])
@@ -60,7 +64,22 @@ def test_own_changes_eyes_and_mouth_less_than_the_rest(pca, strangers):
 def test_directions_without_caricatures_are_refused(pca, strangers):
     normal, one = np.eye(len(pca.prior.mean))[:1], np.ones(1)
     others = Directions(("Smile",), normal, normal, one, one, 1, one, one, "id", {}, normal[:0])
-    face = encode_face(strangers[0], pca)
+    face = encoded(strangers[0], pca)
     assert exaggeration(face, pca, others).caricature is None
     with pytest.raises(InputError, match="'Caricature': not among the 1 known"):
         caricaturize_face(face, pca, 1.0, "direction", others)
+
+
+def test_a_direction_needs_directions(pca, strangers):
+    with pytest.raises(InputError, match="expected directions of the model"):
+        caricaturize_face(encoded(strangers[0], pca), pca, 1.0)
+
+
+def test_figures_before_and_after(pca, strangers):
+    before = encoded(strangers[0], pca)
+    after = caricaturize_face(before, pca, 1.0, "own")
+    figures = caricature_figures(before, after, pca)
+    assert list(figures) == ["identity", "before", "after"] and figures["identity"] is None
+    for when, face in (("before", before), ("after", after)):
+        assert figures[when]["exaggeration"] == {"caricature": None, "distance": exaggeration(face, pca).distance}
+        assert figures[when]["prior_rms"] == face.prior_rms and "BigNose" in figures[when]["attributes"]

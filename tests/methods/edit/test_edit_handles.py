@@ -4,18 +4,28 @@ import pytest
 from caricli.geometry.self_intersections import self_intersections
 from caricli.methods.edit.deform_arap import deform_arap
 from caricli.methods.edit.edit_handles import HandleSettings, edit_handles
-from caricli.methods.edit.handle_points import vertex_of
+from caricli.methods.edit.handle_figures import handle_figures
+from caricli.methods.edit.handle_points import Handles, vertex_of
 from caricli.methods.faces.encode_face import encode_face
+from caricli.structures import Camera, Face
+
+
+def encoded(vertices, model, **more):
+    return encode_face(Face(model.template.with_vertices(vertices), **more), model)
 
 
 @pytest.fixture(scope="module")
 def face(strangers, kernel):
-    return encode_face(strangers[1], kernel)
+    return encoded(strangers[1], kernel)
+
+
+def handles_of(model, names, displacements):
+    vertices = np.array([vertex_of(name, model.template) for name in names])
+    return Handles(vertices, np.array(displacements, float), tuple(names))
 
 
 def pull(face, model, displacement, name="nose_tip", **options):
-    handles = np.array([vertex_of(name, model.template)])
-    return edit_handles(face, model, handles, np.array([displacement]), **options)
+    return edit_handles(face, model, handles_of(model, [name], [displacement]), **options)
 
 
 @pytest.mark.parametrize("norm", [1, 2])
@@ -30,8 +40,7 @@ def pull(face, model, displacement, name="nose_tip", **options):
 )
 def test_handles_go_where_they_are_asked_to_and_little_else_moves(face, kernel, names, ways, norm):
     asked = 0.05 * kernel.template.height * np.array(ways, float)
-    handles = np.array([vertex_of(name, kernel.template) for name in names])
-    edit = edit_handles(face, kernel, handles, asked, HandleSettings(norm))
+    edit = edit_handles(face, kernel, handles_of(kernel, names, asked), HandleSettings(norm))
     assert np.linalg.norm(edit.achieved - asked, axis=1).max() < 0.05 * np.linalg.norm(asked[0])
     assert edit.elsewhere < 0.2 and edit.share == 1
     assert edit.flipped[1] <= edit.flipped[0]
@@ -45,11 +54,10 @@ def test_no_displacement_changes_nothing(face, kernel):
 
 
 def test_a_pin_stays(face, kernel):
-    handles = np.array([vertex_of(name, kernel.template) for name in ("chin", "l6")])
-    asked = np.array([[0, -0.012, 0], [0.0, 0, 0]])
-    held = edit_handles(face, kernel, handles, asked)
-    free = pull(face, kernel, asked[0], "chin")
-    stays, goes = held.achieved[1], (free.face.vertices - face.vertices)[handles[1]]
+    handles = handles_of(kernel, ("chin", "l6"), [[0, -0.012, 0], [0.0, 0, 0]])
+    held = edit_handles(face, kernel, handles)
+    free = pull(face, kernel, handles.displacements[0], "chin")
+    stays, goes = held.achieved[1], (free.face.vertices - face.vertices)[handles.vertices[1]]
     assert np.linalg.norm(stays) < 1e-4 < 2e-4 < np.linalg.norm(goes)
 
 
@@ -58,7 +66,7 @@ def test_what_the_latent_cannot_express_stays(face, strangers, kernel):
     bumpy = strangers[1].copy()
     spot = int(vertex_of("forehead", kernel.template))
     bumpy[spot, 2] += 0.005
-    plain, edit = (pull(each, kernel, [0, 0, 0.01]) for each in (face, encode_face(bumpy, kernel)))
+    plain, edit = (pull(each, kernel, [0, 0, 0.01]) for each in (face, encoded(bumpy, kernel)))
     difference = edit.face.vertices - plain.face.vertices
     assert difference[spot, 2] == pytest.approx(0.005, abs=1e-3)
     assert np.abs(np.delete(difference, spot, 0)).mean() < 2e-4
@@ -76,7 +84,7 @@ def test_the_first_norm_leaves_more_of_the_latent_alone(face, kernel):
 
 def test_an_edit_is_shortened_before_the_surface_crosses_itself(head_template, kernel):
     """The chin goes up through the mouth."""
-    face = encode_face(head_template.vertices, kernel)
+    face = encoded(head_template.vertices, kernel)
     asked = [0, 0.3 * kernel.template.height, 0]
     reckless, careful = (pull(face, kernel, asked, "chin", avoid=avoid) for avoid in (False, True))
     assert reckless.share == 1 and 0 < careful.share < 1
@@ -84,6 +92,26 @@ def test_an_edit_is_shortened_before_the_surface_crosses_itself(head_template, k
     assert crossing[0] > 0 == crossing[1]
     height = careful.achieved[0, 1]
     assert height == pytest.approx(careful.share * asked[1], rel=0.1)
+
+
+def test_camera_and_landmarks_travel_with_the_face(strangers, kernel):
+    camera = Camera(900.0, np.diag([1.0, -1, -1]), np.ones(2))
+    given = encoded(strangers[1], kernel, camera=camera, landmarks=np.zeros((68, 2)))
+    for displacement in ([0, 0, 0.01], [0, 0, 0.0]):
+        edited = pull(given, kernel, displacement).face
+        assert edited.camera is camera and edited.landmarks is given.landmarks
+
+
+def test_figures_of_handles_that_move_and_stay(face, kernel):
+    edit = edit_handles(face, kernel, handles_of(kernel, ("chin", "l6"), [[0, -0.012, 0], [0.0, 0, 0]]))
+    figures = handle_figures(edit, face)
+    chin, pin = figures["handles"]
+    assert chin["where"] == "chin" and chin["vertex"] == edit.handles.vertices[0]
+    assert chin["reached"] == edit.reached[0] == pytest.approx(1, abs=0.05)
+    assert np.isnan(edit.reached[1]) and "reached" not in pin
+    assert figures["flipped_triangles"] == {"before": edit.flipped[0], "after": edit.flipped[1]}
+    assert figures["crossing_pairs"]["before"] == len(self_intersections(face.vertices, face.faces))
+    assert np.array_equal(edit.tried.displacements, edit.handles.displacements)
 
 
 def test_as_rigid_as_possible_moves_a_free_ball_and_bends_a_held_one(ball):

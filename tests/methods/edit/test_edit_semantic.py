@@ -2,9 +2,9 @@ import numpy as np
 import pytest
 
 from caricli.errors import InputError
-from caricli.methods.edit.edit_semantic import edit_semantic, label_direction
+from caricli.methods.edit.edit_semantic import SemanticEdit, edit_semantic, label_direction
 from caricli.methods.faces.encode_face import encode_face
-from caricli.structures import Directions
+from caricli.structures import Directions, Face
 
 
 def directions_of(normals, gradients=None):
@@ -14,6 +14,10 @@ def directions_of(normals, gradients=None):
     names = ("BigNose", "Smile", "Old")[: len(normals)]
     gradients = np.zeros_like(normals) if gradients is None else np.asarray(gradients, float)
     return Directions(names, normals, gradients, zeros, zeros, 1, zeros, zeros, "id", {}, normals[:0])
+
+
+def encoded(vertices, model):
+    return encode_face(Face(model.template.with_vertices(vertices)), model)
 
 
 @pytest.fixture(params=["pca", "intrinsic", "kernel"])
@@ -29,8 +33,8 @@ def directions(model):
 
 
 def test_the_whitened_latent_moves_by_the_strengths(model, directions, strangers):
-    face = encode_face(strangers[1], model)
-    edited = edit_semantic(face, model, directions, {"BigNose": 2.0, "Old": -1.0})
+    face = encoded(strangers[1], model)
+    edited = edit_semantic(face, model, SemanticEdit(directions, {"BigNose": 2.0, "Old": -1.0}))
     step = model.prior.whiten(edited.latent) - model.prior.whiten(face.latent)
     np.testing.assert_allclose(step, 2 * directions.normals[0] - directions.normals[2], atol=1e-9)
     assert edited.residual is face.residual
@@ -38,11 +42,12 @@ def test_the_whitened_latent_moves_by_the_strengths(model, directions, strangers
 
 
 def test_there_and_back_is_the_same_face(model, directions, strangers):
-    face = encode_face(strangers[2] + 0.02, model)
-    there = edit_semantic(face, model, directions, {"Smile": 3.0}, ["Old"])
-    back = edit_semantic(there, model, directions, {"Smile": -3.0}, ["Old"])
+    face = encoded(strangers[2] + 0.02, model)
+    edit = SemanticEdit(directions, {"Smile": 3.0}, ["Old"])
+    there = edit_semantic(face, model, edit)
+    back = edit_semantic(there, model, edit.scaled(-1))
     assert np.abs(back.vertices - face.vertices).max() < 1e-7 * model.template.height
-    zero = edit_semantic(face, model, directions, {"Smile": 0.0})
+    zero = edit_semantic(face, model, edit.scaled(0))
     assert np.abs(zero.vertices - face.vertices).max() < 1e-8
 
 
@@ -69,7 +74,7 @@ def test_the_nearest_name_is_suggested():
 
 
 @pytest.mark.parametrize("strength", [np.nan, np.inf, 21.0, -1e9])
-def test_absurd_strengths_are_refused(pca, strangers, strength):
+def test_absurd_strengths_are_refused(pca, strength):
     known = directions_of(np.eye(len(pca.prior.mean))[:3])
     with pytest.raises(InputError, match="Smile: expected a strength of at most 20"):
-        edit_semantic(encode_face(strangers[0], pca), pca, known, {"Smile": strength})
+        SemanticEdit(known, {"Smile": strength})

@@ -1,3 +1,4 @@
+import numpy as np
 import pytest
 
 from caricli.errors import InputError
@@ -44,10 +45,24 @@ def test_other_lengths_are_refused(values):
 
 
 def test_symmetric_handles_come_in_pairs(head_template):
-    ids, moved, names = handle_points([("ear_left", [0.01, 0.02, 0])], ["chin"], head_template, symmetric=True)
-    assert ids.tolist() == [vertex_of(name, head_template) for name in ("ear_left", "ear_right", "chin")]
-    assert moved.tolist() == [[0.01, 0.02, 0], [-0.01, 0.02, 0], [0, 0, 0]]
-    assert names == ["ear_left", "ear_left mirrored", "chin"]
+    handles = handle_points([("ear_left", [0.01, 0.02, 0])], ["chin"], head_template, symmetric=True)
+    assert handles.vertices.tolist() == [vertex_of(name, head_template) for name in ("ear_left", "ear_right", "chin")]
+    assert handles.displacements.tolist() == [[0.01, 0.02, 0], [-0.01, 0.02, 0], [0, 0, 0]]
+    assert handles.names == ("ear_left", "ear_left mirrored", "chin")
+    assert handles.scaled(0.5).displacements.tolist() == [[0.005, 0.01, 0], [-0.005, 0.01, 0], [0, 0, 0]]
+
+
+def test_shares_are_of_the_height_of_the_face_that_is_edited(head_template):
+    large = head_template.with_vertices(1.2 * head_template.vertices)
+    moved, further = (handle_points([("chin", [0, "-5%", 0.001])], [], head) for head in (head_template, large))
+    height = np.ptp(head_template.vertices[:, 1])
+    np.testing.assert_allclose(moved.displacements, [[0, -0.05 * height, 0.001]])
+    np.testing.assert_allclose(further.displacements, [[0, -0.06 * height, 0.001]])
+    # So is the most that a handle may move.
+    far = [("chin", [0, 0.55 * height, 0])]
+    assert len(handle_points(far, [], large).vertices) == 1
+    with pytest.raises(InputError, match="half the head's height"):
+        handle_points(far, [], head_template)
 
 
 def test_contradictions_are_refused(head_template):
@@ -58,7 +73,7 @@ def test_contradictions_are_refused(head_template):
     ):
         with pytest.raises(InputError, match="contradict"):
             handle_points(asked, pins, head_template, symmetric)
-    assert len(handle_points([("nose_tip", [0, 0, 0.01])] * 2, [], head_template, True)[0]) == 1
+    assert len(handle_points([("nose_tip", [0, 0, 0.01])] * 2, [], head_template, True).vertices) == 1
 
 
 @pytest.mark.parametrize("asked", [[], [("nose_tip", [0, 0, 0])]])

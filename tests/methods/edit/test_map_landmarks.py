@@ -2,15 +2,14 @@ import numpy as np
 import pytest
 
 from caricli.errors import InputError
-from caricli.io.bundled import asset_path
-from caricli.io.checkpoint import read_checkpoint
-from caricli.methods.edit.map_landmarks import map_landmarks
-from caricli.models.landmark_map.model import align, map_from_checkpoint
+from caricli.methods.edit.map_landmarks import map_landmarks, mean_shift
+from caricli.models.landmark_map.model import align
+from caricli.store.landmark_maps import load_landmark_map
 
 
 @pytest.fixture(scope="module")
 def bundled():
-    return map_from_checkpoint(*read_checkpoint(asset_path("landmark_map.safetensors")), "bundled")
+    return load_landmark_map()
 
 
 @pytest.fixture
@@ -48,3 +47,8 @@ def test_unknown_and_missing_landmarks_are_refused(bundled, points):
         map_landmarks(points, bundled, "normal")
     with pytest.raises(InputError, match="found 20"):
         map_landmarks(points[10:30], bundled, "normal")
+
+
+def test_the_shift_is_in_percent_of_the_diagonal(points):
+    diagonal = np.linalg.norm(np.ptp(points[:68], axis=0))
+    assert mean_shift(points, points[:68] + [0.03 * diagonal, 0]) == pytest.approx(3)

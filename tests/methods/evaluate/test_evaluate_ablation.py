@@ -14,7 +14,8 @@ from caricli.methods.evaluate.evaluate_ablation import (
     fit_codes,
 )
 from caricli.methods.evaluate.evaluate_shape import evaluate_shape
-from caricli.methods.train.train_autodecoder import AutoDecoderTraining, Surface
+from caricli.methods.train.surface import Surface, TrainingMeshes
+from caricli.methods.train.train_autodecoder import AutoDecoderTraining
 from caricli.models.ablation.config import AblationConfig
 from caricli.models.ablation.networks import ArraySize, VertexArray
 from caricli.models.deformable.model import UnitBox
@@ -32,7 +33,8 @@ CONFIG = AblationConfig(
 @pytest.fixture(scope="module")
 def template(ball):
     vertices, faces = ball
-    return Template(vertices, faces, faces, parse_annotation({"ibug68": list(range(68))}, len(vertices), "ball"))
+    annotation = parse_annotation({"ibug68": list(range(68))}, len(vertices), "ball")
+    return Template(vertices, faces, annotation=annotation)
 
 
 @pytest.fixture(scope="module")
@@ -44,10 +46,16 @@ def shapes(ball):
 
 
 @pytest.fixture(scope="module")
-def rows(template, shapes):
-    frame, progress = UnitBox(template.vertices), []
+def meshes(template, shapes):
+    surface = Surface(UnitBox(template.vertices), template.faces)
+    return TrainingMeshes(surface, shapes[:24], shapes[24:])
+
+
+@pytest.fixture(scope="module")
+def rows(template, meshes):
+    progress = []
     report = lambda done, total: progress.append((done, total))  # noqa: E731
-    found = list(evaluate_ablation(template, frame, shapes[:24], shapes[24:], CONFIG, report=report))
+    found = list(evaluate_ablation(template, meshes, CONFIG, report=report))
     assert progress == [(k, 30) for k in range(1, 31)]
     return {row.name: row for row in found}
 
@@ -89,8 +97,8 @@ def test_linear_models_are_measured_as_everywhere(rows, template, shapes):
         np.testing.assert_allclose(error, evaluate_shape(model, part).percent, rtol=1e-4)
 
 
-def test_the_same_seed_gives_the_same_figures(rows, template, shapes):
-    again = list(evaluate_ablation(template, UnitBox(template.vertices), shapes[:24], shapes[24:], CONFIG))
+def test_the_same_seed_gives_the_same_figures(rows, template, meshes):
+    again = list(evaluate_ablation(template, meshes, CONFIG))
     for row in again:
         assert replace(row, seconds=0.0) == replace(rows[row.name], seconds=0.0)
 
@@ -99,14 +107,14 @@ def test_codes_reach_what_the_network_can_express(ball, shapes):
     generator = torch.Generator().manual_seed(0)
     network = VertexArray(ArraySize(CONFIG.latent, 12, len(ball[0])), CONFIG.latent_std, generator)
     surface = Surface(UnitBox(ball[0]), ball[1])
-    points = surface.at_vertices(np.arange(len(ball[0])))
+    points = surface.at_vertices()
     truth = CONFIG.latent_std * torch.randn(3, CONFIG.latent, generator=generator)
     with torch.no_grad():
         fields = network(truth, points).numpy()
-    unseen = fields / surface.frame.scale + ball[0]
-    training = AutoDecoderTraining(network, surface, shapes[:6], unseen, replace(CONFIG, code_steps=300))
+    unseen = fields / surface.box.scale + ball[0]
+    training = AutoDecoderTraining(network, TrainingMeshes(surface, shapes[:6], unseen), CONFIG)
     network.requires_grad_(False)
     start = network(training.codes, points) - training.unseen
-    end = network(fit_codes(training), points) - training.unseen
+    end = network(fit_codes(training, 300), points) - training.unseen
     assert end.norm() < 0.02 * start.norm()
     assert not training.codes.any()

@@ -1,17 +1,21 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from caricli.errors import NumericsError
+from caricli.errors import InputError, NumericsError
 from caricli.geometry.exaggerate_curvature import exaggerate_curvature
 from caricli.geometry.head_rotation import head_rotation
 from caricli.methods.expressions.build_blendshapes import build_blendshapes
 from caricli.methods.expressions.measure_blendshapes import measure_blendshapes
-from caricli.methods.rig.expression_templates import combined_templates, mended_templates
+from caricli.methods.expressions.settings import METHODS, BlendshapeSettings
+from caricli.methods.expressions.tools import ExpressionTools
+from caricli.methods.rig.head_expressions import head_expressions
 from caricli.methods.rig.measure_rig import curve_gap
 from caricli.models.landmark_map.model import DOMAINS, GENERATOR_WEIGHTS, Domain, LandmarkMap
-from caricli.structures.landmarks import COUNT
 from caricli.store.models import load_model
-from caricli.structures import Camera
+from caricli.structures import Camera, Face
+from caricli.structures.landmarks import COUNT
 
 EXPRESSIONS = {
     "neutral": {},
@@ -23,13 +27,8 @@ EXPRESSIONS = {
 
 
 @pytest.fixture(scope="module")
-def templates(head, head_template):
-    return combined_templates(mended_templates(head, head_template), EXPRESSIONS)
-
-
-@pytest.fixture(scope="module")
-def morphable():
-    return load_model(kind="morphable")
+def actions(head, head_template):
+    return head_expressions(head, head_template)
 
 
 @pytest.fixture(scope="module")
@@ -44,22 +43,35 @@ def same():
 
 
 @pytest.fixture(scope="module")
-def caricature(templates):
+def tools(actions, same):
+    """Tools of the expressions, with a model whose latent can follow landmarks."""
+    return ExpressionTools(actions, EXPRESSIONS, load_model(kind="morphable"), same, load_model(kind="pca"))
+
+
+@pytest.fixture(scope="module")
+def caricature(tools):
     """(K, V, 3) an exaggerated face with every expression."""
+    templates = tools.templates
     shapes = (templates.neutral + templates.deltas) * [1.15, 0.9, 1.2]
     return np.stack([exaggerate_curvature(shape, templates.faces, [0.2])[0] for shape in shapes])
 
 
 @pytest.fixture(scope="module")
-def pose():
+def camera():
     return Camera(1600.0, head_rotation(np.radians([4.0, 12, -3])), np.array([300.0, 320]))
 
 
 @pytest.fixture(scope="module")
-def built(caricature, pose, templates, morphable, same):
+def face(caricature, camera, tools):
+    """A way to see a shape (V, 3)."""
+    return lambda shape, seen=camera: Face(tools.morphable.template.with_vertices(shape), seen)
+
+
+@pytest.fixture(scope="module")
+def built(caricature, face, tools):
     """Blendshapes of the caricature, seen neutral, by method."""
-    known = caricature[0], pose, templates, morphable, same
-    return {method: build_blendshapes(*known, method) for method in ("full", "initial", "transfer")}
+    given = face(caricature[0])
+    return {method: build_blendshapes(given, tools, BlendshapeSettings(method)) for method in METHODS}
 
 
 def errors(made, truth):
@@ -84,42 +96,43 @@ def test_optimised_shapes_drift_less_and_show_no_less(built, caricature):
     assert errors(built["full"], caricature).mean() < errors(built["initial"], caricature).mean()
 
 
-def test_lids_meet_where_contacts_are_kept(built, caricature, pose, templates, morphable, same, head_template):
-    free = build_blendshapes(caricature[0], pose, templates, morphable, same, contacts=False)
-    blink, note = templates.names.index("blink"), head_template.annotation
+def test_lids_meet_where_contacts_are_kept(built, caricature, face, tools, head_template):
+    free = build_blendshapes(face(caricature[0]), tools, BlendshapeSettings(contacts=False))
+    blink, note = tools.templates.names.index("blink"), head_template.annotation
     for side in ("left", "right"):
         ids = [note.curves[f"eye_{lid}_{side}"] for lid in ("upper", "lower")]
         usual = curve_gap(caricature[0], *ids)
         assert curve_gap(built["full"].shapes[blink], *ids) < 0.03 * usual < curve_gap(free.shapes[blink], *ids)
 
 
-def test_lips_close_on_an_open_jaw(head, head_template, caricature, pose, morphable, same):
+def test_lips_close_on_an_open_jaw(head_template, caricature, face, tools):
     both = {"neutral": {}, "mouthClose": {"mouthClose": 1.0}, "jawOpen": {"jawOpen": 1.0}}
-    made = build_blendshapes(
-        caricature[0], pose, combined_templates(mended_templates(head, head_template), both), morphable, same
-    )
+    made = build_blendshapes(face(caricature[0]), replace(tools, expressions=both))
     ids = [head_template.annotation.curves[f"mouth_inner_{lip}"] for lip in ("upper", "lower")]
     neutral, close, wide = made.shapes
     assert curve_gap((wide + close - neutral)[:, :2], *ids) < 0.2 * curve_gap(wide[:, :2], *ids)
 
 
-def test_an_expression_in_the_picture_is_undone(caricature, pose, templates, morphable, same):
-    wide = templates.names.index("open")
-    made = build_blendshapes(caricature[wide], pose, templates, morphable, same)
-    chin, away = morphable.template.annotation.landmarks[5:12], np.linalg.norm(caricature[wide] - caricature[0], axis=1)
+def test_an_expression_in_the_picture_is_undone(caricature, face, tools):
+    wide = tools.templates.names.index("open")
+    made = build_blendshapes(face(caricature[wide]), tools)
+    chin, away = (
+        tools.morphable.template.annotation.landmarks[5:12],
+        np.linalg.norm(caricature[wide] - caricature[0], axis=1),
+    )
     left = np.linalg.norm(made.shapes[0] - caricature[0], axis=1)
     assert left[chin].mean() < 0.7 * away[chin].mean()
     assert np.linalg.norm(made.shapes[wide] - caricature[wide], axis=1).mean() < 0.5 * away.mean()
 
 
 @pytest.mark.parametrize("method", ["full", "initial", "transfer"])
-def test_the_size_of_the_face_does_not_matter(built, caricature, pose, templates, morphable, same, method):
-    smaller = Camera(pose.scale / 3, pose.rotation, pose.translation)
-    made = build_blendshapes(3 * caricature[0], smaller, templates, morphable, same, method)
+def test_the_size_of_the_face_does_not_matter(built, caricature, camera, face, tools, method):
+    smaller = Camera(camera.scale / 3, camera.rotation, camera.translation)
+    made = build_blendshapes(face(3 * caricature[0], smaller), tools, BlendshapeSettings(method))
     np.testing.assert_allclose(made.shapes, 3 * built[method].shapes, atol=1e-6)
 
 
-def test_landmarks_are_carried_by_the_map(built, caricature, pose):
+def test_landmarks_are_carried_by_the_map(built):
     made = built["initial"]
     moved = made.fit.face.camera.project(made.normal[2][made.fit.anchors[:COUNT]])
     start = made.fit.face.camera.project(made.normal[0][made.fit.anchors[:COUNT]])
@@ -129,16 +142,23 @@ def test_landmarks_are_carried_by_the_map(built, caricature, pose):
     assert built["transfer"].landmarks is None
 
 
-def test_a_model_of_latents_can_follow_the_landmarks(caricature, pose, templates, morphable, same):
-    made = build_blendshapes(caricature[0], pose, templates, morphable, same, "initial", model=load_model(kind="pca"))
-    jaw = int(morphable.template.annotation.landmarks[8])
+def test_a_model_of_latents_can_follow_the_landmarks(caricature, face, tools):
+    made = build_blendshapes(face(caricature[0]), tools, BlendshapeSettings("initial", "latent"))
+    jaw = int(tools.morphable.template.annotation.landmarks[8])
     assert made.shapes[2, jaw, 1] < caricature[0, jaw, 1] - 0.003
     assert np.isfinite(made.shapes).all() and np.abs(made.shapes[0] - caricature[0]).max() < 0.01
 
 
-def test_a_triangle_without_area_is_refused(caricature, pose, templates, morphable, same):
+def test_a_triangle_without_area_is_refused(caricature, face, tools):
     flat = caricature[0].copy()
-    flat[templates.faces[9, 0]] = flat[templates.faces[9, 1]]
+    flat[tools.templates.faces[9, 0]] = flat[tools.templates.faces[9, 1]]
     for method in ("full", "transfer"):
         with pytest.raises(NumericsError):
-            build_blendshapes(flat, pose, templates, morphable, same, method)
+            build_blendshapes(face(flat), tools, BlendshapeSettings(method))
+
+
+def test_a_face_that_no_picture_shows_is_refused(caricature, face, tools):
+    with pytest.raises(InputError, match="expected a face with the camera"):
+        build_blendshapes(face(caricature[0], None), tools)
+    with pytest.raises(InputError, match="expected a model whose latent"):
+        build_blendshapes(face(caricature[0]), replace(tools, latent=None), BlendshapeSettings("initial", "latent"))

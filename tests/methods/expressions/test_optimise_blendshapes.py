@@ -5,7 +5,6 @@ from caricli.errors import NumericsError
 from caricli.methods.expressions.optimise_blendshapes import (
     UNMOVED,
     WHOLE,
-    BlendshapeWeights,
     cosines,
     displacement_masks,
     laplace_beltrami,
@@ -13,6 +12,8 @@ from caricli.methods.expressions.optimise_blendshapes import (
     optimise_blendshapes,
     structure,
 )
+from caricli.methods.expressions.settings import BlendshapeWeights
+from caricli.structures import Mesh
 
 SIDE, SHAPES = 8, 5
 
@@ -27,12 +28,12 @@ def problem():
     faces = np.concatenate([corners + [0, 1, SIDE], corners + [1, SIDE + 1, SIDE]])
     initial, normal = generator.normal(size=(2, SHAPES, SIDE**2, 3))
     normal[:, :SIDE] = 0
-    return initial, normal, vertices, faces
+    return initial, normal, Mesh(vertices, faces)
 
 
-def energy(candidate, initial, normal, vertices, faces):
+def energy(candidate, initial, normal, mesh):
     """Equation 11 with the usual weights, pair by pair."""
-    weights, (operator, area), cosine = BlendshapeWeights(), laplace_beltrami(vertices, faces), cosines(normal)
+    weights, (operator, area), cosine = BlendshapeWeights(), laplace_beltrami(mesh), cosines(normal)
 
     def squared(field):
         return (area[:, None] * field**2).sum()
@@ -49,8 +50,8 @@ def energy(candidate, initial, normal, vertices, faces):
 
 @pytest.mark.parametrize("weights", [BlendshapeWeights(), BlendshapeWeights(1, 3, 0), BlendshapeWeights(2, 0, 0.5)])
 def test_the_solution_is_that_of_the_dense_system(problem, weights):
-    initial, normal, vertices, faces = problem
-    operator, area = laplace_beltrami(vertices, faces)
+    initial, normal, mesh = problem
+    operator, area = laplace_beltrami(mesh)
     operator = operator.toarray()
     square = operator.T @ np.diag(area) @ operator
     free = np.flatnonzero(displacement_masks(normal).max(0) >= UNMOVED)
@@ -60,13 +61,13 @@ def test_the_solution_is_that_of_the_dense_system(problem, weights):
     chosen = np.concatenate([k * SIDE**2 + free for k in range(SHAPES)])
     expected = np.zeros((SHAPES * SIDE**2, 3))
     expected[chosen] = np.linalg.solve(whole[np.ix_(chosen, chosen)], right[chosen])
-    found = optimise_blendshapes(initial, normal, vertices, faces, weights)
+    found = optimise_blendshapes(initial, normal, mesh, weights)
     assert np.abs(found.reshape(-1, 3) - expected).max() < 1e-8 * np.abs(expected).max()
     assert not found[:, :SIDE].any()
 
 
 def test_nothing_near_it_has_less_energy_and_the_gradient_vanishes(problem):
-    initial, normal, vertices, faces = problem
+    initial, normal, mesh = problem
     found, generator = optimise_blendshapes(*problem), np.random.default_rng(1)
     free = (displacement_masks(normal).max(0) >= UNMOVED)[None, :, None]
     least = energy(found, *problem)
@@ -98,40 +99,42 @@ def test_masks_and_cosines_are_those_of_the_paper(problem):
 
 
 def test_without_structure_and_smoothness_the_masked_shapes_come_back(problem):
-    initial, normal, vertices, faces = problem
+    initial, normal, mesh = problem
     everywhere = np.ones_like(normal)
     everywhere[:, 0] = 0
     initial = initial * masks(everywhere)[..., None]
-    found = optimise_blendshapes(initial, everywhere, vertices, faces, BlendshapeWeights(1, 0, 0))
+    found = optimise_blendshapes(initial, everywhere, mesh, BlendshapeWeights(1, 0, 0))
     np.testing.assert_allclose(found, initial, atol=1e-7)
 
 
 def test_size_place_and_order_of_shapes_do_not_matter(problem):
-    initial, normal, vertices, faces = problem
+    initial, normal, mesh = problem
     found = optimise_blendshapes(*problem)
-    larger = optimise_blendshapes(7 * initial, 7 * normal, 7 * vertices + [1, 2, 3], faces)
+    larger = optimise_blendshapes(7 * initial, 7 * normal, mesh.with_vertices(7 * mesh.vertices + [1, 2, 3]))
     np.testing.assert_allclose(larger, 7 * found, atol=1e-8)
-    back = optimise_blendshapes(initial[::-1], normal[::-1], vertices, faces)[::-1]
+    back = optimise_blendshapes(initial[::-1], normal[::-1], mesh)[::-1]
     np.testing.assert_allclose(back, found, atol=1e-9)
 
 
 def test_where_nothing_moves_there_is_nothing_to_optimise(problem):
-    initial, normal, vertices, faces = problem
+    initial, normal, mesh = problem
     with pytest.raises(NumericsError, match="above 0"):
-        optimise_blendshapes(initial, normal, vertices, faces, BlendshapeWeights(0, 1, 1))
+        optimise_blendshapes(initial, normal, mesh, BlendshapeWeights(0, 1, 1))
     with pytest.raises(NumericsError, match="found none"):
-        optimise_blendshapes(initial, 0 * normal, vertices, faces)
-    flat = np.array(vertices)
-    flat[faces[0]] = flat[faces[0, 0]]
+        optimise_blendshapes(initial, 0 * normal, mesh)
+    flat = np.array(mesh.vertices)
+    flat[mesh.faces[0]] = flat[mesh.faces[0, 0]]
     with pytest.raises(NumericsError):
-        optimise_blendshapes(initial, normal, flat, faces)
+        optimise_blendshapes(initial, normal, mesh.with_vertices(flat))
 
 
 def test_a_part_that_moves_as_a_whole_is_refused(problem):
-    initial, normal, vertices, faces = problem
-    twice = np.concatenate([vertices, vertices + [0, 0, 9]]), np.concatenate([faces, faces + len(vertices)])
+    initial, normal, mesh = problem
+    count = len(mesh.vertices)
+    vertices = np.concatenate([mesh.vertices, mesh.vertices + [0, 0, 9]])
+    twice = Mesh(vertices, np.concatenate([mesh.faces, mesh.faces + count]))
     moves = [np.concatenate([m, m], axis=1) for m in (initial, normal)]
-    assert optimise_blendshapes(*moves, *twice).shape == moves[0].shape
-    moves[1][:, len(vertices) :] = 1
+    assert optimise_blendshapes(*moves, twice).shape == moves[0].shape
+    moves[1][:, count:] = 1
     with pytest.raises(NumericsError, match="in every part of the mesh a vertex .* found 1 without, .* vertex 64"):
-        optimise_blendshapes(*moves, *twice)
+        optimise_blendshapes(*moves, twice)

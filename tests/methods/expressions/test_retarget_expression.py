@@ -11,15 +11,14 @@ from caricli.geometry.similarity import similarity
 from caricli.io.bundled import asset_path
 from caricli.io.strict_json import read_json
 from caricli.methods.expressions.retarget_expression import (
-    STRONGEST,
-    WEAK,
     BoundedSystem,
+    RetargetSettings,
     exchange,
     explain_landmarks,
     explain_meshes,
 )
 from caricli.methods.reconstruct.fit_morphable import fit_morphable
-from caricli.methods.rig.expression_templates import mended_templates
+from caricli.methods.rig.head_expressions import head_expressions
 from caricli.store.models import load_model
 
 FRONT = np.diag([1.0, -1.0, -1.0])
@@ -33,7 +32,7 @@ def model():
 @pytest.fixture(scope="module")
 def deltas(head, head_template):
     """(46, V, 3) of the default expressions."""
-    templates = mended_templates(head, head_template)
+    templates = head_expressions(head, head_template)
     facs = read_json(asset_path("facs.json"))
     return templates.deltas[[bool(facs.get(name, {}).get("facs46")) for name in templates.names]]
 
@@ -84,10 +83,10 @@ def test_frames_share_what_a_solver_of_everything_at_once_finds():
     rows = np.hstack([np.kron(eye, motions.T), np.kron(np.ones((count, 1)), identity.T), np.kron(eye, deltas.T)])
     squares, first = rows.T @ rows, rows.T @ right.ravel()
     squares[12:17, 12:17] += np.eye(5)
-    squares[17:, 17:] += WEAK * np.eye(7 * count)
+    squares[17:, 17:] += RetargetSettings.weak * np.eye(7 * count)
     first[17:] -= 6.0
     root = np.linalg.cholesky(squares).T
-    low, high = np.repeat([[-np.inf, 0], [np.inf, STRONGEST]], [17, 7 * count], axis=1)
+    low, high = np.repeat([[-np.inf, 0], [np.inf, RetargetSettings.strongest]], [17, 7 * count], axis=1)
     expected = lsq_linear(root, np.linalg.solve(root.T, first), (low, high), "bvls", max_iter=1000).x
     assert 0 < (expected[17:] == 0).sum() < 7 * count
     np.testing.assert_allclose(steps.ravel(), expected[:12], atol=1e-8)
@@ -134,8 +133,8 @@ def test_weights_stay_within_their_bounds(model, deltas, people):
     shapes = neutral + np.tensordot(truth, deltas, 1)
     for known in (neutral, None):
         weights = explain_meshes(shapes, deltas, model, known).weights
-        assert weights.min() >= 0 and weights.max() <= STRONGEST
-        assert weights[0, 3] == STRONGEST and weights[1, 5] == 0
+        assert weights.min() >= 0 and weights.max() <= RetargetSettings.strongest
+        assert weights[0, 3] == RetargetSettings.strongest and weights[1, 5] == 0
 
 
 def test_frames_of_one_person_share_the_neutral_face(model, deltas, people):
@@ -162,7 +161,7 @@ def test_landmarks_tell_better_than_the_expression_that_was_fitted(model, deltas
         fit = fit_morphable(points, model)
         direct.append(explain_landmarks([fit], [points], deltas, model).weights[0])
         made = np.tensordot(model.parts(fit.face.latent)[1], model.expression, 1)
-        regressed.append(lsq_linear(flat.T, made.ravel(), (0, STRONGEST)).x)
+        regressed.append(lsq_linear(flat.T, made.ravel(), (0, RetargetSettings.strongest)).x)
     better, worse = (shift(np.array(found), truth, deltas)[0] for found in (direct, regressed))
     assert better < worse and better < 0.7 * shift(truth, truth, deltas)[1]
 

@@ -4,13 +4,18 @@ import pytest
 from caricli.geometry.flipped_triangles import flipped_triangles
 from caricli.methods.faces.encode_face import encode_face
 from caricli.methods.faces.interpolate_faces import interpolate_faces
+from caricli.structures import Camera, Face
+
+
+def encoded(vertices, model, **more):
+    return encode_face(Face(model.template.with_vertices(vertices), **more), model)
 
 
 @pytest.fixture(scope="module", params=["pca", "intrinsic"])
 def walk(request, strangers):
     """A model and the five faces from one stranger to another, who stands somewhere else."""
     model = request.getfixturevalue(request.param)
-    ends = [encode_face(vertices, model) for vertices in (strangers[1], strangers[2] + 0.05)]
+    ends = [encoded(vertices, model) for vertices in (strangers[1], strangers[2] + 0.05)]
     return model, list(interpolate_faces(*ends, model, 5))
 
 
@@ -39,11 +44,19 @@ def test_the_way_is_smooth_and_untorn(walk):
 
 
 def test_there_and_back_is_the_same_way(pca, strangers):
-    ends = [encode_face(vertices, pca) for vertices in strangers[:2]]
+    ends = [encoded(vertices, pca) for vertices in strangers[:2]]
     there, back = (list(interpolate_faces(*order, pca, 3)) for order in (ends, ends[::-1]))
     assert np.abs(there[1].vertices - back[1].vertices).max() < 1e-9
 
 
 def test_two_steps_are_the_ends(pca, strangers):
-    ends = [encode_face(vertices, pca) for vertices in strangers[:2]]
+    ends = [encoded(vertices, pca) for vertices in strangers[:2]]
     assert list(interpolate_faces(*ends, pca, 2)) == ends
+
+
+def test_no_camera_sees_what_is_between(pca, strangers):
+    camera = Camera(900.0, np.diag([1.0, -1, -1]), np.ones(2))
+    ends = [encoded(vertices, pca, camera=camera, landmarks=np.zeros((68, 2))) for vertices in strangers[:2]]
+    walk = list(interpolate_faces(*ends, pca, 3))
+    assert all(face.camera is None and face.landmarks is None for face in walk)
+    assert walk[0].latent is ends[0].latent and walk[2].mesh is ends[1].mesh

@@ -3,6 +3,7 @@ import pytest
 
 from caricli.methods.faces.encode_face import encode_face
 from caricli.methods.faces.nearest_identity import likeness, nearest_identity
+from caricli.structures import Face
 
 
 def test_the_nearest_neutral_is_found():
@@ -14,7 +15,7 @@ def test_the_nearest_neutral_is_found():
 
 
 def test_a_face_is_like_itself_until_another_is_nearer(pca, strangers):
-    faces = [encode_face(vertices, pca) for vertices in strangers[:3]]
+    faces = [encode_face(Face(pca.template.with_vertices(vertices)), pca) for vertices in strangers[:3]]
     others = pca.prior.whiten(np.array([face.latent for face in faces[1:]]))
     same = likeness(faces[0], faces[0], pca, others)
     assert same.own == 0 and same.kept and same.people == 2

@@ -32,8 +32,8 @@ def test_what_was_mended_is_in_the_residual(intrinsic, samples):
     assert any(sample.flipped < sample.flipped_drawn for sample in samples)
     for sample in samples:
         face = sample.face
-        back = decode_face(face.latent, face.residual, intrinsic, face.shift)
-        assert np.abs(back - face.vertices).max() < 1e-7
+        back = decode_face(face, intrinsic, face.shift)
+        assert np.abs(back.vertices - face.vertices).max() < 1e-7
 
 
 def test_the_seed_decides_and_more_faces_begin_alike(pca):
@@ -54,11 +54,13 @@ def test_rejected_draws_are_counted(pca, monkeypatch):
         for share in (0.1, 0.1, 0.1, 0.1, 0.0, 0.0):
             yield np.full(10, share)
 
-    found = flips()
-    monkeypatch.setattr(module, "flipped_triangles", lambda vertices, gradients: next(found))
+    shares = flips()
+    monkeypatch.setattr(module, "flipped_triangles", lambda vertices, gradients: next(shares))
     (sample,) = draw(pca, 1)
     generator = np.random.default_rng(0)
     latents = [generator.normal(size=len(pca.prior.mean)) for _ in range(3)]
+    figures = {"prior_rms": sample.face.prior_rms, "flipped": 0.0, "flipped_drawn": 0.0, "rejected": 2}
+    assert sample.figures() == figures
     assert sample.rejected == 2 and np.allclose(sample.face.latent, latents[2])
 
 

@@ -133,14 +133,26 @@ def test_all_81_landmarks(strangers, seen, template):
 
 
 @pytest.mark.parametrize("kind", ["intrinsic", "kernel"])
-def test_the_residual_takes_up_what_moved(kind, request, refined, template):
-    model, found = request.getfixturevalue(kind), refined[4]
-    coarse = encode_face(template.vertices, model)
-    code = encode_face(found.face.vertices, model, coarse.latent)
+def test_the_residual_takes_up_what_moved(kind, request, pairs, template):
+    model, truth = request.getfixturevalue(kind), pairs[4]
+    coarse = encode_face(Face(template, truth.camera), model)
+    found = refine_face(coarse, truth.points, template).face
+    assert found.residual is None
+    code = renew_residual(found, model)
     np.testing.assert_array_equal(code.latent, coarse.latent)
-    assert np.abs(code.residual - coarse.residual).max() > 1e-3
-    again = decode_face(code.latent, code.residual, model, code.shift)
-    np.testing.assert_allclose(again, found.face.vertices, atol=1e-6)
+    assert np.abs(code.residual - coarse.residual).max() > 1e-3 and code.model_id == model.model_id
+    np.testing.assert_allclose(decode_face(code, model, code.shift).vertices, found.vertices, atol=1e-6)
+    np.testing.assert_array_equal(code.camera.rotation, truth.camera.rotation)
+
+
+def test_a_face_without_a_latent_gets_no_residual(pairs, refined, intrinsic):
+    bare = renew_residual(replace(refined[0].face, model_id="some"), intrinsic)
+    assert bare.latent is bare.residual is bare.model_id is None and bare.camera is pairs[0].camera
+
+
+def test_a_face_of_no_picture_is_refused(pairs, template):
+    with pytest.raises(InputError, match="expected a face with the camera of its picture"):
+        refine_face(Face(template), pairs[0].points, template)
 
 
 def upwards(camera):

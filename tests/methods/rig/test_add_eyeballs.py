@@ -3,9 +3,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from caricli.io.rig import rig_problem
 from caricli.methods.rig.add_eyeballs import ANGLES, CLEARANCE, Eyeball, add_eyeballs, fit_eyeballs, lid_vertices
-from caricli.structures import Material, Rig
+from caricli.structures import Material, Mesh, Rig
 from caricli.structures.arkit import ARKIT_NAMES
 from caricli.structures.mesh import triangle_fans
 
@@ -20,7 +19,7 @@ def skin():
     neutral = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0.5, 2, 0]], np.float32)
     deltas = np.random.default_rng(0).normal(size=(52, 5, 3)).astype(np.float32)
     uvs = neutral[:, :2].astype(float) / 2
-    return Rig(ARKIT_NAMES, neutral, deltas, triangle_fans(SKIN_QUADS), SKIN_QUADS, uvs, SKIN_QUADS)
+    return Rig(ARKIT_NAMES, Mesh(neutral, SKIN_QUADS, uvs, SKIN_QUADS), deltas)
 
 
 def balls_of(rig, skin):
@@ -32,14 +31,16 @@ def balls_of(rig, skin):
 
 def test_the_face_comes_first_and_as_it_was(skin):
     rig = add_eyeballs(skin, BALLS, np.random.default_rng(0))
-    assert rig_problem(rig) is None and rig.names == skin.names
+    assert rig.names == skin.names
     np.testing.assert_array_equal(rig.neutral[:5], skin.neutral)
     np.testing.assert_array_equal(rig.deltas[:, :5], skin.deltas)
     np.testing.assert_array_equal(rig.mesh.polygons[:2], SKIN_QUADS)
     np.testing.assert_array_equal(rig.mesh.uv_polygons[:2], SKIN_QUADS)
-    np.testing.assert_array_equal(rig.mesh.uvs[:5], skin.uvs)
+    np.testing.assert_array_equal(rig.mesh.uvs[:5], skin.mesh.uvs)
     np.testing.assert_array_equal(rig.faces, triangle_fans(rig.mesh.polygons))
-    np.testing.assert_array_equal(rig.materials, np.where(np.arange(len(rig.mesh.polygons)) < 2, Material.SKIN, Material.EYE))
+    np.testing.assert_array_equal(
+        rig.materials, np.where(np.arange(len(rig.mesh.polygons)) < 2, Material.SKIN, Material.EYE)
+    )
 
 
 def test_balls_are_closed_spheres_that_look_outwards(skin):
@@ -58,7 +59,10 @@ def test_balls_are_closed_spheres_that_look_outwards(skin):
 
 def test_the_picture_is_unrolled_from_the_pupil(skin):
     rig = add_eyeballs(skin, BALLS, np.random.default_rng(0))
-    corners, rows = rig.mesh.polygons[rig.materials == Material.EYE], rig.mesh.uv_polygons[rig.materials == Material.EYE]
+    corners, rows = (
+        rig.mesh.polygons[rig.materials == Material.EYE],
+        rig.mesh.uv_polygons[rig.materials == Material.EYE],
+    )
     half = len(corners) // 2
     np.testing.assert_array_equal(rows[:half], rows[half:])
     assert rows[corners >= 0].min() == 5 and rows.max() == len(rig.mesh.uvs) - 1
@@ -72,7 +76,9 @@ def test_the_picture_is_unrolled_from_the_pupil(skin):
     along = towards[:, :2] / np.maximum(np.linalg.norm(towards[:, :2], axis=1, keepdims=True), 1e-2)
     assert ((away * along).sum(1) >= 0.99 * np.linalg.norm(away, axis=1))[np.abs(towards[:, 2]) < 0.999].all()
     # No polygon covers more of the picture than its share, those around the back neither.
-    assert np.ptp(np.where(used[..., None], rig.mesh.uvs[rows[:half]], rig.mesh.uvs[rows[:half, :1]]), axis=1).max() < 0.15
+    assert (
+        np.ptp(np.where(used[..., None], rig.mesh.uvs[rows[:half]], rig.mesh.uvs[rows[:half, :1]]), axis=1).max() < 0.15
+    )
 
 
 def test_eyes_turn_where_the_name_says(skin):
@@ -100,9 +106,8 @@ def test_eyes_turn_where_the_name_says(skin):
 
 
 def test_a_face_without_uvs_gets_one_place_for_its_corners(skin):
-    bare = replace(skin, uvs=None, uv_polygons=None)
+    bare = replace(skin, mesh=Mesh(skin.neutral, SKIN_QUADS))
     rig = add_eyeballs(bare, BALLS[:1], np.random.default_rng(0))
-    assert rig_problem(rig) is None
     np.testing.assert_array_equal(rig.mesh.uv_polygons[:2], [[0, 0, 0, 0], [0, 0, 0, -1]])
     own = rig.mesh.uv_polygons[2:][rig.mesh.polygons[2:] >= 0]
     assert own.min() == 1 and own.max() == len(rig.mesh.uvs) - 1
@@ -111,8 +116,9 @@ def test_a_face_without_uvs_gets_one_place_for_its_corners(skin):
 @pytest.mark.parametrize("width", [3, 6])
 def test_polygons_of_any_width(skin, width):
     rows = triangle_fans(SKIN_QUADS) if width == 3 else np.pad(SKIN_QUADS, ((0, 0), (0, 2)), constant_values=-1)
-    rig = add_eyeballs(replace(skin, polygons=rows, uv_polygons=rows), BALLS, np.random.default_rng(0))
-    assert rig_problem(rig) is None and rig.mesh.polygons.shape[1] == max(width, 4)
+    mesh = Mesh(skin.neutral, rows, skin.mesh.uvs, rows)
+    rig = add_eyeballs(replace(skin, mesh=mesh), BALLS, np.random.default_rng(0))
+    assert rig.mesh.polygons.shape[1] == max(width, 4)
     np.testing.assert_array_equal(rig.mesh.polygons[: len(rows), :width], rows)
     np.testing.assert_array_equal(rig.faces, add_eyeballs(skin, BALLS, np.random.default_rng(0)).faces)
 
@@ -128,9 +134,9 @@ def test_eyes_retreat_until_the_lids_clear_them(head_template):
     neutral, note = head_template.vertices, head_template.annotation
     lids = lid_vertices(note, "left")
     deltas = np.zeros((2, *neutral.shape))
-    resting, other = fit_eyeballs(neutral, deltas, head_template)
+    resting, other = fit_eyeballs(head_template, note, deltas)
     deltas[1, lids, 2] = -0.004
-    pressed, still = fit_eyeballs(neutral, deltas, head_template)
+    pressed, still = fit_eyeballs(head_template, note, deltas)
     assert (pressed.side, still.side) == ("left", "right")
     assert pressed.retreat > resting.retreat + 0.002 and pressed.radius == resting.radius
     np.testing.assert_allclose(still.centre, other.centre)
@@ -148,5 +154,5 @@ def test_lids_are_no_lining(head_template):
 
 
 def test_a_mesh_that_the_annotation_does_not_fit_has_no_eyes(head_template):
-    coarse = replace(head_template, faces=head_template.faces[:50])
-    assert fit_eyeballs(head_template.vertices, np.zeros((1, 4200, 3)), coarse) == []
+    coarse = Mesh(head_template.vertices, head_template.faces[:50])
+    assert fit_eyeballs(coarse, head_template.annotation, np.zeros((1, 4200, 3))) == []

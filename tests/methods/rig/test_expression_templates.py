@@ -5,14 +5,14 @@ import pytest
 
 from caricli.errors import InputError
 from caricli.methods.rig.expression_templates import (
-    STRENGTH,
     ExpressionTemplates,
     check_templates,
     contact_normals,
-    mended_templates,
-    thinned,
+    thin_pairs,
 )
+from caricli.methods.rig.head_expressions import BLINKS, MendSettings, head_expressions
 from caricli.methods.rig.measure_rig import curve_gap
+from caricli.structures import Mesh
 from caricli.structures.arkit import ARKIT_NAMES
 
 _TOUCH = 2e-4
@@ -20,7 +20,7 @@ _TOUCH = 2e-4
 
 @pytest.fixture(scope="module")
 def templates(head, head_template):
-    return mended_templates(head, head_template)
+    return head_expressions(head, head_template)
 
 
 @pytest.fixture
@@ -35,8 +35,8 @@ def plates():
     deltas = np.zeros((3, 72, 3))
     deltas[0, 36:, 2] = 0.2
     deltas[2, 36:, 2] = -0.2
-    return ExpressionTemplates(("jawOpen", "nothing", "mouthClose"), neutral, np.vstack([faces, faces[:, ::-1] + 36]),
-                               deltas)  # fmt: skip
+    mesh = Mesh(neutral, np.vstack([faces, faces[:, ::-1] + 36]))
+    return ExpressionTemplates(("jawOpen", "nothing", "mouthClose"), mesh, deltas)
 
 
 def test_the_heads_expressions_are_arkits(templates, head, head_template):
@@ -62,8 +62,9 @@ def test_lids_meet_where_the_head_s_own_pierce(templates, head, head_template, s
 def test_only_blinks_are_weaker_and_only_lips_and_lids_differ(templates, head, head_template):
     near = head_template.mask("mouth", "lips", "eyes_left", "eyes_right", "inner_mouth")
     for k, name in enumerate(templates.names):
-        change = np.abs(templates.deltas[k] - STRENGTH.get(name, 1.0) * head.actions[k].astype(float)).max(1)
-        assert change.max() < 4e-3 and change[~near].max() < (3e-3 if name in STRENGTH else 1e-3), name
+        strength = MendSettings.blink if name in BLINKS else 1.0
+        change = np.abs(templates.deltas[k] - strength * head.actions[k].astype(float)).max(1)
+        assert change.max() < 4e-3 and change[~near].max() < (3e-3 if name in BLINKS else 1e-3), name
     for name in ("browInnerUp", "jawOpen", "eyeWideLeft"):
         k = templates.names.index(name)
         np.testing.assert_allclose(templates.deltas[k], head.actions[k], atol=1e-9)
@@ -73,7 +74,7 @@ def test_no_expression_pushes_lips_through_each_other(templates, head):
     from caricli.geometry.contact_pairs import touching_pairs
 
     lips = touching_pairs(templates.neutral, templates.faces, templates.reach)
-    normals = contact_normals(templates.neutral, templates.faces, lips, templates.reach)
+    normals = contact_normals(templates.mesh, lips, templates.reach)
 
     def least(deltas):
         """How near pairs come along their normals, over what they may, at worst."""
@@ -131,12 +132,12 @@ def test_pairs_close_from_what_an_addition_starts_from(plates):
 def test_sliding_on_each_other_is_no_closing(plates):
     # The upper plate goes three columns aside: its vertices meet others, but they touched before.
     deltas = np.where(np.arange(72)[:, None] < 36, 0, [0.6, 0, 0])[None]
-    aside = ExpressionTemplates(("jawLeft",), plates.neutral, plates.faces, deltas)
+    aside = ExpressionTemplates(("jawLeft",), plates.mesh, deltas)
     assert len(aside.pairs) == 36 and (aside.pairs[:, 1] - aside.pairs[:, 0] == 36).all()
     assert not aside.motions[0].closed.any()
     # From further away they close.
-    apart = ExpressionTemplates(("a",), plates.neutral + [0, 0, 0.1] * (np.arange(72)[:, None] >= 36), plates.faces,
-                                deltas - [0, 0, 0.1] * (np.arange(72)[:, None] >= 36))  # fmt: skip
+    lifted = [0, 0, 0.1] * (np.arange(72)[:, None] >= 36)
+    apart = ExpressionTemplates(("a",), plates.mesh.with_vertices(plates.neutral + lifted), deltas - lifted)
     assert len(apart.pairs) == 18 and apart.motions[0].closed.all()
 
 
@@ -145,7 +146,7 @@ def test_what_hardly_moves_is_trusted_little(plates):
     deltas[0, :, 2] = np.where(np.arange(72) < 36, 0, np.linspace(0, 0.2, 72))
     deltas[0, 36, 2] = 0.004
     deltas[0, 37:41] = 0
-    motion = ExpressionTemplates(("a",), plates.neutral, plates.faces, deltas).motions[0]
+    motion = ExpressionTemplates(("a",), plates.mesh, deltas).motions[0]
     size = np.linalg.norm(deltas[0], axis=1)
     assert (motion.trust[size >= 0.02] == 1).all() and 0 < motion.trust[36] < 0.2
     assert (motion.trust[size == 0] == 0).all()
@@ -157,24 +158,25 @@ def test_what_hardly_moves_is_trusted_little(plates):
 def test_thinning_leaves_one_pair_for_two_cells():
     vertices = np.array([[0.1, 0, 0], [0.4, 0, 0], [0.1, 0, 2], [0.2, 0, 2], [0.1, 0, 3], [1.3, 0, 0]])
     pairs = np.array([[0, 2], [1, 3], [0, 4], [5, 2], [1, 2]])
-    np.testing.assert_array_equal(thinned(pairs, vertices, 1.0), [[0, 2], [0, 4], [5, 2]])
-    np.testing.assert_array_equal(thinned(pairs, vertices, 1e-3), pairs)
+    np.testing.assert_array_equal(thin_pairs(pairs, vertices, 1.0), [[0, 2], [0, 4], [5, 2]])
+    np.testing.assert_array_equal(thin_pairs(pairs, vertices, 1e-3), pairs)
 
 
 def test_normals_of_contacts(plates):
     pairs = np.stack([np.arange(36) + 36, np.arange(36)], axis=1)
     # Where they touch, by the surfaces' normals; from afar, by the line between them; never against the usual ones.
-    np.testing.assert_allclose(contact_normals(plates.neutral, plates.faces, pairs, 0.1), np.tile([0, 0, 1.0], (36, 1)))
+    np.testing.assert_allclose(contact_normals(plates.mesh, pairs, 0.1), np.tile([0, 0, 1.0], (36, 1)))
     aslant = plates.neutral + np.where(np.arange(72)[:, None] < 36, 0, [0.3, 0, 0.394])
     direction = np.array([0.3, 0, 0.4]) / 0.5
-    far = contact_normals(aslant, plates.faces, pairs, 0.1)
+    aslant = plates.mesh.with_vertices(aslant)
+    far = contact_normals(aslant, pairs, 0.1)
     np.testing.assert_allclose(far, np.tile(direction, (36, 1)), atol=1e-9)
     usual = np.array([direction, -direction, [0, 1.0, 0]])
-    np.testing.assert_allclose(contact_normals(aslant, plates.faces, pairs[:3], 0.1, usual), usual, atol=1e-9)
+    np.testing.assert_allclose(contact_normals(aslant, pairs[:3], 0.1, usual), usual, atol=1e-9)
 
 
 def test_checked_templates_are_what_was_given(plates):
-    made = check_templates(["a", "b", "c"], plates.neutral, plates.faces, plates.neutral + plates.deltas)
+    made = check_templates(["a", "b", "c"], plates.mesh, plates.neutral + plates.deltas)
     assert made.names == ("a", "b", "c")
     np.testing.assert_allclose(made.deltas, plates.deltas, atol=1e-12)
 
@@ -184,7 +186,7 @@ def test_meshes_that_cannot_be_transferred_from_are_refused(plates):
 
     def refused(match, neutral=plates.neutral, faces=plates.faces, shapes=shapes):
         with pytest.raises(InputError, match=match):
-            check_templates(["a", "b", "c"], neutral, faces, shapes)
+            check_templates(["a", "b", "c"], Mesh(neutral, faces), shapes)
 
     refused("at most two triangles on every edge, found 3 on one", faces=np.vstack([plates.faces, [0, 7, 50]]))
     flat = plates.neutral.copy()

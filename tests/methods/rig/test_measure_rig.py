@@ -6,7 +6,9 @@ import pytest
 from caricli.methods.rig.add_eyeballs import Eyeball
 from caricli.methods.rig.expression_templates import ExpressionTemplates
 from caricli.methods.rig.measure_rig import curve_gap, measure_rig
+from caricli.structures import Mesh
 from caricli.template.annotation import Annotation
+from caricli.template.template import Template
 
 ROWS, COLUMNS = 9, 7
 LOWER, UPPER = 2, 6
@@ -48,9 +50,10 @@ def lowered(neutral, *amounts):
 
 
 @pytest.fixture(scope="module")
-def templates(neutral, faces):
+def templates(neutral, faces, annotation):
     """The blink ends 0.05 above the lower row; mouthClose undoes a jawOpen of 1 and goes as far."""
-    return ExpressionTemplates(NAMES, neutral, faces, lowered(neutral, 3.95, -1, 4.95, 0))
+    mesh = Template(neutral, faces, annotation=annotation)
+    return ExpressionTemplates(NAMES, mesh, lowered(neutral, 3.95, -1, 4.95, 0))
 
 
 def test_gap_between_polylines():
@@ -66,8 +69,8 @@ def test_gap_between_polylines():
     assert curve_gap(ahead, ids + 5, ids) == pytest.approx(np.mean([0.25, 0.5, 0.75]))
 
 
-def test_gaps_are_shares_of_what_was_open(neutral, templates, annotation):
-    measures = measure_rig(lowered(neutral, 3, -1, 4, 0), neutral, templates, annotation, 1.0)
+def test_gaps_are_shares_of_what_was_open(neutral, templates):
+    measures = measure_rig(neutral, lowered(neutral, 3, -1, 4, 0), templates)
     assert measures.lid_gap == {"left": pytest.approx(0.25)}
     # The jaw opens 4 to 5, of which 1 is left.
     assert measures.lip_gap == pytest.approx(0.2)
@@ -75,45 +78,47 @@ def test_gaps_are_shares_of_what_was_open(neutral, templates, annotation):
     assert measures.inside is None
 
 
-def test_lips_at_any_depth_are_closed_seen_from_the_front(neutral, templates, annotation):
+def test_lips_at_any_depth_are_closed_seen_from_the_front(neutral, templates):
     deltas = lowered(neutral, 0, -1, 5, 0)
     deltas[2, row(UPPER), 2] = 3
-    assert measure_rig(deltas, neutral, templates, annotation, 1.0).lip_gap == pytest.approx(0, abs=1e-12)
+    assert measure_rig(neutral, deltas, templates).lip_gap == pytest.approx(0, abs=1e-12)
 
 
-def test_flips_are_counted_on_top_of_what_an_expression_starts_from(neutral, templates, annotation):
-    measures = measure_rig(lowered(neutral, 1.5, -1, 0.5, 0), neutral, templates, annotation, 1.0)
+def test_flips_are_counted_on_top_of_what_an_expression_starts_from(neutral, templates):
+    measures = measure_rig(neutral, lowered(neutral, 1.5, -1, 0.5, 0), templates)
     # One strip of the eight turns over in the blink. In jawOpen the one above has no area, upside down it is in none.
     np.testing.assert_allclose(measures.flipped[[0, 2, 3]], [1 / 8, 0, 0])
-    raised = measure_rig(lowered(neutral, 0, -1.5, 2, 0), neutral, templates, annotation, 1.0)
+    raised = measure_rig(neutral, lowered(neutral, 0, -1.5, 2, 0), templates)
     np.testing.assert_allclose(raised.flipped, [0, 1 / 8, 0, 0])
 
 
 def test_strength_is_against_the_scaled_templates(neutral, templates):
-    measures = measure_rig(0.5 * templates.deltas, neutral, templates, None, 2.0)
+    nameless = replace(templates, mesh=Mesh(neutral, templates.faces))
+    measures = measure_rig(2 * neutral, 0.5 * templates.deltas, nameless)
     np.testing.assert_allclose(measures.strength, [0.25, 0.25, 0.25, np.nan])
     assert measures.lid_gap == {} and measures.lip_gap is None and measures.inside is None
 
 
-def test_depth_of_lids_in_the_eyes_on_the_way(neutral, templates, annotation):
+def test_depth_of_lids_in_the_eyes_on_the_way(neutral, templates):
     # The nearest lid vertex is right in front of the ball, of row 4 or UPPER: row LOWER is lining.
     ball = Eyeball("left", np.array([3.0, 4, -5]), 4.0, 0.0)
-    resting = measure_rig(0 * templates.deltas, neutral, templates, annotation, 1.0, [ball])
+    resting = measure_rig(neutral, 0 * templates.deltas, templates, [ball])
     assert resting.inside == pytest.approx(-1)
     deltas = 0 * templates.deltas
     deltas[3, row(4), 2] = -2
-    assert measure_rig(deltas, neutral, templates, annotation, 1.0, [ball]).inside == pytest.approx(1)
+    assert measure_rig(neutral, deltas, templates, [ball]).inside == pytest.approx(1)
     # Half way through, and out at the other side.
     deltas[3, row(4), 2] = -10
-    assert measure_rig(deltas, neutral, templates, annotation, 1.0, [ball]).inside == pytest.approx(4)
+    assert measure_rig(neutral, deltas, templates, [ball]).inside == pytest.approx(4)
     other = replace(ball, centre=np.array([3.0, 6, -4.5]))
-    assert measure_rig(0 * deltas, neutral, templates, annotation, 1.0, [ball, other]).inside == pytest.approx(-0.5)
+    assert measure_rig(neutral, 0 * deltas, templates, [ball, other]).inside == pytest.approx(-0.5)
     deltas[3, row(4), 2], deltas[3, row(LOWER), 2] = 0, -4
-    assert measure_rig(deltas, neutral, templates, annotation, 1.0, [ball]).inside == pytest.approx(-1)
+    assert measure_rig(neutral, deltas, templates, [ball]).inside == pytest.approx(-1)
 
 
 def test_names_without_lids_and_lips_have_no_gaps(neutral, faces, annotation):
-    smile = ExpressionTemplates(("smile",), neutral, faces, lowered(neutral, 1))
-    measures = measure_rig(smile.deltas, neutral, smile, annotation, 1.0)
+    mesh = Template(neutral, faces, annotation=annotation)
+    smile = ExpressionTemplates(("smile",), mesh, lowered(neutral, 1))
+    measures = measure_rig(neutral, smile.deltas, smile)
     assert measures.lid_gap == {} and measures.lip_gap is None and np.isnan(measures.contact_gap).all()
     np.testing.assert_allclose(measures.strength, 1)

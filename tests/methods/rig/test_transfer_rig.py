@@ -8,9 +8,11 @@ from caricli.errors import NumericsError
 from caricli.geometry.exaggerate_curvature import exaggerate_curvature
 from caricli.geometry.vertex_neighbours import vertex_neighbours
 from caricli.methods.rig.add_eyeballs import fit_eyeballs
-from caricli.methods.rig.expression_templates import STARTS, mended_templates
+from caricli.methods.rig.head_expressions import head_expressions
 from caricli.methods.rig.measure_rig import measure_rig
 from caricli.methods.rig.transfer_rig import transfer_rig
+from caricli.structures import Mesh
+from caricli.structures.arkit import STARTS
 
 MIRROR = np.array([-1.0, 1, 1])
 RINGS = 4
@@ -18,7 +20,7 @@ RINGS = 4
 
 @pytest.fixture(scope="module")
 def templates(head, head_template):
-    return mended_templates(head, head_template)
+    return head_expressions(head, head_template)
 
 
 @pytest.fixture(scope="module")
@@ -35,8 +37,8 @@ def rigged(templates, caricature):
 
 
 def measured(deltas, face, templates, head_template):
-    balls = fit_eyeballs(face, deltas, head_template)
-    return measure_rig(deltas, face, templates, head_template.annotation, 1.0, balls)
+    balls = fit_eyeballs(head_template.with_vertices(face), head_template.annotation, deltas)
+    return measure_rig(face, deltas, templates, balls)
 
 
 def swapped(names):
@@ -64,8 +66,8 @@ def test_a_moved_and_scaled_caricature_does_the_moved_and_scaled_thing(templates
 
 
 def test_mirrored_faces_and_expressions_give_mirrored_rigs(templates, caricature, rigged):
-    image = replace(templates, neutral=templates.neutral * MIRROR, faces=templates.faces[:, ::-1],
-                    deltas=templates.deltas * MIRROR)  # fmt: skip
+    mesh = Mesh(templates.neutral * MIRROR, templates.faces[:, ::-1])
+    image = replace(templates, mesh=mesh, deltas=templates.deltas * MIRROR)
     assert np.abs(transfer_rig(image, caricature * MIRROR) - rigged * MIRROR).max() < 1e-9
 
 
@@ -74,7 +76,7 @@ def test_mirrored_faces_give_mirrored_rigs(templates, caricature, head_template)
     mirror, swap = head_template.annotation.mirror, swapped(templates.names)
     even = replace(
         templates,
-        neutral=(templates.neutral + templates.neutral[mirror] * MIRROR) / 2,
+        mesh=head_template.with_vertices((templates.neutral + templates.neutral[mirror] * MIRROR) / 2),
         deltas=(templates.deltas + templates.deltas[swap][:, mirror] * MIRROR) / 2,
     )
     found = transfer_rig(even, caricature)

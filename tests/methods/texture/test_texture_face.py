@@ -5,7 +5,8 @@ import pytest
 from scipy.ndimage import binary_erosion
 
 from caricli.geometry.deformation_gradients import rotation_matrices
-from caricli.methods.texture.texture_face import ROUNDS, texture_face
+from caricli.methods.texture.settings import TextureSettings
+from caricli.methods.texture.texture_face import texture_face
 from caricli.render.diffuse_background import diffuse_background
 from caricli.render.draw_textured import render_textured
 from caricli.render.rasterise import rasterise
@@ -34,7 +35,7 @@ class Texels:
 class Scene:
     """A head in colours that are known, seen from one side in front of magenta, and what was made of its picture."""
 
-    pose: Camera
+    camera: Camera
     image: np.ndarray
     mask: np.ndarray
     found: object
@@ -64,18 +65,11 @@ def colours(places):
 
 def still(vertices, template, texture):
     deltas = np.zeros((0, *vertices.shape), np.float32)
-    mesh = (template.faces, template.polygons, template.uvs, template.uv_polygons)
-    return Rig((), vertices.astype(np.float32), deltas, *mesh, texture=texture)
+    return Rig((), template.with_vertices(vertices.astype(np.float32)), deltas, texture=texture)
 
 
-def placed(vertices, pose):
-    camera = pose.scale * vertices @ pose.rotation.T
-    camera[:, :2] += pose.translation
-    return camera
-
-
-def photograph(vertices, template, texture, pose):
-    return render_textured(still(vertices, template, texture), placed(vertices, pose), SIDE, SIDE, paper=MAGENTA)
+def photograph(vertices, template, texture, camera):
+    return render_textured(still(vertices, template, texture), camera.place(vertices), SIDE, SIDE, paper=MAGENTA)
 
 
 @pytest.fixture(scope="module")
@@ -108,11 +102,11 @@ def scenes(face, template, truth):
     for yaw in (0, 40, -50):
         rotation = rotation_matrices(np.radians([[0.0, yaw, 0]]))[0] @ FRONT
         middle = (face.min(0) + face.max(0)) / 2
-        pose = Camera(1250.0, rotation, np.array([SIDE / 2, SIDE / 2]) - 1250 * rotation[:2] @ middle)
-        image = photograph(face, template, truth, pose)
-        mask = rasterise(placed(face, pose), template.faces, SIDE, SIDE).face >= 0
+        camera = Camera(1250.0, rotation, np.array([SIDE / 2, SIDE / 2]) - 1250 * rotation[:2] @ middle)
+        image = photograph(face, template, truth, camera)
+        mask = rasterise(camera.place(face), template.faces, SIDE, SIDE).face >= 0
         assert (image[~mask] == MAGENTA).all() and 0.15 < mask.mean() < 0.8
-        made[yaw] = Scene(pose, image, mask, texture_face(face, pose, image, mask, template, SIZE))
+        made[yaw] = Scene(camera, image, mask, texture_face(template.with_vertices(face), camera, image, mask, SIZE))
     return made
 
 
@@ -120,7 +114,7 @@ def scenes(face, template, truth):
 def test_it_looks_like_its_picture(yaw, scenes, face, template):
     scene = scenes[yaw]
     assert scene.found.image.shape == (SIZE, SIZE, 3) and scene.found.image.dtype == np.uint8
-    again = photograph(face, template, scene.found.image, scene.pose).astype(float)
+    again = photograph(face, template, scene.found.image, scene.camera).astype(float)
     assert np.abs(again - scene.image)[scene.mask].mean() < 0.03 * 255
 
 
@@ -136,7 +130,7 @@ def test_what_is_seen_is_as_it_was(yaw, scenes, texels, truth):
     found = scenes[yaw].found
     np.testing.assert_array_equal(found.covered, texels.covered)
     assert found.seen.min() == 0 and found.seen.max() == 1 and not found.seen[~found.covered].any()
-    cosine = -(texels.normals @ scenes[yaw].pose.rotation[2])
+    cosine = -(texels.normals @ scenes[yaw].camera.rotation[2])
     sure = found.seen == 1
     assert sure[texels.covered][(cosine > 0.7) & ~texels.inside].mean() > 0.85
     error = np.abs(found.image.astype(float) - truth).mean(-1)
@@ -146,13 +140,13 @@ def test_what_is_seen_is_as_it_was(yaw, scenes, texels, truth):
 @pytest.mark.parametrize("yaw", [40, -50])
 def test_the_hidden_side_is_that_of_the_other_one(yaw, scenes, texels, truth):
     scene = scenes[yaw]
-    cosine = -(texels.normals @ scene.pose.rotation[2])
+    cosine = -(texels.normals @ scene.camera.rotation[2])
     # Of the front of the head, what looks away.
     hidden = (cosine < 0) & (texels.normals[:, 2] > 0.2) & ~texels.inside
     assert hidden.sum() > 500
     wanted = truth[texels.covered][hidden].astype(float)
     mirrored = np.abs(scene.found.image[texels.covered][hidden] - wanted).mean() / 255
-    pixels = scene.pose.project(texels.places[hidden])
+    pixels = scene.camera.project(texels.places[hidden])
     flat = sample_pixels(diffuse_background(scene.image, scene.mask), pixels[:, 0], pixels[:, 1])
     projected = np.abs(flat - wanted).mean() / 255
     assert mirrored < 0.04 and mirrored < projected / 2, (mirrored, projected)
@@ -163,7 +157,7 @@ def test_no_face_on_the_back_of_the_head(face, template, texels, scenes):
     scene = scenes[0]
     squares = (np.indices((SIDE, SIDE)) // 12).sum(0) % 2 * 200
     image = np.where(scene.mask[..., None], np.uint8(squares[..., None] + [20, 30, 25]), scene.image)
-    found = texture_face(face, scene.pose, image, scene.mask, template, SIZE).image[texels.covered].astype(float)
+    found = texture_face(template.with_vertices(face), scene.camera, image, scene.mask, SIZE).image[texels.covered].astype(float)
     front, back = texels.normals[:, 2] > 0.7, (texels.normals[:, 2] < -0.5) & ~texels.inside
     assert found[back].std(0).max() < 0.2 * found[front].std(0).min()
     middle = found[front].mean(0)
@@ -196,7 +190,8 @@ def test_borders_go_on_beyond_the_islands(scenes, texels):
 def test_the_same_input_gives_the_same_bytes(scenes, face, template):
     scene = scenes[40]
     image, mask, vertices = scene.image.copy(), scene.mask.copy(), face.copy()
-    first, again = (texture_face(vertices, scene.pose, image, mask, template, 64).image for _ in range(2))
+    head = template.with_vertices(vertices)
+    first, again = (texture_face(head, scene.camera, image, mask, 64).image for _ in range(2))
     assert first.shape == (64, 64, 3) and first.tobytes() == again.tobytes()
     np.testing.assert_array_equal(image, scene.image)
     np.testing.assert_array_equal(mask, scene.mask)
@@ -208,67 +203,69 @@ def test_what_covers_the_face_is_not_painted_on_it(scenes, face, template, texel
     scene = scenes[0]
     image, mask = scene.image.copy(), scene.mask.copy()
     image[150:190, 120:280], mask[150:190, 120:280] = MAGENTA, False
-    found = texture_face(face, scene.pose, image, mask, template, SIZE)
+    found = texture_face(template.with_vertices(face), scene.camera, image, mask, SIZE)
     assert np.abs(found.image - MAGENTA).sum(-1).min() > 150
     assert found.seen.sum() < scene.found.seen.sum()
 
 
 def test_a_mesh_without_mirror_map(scenes, face, template):
     scene = scenes[40]
-    mesh = replace(template, annotation=replace(template.annotation, mirror=None))
-    found = texture_face(face, scene.pose, scene.image, scene.mask, mesh, SIZE)
+    head = replace(template.with_vertices(face), annotation=replace(template.annotation, mirror=None))
+    found = texture_face(head, scene.camera, scene.image, scene.mask, SIZE)
     assert np.abs(found.image - MAGENTA).sum(-1).min() > 150
     assert found.seen.sum() < scene.found.seen.sum()
-    again = photograph(face, template, found.image, scene.pose).astype(float)
+    again = photograph(face, template, found.image, scene.camera).astype(float)
     assert np.abs(again - scene.image)[scene.mask].mean() < 0.03 * 255
 
 
-def test_fine_lines_come_back_and_nothing_else_changes(scenes, face, template, monkeypatch):
+def test_fine_lines_come_back_and_nothing_else_changes(scenes, face, template):
     """Waves of about five texels between two colours."""
     scene = scenes[40]
     waves = 0.5 + 0.5 * np.sin(np.indices((SIDE, SIDE)).sum(0) * np.pi / 6)[..., None]
     image = np.where(scene.mask[..., None], [60, 90, 110] + waves * [100, 60, 20], scene.image).astype(np.uint8)
     found, errors = {}, {}
-    for rounds in (0, ROUNDS):
-        monkeypatch.setattr("caricli.methods.texture.texture_face.ROUNDS", rounds)
-        found[rounds] = texture_face(face, scene.pose, image, scene.mask, template, SIZE)
-        again = photograph(face, template, found[rounds].image, scene.pose).astype(float)
-        sure = photograph(face, template, np.repeat(np.uint8(255 * found[rounds].seen)[..., None], 3, 2), scene.pose)
+    usual = TextureSettings.rounds
+    for rounds in (0, usual):
+        settings = TextureSettings(rounds=rounds)
+        found[rounds] = texture_face(template.with_vertices(face), scene.camera, image, scene.mask, SIZE, settings)
+        again = photograph(face, template, found[rounds].image, scene.camera).astype(float)
+        sure = photograph(face, template, np.repeat(np.uint8(255 * found[rounds].seen)[..., None], 3, 2), scene.camera)
         shown = scene.mask & (sure.min(2) > 250)
         errors[rounds] = np.abs(again - image)[shown].mean()
-    assert shown.mean() > 0.1 and errors[ROUNDS] < 0.85 * errors[0], errors
-    np.testing.assert_array_equal(found[ROUNDS].seen, found[0].seen)
+    assert shown.mean() > 0.1 and errors[usual] < 0.85 * errors[0], errors
+    np.testing.assert_array_equal(found[usual].seen, found[0].seen)
     unseen = found[0].covered & (found[0].seen == 0)
-    np.testing.assert_array_equal(found[ROUNDS].image[unseen], found[0].image[unseen])
+    np.testing.assert_array_equal(found[usual].image[unseen], found[0].image[unseen])
     # No ringing: between the two colours, as all was before.
-    texels = found[ROUNDS].image[found[ROUNDS].covered]
+    texels = found[usual].image[found[usual].covered]
     assert (texels.min(0) >= [60, 90, 110]).all() and (texels.max(0) <= [160, 150, 130]).all()
 
 
-def test_outlines_are_not_drawn_on_what_is_hardly_seen(scenes, face, template, monkeypatch):
+def test_outlines_are_not_drawn_on_what_is_hardly_seen(scenes, face, template):
     """A black line inside the border of the mask, and ever more rounds."""
     scene = scenes[0]
     line = scene.mask & ~binary_erosion(scene.mask, iterations=3)
     image, found = np.where(line[..., None], np.uint8(0), scene.image), []
     for rounds in (0, 60):
-        monkeypatch.setattr("caricli.methods.texture.texture_face.ROUNDS", rounds)
-        found.append(texture_face(face, scene.pose, image, scene.mask, template, SIZE))
+        settings = TextureSettings(rounds=rounds)
+        found.append(texture_face(template.with_vertices(face), scene.camera, image, scene.mask, SIZE, settings))
     hardly = found[0].covered & (found[0].seen > 0) & (found[0].seen < 0.5)
     before, after = (one.image[hardly].astype(float) for one in found)
     assert hardly.sum() > 300 and (before - after).mean() < 0.6 and np.quantile(before - after, 0.99) < 20
 
 
-def test_the_size_follows_the_picture(scenes, face, template, monkeypatch):
+def test_the_size_follows_the_picture(scenes, face, template):
     scene = scenes[0]
-    monkeypatch.setattr("caricli.methods.texture.texture_face.SMALLEST", 32)
+    head = template.with_vertices(face)
 
-    def size(factor):
+    def size(factor, **limits):
         """Of a picture with so many times the pixels a side."""
         rows, columns = (np.indices((int(SIDE * factor),) * 2) / factor).astype(int)
-        pose = Camera(scene.pose.scale * factor, scene.pose.rotation, scene.pose.translation * factor)
-        return len(texture_face(face, pose, scene.image[rows, columns], scene.mask[rows, columns], template).image)
+        camera = scene.camera.zoomed(factor)
+        settings = TextureSettings(smallest=32, **limits)
+        image, mask = scene.image[rows, columns], scene.mask[rows, columns]
+        return len(texture_face(head, camera, image, mask, settings=settings).image)
 
     sizes = [size(factor) for factor in (0.25, 0.5, 1)]
     assert sizes[0] > 32 and sizes[1] == 2 * sizes[0] and sizes[2] == 2 * sizes[1]
-    monkeypatch.setattr("caricli.methods.texture.texture_face.LARGEST", sizes[0])
-    assert size(1) == sizes[0]
+    assert size(1, largest=sizes[0]) == sizes[0]

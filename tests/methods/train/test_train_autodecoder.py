@@ -6,9 +6,11 @@ import pytest
 import torch
 
 from caricli.errors import NumericsError
-from caricli.methods.train.train_autodecoder import AutoDecoderTraining, Surface
+from caricli.methods.train.surface import Surface, TrainingMeshes
+from caricli.methods.train.train_autodecoder import ALL, AutoDecoderTraining, Share
 from caricli.models.deformable.config import DeformableConfig
-from caricli.models.deformable.model import UnitBox, HyperSiren
+from caricli.models.deformable.model import UnitBox
+from caricli.models.deformable.networks import HyperSiren
 
 CONFIG = DeformableConfig(
     latent=4, width=24, layers=2, hidden=16, frequency=5.0, epochs=30, batch=8, points=60, learning_rate=5e-3,
@@ -25,11 +27,11 @@ def shapes(ball):
     return (vertices * scales + 0.1 * scales[:, :, :1] * vertices[:, [1, 2, 0]]).astype(np.float32)
 
 
-def training(ball, shapes, config=CONFIG, unseen=5, **options):
-    surface = Surface(UnitBox(ball[0]), ball[1])
+def training(ball, shapes, config=CONFIG, unseen=5, share=ALL):
     network = HyperSiren(config.size(), torch.Generator().manual_seed(config.seed))
     count = len(shapes) - unseen
-    return AutoDecoderTraining(network, surface, shapes[:count], shapes[count:], config, **options)
+    meshes = TrainingMeshes(Surface(UnitBox(ball[0]), ball[1]), shapes[:count], shapes[count:])
+    return AutoDecoderTraining(network, meshes, config, share)
 
 
 def weights(run):
@@ -81,7 +83,7 @@ def test_shares_of_a_batch_sum_to_the_whole_gradient(ball, shapes, monkeypatch):
 
     monkeypatch.setattr(AutoDecoderTraining, "_sum_over_processes", keep)
     for process in range(3):
-        training(ball, shapes, process=process, processes=3)._step(torch.arange(8), 0)
+        training(ball, shapes, share=Share(process, 3))._step(torch.arange(8), 0)
     alone = training(ball, shapes)
     figure = alone._step(torch.arange(8), 0)
     whole = torch.cat([p.grad.flatten() for p in [*alone.network.parameters(), alone.latents]])
@@ -114,7 +116,7 @@ def test_mixup_teaches_what_lies_between_two_shapes(ball, shapes):
         run = training(ball, shapes, replace(CONFIG, mixup=mixup, epochs=150, noise=0.0, smoothness_weight=0.0))
         list(run.epochs())
         first, second = torch.arange(24), torch.arange(1, 25)
-        everywhere = run.surface.at_vertices(np.arange(300))
+        everywhere = run.surface.at_vertices()
         latents, aims = run._mixtures(first, second, torch.full((24,), 0.8), everywhere)
         mean, cosine, sine = run.shapes.mean(0), np.cos(0.8), np.sin(0.8)
         expected = mean + cosine * (run.shapes[first] - mean) + sine * (run.shapes[second] - mean)
@@ -144,15 +146,3 @@ def test_smoothness_at_drawn_latents_lowers_their_roughness(ball, shapes):
             return float(measure(run.network, drawn, np.random.default_rng(0)))
 
     assert roughness(10.0) < 0.8 * roughness(0.0)
-
-
-def test_drawn_points_lie_on_their_triangles_and_cover_the_surface(ball):
-    surface = Surface(UnitBox(ball[0]), ball[1])
-    points = surface.draw(4000, 0.25, np.random.default_rng(0))
-    assert len(points.positions) == 4000
-    # No more than all vertices, each once; the others on the surface.
-    assert torch.allclose(points.values(surface.vertices), points.positions, atol=1e-6)
-    assert len(torch.unique(points.corners[:300, 0])) == 300
-    assert torch.allclose(points.weights.sum(1), torch.ones(4000), atol=1e-5) and points.weights.min() >= 0
-    upper = (points.positions[300:, 1] > 0).float().mean()
-    assert 0.45 < upper < 0.55

@@ -1,19 +1,12 @@
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from caricli.errors import NumericsError
-from caricli.methods.train.train_landmark_map import (
-    SeenFaces,
-    cycle_errors,
-    domain_rows,
-    landmark_error,
-    measure_landmark_map,
-    see_faces,
-    train_landmark_map,
-)
+from caricli.methods.evaluate.evaluate_landmark_map import cycle_errors, measure_landmark_map
+from caricli.methods.train.see_faces import SeenFaces
+from caricli.methods.train.train_landmark_map import learn_landmark_map
 from caricli.models.landmark_map.config import LandmarkMapConfig
 from caricli.models.landmark_map.model import DOMAINS, align
 
@@ -46,7 +39,7 @@ def training(world):
 @pytest.fixture(scope="module")
 def trained(training, world):
     unseen = world(100)
-    return train_landmark_map(training, unseen, CONFIG, seed=2), unseen
+    return learn_landmark_map(training, unseen, CONFIG, seed=2), unseen
 
 
 def test_a_map_trained_without_pairs_finds_the_partner(trained, world):
@@ -61,25 +54,25 @@ def test_a_map_trained_without_pairs_finds_the_partner(trained, world):
 
 def test_the_same_seed_gives_the_same_map(trained, training):
     (landmark_map, records), unseen = trained
-    again, measured = train_landmark_map(training, unseen, CONFIG, seed=2)
+    again, measured = learn_landmark_map(training, unseen, CONFIG, seed=2)
     assert measured == records
     for name, value in landmark_map.tensors().items():
         np.testing.assert_array_equal(again.tensors()[name], value)
-    another, _ = train_landmark_map(training, unseen, CONFIG, seed=3)
+    another, _ = learn_landmark_map(training, unseen, CONFIG, seed=3)
     assert any((another.tensors()[name] != value).any() for name, value in landmark_map.tensors().items())
 
 
 def test_the_epoch_that_is_kept_is_the_best(trained, training):
     (landmark_map, records), unseen = trained
     assert len(records) == CONFIG.epochs + 1
-    start, (measured,) = train_landmark_map(training, unseen, replace(CONFIG, epochs=0), seed=2)
+    start, (measured,) = learn_landmark_map(training, unseen, replace(CONFIG, epochs=0), seed=2)
     assert measured == records[0]
     assert min(record["criterion"] for record in records) < measured["criterion"]
     assert any((start.tensors()[name] != value).any() for name, value in landmark_map.tensors().items())
 
 
 def test_the_start_is_a_map_and_its_inverse(training, world):
-    start, _ = train_landmark_map(training, world(50), replace(CONFIG, epochs=0, least=0.5))
+    start, _ = learn_landmark_map(training, world(50), replace(CONFIG, epochs=0, least=0.5))
     linear = [start.generators[name]["linear"] for name in DOMAINS]
     np.testing.assert_allclose(linear[0] @ linear[1], np.eye(6), atol=1e-4)
     singular = np.linalg.svd(linear[0])[1]
@@ -89,30 +82,4 @@ def test_the_start_is_a_map_and_its_inverse(training, world):
 def test_faces_that_are_all_the_same_are_refused(training):
     flat = {name: replace(seen, points=np.repeat(seen.points[:1], 600, axis=0)) for name, seen in training.items()}
     with pytest.raises(NumericsError, match="differ"):
-        train_landmark_map(flat, flat, CONFIG)
-
-
-def test_faces_are_seen_from_random_sides(head_template):
-    shapes = np.stack([head_template.vertices, head_template.vertices + 0.3])
-    one, other = (see_faces(s[None], np.array([1]), 3, head_template, 5, np.random.default_rng(4)) for s in shapes)
-    # Places do not matter; turns do.
-    np.testing.assert_allclose(one.points, other.points, atol=1e-9)
-    assert one.points.std(0).max() > 0.05 and one.labels.shape == (5, 9)
-    assert (one.labels[:, [0, 2]] == 1).all() and (one.labels[:, [1, 3]] == 0).all()
-    turns = one.labels[:, 4:6]
-    np.testing.assert_allclose(one.labels[:, 6:], np.column_stack([turns**2, turns.prod(1)]))
-
-
-def test_what_is_exaggerated_by_parts_alone_is_a_caricature():
-    level, kind = np.array([1, 1, 3, 3]), np.array([0, 2, 1, 3])
-    found = domain_rows(SimpleNamespace(level=level, factors={"kind": kind}))
-    assert found["normal"].tolist() == [True, False, False, False]
-    found = domain_rows(SimpleNamespace(level=level, factors={}))
-    assert found["caricature"].tolist() == [False, False, True, True]
-
-
-def test_errors_are_shares_of_the_diagonal():
-    true = np.random.default_rng(0).normal(size=(2, 68, 2))
-    diagonals = np.linalg.norm(np.ptp(true, axis=1), axis=1)
-    found = true + [0.0, 1.0] * diagonals[:, None, None] / 50
-    assert landmark_error(found, true) == pytest.approx(2)
+        learn_landmark_map(flat, flat, CONFIG)

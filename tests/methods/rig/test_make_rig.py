@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from caricli.errors import NumericsError
-from caricli.io.rig import rig_problem
-from caricli.methods.rig.build_rig import build_rig
-from caricli.methods.rig.expression_templates import ExpressionTemplates, mended_templates
+from caricli.methods.rig.expression_templates import ExpressionTemplates
+from caricli.methods.rig.head_expressions import head_expressions
+from caricli.methods.rig.make_rig import Pictures, RigSettings, assemble_rig, make_rig
 from caricli.methods.rig.transfer_rig import transfer_rig
-from caricli.structures import Material
+from caricli.structures import Material, Mesh
 from caricli.structures.mesh import triangle_fans
 
 BALL = 314  # vertices of an eyeball
@@ -17,9 +17,9 @@ BALL = 314  # vertices of an eyeball
 @pytest.fixture(scope="module")
 def templates(head, head_template):
     """Four expressions, those of eyes and mouth."""
-    full = mended_templates(head, head_template)
+    full = head_expressions(head, head_template)
     order = [full.names.index(name) for name in ("eyeBlinkLeft", "eyeLookInLeft", "jawOpen", "mouthClose")]
-    return ExpressionTemplates(tuple(full.names[k] for k in order), full.neutral, full.faces, full.deltas[order])
+    return ExpressionTemplates(tuple(full.names[k] for k in order), full.mesh, full.deltas[order])
 
 
 @pytest.fixture(scope="module")
@@ -32,14 +32,11 @@ def face(head, head_template):
     return head_template.with_vertices(head.evaluate(gender=0.1, age=0.9, weight=0.8) * [1.1, 0.9, 1.2])
 
 
-def generator():
-    return np.random.default_rng(0)
-
-
 def test_a_rig_is_expressions_eyes_and_picture(templates, face, deltas):
     texture = np.full((8, 8, 3), 90, np.uint8)
-    rig, measures, balls = build_rig(face, templates, deltas, generator(), texture=texture)
-    assert rig_problem(rig) is None and rig.names == templates.names
+    result = make_rig(face, templates, pictures=Pictures(skin=texture))
+    rig, measures, balls = result.rig, result.measures, result.eyeballs
+    assert rig.names == templates.names
     assert len(rig.neutral) == 4200 + 2 * BALL and [b.side for b in balls] == ["left", "right"]
     np.testing.assert_allclose(rig.neutral[:4200], face.vertices, atol=1e-7)
     np.testing.assert_allclose(rig.deltas[:, :4200], deltas, atol=1e-7)
@@ -53,24 +50,26 @@ def test_a_rig_is_expressions_eyes_and_picture(templates, face, deltas):
 
 
 def test_without_eyes(templates, face, deltas):
-    rig, measures, balls = build_rig(face, templates, deltas, generator(), eyeballs=False)
-    assert len(rig.neutral) == 4200 and balls == [] and measures.inside is None
+    bare = assemble_rig(face, templates, deltas, RigSettings(eyeballs=False))
+    rig = bare.rig
+    assert len(rig.neutral) == 4200 and bare.eyeballs == [] and bare.measures.inside is None
     assert rig.materials is rig.eye_texture is rig.texture is None
     np.testing.assert_array_equal(rig.faces, face.faces)
-    unknown, measures, balls = build_rig(replace(face, annotation=None), templates, deltas, generator())
-    np.testing.assert_array_equal(unknown.deltas, rig.deltas)
-    assert balls == [] and measures.lid_gap == {} and len(unknown.neutral) == 4200
+    nameless = replace(templates, mesh=Mesh(templates.neutral, templates.mesh.polygons))
+    unknown = assemble_rig(face, nameless, deltas)
+    np.testing.assert_array_equal(unknown.rig.deltas, rig.deltas)
+    assert unknown.eyeballs == [] and unknown.measures.lid_gap == {} and len(unknown.rig.neutral) == 4200
 
 
 def test_finer_meshes_do_the_same(templates, face, deltas):
-    coarse, fine = (build_rig(face, templates, deltas, generator(), levels)[0] for levels in (0, 1))
+    coarse, fine = (assemble_rig(face, templates, deltas, RigSettings(levels)).rig for levels in (0, 1))
     count = len(fine.neutral) - 2 * BALL
-    assert rig_problem(fine) is None and count > 3 * 4200
+    assert count > 3 * 4200
     for key in ("neutral", "deltas"):
         np.testing.assert_allclose(getattr(fine, key)[..., :4200, :], getattr(coarse, key)[..., :4200, :], atol=1e-7)
         # Eyes are as fine as they are, and what is new lies between what was there.
         np.testing.assert_array_equal(getattr(fine, key)[..., count:, :], getattr(coarse, key)[..., 4200:, :])
-    edge = coarse.polygons[0, :2]
+    edge = coarse.mesh.polygons[0, :2]
     middle = coarse.neutral[edge].astype(float).mean(0)
     at = np.linalg.norm(fine.neutral - middle, axis=1).argmin()
     np.testing.assert_allclose(fine.neutral[at], middle, atol=1e-6)
@@ -81,8 +80,7 @@ def test_finer_meshes_do_the_same(templates, face, deltas):
 
 def test_the_scale_of_the_face_is_no_strength(templates, face):
     larger = face.with_vertices(3 * face.vertices)
-    moves = [(mesh, transfer_rig(templates, mesh.vertices)) for mesh in (face, larger)]
-    one, three = (build_rig(mesh, templates, deltas, generator())[1] for mesh, deltas in moves)
+    one, three = (make_rig(mesh, templates).measures for mesh in (face, larger))
     np.testing.assert_allclose(three.strength, one.strength, rtol=1e-3)
     assert 0.5 < one.strength.min() and one.strength.max() < 2
 
@@ -91,4 +89,4 @@ def test_a_triangle_without_area_is_refused(templates, face, deltas):
     flat = face.vertices.copy()
     flat[face.faces[9, 0]] = flat[face.faces[9, 1]]
     with pytest.raises(NumericsError, match="triangles without area"):
-        build_rig(face.with_vertices(flat), templates, deltas, generator())
+        assemble_rig(face.with_vertices(flat), templates, deltas)

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from caricli.errors import InputError
-from caricli.methods.train.train_semantic import measure_directions, train_semantic
+from caricli.methods.train.label_directions import LabelTable, label_directions, measure_directions
 
 PEOPLE, MESHES, DIMENSION = 30, 300, 6
 
@@ -21,9 +21,8 @@ def test_normals_and_gradients_lie_along_the_measures(space):
     latents, people, measures, axes = space
     labels = measures > np.quantile(measures, 0.75, axis=0)
     calls = []
-    found, skipped = train_semantic(
-        latents, labels, ["a", "b"], people, measures, report=lambda *call: calls.append(call)
-    )
+    table = LabelTable(["a", "b"], labels, people, measures)
+    found, skipped = label_directions(latents, table, report=lambda *call: calls.append(call))
     assert found.names == ("a", "b") and skipped == {} and calls == [(1, 2), (2, 2)]
     np.testing.assert_allclose(np.linalg.norm(found.normals, axis=1), 1)
     assert ((found.normals * axes).sum(1) > 0.97).all()
@@ -32,7 +31,7 @@ def test_normals_and_gradients_lie_along_the_measures(space):
     np.testing.assert_allclose(found.change, (found.gradients * found.normals).sum(1))
     assert found.auc[0] > 0.99 and 0.9 < found.auc[1] < found.auc[0]
     assert found.positives.tolist() == labels.sum(0).tolist() and found.count == MESHES
-    again, _ = train_semantic(latents, labels, ["a", "b"], people, measures)
+    again, _ = label_directions(latents, table)
     assert np.array_equal(again.normals, found.normals)
 
 
@@ -41,9 +40,8 @@ def test_the_area_under_the_curve_is_of_people_never_seen(space):
     # Everyone has a latent of their own and a label that means nothing: only who was seen could be told.
     generator = np.random.default_rng(1)
     own, chance = 3 * generator.normal(size=(PEOPLE, 40)), generator.random(PEOPLE) < 0.5
-    found, _ = train_semantic(
-        own[people] + 0.1 * generator.normal(size=(MESHES, 40)), chance[people][:, None], "x", people
-    )
+    latents = own[people] + 0.1 * generator.normal(size=(MESHES, 40))
+    found, _ = label_directions(latents, LabelTable(["x"], chance[people][:, None], people))
     assert found.auc[0] < 0.75
     assert not found.gradients.any() and not found.change.any()
 
@@ -55,12 +53,13 @@ def test_rare_labels_and_labels_of_one_class_are_left_out(space):
     rare[order[-9:]] = True
     alone[people == np.bincount(people).argmax()] = True
     labels = np.c_[measures[:, 0] > 1, rare, ~rare, np.ones(MESHES, bool), alone]
-    found, skipped = train_semantic(latents, labels, ["good", "rare", "common", "all", "alone"], people)
+    table = LabelTable(["good", "rare", "common", "all", "alone"], labels, people)
+    found, skipped = label_directions(latents, table)
     assert found.names == ("good",)
     assert "9 and 291" in skipped["rare"] and "291 and 9" in skipped["common"] and "one class" in skipped["all"]
     assert "people" in skipped["alone"] or "at least 10" in skipped["alone"]
     with pytest.raises(InputError, match="all: all 300 meshes are of one class"):
-        train_semantic(latents, labels[:, 3:4], ["all"], people)
+        label_directions(latents, table.columns([3]))
 
 
 def test_the_change_is_measured_on_meshes(pca):
@@ -69,7 +68,7 @@ def test_the_change_is_measured_on_meshes(pca):
     shapes = pca.decode(pca.prior.colour(latents))
     width = np.array([np.ptp(shape[pca.template.annotation.landmarks[[31, 35]], 0]) for shape in shapes])
     labels = (width > np.median(width))[:, None]
-    found, _ = train_semantic(latents, labels, ["WideNose"], np.arange(60), width[:, None])
+    found, _ = label_directions(latents, LabelTable(["WideNose"], labels, np.arange(60), width[:, None]))
     measured = measure_directions(found, latents[:4], pca, {"WideNose": 0.01})
     assert measured.change[0] > 0 and measured.change[0] != found.change[0]
     # The width of a nose is nearly linear in the latents of positions, so the gradient foretells the change.

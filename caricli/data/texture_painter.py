@@ -1,0 +1,46 @@
+"""Random albedos as pictures in the UVs of a template."""
+
+import numpy as np
+import scipy.sparse as sp
+
+from caricli.data.albedo import AlbedoPainter, to_bytes
+from caricli.data.look import Look, random_look
+from caricli.errors import InputError
+from caricli.geometry.triangle_normals import triangle_normals
+from caricli.render.uv_map import pad_texture, uv_map
+from caricli.template.template import Template
+
+
+class TexturePainter:
+    """Paints pictures of one template and size."""
+
+    def __init__(self, template: Template, size: int) -> None:
+        """template: with UVs. size: texels, width and height. Raises InputError when there are no UVs."""
+        if template.uvs is None:
+            raise InputError("an albedo needs a template with UVs, found one without")
+        face, weights = uv_map(template, size)
+        self.covered = face >= 0
+        corners = template.faces[face[self.covered]]
+        values = weights[self.covered]
+        count = len(corners)
+        shape = (count, len(template.vertices))
+        matrix = sp.csr_matrix((values.ravel(), corners.ravel(), np.arange(0, 3 * count + 1, 3)), shape)
+        area = np.linalg.norm(triangle_normals(template.vertices, template.faces), axis=1).sum() / 2
+        self.painter = AlbedoPainter(template, matrix, float(np.sqrt(area / count)))
+
+    def draw(self, look: Look) -> np.ndarray:
+        """Paint a Look. Returns (S, S, 3) uint8 sRGB, the top row first."""
+        picture = np.zeros((*self.covered.shape, 3), np.uint8)
+        picture[self.covered] = to_bytes(self.painter.draw(look))
+        return pad_texture(picture, self.covered)
+
+
+def draw_albedo(
+    template: Template, generator: np.random.Generator, style: str | None = None, size: int = 1024
+) -> np.ndarray:
+    """A random albedo of a template with UVs.
+
+    style: of STYLES, or None for either. size: texels, width and height.
+    Returns (size, size, 3) uint8 sRGB, the top row first. Raises InputError when there are no UVs.
+    """
+    return TexturePainter(template, size).draw(random_look(generator, style))

@@ -1,0 +1,178 @@
+import json
+
+import numpy as np
+import pytest
+
+from caricli.io.bundled import asset_path
+from caricli.io.face import write_face
+from caricli.io.gltf.write_gltf import write_gltf
+from caricli.io.mesh import write_mesh
+from caricli.io.rig import write_rig
+from caricli.io.strict_json import write_json
+from caricli.io.track import write_weights
+from caricli.store.models import load_model
+from caricli.structures import Camera, Face, Mesh, Rig, Track
+from caricli.structures.arkit import ARKIT_NAMES
+
+COMMAND = "inspect"
+
+
+@pytest.fixture
+def inspect(run):
+    """Lines that are said of a file, and the JSON."""
+
+    def check(path):
+        said = run(COMMAND, path)
+        values = run(COMMAND, path, "--json")
+        assert said.exit_code == values.exit_code == 0, said.output + values.output
+        assert said.stderr == values.stderr == ""
+        lines = said.stdout.splitlines()
+        report = json.loads(values.stdout)
+        assert lines[0].startswith(f"{path}: {report['kind']}, ") and report["file"] == str(path)
+        assert (lines[-1] == "whole") == report["whole"] == (not report["problems"])
+        return lines, report
+
+    return check
+
+
+@pytest.fixture(scope="module")
+def rig(head, head_template):
+    """The head with ARKit's expressions."""
+    neutral = head_template.with_vertices(head_template.vertices.astype(np.float32))
+    return Rig(head.action_names, neutral, head.actions.astype(np.float32))
+
+
+def test_a_face(inspect, head_template, tmp_path):
+    model = load_model(kind="pca")
+    camera = Camera(1500.0, np.diag([1.0, -1, -1]), np.array([200.0, 300]))
+    latent = np.zeros(len(model.prior.mean))
+    face = Face(head_template, camera, np.zeros((68, 2)), latent, model_id=model.model_id)
+    write_face(tmp_path / "face.npz", face)
+    (tmp_path / "face.json").write_text("{}")
+    lines, report = inspect(tmp_path / "face.npz")
+    assert "4200 vertices" in lines[0] and "8356 triangles" in lines[0]
+    for words in (
+        "topology: that of the bundled models",
+        "a camera of 1500 pixels a metre",
+        "68 landmarks",
+        f"a latent of {len(latent)} numbers of the bundled pca model",
+        "beside it: face.json",
+    ):
+        assert words in lines
+    assert report["mesh"]["known_topology"] and report["mesh"]["flipped"] == 0 and report["beside"] == ["face.json"]
+
+
+@pytest.mark.parametrize("suffix", [".obj", ".ply", ".stl", ".glb", ".gltf"])
+def test_anybodys_mesh_and_what_is_wrong_with_it(inspect, ball, suffix, tmp_path):
+    vertices, faces = ball
+    path = tmp_path / f"ball{suffix}"
+    write_mesh(path, Mesh(10 * vertices, faces))
+    lines, report = inspect(path)
+    assert "topology: not known" in lines and "19.9 m high, as a head in centimetres: expected metres" in lines
+    assert report["kind"] == "mesh" and report["whole"]
+    broken = faces.copy()
+    broken[5] = broken[5, ::-1]
+    write_mesh(path, Mesh(0.1 * vertices, broken))
+    lines, report = inspect(path)
+    assert lines[-1] == "not whole: 3 edges whose triangles are wound against each other" and not report["whole"]
+
+
+@pytest.mark.parametrize("suffix", [".npz", ".glb"])
+def test_a_rig(inspect, rig, suffix, tmp_path):
+    path = tmp_path / f"rig{suffix}"
+    (write_rig if suffix == ".npz" else write_gltf)(path, rig)
+    lines, report = inspect(path)
+    assert "52 shapes" in lines[0] and "ARKit: 52 of 52 names, 0 missing" in lines
+    assert sum("eyeBlinkLeft" in line for line in lines) == 1
+    assert report["arkit"]["missing"] == [] and len(report["shapes"]) == 52
+    assert report["shapes"][0].keys() == {"name", "largest", "moved", "flipped"}
+
+
+def test_names_that_are_not_arkits(inspect, ball, tmp_path):
+    vertices, faces = ball
+    deltas = np.zeros((3, 300, 3), np.float32)
+    deltas[:, :40, 1] = 0.01
+    small = Mesh((0.1 * vertices).astype(np.float32), faces)
+    write_gltf(tmp_path / "a.glb", Rig(("jawOpen", "tongue_out", "extra"), small, deltas))
+    lines, report = inspect(tmp_path / "a.glb")
+    assert "tongue_out: ARKit spells it tongueOut" in lines and "extra: no ARKit name" in lines
+    assert "ARKit: 1 of 52 names, 50 missing" in lines
+    assert any(line.startswith("missing: eyeBlinkLeft, ") for line in lines)
+    assert report["arkit"]["near"] == {"tongue_out": "tongueOut"} and len(report["arkit"]["missing"]) == 50
+
+
+def test_the_skin_of_a_rig_with_eyes_is_known(inspect, run, head_template, tmp_path, monkeypatch):
+    monkeypatch.setattr(
+        "caricli.render.expression_sheet.expression_sheet", lambda rig, progress: np.zeros((4, 4, 3), np.uint8)
+    )
+    write_mesh(tmp_path / "head.obj", head_template)
+    assert run("rig", tmp_path / "head.obj", "--out", tmp_path / "rig.glb").exit_code == 0
+    lines, report = inspect(tmp_path / "rig.npz")
+    assert "topology: that of the bundled models" in lines and report["mesh"]["components"] == 3
+    assert report["beside"] == ["rig.glb", "rig.json", "rig.png"]
+
+
+def test_models_maps_and_directions(inspect):
+    lines, report = inspect(asset_path("pca.safetensors"))
+    assert "one of those that come with caricli" in lines and report["model_kind"] == "pca" and report["bundled"]
+    _, report = inspect(asset_path("landmark_map.safetensors"))
+    assert set(report["components"]) == {"normal", "caricature"}
+    lines, report = inspect(asset_path("directions-pca.npz"))
+    assert lines[0].endswith("of the bundled pca model") and 0.5 < report["labels"]["BigNose"]["auc"] <= 1
+
+
+def test_landmarks(inspect, marks):
+    lines, report = inspect(marks)
+    assert "ibug68, 68 of 68 points known" in lines[0] and "a picture of 400 x 400 pixels" in lines
+    assert report["points"] == 68 and report["missing"] == {} and report["image_size"] == [400, 400]
+
+
+def test_missing_landmarks_are_counted_by_part(inspect, points, tmp_path):
+    rows = ["null null" if k in (3, 50, 51) else f"{x} {y}" for k, (x, y) in enumerate(points[:68])]
+    (tmp_path / "marks.txt").write_text("\n".join(rows))
+    lines, report = inspect(tmp_path / "marks.txt")
+    assert "not known: 1 of jaw, 2 of mouth" in lines and report["missing"] == {"jaw": 1, "mouth": 2}
+
+
+def test_weights(inspect, tmp_path):
+    weights = np.zeros((3, 3))
+    weights[:, 0] = [0, 0.5, 1.2]
+    head = np.zeros((3, 3))
+    write_weights(tmp_path / "take.json", Track((*ARKIT_NAMES[:2], "grin"), np.arange(3) / 10, weights, head))
+    lines, report = inspect(tmp_path / "take.json")
+    assert "3 frames, 0.2 s, 3 names" in lines[0] and "ARKit: 2 of 52 names, others: grin" in lines
+    assert "weights from 0 to 1.2" in lines and "the head turns" in lines
+    assert f"always 0: {ARKIT_NAMES[1]}, grin" in lines and report["frames"] == 3
+
+
+def test_a_dataset(inspect, dataset):
+    lines, report = inspect(dataset)
+    assert lines[0].startswith(f"{dataset}: dataset, 16 meshes of 4 people, 4200 vertices")
+    assert report["meshes"] == 16 and sum(report["splits"].values()) == 16 and report["flipped_worst"] < 0.05
+    assert inspect(dataset / "dataset.json")[1]["meshes"] == 16
+
+
+def test_a_report(inspect, tmp_path):
+    write_json(tmp_path / "face.json", {"command": "refine", "version": "0.1", "inputs": {"a.npz": "0"}, "moved": 1})
+    lines, report = inspect(tmp_path / "face.json")
+    assert "caricli refine, version 0.1" in lines[0] and "made from: a.npz" in lines and "holds: moved" in lines
+    assert report["inputs"] == {"a.npz": "0"} and report["keys"] == ["moved"]
+
+
+def test_bad_files_are_one_line(refused, rig, ball, tmp_path):
+    write_gltf(tmp_path / "rig.glb", rig)
+    (tmp_path / "cut.glb").write_bytes((tmp_path / "rig.glb").read_bytes()[:5000])
+    vertices, faces = ball
+    write_mesh(tmp_path / "ball.obj", Mesh(vertices, faces))
+    (tmp_path / "nan.obj").write_text((tmp_path / "ball.obj").read_text().replace("v ", "v nan ", 1))
+    write_face(tmp_path / "face.npz", Face(Mesh(vertices, faces)))
+    (tmp_path / "cut.npz").write_bytes((tmp_path / "face.npz").read_bytes()[:900])
+    (tmp_path / "cut.safetensors").write_bytes(asset_path("pca.safetensors").read_bytes()[:9000])
+    (tmp_path / "photo.png").write_bytes(b"\x89PNG\r\n\x1a\n")
+    for name in ("cut.glb", "nan.obj", "cut.npz", "cut.safetensors", "photo.png", "none", "."):
+        said = refused(COMMAND, tmp_path / name)
+        assert (tmp_path / name).name in said, said
+
+
+def test_wrong_usage(run):
+    assert run(COMMAND).exit_code == 2

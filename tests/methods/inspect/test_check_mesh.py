@@ -1,0 +1,58 @@
+import numpy as np
+import pytest
+
+from caricli.methods.inspect.check_mesh import check_mesh, size_hint
+from caricli.structures import Mesh
+
+
+@pytest.fixture
+def small(ball):
+    """A ball of 0.2 m."""
+    vertices, faces = ball
+    return Mesh(0.1 * vertices, faces)
+
+
+def test_a_whole_mesh_has_no_problems(small):
+    check = check_mesh(small)
+    assert (check.vertices, check.polygons, check.triangles, check.uvs) == (300, 596, 596, 0)
+    assert (check.components, check.open_edges, check.flipped, check.hint) == (1, 0, None, None)
+    assert check.height == pytest.approx(0.2, abs=0.01) and check.problems == []
+
+
+def test_every_damage_is_counted(small):
+    vertices = np.vstack([small.vertices, [[0.5, 0.5, 0.5]]])
+    assert check_mesh(Mesh(vertices, small.faces)).problems == ["1 vertices in no triangle"]
+    crowded = np.vstack([small.faces, [[*small.faces[0, :2], 200]]])
+    check = check_mesh(Mesh(small.vertices, crowded))
+    assert check.crowded == 1 and any("more than two triangles" in words for words in check.problems)
+    flat = small.vertices.copy()
+    flat[small.faces[0, 1]] = flat[small.faces[0, 0]]
+    assert check_mesh(small.with_vertices(flat)).degenerate == 2
+    turned = small.faces.copy()
+    turned[5] = turned[5, ::-1]
+    assert check_mesh(Mesh(small.vertices, turned)).misoriented == 3
+    opened = check_mesh(Mesh(small.vertices, small.faces[1:]))
+    assert opened.open_edges == 3 and opened.problems == []
+
+
+def test_parts_are_counted(small):
+    twice = Mesh(np.vstack([small.vertices, small.vertices + 1]), np.vstack([small.faces, small.faces + 300]))
+    assert check_mesh(twice).components == 2
+
+
+def test_triangles_are_turned_over_against_the_head_of_the_same_topology(small):
+    dented = small.vertices.copy()
+    dented[small.vertices[:, 2] > 0.08, 2] -= 0.1
+    check = check_mesh(small.with_vertices(dented), small)
+    assert check.flipped and check.problems == [f"{check.flipped} triangles turned over"]
+    assert check_mesh(small, small).flipped == 0
+    assert check_mesh(Mesh(small.vertices, small.faces[1:]), small).flipped is None
+
+
+@pytest.mark.parametrize(
+    ("scale", "words"), [(1, None), (100, "centimetres"), (1000, "millimetres"), (39.4, "inches"), (1e-3, "0.1 to 1 m")]
+)
+def test_the_size_hints_at_the_unit(small, scale, words):
+    hint = check_mesh(small.with_vertices(small.vertices * scale)).hint
+    assert hint == size_hint(small.height * scale)
+    assert hint is None if words is None else words in hint
