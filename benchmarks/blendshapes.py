@@ -12,12 +12,12 @@ import igl
 import numpy as np
 from portrait import median
 
-from caricli.commands.blended import load_tools
 from caricli.geometry.exaggerate_curvature import exaggerate_curvature
 from caricli.geometry.head_rotation import head_rotation
 from caricli.methods.expressions.build_blendshapes import build_blendshapes
 from caricli.methods.expressions.optimise_blendshapes import optimise_blendshapes
-from caricli.structures import Camera
+from caricli.store.expression_tools import load_tools
+from caricli.structures import Camera, Face, Mesh
 from caricli.template.fine_mesh import fine_mesh
 
 SIZES = (4_200, 5_500)
@@ -25,13 +25,13 @@ SIZES = (4_200, 5_500)
 
 def main():
     """Print the figures and the JSON line."""
-    tools = load_tools()
+    tools, _ = load_tools()
     template, moves = tools.morphable.template, tools.templates.deltas
     seconds = {f"optimise {count} vertices": optimised(template, moves, count) for count in SIZES}
     (caricature,) = exaggerate_curvature(template.vertices, template.faces, [0.2])
-    seen = caricature, Camera(1600.0, head_rotation(np.array([0.05, 0.2, 0])), np.array([300.0, 300]))
-    known = tools.templates, tools.morphable, tools.landmark_map
-    seconds["build 4200 vertices"] = median(lambda: build_blendshapes(*seen, *known))
+    camera = Camera(1600.0, head_rotation(np.array([0.05, 0.2, 0])), np.array([300.0, 300]))
+    face = Face(template.with_vertices(caricature), camera)
+    seconds["build 4200 vertices"] = median(lambda: build_blendshapes(face, tools))
     for name, value in seconds.items():
         print(f"{name}: {value:.3f} s")
     print(json.dumps({"seconds": seconds}))
@@ -39,14 +39,15 @@ def main():
 
 def optimised(template, moves, count):
     """Seconds for displacements (K, V, 3), a tenth larger than those of the normal face, on about so many vertices."""
-    vertices, faces = template.vertices, template.faces
-    if count > len(vertices):
+    mesh = template
+    if count > len(template.vertices):
         fine = fine_mesh(template, 1)
-        vertices, faces, moves = fine.weights @ vertices, fine.mesh.faces, np.stack([fine.weights @ move for move in moves])
-        ratio = int(len(faces) * count / len(vertices))
-        vertices, faces, _, born = igl.decimate(vertices, np.asarray(faces, dtype=np.int32), ratio)
-        moves = moves[:, born]
-    return median(lambda: optimise_blendshapes(1.1 * moves, moves, vertices, faces))
+        faces = np.asarray(fine.mesh.faces, dtype=np.int32)
+        ratio = int(len(faces) * count / len(fine.mesh.vertices))
+        vertices, faces, _, born = igl.decimate(fine.mesh.vertices, faces, ratio)
+        mesh = Mesh(vertices, faces)
+        moves = np.stack([fine.weights @ move for move in moves])[:, born]
+    return median(lambda: optimise_blendshapes(1.1 * moves, moves, mesh))
 
 
 if __name__ == "__main__":

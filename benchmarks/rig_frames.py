@@ -15,7 +15,7 @@ import scipy.sparse as sp
 from scipy.linalg.blas import saxpy
 
 from caricli.methods.animate.pose_rig import RigPoser
-from caricli.structures import Rig
+from caricli.structures import Mesh, Rig
 from caricli.template.fine_mesh import fine_mesh
 from caricli.template.head import load_head
 
@@ -47,9 +47,11 @@ def rigs():
     deltas = np.stack([(fine.weights @ head.actions[k])[:VERTICES] for k in np.sort(order)]).astype(np.float32)
     neutral = (fine.weights @ template.vertices)[:VERTICES].astype(np.float32)
     noise = np.random.default_rng(0).normal(scale=0.01, size=deltas.shape).astype(np.float32)
-    names, faces = tuple(map(str, range(SHAPES))), template.faces
+    names = tuple(map(str, range(SHAPES)))
+    # No triangle is looked at.
+    faces = np.arange(VERTICES).reshape(-1, 3)
     for name, shapes in (("head's expressions", deltas), ("noise, all move", noise)):
-        yield name, Rig(names, neutral, shapes, faces)
+        yield name, Rig(names, Mesh(neutral, faces), shapes)
 
 
 def ways(rig):

@@ -15,12 +15,13 @@ import igl
 import numpy as np
 
 from caricli.data.dataset import read_dataset
-from caricli.geometry.similarity import similarity
 from caricli.io.obj import read_obj
 from caricli.methods.rig.add_eyeballs import fit_eyeballs
-from caricli.methods.rig.expression_templates import ExpressionTemplates, mended_templates
+from caricli.methods.rig.expression_templates import ExpressionTemplates
+from caricli.methods.rig.head_expressions import head_expressions
 from caricli.methods.rig.measure_rig import measure_rig
 from caricli.methods.rig.transfer_rig import transfer_rig
+from caricli.structures import Mesh
 from caricli.template.fine_mesh import fine_mesh
 from caricli.template.head import load_head
 
@@ -33,9 +34,9 @@ def main():
     """Print the tables and the JSON line."""
     if len(sys.argv) < 2:
         sys.exit(__doc__)
-    data, head = read_dataset(Path(sys.argv[1])), load_head()
-    template = head.template()
-    templates = mended_templates(head, template)
+    data = read_dataset(Path(sys.argv[1]))
+    head = load_head()
+    templates = head_expressions(head, head.template())
     level = int(data.level.max())
     rows = np.flatnonzero(data.rows("test") & (data.level == level))[:FACES]
     sets = {f"{len(rows)} test faces of level {level}": [data.vertices[row].astype(float) for row in rows]}
@@ -44,23 +45,21 @@ def main():
     figures = {}
     for name, faces in sets.items():
         for contacts in (True, False):
-            found = [measured(face, templates, template, contacts) for face in faces]
+            found = [measured(face, templates, contacts) for face in faces]
             figures[f"{name}, {'with' if contacts else 'without'} contacts"] = summary(found)
     for name, row in figures.items():
         print(name, *(f"  {key}: {value:.4g}" for key, value in row.items()), sep="\n")
-    timings = {count: timed(templates, template, count) for count in SIZES}
+    timings = {count: timed(templates, count) for count in SIZES}
     for count, seconds in timings.items():
         print(f"52 expressions on {count} vertices: {seconds:.2f} s (paper: 46 on 35,709 in 1.84 s)")
     print(json.dumps({"faces": figures, "seconds": timings}))
 
 
-def measured(face, templates, template, contacts):
+def measured(face, templates, contacts):
     """RigMeasures of a face."""
     deltas = transfer_rig(templates, face, contacts)
-    mesh = template.with_vertices(face)
-    balls = fit_eyeballs(face, deltas, mesh)
-    scale = similarity(templates.neutral, face)[0]
-    return measure_rig(deltas, face, templates, template.annotation, scale, balls)
+    eyeballs = fit_eyeballs(templates.mesh.with_vertices(face), templates.annotation, deltas)
+    return measure_rig(face, deltas, templates, eyeballs)
 
 
 def summary(found):
@@ -82,17 +81,17 @@ def summary(found):
     }
 
 
-def timed(templates, template, count):
-    """Median seconds of a transfer on a mesh of about so many vertices, made of the template's by splitting edges."""
+def timed(templates, count):
+    """Median seconds of a transfer on a mesh of about so many vertices, made of the templates' by splitting edges."""
     levels = 1 if count < 17_000 else 2
-    fine = fine_mesh(template, levels)
+    fine = fine_mesh(templates.mesh, levels)
     vertices = fine.weights @ templates.neutral
     # Every vertex that decimation leaves has one that it was born from, whose displacements it takes.
     ratio = int(len(fine.mesh.faces) * count / len(vertices))
     reduced, faces, _, kept = igl.decimate(vertices, np.asarray(fine.mesh.faces, dtype=np.int32), ratio)
     chosen = np.asarray(kept).ravel()
     deltas = np.stack([(fine.weights @ delta)[chosen] for delta in templates.deltas])
-    own = ExpressionTemplates(templates.names, reduced, np.asarray(faces), deltas)
+    own = ExpressionTemplates(templates.names, Mesh(reduced, np.asarray(faces)), deltas)
     face = 1.1 * own.neutral * [1.1, 0.9, 1.2]
     transfer_rig(own, face)
     seconds = []

@@ -4,8 +4,8 @@ from contextlib import ExitStack
 
 import click
 
-from caricli.commands.shared.options import PATH, FiniteRange, named, overwrite_option
-from caricli.errors import InputError, shown
+from caricli.commands.shared.options import PATH, FiniteRange, named, named_numbers, overwrite_option
+from caricli.errors import shown
 from caricli.io.image import write_png
 from caricli.io.mesh import write_mesh
 from caricli.io.outputs import staged, staged_folder
@@ -15,6 +15,7 @@ from caricli.io.track import read_weights
 from caricli.io.video import write_video
 
 REPORT = "animation.json"
+SCALE = "NAME=K with K from 0 to 3, such as jawOpen=1.3"
 
 
 @click.command()
@@ -68,7 +69,8 @@ def command(rig, weights, out, frames, kind, video, fps, source_fps, smooth, sca
     with ExitStack() as stack:
         temporary = dict(zip(files, stack.enter_context(staged(*files, **given)), strict=True)) if files else {}
         folder = stack.enter_context(staged_folder(frames, marker=REPORT, **given)) if frames else None
-        settings = AnimationSettings(fps, smooth, _scales(scales), not no_head)
+        factors = named_numbers("--scale", scales, SCALE, "expression", (0, 3))
+        settings = AnimationSettings(fps, smooth, factors, not no_head)
         performance = animate_rig(load_rig(rig), read_weights(weights, source_fps), settings)
         _write_moving(temporary.get(out), temporary.get(video), performance, view, size)
         if folder is not None:
@@ -77,23 +79,6 @@ def command(rig, weights, out, frames, kind, video, fps, source_fps, smooth, sca
             if path is not None:
                 write_json(path, provenance("animate", [rig, weights], **performance.figures()))
     _say(first, weights, performance)
-
-
-def _scales(texts):
-    """Factors by name."""
-    scales = {}
-    for text in texts:
-        name, _, value = text.rpartition("=")
-        try:
-            factor = float(value)
-        except ValueError:
-            factor = -1.0
-        if not name or not 0 <= factor <= 3:
-            raise InputError(f"--scale {text}: expected NAME=K with K from 0 to 3, such as jawOpen=1.3")
-        scales[name] = factor
-    if len(scales) < len(texts):
-        raise InputError(f"--scale: expected every expression once, found {' '.join(texts)}")
-    return scales
 
 
 def _write_moving(glb, video, performance, view, size):

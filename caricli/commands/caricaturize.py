@@ -1,9 +1,8 @@
 """caricli caricaturize: regular faces made caricatures."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -22,6 +21,11 @@ from caricli.commands.shared.options import (
 )
 from caricli.io.outputs import staged
 from caricli.io.provenance import provenance
+from caricli.structures import Directions
+
+if TYPE_CHECKING:
+    from caricli.methods.faces.draw_face import FaceDrawing
+    from caricli.store.regular_faces import FaceLoader
 
 SIZE = 320
 DRAWN = (0.0, 0.5, 1.0)
@@ -53,9 +57,7 @@ DRAWN = (0.0, 0.5, 1.0)
 @subdivide_option
 @overwrite_option
 @click.pass_context
-def command(
-    ctx, faces, strength, mode, out, out_dir, marked, image, pts_origin, directions, model, levels, overwrite
-):
+def command(ctx, faces, strength, mode, out, out_dir, marked, image, pts_origin, directions, model, levels, overwrite):
     """Exaggerate faces (OBJ or NPZ), or with --from-landmarks the faces that landmarks belong to.
 
     The direction goes from regular faces to caricatures, the same way for all; a face's own way enlarges whatever sets
@@ -83,9 +85,8 @@ def command(
     anew = model is None
     load = landmark_loader(drawing.model, pts_origin, SIZE) if marked else face_loader(drawing.model, anew)
     about = {"model_id": drawing.model.model_id, "mode": mode, "strength": strength, "subdivide": levels}
-    task = _Task(drawing, load, labels, about, path, image, out is None)
-    read = (*faces, model)
-    run_batch(ctx, jobs, lambda source, target: task.run(source, target, read, overwrite), "faces")
+    task = _Task(drawing, load, labels, about, path, image, out is None, (*faces, model, path), overwrite)
+    run_batch(ctx, jobs, task.run, "faces")
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,18 +95,21 @@ class _Task:
 
     drawing: FaceDrawing of the model. load: FaceLoader. labels: Directions, or None. about: of the run, for the JSON.
     path: of the directions, or None. image: path of the picture, or where many is set of a folder of pictures, or None.
+    inputs: paths that are read. overwrite: whether files that exist are replaced.
     """
 
-    drawing: Any
-    load: Callable
-    labels: Any
-    about: dict
+    drawing: "FaceDrawing"
+    load: "FaceLoader"
+    labels: Directions | None
+    about: dict[str, Any]
     path: Path | None
     image: Path | None
     many: bool
+    inputs: tuple[Path | None, ...]
+    overwrite: bool
 
-    def run(self, source, target, read, overwrite):
-        """Caricaturize one. read: paths that are read besides. Returns the line to print."""
+    def run(self, source: Path, target: Path) -> str:
+        """Caricaturize one face, of a file of it or of landmarks. target: of the mesh. Returns the line to print."""
         from caricli.methods.edit.caricature_sheet import caricature_sheet
         from caricli.methods.edit.caricaturize_face import caricature_figures, caricaturize_face
         from caricli.store.face_files import write_face_result
@@ -114,7 +118,7 @@ class _Task:
         picture = find_picture(self.image, source, self.many)
         model = self.drawing.model
         strengths = [self.about["strength"] * share for share in DRAWN]
-        with staged(*face_files(target), overwrite=overwrite, inputs=(*read, self.path, picture)) as files:
+        with staged(*face_files(target), overwrite=self.overwrite, inputs=(*self.inputs, picture)) as files:
             regular = self.load(source, picture)
             degrees = [caricaturize_face(regular.face, model, s, self.about["mode"], self.labels) for s in strengths]
             figures = caricature_figures(regular.face, degrees[-1], model, self.labels)

@@ -52,13 +52,13 @@ def command(landmarks, out, out_dir, image, model, expression_only, identity, we
     from caricli.commands.shared.landmark_batch import FitTask, LandmarkFiles, fit_all
     from caricli.methods.reconstruct.fit_morphable import fit_morphable
     from caricli.store.faces import load_identity
-    from caricli.store.models import load_model
+    from caricli.store.models import load_morphable
     from caricli.template.fine_mesh import fine_mesh
 
     if identity is not None and not expression_only:
         raise click.UsageError("--identity needs --expression-only.")
     files = LandmarkFiles(landmarks, out, out_dir, image, pts_origin, overwrite)
-    shape_model = load_model(model, only="morphable")
+    shape_model = load_morphable(model)
     kept, note = load_identity(identity, shape_model) if expression_only else (None, None)
     if note:
         click.echo(note, err=True)

@@ -61,7 +61,6 @@ def command(face, landmarks, out, image, parsing, weight, laplacian, model, pts_
       caricli refine face.npz landmarks.json --parsing labels.png --out refined.obj
     """
     from caricli.methods.reconstruct.refine_face import refine_face
-    from caricli.methods.reconstruct.renew_residual import renew_residual
     from caricli.methods.reconstruct.snap_eyes import snap_eyes
     from caricli.render.refine_sheet import refine_sheet
     from caricli.store.face_files import write_face_files
@@ -72,16 +71,17 @@ def command(face, landmarks, out, image, parsing, weight, laplacian, model, pts_
     inputs = (face, landmarks, image, parsing, model)
     with staged(*face_files(out), overwrite=overwrite, inputs=inputs) as files:
         seen, shape_model = load_seen_face(face, model)
+        template = shape_model.template
         marks, pixels = load_marked_picture(landmarks, image, pts_origin)
         points, snapped = snap_eyes(marks.points, load_eyes(parsing, marks.image_size))
         start = time.perf_counter()
         with naming(landmarks):
-            result = refine_face(seen, points, shape_model.template, RefineSettings(weight, laplacian))
+            result = refine_face(seen, points, template, RefineSettings(weight, laplacian))
         seconds = time.perf_counter() - start
-        about = {"weight": weight, "laplacian": laplacian, "snapped": snapped, "subdivide": levels, "seconds": seconds}
-        about = {"model_id": shape_model.model_id} | about | result.figures()
-        finer = fine_mesh(shape_model.template, levels).shaped(result.face.vertices)
-        write_face_files(files[0], files[1], renew_residual(result.face, shape_model), finer)
+        about = {"model_id": shape_model.model_id, "weight": weight, "laplacian": laplacian, "snapped": snapped}
+        about |= {"subdivide": levels, "seconds": seconds} | result.figures()
+        finer = fine_mesh(template, levels).shaped(result.face.vertices)
+        write_face_files(files[0], files[1], result.face_of(shape_model), finer)
         write_json(files[2], provenance("refine", inputs[:4], **about))
-        write_png(files[3], refine_sheet((seen, result.face), result.anchors, shape_model.template, points, pixels, SIZE))
+        write_png(files[3], refine_sheet((seen, result.face), result.anchors, template, points, pixels, SIZE))
     click.echo(f"{out}: {result.describe()}, {seconds:.2f} s")

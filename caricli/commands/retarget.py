@@ -56,11 +56,11 @@ def command(ctx, rig, drivers, out, out_dir, neutral, animation, fps, model, pts
       caricli retarget b.npz take/*.obj --neutral calm.obj --out-dir frames --animation take.glb --fps 30
     """
     from caricli.commands.shared.batch import named_jobs, run_batch
-    from caricli.store.models import load_model
+    from caricli.store.models import load_morphable
 
     jobs = named_jobs(drivers, "NORMAL_FACE", out, out_dir, ".obj")
     _check_usage(drivers, neutral, animation, [target for _, target in jobs])
-    normal = load_model(model, only="morphable")
+    normal = load_morphable(model)
     loaded, retargeting = _load(rig, drivers, neutral, normal, pts_origin, animation is not None)
     about = {"model_id": normal.model_id, "drivers": len(loaded.faces)}
     given = {"overwrite": overwrite, "inputs": (rig, neutral, model, *drivers)}

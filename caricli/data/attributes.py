@@ -34,6 +34,7 @@ _LOWER_INSIDE = LOWER_LIP_INSIDE[2]
 _FACE_SIDES = (2, 14)
 _CHIN_SIDES = (6, 10)
 _JAW_ENDS = (0, 16)
+_CHIN = slice(7, 10)
 
 
 def measure_attributes(
@@ -50,10 +51,11 @@ def measure_attributes(
     Returns numbers by names; lengths are divided by the size of the face.
     """
     face = _Face(vertices[template.annotation.landmarks])
-    throat = vertices[[path[0] for path in template.annotation.jaw_paths][7:10]]
-    measures = face.outline() | face.nose() | face.mouth() | face.eyes_and_brows() | face.ears()
+    throat = vertices[[path[0] for path in template.annotation.jaw_paths[_CHIN]]]
+    # Datasets keep this order.
+    measures = face.nose() | face.mouth() | face.eyes() | face.outline()
     measures["DoubleChin"] = (face.at("chin")[1] - throat[:, 1].mean()) / face.size
-    measures = {name: measures[name] for name in _ORDER}
+    measures |= face.brows() | face.ears()
     if gender is not None:
         measures["Women"] = gender
     if age is not None:
@@ -62,15 +64,6 @@ def measure_attributes(
     if exaggerated is not None:
         measures["Caricature"] = float(exaggerated)
     return {name: float(value) for name, value in measures.items()}
-
-
-_ORDER = (
-    *("BigNose", "SmallNose", "WideNose", "LongNose", "HookNose", "BigMouth", "SmallMouth", "ThickLips", "ThinLips"),
-    *("MouthOpen", "Smile", "Frown", "BigEye", "SmallEye", "NarrowEye", "WideSetEyes", "LargeForehead"),
-    *("SmallForehead", "SquareJaw", "PointedChin", "LongChin", "HighCheekbones", "RoundFace", "LongFace", "DoubleChin"),
-    *("ArchedEyebrows", "RaisedEyebrows", "BigEar", "ProtrudingEars"),
-)
-"""The attributes that landmarks tell, in the order of datasets."""
 
 
 class _Face:
@@ -154,23 +147,27 @@ class _Face:
             "Frown": -corners,
         }
 
-    def eyes_and_brows(self) -> dict[str, float]:
-        """Size, shape and distance of the eyes; height and arch of the brows."""
+    def eyes(self) -> dict[str, float]:
+        """Size, shape and distance of the eyes."""
         width = (self.gap("eye_outer_right", "eye_inner_right") + self.gap("eye_inner_left", "eye_outer_left")) / 2
         height = sum(self.gap(*pair) for pair in LID_PAIRS) / len(LID_PAIRS)
         eye = np.sqrt(width * height) / self.size
-        ends = [BROW_RIGHT[0], BROW_RIGHT[-1], BROW_LEFT[0], BROW_LEFT[-1]]
-        heights = self.points[:, 1]
-        middles = self.at("brow_right")[1] + self.at("brow_left")[1]
-        lengths = self.gap(*ends[:2]) + self.gap(*ends[2:])
-        arch = (middles - heights[ends].sum() / 2) / lengths
-        eyes = heights[EYES.start : EYES.stop].mean()
         return {
             "BigEye": eye,
             "SmallEye": -eye,
             "NarrowEye": -height / width,
             "WideSetEyes": self.gap("eye_inner_right", "eye_inner_left") / self.size,
-            "ArchedEyebrows": arch,
+        }
+
+    def brows(self) -> dict[str, float]:
+        """Height and arch of the brows."""
+        heights = self.points[:, 1]
+        ends = [BROW_RIGHT[0], BROW_RIGHT[-1], BROW_LEFT[0], BROW_LEFT[-1]]
+        middles = self.at("brow_right")[1] + self.at("brow_left")[1]
+        lengths = self.gap(*ends[:2]) + self.gap(*ends[2:])
+        eyes = heights[EYES.start : EYES.stop].mean()
+        return {
+            "ArchedEyebrows": (middles - heights[ends].sum() / 2) / lengths,
             "RaisedEyebrows": (self._brow_height() - eyes) / self.size,
         }
 

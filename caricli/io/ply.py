@@ -102,5 +102,5 @@ def _load(data: bytes) -> dict:
             warnings.simplefilter("error", DeprecationWarning)
             return load_ply(io.BytesIO(data), fix_texture=False, skip_materials=True)
     except Exception as error:  # trimesh raises whatever it meets
-        reason = "damaged, or binary with polygons of different sizes"
+        reason = "damaged, or binary with polygons of different sizes (then save it as text or as triangles)"
         raise InputError(f"expected {_KIND}, found one that is {reason}: {shown(error, 120)}") from error

@@ -9,12 +9,14 @@ from typing import Any
 
 from caricli.data.dataset import SCHEMA as DATASET_SCHEMA
 from caricli.data.dataset import read_dataset
+from caricli.data.expressions import NEUTRAL, read_expressions
 from caricli.errors import InputError, shown
 from caricli.io import directions, face, landmarks, rig, track
 from caricli.io.bundled import asset_path
 from caricli.io.checkpoint import read_checkpoint
 from caricli.io.files import content_kind
 from caricli.io.gltf.read_gltf import read_gltf, read_gltf_mesh
+from caricli.io.image import read_image
 from caricli.io.mtl import texture_path
 from caricli.io.npz import read_npz, text_of
 from caricli.io.obj import read_obj
@@ -28,6 +30,7 @@ from caricli.models.landmark_map.model import SCHEMA as LANDMARK_MAP_SCHEMA
 from caricli.models.landmark_map.model import map_from_checkpoint
 from caricli.store.models import load_model
 from caricli.structures import Material
+from caricli.structures.arkit import ARKIT_NAMES
 
 _EXPECTED = "a file of caricli's, or an OBJ, PLY, STL, GLB or glTF"
 
@@ -47,7 +50,7 @@ _JSON: dict[str, Callable[[Path], Any]] = {
 
 def load_any(path: Path) -> Any:
     """What a file or folder holds, told by its content: one of the structures, a Dataset, a ShapeModel, a LandmarkMap,
-    or the dict of a report.
+    the dict of a report or of expressions, or the array of a picture.
 
     Raises InputError when it is none of them, or damaged.
     """
@@ -115,10 +118,14 @@ def _reader(start: bytes, path: Path) -> Callable[[Path], Any]:
 def _text_reader(start: bytes, path: Path) -> Callable[[Path], Any]:
     suffix = path.suffix.lower()
     rubbish = content_kind(start)
+    if rubbish and rubbish.endswith("image"):
+        return read_image
     if rubbish:
         raise InputError(f"{shown(path)}: expected {_EXPECTED}, found {rubbish}")
     if start.lstrip(b"\xef\xbb\xbf \t\r\n")[:1] in (b"{", b"["):
         return _read_json
+    if suffix in (".yaml", ".yml"):
+        return _read_expressions
     if _CSV.match(start):
         return track.read_weights
     if suffix == ".obj" or _OBJ.search(start):
@@ -163,4 +170,10 @@ def _read_json(path: Path) -> Any:
         return _read_gltf(path)
     if isinstance(value, dict) and isinstance(value.get("command"), str):
         return value
+    if isinstance(value, dict) and NEUTRAL in value:
+        return _read_expressions(path)
     return track.read_weights(path)
+
+
+def _read_expressions(path: Path) -> dict[str, dict[str, float]]:
+    return read_expressions(path, ARKIT_NAMES)

@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import cast
 
 from caricli.data.expressions import NEUTRAL, facs_expressions, read_expressions
 from caricli.errors import InputError, naming, shown
@@ -10,11 +9,10 @@ from caricli.io.landmarks import read_landmarks
 from caricli.methods.expressions.tools import ExpressionTools
 from caricli.methods.reconstruct.fit_landmarks import fit_landmarks
 from caricli.methods.rig.expression_templates import ExpressionTemplates
-from caricli.models.morphable.model import MorphableModel
 from caricli.store.expression_templates import load_templates
 from caricli.store.faces import load_face
 from caricli.store.landmark_maps import landmark_map_path, load_landmark_map
-from caricli.store.models import DEFAULT_LATENT, load_model
+from caricli.store.models import DEFAULT_LATENT, load_model, load_morphable
 from caricli.store.rig_sources import PicturePaths, picture_paths
 from caricli.structures import Face
 from caricli.template.template import Template
@@ -40,7 +38,7 @@ def load_tools(paths: ToolPaths = ToolPaths(), latent: bool = False) -> tuple[Ex
     latent: whether landmarks are followed in the latent of a model.
     Raises InputError where they are not of one mesh, or no expression moves anything.
     """
-    morphable = cast(MorphableModel, load_model(paths.model, only="morphable"))
+    morphable = load_morphable(paths.model)
     actions, template_files = load_templates(paths.templates)
     model = load_model(kind=DEFAULT_LATENT) if latent else None
     meshes = [actions.mesh, *([model.template] if model else [])]

@@ -6,6 +6,7 @@ import pytest
 from caricli.io.bundled import asset_path
 from caricli.io.face import write_face
 from caricli.io.gltf.write_gltf import write_gltf
+from caricli.io.image import write_png
 from caricli.io.mesh import write_mesh
 from caricli.io.rig import write_rig
 from caricli.io.strict_json import write_json
@@ -157,6 +158,13 @@ def test_a_report(inspect, tmp_path):
     lines, report = inspect(tmp_path / "face.json")
     assert "caricli refine, version 0.1" in lines[0] and "made from: a.npz" in lines and "holds: moved" in lines
     assert report["inputs"] == {"a.npz": "0"} and report["keys"] == ["moved"]
+
+
+def test_expressions_and_pictures(inspect, tmp_path):
+    lines, report = inspect(asset_path("expressions.yaml"))
+    assert "expressions, " in lines[0] and report["expressions"]["neutral"] == {}
+    write_png(tmp_path / "photo.png", np.zeros((4, 6, 3), np.uint8))
+    assert inspect(tmp_path / "photo.png")[0][0].endswith("picture, 6 x 4 pixels")
 
 
 def test_bad_files_are_one_line(refused, rig, ball, tmp_path):

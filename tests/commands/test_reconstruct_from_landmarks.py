@@ -7,6 +7,7 @@ from caricli.io.bundled import asset_path
 from caricli.io.face import read_face
 from caricli.io.image import read_image, write_png
 from caricli.io.landmarks import write_landmarks
+from caricli.io.mesh import read_mesh
 from caricli.io.obj import read_obj
 from caricli.io.strict_json import read_json, write_json
 from caricli.structures import Landmarks
@@ -374,3 +375,13 @@ def test_an_output_is_never_an_input(refused, models, marks, photo, tmp_path):
     assert "same.npz" in refused(COMMAND, marks, "--out", tmp_path / "same.obj", *model)
     assert marks.read_bytes() == before and image.read_bytes() == photo.read_bytes()
     assert names(tmp_path) == ["face.png", "link.json", "marks.json", "same.npz"]
+
+
+def test_the_suffix_says_the_format_of_the_mesh(run, reconstructed, tmp_path):
+    folder, marks = reconstructed
+    result = run(COMMAND, marks, "--out", tmp_path / "face.ply")
+    assert result.exit_code == 0, result.output
+    assert names(tmp_path) == ["face.json", "face.npz", "face.ply", "face.png"]
+    np.testing.assert_allclose(
+        read_mesh(tmp_path / "face.ply").vertices, read_obj(folder / "face.obj").vertices, atol=1e-6
+    )

@@ -255,3 +255,14 @@ def test_outputs_that_exist_and_wrong_usage(refused, run, coarse, landmarks, ref
     for wrong in (("--weight", 0), ("--weight", "nan"), ("--laplacian", "other"), ("--subdivide", 9)):
         assert run(COMMAND, coarse, landmarks, "--out", tmp_path / "a.obj", *wrong).exit_code == 2
     assert list(tmp_path.iterdir()) == [landmarks]
+
+
+def test_pts_from_0_are_a_pixel_away(run, coarse, wanted, tmp_path):
+    write_landmarks(tmp_path / "marks.pts", Landmarks(wanted))
+    places = []
+    for origin in (0, 1):
+        out = tmp_path / f"{origin}.obj"
+        result = run(COMMAND, coarse, tmp_path / "marks.pts", "--pts-origin", origin, "--weight", 1e4, "--out", out)
+        assert result.exit_code == 0, result.output
+        places.append(read_face(out.with_suffix(".npz")).landmarks)
+    np.testing.assert_allclose(places[0] - places[1], 1, atol=0.05)

@@ -19,7 +19,6 @@ from caricli.methods.texture.settings import PaintSettings, TextureSettings
 from caricli.render.draw_textured import render_textured
 from caricli.render.rasterise import rasterise
 from caricli.store.rig_sources import PicturePaths, picture_paths
-from caricli.store.rig_sources import PicturePaths, picture_paths
 from caricli.structures import Camera, Face, Material, Rig
 
 COMMAND = "texture"
@@ -246,7 +245,9 @@ def test_masks_that_do_not_fit(refused, scene, tmp_path):
 
 def test_another_picture(refused, scene, tmp_path):
     face = read_face(scene / "face.npz")
-    write_face(tmp_path / "away.npz", replace(face, camera=replace(face.camera, translation=face.camera.translation + 5000)))
+    write_face(
+        tmp_path / "away.npz", replace(face, camera=replace(face.camera, translation=face.camera.translation + 5000))
+    )
     said = refused(COMMAND, tmp_path / "away.npz", scene / "photo.png", "--out", tmp_path / "out")
     assert "photo.png: expected the picture that the face was fitted to" in said and not (tmp_path / "out").exists()
 

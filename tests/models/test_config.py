@@ -8,7 +8,7 @@ from caricli.io.config import read_config, read_yaml
 from caricli.models.ablation.config import AblationConfig
 from caricli.models.config import LinearConfig
 from caricli.models.kernel.config import KernelConfig
-from caricli.models.kinds import KINDS, config_class, model_class
+from caricli.models.kinds import KINDS, config_class
 from caricli.models.landmark_map.config import LandmarkMapConfig
 from caricli.models.morphable.config import MorphableConfig
 
@@ -33,12 +33,6 @@ def test_a_file_of_comments_alone_means_the_defaults(tmp_path):
     path = tmp_path / "default.yaml"
     path.write_text("# What caricli ships.\n")
     assert read_config(path, KernelConfig) == KernelConfig()
-
-
-@pytest.mark.parametrize("kind", KINDS)
-def test_the_classes_of_a_kind_are_found_by_its_name(kind):
-    assert model_class(kind).kind == kind
-    assert config_class(kind)().seed == 0
 
 
 @pytest.mark.parametrize("kind", ["pca", "intrinsic"])

@@ -5,6 +5,7 @@ from caricli.errors import InputError
 from caricli.io.bundled import asset_path
 from caricli.io.face import write_face
 from caricli.io.gltf.write_gltf import write_gltf
+from caricli.io.image import write_png
 from caricli.io.landmarks import write_landmarks
 from caricli.io.mesh import write_mesh
 from caricli.io.npz import write_npz
@@ -77,6 +78,14 @@ def test_what_comes_with_caricli():
     assert isinstance(load_any(asset_path("directions-pca.npz")), Directions)
 
 
+def test_expressions_and_pictures(tmp_path):
+    assert "neutral" in load_any(asset_path("expressions.yaml"))
+    (tmp_path / "set.json").write_text('{"neutral": {}, "smile": {"mouthSmile": 0.9}}')
+    assert load_any(tmp_path / "set.json")["smile"] == {"mouthSmileLeft": 0.9, "mouthSmileRight": 0.9}
+    write_png(tmp_path / "photo.png", np.zeros((4, 6, 3), np.uint8))
+    assert load_any(tmp_path / "photo.png").shape == (4, 6, 3)
+
+
 def test_reports(tmp_path):
     write_json(tmp_path / "face.json", {"command": "refine", "version": "1"})
     assert load_any(tmp_path / "face.json")["command"] == "refine"
@@ -91,7 +100,9 @@ def test_live_link(tmp_path):
 @pytest.mark.parametrize(
     ("name", "content", "words"),
     [
-        ("a.png", b"\x89PNG\r\n\x1a\n" + bytes(9), "found a PNG image"),
+        ("a.png", b"\x89PNG\r\n\x1a\n" + bytes(9), "a.png"),
+        ("a.pdf", b"%PDF-1.4", "found a PDF document"),
+        ("a.yaml", b"colour: 1\n", "a.yaml"),
         ("a.bin", bytes(64), "found binary data"),
         ("a.md", b"Dear reader\n", "found other text"),
         ("a.obj", b"v 0 0 nan\n", "a.obj"),

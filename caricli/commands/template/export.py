@@ -2,12 +2,12 @@
 
 import click
 
-from caricli.commands.shared.options import PATH, named, overwrite_option
+from caricli.commands.shared.options import PATH, named_mesh, overwrite_option
 from caricli.io.outputs import staged
 
 
 @click.command()
-@click.argument("out", type=PATH, metavar="OUT.obj", callback=named(".obj"))
+@click.argument("out", type=PATH, metavar="OUT.obj", callback=named_mesh)
 @click.option("--open-mouth", is_flag=True, help="The network template, with the lips apart.")
 @overwrite_option
 def command(out, open_mouth, overwrite):
@@ -18,11 +18,11 @@ def command(out, open_mouth, overwrite):
       caricli template export head.obj
       caricli template export head_open.obj --open-mouth
     """
-    from caricli.io.obj import write_obj
+    from caricli.io.mesh import write_mesh
     from caricli.template.head import load_head
 
     head = load_head()
     template = head.open_mouth_template() if open_mouth else head.template()
     with staged(out, overwrite=overwrite) as (temporary,):
-        write_obj(temporary, template)
+        write_mesh(temporary, template)
     click.echo(f"{out}: {len(template.vertices)} vertices, {len(template.polygons)} polygons")

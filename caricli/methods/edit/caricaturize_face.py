@@ -20,9 +20,6 @@ from caricli.structures import Directions, Face
 from caricli.template.annotation import DELICATE
 from caricli.template.template import Template
 
-MODES = ("direction", "own")
-"""Towards what caricatures have in common, or away from the mean head."""
-
 LABEL = "Caricature"
 """The label whose direction leads from regular faces to caricatures."""
 
@@ -68,7 +65,7 @@ def caricaturize_face(
     exaggerates less. Size and place stay.
 
     face: EncodedFace of the model. model: ShapeModel. strength: 0 changes nothing, 1 shows clearly, 2 is strong.
-    mode: one of MODES. directions: Directions of the model with the label "Caricature", for "direction".
+    mode: "direction" or "own". directions: Directions of the model with the label "Caricature", for "direction".
     Returns EncodedFace. Raises InputError.
     """
     if mode == "direction":

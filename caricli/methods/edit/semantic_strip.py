@@ -8,9 +8,7 @@ from caricli.methods.faces.encode_face import EncodedFace
 from caricli.render.view_sheets import film_strip
 
 
-def semantic_strip(
-    face: EncodedFace, edit: SemanticEdit, drawing: FaceDrawing, steps: int | None = None
-) -> np.ndarray:
+def semantic_strip(face: EncodedFace, edit: SemanticEdit, drawing: FaceDrawing, steps: int | None = None) -> np.ndarray:
     """The face before beside after, or in equal steps from minus to plus the strengths.
 
     face: EncodedFace before. edit: SemanticEdit. drawing: FaceDrawing of the model. steps: number of faces, or None.

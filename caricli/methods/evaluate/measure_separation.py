@@ -2,16 +2,21 @@
 
 import numpy as np
 
+from caricli.models.morphable.model import MorphableModel
 
-def measure_separation(model, shapes, people, shown):
+
+def measure_separation(
+    model: MorphableModel, shapes: np.ndarray, people: np.ndarray, shown: np.ndarray
+) -> dict[str, float | None]:
     """Encode meshes and ask how much of each part's variance their groups explain.
 
-    model: MorphableModel. shapes: (N, V, 3). people, shown: (N,) ints, who and which expression.
-    Returns a dict of agreements, 1 where a part is the same within every group and 0 where groups do not matter; None
-    where no group has two meshes. Exaggerations are part of the identity: people agree only as far as theirs do.
+    shapes: (N, V, 3) metres. people, shown: (N,) ints, who and which expression.
+    Returns agreements, 1 where a part is the same within every group and 0 where groups do not matter; None where no
+    group has two meshes. Exaggerations are part of the identity: people agree only as far as theirs do.
     """
     identity, expression = model.parts(model.encode(shapes))
-    who, what = np.tensordot(identity, model.identity, 1), np.tensordot(expression, model.expression, 1)
+    who = np.tensordot(identity, model.identity, 1)
+    what = np.tensordot(expression, model.expression, 1)
     return {
         "identity_of_a_person": agreement(who, people),
         "identity_of_an_expression": agreement(who, shown),
@@ -20,7 +25,7 @@ def measure_separation(model, shapes, people, shown):
     }
 
 
-def agreement(values, groups):
+def agreement(values: np.ndarray, groups: np.ndarray) -> float | None:
     """One less the variance within groups over all variance; None where no group has two or nothing varies.
 
     values: (N, ...). groups: (N,). Groups of one tell nothing and are left out of the variance within.
@@ -28,15 +33,15 @@ def agreement(values, groups):
     if not len(values):
         return None
     flat = values.reshape(len(values), -1)
-    _, groups, counts = np.unique(groups, return_inverse=True, return_counts=True)
+    _, numbers, counts = np.unique(groups, return_inverse=True, return_counts=True)
     total = flat.var(0).sum()
-    several = counts[groups] > 1
+    several = counts[numbers] > 1
     if not several.any() or total == 0:
         return None
     means = np.zeros((len(counts), flat.shape[1]))
-    np.add.at(means, groups, flat)
+    np.add.at(means, numbers, flat)
     means /= counts[:, None]
-    size = counts[groups[several]]
+    size = counts[numbers[several]]
     # A group's mean follows its own members: n / (n - 1) makes up for it.
-    within = (((flat - means[groups])[several] ** 2).sum(1) * size / (size - 1)).mean()
+    within = (((flat - means[numbers])[several] ** 2).sum(1) * size / (size - 1)).mean()
     return float(1 - within / total)

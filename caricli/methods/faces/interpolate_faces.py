@@ -11,9 +11,7 @@ from caricli.models.shape_model import ShapeModel
 from caricli.structures import Face
 
 
-def interpolate_faces(
-    first: EncodedFace, second: EncodedFace, model: ShapeModel, steps: int
-) -> Iterator[EncodedFace]:
+def interpolate_faces(first: EncodedFace, second: EncodedFace, model: ShapeModel, steps: int) -> Iterator[EncodedFace]:
     """Go from one face to another in equal steps of the latent, and of what it leaves over.
 
     The ends are the given faces exactly; in between, triangles that flip on the way are turned back. No picture shows

@@ -176,13 +176,24 @@ def _flipped_share(data: Dataset) -> np.ndarray:
 
 @describe.register
 def _(value: dict, around: Acquaintances) -> Inspection:
-    """A report of ours."""
+    """A report of ours, or weights of actions by expression."""
+    if "command" not in value:
+        actions = sorted({action for weights in value.values() for action in weights})
+        lines = [_listed(list(value)), f"of {len(actions)} actions: {_listed(actions)}"]
+        return Inspection("expressions", f"{len(value)} of them", tuple(lines), {"expressions": value})
     about = ("command", "version", "inputs", "seed")
     inputs = value.get("inputs", {})
     lines = [f"made from: {_listed(list(inputs))}"] if inputs else []
     lines.append(f"holds: {_listed([key for key in value if key not in about])}")
     values = {key: value[key] for key in about if key in value} | {"keys": [key for key in value if key not in about]}
     return Inspection("report", f"caricli {value['command']}, version {value.get('version')}", tuple(lines), values)
+
+
+@describe.register
+def _(value: np.ndarray, around: Acquaintances) -> Inspection:
+    """A picture."""
+    height, width = value.shape[:2]
+    return Inspection("picture", f"{width} x {height} pixels", (), {"width": width, "height": height})
 
 
 def _listed(names: Any) -> str:

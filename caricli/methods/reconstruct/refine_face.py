@@ -10,7 +10,9 @@ from caricli.geometry.flipped_triangles import flipped_triangles
 from caricli.geometry.laplacian_deformation import LaplacianDeformation
 from caricli.geometry.slide_contour import slide_contour
 from caricli.geometry.untangle import untangle
+from caricli.methods.faces.encode_face import encode_face
 from caricli.methods.reconstruct.settings import RefineSettings
+from caricli.models.shape_model import ShapeModel
 from caricli.structures import Camera, Face
 from caricli.structures.landmarks import JAW, LID_PAIRS, LIP_PAIRS, MOUTH_CORNERS, PARTS
 from caricli.template.template import Template
@@ -23,8 +25,7 @@ _MEETING = (*LID_PAIRS, *LIP_PAIRS)
 class Refinement:
     """A refined face and what changed.
 
-    face: Face with the landmarks where they project to; what it has beyond its latent is not known until
-    ``renew_residual`` finds it.
+    face: Face with the landmarks where they project to; its residual is not known, see ``face_of``.
     anchors: (L,) vertex ids that the landmarks stand on.
     before, after: percent of the diagonal of the given landmarks, mean errors by part of the face, and "all".
     moved: metres, the longest way of a vertex.
@@ -37,6 +38,15 @@ class Refinement:
     after: dict[str, float]
     moved: float
     flipped: float
+
+    def face_of(self, model: ShapeModel) -> Face:
+        """The face with the latent that it had, and as its residual all that this cannot express.
+
+        model: of the latent; a face without one stays without, and is of no model.
+        """
+        if self.face.latent is None:
+            return self.face.without_latent()
+        return encode_face(self.face, model)
 
     def figures(self) -> dict[str, Any]:
         """What reports say of it, as JSON."""

@@ -31,9 +31,7 @@ class Roughness:
             squares += _laplacians(shape, shape[self.rings], self.weights).square().sum(-1)
         self.usual = (squares / len(shapes)).sqrt() + _LEAST
 
-    def __call__(
-        self, network: torch.nn.Module, latents: torch.Tensor, generator: np.random.Generator
-    ) -> torch.Tensor:
+    def __call__(self, network: torch.nn.Module, latents: torch.Tensor, generator: np.random.Generator) -> torch.Tensor:
         """The mean square over latents (B, D) and drawn vertices, 1 where they are as rough as the shapes."""
         drawn = generator.choice(len(self.rings), min(DRAWN_VERTICES, len(self.rings)), replace=False)
         chosen = torch.from_numpy(drawn).to(latents.device)

@@ -8,7 +8,6 @@ from caricli.geometry.deformation_gradients import rotation_matrices
 from caricli.geometry.flipped_triangles import flipped_triangles
 from caricli.methods.faces.encode_face import decode_face, encode_face
 from caricli.methods.reconstruct.refine_face import refine_face
-from caricli.methods.reconstruct.renew_residual import renew_residual
 from caricli.methods.reconstruct.settings import RefineSettings
 from caricli.structures import Camera, Face
 from caricli.structures.landmarks import PARTS
@@ -136,9 +135,9 @@ def test_all_81_landmarks(strangers, seen, template):
 def test_the_residual_takes_up_what_moved(kind, request, pairs, template):
     model, truth = request.getfixturevalue(kind), pairs[4]
     coarse = encode_face(Face(template, truth.camera), model)
-    found = refine_face(coarse, truth.points, template).face
+    refinement = refine_face(coarse, truth.points, template)
+    found, code = refinement.face, refinement.face_of(model)
     assert found.residual is None
-    code = renew_residual(found, model)
     np.testing.assert_array_equal(code.latent, coarse.latent)
     assert np.abs(code.residual - coarse.residual).max() > 1e-3 and code.model_id == model.model_id
     np.testing.assert_allclose(decode_face(code, model, code.shift).vertices, found.vertices, atol=1e-6)
@@ -146,7 +145,8 @@ def test_the_residual_takes_up_what_moved(kind, request, pairs, template):
 
 
 def test_a_face_without_a_latent_gets_no_residual(pairs, refined, intrinsic):
-    bare = renew_residual(replace(refined[0].face, model_id="some"), intrinsic)
+    other = replace(refined[0], face=replace(refined[0].face, model_id="some"))
+    bare = other.face_of(intrinsic)
     assert bare.latent is bare.residual is bare.model_id is None and bare.camera is pairs[0].camera
 
 

@@ -2,8 +2,8 @@ import cv2
 import numpy as np
 import pytest
 
-from caricli.methods.reconstruct.snap_eyes import snap_eyes
 from caricli.methods.reconstruct.settings import SnapSettings
+from caricli.methods.reconstruct.snap_eyes import snap_eyes
 
 FARTHEST = SnapSettings().farthest
 

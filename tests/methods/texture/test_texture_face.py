@@ -157,7 +157,11 @@ def test_no_face_on_the_back_of_the_head(face, template, texels, scenes):
     scene = scenes[0]
     squares = (np.indices((SIDE, SIDE)) // 12).sum(0) % 2 * 200
     image = np.where(scene.mask[..., None], np.uint8(squares[..., None] + [20, 30, 25]), scene.image)
-    found = texture_face(template.with_vertices(face), scene.camera, image, scene.mask, SIZE).image[texels.covered].astype(float)
+    found = (
+        texture_face(template.with_vertices(face), scene.camera, image, scene.mask, SIZE)
+        .image[texels.covered]
+        .astype(float)
+    )
     front, back = texels.normals[:, 2] > 0.7, (texels.normals[:, 2] < -0.5) & ~texels.inside
     assert found[back].std(0).max() < 0.2 * found[front].std(0).min()
     middle = found[front].mean(0)

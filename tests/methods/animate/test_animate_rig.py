@@ -1,0 +1,46 @@
+import numpy as np
+import pytest
+
+from caricli.errors import InputError
+from caricli.methods.animate.animate_rig import AnimationSettings, animate_rig
+from caricli.structures import Mesh, Rig, Track
+
+
+@pytest.fixture(scope="module")
+def rig(ball):
+    vertices, faces = ball
+    deltas = np.random.default_rng(2).normal(size=(2, *vertices.shape)).astype(np.float32)
+    return Rig(("jawOpen", "browInnerUp"), Mesh(vertices.astype(np.float32), faces), deltas)
+
+
+@pytest.fixture
+def track():
+    weights = np.array([[0, 0.2], [0.5, -0.1], [1.2, 0.4]])
+    return Track(("jawOpen", "grin"), np.arange(3) / 10, weights, np.linspace([0, 0, 0], [0.4, 0, 0], 3))
+
+
+def test_weights_are_cut_then_scaled_and_the_head_turns(rig, track):
+    moving = animate_rig(rig, track, AnimationSettings(scales={"jawOpen": 2.0}))
+    np.testing.assert_allclose(moving.animation.weights, [[0, 0], [1, 0], [2, 0]], atol=1e-12)
+    assert moving.fps == pytest.approx(10) and moving.driven == [0]
+    figures = moving.figures()
+    assert figures["clipped"] == 1 and figures["unmatched"] == ("grin",) and figures["undriven"] == ("browInnerUp",)
+    assert figures["ranges"] == {"jawOpen": [0.0, 2.0]} and figures["head"] is True
+    done = []
+    frames = [frame.copy() for frame in moving.frames(lambda k, total: done.append((k, total)))]
+    assert done == [(1, 3), (2, 3), (3, 3)]
+    still = rig.neutral + 2 * rig.deltas[0]
+    turned = still @ np.array([[np.cos(0.4), 0, -np.sin(0.4)], [0, 1, 0], [np.sin(0.4), 0, np.cos(0.4)]])
+    np.testing.assert_allclose(frames[2], turned, atol=1e-5)
+
+
+def test_the_head_may_keep_still(rig, track):
+    moving = animate_rig(rig, track, AnimationSettings(head=False, fps=20))
+    assert moving.animation.rotations is None and len(moving.animation.times) == 5
+    *_, last = moving.frames(lambda k, total: None)
+    np.testing.assert_allclose(last, rig.neutral + rig.deltas[0], atol=1e-6)
+
+
+def test_only_expressions_of_the_rig_are_scaled(rig, track):
+    with pytest.raises(InputError, match="jawopen: not among the rig's 2; did you mean 'jawOpen'"):
+        animate_rig(rig, track, AnimationSettings(scales={"jawopen": 1.0}))

@@ -1,0 +1,67 @@
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from caricli.errors import InputError
+from caricli.methods.evaluate.evaluate_blendshapes import (
+    RIVALS,
+    ComparisonTally,
+    KnownCaricature,
+    dataset_caricatures,
+    dataset_expressions,
+    random_camera,
+)
+
+
+@pytest.fixture
+def data():
+    """Stands in for a Dataset of three people, two levels and two expressions; one mesh is missing."""
+    keys = [(who, level, what) for who in range(3) for level in (1, 2) for what in (0, 1)][:-1]
+    identity, level, expression = np.transpose(keys)
+    return SimpleNamespace(
+        identity=identity,
+        level=level,
+        expression=expression,
+        vertices=np.arange(len(keys))[:, None, None] * np.ones((1, 4, 3)),
+        manifest={"expressions": ["smile", "neutral"], "splits": {"test": [1]}},
+    )
+
+
+def test_caricatures_are_those_of_whom_every_expression_is_there_neutral_first(data):
+    everyone = dataset_caricatures(data, everyone=True)
+    assert [(caricature.identity, caricature.level) for caricature in everyone] == [(0, 2), (1, 2)]
+    assert everyone[0].truth[:, 0, 0].tolist() == [3, 2]
+    assert [caricature.identity for caricature in dataset_caricatures(data)] == [1]
+    assert len(dataset_caricatures(data, everyone=True, count=1)) == 1
+    data.manifest["splits"]["test"] = [2]
+    with pytest.raises(InputError, match="expected caricatures with every expression, found none"):
+        dataset_caricatures(data)
+
+
+def test_expressions_are_those_of_the_bundled_table(data, head):
+    expressions = dataset_expressions(data, head.action_names)
+    assert [*expressions] == ["neutral", "smile"] and expressions["neutral"] == {} and expressions["smile"]
+    for names in (["smile"], ["neutral", "grimace"], []):
+        data.manifest["expressions"] = names
+        with pytest.raises(InputError, match="dataset of caricli dataset build"):
+            dataset_expressions(data, head.action_names)
+
+
+def test_a_tally_means_over_what_was_compared():
+    tally = ComparisonTally(["neutral", "smile"])
+    for shift in (0.0, 1.0):
+        error = {name: np.array([np.nan, shift + k]) for k, name in enumerate(RIVALS)}
+        figures = {name: {"error": value, "structure": shift} for name, value in error.items()}
+        tally.add(KnownCaricature(0, 2, np.zeros((2, 4, 3))), SimpleNamespace(figures=figures))
+    assert tally.means["full"] == {"error": 0.5, "structure": 0.5}
+    smile, neutral = tally.by_expression["smile"], tally.by_expression["neutral"]
+    assert smile == {name: 0.5 + k for k, name in enumerate(RIVALS)} | {"full_is_nearest_on": 2, "of": 2}
+    assert neutral == {"full_is_nearest_on": 0, "of": 0}
+    assert tally.summary["caricatures"][1]["rivals"]["full"] == {"error": {"smile": 1.0}, "structure": 1.0}
+
+
+def test_a_head_is_seen_at_one_size_from_the_front():
+    for height in (0.2, 0.3):
+        camera = random_camera(np.random.default_rng(0), height)
+        assert camera.scale * height == pytest.approx(400) and camera.rotation[2, 2] < 0

@@ -1,0 +1,51 @@
+import numpy as np
+import pytest
+
+from caricli.errors import InputError
+from caricli.methods.expressions.retarget_expression import Explanation
+from caricli.methods.expressions.retarget_rig import DrivingMesh, Retargeting, retarget_rig
+from caricli.store.models import load_model
+from caricli.structures import Mesh, Rig
+
+NAMES = ("jawOpen", "mouthSmileLeft", "browInnerUp", "eyeBlinkLeft")
+
+
+@pytest.fixture(scope="module")
+def rig(ball, head):
+    vertices, faces = ball
+    own = 0.02 * np.random.default_rng(4).normal(size=(4, *vertices.shape))
+    deltas = head.actions[[head.action_names.index(name) for name in NAMES]]
+    return Rig(NAMES, Mesh(vertices.astype(np.float32), faces), own.astype(np.float32), normal_deltas=deltas)
+
+
+@pytest.fixture
+def retargeting(rig, head_template):
+    weights = np.array([[0.6, 0.2, 0.1, 0.9], [0, 0, 0, 0.01]])
+    explanation = Explanation(weights, head_template.vertices, np.array([0.5, 1.25]))
+    return Retargeting(rig, head_template, explanation, "mm")
+
+
+def test_a_driver_and_the_caricature_that_does_the_same(retargeting, rig, head_template):
+    moved = np.tensordot(retargeting.explanation.weights[0], rig.deltas, 1)
+    np.testing.assert_allclose(retargeting.caricature(0).vertices, rig.neutral + moved, atol=1e-6)
+    normal = np.tensordot(retargeting.explanation.weights[0], rig.normal_deltas, 1)
+    np.testing.assert_allclose(retargeting.driver(0).vertices, head_template.vertices + normal)
+    animation = retargeting.animation(10)
+    np.testing.assert_allclose(animation.times, [0, 0.1])
+    np.testing.assert_array_equal(animation.weights, retargeting.explanation.weights)
+
+
+def test_what_is_said_of_it(retargeting):
+    assert (
+        retargeting.describe(0)
+        == "eyeBlinkLeft 0.90, jawOpen 0.60, mouthSmileLeft 0.20 and 1 more; 0.50 mm unexplained"
+    )
+    assert retargeting.describe(1) == "no expression; 1.25 mm unexplained"
+    assert retargeting.figures(1) == {"weights": dict(zip(NAMES, [0, 0, 0, 0.01], strict=True)), "left_mm": 1.25}
+    assert retargeting.weights_by_name()["jawOpen"] == [0.6, 0.0]
+
+
+def test_a_rig_that_does_not_know_a_normal_face_is_refused(rig, head_template):
+    plain = Rig(rig.names, rig.mesh, rig.deltas)
+    with pytest.raises(InputError, match="to a normal face, found none; caricli blendshapes"):
+        retarget_rig([DrivingMesh(head_template.vertices)], plain, load_model(kind="morphable"))

@@ -1,0 +1,64 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from caricli.errors import InputError
+from caricli.methods.texture.paint_head import paint_head
+from caricli.methods.texture.settings import PaintSettings
+from caricli.structures import Material
+
+SMALL = PaintSettings(size=96)
+
+
+@pytest.fixture(scope="module", autouse=True)
+def small_eyes():
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("caricli.methods.texture.paint_head.TEXTURE", 64)
+        yield
+
+
+@pytest.fixture(scope="module")
+def painted(pictured):
+    return paint_head(pictured.face, pictured.head, pictured.image, pictured.mask, SMALL)
+
+
+def test_a_head_with_skin_and_eyes(painted, pictured):
+    rig = painted.rig
+    assert rig.names == () and rig.texture.shape == (96, 96, 3) and rig.eye_texture.shape == (64, 64, 3)
+    assert set(rig.materials) == {Material.SKIN, Material.EYE}
+    np.testing.assert_array_equal(rig.neutral[:4200], pictured.head.vertices.astype(np.float32))
+    np.testing.assert_array_equal(painted.head.vertices, pictured.head.vertices)
+    np.testing.assert_array_equal(painted.head.uvs, pictured.head.uvs)
+
+
+def test_the_figures_are_what_they_say(painted):
+    assert 0 < painted.error < 0.05 and 0.1 < painted.seen < 0.7
+    assert painted.figures() == {"size": 96, "photometric_error": painted.error, "seen": painted.seen}
+    assert painted.describe().startswith(f"{100 * painted.seen:.0f} % of the surface seen")
+
+
+def test_the_picture_itself_as_published(pictured):
+    flat = paint_head(pictured.face, pictured.head, pictured.image, pictured.mask, PaintSettings(project_uv=True))
+    assert flat.seen == 1 and flat.rig.texture.shape == pictured.image.shape and flat.error < 0.03
+    np.testing.assert_array_equal(flat.head.uv_polygons, flat.head.polygons)
+    np.testing.assert_array_equal(flat.rig.texture[pictured.mask], pictured.image[pictured.mask])
+
+
+def test_the_seed_paints_the_iris_and_nothing_else(painted, pictured):
+    other = paint_head(pictured.face, pictured.head, pictured.image, pictured.mask, replace(SMALL, seed=1)).rig
+    np.testing.assert_array_equal(other.texture, painted.rig.texture)
+    assert (other.eye_texture != painted.rig.eye_texture).any()
+
+
+def test_a_mesh_without_uvs_takes_the_picture_itself_only(pictured):
+    bare = replace(pictured.head, uvs=None, uv_polygons=None)
+    with pytest.raises(InputError, match="expected a model whose mesh has UVs, found none; --project-uv needs none"):
+        paint_head(pictured.face, bare, pictured.image, pictured.mask, SMALL)
+    flat = paint_head(pictured.face, bare, pictured.image, pictured.mask, PaintSettings(project_uv=True))
+    assert flat.head.uvs.shape == (4200, 2)
+
+
+def test_a_face_of_no_picture_is_refused(pictured):
+    with pytest.raises(InputError, match="expected a face with the camera of its picture"):
+        paint_head(replace(pictured.face, camera=None), pictured.head, pictured.image, pictured.mask, SMALL)

@@ -1,0 +1,24 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from caricli.methods.texture.photometric_error import photometric_error
+
+
+def test_the_picture_of_a_head_is_that_of_its_texture(pictured):
+    assert photometric_error(pictured.rig, pictured.face, pictured.image, pictured.mask) == 0
+
+
+def test_colours_that_are_off_count_by_how_much_and_only_inside_the_mask(pictured):
+    lighter = np.where(pictured.mask[..., None], np.minimum(pictured.image + 51, 255), pictured.image).astype(np.uint8)
+    darker = replace(pictured.rig, texture=pictured.rig.texture // 2)
+    error = photometric_error(pictured.rig, pictured.face, np.clip(pictured.image, 0, 204), pictured.mask)
+    assert error < photometric_error(darker, pictured.face, pictured.image, pictured.mask) < 1
+    plain = np.clip(pictured.image.astype(int) + 20, 0, 255)
+    expected = np.abs(plain - pictured.image)[pictured.mask].mean() / 255
+    found = photometric_error(pictured.rig, pictured.face, plain.astype(np.uint8), pictured.mask)
+    assert found == pytest.approx(expected)
+    beside = np.where(pictured.mask[..., None], pictured.image, 0).astype(np.uint8)
+    assert photometric_error(pictured.rig, pictured.face, beside, pictured.mask) == 0
+    assert photometric_error(pictured.rig, pictured.face, lighter, pictured.mask) > 0

@@ -1,0 +1,56 @@
+import numpy as np
+import pytest
+
+from caricli.errors import InputError
+from caricli.io.face import write_face
+from caricli.io.mesh import write_mesh
+from caricli.store.expression_templates import load_action_units, load_templates
+from caricli.store.expression_tools import ToolPaths, load_caricature, load_tools
+from caricli.store.rig_sources import PicturePaths, load_neutral
+from caricli.structures import Camera, Face, Mesh
+from caricli.structures.arkit import ARKIT_NAMES
+
+
+@pytest.fixture(scope="module")
+def tools():
+    return load_tools()[0]
+
+
+def test_bundled_tools_make_46_expressions(tools):
+    bundled, files = load_tools()
+    assert len(tools.expressions) == 47 and next(iter(tools.expressions)) == "neutral"
+    assert tools.templates.names == tuple(tools.expressions) and tools.acting.names == tools.templates.names[1:]
+    assert bundled.latent is None and [path.name for path in files] == ["landmark_map.safetensors"]
+    assert sorted(load_action_units()) == sorted(ARKIT_NAMES)
+
+
+def test_ones_own_templates_take_the_names_of_the_models_mesh(head_template, head, tmp_path):
+    write_mesh(tmp_path / "neutral.obj", head_template)
+    smile = head.evaluate(actions={"mouthSmileLeft": 1.0})
+    write_mesh(tmp_path / "Smile.obj", head_template.with_vertices(smile))
+    templates, files = load_templates(tmp_path)
+    assert templates.names == ("Smile",) and templates.annotation is None and len(files) == 2
+    own, _ = load_tools(ToolPaths(templates=tmp_path))
+    assert list(own.expressions) == ["neutral", "Smile"] and own.templates.annotation is not None
+
+
+def test_expressions_that_move_nothing_are_refused(tmp_path):
+    (tmp_path / "set.yaml").write_text("neutral: {}\na: {jawOpen: 0}\n")
+    with pytest.raises(InputError, match="set.yaml: expected expressions that move something"):
+        load_tools(ToolPaths(expressions=tmp_path / "set.yaml"))
+
+
+def test_a_caricature_has_a_camera(tools, head_template, ball, tmp_path):
+    camera = Camera(1500.0, np.diag([1.0, -1, -1]), np.zeros(2))
+    write_face(tmp_path / "seen.npz", Face(head_template, camera))
+    face, pictures = load_caricature(tmp_path / "seen.npz", tools)
+    assert face.camera is not None and pictures == PicturePaths() and pictures.files == []
+    write_face(tmp_path / "blind.npz", Face(head_template))
+    with pytest.raises(InputError, match="blind.npz: expected a face with the camera"):
+        load_caricature(tmp_path / "blind.npz", tools)
+    write_mesh(tmp_path / "face.obj", head_template)
+    with pytest.raises(InputError, match="found an OBJ, which has no camera"):
+        load_caricature(tmp_path / "face.obj", tools)
+    write_mesh(tmp_path / "ball.obj", Mesh(*ball))
+    with pytest.raises(InputError, match="ball.obj: expected the topology of the templates"):
+        load_neutral(tmp_path / "ball.obj", tools.actions)

@@ -1,0 +1,90 @@
+import numpy as np
+import pytest
+
+from caricli.errors import InputError
+from caricli.io.face import read_face, write_face
+from caricli.io.obj import write_obj
+from caricli.methods.faces.encode_face import encode_face
+from caricli.store.faces import load_face, load_identity, load_latent_face, load_seen_face
+from caricli.store.models import load_model, load_morphable
+from caricli.structures import Camera, Face, Mesh
+
+CAMERA = Camera(900.0, np.diag([1.0, -1.0, -1.0]), np.array([120.0, 230.0]))
+
+
+@pytest.fixture(scope="module")
+def model():
+    return load_model(kind="intrinsic")
+
+
+@pytest.fixture(scope="module")
+def morphable():
+    return load_morphable()
+
+
+@pytest.fixture
+def shape(head, model):
+    return model.template.with_vertices(head.evaluate(gender=0.3, age=0.6))
+
+
+@pytest.fixture
+def path(shape, model, tmp_path):
+    """A face of the intrinsic model with the camera of its picture."""
+    path = tmp_path / "face.npz"
+    write_face(path, encode_face(Face(shape, CAMERA, CAMERA.project(shape.vertices[:68])), model))
+    return path
+
+
+def test_a_face_of_the_model_comes_as_it_is(path, shape, model):
+    face = load_face(path, model)
+    np.testing.assert_allclose(face.vertices, shape.vertices, atol=1e-7)
+    assert face.model_id == model.model_id and face.latent.shape == (128,)
+
+
+def test_another_mesh_and_another_size_are_refused(shape, model, tmp_path):
+    write_obj(tmp_path / "part.obj", Mesh(shape.vertices, shape.polygons[:-1]))
+    with pytest.raises(InputError, match="part.obj: expected the topology of the model .4200 vertices, 8356 triangles"):
+        load_face(tmp_path / "part.obj", model)
+    write_obj(tmp_path / "mm.obj", Mesh(1000 * shape.vertices, shape.polygons))
+    with pytest.raises(InputError, match="mm.obj: expected a head about 0.2.* m high, found 2"):
+        load_face(tmp_path / "mm.obj", model)
+
+
+def test_a_seen_face_brings_its_camera_and_its_model(path, model):
+    face, own = load_seen_face(path)
+    assert own.model_id == model.model_id and face.camera.scale == CAMERA.scale
+    assert face.latent is not None and face.residual is not None
+
+
+def test_a_latent_of_another_model_is_left_behind(path, morphable, tmp_path):
+    from caricli.io.bundled import asset_path
+
+    face, own = load_seen_face(path, asset_path("morphable.safetensors"))
+    assert own.kind == "morphable" and face.latent is face.residual is None and face.camera is not None
+
+
+def test_a_face_of_no_picture_is_refused_by_name(shape, tmp_path):
+    write_face(tmp_path / "bare.npz", Face(shape))
+    with pytest.raises(InputError, match="bare.npz: expected a face with the camera of its picture, found none; make"):
+        load_seen_face(tmp_path / "bare.npz")
+
+
+def test_a_latent_is_taken_or_found(path, shape, model, morphable, tmp_path):
+    code, note = load_latent_face(path, model)
+    assert note is None
+    np.testing.assert_array_equal(code.latent, read_face(path).latent)
+    write_face(tmp_path / "bare.npz", Face(shape, CAMERA))
+    code, note = load_latent_face(tmp_path / "bare.npz", model)
+    assert "bare.npz: had no latent; encoded by the bundled intrinsic model, shape error" in note
+    assert code.model_id == model.model_id and code.camera.scale == CAMERA.scale
+    code, note = load_latent_face(path, morphable, anew=True)
+    assert "its latent is of the bundled intrinsic model; encoded by the bundled morphable model" in note
+    with pytest.raises(InputError, match="is of the bundled intrinsic model, not of the bundled morphable model; give"):
+        load_latent_face(path, morphable)
+
+
+def test_the_identity_of_a_face_or_of_the_mean_one(path, morphable):
+    mean, note = load_identity(None, morphable)
+    assert mean.shape == (len(morphable.identity),) and not mean.any() and note is None
+    own, note = load_identity(path, morphable)
+    assert own.shape == mean.shape and own.any() and "encoded by the bundled morphable model" in note

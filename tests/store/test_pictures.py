@@ -1,0 +1,96 @@
+import numpy as np
+import pytest
+
+from caricli.errors import InputError
+from caricli.io.image import write_png
+from caricli.io.landmarks import write_landmarks
+from caricli.store.pictures import find_picture, load_eyes, load_marked_picture, load_mask
+from caricli.structures import Camera, Face, Landmarks
+
+WIDTH, HEIGHT = 90, 70
+
+
+@pytest.fixture
+def points():
+    return np.random.default_rng(0).uniform(10, 60, (68, 2))
+
+
+@pytest.fixture
+def photo(tmp_path):
+    path = tmp_path / "drawings" / "marks.png"
+    path.parent.mkdir()
+    write_png(path, np.full((HEIGHT, WIDTH, 3), 90, np.uint8))
+    return path
+
+
+def test_one_picture_or_a_folder_of_them(photo, tmp_path):
+    assert find_picture(photo, tmp_path / "marks.json", many=False) == photo
+    assert find_picture(photo.parent, tmp_path / "marks.json", many=True) == photo
+    assert find_picture(None, tmp_path / "marks.json", many=True) is None
+    with pytest.raises(InputError, match="expected a folder of pictures"):
+        find_picture(photo, tmp_path / "marks.json", many=True)
+    with pytest.raises(InputError, match=r"expected a picture named other with one of \.png"):
+        find_picture(photo.parent, tmp_path / "other.json", many=True)
+
+
+def test_landmarks_learn_the_size_of_their_picture(points, photo, tmp_path):
+    path = tmp_path / "marks.npy"
+    np.save(path, points)
+    marks, picture = load_marked_picture(path, photo)
+    assert marks.image_size == (WIDTH, HEIGHT) and picture.shape == (HEIGHT, WIDTH, 3)
+    alone, nothing = load_marked_picture(path)
+    assert alone.image_size is None and nothing is None
+    np.testing.assert_array_equal(alone.points, marks.points)
+
+
+def test_landmarks_of_another_picture_are_refused_by_name(points, photo, tmp_path):
+    path = tmp_path / "marks.json"
+    write_landmarks(path, Landmarks(points, (WIDTH, HEIGHT + 1)))
+    with pytest.raises(InputError, match=f"{path}: expected landmarks of the 90 x 70 picture .*, found 90 x 71"):
+        load_marked_picture(path, photo)
+    np.save(tmp_path / "far.npy", points + 1000)
+    with pytest.raises(InputError, match="far.npy: expected the landmarks of a face in the 90 x 70 image"):
+        load_marked_picture(tmp_path / "far.npy", photo)
+
+
+def test_pts_from_0_are_a_pixel_away(points, tmp_path):
+    path = tmp_path / "marks.pts"
+    write_landmarks(path, Landmarks(points))
+    (first, _), (second, _) = (load_marked_picture(path, pts_origin=origin) for origin in (0, 1))
+    np.testing.assert_allclose(first.points - second.points, 1)
+
+
+def test_eyes_are_the_labels_of_a_parsed_picture(tmp_path):
+    from PIL import Image
+
+    labels = np.ones((HEIGHT, WIDTH), np.uint8)
+    labels[20:30, 10:20], labels[20:30, 40:50] = 4, 5
+    path = tmp_path / "labels.png"
+    Image.fromarray(labels).save(path)
+    np.testing.assert_array_equal(load_eyes(path, (WIDTH, HEIGHT)), labels > 1)
+    np.testing.assert_array_equal(load_eyes(path, None), labels > 1)
+    assert load_eyes(None, (WIDTH, HEIGHT)) is None
+    with pytest.raises(InputError, match="labels.png: expected the picture's size, 90 x 71, found 90 x 70"):
+        load_eyes(path, (WIDTH, HEIGHT + 1))
+    Image.fromarray(np.minimum(labels, 1)).save(path)
+    with pytest.raises(InputError, match="labels.png: expected pixels labelled eye_left or eye_right, found none"):
+        load_eyes(path, None)
+
+
+def test_a_mask_is_white_where_the_head_is(photo, head_template, tmp_path):
+    face = Face(head_template, Camera(200.0, np.diag([1.0, -1, -1]), np.array([45.0, 50.0])))
+    picture = np.full((HEIGHT, WIDTH, 3), 90, np.uint8)
+    white = np.zeros((HEIGHT, WIDTH, 3), np.uint8)
+    white[10:60, 20:70] = 255
+    path = tmp_path / "mask.png"
+    write_png(path, white)
+    np.testing.assert_array_equal(load_mask(path, photo, face, picture), white[..., 0] > 0)
+    write_png(path, 0 * white)
+    with pytest.raises(InputError, match="mask.png: expected white where the head is, found none there"):
+        load_mask(path, photo, face, picture)
+    write_png(path, white[1:])
+    with pytest.raises(InputError, match="mask.png: expected the picture's size, 90 x 70, found 90 x 69"):
+        load_mask(path, photo, face, picture)
+    away = Face(head_template, Camera(200.0, np.diag([1.0, -1, -1]), np.array([4500.0, 50.0])))
+    with pytest.raises(InputError, match="marks.png: expected the picture that the face was fitted to, found it out"):
+        load_mask(path, photo, away, picture)

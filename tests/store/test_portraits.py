@@ -1,0 +1,56 @@
+import numpy as np
+import pytest
+
+from caricli.errors import InputError
+from caricli.io.image import write_png
+from caricli.store.portraits import load_portrait, load_rivals, portrait_files
+
+
+@pytest.fixture
+def folder(points, tmp_path):
+    picture = np.full((400, 400, 3), 200, np.uint8)
+    write_png(tmp_path / "one.png", picture)
+    np.savetxt(tmp_path / "one.txt", points[:68])
+    (tmp_path / "notes.md").write_text("not a picture")
+    return tmp_path
+
+
+@pytest.fixture
+def points(head_template):
+    marks = 1400 * head_template.vertices[head_template.annotation.landmarks] @ np.diag([1.0, -1, -1])[:, :2]
+    return marks - marks.mean(0) + 200
+
+
+def test_pictures_go_with_the_landmarks_of_their_name(folder, points):
+    assert portrait_files(None) == []
+    (pair,) = portrait_files(folder)
+    assert [path.name for path in pair] == ["one.png", "one.txt"]
+    portrait = load_portrait(*pair)
+    assert portrait.name == "one.png" and portrait.image.shape == (400, 400, 3) and portrait.truth is None
+    np.testing.assert_allclose(portrait.points, points[:68])
+
+
+def test_the_first_pixel_of_a_pts_file_is_as_it_is_said(folder, points):
+    rows = "\n".join(f"{x} {y}" for x, y in points[:68])
+    (folder / "one.pts").write_text(f"version: 1\nn_points: 68\n{{\n{rows}\n}}\n")
+    (folder / "one.txt").unlink()
+    (pair,) = portrait_files(folder)
+    offset = load_portrait(*pair, pts_origin=0).points - load_portrait(*pair, pts_origin=1).points
+    np.testing.assert_allclose(offset, 1)
+
+
+def test_folders_without_portraits_are_refused(folder, tmp_path):
+    with pytest.raises(InputError, match="missing: expected a folder of pictures"):
+        portrait_files(tmp_path / "missing")
+    (tmp_path / "bare").mkdir()
+    with pytest.raises(InputError, match="bare: expected pictures"):
+        portrait_files(tmp_path / "bare")
+    (folder / "one.txt").unlink()
+    with pytest.raises(InputError, match=r"one\.png: expected landmarks beside it"):
+        portrait_files(folder)
+
+
+def test_rivals_are_of_the_mesh_of_the_dataset(head_template):
+    assert {kind: model.kind for kind, model in load_rivals(head_template).items()} == {
+        kind: kind for kind in ("morphable", "intrinsic", "deformable")
+    }

@@ -1,0 +1,94 @@
+from dataclasses import asdict, replace
+
+import numpy as np
+import pytest
+
+from caricli.errors import InputError, OutputError
+from caricli.methods.train.surface import Surface, TrainingMeshes
+from caricli.methods.train.train_autodecoder import AutoDecoderTraining
+from caricli.models.deformable.config import DeformableConfig
+from caricli.models.deformable.model import UnitBox
+from caricli.models.deformable.networks import HyperSiren
+from caricli.store.models import load_model
+from caricli.store.training_run import FILES, LOG, MODEL, STATE, Beginning, TrainingRun
+from caricli.template.annotation import parse_annotation
+from caricli.template.template import Template
+
+CONFIG = DeformableConfig(
+    latent=3, width=8, layers=2, hidden=8, epochs=4, batch=4, points=30, precision="float32", validate_every=2,
+    smoothness_weight=0.0,
+)  # fmt: skip
+RECIPE = {"config": asdict(CONFIG), "inputs": {"dataset.json": "0" * 64}}
+
+
+@pytest.fixture(scope="module")
+def template(ball):
+    vertices, faces = ball
+    annotation = parse_annotation({"ibug68": list(range(68))}, len(vertices), "ball")
+    return Template(vertices, faces, annotation=annotation)
+
+
+@pytest.fixture
+def training(template):
+    """A new training of the same shapes with the same seed, whenever it is called."""
+    import torch
+
+    scales = 1 + 0.2 * np.random.default_rng(0).normal(size=(8, 1, 3))
+    shapes = (template.vertices * scales).astype(np.float32)
+
+    def begin():
+        meshes = TrainingMeshes(Surface(UnitBox(template.vertices), template.faces), shapes[:6], shapes[6:])
+        network = HyperSiren(CONFIG.size(), torch.Generator().manual_seed(0))
+        return AutoDecoderTraining(network, meshes, CONFIG)
+
+    return begin
+
+
+def test_a_run_that_was_left_goes_on_to_the_same_model(training, template, tmp_path):
+    whole = TrainingRun(tmp_path / "whole", RECIPE, Beginning())
+    lines = list(whole.follow(training(), template))
+    assert [line["epoch"] for line in lines] == [1, 2, 3, 4]
+    assert sorted(path.name for path in (tmp_path / "whole").iterdir()) == sorted({*FILES} - {"model.json"})
+    assert load_model(tmp_path / "whole" / MODEL).kind == "deformable"
+    first = training()
+    first.config = replace(CONFIG, checkpoint_seconds=0)
+    for line in TrainingRun(tmp_path / "left", RECIPE, Beginning()).follow(first, template):
+        if line["epoch"] == 3:
+            break
+    second = TrainingRun(tmp_path / "left", RECIPE, Beginning(resume=True))
+    assert [line["epoch"] for line in second.follow(training(), template)] == [4]
+    assert (tmp_path / "left" / MODEL).read_bytes() == (tmp_path / "whole" / MODEL).read_bytes()
+    assert len((tmp_path / "left" / LOG).read_text().splitlines()) == 4
+
+
+def test_other_settings_or_data_are_said(training, template, tmp_path):
+    list(TrainingRun(tmp_path, RECIPE, Beginning()).follow(training(), template))
+    other = RECIPE | {"config": RECIPE["config"] | {"seed": 3}}
+    with pytest.raises(InputError, match=r"state\.pt: .*seed 0 there, 3 here"):
+        TrainingRun(tmp_path, other, Beginning(resume=True))
+    with pytest.raises(InputError, match="other data"):
+        TrainingRun(tmp_path, RECIPE | {"inputs": {"dataset.json": "1" * 64}}, Beginning(resume=True))
+    # Where the same data lie does not matter.
+    TrainingRun(tmp_path, RECIPE | {"inputs": {"elsewhere.json": "0" * 64}}, Beginning(resume=True))
+
+
+def test_what_is_there_is_kept_unless_it_is_to_be_replaced(tmp_path):
+    (tmp_path / STATE).write_text("mine")
+    (tmp_path / "thesis.txt").write_text("mine")
+    with pytest.raises(OutputError, match="--resume"):
+        TrainingRun(tmp_path, RECIPE, Beginning())
+    assert (tmp_path / STATE).exists()
+    TrainingRun(tmp_path, RECIPE, Beginning(overwrite=True, writes=False))
+    assert (tmp_path / STATE).exists()
+    TrainingRun(tmp_path, RECIPE, Beginning(overwrite=True))
+    assert [path.name for path in tmp_path.iterdir()] == ["thesis.txt"]
+    with pytest.raises(OutputError, match="found a file"):
+        TrainingRun(tmp_path / "thesis.txt", RECIPE, Beginning())
+
+
+def test_a_process_that_does_not_write_leaves_nothing(training, template, tmp_path):
+    run = TrainingRun(tmp_path, RECIPE, Beginning(writes=False))
+    lines = list(run.follow(training(), template))
+    assert len(lines) == 4 and list(tmp_path.iterdir()) == []
+    line = lines[0]
+    assert 0 < line["train"] < 100 and line["validation"] is None

@@ -1,0 +1,92 @@
+"""The public library: what `import caricli` offers, how fast, and how it is typed."""
+
+import inspect
+import os
+import re
+import subprocess
+import sys
+from importlib import import_module
+from pathlib import Path
+from pkgutil import walk_packages
+
+import pytest
+
+import caricli
+from caricli.io.gltf.read_gltf import read_gltf
+from caricli.io.image import read_image
+
+ROOT = Path(caricli.__file__).parents[1]
+ASTRONAUT = ROOT / "examples" / "astronaut"
+PAGE = ROOT / "docs" / "python.md"
+MODULES = [module.name for module in walk_packages(caricli.__path__, "caricli.") if not module.ispkg]
+# Warp kernels are types of warp's own; commands are called by click alone.
+UNTYPED = ("caricli.render.kernels", "caricli.commands.", "caricli.cli", "caricli.__main__")
+
+
+def test_every_public_name_is_where_it_says():
+    assert sorted(caricli.__all__) == sorted(caricli._HOME_OF)
+    for name in caricli.__all__:
+        assert getattr(caricli, name) is getattr(import_module(caricli._HOME_OF[name]), name)
+        assert name in dir(caricli)
+    with pytest.raises(AttributeError, match="no attribute 'nothing'"):
+        _ = caricli.nothing
+
+
+def test_import_loads_nothing():
+    code = "import sys, caricli; print([name for name in sys.modules if name.startswith('caricli.') or name == 'numpy'])"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout == "[]\n"
+
+
+def public_functions():
+    """Pairs of a name and a public function or method that is defined in a module of ours."""
+    for module_name in MODULES:
+        if module_name.startswith(UNTYPED):
+            continue
+        module = import_module(module_name)
+        for name, value in vars(module).items():
+            if name.startswith("_") or getattr(value, "__module__", None) != module_name:
+                continue
+            if inspect.isfunction(value):
+                yield f"{module_name}.{name}", value
+            elif inspect.isclass(value):
+                for method_name, method in vars(value).items():
+                    method = getattr(method, "__func__", getattr(method, "fget", method))
+                    if inspect.isfunction(method) and not method_name.startswith("_"):
+                        yield f"{module_name}.{name}.{method_name}", method
+
+
+def test_public_functions_say_their_types():
+    untyped = []
+    for name, function in public_functions():
+        signature = inspect.signature(inspect.unwrap(function))
+        named = [p for p in signature.parameters.values() if p.name not in ("self", "cls")]
+        if any(p.annotation is p.empty for p in named) or signature.return_annotation is signature.empty:
+            untyped.append(name)
+    assert untyped == []
+
+
+def test_a_type_error_is_caught(tmp_path):
+    good = "import caricli\n\nmesh = caricli.read_mesh('a.obj')\nprint(mesh.vertices.shape)\n"
+    bad = good + "caricli.write_mesh('b.obj', mesh.vertices)\n"
+    for text, code in ((good, 0), (bad, 1)):
+        (tmp_path / "use.py").write_text(text)
+        options = ["--config-file", str(ROOT / "pyproject.toml"), "--follow-imports=silent", str(tmp_path / "use.py")]
+        done = subprocess.run([sys.executable, "-m", "mypy", *options], capture_output=True, text=True, cwd=ROOT)
+        assert done.returncode == code, done.stdout
+    assert 'expected "Mesh"' in done.stdout
+
+
+def test_the_walk_of_the_page_makes_a_rig(tmp_path):
+    """The first block of docs/python.md, as it stands, from landmarks to a rigged GLB."""
+    (code,) = re.findall(r"<!-- tested -->\n+```python\n(.*?)```", PAGE.read_text("utf-8"), re.S)
+    assert len([line for line in code.splitlines() if line.strip()]) <= 12
+    fetch = [sys.executable, str(ASTRONAUT / "fetch_image.py"), str(tmp_path / "photo.png")]
+    subprocess.run(fetch, check=True, capture_output=True)
+    (tmp_path / "landmarks.json").write_bytes((ASTRONAUT / "landmarks.json").read_bytes())
+    environment = os.environ | {"PYTHONPATH": str(ROOT)}
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=tmp_path, env=environment)
+    assert done.returncode == 0, done.stderr
+    rig = read_gltf(tmp_path / "rig.glb")
+    assert len(rig.names) == 52 and rig.texture is not None and rig.texture.std() > 10
+    assert read_image(tmp_path / "photo.png").shape[2] == 3
