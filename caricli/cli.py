@@ -11,6 +11,7 @@ import time
 import traceback
 from contextlib import contextmanager
 from itertools import takewhile
+from typing import Any
 
 import click
 
@@ -61,8 +62,8 @@ COMMANDS = {
 class LazyGroup(click.Group):
     """The commands of the table that start with `prefix`; a command's module is imported when it is called."""
 
-    def __init__(self, *args, prefix: str = "", **kwargs):
-        super().__init__(*args, **kwargs)
+    def __init__(self, name: str | None = None, *, prefix: str = "", **attributes: Any) -> None:
+        super().__init__(name, **attributes)
         self.prefix = prefix
 
     def _entries(self) -> dict[str, tuple]:
@@ -143,6 +144,11 @@ def main():
 class _Stopped(SystemExit):
     """A signal asked for an end. Not an Exception, so that nothing mistakes it for a failure it may swallow."""
 
+    def __init__(self, number: int) -> None:
+        """number: of the signal."""
+        super().__init__(number)
+        self.number = number
+
 
 @contextmanager
 def _signals_raise():
@@ -207,7 +213,7 @@ def _kind_message_code(error: BaseException) -> tuple[str, str, int]:
         case click.ClickException():
             return "failed", error.format_message(), error.exit_code
         case _Stopped():
-            return "stopped", f"stopped by {signal.Signals(error.code).name}", 128 + error.code
+            return "stopped", f"stopped by {signal.Signals(error.number).name}", 128 + error.number
         case click.Abort():
             return "stopped", "stopped by SIGINT", 130
         case MemoryError():

@@ -11,9 +11,8 @@ from caricli.io.bundled import asset_path
 from caricli.io.obj import read_obj
 from caricli.io.strict_json import read_json
 from caricli.methods.rig.expression_templates import ExpressionTemplates, check_templates
-from caricli.methods.rig.head_expressions import head_expressions
+from caricli.methods.rig.head_expressions import open_head_expressions
 from caricli.structures import Mesh
-from caricli.template.head import load_head
 
 
 def load_templates(folder: Path | None = None) -> tuple[ExpressionTemplates, list[Path]]:
@@ -23,8 +22,7 @@ def load_templates(folder: Path | None = None) -> tuple[ExpressionTemplates, lis
     Raises InputError where it holds no neutral face and expressions of one mesh that can be transferred from.
     """
     if folder is None:
-        head = load_head()
-        return head_expressions(head, head.template()), []
+        return open_head_expressions(), []
     neutral_path, others = _template_files(folder)
     neutral = read_obj(neutral_path)
     shapes = np.stack([_shape_of(path, neutral) for path in others])

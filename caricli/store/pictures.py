@@ -26,18 +26,13 @@ def find_picture(image: Path | None, path: Path, many: bool) -> Path | None:
     image: path of a picture, or of a folder of pictures, or None. path: of the landmarks.
     Raises InputError where many inputs share one picture, and where the folder has none of the name.
     """
-    return picture_beside(image, path) if many else image
-
-
-def picture_beside(folder: Path | None, path: Path) -> Path | None:
-    """The picture in a folder that has the name of a landmark file. Raises InputError where there is none."""
-    if folder is None:
-        return None
-    if not folder.is_dir():
-        raise InputError(f"{folder}: expected a folder of pictures, because results of many inputs were asked for")
-    pictures = [folder / f"{path.stem}{suffix}" for suffix in PICTURES if (folder / f"{path.stem}{suffix}").is_file()]
+    if image is None or not many:
+        return image
+    if not image.is_dir():
+        raise InputError(f"{image}: expected a folder of pictures, because results of many inputs were asked for")
+    pictures = [image / f"{path.stem}{suffix}" for suffix in PICTURES if (image / f"{path.stem}{suffix}").is_file()]
     if not pictures:
-        raise InputError(f"{folder}: expected a picture named {path.stem} with one of {', '.join(PICTURES)}")
+        raise InputError(f"{image}: expected a picture named {path.stem} with one of {', '.join(PICTURES)}")
     return pictures[0]
 
 

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from pathlib import Path
 
-from caricli.errors import InputError, shown
+from caricli.errors import naming
 from caricli.io.face import read_face
 from caricli.io.gltf.read_gltf import read_gltf
 from caricli.io.image import read_image
@@ -20,13 +20,8 @@ EYES_FILE = "eyes.png"
 def load_neutral(path: Path, templates: ExpressionTemplates) -> Mesh:
     """The Mesh of a neutral face, OBJ or NPZ, refused when its topology is not that of the templates."""
     mesh = read_face(path).mesh
-    if mesh.topology_id != templates.mesh.topology_id:
-        expected = f"{len(templates.neutral)} vertices, {len(templates.faces)} triangles"
-        found = f"{len(mesh.vertices)} vertices, {len(mesh.faces)}"
-        raise InputError(
-            f"{shown(path)}: expected the topology of the templates ({expected}), found another ({found}); "
-            "give --templates for a mesh of your own"
-        )
+    with naming(path):
+        templates.require_topology(mesh)
     return mesh
 
 

@@ -90,3 +90,17 @@ def test_what_is_no_rig_is_refused(changes, words):
     with pytest.raises(InputError) as caught:
         dataclasses.replace(full(), **changes(full()))
     assert words in str(caught.value) and "\n" not in str(caught.value)
+
+
+def test_an_expression_in_use_is_on_top_of_what_it_is_meant_for():
+    rig = dataclasses.replace(full(), names=("jawOpen", "mouthClose", "tongueOut", "still"))
+    np.testing.assert_array_equal(rig.shape_in_use(1), rig.neutral + rig.deltas[0] + rig.deltas[1])
+    np.testing.assert_array_equal(rig.shape_in_use(2), rig.shape("tongueOut"))
+    alone = dataclasses.replace(rig, names=("a", "mouthClose", "b", "c"))
+    np.testing.assert_array_equal(alone.shape_in_use(1), alone.shape("mouthClose"))
+
+
+def test_a_rig_that_does_not_know_a_normal_face_says_so():
+    assert full().require_normal_deltas().shape == (4, 7, 3)
+    with pytest.raises(InputError, match="found none; caricli blendshapes writes one"):
+        dataclasses.replace(full(), normal_deltas=None).require_normal_deltas()

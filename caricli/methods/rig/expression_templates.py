@@ -115,6 +115,15 @@ class ExpressionTemplates:
         """(V,) bool: vertices that no expression moves."""
         return (np.abs(self.deltas) <= self.settings.still * self.mesh.height).all((0, 2))
 
+    def require_topology(self, mesh: Mesh) -> None:
+        """Raise InputError for a mesh of another topology."""
+        if mesh.topology_id != self.mesh.topology_id:
+            expected = f"{len(self.neutral)} vertices, {len(self.faces)} triangles"
+            raise InputError(
+                f"expected the topology of the templates ({expected}), found another ({len(mesh.vertices)} vertices, "
+                f"{len(mesh.faces)}); give templates of its own mesh (--templates)"
+            )
+
     def start(self, k: int) -> np.ndarray:
         """(V, 3) what expression k starts from."""
         return self.neutral + start_delta(self.names, self.deltas, k)

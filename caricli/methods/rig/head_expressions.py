@@ -1,6 +1,7 @@
 """The 52 expressions of the open head, with lids and lips that stop where they meet."""
 
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 
@@ -8,7 +9,7 @@ from caricli.geometry.contact_pairs import closes, touching_pairs
 from caricli.geometry.contact_solver import Conditions, ContactSolver
 from caricli.geometry.deformation_transfer import DeformationTransfer
 from caricli.methods.rig.expression_templates import ExpressionTemplates, contact_normals
-from caricli.template.head import Head
+from caricli.template.head import Head, load_head
 from caricli.template.template import Template
 
 BLINKS = ("eyeBlinkLeft", "eyeBlinkRight")
@@ -26,6 +27,13 @@ class MendSettings:
     blink: float = 0.8
     touch: float = 2e-4
     noticed: float = 5e-5
+
+
+@cache
+def open_head_expressions() -> ExpressionTemplates:
+    """The expressions of the open head in its usual shape, mended once."""
+    head = load_head()
+    return head_expressions(head, head.template())
 
 
 def head_expressions(

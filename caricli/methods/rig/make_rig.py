@@ -6,6 +6,7 @@ import numpy as np
 
 from caricli.methods.rig.add_eyeballs import Eyeball, add_eyeballs, fit_eyeballs
 from caricli.methods.rig.expression_templates import ExpressionTemplates
+from caricli.methods.rig.head_expressions import open_head_expressions
 from caricli.methods.rig.measure_rig import RigMeasures, measure_rig
 from caricli.methods.rig.transfer_rig import transfer_rig
 from caricli.structures import Mesh, Rig
@@ -50,15 +51,18 @@ class RigResult:
 
 def make_rig(
     mesh: Mesh,
-    templates: ExpressionTemplates,
+    templates: ExpressionTemplates | None = None,
     settings: RigSettings = RigSettings(),  # noqa: B008 (frozen)
     pictures: Pictures = Pictures(),  # noqa: B008 (frozen)
 ) -> RigResult:
     """Give a neutral face the expressions of templates by deformation transfer, lids and lips meeting as they do there.
 
-    mesh: Mesh of the face, metres, of the templates' topology.
-    Raises NumericsError for triangles without area.
+    mesh: Mesh of the face, metres, of the templates' topology. templates: ExpressionTemplates; None for the 52 of ARKit
+    on the open head, whose topology the bundled models have.
+    Raises InputError for another topology, NumericsError for triangles without area.
     """
+    templates = templates or open_head_expressions()
+    templates.require_topology(mesh)
     return assemble_rig(mesh, templates, transfer_rig(templates, mesh.vertices), settings, pictures)
 
 

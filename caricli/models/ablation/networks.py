@@ -11,7 +11,7 @@ import torch
 from torch import nn
 
 from caricli.models.deformable.config import NetworkSize
-from caricli.models.deformable.networks import Affine, siren, siren_start
+from caricli.models.deformable.networks import Affine, TemplatePoints, siren, siren_start
 
 _SLOPE = 0.1
 """Of the leaky ReLU below zero."""
@@ -40,8 +40,8 @@ class VertexArray(nn.Module):
         self.latent_std = latent_std
         self.positions = positions
 
-    def forward(self, latents, points):
-        """Latents (B, D) and Points to displacements (B, n, 3)."""
+    def forward(self, latents: torch.Tensor, points: TemplatePoints) -> torch.Tensor:
+        """Latents (B, D) and points to displacements (B, n, 3)."""
         hidden = nn.functional.leaky_relu(self.first(latents / self.latent_std), _SLOPE)
         fields = points.values(self.last(hidden).unflatten(-1, (-1, 3)))
         return fields - points.positions if self.positions else fields
@@ -78,8 +78,8 @@ class ConditionedSiren(nn.Module):
             weight = torch.empty(len(outputs), size.latent).uniform_(-bound, bound, generator=generator)
             self.latent_weights.append(weight)
 
-    def forward(self, latents, points):
-        """Latents (B, D) and Points to displacements (B, n, 3)."""
+    def forward(self, latents: torch.Tensor, points: TemplatePoints) -> torch.Tensor:
+        """Latents (B, D) and points to displacements (B, n, 3)."""
         tensors = list(self.tensors)
         for layer, weight in zip((0, self.middle), self.latent_weights, strict=True):
             tensors[2 * layer + 1] = tensors[2 * layer + 1] + latents / self.latent_std @ weight.mT

@@ -188,23 +188,37 @@ class DeformableModel:
         cost = np.inf
         damping = Damping(_ENCODER.damping, _ENCODER.ease, _ENCODER.tighten)
         for _ in range(_ENCODER.rounds):
-            value = fit.cost(trial)
-            if value < cost:
-                settled = value > (1 - _ENCODER.tolerance) * cost
+            state = fit.at(trial)
+            if state.cost < cost:
+                settled = state.cost > (1 - _ENCODER.tolerance) * cost
                 whitened = trial
-                cost = value
+                cost = state.cost
                 damping.accept()
                 if settled:
                     break
-                system, gradient = fit.equations()
+                system, gradient = fit.equations(state)
             else:
                 damping.reject()
             trial = whitened - damping.step(system, gradient)
         return self.prior.colour(whitened)
 
 
+@dataclass(frozen=True, eq=False)
+class _FitState:
+    """Where a fit is.
+
+    whitened: (D,). latent: (D,), the same as the network takes it. error: mean square distance, differentiable by the
+    latent. cost: with the whitened latent's share.
+    """
+
+    whitened: np.ndarray
+    latent: torch.Tensor
+    error: torch.Tensor
+    cost: float
+
+
 class _LatentFit:
-    """Cost and derivatives of whitened latents for one target."""
+    """Cost and derivatives at whitened latents for one target."""
 
     def __init__(self, model: DeformableModel, target: torch.Tensor) -> None:
         """target: (V, 3) displacements in the network's coordinates."""
@@ -216,19 +230,18 @@ class _LatentFit:
         self.target = target
         self.ridge = _ENCODER.ridge * float(target.square().sum(-1).mean())
 
-    def cost(self, whitened: np.ndarray) -> float:
-        """The cost at a whitened latent (D,), which ``equations`` then is about."""
-        self.whitened = whitened
-        self.latent = torch.from_numpy(self.colour(whitened).astype(np.float32)).requires_grad_()
-        displaced = self.network.displacements(self.latent, self.places)
-        self.error = (displaced - self.target).square().sum(-1).mean()
-        return float(self.error.detach()) + self.ridge * np.square(whitened).sum()
+    def at(self, whitened: np.ndarray) -> _FitState:
+        """The state with a whitened latent (D,)."""
+        latent = torch.from_numpy(self.colour(whitened).astype(np.float32)).requires_grad_()
+        error = (self.network.displacements(latent, self.places) - self.target).square().sum(-1).mean()
+        cost = float(error.detach()) + self.ridge * np.square(whitened).sum()
+        return _FitState(whitened, latent, error, cost)
 
-    def equations(self) -> tuple[np.ndarray, np.ndarray]:
+    def equations(self, state: _FitState) -> tuple[np.ndarray, np.ndarray]:
         """Gauss-Newton's matrix (D, D) of the cost, estimated at the sample, and its gradient (D,), that of all."""
-        (slope,) = torch.autograd.grad(self.error, self.latent)
-        gradient = slope.numpy() @ self.factor + 2 * self.ridge * self.whitened
-        _, derivative = self.network.displacements_jacobian(self.latent.detach(), self.places[self.sample])
+        (slope,) = torch.autograd.grad(state.error, state.latent)
+        gradient = slope.numpy() @ self.factor + 2 * self.ridge * state.whitened
+        _, derivative = self.network.displacements_jacobian(state.latent.detach(), self.places[self.sample])
         rows = derivative.flatten(1).numpy().T @ self.factor
-        system = 2 * (rows.T @ rows / len(self.sample) + self.ridge * np.eye(len(self.whitened)))
+        system = 2 * (rows.T @ rows / len(self.sample) + self.ridge * np.eye(len(state.whitened)))
         return system, gradient

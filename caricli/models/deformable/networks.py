@@ -2,11 +2,23 @@
 
 from collections.abc import Iterator, Sequence
 from math import prod, sqrt
+from typing import Protocol
 
 import torch
 from torch import nn
 
 from caricli.models.deformable.config import NetworkSize
+
+
+class TemplatePoints(Protocol):
+    """n points on the template's surface."""
+
+    @property
+    def positions(self) -> torch.Tensor:
+        """(n, 3) in the network's coordinates, from -1 to 1."""
+
+    def values(self, fields: torch.Tensor) -> torch.Tensor:
+        """What is known at the vertices (..., V, 3), interpolated: (..., n, 3)."""
 
 
 def siren(
@@ -51,8 +63,8 @@ class HyperSiren(nn.Module):
         shapes = self.size.shapes()
         return [layer(hidden[k]).reshape(*latents.shape[:-1], *shapes[k]) for k, layer in enumerate(self.last)]
 
-    def forward(self, latents, points):
-        """Latents (..., D) and Points on the template to displacements (..., n, 3)."""
+    def forward(self, latents: torch.Tensor, points: TemplatePoints) -> torch.Tensor:
+        """Latents (..., D) and points on the template to displacements (..., n, 3)."""
         return self.displacements(latents, points.positions)
 
     def displacements(self, latents: torch.Tensor, positions: torch.Tensor) -> torch.Tensor:
@@ -98,7 +110,7 @@ class Affine(nn.Module):
         self.weight = nn.Parameter(weight)
         self.bias = nn.Parameter(torch.zeros(*leading, outputs))
 
-    def forward(self, x):
+    def forward(self, x: torch.Tensor) -> torch.Tensor:
         """(..., in) to (..., out)."""
         return _affine(x, self.weight, self.bias)
 

@@ -3,7 +3,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from caricli.errors import NumericsError
+from caricli.errors import InputError, NumericsError
 from caricli.methods.rig.expression_templates import ExpressionTemplates
 from caricli.methods.rig.head_expressions import head_expressions
 from caricli.methods.rig.make_rig import Pictures, RigSettings, assemble_rig, make_rig
@@ -90,3 +90,13 @@ def test_a_triangle_without_area_is_refused(templates, face, deltas):
     flat[face.faces[9, 0]] = flat[face.faces[9, 1]]
     with pytest.raises(NumericsError, match="triangles without area"):
         assemble_rig(face.with_vertices(flat), templates, deltas)
+
+
+def test_without_templates_it_does_arkits_52(face, head):
+    rig = make_rig(face, settings=RigSettings(eyeballs=False)).rig
+    assert rig.names == head.action_names and len(rig.neutral) == 4200
+
+
+def test_another_topology_is_refused(templates, ball):
+    with pytest.raises(InputError, match="expected the topology of the templates .* found another .300 vertices, 596"):
+        make_rig(Mesh(*ball), templates)
