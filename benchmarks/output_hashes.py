@@ -105,7 +105,11 @@ def run_all(folder, package):
     for line in COMMANDS:
         start = time.monotonic()
         done = subprocess.run(
-            [sys.executable, "-m", "caricli", *line.split()], cwd=folder, env=environment, capture_output=True, text=True
+            [sys.executable, "-m", "caricli", *line.split()],
+            cwd=folder,
+            env=environment,
+            capture_output=True,
+            text=True,
         )
         print(f"{done.returncode} {time.monotonic() - start:5.1f} s  {line}", done.stderr[-300:], flush=True)
     files = sorted(path for path in folder.rglob("*") if path.is_file() and path.suffix not in _UNHASHED)

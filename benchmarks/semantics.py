@@ -24,7 +24,7 @@ from caricli.methods.edit.edit_semantic import SemanticEdit, edit_semantic, labe
 from caricli.methods.evaluate.evaluate_shape import spread_rows
 from caricli.methods.faces.encode_face import encode_face
 from caricli.methods.faces.nearest_identity import nearest_identity
-from caricli.store.directions import directions_path, load_directions
+from caricli.store.directions import load_directions
 from caricli.store.models import DEFAULT_LATENT, load_model
 from caricli.structures import Face
 
@@ -157,7 +157,7 @@ def main():
     data = read_dataset(Path(sys.argv[1]))
     kind = sys.argv[2] if len(sys.argv) > 2 else DEFAULT_LATENT
     model = load_model(Path(kind)) if Path(kind).is_file() else load_model(kind=kind)
-    directions = load_directions(directions_path(Path(sys.argv[3]) if len(sys.argv) > 3 else None, model), model)
+    directions = load_directions(model, Path(sys.argv[3]) if len(sys.argv) > 3 else None)
     rows, modes = [], []
     print(f"{'label':16}{'AUC':>7}{'rising':>8}   change of another by +{FAR:g}: without and with --keep")
     for row in labels(data, model, directions):

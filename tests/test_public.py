@@ -33,7 +33,9 @@ def test_every_public_name_is_where_it_says():
 
 
 def test_import_loads_nothing():
-    code = "import sys, caricli; print([name for name in sys.modules if name.startswith('caricli.') or name == 'numpy'])"
+    code = (
+        "import sys, caricli; print([name for name in sys.modules if name.startswith('caricli.') or name == 'numpy'])"
+    )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout == "[]\n"
 

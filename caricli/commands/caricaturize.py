@@ -81,7 +81,7 @@ def command(ctx, faces, strength, mode, out, out_dir, marked, image, pts_origin,
     drawing = load_drawing(model, levels, SIZE)
     # A face's own way needs no directions, so it works for models that have none.
     path = directions_path(directions, drawing.model) if directions or mode == "direction" else None
-    labels = None if path is None else load_directions(path, drawing.model)
+    labels = None if path is None else load_directions(drawing.model, path)
     anew = model is None
     load = landmark_loader(drawing.model, pts_origin, SIZE) if marked else face_loader(drawing.model, anew)
     about = {"model_id": drawing.model.model_id, "mode": mode, "strength": strength, "subdivide": levels}

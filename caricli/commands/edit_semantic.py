@@ -55,11 +55,11 @@ def command(face, labels, out, keep, steps, listed, directions, model, levels, o
     drawing = load_drawing(model, levels, SIZE)
     path = directions_path(directions, drawing.model)
     if listed:
-        return print_directions(load_directions(path, drawing.model))
+        return print_directions(load_directions(drawing.model, path))
     if face is None or out is None or not labels:
         raise click.UsageError("Give a FACE, at least one --label and --out; or --list.")
     strengths = named_numbers("--label", labels, "NAME=STRENGTH, such as BigNose=2", "label")
-    edit = SemanticEdit(load_directions(path, drawing.model), strengths, keep)
+    edit = SemanticEdit(load_directions(drawing.model, path), strengths, keep)
     with staged(*face_files(out), overwrite=overwrite, inputs=(face, model, path)) as files:
         before, note = load_latent_face(face, drawing.model, anew=model is None)
         after = edit_semantic(before, drawing.model, edit)

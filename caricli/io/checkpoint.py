@@ -40,7 +40,7 @@ class _Entry(NamedTuple):
     shape: tuple[int, ...]
 
 
-def write_checkpoint(path: Path, tensors: Mapping[str, np.ndarray], metadata: dict) -> None:
+def write_checkpoint(path: str | Path, tensors: Mapping[str, np.ndarray], metadata: dict) -> None:
     """Write a model; the same content gives the same bytes.
 
     tensors: arrays of float, int or bool by name. metadata: JSON object, as `write_json` takes it.
@@ -55,7 +55,7 @@ def write_checkpoint(path: Path, tensors: Mapping[str, np.ndarray], metadata: di
     write_bytes(path, save(arrays, {_KEY: format_json(metadata, path, indent=None).strip()}))
 
 
-def read_checkpoint(path: Path) -> tuple[dict[str, np.ndarray], dict]:
+def read_checkpoint(path: str | Path) -> tuple[dict[str, np.ndarray], dict]:
     """Read a model, a .safetensors file that `write_checkpoint` wrote.
 
     Returns the tensors by name, float16 as float32, and the metadata.
@@ -90,7 +90,7 @@ def _tensors(content: memoryview, entries: dict[str, _Entry]) -> dict[str, np.nd
     return tensors
 
 
-def _header(data: bytes, path: Path) -> dict[str, Any]:
+def _header(data: bytes, path: str | Path) -> dict[str, Any]:
     # A header length can begin with the bytes of a pickle; the brace after it cannot stand in one.
     if data[8:9] != b"{" and (looks_like_pickle(data) or data.startswith(b"PK")):
         raise InputError(

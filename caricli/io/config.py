@@ -19,7 +19,7 @@ Settings = TypeVar("Settings")
 _EXPONENT = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)[eE][-+]?\d+")
 
 
-def read_config(path: Path | None, cls: type[Settings], overrides: Iterable[str] = ()) -> Settings:
+def read_config(path: str | Path | None, cls: type[Settings], overrides: Iterable[str] = ()) -> Settings:
     """Read settings.
 
     path: a YAML file, or None for the defaults. cls: a dataclass whose fields are bool, int, float, str, list[T],
@@ -49,7 +49,7 @@ def read_config(path: Path | None, cls: type[Settings], overrides: Iterable[str]
         raise InputError(f"{name}: {shown(error, 200)}") from error
 
 
-def read_yaml(path: Path) -> Any:
+def read_yaml(path: str | Path) -> Any:
     """Read a YAML file of plain values. Raises InputError for tags, anchors and duplicate keys."""
     return _parse(read_text(path, MAX_CONFIG_BYTES, "a YAML file"), shown(path))
 
@@ -58,7 +58,7 @@ def _init_fields(cls: Any) -> list[dataclasses.Field]:
     return [field for field in dataclasses.fields(cls) if field.init]
 
 
-def _read_values(path: Path) -> dict:
+def _read_values(path: str | Path) -> dict:
     values = read_yaml(path)
     if values is None:
         return {}

@@ -27,7 +27,7 @@ _STORED: dict[str, type] = {
 }
 
 
-def read_directions(path: Path) -> Directions:
+def read_directions(path: str | Path) -> Directions:
     """Read directions that ``write_directions`` wrote; floats as float64, normals of unit length.
 
     Raises InputError when the file is malformed, a shape or the schema differs, a value is not finite or out of range.
@@ -38,7 +38,7 @@ def read_directions(path: Path) -> Directions:
         return _directions(arrays)
 
 
-def write_directions(path: Path, directions: Directions) -> None:
+def write_directions(path: str | Path, directions: Directions) -> None:
     """Write directions, floats in single precision; the same directions give the same bytes.
 
     Raises OutputError when they name no model or the file cannot be written.

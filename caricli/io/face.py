@@ -34,7 +34,7 @@ _TEXTS = {"schema": SCHEMA, "units": UNITS, "axes": AXES}
 _CAMERA = ("camera_scale", "camera_rotation", "camera_translation")
 
 
-def read_face(path: Path) -> Face:
+def read_face(path: str | Path) -> Face:
     """Read a face: an NPZ, or the mesh of a file that ``read_mesh`` reads. Floats come as float64.
 
     Raises InputError when the file is malformed, a shape, unit, axis or schema differs, a value is not finite, an
@@ -59,7 +59,7 @@ def read_face(path: Path) -> Face:
         return face
 
 
-def write_face(path: Path, face: Face) -> None:
+def write_face(path: str | Path, face: Face) -> None:
     """Write a face NPZ; what is None is absent; vertices, latent and residual are stored in float32.
 
     Raises OutputError when the file cannot be written.

@@ -40,7 +40,7 @@ def looks_like_pickle(data: bytes) -> bool:
     return len(data) > 2 and data[0] == 0x80 and 2 <= data[1] <= 5
 
 
-def read_bytes(path: Path, max_bytes: int, kind: str) -> bytes:
+def read_bytes(path: str | Path, max_bytes: int, kind: str) -> bytes:
     """Read a regular file whole.
 
     max_bytes: the largest size accepted. kind: what is expected, for the message ("an OBJ file").
@@ -70,7 +70,7 @@ def read_bytes(path: Path, max_bytes: int, kind: str) -> bytes:
     return data
 
 
-def read_text(path: Path, max_bytes: int, kind: str) -> str:
+def read_text(path: str | Path, max_bytes: int, kind: str) -> str:
     """Read a UTF-8 text file whole, as `read_bytes` does; binary data, HTML and invalid UTF-8 are refused too."""
     return decode_text(read_bytes(path, max_bytes, kind), path, kind)
 

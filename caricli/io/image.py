@@ -15,7 +15,7 @@ from caricli.limits import MAX_IMAGE_BYTES, MAX_IMAGE_PIXELS
 _FORMATS = ("PNG", "JPEG", "WEBP", "BMP", "TIFF", "GIF")
 
 
-def read_image(path: Path) -> np.ndarray:
+def read_image(path: str | Path) -> np.ndarray:
     """Read a picture as RGB.
 
     It is turned upright as its EXIF orientation says; transparent pixels are laid over white paper; of an animation
@@ -48,7 +48,7 @@ def read_image(path: Path) -> np.ndarray:
         raise InputError(f"{shown(path)}: expected an image, found a damaged one: {shown(error, 120)}") from error
 
 
-def write_png(path: Path, image: np.ndarray) -> None:
+def write_png(path: str | Path, image: np.ndarray) -> None:
     """Write a PNG.
 
     image: (H,W,3) or (H,W,4) uint8.

@@ -19,10 +19,10 @@ _KIND = "a landmark file"
 _MAX_IMAGE_SIDE = 1_000_000
 
 
-def read_landmarks(path: Path, pts_origin: int = 1) -> Landmarks:
+def read_landmarks(path: str | Path, pts_origin: int = 1) -> Landmarks:
     """Read landmarks; the content decides the format, whatever the extension.
 
-    JSON (DESIGN section 4), `.pts` (`version: 1`, `n_points: 68`, points in braces), text with `x y` (or `x, y`) a
+    JSON (docs/formats.md), `.pts` (`version: 1`, `n_points: 68`, points in braces), text with `x y` (or `x, y`) a
     line, NPY (L,2). A point that is not known is `null` in JSON, `null null` in text and .pts, a NaN row in NPY.
     pts_origin: 0 or 1, the coordinate of the first pixel in .pts files, subtracted.
     Raises InputError when the file is malformed, or its points are not those of a face or of its picture.
@@ -45,7 +45,7 @@ def read_landmarks(path: Path, pts_origin: int = 1) -> Landmarks:
         return Landmarks(points)
 
 
-def write_landmarks(path: Path, landmarks: Landmarks) -> None:
+def write_landmarks(path: str | Path, landmarks: Landmarks) -> None:
     """Write landmarks in the format of the path's extension: .json, .pts (from 1), .txt or .npy.
 
     The image size is kept in JSON only.
@@ -77,7 +77,7 @@ def _text(points: np.ndarray) -> str:
     return "".join("null null\n" if np.isnan(x) else f"{x!r} {y!r}\n" for x, y in points.tolist())
 
 
-def _points_from_npy(data: bytes, path: Path) -> np.ndarray:
+def _points_from_npy(data: bytes, path: str | Path) -> np.ndarray:
     points = read_array(io.BytesIO(data), len(data), shown(path))
     if points.dtype.kind not in "iuf" or points.ndim != 2 or points.shape[1] != 2:
         raise InputError(f"{shown(path)}: expected numbers (L,2), found {points.dtype} {points.shape}")

@@ -26,12 +26,12 @@ MESH_SUFFIXES = tuple(_READERS)
 _GLTF = (".glb", ".gltf")
 
 
-def is_mesh_file(path: Path) -> bool:
+def is_mesh_file(path: str | Path) -> bool:
     """Whether the name of a file is that of a mesh, as ``read_mesh`` reads it."""
     return Path(path).suffix.lower() in MESH_SUFFIXES
 
 
-def read_mesh(path: Path) -> Mesh:
+def read_mesh(path: str | Path) -> Mesh:
     """Read a mesh: OBJ, PLY, STL, GLB or glTF, told apart by the suffix; no other file is opened.
 
     Vertices keep their order and number, but in STL, which does not share them between triangles. Of a GLB that is a
@@ -45,7 +45,7 @@ def read_mesh(path: Path) -> Mesh:
     return _READERS[suffix](path)
 
 
-def write_mesh(path: Path, mesh: Mesh, texture: str | None = None, mtl: Path | None = None) -> None:
+def write_mesh(path: str | Path, mesh: Mesh, texture: str | None = None, mtl: Path | None = None) -> None:
     """Write a mesh in the format of the suffix; OBJ keeps polygons and UVs, glTF triangles and UVs, the others neither.
 
     texture: the file name of a PNG in the same folder: an OBJ names it, GLB and glTF embed it, so it must be there.

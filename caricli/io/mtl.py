@@ -9,7 +9,7 @@ from caricli.limits import MAX_CONFIG_BYTES, MAX_FILE_BYTES
 _NAMES = (b"/", b"\\", b"..", b"\0", b":")
 
 
-def texture_path(path: Path) -> Path | None:
+def texture_path(path: str | Path) -> Path | None:
     """Find the diffuse picture of an OBJ file: the first `map_Kd` of its first `mtllib`, both in the OBJ's own folder.
 
     Returns the path of the picture, or None where no material or picture is named, as in any other kind of file.
@@ -23,7 +23,7 @@ def texture_path(path: Path) -> Path | None:
     return _named(read_bytes(library, MAX_CONFIG_BYTES, "a material file"), b"map_Kd", library)
 
 
-def _named(data: bytes, key: bytes, path: Path) -> Path | None:
+def _named(data: bytes, key: bytes, path: str | Path) -> Path | None:
     """The file beside ``path`` that the first line with a key names, or None."""
     for line in data.splitlines():
         words = line.split(maxsplit=1)

@@ -25,7 +25,7 @@ _MAX_EXPANSION = 1032
 _CHUNK_BYTES = 2**20
 
 
-def read_npz(path: Path, max_bytes: int = MAX_NPZ_BYTES) -> dict[str, np.ndarray]:
+def read_npz(path: str | Path, max_bytes: int = MAX_NPZ_BYTES) -> dict[str, np.ndarray]:
     """Read an NPZ file.
 
     max_bytes: the cap on the file and on the sum of its expanded members.
@@ -43,7 +43,7 @@ def read_npz(path: Path, max_bytes: int = MAX_NPZ_BYTES) -> dict[str, np.ndarray
         raise InputError(f"{shown(path)}: expected an NPZ file, found a damaged one: {shown(error, 120)}") from error
 
 
-def write_npz(path: Path, arrays: Mapping[str, np.ndarray]) -> None:
+def write_npz(path: str | Path, arrays: Mapping[str, np.ndarray]) -> None:
     """Write an NPZ file, compressed; the same arrays give the same bytes.
 
     arrays: bool, int, float or text by name; their order is kept.
@@ -131,12 +131,12 @@ def _key(member: zipfile.ZipInfo) -> str:
     return member.filename.removesuffix(".npy")
 
 
-def _read_member(archive: zipfile.ZipFile, member: zipfile.ZipInfo, path: Path) -> np.ndarray:
+def _read_member(archive: zipfile.ZipFile, member: zipfile.ZipInfo, path: str | Path) -> np.ndarray:
     with archive.open(member) as stream:
         return read_array(stream, member.file_size, f"{shown(path)}: {shown(_key(member), 40)}")
 
 
-def _check_directory(data: bytes, path: Path) -> None:
+def _check_directory(data: bytes, path: str | Path) -> None:
     """Refuse a zip directory too large to list before zipfile lists it."""
     if not data.startswith((b"PK\x03\x04", b"PK\x05\x06")):
         other = "a pickle" if looks_like_pickle(data) else "something else"
@@ -150,7 +150,7 @@ def _check_directory(data: bytes, path: Path) -> None:
         raise InputError(f"{shown(path)}: expected at most {MAX_NPZ_MEMBERS} arrays, found a directory of {size} bytes")
 
 
-def _check_members(members: list[zipfile.ZipInfo], path: Path, max_bytes: int) -> None:
+def _check_members(members: list[zipfile.ZipInfo], path: str | Path, max_bytes: int) -> None:
     if not members:
         raise InputError(f"{shown(path)}: expected an NPZ file with arrays, found none")
     if len(members) > MAX_NPZ_MEMBERS:

@@ -40,7 +40,7 @@ _CORNERS = {
 }
 
 
-def read_obj(path: Path) -> Mesh:
+def read_obj(path: str | Path) -> Mesh:
     """Read an OBJ file.
 
     Normals, groups, objects, materials, lines and points are ignored, and so are numbers after x, y, z (weights,
@@ -70,7 +70,7 @@ def read_obj(path: Path) -> Mesh:
         return Mesh(vertices, polygons, uvs, uv_polygons)
 
 
-def write_obj(path: Path, mesh: Mesh, texture: str | None = None, mtl: Path | None = None) -> None:
+def write_obj(path: str | Path, mesh: Mesh, texture: str | None = None, mtl: Path | None = None) -> None:
     """Write an OBJ file, and its material when there is a texture.
 
     texture: the file name of a PNG in the same folder. mtl: path of the material file to write, in the same folder as
@@ -98,7 +98,7 @@ def write_obj(path: Path, mesh: Mesh, texture: str | None = None, mtl: Path | No
     write_bytes(path, "".join(lines).encode("utf-8"))
 
 
-def _write_material(path: Path, mesh: Mesh, texture: str, mtl: Path) -> None:
+def _write_material(path: str | Path, mesh: Mesh, texture: str, mtl: Path) -> None:
     if mesh.uvs is None:
         raise OutputError(f"{shown(path)}: expected a mesh with UVs for the texture, found none")
     for name in (texture, mtl.name):

@@ -24,7 +24,9 @@ _WRITE_ERRORS = {
 
 
 @contextmanager
-def staged(*paths: Path, overwrite: bool = False, inputs: Iterable[Path | None] = ()) -> Iterator[tuple[Path, ...]]:
+def staged(
+    *paths: str | Path, overwrite: bool = False, inputs: Iterable[Path | None] = ()
+) -> Iterator[tuple[Path, ...]]:
     """Write several files so that either all of them appear or none.
 
     overwrite: whether existing files are replaced. inputs: files that must not be written to (None entries are
@@ -50,7 +52,7 @@ def staged(*paths: Path, overwrite: bool = False, inputs: Iterable[Path | None] 
 
 @contextmanager
 def staged_folder(
-    path: Path, overwrite: bool = False, inputs: Iterable[Path | None] = (), marker: str | None = None
+    path: str | Path, overwrite: bool = False, inputs: Iterable[Path | None] = (), marker: str | None = None
 ) -> Iterator[Path]:
     """Write a folder so that it appears with all its content or not at all.
 
@@ -73,7 +75,7 @@ def staged_folder(
 
 
 @contextmanager
-def writing(path: Path) -> Iterator[None]:
+def writing(path: str | Path) -> Iterator[None]:
     """Turn the operating system's refusal to write into an OutputError.
 
     path: the file being written; when it is a temporary path of `staged` the message names the output.
@@ -85,7 +87,7 @@ def writing(path: Path) -> Iterator[None]:
         raise OutputError(f"{shown(_final_name(path))}: cannot be written: {_reason(error)}") from error
 
 
-def write_bytes(path: Path, data: bytes) -> None:
+def write_bytes(path: str | Path, data: bytes) -> None:
     """Write bytes to a file.
 
     Raises OutputError when it cannot be written.
@@ -98,12 +100,12 @@ def _reason(error: OSError) -> str:
     return shown(error.strerror or error)
 
 
-def _final_name(path: Path | str) -> Path:
+def _final_name(path: str | Path) -> Path:
     return Path(*(part for part in Path(path).parts if not part.startswith(_PREFIX)))
 
 
 @contextmanager
-def _write_errors(paths: Sequence[Path]) -> Iterator[None]:
+def _write_errors(paths: Sequence[str | Path]) -> Iterator[None]:
     try:
         yield
     except OSError as error:
@@ -114,7 +116,7 @@ def _write_errors(paths: Sequence[Path]) -> Iterator[None]:
         raise OutputError(f"{shown(name)}: cannot be written: {_reason(error)}") from error
 
 
-def _resolved(path: Path, inputs: Iterable[Path | None]) -> Path:
+def _resolved(path: str | Path, inputs: Iterable[Path | None]) -> Path:
     try:
         final = Path(os.path.realpath(path))
         with writing(path):
@@ -133,7 +135,7 @@ def _same(first: Path, second: Path) -> bool:
         return False
 
 
-def _checked_file(path: Path, overwrite: bool, inputs: Iterable[Path | None]) -> Path:
+def _checked_file(path: str | Path, overwrite: bool, inputs: Iterable[Path | None]) -> Path:
     final = _resolved(path, inputs)
     with writing(path):
         if final.exists():
@@ -145,7 +147,7 @@ def _checked_file(path: Path, overwrite: bool, inputs: Iterable[Path | None]) ->
     return final
 
 
-def _checked_folder(path: Path, overwrite: bool, inputs: Iterable[Path | None], marker: str | None) -> Path:
+def _checked_folder(path: str | Path, overwrite: bool, inputs: Iterable[Path | None], marker: str | None) -> Path:
     final = _resolved(path, inputs)
     with writing(path):
         if not final.exists():
@@ -188,7 +190,7 @@ def _staging(parents: set[Path]) -> Iterator[dict[Path, Path]]:
                 folder.rmdir()
 
 
-def _publish(temporaries: Sequence[Path], finals: Sequence[Path], paths: Sequence[Path], overwrite: bool) -> None:
+def _publish(temporaries: Sequence[Path], finals: Sequence[Path], paths: Sequence[str | Path], overwrite: bool) -> None:
     """Give the finished files their places; what fails half way is taken back."""
     moved: list[tuple[Path, Path, Path | None]] = []
     try:
@@ -216,7 +218,7 @@ def _publish(temporaries: Sequence[Path], finals: Sequence[Path], paths: Sequenc
         _sync_folder(parent)
 
 
-def _sync(path: Path) -> None:
+def _sync(path: str | Path) -> None:
     descriptor = os.open(path, os.O_RDONLY)
     try:
         os.fsync(descriptor)
@@ -224,7 +226,7 @@ def _sync(path: Path) -> None:
         os.close(descriptor)
 
 
-def _sync_folder(path: Path) -> None:
+def _sync_folder(path: str | Path) -> None:
     # Some file systems cannot sync a folder; the files themselves are synced by then.
     with suppress(OSError):
         _sync(path)

@@ -22,7 +22,7 @@ CELEBAMASK_HQ = {
 """Label numbers of CelebAMask-HQ, by the names used here; left and right are the picture's."""
 
 
-def read_parsing(path: Path) -> tuple[np.ndarray, dict[str, int]]:
+def read_parsing(path: str | Path) -> tuple[np.ndarray, dict[str, int]]:
     """Read a label map.
 
     path: a PNG of one byte a pixel, grey or with a palette; the JSON beside it, of the same stem, names its labels:
@@ -48,7 +48,7 @@ def read_parsing(path: Path) -> tuple[np.ndarray, dict[str, int]]:
     return labels, _read_legend(legend) if legend.is_file() else dict(CELEBAMASK_HQ)
 
 
-def _read_legend(path: Path) -> dict[str, int]:
+def _read_legend(path: str | Path) -> dict[str, int]:
     value = read_json(path)
     names = value.get("labels") if isinstance(value, dict) and value.get("schema") == SCHEMA else None
     if not isinstance(names, dict) or not all(type(n) is int and 0 <= n < 256 for n in names.values()):

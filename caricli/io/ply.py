@@ -20,7 +20,7 @@ _KEYWORDS = (b"format", b"comment", b"obj_info", b"element", b"property")
 _FORMS = ([b"ascii"], [b"binary_little_endian"], [b"binary_big_endian"])
 
 
-def read_ply(path: Path) -> Mesh:
+def read_ply(path: str | Path) -> Mesh:
     """Read the vertices and polygons of a PLY file, text or binary; colours, normals and UVs are left aside.
 
     In a binary file all polygons must have the same number of corners; mixed ones of a text file become triangles.
@@ -36,7 +36,7 @@ def read_ply(path: Path) -> Mesh:
         return Mesh(np.asarray(elements["vertices"], np.float64), elements["faces"])
 
 
-def write_ply(path: Path, mesh: Mesh) -> None:
+def write_ply(path: str | Path, mesh: Mesh) -> None:
     """Write a binary PLY: vertices in single precision, polygons as triangles, no UVs.
 
     Raises OutputError when the file cannot be written.

@@ -10,7 +10,7 @@ from caricli import __version__
 from caricli.errors import InputError, shown
 
 
-def sha256_file(path: Path) -> str:
+def sha256_file(path: str | Path) -> str:
     """The SHA-256 of a file as 64 hexadecimal digits.
 
     Raises InputError when it cannot be read.

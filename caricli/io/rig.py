@@ -28,7 +28,7 @@ _REQUIRED = ("names", "neutral", "deltas", "faces")
 _LOOKS = ("materials", "texture", "eye_texture", "normal_deltas")
 
 
-def read_rig(path: Path) -> Rig:
+def read_rig(path: str | Path) -> Rig:
     """Read a rig that ``write_rig`` wrote.
 
     Raises InputError when the file is malformed, a shape, unit, axis or schema differs, names repeat, a value is not
@@ -46,7 +46,7 @@ def read_rig(path: Path) -> Rig:
         return _rig({key: _value(key, array) for key, array in arrays.items()})
 
 
-def write_rig(path: Path, rig: Rig) -> None:
+def write_rig(path: str | Path, rig: Rig) -> None:
     """Write a rig; what is None is absent; the same rig gives the same bytes.
 
     Raises OutputError when the file cannot be written.

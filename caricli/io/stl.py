@@ -18,7 +18,7 @@ _TRIANGLE_BYTES = 50
 _MAX_SOLIDS = 1024
 
 
-def read_stl(path: Path) -> Mesh:
+def read_stl(path: str | Path) -> Mesh:
     """Read an STL file, text or binary; corners in one place become one vertex, numbered as they first come.
 
     Returns a Mesh of triangles, float64. Raises InputError when the file is malformed or has more than MAX_POLYGONS
@@ -38,7 +38,7 @@ def read_stl(path: Path) -> Mesh:
         return Mesh(places[order], number[place.ravel()].reshape(-1, 3))
 
 
-def write_stl(path: Path, mesh: Mesh) -> None:
+def write_stl(path: str | Path, mesh: Mesh) -> None:
     """Write a binary STL: triangles in single precision, no UVs.
 
     Raises OutputError when the file cannot be written.

@@ -19,7 +19,7 @@ _STRING = re.compile(rb'"(?:[^"\\]|\\.)*+"?', re.DOTALL)
 _NOT_BRACKET = re.compile(rb"[^\[\]{}]+")
 
 
-def read_json(path: Path) -> Any:
+def read_json(path: str | Path) -> Any:
     """Read a JSON file strictly: at most MAX_JSON_BYTES of UTF-8.
 
     Returns the value; numbers are finite, keys of an object are distinct, nesting is at most MAX_JSON_DEPTH.
@@ -54,7 +54,7 @@ def parse_json(data: bytes, name: object) -> Any:
     return value
 
 
-def write_json(path: Path, value: Any) -> None:
+def write_json(path: str | Path, value: Any) -> None:
     """Write a value as JSON: insertion order, indent 2, UTF-8, a newline at the end.
 
     value: made of dicts, lists, tuples, strings, numbers, bools, None, paths and NumPy values.

@@ -43,7 +43,7 @@ class _Values(NamedTuple):
     head: np.ndarray | None = None
 
 
-def read_weights(path: Path, fps: float | None = None) -> Track:
+def read_weights(path: str | Path, fps: float | None = None) -> Track:
     """Read weights over time; the format is told from the content.
 
     CSV of Live Link Face: needs all 52 shapes, in Pascal or camel case and any order; the head's angles are all there
@@ -80,7 +80,7 @@ def read_weights(path: Path, fps: float | None = None) -> Track:
         return _from_own(value) if is_own else _from_mediapipe(value, fps)
 
 
-def write_weights(path: Path, track: Track) -> None:
+def write_weights(path: str | Path, track: Track) -> None:
     """Write weights as caricli's JSON: fps where the times are even, else the times.
 
     Raises OutputError when the file cannot be written.

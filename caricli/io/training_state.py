@@ -12,7 +12,7 @@ SCHEMA = "caricli.training/1"
 _DAMAGE = OSError, RuntimeError, pickle.UnpicklingError, EOFError, KeyError, TypeError, ValueError, AttributeError
 
 
-def write_state(path: Path, state: dict, recipe: Any) -> None:
+def write_state(path: str | Path, state: dict, recipe: Any) -> None:
     """Replace the state of a training at once: killed while it writes, the one before stays.
 
     state: tensors, numbers, lists and dicts by name. recipe: JSON value, what is being trained.
@@ -24,7 +24,7 @@ def write_state(path: Path, state: dict, recipe: Any) -> None:
         torch.save({"schema": SCHEMA, "recipe": recipe, "state": state}, stream)
 
 
-def read_state(path: Path, device: Any = "cpu") -> tuple[dict, Any]:
+def read_state(path: str | Path, device: Any = "cpu") -> tuple[dict, Any]:
     """Read the state of a training.
 
     device: where its tensors go.

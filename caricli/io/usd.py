@@ -13,7 +13,7 @@ from caricli.structures import Material, Rig
 _SUFFIXES = (".usdc", ".usda")
 
 
-def write_usd(path: Path, rig: Rig) -> None:
+def write_usd(path: str | Path, rig: Rig) -> None:
     """Write a rig as USD: metres, +y up, +z front, polygons as they are, UVs by corner, the eyes a subset of faces.
 
     Every shape is a `UsdSkel.BlendShape` of only the vertices that move, with the change of their normals. Names that

@@ -14,7 +14,7 @@ VIDEO_SUFFIXES = (".mp4", ".gif")
 _MAX_GIF_FPS = 50  # shorter frames are shown a tenth of a second by browsers
 
 
-def write_video(path: Path, frames: Iterable[np.ndarray], fps: float) -> None:
+def write_video(path: str | Path, frames: Iterable[np.ndarray], fps: float) -> None:
     """Write a video; an odd width or height is made even by repeating the last column or row.
 
     Frames are taken one at a time; an MP4 (MPEG-4 part 2) keeps none of them, a GIF its own, each with its palette.
@@ -41,7 +41,7 @@ def write_video(path: Path, frames: Iterable[np.ndarray], fps: float) -> None:
             _write_mp4(path, chain([first], even), first.shape, fps)
 
 
-def _even(frames: Iterable[np.ndarray], path: Path) -> Iterator[np.ndarray]:
+def _even(frames: Iterable[np.ndarray], path: str | Path) -> Iterator[np.ndarray]:
     shape: tuple[int, ...] | None = None
     for frame in frames:
         if frame.dtype != np.uint8 or frame.ndim != 3 or frame.shape[2] != 3 or 0 in frame.shape:
@@ -52,7 +52,7 @@ def _even(frames: Iterable[np.ndarray], path: Path) -> Iterator[np.ndarray]:
         yield np.pad(frame, ((0, shape[0] % 2), (0, shape[1] % 2), (0, 0)), "edge")
 
 
-def _write_mp4(path: Path, frames: Iterable[np.ndarray], shape: tuple[int, ...], fps: float) -> None:
+def _write_mp4(path: str | Path, frames: Iterable[np.ndarray], shape: tuple[int, ...], fps: float) -> None:
     import cv2
 
     level = cv2.utils.logging.getLogLevel()
@@ -76,7 +76,7 @@ def _write_mp4(path: Path, frames: Iterable[np.ndarray], shape: tuple[int, ...],
         raise OutputError(f"{shown(path)}: cannot be written: OpenCV wrote nothing")
 
 
-def _write_gif(path: Path, frames: Iterable[np.ndarray], fps: float) -> None:
+def _write_gif(path: str | Path, frames: Iterable[np.ndarray], fps: float) -> None:
     from PIL import Image
 
     def pictures() -> Iterator[Any]:

@@ -142,8 +142,8 @@ def _read_arrays(path: Path) -> Any:
         return _NPZ[schema](path)
     if {"names", "weights"} <= set(arrays):
         return track.read_weights(path)
-    found = shown(", ".join(arrays), 60)
-    raise InputError(f"{shown(path)}: expected a face, a rig, directions or weights, found an NPZ with {found}")
+    names = shown(", ".join(arrays), 60)
+    raise InputError(f"{shown(path)}: expected a face, a rig, directions or weights, found an NPZ with {names}")
 
 
 def _read_gltf(path: Path) -> Any:

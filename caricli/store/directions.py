@@ -21,8 +21,13 @@ def directions_path(path: Path | None, model: ShapeModel) -> Path:
     return path
 
 
-def load_directions(path: Path, model: ShapeModel) -> Directions:
-    """The Directions of a file. Raises InputError when they are not of the model, or the file holds none."""
+def load_directions(model: ShapeModel, path: Path | None = None) -> Directions:
+    """The directions of labels in the latents of a model.
+
+    path: of a file that `caricli train semantic` wrote; None for the bundled one of the model's kind.
+    Raises InputError when they are not of the model, or the file holds none.
+    """
+    path = directions_path(path, model)
     directions = read_directions(path)
     if directions.model_id != model.model_id:
         raise InputError(

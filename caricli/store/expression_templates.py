@@ -55,6 +55,6 @@ def _shape_of(path: Path, neutral: Mesh) -> np.ndarray:
     """Vertices (V, 3) of an OBJ, refused when it is another mesh than the neutral one's."""
     mesh = read_obj(path)
     if mesh.vertices.shape != neutral.vertices.shape or not np.array_equal(mesh.polygons, neutral.polygons):
-        found = f"{len(mesh.vertices)} vertices and {len(mesh.polygons)} polygons"
-        raise InputError(f"{shown(path)}: expected the mesh of {NEUTRAL}.obj, found another ({found})")
+        counts = f"{len(mesh.vertices)} vertices and {len(mesh.polygons)} polygons"
+        raise InputError(f"{shown(path)}: expected the mesh of {NEUTRAL}.obj, found another ({counts})")
     return mesh.vertices

@@ -22,10 +22,29 @@ DEFAULT_LATENT = "kernel"
 """Kind of the bundled model that latents belong to where nothing else is said."""
 
 
-def load_model(path: Path | None = None, kind: str = DEFAULT_ELASTIC) -> ShapeModel:
-    """Load the model of a file, or the bundled one of a kind. Raises InputError when it is no model, or damaged."""
-    path = asset_path(f"{kind}.safetensors") if path is None else path
+def load_model(name: str | Path | None = None, kind: str = DEFAULT_ELASTIC) -> ShapeModel:
+    """Load a model.
+
+    name: path of a file, or the kind of a model that comes with caricli; None for the bundled one of ``kind``.
+    Raises InputError when it is no model, or damaged.
+    """
+    path = model_path(kind if name is None else name)
     return model_from_checkpoint(*read_checkpoint(path), shown(path))
+
+
+def model_path(name: str | Path) -> Path:
+    """The file of a model: a path, or the kind of one that comes with caricli; a file of that name goes first.
+
+    Raises InputError for a plain name that is neither.
+    """
+    path = Path(name)
+    if path.exists() or path.name != str(name) or path.suffix:
+        return path
+    bundled = {kind: asset_path(f"{kind}.safetensors") for kind in KINDS}
+    kinds = sorted(kind for kind, file in bundled.items() if file.is_file())
+    if str(name) not in kinds:
+        raise InputError(f"{shown(name)}: expected a model file or one of {', '.join(kinds)}, found neither")
+    return bundled[str(name)]
 
 
 def load_morphable(path: Path | None = None) -> "MorphableModel":

@@ -34,7 +34,8 @@ def command(out, count, identities, expressions, levels, albedos, albedo_size, s
       caricli dataset build grid --identities 150 --expressions 25 --levels 4
     """
     from caricli.commands.shared.progress import progress_bar
-    from caricli.data.build_dataset import BuildSettings, build_dataset
+    from caricli.data.build_dataset import build_dataset
+    from caricli.data.build_settings import BuildSettings
 
     settings = BuildSettings(count, identities, expressions, levels, seed)
     with staged_folder(out, overwrite=overwrite, marker="dataset.json") as temporary, progress_bar("meshes") as report:

@@ -12,7 +12,6 @@ from pathlib import Path
 import click
 
 from caricli.errors import InputError, OutputError
-from caricli.io.bundled import asset_path
 
 PATH = click.Path(path_type=Path)
 
@@ -89,15 +88,9 @@ workers_option = click.option(
 
 def bundled(ctx, param, value):
     """Take the name of a model that comes with caricli, such as "pca", for its file; a file of that name goes first."""
-    if value is None or value.exists():
-        return value
-    if value.name != str(value) or value.suffix:
-        return value
-    # Shape models have their kind's name; the landmark map is none.
-    kinds = sorted(path.stem for path in asset_path("").glob("*.safetensors") if path.stem != "landmark_map")
-    if value.name not in kinds:
-        raise InputError(f"{value}: expected a model file or one of {', '.join(kinds)}, found neither")
-    return asset_path(f"{value.name}.safetensors")
+    from caricli.store.models import model_path
+
+    return None if value is None else model_path(value)
 
 
 def each_bundled(ctx, param, values):

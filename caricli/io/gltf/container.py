@@ -14,7 +14,7 @@ from caricli.limits import MAX_FILE_BYTES, MAX_JSON_BYTES
 _DATA = "data:application/octet-stream;base64,"
 
 
-def read_container(path: Path) -> tuple[dict, list[memoryview]]:
+def read_container(path: str | Path) -> tuple[dict, list[memoryview]]:
     """Read a GLB, or a .gltf whose buffers are inside it.
 
     Returns the document and the bytes of its buffers. Raises InputError when it is malformed or names other files.
@@ -27,7 +27,7 @@ def read_container(path: Path) -> tuple[dict, list[memoryview]]:
         return _from_chunks(data)
 
 
-def write_container(path: Path, document: dict, binary: bytes) -> None:
+def write_container(path: str | Path, document: dict, binary: bytes) -> None:
     """Write a document and its one buffer as a GLB, or as one .gltf text where the path ends so.
 
     Raises OutputError when it is larger than what ``read_container`` takes or cannot be written.
@@ -44,7 +44,7 @@ def write_container(path: Path, document: dict, binary: bytes) -> None:
     _write(path, start + text + CHUNK.pack(len(binary), BINARY_CHUNK) + binary, MAX_FILE_BYTES)
 
 
-def _write(path: Path, data: bytes, most: int) -> None:
+def _write(path: str | Path, data: bytes, most: int) -> None:
     if len(data) > most:
         raise OutputError(f"{shown(path)}: expected at most {most} bytes of glTF, found {len(data)}")
     write_bytes(path, data)

@@ -24,7 +24,7 @@ _HARMLESS = ("KHR_materials_", "KHR_texture_", "EXT_texture_", "KHR_lights_")
 _SAME_PLACE = 1e-5
 
 
-def read_gltf(path: Path) -> Rig:
+def read_gltf(path: str | Path) -> Rig:
     """Read the first mesh with morph targets of a GLB, or where none has any the first one, ours or another program's.
 
     Vertices with the same `SOURCE_VERTEX` become one again. Transforms of nodes are left aside: the neutral and its
@@ -42,7 +42,7 @@ def read_gltf(path: Path) -> Rig:
         return _rig(document, mesh, primitives)
 
 
-def read_gltf_mesh(path: Path) -> Mesh:
+def read_gltf_mesh(path: str | Path) -> Mesh:
     """Read the neutral mesh of a rig or of a head of ours, else all meshes of the scene where their nodes put them.
 
     path: a GLB file, or a .gltf, without external files.

@@ -21,7 +21,7 @@ _LINEAR = 9729
 _LINEAR_MIPMAP_LINEAR = 9987
 
 
-def write_gltf(path: Path, rig: Rig, sparse: bool = False, animation: Animation | None = None) -> None:
+def write_gltf(path: str | Path, rig: Rig, sparse: bool = False, animation: Animation | None = None) -> None:
     """Write a rig: metres, +y up, +z front; the same rig gives the same bytes.
 
     One node with one mesh; one primitive for every material; morph targets of positions and normals, their names in

@@ -7,6 +7,8 @@ import numpy as np
 
 from caricli.errors import InputError
 from caricli.methods.rig.add_eyeballs import TEXTURE, add_eyeballs, fit_eyeballs
+from caricli.methods.rig.make_rig import Pictures
+from caricli.methods.texture.mask_head import mask_head
 from caricli.methods.texture.photometric_error import photometric_error
 from caricli.methods.texture.project_picture import project_picture
 from caricli.methods.texture.settings import PaintSettings
@@ -33,6 +35,11 @@ class Painted:
     error: float
     seen: float
 
+    @property
+    def pictures(self) -> Pictures:
+        """Those of skin and eyes, for a rig."""
+        return Pictures(self.rig.texture, self.rig.eye_texture)
+
     def figures(self) -> dict[str, Any]:
         """What reports say of it, as JSON."""
         assert self.rig.texture is not None
@@ -47,17 +54,18 @@ def paint_head(
     face: Face,
     template: Template,
     image: np.ndarray,
-    mask: np.ndarray,
+    mask: np.ndarray | None = None,
     settings: PaintSettings = PaintSettings(),  # noqa: B008 (frozen)
 ) -> Painted:
     """Paint a head with the picture that it was fitted to, its eyes in the colours that they have there.
 
     face: Face with camera and fitted landmarks. template: Template of its topology. image: (H, W, 3) uint8. mask:
-    (H, W) bool, the head in it. settings: PaintSettings.
+    (H, W) bool, the head in it; cut out by its colours where there is none. settings: PaintSettings.
     Returns Painted. Raises InputError when the template has no UVs and is to have a texture of its own, and when the
     face has no camera or no landmarks.
     """
     camera = face.require_camera()
+    mask = mask_head(face, image) if mask is None else mask
     head = template.with_vertices(face.vertices)
     if settings.project_uv:
         head = project_picture(head, camera, image)

@@ -1,0 +1,1 @@
+"""Figures with their commands: run the files here as scripts."""
