@@ -56,9 +56,10 @@ def command(ctx, rig, drivers, out, out_dir, neutral, animation, fps, model, pts
       caricli retarget b.npz take/*.obj --neutral calm.obj --out-dir frames --animation take.glb --fps 30
     """
     from caricli.commands.shared.batch import named_jobs, run_batch
+    from caricli.io.mesh import MESH_SUFFIXES
     from caricli.store.models import load_morphable
 
-    jobs = named_jobs(drivers, "NORMAL_FACE", out, out_dir, ".obj")
+    jobs = named_jobs(drivers, "NORMAL_FACE", out, out_dir, *MESH_SUFFIXES)
     _check_usage(drivers, neutral, animation, [target for _, target in jobs])
     normal = load_morphable(model)
     loaded, retargeting = _load(rig, drivers, neutral, normal, pts_origin, animation is not None)
@@ -87,7 +88,7 @@ def _check_usage(drivers, neutral, animation, targets):
     meshes = [is_driving_mesh(path) for path in drivers]
     if any(meshes) != all(meshes) or (neutral is not None and not meshes[0]):
         raise click.UsageError("Give either meshes, with or without --neutral, or landmarks without it.")
-    if animation is not None and animation.with_suffix(".obj") in targets:
+    if animation is not None and animation.with_suffix(".json") in [path.with_suffix(".json") for path in targets]:
         raise click.UsageError("--animation needs a name that no face has.")
 
 

@@ -13,7 +13,7 @@ from caricli.data.write_dataset import SHARD_SIZE, DatasetWriter
 from caricli.errors import InputError, naming
 from caricli.geometry.flipped_triangles import flipped_triangles
 from caricli.io.files import read_text
-from caricli.io.obj import read_obj
+from caricli.io.mesh import mesh_files, read_mesh
 from caricli.io.strict_json import read_json
 from caricli.limits import MAX_NPZ_BYTES
 from caricli.structures import Mesh
@@ -37,24 +37,26 @@ class Labels:
 
 
 def import_dataset(
-    obj_folder: Path,
+    mesh_folder: Path,
     folder: Path,
     annotation_path: Path,
     labels_path: Path | None = None,
     seed: int = 0,
     progress: Callable[[int, int], None] = lambda done, total: None,
 ) -> int:
-    """Write the OBJ files of a folder, in the order of their names, into an empty dataset folder.
+    """Write the meshes of a folder (``mesh_files``), in the order of their names, into an empty dataset folder.
 
-    obj_folder: holds *.obj of one topology in metres, +y up, +z front. annotation_path: JSON, see ``parse_annotation``.
+    mesh_folder: holds files of one topology in metres, +y up, +z front. annotation_path: JSON for ``parse_annotation``.
     labels_path: CSV with a column ``file``, maybe ``identity``, and numeric label columns. seed: of the split.
     progress: called with the number of files that are read and their total.
     Returns the number of meshes. Raises InputError.
     """
-    files = _obj_files(obj_folder)
-    first = read_obj(files[0])
+    files = mesh_files(mesh_folder)
+    if len(files) < 2:
+        raise InputError(f"{mesh_folder}: expected at least two OBJ files or other meshes, found {len(files)}")
+    first = read_mesh(files[0])
     if len(files) * first.vertices.size * 4 > MAX_NPZ_BYTES * 8:
-        raise InputError(f"{obj_folder}: {len(files)} meshes of {len(first.vertices)} vertices do not fit in memory")
+        raise InputError(f"{mesh_folder}: {len(files)} meshes of {len(first.vertices)} vertices do not fit in memory")
     shapes = np.empty((len(files), *first.vertices.shape), dtype=np.float32)
     for number, path in enumerate(files):
         shapes[number] = _vertices_like(path, first, files[0].name)
@@ -73,18 +75,9 @@ def import_dataset(
     return len(files)
 
 
-def _obj_files(folder: Path) -> list[Path]:
-    if not Path(folder).is_dir():
-        raise InputError(f"{folder}: expected a folder of OBJ files")
-    files = sorted(path for path in Path(folder).iterdir() if path.suffix.lower() == ".obj")
-    if len(files) < 2:
-        raise InputError(f"{folder}: expected at least two OBJ files, found {len(files)}")
-    return files
-
-
 def _vertices_like(path: Path, first: Mesh, name: str) -> np.ndarray:
     """The vertices of a file, whose topology must be that of the first one, called name."""
-    mesh = read_obj(path)
+    mesh = read_mesh(path)
     with naming(path):
         if mesh.polygons.shape != first.polygons.shape or len(mesh.vertices) != len(first.vertices):
             expected = f"{len(first.vertices)} vertices, {len(first.polygons)} polygons"

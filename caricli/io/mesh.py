@@ -31,6 +31,19 @@ def is_mesh_file(path: str | Path) -> bool:
     return Path(path).suffix.lower() in MESH_SUFFIXES
 
 
+def mesh_files(folder: str | Path) -> list[Path]:
+    """The meshes of a folder by name: its OBJ files, or where there are none, those of the first other format there is.
+
+    Raises InputError when it is no folder.
+    """
+    folder = Path(folder)
+    if not folder.is_dir():
+        raise InputError(f"{shown(folder)}: expected a folder of OBJ files or other meshes, found none")
+    files = sorted(folder.iterdir())
+    by_suffix = ([path for path in files if path.suffix.lower() == suffix] for suffix in MESH_SUFFIXES)
+    return next(filter(None, by_suffix), [])
+
+
 def read_mesh(path: str | Path) -> Mesh:
     """Read a mesh: OBJ, PLY, STL, GLB or glTF, told apart by the suffix; no other file is opened.
 

@@ -6,18 +6,17 @@ from pathlib import Path
 
 from caricli.errors import CaricliError, InputError, naming
 from caricli.io.landmarks import read_landmarks
+from caricli.io.mesh import is_mesh_file
 from caricli.io.rig import read_rig
 from caricli.methods.expressions.retarget_rig import Driver, DrivingMesh, fit_driver
 from caricli.models.morphable.model import MorphableModel
 from caricli.store.faces import load_face
 from caricli.structures import Rig
 
-_MESHES = (".obj", ".npz")
-
 
 def is_driving_mesh(path: Path) -> bool:
     """Whether a file drives as a mesh, not as landmarks."""
-    return path.suffix.lower() in _MESHES
+    return path.suffix.lower() == ".npz" or is_mesh_file(path)
 
 
 def load_driven_rig(path: Path, model: MorphableModel) -> Rig:

@@ -1,4 +1,4 @@
-"""Templates of expressions: the open head's, or a folder of OBJ files."""
+"""Templates of expressions: the open head's, or a folder of meshes."""
 
 from collections import Counter
 from pathlib import Path
@@ -8,7 +8,7 @@ import numpy as np
 from caricli.data.expressions import NEUTRAL
 from caricli.errors import InputError, naming, shown
 from caricli.io.bundled import asset_path
-from caricli.io.obj import read_obj
+from caricli.io.mesh import mesh_files, read_mesh
 from caricli.io.strict_json import read_json
 from caricli.methods.rig.expression_templates import ExpressionTemplates, check_templates
 from caricli.methods.rig.head_expressions import open_head_expressions
@@ -18,13 +18,13 @@ from caricli.structures import Mesh
 def load_templates(folder: Path | None = None) -> tuple[ExpressionTemplates, list[Path]]:
     """ExpressionTemplates, and the files that they are read from.
 
-    folder: path of one with OBJ files, or None for the open head's own.
+    folder: path of one with meshes, or None for the open head's own.
     Raises InputError where it holds no neutral face and expressions of one mesh that can be transferred from.
     """
     if folder is None:
         return open_head_expressions(), []
     neutral_path, others = _template_files(folder)
-    neutral = read_obj(neutral_path)
+    neutral = read_mesh(neutral_path)
     shapes = np.stack([_shape_of(path, neutral) for path in others])
     with naming(neutral_path):
         templates = check_templates([path.stem for path in others], neutral, shapes)
@@ -37,23 +37,23 @@ def load_action_units() -> dict[str, dict]:
 
 
 def _template_files(folder: Path) -> tuple[Path, list[Path]]:
-    """The neutral OBJ of a folder and the others, in the order of their names."""
+    """The neutral mesh of a folder and the others, in the order of their names."""
     if not folder.is_dir():
         raise InputError(f"{shown(folder)}: expected a folder with {NEUTRAL}.obj and expressions, found none")
-    files = sorted(path for path in folder.iterdir() if path.suffix.lower() == ".obj")
+    files = mesh_files(folder)
     names = [path.stem.lower() for path in files]
     (name, count), *_ = Counter(names).most_common(1) or [("", 0)]
     if count > 1:
         raise InputError(f"{shown(folder)}: expected distinct names, found {name!r} twice")
     if NEUTRAL not in names or len(files) < 2:
-        raise InputError(f"{shown(folder)}: expected {NEUTRAL}.obj and expressions, found {len(files)} other OBJ files")
+        raise InputError(f"{shown(folder)}: expected {NEUTRAL}.obj and expressions, found {len(files)} other meshes")
     neutral = files[names.index(NEUTRAL)]
     return neutral, [path for path in files if path != neutral]
 
 
 def _shape_of(path: Path, neutral: Mesh) -> np.ndarray:
-    """Vertices (V, 3) of an OBJ, refused when it is another mesh than the neutral one's."""
-    mesh = read_obj(path)
+    """Vertices (V, 3) of a file, refused when it is another mesh than the neutral one's."""
+    mesh = read_mesh(path)
     if mesh.vertices.shape != neutral.vertices.shape or not np.array_equal(mesh.polygons, neutral.polygons):
         counts = f"{len(mesh.vertices)} vertices and {len(mesh.polygons)} polygons"
         raise InputError(f"{shown(path)}: expected the mesh of {NEUTRAL}.obj, found another ({counts})")

@@ -6,6 +6,7 @@ from pathlib import Path
 from caricli.data.expressions import NEUTRAL, facs_expressions, read_expressions
 from caricli.errors import InputError, naming, shown
 from caricli.io.landmarks import read_landmarks
+from caricli.io.mesh import is_mesh_file
 from caricli.methods.expressions.tools import ExpressionTools
 from caricli.methods.reconstruct.fit_landmarks import fit_landmarks
 from caricli.methods.rig.expression_templates import ExpressionTemplates
@@ -78,10 +79,9 @@ def load_caricature(
     Raises InputError for a face without a camera or of another mesh than the tools'.
     """
     morphable = tools.morphable
-    suffix = source.suffix.lower()
-    if suffix == ".obj":
-        raise InputError(f"{shown(source)}: expected FACE.npz or landmarks, found an OBJ, which has no camera")
-    if suffix == ".npz":
+    if is_mesh_file(source):
+        raise InputError(f"{shown(source)}: expected FACE.npz or landmarks, found a mesh, which has no camera")
+    if source.suffix.lower() == ".npz":
         face = load_face(source, morphable)
         with naming(source):
             face.require_camera()

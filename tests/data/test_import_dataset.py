@@ -4,6 +4,7 @@ import pytest
 from caricli.data.dataset import SPLITS, read_dataset
 from caricli.data.import_dataset import import_dataset
 from caricli.errors import CaricliError, InputError
+from caricli.io.mesh import write_mesh
 from caricli.io.obj import read_obj, write_obj
 from caricli.io.strict_json import write_json
 from caricli.structures import Mesh
@@ -43,6 +44,19 @@ def test_order_quads_uvs_and_coordinates_are_kept(barrel, barrels, out):
     np.testing.assert_array_equal(back.polygons, first.polygons)
     np.testing.assert_array_equal(back.uv_polygons, first.uv_polygons)
     np.testing.assert_array_equal(back.uvs, first.uvs)
+
+
+def test_other_formats_come_in_where_there_is_no_obj(barrels, out, tmp_path):
+    folder, shapes, annotation = barrels
+    others = tmp_path / "others"
+    others.mkdir()
+    for path in folder.iterdir():
+        write_mesh(others / f"{path.stem}.ply", read_obj(path))
+    (others / "notes.txt").touch()
+    assert import_dataset(others, out, annotation) == 12
+    data = read_dataset(out)
+    np.testing.assert_allclose(data.vertices, shapes, atol=1e-7)
+    assert data.factors["file"][0] == "scan_00.ply"
 
 
 def test_without_labels_every_mesh_is_a_person_of_one_split(barrels, out):

@@ -16,7 +16,7 @@ from caricli.io import stl
 from caricli.io.face import read_face
 from caricli.io.gltf.write_gltf import write_gltf
 from caricli.io.image import write_png
-from caricli.io.mesh import MESH_SUFFIXES, read_mesh, write_mesh
+from caricli.io.mesh import MESH_SUFFIXES, mesh_files, read_mesh, write_mesh
 from caricli.io.obj import read_obj
 from caricli.structures import Mesh
 
@@ -470,3 +470,15 @@ def test_what_trimesh_writes_is_read(ball_mesh, tmp_path):
         back = read_mesh(tmp_path / f"a.{suffix}")
         np.testing.assert_allclose(back.vertices[back.faces], ball_mesh.vertices[ball_mesh.faces], atol=1e-6)
     assert b"_SOURCE_VERTEX" not in (tmp_path / "a.glb").read_bytes()
+
+
+def test_meshes_of_a_folder_are_its_obj_files_or_else_the_others(ball_mesh, tmp_path):
+    for name in ("b.ply", "a.ply", "c.glb"):
+        write_mesh(tmp_path / name, ball_mesh)
+    assert [path.name for path in mesh_files(tmp_path)] == ["a.ply", "b.ply"]
+    write_mesh(tmp_path / "d.obj", ball_mesh)
+    assert [path.name for path in mesh_files(tmp_path)] == ["d.obj"]
+    (tmp_path / "empty").mkdir()
+    assert mesh_files(tmp_path / "empty") == []
+    with pytest.raises(InputError, match="expected a folder of OBJ files or other meshes"):
+        mesh_files(tmp_path / "d.obj")

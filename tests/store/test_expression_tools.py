@@ -49,7 +49,7 @@ def test_a_caricature_has_a_camera(tools, head_template, ball, tmp_path):
     with pytest.raises(InputError, match="blind.npz: expected a face with the camera"):
         load_caricature(tmp_path / "blind.npz", tools)
     write_mesh(tmp_path / "face.obj", head_template)
-    with pytest.raises(InputError, match="found an OBJ, which has no camera"):
+    with pytest.raises(InputError, match="found a mesh, which has no camera"):
         load_caricature(tmp_path / "face.obj", tools)
     write_mesh(tmp_path / "ball.obj", Mesh(*ball))
     with pytest.raises(InputError, match="ball.obj: expected the topology of the templates"):
