@@ -20,42 +20,54 @@ from caricli.errors import CaricliError
 
 # What is typed: (module in caricli.commands, or None for a group; section of the help; short help).
 COMMANDS = {
-    "reconstruct-from-landmarks": ("reconstruct_from_landmarks", "Reconstruct", "2D landmarks to a 3D caricature."),
-    "fit-morphable": ("fit_morphable", "Reconstruct", "2D landmarks to a face of the morphable model."),
-    "refine": ("refine", "Reconstruct", "A face exactly on the landmarks of its picture."),
-    "texture": ("texture", "Reconstruct", "The picture on the face, right from every side."),
-    "encode": ("encode", "Faces", "A mesh to the latent of a model."),
-    "sample": ("sample", "Faces", "Random faces of a model."),
-    "interpolate": ("interpolate", "Faces", "Faces between two faces."),
-    "map-landmarks": ("map_landmarks", "Edit", "Landmarks of a caricature made normal, or back."),
-    "edit-handle": ("edit_handle", "Edit", "Points that are pulled, and a face that follows."),
-    "edit-semantic": ("edit_semantic", "Edit", "More or less of what labels name, such as BigNose."),
-    "caricaturize": ("caricaturize", "Edit", "A regular face made a caricature, by degrees."),
-    "rig": ("rig", "Rig", "A face with the 52 expressions of ARKit, as GLB."),
-    "blendshapes": ("blendshapes", "Rig", "Expressions that keep who a face is."),
-    "retarget": ("retarget", "Rig", "A caricature that does what a normal face does."),
-    "animate": ("animate", "Rig", "A rig that moves as a face tracker says."),
+    "reconstruct-from-landmarks": (
+        "reconstruct_from_landmarks",
+        "Reconstruct",
+        "Reconstruct a 3D caricature from 2D landmarks.",
+    ),
+    "fit-morphable": ("fit_morphable", "Reconstruct", "Fit the morphable model to 2D landmarks."),
+    "refine": ("refine", "Reconstruct", "Move a face exactly onto its landmarks."),
+    "texture": ("texture", "Reconstruct", "Paint a face on all sides with its picture."),
+    "encode": ("encode", "Faces", "Find the latent of a mesh in a model."),
+    "sample": ("sample", "Faces", "Draw random faces from a model."),
+    "interpolate": ("interpolate", "Faces", "Go from one face to another in steps."),
+    "map-landmarks": ("map_landmarks", "Edit", "Turn a caricature's landmarks normal, or back."),
+    "edit-handle": ("edit_handle", "Edit", "Pull points of a face and let the rest follow."),
+    "edit-semantic": ("edit_semantic", "Edit", "Change a face by labels such as BigNose."),
+    "caricaturize": ("caricaturize", "Edit", "Make a caricature of a regular face."),
+    "rig": ("rig", "Rig", "Give a face the 52 expressions of ARKit."),
+    "blendshapes": ("blendshapes", "Rig", "Make expressions that keep who a face is."),
+    "retarget": ("retarget", "Rig", "Let a caricature do what a normal face does."),
+    "animate": ("animate", "Rig", "Move a rig by the weights of a face tracker."),
     "train": (None, "Models", "Train a shape model on a dataset."),
-    "train pca": ("train.pca", "Models", "A linear model of vertex positions."),
-    "train intrinsic": ("train.intrinsic", "Models", "A model of deformations, which extrapolates without tearing."),
-    "train kernel": ("train.kernel", "Models", "Principal components and a Gaussian process for the finer ones."),
-    "train morphable": ("train.morphable", "Models", "Identity, expression and albedo in linear bases of their own."),
-    "train deformable": ("train.deformable", "Models", "A SIREN hypernetwork, continuous over the surface."),
-    "train semantic": ("train.semantic", "Models", "Directions of labels in a model's latents."),
-    "train landmark-map": ("train.landmark_map", "Models", "A map between landmarks of normal faces and caricatures."),
-    "evaluate": (None, "Models", "Measure models."),
-    "evaluate shape": ("evaluate.shape", "Models", "Train and test shape error, models side by side."),
-    "evaluate ablation": ("evaluate.ablation", "Models", "The deformable model beside its rivals, trained alike."),
-    "evaluate portrait": ("evaluate.portrait", "Models", "Faces of portraits, coarse and refined, method by method."),
-    "evaluate blendshapes": ("evaluate.blendshapes", "Models", "Expressions of caricatures beside the true ones."),
+    "train pca": ("train.pca", "Models", "Train a linear model of vertex positions."),
+    "train intrinsic": ("train.intrinsic", "Models", "Train a model of deformations, which does not tear."),
+    "train kernel": ("train.kernel", "Models", "Train components that predict finer ones."),
+    "train morphable": ("train.morphable", "Models", "Train linear bases of identity and expression."),
+    "train deformable": ("train.deformable", "Models", "Train a network that is continuous over the surface."),
+    "train semantic": ("train.semantic", "Models", "Find the directions of labels in a model's latents."),
+    "train landmark-map": (
+        "train.landmark_map",
+        "Models",
+        "Train a map between landmarks of normal faces and caricatures.",
+    ),
+    "evaluate": (None, "Models", "Compare models and methods on a dataset."),
+    "evaluate shape": ("evaluate.shape", "Models", "Compare the shape errors of models."),
+    "evaluate ablation": ("evaluate.ablation", "Models", "Compare the deformable model with its rivals."),
+    "evaluate portrait": ("evaluate.portrait", "Models", "Compare faces that were reconstructed from portraits."),
+    "evaluate blendshapes": (
+        "evaluate.blendshapes",
+        "Models",
+        "Compare expressions of caricatures with the true ones.",
+    ),
     "dataset": (None, "Data", "Build, import or look at a dataset of faces."),
     "dataset build": ("dataset.build", "Data", "Generate caricatures from the open head model."),
-    "dataset import": ("dataset.import_", "Data", "Take a folder of registered OBJ meshes."),
+    "dataset import": ("dataset.import_", "Data", "Import a folder of registered meshes."),
     "dataset show": ("dataset.show", "Data", "Draw a contact sheet and print what is in it."),
-    "template": (None, "Data", "The head that every face is a deformation of."),
-    "template export": ("template.export", "Data", "Write the head as OBJ with quads and UVs."),
-    "render": ("render", "Look", "Shaded pictures of faces."),
-    "inspect": ("inspect", "Look", "What any file holds, and whether it is whole."),
+    "template": (None, "Data", "Export the head that every face is made from."),
+    "template export": ("template.export", "Data", "Write the head as a mesh."),
+    "render": ("render", "Look", "Draw shaded pictures of faces."),
+    "inspect": ("inspect", "Look", "Say what a file holds, and whether it is whole."),
 }
 
 
@@ -128,7 +140,7 @@ class Caricli(LazyGroup):
 @click.option("--debug", is_flag=True, expose_value=False, help="Show the traceback of a failure.")
 @click.option("--json-errors", is_flag=True, expose_value=False, help="Report a failure as one JSON object on stderr.")
 def cli():
-    """3D caricature and cartoon faces: from landmarks, drawings and portraits to meshes.
+    """Make 3D caricature and cartoon faces from landmarks, drawings and portraits.
 
     \b
     Example:

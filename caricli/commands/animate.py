@@ -21,29 +21,60 @@ SCALE = "NAME=K with K from 0 to 3, such as jawOpen=1.3"
 @click.command()
 @click.argument("rig", type=PATH)
 @click.argument("weights", type=PATH)
-@click.option("-o", "--out", type=PATH, metavar="ANIM.glb", callback=named(".glb"), help="The rig with its animation.")
-@click.option("--frames", type=PATH, metavar="DIR", help="A folder for every frame as a file.")
-@click.option("--format", "kind", type=click.Choice(["obj", "png"]), default="obj", help="Of the files in --frames.")
-@click.option("--video", type=PATH, metavar="FILE", callback=named(".mp4", ".gif"), help="A video, .mp4 or .gif.")
-@click.option("--fps", type=FiniteRange(0, 240, min_open=True), metavar="N", help="Frames a second.  [default: theirs]")
+@click.option(
+    "-o", "--out", type=PATH, metavar="ANIM.glb", callback=named(".glb"), help="Write the rig with its animation here."
+)
+@click.option("--frames", type=PATH, metavar="DIR", help="Write every frame as a file into this folder.")
+@click.option(
+    "--format",
+    "kind",
+    type=click.Choice(["obj", "png"]),
+    default="obj",
+    help="Write the files of --frames as meshes (obj) or pictures (png).",
+)
+@click.option(
+    "--video", type=PATH, metavar="FILE", callback=named(".mp4", ".gif"), help="Write a video here, as .mp4 or .gif."
+)
+@click.option(
+    "--fps",
+    type=FiniteRange(0, 240, min_open=True),
+    metavar="N",
+    help="Make N frames a second.  [default: as many as WEIGHTS have]",
+)
 @click.option(
     "--source-fps",
     type=FiniteRange(0, 240, min_open=True),
     metavar="N",
-    help="Frames a second of WEIGHTS where they do not say.  [default: 60 for CSV, else 30]",
+    help="Read WEIGHTS at N frames a second where they do not say.  [default: 60 for CSV, else 30]",
 )
 @click.option(
-    "--smooth", type=FiniteRange(0, 10), default=0, metavar="S", help="Calm the weights; 1 is usual, 0 leaves them."
+    "--smooth", type=FiniteRange(0, 10), default=0, metavar="S", help="Calm the weights: 1 is usual, 0 leaves them."
 )
-@click.option("--scale", "scales", multiple=True, metavar="NAME=K", help="One expression times K, 0 to 3; repeat.")
-@click.option("--view", type=click.Choice(["front", "three-quarter", "profile"]), default="front", help="Of pictures.")
-@click.option("--size", type=click.IntRange(16, 4096), default=512, metavar="PIXELS", help="Side of a picture.")
+@click.option(
+    "--scale",
+    "scales",
+    multiple=True,
+    metavar="NAME=K",
+    help="Multiply an expression by K, from 0 to 3; repeat for more.",
+)
+@click.option(
+    "--view",
+    type=click.Choice(["front", "three-quarter", "profile"]),
+    default="front",
+    help="Draw pictures from this side.",
+)
+@click.option(
+    "--size", type=click.IntRange(16, 4096), default=512, metavar="PIXELS", help="Draw pictures this wide and high."
+)
 @click.option("--no-head", is_flag=True, help="Leave out the turning of the head.")
 @overwrite_option
 def command(rig, weights, out, frames, kind, video, fps, source_fps, smooth, scales, view, size, no_head, overwrite):
-    """Move a RIG (NPZ or GLB) by WEIGHTS: Live Link Face CSV, MediaPipe JSON, NPZ, or a JSON such as
+    """Move a RIG (NPZ or GLB) by the WEIGHTS of a face tracker.
 
-    {"schema": "caricli.weights/1", "fps": 30, "names": ["jawOpen"], "weights": [[0.0], [0.5]]}.
+    WEIGHTS are a CSV of Live Link Face, a JSON of MediaPipe, an NPZ, or a JSON such as this:
+
+    \b
+      {"schema": "caricli.weights/1", "fps": 30, "names": ["jawOpen"], "weights": [[0.0], [0.5]]}
 
     Names are bound by name; those that the rig lacks are listed. Weights are cut to 0 to 1, then scaled. The head turns
     about the origin of the face frame: positive yaw to its own left, pitch down, roll to its right shoulder. A JSON

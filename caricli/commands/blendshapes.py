@@ -15,7 +15,6 @@ from caricli.commands.shared.options import (
     seed_option,
 )
 from caricli.errors import naming
-from caricli.io.image import write_png
 from caricli.io.outputs import staged
 from caricli.io.provenance import provenance
 from caricli.io.strict_json import write_json
@@ -26,21 +25,24 @@ DEFAULT_WEIGHTS = astuple(BlendshapeWeights())
 
 @click.command()
 @click.argument("source", type=PATH, metavar="FACE.npz|LANDMARKS")
-@out_option("B.npz", "The blendshapes; B.glb, .json and .png are written beside it.", suffix=".npz")
+@out_option("B.npz", "Write the blendshapes here; B.glb, .json and .png go beside it.", suffix=".npz")
 @click.option(
-    "--expressions", type=PATH, metavar="FILE", help="YAML or JSON with what to make.  [default: 46 of ARKit's]"
+    "--expressions",
+    type=PATH,
+    metavar="FILE",
+    help="Make the expressions of this YAML or JSON file.  [default: 46 of ARKit's]",
 )
 @click.option(
     "--method",
     type=click.Choice(METHODS),
     default=BlendshapeSettings.method,
-    help="Optimise the displacements, stop before, or transfer those of the normal face.",
+    help="Optimise displacements (full), stop before that (initial), or transfer those of the normal face (transfer).",
 )
 @click.option(
     "--reconstruct",
     type=click.Choice(RECONSTRUCTIONS),
     default=BlendshapeSettings.reconstruct,
-    help="How faces follow the landmarks of their expressions.",
+    help="Let faces follow landmarks by the deformation of their surface (intrinsic), or inside a model (latent).",
 )
 @click.option(
     "--weights",
@@ -48,15 +50,26 @@ DEFAULT_WEIGHTS = astuple(BlendshapeWeights())
     type=FiniteRange(0, 1e6),
     default=DEFAULT_WEIGHTS,
     metavar="DEF STR SMO",
-    help="How much deformation, structure and smoothness count.",
+    help="Weigh deformation, structure and smoothness against each other, for --method full.",
 )
 @click.option(
-    "--map", "map_path", type=PATH, metavar="MAP", help="What `caricli train landmark-map` wrote.  [default: bundled]"
+    "--map",
+    "map_path",
+    type=PATH,
+    metavar="MAP",
+    help="Use this map of `caricli train landmark-map`.  [default: bundled]",
 )
 @model_option
-@click.option("--templates", type=PATH, metavar="DIR", help="Your own neutral.obj and actions, one OBJ for each.")
+@click.option(
+    "--templates",
+    type=PATH,
+    metavar="DIR",
+    help="Take the actions from meshes in this folder: neutral.obj, and one for each.  [default: the head's]",
+)
 @click.option("--eyeballs/--no-eyeballs", default=True, help="Put eyes into the sockets, as part of the mesh.")
-@click.option("--texture", type=PATH, metavar="IMAGE", help="The picture on the skin.  [default: the face's own]")
+@click.option(
+    "--texture", type=PATH, metavar="IMAGE", help="Put this picture on the skin.  [default: the one that the face has]"
+)
 @pts_origin_option
 @seed_option
 @overwrite_option
@@ -124,15 +137,13 @@ def _check_usage(method, reconstruct, weights):
 
 def _write(files, face, rig, description):
     """Write NPZ, GLB, JSON and picture of a Rig."""
-    from caricli.commands.shared.progress import progress_bar
+    from caricli.commands.shared.expression_picture import write_expression_sheet
     from caricli.io.gltf.write_gltf import write_gltf
     from caricli.io.rig import write_rig
     from caricli.methods.expressions.rig_blendshapes import shape_as_given
-    from caricli.render.expression_sheet import expression_sheet
 
     npz, glb, json, png = files
     write_rig(npz, rig)
     write_gltf(glb, rig)
     write_json(json, description)
-    with progress_bar("drawing") as progress:
-        write_png(png, expression_sheet(rig, progress, shape_as_given(rig, face)))
+    write_expression_sheet(png, rig, shape_as_given(rig, face))

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from caricli.commands.shared.options import (
+    FACE_FILES,
     PATH,
     FiniteRange,
     directions_option,
@@ -39,17 +40,17 @@ DRAWN = (0.0, 0.5, 1.0)
     type=FiniteRange(0, 10),
     default=1.0,
     metavar="S",
-    help="0 changes nothing, 1 shows clearly, 2 is strong.",
+    help="Exaggerate so much: 0 changes nothing, 1 shows clearly, 2 is strong.",
 )
 @click.option(
     "--mode",
     type=click.Choice(["direction", "own"]),
     default="direction",
-    help="Towards what caricatures have in common, or away from the mean head.",
+    help="Go towards what caricatures have in common (direction), or away from the mean head (own).",
 )
-@out_option("FACE.obj", "The result of one input; FACE.npz, .json and .png are written beside it.", required=False)
-@out_folder_option("The results of many inputs, each under the name of its file.")
-@click.option("--from-landmarks", "marked", is_flag=True, help="FACE is a landmark file; reconstruct it first.")
+@out_option("FACE.obj", f"Write the face of one input here, {FACE_FILES}", required=False)
+@out_folder_option("Write the faces of many inputs into this folder, each under the name of its input.")
+@click.option("--from-landmarks", "marked", is_flag=True, help="Reconstruct FACE, which is a landmark file, first.")
 @image_option
 @pts_origin_option
 @directions_option
@@ -58,7 +59,7 @@ DRAWN = (0.0, 0.5, 1.0)
 @overwrite_option
 @click.pass_context
 def command(ctx, faces, strength, mode, out, out_dir, marked, image, pts_origin, directions, model, levels, overwrite):
-    """Exaggerate faces (OBJ or NPZ), or with --from-landmarks the faces that landmarks belong to.
+    """Exaggerate faces (NPZ, OBJ, PLY, GLB or glTF), or with --from-landmarks the faces that landmarks belong to.
 
     The direction goes from regular faces to caricatures, the same way for all; a face's own way enlarges whatever sets
     it apart. The picture shows strengths up to the one asked for.

@@ -7,6 +7,7 @@ import click
 
 from caricli.commands.shared.notes import echo_result
 from caricli.commands.shared.options import (
+    FACE_FILES,
     PATH,
     face_files,
     model_option,
@@ -26,26 +27,41 @@ SIZE = 320
 @click.argument("face", type=PATH, metavar="FACE")
 @click.option(
     "--handle", "texts", multiple=True, metavar="WHERE=DX,DY,DZ",
-    help="Move a point: a vertex index, a landmark such as l30, or a name such as nose_tip, by metres or by 5% of the "
-    "height of this face. Repeat for more.",
+    help="Move a point (a vertex index, a landmark such as l30, or a name such as nose_tip) by metres, or by percent "
+    "of this face's height; repeat for more.",
 )  # fmt: skip
-@click.option("--handles", "file", type=PATH, metavar="JSON", help='More of them: {"nose_tip": [0, 0, "5%"], ...}.')
-@click.option("--pin", "pins", multiple=True, metavar="WHERE", help="Hold a point where it is. Repeat for more.")
+@click.option(
+    "--handles",
+    "file",
+    type=PATH,
+    metavar="JSON",
+    help='Read more handles from a file such as {"nose_tip": [0, 0, "5%"]}.',
+)
+@click.option("--pin", "pins", multiple=True, metavar="WHERE", help="Hold a point where it is; repeat for more.")
 @click.option("--symmetric", is_flag=True, help="Do the same on the other side of the face.")
-@out_option("EDITED.obj", "The face; EDITED.npz, .json and .png are written beside it.", check=named_mesh)
-@click.option("--norm", type=click.Choice(["l2", "l1"]), default="l2", help="How the latent's change is measured.")
-@click.option("--no-intersections", "avoid", is_flag=True, help="Go only as far as the surface does not cross itself.")
-@click.option("--steps", type=click.IntRange(2, 25), metavar="N", help="Draw a film strip of N faces.")
-@click.option("--baseline", type=click.Choice(["arap"]), help="Draw as-rigid-as-possible deformation beside it.")
+@out_option("EDITED.obj", f"Write the face here, {FACE_FILES}", check=named_mesh)
+@click.option(
+    "--norm",
+    type=click.Choice(["l2", "l1"]),
+    default="l2",
+    help="Change all of the latent a little, which folds less (l2), or few entries of it more, as published (l1).",
+)
+@click.option(
+    "--no-intersections", "avoid", is_flag=True, help="Go only as far as the surface does not cross itself anew."
+)
+@click.option(
+    "--steps", type=click.IntRange(2, 25), metavar="N", help="Draw a film strip of N faces instead of before and after."
+)
+@click.option("--baseline", type=click.Choice(["arap"]), help="Draw as-rigid-as-possible deformation, too, to compare.")
 @model_option
 @subdivide_option
 @overwrite_option
 def command(face, texts, file, pins, symmetric, out, norm, avoid, steps, baseline, model, levels, overwrite):
-    """Pull points of a face (OBJ or NPZ) and let the rest follow as faces do.
+    """Pull points of a face (NPZ, OBJ, PLY, GLB or glTF) and let the rest follow as faces do.
 
     What the latent cannot express stays on the face. A face without a latent is encoded first, one of another bundled
     model anew. Left and right are the subject's; +x is the subject's left, +y up, +z out of the face. The picture shows
-    the face before and after, or with --steps a film strip.
+    the face before and after, with --baseline also as-rigid-as-possible deformation, or with --steps a film strip.
 
     \b
     Example:

@@ -4,6 +4,7 @@ import click
 
 from caricli.commands.shared.notes import echo_result
 from caricli.commands.shared.options import (
+    FACE_FILES,
     PATH,
     directions_option,
     face_files,
@@ -23,20 +24,32 @@ SIZE = 320
 
 @click.command()
 @click.argument("face", required=False, type=PATH)
-@click.option("--label", "labels", multiple=True, metavar="NAME=S", help="How far to go towards a label; repeat.")
-@out_option("EDITED.obj", "The face; EDITED.npz, .json and .png are written beside it.", False, check=named_mesh)
-@click.option("--keep", multiple=True, metavar="NAME", help="A label that is not to change; repeat for more.")
-@click.option("--steps", type=click.IntRange(2, 25), metavar="N", help="Draw N faces from minus to plus the strengths.")
-@click.option("--list", "listed", is_flag=True, help="Print the labels, how well they are known, and stop.")
+@click.option(
+    "--label",
+    "labels",
+    multiple=True,
+    metavar="NAME=S",
+    help="Go towards a label by S standard deviations; repeat for more.",
+)
+@out_option("EDITED.obj", f"Write the face here, {FACE_FILES}", required=False, check=named_mesh)
+@click.option("--keep", multiple=True, metavar="NAME", help="Change this label as little as possible; repeat for more.")
+@click.option(
+    "--steps",
+    type=click.IntRange(2, 25),
+    metavar="N",
+    help="Draw a strip of N faces, from minus to plus the strengths.",
+)
+@click.option("--list", "listed", is_flag=True, help="Print the labels and how well each is known, and stop.")
 @directions_option
 @model_option
 @subdivide_option
 @overwrite_option
 def command(face, labels, out, keep, steps, listed, directions, model, levels, overwrite):
-    """Give a face (OBJ or NPZ) more of a label, or less with a negative strength, in standard deviations of faces.
+    """Give a face (NPZ, OBJ, PLY, GLB or glTF) more of a label, or less with a negative strength.
 
-    What the latent cannot express stays on the face, so the opposite strength takes it back. A face without a latent is
-    encoded first. The picture shows the face before and after, or with --steps a film strip.
+    Strengths are in standard deviations of faces. What the latent cannot express stays on the face, so the opposite
+    strength takes it back. A face without a latent is encoded first. The picture shows the face before and after, or
+    with --steps a film strip from minus to plus the strengths.
 
     \b
     Example:

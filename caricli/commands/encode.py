@@ -15,16 +15,17 @@ SIZE = 320
 
 @click.command()
 @click.argument("faces", nargs=-1, required=True, type=PATH, metavar="FACE...")
-@out_option("FACE.npz", "The result of one input; FACE.json and .png are written beside it.", required=False)
-@out_folder_option("The results of many inputs, each under the name of its file.")
+@out_option("FACE.npz", "Write the face of one input here; FACE.json and .png go beside it.", required=False)
+@out_folder_option("Write the faces of many inputs into this folder, each under the name of its input.")
 @model_option
 @overwrite_option
 @click.pass_context
 def command(ctx, faces, out, out_dir, model, overwrite):
-    """Find the latents of meshes (OBJ or NPZ) in the topology of a model, in metres, Y up, +Z out of the face.
+    """Find the latents of meshes (NPZ, OBJ, PLY, GLB or glTF) in the topology of a model.
 
-    The NPZ holds the mesh as it is, with the latent and, beside it, what the latent cannot express. The picture shows
-    the mesh, the latent's own shape, and how far this is from the mesh.
+    Meshes are in metres, Y up, +Z out of the face. The NPZ holds the mesh as it is, with the latent and, beside it,
+    what the latent cannot express. The picture shows the mesh, the latent's own shape, and how far this is from the
+    mesh.
 
     \b
     Example:

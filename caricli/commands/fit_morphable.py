@@ -1,10 +1,12 @@
 """caricli fit-morphable: 2D landmarks to a face of the morphable model."""
 
 from dataclasses import astuple
+from functools import partial
 
 import click
 
 from caricli.commands.shared.options import (
+    FACE_FILES,
     PATH,
     FiniteRange,
     image_option,
@@ -20,12 +22,12 @@ from caricli.methods.reconstruct.settings import MorphableWeights
 
 @click.command()
 @click.argument("landmarks", nargs=-1, required=True, type=PATH, metavar="LANDMARKS...")
-@out_option("FACE.obj", "The result of one input; FACE.npz, .json and .png are written beside it.", required=False)
-@out_folder_option("The results of many inputs, each under the name of its file.")
+@out_option("FACE.obj", f"Write the face of one input here, {FACE_FILES}", required=False)
+@out_folder_option("Write the faces of many inputs into this folder, each under the name of its input.")
 @image_option
 @model_option
-@click.option("--expression-only", is_flag=True, help="Keep the identity: the mean, or that of --identity.")
-@click.option("--identity", type=PATH, metavar="FACE", help="With --expression-only: whose identity it is.")
+@click.option("--expression-only", is_flag=True, help="Fit the expression alone, of the mean face or of --identity.")
+@click.option("--identity", type=PATH, metavar="FACE", help="Keep the identity of this face, with --expression-only.")
 @click.option(
     "--weight",
     "weights",
@@ -33,12 +35,15 @@ from caricli.methods.reconstruct.settings import MorphableWeights
     type=FiniteRange(0.001, 1000),
     default=astuple(MorphableWeights()),
     metavar="ID EXP",
-    help="Regularisation of identity and expression: larger stays nearer to the mean, smaller nearer to the landmarks.",
+    help="Hold identity and expression nearer to the mean face (larger) or to the landmarks (smaller).",
 )
 @pts_origin_option
 @subdivide_option
 @overwrite_option
-def command(landmarks, out, out_dir, image, model, expression_only, identity, weights, pts_origin, levels, overwrite):
+@click.pass_context
+def command(
+    ctx, landmarks, out, out_dir, image, model, expression_only, identity, weights, pts_origin, levels, overwrite
+):
     """Fit identity, expression and pose of a morphable model to 68 (iBUG) or 81 landmarks: JSON, .pts, text or NPY.
 
     The face is regular: `reconstruct-from-landmarks` follows a caricature more closely. With several LANDMARKS --image
@@ -49,11 +54,11 @@ def command(landmarks, out, out_dir, image, model, expression_only, identity, we
       caricli fit-morphable landmarks.json --image drawing.png --out face.obj
       caricli fit-morphable smile.json --expression-only --identity face.npz --out smile.obj
     """
-    from caricli.commands.shared.landmark_batch import FitTask, LandmarkFiles, fit_all
+    from caricli.commands.shared.batch import run_batch
+    from caricli.commands.shared.landmark_batch import FitTask, LandmarkFiles
     from caricli.methods.reconstruct.fit_morphable import fit_morphable
     from caricli.store.faces import load_identity
     from caricli.store.models import load_morphable
-    from caricli.template.fine_mesh import fine_mesh
 
     if identity is not None and not expression_only:
         raise click.UsageError("--identity needs --expression-only.")
@@ -62,14 +67,7 @@ def command(landmarks, out, out_dir, image, model, expression_only, identity, we
     kept, note = load_identity(identity, shape_model) if expression_only else (None, None)
     if note:
         click.echo(note, err=True)
-
-    def fit(points):
-        return fit_morphable(points, shape_model, MorphableWeights(*weights), kept)
-
-    def say(fit):
-        return f"NME {fit.nme:.2f} %, prior {fit.prior_rms:.2f}"
-
-    about = {"model_id": shape_model.model_id, "weights": weights, "expression_only": expression_only}
-    about["subdivide"] = levels
-    fine = fine_mesh(shape_model.template, levels)
-    fit_all(files, FitTask("fit-morphable", shape_model, fine, fit, say, about, [identity]), model)
+    fit = partial(fit_morphable, model=shape_model, weights=MorphableWeights(*weights), identity=kept)
+    about = {"weights": weights, "expression_only": expression_only}
+    task = FitTask("fit-morphable", files, shape_model, levels, fit, about, inputs=[model], sources=[identity])
+    run_batch(ctx, files.jobs(), task.run, "faces")

@@ -17,19 +17,19 @@ SIZE = 256
 @click.command()
 @click.argument("first", type=PATH, metavar="A")
 @click.argument("second", type=PATH, metavar="B")
+@click.option("--steps", type=click.IntRange(2, 1000), default=7, metavar="N", help="Make N faces, A and B among them.")
 @click.option(
-    "--steps", type=click.IntRange(2, 1000), default=7, metavar="N", help="Number of faces, A and B among them."
+    "--out-dir", type=PATH, required=True, metavar="DIR", help="Write the faces and their strip into this folder."
 )
-@click.option("--out-dir", type=PATH, required=True, metavar="DIR", help="The folder for the faces and their strip.")
 @model_option
 @subdivide_option
 @overwrite_option
 def command(first, second, steps, out_dir, model, levels, overwrite):
-    """Go from face A to face B (OBJ or NPZ) in equal steps: step-000.obj and .npz and so on, strip.png and strip.json.
+    """Go from face A to face B (NPZ, OBJ, PLY, GLB or glTF) in equal steps.
 
+    The steps are step-000.obj and .npz and so on; strip.png shows at most 12 of them, and strip.json has their figures.
     The latents run along a straight line, and so does what they cannot express. A face without a latent is encoded
-    first, and without --model also one whose latent is of another bundled model than the default. The strip shows at
-    most 12 of the steps.
+    first, and without --model also one whose latent is of another bundled model than the default.
 
     \b
     Example:

@@ -15,9 +15,20 @@ SIZE = 512
 
 @click.command()
 @click.argument("landmarks", type=PATH, metavar="LANDMARKS")
-@click.option("--to", type=click.Choice(["normal", "caricature"]), required=True, help="What the result looks like.")
-@out_option("MAPPED.json", "The mapped landmarks; MAPPED.png, a drawing of both, is written beside it.", suffix=".json")
-@click.option("--map", "map_path", type=PATH, metavar="MAP", help="A trained landmark map.  [default: bundled]")
+@click.option(
+    "--to",
+    type=click.Choice(["normal", "caricature"]),
+    required=True,
+    help="Turn the landmarks into those of such a face.",
+)
+@out_option("MAPPED.json", "Write the landmarks here; MAPPED.png, a drawing of both, goes beside it.", suffix=".json")
+@click.option(
+    "--map",
+    "map_path",
+    type=PATH,
+    metavar="MAP",
+    help="Use this map of `caricli train landmark-map`.  [default: bundled]",
+)
 @pts_origin_option
 @overwrite_option
 def command(landmarks, to, out, map_path, pts_origin, overwrite):

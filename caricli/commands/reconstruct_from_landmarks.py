@@ -1,8 +1,11 @@
 """caricli reconstruct-from-landmarks: 2D landmarks to a 3D caricature."""
 
+from functools import partial
+
 import click
 
 from caricli.commands.shared.options import (
+    FACE_FILES,
     PATH,
     FiniteRange,
     image_option,
@@ -18,14 +21,14 @@ from caricli.methods.reconstruct.settings import METHODS
 
 @click.command()
 @click.argument("landmarks", nargs=-1, required=True, type=PATH, metavar="LANDMARKS...")
-@out_option("FACE.obj", "The result of one input; FACE.npz, .json and .png are written beside it.", required=False)
-@out_folder_option("The results of many inputs, each under the name of its file.")
+@out_option("FACE.obj", f"Write the face of one input here, {FACE_FILES}", required=False)
+@out_folder_option("Write the faces of many inputs into this folder, each under the name of its input.")
 @image_option
 @click.option(
     "--method",
     type=click.Choice(METHODS),
     default=METHODS[0],
-    help="Let the surface follow the landmarks elastically, or stay inside the model.",
+    help="Let the surface follow the landmarks elastically (intrinsic), or stay inside the model (latent).",
 )
 @model_option
 @click.option(
@@ -33,12 +36,13 @@ from caricli.methods.reconstruct.settings import METHODS
     type=FiniteRange(0.01, 100),
     default=1.0,
     metavar="W",
-    help="Larger stays nearer to plausible faces, smaller nearer to the landmarks.",
+    help="Stay nearer to plausible faces (larger) or nearer to the landmarks (smaller).",
 )
 @pts_origin_option
 @subdivide_option
 @overwrite_option
-def command(landmarks, out, out_dir, image, method, model, prior_weight, pts_origin, levels, overwrite):
+@click.pass_context
+def command(ctx, landmarks, out, out_dir, image, method, model, prior_weight, pts_origin, levels, overwrite):
     """Reconstruct 3D caricatures from 68 (iBUG) or 81 landmarks: JSON, .pts, text or NPY.
 
     With several LANDMARKS --image is a folder of pictures with the same names. In the picture that is written, green
@@ -49,21 +53,15 @@ def command(landmarks, out, out_dir, image, method, model, prior_weight, pts_ori
       caricli reconstruct-from-landmarks landmarks.json --image drawing.png --out face.obj
       caricli reconstruct-from-landmarks marks/*.txt --image drawings --out-dir faces
     """
-    from caricli.commands.shared.landmark_batch import FitTask, LandmarkFiles, fit_all
+    from caricli.commands.shared.batch import run_batch
+    from caricli.commands.shared.landmark_batch import FitTask, LandmarkFiles
     from caricli.methods.reconstruct.fit_landmarks import fit_landmarks
     from caricli.store.models import DEFAULT_ELASTIC, DEFAULT_LATENT, load_model
-    from caricli.template.fine_mesh import fine_mesh
 
     files = LandmarkFiles(landmarks, out, out_dir, image, pts_origin, overwrite)
     shape_model = load_model(model, DEFAULT_ELASTIC if method == "intrinsic" else DEFAULT_LATENT)
     shape_model.prepare()
-
-    def fit(points):
-        return fit_landmarks(points, shape_model, method, prior_weight)
-
-    def say(fit):
-        return f"NME {fit.nme:.2f} %, prior {fit.prior_rms:.2f}, flipped {100 * fit.flipped:.2f} %"
-
-    about = {"method": method, "prior_weight": prior_weight, "model_id": shape_model.model_id, "subdivide": levels}
-    fine = fine_mesh(shape_model.template, levels)
-    fit_all(files, FitTask("reconstruct-from-landmarks", shape_model, fine, fit, say, about), model)
+    fit = partial(fit_landmarks, model=shape_model, method=method, prior_weight=prior_weight)
+    about = {"method": method, "prior_weight": prior_weight}
+    task = FitTask("reconstruct-from-landmarks", files, shape_model, levels, fit, about, inputs=[model])
+    run_batch(ctx, files.jobs(), task.run, "faces")

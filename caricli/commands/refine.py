@@ -5,6 +5,7 @@ import time
 import click
 
 from caricli.commands.shared.options import (
+    FACE_FILES,
     PATH,
     FiniteRange,
     face_files,
@@ -29,21 +30,23 @@ SIZE = 384
 @click.command()
 @click.argument("face", type=PATH)
 @click.argument("landmarks", type=PATH)
-@out_option("REFINED.obj", "The face; REFINED.npz, .json and .png are written beside it.", check=named_mesh)
+@out_option("REFINED.obj", f"Write the face here, {FACE_FILES}", check=named_mesh)
 @image_option
-@click.option("--parsing", type=PATH, metavar="MASK.png", help="Labels of pixels; eye landmarks snap to the eyes.")
+@click.option(
+    "--parsing", type=PATH, metavar="MASK.png", help="Snap eye landmarks to the eyes in this label map of the picture."
+)
 @click.option(
     "--weight",
     type=FiniteRange(1e-4, 1e4),
     default=RefineSettings.weight,
     metavar="W",
-    help="Of landmarks against the shape of the surface; larger is more exact.",
+    help="Weigh the landmarks against the shape of the surface: larger meets them more exactly.",
 )
 @click.option(
     "--laplacian",
     type=click.Choice(["cotangent", "uniform"]),
     default=RefineSettings.laplacian,
-    help="How neighbours count: by the angles between them, or all the same, as published.",
+    help="Let neighbours count by the angles between them (cotangent), or all the same, as published (uniform).",
 )
 @model_option
 @pts_origin_option

@@ -21,38 +21,40 @@ def _views(ctx, param, value):
 
 @click.command()
 @click.argument("paths", nargs=-1, required=True, type=PATH, metavar="FACE...")
-@out_option("PNG", "The picture to write.", suffix=".png")
+@out_option("PNG", "Write the picture here.", suffix=".png")
 @click.option(
     "--views",
     callback=_views,
     default="front,three-quarter,profile",
     metavar="NAMES",
-    help=f"Sides to look from, by comma: {', '.join(VIEWS)}.",
+    help=f"Look from these sides, with commas between them: {', '.join(VIEWS)}.",
 )
 @click.option(
     "--turntable",
     "frames",
     type=click.IntRange(1, 360),
     metavar="N",
-    help="Instead of the views, N pictures of one turn.",
+    help="Draw N pictures of one turn instead of the views.",
 )
-@click.option("--size", type=click.IntRange(16, 4096), default=512, metavar="PIXELS", help="Side of one view.")
+@click.option(
+    "--size", type=click.IntRange(16, 4096), default=512, metavar="PIXELS", help="Draw views this wide and high."
+)
 @click.option(
     "--columns",
     type=click.IntRange(1),
     metavar="N",
-    help="Pictures in a row of the sheet: faces, or with one face its views.  [default: near to a square; "
+    help="Put N pictures into a row of the sheet: faces, or with one face its views.  [default: near to a square; "
     "the views of one face in one row]",
 )
 @click.option(
     "--image",
     type=PATH,
     metavar="IMAGE",
-    help="Instead of the views, draw the face over this picture; the face must be an NPZ with a camera.",
+    help="Draw the face over this picture instead of the views; the face must be an NPZ with a camera.",
 )
 @overwrite_option
 def command(paths, out, views, frames, size, columns, image, overwrite):
-    """Draw shaded pictures of faces (OBJ or NPZ): views side by side, a turntable, or an overlay.
+    """Draw shaded pictures of faces (NPZ or any mesh): views side by side, a turntable, or an overlay.
 
     Several faces become a contact sheet with the names of their files. Heads of the bundled topology get eyeballs.
 

@@ -3,6 +3,7 @@
 import click
 
 from caricli.commands.shared.options import (
+    FACE_FILES,
     PATH,
     FiniteRange,
     face_files,
@@ -26,25 +27,34 @@ from caricli.structures import Face
 @click.command()
 @click.argument("rig", type=PATH, metavar="B.npz")
 @click.argument("drivers", nargs=-1, required=True, type=PATH, metavar="NORMAL_FACE|LANDMARKS...")
-@out_option("FACE.obj", "The result of one driver; FACE.npz, .json and .png are written beside it.", required=False)
-@out_folder_option("The results of many drivers, each under the name of its file.")
-@click.option("--neutral", type=PATH, metavar="FACE", help="The neutral face of the person in the driving meshes.")
+@out_option("FACE.obj", f"Write the face of one driver here, {FACE_FILES}", required=False)
+@out_folder_option("Write the faces of many drivers into this folder, each under the name of its driver.")
+@click.option(
+    "--neutral", type=PATH, metavar="FACE", help="Take this as the neutral face of the person in the driving meshes."
+)
 @click.option(
     "--animation",
     type=PATH,
     metavar="ANIM.glb",
     callback=named(".glb"),
-    help="The rig moving through all drivers in their order; ANIM.json is written beside it.",
+    help="Write the rig moving through all drivers in their order; ANIM.json goes beside it.",
 )
-@click.option("--fps", type=FiniteRange(0, 240, min_open=True), default=25, metavar="N", help="Drivers a second.")
+@click.option(
+    "--fps",
+    type=FiniteRange(0, 240, min_open=True),
+    default=25,
+    metavar="N",
+    help="Show N drivers a second in the animation.",
+)
 @model_option
 @pts_origin_option
 @overwrite_option
 @click.pass_context
 def command(ctx, rig, drivers, out, out_dir, neutral, animation, fps, model, pts_origin, overwrite):
-    """Give a caricature the expressions of normal faces: meshes of the model's topology (OBJ or NPZ), or landmarks.
+    """Give a caricature the expressions of normal faces.
 
-    B.npz is what `blendshapes` wrote. Weights from 0 to 1.5 explain what a driver does to a normal face, and are
+    B.npz is what `blendshapes` wrote. Drivers are meshes of the model's topology (NPZ, OBJ, PLY, GLB or glTF), or
+    landmarks. Weights from 0 to 1.5 explain what a driver does to a normal face, and are
     applied to the caricature. All drivers are of one person and of one kind. Place and size do not matter. Weights of
     meshes are exact with --neutral; without it, and from landmarks, who somebody is and what he does are told apart by
     what is likely.

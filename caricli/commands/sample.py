@@ -23,14 +23,16 @@ SIZE = 200
 
 
 @click.command()
-@click.option("--out-dir", type=PATH, required=True, metavar="DIR", help="The folder for the faces and their sheet.")
-@click.option("--count", type=click.IntRange(1, 10_000), default=20, metavar="N", help="Number of faces.")
+@click.option(
+    "--out-dir", type=PATH, required=True, metavar="DIR", help="Write the faces and their sheet into this folder."
+)
+@click.option("--count", type=click.IntRange(1, 10_000), default=20, metavar="N", help="Draw N random faces.")
 @click.option(
     "--spread",
     type=FiniteRange(0, 10),
     default=1.0,
     metavar="S",
-    help="Factor of the prior's standard deviation; smaller stays nearer to the mean face.",
+    help="Multiply the prior's standard deviation by S: smaller stays nearer to the mean face.",
 )
 @seed_option
 @model_option

@@ -19,15 +19,20 @@ SIZE = 320
 @click.command()
 @click.argument("face", type=PATH)
 @click.argument("image", type=PATH)
-@out_option("DIR", "A folder for face.obj, .mtl, .npz, .glb, .json, texture.png, eyes.png and sheet.png.")
-@click.option("--mask", type=PATH, metavar="MASK.png", help="White where the head is.  [default: cut out by colours]")
+@out_option("DIR", "Write face.obj, .mtl, .npz, .glb, .json, texture.png, eyes.png and sheet.png into this folder.")
+@click.option(
+    "--mask",
+    type=PATH,
+    metavar="MASK.png",
+    help="Take the head from this picture, white where it is.  [default: cut out by colours]",
+)
 @click.option(
     "--size",
     type=click.IntRange(64, 4096),
     metavar="PIXELS",
-    help="Side of the texture.  [default: 1024 or more, as fine as the picture]",
+    help="Make the texture this wide and high.  [default: 1024 or more, as fine as the picture]",
 )
-@click.option("--project-uv", "flat", is_flag=True, help="The picture itself as texture, as published, to compare.")
+@click.option("--project-uv", "flat", is_flag=True, help="Use the picture itself as texture, as published, to compare.")
 @model_option
 @seed_option
 @overwrite_option
@@ -54,12 +59,13 @@ def command(face, image, out, mask, size, flat, model, seed, overwrite):
         picture = read_image(image)
         with naming(face):
             seen.require_landmarks()
-        head = load_mask(mask, image, seen, picture)
+        head = None if mask is None else load_mask(mask, (picture.shape[1], picture.shape[0]))
         start = time.perf_counter()
-        painted = paint_head(seen, shape_model.template, picture, head, PaintSettings(size, flat, seed))
+        with naming(", ".join(str(path) for path in inputs[:3] if path)):
+            painted = paint_head(seen, shape_model.template, picture, head, PaintSettings(size, flat, seed))
         seconds = time.perf_counter() - start
         write_painted_head(folder, painted, seen)
-        about = {"project_uv": flat, "seconds": seconds, "model_id": shape_model.model_id, "head": float(head.mean())}
+        about = {"project_uv": flat, "seconds": seconds, "model_id": shape_model.model_id, "head": painted.filled}
         report = provenance("texture", inputs[:3], seed, **about, **painted.figures())
         write_json(folder / REPORT, report)
         write_png(folder / "sheet.png", texture_sheet(painted.head, painted.rig, SIZE))

@@ -31,10 +31,10 @@ def load_face(path: Path, model: ShapeModel) -> Face:
     face = read_face(path)
     template = model.template
     if face.mesh.topology_id != template.topology_id:
-        raise InputError(
-            f"{shown(path)}: expected the topology of the model ({len(template.vertices)} vertices, "
-            f"{len(template.faces)} triangles), found another ({len(face.vertices)} vertices, {len(face.faces)})"
-        )
+        counts = f"{len(template.vertices)} vertices, {len(template.faces)} triangles"
+        other = f"{len(face.vertices)} vertices, {len(face.faces)} triangles"
+        other = "as many in another order" if other == counts else other
+        raise InputError(f"{shown(path)}: expected the topology of the model ({counts}), found another ({other})")
     height = face.mesh.height
     if not _SMALLEST < height / template.height < _LARGEST:
         raise InputError(f"{shown(path)}: expected a head about {template.height:.3g} m high, found {height:.3g} m")

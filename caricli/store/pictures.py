@@ -8,12 +8,11 @@ from caricli.errors import InputError, naming, shown
 from caricli.io.image import read_image
 from caricli.io.landmarks import read_landmarks
 from caricli.io.parsing import read_parsing
-from caricli.methods.texture.mask_head import mask_head, mesh_pixels
-from caricli.structures import Face, Landmarks
+from caricli.structures import Landmarks
 
 PICTURES = (".png", ".jpg", ".jpeg", ".webp", ".bmp", ".tif", ".tiff", ".gif")
 
-_EYES = ("eye_left", "eye_right")
+_EYE_LABELS = ("eye_left", "eye_right")
 """Labels of a parsed picture that show an eye."""
 
 _WHITE = 127
@@ -68,27 +67,19 @@ def load_eyes(path: Path | None, size: tuple[int, int] | None) -> np.ndarray | N
     if size is not None and tuple(size) != labels.shape[::-1]:
         other = f"{labels.shape[1]} x {labels.shape[0]}"
         raise InputError(f"{shown(path)}: expected the picture's size, {size[0]} x {size[1]}, found {other}")
-    eyes = np.isin(labels, [legend[name] for name in _EYES if name in legend])
+    eyes = np.isin(labels, [legend[name] for name in _EYE_LABELS if name in legend])
     if not eyes.any():
-        raise InputError(f"{shown(path)}: expected pixels labelled {' or '.join(_EYES)}, found none")
+        raise InputError(f"{shown(path)}: expected pixels labelled {' or '.join(_EYE_LABELS)}, found none")
     return eyes
 
 
-def load_mask(path: Path | None, image: Path, face: Face, picture: np.ndarray) -> np.ndarray:
-    """(H, W) bool: the head in a picture, by a mask file, or cut out by colours.
+def load_mask(path: Path, size: tuple[int, int]) -> np.ndarray:
+    """(H, W) bool: where a mask is white.
 
-    path: of the mask, or None. image: path of the picture (H, W, 3). face: Face with camera and landmarks in it.
-    Raises InputError when the face is outside, and when mask or picture show no head where it is.
+    path: of the mask. size: (width, height) of the picture that it is of. Raises InputError for another size.
     """
-    with naming(image):
-        if path is None:
-            return mask_head(face, picture)
-        pixels = mesh_pixels(face, picture)
-    given = read_image(path)
-    if given.shape != picture.shape:
-        expected, other = (f"{each.shape[1]} x {each.shape[0]}" for each in (picture, given))
-        raise InputError(f"{shown(path)}: expected the picture's size, {expected}, found {other}")
-    mask = given.mean(2) > _WHITE
-    if not (mask & pixels).any():
-        raise InputError(f"{shown(path)}: expected white where the head is, found none there")
-    return mask
+    mask = read_image(path)
+    if size != (mask.shape[1], mask.shape[0]):
+        other = f"{mask.shape[1]} x {mask.shape[0]}"
+        raise InputError(f"{shown(path)}: expected the picture's size, {size[0]} x {size[1]}, found {other}")
+    return mask.mean(2) > _WHITE

@@ -3,26 +3,15 @@
 from dataclasses import dataclass
 from pathlib import Path
 
-from caricli.errors import naming
-from caricli.io.face import read_face
 from caricli.io.gltf.read_gltf import read_gltf
 from caricli.io.image import read_image
 from caricli.io.mtl import texture_path
 from caricli.io.rig import read_rig
-from caricli.methods.rig.expression_templates import ExpressionTemplates
 from caricli.methods.rig.make_rig import Pictures
-from caricli.structures import Mesh, Rig
+from caricli.structures import Rig
 
 EYES_FILE = "eyes.png"
 """Name of the picture of the eyes beside that of the skin."""
-
-
-def load_neutral(path: Path, templates: ExpressionTemplates) -> Mesh:
-    """The Mesh of a neutral face, OBJ or NPZ, refused when its topology is not that of the templates."""
-    mesh = read_face(path).mesh
-    with naming(path):
-        templates.require_topology(mesh)
-    return mesh
 
 
 def load_rig(path: Path) -> Rig:

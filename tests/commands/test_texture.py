@@ -116,7 +116,7 @@ def test_the_glb_has_skin_and_eyes(textured, run):
 
 def test_rig_takes_both_pictures_along(run, textured, tmp_path, monkeypatch):
     monkeypatch.setattr(
-        "caricli.render.expression_sheet.expression_sheet", lambda rig, progress: np.zeros((4, 4, 3), np.uint8)
+        "caricli.render.expression_sheet.expression_sheet", lambda rig, progress, given: np.zeros((4, 4, 3), np.uint8)
     )
     result = run("rig", textured / "face.npz", "--out", tmp_path / "rig.glb")
     assert result.exit_code == 0, result.output
@@ -233,8 +233,8 @@ def test_masks_that_do_not_fit(refused, scene, tmp_path):
     elsewhere[:4, :4] = 255
     cases = {
         "small": (white[:-1], "expected the picture's size, 300 x 300, found 300 x 299"),
-        "black": (0 * white, "expected white where the head is, found none there"),
-        "elsewhere": (elsewhere, "expected white where the head is, found none there"),
+        "black": (0 * white, "expected a mask that is white where the head is, found none there"),
+        "elsewhere": (elsewhere, "expected a mask that is white where the head is, found none there"),
     }
     for name, (image, words) in cases.items():
         path = tmp_path / f"{name}.png"

@@ -8,15 +8,26 @@ from caricli.io.outputs import staged_folder
 
 @click.command()
 @click.argument("out", type=PATH, metavar="OUT_DIR")
-@click.option("--count", type=click.IntRange(1), metavar="N", help="N random draws instead of the full grid.")
-@click.option("--identities", type=click.IntRange(1, 100_000), default=150, metavar="N", help="Number of people.")
-@click.option("--expressions", type=click.IntRange(1, 25), default=25, metavar="N", help="Number of expressions.")
-@click.option("--levels", type=click.IntRange(1, 4), default=4, metavar="N", help="Levels of exaggeration; 1 is none.")
+@click.option("--count", type=click.IntRange(1), metavar="N", help="Draw N meshes at random instead of the full grid.")
+@click.option("--identities", type=click.IntRange(1, 100_000), default=150, metavar="N", help="Make N people.")
+@click.option("--expressions", type=click.IntRange(1, 25), default=25, metavar="N", help="Use N expressions.")
 @click.option(
-    "--albedo", "albedos", type=click.IntRange(0), default=0, metavar="N", help="Random colours to draw, too."
+    "--levels", type=click.IntRange(1, 4), default=4, metavar="N", help="Make N levels of exaggeration; 1 is none."
 )
 @click.option(
-    "--albedo-size", type=click.IntRange(32, 4096), default=256, metavar="TEXELS", help="Side of their pictures."
+    "--albedo",
+    "albedos",
+    type=click.IntRange(0),
+    default=0,
+    metavar="N",
+    help="Draw N pictures of random colours, too.",
+)
+@click.option(
+    "--albedo-size",
+    type=click.IntRange(32, 4096),
+    default=256,
+    metavar="TEXELS",
+    help="Make the pictures of --albedo this wide and high.",
 )
 @seed_option
 @workers_option
@@ -24,9 +35,9 @@ from caricli.io.outputs import staged_folder
 def command(out, count, identities, expressions, levels, albedos, albedo_size, seed, workers, overwrite):
     """Generate a dataset of faces and caricatures from the open head.
 
-    Without --count the full grid of people, expressions and levels of curvature exaggeration; with it random draws of
-    regular faces, exaggerated by curvature, by parts, and by both. With --albedo the folder also holds N pictures of
-    skin, lips, brows, hair in the UVs of the head, for any of the faces.
+    Without --count it is the full grid of people, expressions and levels of curvature exaggeration; with it the meshes
+    are random draws: regular faces, and faces exaggerated by curvature, by parts, and by both. With --albedo the folder
+    also holds pictures of skin, lips, brows and hair in the UVs of the head, for any of the faces.
 
     \b
     Example:

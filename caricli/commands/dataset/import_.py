@@ -7,17 +7,24 @@ from caricli.io.outputs import staged_folder
 
 
 @click.command()
-@click.argument("obj_dir", type=PATH, metavar="OBJ_DIR")
+@click.argument("obj_dir", type=PATH, metavar="MESH_DIR")
 @click.argument("out", type=PATH, metavar="OUT_DIR")
-@click.option("--annotation", type=PATH, required=True, metavar="JSON", help="Landmark vertices of the topology.")
-@click.option("--labels", type=PATH, metavar="CSV", help="One row a mesh: file, identity (optional), label columns.")
+@click.option(
+    "--annotation", type=PATH, required=True, metavar="JSON", help="Read from this file which vertices are landmarks."
+)
+@click.option(
+    "--labels",
+    type=PATH,
+    metavar="CSV",
+    help="Read labels from a table: a row for every mesh, columns for file, identity (optional) and labels.",
+)
 @seed_option
 @overwrite_option
 def command(obj_dir, out, annotation, labels, seed, overwrite):
-    """Take a folder of OBJ meshes that share one topology: any vertex count, quads, UV seams, order kept.
+    """Import a folder of meshes that share one topology: OBJ files, or else PLY, STL, GLB or glTF.
 
-    The first file by name gives faces and UVs; the template is the mean shape. Without an identity column every mesh
-    is a person of its own.
+    Vertex count, quads and UV seams are free, and the order of vertices is kept. The first file by name gives faces and
+    UVs; the template is the mean shape. Without an identity column every mesh is a person of its own.
 
     \b
     Example:

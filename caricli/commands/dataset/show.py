@@ -10,9 +10,11 @@ from caricli.io.outputs import staged
 
 @click.command()
 @click.argument("dataset", type=PATH)
-@out_option("PNG", "A contact sheet of random meshes.", required=False, suffix=".png")
-@click.option("--faces", type=click.IntRange(1, 400), default=35, metavar="N", help="Meshes on the sheet.")
-@click.option("--size", type=click.IntRange(32, 1024), default=200, metavar="PIXELS", help="Side of one view.")
+@out_option("PNG", "Draw random meshes on this contact sheet.", required=False, suffix=".png")
+@click.option("--faces", type=click.IntRange(1, 400), default=35, metavar="N", help="Draw N meshes on the sheet.")
+@click.option(
+    "--size", type=click.IntRange(32, 1024), default=200, metavar="PIXELS", help="Draw views this wide and high."
+)
 @seed_option
 @overwrite_option
 def command(dataset, out, faces, size, seed, overwrite):

@@ -25,7 +25,7 @@ _COLUMNS = ("model", "parameters", "train %", "test %", "test surface %", "train
 
 @click.command()
 @data_option
-@out_option("DIR", "A folder for the figure and the table as PNG, JSON and Markdown.")
+@out_option("DIR", "Write ablation.png, ablation.json and ablation.md into this folder.")
 @config_option
 @set_option
 @device_option

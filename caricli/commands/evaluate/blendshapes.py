@@ -27,11 +27,18 @@ _COLUMNS = {
 
 @click.command()
 @data_option
-@out_option("DIR", "A folder for blendshapes.json, every figure, and blendshapes.png.")
-@click.option("--count", type=click.IntRange(1, 10_000), default=50, metavar="N", help="Caricatures to measure.")
-@click.option("--everyone", is_flag=True, help="Not only test people: for a dataset that no model was trained on.")
-@click.option("--given", type=click.Choice(["neutral", "any"]), default="neutral", help="What their pictures show.")
-@click.option("--face", "faces", type=PATH, multiple=True, metavar="FACE.npz", help="Draw these, too; repeat.")
+@out_option("DIR", "Write blendshapes.json, with every figure, and blendshapes.png into this folder.")
+@click.option("--count", type=click.IntRange(1, 10_000), default=50, metavar="N", help="Measure at most N caricatures.")
+@click.option("--everyone", is_flag=True, help="Take all people, for a dataset that no model was trained on.")
+@click.option(
+    "--given",
+    type=click.Choice(["neutral", "any"]),
+    default="neutral",
+    help="Let the pictures show the neutral expression, or any of them.",
+)
+@click.option(
+    "--face", "faces", type=PATH, multiple=True, metavar="FACE.npz", help="Draw this face, too; repeat for more."
+)
 @seed_option
 @overwrite_option
 def command(dataset, out, count, everyone, given, faces, seed, overwrite):

@@ -40,17 +40,19 @@ _DIGITS = (*[2] * len(_PARTS), 1, 2, 2, 3, 2)
 
 @click.command()
 @data_option
-@out_option("DIR", "A folder for portrait.json, every figure of every face, and portrait.png.")
-@click.option("--count", type=click.IntRange(1, 10_000), default=50, metavar="N", help="Faces to render.")
+@out_option("DIR", "Write portrait.json, with every figure of every face, and portrait.png into this folder.")
+@click.option(
+    "--count", type=click.IntRange(1, 10_000), default=50, metavar="N", help="Render N test faces of the dataset."
+)
 @click.option(
     "--noise",
     type=FiniteRange(0, 10),
     default=0.3,
     metavar="PERCENT",
-    help="Of rendered landmarks: standard deviation of a coordinate, in percent of their diagonal.",
+    help="Displace rendered landmarks at random, with this standard deviation in percent of their diagonal.",
 )
 @click.option(
-    "--pictures", type=PATH, metavar="DIR", help="Measure on these too: pictures, landmarks of the same name."
+    "--pictures", type=PATH, metavar="DIR", help="Measure these pictures, too, with landmarks of the same names."
 )
 @pts_origin_option
 @seed_option

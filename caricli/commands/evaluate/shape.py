@@ -16,8 +16,10 @@ from caricli.io.strict_json import write_json
 @click.command()
 @click.argument("models", nargs=-1, required=True, type=PATH, metavar="MODEL...", callback=each_bundled)
 @data_option
-@click.option("-o", "--out", type=PATH, metavar="JSON", help="Write the figures here as well.")
-@click.option("--count", type=click.IntRange(1), metavar="N", help="At most N meshes of a split.  [default: all]")
+@click.option("-o", "--out", type=PATH, metavar="JSON", help="Write the figures into this file, too.")
+@click.option(
+    "--count", type=click.IntRange(1), metavar="N", help="Measure at most N meshes of every split.  [default: all]"
+)
 @overwrite_option
 def command(models, dataset, out, count, overwrite):
     """Print the shape error of models on the splits of a dataset, in mm and percent of the head's height.

@@ -3,16 +3,17 @@
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-import click
 import numpy as np
 
-from caricli.commands.shared.batch import named_jobs, run_batch
+from caricli.commands.shared.batch import named_jobs
 from caricli.commands.shared.options import face_files
+from caricli.io.face import write_face
 from caricli.io.image import write_png
-from caricli.io.mesh import MESH_SUFFIXES
+from caricli.io.mesh import MESH_SUFFIXES, write_mesh
 from caricli.io.outputs import staged
 from caricli.io.provenance import provenance
 from caricli.io.strict_json import write_json
@@ -20,9 +21,8 @@ from caricli.methods.faces.subdivide_face import subdivide_face
 from caricli.methods.reconstruct.landmark_fit import LandmarkFit
 from caricli.models.shape_model import ShapeModel
 from caricli.render.fit_sheet import fit_sheet
-from caricli.store.face_files import write_face_files
 from caricli.store.pictures import find_picture, load_marked_picture
-from caricli.template.fine_mesh import FineMesh
+from caricli.template.fine_mesh import FineMesh, fine_mesh
 
 
 @dataclass(frozen=True)
@@ -53,35 +53,39 @@ class LandmarkFiles:
 class FitTask:
     """What is done with every file.
 
-    command: its name. model: ShapeModel. fine: FineMesh of what is written for other tools. fit: of points (L, 2).
-    say: of a fit, what is printed. about: what the JSON says of the run. sources: files that results come from besides.
+    command: its name. files: what is read and written. model: ShapeModel. levels: how often the polygons of what is
+    written for other tools are split. fit: of points (L, 2). about: what the JSON says of the run. inputs: files that
+    the model is from; sources: others that results come from.
     """
 
     command: str
+    files: LandmarkFiles
     model: ShapeModel
-    fine: FineMesh
+    levels: int
     fit: Callable[[np.ndarray], LandmarkFit]
-    say: Callable[[LandmarkFit], str]
     about: dict[str, Any]
+    inputs: Sequence[Path | None] = ()
     sources: Sequence[Path | None] = ()
 
+    @cached_property
+    def fine(self) -> FineMesh:
+        """The finer mesh of the model's template."""
+        return fine_mesh(self.model.template, self.levels)
 
-def fit_all(files: LandmarkFiles, task: FitTask, model: Path | None) -> None:
-    """Fit a face to every landmark file, write it and say how near it came. model: path of the task's, if any."""
-
-    def reconstruct(path: Path, target: Path) -> str:
-        picture = find_picture(files.image, path, many=files.out is None)
-        inputs = (*files.landmarks, model, *task.sources, picture)
-        with staged(*face_files(target), overwrite=files.overwrite, inputs=inputs) as temporary:
-            marks, pixels = load_marked_picture(path, picture, files.pts_origin)
+    def run(self, path: Path, target: Path) -> str:
+        """Fit a face to a landmark file, write it, and say how near it came."""
+        picture = find_picture(self.files.image, path, many=self.files.out is None)
+        inputs = (*self.files.landmarks, *self.inputs, *self.sources, picture)
+        with staged(*face_files(target), overwrite=self.files.overwrite, inputs=inputs) as (mesh, npz, json, png):
+            marks, pixels = load_marked_picture(path, picture, self.files.pts_origin)
             start = time.perf_counter()
-            fit = task.fit(marks.points)
+            fit = self.fit(marks.points)
             seconds = time.perf_counter() - start
-            report = provenance(task.command, [path, picture, *task.sources], **task.about)
-            finer = subdivide_face(fit.face, task.model, task.fine)
-            write_face_files(temporary[0], temporary[1], fit.face, finer)
-            write_json(temporary[2], report | fit.figures() | {"seconds": seconds})
-            write_png(temporary[3], fit_sheet(fit.face, task.model.template, marks.points, pixels, fine=finer))
-        return f"{target}: {task.say(fit)}, {seconds:.2f} s"
-
-    run_batch(click.get_current_context(), files.jobs(), reconstruct, "faces")
+            finer = subdivide_face(fit.face, self.model, self.fine)
+            write_mesh(mesh, finer.mesh)
+            write_face(npz, fit.face)
+            about = {"model_id": self.model.model_id, "subdivide": self.levels, **self.about}
+            report = provenance(self.command, [path, picture, *self.sources], **about)
+            write_json(json, report | fit.figures() | {"seconds": seconds})
+            write_png(png, fit_sheet(fit.face, self.model.template, marks.points, pixels, fine=finer))
+        return f"{target}: {fit.describe()}, {seconds:.2f} s"

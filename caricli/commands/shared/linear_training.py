@@ -20,7 +20,7 @@ def linear_command(function: Callable) -> click.Command:
         overwrite_option,
         set_option,
         config_option,
-        out_option("MODEL", "The .safetensors to write."),
+        out_option("MODEL", "Write the model here, as .safetensors; a JSON of the same name goes beside it."),
         data_option,
     ):
         function = option(function)

@@ -44,6 +44,10 @@ def named_mesh(ctx, param, value):
     return named(*MESH_SUFFIXES)(ctx, param, value)
 
 
+FACE_FILES = "as .obj, .ply, .stl, .glb or .gltf; .npz, .json and .png of the same name go beside it."
+"""End of the help of an option that names the mesh among ``face_files``."""
+
+
 def face_files(path: Path) -> list[Path]:
     """The four files of a face, of one stem: its mesh with the suffix that was typed, NPZ, JSON and PNG."""
     return [path, *(path.with_suffix(suffix) for suffix in (".npz", ".json", ".png"))]
@@ -78,11 +82,14 @@ def named_numbers(
 overwrite_option = click.option("--overwrite", is_flag=True, help="Replace outputs that exist.")
 
 seed_option = click.option(
-    "--seed", type=click.IntRange(0, 2**32 - 1), default=0, help="Same seed, same bytes on the same machine."
+    "--seed",
+    type=click.IntRange(0, 2**32 - 1),
+    default=0,
+    help="Draw from this seed; the same one gives the same bytes on the same machine.",
 )
 
 workers_option = click.option(
-    "--workers", type=click.IntRange(min=1), metavar="N", help="Worker processes.  [default: one per usable core]"
+    "--workers", type=click.IntRange(min=1), metavar="N", help="Work in N processes.  [default: one per usable core]"
 )
 
 
@@ -103,11 +110,15 @@ model_option = click.option(
     type=PATH,
     metavar="MODEL",
     callback=bundled,
-    help="A trained model, or the kind of one that comes with caricli, such as pca.  [default: the best for the task]",
+    help="Use this model: a file, or the kind of one that comes with caricli, such as pca.  [default: the best for the "
+    "task]",
 )
 
 directions_option = click.option(
-    "--directions", type=PATH, metavar="FILE", help="What `caricli train semantic` wrote.  [default: the model's]"
+    "--directions",
+    type=PATH,
+    metavar="FILE",
+    help="Read the directions of labels from this file of `caricli train semantic`.  [default: those of the model]",
 )
 
 subdivide_option = click.option(
@@ -116,25 +127,34 @@ subdivide_option = click.option(
     type=click.IntRange(0, 4),
     default=0,
     metavar="N",
-    help="Split the polygons of the OBJ N times; the NPZ keeps the model's own mesh for the next command.",
+    help="Split every polygon of the mesh N times; the NPZ keeps the model's own mesh for the next command.",
 )
 
-image_option = click.option("--image", type=PATH, metavar="IMAGE", help="The picture that the landmarks belong to.")
+image_option = click.option(
+    "--image", type=PATH, metavar="IMAGE", help="Show the result with this picture, to which the landmarks belong."
+)
 
 pts_origin_option = click.option(
-    "--pts-origin", type=click.IntRange(0, 1), default=1, help="Coordinate of the first pixel in .pts files."
+    "--pts-origin", type=click.IntRange(0, 1), default=1, help="Count the pixels of .pts files from 0 or from 1."
 )
 
 device_option = click.option(
-    "--device", type=click.Choice(["auto", "cpu", "cuda"]), default="auto", help="Where to train."
+    "--device",
+    type=click.Choice(["auto", "cpu", "cuda"]),
+    default="auto",
+    help="Train on this device; auto takes a GPU where there is one.",
 )
 
-data_option = click.option("--data", "dataset", type=PATH, metavar="DATASET", required=True, help="A dataset folder.")
+data_option = click.option(
+    "--data", "dataset", type=PATH, metavar="DATASET", required=True, help="Use the dataset in this folder."
+)
 
-config_option = click.option("--config", type=PATH, metavar="YAML", help="A file of settings, as in configs/.")
+config_option = click.option(
+    "--config", type=PATH, metavar="YAML", help="Read settings from this file, such as those in configs/."
+)
 
 set_option = click.option(
-    "--set", "overrides", multiple=True, metavar="KEY=VALUE", help="Change one setting; may be repeated."
+    "--set", "overrides", multiple=True, metavar="KEY=VALUE", help="Change one setting by its name; repeat for more."
 )
 
 

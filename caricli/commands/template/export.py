@@ -8,10 +8,12 @@ from caricli.io.outputs import staged
 
 @click.command()
 @click.argument("out", type=PATH, metavar="OUT.obj", callback=named_mesh)
-@click.option("--open-mouth", is_flag=True, help="The network template, with the lips apart.")
+@click.option("--open-mouth", is_flag=True, help="Write the head that networks deform, its lips apart.")
 @overwrite_option
 def command(out, open_mouth, overwrite):
-    """Write the head as OBJ with quads and UVs, in metres, Y up, +Z out of the face.
+    """Write the head as a mesh in metres, Y up, +Z out of the face.
+
+    OBJ has its quads and UVs, GLB and glTF triangles and UVs, PLY and STL triangles.
 
     \b
     Example:

@@ -19,13 +19,16 @@ from caricli.io.provenance import provenance
 
 @click.command()
 @data_option
-@out_option("RUN_DIR", "A folder for model, log, loss curve and the state to resume from.")
+@out_option("RUN_DIR", "Write model, log, loss curve and the state to resume from into this folder.")
 @config_option
 @set_option
 @click.option("--resume", is_flag=True, help="Go on from the last checkpoint in RUN_DIR; begin where there is none.")
 @device_option
 @click.option(
-    "--template", type=PATH, metavar="OBJ", help="The shape to deform, no two parts touching.  [default: lips apart]"
+    "--template",
+    type=PATH,
+    metavar="OBJ",
+    help="Deform this mesh, no two parts of which touch.  [default: the head with its lips apart]",
 )
 @overwrite_option
 def command(dataset, out, config, overrides, resume, device, template, overwrite):

@@ -22,7 +22,9 @@ from caricli.io.strict_json import write_json
 
 @click.command()
 @data_option
-@out_option("MAP.safetensors", "The map; MAP.json, its recipe and errors, is written beside it.", suffix=".safetensors")
+@out_option(
+    "MAP.safetensors", "Write the map here; MAP.json, its recipe and errors, goes beside it.", suffix=".safetensors"
+)
 @config_option
 @set_option
 @seed_option

@@ -14,18 +14,20 @@ from caricli.io.strict_json import write_json
 
 @click.command()
 @data_option
-@out_option("DIRECTIONS.npz", "The directions; DIRECTIONS.json is written beside them.", suffix=".npz")
+@out_option("DIRECTIONS.npz", "Write the directions here; DIRECTIONS.json goes beside them.", suffix=".npz")
 @model_option
-@click.option("--label", "wanted", multiple=True, metavar="NAME", help="A label to train; repeat for more.  [all]")
-@click.option("--count", type=click.IntRange(min=1), metavar="N", help="Use this many training meshes.  [all]")
+@click.option(
+    "--label", "wanted", multiple=True, metavar="NAME", help="Train this label; repeat for more.  [default: all]"
+)
+@click.option("--count", type=click.IntRange(min=1), metavar="N", help="Use N training meshes.  [default: all]")
 @seed_option
 @overwrite_option
 def command(dataset, out, model, wanted, count, seed, overwrite):
     """Find the directions of a dataset's labels in the latents of a model, for `caricli edit-semantic`.
 
-    One linear support vector machine per label. Labels of your own come into a dataset with `caricli dataset import
-    --labels`. AUC: cross-validated area under the ROC curve. Change: what one standard deviation along the direction
-    does to the measure of the label, in standard deviations of that measure.
+    Every label gets a linear support vector machine. Labels of your own come into a dataset with `caricli dataset
+    import --labels`. Of what is printed, AUC is the cross-validated area under the ROC curve, and change is what one
+    standard deviation along the direction does to the measure of the label, in standard deviations of that measure.
 
     \b
     Example:

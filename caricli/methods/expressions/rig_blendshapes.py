@@ -7,7 +7,7 @@ import numpy as np
 from caricli.methods.expressions.build_blendshapes import Blendshapes
 from caricli.methods.expressions.measure_blendshapes import BlendshapeMeasures, measure_blendshapes
 from caricli.methods.expressions.tools import ExpressionTools
-from caricli.methods.rig.make_rig import Pictures, RigResult, RigSettings, assemble_rig
+from caricli.methods.rig.make_rig import Pictures, RigResult, RigSettings, make_rig
 from caricli.structures import Face, Rig
 
 
@@ -23,7 +23,7 @@ def rig_blendshapes(
     """
     neutral = blendshapes.shapes[0]
     mesh = tools.morphable.template.with_vertices(neutral)
-    result = assemble_rig(mesh, tools.acting, blendshapes.shapes[1:] - neutral, settings, pictures)
+    result = make_rig(mesh, tools.acting, settings, pictures, blendshapes.shapes[1:] - neutral)
     normal_deltas = (blendshapes.normal[1:] - blendshapes.normal[0]).astype(np.float32)
     return replace(result, rig=replace(result.rig, normal_deltas=normal_deltas))
 

@@ -63,6 +63,10 @@ class LandmarkFit:
             "iterations": self.rounds,
         }
 
+    def describe(self) -> str:
+        """What is printed of it."""
+        return f"NME {self.nme:.2f} %, prior {self.prior_rms:.2f}, flipped {100 * self.flipped:.2f} %"
+
 
 class Observation:
     """The landmarks that are known, in units of their diagonal around their centre, and where they can stand.

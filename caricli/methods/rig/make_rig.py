@@ -54,31 +54,18 @@ def make_rig(
     templates: ExpressionTemplates | None = None,
     settings: RigSettings = RigSettings(),  # noqa: B008 (frozen)
     pictures: Pictures = Pictures(),  # noqa: B008 (frozen)
+    deltas: np.ndarray | None = None,
 ) -> RigResult:
-    """Give a neutral face the expressions of templates by deformation transfer, lids and lips meeting as they do there.
+    """Give a neutral face expressions, put eyes into it and split its polygons.
 
     mesh: Mesh of the face, metres, of the templates' topology. templates: ExpressionTemplates; None for the 52 of ARKit
-    on the open head, whose topology the bundled models have.
+    on the open head, whose topology the bundled models have. deltas: (K, V, 3) metres, what their expressions do to the
+    face; None for deformation transfer, lids and lips meeting as they do on the templates.
     Raises InputError for another topology, NumericsError for triangles without area.
     """
     templates = templates or open_head_expressions()
     templates.require_topology(mesh)
-    return assemble_rig(mesh, templates, transfer_rig(templates, mesh.vertices), settings, pictures)
-
-
-def assemble_rig(
-    mesh: Mesh,
-    templates: ExpressionTemplates,
-    deltas: np.ndarray,
-    settings: RigSettings = RigSettings(),  # noqa: B008 (frozen)
-    pictures: Pictures = Pictures(),  # noqa: B008 (frozen)
-) -> RigResult:
-    """Give a neutral face displacements, put eyes into it and split its polygons.
-
-    mesh: Mesh of the face, metres, of the templates' topology. deltas: (K, V, 3) metres, what the expressions of the
-    templates do to it.
-    Raises NumericsError for triangles without area.
-    """
+    deltas = transfer_rig(templates, mesh.vertices) if deltas is None else deltas
     annotation = templates.annotation if settings.eyeballs else None
     eyeballs = [] if annotation is None else fit_eyeballs(mesh, annotation, deltas)
     measures = measure_rig(mesh.vertices, deltas, templates, eyeballs)

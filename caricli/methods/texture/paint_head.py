@@ -8,7 +8,7 @@ import numpy as np
 from caricli.errors import InputError
 from caricli.methods.rig.add_eyeballs import TEXTURE, add_eyeballs, fit_eyeballs
 from caricli.methods.rig.make_rig import Pictures
-from caricli.methods.texture.mask_head import mask_head
+from caricli.methods.texture.mask_head import mask_head, mesh_pixels
 from caricli.methods.texture.photometric_error import photometric_error
 from caricli.methods.texture.project_picture import project_picture
 from caricli.methods.texture.settings import PaintSettings
@@ -28,12 +28,14 @@ class Painted:
     rig: Rig of the head with its eyes, without expressions; the vertices of the face come first.
     error: photometric error, of full scale.
     seen: share of the surface that the picture shows.
+    filled: share of the picture that the head fills.
     """
 
     head: Template
     rig: Rig
     error: float
     seen: float
+    filled: float
 
     @property
     def pictures(self) -> Pictures:
@@ -61,11 +63,15 @@ def paint_head(
 
     face: Face with camera and fitted landmarks. template: Template of its topology. image: (H, W, 3) uint8. mask:
     (H, W) bool, the head in it; cut out by its colours where there is none. settings: PaintSettings.
-    Returns Painted. Raises InputError when the template has no UVs and is to have a texture of its own, and when the
-    face has no camera or no landmarks.
+    Returns Painted. Raises InputError when the template has no UVs and is to have a texture of its own, when the face
+    has no camera or no landmarks, and when it is not where picture and mask show a head.
     """
     camera = face.require_camera()
-    mask = mask_head(face, image) if mask is None else mask
+    landmarks = face.require_landmarks()
+    if mask is None:
+        mask = mask_head(face, image)
+    elif not (mask & mesh_pixels(face, image)).any():
+        raise InputError("expected a mask that is white where the head is, found none there")
     head = template.with_vertices(face.vertices)
     if settings.project_uv:
         head = project_picture(head, camera, image)
@@ -80,6 +86,6 @@ def paint_head(
     still = np.zeros((0, *head.vertices.shape), np.float32)
     rig = Rig((), head.with_vertices(head.vertices.astype(np.float32)), still, texture=texture)
     generator = np.random.default_rng(settings.seed)
-    eyes = paint_eye(TEXTURE, generator, *eye_colours(image, face.require_landmarks()))
+    eyes = paint_eye(TEXTURE, generator, *eye_colours(image, landmarks))
     whole = add_eyeballs(rig, fit_eyeballs(head, head.annotation, still), generator, eyes)
-    return Painted(head, whole, photometric_error(rig, face, image, mask), seen)
+    return Painted(head, whole, photometric_error(rig, face, image, mask), seen, float(mask.mean()))

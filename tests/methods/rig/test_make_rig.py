@@ -6,7 +6,7 @@ import pytest
 from caricli.errors import InputError, NumericsError
 from caricli.methods.rig.expression_templates import ExpressionTemplates
 from caricli.methods.rig.head_expressions import head_expressions
-from caricli.methods.rig.make_rig import Pictures, RigSettings, assemble_rig, make_rig
+from caricli.methods.rig.make_rig import Pictures, RigSettings, make_rig
 from caricli.methods.rig.transfer_rig import transfer_rig
 from caricli.structures import Material, Mesh
 from caricli.structures.mesh import triangle_fans
@@ -50,19 +50,19 @@ def test_a_rig_is_expressions_eyes_and_picture(templates, face, deltas):
 
 
 def test_without_eyes(templates, face, deltas):
-    bare = assemble_rig(face, templates, deltas, RigSettings(eyeballs=False))
+    bare = make_rig(face, templates, RigSettings(eyeballs=False), deltas=deltas)
     rig = bare.rig
     assert len(rig.neutral) == 4200 and bare.eyeballs == [] and bare.measures.inside is None
     assert rig.materials is rig.eye_texture is rig.texture is None
     np.testing.assert_array_equal(rig.faces, face.faces)
     nameless = replace(templates, mesh=Mesh(templates.neutral, templates.mesh.polygons))
-    unknown = assemble_rig(face, nameless, deltas)
+    unknown = make_rig(face, nameless, deltas=deltas)
     np.testing.assert_array_equal(unknown.rig.deltas, rig.deltas)
     assert unknown.eyeballs == [] and unknown.measures.lid_gap == {} and len(unknown.rig.neutral) == 4200
 
 
 def test_finer_meshes_do_the_same(templates, face, deltas):
-    coarse, fine = (assemble_rig(face, templates, deltas, RigSettings(levels)).rig for levels in (0, 1))
+    coarse, fine = (make_rig(face, templates, RigSettings(levels), deltas=deltas).rig for levels in (0, 1))
     count = len(fine.neutral) - 2 * BALL
     assert count > 3 * 4200
     for key in ("neutral", "deltas"):
@@ -89,7 +89,7 @@ def test_a_triangle_without_area_is_refused(templates, face, deltas):
     flat = face.vertices.copy()
     flat[face.faces[9, 0]] = flat[face.faces[9, 1]]
     with pytest.raises(NumericsError, match="triangles without area"):
-        assemble_rig(face.with_vertices(flat), templates, deltas)
+        make_rig(face.with_vertices(flat), templates, deltas=deltas)
 
 
 def test_without_templates_it_does_arkits_52(face, head):

@@ -34,6 +34,7 @@ def test_a_head_with_skin_and_eyes(painted, pictured):
 
 def test_the_figures_are_what_they_say(painted):
     assert 0 < painted.error < 0.05 and 0.1 < painted.seen < 0.7
+    assert 0.05 < painted.filled < 1
     assert painted.figures() == {"size": 96, "photometric_error": painted.error, "seen": painted.seen}
     assert painted.describe().startswith(f"{100 * painted.seen:.0f} % of the surface seen")
 
@@ -62,3 +63,8 @@ def test_a_mesh_without_uvs_takes_the_picture_itself_only(pictured):
 def test_a_face_of_no_picture_is_refused(pictured):
     with pytest.raises(InputError, match="expected a face with the camera of its picture"):
         paint_head(replace(pictured.face, camera=None), pictured.head, pictured.image, pictured.mask, SMALL)
+
+
+def test_a_mask_that_shows_no_head_is_refused(pictured):
+    with pytest.raises(InputError, match="expected a mask that is white where the head is, found none there"):
+        paint_head(pictured.face, pictured.head, pictured.image, np.zeros_like(pictured.mask), SMALL)
