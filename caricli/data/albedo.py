@@ -7,7 +7,7 @@ import scipy.sparse as sp
 from scipy.spatial import cKDTree
 from skimage.measure import points_in_poly
 
-from caricli.data.look import Look, random_look
+from caricli.data.appearance import Appearance, random_appearance
 from caricli.geometry.triangle_normals import triangle_normals
 from caricli.geometry.vertex_neighbours import vertex_neighbours
 from caricli.render.paint import mix, smooth_step
@@ -127,70 +127,70 @@ class AlbedoPainter:
         curves = (self._curve(f"eye_{part}_{side}", numbers) for side, numbers in sides.items())
         return np.minimum(*(_along(self.places, curve)[0] for curve in curves))
 
-    def draw(self, look: Look) -> np.ndarray:
-        """Paint a Look. Returns (P, 3) sRGB from 0 to 1."""
-        edge = max(0.015 if look.flat else 0.05, self.grain)
-        waves, phases = look.waves
+    def draw(self, appearance: Appearance) -> np.ndarray:
+        """Paint an Appearance. Returns (P, 3) sRGB from 0 to 1."""
+        edge = max(0.015 if appearance.flat else 0.05, self.grain)
+        waves, phases = appearance.waves
         ripple = np.cos(self.places @ waves.T + phases).mean(1)
-        mottle = 0 * ripple if look.flat else ripple
-        colour = self._skin(look, mottle)
-        colour = mix(colour, 0.8 * look.hair, 0.8 * look.stubble * self._beard(look, edge))
-        colour = self._with_mouth_and_shadow(colour, look, edge)
-        if look.scalp:
+        mottle = 0 * ripple if appearance.flat else ripple
+        colour = self._skin(appearance, mottle)
+        colour = mix(colour, 0.8 * appearance.hair, 0.8 * appearance.stubble * self._beard(appearance, edge))
+        colour = self._with_mouth_and_shadow(colour, appearance, edge)
+        if appearance.scalp:
             line = self.scalp + 0.12 * np.cos(self.places @ waves[:6].T / 2 + phases[:6]).mean(1)
-            strand = look.hair * (1 + 0.4 * mottle)[:, None]
+            strand = appearance.hair * (1 + 0.4 * mottle)[:, None]
             colour = mix(colour, strand, smooth_step(line, 0.5 - 2 * edge, 0.5 + 2 * edge))
-        colour = self._with_brows_and_lashes(colour, look, edge)
-        if look.flat:
+        colour = self._with_brows_and_lashes(colour, appearance, edge)
+        if appearance.flat:
             grey = colour.mean(1, keepdims=True)
             colour = grey + SATURATION * (colour - grey)
         return _srgb(colour)
 
-    def _with_mouth_and_shadow(self, colour: np.ndarray, look: Look, edge: float) -> np.ndarray:
+    def _with_mouth_and_shadow(self, colour: np.ndarray, appearance: Appearance, edge: float) -> np.ndarray:
         """Colours with lips, mouth cavity, lipstick and eye shadow. edge: width of a border."""
-        if look.lipstick is not None:
-            lid = smooth_step(self.upper, 0.14, 0.14 - edge if look.flat else 0.02) * (self.places[:, 1] > 0.02)
-            colour = mix(colour, 0.5 * look.lipstick + 0.05, look.shadow * lid)
-        tone = _pigmented(0.8 * look.melanin + 0.04, look.blood + 0.9 * look.lips)
-        tone = tone if look.lipstick is None else mix(tone, look.lipstick, 0.75)
+        if appearance.lipstick is not None:
+            lid = smooth_step(self.upper, 0.14, 0.14 - edge if appearance.flat else 0.02) * (self.places[:, 1] > 0.02)
+            colour = mix(colour, 0.5 * appearance.lipstick + 0.05, appearance.shadow * lid)
+        tone = _pigmented(0.8 * appearance.melanin + 0.04, appearance.blood + 0.9 * appearance.lips)
+        tone = tone if appearance.lipstick is None else mix(tone, appearance.lipstick, 0.75)
         colour = mix(colour, tone, smooth_step(self.lips, edge / 2, -edge / 2))
         colour = mix(colour, 0.4 * tone, 0.8 * smooth_step(self.slit, max(0.03, self.grain), 0))
         return mix(colour, CAVITY, smooth_step(self.cavities, 0.2, 0.7))
 
-    def _with_brows_and_lashes(self, colour: np.ndarray, look: Look, edge: float) -> np.ndarray:
-        width, density = look.brow
+    def _with_brows_and_lashes(self, colour: np.ndarray, appearance: Appearance, edge: float) -> np.ndarray:
+        width, density = appearance.brow
         for distance, share in self.brows:
             thick = width * np.interp(share, [0, 0.2, 0.6, 1], [0.55, 1, 0.8, 0.2])
-            colour = mix(colour, 0.7 * look.hair, density * smooth_step(distance - thick, edge / 2, -edge / 2))
+            colour = mix(colour, 0.7 * appearance.hair, density * smooth_step(distance - thick, edge / 2, -edge / 2))
         for distance, amount in ((self.upper, 1.0), (self.lower, 0.45)):
-            size = (0.02 + 0.02 * look.lash) * amount**0.5
-            dark = amount * look.lash * smooth_step(distance - size, edge / 2, -edge / 2)
-            colour = mix(colour, 0.15 * look.hair, dark)
+            size = (0.02 + 0.02 * appearance.lash) * amount**0.5
+            dark = amount * appearance.lash * smooth_step(distance - size, edge / 2, -edge / 2)
+            colour = mix(colour, 0.15 * appearance.hair, dark)
         return colour
 
-    def _skin(self, look: Look, mottle: np.ndarray) -> np.ndarray:
+    def _skin(self, appearance: Appearance, mottle: np.ndarray) -> np.ndarray:
         """Linear colours of the skin with its flush, freckles, and the darker skin under the eyes."""
-        cheeks, nose, ears = look.flush
+        cheeks, nose, ears = appearance.flush
         marks = self.marks
-        flush = cheeks * self._round(marks[np.array(_CHEEKS)].mean(1), 0.2, look.flat)
-        flush += nose * self._round(marks[[POINT_NAMES["nose_tip"]]], 0.13, look.flat)
-        flush += ears * smooth_step(self.ears, *((0.45, 0.55) if look.flat else (0.1, 0.9)))
+        flush = cheeks * self._round(marks[np.array(_CHEEKS)].mean(1), 0.2, appearance.flat)
+        flush += nose * self._round(marks[[POINT_NAMES["nose_tip"]]], 0.13, appearance.flat)
+        flush += ears * smooth_step(self.ears, *((0.45, 0.55) if appearance.flat else (0.1, 0.9)))
         flush += 0.2 * self.nostrils + 0.4 * self.sockets
-        melanin = look.melanin * (1 + 0.3 * mottle)
-        if look.spots:
-            melanin = melanin + (0.22 + 0.3 * look.melanin) * self._freckles(look)
-        if not look.flat:
+        melanin = appearance.melanin * (1 + 0.3 * mottle)
+        if appearance.spots:
+            melanin = melanin + (0.22 + 0.3 * appearance.melanin) * self._freckles(appearance)
+        if not appearance.flat:
             melanin = melanin + 0.06 * self._round(marks[list(_BELOW_EYES)] - [0, 0.06, 0], 0.09)
-        return _pigmented(melanin, look.blood * (1 + mottle) + flush)
+        return _pigmented(melanin, appearance.blood * (1 + mottle) + flush)
 
     def _round(self, centres: np.ndarray, radius: float, hard: bool = False) -> np.ndarray:
         """Round areas about points, soft or with a clear border."""
         distance = cKDTree(centres).query(self.places)[0] / radius
         return smooth_step(distance, 1 + max(self.grain / radius, 0.1), 1.0) if hard else np.exp(-(distance**2))
 
-    def _freckles(self, look: Look) -> np.ndarray:
+    def _freckles(self, appearance: Appearance) -> np.ndarray:
         """Small round spots over nose and cheeks."""
-        generator = np.random.default_rng(look.seed)
+        generator = np.random.default_rng(appearance.seed)
         corners = self.surface[self.template.faces]
         middle = corners.mean(1)
         chance = np.linalg.norm(triangle_normals(self.surface, self.template.faces), axis=1)
@@ -198,25 +198,25 @@ class AlbedoPainter:
             -((middle[:, 1] - self.marks[list(_BRIDGE_AND_TIP), 1].mean()) ** 2) / 0.03 - (middle[:, 0] / 0.45) ** 2
         )
         chance *= middle[:, 2] > self.marks[list(_EYE_CORNERS), 2].mean() - 0.25
-        chosen = generator.choice(len(chance), look.spots, p=chance / chance.sum())
-        weights = generator.dirichlet([1, 1, 1], look.spots)
-        sizes = generator.uniform(0.008, 0.017, look.spots) * (1.3 if look.flat else 1)
+        chosen = generator.choice(len(chance), appearance.spots, p=chance / chance.sum())
+        weights = generator.dirichlet([1, 1, 1], appearance.spots)
+        sizes = generator.uniform(0.008, 0.017, appearance.spots) * (1.3 if appearance.flat else 1)
         distance, nearest = cKDTree((weights[..., None] * corners[chosen]).sum(1)).query(self.places)
         # A spot smaller than the grain of the places is spread over it, and paler for it.
         size = np.maximum(sizes[nearest], self.grain)
         return (sizes[nearest] / size) ** 2 * smooth_step(distance, size + self.grain / 2, size - self.grain)
 
-    def _beard(self, look: Look, edge: float) -> np.ndarray:
+    def _beard(self, appearance: Appearance, edge: float) -> np.ndarray:
         """Where a beard grows: along the jaw and round the mouth, not higher than the nose."""
         grown = sum(smooth_step(d, far, 0.1) for d, far in ((self.jaw, 0.45), (self.chin, 0.35), (self.lips, 0.28)))
         nose = self.marks[POINT_NAMES["nose_base"], 1]
         grown = np.minimum(grown, 1) * smooth_step(self.places[:, 1], nose + 0.02, nose - 0.12)
-        return smooth_step(grown, 0.5 - 2 * edge, 0.5 + 2 * edge) if look.flat else grown
+        return smooth_step(grown, 0.5 - 2 * edge, 0.5 + 2 * edge) if appearance.flat else grown
 
 
 def albedo_at_vertices(painter: AlbedoPainter, generator: np.random.Generator, style: str | None = None) -> np.ndarray:
     """A random albedo (V, 3) uint8 sRGB of a ``vertex_painter``. style: of STYLES, or None for either."""
-    return to_bytes(painter.draw(random_look(generator, style)))
+    return to_bytes(painter.draw(random_appearance(generator, style)))
 
 
 def vertex_painter(template: Template) -> AlbedoPainter:

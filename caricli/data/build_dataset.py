@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 from threadpoolctl import threadpool_limits
 
+from caricli.data.appearance import random_appearance
 from caricli.data.attributes import binary_labels
 from caricli.data.build_settings import EXPONENTS, KINDS, BuildSettings
 from caricli.data.dataset import ALBEDO_FILE, split_identities
 from caricli.data.expressions import named_expressions
-from caricli.data.look import random_look
 from caricli.data.mesh_source import DatasetRow, MeshSource, Prior
 from caricli.data.move_parts import NAMES
 from caricli.data.texture_painter import TexturePainter
@@ -172,7 +172,7 @@ def _write_albedos(folder: Path, template: Template, count: int, size: int, seed
     painter = TexturePainter(template, size)
     pictures = np.empty((count, size, size, 3), np.uint8)
     for number in range(count):
-        pictures[number] = painter.draw(random_look(np.random.default_rng([seed, DatasetSeed.ALBEDO, number])))
+        pictures[number] = painter.draw(random_appearance(np.random.default_rng([seed, DatasetSeed.ALBEDO, number])))
     write_npz(folder / ALBEDO_FILE, {"albedo": pictures})
     digest = sha256_file(folder / ALBEDO_FILE)
     return {"file": ALBEDO_FILE, "count": count, "size": size, "seed": seed, "sha256": digest}

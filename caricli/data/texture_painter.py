@@ -4,7 +4,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from caricli.data.albedo import AlbedoPainter, to_bytes
-from caricli.data.look import Look, random_look
+from caricli.data.appearance import Appearance, random_appearance
 from caricli.errors import InputError
 from caricli.geometry.triangle_normals import triangle_normals
 from caricli.render.uv_map import pad_texture, uv_map
@@ -28,10 +28,10 @@ class TexturePainter:
         area = np.linalg.norm(triangle_normals(template.vertices, template.faces), axis=1).sum() / 2
         self.painter = AlbedoPainter(template, matrix, float(np.sqrt(area / count)))
 
-    def draw(self, look: Look) -> np.ndarray:
-        """Paint a Look. Returns (S, S, 3) uint8 sRGB, the top row first."""
+    def draw(self, appearance: Appearance) -> np.ndarray:
+        """Paint an Appearance. Returns (S, S, 3) uint8 sRGB, the top row first."""
         picture = np.zeros((*self.covered.shape, 3), np.uint8)
-        picture[self.covered] = to_bytes(self.painter.draw(look))
+        picture[self.covered] = to_bytes(self.painter.draw(appearance))
         return pad_texture(picture, self.covered)
 
 
@@ -43,4 +43,4 @@ def draw_albedo(
     style: of STYLES, or None for either. size: texels, width and height.
     Returns (size, size, 3) uint8 sRGB, the top row first. Raises InputError when there are no UVs.
     """
-    return TexturePainter(template, size).draw(random_look(generator, style))
+    return TexturePainter(template, size).draw(random_appearance(generator, style))

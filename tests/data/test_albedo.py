@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from caricli.data.albedo import albedo_at_vertices, random_albedos, vertex_painter
-from caricli.data.look import STYLES, random_look
+from caricli.data.appearance import STYLES, random_appearance
 from caricli.data.texture_painter import TexturePainter, draw_albedo
 from caricli.errors import InputError
 from caricli.structures.mesh import triangle_fans
@@ -24,11 +24,11 @@ def texture(head_template):
 
 @pytest.fixture
 def plain():
-    """A look of fair skin with nothing on it but brown hair and brows."""
-    look = random_look(np.random.default_rng(5), "flat")
+    """A appearance of fair skin with nothing on it but brown hair and brows."""
+    appearance = random_appearance(np.random.default_rng(5), "flat")
     hair = np.array([0.05, 0.03, 0.02])
     nothing = {"spots": 0, "stubble": 0.0, "flush": (0.0, 0.0, 0.0), "lipstick": None, "shadow": 0.0}
-    return replace(look, melanin=0.15, blood=0.1, hair=hair, scalp=1.0, brow=(0.06, 0.9), lips=0.7, **nothing)
+    return replace(appearance, melanin=0.15, blood=0.1, hair=hair, scalp=1.0, brow=(0.06, 0.9), lips=0.7, **nothing)
 
 
 def sampled(picture, uvs):
@@ -43,20 +43,23 @@ def test_the_same_generator_gives_the_same_colours(painter, texture, style):
     first, again, other = (albedo_at_vertices(painter, np.random.default_rng(s), style) for s in (1, 1, 2))
     assert first.shape == (4200, 3) and first.dtype == np.uint8
     assert np.array_equal(first, again) and not np.array_equal(first, other)
-    looks = [random_look(np.random.default_rng(1), style) for _ in range(2)]
-    assert np.array_equal(*(texture.draw(look) for look in looks))
+    appearances = [random_appearance(np.random.default_rng(1), style) for _ in range(2)]
+    assert np.array_equal(*(texture.draw(appearance) for appearance in appearances))
 
 
 def test_a_texture_in_one_call(head_template, texture):
     picture = draw_albedo(head_template, np.random.default_rng(4), "soft", SIZE)
     assert picture.shape == (SIZE, SIZE, 3) and picture.dtype == np.uint8
-    assert np.array_equal(picture, texture.draw(random_look(np.random.default_rng(4), "soft")))
+    assert np.array_equal(picture, texture.draw(random_appearance(np.random.default_rng(4), "soft")))
 
 
 def test_both_styles_are_drawn_unless_one_is_asked_for():
-    looks = [random_look(np.random.default_rng(k)) for k in range(40)]
-    assert {look.flat for look in looks} == {True, False}
-    assert random_look(np.random.default_rng(0), "flat").flat and not random_look(np.random.default_rng(0), "soft").flat
+    appearances = [random_appearance(np.random.default_rng(k)) for k in range(40)]
+    assert {appearance.flat for appearance in appearances} == {True, False}
+    assert (
+        random_appearance(np.random.default_rng(0), "flat").flat
+        and not random_appearance(np.random.default_rng(0), "soft").flat
+    )
 
 
 def test_colours_lie_where_they_belong(head_template, painter, plain):
@@ -101,8 +104,8 @@ def test_seams_agree(head_template, texture, plain):
     outside = ~head_template.mask("inner_mouth", "eye_socket_left", "eye_socket_right")
     seam = pairs[(counts[at] > 1) & outside[pairs[:, 0]]]
     assert len(seam) > 100
-    for look in (plain, random_look(np.random.default_rng(8), "soft")):
-        colours = sampled(texture.draw(look), head_template.uvs[seam[:, 1]]).astype(int)
+    for appearance in (plain, random_appearance(np.random.default_rng(8), "soft")):
+        colours = sampled(texture.draw(appearance), head_template.uvs[seam[:, 1]]).astype(int)
         order = np.argsort(seam[:, 0], kind="stable")
         ids, colours = seam[order, 0], colours[order]
         across = np.abs(np.diff(colours, axis=0)).max(1)[np.diff(ids) == 0]
@@ -110,9 +113,12 @@ def test_seams_agree(head_template, texture, plain):
 
 
 def test_texture_and_vertices_tell_the_same(head_template, texture, painter):
-    look = random_look(np.random.default_rng(3), "soft")
+    appearance = random_appearance(np.random.default_rng(3), "soft")
     corners = np.stack([head_template.faces, triangle_fans(head_template.uv_polygons)], -1).reshape(-1, 2)
-    difference = sampled(texture.draw(look), head_template.uvs[corners[:, 1]]) - 255 * painter.draw(look)[corners[:, 0]]
+    difference = (
+        sampled(texture.draw(appearance), head_template.uvs[corners[:, 1]])
+        - 255 * painter.draw(appearance)[corners[:, 0]]
+    )
     assert np.median(np.abs(difference)) < 3
 
 

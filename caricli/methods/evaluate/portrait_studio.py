@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 
 from caricli.data.albedo import AlbedoPainter
-from caricli.data.look import random_look
+from caricli.data.appearance import random_appearance
 from caricli.geometry.head_rotation import TURNS, head_rotation
 from caricli.methods.reconstruct.landmark_vertices import landmark_vertices
 from caricli.render.blend import over
@@ -77,7 +77,7 @@ class PortraitStudio:
         of their diagonal.
         """
         camera = self._camera(vertices, generator)
-        drawn = self._drawn(vertices, camera, 255 * self.painter.draw(random_look(generator)))
+        drawn = self._drawn(vertices, camera, 255 * self.painter.draw(random_appearance(generator)))
         points = camera.project(vertices[landmark_vertices(vertices, camera.rotation, self.template, COUNT)])
         points += noise / 100 * np.linalg.norm(np.ptp(points, axis=0)) * generator.normal(size=points.shape)
         image = over(drawn, self._background(generator))

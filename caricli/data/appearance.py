@@ -16,8 +16,8 @@ WAVES = 24
 
 
 @dataclass(frozen=True)
-class LookSettings:
-    """How often looks have what not all of them have: chances from 0 to 1.
+class AppearanceSettings:
+    """How often heads have what not all of them have: chances from 0 to 1.
 
     flat: a cartoon's clear areas. grey: hair. dyed: a cartoon's hair of any colour. stubble, makeup, freckles. hair: on
     the scalp.
@@ -32,11 +32,11 @@ class LookSettings:
     freckles: float = 0.3
 
 
-_CHANCES = LookSettings()
+_CHANCES = AppearanceSettings()
 
 
 @dataclass(frozen=True, eq=False)
-class Look:
+class Appearance:
     """What is drawn at random before anything is painted.
 
     melanin, blood: of the skin. hair: linear RGB. scalp, stubble, flush (of cheeks, nose and ears), lips, lash,
@@ -61,8 +61,8 @@ class Look:
     seed: int
 
 
-def random_look(generator: np.random.Generator, style: str | None = None) -> Look:
-    """Draw a Look. style: of STYLES, or None for either."""
+def random_appearance(generator: np.random.Generator, style: str | None = None) -> Appearance:
+    """Draw an Appearance. style: of STYLES, or None for either."""
     flat = generator.random() < _CHANCES.flat if style is None else style == "flat"
     melanin = generator.beta(1, 1.9)
     blood = generator.uniform(0.02, 0.35)
@@ -70,7 +70,7 @@ def random_look(generator: np.random.Generator, style: str | None = None) -> Loo
     bearded = generator.random() < _CHANCES.stubble
     painted = generator.random() < _CHANCES.makeup and not bearded
     lipstick = np.array([generator.uniform(0.3, 0.6), *generator.uniform([0.03, 0.03], [0.1, 0.14])])
-    return Look(
+    return Appearance(
         flat=bool(flat),
         melanin=float(melanin),
         blood=float(blood),
