@@ -2,7 +2,8 @@
 PYTHON ?= python3
 VENV ?= .venv
 BIN := $(VENV)/bin
-FAST := tests/structures tests/io tests/geometry tests/template tests/store tests/test_cli.py tests/test_docs.py
+FAST := tests/structures tests/io tests/geometry tests/template tests/store tests/models/test_kinds.py \
+	tests/models/test_config.py tests/test_cli.py tests/test_docs.py tests/test_house.py tests/test_public.py
 VALIDATOR := tests/gltf_validator
 VALIDATOR_STAMP := $(VALIDATOR)/node_modules/.package-lock.json
 
@@ -16,10 +17,11 @@ demo: setup examples/astronaut/astronaut.png
 test: setup $(VALIDATOR_STAMP)
 	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 --dist loadfile
 
-# Neither training nor rendering: under a minute, for every few lines that are changed.
+# Hardly any training or rendering: under a minute, for every few lines that are changed.
 fast: setup
 	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -q -n 2 --durations=0 --durations-min=5 $(FAST)
 
+# Also what pre-commit runs, by .pre-commit-config.yaml.
 lint: setup
 	$(BIN)/ruff format --check
 	$(BIN)/ruff check

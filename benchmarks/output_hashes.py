@@ -3,7 +3,8 @@
     python benchmarks/output_hashes.py hashes.json                       writes them
     python benchmarks/output_hashes.py hashes.json --against before.json  and says what differs
 
-Wall-clock times are left out of JSON files; the states of trainings, which hold them, are not hashed.
+Wall-clock times are left out of JSON files; the states of trainings, which hold them, are not hashed. The hashes are
+written even where a command fails, but then the run ends with exit 1 and names it: what never ran cannot differ.
 """
 
 import argparse
@@ -71,6 +72,9 @@ render face.npz head.obj -o sheet.png --size 96
 render face.npz -o overlay.png --image astronaut.png
 render face.npz -o turn.png --turntable 3 --size 64
 """.strip().splitlines()  # fmt: skip
+# Commands that no line above runs, and why.
+LEFT_OUT = {"inspect": "prints what is in a file and writes none"}
+
 MOODS = "neutral: {}\nsmile: {mouthSmile: 0.7}\nopen: {jawOpen: 0.8}\nblink: {eyeBlink: 1.0}\n"
 WEIGHTS = {"schema": "caricli.weights/1", "fps": 10, "names": ["jawOpen", "eyeBlinkLeft"], "head": [[0, 0, 0]] * 3,
            "weights": [[0.0, 0.0], [0.5, 0.3], [0.9, 1.0]]}  # fmt: skip
@@ -89,17 +93,22 @@ def main():
     with tempfile.TemporaryDirectory() as scratch:
         folder = options.keep or Path(scratch)
         folder.mkdir(exist_ok=True)
-        hashes = run_all(folder, options.package.resolve())
+        package = options.package.resolve()
+        failed = run_all(folder, package)
+        hashes = hash_all(folder, package)
     options.out.write_text(json.dumps(hashes, indent=1) + "\n")
+    print(f"{len(COMMANDS)} commands, {len(failed)} failed", *failed, sep="\n  ")
+    different = []
     if options.against:
         before = json.loads(options.against.read_text())
         different = [name for name in sorted({*before, *hashes}) if before.get(name) != hashes.get(name)]
         print(f"{len(hashes)} files, {len(different)} different", *different, sep="\n  ")
-        sys.exit(bool(different))
+    sys.exit(bool(different or failed))
 
 
 def run_all(folder, package):
-    """Hashes of all files by name, after all commands."""
+    """Run all commands in a folder. Returns the lines of those that failed."""
+    failed = []
     environment = os.environ | {"PYTHONPATH": str(package), "OMP_NUM_THREADS": "1"}
     prepare(folder, environment)
     for line in COMMANDS:
@@ -111,7 +120,14 @@ def run_all(folder, package):
             capture_output=True,
             text=True,
         )
+        if done.returncode != 0:
+            failed.append(line)
         print(f"{done.returncode} {time.monotonic() - start:5.1f} s  {line}", done.stderr[-300:], flush=True)
+    return failed
+
+
+def hash_all(folder, package):
+    """Hashes of all files of a folder by name."""
     files = sorted(path for path in folder.rglob("*") if path.is_file() and path.suffix not in _UNHASHED)
     return {path.relative_to(folder).as_posix(): digest(path, package) for path in files}
 

@@ -1,4 +1,5 @@
 import re
+import runpy
 import subprocess
 import sys
 from pathlib import Path
@@ -93,6 +94,27 @@ def test_reference_is_current():
 def test_reference_has_every_command():
     sections = re.findall(r"^## caricli (.+)$", (ROOT / "docs" / "cli.md").read_text("utf-8"), re.M)
     assert sorted(sections) == sorted(COMMANDS)
+
+
+HARNESS = runpy.run_path(str(ROOT / "benchmarks" / "output_hashes.py"))
+
+
+def harness_lines(name):
+    """The lines of benchmarks/output_hashes.py that run a command."""
+    return [line for line in HARNESS["COMMANDS"] if f"{line} ".startswith(f"{name} ")]
+
+
+def test_the_hashes_of_outputs_cover_every_command():
+    unused = {name for name in COMMAND_NAMES if not harness_lines(name)}
+    assert unused == set(HARNESS["LEFT_OUT"]), "each needs a line in COMMANDS, or in LEFT_OUT with its reason"
+
+
+@pytest.mark.parametrize("name", COMMAND_NAMES)
+def test_the_hashes_of_outputs_name_only_options_that_exist(name):
+    command, context = command_named(name)
+    known = {text for option in command.get_params(context) for text in (*option.opts, *option.secondary_opts)}
+    used = set(re.findall(r"(?<=\s)--?[a-z][a-z-]*", "\n".join(harness_lines(name))))
+    assert used <= known, used - known
 
 
 def pages():

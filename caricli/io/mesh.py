@@ -1,5 +1,7 @@
 """Meshes in any of the formats that are read and written; the name of a file says which."""
 
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -13,17 +15,45 @@ from caricli.io.ply import read_ply, write_ply
 from caricli.io.stl import read_stl, write_stl
 from caricli.structures import Mesh, Rig
 
-_READERS = {
-    ".obj": read_obj,
-    ".ply": read_ply,
-    ".stl": read_stl,
-    ".glb": read_gltf_mesh,
-    ".gltf": read_gltf_mesh,
+
+@dataclass(frozen=True)
+class _Format:
+    """How a format is read and written.
+
+    write: takes a path and a mesh, and where the format has a place for a picture, what else ``write_mesh`` takes.
+    """
+
+    read: Callable[[str | Path], Mesh]
+    write: Callable[..., None]
+    keeps_texture: bool = False
+
+
+def _write_still_gltf(path: Path, mesh: Mesh, texture: str | None, _mtl: Path | None) -> None:
+    if texture is not None and mesh.uvs is None:
+        raise OutputError(f"{shown(path)}: expected a mesh with UVs for the texture, found none")
+    picture = None if texture is None else read_image(path.parent / texture)
+    no_shapes = np.zeros((0, len(mesh.vertices), 3), np.float32)
+    write_gltf(path, Rig((), mesh, no_shapes, texture=picture))
+
+
+_GLTF = _Format(read_gltf_mesh, _write_still_gltf, keeps_texture=True)
+_FORMATS = {
+    ".obj": _Format(read_obj, write_obj, keeps_texture=True),
+    ".ply": _Format(read_ply, write_ply),
+    ".stl": _Format(read_stl, write_stl),
+    ".glb": _GLTF,
+    ".gltf": _GLTF,
 }
-MESH_SUFFIXES = tuple(_READERS)
+MESH_SUFFIXES = tuple(_FORMATS)
 """Ends of names, in small letters, of the formats of meshes."""
 
-_GLTF = (".glb", ".gltf")
+
+def _listed(suffixes: Sequence[str]) -> str:
+    return ", ".join(suffixes[:-1]) + " or " + suffixes[-1]
+
+
+ANY_MESH = f"a mesh ({_listed(MESH_SUFFIXES)})"
+"""What is expected where any of them will do, for messages."""
 
 
 def is_mesh_file(path: str | Path) -> bool:
@@ -45,7 +75,7 @@ def mesh_files(folder: str | Path) -> list[Path]:
 
 
 def read_mesh(path: str | Path) -> Mesh:
-    """Read a mesh: OBJ, PLY, STL, GLB or glTF, told apart by the suffix; no other file is opened.
+    """Read a mesh of one of MESH_SUFFIXES, which says the format; no other file is opened.
 
     Vertices keep their order and number, but in STL, which does not share them between triangles. Of a GLB that is a
     rig it is the neutral mesh.
@@ -54,8 +84,8 @@ def read_mesh(path: str | Path) -> Mesh:
     """
     suffix = Path(path).suffix.lower()
     if suffix not in MESH_SUFFIXES:
-        raise InputError(f"{shown(path)}: expected a mesh ({_any_suffix()}), found {shown(suffix, 20)!r}")
-    return _READERS[suffix](path)
+        raise InputError(f"{shown(path)}: expected {ANY_MESH}, found {shown(suffix, 20)!r}")
+    return _FORMATS[suffix].read(path)
 
 
 def write_mesh(path: str | Path, mesh: Mesh, texture: str | None = None, mtl: Path | None = None) -> None:
@@ -67,27 +97,13 @@ def write_mesh(path: str | Path, mesh: Mesh, texture: str | None = None, mtl: Pa
     """
     path = Path(path)
     suffix = path.suffix.lower()
-    if suffix == ".obj":
-        write_obj(path, mesh, texture, mtl)
-    elif suffix in _GLTF:
-        _write_still_gltf(path, mesh, texture)
-    elif texture is not None:
-        raise OutputError(f"{shown(path)}: expected .obj, .glb or .gltf for a mesh with a texture, found {suffix!r}")
-    elif suffix == ".ply":
-        write_ply(path, mesh)
-    elif suffix == ".stl":
-        write_stl(path, mesh)
+    if suffix not in MESH_SUFFIXES:
+        raise OutputError(f"{shown(path)}: expected {ANY_MESH}, found {shown(suffix, 20)!r}")
+    chosen = _FORMATS[suffix]
+    if chosen.keeps_texture:
+        chosen.write(path, mesh, texture, mtl)
+    elif texture is None:
+        chosen.write(path, mesh)
     else:
-        raise OutputError(f"{shown(path)}: expected a mesh ({_any_suffix()}), found {shown(suffix, 20)!r}")
-
-
-def _write_still_gltf(path: Path, mesh: Mesh, texture: str | None) -> None:
-    if texture is not None and mesh.uvs is None:
-        raise OutputError(f"{shown(path)}: expected a mesh with UVs for the texture, found none")
-    picture = None if texture is None else read_image(path.parent / texture)
-    no_shapes = np.zeros((0, len(mesh.vertices), 3), np.float32)
-    write_gltf(path, Rig((), mesh, no_shapes, texture=picture))
-
-
-def _any_suffix() -> str:
-    return ", ".join(MESH_SUFFIXES[:-1]) + " or " + MESH_SUFFIXES[-1]
+        textured = _listed([name for name, other in _FORMATS.items() if other.keeps_texture])
+        raise OutputError(f"{shown(path)}: expected {textured} for a mesh with a texture, found {suffix!r}")

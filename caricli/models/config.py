@@ -1,11 +1,22 @@
 """What the settings of all models share."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import Field, dataclass
+from typing import Any, ClassVar, Protocol
 
 MAX_SEED = 2**32 - 1
 MAX_DIMENSION = 4096
 """Largest latent: far above what shapes can fill."""
+
+
+class TrainingConfig(Protocol):
+    """Settings of a training: a frozen dataclass with a seed, whose every field has a default."""
+
+    __dataclass_fields__: ClassVar[dict[str, Field[Any]]]
+
+    @property
+    def seed(self) -> int:
+        """Of everything random in the training; it goes into the recipe."""
 
 
 @dataclass(frozen=True)

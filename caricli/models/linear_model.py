@@ -13,7 +13,7 @@ class LinearModel:
     """vertices = mean + latent @ basis; a latent is in standard deviations of the training shapes."""
 
     def __init__(self, template: Template, basis: LinearBasis, model_id: str, noise: float = 0.0) -> None:
-        """basis: metres. model_id: SHA-256 of the tensors.
+        """basis: metres. model_id: see ShapeModel.
 
         noise: metres, how far a coordinate is expected from what the basis makes of it: encoding then prefers short
         latents; without noise it is the orthogonal projection.

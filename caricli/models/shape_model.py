@@ -1,6 +1,7 @@
 """What every shape model offers, whatever it is made of."""
 
-from typing import Protocol
+from collections.abc import Mapping
+from typing import Any, Protocol, Self
 
 import numpy as np
 from scipy.sparse import csr_matrix
@@ -12,7 +13,8 @@ from caricli.template.template import Template
 class ShapeModel(Protocol):
     """A space of shapes of one template. Arrays are NumPy; leading dimensions are batches; metres.
 
-    ``kind`` names the class in a checkpoint, ``model_id`` the weights (SHA-256).
+    ``kind`` names the class in a checkpoint. ``model_id`` names the weights, the SHA-256 of ``tensors()`` as
+    ``checkpoint.model_id`` takes it; it is "" where the model does not come out of a checkpoint.
     """
 
     kind: str
@@ -40,3 +42,18 @@ class ShapeModel(Protocol):
 
     def tensors(self) -> dict[str, np.ndarray]:
         """Everything beyond the template that a checkpoint must hold."""
+
+    @classmethod
+    def from_tensors(cls, template: Template, tensors: Mapping[str, np.ndarray], model_id: str) -> Self:
+        """Rebuild from ``tensors()``. Raises KeyError or ValueError for what does not fit the template or itself."""
+
+
+class ComponentModel(ShapeModel, Protocol):
+    """A ShapeModel that one call trains on shapes, as ``train_linear`` does."""
+
+    @classmethod
+    def train(cls, template: Template, shapes: np.ndarray, config: Any) -> Self:
+        """Fit to shapes (N, V, 3) metres. config: the kind's own, see TrainingConfig.
+
+        Raises NumericsError when all of the shapes are the same.
+        """

@@ -17,6 +17,7 @@ from caricli.io.checkpoint import read_checkpoint
 from caricli.io.files import content_kind
 from caricli.io.gltf.read_gltf import read_gltf, read_gltf_mesh
 from caricli.io.image import read_image
+from caricli.io.mesh import ANY_MESH, is_mesh_file, read_mesh
 from caricli.io.mtl import texture_path
 from caricli.io.npz import read_npz, text_of
 from caricli.io.obj import read_obj
@@ -32,7 +33,7 @@ from caricli.store.models import load_model
 from caricli.structures import Material
 from caricli.structures.arkit import ARKIT_NAMES
 
-_EXPECTED = "a file of caricli's, or an OBJ, PLY, STL, GLB or glTF"
+_EXPECTED = f"a file of caricli's, or {ANY_MESH}"
 
 _START = 4096
 """Bytes that tell what is in a file."""
@@ -102,14 +103,13 @@ def _reader(start: bytes, path: Path) -> Callable[[Path], Any]:
         b"glTF": _read_gltf,
         b"\x93NUMPY": landmarks.read_landmarks,
         b"ply": read_ply,
+        b"solid ": read_stl,
     }
     for signature, reader in signatures.items():
         if start.startswith(signature):
             return reader
     if start[8:9] == b"{" and start[4:8] == bytes(4):
         return _read_weights_of_model
-    if suffix == ".stl" or start.startswith(b"solid "):
-        return read_stl
     if suffix == ".npz":
         return read_npz
     return _text_reader(start, path)
@@ -120,6 +120,10 @@ def _text_reader(start: bytes, path: Path) -> Callable[[Path], Any]:
     rubbish = content_kind(start)
     if rubbish and rubbish.endswith("image"):
         return read_image
+    if suffix in (".glb", ".gltf"):
+        return _read_gltf
+    if is_mesh_file(path):
+        return read_mesh
     if rubbish:
         raise InputError(f"{shown(path)}: expected {_EXPECTED}, found {rubbish}")
     if start.lstrip(b"\xef\xbb\xbf \t\r\n")[:1] in (b"{", b"["):
@@ -128,7 +132,7 @@ def _text_reader(start: bytes, path: Path) -> Callable[[Path], Any]:
         return _read_expressions
     if _CSV.match(start):
         return track.read_weights
-    if suffix == ".obj" or _OBJ.search(start):
+    if _OBJ.search(start):
         return read_obj
     if suffix in (".pts", ".txt") or start.startswith(b"version"):
         return landmarks.read_landmarks

@@ -23,7 +23,7 @@ from caricli.io.config import read_config
 from caricli.io.face import read_face, write_face
 from caricli.io.image import read_image, write_png
 from caricli.io.landmarks import read_landmarks, write_landmarks
-from caricli.io.mesh import read_mesh, write_mesh
+from caricli.io.mesh import MESH_SUFFIXES, read_mesh, write_mesh
 from caricli.io.npz import read_npz
 from caricli.io.obj import read_obj, write_obj
 from caricli.io.strict_json import read_json
@@ -37,27 +37,39 @@ class Settings:
     widths: tuple[int, ...] = (1, 2)
 
 
-READERS = {
-    "mesh.obj": read_obj,
-    "mesh.ply": read_mesh,
-    "text.ply": read_mesh,
-    "mesh.stl": read_mesh,
-    "text.stl": read_mesh,
-    "mesh.glb": read_mesh,
-    "mesh.gltf": read_mesh,
-    "face.obj": read_face,
-    "face.npz": read_face,
-    "arrays.npz": read_npz,
-    "landmarks.json": read_landmarks,
-    "landmarks.pts": read_landmarks,
-    "landmarks.txt": read_landmarks,
-    "landmarks.npy": read_landmarks,
-    "picture.png": read_image,
-    "picture.jpg": read_image,
-    "value.json": read_json,
-    "settings.yaml": lambda path: read_config(path, Settings),
-    "model.safetensors": read_checkpoint,
+CORNERS = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0.25]])
+QUAD = np.array([[0, 1, 2, 3]], np.int32)
+MESH = Mesh(CORNERS, QUAD, CORNERS[:, :2], QUAD)
+TRIANGLES = trimesh.Trimesh(MESH.vertices, MESH.faces, process=False)
+FACE = Face(Mesh(CORNERS, np.array([[0, 1, 2], [0, 2, 3]])), latent=np.arange(3.0), model_id="pca")
+MARKS = Landmarks(np.stack([np.arange(68.0), np.arange(68.0) ** 2], axis=1), (5000, 5000))
+PICTURE = np.arange(8 * 8 * 3, dtype=np.uint8).reshape(8, 8, 3)
+
+# The reader of every format, and what writes a good file of it to a path.
+FORMATS = {
+    **{f"mesh{suffix}": (read_mesh, lambda path: write_mesh(path, MESH)) for suffix in MESH_SUFFIXES},
+    "text.ply": (read_mesh, lambda path: path.write_bytes(export_ply(TRIANGLES, encoding="ascii"))),
+    "text.stl": (read_mesh, lambda path: path.write_text(export_stl_ascii(TRIANGLES))),
+    "face.obj": (read_face, lambda path: write_obj(path, MESH)),
+    "face.npz": (read_face, lambda path: write_face(path, FACE)),
+    "arrays.npz": (read_npz, lambda path: np.savez(path, x=np.arange(4.0), y=np.array("text"))),
+    "landmarks.json": (read_landmarks, lambda path: write_landmarks(path, MARKS)),
+    "landmarks.pts": (read_landmarks, lambda path: write_landmarks(path, MARKS)),
+    "landmarks.txt": (read_landmarks, lambda path: write_landmarks(path, MARKS)),
+    "landmarks.npy": (read_landmarks, lambda path: write_landmarks(path, MARKS)),
+    "picture.png": (read_image, lambda path: write_png(path, PICTURE)),
+    "picture.jpg": (read_image, lambda path: Image.fromarray(PICTURE).save(path)),
+    "value.json": (read_json, lambda path: path.write_text('{"a": [1, 2.5, null, true, "x"], "b": {}}')),
+    "settings.yaml": (
+        lambda path: read_config(path, Settings),
+        lambda path: path.write_text("steps: 4\nrate: 1e-3\nwidths: [1, 2]\n"),
+    ),
+    "model.safetensors": (
+        read_checkpoint,
+        lambda path: write_checkpoint(path, {"x": np.arange(3.0)}, {"kind": "pca"}),
+    ),
 }
+READERS = {name: reader for name, (reader, _) in FORMATS.items()}
 BINARY = bytes(range(256)) * 4
 
 
@@ -65,28 +77,8 @@ BINARY = bytes(range(256)) * 4
 def good_files(tmp_path_factory):
     """A folder with one good file for every reader."""
     folder = tmp_path_factory.mktemp("good")
-    polygons = np.array([[0, 1, 2, 3]], np.int32)
-    vertices = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0.25]])
-    mesh = Mesh(vertices, polygons, vertices[:, :2], polygons)
-    write_obj(folder / "mesh.obj", mesh)
-    write_obj(folder / "face.obj", mesh)
-    for suffix in ("ply", "stl", "glb", "gltf"):
-        write_mesh(folder / f"mesh.{suffix}", mesh)
-    triangles = trimesh.Trimesh(mesh.vertices, mesh.faces, process=False)
-    (folder / "text.ply").write_bytes(export_ply(triangles, encoding="ascii"))
-    (folder / "text.stl").write_text(export_stl_ascii(triangles))
-    face = Face(Mesh(vertices, np.array([[0, 1, 2], [0, 2, 3]])), latent=np.arange(3.0), model_id="pca")
-    write_face(folder / "face.npz", face)
-    np.savez(folder / "arrays.npz", x=np.arange(4.0), y=np.array("text"))
-    points = np.stack([np.arange(68.0), np.arange(68.0) ** 2], axis=1)
-    for suffix in ("json", "pts", "txt", "npy"):
-        write_landmarks(folder / f"landmarks.{suffix}", Landmarks(points, (5000, 5000)))
-    picture = np.arange(8 * 8 * 3, dtype=np.uint8).reshape(8, 8, 3)
-    write_png(folder / "picture.png", picture)
-    Image.fromarray(picture).save(folder / "picture.jpg")
-    (folder / "value.json").write_text('{"a": [1, 2.5, null, true, "x"], "b": {}}')
-    (folder / "settings.yaml").write_text("steps: 4\nrate: 1e-3\nwidths: [1, 2]\n")
-    write_checkpoint(folder / "model.safetensors", {"x": np.arange(3.0)}, {"kind": "pca"})
+    for name, (_, write) in FORMATS.items():
+        write(folder / name)
     return folder
 
 

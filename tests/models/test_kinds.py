@@ -12,6 +12,11 @@ def test_the_classes_of_a_kind_are_found_by_its_name(kind):
     assert config_class(kind)().seed == 0
 
 
+def test_every_kind_has_tests(tested_kinds):
+    """What every shape model must do, or a file of its own where a model is not trained on shapes alone."""
+    assert set(KINDS) == {*tested_kinds, "deformable", "morphable"}
+
+
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_class_is_imported_only_when_it_is_asked_for(kind):
     """Nobody who asks for settings, or for a model of arrays, waits for torch."""

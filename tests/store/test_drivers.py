@@ -1,11 +1,12 @@
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from caricli.errors import InputError
 from caricli.io.landmarks import write_landmarks
-from caricli.io.mesh import write_mesh
+from caricli.io.mesh import MESH_SUFFIXES, write_mesh
 from caricli.io.rig import write_rig
 from caricli.methods.expressions.retarget_rig import DrivingLandmarks, DrivingMesh
 from caricli.store.drivers import is_driving_mesh, load_driven_rig, load_drivers
@@ -41,6 +42,23 @@ def test_meshes_and_landmarks_drive(files, model):
         drivers.row(other)
     with pytest.raises(InputError, match="ball.obj: expected the topology"):
         load_drivers(files, model, whole=True)
+
+
+@pytest.mark.parametrize("suffix", MESH_SUFFIXES)
+def test_meshes_of_every_format_drive(head_template, model, suffix, tmp_path):
+    path = tmp_path / f"head{suffix}"
+    write_mesh(path, head_template)
+    assert is_driving_mesh(path)
+    if suffix == ".stl":  # which numbers vertices anew
+        with pytest.raises(InputError, match="head.stl: expected the topology"):
+            load_drivers([path], model, whole=True)
+    else:
+        assert isinstance(load_drivers([path], model).faces[path], DrivingMesh)
+
+
+def test_other_files_do_not_drive_as_meshes():
+    assert is_driving_mesh(Path("face.npz"))
+    assert not any(is_driving_mesh(Path(f"marks{suffix}")) for suffix in (".json", ".pts", ".txt", ".npy"))
 
 
 def test_the_first_pixel_of_pts_files_is_1_or_0(files, model):

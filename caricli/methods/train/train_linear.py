@@ -1,7 +1,7 @@
 """The models that come from decompositions: trained, and measured as they are written."""
 
 from dataclasses import asdict, dataclass
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -11,15 +11,11 @@ from caricli.methods.evaluate.evaluate_shape import ShapeError, evaluate_splits,
 from caricli.methods.evaluate.measure_separation import measure_separation
 from caricli.methods.train.stages import Report, unwatched
 from caricli.models.checkpoint import model_from_checkpoint, model_to_checkpoint
-from caricli.models.intrinsic.config import IntrinsicConfig
-from caricli.models.kernel.config import KernelConfig
+from caricli.models.config import TrainingConfig
 from caricli.models.kinds import model_class
 from caricli.models.morphable.config import MorphableConfig
 from caricli.models.morphable.model import MorphableModel, MorphableShapes
-from caricli.models.pca.config import PcaConfig
-from caricli.models.shape_model import ShapeModel
-
-LinearSettings = PcaConfig | IntrinsicConfig | KernelConfig | MorphableConfig
+from caricli.models.shape_model import ComponentModel, ShapeModel
 
 FEWEST = 3
 """Training meshes: two directions, which is the least that a space of shapes can have."""
@@ -49,22 +45,24 @@ class LinearTraining:
 
 
 def train_linear(
-    kind: str, data: Dataset, config: LinearSettings, recipe: dict, report: Report = unwatched
+    kind: str, data: Dataset, config: TrainingConfig, recipe: dict, report: Report = unwatched
 ) -> LinearTraining:
     """Train a model of components on a dataset's training meshes and measure it on all splits.
 
-    kind: of models/kinds.py, one with LinearSettings. recipe: JSON object, how it is trained, for the checkpoint.
+    kind: of models/kinds.py, morphable or one whose class is a ComponentModel. recipe: JSON object, how it is trained,
+    for the checkpoint.
     Raises InputError when there are too few meshes, NumericsError when all are the same.
     """
     report(0, 2)
     rows = split_rows(data, "train", FEWEST)
     shapes = data.vertices[rows]
+    trained: ShapeModel
     if isinstance(config, MorphableConfig):
         albedos = random_albedos(data.template, config.seed)
         people = MorphableShapes(shapes, data.identity[rows], data.expression[rows], albedos)
         trained = MorphableModel.train(data.template, people, config)
     else:
-        trained = model_class(kind).train(data.template, shapes, config)
+        trained = cast(type[ComponentModel], model_class(kind)).train(data.template, shapes, config)
     report(1, 2)
     checkpoint = model_to_checkpoint(trained, recipe)
     model = model_from_checkpoint(*checkpoint, f"the trained {kind} model")

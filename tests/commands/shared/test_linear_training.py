@@ -12,8 +12,13 @@ from caricli.methods.evaluate.evaluate_shape import evaluate_shape
 from caricli.models.kinds import KINDS
 from caricli.store.models import load_model
 
+TRAINED = ["pca", "intrinsic", "kernel"]
+"""Kinds of the fixture ``models``."""
 
-@pytest.mark.parametrize("kind", ["pca", "intrinsic", "kernel"])
+BUNDLED = [kind for kind in KINDS if asset_path(f"{kind}.safetensors").is_file()]
+
+
+@pytest.mark.parametrize("kind", TRAINED)
 def test_a_model_is_written_that_rebuilds_itself_with_a_report(models, dataset, kind):
     model, report = load_model(models[kind]), read_json(models[kind].with_suffix(".json"))
     assert model.kind == kind and len(model.prior.mean) == 5
@@ -28,7 +33,7 @@ def test_a_model_is_written_that_rebuilds_itself_with_a_report(models, dataset, 
     assert 0 < report["shape_error"]["train"]["percent"] < report["shape_error"]["test"]["percent"] < 10
 
 
-@pytest.mark.parametrize("kind", ["pca", "intrinsic", "kernel"])
+@pytest.mark.parametrize("kind", TRAINED)
 def test_same_data_same_bytes(run, models, dataset, tmp_path, kind):
     out = tmp_path / "again.safetensors"
     assert run("train", kind, "--data", dataset, "--out", out, "--set", "dimension=5").exit_code == 0
@@ -46,7 +51,7 @@ def test_settings_come_from_a_file_and_from_the_line(run, dataset, tmp_path):
         assert len(load_model(out).prior.mean) == dimension
 
 
-@pytest.mark.parametrize("kind", ["pca", "intrinsic", "kernel"])
+@pytest.mark.parametrize("kind", TRAINED)
 def test_bad_input_is_one_line_and_leaves_nothing(refused, dataset, tmp_path, kind):
     out = tmp_path / "new" / "m.safetensors"
 
@@ -87,7 +92,11 @@ def test_too_few_training_meshes_are_refused(refused, dataset, tmp_path):
     assert "0 meshes, at least 3" in said
 
 
-@pytest.mark.parametrize("kind", KINDS)
+def test_five_models_are_bundled():
+    assert set(BUNDLED) >= {"pca", "intrinsic", "kernel", "deformable", "morphable"}
+
+
+@pytest.mark.parametrize("kind", BUNDLED)
 def test_the_bundled_models_are_small_and_come_with_recipe_and_error(kind):
     path = asset_path(f"{kind}.safetensors")
     assert path.stat().st_size <= 16e6
