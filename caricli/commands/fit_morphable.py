@@ -68,6 +68,6 @@ def command(
     if note:
         click.echo(note, err=True)
     fit = partial(fit_morphable, model=shape_model, weights=MorphableWeights(*weights), identity=kept)
-    about = {"weights": weights, "expression_only": expression_only}
+    about = {"model_id": shape_model.model_id, "weights": weights, "expression_only": expression_only}
     task = FitTask("fit-morphable", files, shape_model, levels, fit, about, inputs=[model], sources=[identity])
     run_batch(ctx, files.jobs(), task.run, "faces")

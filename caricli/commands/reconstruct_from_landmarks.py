@@ -62,6 +62,6 @@ def command(ctx, landmarks, out, out_dir, image, method, model, prior_weight, pt
     shape_model = load_model(model, DEFAULT_ELASTIC if method == "intrinsic" else DEFAULT_LATENT)
     shape_model.prepare()
     fit = partial(fit_landmarks, model=shape_model, method=method, prior_weight=prior_weight)
-    about = {"method": method, "prior_weight": prior_weight}
+    about = {"method": method, "prior_weight": prior_weight, "model_id": shape_model.model_id}
     task = FitTask("reconstruct-from-landmarks", files, shape_model, levels, fit, about, inputs=[model])
     run_batch(ctx, files.jobs(), task.run, "faces")

@@ -84,8 +84,7 @@ class FitTask:
             finer = subdivide_face(fit.face, self.model, self.fine)
             write_mesh(mesh, finer.mesh)
             write_face(npz, fit.face)
-            about = {"model_id": self.model.model_id, "subdivide": self.levels, **self.about}
-            report = provenance(self.command, [path, picture, *self.sources], **about)
+            report = provenance(self.command, [path, picture, *self.sources], **self.about, subdivide=self.levels)
             write_json(json, report | fit.figures() | {"seconds": seconds})
             write_png(png, fit_sheet(fit.face, self.model.template, marks.points, pixels, fine=finer))
         return f"{target}: {fit.describe()}, {seconds:.2f} s"
