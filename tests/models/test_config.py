@@ -12,7 +12,7 @@ from caricli.models.kinds import KINDS, config_class
 from caricli.models.landmark_map.config import LandmarkMapConfig
 from caricli.models.morphable.config import MorphableConfig
 
-CONFIGS = {kind: config_class(kind) for kind in KINDS}
+CONFIGS: dict[str, type] = {kind: config_class(kind) for kind in KINDS}
 CONFIGS |= {"ablation": AblationConfig, "landmark_map": LandmarkMapConfig}
 FILES = sorted(config_path("").glob("*/*.yaml"))
 
