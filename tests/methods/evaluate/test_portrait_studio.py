@@ -1,20 +1,8 @@
 import numpy as np
 import pytest
 
-from caricli.methods.evaluate.portrait_studio import PortraitStudio
 from caricli.render.rasterise import rasterise
-
-SIZE = 128
-
-
-@pytest.fixture(scope="module")
-def studio(head_template):
-    return PortraitStudio(head_template, SIZE)
-
-
-@pytest.fixture(scope="module")
-def portrait(studio, strangers):
-    return studio.portray("someone", strangers[1], np.random.default_rng(4))
+from tests.methods.evaluate.conftest import SIZE
 
 
 def test_a_portrait_shows_the_face_where_its_camera_and_mask_say(portrait, head_template):

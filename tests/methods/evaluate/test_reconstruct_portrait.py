@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from caricli.geometry.deformation_gradients import rotation_matrices
-from caricli.methods.evaluate.portrait_studio import PortraitStudio
 from caricli.methods.evaluate.reconstruct_portrait import (
     ADJUSTED,
     COARSE,
@@ -16,18 +15,7 @@ from caricli.methods.evaluate.reconstruct_portrait import (
     reconstruct_portrait,
 )
 from caricli.structures import Face
-
-SIZE = 128
-
-
-@pytest.fixture(scope="module")
-def studio(head_template):
-    return PortraitStudio(head_template, SIZE)
-
-
-@pytest.fixture(scope="module")
-def portrait(studio, strangers):
-    return studio.portray("someone", strangers[1], np.random.default_rng(4))
+from tests.methods.evaluate.conftest import SIZE
 
 
 @pytest.fixture(scope="module")
