@@ -5,8 +5,8 @@ docs/python.md walks through them.
 """
 
 from importlib import import_module
-from typing import TYPE_CHECKING
 
+TYPE_CHECKING = False  # typing's own would have to be imported, and `caricli` listens to Ctrl-C only after it
 if TYPE_CHECKING:
     from caricli.errors import CaricliError
     from caricli.io.face import read_face, write_face

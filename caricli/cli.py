@@ -2,20 +2,16 @@
 
 import importlib
 import json
-import math
 import os
 import signal
 import sys
-import threading
-import time
 import traceback
-from contextlib import contextmanager
 from itertools import takewhile
 from typing import Any
 
 import click
 
-from caricli import __version__
+from caricli import __version__, signals
 from caricli.errors import CaricliError
 
 # What is typed: (module in caricli.commands, or None for a group; section of the help; short help).
@@ -116,10 +112,10 @@ class Caricli(LazyGroup):
         # Read by hand because they must count even where parsing itself fails; all options of the group are flags.
         flags = set(takewhile(lambda arg: arg.startswith("-"), args))
         try:
-            with _signals_raise():
+            with signals.raising():
                 status = super().main(args, prog_name, standalone_mode=False, **extra)
                 sys.stdout.flush()
-        except (Exception, _Stopped) as error:
+        except (Exception, signals.Stopped) as error:
             sys.exit(_report(error, debug="--debug" in flags, as_json="--json-errors" in flags))
         sys.exit(status if isinstance(status, int) else 0)  # an int is the code given to ctx.exit
 
@@ -146,52 +142,6 @@ def cli():
     Example:
       caricli reconstruct-from-landmarks landmarks.json --image drawing.png --out face.obj
     """
-
-
-def main():
-    """Run caricli as the process: the entry point of the package."""
-    cli.main()
-
-
-class _Stopped(SystemExit):
-    """A signal asked for an end. Not an Exception, so that nothing mistakes it for a failure it may swallow."""
-
-    def __init__(self, number: int) -> None:
-        """number: of the signal."""
-        super().__init__(number)
-        self.number = number
-
-
-@contextmanager
-def _signals_raise():
-    """Let SIGINT and SIGTERM raise `_Stopped` in the main thread, so that half-written outputs are removed on the way.
-
-    Code that runs worker processes must end them itself when `_Stopped` passes (for a ProcessPoolExecutor:
-    `shutdown(wait=False, cancel_futures=True)`); a terminal sends SIGINT to the workers too, so they should ignore it.
-    """
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    owner = os.getpid()
-    last = -math.inf
-
-    def stop(number, frame):
-        nonlocal last
-        if os.getpid() != owner:  # a forked worker inherits this handler and has nothing of its own to remove
-            signal.signal(number, signal.SIG_DFL)
-            os.kill(os.getpid(), number)
-        elif time.monotonic() - last > 1.0:  # timeout(1) and shells signal twice: do not interrupt the removal
-            last = time.monotonic()
-            raise _Stopped(number)
-
-    numbers = [n for n in (signal.SIGINT, signal.SIGTERM) if signal.getsignal(n) is not signal.SIG_IGN]
-    previous = {number: signal.signal(number, stop) for number in numbers}
-    try:
-        yield
-    finally:
-        # After a stop the process ends, and a second signal must not change how.
-        for number, handler in previous.items() if last == -math.inf else ():
-            signal.signal(number, handler)
 
 
 def _report(error: BaseException, debug: bool, as_json: bool) -> int:
@@ -224,7 +174,7 @@ def _kind_message_code(error: BaseException) -> tuple[str, str, int]:
             return "usage", error.format_message(), error.exit_code
         case click.ClickException():
             return "failed", error.format_message(), error.exit_code
-        case _Stopped():
+        case signals.Stopped():
             return "stopped", f"stopped by {signal.Signals(error.number).name}", 128 + error.number
         case click.Abort():
             return "stopped", "stopped by SIGINT", 130

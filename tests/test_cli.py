@@ -12,7 +12,6 @@ import pytest
 from click.testing import CliRunner
 
 import caricli
-from caricli import cli as cli_module
 from caricli.cli import COMMANDS, cli
 from caricli.errors import CaricliError, InputError, NumericsError, OutputError
 
@@ -267,8 +266,8 @@ def test_full_disk_under_stdout_is_one_line():
     assert stderr == "caricli: error: No space left on device\n"
 
 
-def test_main_runs_the_group(monkeypatch):
-    monkeypatch.setattr(sys, "argv", ["caricli", "--version"])
-    with pytest.raises(SystemExit) as end:
-        cli_module.main()
-    assert end.value.code == 0
+def test_the_entry_point_runs_the_group():
+    code = "from caricli.__main__ import main; main()"
+    done = subprocess.run([sys.executable, "-c", code, "--version"], capture_output=True, text=True, env=environment())
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout.startswith("caricli, version")

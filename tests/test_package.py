@@ -61,7 +61,7 @@ def test_wheel_holds_code_assets_and_configs_and_runs_alone(installed, tmp_path)
 
     (info,) = installed.glob("*.dist-info")
     assert info.name == f"caricli-{caricli.__version__}.dist-info"
-    assert "caricli = caricli.cli:main" in (info / "entry_points.txt").read_text()
+    assert "caricli = caricli.__main__:main" in (info / "entry_points.txt").read_text()
     assert (info / "licenses" / "LICENSE").exists()
 
     where = run_installed(installed, tmp_path, "-c", "import caricli; print(caricli.__file__)")

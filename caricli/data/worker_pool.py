@@ -4,6 +4,7 @@ import contextlib
 import multiprocessing
 import os
 import signal
+import threading
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
@@ -12,6 +13,7 @@ from typing import Any
 
 from threadpoolctl import threadpool_limits
 
+from caricli import signals
 from caricli.errors import CaricliError
 
 _worker: Any = None
@@ -20,7 +22,7 @@ _worker: Any = None
 
 @contextlib.contextmanager
 def worker_pool(workers: int | None, make: Callable[[], Any]) -> Iterator[Callable]:
-    """Processes that end with the context whatever happens.
+    """Processes that end with the context whatever happens, and with this process, however it ends.
 
     workers: how many; None for one per usable core. make: called once a process, and what it returns is the first
     argument of all work there; as all that goes to a process, it must be of a module.
@@ -34,7 +36,8 @@ def worker_pool(workers: int | None, make: Callable[[], Any]) -> Iterator[Callab
     except BrokenProcessPool as error:
         raise CaricliError("a worker process was ended from outside; is there enough memory?") from error
     finally:
-        pool.shutdown(cancel_futures=True)
+        with signals.held():
+            pool.shutdown(cancel_futures=True)
 
 
 def _usable_cores() -> int | None:
@@ -45,7 +48,8 @@ def _run(pool: ProcessPoolExecutor, function: Callable, jobs: Iterable) -> Itera
     # Workers start here and inherit the mask, so that Ctrl-C, which reaches them too, is left to the parent.
     previous = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
-        return pool.map(partial(_work, function), jobs)
+        with signals.held():  # a pool that is stopped while it starts a worker does not know of it
+            return pool.map(partial(_work, function), jobs)
     finally:
         signal.pthread_sigmask(signal.SIG_SETMASK, previous)
 
@@ -58,8 +62,17 @@ def _start(make: Callable[[], Any]) -> None:
     # Ctrl-C reaches the whole process group; the parent ends the workers.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    threading.Thread(target=_end_with_parent, daemon=True).start()
     threadpool_limits(1)
     _worker = make()
+
+
+def _end_with_parent() -> None:
+    """A parent that was killed tells nobody, and a worker would wait for its next job for ever."""
+    parent = multiprocessing.parent_process()
+    assert parent is not None
+    parent.join()
+    os._exit(1)
 
 
 def _work(function: Callable, job: Any) -> Any:

@@ -8,6 +8,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
+from caricli import signals
 from caricli.errors import OutputError, shown
 
 _PREFIX = ".caricli-"
@@ -173,49 +174,58 @@ def _staging(parents: set[Path]) -> Iterator[dict[Path, Path]]:
     folders: dict[Path, Path] = {}
     try:
         for parent in sorted(parents):
-            for folder in reversed([parent, *parent.parents]):
-                if not folder.is_dir():
-                    with writing(folder):
-                        folder.mkdir()
-                    created.append(folder)
-            with writing(parent):
-                folders[parent] = Path(tempfile.mkdtemp(prefix=_PREFIX, dir=parent))
+            with signals.held():
+                for folder in reversed([parent, *parent.parents]):
+                    if not folder.is_dir():
+                        with writing(folder):
+                            folder.mkdir()
+                        created.append(folder)
+                with writing(parent):
+                    folders[parent] = Path(tempfile.mkdtemp(prefix=_PREFIX, dir=parent))
         yield folders
     finally:
-        for folder in folders.values():
-            shutil.rmtree(folder, ignore_errors=True)
-        for folder in reversed(created):
-            # After success the folder holds an output, and rmdir leaves it alone.
-            with suppress(OSError):
-                folder.rmdir()
+        with signals.held():
+            for folder in folders.values():
+                shutil.rmtree(folder, ignore_errors=True)
+            for folder in reversed(created):
+                # After success the folder holds an output, and rmdir leaves it alone.
+                with suppress(OSError):
+                    folder.rmdir()
 
 
 def _publish(temporaries: Sequence[Path], finals: Sequence[Path], paths: Sequence[str | Path], overwrite: bool) -> None:
-    """Give the finished files their places; what fails half way is taken back."""
+    """Give the finished files their places; what fails or is stopped half way is taken back."""
     moved: list[tuple[Path, Path, Path | None]] = []
-    try:
-        for temporary, final, path in zip(temporaries, finals, paths, strict=True):
-            backup = None
-            if final.exists():
-                if not overwrite:
+    with signals.held():
+        try:
+            for temporary, final, path in zip(temporaries, finals, paths, strict=True):
+                if final.exists() and not overwrite:
                     raise OutputError(f"{shown(path)} exists; give --overwrite to replace it")
-                backup = temporary.with_name(f".replaced-{len(moved)}")
-                try:
-                    # A second name keeps the old file in its place until the new one replaces it.
-                    os.link(final, backup)
-                except OSError:
-                    os.replace(final, backup)
-            moved.append((temporary, final, backup))
-            os.replace(temporary, final)
-    except BaseException:
-        for temporary, final, backup in reversed(moved):
-            if not temporary.exists():
-                os.replace(final, temporary)
-            if backup is not None:
-                os.replace(backup, final)
-        raise
+                backup = _keep(final, temporary.with_name(f".replaced-{len(moved)}"))
+                moved.append((temporary, final, backup))
+                os.replace(temporary, final)
+            signals.raise_if_asked()
+        except BaseException:
+            for temporary, final, backup in reversed(moved):
+                if not temporary.exists():
+                    os.replace(final, temporary)
+                if backup is not None:
+                    os.replace(backup, final)
+            raise
     for parent in {final.parent for final in finals}:
         _sync_folder(parent)
+
+
+def _keep(final: Path, backup: Path) -> Path | None:
+    """Keep what stands in an output's place under another name; None when nothing does."""
+    if not final.exists():
+        return None
+    try:
+        # A second name keeps the old file in its place until the new one replaces it.
+        os.link(final, backup)
+    except OSError:
+        os.replace(final, backup)
+    return backup
 
 
 def _sync(path: str | Path) -> None:

@@ -93,6 +93,12 @@ def wait_for(condition, seconds=60):
     return value
 
 
+def start(out, *options):
+    command = [sys.executable, "-m", "caricli", "dataset", "build", str(out), "--workers", "2", *options]
+    environment = os.environ | {"PYTHONPATH": str(ROOT), "OMP_NUM_THREADS": "1"}
+    return subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+
+
 @pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="looks for workers in /proc")
 @pytest.mark.parametrize(
     ("number", "used", "options"),
@@ -105,9 +111,7 @@ def wait_for(condition, seconds=60):
 def test_a_signal_leaves_nothing_behind_and_nobody_running(tmp_path, number, used, options):
     # Workers that have used no time are starting up, those that have used two seconds are making meshes.
     out = tmp_path / "deep" / "dataset"
-    command = [sys.executable, "-m", "caricli", "dataset", "build", str(out), "--workers", "2", *options]
-    environment = os.environ | {"PYTHONPATH": str(ROOT), "OMP_NUM_THREADS": "1"}
-    process = subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    process = start(out, *options)
     try:
         workers = wait_for(lambda: len(w := workers_of(process.pid)) == 2 and w)
         wait_for(lambda: all(seconds_of(worker) >= used for worker in workers))
@@ -120,4 +124,17 @@ def test_a_signal_leaves_nothing_behind_and_nobody_running(tmp_path, number, use
     assert stdout == ""
     assert stderr == f"caricli: error: stopped by {number.name}\n"
     assert list(tmp_path.iterdir()) == []
+    wait_for(lambda: not any(Path(f"/proc/{worker}").exists() for worker in workers), 10)
+
+
+@pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="looks for workers in /proc")
+@pytest.mark.parametrize("used", [0.0, 2.0])
+def test_workers_end_with_a_parent_that_was_killed(tmp_path, used):
+    process = start(tmp_path / "dataset", "--count", "400")
+    try:
+        workers = wait_for(lambda: len(w := workers_of(process.pid)) == 2 and w)
+        wait_for(lambda: all(seconds_of(worker) >= used for worker in workers))
+    finally:
+        process.kill()
+    process.communicate(timeout=60)  # a worker that stays holds the pipes
     wait_for(lambda: not any(Path(f"/proc/{worker}").exists() for worker in workers), 10)
