@@ -26,7 +26,7 @@ TINY = "--set epochs=2 --set points=32 --set width=16 --set hidden=16 --set late
 COMMANDS = f"""
 template export head.obj
 template export open.obj --open-mouth
-dataset build dataset --identities 4 --expressions 3 --levels 2 --workers 2 --albedo 2 --albedo-size 32
+dataset build dataset --identities 4 --expressions 3 --levels 2 --seed 5 --workers 2 --albedo 2 --albedo-size 32
 dataset build drawn --count 6 --identities 5 --workers 2
 dataset show dataset -o show.png --faces 4 --size 48
 sample --out-dir sampled --count 3 --seed 3 --subdivide 1

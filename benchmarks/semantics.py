@@ -1,7 +1,8 @@
 """Semantic directions and caricatures, measured on faces of people that no model has seen.
 
 Usage: python benchmarks/semantics.py DATASET [MODEL [DIRECTIONS]]. DATASET is the one of pipelines/bundled_models, made
-by `caricli dataset build`; MODEL is a bundled kind or a file (default: kernel). The last line is JSON.
+by `caricli dataset build`; MODEL is a bundled kind or a file (default: kernel). Whom model and directions were trained
+with is left out. The last line is JSON.
 
 Labels: cross-validated AUC; the share of 100 test faces on which -2, 0 and +2 standard deviations measure in rising
 order; and how much of the change of the attribute that changes most beside the label is left with --keep. Caricatures:
@@ -18,6 +19,7 @@ import numpy as np
 from caricli.data.attributes import measure_attributes
 from caricli.data.dataset import read_dataset
 from caricli.data.regular_face import regular_faces
+from caricli.data.unseen import unseen_data
 from caricli.errors import InputError
 from caricli.methods.edit.caricaturize_face import LABEL, caricaturize_face, exaggeration
 from caricli.methods.edit.edit_semantic import SemanticEdit, edit_semantic, label_direction
@@ -158,6 +160,9 @@ def main():
     kind = sys.argv[2] if len(sys.argv) > 2 else DEFAULT_LATENT
     model = load_model(Path(kind)) if Path(kind).is_file() else load_model(kind=kind)
     directions = load_directions(model, Path(sys.argv[3]) if len(sys.argv) > 3 else None)
+    unseen = unseen_data(data, {"model": model.seen, "directions": directions.seen})
+    data = unseen.data
+    print(f"{unseen.test} of {unseen.of} test people")
     rows, modes = [], []
     print(f"{'label':16}{'AUC':>7}{'rising':>8}   change of another by +{FAR:g}: without and with --keep")
     for row in labels(data, model, directions):

@@ -9,6 +9,7 @@ import numpy as np
 from caricli.errors import InputError, naming, shown
 from caricli.models.kinds import KINDS, model_class
 from caricli.models.shape_model import ShapeModel
+from caricli.structures import SeenPeople
 from caricli.template.annotation import parse_annotation
 from caricli.template.template import Template
 
@@ -48,10 +49,13 @@ def model_from_checkpoint(tensors: Mapping[str, np.ndarray], metadata: Mapping[s
     try:
         template = _template(tensors, metadata["annotation"], where)
         own = {name.removeprefix("model."): value for name, value in tensors.items() if name.startswith("model.")}
-        return model_class(kind).from_tensors(template, own, model_id(kind, own))
+        model = model_class(kind).from_tensors(template, own, model_id(kind, own))
     except (KeyError, ValueError, IndexError, TypeError, np.linalg.LinAlgError) as error:
         problem = f"{type(error).__name__} {shown(error, 200)}"
         raise InputError(f"{shown(where)}: not a valid model: {problem}") from error
+    with naming(where):
+        model.seen = SeenPeople.of_recipe(metadata.get("recipe"))
+    return model
 
 
 def model_id(kind: str, tensors: Mapping[str, np.ndarray]) -> str:

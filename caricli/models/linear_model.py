@@ -6,11 +6,14 @@ from scipy.sparse import csr_matrix
 from caricli.geometry.per_column import per_column
 from caricli.models.linear_basis import LinearBasis
 from caricli.models.prior import Prior
+from caricli.structures import SeenPeople
 from caricli.template.template import Template
 
 
 class LinearModel:
     """vertices = mean + latent @ basis; a latent is in standard deviations of the training shapes."""
+
+    seen: SeenPeople | None = None
 
     def __init__(self, template: Template, basis: LinearBasis, model_id: str, noise: float = 0.0) -> None:
         """basis: metres. model_id: see ShapeModel.

@@ -7,6 +7,7 @@ import numpy as np
 from scipy.sparse import csr_matrix
 
 from caricli.models.prior import Prior
+from caricli.structures import SeenPeople
 from caricli.template.template import Template
 
 
@@ -15,12 +16,14 @@ class ShapeModel(Protocol):
 
     ``kind`` names the class in a checkpoint. ``model_id`` names the weights, the SHA-256 of ``tensors()`` as
     ``checkpoint.model_id`` takes it; it is "" where the model does not come out of a checkpoint.
+    ``seen`` says whom it was trained with; None where the checkpoint does not.
     """
 
     kind: str
     model_id: str
     template: Template
     prior: Prior
+    seen: SeenPeople | None
 
     def prepare(self) -> None:
         """Factor what fits need, so that the first one takes no longer than the others."""

@@ -6,6 +6,7 @@ from caricli.structures.face import Face
 from caricli.structures.landmarks import Landmarks
 from caricli.structures.mesh import Mesh
 from caricli.structures.rig import Material, Rig
+from caricli.structures.seen_people import SeenPeople
 from caricli.structures.track import Animation, Track
 
-__all__ = ["Animation", "Camera", "Directions", "Face", "Landmarks", "Material", "Mesh", "Rig", "Track"]
+__all__ = ["Animation", "Camera", "Directions", "Face", "Landmarks", "Material", "Mesh", "Rig", "SeenPeople", "Track"]

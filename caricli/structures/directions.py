@@ -6,6 +6,7 @@ import numpy as np
 
 from caricli.errors import shown
 from caricli.structures.checks import refuse
+from caricli.structures.seen_people import SeenPeople
 
 _UNIT = 1e-3
 _FINITE = ("normals", "gradients", "auc", "cost", "change", "people")
@@ -61,6 +62,11 @@ class Directions:
             if not np.isfinite(getattr(self, key)).all():
                 refuse(f"{key}: expected finite numbers, found others")
         self._check_ranges()
+
+    @property
+    def seen(self) -> SeenPeople | None:
+        """Whom they were trained with; None where the recipe does not say. Raises InputError."""
+        return SeenPeople.of_recipe(self.recipe)
 
     @property
     def figures(self) -> dict[str, dict[str, float]]:

@@ -5,6 +5,7 @@ from typing import Any
 
 import click
 
+from caricli.commands.shared.notes import echo_notes
 from caricli.commands.shared.options import PATH, data_option, out_option, overwrite_option, seed_option
 from caricli.commands.shared.tables import number, print_table
 from caricli.errors import naming
@@ -29,7 +30,11 @@ _COLUMNS = {
 @data_option
 @out_option("DIR", "Write blendshapes.json, with every figure, and blendshapes.png into this folder.")
 @click.option("--count", type=click.IntRange(1, 10_000), default=50, metavar="N", help="Measure at most N caricatures.")
-@click.option("--everyone", is_flag=True, help="Take all people, for a dataset that no model was trained on.")
+@click.option(
+    "--everyone",
+    is_flag=True,
+    help="Take all people that the models were not trained with, not only those of the test split.",
+)
 @click.option(
     "--given",
     type=click.Choice(["neutral", "any"]),
@@ -49,6 +54,7 @@ def command(dataset, out, count, everyone, given, faces, seed, overwrite):
     far a caricature moves where the normal face hardly does, which changes who it is; strength, how far where that one
     moves clearly, as a share of its way; excess, how much farther on average; structure, how much the cosines between
     expressions differ from the normal face's. With --face the methods are drawn on real drawings, too.
+    Nobody is measured whom one of the models was trained with: build the dataset with another --seed.
 
     \b
     Example:
@@ -56,6 +62,7 @@ def command(dataset, out, count, everyone, given, faces, seed, overwrite):
       caricli evaluate blendshapes --data grid --everyone --given any --face drawing.npz --out expressions
     """
     from caricli.data.dataset import read_dataset
+    from caricli.data.unseen import unseen_data
     from caricli.methods.evaluate.blendshape_sheet import BlendshapeSheet
     from caricli.methods.evaluate.evaluate_blendshapes import dataset_caricatures, dataset_expressions
     from caricli.store.datasets import dataset_files
@@ -69,16 +76,16 @@ def command(dataset, out, count, everyone, given, faces, seed, overwrite):
         check_topology(tools.morphable.template, data.template, "the bundled morphable model")
         with naming(dataset):
             tools = replace(tools, expressions=dataset_expressions(data, tools.actions.names))
-            caricatures = dataset_caricatures(data, everyone, count)
+            unseen = unseen_data(data, tools.seen, everyone)
+            caricatures = dataset_caricatures(unseen.data, count)
         drawings = {path.stem: load_caricature(path, tools) for path in faces}
         sheet = BlendshapeSheet(tools, SHOWN, SIZE)
         tally = _evaluate(caricatures, given, seed, sheet)
-        for name, (face, pictures) in drawings.items():
-            sheet.add_face(name, face, pictures.load())
+        _add_drawings(sheet, drawings)
         recipe = provenance("evaluate blendshapes", [dataset / "dataset.json", *faces], seed, given=given)
-        write_json(folder / "blendshapes.json", recipe | tally.summary)
+        write_json(folder / "blendshapes.json", recipe | unseen.figures | tally.summary)
         write_png(folder / "blendshapes.png", sheet.image)
-    _print(tally)
+    _print(tally, unseen.note)
 
 
 def _evaluate(caricatures: list, given: str, seed: int, sheet: Any) -> Any:
@@ -97,8 +104,15 @@ def _evaluate(caricatures: list, given: str, seed: int, sheet: Any) -> Any:
     return tally
 
 
-def _print(tally: Any) -> None:
-    """Print a ComparisonTally: means by method, then errors by expression."""
+def _add_drawings(sheet: Any, drawings: dict) -> None:
+    """Add pairs of a Face and its pictures, by name, to a BlendshapeSheet."""
+    for name, (face, pictures) in drawings.items():
+        sheet.add_face(name, face, pictures.load())
+
+
+def _print(tally: Any, note: str | None) -> None:
+    """Print a ComparisonTally: means by method, then errors by expression, and on stderr what else is to be said."""
+    echo_notes(note)
     means = tally.means
     rows = [
         (name, *(number(row.get(key), digits) for key, (_, digits) in _COLUMNS.items())) for name, row in means.items()

@@ -5,6 +5,7 @@ from typing import Any
 import click
 import numpy as np
 
+from caricli.commands.shared.notes import echo_notes
 from caricli.commands.shared.options import (
     PATH,
     FiniteRange,
@@ -63,7 +64,8 @@ def command(dataset, out, count, noise, pictures, pts_origin, seed, overwrite):
     The portraits are test faces of a dataset, rendered in random poses and colours, and real pictures if there are any.
     Landmark errors are in percent of the landmarks' diagonal; the photometric error is the mean difference of colour to
     the picture inside the head, of full scale; the 3D error is the mean distance of the face's vertices after alignment
-    in percent of the head's height. Seconds are without the texture.
+    in percent of the head's height. Seconds are without the texture. Whom the models were trained with is left out of
+    the test faces.
 
     \b
     Example:
@@ -71,6 +73,7 @@ def command(dataset, out, count, noise, pictures, pts_origin, seed, overwrite):
       caricli evaluate portrait --data dataset --count 10 --pictures drawings --out portraits
     """
     from caricli.data.dataset import read_dataset
+    from caricli.data.unseen import unseen_data
     from caricli.methods.evaluate.evaluate_portrait import PICTURES, RENDERED, RenderedPortraits, RenderSettings
     from caricli.store.datasets import dataset_files
     from caricli.store.portraits import load_portrait, load_rivals, portrait_files
@@ -83,13 +86,15 @@ def command(dataset, out, count, noise, pictures, pts_origin, seed, overwrite):
         models = load_rivals(data.template)
         sets = {PICTURES: [load_portrait(*pair, pts_origin) for pair in pairs]}
         with naming(dataset):
-            sets = {RENDERED: RenderedPortraits(data, RenderSettings(count, SIZE, noise, seed))} | sets
+            unseen = unseen_data(data, {kind: model.seen for kind, model in models.items()})
+            sets = {RENDERED: RenderedPortraits(unseen.data, RenderSettings(count, SIZE, noise, seed))} | sets
         tally, sheet = _evaluate(sets, models)
         recipe = provenance("evaluate portrait", [dataset / "dataset.json", *files], seed)
         about = {"noise": noise, "size": SIZE, "texture": TEXTURE}
         about["models"] = {kind: model.model_id for kind, model in models.items()}
-        write_json(folder / "portrait.json", recipe | about | tally.summary)
+        write_json(folder / "portrait.json", recipe | about | unseen.figures | tally.summary)
         write_png(folder / "portrait.png", sheet)
+    echo_notes(unseen.note)
     _print(tally)
 
 

@@ -7,7 +7,9 @@ from typing import Any
 
 import click
 
+from caricli.commands.shared.notes import echo_notes
 from caricli.commands.shared.options import PATH, data_option, each_bundled, overwrite_option
+from caricli.errors import naming
 from caricli.io.outputs import staged
 from caricli.io.provenance import provenance
 from caricli.io.strict_json import write_json
@@ -24,7 +26,8 @@ from caricli.io.strict_json import write_json
 def command(models, dataset, out, count, overwrite):
     """Print the shape error of models on the splits of a dataset, in mm and percent of the head's height.
 
-    A MODEL is a file, or the kind of one that comes with caricli, such as pca.
+    A MODEL is a file, or the kind of one that comes with caricli, such as pca. Whom one of them was trained with is
+    left out of the test split for all, which takes a dataset of another --seed, or the models' own.
 
     \b
     Example:
@@ -33,24 +36,36 @@ def command(models, dataset, out, count, overwrite):
     """
     from caricli.commands.shared.tables import print_table
     from caricli.data.dataset import SPLITS, read_dataset
+    from caricli.data.unseen import unseen_data
     from caricli.methods.evaluate.evaluate_shape import evaluate_splits
     from caricli.store.datasets import dataset_files
-    from caricli.store.models import check_topology, load_model
 
     inputs = (*models, *dataset_files(dataset))
     rows = []
     results = {}
     with staged(out, overwrite=overwrite, inputs=inputs) if out else nullcontext([None]) as (temporary,):
         data = read_dataset(dataset)
-        for path in models:
-            model = load_model(path)
-            check_topology(model.template, data.template, path)
-            errors = evaluate_splits(model, data, count=count or 0)
+        loaded = {path: _of_mesh(path, data) for path in models}
+        with naming(dataset):
+            unseen = unseen_data(data, {str(path): model.seen for path, model in loaded.items()})
+        for path, model in loaded.items():
+            errors = evaluate_splits(model, unseen.data, count=count or 0)
             results[str(path)] = {split: asdict(error) for split, error in errors.items()}
             rows.append((*_about(path, model), *(_cell(errors.get(split)) for split in SPLITS), _spread(errors)))
         if temporary:
-            write_json(temporary, provenance("evaluate shape", [*models, dataset / "dataset.json"], models=results))
+            recipe = provenance("evaluate shape", [*models, dataset / "dataset.json"])
+            write_json(temporary, recipe | unseen.figures | {"models": results})
+    echo_notes(unseen.note)
     print_table(("model", "kind", "D", *(f"{split} mm (%)" for split in SPLITS), "test latent rms"), rows)
+
+
+def _of_mesh(path: Path, data: Any) -> Any:
+    """The ShapeModel of a file, which must be of a Dataset's mesh."""
+    from caricli.store.models import check_topology, load_model
+
+    model = load_model(path)
+    check_topology(model.template, data.template, path)
+    return model
 
 
 def _about(path: Path, model: Any) -> tuple[str, str, str]:

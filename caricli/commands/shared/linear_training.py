@@ -34,6 +34,7 @@ def train_and_write(
     from caricli.commands.shared.progress import progress_bar
     from caricli.commands.shared.tables import shape_errors
     from caricli.data.dataset import read_dataset
+    from caricli.data.unseen import seen_people
     from caricli.io.checkpoint import write_checkpoint
     from caricli.methods.train.train_linear import train_linear
     from caricli.models.kinds import config_class
@@ -49,6 +50,7 @@ def train_and_write(
     ):
         data = read_dataset(dataset)
         recipe = provenance(f"train {kind}", [dataset / "dataset.json"], settings.seed, config=asdict(settings))
+        recipe |= seen_people(data).as_recipe()
         training = train_linear(kind, data, settings, recipe, report)
         write_checkpoint(model_file, *training.checkpoint)
         write_json(report_file, recipe | training.figures)

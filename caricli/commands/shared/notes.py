@@ -5,7 +5,12 @@ import click
 
 def echo_result(line: str, *notes: str | None) -> None:
     """Print what came of it, after what is worth knowing besides, on stderr; a note that is None is none."""
+    echo_notes(*notes)
+    click.echo(line)
+
+
+def echo_notes(*notes: str | None) -> None:
+    """Print what is worth knowing besides, on stderr; a note that is None is none."""
     for note in notes:
         if note:
             click.echo(note, err=True)
-    click.echo(line)

@@ -48,6 +48,7 @@ def command(dataset, out, config, overrides, resume, device, template, overwrite
     from caricli.commands.shared.tables import shape_errors
     from caricli.commands.shared.training import chosen_device, network_points
     from caricli.data.dataset import read_dataset
+    from caricli.data.unseen import seen_people
     from caricli.methods.train.processes import training_processes
     from caricli.methods.train.train_deformable import train_deformable
     from caricli.models.deformable.config import DeformableConfig
@@ -58,6 +59,7 @@ def command(dataset, out, config, overrides, resume, device, template, overwrite
     with training_processes(place) as share:
         data = read_dataset(dataset)
         recipe = provenance("train deformable", [dataset / "dataset.json", template], config=asdict(settings))
+        recipe |= seen_people(data).as_recipe()
         run = TrainingRun(out, recipe, Beginning(resume, overwrite, writes=share.process == 0))
         training = train_deformable(data, network_points(data.template, template), settings, place, share)
         with training_bar(settings.epochs) as show:

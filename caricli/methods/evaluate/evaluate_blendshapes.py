@@ -125,14 +125,12 @@ def dataset_expressions(data: Dataset, action_names: Sequence[str]) -> dict[str,
     return {name: table[name] for name in (NEUTRAL, *(name for name in names if name != NEUTRAL))}
 
 
-def dataset_caricatures(data: Dataset, everyone: bool = False, count: int = 50) -> list[KnownCaricature]:
-    """Caricatures of a Dataset of whom every expression is there, at most ``count``, of as many people as there are.
+def dataset_caricatures(data: Dataset, count: int = 50) -> list[KnownCaricature]:
+    """Test people of a Dataset as caricatures, at most ``count``, of whom every expression is there.
 
-    everyone: not only people of the test split.
     Raises InputError where there are none.
     """
-    people = set(data.identity.tolist()) if everyone else data.manifest["splits"]["test"]
-    caricatures = known_caricatures(data, sorted(people))
+    caricatures = known_caricatures(data, sorted(data.manifest["splits"]["test"]))
     if not caricatures:
         raise InputError("expected caricatures with every expression, found none; build one without --count")
     chosen = np.unique(np.linspace(0, len(caricatures) - 1, count).round().astype(int))

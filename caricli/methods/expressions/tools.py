@@ -7,6 +7,7 @@ from caricli.methods.rig.expression_templates import ExpressionTemplates, combin
 from caricli.models.landmark_map.model import LandmarkMap
 from caricli.models.morphable.model import MorphableModel
 from caricli.models.shape_model import ShapeModel
+from caricli.structures import SeenPeople
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,6 +26,12 @@ class ExpressionTools:
     morphable: MorphableModel
     landmark_map: LandmarkMap
     latent: ShapeModel | None = None
+
+    @property
+    def seen(self) -> dict[str, SeenPeople | None]:
+        """By model, whom it was trained with."""
+        models = [self.morphable, *([self.latent] if self.latent else [])]
+        return {model.kind: model.seen for model in models} | {"landmark map": self.landmark_map.seen}
 
     @cached_property
     def templates(self) -> ExpressionTemplates:

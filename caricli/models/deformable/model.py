@@ -13,6 +13,7 @@ from caricli.geometry.gauss_newton import Damping
 from caricli.models.deformable.config import NetworkSize
 from caricli.models.deformable.networks import HyperSiren, siren
 from caricli.models.prior import Prior
+from caricli.structures import SeenPeople
 from caricli.template.template import Template
 
 _CHUNK = 8192
@@ -70,6 +71,7 @@ class DeformableModel:
     """
 
     kind = "deformable"
+    seen: SeenPeople | None = None
 
     def __init__(
         self, template: Template, network: HyperSiren, points: np.ndarray, prior: Prior, model_id: str = ""

@@ -13,6 +13,7 @@ from caricli.geometry.per_column import per_column
 from caricli.models.intrinsic.config import IntrinsicConfig
 from caricli.models.principal_components import principal_components
 from caricli.models.prior import Prior
+from caricli.structures import SeenPeople
 from caricli.structures.face import FEATURES
 from caricli.template.template import Template
 
@@ -30,6 +31,7 @@ class IntrinsicModel:
     """
 
     kind = "intrinsic"
+    seen: SeenPeople | None = None
 
     def __init__(
         self, template: Template, mean: np.ndarray, basis: np.ndarray, offset: np.ndarray, model_id: str = ""

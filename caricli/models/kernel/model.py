@@ -15,6 +15,7 @@ from caricli.models.kernel.config import KernelConfig
 from caricli.models.kernel.gaussian_process import GaussianProcess, gaussian_kernel
 from caricli.models.principal_components import principal_components
 from caricli.models.prior import Prior
+from caricli.structures import SeenPeople
 from caricli.template.template import Template
 
 # Three steps take what was decoded back to its latent to about 1e-8.
@@ -35,6 +36,7 @@ class KernelModel:
     """
 
     kind = "kernel"
+    seen: SeenPeople | None = None
 
     def __init__(
         self, template: Template, mean: np.ndarray, basis: np.ndarray, process: GaussianProcess, model_id: str = ""

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from caricli.errors import InputError, naming, shown
+from caricli.structures import SeenPeople
 from caricli.structures.landmarks import COUNT, EYE_LEFT, EYE_RIGHT, MOUTH, SCHEMES
 
 SCHEMA = "caricli.landmark-map/1"
@@ -51,11 +52,13 @@ class Domain:
 class LandmarkMap:
     """A map in both directions.
 
-    domains: Domain by DOMAINS. generators: arrays by GENERATOR_WEIGHTS by the domain that they lead to.
+    domains: Domain by DOMAINS. generators: arrays by GENERATOR_WEIGHTS by the domain that they lead to. seen: see
+    ShapeModel.
     """
 
     domains: dict[str, Domain]
     generators: dict[str, dict[str, np.ndarray]]
+    seen: SeenPeople | None = None
 
     def map_aligned(self, aligned: np.ndarray, to: str) -> np.ndarray:
         """Aligned landmarks (..., 68, 2) of the other domain to those of the domain ``to``."""
@@ -148,7 +151,8 @@ def map_from_checkpoint(tensors: Mapping[str, np.ndarray], metadata: Mapping[str
         if any((np.square(domain.basis).sum(1) == 0).any() for domain in domains.values()):
             raise InputError("expected principal components, found one of length zero")
     generators = {name: {key: arrays[f"to_{name}.{key}"] for key in GENERATOR_WEIGHTS} for name in DOMAINS}
-    return LandmarkMap(domains, generators)
+    with naming(where):
+        return LandmarkMap(domains, generators, SeenPeople.of_recipe(metadata.get("recipe")))
 
 
 def _check_tensor(name: str, tensor: np.ndarray | None, shape: tuple[int, ...]) -> None:

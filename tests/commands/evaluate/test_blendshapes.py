@@ -54,9 +54,8 @@ def test_any_expression_may_be_given(run, dataset, small, tmp_path):
 
 
 def test_without_caricatures_there_is_nothing_to_evaluate(refused, run, dataset, tmp_path):
-    assert (
-        run("dataset", "build", tmp_path / "calm", "--identities", 2, "--expressions", 2, "--levels", 1).exit_code == 0
-    )
+    sizes = ("--identities", 2, "--expressions", 2, "--levels", 1)
+    assert run("dataset", "build", tmp_path / "calm", *sizes, "--seed", 5).exit_code == 0
     said = refused(*COMMAND, "--data", tmp_path / "calm", "--everyone", "--out", tmp_path / "out")
     assert "calm: expected caricatures with every expression, found none; build one without --count" in said
     assert "dataset.json" in refused(*COMMAND, "--data", tmp_path, "--out", tmp_path / "out")
@@ -70,3 +69,13 @@ def test_without_caricatures_there_is_nothing_to_evaluate(refused, run, dataset,
         *COMMAND, "--data", other, "--out", tmp_path / "out"
     )
     assert not (tmp_path / "out").exists()
+
+
+def test_people_of_the_default_seed_were_trained_with(refused, run, tmp_path):
+    sizes = ("--identities", 2, "--expressions", 1, "--levels", 1)
+    assert run("dataset", "build", tmp_path / "calm", *sizes).exit_code == 0
+    data = ("--data", tmp_path / "calm")
+    said = refused(*COMMAND, *data, "--everyone", "--out", tmp_path / "out")
+    assert "calm: expected test people whom morphable and kernel and landmark map were not trained with" in said
+    assert "kernel" in refused("evaluate", "shape", "kernel", *data)
+    assert "trained with" in refused("evaluate", "portrait", *data, "--out", tmp_path / "out")

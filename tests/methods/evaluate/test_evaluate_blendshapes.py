@@ -29,11 +29,13 @@ def data():
 
 
 def test_caricatures_are_those_of_whom_every_expression_is_there_neutral_first(data):
-    everyone = dataset_caricatures(data, everyone=True)
+    data.manifest["splits"]["test"] = [2, 1, 0]
+    everyone = dataset_caricatures(data)
     assert [(caricature.identity, caricature.level) for caricature in everyone] == [(0, 2), (1, 2)]
     assert everyone[0].truth[:, 0, 0].tolist() == [3, 2]
+    assert len(dataset_caricatures(data, count=1)) == 1
+    data.manifest["splits"]["test"] = [1]
     assert [caricature.identity for caricature in dataset_caricatures(data)] == [1]
-    assert len(dataset_caricatures(data, everyone=True, count=1)) == 1
     data.manifest["splits"]["test"] = [2]
     with pytest.raises(InputError, match="expected caricatures with every expression, found none"):
         dataset_caricatures(data)

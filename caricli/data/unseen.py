@@ -1,0 +1,111 @@
+"""Tests with people whom no model has seen: the same seed gives the same people to every dataset."""
+
+import hashlib
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from caricli.data.dataset import SPLITS, Dataset
+from caricli.data.regular_face import has_partners
+from caricli.errors import InputError
+from caricli.structures import SeenPeople
+
+DIGITS = 12
+"""Hexadecimal ones of a fingerprint: among a million people two have the same by a chance of one in five hundred."""
+
+STEP = 1e-4
+"""Of what people are made of, all of it between -2 and 2: what machines make of the same draw differs by less."""
+
+
+@dataclass(frozen=True, eq=False)
+class UnseenData:
+    """A dataset whose splits name nobody whom models have seen before.
+
+    data: Dataset. test: people of its test split; of: how many there were. note: one line about them, or None where
+    there is nothing to say.
+    """
+
+    data: Dataset
+    test: int
+    of: int
+    note: str | None
+
+    @property
+    def figures(self) -> dict[str, dict[str, int]]:
+        """JSON object for a report."""
+        return {"test_people": {"unseen": self.test, "of": self.of}}
+
+
+def fingerprints(data: Dataset, split: str) -> dict[int, frozenset[str]]:
+    """What tells everybody of a split from others, whatever the number in the dataset.
+
+    A generated person is what the head was made of, so every expression and exaggeration is the same person. An
+    imported one is the set of meshes, by their vertices in single precision; one shared mesh is enough.
+    """
+    digests: dict[int, set[str]] = {int(person): set() for person in data.manifest["splits"][split]}
+    rows = np.flatnonzero(data.rows(split))
+    if has_partners(data):
+        # All meshes of a person are made of the same.
+        rows = rows[np.unique(data.identity[rows], return_index=True)[1]]
+    mark = _making if has_partners(data) else _shape
+    for row in rows:
+        digests[int(data.identity[row])].add(hashlib.sha256(mark(data, int(row))).hexdigest()[:DIGITS])
+    return {person: frozenset(marks) for person, marks in digests.items()}
+
+
+def seen_people(data: Dataset) -> SeenPeople:
+    """Whom a training on a Dataset sees."""
+    return SeenPeople(*(frozenset().union(*fingerprints(data, split).values()) for split in ("train", "validation")))
+
+
+def unseen_data(data: Dataset, seen: Mapping[str, SeenPeople | None], everyone: bool = False) -> UnseenData:
+    """Leave out of a dataset's splits whom models have seen.
+
+    A person of the test split goes where any of them was trained or validated with it; one of the validation split,
+    where trained. The training split stays.
+
+    seen: by what messages call the model; None for one that does not say. everyone: test with all people there are.
+    Raises InputError when there were test people and none remain.
+    """
+    if everyone:
+        splits = {"train": [], "validation": [], "test": sorted(set(data.identity.tolist()))}
+        data = replace(data, manifest=data.manifest | {"splits": splits})
+    kept = {split: _strangers(data, split, seen) for split in SPLITS}
+    people = data.manifest["splits"]["test"]
+    left = len(kept["test"])
+    guilty = [name for name in seen if len(_strangers(data, "test", {name: seen[name]})) < len(people)]
+    if people and not left:
+        raise InputError(
+            f"expected test people whom {' and '.join(guilty)} were not trained with, found none among "
+            f"{len(people)}; build another dataset, with another --seed"
+        )
+    notes = (
+        [f"test split: {left} of {len(people)} people, without those whom {', '.join(guilty)} saw"] if guilty else []
+    )
+    silent = [name for name, own in seen.items() if own is None]
+    if silent:
+        notes.append(f"{', '.join(silent)}: no word of whom they were trained with, who may be among the test people")
+    unseen = replace(data, manifest=data.manifest | {"splits": kept})
+    return UnseenData(unseen, left, len(people), "; ".join(notes) or None)
+
+
+def _strangers(data: Dataset, split: str, seen: Mapping[str, SeenPeople | None]) -> list[int]:
+    """Numbers of a split's people whom no model has seen before it."""
+    known_marks = frozenset().union(*(own.before(split) for own in seen.values() if own is not None))
+    if not known_marks:
+        return list(data.manifest["splits"][split])
+    return [person for person, marks in fingerprints(data, split).items() if not marks & known_marks]
+
+
+def _making(data: Dataset, row: int) -> bytes:
+    """What a generated mesh's person is made of; changes that are 0 do not count, so that new ones can come."""
+    changes = np.round(np.asarray(data.factors["changes"][row], float) / STEP).astype(int).tolist()
+    named = sorted((name, step) for name, step in zip(data.manifest["changes"], changes, strict=True) if step)
+    whole = [round(float(data.factors[name][row]) / STEP) for name in ("gender", "age", "weight")]
+    return repr((whole, named)).encode()
+
+
+def _shape(data: Dataset, row: int) -> bytes:
+    # Adding 0 makes of -0 what it is worth.
+    return (data.vertices[row].astype("<f4") + np.float32(0)).tobytes()

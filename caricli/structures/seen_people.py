@@ -1,0 +1,43 @@
+"""Who a model was trained with."""
+
+from dataclasses import dataclass
+from typing import Any
+
+from caricli.errors import shown
+from caricli.structures.checks import refuse
+
+KEY = "people"
+"""Of the recipe that a model, a landmark map or directions carry."""
+
+_USES = ("train", "validation")
+
+
+@dataclass(frozen=True)
+class SeenPeople:
+    """Fingerprints of people (``caricli.data.unseen``), by what they were for.
+
+    train: whose meshes a model was trained on. validation: whose meshes said how long.
+    """
+
+    train: frozenset[str]
+    validation: frozenset[str] = frozenset()
+
+    @classmethod
+    def of_recipe(cls, recipe: Any) -> "SeenPeople | None":
+        """What a recipe says, or None where it says nothing. Raises InputError for what is no such list."""
+        if not isinstance(recipe, dict) or KEY not in recipe:
+            return None
+        people = recipe[KEY]
+        if not isinstance(people, dict) or set(people) != set(_USES):
+            refuse(f"{KEY}: expected fingerprints for {' and '.join(_USES)}, found {shown(people, 60)}")
+        if not all(isinstance(text, str) for text in people.values()):
+            refuse(f"{KEY}: expected text, found {shown(people, 60)}")
+        return cls(*(frozenset(people[use].split()) for use in _USES))
+
+    def as_recipe(self) -> dict[str, dict[str, str]]:
+        """An entry for a recipe: fingerprints between blanks, in their order."""
+        return {KEY: {use: " ".join(sorted(getattr(self, use))) for use in _USES}}
+
+    def before(self, split: str) -> frozenset[str]:
+        """Whom nobody of a split of a dataset may be: trained on; for a test, looked at in any way."""
+        return {"train": frozenset(), "validation": self.train}.get(split, self.train | self.validation)

@@ -1,0 +1,113 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from caricli.data.build_dataset import build_dataset
+from caricli.data.build_settings import BuildSettings
+from caricli.data.dataset import SPLITS, read_dataset
+from caricli.data.import_dataset import import_dataset
+from caricli.data.unseen import fingerprints, seen_people, unseen_data
+from caricli.errors import InputError
+from caricli.io.obj import read_obj, write_obj
+from caricli.models.kinds import KINDS
+from caricli.store.directions import load_directions
+from caricli.store.landmark_maps import load_landmark_map
+from caricli.store.models import load_model
+from caricli.structures import SeenPeople
+
+
+@pytest.fixture(scope="module")
+def build(tmp_path_factory):
+    """The dataset of a grid of neutral people."""
+
+    def built(people, seed, expressions=1):
+        folder = tmp_path_factory.mktemp("people")
+        build_dataset(folder, BuildSettings(None, people, expressions, 1, seed), 1)
+        return read_dataset(folder)
+
+    return built
+
+
+@pytest.fixture(scope="module")
+def eight(build):
+    return build(8, 3)
+
+
+def with_splits(data, **splits):
+    return replace(data, manifest=data.manifest | {"splits": dict.fromkeys(SPLITS, []) | splits})
+
+
+def everybody(data):
+    return fingerprints(with_splits(data, test=sorted(set(data.identity.tolist()))), "test")
+
+
+def test_the_same_seed_draws_the_same_people_whatever_else_differs(build, eight):
+    few = everybody(build(2, 3, expressions=2))
+    many = everybody(eight)
+    assert len(set.union(*map(set, many.values()))) == 8
+    assert all(many[person] == marks and len(marks) == 1 for person, marks in few.items())
+    others = everybody(build(2, 4))
+    assert not set.union(*map(set, others.values())) & set.union(*map(set, many.values()))
+
+
+def test_people_of_an_imported_folder_are_told_by_any_of_their_meshes(barrels, tmp_path):
+    folder, _, annotation = barrels
+    names = sorted(path.name for path in folder.iterdir())
+    table = tmp_path / "people.csv"
+    table.write_text("file,identity\n" + "".join(f"{name},{k // 2}\n" for k, name in enumerate(names)))
+    (tmp_path / "out").mkdir()
+    import_dataset(folder, tmp_path / "out", annotation, table)
+    pairs = everybody(read_dataset(tmp_path / "out"))
+    assert len(pairs) == 6 and all(len(marks) == 2 for marks in pairs.values())
+    # Another folder, where one of them comes alone, under another number and name.
+    (tmp_path / "again").mkdir()
+    for name, new in ((names[3], "b.obj"), (names[8], "a.obj")):
+        write_obj(tmp_path / "again" / new, read_obj(folder / name))
+    (tmp_path / "second").mkdir()
+    import_dataset(tmp_path / "again", tmp_path / "second", annotation)
+    alone = everybody(read_dataset(tmp_path / "second"))
+    assert alone[0] < pairs[4] and alone[1] < pairs[1]
+
+
+def test_who_was_trained_with_leaves_the_tests_and_who_remains_is_counted(eight):
+    trained = seen_people(with_splits(eight, train=[0, 1, 2], validation=[3]))
+    asked = with_splits(eight, train=[6], validation=[1, 3, 7], test=[2, 3, 4, 5])
+    unseen = unseen_data(asked, {"mine": trained})
+    assert unseen.data.manifest["splits"] == {"train": [6], "validation": [3, 7], "test": [4, 5]}
+    assert unseen.figures == {"test_people": {"unseen": 2, "of": 4}}
+    assert "2 of 4 people" in unseen.note and "mine" in unseen.note
+    assert set(unseen.data.identity[unseen.data.rows("test")]) == {4, 5}
+    # Models side by side are tested with the same people: whom none has seen.
+    other = seen_people(with_splits(eight, train=[4]))
+    assert unseen_data(asked, {"mine": trained, "other": other}).data.manifest["splits"]["test"] == [5]
+    assert unseen_data(asked, {"mine": trained}, everyone=True).test == 4
+
+
+def test_nobody_left_is_refused_and_everybody_left_needs_no_word(eight):
+    data = with_splits(eight, train=[0, 1], test=[2, 3])
+    trained = seen_people(with_splits(eight, train=[2, 3]))
+    with pytest.raises(InputError, match="whom mine were not trained with, found none among 2; .*--seed"):
+        unseen_data(data, {"mine": trained})
+    own = unseen_data(data, {"mine": seen_people(data)})
+    assert own.note is None and own.test == own.of == 2 and own.data.manifest["splits"] == data.manifest["splits"]
+    assert unseen_data(with_splits(eight, train=[0]), {"mine": trained}).note is None
+
+
+def test_a_model_that_names_nobody_is_named(eight):
+    data = with_splits(eight, train=[0], test=[1])
+    unseen = unseen_data(data, {"old": None, "new": seen_people(data)})
+    assert unseen.note.startswith("old: ") and "new" not in unseen.note and unseen.test == 1
+
+
+def test_the_bundled_models_name_the_people_of_their_recipe(build):
+    """Seed 0 is everybody's default, and theirs."""
+    defaults = everybody(build(6, 0))
+    seen = [load_model(kind=kind).seen for kind in KINDS] + [load_landmark_map().seen]
+    seen += [load_directions(load_model(kind=kind)).seen for kind in ("kernel", "intrinsic", "pca", "deformable")]
+    for people in seen:
+        assert isinstance(people, SeenPeople) and len(people.train) == 720 and len(people.validation) == 8
+        share = np.mean([bool(marks & people.train) for marks in defaults.values()])
+        assert share > 0.5
+        assert not people.train & people.validation
+    assert len({people.train for people in seen}) == 1
