@@ -7,6 +7,7 @@ from scipy.sparse.linalg import splu
 from scipy.spatial.transform import Rotation
 
 from caricli.errors import NumericsError
+from caricli.geometry.components import mesh_components
 from caricli.geometry.per_column import per_column
 
 _STRETCH = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
@@ -30,8 +31,9 @@ class DeformationGradients:
     r_i (3) and the symmetric stretch minus one (6: xx, yy, zz, xy, xz, yz).
 
     Decoding minimises ``sum_i |(G v - A)_i sqrt(P_i)|^2``, P_i the normal matrix in the tangent plane: a sparse system
-    that is factored once. Features of a real shape decode to that very shape, up to the translation, which the
-    features do not hold.
+    that is factored once. Features of a real shape decode to that very shape, up to the translation of each of its
+    components, which the features do not hold: the largest has its centroid at the origin with all the rest, and the
+    others hang on it (``Components.hangers``).
     """
 
     def __init__(self, vertices: np.ndarray, faces: np.ndarray) -> None:
@@ -62,9 +64,13 @@ class DeformationGradients:
             shape=(2 * self.count, self.count),
         )
         self.divergence = (self.gradient.T @ sp.diags(extent[:, 1:].ravel())).tocsr()
+        self.components = mesh_components(vertices, self.faces)
         system = (self.divergence @ self.gradient).tocsc()
-        # The system knows no translation; a weak hold makes it definite, and the centroid is set afterwards.
         self.stiffness = system.diagonal().mean()
+        hangers = self.components.hangers
+        # Nothing else says where a component is, so that it hangs as it should however weakly it is bound.
+        system = system + self.stiffness * (hangers.T @ hangers)
+        # The system knows no translation; a weak hold makes it definite, and the centroid is set afterwards.
         self._factor = splu((system + _HOLD * self.stiffness * sp.identity(self.count)).tocsc())
 
     def maps(self, vertices: np.ndarray) -> np.ndarray:
@@ -147,6 +153,10 @@ class DeformationGradients:
     def vertices(self, features: np.ndarray) -> np.ndarray:
         """Features to vertices, the centroid at the origin. features: (..., V, 9). Returns (..., V, 3)."""
         return self.maps_to_vertices(self.features_to_maps(features))
+
+    def vertices_like(self, features: np.ndarray, like: np.ndarray) -> np.ndarray:
+        """Features (V, 9) to vertices (V, 3) whose components hang as in a shape like (V, 3), the centroid near 0."""
+        return self.components.hang(self.vertices(features), like)
 
     def solve(self, right: np.ndarray) -> np.ndarray:
         """Solve the prefactored system for every column. right: (..., V, n). Returns the same shape."""

@@ -2,10 +2,10 @@
 
 import numpy as np
 import scipy.sparse as sp
-from scipy.sparse.csgraph import connected_components
 
 from caricli.errors import NumericsError
 from caricli.geometry.cholesky import Cholesky
+from caricli.geometry.components import BOND, mesh_components
 from caricli.geometry.triangle_normals import triangle_normals
 
 _FLAT = 1e-10  # of the mean: triangles with less area have none
@@ -27,7 +27,8 @@ class DeformationTransfer:
     Minimises ``sum_j A_j |(Q'_j - Q_j) P_j|^2`` over the displacements of the free vertices, with the area A_j of
     triangle j and the projection P_j onto its plane; held vertices do not move. A fourth vertex for each triangle, as
     published, could always be placed so that the rest of the residual vanishes, so the minimiser is the same, with a
-    seventh of the unknowns. One factorisation serves all maps and coordinates.
+    seventh of the unknowns. One factorisation serves all maps and coordinates. Components hang on the largest one by
+    weak bonds (``mesh_components``), which stretch as they do where the maps are from.
     """
 
     def __init__(self, vertices: np.ndarray, faces: np.ndarray, held: np.ndarray) -> None:
@@ -53,31 +54,28 @@ class DeformationTransfer:
         columns = np.tile(self.faces, 3).ravel()
         laplacian = sp.csr_matrix((cotangents.ravel(), (rows, columns)), shape=(self.count, self.count))
         held = np.asarray(held, dtype=bool)
-        number, self.parts = connected_components(laplacian, directed=False)
-        # A part with nothing held has no place of its own: a weak hold makes it definite, `displacements` places it.
-        anchored = np.zeros(number, dtype=bool)
-        anchored[self.parts[held]] = True
-        self.loose = np.flatnonzero(~anchored)
+        usual = laplacian.diagonal().mean()
+        self.bonds = BOND * usual * mesh_components(vertices, self.faces).stiffness(np.flatnonzero(held))
+        # With nothing held it has no place of its own: a weak hold makes it definite, `displacements` places it.
+        self.loose = not held.any()
         self.free = np.flatnonzero(~held)
-        weak = _HOLD * laplacian.diagonal().mean() * ~anchored[self.parts]
-        self._factor = Cholesky((laplacian + sp.diags(weak)).tocsr()[self.free][:, self.free])
+        system = laplacian + self.bonds + _HOLD * usual * self.loose * sp.identity(self.count)
+        self._factor = Cholesky(system.tocsr()[self.free][:, self.free])
 
-    def displacements(self, triangles: np.ndarray, maps: np.ndarray, shift: np.ndarray) -> np.ndarray:
+    def displacements(self, triangles: np.ndarray, maps: np.ndarray, usual: np.ndarray) -> np.ndarray:
         """Displacements for the maps of some triangles; all others keep their shape.
 
-        triangles: (m,) numbers. maps: (m, 3, 3). shift: (3,) mean displacement of every part with nothing held.
+        triangles: (m,) numbers. maps: (m, 3, 3). usual: (V, 3) displacements where the maps are from, in the size of
+        this shape: its bonds stretch as they do there, and where nothing is held it goes as far as they do on average.
         Returns (V, 3).
         """
         change = maps - np.eye(3)
         forces = (change @ np.swapaxes(self.slopes[triangles], 1, 2)).transpose(1, 2, 0).reshape(3, -1)
         corners = self.faces[triangles].T.ravel()
-        right = np.stack([np.bincount(corners, force, self.count) for force in forces], axis=1)
+        right = np.stack([np.bincount(corners, force, self.count) for force in forces], axis=1) + self.bonds @ usual
         moved = np.zeros((self.count, 3))
         moved[self.free] = self.solve(right[self.free])
-        for part in self.loose:
-            inside = self.parts == part
-            moved[inside] += shift - moved[inside].mean(0)
-        return moved
+        return moved + (usual.mean(0) - moved.mean(0)) * self.loose
 
     def solve(self, right: np.ndarray) -> np.ndarray:
         """Solve the factored system for every column. right: (free vertices, n). Returns the same shape."""

@@ -5,6 +5,8 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.linalg import splu
 
+from caricli.geometry.components import BOND, mesh_components
+
 STIFFNESS_LENGTH = 0.04
 """Of the head's height: how far bending stiffness reaches around an anchor, about 1 cm."""
 
@@ -21,7 +23,8 @@ class ElasticAnchors:
     (cotangent Laplacian L) with the bending stiffness of a plate (M the mass matrix, l ``STIFFNESS_LENGTH`` of the
     head's height), so that a pulled point does not become a spike. Row k of C averages the surroundings of point k
     (``SPREAD_LENGTH`` of the height), so that the force on it is spread as well. By Woodbury's identity a solve costs
-    one small dense system for any subset of the prepared points. A common translation is free.
+    one small dense system for any subset of the prepared points. A common translation is free. Components without
+    points of their own are taken along by their bonds (``mesh_components``).
     """
 
     def __init__(self, vertices: np.ndarray, faces: np.ndarray, points: np.ndarray) -> None:
@@ -32,7 +35,9 @@ class ElasticAnchors:
         mass = igl.massmatrix(vertices, faces).diagonal()
         plate = (STIFFNESS_LENGTH * height) ** 2 * laplacian @ sp.diags(1 / mass) @ laplacian
         self.stiffness = laplacian.diagonal().mean()
-        factor = splu((laplacian + plate + _HOLD * self.stiffness * sp.identity(len(vertices))).tocsc())
+        system = laplacian + plate + _HOLD * self.stiffness * sp.identity(len(vertices))
+        bonds = mesh_components(vertices, faces).stiffness(points)
+        factor = splu((system + BOND * self.stiffness * bonds).tocsc())
         self.rows = {int(p): k for k, p in enumerate(points)}
         self.points = points
         # Diffusion for the time l^2 / 2 spreads a point over its surroundings along the surface, never across a gap.

@@ -8,6 +8,7 @@ import scipy.sparse as sp
 from scipy.sparse.linalg import splu
 
 from caricli.errors import NumericsError
+from caricli.geometry.components import mesh_components
 
 SMOOTHING = 2e-4
 """Of the surface's area: time of the diffusion that smooths the curvature, over about 8 mm of a head."""
@@ -43,7 +44,10 @@ def exaggerate_curvature(
     density = _log_density(vertices, faces, laplacian, mass, hold)
     gradient = igl.grad(vertices, faces)
     areas = np.tile(double_areas / 2, 3)
-    factor = splu((laplacian + _HOLD * laplacian.diagonal().mean() * sp.identity(len(vertices))).tocsc())
+    hangers = mesh_components(vertices, faces).hangers
+    stiffness = laplacian.diagonal().mean()
+    held = _HOLD * sp.identity(len(vertices)) + hangers.T @ hangers
+    factor = splu((laplacian + stiffness * held).tocsc())
     slopes = gradient @ vertices
     results = []
     for exponent in exponents:

@@ -23,5 +23,5 @@ def interpolate_shapes(
     if weight in (0, 1):
         return (second if weight else first).copy()
     features = (1 - weight) * gradients.features(first) + weight * gradients.features(second)
-    middle = (1 - weight) * first.mean(0) + weight * second.mean(0)
-    return untangle(gradients.vertices(features) + middle, gradients, ROUNDS)
+    means = gradients.components.averages @ ((1 - weight) * first + weight * second)
+    return untangle(gradients.components.place(gradients.vertices(features), means), gradients, ROUNDS)

@@ -6,6 +6,7 @@ import scipy.sparse as sp
 
 from caricli.errors import NumericsError
 from caricli.geometry.cholesky import Cholesky
+from caricli.geometry.components import BOND, mesh_components
 from caricli.geometry.vertex_neighbours import vertex_neighbours
 
 ROUNDS = 4
@@ -22,7 +23,8 @@ class LaplacianDeformation:
     found in turns (Sorkine and Alexa 2007), with one factorisation: not of L^T L, but of S = D L with D the sums of the
     weights, which is symmetric and has a third of the entries. With l_i the turned detail, the least has
     S v = D l + D^2 u and S u = P^T w (p - P v), P picking the anchors; S + P^T P is positive definite, and what P^T P
-    adds is settled exactly among the anchors.
+    adds is settled exactly among the anchors. Components without anchors are then solved for alone, as their bonds to
+    the largest one pull at them (``mesh_components``).
     """
 
     def __init__(
@@ -55,7 +57,9 @@ class LaplacianDeformation:
         stiffness = sp.diags(self.degrees[:, 0]) - weights
         self.detail = stiffness @ self.vertices / self.degrees
         self.pick = sp.csr_matrix((np.ones(len(order)), (order, self.anchors)), (len(order), count))
-        self._factor = Cholesky(stiffness + self.pick.T @ self.pick)
+        bond = BOND * np.median(weights.data)
+        own, self.hold = (bond * pull for pull in mesh_components(self.vertices, faces).pull(self.anchors))
+        self._factor = Cholesky(stiffness + own + self.pick.T @ self.pick)
         self.responses = self._factor.solve(self.pick.T.toarray())
         free = np.identity(len(order)) - self.responses[self.anchors]
         bending = (self.degrees * self.responses).T @ (self.degrees * self.responses)
@@ -81,4 +85,5 @@ class LaplacianDeformation:
         pull = self.degrees * detail
         right = np.concatenate([self.weight * targets, self.responses.T @ pull])
         forces, places = np.split(np.linalg.solve(self.among, right), 2)
-        return self._factor.solve(pull + self.degrees**2 * (self.responses @ forces) + self.pick.T @ places)
+        moved = self._factor.solve(pull + self.degrees**2 * (self.responses @ forces) + self.pick.T @ places)
+        return moved - self._factor.solve(self.hold @ moved) if self.hold.nnz else moved

@@ -8,6 +8,7 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.linalg import splu
 
+from caricli.geometry.components import mesh_components
 from caricli.geometry.triangle_normals import triangle_normals
 
 TOUCH = 0.006
@@ -39,8 +40,8 @@ class _Pocket:
 class Cavities:
     """The pockets of a head, which no landmark holds and which a flattened face would push through the skin.
 
-    The skin is everything but the pockets, each opening closed by a fan. A pocket with a vertex outside the skin
-    (generalised winding number below one half) or nearer to it than ``TOUCH`` of the height is moved inwards until
+    The skin is their component, without the pockets, each opening closed by a fan. A pocket with a vertex outside the
+    skin (generalised winding number below one half) or nearer to it than ``TOUCH`` of the height is moved inwards until
     all its vertices keep a distance of ``MARGIN``, as a membrane whose rim stays; near the rim, where a pocket
     touches the skin by its nature, it only follows.
     """
@@ -68,7 +69,10 @@ class Cavities:
                 near[faces[own][near[faces[own]].any(axis=1)]] = True
             laplacian = -igl.cotmatrix(vertices, faces[own])[free][:, free]
             self.pockets.append(_Pocket(edges, free, free[~near[free]], laplacian))
-        self.skin = faces[~inside]
+        # Eyes and teeth lie in the pockets as they should.
+        labels = mesh_components(vertices, faces).labels
+        own = np.isin(labels[faces[:, 0]], labels[faces[inside, 0]])
+        self.skin = faces[own & ~inside]
 
     def tuck(self, vertices: np.ndarray, rounds: int = ROUNDS) -> np.ndarray:
         """Vertices (V, 3) with all pockets inside. vertices: (V, 3). rounds: of moves, at most."""

@@ -45,7 +45,7 @@ def untangle(
         near = np.maximum(near, _around(gradients.faces[flipped], neighbours, rings))
         features = gradients.features(vertices)
         features += near[:, None] * ((mean @ (mean @ features) if sound is None else sound) - features)
-        moved = gradients.vertices(features)
+        moved = gradients.vertices_like(features, vertices)
         still = near == 0
         vertices = moved + (vertices[still] - moved[still]).mean(0) if still.any() else moved
         flipped = flipped_triangles(vertices, gradients) & ~accepted

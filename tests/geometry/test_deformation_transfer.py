@@ -65,7 +65,7 @@ def test_the_dense_form_with_four_vertices_agrees(patch, held):
     source, faces = patch
     target, maps = stretched(source), triangle_maps(source, bent(source), faces)
     transfer = DeformationTransfer(target, faces, holding(len(source), held))
-    found = target + transfer.displacements(np.arange(len(faces)), maps, np.zeros(3))
+    found = target + transfer.displacements(np.arange(len(faces)), maps, np.zeros_like(target))
     np.testing.assert_allclose(found, dense_transfer(target, faces, maps, held), atol=1e-8)
     np.testing.assert_array_equal(found[held], target[held])
     assert np.abs(found - target).max() > 0.1
@@ -75,7 +75,7 @@ def test_onto_itself_gives_the_shape_back(ball):
     vertices, faces = ball
     after = bent(vertices)
     moved = DeformationTransfer(vertices, faces, np.zeros(len(vertices), dtype=bool)).displacements(
-        np.arange(len(faces)), triangle_maps(vertices, after, faces), (after - vertices).mean(0)
+        np.arange(len(faces)), triangle_maps(vertices, after, faces), after - vertices
     )
     # Nothing is held but weakly: a hundredth of a millionth.
     np.testing.assert_allclose(vertices + moved, after, atol=1e-6)
@@ -87,7 +87,7 @@ def test_triangles_that_are_not_named_keep_their_shape(patch):
     after[40] += [0.05, -0.02, 0.1]
     some = np.flatnonzero((faces == 40).any(1))
     transfer = DeformationTransfer(vertices, faces, holding(len(vertices), 0))
-    moved = transfer.displacements(some, triangle_maps(vertices, after, faces[some]), np.zeros(3))
+    moved = transfer.displacements(some, triangle_maps(vertices, after, faces[some]), np.zeros_like(vertices))
     np.testing.assert_allclose(vertices + moved, after, atol=1e-9)
 
 
@@ -96,23 +96,28 @@ def test_a_moved_and_scaled_target_does_the_moved_and_scaled_thing(patch):
     maps, every = triangle_maps(source, bent(source), faces), np.arange(len(faces))
     held = holding(len(source), 3, 60)
     target = stretched(source)
-    plain = DeformationTransfer(target, faces, held).displacements(every, maps, np.zeros(3))
+    plain = DeformationTransfer(target, faces, held).displacements(every, maps, np.zeros_like(target))
     turned = DeformationTransfer(2.5 * target @ TURN.T + [1, 2, 3], faces, held)
-    found = turned.displacements(every, TURN @ maps @ TURN.T, np.zeros(3))
+    found = turned.displacements(every, TURN @ maps @ TURN.T, np.zeros_like(target))
     np.testing.assert_allclose(found, 2.5 * plain @ TURN.T, atol=1e-10)
 
 
-def test_every_part_has_its_place(patch):
+def test_what_hangs_on_another_component_goes_where_it_went_on_the_templates(patch):
     vertices, faces = patch
     count = len(vertices)
-    twice, both = np.concatenate([vertices, stretched(vertices) + [5, 0, 0]]), np.concatenate([faces, faces + count])
-    maps = np.broadcast_to(1.5 * np.eye(3), (len(both), 3, 3))
-    transfer = DeformationTransfer(twice, both, holding(2 * count, 7))
-    moved = transfer.displacements(np.arange(len(both)), maps, np.array([0.1, 0.2, 0.3]))
-    # What is held stays; what is not has the mean displacement that was asked for.
-    np.testing.assert_allclose(moved[:count], 0.5 * (vertices - vertices[7]), atol=1e-9)
-    loose = twice[count:]
-    np.testing.assert_allclose(moved[count:], 0.5 * (loose - loose.mean(0)) + [0.1, 0.2, 0.3], atol=1e-6)
+    part = stretched(vertices[:27]) * 0.3 + [0.5, 0.5, 0.4]
+    own = faces[(faces < 27).all(1)]
+    both, triangles = np.concatenate([vertices, part]), np.concatenate([faces, own + count])
+    after = np.concatenate([vertices + 0.5 * (vertices - vertices[7]), part @ TURN.T + [0.1, 0.2, 0.3]])
+    transfer = DeformationTransfer(both, triangles, holding(len(both), 7))
+    maps = triangle_maps(both, after, triangles)
+    moved = transfer.displacements(np.arange(len(triangles)), maps, after - both)
+    np.testing.assert_allclose(both + moved, after, atol=1e-9)
+    # With what it hangs on it goes further where that goes further, and nothing but the bonds says so.
+    more = np.concatenate([1.5 * np.eye(3) @ maps[: len(faces)], maps[len(faces) :]])
+    farther = transfer.displacements(np.arange(len(triangles)), more, after - both)
+    np.testing.assert_array_equal(farther[7], np.zeros(3))
+    assert np.linalg.norm((farther - moved)[count:].mean(0)) > 0.2 * np.linalg.norm((farther - moved)[:count].mean(0))
 
 
 def test_triangles_without_area_are_refused(patch):
@@ -130,4 +135,4 @@ def test_maps_that_are_not_finite_give_no_shape(patch):
     vertices, faces = patch
     transfer = DeformationTransfer(vertices, faces, holding(len(vertices), 0))
     with pytest.raises(NumericsError, match="no finite solution"):
-        transfer.displacements(np.array([4]), np.full((1, 3, 3), np.nan), np.zeros(3))
+        transfer.displacements(np.array([4]), np.full((1, 3, 3), np.nan), np.zeros_like(vertices))

@@ -6,6 +6,7 @@ from caricli.geometry.flipped_triangles import flipped_triangles
 from caricli.models.intrinsic.config import IntrinsicConfig
 from caricli.models.intrinsic.model import IntrinsicModel, feature_weights
 from caricli.models.kinds import config_class, model_class
+from caricli.template.template import Template
 
 
 @pytest.fixture(scope="module")
@@ -94,3 +95,30 @@ def test_weights_are_shares_of_the_area(ball_template):
     weights = feature_weights(ball_template)
     assert weights.sum() == pytest.approx(1.0)
     assert (weights > 0).all() and weights.max() < 3 / 300
+
+
+def test_components_stay_where_they_belong(head_template, people, ball):
+    socket = head_template.annotation.regions["eye_socket_left"]
+    count = len(head_template.vertices)
+
+    def with_eye(shape):
+        # How far forward an eye lies is its own affair, which no feature holds.
+        eye = shape[socket].mean(0) + 0.015 * ball[0] + [0, 0, 0.1 * (shape[33, 0] - shape[700, 0])]
+        return np.concatenate([shape, eye])
+
+    polygons = np.concatenate([head_template.polygons, np.column_stack([ball[1] + count, np.full(len(ball[1]), -1)])])
+    template = Template(with_eye(head_template.vertices), polygons, annotation=head_template.annotation)
+    shapes = np.array([with_eye(shape) for shape in people])
+    model = IntrinsicModel.train(template, shapes, IntrinsicConfig(dimension=39))
+    assert model.offset.shape == (40, 6)
+    latents = model.encode(shapes[:3])
+    decoded = model.decode(latents)
+    assert np.linalg.norm(decoded - shapes[:3], axis=2).max() < 2e-3
+    back = IntrinsicModel.from_tensors(template, model.tensors(), "")
+    assert np.abs(back.decode(latents) - decoded).max() < 1e-3
+    points = np.array([2, count + 7, 30])
+    positions, jacobian = model.points_jacobian(latents[0], points)
+    assert np.abs(positions - decoded[0, points]).max() < 1e-9
+    step = 1e-5 * np.eye(39)[4]
+    slow = (model.decode(latents[0] + step) - model.decode(latents[0] - step))[points] / 2e-5
+    np.testing.assert_allclose(jacobian[..., 4], slow, atol=1e-7)

@@ -117,7 +117,7 @@ def _grown(vertices: np.ndarray, strength: float, template: Template) -> np.ndar
     whole = OWN * _broad(features, template)
     grown = vertices
     for amount in (*[STEP] * int(strength / STEP), strength % STEP):
-        more = gradients.vertices(features + amount * whole)
+        more = gradients.vertices_like(features + amount * whole, grown)
         grown = untangle(more, gradients, before=grown)
         features = gradients.features(grown)
     return grown

@@ -127,7 +127,8 @@ class _Pair:
         usual = gradients.features(self.given)
         shapes = []
         for points, shape in zip(landmarks, self.normal, strict=True):
-            moved = gradients.vertices(features + self.settings.exaggeration * (gradients.features(shape) - usual))
+            acting = features + self.settings.exaggeration * (gradients.features(shape) - usual)
+            moved = gradients.vertices_like(acting, self.vertices + shape - self.given)
             # Features do not say where; what hardly moves is where it was.
             way = np.linalg.norm(shape - self.given, axis=1)
             calm = way <= np.median(way)
@@ -181,8 +182,8 @@ class _Pair:
         deformations = DeformationTransfer(self.vertices, faces, self.held)
         everything = np.arange(len(faces))
         maps = (triangle_maps(self.given, shape, faces) for shape in self.normal)
-        shifts = (self.normal - self.given).mean(1)
-        moves = [deformations.displacements(everything, m, s) for m, s in zip(maps, shifts, strict=True)]
+        ways = self.normal - self.given
+        moves = [deformations.displacements(everything, m, way) for m, way in zip(maps, ways, strict=True)]
         return self.vertices + np.array(moves)
 
 

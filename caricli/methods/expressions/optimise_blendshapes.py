@@ -5,11 +5,10 @@ from collections.abc import Callable
 import igl
 import numpy as np
 import scipy.sparse as sp
-from scipy.sparse.csgraph import connected_components
 
 from caricli.errors import NumericsError
 from caricli.geometry.cholesky import Cholesky
-from caricli.geometry.vertex_neighbours import vertex_neighbours
+from caricli.geometry.components import BOND, mesh_components
 from caricli.methods.expressions.settings import BlendshapeWeights
 from caricli.structures import Mesh
 
@@ -56,13 +55,12 @@ def optimise_blendshapes(
 
     initial, normal: (K, V, 3) displacements D of the caricature and of the normal face, metres. mesh: Mesh of the
     caricature. weights: not negative, that of the deformation above 0. least: as of ``masks``.
-    Returns (K, V, 3). Raises NumericsError for degenerate triangles, where nothing moves, and for a part of the mesh
-    that moves as a whole.
+    Returns (K, V, 3). Raises NumericsError for degenerate triangles, where nothing moves, and where everything does.
     """
     if weights.deformation <= 0:
         raise NumericsError("expected a weight of the deformation above 0: without it nothing moves")
     count = len(mesh.vertices)
-    free = _free_vertices(mesh, displacement_masks(normal, least).max(0))
+    free = _free_vertices(displacement_masks(normal, least).max(0))
     operator, area = laplace_beltrami(mesh)
     square = (operator.T @ sp.diags(area) @ operator).tocsr()
     wanted = weights.deformation * (masks(normal, least)[..., None] * initial)
@@ -80,21 +78,20 @@ def optimise_blendshapes(
     return result
 
 
-def _free_vertices(mesh: Mesh, moved: np.ndarray) -> np.ndarray:
-    """Ids of the vertices that move, by how far they do (V,); NumericsError where none is, or nothing holds a part."""
+def _free_vertices(moved: np.ndarray) -> np.ndarray:
+    """Ids of the vertices that move, by how far they do (V,); NumericsError where none is, or all are."""
     free = np.flatnonzero(moved >= UNMOVED)
     if not len(free):
         raise NumericsError("expected expressions that move something, found none")
-    _, parts = connected_components(vertex_neighbours(mesh.faces, len(moved))[0], directed=False)
-    loose = np.setdiff1d(parts, parts[moved < UNMOVED])
-    if len(loose):
-        rest = f"{len(loose)} without, such as that of vertex {np.flatnonzero(parts == loose[0])[0]}"
-        raise NumericsError(f"expected in every part of the mesh a vertex that no expression moves, found {rest}")
+    if len(free) == len(moved):
+        raise NumericsError("expected vertices that no expression moves, found none")
     return free
 
 
 def laplace_beltrami(mesh: Mesh) -> tuple[sp.spmatrix, np.ndarray]:
     """The sparse operator (V, V) in units of the height of a mesh, and the area (V,) of each vertex in the same.
+
+    Its components hang on the largest one by their bonds (``mesh_components``).
 
     Raises NumericsError for triangles without an area.
     """
@@ -104,7 +101,8 @@ def laplace_beltrami(mesh: Mesh) -> tuple[sp.spmatrix, np.ndarray]:
     if not (np.isfinite(cotangents.data).all() and np.isfinite(area).all() and area.max() > 0):
         raise NumericsError("expected triangles with an area, found some without")
     area = np.maximum(area, _THIN * area.mean())
-    return sp.diags(-1 / area) @ cotangents, area
+    own, hold = mesh_components(vertices, mesh.faces).pull(np.zeros(0, int))
+    return sp.diags(1 / area) @ (BOND * -cotangents.diagonal().mean() * (own + hold) - cotangents), area
 
 
 def masks(normal: np.ndarray, least: np.ndarray | float = 0.0) -> np.ndarray:

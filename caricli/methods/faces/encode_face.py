@@ -16,7 +16,7 @@ _SAME = 1e-6
 class EncodedFace(Face):
     """A Face with all that a model says of it: ``latent``, ``residual`` and ``model_id`` are there.
 
-    shift: (3,) metres, from the centroid of the latent's own shape to the face's.
+    shift: (C, 3) metres, from the centroids of the components of the latent's own shape to those of the face.
     millimetres, percent: shape error of the latent alone, the latter of the template's height.
     prior_rms: root mean square of the whitened latent, about 1 for a typical face.
     """
@@ -43,7 +43,7 @@ def encode_face(face: Face, model: ShapeModel) -> EncodedFace:
     kept = face.latent is not None and face.model_id == model.model_id
     latent = np.asarray(face.latent, dtype=np.float64) if kept else model.encode(vertices)
     own = model.decode(latent)
-    shift = vertices.mean(0) - own.mean(0)
+    shift = model.template.gradients.components.averages @ (vertices - own)
     residual = face.residual if kept else None
     coded = Face(face.mesh.with_vertices(vertices), face.camera, face.landmarks, latent, residual, model.model_id)
     # Features of no shape do not come back from their shape: only as they were given do steps to and fro cancel.
@@ -64,13 +64,15 @@ def decode_face(face: Face, model: ShapeModel, shift: np.ndarray | float = 0.0) 
 
     face: Face with a latent of the model, and a residual where there is one; its own shape does not count.
     model: ShapeModel; an IntrinsicModel's ``decode(latent, residual)`` is the same.
-    shift: (3,) metres, of the centroid from that of the latent's own shape.
+    shift: (C, 3) metres, of the components' centroids from those of the latent's own shape.
     Returns the Face in that shape.
     """
     assert face.latent is not None
     own = model.decode(face.latent)
     features = _own_features(model, face.latent, own) + (0.0 if face.residual is None else face.residual)
-    mesh = face.mesh.with_vertices(model.template.gradients.vertices(features) + own.mean(0) + shift)
+    gradients = model.template.gradients
+    means = gradients.components.averages @ own + shift
+    mesh = face.mesh.with_vertices(gradients.components.place(gradients.vertices(features), means))
     return Face(mesh, face.camera, face.landmarks, face.latent, face.residual, face.model_id)
 
 

@@ -32,7 +32,7 @@ def transfer_rig(templates: ExpressionTemplates, vertices: np.ndarray, contacts:
         maps = rotation @ motion.maps @ rotation.T
         # Where the template hardly moves the face does the same: what the shapes' difference adds up to stays inside.
         same = scale * motion.moved @ rotation.T
-        moved = transfer.displacements(motion.triangles, maps, same.mean(0))
+        moved = transfer.displacements(motion.triangles, maps, same)
         moved = same + motion.trust[:, None] * (moved - same)
         if keeper:
             moved = keeper.keep(k, moved)

@@ -27,7 +27,7 @@ _OFFSET_RIDGE = 1e-3
 class IntrinsicModel:
     """features = mean + latent @ basis, then DeformationGradients; a latent is in training standard deviations.
 
-    The features do not hold the translation; it is a linear function of the latent, the offset of the centroid.
+    The features do not hold where components are; how far each is moved is a linear function of the latent.
     """
 
     kind = "intrinsic"
@@ -36,11 +36,12 @@ class IntrinsicModel:
     def __init__(
         self, template: Template, mean: np.ndarray, basis: np.ndarray, offset: np.ndarray, model_id: str = ""
     ) -> None:
-        """mean: (V, 9). basis: (D, V, 9) per standard deviation. offset: (D + 1, 3) metres."""
+        """mean: (V, 9). basis: (D, V, 9) per standard deviation. offset: (D + 1, 3 C) metres, of C components."""
         self.template = template
         self.mean = mean
         self.basis = basis
         self.offset = offset
+        self._labels = template.gradients.components.labels
         self.model_id = model_id
         self.prior = Prior.standard(len(basis))
         weight = feature_weights(template)
@@ -61,11 +62,14 @@ class IntrinsicModel:
         mean, basis, _ = principal_components(features.reshape(len(shapes), -1), config.dimension, config.seed)
         mean = mean.reshape(-1, FEATURES) / scale
         basis = basis.reshape(len(basis), -1, FEATURES) / scale
-        model = cls(template, mean.astype(float), basis.astype(float), np.zeros((len(basis) + 1, 3)))
+        components = template.gradients.components
+        still = np.zeros((len(basis) + 1, 3 * components.count))
+        model = cls(template, mean.astype(float), basis.astype(float), still)
         latents = np.array([model.features_to_latent(f / scale) for f in features])
         design = np.hstack([np.ones((len(latents), 1)), latents])
         gram = design.T @ design + _OFFSET_RIDGE * len(latents) * np.diag(np.r_[0.0, np.ones(len(basis))])
-        model.offset = np.linalg.solve(gram, design.T @ shapes.mean(1))
+        missing = np.array([model._missing(*pair) for pair in zip(shapes, latents, strict=True)])
+        model.offset = np.linalg.solve(gram, design.T @ missing.reshape(len(missing), -1))
         return model
 
     @classmethod
@@ -73,7 +77,8 @@ class IntrinsicModel:
         """Rebuild from ``tensors()``. Raises ValueError when they do not fit each other and the template."""
         mean, basis, offset = (tensors[name].astype(float) for name in ("mean", "basis", "offset"))
         count = len(template.vertices)
-        if mean.shape != (count, FEATURES) or basis.shape[1:] != mean.shape or offset.shape != (len(basis) + 1, 3):
+        places = (len(basis) + 1, 3 * template.gradients.components.count)
+        if mean.shape != (count, FEATURES) or basis.shape[1:] != mean.shape or offset.shape != places:
             raise ValueError(f"mean {mean.shape}, basis {basis.shape}, offset {offset.shape} for {count} vertices")
         return cls(template, mean, basis, offset, model_id)
 
@@ -116,28 +121,37 @@ class IntrinsicModel:
         # One by one: the features of a large batch would need much memory.
         for k in np.ndindex(batch):
             shapes[k] = self.template.gradients.vertices(self.features(latents[k]) + residuals[k])
-        return shapes + self._centroid(latents)[..., None, :]
+        return shapes + self._offsets(latents)[..., self._labels, :]
 
     def decode_on(self, latents: np.ndarray, matrix: csr_matrix) -> np.ndarray:
         """See ShapeModel."""
         return per_column(matrix, self.decode(latents))
 
-    def _centroid(self, latents: np.ndarray) -> np.ndarray:
-        return self.offset[0] + latents @ self.offset[1:]
+    def _offsets(self, latents: np.ndarray) -> np.ndarray:
+        """(..., C, 3) how far the components are from where features alone put them."""
+        return (self.offset[0] + latents @ self.offset[1:]).reshape(*latents.shape[:-1], self._labels.max() + 1, 3)
+
+    def _missing(self, shape: np.ndarray, latent: np.ndarray) -> np.ndarray:
+        """(C, 3) what the offsets of a shape (V, 3) are to be."""
+        components = self.template.gradients.components
+        if components.count == 1:
+            return shape.mean(0, keepdims=True)
+        return components.averages @ (shape - self.template.gradients.vertices(self.features(latent)))
 
     def decode_points(self, latent: np.ndarray, points: np.ndarray) -> np.ndarray:
         """See ShapeModel."""
         planes, _ = self.template.gradients.planes_jacobian(self.features(latent), self.basis[:0])
-        return self._rows_of(points) @ planes.reshape(-1, 3) + self._centroid(latent)
+        return self._rows_of(points) @ planes.reshape(-1, 3) + self._offsets(latent)[self._labels[points]]
 
     def points_jacobian(self, latent: np.ndarray, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """See ShapeModel."""
         planes, jacobian = self.template.gradients.planes_jacobian(self.features(latent), self.basis)
         rows = self._rows_of(points)
         dimension = len(latent)
-        positions = rows @ planes.reshape(-1, 3) + self._centroid(latent)
+        own = self._labels[points]
+        positions = rows @ planes.reshape(-1, 3) + self._offsets(latent)[own]
         derivative = (rows @ jacobian.reshape(-1, 3 * dimension)).reshape(len(rows), 3, dimension)
-        return positions, derivative + self.offset[1:].T
+        return positions, derivative + self.offset[1:].reshape(dimension, -1, 3)[:, own].transpose(1, 2, 0)
 
     def _rows_of(self, points: np.ndarray) -> np.ndarray:
         """The rows of the solution that are asked for, kept for later calls for the same points or some of them."""
