@@ -18,7 +18,7 @@ from caricli.errors import shown
 from caricli.io.face import write_face
 from caricli.io.image import write_png
 from caricli.io.mesh import write_mesh
-from caricli.io.outputs import staged
+from caricli.io.outputs import check_folder, check_outputs, staged
 from caricli.io.provenance import provenance
 from caricli.io.strict_json import write_json
 from caricli.structures import Face
@@ -71,12 +71,13 @@ def command(ctx, rig, drivers, out, out_dir, neutral, animation, fps, model, pts
 
     jobs = named_jobs(drivers, "NORMAL_FACE", out, out_dir, *MESH_SUFFIXES)
     _check_usage(drivers, neutral, animation, [target for _, target in jobs])
+    given = {"overwrite": overwrite, "inputs": (rig, neutral, model, *drivers)}
+    _check_outputs(out, out_dir, animation, given)
     normal = load_morphable(model)
     loaded, retargeting = _load(rig, drivers, neutral, normal, pts_origin, animation is not None)
     about = {"model_id": normal.model_id, "drivers": len(loaded.faces)}
-    given = {"overwrite": overwrite, "inputs": (rig, neutral, model, *drivers)}
     if animation is not None:
-        with staged(animation, animation.with_suffix(".json"), **given) as files:
+        with staged(*_film_files(animation), **given) as files:
             _write_animation(
                 files, retargeting, fps, provenance("retarget", [rig, neutral, *drivers], **about, fps=fps)
             )
@@ -100,6 +101,18 @@ def _check_usage(drivers, neutral, animation, targets):
         raise click.UsageError("Give either meshes, with or without --neutral, or landmarks without it.")
     if animation is not None and animation.with_suffix(".json") in [path.with_suffix(".json") for path in targets]:
         raise click.UsageError("--animation needs a name that no face has.")
+
+
+def _film_files(animation):
+    return [animation, animation.with_suffix(".json")]
+
+
+def _check_outputs(out, out_dir, animation, given):
+    """Refuse what cannot be written before the drivers are read, which takes its time."""
+    check_outputs(*([] if out is None else face_files(out)), **given)
+    check_outputs(*([] if animation is None else _film_files(animation)), **given)
+    if out_dir is not None:
+        check_folder(out_dir)
 
 
 def _load(rig, drivers, neutral, normal, pts_origin, whole):

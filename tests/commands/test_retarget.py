@@ -195,3 +195,22 @@ def test_outputs_are_never_inputs(refused, rig_file, drivers):
     driver = drivers[1][0]
     for out in (driver, rig_file.with_suffix(".obj")):
         assert "one of the inputs" in refused(COMMAND, rig_file, driver, "--out", out, "--overwrite")
+
+
+def test_places_that_cannot_be_written_are_refused_before_the_drivers_are_read(
+    refused, rig_file, drivers, tmp_path, monkeypatch
+):
+    def read(*_):
+        raise AssertionError("nothing must be read")
+
+    monkeypatch.setattr("caricli.store.drivers.load_drivers", read)
+    (tmp_path / "file").write_text("no folder")
+    (tmp_path / "a.json").write_text("mine")
+    for options, expected in (
+        (("--out", tmp_path / "file" / "f.obj"), "cannot be written"),
+        (("--out", tmp_path / "a.obj"), "a.json exists"),
+        (("--out-dir", tmp_path / "file"), "cannot be written"),
+        (("--out-dir", tmp_path / "d", "--animation", tmp_path / "a.glb"), "a.json exists"),
+    ):
+        assert expected in refused(COMMAND, rig_file, *drivers[1][:1], *options)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["a.json", "file"]

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from caricli.errors import OutputError
+from caricli.errors import InputError, OutputError
 from caricli.io import outputs
 from caricli.io.checkpoint import write_checkpoint
 from caricli.io.face import write_face
@@ -282,6 +282,16 @@ def test_outputs_can_be_checked_before_the_work(tmp_path, monkeypatch):
     with pytest.raises(OutputError, match="new: cannot be written: Permission denied"):
         check_outputs(tmp_path / "new" / "a")
     assert tree(tmp_path) == ["b"]
+
+
+def test_messages_name_outputs_where_they_will_stand(tmp_path):
+    for make in (InputError, OutputError):
+        with pytest.raises(make) as caught, staged(tmp_path / "a.foo", tmp_path / "b") as (temporary, _):
+            raise make(f"{temporary}: expected .json, found '.foo'")
+        assert str(caught.value) == f"{tmp_path / 'a.foo'}: expected .json, found '.foo'"
+    with pytest.raises(OutputError) as caught, staged_folder(tmp_path / "new") as folder:
+        raise OutputError(f"{folder / 'c'}: too large")
+    assert str(caught.value) == f"{tmp_path / 'new' / 'c'}: too large"
 
 
 def test_other_errors_of_the_system_pass(tmp_path):

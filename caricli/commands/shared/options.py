@@ -26,11 +26,11 @@ class FiniteRange(click.FloatRange):
 
 
 def named(*suffixes: str) -> Callable:
-    """Return a click callback that refuses a new file whose name ends in none of `suffixes`, such as ".png"."""
+    """Return a click callback that refuses a file whose name ends in none of `suffixes`, such as ".png"."""
 
     def check(ctx, param, value):
-        # What exists already has its own refusals: a folder, an input, a file to keep.
-        if value is not None and value.suffix.lower() not in suffixes and not value.exists():
+        # A folder has its own refusal.
+        if value is not None and value.suffix.lower() not in suffixes and not value.is_dir():
             raise OutputError(f"{value}: expected a name that ends in {' or '.join(suffixes)}")
         return value
 
@@ -38,7 +38,7 @@ def named(*suffixes: str) -> Callable:
 
 
 def named_mesh(ctx, param, value):
-    """Refuse a new file whose name ends in no suffix of a mesh."""
+    """Refuse a file whose name ends in no suffix of a mesh."""
     from caricli.io.mesh import MESH_SUFFIXES
 
     return named(*MESH_SUFFIXES)(ctx, param, value)

@@ -1,5 +1,6 @@
 """Bars for what takes its time."""
 
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
@@ -30,15 +31,19 @@ def training_bar(epochs: int) -> Iterator[Callable[[dict], None]]:
     with Progress(*columns, console=console, disable=not console.is_terminal, transient=True) as progress:
         task = progress.add_task("", total=epochs)
         validation = ""
+        start = time.monotonic()
+        first = 0
 
         def show(line: dict) -> None:
-            nonlocal validation
+            nonlocal validation, first
+            first = first or line["epoch"]
             if line["validation"] is not None:
                 validation = f", validation {line['validation']:.3f} %"
             text = f"loss {line['loss']:.4g}, train {line['train']:.3f} %{validation}"
             progress.update(task, completed=line["epoch"], description=text)
             if line["validation"] is not None and not console.is_terminal:
-                minutes = line["seconds"] / 60 * (epochs / line["epoch"] - 1)
+                done = line["epoch"] - first + 1
+                minutes = (time.monotonic() - start) / 60 / done * (epochs - line["epoch"])
                 click.echo(f"epoch {line['epoch']} of {epochs}: {text}, about {minutes:.0f} min left", err=True)
 
         yield show

@@ -23,8 +23,8 @@ def command(out, open_mouth, overwrite):
     from caricli.io.mesh import write_mesh
     from caricli.template.head import load_head
 
-    head = load_head()
-    template = head.open_mouth_template() if open_mouth else head.template()
     with staged(out, overwrite=overwrite) as (temporary,):
+        head = load_head()
+        template = head.open_mouth_template() if open_mouth else head.template()
         write_mesh(temporary, template)
     click.echo(f"{out}: {len(template.vertices)} vertices, {len(template.polygons)} polygons")

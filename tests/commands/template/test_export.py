@@ -34,3 +34,14 @@ def test_an_existing_file_is_kept_unless_told_otherwise(run, refused, tmp_path):
 def test_another_suffix_is_refused(refused, tmp_path, name):
     assert "expected a name that ends in .obj" in refused("template", "export", tmp_path / name)
     assert list(tmp_path.iterdir()) == []
+
+
+def test_an_output_that_cannot_be_written_is_refused_before_the_head_is_made(refused, tmp_path, monkeypatch):
+    def make():
+        raise AssertionError("the head must not be made")
+
+    monkeypatch.setattr("caricli.template.head.load_head", make)
+    (tmp_path / "head.obj").symlink_to("head.obj")
+    for more in ([], ["--overwrite"]):
+        assert "not a regular file" in refused("template", "export", tmp_path / "head.obj", *more)
+    assert (tmp_path / "head.obj").is_symlink()

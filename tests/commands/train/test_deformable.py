@@ -1,3 +1,4 @@
+import errno
 import json
 import os
 import random
@@ -50,11 +51,34 @@ def test_what_it_writes(trained, head):
     assert np.allclose(model.template.vertices, head.template().vertices)
 
 
-def test_resuming_what_has_ended_changes_nothing(run, trained, dataset, tiny):
-    before = (trained / "model.safetensors").read_bytes()
-    result = run("train", "deformable", "--data", dataset, "--config", tiny, *SMALL, "--out", trained, "--resume")
+def test_resuming_what_has_ended_completes_it_and_changes_nothing(run, trained, dataset, tiny, tmp_path):
+    folder = shutil.copytree(trained, tmp_path / "run")
+    lines = (folder / "log.jsonl").read_text().splitlines(keepends=True)
+    (folder / "log.jsonl").write_text("".join(lines[:-1]))  # killed after its last state
+    (folder / "loss.png").unlink()
+    result = run("train", "deformable", "--data", dataset, "--config", tiny, *SMALL, "--out", folder, "--resume")
     assert result.exit_code == 0, result.output
-    assert (trained / "model.safetensors").read_bytes() == before
+    for name in ("model.safetensors", "log.jsonl", "loss.png"):
+        assert (folder / name).read_bytes() == (trained / name).read_bytes(), name
+
+
+def test_a_folder_that_cannot_be_written_is_refused_before_it_trains(refused, dataset, tmp_path, monkeypatch):
+    def refuse(*_, **__):
+        raise PermissionError(errno.EACCES, "Permission denied")
+
+    def train(*_, **__):
+        raise AssertionError("nothing must be trained")
+
+    monkeypatch.setattr("caricli.methods.train.train_deformable.train_deformable", train)
+    (tmp_path / "link").symlink_to("link")
+    args = ("train", "deformable", "--data", dataset, "--out")
+    assert "link: " in refused(*args, tmp_path / "link")
+    (tmp_path / "run").mkdir()
+    (tmp_path / "run" / "model.safetensors").symlink_to("model.safetensors")
+    assert "model.safetensors" in refused(*args, tmp_path / "run", "--overwrite")
+    monkeypatch.setattr("caricli.io.outputs.tempfile.mkdtemp", refuse)
+    assert "cannot be written: Permission denied" in refused(*args, tmp_path / "new")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["link", "run"]
 
 
 def test_an_existing_run_is_kept(refused, trained, dataset, tiny):
@@ -129,6 +153,8 @@ def test_killed_at_random_moments_it_ends_in_the_same_bytes(dataset, tiny, tmp_p
         assert process.wait() == -signal.SIGKILL
         assert epochs(killed) < 60
     assert start(killed).wait() == 0
-    assert (killed / "model.safetensors").read_bytes() == (alone / "model.safetensors").read_bytes()
-    logs = [[json.loads(line) | {"seconds": 0} for line in (f / "log.jsonl").open()] for f in (killed, alone)]
-    assert logs[0] == logs[1] and len(logs[0]) == 60
+    assert epochs(killed) == 60
+    for name in ("model.safetensors", "log.jsonl", "loss.png"):
+        assert (killed / name).read_bytes() == (alone / name).read_bytes(), name
+    reports = [json.loads((folder / "model.json").read_text()) for folder in (killed, alone)]
+    assert reports[0] | {"seconds": 0} == reports[1] | {"seconds": 0}
