@@ -80,6 +80,16 @@ def test_rig(run, tmp_path):
         assert preview.size == (64, 64) and preview.n_frames > 20
 
 
+def test_speech(run, tmp_path):
+    printed = run(ROOT / "examples" / "speech" / "run.sh", tmp_path / "out", "48")
+    assert "speech, 25 mouth cues, 3 s" in printed
+    moved, animation = read_gltf(tmp_path / "out" / "speech.glb"), read_json(tmp_path / "out" / "speech.json")
+    assert len(moved.names) == 52 and animation["frames"] == 181 and animation["unmatched"] == []
+    assert animation["ranges"]["jawOpen"][1] > 0.4 and animation["ranges"]["mouthPucker"][1] > 0.4
+    with Image.open(tmp_path / "out" / "speech.gif") as film:
+        assert film.size == (48, 48) and film.n_frames > 50
+
+
 def test_drawing_to_rig(run, tmp_path):
     pictures, out = tmp_path / "pictures", tmp_path / "heads"
     pictures.mkdir()

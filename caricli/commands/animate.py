@@ -11,7 +11,6 @@ from caricli.io.mesh import write_mesh
 from caricli.io.outputs import staged, staged_folder
 from caricli.io.provenance import provenance
 from caricli.io.strict_json import write_json
-from caricli.io.track import read_weights
 from caricli.io.video import write_video
 
 REPORT = "animation.json"
@@ -69,12 +68,15 @@ SCALE = "NAME=K with K from 0 to 3, such as jawOpen=1.3"
 @click.option("--no-head", is_flag=True, help="Leave out the turning of the head.")
 @overwrite_option
 def command(rig, weights, out, frames, kind, video, fps, source_fps, smooth, scales, view, size, no_head, overwrite):
-    """Move a RIG (NPZ or GLB) by the WEIGHTS of a face tracker.
+    """Move a RIG (NPZ or GLB) by the WEIGHTS of a face tracker, or by speech.
 
     WEIGHTS are a CSV of Live Link Face, a JSON of MediaPipe, an NPZ, or a JSON such as this:
 
     \b
       {"schema": "caricli.weights/1", "fps": 30, "names": ["jawOpen"], "weights": [[0.0], [0.5]]}
+
+    Where the names are the fifteen visemes (sil, PP, ... ou), or WEIGHTS are mouth cues of Rhubarb Lip Sync (JSON, TSV
+    or XML, of its letters or of visemes), the face speaks: shapes run into each other, and lips close for p, b and m.
 
     Names are bound by name; those that the rig lacks are listed. Weights are cut to 0 to 1, then scaled. The head turns
     about the origin of the face frame: positive yaw to its own left, pitch down, roll to its right shoulder. A JSON
@@ -85,10 +87,12 @@ def command(rig, weights, out, frames, kind, video, fps, source_fps, smooth, sca
     Example:
       caricli animate rig.npz take.csv --out talk.glb --smooth 1
       caricli animate rig.npz blendshapes.json --video talk.mp4 --fps 30 --scale jawOpen=1.3
+      caricli animate rig.npz cues.json --out talk.glb --fps 60
       caricli animate rig.glb take.csv --frames frames --format png --view three-quarter
     """
     from caricli.methods.animate.animate_rig import AnimationSettings, animate_rig
     from caricli.store.rig_sources import load_rig
+    from caricli.store.tracks import load_track
 
     if out is None and frames is None and video is None:
         raise click.UsageError("Give at least one of --out, --frames and --video.")
@@ -102,7 +106,7 @@ def command(rig, weights, out, frames, kind, video, fps, source_fps, smooth, sca
         folder = stack.enter_context(staged_folder(frames, marker=REPORT, **given)) if frames else None
         factors = named_numbers("--scale", scales, SCALE, "expression", (0, 3))
         settings = AnimationSettings(fps, smooth, factors, not no_head)
-        performance = animate_rig(load_rig(rig), read_weights(weights, source_fps), settings)
+        performance = animate_rig(load_rig(rig), load_track(weights, source_fps, fps), settings)
         _write_moving(temporary.get(out), temporary.get(video), performance, view, size)
         if folder is not None:
             _write_frames(folder, performance, kind, view, size)

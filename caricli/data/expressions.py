@@ -41,6 +41,12 @@ def named_expressions(action_names: Collection[str]) -> dict[str, dict[str, floa
     return {name: expand_sides(weights, action_names) for name, weights in table.items()}
 
 
+def mouth_shapes(action_names: Collection[str]) -> dict[str, dict[str, float]]:
+    """Shapes of a mouth that speaks (``structures.cues.SHAPES``): names to actions with weights."""
+    table = read_yaml(asset_path("visemes.yaml"))
+    return {name: expand_sides(weights, action_names) for name, weights in table.items()}
+
+
 def facs_expressions(action_names: Collection[str]) -> dict[str, dict[str, float]]:
     """The neutral expression and the 46 FACS-style ones, those of them that are among the actions."""
     facs = read_json(asset_path("facs.json"))

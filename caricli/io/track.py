@@ -26,9 +26,10 @@ MAX_WEIGHTS = 2**25
 
 HEAD_ANGLES = ("HeadYaw", "HeadPitch", "HeadRoll")
 
-_KIND = "weights (CSV, JSON or NPZ)"
+KIND = "weights (CSV, JSON or NPZ)"
+OTHER_FPS = 30.0
+"""Frames a second where a file does not say, but for Live Link Face."""
 _LIVE_LINK_FPS = 60.0
-_OTHER_FPS = 30.0
 _COMMON_FPS = (24, 25, 30, 48, 50, 60, 90, 120, 240)
 _TIMECODE = re.compile(r"(\d{1,2}):(\d{1,2}):(\d{1,2})[:;](\d{1,4}(?:\.\d{1,9})?)")
 _DAY = 86400.0
@@ -63,13 +64,13 @@ def read_weights(path: str | Path, fps: float | None = None) -> Track:
     """
     if fps is not None:
         _check_fps(fps, "--source-fps")
-    data = read_bytes(path, MAX_FILE_BYTES, _KIND)
+    data = read_bytes(path, MAX_FILE_BYTES, KIND)
     if data.startswith(b"PK"):
         arrays = read_npz(path)
         with naming(path):
             return _from_npz(arrays, fps)
     if data.lstrip(b"\xef\xbb\xbf \t\r\n")[:1] not in (b"{", b"["):
-        text = decode_text(data, path, _KIND)
+        text = decode_text(data, path, KIND)
         with naming(path):
             return _from_csv(text, fps)
     if len(data) > MAX_JSON_BYTES:
@@ -86,7 +87,7 @@ def write_weights(path: str | Path, track: Track) -> None:
     Raises OutputError when the file cannot be written.
     """
     times = np.asarray(track.times, float)
-    fps = (len(times) - 1) / times[-1] if len(times) > 1 else _OTHER_FPS
+    fps = (len(times) - 1) / times[-1] if len(times) > 1 else OTHER_FPS
     fps = round(fps, 6)
     even = 0 < fps <= MAX_FPS and np.array_equal(times, np.arange(len(times)) / fps)
     value = {"schema": SCHEMA} | ({"fps": fps} if even else {"times": times})
@@ -124,7 +125,7 @@ def _columns(header: list[str], line: str) -> dict[str, int]:
     """Where every column of a take stands, by its name in small letters."""
     columns = {word.lower(): k for k, word in enumerate(header)}
     if "timecode" not in columns:
-        raise InputError(f"expected {_KIND}, found {shown(line, 40)!r}")
+        raise InputError(f"expected {KIND}, found {shown(line, 40)!r}")
     if len(columns) < len(header):
         twice = next(word for k, word in enumerate(header) if columns[word.lower()] != k)
         raise InputError(f"line 1: expected distinct columns, found {shown(twice, 40)!r} twice")
@@ -188,7 +189,7 @@ def _mediapipe_times(stamps: list[float | None], frames: list[int], fps: float |
     bare = [frame for frame, stamp in zip(frames, stamps, strict=True) if stamp is None]
     if bare and len(bare) < len(frames):
         raise InputError(f"frame {bare[0]}: expected a timestamp as in other frames, found none")
-    times = np.array(frames) / (fps or _OTHER_FPS) if bare else np.array(stamps, float)
+    times = np.array(frames) / (fps or OTHER_FPS) if bare else np.array(stamps, float)
     return times - times[0]
 
 
@@ -261,7 +262,7 @@ def _from_npz(arrays: dict[str, np.ndarray], fps: float | None) -> Track:
     _check_size(*weights.shape)
     if "fps" in arrays and (arrays["fps"].size != 1 or arrays["fps"].dtype.kind not in "fiu"):
         raise InputError(f"fps: expected one number, found {arrays['fps'].shape}")
-    rate = float(arrays["fps"].item()) if "fps" in arrays else fps or _OTHER_FPS
+    rate = float(arrays["fps"].item()) if "fps" in arrays else fps or OTHER_FPS
     _check_fps(rate, "fps")
     times = np.arange(len(weights)) / rate
     return _track(_Values(tuple(names.tolist()), times, weights.astype(float)), _numbered(weights))

@@ -11,7 +11,7 @@ from caricli.data.dataset import SCHEMA as DATASET_SCHEMA
 from caricli.data.dataset import read_dataset
 from caricli.data.expressions import NEUTRAL, read_expressions
 from caricli.errors import InputError, shown
-from caricli.io import directions, face, landmarks, rig, track
+from caricli.io import cues, directions, face, landmarks, rig, track
 from caricli.io.bundled import asset_path
 from caricli.io.checkpoint import read_checkpoint
 from caricli.io.files import content_kind
@@ -98,6 +98,8 @@ def _start_of(path: Path) -> bytes:
 def _reader(start: bytes, path: Path) -> Callable[[Path], Any]:
     """The function that reads a file that begins so."""
     suffix = path.suffix.lower()
+    if cues.is_cues(start):
+        return cues.read_cues
     signatures: dict[bytes, Callable[[Path], Any]] = {
         b"PK": _read_arrays,
         b"glTF": _read_gltf,

@@ -1,6 +1,7 @@
 """The nouns: frozen, checked once where they are made, without paths."""
 
 from caricli.structures.camera import Camera
+from caricli.structures.cues import Cues
 from caricli.structures.directions import Directions
 from caricli.structures.face import Face
 from caricli.structures.landmarks import Landmarks
@@ -9,4 +10,16 @@ from caricli.structures.rig import Material, Rig
 from caricli.structures.seen_people import SeenPeople
 from caricli.structures.track import Animation, Track
 
-__all__ = ["Animation", "Camera", "Directions", "Face", "Landmarks", "Material", "Mesh", "Rig", "SeenPeople", "Track"]
+__all__ = [
+    "Animation",
+    "Camera",
+    "Cues",
+    "Directions",
+    "Face",
+    "Landmarks",
+    "Material",
+    "Mesh",
+    "Rig",
+    "SeenPeople",
+    "Track",
+]

@@ -249,3 +249,21 @@ def test_outputs_are_never_inputs_and_folders_of_others_stay(refused, rig_file, 
 def test_wrong_usage_is_2(run, rig_file, tmp_path, words):
     result = run("animate", rig_file, ours(tmp_path / "w.json", np.zeros((2, 5))), *words)
     assert result.exit_code == 2 and result.stdout == ""
+
+
+def test_mouth_cues_and_visemes_make_it_speak(run, refused, rig_file, tmp_path):
+    cues = tmp_path / "cues.tsv"
+    cues.write_text("0.0\tX\n0.2\tD\n0.5\tA\n0.6\tX\n")
+    assert run("animate", rig_file, cues, "--out", tmp_path / "a.glb").exit_code == 0
+    found = read_json(tmp_path / "a.json")
+    assert found["fps"] == 30 and found["ranges"]["jawOpen"][1] > 0.5 and "mouthClose" in found["unmatched"]
+    assert run("animate", rig_file, cues, "--out", tmp_path / "b.glb", "--fps", 50).exit_code == 0
+    assert read_json(tmp_path / "b.json")["frames"] == 31
+    weights = np.eye(3)[[0, 1, 2, 0]]
+    write_weights(tmp_path / "visemes.json", Track(("viseme_sil", "viseme_aa", "viseme_PP"), np.arange(4.0), weights))
+    assert run("animate", rig_file, tmp_path / "visemes.json", "--out", tmp_path / "c.glb").exit_code == 0
+    assert read_json(tmp_path / "c.json")["ranges"]["jawOpen"] == pytest.approx([0, 0.6])
+    cues.write_text("0.0\tX\n0.2\tQ\n")
+    assert "cues.tsv: cue 1: expected one of Rhubarb's letters" in refused(
+        "animate", rig_file, cues, "--out", tmp_path / "d.glb"
+    )

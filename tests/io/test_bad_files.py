@@ -20,6 +20,7 @@ from caricli.errors import InputError
 from caricli.io import image as image_module
 from caricli.io.checkpoint import read_checkpoint, write_checkpoint
 from caricli.io.config import read_config
+from caricli.io.cues import read_cues
 from caricli.io.face import read_face, write_face
 from caricli.io.image import read_image, write_png
 from caricli.io.landmarks import read_landmarks, write_landmarks
@@ -45,6 +46,8 @@ FACE = Face(Mesh(CORNERS, np.array([[0, 1, 2], [0, 2, 3]])), latent=np.arange(3.
 MARKS = Landmarks(np.stack([np.arange(68.0), np.arange(68.0) ** 2], axis=1), (5000, 5000))
 PICTURE = np.arange(8 * 8 * 3, dtype=np.uint8).reshape(8, 8, 3)
 
+CUES = '<rhubarbResult><mouthCues><mouthCue start="0" end="1">A</mouthCue></mouthCues></rhubarbResult>'
+
 # The reader of every format, and what writes a good file of it to a path.
 FORMATS = {
     **{f"mesh{suffix}": (read_mesh, lambda path: write_mesh(path, MESH)) for suffix in MESH_SUFFIXES},
@@ -59,6 +62,8 @@ FORMATS = {
     "landmarks.npy": (read_landmarks, lambda path: write_landmarks(path, MARKS)),
     "picture.png": (read_image, lambda path: write_png(path, PICTURE)),
     "picture.jpg": (read_image, lambda path: Image.fromarray(PICTURE).save(path)),
+    "cues.tsv": (read_cues, lambda path: path.write_text("0.00\tX\n0.20\tA\n0.31\tE\n")),
+    "cues.xml": (read_cues, lambda path: path.write_text(CUES)),
     "value.json": (read_json, lambda path: path.write_text('{"a": [1, 2.5, null, true, "x"], "b": {}}')),
     "settings.yaml": (
         lambda path: read_config(path, Settings),

@@ -12,7 +12,7 @@ from caricli.geometry.flipped_triangles import flipped_triangles
 from caricli.methods.inspect.inspection import Acquaintances, Inspection, MeshWords
 from caricli.methods.rig.check_rig import RigCheck, check_rig
 from caricli.models.landmark_map.model import LandmarkMap
-from caricli.structures import Directions, Face, Landmarks, Mesh, Rig, Track
+from caricli.structures import Cues, Directions, Face, Landmarks, Mesh, Rig, Track
 from caricli.structures.arkit import ARKIT_NAMES
 from caricli.structures.landmarks import PARTS, SCHEMES
 
@@ -125,6 +125,15 @@ def _(value: Track, around: Acquaintances) -> Inspection:
         "head": value.head is not None,
     }
     return Inspection("weights", f"{frames} frames, {seconds:.3g} s, {len(value.names)} names", tuple(lines), values)
+
+
+@describe.register
+def _(value: Cues, around: Acquaintances) -> Inspection:
+    lengths = np.diff(np.append(value.starts, value.end))
+    seconds = {name: float(lengths[[own == name for own in value.names]].sum()) for name in sorted(set(value.names))}
+    lines = [f"{name}: {value.names.count(name)} times, {length:.3g} s" for name, length in seconds.items()]
+    values = {"cues": len(value.names), "seconds": value.end, "names": seconds}
+    return Inspection("speech", f"{len(value.names)} mouth cues, {value.end:.3g} s", tuple(lines), values)
 
 
 def _others(track: Track) -> list[str]:
