@@ -21,14 +21,17 @@ def progress_bar(description: str) -> Iterator[Callable[[int, int], None]]:
 
 
 @contextmanager
-def training_bar(epochs: int) -> Iterator[Callable[[dict], None]]:
-    """Yield show(line of the log): a bar with loss and errors where stderr is a terminal, else lines now and then."""
+def training_bar(epochs: int, quiet: bool = False) -> Iterator[Callable[[dict], None]]:
+    """Yield show(line of the log): a bar with loss and errors where stderr is a terminal, else lines now and then.
+
+    quiet: say nothing, because another process of the same training does.
+    """
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
     console = Console(stderr=True)
     columns = (BarColumn(), MofNCompleteColumn(), TimeRemainingColumn(), TextColumn("{task.description}"))
-    with Progress(*columns, console=console, disable=not console.is_terminal, transient=True) as progress:
+    with Progress(*columns, console=console, disable=quiet or not console.is_terminal, transient=True) as progress:
         task = progress.add_task("", total=epochs)
         validation = ""
         start = time.monotonic()
@@ -41,7 +44,7 @@ def training_bar(epochs: int) -> Iterator[Callable[[dict], None]]:
                 validation = f", validation {line['validation']:.3f} %"
             text = f"loss {line['loss']:.4g}, train {line['train']:.3f} %{validation}"
             progress.update(task, completed=line["epoch"], description=text)
-            if line["validation"] is not None and not console.is_terminal:
+            if line["validation"] is not None and not console.is_terminal and not quiet:
                 done = line["epoch"] - first + 1
                 minutes = (time.monotonic() - start) / 60 / done * (epochs - line["epoch"])
                 click.echo(f"epoch {line['epoch']} of {epochs}: {text}, about {minutes:.0f} min left", err=True)

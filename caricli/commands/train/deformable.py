@@ -62,7 +62,7 @@ def command(dataset, out, config, overrides, resume, device, template, overwrite
         recipe |= seen_people(data).as_recipe()
         run = TrainingRun(out, recipe, Beginning(resume, overwrite, writes=share.process == 0))
         training = train_deformable(data, network_points(data.template, template), settings, place, share)
-        with training_bar(settings.epochs) as show:
+        with training_bar(settings.epochs, quiet=not run.writes) as show:
             for line in run.follow(training, data.template):
                 show(line)
         if run.writes:

@@ -51,6 +51,20 @@ def test_what_it_writes(trained, head):
     assert np.allclose(model.template.vertices, head.template().vertices)
 
 
+def test_two_processes_train_as_one_and_one_of_them_speaks(trained, dataset, tiny, tmp_path):
+    folder = tmp_path / "run"
+    torchrun = [sys.executable, "-m", "torch.distributed.run", "--nproc-per-node", "2", "-m", "caricli"]
+    command = [*torchrun, "train", "deformable", "--data", dataset, "--config", tiny, *SMALL, "--out", folder]
+    done = subprocess.run(
+        list(map(str, command)), capture_output=True, text=True, env=os.environ | {"OMP_NUM_THREADS": "1"}, timeout=300
+    )
+    assert done.returncode == 0, done.stderr
+    assert done.stderr.count("epoch 6 of 6") == 1 and done.stdout.count("shape error") == 1
+    logs = [(path / "log.jsonl").read_text().splitlines() for path in (folder, trained)]
+    for mine, alone in zip(*logs, strict=True):
+        assert json.loads(mine)["loss"] == pytest.approx(json.loads(alone)["loss"], rel=1e-2)
+
+
 def test_resuming_what_has_ended_completes_it_and_changes_nothing(run, trained, dataset, tiny, tmp_path):
     folder = shutil.copytree(trained, tmp_path / "run")
     lines = (folder / "log.jsonl").read_text().splitlines(keepends=True)
