@@ -1,6 +1,5 @@
 """Weights of expressions over time: Live Link Face CSV, MediaPipe blendshape JSON, caricli's own JSON, NPZ."""
 
-import re
 from collections.abc import Sized
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -9,9 +8,11 @@ import numpy as np
 
 from caricli.errors import InputError, naming, shown
 from caricli.io.files import decode_text, read_bytes
+from caricli.io.mediapipe_head import mediapipe_head
 from caricli.io.npz import read_npz
 from caricli.io.outputs import write_bytes
 from caricli.io.strict_json import format_json, parse_json
+from caricli.io.timecode import timecode_seconds
 from caricli.limits import MAX_FILE_BYTES, MAX_JSON_BYTES, MAX_SHAPES
 from caricli.structures.arkit import ARKIT_NAMES
 from caricli.structures.track import FrameError, Track
@@ -30,9 +31,6 @@ KIND = "weights (CSV, JSON or NPZ)"
 OTHER_FPS = 30.0
 """Frames a second where a file does not say, but for Live Link Face."""
 _LIVE_LINK_FPS = 60.0
-_COMMON_FPS = (24, 25, 30, 48, 50, 60, 90, 120, 240)
-_TIMECODE = re.compile(r"(\d{1,2}):(\d{1,2}):(\d{1,2})[:;](\d{1,4}(?:\.\d{1,9})?)")
-_DAY = 86400.0
 
 
 class _Values(NamedTuple):
@@ -48,14 +46,13 @@ def read_weights(path: str | Path, fps: float | None = None) -> Track:
     """Read weights over time; the format is told from the content.
 
     CSV of Live Link Face: needs all 52 shapes, in Pascal or camel case and any order; the head's angles are all there
-    or none; the eyes' angles and other columns are not read, because the eyeLook shapes say the same. Its timecodes
-    HH:MM:SS:FF.fff count frames at a rate that the file does not hold: the smallest common one above the frames
-    counted where a second ends within the take, else 60. Times go on over midnight. Where timecodes are no such text,
-    repeat or go back, rows follow each other at the rate.
+    or none; the eyes' angles and other columns are not read, because the eyeLook shapes say the same. Times are
+    those of its timecodes (``timecode_seconds``), 60 frames a second where these do not show the rate.
     JSON of MediaPipe's Face Landmarker: one result or a list (or {"frames": ...}) of results, each an object with
     `face_blendshapes` (`faceBlendshapes`) or the list of categories itself; times from `timestamp_ms` (`timestampMs`)
     where every result has one, else 30 results a second. The first face counts, results without a face are left out,
-    and so is `_neutral`.
+    and so is `_neutral`. The head turns as `facial_transformation_matrixes` (`facialTransformationMatrixes`) say, where
+    every result has one.
     JSON of caricli: schema, names, weights and fps or times, optionally head. NPZ: names, weights, optionally fps (30).
 
     fps: frames a second of the recording, where the file does not say.
@@ -117,7 +114,7 @@ def _from_csv(text: str, fps: float | None) -> Track:
     timecodes = [words[columns["timecode"]].strip().strip('"') for _, words in rows]
     count = len(ARKIT_NAMES)
     angles = values[:, count:] if has_head else None
-    track = _Values(ARKIT_NAMES, _live_link_times(timecodes, fps), values[:, :count], angles)
+    track = _Values(ARKIT_NAMES, timecode_seconds(timecodes, fps, _LIVE_LINK_FPS), values[:, :count], angles)
     return _track(track, [f"line {number}" for number, _ in rows])
 
 
@@ -139,24 +136,6 @@ def _number(word: str, name: str) -> float:
         raise InputError(f"{name}: expected a number, found {shown(word, 40)!r}") from None
 
 
-def _live_link_times(timecodes: list[str], fps: float | None) -> np.ndarray:
-    """Seconds (T,) from 0."""
-    rate = fps or _LIVE_LINK_FPS
-    rows = np.arange(len(timecodes)) / rate
-    counts = [[float(x) for x in match.groups()] for match in map(_TIMECODE.fullmatch, timecodes) if match]
-    if len(counts) < len(timecodes):
-        return rows
-    hours, minutes, seconds, frames = np.array(counts).T
-    clock = 3600 * hours + 60 * minutes + seconds
-    clock += _DAY * np.cumsum(np.diff(clock, prepend=clock[0]) < -_DAY / 2)
-    if fps is None and clock[0] != clock[-1]:
-        # A take that goes over a second's end shows how many frames a second has.
-        top = np.floor(frames.max()) + 1
-        rate = next((common for common in _COMMON_FPS if common >= top), top)
-    times = clock + frames / rate
-    return times - times[0] if (np.diff(times) > 0).all() else rows
-
-
 def _from_mediapipe(value: Any, fps: float | None) -> Track:
     if isinstance(value, dict) and isinstance(value.get("frames"), list):
         value = value["frames"]
@@ -173,6 +152,7 @@ def _from_mediapipe(value: Any, fps: float | None) -> Track:
     frames = list(scores)
     first = scores[frames[0]]
     names = tuple(name for name in first if name != "_neutral")
+    head = mediapipe_head([results[frame] for frame in frames], frames)
     _check_size(len(frames), len(names))
     weights = np.empty((len(frames), len(names)))
     for row, frame in zip(weights, frames, strict=True):
@@ -181,7 +161,7 @@ def _from_mediapipe(value: Any, fps: float | None) -> Track:
             raise InputError(f"frame {frame}: expected the same names in all frames, found {odd!r} in some only")
         row[:] = [scores[frame][name] for name in names]
     times = _mediapipe_times([_stamp(results[frame]) for frame in frames], frames, fps)
-    return _track(_Values(names, times, weights), [f"frame {frame}" for frame in frames])
+    return _track(_Values(names, times, weights, head), [f"frame {frame}" for frame in frames])
 
 
 def _mediapipe_times(stamps: list[float | None], frames: list[int], fps: float | None) -> np.ndarray:

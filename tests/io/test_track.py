@@ -275,3 +275,26 @@ def test_bad_npz_and_other_files(tmp_path):
     refused(tmp_path / "a.png", "a PNG image")
     (tmp_path / "a.csv").write_text("hello\n")
     refused(tmp_path / "a.csv", "found 'hello'")
+
+
+def test_the_head_of_a_mediapipe_take_turns_by_its_matrices(tmp_path):
+    matrix = np.eye(4)
+    matrix[:3, :3] = [[0, 0, 1], [0, 1, 0], [-1, 0, 0]]
+    frames = [
+        {
+            "faceBlendshapes": [{"categories": result(w)}],
+            "facialTransformationMatrixes": [{"data": m.T.ravel().tolist()}],
+        }
+        for w, m in zip(WEIGHTS, [np.eye(4), matrix, matrix, matrix], strict=True)
+    ]
+    track = read_weights(written(tmp_path / "a.json", frames))
+    np.testing.assert_allclose(track.head[:2], np.array([[0, 0, 0], [np.pi / 2, 0, 0]]), atol=1e-12)
+    # A result without a face has no matrix either, and is left out.
+    frames[2] = {"faceBlendshapes": [], "facialTransformationMatrixes": []}
+    assert read_weights(written(tmp_path / "a.json", frames)).head.shape == (3, 3)
+
+
+def test_a_drop_frame_take_keeps_its_pace_over_a_minute(tmp_path):
+    timecodes = [*(f"10:00:59;{k:02d}.250" for k in range(58, 60)), *(f"10:01:00;{k:02d}.250" for k in range(4, 6))]
+    track = read_weights(live_link(tmp_path / "a.csv", timecodes=timecodes))
+    np.testing.assert_allclose(track.times, np.arange(4) * 1.001 / 60, atol=1e-9)

@@ -12,6 +12,9 @@ _EVEN = 1e-3
 _LONE_FPS = 30.0
 """Frames a second of a track of one frame."""
 
+_GAP = 1.75
+"""Usual steps that are a gap: a lost frame makes two of them, jitter of a third of a frame less than this."""
+
 _ROUNDING = 1e-6
 """Frames that the last one may lack."""
 
@@ -19,12 +22,12 @@ _ROUNDING = 1e-6
 def resample_weights(track: Track, fps: float | None = None) -> tuple[Track, float]:
     """Sample a track at even times, linearly in between; angles go on over half turns.
 
-    fps: frames per second; where absent the track's own, by the median of its steps, and a track whose frames are even
-    already stays as it is.
+    fps: frames per second; where absent the track's own, by the mean of its steps without gaps, and a track whose
+    frames are even already stays as it is.
     Returns Track and its frames per second. Raises InputError when that is too many frames.
     """
     steps = np.diff(track.times)
-    own = 1 / float(np.median(steps)) if len(steps) else _LONE_FPS
+    own = 1 / _usual_step(steps) if len(steps) else _LONE_FPS
     if fps is None:
         mean = len(steps) / track.times[-1] if len(steps) else own
         if not len(steps) or np.abs(track.times - np.arange(len(track.times)) / mean).max() < _EVEN:
@@ -40,3 +43,9 @@ def resample_weights(track: Track, fps: float | None = None) -> tuple[Track, flo
     if track.head is not None:
         head = np.stack([np.interp(times, track.times, a) for a in np.unwrap(track.head, axis=0).T], axis=1)
     return Track(track.names, times, np.stack(columns, axis=1), head), fps
+
+
+def _usual_step(steps: np.ndarray) -> float:
+    """Seconds from frame to frame: the mean, which jitter and whole milliseconds do not move, of what is no gap."""
+    median = np.sort(steps)[(len(steps) - 1) // 2]
+    return float(steps[steps < _GAP * median].mean())

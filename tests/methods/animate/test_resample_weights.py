@@ -48,3 +48,18 @@ def test_one_frame_is_one_frame():
 def test_endless_tracks_are_refused_before_they_are_made():
     with pytest.raises(InputError, match="1e.12 seconds"):
         resample_weights(Track(("a",), np.array([0, 1e12]), np.zeros((2, 1))), 30)
+
+
+def test_stamps_of_whole_milliseconds_do_not_change_the_rate():
+    times = np.delete(np.round(np.arange(91) * 1000 / 30) / 1000, [40, 41, 60])
+    found, fps = resample_weights(track(times))
+    assert fps == pytest.approx(30, abs=0.01)
+    np.testing.assert_allclose(found.weights, track(found.times).weights, atol=1e-9)
+
+
+def test_jitter_leaves_an_even_track():
+    times = np.arange(150) / 60
+    times[1:-1] += np.random.default_rng(2).uniform(-0.006, 0.006, 148)
+    found, fps = resample_weights(track(times))
+    assert fps == pytest.approx(60, rel=0.01)
+    np.testing.assert_allclose(np.diff(found.times), 1 / fps)
