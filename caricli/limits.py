@@ -12,6 +12,11 @@ MAX_SHAPES = 1024
 """Largest number of expressions of one rig."""
 MAX_COORDINATE = 1e6
 """Largest magnitude of a coordinate: beyond it single precision no longer holds a face."""
+MAX_NUMBER = 1e9
+"""Largest magnitude of any other number: its fourth power still fits single precision."""
+MIN_CAMERA_SCALE = 1e-6
+MAX_CAMERA_SCALE = 1e6
+"""Pixels per metre: a head is then a quarter of a million pixels high."""
 
 MAX_IMAGE_BYTES = 2**28
 MAX_IMAGE_PIXELS = 64_000_000
@@ -21,6 +26,9 @@ MAX_NPZ_BYTES = 2**30
 MAX_NPZ_MEMBERS = 1024
 MAX_NPZ_HEADER_BYTES = 4096
 MAX_ARRAY_DIMENSIONS = 8
+
+MAX_DATASET_BYTES = 2**33
+"""Largest sum of the vertices of one dataset, which are held in memory together."""
 
 MAX_JSON_BYTES = 2**26
 MAX_JSON_DEPTH = 64

@@ -52,7 +52,8 @@ def command(landmarks, to, out, map_path, pts_origin, overwrite):
         marks = read_landmarks(landmarks, pts_origin)
         with naming(landmarks):
             mapped = map_landmarks(marks.points, landmark_map, to)
-        write_landmarks(files[0], Landmarks(mapped, marks.image_size))
+            turned = Landmarks(mapped, marks.image_size)
+        write_landmarks(files[0], turned)
         write_png(files[1], landmark_pair({other(to): marks.points[:COUNT], to: mapped}, SIZE))
     left_out = "" if len(marks.points) == COUNT else f" (the first of {len(marks.points)})"
     share = mean_shift(marks.points, mapped)

@@ -7,10 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from caricli.errors import InputError, naming
-from caricli.io.npz import read_npz
+from caricli.errors import InputError, naming, shown
+from caricli.io.npz import read_npz, take_array
 from caricli.io.provenance import sha256_file
-from caricli.io.strict_json import read_json
+from caricli.io.strict_json import read_json, take, take_whole
+from caricli.limits import MAX_DATASET_BYTES, MAX_VERTICES
+from caricli.structures.checks import coordinate_problem, number_problem, refuse
 from caricli.template.annotation import parse_annotation
 from caricli.template.template import Template
 
@@ -72,11 +74,7 @@ def read_dataset(folder: Path) -> Dataset:
     where = folder / MANIFEST
     if folder.is_dir() and not where.exists():
         raise InputError(f"{folder}: no {MANIFEST} in this folder: not a dataset, or its build was interrupted")
-    manifest = read_json(where)
-    try:
-        return _read_parts(folder, manifest)
-    except (KeyError, TypeError, ValueError) as error:
-        raise InputError(f"{where}: not a valid dataset: {type(error).__name__} {error}") from error
+    return _read_parts(folder, _read_manifest(where))
 
 
 def read_albedos(folder: Path) -> np.ndarray:
@@ -87,33 +85,56 @@ def read_albedos(folder: Path) -> np.ndarray:
     """
     folder = Path(folder)
     where = folder / MANIFEST
-    entry = read_json(where).get("albedo")
-    if entry is None:
+    manifest = _read_manifest(where)
+    if "albedo" not in manifest:
         raise InputError(f"{where}: a dataset without albedos: build it with --albedo N")
-    try:
-        pictures = _read_checked(folder, entry)["albedo"]
-        expected = (entry["count"], entry["size"], entry["size"], 3)
-    except (KeyError, TypeError) as error:
-        raise InputError(f"{where}: not a valid dataset: {type(error).__name__} {error}") from error
-    if pictures.shape != expected or pictures.dtype != np.uint8:
-        given = f"{pictures.shape} {pictures.dtype}"
-        raise InputError(f"{folder / entry['file']}: expected {expected} bytes, found {given}")
-    return pictures
+    with naming(where):
+        entry = take(manifest, "albedo", dict)
+        count = take_whole(entry, "count", 1, MAX_VERTICES)
+        size = take_whole(entry, "size", 1, MAX_VERTICES)
+    arrays = _read_checked(folder, entry)
+    with naming(folder / entry["file"]):
+        return take_array(arrays, "albedo", "u", (count, size, size, 3)).astype(np.uint8, copy=False)
+
+
+def _read_manifest(where: Path) -> dict[str, Any]:
+    """The manifest, with all that every dataset has in it."""
+    manifest = read_json(where)
+    with naming(where):
+        schema = manifest.get("schema") if isinstance(manifest, dict) else None
+        if schema != SCHEMA:
+            raise InputError(f"expected schema {SCHEMA!r}, found {shown(schema, 60)!r}")
+        for key, kind in {"topology_id": str, "annotation": dict, "template": dict, "labels": dict}.items():
+            take(manifest, key, kind)
+        splits = take(manifest, "splits", dict)
+        if set(splits) != set(SPLITS) or not all(_are_people(people) for people in splits.values()):
+            raise InputError(f"splits: expected lists of people for {', '.join(SPLITS)}, found others")
+        for shard in take(manifest, "shards", list):
+            if not isinstance(shard, dict):
+                raise InputError(f"shards: expected objects, found {type(shard).__name__}")
+            take_whole(shard, "count", 1, MAX_VERTICES)
+        files = [entry.get("file") for entry in manifest["shards"]]
+        if not files or len({*map(str, files)}) < len(files):
+            raise InputError("shards: expected at least one, each once, found others")
+    return manifest
+
+
+def _are_people(numbers: Any) -> bool:
+    return isinstance(numbers, list) and all(type(number) is int and abs(number) < 2**62 for number in numbers)
 
 
 def _read_parts(folder: Path, manifest: dict[str, Any]) -> Dataset:
-    with naming(folder / MANIFEST):
-        if manifest["schema"] != SCHEMA:
-            raise InputError(f"expected schema {SCHEMA!r}, found {manifest['schema']!r}")
     template = _read_template(folder, manifest)
     columns = _read_columns(folder, manifest, template)
-    labels = _read_checked(folder, manifest["labels"])
-    attributes = tuple(str(name) for name in labels["attributes"])
-    expected = (len(columns["vertices"]), len(attributes))
-    if labels["measures"].shape != expected or labels["labels"].shape != expected:
-        raise InputError(f"{folder / 'labels.npz'}: expected {expected} measures and labels")
     with naming(folder / MANIFEST):
         _check_splits(manifest["splits"], columns["identity"])
+    labels = _read_checked(folder, manifest["labels"])
+    with naming(folder / manifest["labels"]["file"]):
+        attributes = tuple(take_array(labels, "attributes", "U", (None,)).tolist())
+        shape = (len(columns["vertices"]), len(attributes))
+        measures = take_array(labels, "measures", "fiu", shape)
+        refuse(number_problem("measures", measures))
+        marked = take_array(labels, "labels", "biu", shape).astype(bool)
     return Dataset(
         manifest=manifest,
         template=template,
@@ -122,59 +143,73 @@ def _read_parts(folder: Path, manifest: dict[str, Any]) -> Dataset:
         expression=columns.pop("expression"),
         level=columns.pop("level"),
         attributes=attributes,
-        measures=labels["measures"],
-        labels=labels["labels"].astype(bool),
+        measures=measures,
+        labels=marked,
         factors=columns,
     )
 
 
 def _read_columns(folder: Path, manifest: Mapping[str, Any], template: Template) -> dict[str, np.ndarray]:
+    total = sum(entry["count"] for entry in manifest["shards"]) * template.vertices.size * 4
+    if total > MAX_DATASET_BYTES:
+        raise InputError(f"{folder / MANIFEST}: expected at most {MAX_DATASET_BYTES} bytes of meshes, found {total}")
     parts: dict[str, list[np.ndarray]] = {}
-    for entry in manifest["shards"]:
+    for number, entry in enumerate(manifest["shards"]):
         shard = _read_checked(folder, entry)
         with naming(folder / entry["file"]):
             _check_shard(shard, entry["count"], template)
+            if number and {name: _form(column) for name, column in shard.items()} != {
+                name: _form(columns[0]) for name, columns in parts.items()
+            }:
+                raise InputError("expected the columns of the first shard, found others")
         for name, column in shard.items():
             parts.setdefault(name, []).append(column)
     return {name: np.concatenate(columns) for name, columns in parts.items()}
 
 
+def _form(column: np.ndarray) -> tuple:
+    """What the columns of a name have in common in all shards; texts may differ in length."""
+    return column.dtype.kind, column.shape[1:]
+
+
 def _check_splits(splits: Mapping[str, list[int]], identity: np.ndarray) -> None:
-    complete = set(splits) == set(SPLITS)
     named = set().union(*splits.values())
-    if not complete or sum(len(splits[split]) for split in SPLITS) != len(named):
+    if sum(len(splits[split]) for split in SPLITS) != len(named):
         raise InputError(f"'splits' must share the identities out among {', '.join(SPLITS)}")
     if not set(np.unique(identity).tolist()) <= named:
         raise InputError("there are identities that no split names")
 
 
 def _read_checked(folder: Path, entry: Mapping[str, Any]) -> dict[str, np.ndarray]:
-    name = entry["file"]
+    name = entry.get("file")
     if not isinstance(name, str) or Path(name).name != name:
-        raise InputError(f"{folder / MANIFEST}: {name!r} must be a file in the dataset's own folder")
-    if sha256_file(folder / name) != entry["sha256"]:
+        raise InputError(f"{folder / MANIFEST}: {shown(name, 60)!r} must be a file in the dataset's own folder")
+    if sha256_file(folder / name) != entry.get("sha256"):
         raise InputError(f"{folder / name}: its SHA-256 is not the one in {MANIFEST}: the file was changed")
     return read_npz(folder / name)
 
 
 def _read_template(folder: Path, manifest: Mapping[str, Any]) -> Template:
     arrays = _read_checked(folder, manifest["template"])
-    annotation = parse_annotation(manifest["annotation"], len(arrays["vertices"]), str(folder / MANIFEST))
-    uvs = arrays.get("uvs")
-    uv_polygons = arrays.get("uv_polygons")
-    with naming(folder / "template.npz"):
-        template = Template(arrays["vertices"], arrays["polygons"], uvs, uv_polygons, annotation=annotation)
-        if template.topology_id != manifest["topology_id"] or not np.array_equal(template.faces, arrays["faces"]):
+    with naming(folder / manifest["template"]["file"]):
+        vertices = take_array(arrays, "vertices", "f", (None, 3))
+        faces = take_array(arrays, "faces", "iu", (None, 3))
+        polygons = take_array(arrays, "polygons", "iu", (None, None))
+    annotation = parse_annotation(manifest["annotation"], len(vertices), str(folder / MANIFEST))
+    with naming(folder / manifest["template"]["file"]):
+        template = Template(vertices, polygons, arrays.get("uvs"), arrays.get("uv_polygons"), annotation=annotation)
+        if template.topology_id != manifest["topology_id"] or not np.array_equal(template.faces, faces):
             raise InputError(f"its faces do not fit {MANIFEST}")
     return template
 
 
 def _check_shard(shard: Mapping[str, np.ndarray], count: int, template: Template) -> None:
-    vertices = shard["vertices"]
-    expected = (count, *template.vertices.shape)
-    if vertices.shape != expected:
-        raise InputError(f"expected vertices {expected}, found {vertices.shape}")
-    if not np.isfinite(vertices).all():
-        raise InputError("vertices must be finite")
-    if any(len(column) != len(vertices) for column in shard.values()):
-        raise InputError("its columns differ in length")
+    vertices = take_array(shard, "vertices", "f", (count, *template.vertices.shape))
+    refuse(coordinate_problem("vertices", vertices))
+    for name in ("identity", "expression", "level"):
+        refuse(number_problem(name, take_array(shard, name, "iu", (count,))))
+    for name, column in shard.items():
+        if not column.ndim or len(column) != count:
+            raise InputError(f"{shown(name, 40)}: expected {count} rows as there are vertices, found {column.shape}")
+        if column.dtype.kind == "f":
+            refuse(number_problem(shown(name, 40), column))

@@ -15,7 +15,7 @@ from caricli.geometry.flipped_triangles import flipped_triangles
 from caricli.io.files import read_text
 from caricli.io.mesh import mesh_files, read_mesh
 from caricli.io.strict_json import read_json
-from caricli.limits import MAX_NPZ_BYTES
+from caricli.limits import MAX_DATASET_BYTES
 from caricli.structures import Mesh
 from caricli.template.annotation import parse_annotation
 from caricli.template.template import Template
@@ -55,7 +55,7 @@ def import_dataset(
     if len(files) < 2:
         raise InputError(f"{mesh_folder}: expected at least two OBJ files or other meshes, found {len(files)}")
     first = read_mesh(files[0])
-    if len(files) * first.vertices.size * 4 > MAX_NPZ_BYTES * 8:
+    if len(files) * first.vertices.size * 4 > MAX_DATASET_BYTES:
         raise InputError(f"{mesh_folder}: {len(files)} meshes of {len(first.vertices)} vertices do not fit in memory")
     shapes = np.empty((len(files), *first.vertices.shape), dtype=np.float32)
     for number, path in enumerate(files):

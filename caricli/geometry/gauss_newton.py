@@ -4,6 +4,8 @@ from collections.abc import Callable
 
 import numpy as np
 
+from caricli.errors import NumericsError
+
 
 def gauss_newton(
     start: np.ndarray, normal_equations: Callable, rounds: int, settled: float = 0.0, solve: Callable = np.linalg.solve
@@ -12,11 +14,11 @@ def gauss_newton(
 
     start: (D,). normal_equations: called with x, returns the system A (D, D) and the right side b (D,). rounds: at
     most. settled: a step none of whose entries is as large ends it. solve: of one dense linear system.
-    Returns (D,).
+    Returns (D,). Raises NumericsError where a system is singular or not finite.
     """
     x = start
     for _ in range(rounds):
-        step = solve(*normal_equations(x))
+        step = _solved(solve, *normal_equations(x))
         x = x + step
         if np.abs(step).max() < settled:
             break
@@ -33,8 +35,8 @@ class Damping:
         self.tighten = tighten
 
     def step(self, system: np.ndarray, right: np.ndarray) -> np.ndarray:
-        """The step (D,) for a system (D, D) and its right side (D,)."""
-        return np.linalg.solve(system + self.value * np.diag(np.diag(system)), right)
+        """The step (D,) for a system (D, D) and its right side (D,). Raises NumericsError as ``gauss_newton`` does."""
+        return _solved(np.linalg.solve, system + self.value * np.diag(np.diag(system)), right)
 
     def accept(self) -> None:
         """The last step lowered the cost."""
@@ -43,3 +45,12 @@ class Damping:
     def reject(self) -> None:
         """The last step did not lower the cost."""
         self.value *= self.tighten
+
+
+def _solved(solve: Callable, system: np.ndarray, right: np.ndarray) -> np.ndarray:
+    try:
+        if np.isfinite(system).all() and np.isfinite(right).all():
+            return solve(system, right)
+    except np.linalg.LinAlgError:
+        pass
+    raise NumericsError("a fit has no solution: do its points, or the directions of its model, lie in one place?")

@@ -1,8 +1,16 @@
 """Triangles of one mesh that go through each other."""
 
+from collections.abc import Iterator
+
 import numpy as np
 from scipy.spatial import cKDTree
 
+from caricli.errors import NumericsError
+
+MAX_PAIRS = 20_000_000
+"""Triangles near to each other that are looked at, in half a minute; a head has 15 for every triangle."""
+
+_BLOCK = 2**18  # pairs looked at at once, in about 150 MB
 _PARALLEL = 1e-12  # sine of the angle between an edge and a plane: with less they do not meet
 
 
@@ -10,10 +18,16 @@ def self_intersections(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
     """Find pairs of triangles without a common corner, an edge of one of which goes through the other.
 
     vertices: (V, 3). faces: (F, 3).
-    Returns (K, 2) triangle numbers, the smaller first, in order.
+    Returns (K, 2) triangle numbers, the smaller first, in order. Raises NumericsError where more than MAX_PAIRS are
+    near to each other, as in a mesh whose vertices lie in one place.
     """
     corners = vertices[faces]
-    pairs = _near_pairs(corners)
+    crossing = [_crossing(pairs, corners, faces) for pairs in _near_pairs(corners)]
+    return np.unique(np.sort(np.concatenate(crossing), axis=1), axis=0)
+
+
+def _crossing(pairs: np.ndarray, corners: np.ndarray, faces: np.ndarray) -> np.ndarray:
+    """Those of pairs (K, 2) of triangles that go through each other. corners: (F, 3, 3) of the triangles."""
     low, high = corners.min(1), corners.max(1)
     first, second = pairs.T
     overlap = ((low[first] <= high[second]) & (low[second] <= high[first])).all(1)
@@ -23,12 +37,11 @@ def self_intersections(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
     pairs = pairs[apart]
     triangles = corners[pairs[:, 0]]
     others = corners[pairs[:, 1]]
-    hit = _an_edge_pierces(triangles, others) | _an_edge_pierces(others, triangles)
-    return np.unique(np.sort(pairs[hit], axis=1), axis=0)
+    return pairs[_an_edge_pierces(triangles, others) | _an_edge_pierces(others, triangles)]
 
 
-def _near_pairs(corners: np.ndarray) -> np.ndarray:
-    """(K, 2) triangles whose bounding spheres touch, each pair once."""
+def _near_pairs(corners: np.ndarray) -> Iterator[np.ndarray]:
+    """Blocks (K, 2) of the triangles whose bounding spheres touch, each pair once."""
     centres = corners.mean(1)
     radii = np.linalg.norm(corners - centres[:, None], axis=-1).max(1)
     # Half of the triangles are small and near to few others, which one query finds at once; the large ones look for
@@ -36,16 +49,29 @@ def _near_pairs(corners: np.ndarray) -> np.ndarray:
     limit = np.median(radii)
     small = np.flatnonzero(radii <= limit)
     large = np.flatnonzero(radii > limit)
-    pairs = [small[cKDTree(centres[small]).query_pairs(2 * limit, output_type="ndarray")]]
-    if len(large):
-        near = cKDTree(centres).query_ball_point(centres[large], 2 * radii[large], return_sorted=False)
-        first = np.repeat(large, [len(ids) for ids in near])
-        second = np.concatenate([np.asarray(ids, dtype=np.int64) for ids in near])
+    among_small = cKDTree(centres[small])
+    among_all = cKDTree(centres)
+    counts = among_all.query_ball_point(centres[large], 2 * radii[large], return_length=True).astype(np.int64)
+    # Counting takes no memory, listing them may take all of it. Of the small ones each counts itself, and each other.
+    near = (among_small.count_neighbors(among_small, 2 * limit) - len(small)) // 2 + int(counts.sum())
+    if near > MAX_PAIRS:
+        raise NumericsError(f"expected a surface, found {near} pairs of triangles in one place")
+    pairs = small[among_small.query_pairs(2 * limit, output_type="ndarray")]
+    for start in range(0, len(pairs), _BLOCK):
+        yield _touching(pairs[start : start + _BLOCK], centres, radii)
+    for rows in np.split(np.arange(len(large)), np.flatnonzero(np.diff(np.cumsum(counts) // _BLOCK)) + 1):
+        lists = among_all.query_ball_point(centres[large[rows]], 2 * radii[large[rows]], return_sorted=False)
+        first = np.repeat(large[rows], counts[rows])
+        second = np.concatenate([np.asarray(ids, dtype=np.int64) for ids in [[], *lists]])
         smaller = (radii[second] < radii[first]) | ((radii[second] == radii[first]) & (second < first))
-        pairs.append(np.stack([first, second], axis=1)[smaller])
-    first, second = np.concatenate(pairs).T
+        yield _touching(np.stack([first, second], axis=1)[smaller], centres, radii)
+
+
+def _touching(pairs: np.ndarray, centres: np.ndarray, radii: np.ndarray) -> np.ndarray:
+    """Those of pairs (K, 2) whose bounding spheres touch."""
+    first, second = pairs.T
     gaps = ((centres[first] - centres[second]) ** 2).sum(1)
-    return np.stack([first, second], axis=1)[gaps <= (radii[first] + radii[second]) ** 2]
+    return pairs[gaps <= (radii[first] + radii[second]) ** 2]
 
 
 def _an_edge_pierces(triangles: np.ndarray, others: np.ndarray) -> np.ndarray:

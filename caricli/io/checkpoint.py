@@ -13,6 +13,7 @@ from caricli.io.files import content_kind, looks_like_pickle, read_bytes
 from caricli.io.outputs import write_bytes
 from caricli.io.strict_json import format_json, parse_json
 from caricli.limits import MAX_ARRAY_DIMENSIONS, MAX_CHECKPOINT_BYTES, MAX_CHECKPOINT_HEADER_BYTES
+from caricli.structures.checks import number_problem, refuse
 
 _KEY = "caricli"
 _DTYPES = {
@@ -50,8 +51,9 @@ def write_checkpoint(path: str | Path, tensors: Mapping[str, np.ndarray], metada
 
     arrays = {name: np.asarray(value, order="C") for name, value in tensors.items()}
     for name, array in arrays.items():
-        if array.dtype.kind == "f" and not np.isfinite(array).all():
-            raise OutputError(f"{shown(path)}: {shown(name, 60)}: expected finite values, found others")
+        problem = number_problem(shown(name, 60), array)
+        if problem:
+            raise OutputError(f"{shown(path)}: {problem}")
     write_bytes(path, save(arrays, {_KEY: format_json(metadata, path, indent=None).strip()}))
 
 
@@ -84,6 +86,7 @@ def _tensors(content: memoryview, entries: dict[str, _Entry]) -> dict[str, np.nd
                 expected = f"bytes from {at} within {len(content)}"
                 raise InputError(f"expected {expected}, found {entry.begin} to {entry.end}")
             tensors[name] = _tensor(content, entry)
+        refuse(number_problem(shown(name, 60), tensors[name]))
         at = entry.end
     if at != len(content):
         raise InputError(f"expected {at} bytes, found {len(content)}")
@@ -137,7 +140,5 @@ def _tensor(content: memoryview, entry: _Entry) -> np.ndarray:
     array = np.frombuffer(content, dtype, math.prod(entry.shape), entry.begin)
     if dtype.kind == "b" and (array.view(np.uint8) > 1).any():
         raise InputError("expected true or false, found another value")
-    if dtype.kind == "f" and not np.isfinite(array).all():
-        raise InputError("expected finite values, found others")
     wanted = np.dtype(np.float32) if dtype == np.float16 else dtype.newbyteorder("=")
     return array.astype(wanted).reshape(entry.shape)

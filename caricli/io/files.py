@@ -1,7 +1,10 @@
 """What all readers share: bytes under a cap, text that is safe to print, and a word for rubbish."""
 
+import io
 import os
 import stat
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from caricli.errors import InputError, shown
@@ -40,6 +43,30 @@ def looks_like_pickle(data: bytes) -> bool:
     return len(data) > 2 and data[0] == 0x80 and 2 <= data[1] <= 5
 
 
+@contextmanager
+def opened(path: str | Path, kind: str) -> Iterator[io.BufferedReader]:
+    """Open a regular file to read its bytes; all that caricli reads goes through here.
+
+    kind: what is expected, for the message ("an OBJ file").
+    Raises InputError when the path is missing, no regular file, empty or unreadable, also where reading it fails.
+    """
+    try:
+        # Looking before opening: opening a pipe would wait for a writer for ever.
+        mode = os.stat(path).st_mode
+        if not stat.S_ISREG(mode):
+            other = "a folder" if stat.S_ISDIR(mode) else "something that is not a regular file"
+            raise InputError(f"{shown(path)}: expected {kind}, found {other}")
+        with open(path, "rb") as stream:
+            if not os.fstat(stream.fileno()).st_size:
+                raise InputError(f"{shown(path)}: expected {kind}, found an empty file")
+            yield stream
+    except FileNotFoundError:
+        raise InputError(f"{shown(path)}: expected {kind}, found no such file") from None
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or error
+        raise InputError(f"{shown(path)}: expected {kind}, but it cannot be read: {shown(reason)}") from error
+
+
 def read_bytes(path: str | Path, max_bytes: int, kind: str) -> bytes:
     """Read a regular file whole.
 
@@ -47,27 +74,18 @@ def read_bytes(path: str | Path, max_bytes: int, kind: str) -> bytes:
     Returns at least one byte.
     Raises InputError when the path is missing, no regular file, unreadable, empty or too large.
     """
-    try:
-        # Looking before opening: opening a pipe would wait for a writer for ever.
-        status = os.stat(path)
-        if not stat.S_ISREG(status.st_mode):
-            other = "a folder" if stat.S_ISDIR(status.st_mode) else "something that is not a regular file"
-            raise InputError(f"{shown(path)}: expected {kind}, found {other}")
-        if status.st_size > max_bytes:
-            raise InputError(
-                f"{shown(path)}: expected {kind} of at most {max_bytes} bytes, found {status.st_size} bytes"
-            )
-        with open(path, "rb") as stream:
-            # read(n) allocates n bytes at once, so n is what is there and not the cap.
-            data = stream.read(status.st_size)
-    except FileNotFoundError:
-        raise InputError(f"{shown(path)}: expected {kind}, found no such file") from None
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or error
-        raise InputError(f"{shown(path)}: expected {kind}, but it cannot be read: {shown(reason)}") from error
-    if not data:
-        raise InputError(f"{shown(path)}: expected {kind}, found an empty file")
-    return data
+    with opened(path, kind) as stream:
+        size = os.fstat(stream.fileno()).st_size
+        if size > max_bytes:
+            raise InputError(f"{shown(path)}: expected {kind} of at most {max_bytes} bytes, found {size} bytes")
+        # read(n) allocates n bytes at once, so n is what is there and not the cap.
+        return stream.read(size)
+
+
+def read_start(path: str | Path, count: int, kind: str) -> bytes:
+    """Read the first bytes of a regular file, ``count`` at most, as `read_bytes` does."""
+    with opened(path, kind) as stream:
+        return stream.read(count)
 
 
 def read_text(path: str | Path, max_bytes: int, kind: str) -> str:

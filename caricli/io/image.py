@@ -1,7 +1,10 @@
 """Pictures: one loader, one writer."""
 
+import ctypes
 import io
 import warnings
+from contextlib import suppress
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -27,6 +30,7 @@ def read_image(path: str | Path) -> np.ndarray:
     from PIL import Image, ImageOps
 
     data = read_bytes(path, MAX_IMAGE_BYTES, "an image")
+    _silence_libtiff()
     try:
         # Pillow warns of sizes above a cap of its own; the cap here is lower and refuses.
         with warnings.catch_warnings():
@@ -48,6 +52,21 @@ def read_image(path: str | Path) -> np.ndarray:
         raise InputError(f"{shown(path)}: expected an image, found a damaged one: {shown(error, 120)}") from error
 
 
+@cache
+def _silence_libtiff() -> None:
+    """Stop Pillow's libtiff from writing to stderr what is wrong with a file; the error that is raised says it too."""
+    from PIL import _imaging
+
+    library = ctypes.CDLL(_imaging.__file__)
+    # Missing where Pillow was built without libtiff, or with its symbols hidden.
+    with suppress(AttributeError):
+        for name in ("TIFFSetErrorHandler", "TIFFSetWarningHandler"):
+            setter = getattr(library, name)
+            setter.argtypes = [ctypes.c_void_p]
+            setter.restype = ctypes.c_void_p
+            setter(None)
+
+
 def write_png(path: str | Path, image: np.ndarray) -> None:
     """Write a PNG.
 
@@ -65,9 +84,10 @@ def write_png(path: str | Path, image: np.ndarray) -> None:
 def _rgb(image: Any, pillow: Any) -> np.ndarray:
     if image.mode.startswith("I") or image.mode == "F":
         # Pillow clips these to 255 on conversion instead of scaling them.
-        values = np.asarray(image, np.float64)
-        values = values / 257 if image.mode.startswith("I") else values
-        grey = np.clip(np.nan_to_num(values), 0, 255).round().astype(np.uint8)
+        values = np.array(image, np.float32)
+        values /= 257 if image.mode.startswith("I") else 1
+        np.clip(np.nan_to_num(values, copy=False), 0, 255, out=values)
+        grey = values.round(out=values).astype(np.uint8)
         return np.repeat(grey[:, :, None], 3, axis=2)
     if image.has_transparency_data:
         image = image.convert("RGBA")

@@ -177,6 +177,26 @@ def text_of(array: np.ndarray | None) -> str | None:
     return str(array.item()) if array is not None and array.dtype.kind == "U" and array.ndim == 0 else None
 
 
+def take_array(arrays: Mapping[str, np.ndarray], key: str, kinds: str, shape: tuple[int | None, ...]) -> np.ndarray:
+    """The array of a key.
+
+    kinds: letters of the types of numbers that it may have, as NumPy's ``dtype.kind``. shape: None for any length.
+    Raises InputError where there is none, or of another kind or shape.
+    """
+    array = arrays.get(key)
+    name = shown(key, 40)
+    if array is None:
+        raise InputError(f"expected {name}, found none")
+    fits = array.ndim == len(shape) and all(n in (None, m) for n, m in zip(shape, array.shape, strict=True))
+    if array.dtype.kind not in kinds or not fits:
+        expected = ",".join("*" if n is None else str(n) for n in shape)
+        words = {"f": "fractions", "i": "whole numbers", "U": "text", "b": "true or false", "u": "whole numbers"}[
+            kinds[0]
+        ]
+        raise InputError(f"{name}: expected {words} of the shape ({expected}), found {array.dtype} {array.shape}")
+    return array
+
+
 def take_texts(arrays: dict[str, np.ndarray], texts: Mapping[str, str], noun: str) -> None:
     """Take the texts that every file of a schema holds out of its arrays.
 

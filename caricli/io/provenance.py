@@ -7,20 +7,16 @@ from pathlib import Path
 from typing import Any
 
 from caricli import __version__
-from caricli.errors import InputError, shown
+from caricli.io.files import opened
 
 
 def sha256_file(path: str | Path) -> str:
     """The SHA-256 of a file as 64 hexadecimal digits.
 
-    Raises InputError when it cannot be read.
+    Raises InputError when it is no regular file or cannot be read.
     """
-    try:
-        with open(path, "rb") as stream:
-            return hashlib.file_digest(stream, "sha256").hexdigest()
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or error
-        raise InputError(f"{shown(path)}: expected a file, but it cannot be read: {shown(reason)}") from error
+    with opened(path, "a file") as stream:
+        return hashlib.file_digest(stream, "sha256").hexdigest()
 
 
 def provenance(

@@ -54,6 +54,23 @@ def parse_json(data: bytes, name: object) -> Any:
     return value
 
 
+def take(parent: dict, key: str, kind: type, default: object = None) -> Any:
+    """The value of a key, of one kind. Raises InputError when it is another."""
+    value = parent.get(key, default)
+    if not isinstance(value, kind):
+        raise InputError(f"{shown(key, 40)}: expected {kind.__name__}, found {type(value).__name__}")
+    return value
+
+
+def take_whole(parent: dict, key: str, least: int, most: int, default: int | None = None) -> int:
+    """The whole number of a key, from least to most. Raises InputError when it is none."""
+    value = parent.get(key, default)
+    if type(value) is not int or not least <= value <= most:
+        text = shown(value, 40) if isinstance(value, int | float | str) else type(value).__name__
+        raise InputError(f"{shown(key, 40)}: expected a whole number from {least} to {most}, found {text}")
+    return value
+
+
 def write_json(path: str | Path, value: Any) -> None:
     """Write a value as JSON: insertion order, indent 2, UTF-8, a newline at the end.
 

@@ -19,6 +19,7 @@ from caricli.structures.track import FrameError, Track
 
 SCHEMA = "caricli.weights/1"
 
+MIN_FPS = 1e-3
 MAX_FPS = 1000.0
 MAX_FRAMES = 2**19
 """Longest track, about two hours at 60 frames a second."""
@@ -31,6 +32,8 @@ KIND = "weights (CSV, JSON or NPZ)"
 OTHER_FPS = 30.0
 """Frames a second where a file does not say, but for Live Link Face."""
 _LIVE_LINK_FPS = 60.0
+_MAX_STAMP = 1e15
+"""Largest timestamp, milliseconds: far above those that count from 1970."""
 
 
 class _Values(NamedTuple):
@@ -160,7 +163,11 @@ def _from_mediapipe(value: Any, fps: float | None) -> Track:
             odd = shown(min(set(scores[frame]) ^ set(first)), 40)
             raise InputError(f"frame {frame}: expected the same names in all frames, found {odd!r} in some only")
         row[:] = [scores[frame][name] for name in names]
-    times = _mediapipe_times([_stamp(results[frame]) for frame in frames], frames, fps)
+    stamps = {}
+    for frame in frames:
+        with naming(f"frame {frame}"):
+            stamps[frame] = _stamp(results[frame])
+    times = _mediapipe_times(list(stamps.values()), frames, fps)
     return _track(_Values(names, times, weights, head), [f"frame {frame}" for frame in frames])
 
 
@@ -180,7 +187,11 @@ def _is_categories(value: Any) -> bool:
 def _stamp(result: Any) -> float | None:
     """Seconds at which a result came, or None where it does not say."""
     stamp = result.get("timestamp_ms", result.get("timestampMs")) if isinstance(result, dict) else None
-    return stamp / 1000 if isinstance(stamp, int | float) and not isinstance(stamp, bool) else None
+    if not isinstance(stamp, int | float) or isinstance(stamp, bool):
+        return None
+    if abs(stamp) > _MAX_STAMP:
+        raise InputError(f"expected a timestamp of at most {_MAX_STAMP:g} ms, found {shown(stamp, 40)}")
+    return stamp / 1000
 
 
 def _scores(result: Any) -> dict[str, float] | None:
@@ -262,9 +273,9 @@ def _table(rows: Any, width: int, where: str) -> np.ndarray:
 
 
 def _check_fps(fps: Any, where: str) -> None:
-    sound = isinstance(fps, int | float) and not isinstance(fps, bool) and 0 < fps <= MAX_FPS
+    sound = isinstance(fps, int | float) and not isinstance(fps, bool) and MIN_FPS <= fps <= MAX_FPS
     if not sound:
-        expected = f"more than 0 and at most {MAX_FPS:g} frames a second"
+        expected = f"from {MIN_FPS:g} to {MAX_FPS:g} frames a second"
         raise InputError(f"{where}: expected {expected}, found {shown(fps, 40)}")
 
 

@@ -1,15 +1,17 @@
 """What a training needs to go on: tensors and counters in one file, loaded without running code."""
 
-import pickle
+import io
+import zipfile
 from pathlib import Path
 from typing import Any
 
-from caricli.errors import InputError, shown
+from caricli.errors import InputError, naming, shown
+from caricli.io.files import read_bytes
 from caricli.io.outputs import staged, writing
+from caricli.limits import MAX_CHECKPOINT_BYTES
 
 SCHEMA = "caricli.training/1"
-# What torch.load raises for a file that it cannot make sense of.
-_DAMAGE = OSError, RuntimeError, pickle.UnpicklingError, EOFError, KeyError, TypeError, ValueError, AttributeError
+_KIND = "the state of a training"
 
 
 def write_state(path: str | Path, state: dict, recipe: Any) -> None:
@@ -31,16 +33,28 @@ def read_state(path: str | Path, device: Any = "cpu") -> tuple[dict, Any]:
     Returns the state and the recipe as `write_state` took them.
     Raises InputError when it is missing, truncated, of another schema or holds anything but plain values.
     """
+    data = read_bytes(path, MAX_CHECKPOINT_BYTES, _KIND)
+    with naming(path):
+        value = _load(data, device)
+        schema = value.get("schema") if isinstance(value, dict) else None
+        if schema != SCHEMA:
+            raise InputError(f"expected a training of schema {SCHEMA!r}, found {shown(schema, 60)!r}")
+        for key in ("state", "recipe"):
+            if not isinstance(value.get(key), dict):
+                raise InputError(f"expected a training with its {key}, found none")
+        return value["state"], value["recipe"]
+
+
+def _load(data: bytes, device: Any) -> Any:
+    """What torch saved; not what its older versions did, without a zip archive around it."""
     import torch
 
     try:
-        value = torch.load(path, map_location=device, weights_only=True)
-        if value["schema"] != SCHEMA:
-            raise InputError(f"{shown(path)}: expected a training of schema {SCHEMA!r}, found {value['schema']!r}")
-        return value["state"], value["recipe"]
-    except (FileNotFoundError, IsADirectoryError, PermissionError) as error:
-        raise InputError(f"{shown(path)}: cannot be read: {shown(error.strerror or error)}") from error
-    except _DAMAGE as error:
-        raise InputError(
-            f"{shown(path)}: expected the state of a training, found a damaged or other file; --overwrite begins anew"
-        ) from error
+        with zipfile.ZipFile(io.BytesIO(data)) as archive:
+            # torch stores as it is; what is packed could expand without end.
+            sound = all(member.compress_type == zipfile.ZIP_STORED for member in archive.infolist())
+        if not sound:
+            raise ValueError("packed members")
+        return torch.load(io.BytesIO(data), map_location=device, weights_only=True)
+    except Exception as error:  # both raise whatever they meet
+        raise InputError(f"expected {_KIND}, found a damaged or other file; --overwrite begins anew") from error

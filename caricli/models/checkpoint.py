@@ -10,6 +10,7 @@ from caricli.errors import InputError, naming, shown
 from caricli.models.kinds import KINDS, model_class
 from caricli.models.shape_model import ShapeModel
 from caricli.structures import SeenPeople
+from caricli.structures.checks import number_problem, refuse
 from caricli.template.annotation import parse_annotation
 from caricli.template.template import Template
 
@@ -44,15 +45,15 @@ def model_from_checkpoint(tensors: Mapping[str, np.ndarray], metadata: Mapping[s
         if not isinstance(kind, str) or kind not in KINDS:
             raise InputError(f"expected a model of kind {' or '.join(KINDS)}, found {shown(kind, 60)!r}")
         for name, value in tensors.items():
-            if not np.isfinite(value).all():
-                raise InputError(f"{shown(name, 60)} must be finite")
+            refuse(number_problem(shown(name, 60), value))
     try:
         template = _template(tensors, metadata["annotation"], where)
         own = {name.removeprefix("model."): value for name, value in tensors.items() if name.startswith("model.")}
         model = model_class(kind).from_tensors(template, own, model_id(kind, own))
-    except (KeyError, ValueError, IndexError, TypeError, np.linalg.LinAlgError) as error:
-        problem = f"{type(error).__name__} {shown(error, 200)}"
-        raise InputError(f"{shown(where)}: not a valid model: {problem}") from error
+    except KeyError as error:
+        raise InputError(f"{shown(where)}: not a valid model: without {shown(error, 60)}") from error
+    except (ValueError, IndexError, TypeError) as error:
+        raise InputError(f"{shown(where)}: not a valid model: {shown(error, 200)}") from error
     with naming(where):
         model.seen = SeenPeople.of_recipe(metadata.get("recipe"))
     return model

@@ -4,7 +4,7 @@ import numpy as np
 from scipy.sparse import csr_matrix
 
 from caricli.geometry.per_column import per_column
-from caricli.models.linear_basis import LinearBasis
+from caricli.models.linear_basis import LinearBasis, direction_products
 from caricli.models.prior import Prior
 from caricli.structures import SeenPeople
 from caricli.template.template import Template
@@ -16,7 +16,7 @@ class LinearModel:
     seen: SeenPeople | None = None
 
     def __init__(self, template: Template, basis: LinearBasis, model_id: str, noise: float = 0.0) -> None:
-        """basis: metres. model_id: see ShapeModel.
+        """basis: metres, independent. model_id: see ShapeModel.
 
         noise: metres, how far a coordinate is expected from what the basis makes of it: encoding then prefers short
         latents; without noise it is the orthogonal projection.
@@ -27,7 +27,7 @@ class LinearModel:
         self.model_id = model_id
         self.prior = Prior.standard(len(self.basis))
         flat = self.basis.reshape(len(self.basis), -1)
-        self._encoder = np.linalg.solve(flat @ flat.T + noise**2 * np.eye(len(flat)), flat)
+        self._encoder = np.linalg.solve(direction_products(flat, ridge=noise**2), flat)
 
     def prepare(self) -> None:
         """See ShapeModel: the fits need nothing beyond what is here."""

@@ -1,8 +1,6 @@
 """Any file of ours, or anybody's mesh, by what is in it."""
 
-import os
 import re
-import stat
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -14,7 +12,7 @@ from caricli.errors import InputError, shown
 from caricli.io import cues, directions, face, landmarks, rig, track
 from caricli.io.bundled import asset_path
 from caricli.io.checkpoint import read_checkpoint
-from caricli.io.files import content_kind
+from caricli.io.files import content_kind, read_start
 from caricli.io.gltf.read_gltf import read_gltf, read_gltf_mesh
 from caricli.io.image import read_image
 from caricli.io.mesh import ANY_MESH, is_mesh_file, read_mesh
@@ -57,7 +55,7 @@ def load_any(path: Path) -> Any:
     """
     if path.is_dir():
         return read_dataset(path)
-    return _reader(_start_of(path), path)(path)
+    return _reader(read_start(path, _START, _EXPECTED), path)(path)
 
 
 def load_acquaintances() -> Acquaintances:
@@ -76,23 +74,6 @@ def files_beside(path: Path) -> list[str]:
         picture = texture_path(path)
         names |= {picture.name} if picture is not None and picture.is_file() else set()
     return sorted(names)
-
-
-def _start_of(path: Path) -> bytes:
-    try:
-        # Looking before opening: opening a pipe would wait for a writer for ever.
-        if not stat.S_ISREG(os.stat(path).st_mode):
-            raise InputError(f"{shown(path)}: expected {_EXPECTED}, found something that is not a regular file")
-        with open(path, "rb") as stream:
-            start = stream.read(_START)
-    except FileNotFoundError:
-        raise InputError(f"{shown(path)}: expected {_EXPECTED}, found no such file") from None
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or error
-        raise InputError(f"{shown(path)}: expected {_EXPECTED}, but it cannot be read: {shown(reason)}") from error
-    if not start:
-        raise InputError(f"{shown(path)}: expected {_EXPECTED}, found an empty file")
-    return start
 
 
 def _reader(start: bytes, path: Path) -> Callable[[Path], Any]:

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from caricli.errors import InputError, naming, shown
+from caricli.geometry.flat_triangles import flat_triangles
 from caricli.io.face import read_face, write_face
 from caricli.io.gltf.write_gltf import write_gltf
 from caricli.io.image import write_png
@@ -25,9 +26,16 @@ _SMALLEST = 0.2
 _LARGEST = 5.0
 """Heights of the template between which a face is a head in metres."""
 
+_MOST_FLAT = 0.01
+"""Share of triangles without area up to which a face is a surface; exaggerated ones have a few."""
+
 
 def load_face(path: Path, model: ShapeModel) -> Face:
-    """The Face of a file, OBJ or NPZ, refused when its mesh is not the model's or its size not a head's."""
+    """The Face of a file, OBJ or NPZ.
+
+    Raises InputError when its mesh is not the model's, its size not a head's, more than a few of its triangles have no
+    area, or its latent is the model's by name but not by length.
+    """
     face = read_face(path)
     template = model.template
     if face.mesh.topology_id != template.topology_id:
@@ -38,6 +46,12 @@ def load_face(path: Path, model: ShapeModel) -> Face:
     height = face.mesh.height
     if not _SMALLEST < height / template.height < _LARGEST:
         raise InputError(f"{shown(path)}: expected a head about {template.height:.3g} m high, found {height:.3g} m")
+    flat = flat_triangles(face.vertices, face.faces)
+    if flat.mean() > _MOST_FLAT:
+        raise InputError(f"{shown(path)}: expected triangles with an area, found {flat.sum()} of {len(flat)} without")
+    dimension = len(model.prior.mean)
+    if face.latent is not None and face.model_id == model.model_id and len(face.latent) != dimension:
+        raise InputError(f"{shown(path)}: expected a latent of {dimension} numbers, found {len(face.latent)}")
     return face
 
 
@@ -68,7 +82,6 @@ def load_latent_face(path: Path, model: ShapeModel, anew: bool = False) -> tuple
     face = load_face(path, model)
     # What is made of it is in the model's own polygons and UVs.
     face = replace(face, mesh=model.template.with_vertices(face.vertices))
-    dimension = len(model.prior.mean)
     foreign = anew and face.model_id != model.model_id and bundled_kind(face.model_id)
     if face.latent is None or face.model_id is None or foreign:
         code = encode_face(face, model)
@@ -81,8 +94,6 @@ def load_latent_face(path: Path, model: ShapeModel, anew: bool = False) -> tuple
             f"{shown(path)}: its latent is of {model_name(face.model_id)}, not of {model_name(model.model_id)}; give "
             f"--model {its}, or encode it again: caricli encode {shown(path)} --model {ours} --out NEW.npz"
         )
-    if len(face.latent) != dimension:
-        raise InputError(f"{shown(path)}: expected a latent of {dimension} numbers, found {len(face.latent)}")
     return encode_face(face, model), None
 
 

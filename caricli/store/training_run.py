@@ -1,10 +1,12 @@
 """The folder of a training: model, log, loss curve, and the state to resume from."""
 
 import json
+import math
 import time
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import Any
 
 from caricli.data.dataset import Dataset
 from caricli.errors import InputError, OutputError, naming
@@ -71,6 +73,7 @@ class TrainingRun:
             self.state, trained = read_state(path)
             with naming(path):
                 _check_same(trained, recipe)
+                _check_log(self.state.get("log"), self.state.get("seconds"))
             self.log = self.state["log"]
             self.seconds = self.state["seconds"]
         elif self.writes:
@@ -82,7 +85,8 @@ class TrainingRun:
         template: of the model. Yields the log's line of every epoch: errors in percent of the template's height.
         """
         if self.state is not None:
-            training.load_state(self.state)
+            with naming(self.folder / STATE):
+                training.load_state(self.state)
             if self.writes and training.ended:  # it may have been killed between its last state and its log
                 self._write_log()
                 self._write_curves()
@@ -158,12 +162,35 @@ class TrainingRun:
 
 def _check_same(trained: dict, asked: dict) -> None:
     """Refuse to go on with other settings or contents; where the files lie does not matter."""
-    then = trained["config"]
+    then = trained.get("config")
     now = asked["config"]
-    if then == now and sorted(trained["inputs"].values()) == sorted(asked["inputs"].values()):
+    inputs = trained.get("inputs")
+    hashes = inputs.values() if isinstance(inputs, dict) else [None]
+    if not isinstance(then, dict) or not all(isinstance(value, str) for value in hashes):
+        raise InputError("expected a training with its settings and inputs, found none; --overwrite begins anew")
+    if then == now and sorted(hashes) == sorted(asked["inputs"].values()):
         return
     settings = [f"{name} {then.get(name)} there, {now[name]} here" for name in now if then.get(name) != now[name]]
     raise InputError(
         "expected a training with these settings and data, found another "
         f"({', '.join(settings) or 'other data'}); --overwrite begins anew"
     )
+
+
+def _check_log(log: Any, seconds: Any) -> None:
+    """Refuse what is no list of lines as ``TrainingRun`` logs them, or no number of seconds."""
+    numbers = ("epoch", "loss", "train")
+    lines = log if isinstance(log, list) and log else [None]
+    sound = all(
+        isinstance(line, dict)
+        and line.keys() == {*numbers, "validation"}
+        and all(_is_number(line[name]) for name in numbers)
+        and (line["validation"] is None or _is_number(line["validation"]))
+        for line in lines
+    )
+    if not sound or not _is_number(seconds):
+        raise InputError("expected a training with a log of its epochs, found none; --overwrite begins anew")
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from caricli.limits import MAX_CAMERA_SCALE, MAX_COORDINATE, MIN_CAMERA_SCALE
 from caricli.structures.checks import refuse, shape_problem
 
 _ORTHOGONAL = 1e-4
@@ -13,7 +14,7 @@ _ORTHOGONAL = 1e-4
 class Camera:
     """A scaled orthographic camera: pixels q = scale * rotation[:2] @ p + translation.
 
-    scale: pixels per metre, above 0.
+    scale: pixels per metre, from MIN_CAMERA_SCALE to MAX_CAMERA_SCALE.
     rotation: (3, 3), proper, from the face's axes to x right, y down, z into the picture.
     translation: (2,) pixels; (0, 0) is the centre of the top-left pixel.
     Raises InputError when it is no camera.
@@ -27,10 +28,11 @@ class Camera:
         """Check that it is a camera."""
         for key, shape in (("scale", ()), ("rotation", (3, 3)), ("translation", (2,))):
             value = np.asarray(getattr(self, key), np.float64)
-            refuse(shape_problem(f"camera_{key}", value, shape))
+            refuse(shape_problem(f"camera_{key}", value, shape, MAX_COORDINATE))
             object.__setattr__(self, key, value if shape else float(value))
-        if not self.scale > 0:
-            refuse(f"camera_scale: expected more than 0, found {self.scale}")
+        if not MIN_CAMERA_SCALE <= self.scale <= MAX_CAMERA_SCALE:
+            expected = f"from {MIN_CAMERA_SCALE:g} to {MAX_CAMERA_SCALE:g} pixels per metre"
+            refuse(f"camera_scale: expected {expected}, found {self.scale:g}")
         far = not (np.abs(self.rotation) <= 1.001).all()
         if far or np.abs(self.rotation @ self.rotation.T - np.eye(3)).max() > _ORTHOGONAL or self._mirrors():
             refuse("camera_rotation: expected a proper rotation, found another matrix")

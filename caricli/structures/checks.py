@@ -3,7 +3,10 @@
 import numpy as np
 
 from caricli.errors import InputError
-from caricli.limits import MAX_COORDINATE
+from caricli.limits import MAX_COORDINATE, MAX_NUMBER
+
+_APART = 1e-6
+"""Share of the largest coordinate (at least of this number itself) that points which are apart span."""
 
 
 def refuse(*problems: str | None) -> None:
@@ -13,11 +16,21 @@ def refuse(*problems: str | None) -> None:
             raise InputError(problem)
 
 
+def number_problem(key: str, values: np.ndarray, most: float = MAX_NUMBER, noun: str = "numbers") -> str | None:
+    """Whether values of any shape are no numbers, not finite, or of a magnitude above ``most``. noun: what they are."""
+    if values.dtype.kind not in "biuf" or not ((values >= -most) & (values <= most)).all():
+        return f"{key}: expected finite {noun} of at most {most:g}, found others"
+    return None
+
+
 def coordinate_problem(key: str, points: np.ndarray) -> str | None:
     """Whether a coordinate is not finite or too large."""
-    if not (np.abs(points) <= MAX_COORDINATE).all():
-        return f"{key}: expected finite coordinates of at most {MAX_COORDINATE:g}, found others"
-    return None
+    return number_problem(key, points, MAX_COORDINATE, "coordinates")
+
+
+def are_apart(points: np.ndarray) -> bool:
+    """Whether finite points (N, D) do not all lie in one place."""
+    return bool(np.ptp(points, axis=0).max() > _APART * max(_APART, np.abs(points).max()))
 
 
 def index_problem(key: str, indices: np.ndarray, count: int, distinct: bool = True) -> str | None:
@@ -43,12 +56,10 @@ def repeats(polygons: np.ndarray) -> np.ndarray:
     return ((ordered[:, 1:] == ordered[:, :-1]) & (ordered[:, 1:] >= 0)).any(axis=1)
 
 
-def shape_problem(key: str, value: np.ndarray, shape: tuple) -> str | None:
-    """Whether an array has another shape (None stands for any length but 0) or holds what is not finite."""
+def shape_problem(key: str, value: np.ndarray, shape: tuple, most: float = MAX_NUMBER) -> str | None:
+    """Whether an array has another shape (None stands for any length but 0), or holds other numbers than up to most."""
     matches = value.ndim == len(shape) and all(n in (None, m) for n, m in zip(shape, value.shape, strict=True))
     if not matches or 0 in value.shape:
         expected = ",".join("*" if n is None else str(n) for n in shape)
         return f"{key}: expected the shape ({expected}), found {value.shape}"
-    if not (np.abs(value) <= np.finfo(np.float32).max).all():
-        return f"{key}: expected finite numbers, found others"
-    return None
+    return number_problem(key, value, most)

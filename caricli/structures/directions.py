@@ -5,11 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from caricli.errors import shown
-from caricli.structures.checks import refuse
+from caricli.structures.checks import number_problem, refuse
 from caricli.structures.seen_people import SeenPeople
 
 _UNIT = 1e-3
-_FINITE = ("normals", "gradients", "auc", "cost", "change", "people")
+_NUMBERS = ("normals", "gradients", "auc", "positives", "cost", "change", "people")
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,9 +58,8 @@ class Directions:
         for key, shape in shapes.items():
             if np.shape(getattr(self, key)) != shape:
                 refuse(f"{key}: expected the shape {shape}, found {np.shape(getattr(self, key))}")
-        for key in _FINITE:
-            if not np.isfinite(getattr(self, key)).all():
-                refuse(f"{key}: expected finite numbers, found others")
+        for key in _NUMBERS:
+            refuse(number_problem(key, np.asarray(getattr(self, key))))
         self._check_ranges()
 
     @property

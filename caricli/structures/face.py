@@ -6,7 +6,8 @@ import numpy as np
 
 from caricli.errors import InputError
 from caricli.structures.camera import Camera
-from caricli.structures.checks import refuse, shape_problem
+from caricli.structures.checks import coordinate_problem, refuse, shape_problem
+from caricli.structures.landmarks import SCHEMES
 from caricli.structures.mesh import Mesh
 
 FEATURES = 9
@@ -19,11 +20,11 @@ class Face:
 
     mesh: Mesh, in the face's own frame, never posed.
     camera: Camera of the picture that the face was fitted to.
-    landmarks: (L, 2) pixels, where the fitted landmarks are in the picture.
+    landmarks: (68, 2) or (81, 2) pixels, where the fitted landmarks are in the picture.
     latent: (D,), whatever its model means.
     residual: (V, 9) deformation-gradient features beyond those of the latent.
     model_id: SHA-256 of the model that the latent belongs to.
-    Raises InputError when an array has another shape or holds what is not finite.
+    Raises InputError when an array has another shape or holds what is not finite or beyond the caps.
     """
 
     mesh: Mesh
@@ -35,11 +36,16 @@ class Face:
 
     def __post_init__(self) -> None:
         """Check that the parts fit each other."""
-        shapes = {"latent": (None,), "residual": (len(self.mesh.vertices), FEATURES), "landmarks": (None, 2)}
+        shapes = {"latent": (None,), "residual": (len(self.mesh.vertices), FEATURES)}
         for key, shape in shapes.items():
             value = getattr(self, key)
             if value is not None:
                 refuse(shape_problem(key, np.asarray(value), shape))
+        if self.landmarks is not None:
+            landmarks = np.asarray(self.landmarks)
+            if landmarks.shape not in [(count, 2) for count in SCHEMES]:
+                refuse(f"landmarks: expected the shape (68,2) or (81,2), found {landmarks.shape}")
+            refuse(coordinate_problem("landmarks", landmarks))
 
     def without_latent(self) -> "Face":
         """The same face without what a model says of it."""

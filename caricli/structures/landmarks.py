@@ -9,7 +9,7 @@ import numpy as np
 
 from caricli.errors import InputError
 from caricli.limits import MAX_COORDINATE
-from caricli.structures.checks import refuse
+from caricli.structures.checks import are_apart, refuse
 
 SCHEMES = {68: "ibug68", 81: "ibug68+13"}
 """Names of the layouts by their number of points."""
@@ -110,7 +110,7 @@ class Landmarks:
             refuse(f"point {k}: expected finite coordinates, found {points[k].tolist()}")
         if given.sum() < FEWEST:
             refuse(f"expected at least {FEWEST} known points, found {given.sum()}")
-        if np.ptp(points[given], axis=0).max() <= 1e-6 * max(1e-6, np.abs(points[given]).max()):
+        if not are_apart(points[given]):
             refuse("expected the points of a face, found all of them in one place")
         if self.image_size is not None:
             self.check_inside(self.image_size)

@@ -8,7 +8,7 @@ from typing import Self
 import numpy as np
 
 from caricli.limits import MAX_CORNERS, MAX_POLYGON_CORNERS, MAX_POLYGONS, MAX_VERTICES
-from caricli.structures.checks import coordinate_problem, index_problem, refuse
+from caricli.structures.checks import are_apart, coordinate_problem, index_problem, refuse
 
 
 @dataclass(frozen=True, eq=False)
@@ -19,8 +19,8 @@ class Mesh:
     polygons: (P, N) int32, each row padded with -1.
     uvs: (T, 2) float64, origin at the bottom left of the picture, which spans 0 to 1; or None.
     uv_polygons: (P, N) int32, padded alike, indices into uvs; or None.
-    Raises InputError when an array has another shape, an index is out of range, a polygon has a corner twice, or a
-    coordinate is not finite.
+    Raises InputError when an array has another shape, an index is out of range, a polygon has a corner twice, a
+    coordinate is not finite, or all vertices lie in one place.
     """
 
     vertices: np.ndarray
@@ -39,6 +39,8 @@ class Mesh:
         if vertices.ndim != 2 or vertices.shape[1] != 3 or not 3 <= len(vertices) <= MAX_VERTICES:
             refuse(f"vertices: expected (V,3) with V from 3 to {MAX_VERTICES}, found {vertices.shape}")
         refuse(coordinate_problem("vertices", vertices), _polygon_problem(self.polygons, len(vertices)))
+        if not are_apart(vertices):
+            refuse("vertices: expected the points of a surface, found all of them in one place")
         refuse(self._uv_problem())
 
     @cached_property

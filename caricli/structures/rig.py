@@ -8,7 +8,7 @@ import numpy as np
 from caricli.errors import InputError, shown
 from caricli.limits import MAX_SHAPES
 from caricli.structures.arkit import start_delta
-from caricli.structures.checks import refuse
+from caricli.structures.checks import coordinate_problem, refuse
 from caricli.structures.mesh import Mesh
 
 
@@ -97,14 +97,12 @@ class Rig:
         expected = (len(self.names), *self.neutral.shape)
         if deltas.shape != expected:
             return f"deltas: expected the shape {expected}, found {deltas.shape}"
-        if not np.isfinite(deltas).all():
-            return "deltas: expected finite numbers, found others"
         if self.normal_deltas is None:
-            return None
+            return coordinate_problem("deltas", deltas)
         normal = np.asarray(self.normal_deltas)
-        if normal.ndim != 3 or (len(normal), normal.shape[2]) != (len(self.names), 3) or not np.isfinite(normal).all():
-            return f"normal_deltas: expected {len(self.names)} finite displacements of a face, found {normal.shape}"
-        return None
+        if normal.ndim != 3 or (len(normal), normal.shape[2]) != (len(self.names), 3):
+            return f"normal_deltas: expected {len(self.names)} displacements of a face, found {normal.shape}"
+        return coordinate_problem("deltas", deltas) or coordinate_problem("normal_deltas", normal)
 
     def _material_problem(self) -> str | None:
         if self.materials is None:

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from caricli.errors import InputError, shown
+from caricli.limits import MAX_NUMBER
 from caricli.structures.checks import refuse
 
 LEAST = -0.5
@@ -34,7 +35,7 @@ class Track:
     """How much of each expression a face shows over time, as a face tracker says.
 
     names: (N,), distinct, ARKit's in its own spelling.
-    times: (T,) seconds, rising from 0.
+    times: (T,) seconds, rising from 0 to at most MAX_NUMBER.
     weights: (T, N) from LEAST to MOST.
     head: (T, 3) yaw, pitch and roll of the head in radians as Live Link Face has them, or None.
     Raises InputError when the parts do not fit each other, FrameError when a value is out of range.
@@ -66,9 +67,9 @@ class Track:
 
     @staticmethod
     def _check_times(times: np.ndarray) -> None:
-        steps = np.diff(times)
-        if times[0] != 0 or not (steps > 0).all() or not np.isfinite(times).all():
-            row = 0 if times[0] != 0 else int(np.argmin(steps > 0)) + 1
+        rises = np.concatenate([times[:1] == 0, times[1:] > times[:-1]]) & (times <= MAX_NUMBER)
+        if not rises.all():
+            row = int(np.argmin(rises))
             _refuse_frame(row, f"expected times that rise from 0, found {times[row]:g} s")
 
     @staticmethod

@@ -33,7 +33,7 @@ def test_of_81_landmarks_the_first_68_are_mapped(run, points, marks, tmp_path):
     np.testing.assert_array_equal(*(read_landmarks(tmp_path / name).points for name in ("a.json", "b.json")))
 
 
-@pytest.mark.parametrize("name", ["unknown", "few", "scheme", "truncated", "model"])
+@pytest.mark.parametrize("name", ["unknown", "few", "scattered", "scheme", "truncated", "model"])
 def test_bad_input_is_refused(refused, points, marks, tmp_path, name):
     landmarks, path, expected = marks, tmp_path / "map.safetensors", str(tmp_path / "map.safetensors")
     tensors, metadata = read_checkpoint(BUNDLED)
@@ -43,6 +43,13 @@ def test_bad_input_is_refused(refused, points, marks, tmp_path, name):
         bad[3] = np.nan
         rows = bad if name == "unknown" else points[:20]
         landmarks.write_text("".join("null null\n" if np.isnan(x) else f"{x} {y}\n" for x, y in rows))
+    elif name == "scattered":
+        landmarks, path, expected = (
+            tmp_path / "bad.txt",
+            BUNDLED,
+            f"{tmp_path / 'bad.txt'}: expected the landmarks of a",
+        )
+        np.savetxt(landmarks, np.random.default_rng(1).uniform(-1e6, 1e6, (68, 2)))
     elif name == "scheme":
         write_checkpoint(path, tensors, metadata | {"scheme": "wflw98"})
     elif name == "truncated":

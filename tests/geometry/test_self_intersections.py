@@ -1,6 +1,8 @@
 import numpy as np
 import pytest
 
+from caricli.errors import NumericsError
+from caricli.geometry import self_intersections as module
 from caricli.geometry.deformation_gradients import rotation_matrices
 from caricli.geometry.self_intersections import self_intersections
 
@@ -55,3 +57,22 @@ def crosses(triangle, other):
         if 0 < t < 1 and u > 0 and v > 0 and u + v < 1:
             return True
     return False
+
+
+def test_a_mesh_in_one_place_asks_for_no_memory(ball):
+    vertices, faces = ball
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(module, "MAX_PAIRS", 100 * len(faces))
+        assert len(self_intersections(vertices, faces)) == 0
+        for heap in (0 * vertices, np.where(vertices[:, :1] > 0.9, vertices, 0.1)):
+            with pytest.raises(NumericsError, match="expected a surface, found [0-9]+ pairs of triangles in one place"):
+                self_intersections(heap, faces)
+
+
+def test_blocks_make_no_difference(ball, monkeypatch):
+    vertices, faces = ball
+    crumpled = vertices + np.random.default_rng(5).normal(0, 0.2, vertices.shape)
+    whole = self_intersections(crumpled, faces)
+    monkeypatch.setattr(module, "_BLOCK", 7)
+    np.testing.assert_array_equal(self_intersections(crumpled, faces), whole)
+    assert len(whole) > 100

@@ -98,7 +98,7 @@ def kinds(full, head, subdivided):
         "keeps still, turns": (still(full), {"animation": replace(turning, weights=turning.weights[:, :0])}),
         "keeps still, animated": (still(full), {"animation": Animation([0.0], np.zeros((1, 0)))}),
         "head keeps still": (still(head), {}),
-        "no area": (replace(plain(full), mesh=Mesh(0 * full.neutral, full.faces)), {}),
+        "no area": (replace(plain(full), mesh=Mesh(np.float32([1, 0, 0]) * full.neutral, full.faces)), {}),
         "loose vertices": (replace(plain(full), mesh=Mesh(full.neutral, full.faces[:-20])), {}),
         "other names": (replace(plain(full), names=("ü 微笑", 'a"b', "c\\d", "e\nf")), {}),
         "32-bit indices": (grid(257), {"sparse": True}),
@@ -327,7 +327,8 @@ def test_normals_are_means_by_area_and_change_only_beside_what_moves(full_rig):
 
 
 def test_vertices_without_area_look_forward(full_rig):
-    flat = replace(plain(full_rig), mesh=Mesh(0 * full_rig.neutral, full_rig.faces), deltas=0 * full_rig.deltas)
+    line = Mesh(np.float32([1, 0, 0]) * full_rig.neutral, full_rig.faces)
+    flat = replace(plain(full_rig), mesh=line, deltas=0 * full_rig.deltas)
     normals, added = shading_normals(flat)
     np.testing.assert_array_equal(normals, np.tile([0, 0, 1], (len(normals), 1)))
     assert not added.any()

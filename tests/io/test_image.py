@@ -102,6 +102,19 @@ def test_truncated(tmp_path, kind):
         read_image(tmp_path / "a")
 
 
+@pytest.mark.parametrize("packing", ["tiff_lzw", "tiff_deflate"])
+def test_libtiff_says_nothing_of_its_own(tmp_path, capfd, packing):
+    stream = io.BytesIO()
+    noise = np.random.default_rng(0).integers(0, 256, (40, 40, 3), np.uint8)
+    Image.fromarray(noise).save(stream, "TIFF", compression=packing)
+    data = bytearray(stream.getvalue())
+    data[20:400] = b"\xff" * 380
+    (tmp_path / "a.tif").write_bytes(data)
+    with pytest.raises(InputError, match="a.tif: expected an image, found a damaged one"):
+        read_image(tmp_path / "a.tif")
+    assert capfd.readouterr().err == ""
+
+
 def test_other_files_are_named(tmp_path):
     for data, found in [(b"<html></html>", "an HTML or XML page"), (b"hello", "another kind of file")]:
         (tmp_path / "a.png").write_bytes(data)

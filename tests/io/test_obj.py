@@ -8,6 +8,7 @@ from caricli.errors import InputError, OutputError
 from caricli.io import obj
 from caricli.io.obj import read_obj, write_obj
 from caricli.structures import Mesh
+from caricli.structures.checks import are_apart
 
 TRIANGLE = "v 0 0 0\nv 1 0 0\nv 0 1 0\n"
 
@@ -137,7 +138,7 @@ def test_counts_are_capped(tmp_path, monkeypatch):
 def meshes(draw):
     count = draw(st.integers(3, 9))
     coordinate = st.floats(-1e6, 1e6, width=32)
-    vertices = draw(arrays(np.float32, (count, 3), elements=coordinate))
+    vertices = draw(arrays(np.float32, (count, 3), elements=coordinate).filter(are_apart))
     rows = draw(
         st.lists(
             st.permutations(range(count)).flatmap(lambda p: st.integers(3, count).map(lambda n: p[:n])),

@@ -1,4 +1,5 @@
 import hashlib
+import os
 
 import pytest
 
@@ -12,10 +13,19 @@ def test_hashes(tmp_path):
     assert sha256_file(tmp_path / "a") == hashlib.sha256(b"abc" * 100_000).hexdigest()
 
 
-@pytest.mark.parametrize("name", ["missing", "folder", "a\0b"])
-def test_unreadable(tmp_path, name):
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("missing", "found no such file"),
+        ("folder", "found a folder"),
+        ("pipe", "found something that is not a regular file"),
+        ("a\0b", "cannot be read"),
+    ],
+)
+def test_unreadable(tmp_path, name, words):
     (tmp_path / "folder").mkdir()
-    with pytest.raises(InputError, match="cannot be read"):
+    os.mkfifo(tmp_path / "pipe")
+    with pytest.raises(InputError, match=words):
         sha256_file(f"{tmp_path}/{name}")
 
 

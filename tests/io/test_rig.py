@@ -81,9 +81,9 @@ CASES = [
     (lambda r: {"materials": r.materials[:-1]}, "materials: expected"),
     (lambda r: {"texture": r.texture[:, :, 0]}, "texture: expected (H,W,3) uint8"),
     (lambda r: {"eye_texture": r.eye_texture[:0]}, "eye_texture: expected (H,W,3) uint8"),
-    (lambda r: {"normal_deltas": r.normal_deltas[:3]}, "normal_deltas: expected 4 finite displacements"),
-    (lambda r: {"normal_deltas": r.normal_deltas[..., :2]}, "normal_deltas: expected 4 finite displacements"),
-    (lambda r: {"normal_deltas": bad(r.normal_deltas, np.nan)}, "normal_deltas: expected 4 finite displacements"),
+    (lambda r: {"normal_deltas": r.normal_deltas[:3]}, "normal_deltas: expected 4 displacements"),
+    (lambda r: {"normal_deltas": r.normal_deltas[..., :2]}, "normal_deltas: expected 4 displacements"),
+    (lambda r: {"normal_deltas": bad(r.normal_deltas, np.nan)}, "normal_deltas: expected finite coordinates"),
 ]
 
 

@@ -212,7 +212,9 @@ def test_bad_mediapipe_results_say_the_frame(tmp_path):
     check(lambda frames: {"faces": frames}, "expected MediaPipe blendshapes")
     check(lambda frames: [3], "frame 0: expected MediaPipe blendshapes, found 3")
     stamps = [{"timestamp_ms": 5}, {}], [{"timestamp_ms": 5}, {"timestamp_ms": 5}]
-    for pair, words in zip(stamps, ("frame 1: expected a timestamp", "frame 1: expected times that rise"), strict=True):
+    stamps += ([{"timestamp_ms": 5}, {"timestamp_ms": 1e308}],)
+    said = ("frame 1: expected a timestamp", "frame 1: expected times that rise", "frame 1: expected a timestamp of at")
+    for pair, words in zip(stamps, said, strict=True):
         check(lambda f, p=pair: [{"categories": c} | s for c, s in zip(f[:2], p, strict=True)], words)
 
 
@@ -220,7 +222,8 @@ def test_bad_values_of_our_json(tmp_path):
     good = {"schema": "caricli.weights/1", "fps": 30, "names": ["a", "b"], "weights": [[0, 1], [1, 0]]}
     for change, word in (
         ({"schema": "caricli.rig/1"}, "schema"),
-        ({"fps": 0}, "fps: expected more than 0"),
+        ({"fps": 0}, "fps: expected from 0.001 to 1000 frames"),
+        ({"fps": 1e-320}, "fps: expected from 0.001 to 1000 frames"),
         ({"fps": -1}, "fps"),
         ({"fps": True}, "fps"),
         ({"fps": 1e9}, "fps"),

@@ -152,3 +152,13 @@ def test_uvs_that_do_not_fit_are_refused(pca, change):
     tensors = {name: value for name, value in (tensors | change).items() if value is not None}
     with pytest.raises(InputError, match="its template is not a mesh"):
         model_from_checkpoint(tensors, metadata, "m.safetensors")
+
+
+def test_directions_that_say_the_same_are_refused(ball_model):
+    tensors, metadata = model_to_checkpoint(ball_model, RECIPE)
+    basis = tensors["model.basis"]
+    for twice in (np.concatenate([basis[:1], basis[:-1]]), 0 * basis):
+        with pytest.raises(InputError, match="^m.safetensors: not a valid model: [0-9]+ directions that are not indep"):
+            model_from_checkpoint(tensors | {"model.basis": twice}, metadata, "m.safetensors")
+    with pytest.raises(InputError, match="^m.safetensors: model.basis: expected finite numbers of at most"):
+        model_from_checkpoint(tensors | {"model.basis": np.full(1, 1e300)}, metadata, "m.safetensors")

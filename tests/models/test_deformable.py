@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 import torch
 
+from caricli.errors import InputError
 from caricli.models.checkpoint import model_from_checkpoint, model_to_checkpoint
 from caricli.models.deformable.config import DeformableConfig, NetworkSize
 from caricli.models.deformable.model import DeformableModel, UnitBox
@@ -130,3 +131,23 @@ def test_a_unit_box_fills_the_cube():
 def test_impossible_settings_are_refused(change):
     with pytest.raises(ValueError, match=next(iter(change))):
         DeformableConfig(**change)
+
+
+@pytest.mark.parametrize(
+    ("name", "change", "words"),
+    [
+        ("points", lambda t: 0 * t, "points of its template"),
+        ("points", lambda t: 1e8 * t, "points of its template"),
+        ("frequency", lambda t: 0 * t, "frequency must be from 0.001"),
+        ("frequency", lambda t: -t, "frequency must be from 0.001"),
+        ("network.last.0.weight", lambda t: t[:0], "width must be from 1"),
+        ("network.last.0.weight", lambda t: np.tile(t, (80, 1)), "do not fit each other"),
+        ("network.first.weight", lambda t: t[..., :0], "latent must be from 1"),
+        ("prior_factor", lambda t: 1e-12 * t, "not a lower triangular factor"),
+    ],
+)
+def test_what_no_training_leaves_is_refused(model, name, change, words):
+    tensors, metadata = model_to_checkpoint(model, {})
+    tensors[f"model.{name}"] = change(tensors[f"model.{name}"])
+    with pytest.raises(InputError, match=f"^m: not a valid model: .*{words}"):
+        model_from_checkpoint(tensors, metadata, "m")

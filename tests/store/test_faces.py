@@ -50,6 +50,24 @@ def test_another_mesh_and_another_size_are_refused(shape, model, tmp_path):
         load_face(tmp_path / "mm.obj", model)
 
 
+def test_a_face_that_is_no_surface_is_refused(shape, model, tmp_path):
+    crumbs = np.where(np.arange(len(shape.vertices))[:, None] < 3000, shape.vertices[0], shape.vertices)
+    write_face(tmp_path / "heap.npz", Face(shape.with_vertices(crumbs)))
+    with pytest.raises(InputError, match="heap.npz: expected triangles with an area, found [0-9]{4} of 8356 without"):
+        load_face(tmp_path / "heap.npz", model)
+    few = np.where(np.arange(len(shape.vertices))[:, None] < 2, shape.vertices[0], shape.vertices)
+    write_face(tmp_path / "few.npz", Face(shape.with_vertices(few)))
+    assert load_face(tmp_path / "few.npz", model).latent is None
+
+
+@pytest.mark.parametrize("load", [load_seen_face, lambda path: load_latent_face(path, load_model())])
+def test_a_latent_of_another_length_is_refused(shape, model, tmp_path, load):
+    face = Face(shape, CAMERA, latent=np.zeros(3), model_id=model.model_id)
+    write_face(tmp_path / "short.npz", face)
+    with pytest.raises(InputError, match="short.npz: expected a latent of 128 numbers, found 3"):
+        load(tmp_path / "short.npz")
+
+
 def test_a_seen_face_brings_its_camera_and_its_model(path, model):
     face, own = load_seen_face(path)
     assert own.model_id == model.model_id and face.camera.scale == CAMERA.scale

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from caricli.errors import InputError, OutputError
+from caricli.io.training_state import read_state, write_state
 from caricli.methods.train.surface import Surface, TrainingMeshes
 from caricli.methods.train.train_autodecoder import AutoDecoderTraining
 from caricli.models.deformable.config import DeformableConfig
@@ -92,3 +93,42 @@ def test_a_process_that_does_not_write_leaves_nothing(training, template, tmp_pa
     assert len(lines) == 4 and list(tmp_path.iterdir()) == []
     line = lines[0]
     assert 0 < line["train"] < 100 and line["validation"] is None
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (lambda state: state.pop("latents"), "state.latents: expected a tensor .*, found NoneType"),
+        (lambda state: state.update(codes=state["codes"][:0]), "state.codes: expected a tensor"),
+        (lambda state: state.update(latents=state["latents"].double()), "of torch.float32, found .* of torch.float64"),
+        (lambda state: state["network"].popitem(), "state.network: expected 'first.weight.*found others"),
+        (lambda state: state.update(counters=[1, 2]), "state.counters: expected 3 values"),
+        (lambda state: state.update(counters=["a", 1.0, 0]), "state.counters.0: expected int, found str"),
+        (lambda state: state["optimiser"].update(param_groups=[]), "state.optimiser.param_groups: expected 2 values"),
+        (lambda state: state["optimiser"]["state"][0].update(exp_avg=3), "state.optimiser.state.0.exp_avg: expected a"),
+        (lambda state: state["code_optimiser"]["state"].popitem(), None),
+        (lambda state: state.pop("log"), "a log of its epochs"),
+        (lambda state: state.update(log=[]), "a log of its epochs"),
+        (lambda state: state["log"][0].update(loss="low"), "a log of its epochs"),
+        (lambda state: state.update(seconds=float("nan")), "a log of its epochs"),
+    ],
+)
+def test_a_state_that_is_not_this_trainings_is_refused(training, template, tmp_path, change, words):
+    list(TrainingRun(tmp_path, RECIPE, Beginning()).follow(training(), template))
+    state, recipe = read_state(tmp_path / STATE)
+    change(state)
+    write_state(tmp_path / STATE, state, recipe)
+    if words is None:  # an optimiser that has not begun is one, too
+        list(TrainingRun(tmp_path, RECIPE, Beginning(resume=True)).follow(training(), template))
+        return
+    with pytest.raises(InputError, match=rf"state\.pt: .*{words}"):
+        list(TrainingRun(tmp_path, RECIPE, Beginning(resume=True)).follow(training(), template))
+
+
+def test_a_recipe_without_settings_is_refused(training, template, tmp_path):
+    list(TrainingRun(tmp_path, RECIPE, Beginning()).follow(training(), template))
+    state, recipe = read_state(tmp_path / STATE)
+    for lacking in ({}, {"config": {}}, {"config": {}, "inputs": {"a": 3}}):
+        write_state(tmp_path / STATE, state, lacking)
+        with pytest.raises(InputError, match=r"state\.pt: expected a training with its settings and inputs"):
+            TrainingRun(tmp_path, RECIPE, Beginning(resume=True))

@@ -62,8 +62,8 @@ def test_what_a_camera_holds():
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
-        ({"scale": 0.0}, "camera_scale: expected more than 0, found 0.0"),
-        ({"scale": -1.0}, "camera_scale: expected more than 0"),
+        ({"scale": 0.0}, "camera_scale: expected from 1e-06 to 1e[+]06 pixels per metre, found 0"),
+        ({"scale": -1.0}, "camera_scale: expected from 1e-06"),
         ({"scale": np.nan}, "camera_scale: expected finite numbers"),
         ({"scale": np.inf}, "camera_scale: expected finite numbers"),
         ({"scale": np.ones(1)}, r"camera_scale: expected the shape \(\), found \(1,\)"),

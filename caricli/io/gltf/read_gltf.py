@@ -10,11 +10,12 @@ import numpy as np
 
 from caricli.errors import InputError, naming, shown
 from caricli.io.gltf.container import read_container
-from caricli.io.gltf.document import Document, take, take_whole
+from caricli.io.gltf.document import Document
 from caricli.io.gltf.format import MATERIAL_NAMES, SOURCE_VERTEX, TEXTURE_FIELDS
 from caricli.io.gltf.scene import node_placements
 from caricli.io.image import read_image
 from caricli.io.outputs import write_bytes
+from caricli.io.strict_json import take, take_whole
 from caricli.limits import MAX_CORNERS, MAX_NPZ_BYTES, MAX_SHAPES, MAX_VERTICES
 from caricli.structures import Material, Mesh, Rig
 

@@ -5,7 +5,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from caricli.errors import InputError
-from caricli.io.gltf.document import Document, take
+from caricli.io.gltf.document import Document
+from caricli.io.strict_json import take
 from caricli.structures.checks import shape_problem
 
 _MAX_NODES = 16384

@@ -3,7 +3,9 @@
 import numpy as np
 
 from caricli.errors import InputError
+from caricli.limits import MAX_COORDINATE
 from caricli.models.landmark_map.model import LandmarkMap
+from caricli.structures.checks import number_problem
 from caricli.structures.landmarks import COUNT
 
 
@@ -12,13 +14,17 @@ def map_landmarks(points: np.ndarray, landmark_map: LandmarkMap, to: str) -> np.
 
     points: (L, 2) pixels, y down; what comes after the 68 is left out. landmark_map: LandmarkMap. to: "normal" or
     "caricature".
-    Returns (68, 2). Raises InputError where a landmark is not known, or eyes and mouth lie in one place.
+    Returns (68, 2). Raises InputError where a landmark is not known, eyes and mouth lie in one place, or the points are
+    so far from a face's that they are mapped beyond MAX_COORDINATE.
     """
     unknown = np.flatnonzero(np.isnan(points[:COUNT]).any(axis=1))
     if len(points) < COUNT or len(unknown):
         count = f"{len(points)}" if len(points) < COUNT else f"{COUNT - len(unknown)}, not landmark {unknown[0]}"
         raise InputError(f"expected all {COUNT} landmarks to be known, found {count}")
-    return landmark_map.map(points[:COUNT], to)
+    mapped = landmark_map.map(points[:COUNT], to)
+    if number_problem("", mapped, MAX_COORDINATE):
+        raise InputError(f"expected the landmarks of a face, found points that a {to} face would have far outside")
+    return mapped
 
 
 def mean_shift(points: np.ndarray, mapped: np.ndarray) -> float:

@@ -7,17 +7,14 @@ import scipy.sparse as sp
 from scipy.sparse.csgraph import connected_components
 
 from caricli.geometry.deformation_gradients import DeformationGradients
+from caricli.geometry.flat_triangles import flat_triangles
 from caricli.geometry.flipped_triangles import flipped_triangles
-from caricli.geometry.triangle_normals import triangle_normals
 from caricli.structures import Mesh
 
 HEAD_HEIGHT = (0.1, 1.0)
 """How high a head may be, metres."""
 
 _UNITS = {"millimetres": 1e-3, "centimetres": 1e-2, "inches": 0.0254}
-
-_FLAT = 1e-10
-"""Of the mean area: a triangle with less has none."""
 
 
 @dataclass(frozen=True)
@@ -71,7 +68,6 @@ def check_mesh(mesh: Mesh, head: Mesh | None = None) -> MeshCheck:
     directed = faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
     _, row, sharing = np.unique(np.sort(directed, axis=1), axis=0, return_inverse=True, return_counts=True)
     forwards = np.bincount(row.ravel(), directed[:, 0] < directed[:, 1], len(sharing))
-    areas = np.linalg.norm(triangle_normals(vertices, faces), axis=1)
     used = np.unique(faces)
     joined = sp.csr_matrix((np.ones(len(directed)), (directed[:, 0], directed[:, 1])), shape=(count, count))
     _, parts = connected_components(joined, directed=False)
@@ -86,7 +82,7 @@ def check_mesh(mesh: Mesh, head: Mesh | None = None) -> MeshCheck:
         components=len(np.unique(parts[used])),
         open_edges=int((sharing == 1).sum()),
         unused=count - len(used),
-        degenerate=int((areas <= _FLAT * areas.mean()).sum()),
+        degenerate=int(flat_triangles(vertices, faces).sum()),
         crowded=int((sharing > 2).sum()),
         misoriented=int(((sharing == 2) & (forwards != 1)).sum()),
         flipped=_flipped(vertices, head) if same and head is not None else None,

@@ -4,11 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 
+from caricli.errors import InputError
 from caricli.methods.reconstruct.fit_landmarks_latent import fit_landmarks_latent
 from caricli.methods.reconstruct.landmark_fit import LandmarkFit
 from caricli.methods.reconstruct.settings import MorphableWeights
-from caricli.models.morphable.model import MorphableModel
-from caricli.models.pca.model import PcaModel
+from caricli.models.morphable.model import MorphableModel, ShapeBases
 
 
 def fit_morphable(
@@ -28,14 +28,16 @@ def fit_morphable(
     """
     who = model.identity / weights.identity**0.5
     what = model.expression / weights.expression**0.5
-    if identity is None:
-        space = PcaModel(model.template, model.mean, np.concatenate([who, what]))
-    else:
-        space = PcaModel(model.template, model.mean + np.tensordot(identity, model.identity, 1), what)
+    mean = model.mean
+    if identity is not None:
+        if not len(what):
+            raise InputError("expected a morphable model with expressions to fit them alone, found one without")
+        mean = mean + np.tensordot(identity, model.identity, 1)
+        who = who[:0]
+    space = MorphableModel(model.template, ShapeBases(mean, who, what, model.noise), model.albedo)
     fit = fit_landmarks_latent(points, space)
     prices = np.repeat((weights.identity, weights.expression), (len(who), len(what)))
-    own = fit.face.require_latent()
-    own = own / np.sqrt(prices)[-len(own) :]
+    own = fit.face.require_latent() / np.sqrt(prices)
     latent = own if identity is None else np.concatenate([identity, own])
     face = replace(fit.face, latent=latent, model_id=model.model_id)
     return replace(fit, face=face, prior_rms=float(model.prior.rms(latent)))

@@ -11,15 +11,12 @@ import scipy.sparse as sp
 from caricli.errors import InputError
 from caricli.geometry.contact_pairs import closes, closing_pairs, touching_pairs
 from caricli.geometry.deformation_transfer import triangle_maps
-from caricli.geometry.triangle_normals import triangle_normals
+from caricli.geometry.flat_triangles import flat_triangles
 from caricli.geometry.vertex_neighbours import vertex_neighbours
 from caricli.structures import Mesh
 from caricli.structures.arkit import STARTS, start_delta
 from caricli.template.annotation import Annotation
 from caricli.template.template import Template
-
-_FLAT = 1e-10
-"""Of the mean area: a triangle with less has no direction to transfer."""
 
 _FAINTEST = 1e-12
 """Length below which a direction is left as it is: only a direction of zero length is so short."""
@@ -224,8 +221,7 @@ def check_templates(names: Sequence[str], mesh: Mesh, shapes: np.ndarray) -> Exp
     unused = len(mesh.vertices) - len(np.unique(faces))
     if unused:
         raise InputError(f"expected every vertex in a triangle, found {unused} without")
-    areas = np.linalg.norm(triangle_normals(mesh.vertices, faces), axis=1)
-    flat = areas <= _FLAT * areas.mean()
+    flat = flat_triangles(mesh.vertices, faces)
     if flat.any():
         raise InputError(f"expected triangles with an area, found {flat.sum()} without")
     return ExpressionTemplates(tuple(names), mesh, shapes - mesh.vertices)

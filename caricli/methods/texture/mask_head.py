@@ -5,7 +5,7 @@ import numpy as np
 
 from caricli.errors import InputError
 from caricli.render.rasterise import rasterise
-from caricli.structures import Face
+from caricli.structures import Face, Landmarks
 from caricli.structures.landmarks import OUTLINE
 
 _LEAST = 1e-4  # of a picture: its face fills at least this share; with less it is of another picture
@@ -34,12 +34,12 @@ def mask_head(face: Face, image: np.ndarray, points: np.ndarray | None = None) -
 
     face: Face with the camera of the picture. image: (H, W, 3) uint8. points: (L, 2) pixels, landmarks, NaN where
     unknown; None for the fitted ones of the face.
-    Returns (H, W) bool; what the landmarks enclose where the colours tell nothing. Raises InputError when the face is
-    outside, or the picture shows nothing like a head there.
+    Returns (H, W) bool; what the landmarks enclose where the colours tell nothing. Raises InputError when the face or
+    its landmarks are outside, or the picture shows nothing like a head there.
     """
     pixels = mesh_pixels(face, image)
-    points = face.require_landmarks() if points is None else points
     height, width = image.shape[:2]
+    points = Landmarks(face.require_landmarks() if points is None else points, (width, height)).points
     shrink = min(1.0, _SIDE / max(height, width))
     small = cv2.resize(image, None, fx=shrink, fy=shrink, interpolation=cv2.INTER_AREA) if shrink < 1 else image
     head = _covered(face, small.shape[0], small.shape[1], shrink)

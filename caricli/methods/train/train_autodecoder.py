@@ -9,6 +9,7 @@ import torch
 
 from caricli.errors import NumericsError
 from caricli.methods.train.code_fit import CodeFit, square_distances
+from caricli.methods.train.require_like import adam_form, require_like
 from caricli.methods.train.roughness import Roughness
 from caricli.methods.train.surface import Points, TrainingMeshes
 from caricli.models.deformable.config import DeformableConfig
@@ -120,7 +121,12 @@ class AutoDecoderTraining:
         }
 
     def load_state(self, state: dict) -> None:
-        """Go on from a state that ``state()`` gave."""
+        """Go on from a state that ``state()`` gave. Raises InputError when it is of another training."""
+        optimisers = {"optimiser": self.optimiser, "code_optimiser": self.code_fit.optimiser}
+        require_like(
+            {name: state.get(name) for name in self.state()},
+            self.state() | {name: adam_form(each, state.get(name)) for name, each in optimisers.items()},
+        )
         self.network.load_state_dict(state["network"])
         self.latents.data.copy_(state["latents"])
         self.codes.data.copy_(state["codes"])

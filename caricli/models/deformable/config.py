@@ -4,12 +4,17 @@ from dataclasses import dataclass
 
 from caricli.models.config import MAX_DIMENSION, MAX_SEED, check_ranges
 
+_SIZES = {
+    "latent": (1, MAX_DIMENSION), "width": (1, 4096), "layers": (1, 32), "hidden": (1, 4096), "frequency": (1e-3, 1e3),
+}  # fmt: skip
+
 
 @dataclass(frozen=True)
 class NetworkSize:
     """Size of a SIREN and its hypernetwork; the defaults are the paper's.
 
     latent: D. width, layers: of the SIREN's sine layers. hidden: width of the hypernetwork. frequency: w0 of the sines.
+    Raises ValueError for impossible sizes.
     """
 
     latent: int = 128
@@ -17,6 +22,10 @@ class NetworkSize:
     layers: int = 4
     hidden: int = 256
     frequency: float = 30.0
+
+    def __post_init__(self) -> None:
+        """Refuse impossible sizes."""
+        check_ranges(self, _SIZES)
 
     def shapes(self) -> list[tuple[int, ...]]:
         """Shapes of the SIREN's weights and biases in turn."""
@@ -28,8 +37,7 @@ class NetworkSize:
 
 
 _CHOICES = {"start": ("random", "principal"), "schedule": ("constant", "cosine"), "precision": ("float32", "bfloat16")}
-_RANGES = {
-    "latent": (1, MAX_DIMENSION), "width": (1, 4096), "layers": (1, 32), "hidden": (1, 4096), "frequency": (1e-3, 1e3),
+_RANGES = _SIZES | {
     "latent_std": (1e-6, 1e3), "epochs": (1, 10**6), "patience": (0, 10**6), "batch": (1, 10**5),
     "points": (3, 10**7), "vertex_share": (0, 1), "learning_rate": (1e-9, 1), "latent_rate": (0, 100),
     "data_weight": (0, 1e12), "latent_weight": (0, 1e12), "prior_weight": (0, 1e12), "noise": (0, 10),

@@ -9,12 +9,17 @@ import numpy as np
 import torch
 from scipy.sparse import csr_matrix
 
+from caricli.errors import NumericsError
 from caricli.geometry.gauss_newton import Damping
 from caricli.models.deformable.config import NetworkSize
 from caricli.models.deformable.networks import HyperSiren, siren
 from caricli.models.prior import Prior
 from caricli.structures import SeenPeople
+from caricli.structures.checks import are_apart, coordinate_problem
 from caricli.template.template import Template
+
+_NARROWEST = 1e-9
+"""Least standard deviation of a latent beside the others: far below what any training leaves."""
 
 _CHUNK = 8192
 """Points decoded at once: pieces that stay in the processor's cache are several times faster than all together."""
@@ -50,9 +55,12 @@ class UnitBox:
     """The network's coordinates: template points centred and scaled into [-1, 1].
 
     points: (V, 3) metres, the template with its lips apart, because the network tells points apart by position alone.
+    Raises ValueError when they lie in one place or are no coordinates.
     """
 
     def __init__(self, points: np.ndarray) -> None:
+        if coordinate_problem("points", points) or not are_apart(points):
+            raise ValueError("the points of its template are no finite ones that are apart")
         low = points.min(0)
         high = points.max(0)
         self.points = points
@@ -93,13 +101,16 @@ class DeformableModel:
         points, mean, factor = (tensors[name].astype(float) for name in ("points", "prior_mean", "prior_factor"))
         if count % 2 or points.shape != template.vertices.shape or mean.shape != (latent,):
             raise ValueError(f"{count} tensors, points {points.shape}, prior {mean.shape} for latents of {latent}")
-        if factor.shape != (latent, latent) or np.triu(factor, 1).any() or not (np.diag(factor) > 0).all():
+        if factor.shape != (latent, latent) or np.triu(factor, 1).any() or not (np.diag(factor) > _NARROWEST).all():
             raise ValueError("its prior is not a lower triangular factor")
-        network = HyperSiren(size, torch.Generator())
+        # Without memory for the weights until it is known that they fit.
+        with torch.device("meta"):
+            network = HyperSiren(size, torch.Generator())
         own = network.state_dict()
         if own.keys() != weights.keys() or any(own[name].shape != t.shape for name, t in weights.items()):
             raise ValueError("the shapes of its weights do not fit each other")
-        network.load_state_dict({name: torch.from_numpy(t.astype(np.float32)) for name, t in weights.items()})
+        given = {name: torch.from_numpy(t.astype(np.float32)) for name, t in weights.items()}
+        network.load_state_dict(given, assign=True)
         return cls(template, network, points, Prior(mean, factor), model_id)
 
     def tensors(self) -> dict[str, np.ndarray]:
@@ -199,8 +210,10 @@ class DeformableModel:
                 if settled:
                     break
                 system, gradient = fit.equations(state)
-            else:
+            elif np.isfinite(cost):
                 damping.reject()
+            else:
+                raise NumericsError("expected a model of finite shapes, found one whose error is not finite")
             trial = whitened - damping.step(system, gradient)
         return self.prior.colour(whitened)
 

@@ -8,9 +8,11 @@ import igl
 import numpy as np
 from scipy.sparse import csr_matrix
 
+from caricli.errors import InputError
 from caricli.geometry.elastic_anchors import ElasticAnchors
 from caricli.geometry.per_column import per_column
 from caricli.models.intrinsic.config import IntrinsicConfig
+from caricli.models.linear_basis import direction_products
 from caricli.models.principal_components import principal_components
 from caricli.models.prior import Prior
 from caricli.structures import SeenPeople
@@ -47,7 +49,7 @@ class IntrinsicModel:
         weight = feature_weights(template)
         flat = basis.reshape(len(basis), -1)
         self._weighted = flat * np.repeat(weight, FEATURES)
-        self._gram = self._weighted @ flat.T
+        self._gram = direction_products(flat, self._weighted)
         # The vertices whose rows of the solution are kept, in ascending order, and these rows.
         self._kept_points = np.zeros(0, dtype=np.int64)
         self._kept_rows = np.zeros((0, 0))
@@ -171,6 +173,8 @@ class IntrinsicModel:
 
 
 def feature_weights(template: Template) -> np.ndarray:
-    """(V,) share of the template's area around every vertex."""
+    """(V,) share of the template's area around every vertex. Raises InputError where there is none."""
     areas = igl.massmatrix(template.vertices, template.faces).diagonal()
+    if not areas.sum() > 0:
+        raise InputError("expected a template with an area, found none")
     return areas / areas.sum()

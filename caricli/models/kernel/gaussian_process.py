@@ -31,4 +31,5 @@ class GaussianProcess:
 def gaussian_kernel(points: np.ndarray, centres: np.ndarray) -> np.ndarray:
     """``exp(-|p - c|^2 / 2)`` of points (..., D) and centres (M, D): (..., M)."""
     squares = (points**2).sum(-1, keepdims=True) + (centres**2).sum(-1)
-    return np.exp(points @ centres.T - squares / 2)
+    # Far from the origin rounding leaves squares of distances a little below zero.
+    return np.exp(np.minimum(points @ centres.T - squares / 2, 0))

@@ -13,6 +13,7 @@ from caricli.geometry.gauss_newton import gauss_newton
 from caricli.geometry.per_column import per_column
 from caricli.models.kernel.config import KernelConfig
 from caricli.models.kernel.gaussian_process import GaussianProcess, gaussian_kernel
+from caricli.models.linear_basis import direction_products
 from caricli.models.principal_components import principal_components
 from caricli.models.prior import Prior
 from caricli.structures import SeenPeople
@@ -49,7 +50,7 @@ class KernelModel:
         self.model_id = model_id
         self.prior = Prior.standard(len(process.scale))
         flat = basis.reshape(len(basis), -1)
-        self._gram = flat @ flat.T
+        self._gram = direction_products(flat)
 
     @classmethod
     def train(cls, template: Template, shapes: np.ndarray, config: KernelConfig) -> Self:

@@ -127,6 +127,14 @@ def test_cuda_that_is_not_there_is_refused(refused, dataset, tmp_path, monkeypat
     assert not (tmp_path / "run").exists()
 
 
+def test_a_pipe_as_template_is_not_waited_for(refused, dataset, tmp_path):
+    os.mkfifo(tmp_path / "pipe.obj")
+    options = ("--data", dataset, "--out", tmp_path / "out", "--template", tmp_path / "pipe.obj")
+    assert "pipe.obj: expected a file, found something that is not a regular file" in refused(
+        "train", "deformable", *options
+    )
+
+
 def test_a_template_of_another_topology_is_refused(refused, dataset, ball, tmp_path):
     write_face(tmp_path / "ball.npz", Face(Mesh(*ball)))
     args = ("--template", tmp_path / "ball.npz", "--out", tmp_path / "run")
