@@ -27,8 +27,8 @@ def untangle(
     flipped; a shape that gets no better is returned as it was.
 
     vertices: (V, 3). gradients: DeformationGradients of the template. rounds: at most. before: (V, 3), the shape that
-    was edited: then only triangles count that are not flipped there, and its features take the place of the
-    neighbours' mean.
+    was edited: then only triangles count that are not flipped there, and it is the change of features that becomes the
+    neighbours' mean, and less from round to round: kinks go, and the edit stays.
     Returns (V, 3).
     """
     accepted = np.zeros(len(gradients.faces), dtype=bool) if before is None else flipped_triangles(before, gradients)
@@ -42,9 +42,16 @@ def untangle(
     near = np.zeros(gradients.count)
     for turn in range(rounds):
         rings = RINGS if sound is None else RINGS * min(1 + turn, WIDEST)
-        near = np.maximum(near, _around(gradients.faces[flipped], neighbours, rings))
+        around = _around(gradients.faces[flipped], neighbours, rings)
         features = gradients.features(vertices)
-        features += near[:, None] * ((mean @ (mean @ features) if sound is None else sound) - features)
+        if sound is None:
+            near = np.maximum(near, around)
+            target = mean @ (mean @ features)
+        else:
+            # Where nothing is flipped any more, the edit stays.
+            near = around
+            target = sound + (1 - turn / rounds) * (mean @ (mean @ (features - sound)))
+        features += near[:, None] * (target - features)
         moved = gradients.vertices_like(features, vertices)
         still = near == 0
         vertices = moved + (vertices[still] - moved[still]).mean(0) if still.any() else moved

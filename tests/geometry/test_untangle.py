@@ -53,3 +53,17 @@ def test_a_head_with_shut_eyes_and_flips_gets_better(head, head_template):
     assert 0 < before and flipped_triangles(repaired, gradients).sum() < before
     away = head_template.region("scalp")
     assert np.linalg.norm((repaired - shape)[away], axis=1).mean() < 1e-3
+
+
+def test_of_an_edit_kinks_go_and_the_edit_stays(ball, ball_gradients):
+    vertices, _ = ball
+    top = int(vertices[:, 2].argmax())
+    away = np.linalg.norm(vertices - vertices[top], axis=1)
+    edited = vertices + 0.5 * np.exp(-((away / 0.7) ** 2))[:, None] * [0, 0, 1.0]
+    beside = int(np.argsort(away)[4])
+    edited[beside] += 1.4 * (edited[top] - edited[beside])
+    assert flipped_triangles(edited, ball_gradients).sum() > 0
+    found = untangle(edited, ball_gradients, 16, vertices)
+    assert not flipped_triangles(found, ball_gradients).any()
+    moved = found[:, 2] - vertices[:, 2]
+    assert moved[top] - moved[away > 1.5].mean() > 0.4

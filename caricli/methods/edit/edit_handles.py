@@ -179,16 +179,26 @@ class _Solver:
         """The face whose handles went by displacements (H, 3)."""
         if not displacements.any():
             return self.face
-        gradients = self.model.template.gradients
         asked = displacements
         whitened = self.start
+        least = np.inf
         for _ in range(1 + self.settings.corrections):
             whitened = self._latent(asked, whitened)
-            latent = self.model.prior.colour(whitened)
-            decoded = decode_face(replace(self.face, latent=latent), self.model, self.face.shift)
-            vertices = untangle(decoded.vertices, gradients, self.settings.untangling, self.face.vertices)
-            missing = displacements - (vertices - self.face.vertices)[self.handles]
+            edited = self._decoded(whitened)
+            missing = displacements - (edited.vertices - self.face.vertices)[self.handles]
+            # Asked for more, a face can turn over more triangles and, once these are turned back, reach less.
+            if np.linalg.norm(missing) < least:
+                least = float(np.linalg.norm(missing))
+                best = edited
             asked = asked + missing
+        return best
+
+    def _decoded(self, whitened: np.ndarray) -> Face:
+        """The face of a whitened latent (D,), without triangles that the edit turned over."""
+        latent = self.model.prior.colour(whitened)
+        decoded = decode_face(replace(self.face, latent=latent), self.model, self.face.shift)
+        gradients = self.model.template.gradients
+        vertices = untangle(decoded.vertices, gradients, self.settings.untangling, self.face.vertices)
         return replace(decoded, mesh=decoded.mesh.with_vertices(vertices))
 
     def _latent(self, displacements: np.ndarray, whitened: np.ndarray) -> np.ndarray:
