@@ -32,7 +32,11 @@ SCALE = "NAME=K with K from 0 to 3, such as jawOpen=1.3"
     help="Write the files of --frames as meshes (obj) or pictures (png).",
 )
 @click.option(
-    "--video", type=PATH, metavar="FILE", callback=named(".mp4", ".gif"), help="Write a video here, as .mp4 or .gif."
+    "--video",
+    type=PATH,
+    metavar="FILE",
+    callback=named(".mp4", ".gif"),
+    help="Write a video here, as .mp4 (H.264) or .gif.",
 )
 @click.option(
     "--fps",

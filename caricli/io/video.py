@@ -1,6 +1,13 @@
-"""Moving pictures: MP4 through OpenCV, GIF through Pillow."""
+"""Moving pictures: MP4 through ffmpeg, GIF through Pillow.
 
+ffmpeg is the program that imageio-ffmpeg brings, or the one that IMAGEIO_FFMPEG_EXE names. It runs as a process of its
+own: it is under the GPL, and nothing of it is linked with caricli.
+"""
+
+import subprocess
+import tempfile
 from collections.abc import Iterable, Iterator
+from contextlib import suppress
 from itertools import chain
 from pathlib import Path
 from typing import Any
@@ -17,7 +24,8 @@ _MAX_GIF_FPS = 50  # shorter frames are shown a tenth of a second by browsers
 def write_video(path: str | Path, frames: Iterable[np.ndarray], fps: float) -> None:
     """Write a video; an odd width or height is made even by repeating the last column or row.
 
-    Frames are taken one at a time; an MP4 (MPEG-4 part 2) keeps none of them, a GIF its own, each with its palette.
+    Frames are taken one at a time; an MP4 keeps none of them, a GIF its own, each with its palette. An MP4 is H.264 as
+    browsers play it (yuv420p, BT.709, its index first).
     path: ends in .mp4 or .gif. frames: (H,W,3) uint8 RGB of one size. fps: frames a second, above 0, for a GIF at most
     50.
     Raises OutputError when the name ends otherwise, the rate is none, there is no frame, the sizes differ, no encoder
@@ -53,27 +61,45 @@ def _even(frames: Iterable[np.ndarray], path: str | Path) -> Iterator[np.ndarray
 
 
 def _write_mp4(path: str | Path, frames: Iterable[np.ndarray], shape: tuple[int, ...], fps: float) -> None:
-    import cv2
+    # A session of its own, or Ctrl-C would end the encoder before us; without us its input ends, and so does it.
+    streams: dict[str, Any] = {"stdin": subprocess.PIPE, "stdout": subprocess.DEVNULL, "start_new_session": True}
+    with tempfile.TemporaryFile() as said:
+        with subprocess.Popen(_encoder(path, shape, fps), stderr=said, **streams) as process:
+            try:
+                with suppress(BrokenPipeError):  # it ended early, and said why
+                    _send(process.stdin, frames)
+            except BaseException:
+                process.kill()
+                raise
+        said.seek(0)
+        reason = said.read(2000).decode(errors="replace").strip().split("\n")[-1]
+    if process.returncode != 0:
+        reason = reason or f"it ended with {process.returncode}"
+        raise OutputError(f"{shown(path)}: cannot be written: ffmpeg: {shown(reason)}")
 
-    level = cv2.utils.logging.getLogLevel()
-    cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)
+
+def _send(stream: Any, frames: Iterable[np.ndarray]) -> None:
+    with stream:
+        for frame in frames:
+            stream.write(np.ascontiguousarray(frame))
+
+
+def _encoder(path: str | Path, shape: tuple[int, ...], fps: float) -> list[str]:
+    """The command that makes an MP4 of raw RGB frames of a shape (H, W, 3) on its standard input."""
+    from imageio_ffmpeg import get_ffmpeg_exe
+
     try:
-        letters = cv2.VideoWriter_fourcc(*"mp4v")  # type: ignore[attr-defined]  # OpenCV's own stubs lack it
-        # MPEG-4 holds rates as fractions of 16 bits.
-        writer = cv2.VideoWriter(str(path), letters, round(fps, 2), shape[1::-1])
-        if not writer.isOpened():
-            raise OutputError(
-                f"{shown(path)}: cannot be written: this machine's OpenCV has no MPEG-4 encoder; try .gif"
-            )
-        try:
-            for frame in frames:
-                writer.write(cv2.cvtColor(frame, cv2.COLOR_RGB2BGR))
-        finally:
-            writer.release()
-    finally:
-        cv2.utils.logging.setLogLevel(level)
-    if not Path(path).is_file() or not Path(path).stat().st_size:
-        raise OutputError(f"{shown(path)}: cannot be written: OpenCV wrote nothing")
+        program = get_ffmpeg_exe()
+    except RuntimeError as error:
+        raise OutputError(f"{shown(path)}: cannot be written: there is no ffmpeg; try .gif ({error})") from error
+    frames = f"-f rawvideo -pix_fmt rgb24 -s {shape[1]}x{shape[0]} -r {fps:.9g} -i pipe:0"
+    # All of the tags, or players guess by the size of the picture which of the two usual matrices it is.
+    tags = "setparams=range=tv:colorspace=bt709:color_primaries=bt709:color_trc=bt709"
+    picture = f"-vf scale=out_range=tv:out_color_matrix=bt709:flags=accurate_rnd,format=yuv420p,{tags}"
+    # One thread, and nothing of the moment in the file: the same frames give the same bytes.
+    coding = "-c:v libx264 -preset medium -crf 18 -threads 1 -fflags +bitexact -flags:v +bitexact"
+    options = f"-hide_banner -loglevel error -y {frames} {picture} {coding} -movflags +faststart -f mp4"
+    return [program, *options.split(), f"file:{path}"]
 
 
 def _write_gif(path: str | Path, frames: Iterable[np.ndarray], fps: float) -> None:
