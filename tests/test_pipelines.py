@@ -11,6 +11,7 @@ from urllib.parse import unquote
 
 import numpy as np
 import pytest
+from PIL import Image
 
 from caricli.io.face import read_face
 from caricli.io.gltf.read_gltf import read_gltf
@@ -117,6 +118,9 @@ def test_portrait_goes_on_where_it_was_killed_and_past_a_bad_picture(snakemake, 
     assert "1 of 2 finished" in page and "a &amp; &#x27;b&#x27; 1" in page
     assert re.search(r'class="failed">reconstruct failed: [^<]*unmarked\.json: expected', page)
     assert f"<td>{read_json(head / 'refined.json')['after']['all']:.3f}</td>" in page
+    row = next(line for line in page.splitlines() if line.startswith('<tr><td><a href="#unmarked"'))
+    assert re.search(r'<td class="failed">reconstruct failed: ', row)
+    assert (out / "thumbnails" / good / "rig.js").is_file() and page.count('class="turn"') == 1
     shown = {f"heads/{good}/{name}" for name in ("rig.glb", "rig.png", "textured/face.obj")}
     assert shown < set(links_of(out / "index.html"))
 
@@ -162,8 +166,9 @@ def test_expressions_go_on_where_they_were_stopped_and_past_bad_files(snakemake,
     shown = {f"heads/{good}/{name}" for name in ("blendshapes.glb", "blendshapes.png", "expressions/open.obj")}
     assert shown < set(links_of(out / "index.html"))
     small = out / "thumbnails" / "heads" / good
-    rest, wide = (read_image(small / f"{name}.jpg").astype(int) for name in ("neutral", "expressions/open"))
-    assert rest.shape == wide.shape == (224, 224, 3)
+    rest, wide = (read_image(small / f"{name}.jpg") for name in ("neutral", "expressions/open"))
+    assert rest.shape == (224, 224, 3) and wide.shape == (384, 384, 3)
+    rest, wide = rest.astype(int), np.asarray(Image.fromarray(wide).resize((224, 224))).astype(int)
     assert np.abs(rest - wide)[:112].mean() < np.abs(rest - wide)[112:].mean() / 3
 
     # Landmarks without a picture, too, are a drawing.

@@ -3,12 +3,18 @@
 FOLDER, of the pictures and their landmarks, is set before this is included; None stands for the astronaut.
 """
 
+import re
 import sys
 from pathlib import Path
 
 EXAMPLE = Path(workflow.basedir).parents[1] / "examples" / "astronaut"
 PICTURE_KINDS = (".png", ".jpg", ".jpeg", ".webp")
 MARK_KINDS = (".json", ".pts", ".txt", ".npy")
+
+
+def natural(name):
+    """What names are ordered by: 2 comes before 10."""
+    return [int(part) if k % 2 else part.lower() for k, part in enumerate(re.split(r"(\d+)", name))]
 
 
 def by_stem(folder, kinds):
@@ -21,7 +27,7 @@ def by_stem(folder, kinds):
     if bad := next((path for path in paths if set("{}<>") & set(str(path))), None):
         sys.exit(f"{bad}: expected a path without any of {{}}<>, found this one")
     found = {path.stem: path for path in sorted(paths, key=lambda path: -order[path.suffix.lower()])}
-    return {stem: found[stem] for stem in sorted(found)}
+    return {stem: found[stem] for stem in sorted(found, key=natural)}
 
 
 if FOLDER is None:

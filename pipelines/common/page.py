@@ -1,10 +1,17 @@
-"""What the pages of workflows share: small copies of pictures, and what failed."""
+"""What the pages of workflows share: small copies of pictures, heads to turn, and what failed."""
 
+import base64
+import gzip
 import html
+import json
+import shutil
+from pathlib import Path
 from urllib.parse import quote
 
 from PIL import Image
 
+COMMON = Path(__file__).parent
+VIEWER = Path("thumbnails", "viewer")  # copied beside every page, so that it can be moved and needs no network
 GAP = 0.03  # between the pictures of caricli's sheets, of their side
 PAGE = """\
 <!doctype html>
@@ -24,9 +31,13 @@ PAGE = """\
   .tiles :is(th, td) {{ min-width: 8rem; padding: 0.4rem; text-align: left; vertical-align: top }}
   .tiles img {{ display: block }}
   .failed {{ color: #b00; overflow-wrap: anywhere }}
+  td.failed {{ text-align: left; max-width: 50rem }}
+  button.turn {{ font: inherit; padding: 0.3rem 1rem }}
+  model-viewer {{ width: min(40rem, 100%); height: 36rem; border: 1px solid #ddd; background: #f4f4f4 }}
 </style>
 <h1>{title}</h1>
-{body}</html>
+{body}<script src="thumbnails/viewer/turntable.js"></script>
+</html>
 """
 
 
@@ -49,7 +60,8 @@ def thumbnail(source, small, size, caption, link=None, cell=None):
     small.parent.mkdir(parents=True, exist_ok=True)
     picture.save(small, quality=85)
     width, height = picture.size
-    shown = f'<img src="{quote(small.as_posix())}" alt="{html.escape(caption)}" width="{width}" height="{height}">'
+    about = f'alt="{html.escape(caption)}" width="{width}" height="{height}" loading="lazy"'
+    shown = f'<img src="{quote(small.as_posix())}" {about}>'
     return f'<a href="{quote(link.as_posix())}">{shown}</a>' if link else shown
 
 
@@ -60,13 +72,39 @@ def links(folder, files):
     return ", ".join(found)
 
 
+def turntable(source, script, name):
+    """A button that shows a GLB in 3D, to be turned by hand; nothing where there is none. script: what holds it."""
+    if not source.is_file():
+        return ""
+    path = quote(script.as_posix())
+    packed = base64.b64encode(gzip.compress(source.read_bytes(), 6, mtime=0)).decode()
+    script.parent.mkdir(parents=True, exist_ok=True)
+    script.write_text(f"heads[{json.dumps(path)}] = {json.dumps(packed)};\n", "utf-8")
+    viewer = quote((VIEWER / "model-viewer-umd.min.js").as_posix())
+    about = f'data-head="{path}" data-viewer="{viewer}" data-name="{html.escape(name)}"'
+    return f'<p><button class="turn" {about}>turn it</button></p>\n'
+
+
+def write_page(page, title, body):
+    """Write a page, and what it needs beside it."""
+    VIEWER.mkdir(parents=True, exist_ok=True)
+    for path in (COMMON / "turntable.js", *(COMMON / "viewer").iterdir()):
+        shutil.copyfile(path, VIEWER / path.name)
+    Path(page).write_text(PAGE.format(title=title, body=body), "utf-8")
+
+
 def failure(steps):
-    """A line that says what failed, or did not come to its end, or nothing; steps: (name, file, log) in their order."""
+    """A line that says what failed, or nothing; see ``reason``."""
+    said = reason(steps)
+    return said and f'<p class="failed">{html.escape(said)}</p>\n'
+
+
+def reason(steps):
+    """What failed, or did not come to its end, or nothing; steps: (name, file, log) in their order."""
     step = next((step for step in steps if not step[1].is_file()), None)
     if step is None:
         return ""
     name, _, log = step
     lines = log.read_text("utf-8", "replace").splitlines() if log.is_file() else []
     said = next((line for line in reversed(lines) if "error" in line), None)
-    said = f"{name} did not finish" if said is None else f"{name} failed: {said}"
-    return f'<p class="failed">{html.escape(said)}</p>\n'
+    return f"{name} did not finish" if said is None else f"{name} failed: {said}"

@@ -11,9 +11,9 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "common"))
 
-from page import PAGE, failure, links, thumbnail
+from page import failure, links, thumbnail, turntable, write_page
 
-SIZE = 224, 224
+SIZE = 384, 384  # as large as `retarget` draws them
 # Pictures in the first row of the sheets of blendshapes, retarget and fit-morphable.
 BLENDSHAPES, RETARGET, FIT = 9, 2, 5
 STEPS = {
@@ -69,7 +69,8 @@ def head_cells(name, picture):
     source, cell = (picture, None) if picture else (head / "face.png", (FIT, 0))
     drawing = thumbnail(source, small / "drawing.jpg", SIZE, "drawing", cell=cell)
     title = f"<b>{html.escape(name)}</b>{head_failure(name, picture)}"
-    cells, sheet = [f"{title}{drawing}{links(head, LINKS)}"], head / "blendshapes.png"
+    turning = turntable(head / "blendshapes.glb", small / "blendshapes.js", name)
+    cells, sheet = [f"{title}{drawing}{turning}{links(head, LINKS)}"], head / "blendshapes.png"
     figures = sheet.with_suffix(".json")
     shown = 1 + len(json.loads(figures.read_text("utf-8"))["expressions"]) if figures.is_file() else BLENDSHAPES
     for k, caption in enumerate(("as drawn", "neutral")):
@@ -102,7 +103,7 @@ def main(page, *given):
     done = sum(Path("heads", name, "expressions", f"{driver}.obj").is_file() for name in drawings for driver in drivers)
     heads, rows = "".join(driver_cell(*driver, drawings) for driver in drivers.items()), "\n".join(rows)
     body = BODY.format(done=done, count=len(drawings) * len(drivers), drivers=heads, rows=rows)
-    Path(page).write_text(PAGE.format(title="Expressions", body=body), "utf-8")
+    write_page(page, "Expressions", body)
 
 
 if __name__ == "__main__":

@@ -1,0 +1,104 @@
+"""The pages of workflows: what they show, and the viewer in a browser where there is one."""
+
+import base64
+import gzip
+import json
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from caricli.io.gltf.write_gltf import write_gltf
+from caricli.io.image import write_png
+from caricli.structures import Mesh, Rig
+
+ROOT = Path(__file__).parents[1]
+CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
+NAME = "a & 'b' 1"
+
+
+@pytest.fixture
+def page(ball, tmp_path):
+    """A page of two heads, the first of which stopped at its rig."""
+    for name in ("2", NAME):
+        head = tmp_path / "heads" / name
+        (head / "textured").mkdir(parents=True)
+        (head / "logs").mkdir()
+        for file in ("face.npz", "refined.npz", "textured/face.npz"):
+            (head / file).touch()
+    (tmp_path / "heads" / "2" / "logs" / "rig.txt").write_text("caricli: error: face.npz: expected <less>\n")
+    write_png(tmp_path / "heads" / NAME / "rig.png", np.full((1568, 2016, 3), 90, np.uint8))
+    vertices, faces = ball
+    rig = Rig(("jawOpen",), Mesh(vertices.astype(np.float32), faces), 0.1 * vertices[None].astype(np.float32))
+    write_gltf(tmp_path / "heads" / NAME / "rig.glb", rig)
+    write_png(tmp_path / "picture.png", np.full((90, 60, 3), 200, np.uint8))
+    given = ("2", "picture.png", NAME, "picture.png")
+    script = ROOT / "pipelines" / "portrait" / "gallery.py"
+    subprocess.run([sys.executable, script, "index.html", *given], cwd=tmp_path, check=True)
+    return tmp_path / "index.html"
+
+
+def test_what_failed_says_why_in_the_table_and_at_the_head(page):
+    text = page.read_text("utf-8")
+    said = "rig failed: caricli: error: face.npz: expected &lt;less&gt;"
+    row = next(line for line in text.splitlines() if line.startswith('<tr><td><a href="#2"'))
+    assert f'<td class="failed">{said}</td>' in row and f'<p class="failed">{said}</p>' in text
+    assert text.count("failed:") == 2 and "1 of 2 finished" in text
+
+
+def test_sheets_are_large_enough_to_see(page):
+    text = page.read_text("utf-8")
+    width, height = re.search(r'alt="expressions" width="(\d+)" height="(\d+)"', text).groups()
+    assert (int(width), int(height)) == (1600, 1244)
+
+
+def test_a_head_to_turn_is_the_whole_glb_in_a_script(page):
+    text = page.read_text("utf-8")
+    assert text.count('class="turn"') == 1 and "http" not in text
+    held = (page.parent / "thumbnails" / NAME / "rig.js").read_text("utf-8")
+    path, packed = re.fullmatch(r'heads\[(".*")\] = (".*");\n', held).groups()
+    assert f'data-head="{json.loads(path)}"' in text
+    unpacked = gzip.decompress(base64.b64decode(json.loads(packed)))
+    assert unpacked == (page.parent / "heads" / NAME / "rig.glb").read_bytes()
+    beside = {path.name for path in (page.parent / "thumbnails" / "viewer").iterdir()}
+    assert beside == {"LICENSE", "README.md", "model-viewer-umd.min.js", "turntable.js"}
+
+
+@pytest.mark.skipif(CHROMIUM is None, reason="no Chromium is installed")
+def test_a_click_shows_it_from_disk(page):
+    text = page.read_text("utf-8")
+    click = """<script>setTimeout(() => {
+      document.querySelector("button.turn").click();
+      const wait = setInterval(() => {
+        const viewer = document.querySelector("model-viewer");
+        if (viewer && viewer.loaded) { clearInterval(wait);
+          document.title = "turns " + viewer.getDimensions().x;
+          viewer.remove();
+        }
+      }, 200);
+    }, 200);</script></html>"""
+    clicked = page.with_name("clicked.html")
+    clicked.write_text(text.replace("</html>", click), "utf-8")
+    flags = [
+        "--headless=new",
+        "--no-sandbox",
+        "--use-gl=angle",
+        "--use-angle=swiftshader",
+        "--enable-unsafe-swiftshader",
+    ]
+    flags += [f"--user-data-dir={page.parent / 'profile'}", "--virtual-time-budget=15000", "--dump-dom"]
+    done = subprocess.run([CHROMIUM, *flags, clicked.as_uri()], capture_output=True, text=True, timeout=120)
+    size = re.search(r"<title>turns ([\d.]+)", done.stdout)
+    assert size and float(size[1]) == pytest.approx(2, abs=0.1), done.stdout[-500:] + done.stderr[-500:]
+
+
+def test_names_are_in_natural_order():
+    text = (ROOT / "pipelines" / "common" / "heads.smk").read_text("utf-8")
+    source = re.search(r"def natural\(.*?\n\n\n", text, re.S)[0]
+    space = {"re": re}
+    exec(source, space)
+    assert sorted(["10", "b2", "2", "B10", "1a", "b1"], key=space["natural"]) == ["1a", "2", "10", "b1", "b2", "B10"]
