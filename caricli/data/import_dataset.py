@@ -9,6 +9,9 @@ from pathlib import Path
 import numpy as np
 
 from caricli.data.dataset import split_identities
+from caricli.data.expressions import NEUTRAL
+from caricli.data.mesh_names import MeshName, read_level, read_mesh_name
+from caricli.data.units import UNITS, measured_unit
 from caricli.data.write_dataset import SHARD_SIZE, DatasetWriter
 from caricli.errors import InputError, naming
 from caricli.geometry.flipped_triangles import flipped_triangles
@@ -21,19 +24,54 @@ from caricli.template.annotation import parse_annotation
 from caricli.template.template import Template
 
 MAX_CSV_BYTES = 2**26
-_OWN_COLUMNS = ("file", "identity")
+_OWN_COLUMNS = ("file", "identity", "expression", "level")
 
 
 @dataclass(frozen=True, eq=False)
 class Labels:
-    """What a table says about N files.
+    """What a table, or the names of files, say about N files.
 
-    identities: (N,) int32, who each of them is. names: (A,) of the attributes. values: (N, A) float32.
+    shown: N MeshNames. names: (A,) of the attributes. values: (N, A) float32.
     """
 
-    identities: np.ndarray
+    shown: tuple[MeshName, ...]
     names: np.ndarray
     values: np.ndarray
+
+    @property
+    def expressions(self) -> list[str]:
+        """The names of all expressions, the neutral one first."""
+        return list(dict.fromkeys([NEUTRAL, *sorted(name.expression for name in self.shown)]))
+
+    def columns(self) -> dict[str, np.ndarray]:
+        """(N,) int32 by the names of a dataset's columns."""
+        people = list(dict.fromkeys(name.person for name in self.shown))
+        rows = [(people.index(name.person), self.expressions.index(name.expression), name.level) for name in self.shown]
+        return dict(zip(("identity", "expression", "level"), np.array(rows, dtype=np.int32).T, strict=True))
+
+
+@dataclass(frozen=True)
+class ImportSettings:
+    """unit: that the files are in, of UNITS, or None to measure it. seed: of the split."""
+
+    unit: str | None = None
+    seed: int = 0
+
+
+@dataclass(frozen=True)
+class ImportSummary:
+    """meshes, people, expressions: how many. unit: of UNITS, that the files are in. height: metres, the usual one."""
+
+    meshes: int
+    people: int
+    expressions: int
+    unit: str
+    height: float
+
+    def describe(self) -> str:
+        """What is printed of it."""
+        shown = f"people {self.people}, expressions {self.expressions}"
+        return f"{self.meshes} meshes, {shown}, {self.height:.3f} m high, taken as given in {self.unit}"
 
 
 def import_dataset(
@@ -41,15 +79,16 @@ def import_dataset(
     folder: Path,
     annotation_path: Path,
     labels_path: Path | None = None,
-    seed: int = 0,
+    settings: ImportSettings = ImportSettings(),  # noqa: B008 (frozen)
     progress: Callable[[int, int], None] = lambda done, total: None,
-) -> int:
+) -> ImportSummary:
     """Write the meshes of a folder (``mesh_files``), in the order of their names, into an empty dataset folder.
 
-    mesh_folder: holds files of one topology in metres, +y up, +z front. annotation_path: JSON for ``parse_annotation``.
-    labels_path: CSV with a column ``file``, maybe ``identity``, and numeric label columns. seed: of the split.
+    mesh_folder: holds files of one topology, +y up, +z front. annotation_path: JSON for ``parse_annotation``.
+    labels_path: CSV with a column ``file``, maybe ``identity``, ``expression`` and ``level``, and numeric label
+    columns; without one the names of the files say these (``read_mesh_name``). settings: ImportSettings.
     progress: called with the number of files that are read and their total.
-    Returns the number of meshes. Raises InputError.
+    Returns ImportSummary. Raises InputError.
     """
     files = mesh_files(mesh_folder)
     if len(files) < 2:
@@ -61,18 +100,27 @@ def import_dataset(
     for number, path in enumerate(files):
         shapes[number] = _vertices_like(path, first, files[0].name)
         progress(number + 1, len(files))
+    heights = np.ptp(shapes[..., 1], axis=1)
+    with naming(mesh_folder):
+        unit = settings.unit or measured_unit(heights)
+    shapes *= np.float32(UNITS[unit])
     annotation = parse_annotation(read_json(annotation_path), len(first.vertices), str(annotation_path))
     mean = shapes.mean(0, dtype=float)
     template = Template(mean, first.polygons, first.uvs, first.uv_polygons, annotation=annotation)
     labels = read_labels(labels_path, [path.name for path in files])
-    splits = split_identities(np.unique(labels.identities).tolist(), np.random.default_rng(seed))
+    columns = labels.columns() | {"file": np.array([path.name for path in files])}
+    people = np.unique(columns["identity"]).tolist()
+    splits = split_identities(people, np.random.default_rng(settings.seed))
     flipped = np.mean([flipped_triangles(shape, template.gradients).mean() for shape in shapes])
     writer = DatasetWriter(folder, template)
     for start in range(0, len(files), SHARD_SIZE):
-        writer.add_shard(_columns(shapes, labels, files, slice(start, start + SHARD_SIZE)))
-    manifest = {"count": len(files), "seed": seed, "flipped": float(flipped), "splits": splits}
+        rows = slice(start, start + SHARD_SIZE)
+        writer.add_shard({"vertices": shapes[rows]} | {name: column[rows] for name, column in columns.items()})
+    manifest = {"count": len(files), "seed": settings.seed, "unit": unit, "expressions": labels.expressions}
+    manifest |= {"flipped": float(flipped), "splits": splits}
     writer.finish(manifest, {"attributes": labels.names, "measures": labels.values, "labels": labels.values > 0})
-    return len(files)
+    height = float(np.median(heights)) * UNITS[unit]
+    return ImportSummary(len(files), len(people), len(labels.expressions), unit, height)
 
 
 def _vertices_like(path: Path, first: Mesh, name: str) -> np.ndarray:
@@ -88,25 +136,13 @@ def _vertices_like(path: Path, first: Mesh, name: str) -> np.ndarray:
     return mesh.vertices
 
 
-def _columns(shapes: np.ndarray, labels: Labels, files: Sequence[Path], rows: slice) -> dict[str, np.ndarray]:
-    zeros = np.zeros(len(shapes[rows]), dtype=np.int32)
-    return {
-        "vertices": shapes[rows],
-        "identity": labels.identities[rows],
-        "expression": zeros,
-        "level": zeros,
-        "file": np.array([path.name for path in files[rows]]),
-    }
-
-
 def read_labels(path: Path | None, files: Sequence[str]) -> Labels:
-    """Read the CSV with a row for every file; without one, every mesh is a person.
+    """Read the CSV with a row for every file; what it does not say, the names of the files do.
 
     files: (N,) names. Raises InputError.
     """
     if path is None:
-        count = len(files)
-        return Labels(np.arange(count, dtype=np.int32), np.array([], dtype="<U1"), np.zeros((count, 0), np.float32))
+        return Labels(tuple(map(_name_of, files)), np.array([], dtype="<U1"), np.zeros((len(files), 0), np.float32))
     text = read_text(path, MAX_CSV_BYTES, "a CSV file").removeprefix("\ufeff")
     with naming(path):
         try:
@@ -120,7 +156,7 @@ def read_labels(path: Path | None, files: Sequence[str]) -> Labels:
 
 def _labels(header: list[str], lines: list[list[str]], files: Sequence[str]) -> Labels:
     names = [name for name in header if name not in _OWN_COLUMNS]
-    people: dict[str, str] = {}
+    shown: dict[str, MeshName] = {}
     values: dict[str, list[float]] = {}
     for number, line in enumerate(lines, 2):
         if not line:
@@ -132,14 +168,26 @@ def _labels(header: list[str], lines: list[list[str]], files: Sequence[str]) -> 
             file = row["file"]
             if file in values:
                 raise InputError(f"{file!r} comes twice")
-            people[file] = row.get("identity", file)
+            shown[file] = _shown(row)
             values[file] = _numbers([row[name] for name in names])
     missing = [file for file in files if file not in values]
     if missing:
         raise InputError(f"no row for {missing[0]} ({len(missing)} files without one)")
-    numbers = {person: k for k, person in enumerate(dict.fromkeys(people[file] for file in files))}
-    identities = np.array([numbers[people[file]] for file in files], dtype=np.int32)
-    return Labels(identities, np.array(names, dtype=str), np.array([values[file] for file in files], np.float32))
+    ordered = tuple(shown[file] for file in files)
+    return Labels(ordered, np.array(names, dtype=str), np.array([values[file] for file in files], np.float32))
+
+
+def _name_of(file: str) -> MeshName:
+    """What the name of a file says, with its suffix."""
+    with naming(file):
+        return read_mesh_name(Path(file).stem)
+
+
+def _shown(row: dict[str, str]) -> MeshName:
+    """What a row of a table says of its file; its name says what the table has no column for."""
+    name = _name_of(row["file"]) if not {"identity", "expression", "level"} <= set(row) else MeshName("")
+    level = read_level(row["level"]) if "level" in row else name.level
+    return MeshName(row.get("identity", name.person), row.get("expression", name.expression) or NEUTRAL, level)
 
 
 def _numbers(texts: list[str]) -> list[float]:

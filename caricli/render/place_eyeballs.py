@@ -14,7 +14,7 @@ def place_eyeballs(mesh: Mesh, annotation: Annotation) -> list[tuple[np.ndarray,
     """Put a ball into each eye socket: the sphere nearest to its surface, behind the middle of the lids' opening.
 
     mesh: Mesh. annotation: Annotation; used are the lid margins `eye_upper_*` and `eye_lower_*`, polylines along edges,
-    and the regions `eye_socket_*`, for left and right.
+    and the regions `eye_socket_*`, for left and right; where there are regions `eyeball_*`, the mesh has eyes already.
     Returns a list of (centre (3,), radius), in the unit of the vertices; without the eyes that the annotation does not
     know, and empty where it does not fit the faces because it was made for another mesh.
     """
@@ -24,7 +24,8 @@ def place_eyeballs(mesh: Mesh, annotation: Annotation) -> list[tuple[np.ndarray,
     for side in ("left", "right"):
         lids = [np.asarray(curves[name]) for name in (f"eye_upper_{side}", f"eye_lower_{side}") if name in curves]
         socket = np.asarray(annotation.regions.get(f"eye_socket_{side}", ()), int)
-        if len(lids) == 2 and len(socket) >= 4 and _fits(mesh, lids, socket):
+        own = f"eyeball_{side}" in annotation.regions
+        if not own and len(lids) == 2 and len(socket) >= 4 and _fits(mesh, lids, socket):
             eyeballs.append(_ball(vertices[socket], vertices[np.concatenate(lids)]))
     return eyeballs
 

@@ -1,5 +1,6 @@
 """What expressions of caricatures are made with, and the caricatures, by path."""
 
+import math
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -65,8 +66,9 @@ def _expressions(paths: ToolPaths, actions: ExpressionTemplates) -> dict[str, di
 
 
 def _on_template(actions: ExpressionTemplates, template: Template) -> ExpressionTemplates:
-    """The same templates with what is known by name on the mesh of a model."""
-    return replace(actions, mesh=template.with_vertices(actions.neutral))
+    """The same templates in metres, with what is known by name on the mesh of a model."""
+    unit = 10.0 ** round(math.log10(template.height / actions.mesh.height))
+    return replace(actions, mesh=template.with_vertices(unit * actions.neutral), deltas=unit * actions.deltas)
 
 
 def load_caricature(

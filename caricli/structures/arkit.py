@@ -1,5 +1,6 @@
 """The names of the 52 facial actions of ARKit, which every engine's face tracking speaks, and what they start from."""
 
+import re
 from collections.abc import Sequence
 
 import numpy as np
@@ -18,6 +19,32 @@ ARKIT_NAMES = tuple(
 
 STARTS = {"mouthClose": "jawOpen"}
 """Actions that only mean something on top of others: mouthClose closes the lips while the jaw is open."""
+
+
+_PLAIN = {name.lower(): name for name in ARKIT_NAMES}
+
+
+def arkit_name(name: str) -> str | None:
+    """The ARKit name that a name means, or None; of half an action, such as ``browInnerUp_L``, the whole one's.
+
+    Case, spaces and other separators, a prefix such as ``blendShape1.``, and the suffixes L and R are seen through.
+    """
+    if name in ARKIT_NAMES:
+        return name
+    plain = plain_name(name)
+    return _PLAIN.get(plain) or _PLAIN.get(re.sub("(left|right)$", "", plain))
+
+
+def plain_name(name: str) -> str:
+    """A name in small letters alone, without a prefix, its side written out."""
+    side = re.sub(r"(?<=[a-z])(?:L|R)$|[\W_]+[lLrR]$", lambda m: {"l": "Left", "r": "Right"}[m[0][-1].lower()], name)
+    return re.sub(r"[\W_]+", "", re.split(r"[.:|]", side)[-1]).lower()
+
+
+def is_half(name: str) -> bool:
+    """Whether a name means one side of an action that ARKit has only as a whole."""
+    whole = arkit_name(name)
+    return whole is not None and plain_name(name) != whole.lower()
 
 
 def start_delta(names: Sequence[str], deltas: np.ndarray, k: int) -> np.ndarray:

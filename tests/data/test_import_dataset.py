@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from caricli.data.dataset import SPLITS, read_dataset
-from caricli.data.import_dataset import import_dataset
+from caricli.data.import_dataset import ImportSettings, import_dataset
 from caricli.errors import CaricliError, InputError
 from caricli.io.mesh import write_mesh
 from caricli.io.obj import read_obj, write_obj
@@ -25,7 +25,8 @@ def csv_of(path, header, rows):
 def test_order_quads_uvs_and_coordinates_are_kept(barrel, barrels, out):
     folder, shapes, annotation = barrels
     calls = []
-    assert import_dataset(folder, out, annotation, progress=lambda *numbers: calls.append(numbers)) == 12
+    summary = import_dataset(folder, out, annotation, progress=lambda *numbers: calls.append(numbers))
+    assert (summary.meshes, summary.people, summary.expressions, summary.unit) == (12, 12, 1, "m")
     assert calls == [(k, 12) for k in range(1, 13)]
     data = read_dataset(out)
     np.testing.assert_allclose(data.vertices, shapes, atol=1e-8)
@@ -53,7 +54,7 @@ def test_other_formats_come_in_where_there_is_no_obj(barrels, out, tmp_path):
     for path in folder.iterdir():
         write_mesh(others / f"{path.stem}.ply", read_obj(path))
     (others / "notes.txt").touch()
-    assert import_dataset(others, out, annotation) == 12
+    assert import_dataset(others, out, annotation).meshes == 12
     data = read_dataset(out)
     np.testing.assert_allclose(data.vertices, shapes, atol=1e-7)
     assert data.factors["file"][0] == "scan_00.ply"
@@ -70,7 +71,7 @@ def test_the_seed_decides_the_split_and_the_bytes(barrels, tmp_path):
     manifests = []
     for name, seed in (("a", 0), ("b", 0), ("c", 1)):
         (tmp_path / name).mkdir()
-        import_dataset(barrels[0], tmp_path / name, barrels[2], seed=seed)
+        import_dataset(barrels[0], tmp_path / name, barrels[2], settings=ImportSettings(seed=seed))
         manifests.append((tmp_path / name / "dataset.json").read_bytes())
     assert manifests[0] == manifests[1] != manifests[2]
 
@@ -80,7 +81,7 @@ def test_meshes_without_uvs_and_with_other_files_beside_them(barrel, barrels, ou
     for number, shape in enumerate(shapes):
         write_obj(folder / f"scan_{number:02d}.obj", Mesh(shape, barrel.mesh.polygons, None, None))
     (folder / "notes.txt").write_text("mine")
-    assert import_dataset(folder, out, annotation) == 12
+    assert import_dataset(folder, out, annotation).meshes == 12
     assert read_dataset(out).template.uvs is None
 
 
@@ -189,3 +190,67 @@ def test_meshes_without_area_are_refused(barrel, barrels, out):
         write_obj(folder / f"scan_{number:02d}.obj", Mesh(flat, barrel.mesh.polygons, None, None))
     with pytest.raises(CaricliError, match="area"):
         import_dataset(folder, out, annotation)
+
+
+@pytest.mark.parametrize(("unit", "size"), [("m", 1), ("dm", 10), ("cm", 100), ("mm", 1000)])
+def test_the_unit_is_measured_or_given(barrel, barrels, out, unit, size):
+    folder, shapes, annotation = barrels
+    for number, shape in enumerate(shapes):
+        write_obj(folder / f"scan_{number:02d}.obj", barrel.mesh.with_vertices(size * shape))
+    summary = import_dataset(folder, out, annotation)
+    assert summary.unit == unit and f"taken as given in {unit}" in summary.describe()
+    assert summary.height == pytest.approx(np.median(np.ptp(shapes[..., 1], axis=1)), rel=1e-5)
+    np.testing.assert_allclose(read_dataset(out).vertices, shapes, atol=1e-7)
+    assert read_dataset(out).manifest["unit"] == unit
+
+
+def test_a_size_of_no_head_is_refused_unless_the_unit_is_given(barrel, barrels, out):
+    folder, shapes, annotation = barrels
+    for number, shape in enumerate(shapes):
+        write_obj(folder / f"scan_{number:02d}.obj", barrel.mesh.with_vertices(4.5 * shape))
+    with pytest.raises(InputError, match=r"scans: expected heads of 0\.1 to 0\.8 m, found them .* --unit"):
+        import_dataset(folder, out, annotation)
+    assert import_dataset(folder, out, annotation, settings=ImportSettings("dm")).height < 0.12
+
+
+def renamed(folder, names):
+    for path, name in zip(sorted(folder.glob("*.obj")), names, strict=True):
+        path.rename(folder / f"{name}.obj")
+
+
+def test_names_of_files_say_person_expression_and_level(barrels, out):
+    names = ["a__jawOpen__2", "a__neutral", "b", "b__jawOpen", "b__neutral__3", "c__smile", "d", "e", "f", "g"]
+    renamed(barrels[0], [*names, "generic_neutral_mesh", "browInnerUp_L"])
+    summary = import_dataset(barrels[0], out, barrels[2])
+    assert (summary.people, summary.expressions) == (8, 4)
+    data = read_dataset(out)
+    assert data.manifest["expressions"] == ["neutral", "browInnerUp_L", "jawOpen", "smile"]
+    rows = dict(zip(data.factors["file"].tolist(), range(12), strict=True))
+
+    def shown(name):
+        row = rows[f"{name}.obj"]
+        return data.identity[row], data.manifest["expressions"][data.expression[row]], data.level[row]
+
+    assert shown("a__jawOpen__2")[1:] == ("jawOpen", 2) and shown("b__neutral__3")[1:] == ("neutral", 3)
+    assert shown("b")[1:] == ("neutral", 1) and shown("b")[0] == shown("b__jawOpen")[0] != shown("a__neutral")[0]
+    assert shown("browInnerUp_L") == (shown("generic_neutral_mesh")[0], "browInnerUp_L", 1)
+
+
+@pytest.mark.parametrize("name", ["a__jawOpen__x", "a__jawOpen__0", "a__b__1__2", "__jawOpen", "a__", "a__b__\u0661"])
+def test_names_that_do_not_say_it_are_refused(barrels, out, name):
+    (barrels[0] / "scan_03.obj").rename(barrels[0] / f"{name}.obj")
+    with pytest.raises(InputError, match="expected a (name|level)"):
+        import_dataset(barrels[0], out, barrels[2])
+
+
+def test_a_table_says_expression_and_level(barrels, out, tmp_path):
+    rows = [f"scan_{k:02d}.obj,p{k // 3},{['', 'smile', 'jawOpen'][k % 3]},{1 + k % 2},{k}" for k in range(12)]
+    labels = csv_of(tmp_path / "l.csv", "file,identity,expression,level,BigNose", rows)
+    import_dataset(barrels[0], out, barrels[2], labels)
+    data = read_dataset(out)
+    assert data.attributes == ("BigNose",) and data.manifest["expressions"] == ["neutral", "jawOpen", "smile"]
+    np.testing.assert_array_equal(data.expression, [0, 2, 1] * 4)
+    np.testing.assert_array_equal(data.level, 1 + np.arange(12) % 2)
+    csv_of(tmp_path / "l.csv", "file,level", [f"scan_{k:02d}.obj,{k}" for k in range(12)])
+    with pytest.raises(InputError, match="line 2: expected a level from 1"):
+        import_dataset(barrels[0], out, barrels[2], tmp_path / "l.csv")

@@ -48,3 +48,8 @@ def test_another_mesh_and_an_annotation_without_eyes_give_none(sphere, bare, one
     # The corners of an octahedron: no edges any more.
     far_apart = {"eye_upper_left": np.array([0, 1]), "eye_lower_left": np.array([2, 3])}
     assert place_eyeballs(mesh, replace(one_eye, curves=far_apart)) == []
+
+
+def test_a_mesh_with_its_own_eyes_gets_none(sphere, one_eye):
+    regions = one_eye.regions | {"eyeball_left": np.arange(3)}
+    assert place_eyeballs(Mesh(*sphere), replace(one_eye, regions=regions)) == []

@@ -34,6 +34,26 @@ def test_ones_own_templates_take_the_names_of_the_models_mesh(head_template, hea
     assert list(own.expressions) == ["neutral", "Smile"] and own.templates.annotation is not None
 
 
+def test_templates_of_other_units_and_names_become_arkits_in_metres(head_template, head, tmp_path):
+    write_mesh(tmp_path / "neutral.obj", head_template.with_vertices(100 * head_template.vertices))
+    actions = {"eyeBlink_L": "eyeBlinkLeft", "Pout": "mouthPucker"}
+    for name, action in actions.items():
+        shape = head.evaluate(actions={action: 1.0})
+        write_mesh(tmp_path / f"{name}.obj", head_template.with_vertices(100 * shape))
+    brow = head.evaluate(actions={"browInnerUp": 1.0}) - head_template.vertices
+    for name, side in (("browInnerUp_L", 0.3), ("browInnerUp_R", 0.7)):
+        shape = head_template.vertices + side * brow
+        write_mesh(tmp_path / f"{name}.obj", head_template.with_vertices(100 * shape))
+    templates, _ = load_templates(tmp_path)
+    assert templates.names == ("Pout", "browInnerUp_L", "browInnerUp_R", "eyeBlinkLeft", "browInnerUp")
+    own = load_tools(ToolPaths(templates=tmp_path))[0].templates
+    np.testing.assert_allclose(own.neutral, head_template.vertices, atol=1e-7)
+    np.testing.assert_allclose(own.deltas[own.names.index("browInnerUp")], brow, atol=1e-7)
+    write_mesh(tmp_path / "EyeBlinkLeft.obj", head_template)
+    with pytest.raises(InputError, match="found 'eyeBlinkLeft' twice under two names"):
+        load_templates(tmp_path)
+
+
 def test_expressions_that_move_nothing_are_refused(tmp_path):
     (tmp_path / "set.yaml").write_text("neutral: {}\na: {jawOpen: 0}\n")
     with pytest.raises(InputError, match="set.yaml: expected expressions that move something"):

@@ -16,28 +16,36 @@ from caricli.io.outputs import staged_folder
     "--labels",
     type=PATH,
     metavar="CSV",
-    help="Read labels from a table: a row for every mesh, columns for file, identity (optional) and labels.",
+    help="Read labels from a table: a row for every mesh, columns for file, identity, expression and level (these "
+    "three are optional) and labels.",
+)
+@click.option(
+    "--unit",
+    type=click.Choice(["m", "dm", "cm", "mm"]),
+    help="Take the files as given in this unit.  [default: measured]",
 )
 @seed_option
 @overwrite_option
-def command(obj_dir, out, annotation, labels, seed, overwrite):
+def command(obj_dir, out, annotation, labels, unit, seed, overwrite):
     """Import a folder of meshes that share one topology: OBJ files, or else PLY, STL, GLB or glTF.
 
     Vertex count, quads and UV seams are free, and the order of vertices is kept. The first file by name gives faces and
-    UVs; the template is the mean shape. Without an identity column every mesh is a person of its own.
+    UVs; the template is the mean shape. Whom a file shows, with which expression and how exaggerated (level 1 is not),
+    is in the table, or else in its name, such as anna__jawOpen__2.obj, anna__jawOpen.obj, anna.obj. The unit is told by
+    how high the heads are; the dataset is in metres.
 
     \b
     Example:
       caricli dataset import scans dataset --annotation annotation.json
-      caricli dataset import scans dataset --annotation annotation.json --labels labels.csv
+      caricli dataset import scans dataset --annotation annotation.json --labels labels.csv --unit cm
     """
     from caricli.commands.shared.progress import progress_bar
-    from caricli.data.import_dataset import import_dataset
+    from caricli.data.import_dataset import ImportSettings, import_dataset
 
     inputs = (obj_dir, annotation, labels)
     with (
         staged_folder(out, overwrite=overwrite, inputs=inputs, marker="dataset.json") as temporary,
         progress_bar("meshes") as report,
     ):
-        count = import_dataset(obj_dir, temporary, annotation, labels, seed, report)
-    click.echo(f"{out}: {count} meshes")
+        summary = import_dataset(obj_dir, temporary, annotation, labels, ImportSettings(unit, seed), report)
+    click.echo(f"{out}: {summary.describe()}")

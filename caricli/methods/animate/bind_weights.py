@@ -8,6 +8,7 @@ import numpy as np
 from caricli.errors import InputError, shown
 from caricli.io.track import MAX_WEIGHTS
 from caricli.structures import Track
+from caricli.structures.arkit import arkit_name, is_half
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,7 +28,8 @@ class BoundWeights:
 def bind_weights(track: Track, names: Sequence[str]) -> BoundWeights:
     """Bind weights by name, never by order.
 
-    A name binds to the same name, else to the one that differs in the case of the first letter alone.
+    A name binds to the same name, else to the one that differs in the case of the first letter alone, else to those
+    that mean the same action of ARKit (``arkit_name``), both halves of it where the rig has halves.
 
     names: the rig's (K,).
     Returns BoundWeights; what nothing drives stays 0.
@@ -54,11 +56,22 @@ def _columns(theirs: Sequence[str], ours: Sequence[str]) -> tuple[dict[str, int]
     columns: dict[str, int] = {}
     unmatched = []
     for column, name in enumerate(theirs):
-        target = next((n for n in (name, name[:1].swapcase() + name[1:]) if n in ours), None)
-        if target is None:
+        targets = _targets(name, ours)
+        if not targets:
             unmatched.append(name)
-        elif target in columns:
-            raise InputError(f"weights: expected one column for {shown(target, 40)!r}, found it in either spelling")
-        else:
+        for target in targets:
+            if target in columns:
+                raise InputError(f"weights: expected one column for {shown(target, 40)!r}, found it in either spelling")
             columns[target] = column
     return columns, unmatched
+
+
+def _targets(name: str, ours: Sequence[str]) -> list[str]:
+    """The rig's names that a name of a track drives."""
+    for spelling in (name, name[:1].swapcase() + name[1:]):
+        if spelling in ours:
+            return [spelling]
+    whole = None if is_half(name) else arkit_name(name)
+    alike = [own for own in ours if whole and arkit_name(own) == whole]
+    # Where the rig has the whole action its halves are somebody else's.
+    return [own for own in alike if not is_half(own)] or alike

@@ -1,6 +1,5 @@
 """What a rig offers to an engine's face tracking, and how sound it is."""
 
-import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from difflib import get_close_matches
@@ -11,15 +10,13 @@ from caricli.errors import NumericsError
 from caricli.geometry.deformation_gradients import DeformationGradients
 from caricli.geometry.flipped_triangles import flipped_triangles
 from caricli.structures import Rig
-from caricli.structures.arkit import ARKIT_NAMES
+from caricli.structures.arkit import ARKIT_NAMES, arkit_name, plain_name
 
 _MOVED = 1e-6
 """Metres: a vertex that moves less stays."""
 
 _SIMILAR = 0.9
 """Ratio of matching letters from which on a name is taken for a slip of the pen."""
-
-_PLAIN = {name.lower(): name for name in ARKIT_NAMES}
 
 
 @dataclass(frozen=True)
@@ -75,17 +72,11 @@ def check_rig(rig: Rig) -> RigCheck:
 
 
 def nearest_arkit(name: str) -> str | None:
-    """The ARKit name that a name means, or None.
-
-    Case, spaces and other separators, a prefix such as ``blendShape1.``, and the suffixes L and R are seen through, and
-    so is a slip of the pen.
-    """
-    if name in ARKIT_NAMES:
-        return name
-    side = re.sub(r"(?<=[a-z])(?:L|R)$|[\W_]+[lLrR]$", lambda m: {"l": "Left", "r": "Right"}[m[0][-1].lower()], name)
-    plain = re.sub(r"[\W_]+", "", re.split(r"[.:|]", side)[-1]).lower()
-    close = [plain] if plain in _PLAIN else get_close_matches(plain, _PLAIN, 1, _SIMILAR)
-    return _PLAIN[close[0]] if close else None
+    """The ARKit name that a name means, as ``arkit_name`` has it or but for a slip of the pen, or None."""
+    if exact := arkit_name(name):
+        return exact
+    close = get_close_matches(plain_name(name), [each.lower() for each in ARKIT_NAMES], 1, _SIMILAR)
+    return arkit_name(close[0]) if close else None
 
 
 def _shape_checks(rig: Rig) -> Iterator[ShapeCheck]:

@@ -40,3 +40,13 @@ def test_what_cannot_be_bound_is_refused():
         bind_weights(track("x", "y"), ("jawOpen",))
     with pytest.raises(InputError, match="either spelling"):
         bind_weights(track("Smile", "smile"), ("smile",))
+
+
+def test_names_that_mean_the_same_action_bind_and_halves_to_their_whole():
+    given = track("eyeBlinkLeft", "browInnerUp", "cheekPuff_L")
+    bound = bind_weights(given, ("browInnerUp_L", "browInnerUp_R", "eyeBlink_L", "cheekPuff"))
+    np.testing.assert_array_equal(bound.weights.T, given.weights.T[[1, 1, 0, 2]] * [[1], [1], [1], [0]])
+    assert bound.unmatched == ("cheekPuff_L",) and bound.undriven == ("cheekPuff",)
+    # A rig that has the whole action leaves its halves to those who name them.
+    bound = bind_weights(given, ("browInnerUp_L", "browInnerUp"))
+    assert bound.weights[1].tolist() == [0, given.weights[1, 1]]

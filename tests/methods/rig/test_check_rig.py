@@ -55,6 +55,6 @@ def test_every_usual_spelling_leads_to_the_name(name):
     assert {spelling: nearest_arkit(spelling) for spelling in spellings} == dict.fromkeys(spellings, name)
 
 
-@pytest.mark.parametrize("name", ["_neutral", "Basis", "smile", "viseme_aa", "jaw", "browInnerUp_L", "", "..", "L"])
+@pytest.mark.parametrize("name", ["_neutral", "Basis", "smile", "viseme_aa", "jaw", "nose_L", "", "..", "L"])
 def test_other_names_lead_nowhere(name):
     assert nearest_arkit(name) is None

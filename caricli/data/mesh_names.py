@@ -1,0 +1,48 @@
+"""Who a mesh shows, with which expression and how exaggerated, as the names of files say it."""
+
+from dataclasses import dataclass
+
+from caricli.data.expressions import NEUTRAL
+from caricli.errors import InputError
+from caricli.structures.arkit import arkit_name
+
+BETWEEN = "__"
+"""What parts person, expression and level in the name of a file."""
+
+GENERIC = "generic"
+"""The person whose expressions have no other name in front of them."""
+
+
+@dataclass(frozen=True)
+class MeshName:
+    """person and expression: names. level: of exaggeration, 1 for a face as it is."""
+
+    person: str
+    expression: str = NEUTRAL
+    level: int = 1
+
+
+def read_mesh_name(stem: str) -> MeshName:
+    """What the name of a file without its suffix says.
+
+    ``anna__jawOpen__2`` is the person anna with the expression jawOpen at level 2; ``anna__jawOpen`` the same as it is,
+    and ``anna`` her neutral face. A name that is an expression of ARKit's, or means one (``eyeBlink_L``), is one of a
+    person GENERIC, as is ``neutral`` and what starts with ``generic_neutral``.
+    Raises InputError for a level that is no whole number from 1.
+    """
+    person, *rest = stem.split(BETWEEN)
+    if not rest:
+        if stem.lower() == NEUTRAL or stem.lower().startswith(f"{GENERIC}_{NEUTRAL}"):
+            return MeshName(GENERIC)
+        return MeshName(GENERIC, stem) if arkit_name(stem) else MeshName(stem)
+    expression, level, *more = [*rest, "1"] if len(rest) == 1 else rest
+    if more or not person or not expression:
+        raise InputError(f"expected a name such as anna{BETWEEN}jawOpen{BETWEEN}2, found {stem!r}")
+    return MeshName(person, expression, read_level(level))
+
+
+def read_level(text: str) -> int:
+    """A level of exaggeration. Raises InputError for what is no whole number from 1 to 1000."""
+    if not (text.isascii() and text.isdigit() and 1 <= int(text[:5]) <= 1000):
+        raise InputError(f"expected a level from 1 (as it is) to 1000, found {text[:40]!r}")
+    return int(text)
