@@ -12,6 +12,7 @@ from caricli.io.outputs import staged, staged_folder
 from caricli.io.provenance import provenance
 from caricli.io.strict_json import write_json
 from caricli.io.video import write_video
+from caricli.io.worn import PictureNames, write_pictures
 
 REPORT = "animation.json"
 SCALE = "NAME=K with K from 0 to 3, such as jawOpen=1.3"
@@ -131,15 +132,18 @@ def _write_moving(glb, video, performance, view, size):
 
 
 def _write_frames(folder, performance, kind, view, size):
-    """Write every frame as frame-0000.obj, with the rig's polygons and UVs, or as frame-0000.png."""
+    """Write every frame as frame-0000.obj, with what the rig wears as frames-skin.png, or as frame-0000.png."""
     digits = max(4, len(str(len(performance.animation.times) - 1)))
     frames = _pictures(performance, view, size) if kind == "png" else _shapes(performance, "frames")
+    face = performance.rig.face
+    names = PictureNames() if kind == "png" else write_pictures(folder / "frames.obj", face.pictures)
+    worn = {"mtl": folder / "frames.mtl", "eyes": names.eyes, "materials": face.materials}
     for k, frame in enumerate(frames):
         path = folder / f"frame-{k:0{digits}d}.{kind}"
         if kind == "png":
             write_png(path, frame)
         else:
-            write_mesh(path, performance.rig.mesh.with_vertices(frame.astype(float)))
+            write_mesh(path, face.mesh.with_vertices(frame.astype(float)), names.skin, **worn)
 
 
 def _pictures(performance, view, size):

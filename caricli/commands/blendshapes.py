@@ -120,7 +120,7 @@ def command(
             start = time.perf_counter()
             blendshapes = build_blendshapes(face, tools, settings)
             seconds = time.perf_counter() - start
-            result = rig_blendshapes(blendshapes, tools, RigSettings(eyeballs=eyeballs, seed=seed), images)
+            result = rig_blendshapes(blendshapes, tools, RigSettings(eyeballs=eyeballs, seed=seed), images, face.mesh)
         about = {"method": method, "reconstruct": reconstruct, "weights": weights, "seconds": seconds}
         figures, line = report_blendshapes(face, blendshapes, tools, result)
         _write(files, face, result.rig, provenance("blendshapes", inputs, seed, **about, **figures))

@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from caricli.commands.shared.face_outputs import staged_face
 from caricli.commands.shared.options import (
     FACE_FILES,
     PATH,
     FiniteRange,
     directions_option,
-    face_files,
     image_option,
     model_option,
     out_folder_option,
@@ -20,7 +20,6 @@ from caricli.commands.shared.options import (
     pts_origin_option,
     subdivide_option,
 )
-from caricli.io.outputs import staged
 from caricli.io.provenance import provenance
 from caricli.structures import Directions
 
@@ -119,7 +118,7 @@ class _Task:
         picture = find_picture(self.image, source, self.many)
         model = self.drawing.model
         strengths = [self.about["strength"] * share for share in DRAWN]
-        with staged(*face_files(target), overwrite=self.overwrite, inputs=(*self.inputs, picture)) as files:
+        with staged_face(target, self.overwrite, (*self.inputs, picture)) as files:
             regular = self.load(source, picture)
             degrees = [caricaturize_face(regular.face, model, s, self.about["mode"], self.labels) for s in strengths]
             figures = caricature_figures(regular.face, degrees[-1], model, self.labels)

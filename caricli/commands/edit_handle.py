@@ -5,11 +5,11 @@ from functools import partial
 
 import click
 
+from caricli.commands.shared.face_outputs import staged_face
 from caricli.commands.shared.notes import echo_result
 from caricli.commands.shared.options import (
     FACE_FILES,
     PATH,
-    face_files,
     model_option,
     named_mesh,
     out_option,
@@ -17,7 +17,6 @@ from caricli.commands.shared.options import (
     subdivide_option,
 )
 from caricli.errors import InputError
-from caricli.io.outputs import staged
 from caricli.io.provenance import provenance
 
 SIZE = 320
@@ -79,7 +78,7 @@ def command(face, texts, file, pins, symmetric, out, norm, avoid, steps, baselin
 
     drawing = load_drawing(model, levels, SIZE)
     settings = HandleSettings(norm=1 if norm == "l1" else 2)
-    with staged(*face_files(out), overwrite=overwrite, inputs=(face, file, model)) as files:
+    with staged_face(out, overwrite, (face, file, model)) as files:
         before, note = load_latent_face(face, drawing.model, anew=model is None)
         head = drawing.model.template.with_vertices(before.vertices)
         handles = handle_points(_asked(texts) + load_handles(file), pins, head, symmetric)

@@ -2,12 +2,12 @@
 
 import click
 
+from caricli.commands.shared.face_outputs import staged_face
 from caricli.commands.shared.notes import echo_result
 from caricli.commands.shared.options import (
     FACE_FILES,
     PATH,
     directions_option,
-    face_files,
     model_option,
     named_mesh,
     named_numbers,
@@ -16,7 +16,6 @@ from caricli.commands.shared.options import (
     subdivide_option,
 )
 from caricli.commands.shared.tables import print_directions
-from caricli.io.outputs import staged
 from caricli.io.provenance import provenance
 
 SIZE = 320
@@ -73,7 +72,7 @@ def command(face, labels, out, keep, steps, listed, directions, model, levels, o
         raise click.UsageError("Give a FACE, at least one --label and --out; or --list.")
     strengths = named_numbers("--label", labels, "NAME=STRENGTH, such as BigNose=2", "label")
     edit = SemanticEdit(load_directions(drawing.model, path), strengths, keep)
-    with staged(*face_files(out), overwrite=overwrite, inputs=(face, model, path)) as files:
+    with staged_face(out, overwrite, (face, model, path)) as files:
         before, note = load_latent_face(face, drawing.model, anew=model is None)
         after = edit_semantic(before, drawing.model, edit)
         about = {"model_id": after.model_id, "labels": strengths, "keep": keep, "subdivide": levels}

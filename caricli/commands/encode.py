@@ -8,6 +8,7 @@ from caricli.io.image import write_png
 from caricli.io.outputs import staged
 from caricli.io.provenance import provenance
 from caricli.io.strict_json import write_json
+from caricli.io.worn import worn_paths
 
 SUFFIXES = (".npz", ".json", ".png")
 SIZE = 320
@@ -34,8 +35,9 @@ def command(ctx, faces, out, out_dir, model, overwrite):
     """
     from caricli.commands.shared.batch import named_jobs, run_batch
     from caricli.methods.faces.encode_face import encode_face
+    from caricli.render.coat import mesh_coat
     from caricli.render.comparison_sheet import comparison_sheet
-    from caricli.store.faces import load_face
+    from caricli.store.faces import load_worn_face
     from caricli.store.models import DEFAULT_LATENT, load_model
 
     jobs = named_jobs(faces, "FACE", out, out_dir, ".npz")
@@ -43,14 +45,15 @@ def command(ctx, faces, out, out_dir, model, overwrite):
 
     def encode(path, target):
         paths = [target.with_suffix(suffix) for suffix in SUFFIXES]
-        with staged(*paths, overwrite=overwrite, inputs=(*faces, model)) as (npz_file, json_file, png_file):
-            code = encode_face(load_face(path, shape_model).without_latent(), shape_model)
-            write_face(npz_file, code)
+        with staged(*paths, overwrite=overwrite, inputs=(*faces, model), optional=worn_paths(target)[:2]) as files:
+            code = encode_face(load_worn_face(path, shape_model).without_latent(), shape_model)
+            write_face(files[0], code)
             error = {"millimetres": code.millimetres, "percent": code.percent}
             figures = {"model_id": code.model_id, "shape_error": error, "prior_rms": code.prior_rms}
-            write_json(json_file, provenance("encode", [path], **figures))
+            write_json(files[1], provenance("encode", [path], **figures))
             head = shape_model.template.with_vertices(code.vertices)
-            write_png(png_file, comparison_sheet(head, shape_model.decode(code.latent), SIZE))
+            coat = mesh_coat(code.mesh, code.pictures)
+            write_png(files[2], comparison_sheet(head, shape_model.decode(code.latent), SIZE, coat))
         return f"{target}: shape error {code.millimetres:.3f} mm ({code.percent:.3f} %), prior {code.prior_rms:.2f}"
 
     run_batch(ctx, jobs, encode, "faces")

@@ -57,7 +57,7 @@ def command(
     from caricli.commands.shared.batch import run_batch
     from caricli.commands.shared.landmark_batch import FitTask, LandmarkFiles
     from caricli.methods.reconstruct.fit_morphable import fit_morphable
-    from caricli.store.faces import load_identity
+    from caricli.store.faces import load_identity, load_worn_face
     from caricli.store.models import load_morphable
 
     if identity is not None and not expression_only:
@@ -69,5 +69,6 @@ def command(
         click.echo(note, err=True)
     fit = partial(fit_morphable, model=shape_model, weights=MorphableWeights(*weights), identity=kept)
     about = {"model_id": shape_model.model_id, "weights": weights, "expression_only": expression_only}
-    task = FitTask("fit-morphable", files, shape_model, levels, fit, about, inputs=[model], sources=[identity])
+    worn = None if identity is None else load_worn_face(identity, shape_model)
+    task = FitTask("fit-morphable", files, shape_model, levels, fit, about, [model], [identity], worn)
     run_batch(ctx, files.jobs(), task.run, "faces")

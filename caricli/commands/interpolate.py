@@ -48,7 +48,7 @@ def command(first, second, steps, out_dir, model, levels, overwrite):
     series = FaceSeries(out_dir, "step", steps, "strip")
     drawn = sorted(set(np.linspace(0, steps - 1, min(DRAWN, steps)).round().astype(int).tolist()))
     inputs = [first, second, model]
-    with staged(*series.files, overwrite=overwrite, inputs=inputs) as files, progress_bar("faces") as report:
+    with _staged(series, overwrite, inputs) as files, progress_bar("faces") as report:
         start, start_note = load_latent_face(first, drawing.model, anew=model is None)
         end, end_note = load_latent_face(second, drawing.model, anew=model is None)
         walk = enumerate(interpolate_faces(start, end, drawing.model, steps))
@@ -59,3 +59,8 @@ def command(first, second, steps, out_dir, model, levels, overwrite):
         write_json(files[-1], provenance("interpolate", [first, second], **about))
     flipped = 100 * max(row["flipped"] for row in rows)
     echo_result(f"{out_dir}: {steps} faces, flipped triangles at most {flipped:.3f} %", start_note, end_note)
+
+
+def _staged(series, overwrite, inputs):
+    """Stage the files of a series, and those of what its faces wear."""
+    return staged(*series.files, overwrite=overwrite, inputs=inputs, optional=series.optional)

@@ -4,11 +4,11 @@ import time
 
 import click
 
+from caricli.commands.shared.face_outputs import staged_face
 from caricli.commands.shared.options import (
     FACE_FILES,
     PATH,
     FiniteRange,
-    face_files,
     image_option,
     model_option,
     named_mesh,
@@ -19,7 +19,6 @@ from caricli.commands.shared.options import (
 )
 from caricli.errors import naming
 from caricli.io.image import write_png
-from caricli.io.outputs import staged
 from caricli.io.provenance import provenance
 from caricli.io.strict_json import write_json
 from caricli.methods.reconstruct.settings import RefineSettings
@@ -72,7 +71,7 @@ def command(face, landmarks, out, image, parsing, weight, laplacian, model, pts_
     from caricli.template.fine_mesh import fine_mesh
 
     inputs = (face, landmarks, image, parsing, model)
-    with staged(*face_files(out), overwrite=overwrite, inputs=inputs) as files:
+    with staged_face(out, overwrite, inputs) as files:
         seen, shape_model = load_seen_face(face, model)
         template = shape_model.template
         marks, pixels = load_marked_picture(landmarks, image, pts_origin)
@@ -83,7 +82,7 @@ def command(face, landmarks, out, image, parsing, weight, laplacian, model, pts_
         seconds = time.perf_counter() - start
         about = {"model_id": shape_model.model_id, "weight": weight, "laplacian": laplacian, "snapped": snapped}
         about |= {"subdivide": levels, "seconds": seconds} | result.figures()
-        finer = fine_mesh(template, levels).shaped(result.face.vertices)
+        finer = fine_mesh(result.face.mesh, levels)
         write_face_files(files[0], files[1], result.face_of(shape_model), finer)
         write_json(files[2], provenance("refine", inputs[:4], **about))
         write_png(files[3], refine_sheet((seen, result.face), result.anchors, template, points, pixels, SIZE))

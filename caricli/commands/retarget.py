@@ -2,6 +2,7 @@
 
 import click
 
+from caricli.commands.shared.face_outputs import staged_face
 from caricli.commands.shared.options import (
     FACE_FILES,
     PATH,
@@ -15,13 +16,10 @@ from caricli.commands.shared.options import (
     pts_origin_option,
 )
 from caricli.errors import shown
-from caricli.io.face import write_face
 from caricli.io.image import write_png
-from caricli.io.mesh import write_mesh
 from caricli.io.outputs import check_folder, check_outputs, staged
 from caricli.io.provenance import provenance
 from caricli.io.strict_json import write_json
-from caricli.structures import Face
 
 
 @click.command()
@@ -85,7 +83,7 @@ def command(ctx, rig, drivers, out, out_dir, neutral, animation, fps, model, pts
 
     def retarget(path, target):
         row = loaded.row(path)
-        with staged(*face_files(target), **given) as files:
+        with staged_face(target, **given) as files:
             _write(files, retargeting, row, provenance("retarget", [rig, path, neutral], **about))
         return f"{shown(target)}: {retargeting.describe(row)}"
 
@@ -135,13 +133,13 @@ def _load(rig, drivers, neutral, normal, pts_origin, whole):
 def _write(files, retargeting, row, description):
     """Write OBJ, NPZ, JSON and picture of a caricature with the expression of one driver."""
     from caricli.render.driver_sheet import driver_sheet
+    from caricli.store.face_files import write_face_files
 
     obj_file, npz_file, json_file, png_file = files
-    mesh = retargeting.caricature(row)
-    write_mesh(obj_file, mesh)
-    write_face(npz_file, Face(mesh))
+    face = retargeting.caricature(row)
+    write_face_files(obj_file, npz_file, face)
     write_json(json_file, description | retargeting.figures(row))
-    write_png(png_file, driver_sheet(retargeting.driver(row), retargeting.rig, mesh.vertices))
+    write_png(png_file, driver_sheet(retargeting.driver(row), retargeting.rig, face.vertices))
 
 
 def _write_animation(files, retargeting, fps, description):

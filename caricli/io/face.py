@@ -1,6 +1,8 @@
 """Faces between stages: NPZ by schema, or the geometry of a mesh file."""
 
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -8,6 +10,7 @@ from caricli.errors import InputError, naming, shown
 from caricli.io.mesh import is_mesh_file, read_mesh
 from caricli.io.mesh_arrays import mesh_from_arrays, mesh_to_arrays
 from caricli.io.npz import read_npz, take_texts, write_npz
+from caricli.io.worn import PictureNames, plain_name, read_pictures, write_pictures
 from caricli.limits import MAX_VERTICES
 from caricli.structures import Camera, Face
 
@@ -29,16 +32,22 @@ _STORED = {
     "polygons": np.int32,
     "uvs": np.float64,
     "uv_polygons": np.int32,
+    "materials": np.int32,
+    "skin_picture": np.str_,
+    "eyes_picture": np.str_,
 }
+_OWN = ("landmarks", "latent", "residual", "model_id")
 _TEXTS = {"schema": SCHEMA, "units": UNITS, "axes": AXES}
+_PICTURES = ("skin_picture", "eyes_picture")
 _CAMERA = ("camera_scale", "camera_rotation", "camera_translation")
 
 
 def read_face(path: str | Path) -> Face:
-    """Read a face: an NPZ, or the mesh of a file that ``read_mesh`` reads. Floats come as float64.
+    """Read a face: an NPZ with the pictures that it names, or the mesh of a file that ``read_mesh`` reads.
 
+    Floats come as float64.
     Raises InputError when the file is malformed, a shape, unit, axis or schema differs, a value is not finite, an
-    index is out of range, or topology_id does not match the faces.
+    index is out of range, topology_id does not match the faces, or a picture is not beside the file.
     """
     if is_mesh_file(path):
         return Face(read_mesh(path))
@@ -53,21 +62,32 @@ def read_face(path: str | Path) -> Face:
         for key in ("vertices", "faces"):
             if key not in values:
                 raise InputError(f"expected a face with {key}, found none")
-        face = _face(values)
+        names = _names(values)
+        face = replace(_face(values), pictures=read_pictures(Path(path), names))
         if topology is None or str(topology) != face.mesh.topology_id:
             raise InputError("expected a topology_id that matches the faces, found another or none")
         return face
 
 
-def write_face(path: str | Path, face: Face) -> None:
+def read_picture_names(path: str | Path) -> PictureNames:
+    """The pictures that a face NPZ names, whether they are there or not. Raises InputError."""
+    arrays = read_npz(path)
+    with naming(path):
+        return _names({key: _value(key, arrays[key]) for key in _PICTURES if key in arrays})
+
+
+def write_face(path: str | Path, face: Face, names: PictureNames | None = None) -> None:
     """Write a face NPZ; what is None is absent; vertices, latent and residual are stored in float32.
 
+    names: of pictures that are beside it already; without them the face's are written, see ``write_pictures``.
     Raises OutputError when the file cannot be written.
     """
     mesh = face.mesh
     camera = face.camera
     values: dict = {"vertices": mesh.vertices} | mesh_to_arrays(mesh)
-    values |= {key: getattr(face, key) for key in ("latent", "residual", "landmarks", "model_id")}
+    values |= {key: getattr(face, key) for key in (*_OWN, "materials")}
+    names = write_pictures(Path(path), face.pictures) if names is None else names
+    values |= dict(zip(_PICTURES, [names.skin, names.eyes], strict=True))
     if camera is not None:
         values |= dict(zip(_CAMERA, [camera.scale, camera.rotation, camera.translation], strict=True))
     arrays = {key: np.array(text) for key, text in (_TEXTS | {"topology_id": mesh.topology_id}).items()}
@@ -77,6 +97,12 @@ def write_face(path: str | Path, face: Face) -> None:
     write_npz(path, arrays)
 
 
+def _names(values: dict) -> PictureNames:
+    """The names of pictures, plain ones, taken out of values by key."""
+    skin, eyes = (None if key not in values else plain_name(values.pop(key)) for key in _PICTURES)
+    return PictureNames(skin, eyes)
+
+
 def _face(values: dict) -> Face:
     """The Face of values by key, vertices and faces among them."""
     mesh = mesh_from_arrays(values, "vertices")
@@ -84,7 +110,8 @@ def _face(values: dict) -> Face:
     if given and len(given) < len(_CAMERA):
         raise InputError(f"camera: expected {', '.join(_CAMERA)}, found only {', '.join(given)}")
     camera = Camera(*(values[key] for key in _CAMERA)) if given else None
-    return Face(mesh, camera, *(values.get(key) for key in ("landmarks", "latent", "residual", "model_id")))
+    others: dict[str, Any] = {key: values.get(key) for key in (*_OWN, "materials")}
+    return Face(mesh, camera, **others)
 
 
 def _value(key: str, array: np.ndarray) -> np.ndarray | str:

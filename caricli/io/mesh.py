@@ -28,12 +28,21 @@ class _Format:
     keeps_texture: bool = False
 
 
-def _write_still_gltf(path: Path, mesh: Mesh, texture: str | None, _mtl: Path | None) -> None:
+def _write_still_gltf(
+    path: Path,
+    mesh: Mesh,
+    texture: str | None,
+    _mtl: Path | None,
+    eyes: str | None,
+    materials: np.ndarray | None,
+) -> None:
     if texture is not None and mesh.uvs is None:
         raise OutputError(f"{shown(path)}: expected a mesh with UVs for the texture, found none")
-    picture = None if texture is None else read_image(path.parent / texture)
+    # No polygon shows a picture of eyes where all are skin.
+    names = (texture, None if materials is None else eyes)
+    pictures = [None if name is None else read_image(path.parent / name) for name in names]
     no_shapes = np.zeros((0, len(mesh.vertices), 3), np.float32)
-    write_gltf(path, Rig((), mesh, no_shapes, texture=picture))
+    write_gltf(path, Rig((), mesh, no_shapes, materials, *pictures))
 
 
 _GLTF = _Format(read_gltf_mesh, _write_still_gltf, keeps_texture=True)
@@ -54,6 +63,11 @@ def _listed(suffixes: Sequence[str]) -> str:
 
 ANY_MESH = f"a mesh ({_listed(MESH_SUFFIXES)})"
 """What is expected where any of them will do, for messages."""
+
+
+def keeps_texture(path: str | Path) -> bool:
+    """Whether the format of a mesh file has a place for a picture."""
+    return _FORMATS[Path(path).suffix.lower()].keeps_texture
 
 
 def is_mesh_file(path: str | Path) -> bool:
@@ -88,11 +102,18 @@ def read_mesh(path: str | Path) -> Mesh:
     return _FORMATS[suffix].read(path)
 
 
-def write_mesh(path: str | Path, mesh: Mesh, texture: str | None = None, mtl: Path | None = None) -> None:
+def write_mesh(
+    path: str | Path,
+    mesh: Mesh,
+    texture: str | None = None,
+    mtl: Path | None = None,
+    eyes: str | None = None,
+    materials: np.ndarray | None = None,
+) -> None:
     """Write a mesh in the format of the suffix; OBJ keeps polygons and UVs, glTF triangles and UVs, the others neither.
 
-    texture: the file name of a PNG in the same folder: an OBJ names it, GLB and glTF embed it, so it must be there.
-    mtl: path of the material file of an OBJ.
+    texture, eyes: the file names of PNGs in the same folder, of skin and eyes: an OBJ names them, GLB and glTF embed
+    them, so they must be there. mtl: path of the material file of an OBJ. materials: (P,) Material of the polygons.
     Raises OutputError when the suffix is another, the format has no place for the texture, or it cannot be written.
     """
     path = Path(path)
@@ -101,8 +122,8 @@ def write_mesh(path: str | Path, mesh: Mesh, texture: str | None = None, mtl: Pa
         raise OutputError(f"{shown(path)}: expected {ANY_MESH}, found {shown(suffix, 20)!r}")
     chosen = _FORMATS[suffix]
     if chosen.keeps_texture:
-        chosen.write(path, mesh, texture, mtl)
-    elif texture is None:
+        chosen.write(path, mesh, texture, mtl, eyes, materials)
+    elif texture is None and eyes is None:
         chosen.write(path, mesh)
     else:
         textured = _listed([name for name, other in _FORMATS.items() if other.keeps_texture])

@@ -1,4 +1,4 @@
-"""The picture that an OBJ file's material names."""
+"""The pictures that an OBJ file's materials name."""
 
 from pathlib import Path
 
@@ -6,31 +6,38 @@ from caricli.errors import InputError, shown
 from caricli.io.files import read_bytes
 from caricli.limits import MAX_CONFIG_BYTES, MAX_FILE_BYTES
 
+EYES = "eyes"
+"""Name of the material of eyes."""
+
 _NAMES = (b"/", b"\\", b"..", b"\0", b":")
 
 
-def texture_path(path: str | Path) -> Path | None:
-    """Find the diffuse picture of an OBJ file: the first `map_Kd` of its first `mtllib`, both in the OBJ's own folder.
+def material_pictures(path: str | Path) -> dict[str, Path]:
+    """Find the diffuse pictures of an OBJ file: every `map_Kd` of its first `mtllib`, all in the OBJ's own folder.
 
-    Returns the path of the picture, or None where no material or picture is named, as in any other kind of file.
+    Returns paths of pictures by the name of their material, in the file's order; none for any other kind of file.
     Raises InputError when a file cannot be read, or a name leads out of the folder.
     """
     if Path(path).suffix.lower() != ".obj":
-        return None
-    library = _named(read_bytes(path, MAX_FILE_BYTES, "an OBJ file"), b"mtllib", path)
+        return {}
+    library = next(iter(_named(read_bytes(path, MAX_FILE_BYTES, "an OBJ file"), b"mtllib", path).values()), None)
     if library is None:
-        return None
+        return {}
     return _named(read_bytes(library, MAX_CONFIG_BYTES, "a material file"), b"map_Kd", library)
 
 
-def _named(data: bytes, key: bytes, path: str | Path) -> Path | None:
-    """The file beside ``path`` that the first line with a key names, or None."""
+def _named(data: bytes, key: bytes, path: str | Path) -> dict[str, Path]:
+    """By the material above it, the file beside ``path`` that the first line with a key names."""
+    files: dict[str, Path] = {}
+    material = ""
     for line in data.splitlines():
         words = line.split(maxsplit=1)
-        if len(words) == 2 and words[0] == key:
+        if len(words) == 2 and words[0] == b"newmtl":
+            material = words[1].strip().decode("utf-8", "replace")
+        if len(words) == 2 and words[0] == key and material not in files:
             # Options such as -s 1 1 1 stand before the name.
             name = words[1].split()[-1] if words[1].startswith(b"-") else words[1].strip()
             if any(part in name for part in _NAMES):
                 raise InputError(f"{shown(path)}: expected the name of a file beside it, found {shown(name, 80)!r}")
-            return Path(path).parent / name.decode("utf-8", "replace")
-    return None
+            files[material] = Path(path).parent / name.decode("utf-8", "replace")
+    return files

@@ -11,6 +11,7 @@ import numpy as np
 
 from caricli.errors import InputError, OutputError, naming, shown
 from caricli.io.files import content_kind, read_bytes
+from caricli.io.mtl import EYES
 from caricli.io.outputs import write_bytes
 from caricli.limits import (
     MAX_COORDINATE,
@@ -20,10 +21,11 @@ from caricli.limits import (
     MAX_POLYGONS,
     MAX_VERTICES,
 )
-from caricli.structures import Mesh
+from caricli.structures import Material, Mesh
 from caricli.structures.checks import repeats
 
 _KIND = "an OBJ file"
+_SKIN = "face"  # its material
 _MAX_LINE_BYTES = 8192
 # Words of this many faces are in memory at once.
 _BLOCK_ROWS = 16384
@@ -70,18 +72,28 @@ def read_obj(path: str | Path) -> Mesh:
         return Mesh(vertices, polygons, uvs, uv_polygons)
 
 
-def write_obj(path: str | Path, mesh: Mesh, texture: str | None = None, mtl: Path | None = None) -> None:
-    """Write an OBJ file, and its material when there is a texture.
+def write_obj(
+    path: str | Path,
+    mesh: Mesh,
+    texture: str | None = None,
+    mtl: Path | None = None,
+    eyes: str | None = None,
+    materials: np.ndarray | None = None,
+) -> None:
+    """Write an OBJ file, and its materials when there is a texture.
 
-    texture: the file name of a PNG in the same folder. mtl: path of the material file to write, in the same folder as
-    the OBJ (by default with its stem and the suffix .mtl).
-    Raises OutputError when the texture is no plain file name or has no UVs to sit on, or a file cannot be written.
+    texture, eyes: the file names of PNGs in the same folder, of skin and eyes. mtl: path of the material file to write,
+    in the same folder as the OBJ (by default with its stem and the suffix .mtl). materials: (P,) Material of the
+    polygons; all skin where there are none.
+    Raises OutputError when a texture is no plain file name or has no UVs to sit on, or a file cannot be written.
     """
     path = Path(path)
     lines = ["# units m, axes +y up, +z front\n"]
-    if texture is not None:
+    pictures = {_SKIN: texture, EYES: eyes}
+    painted = any(picture is not None for picture in pictures.values())
+    if painted:
         mtl = path.with_suffix(".mtl") if mtl is None else Path(mtl)
-        _write_material(path, mesh, texture, mtl)
+        _write_materials(path, mesh, pictures, mtl)
         lines.append(f"mtllib {mtl.name}\n")
     lines.append("v %.9g %.9g %.9g\n" * len(mesh.vertices) % tuple(mesh.vertices.ravel().tolist()))
     used = mesh.polygons >= 0
@@ -91,21 +103,35 @@ def write_obj(path: str | Path, mesh: Mesh, texture: str | None = None, mtl: Pat
         lines.append("vt %.9g %.9g\n" * len(mesh.uvs) % tuple(mesh.uvs.ravel().tolist()))
         corners = np.stack([corners, mesh.uv_polygons[used] + 1], axis=1).ravel()
         corner = " %d/%d"
-    if texture is not None:
-        lines.append("usemtl face\n")
-    row = [f"f{corner * n}\n" for n in range(mesh.polygons.shape[1] + 1)]
-    lines.append("".join([row[n] for n in used.sum(1).tolist()]) % tuple(corners.tolist()))
+    kinds = [f"f{corner * n}\n" for n in range(mesh.polygons.shape[1] + 1)]
+    rows = [kinds[n] for n in used.sum(1).tolist()]
+    for start in _material_starts(materials) if painted else ():
+        name = EYES if materials is not None and materials[start] == Material.EYE else _SKIN
+        rows[start] = f"usemtl {name}\n{rows[start]}"
+    lines.append("".join(rows) % tuple(corners.tolist()))
     write_bytes(path, "".join(lines).encode("utf-8"))
 
 
-def _write_material(path: str | Path, mesh: Mesh, texture: str, mtl: Path) -> None:
+def _material_starts(materials: np.ndarray | None) -> list[int]:
+    """Polygons that are not of the material of the one before."""
+    return [0] if materials is None else np.flatnonzero(np.diff(materials, prepend=-1)).tolist()
+
+
+def _write_materials(path: str | Path, mesh: Mesh, pictures: dict[str, str | None], mtl: Path) -> None:
+    """pictures: file names by the name of the material."""
     if mesh.uvs is None:
         raise OutputError(f"{shown(path)}: expected a mesh with UVs for the texture, found none")
-    for name in (texture, mtl.name):
+    texts = []
+    for name in (*pictures.values(), mtl.name):
+        if name is None:
+            continue
         if not name or name != Path(name).name or not name.isprintable():
             raise OutputError(f"{shown(path)}: expected a plain file name for the material, found {shown(name)!r}")
-    material = f"newmtl face\nKa 1 1 1\nKd 1 1 1\nKs 0 0 0\nillum 1\nmap_Kd {texture}\n"
-    write_bytes(mtl, material.encode("utf-8"))
+    for material, picture in pictures.items():
+        if material == _SKIN or picture is not None:
+            texts.append(f"newmtl {material}\nKa 1 1 1\nKd 1 1 1\nKs 0 0 0\nillum 1\n")
+            texts.append("" if picture is None else f"map_Kd {picture}\n")
+    write_bytes(mtl, "".join(texts).encode("utf-8"))
 
 
 def _fail(number: int, expected: str, text: object) -> NoReturn:

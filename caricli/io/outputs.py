@@ -28,29 +28,37 @@ _WRITE_ERRORS = {
 
 @contextmanager
 def staged(
-    *paths: str | Path, overwrite: bool = False, inputs: Iterable[Path | None] = ()
+    *paths: str | Path,
+    overwrite: bool = False,
+    inputs: Iterable[Path | None] = (),
+    optional: Sequence[Path] = (),
 ) -> Iterator[tuple[Path, ...]]:
     """Write several files so that either all of them appear or none.
 
     overwrite: whether existing files are replaced. inputs: files that must not be written to (None entries are
-    skipped).
-    Yields temporary paths, one per output, each with its output's file name in a hidden folder on the same file system.
+    skipped). optional: outputs that may be written too, under their names beside those that are yielded.
+    Yields temporary paths, one per output of ``paths``, each with its output's file name in a hidden folder on the same
+    file system.
     On success all are synced and renamed; on any exception, KeyboardInterrupt included, all are removed, and so are the
     parent folders made here that are empty.
     Raises OutputError when an output exists without `overwrite`, is an input, is given twice or cannot be written.
     """
+    required = len(paths)
+    paths = (*paths, *optional)
     finals = [_checked_file(path, overwrite, inputs) for path in paths]
     for k, final in enumerate(finals):
         if final in finals[:k]:
             raise OutputError(f"{shown(paths[k])}: expected different outputs, found the same one twice")
     with _write_errors(paths), _staging({final.parent for final in finals}) as folders:
         temporaries = tuple(folders[final.parent] / final.name for final in finals)
-        yield temporaries
-        for path, temporary in zip(paths, temporaries, strict=True):
+        yield temporaries[:required]
+        rows = list(zip(temporaries, finals, paths, strict=True))
+        written = rows[:required] + [row for row in rows[required:] if row[0].is_file()]
+        for temporary, _, path in written:
             if not temporary.is_file():
                 raise OutputError(f"{shown(path)}: nothing was written")
             _sync(temporary)
-        _publish(temporaries, finals, paths, overwrite)
+        _publish(written, overwrite)
 
 
 @contextmanager
@@ -74,7 +82,7 @@ def staged_folder(
             for name in names:
                 _sync(Path(folder) / name)
             _sync_folder(Path(folder))
-        _publish([temporary], [final], [path], overwrite)
+        _publish([(temporary, final, path)], overwrite)
 
 
 def check_outputs(*paths: str | Path, overwrite: bool = False, inputs: Iterable[Path | None] = ()) -> None:
@@ -223,12 +231,15 @@ def _staging(parents: set[Path]) -> Iterator[dict[Path, Path]]:
                     folder.rmdir()
 
 
-def _publish(temporaries: Sequence[Path], finals: Sequence[Path], paths: Sequence[str | Path], overwrite: bool) -> None:
-    """Give the finished files their places; what fails or is stopped half way is taken back."""
+def _publish(files: Sequence[tuple[Path, Path, str | Path]], overwrite: bool) -> None:
+    """Give finished files their places; what fails or is stopped half way is taken back.
+
+    files: of each where it is, where it goes, and what it was called.
+    """
     moved: list[tuple[Path, Path, Path | None]] = []
     with signals.held():
         try:
-            for temporary, final, path in zip(temporaries, finals, paths, strict=True):
+            for temporary, final, path in files:
                 if _is_there(final) and not overwrite:
                     raise OutputError(f"{shown(path)} exists; give --overwrite to replace it")
                 backup = _keep(final, temporary.with_name(f".replaced-{len(moved)}"))
@@ -242,7 +253,7 @@ def _publish(temporaries: Sequence[Path], finals: Sequence[Path], paths: Sequenc
                 if backup is not None:
                     os.replace(backup, final)
             raise
-    for parent in {final.parent for final in finals}:
+    for parent in {final.parent for _, final, _ in files}:
         _sync_folder(parent)
 
 

@@ -2,8 +2,10 @@
 
 import numpy as np
 
+from caricli.render.coat import Coat
 from caricli.render.contact_sheet import contact_sheet
 from caricli.render.head_views import head_views
+from caricli.render.shade import Look
 from caricli.template.template import Template
 
 NEAR = (170, 170, 170)
@@ -11,10 +13,16 @@ FAR = (190, 0, 30)
 _WORST = 0.02  # of the height: from here on as red as it gets
 
 
-def comparison_sheet(given: Template, vertices: np.ndarray, size: int = 320) -> np.ndarray:
+def comparison_sheet(
+    given: Template,
+    vertices: np.ndarray,
+    size: int = 320,
+    coat: Coat | None = None,
+) -> np.ndarray:
     """Three rows of views: the given head, another shape of it, and this one coloured by its distance, grey to red.
 
     given: Template in the shape of the head. vertices: (V, 3) metres, of the other shape. size: pixels of a view.
+    coat: Coat of the given head, or None.
     Returns (H, W, 3) uint8.
     """
     worst = _WORST * np.ptp(given.vertices[:, 1])
@@ -23,9 +31,9 @@ def comparison_sheet(given: Template, vertices: np.ndarray, size: int = 320) -> 
     views = ("front", "three-quarter", "profile")
     other = given.with_vertices(vertices)
     rows = [
-        head_views(given, views, size),
+        head_views(given, views, size, look=Look(coat=coat)),
         head_views(other, views, size),
-        head_views(other, views, size, vertex_colours=colours),
+        head_views(other, views, size, look=Look(vertex_colours=colours)),
     ]
     labels = ["given", "encoded", f"distance, red from {1000 * worst:.1f} mm"]
     return contact_sheet([np.hstack(row) for row in rows], 1, labels)

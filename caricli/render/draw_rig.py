@@ -4,8 +4,7 @@ import numpy as np
 
 from caricli.errors import InputError
 from caricli.render.blend import over
-from caricli.render.curved_triangles import split_long_edges
-from caricli.render.sample_texture import sample_texture_finely
+from caricli.render.coat import rig_coat
 from caricli.render.shade import CLAY, Look, shade
 from caricli.render.sky import sky_visibility
 from caricli.render.smooth_normals import smooth_normals
@@ -15,8 +14,6 @@ from caricli.structures import Material, Rig
 EYE_WHITE = (232, 228, 222)
 PAPER = (255, 255, 255)
 _FILL = 0.82  # of the picture: jaws drop and heads turn
-_PLAIN_EDGE = 12.0  # pixels; nine tenths of a finer mesh's edges are shorter
-_PAINTED_EDGE = 2.0  # pixels; colours of a picture change from vertex to vertex
 
 
 def neutral_sky(rig: Rig) -> np.ndarray:
@@ -32,7 +29,7 @@ def draw_rig(
 ) -> np.ndarray:
     """Draw one frame of a rig; the camera depends on the neutral face alone, so that frames follow each other calmly.
 
-    Painted materials are sampled at the vertices of a finer mesh; without a picture skin is clay and eyes are white.
+    Without a picture skin is clay and eyes are white.
 
     rig: Rig. vertices: (V, 3), metres, of this frame. view: a key of VIEWS. size: pixels, width and height. sky:
     of ``neutral_sky``, or None to look around anew.
@@ -53,35 +50,13 @@ def draw_rig(
     visibility = sky_visibility(vertices, rig.faces, normals) if sky is None else sky
     middle = np.array([(size - 1) / 2, (size - 1) / 2, 0])
     points = scale * (vertices @ rotation.T - (low + high) / 2) + middle
-    points, faces, colours, visibility = _painted(rig, points, normals @ rotation.T, visibility)
-    look = Look(vertex_colours=colours, visibility=visibility, rotation=rotation)
-    return over(shade(points, faces, size, size, look), PAPER)
+    coat = rig_coat(rig)
+    look = Look(vertex_colours=_plain(rig), coat=coat, visibility=visibility, rotation=rotation)
+    return over(shade(points, rig.faces, size, size, look), PAPER)
 
 
-def _painted(rig: Rig, points: np.ndarray, normals: np.ndarray, visibility: np.ndarray) -> tuple[np.ndarray, ...]:
-    """Points (W, 3), faces (F, 3), sRGB colours (W, 3) and visibility of the materials, one after the other."""
-    if rig.materials is None:
-        return points, rig.faces, np.broadcast_to(CLAY, points.shape), visibility
-    uv_faces = rig.faces if rig.mesh.uvs is None else rig.mesh.uv_faces
-    materials = rig.triangle_materials
-    parts = []
-    count = 0
-    for material, plain in ((Material.SKIN, CLAY), (Material.EYE, EYE_WHITE)):
-        corners = np.stack([rig.faces[materials == material], uv_faces[materials == material]], -1).reshape(-1, 2)
-        if not len(corners):
-            continue
-        # Along a seam a vertex has two places in the picture, so it becomes two.
-        pairs, faces = np.unique(corners, axis=0, return_inverse=True)
-        at = pairs[:, 0]
-        image = None if rig.mesh.uvs is None else rig.picture(material)
-        uvs = np.zeros((len(at), 2)) if rig.mesh.uvs is None else rig.mesh.uvs[pairs[:, 1]]
-        longest = _PLAIN_EDGE if image is None else _PAINTED_EDGE
-        carried = (uvs, visibility[at])
-        places, faces, _, (uvs, seen) = split_long_edges(
-            points[at], faces.reshape(-1, 3), normals[at], carried, longest
-        )
-        colours = np.broadcast_to(plain, places.shape) if image is None else sample_texture_finely(image, uvs)
-        parts.append((places, faces + count, colours, seen))
-        count += len(places)
-    points, faces, colours, seen = (np.concatenate(part) for part in zip(*parts, strict=True))
-    return points, faces, colours, seen.astype(np.float32)
+def _plain(rig: Rig) -> np.ndarray:
+    """(V, 3) sRGB of vertices where no picture is: clay, and the white of eyes."""
+    colours = np.tile(np.array(CLAY, float), (len(rig.neutral), 1))
+    colours[rig.faces[rig.triangle_materials == Material.EYE]] = EYE_WHITE
+    return colours

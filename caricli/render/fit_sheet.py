@@ -3,10 +3,12 @@
 import numpy as np
 from PIL import Image
 
+from caricli.render.coat import mesh_coat
 from caricli.render.contact_sheet import contact_sheet
 from caricli.render.head_views import head_views
 from caricli.render.overlay import draw_landmarks, overlay_mesh
 from caricli.render.place_eyeballs import place_eyeballs
+from caricli.render.shade import Look
 from caricli.structures import Face
 from caricli.template.fine_mesh import FineMesh
 from caricli.template.template import Template
@@ -42,7 +44,8 @@ def fit_sheet(
     eyeballs = place_eyeballs(face.mesh, template.annotation)
     over = overlay_mesh(picture, face.mesh, camera.zoomed(zoom, corner), eyeballs=eyeballs)
     head = template.with_vertices(face.vertices)
-    return contact_sheet([marked, over, *head_views(head, ("front", "three-quarter", "profile"), size, fine)], 5)
+    look = Look(coat=mesh_coat(face.mesh if fine is None else fine.mesh, face.pictures))
+    return contact_sheet([marked, over, *head_views(head, ("front", "three-quarter", "profile"), size, fine, look)], 5)
 
 
 def _window(given: np.ndarray, projected: np.ndarray | None) -> tuple[np.ndarray, float]:

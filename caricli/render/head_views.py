@@ -1,6 +1,7 @@
 """Views of a head with its eyeballs."""
 
 from collections.abc import Iterable
+from dataclasses import replace
 
 import numpy as np
 
@@ -18,18 +19,17 @@ def head_views(
     views: Iterable[str],
     size: int,
     fine: FineMesh | None = None,
-    vertex_colours: np.ndarray | None = None,
+    look: Look = Look(),  # noqa: B008 (frozen)
 ) -> list[np.ndarray]:
     """Draw a head from several sides, with eyeballs where the annotation knows its lids.
 
     head: Template in the shape of the face. views: keys of VIEWS. size: pixels, width and height of a picture. fine:
     FineMesh in the same shape, to draw instead; what its vertices see of the sky is carried over from the coarse ones,
-    because rays take most of the time. vertex_colours: sRGB, 0 to 255, of the vertices that are drawn.
+    because rays take most of the time. look: Look of what is drawn, but for its eyeballs.
     Returns a list of (size, size, 4) uint8.
     """
     eyeballs = place_eyeballs(head, head.annotation)
     if fine is None:
-        return render_views(head, views, size, Look(vertex_colours=vertex_colours, eyeballs=eyeballs))
+        return render_views(head, views, size, replace(look, eyeballs=eyeballs))
     seen = fine.weights @ sky_visibility(head.vertices, head.faces, smooth_normals(head.vertices, head.faces))
-    look = Look(vertex_colours=vertex_colours, eyeballs=eyeballs, visibility=seen.astype(np.float32))
-    return render_views(fine.mesh, views, size, look)
+    return render_views(fine.mesh, views, size, replace(look, eyeballs=eyeballs, visibility=seen.astype(np.float32)))

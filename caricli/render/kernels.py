@@ -135,6 +135,9 @@ class Scene:
     normals: wp.array(dtype=wp.vec3)
     colours: wp.array(dtype=wp.vec3)
     light: wp.array(dtype=wp.vec3)  # how much of the key light, the fill light and the sky reaches the vertex
+    places: wp.array(dtype=wp.vec3)  # of the vertices in the pictures: u, v, and 0 for skin or 1 for eyes; or empty
+    skin: wp.array3d(dtype=wp.uint8)  # sRGB, the top row first; empty where there is none
+    eyes: wp.array3d(dtype=wp.uint8)
     eyeballs: wp.array(dtype=wp.vec4)  # centre and radius
     gaze: wp.vec3
 
@@ -164,18 +167,94 @@ def lit(albedo: wp.vec3, n: wp.vec3, light: wp.vec3, gloss: float):
 
 
 @wp.func
-def eye_colour(n: wp.vec3, gaze: wp.vec3):
-    """Linear colour of a simple eyeball: off-white, brown iris with a dark rim, pupil, one highlight."""
-    away = wp.acos(wp.clamp(wp.dot(n, gaze), -1.0, 1.0))
+def linear(srgb: float):
+    """One channel from sRGB, 0 to 1, to linear light."""
+    if srgb <= 0.04045:
+        return srgb / 12.92
+    return wp.pow((srgb + 0.055) / 1.055, 2.4)
+
+
+@wp.func
+def texel(picture: wp.array3d(dtype=wp.uint8), row: int, column: int):
+    """sRGB, 0 to 255; beyond the picture its outermost texels go on."""
+    i = wp.clamp(row, 0, picture.shape[0] - 1)
+    j = wp.clamp(column, 0, picture.shape[1] - 1)
+    return wp.vec3(float(picture[i, j, 0]), float(picture[i, j, 1]), float(picture[i, j, 2]))
+
+
+@wp.func
+def picture_colour(picture: wp.array3d(dtype=wp.uint8), u: float, v: float):
+    """Linear colour at a place of a picture, bilinear; (0, 0) is its bottom left corner."""
+    x = u * float(picture.shape[1]) - 0.5
+    y = (1.0 - v) * float(picture.shape[0]) - 0.5
+    column = int(wp.floor(x))
+    row = int(wp.floor(y))
+    right = x - float(column)
+    down = y - float(row)
+    upper = wp.lerp(texel(picture, row, column), texel(picture, row, column + 1), right)
+    lower = wp.lerp(texel(picture, row + 1, column), texel(picture, row + 1, column + 1), right)
+    srgb = wp.lerp(upper, lower, down) / 255.0
+    return wp.vec3(linear(srgb[0]), linear(srgb[1]), linear(srgb[2]))
+
+
+@wp.func
+def eye_albedo(away: float):
+    """Linear colour of a simple eyeball at an angle from its front: off-white, brown iris with a dark rim, pupil."""
     white = wp.vec3(0.78, 0.74, 0.70)
     iris = wp.lerp(wp.vec3(0.16, 0.085, 0.04), wp.vec3(0.045, 0.022, 0.012), wp.smoothstep(0.30, 0.44, away))
     albedo = wp.lerp(iris, white, wp.smoothstep(0.43, 0.47, away))
-    albedo = wp.lerp(wp.vec3(0.006, 0.005, 0.005), albedo, wp.smoothstep(0.17, 0.20, away))
+    return wp.lerp(wp.vec3(0.006, 0.005, 0.005), albedo, wp.smoothstep(0.17, 0.20, away))
+
+
+@wp.func
+def eye_colour(n: wp.vec3, scene: Scene):
+    """Linear colour of an eyeball: its picture, which is unrolled from the front, or a simple one; one highlight."""
+    gaze = scene.gaze
+    away = wp.acos(wp.clamp(wp.dot(n, gaze), -1.0, 1.0))
+    albedo = eye_albedo(away)
+    if scene.eyes.shape[0] > 0:
+        aside = wp.normalize(wp.cross(wp.vec3(0.0, -1.0, 0.0), gaze))
+        across = wp.dot(n, aside)
+        upward = wp.dot(n, wp.cross(gaze, aside))
+        reach = away / (2.0 * wp.pi * wp.max(wp.sqrt(across * across + upward * upward), 1.0e-6))
+        albedo = picture_colour(scene.eyes, 0.5 + reach * across, 0.5 + reach * upward)
     glint = wp.smoothstep(0.985, 0.992, wp.dot(n, wp.normalize(wp.vec3(-0.22, -0.27, -0.94))))
     # The brow and the upper lid shade the ball from above.
     open_sky = wp.smoothstep(-0.70, -0.10, n[1])
     light = wp.vec3(0.35 + 0.5 * open_sky, 0.8, 0.45 + 0.15 * open_sky)
     return lit(albedo, n, light, 0.0) + 0.9 * glint * wp.vec3(1.0)
+
+
+@wp.func
+def painted(scene: Scene, place: wp.vec3, plain: wp.vec3):
+    """Linear colour of a place in the pictures; the plain one where its material has no picture."""
+    if place[2] < 0.5 and scene.skin.shape[0] > 0:
+        return picture_colour(scene.skin, place[0], place[1])
+    if place[2] >= 0.5 and scene.eyes.shape[0] > 0:
+        return picture_colour(scene.eyes, place[0], place[1])
+    return plain
+
+
+@wp.func
+def before_eyeballs(scene: Scene, x: float, y: float, reach: float, behind: wp.vec4):
+    """Linear colour and coverage of the nearest eyeball within reach at (x, y), or what is behind."""
+    colour = behind
+    nearest = reach
+    for k in range(scene.eyeballs.shape[0]):
+        ball = scene.eyeballs[k]
+        dx = x - ball[0]
+        dy = y - ball[1]
+        inside = ball[3] * ball[3] - dx * dx - dy * dy
+        if inside > 0.0:
+            dz = -wp.sqrt(inside)
+            t = ball[2] + dz - scene.start
+            n = wp.vec3(dx, dy, dz) / ball[3]
+            # No lid opens further than this: beyond it the ball would only show through a thin temple.
+            if t < nearest and wp.dot(n, scene.gaze) > 0.3:
+                nearest = t
+                rgb = eye_colour(n, scene)
+                colour = wp.vec4(rgb[0], rgb[1], rgb[2], 1.0)
+    return colour
 
 
 @wp.func
@@ -193,6 +272,9 @@ def seen_colour(scene: Scene, x: float, y: float):
         w = 1.0 - hit.u - hit.v
         n = wp.normalize(hit.u * scene.normals[a] + hit.v * scene.normals[b] + w * scene.normals[c])
         albedo = hit.u * scene.colours[a] + hit.v * scene.colours[b] + w * scene.colours[c]
+        if scene.places.shape[0] > 0:
+            place = hit.u * scene.places[a] + hit.v * scene.places[b] + w * scene.places[c]
+            albedo = painted(scene, place, albedo)
         light = hit.u * scene.light[a] + hit.v * scene.light[b] + w * scene.light[c]
         # On an edge a weight may be a rounding error below zero, and powers of negative light are not numbers.
         light = wp.max(light, wp.vec3(0.0))
@@ -201,21 +283,7 @@ def seen_colour(scene: Scene, x: float, y: float):
     elif hit.found == -1:
         rgb = DEEP * scene.colours[wp.mesh_get_index(scene.mesh, hit.face * 3)]
         colour = wp.vec4(rgb[0], rgb[1], rgb[2], 1.0)
-    for k in range(scene.eyeballs.shape[0]):
-        ball = scene.eyeballs[k]
-        dx = x - ball[0]
-        dy = y - ball[1]
-        inside = ball[3] * ball[3] - dx * dx - dy * dy
-        if inside > 0.0:
-            dz = -wp.sqrt(inside)
-            t = ball[2] + dz - scene.start
-            n = wp.vec3(dx, dy, dz) / ball[3]
-            # No lid opens further than this: beyond it the ball would only show through a thin temple.
-            if t < nearest and wp.dot(n, scene.gaze) > 0.3:
-                nearest = t
-                rgb = eye_colour(n, scene.gaze)
-                colour = wp.vec4(rgb[0], rgb[1], rgb[2], 1.0)
-    return colour
+    return before_eyeballs(scene, x, y, nearest, colour)
 
 
 @wp.func

@@ -33,17 +33,6 @@ def sample_texture(texture: np.ndarray, uvs: np.ndarray) -> np.ndarray:
     return sample_pixels(texture, places[:, 0], places[:, 1]).astype(np.float64)
 
 
-def sample_texture_finely(texture: np.ndarray, uvs: np.ndarray) -> np.ndarray:
-    """As `sample_texture`, but not rounded to whole grey levels: for colours that are interpolated further.
-
-    texture: (H, W, C). uvs: (N, 2).
-    Returns (N, C).
-    """
-    height, width, channels = texture.shape
-    texels = np.arange(height * width).reshape(height, width)
-    return texture_matrix(texels, texels.size, uvs) @ texture.reshape(-1, channels)
-
-
 def texture_matrix(owner: np.ndarray, count: int, uvs: np.ndarray) -> sp.csr_matrix:
     """What bilinear samples take of every colour, where texels share colours.
 

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from caricli.render.coat import NO_PICTURE, Coat
 from caricli.render.curved_triangles import split_long_edges
 from caricli.render.rasterise import depth_range, mesh_arrays, wp_mesh
 from caricli.render.sky import light_received, sky_visibility
@@ -23,6 +24,7 @@ class Look:
 
     colour: sRGB, 0 to 255.
     vertex_colours: (V, 3) sRGB, 0 to 255, instead of ``colour``; or None.
+    coat: Coat of the mesh, with colours of its own where it has pictures; or None.
     supersample: its square is the number of rays per pixel where a border or a crease runs.
     eyeballs: pairs of centre (3,) and radius in the frame of the vertices, drawn as eyes.
     gaze: (3,) unit, where the eyes look.
@@ -33,6 +35,7 @@ class Look:
 
     colour: Sequence[float] = CLAY
     vertex_colours: np.ndarray | None = None
+    coat: Coat | None = None
     supersample: int = 3
     eyeballs: Sequence[tuple[np.ndarray, float]] = ()
     gaze: Sequence[float] | np.ndarray = (0, 0, -1)
@@ -60,13 +63,24 @@ def shade(points: np.ndarray, faces: np.ndarray, width: int, height: int, look: 
     normals = smooth_normals(points, triangles)
     light = _light(kernels, points, triangles, normals, look)
     colours = np.broadcast_to(look.colour if look.vertex_colours is None else look.vertex_colours, points.shape)
-    colours = _linear(np.asarray(colours, float))
-    points, triangles, normals, carried = split_long_edges(points, triangles, normals, (colours, light), _LONGEST_EDGE)
+    carried: list[np.ndarray] = [_linear(np.asarray(colours, float)), light]
+    pictures: Sequence[np.ndarray] = (NO_PICTURE, NO_PICTURE)
+    if look.coat is not None:
+        largest = max((radius for _, radius in look.eyeballs), default=0.0)
+        pictures = look.coat.shrunk(points, triangles, largest)
+        at, triangles, places = look.coat.cut(triangles)
+        points = points[at]
+        normals = normals[at]
+        carried = [*(array[at] for array in carried), places]
+    points, triangles, normals, finer = split_long_edges(points, triangles, normals, carried, _LONGEST_EDGE)
     mesh = wp_mesh(points.astype(np.float32), triangles)
     scene = kernels.Scene()
     scene.mesh = mesh.id
     scene.start, scene.reach = depth_range(points)
-    scene.normals, scene.colours, scene.light = (_on_device(array, wp.vec3) for array in (normals, *carried))
+    places = finer[2] if look.coat is not None else np.zeros((0, 3))
+    arrays = (normals, *finer[:2], places)
+    scene.normals, scene.colours, scene.light, scene.places = (_on_device(array, wp.vec3) for array in arrays)
+    scene.skin, scene.eyes = (wp.array(picture, dtype=wp.uint8, device="cpu", copy=False) for picture in pictures)
     balls = [[*centre, radius] for centre, radius in look.eyeballs]
     scene.eyeballs = _on_device(np.array(balls, float).reshape(-1, 4), wp.vec4)
     scene.gaze = wp.vec3(*(float(g) for g in look.gaze))

@@ -16,7 +16,7 @@ from caricli.io.files import content_kind, read_start
 from caricli.io.gltf.read_gltf import read_gltf, read_gltf_mesh
 from caricli.io.image import read_image
 from caricli.io.mesh import ANY_MESH, is_mesh_file, read_mesh
-from caricli.io.mtl import texture_path
+from caricli.io.mtl import material_pictures
 from caricli.io.npz import read_npz, text_of
 from caricli.io.obj import read_obj
 from caricli.io.ply import read_ply
@@ -71,8 +71,7 @@ def files_beside(path: Path) -> list[str]:
         return []
     names = {other.name for other in path.parent.iterdir() if other.stem == path.stem and other.name != path.name}
     if path.suffix.lower() == ".obj":
-        picture = texture_path(path)
-        names |= {picture.name} if picture is not None and picture.is_file() else set()
+        names |= {picture.name for picture in material_pictures(path).values() if picture.is_file()}
     return sorted(names)
 
 

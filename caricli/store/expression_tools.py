@@ -12,7 +12,7 @@ from caricli.methods.expressions.tools import ExpressionTools
 from caricli.methods.reconstruct.fit_landmarks import fit_landmarks
 from caricli.methods.rig.expression_templates import ExpressionTemplates
 from caricli.store.expression_templates import load_templates
-from caricli.store.faces import load_face
+from caricli.store.faces import load_worn_face
 from caricli.store.landmark_maps import landmark_map_path, load_landmark_map
 from caricli.store.models import DEFAULT_LATENT, load_model, load_morphable
 from caricli.store.rig_sources import PicturePaths, picture_paths
@@ -84,7 +84,7 @@ def load_caricature(
     if is_mesh_file(source):
         raise InputError(f"{shown(source)}: expected FACE.npz or landmarks, found a mesh, which has no camera")
     if source.suffix.lower() == ".npz":
-        face = load_face(source, morphable)
+        face = load_worn_face(source, morphable)
         with naming(source):
             face.require_camera()
         return face, picture_paths(source, texture)

@@ -9,12 +9,13 @@ import numpy as np
 
 from caricli.io.face import write_face
 from caricli.io.image import write_png
-from caricli.io.mesh import write_mesh
+from caricli.io.mesh import keeps_texture, write_mesh
 from caricli.io.strict_json import write_json
+from caricli.io.worn import PictureNames, worn_paths, write_pictures
 from caricli.methods.faces.draw_face import FaceDrawing
 from caricli.methods.faces.encode_face import EncodedFace
-from caricli.structures import Face
-from caricli.template.fine_mesh import FineMesh
+from caricli.structures import Face, Pictures
+from caricli.template.fine_mesh import FineMesh, split_materials
 
 _ROUNDING = 1e-6
 """Residuals up to this are what single precision loses, and are left out."""
@@ -23,7 +24,7 @@ _ROUNDING = 1e-6
 def write_face_result(
     files: Sequence[Path], face: Face, drawing: FaceDrawing, description: dict[str, Any], sheet: np.ndarray
 ) -> None:
-    """Write the four files of a face.
+    """Write the four files of a face, and beside them the pictures that it wears.
 
     files: paths of the mesh, whose suffix says its format, the NPZ, the JSON and the PNG.
     face: Face in its model's own mesh. drawing: FaceDrawing with the finer mesh. description: JSON value.
@@ -35,12 +36,25 @@ def write_face_result(
     write_png(files[3], sheet)
 
 
-def write_face_files(mesh_file: Path, npz_file: Path, face: Face, finer: FineMesh) -> None:
-    """Write mesh and NPZ alone; see ``write_face_result``."""
-    write_mesh(mesh_file, finer.mesh)
+def write_face_files(
+    mesh_file: Path, npz_file: Path, face: Face, finer: FineMesh | None = None, names: PictureNames | None = None
+) -> PictureNames:
+    """Write mesh and NPZ alone, and the pictures of the face.
+
+    mesh_file, npz_file: paths. face: Face. finer: FineMesh in its shape, or None for its own. names: of its pictures,
+    where they are there already.
+    Returns the names of its pictures. Raises OutputError.
+    """
+    names = write_pictures(npz_file, face.pictures) if names is None else names
+    # The other formats have no place for pictures; the NPZ keeps them for the next command.
+    shown = names if keeps_texture(mesh_file) else PictureNames()
+    mesh = face.mesh if finer is None else finer.mesh
+    materials = split_materials(face.materials, face.mesh.polygons, finer.levels if finer else 0)
+    write_mesh(mesh_file, mesh, shown.skin, eyes=shown.eyes, materials=materials)
     if face.residual is not None and not np.abs(face.residual).max() > _ROUNDING:
         face = replace(face, residual=None)
-    write_face(npz_file, face)
+    write_face(npz_file, face, names)
+    return names
 
 
 @dataclass(frozen=True)
@@ -66,6 +80,11 @@ class FaceSeries:
         names = [f"{stem}{suffix}" for stem in self.stems for suffix in (".obj", ".npz")]
         return [self.folder / name for name in (*names, f"{self.sheet}.png", f"{self.sheet}.json")]
 
+    @property
+    def optional(self) -> list[Path]:
+        """Files of the pictures that faces may wear."""
+        return [path for stem in self.stems for path in worn_paths(self.folder / f"{stem}.obj")]
+
     def write(
         self,
         files: Sequence[Path],
@@ -82,8 +101,13 @@ class FaceSeries:
         """
         rows = []
         views = []
+        worn: tuple[Pictures, PictureNames] | None = None
         for number, (face, figures) in enumerate(faces):
-            write_face_files(files[2 * number], files[2 * number + 1], face, drawing.finer(face))
+            # Faces that wear the same share the files.
+            names = worn[1] if worn and worn[0].same(face.pictures) else None
+            mesh_file, npz_file = files[2 * number : 2 * number + 2]
+            names = write_face_files(mesh_file, npz_file, face, drawing.finer(face), names)
+            worn = (face.pictures, names)
             if number in drawn:
                 views.append(drawing.draw(face))
             rows.append({"face": self.stems[number]} | figures)

@@ -11,13 +11,14 @@ from caricli.io.face import read_face, write_face
 from caricli.io.gltf.write_gltf import write_gltf
 from caricli.io.image import write_png
 from caricli.io.obj import write_obj
+from caricli.io.worn import PictureNames
 from caricli.methods.faces.encode_face import EncodedFace, encode_face
 from caricli.methods.texture.paint_head import Painted
 from caricli.models.morphable.model import MorphableModel
 from caricli.models.shape_model import ShapeModel
 from caricli.store.models import DEFAULT_ELASTIC, bundled_kind, load_model, model_name
-from caricli.store.rig_sources import EYES_FILE
-from caricli.structures import Face, Mesh
+from caricli.store.rig_sources import EYES_FILE, load_pictures
+from caricli.structures import Face, Mesh, Pictures
 
 SKIN_FILE = "texture.png"
 """Name of the picture of the skin beside its OBJ."""
@@ -55,6 +56,24 @@ def load_face(path: Path, model: ShapeModel) -> Face:
     return face
 
 
+def load_worn_face(path: Path, model: ShapeModel) -> Face:
+    """The same with the pictures that it wears, in polygons to go on with: the model's, whose quads and UVs it takes
+    unless it has UVs of its own.
+
+    Raises InputError, too, where a picture that the file names is not there.
+    """
+    face = load_face(path, model)
+    with naming(path):
+        pictures = face.pictures or load_pictures(path)
+    if face.mesh.uvs is None:
+        # A picture lies nowhere on a mesh without UVs.
+        pictures = Pictures()
+    elif not face.mesh.same_layout(model.template):
+        return replace(face, pictures=pictures)
+    materials = face.materials if len(face.mesh.polygons) == len(model.template.polygons) else None
+    return replace(face, mesh=model.template.with_vertices(face.vertices), pictures=pictures, materials=materials)
+
+
 def load_seen_face(path: Path, model: Path | None = None) -> tuple[Face, ShapeModel]:
     """A face that knows its camera, with what it is a face of.
 
@@ -64,7 +83,7 @@ def load_seen_face(path: Path, model: Path | None = None) -> tuple[Face, ShapeMo
     """
     kind = None if model is not None else bundled_kind(read_face(path).model_id)
     shape_model = load_model(model, kind or DEFAULT_ELASTIC)
-    face = load_face(path, shape_model)
+    face = load_worn_face(path, shape_model)
     if face.latent is not None and face.model_id != shape_model.model_id:
         face = replace(face, latent=None, residual=None)
     with naming(path):
@@ -76,12 +95,10 @@ def load_latent_face(path: Path, model: ShapeModel, anew: bool = False) -> tuple
     """A face for commands that need a latent: its own where the file has one, else it is encoded first.
 
     path: OBJ or NPZ. model: ShapeModel. anew: encode also what has a latent of another bundled model.
-    Returns the EncodedFace in the model's own mesh, and a line that says that it was encoded, or None.
+    Returns the EncodedFace with what it wears, and a line that says that it was encoded, or None.
     Raises InputError for another topology, and for a latent of another model.
     """
-    face = load_face(path, model)
-    # What is made of it is in the model's own polygons and UVs.
-    face = replace(face, mesh=model.template.with_vertices(face.vertices))
+    face = load_worn_face(path, model)
     foreign = anew and face.model_id != model.model_id and bundled_kind(face.model_id)
     if face.latent is None or face.model_id is None or foreign:
         code = encode_face(face, model)
@@ -121,8 +138,9 @@ def write_painted_head(folder: Path, painted: Painted, face: Face) -> None:
     if rig.eye_texture is not None:
         write_png(folder / EYES_FILE, rig.eye_texture)
     mesh = _trimmed(painted.head)
-    write_obj(folder / "face.obj", mesh, SKIN_FILE)
-    write_face(folder / "face.npz", replace(face, mesh=mesh))
+    names = PictureNames(SKIN_FILE, None if rig.eye_texture is None else EYES_FILE)
+    write_obj(folder / "face.obj", mesh, names.skin, eyes=names.eyes)
+    write_face(folder / "face.npz", replace(face, mesh=mesh, pictures=painted.pictures, materials=None), names)
     write_gltf(folder / "face.glb", rig)
 
 

@@ -1,14 +1,15 @@
 """What rigs are made from: a neutral face and the pictures on it."""
 
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
 from pathlib import Path
 
+from caricli.io.face import read_picture_names
 from caricli.io.gltf.read_gltf import read_gltf
 from caricli.io.image import read_image
-from caricli.io.mtl import texture_path
+from caricli.io.mtl import EYES, material_pictures
 from caricli.io.rig import read_rig
-from caricli.methods.rig.make_rig import Pictures
-from caricli.structures import Rig
+from caricli.io.worn import PictureNames
+from caricli.structures import Pictures, Rig
 
 EYES_FILE = "eyes.png"
 """Name of the picture of the eyes beside that of the skin."""
@@ -37,14 +38,26 @@ class PicturePaths:
 
 
 def picture_paths(face: Path, texture: Path | None = None) -> PicturePaths:
-    """The pictures on a face: the given one, else what the OBJ names, or the OBJ beside an NPZ; and the `eyes.png` that
-    `caricli texture` wrote beside that.
+    """The pictures on a face: the given one, else what the NPZ names, or the OBJ, itself or beside the NPZ; and of the
+    eyes what they name, or the `eyes.png` beside the skin's.
 
     face: path of an OBJ or NPZ. texture: path of the skin's picture, or None to look for it.
     """
+    if texture is None and face.suffix.lower() == ".npz" and face.is_file():
+        names = read_picture_names(face)
+        if names != PictureNames():
+            return PicturePaths(*(None if name is None else face.with_name(name) for name in astuple(names)))
     mesh = face if face.suffix.lower() == ".obj" else face.with_suffix(".obj")
-    skin = texture_path(mesh) if texture is None and mesh.is_file() else texture
-    if skin is None:
-        return PicturePaths()
-    eyes = skin.with_name(EYES_FILE)
-    return PicturePaths(skin, eyes if eyes.is_file() else None)
+    named = material_pictures(mesh) if texture is None and mesh.is_file() else {}
+    eyes = named.pop(EYES, None)
+    skin = next(iter(named.values()), None) if texture is None else texture
+    if skin is not None and eyes is None and skin.with_name(EYES_FILE).is_file():
+        eyes = skin.with_name(EYES_FILE)
+    return PicturePaths(skin, eyes)
+
+
+def load_pictures(face: Path) -> Pictures:
+    """What is on a face: as ``picture_paths`` has it, or in a GLB or glTF. face: path of any."""
+    if face.suffix.lower() in (".glb", ".gltf"):
+        return read_gltf(face).pictures
+    return picture_paths(face).load()

@@ -5,8 +5,10 @@ from caricli.structures.cues import Cues
 from caricli.structures.directions import Directions
 from caricli.structures.face import Face
 from caricli.structures.landmarks import Landmarks
+from caricli.structures.materials import Material
 from caricli.structures.mesh import Mesh
-from caricli.structures.rig import Material, Rig
+from caricli.structures.pictures import Pictures
+from caricli.structures.rig import Rig
 from caricli.structures.seen_people import SeenPeople
 from caricli.structures.track import Animation, Track
 
@@ -19,6 +21,7 @@ __all__ = [
     "Landmarks",
     "Material",
     "Mesh",
+    "Pictures",
     "Rig",
     "SeenPeople",
     "Track",

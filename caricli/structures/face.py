@@ -1,6 +1,6 @@
 """One face."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -8,7 +8,9 @@ from caricli.errors import InputError
 from caricli.structures.camera import Camera
 from caricli.structures.checks import coordinate_problem, refuse, shape_problem
 from caricli.structures.landmarks import SCHEMES
+from caricli.structures.materials import material_problem
 from caricli.structures.mesh import Mesh
+from caricli.structures.pictures import Pictures
 
 FEATURES = 9
 """Deformation-gradient features of a vertex: rotation vector (3), symmetric stretch minus one (6)."""
@@ -24,6 +26,8 @@ class Face:
     latent: (D,), whatever its model means.
     residual: (V, 9) deformation-gradient features beyond those of the latent.
     model_id: SHA-256 of the model that the latent belongs to.
+    pictures: Pictures that it wears, none unless it is painted; they lie on the UVs of the mesh.
+    materials: (P,) int32, a Material for every polygon; all skin where there are none.
     Raises InputError when an array has another shape or holds what is not finite or beyond the caps.
     """
 
@@ -33,6 +37,8 @@ class Face:
     latent: np.ndarray | None = None
     residual: np.ndarray | None = None
     model_id: str | None = None
+    pictures: Pictures = Pictures()  # noqa: RUF009 (frozen)
+    materials: np.ndarray | None = None
 
     def __post_init__(self) -> None:
         """Check that the parts fit each other."""
@@ -46,10 +52,22 @@ class Face:
             if landmarks.shape not in [(count, 2) for count in SCHEMES]:
                 refuse(f"landmarks: expected the shape (68,2) or (81,2), found {landmarks.shape}")
             refuse(coordinate_problem("landmarks", landmarks))
+        refuse(material_problem(self.materials, len(self.mesh.polygons)))
+        if self.pictures and self.mesh.uvs is None:
+            refuse("uvs: expected them on a face with pictures, found none")
+
+    def posed(self, vertices: np.ndarray) -> "Face":
+        """The same face in another shape, (V, 3) metres, of which no picture or model knows."""
+        return Face(self.mesh.with_vertices(vertices), pictures=self.pictures, materials=self.materials)
+
+    def wearing(self, other: "Face") -> "Face":
+        """The same face in the polygons and pictures of another of its topology."""
+        mesh = other.mesh.with_vertices(self.vertices)
+        return replace(self, mesh=mesh, pictures=other.pictures, materials=other.materials)
 
     def without_latent(self) -> "Face":
         """The same face without what a model says of it."""
-        return Face(self.mesh, self.camera, self.landmarks)
+        return Face(self.mesh, self.camera, self.landmarks, pictures=self.pictures, materials=self.materials)
 
     @property
     def vertices(self) -> np.ndarray:
@@ -60,6 +78,11 @@ class Face:
     def faces(self) -> np.ndarray:
         """(F, 3) of the mesh."""
         return self.mesh.faces
+
+    @property
+    def triangle_materials(self) -> np.ndarray | None:
+        """(F,) int: the Material of every triangle, or None where all are skin."""
+        return None if self.materials is None else np.repeat(self.materials, self.mesh.triangles_of_polygons)
 
     def require_latent(self) -> np.ndarray:
         """(D,) the latent. Raises InputError for a face without one."""

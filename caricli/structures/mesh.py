@@ -10,6 +10,9 @@ import numpy as np
 from caricli.limits import MAX_CORNERS, MAX_POLYGON_CORNERS, MAX_POLYGONS, MAX_VERTICES
 from caricli.structures.checks import are_apart, coordinate_problem, index_problem, refuse
 
+_SAME_PLACE = 1e-5
+"""Of a picture's side: what a file in single precision may lose."""
+
 
 @dataclass(frozen=True, eq=False)
 class Mesh:
@@ -73,6 +76,12 @@ class Mesh:
     def is_plain(self) -> bool:
         """Whether it is triangles without a place in a picture: then nothing but the faces need be kept."""
         return self.uvs is None and self.polygons.shape[1] == 3
+
+    def same_layout(self, other: "Mesh") -> bool:
+        """Whether the triangles of both lie at the same places of a picture. other: Mesh of the same triangles."""
+        if self.uvs is None or other.uvs is None:
+            return self.uvs is other.uvs
+        return bool(np.abs(self.uvs[self.uv_faces] - other.uvs[other.uv_faces]).max() < _SAME_PLACE)
 
     def with_vertices(self, vertices: np.ndarray) -> Self:
         """The same mesh in another shape. vertices: (V, 3), as many as there are."""

@@ -1,7 +1,6 @@
 """A face with named expressions."""
 
 from dataclasses import dataclass
-from enum import IntEnum
 
 import numpy as np
 
@@ -9,14 +8,10 @@ from caricli.errors import InputError, shown
 from caricli.limits import MAX_SHAPES
 from caricli.structures.arkit import start_delta
 from caricli.structures.checks import coordinate_problem, refuse
+from caricli.structures.face import Face
+from caricli.structures.materials import Material, material_problem
 from caricli.structures.mesh import Mesh
-
-
-class Material(IntEnum):
-    """What a polygon is made of."""
-
-    SKIN = 0
-    EYE = 1
+from caricli.structures.pictures import Pictures, picture_problem
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,10 +42,10 @@ class Rig:
         sound = isinstance(names, tuple) and all(isinstance(name, str) and name for name in names)
         if not sound or len(names) > MAX_SHAPES or len(set(names)) < len(names):
             refuse(f"names: expected at most {MAX_SHAPES} distinct names, found {shown(names, 60)}")
-        refuse(self._delta_problem(), self._material_problem())
+        refuse(self._delta_problem(), material_problem(self.materials, len(self.mesh.polygons)))
         for key in ("texture", "eye_texture"):
             if getattr(self, key) is not None:
-                refuse(_picture_problem(key, np.asarray(getattr(self, key))))
+                refuse(picture_problem(key, np.asarray(getattr(self, key))))
 
     @property
     def neutral(self) -> np.ndarray:
@@ -68,6 +63,17 @@ class Rig:
         if self.materials is None:
             return np.full(len(self.mesh.faces), Material.SKIN)
         return np.repeat(self.materials, self.mesh.triangles_of_polygons)
+
+    @property
+    def pictures(self) -> Pictures:
+        """Those of skin and eyes."""
+        return Pictures(self.texture, self.eye_texture)
+
+    @property
+    def face(self) -> Face:
+        """The neutral Face in what the rig wears; pictures that have no UVs to lie on are left out."""
+        pictures = Pictures() if self.mesh.uvs is None else self.pictures
+        return Face(self.mesh, pictures=pictures, materials=self.materials)
 
     def picture(self, material: Material) -> np.ndarray | None:
         """The picture (H, W, 3) uint8 of a material, or None."""
@@ -103,17 +109,3 @@ class Rig:
         if normal.ndim != 3 or (len(normal), normal.shape[2]) != (len(self.names), 3):
             return f"normal_deltas: expected {len(self.names)} displacements of a face, found {normal.shape}"
         return coordinate_problem("deltas", deltas) or coordinate_problem("normal_deltas", normal)
-
-    def _material_problem(self) -> str | None:
-        if self.materials is None:
-            return None
-        materials = np.asarray(self.materials)
-        if materials.shape != (len(self.mesh.polygons),) or not np.isin(materials, [*Material]).all():
-            return f"materials: expected {[*map(int, Material)]} for every polygon, found others"
-        return None
-
-
-def _picture_problem(key: str, image: np.ndarray) -> str | None:
-    if image.dtype != np.uint8 or image.ndim != 3 or image.shape[2] != 3 or 0 in image.shape:
-        return f"{key}: expected (H,W,3) uint8, found {image.shape} {image.dtype}"
-    return None

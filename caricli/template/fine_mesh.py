@@ -45,3 +45,14 @@ def fine_mesh(template: Mesh, levels: int) -> FineMesh:
         uv_weights, uv_polygons = subdivide(uv_polygons, len(uvs), levels, MAX_VERTICES)
         uvs = uv_weights @ uvs
     return FineMesh(Mesh(weights @ template.vertices, polygons, uvs, uv_polygons), weights, levels)
+
+
+def split_materials(materials: np.ndarray | None, polygons: np.ndarray, levels: int) -> np.ndarray | None:
+    """Materials (Q,) of the polygons that ``fine_mesh`` makes of others.
+
+    materials: (P,) of these, or None, which stays. polygons: (P, N), padded with -1. levels: how often they are split.
+    """
+    if materials is None or not levels:
+        return materials
+    quads = np.repeat(materials, (polygons >= 0).sum(1))
+    return np.repeat(quads, 4 ** (levels - 1))

@@ -28,7 +28,7 @@ def run():
 def small_pictures():
     """Views of 48 pixels in the sheets of faces, which are otherwise most of the time."""
     with pytest.MonkeyPatch.context() as patch:
-        for name in ("encode", "sample", "interpolate", "edit_semantic", "caricaturize"):
+        for name in ("encode", "sample", "interpolate", "edit_handle", "edit_semantic", "caricaturize", "refine"):
             patch.setattr(f"caricli.commands.{name}.SIZE", 48)
         patch.setattr("caricli.render.expression_sheet.SIZE", 48)
         yield

@@ -8,10 +8,11 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from caricli.errors import InputError
-from caricli.io.face import read_face, write_face
+from caricli.io.face import read_face, read_picture_names, write_face
 from caricli.io.npz import read_npz, write_npz
 from caricli.io.obj import write_obj
-from caricli.structures import Camera, Face, Mesh
+from caricli.io.worn import PictureNames
+from caricli.structures import Camera, Face, Material, Mesh, Pictures
 from caricli.structures.checks import are_apart
 from caricli.structures.mesh import topology_id
 
@@ -32,14 +33,20 @@ def full():
         residual=np.arange(36.0).reshape(4, 9),
         landmarks=np.arange(136.0).reshape(68, 2),
         model_id="intrinsic",
+        pictures=Pictures(np.full((4, 6, 3), 90, np.uint8), np.arange(48, dtype=np.uint8).reshape(4, 4, 3)),
+        materials=np.array([Material.EYE], np.int32),
     )
 
 
 def assert_equal(face, other):
     assert (face.camera is None) == (other.camera is None)
-    pairs = [(face, other), (face.mesh, other.mesh)] + ([(face.camera, other.camera)] if face.camera else [])
+    pairs = [(face, other), (face.mesh, other.mesh), (face.pictures, other.pictures)] + (
+        [(face.camera, other.camera)] if face.camera else []
+    )
     for left, right in pairs:
-        for name in [field.name for field in dataclasses.fields(left) if field.name not in ("mesh", "camera")]:
+        for name in [
+            field.name for field in dataclasses.fields(left) if field.name not in ("mesh", "camera", "pictures")
+        ]:
             value, expected = getattr(left, name), getattr(right, name)
             assert (value is None) == (expected is None), name
             if expected is not None:
@@ -57,6 +64,34 @@ def test_all_fields_come_back(tmp_path):
     assert stored["schema"] == "caricli.face/1" and stored["units"] == "m" and stored["axes"] == "+y up, +z front"
     assert stored["topology_id"] == hashlib.sha256(FACES.tobytes()).hexdigest()
     assert stored["vertices"].dtype == np.float32 and stored["faces"].dtype == np.int32
+
+
+def test_pictures_lie_beside_the_face(tmp_path):
+    write_face(tmp_path / "a.npz", full())
+    assert {path.name for path in tmp_path.iterdir()} == {"a.npz", "a-skin.png", "a-eyes.png"}
+    assert read_picture_names(tmp_path / "a.npz") == PictureNames("a-skin.png", "a-eyes.png")
+    write_face(tmp_path / "b.npz", full(), PictureNames("a-skin.png"))
+    assert read_face(tmp_path / "b.npz").pictures.eyes is None and not (tmp_path / "b-skin.png").exists()
+    (tmp_path / "a-eyes.png").unlink()
+    with pytest.raises(InputError, match=r"a\.npz: expected its picture a-eyes\.png beside it, found none"):
+        read_face(tmp_path / "a.npz")
+
+
+@pytest.mark.parametrize("name", ["../x.png", "/etc/x.png", "a/b.png", "a\\b.png", "C:x.png"])
+def test_pictures_elsewhere_are_refused(tmp_path, name):
+    write_face(tmp_path / "a.npz", full())
+    write_npz(tmp_path / "a.npz", read_npz(tmp_path / "a.npz") | {"skin_picture": np.array(name)})
+    for read in (read_face, read_picture_names):
+        with pytest.raises(InputError, match="expected the name of a picture beside it"):
+            read(tmp_path / "a.npz")
+
+
+def test_pictures_need_uvs_and_materials_polygons():
+    with pytest.raises(InputError, match="uvs: expected them on a face with pictures"):
+        Face(Mesh(VERTICES, FACES), pictures=full().pictures)
+    for materials in (np.zeros(2, np.int32), np.array([7], np.int32)):
+        with pytest.raises(InputError, match="materials: expected"):
+            Face(quad(), materials=materials)
 
 
 def test_absent_fields_stay_absent(tmp_path):

@@ -7,7 +7,7 @@ from hypothesis.extra.numpy import arrays
 from caricli.errors import InputError, OutputError
 from caricli.io import obj
 from caricli.io.obj import read_obj, write_obj
-from caricli.structures import Mesh
+from caricli.structures import Material, Mesh
 from caricli.structures.checks import are_apart
 
 TRIANGLE = "v 0 0 0\nv 1 0 0\nv 0 1 0\n"
@@ -176,6 +176,19 @@ def square():
     polygons = np.array([[0, 1, 2, 3]], np.int32)
     corners = np.array([[0, 0], [1, 0], [1, 1], [0, 1.0]])
     return Mesh(np.c_[corners, np.zeros(4)], polygons, corners, polygons)
+
+
+def test_eyes_are_a_material_of_their_own(tmp_path):
+    mesh = Mesh(np.eye(3), np.tile([[0, 1, 2]], (4, 1)), np.eye(3)[:, :2], np.tile([[0, 1, 2]], (4, 1)))
+    materials = np.array([Material.SKIN, Material.EYE, Material.EYE, Material.SKIN])
+    write_obj(tmp_path / "a.obj", mesh, eyes="iris.png", materials=materials)
+    rows = [line for line in (tmp_path / "a.obj").read_text().splitlines() if line.startswith(("usemtl", "f "))]
+    face = "f 1/1 2/2 3/3"
+    assert rows == ["usemtl face", face, "usemtl eyes", face, face, "usemtl face", face]
+    texts = (tmp_path / "a.mtl").read_text().split("newmtl ")[1:]
+    assert [text.split()[0] for text in texts] == ["face", "eyes"]
+    assert "map_Kd" not in texts[0] and "map_Kd iris.png" in texts[1]
+    np.testing.assert_array_equal(read_obj(tmp_path / "a.obj").polygons, mesh.polygons)
 
 
 def test_texture_and_material(tmp_path):

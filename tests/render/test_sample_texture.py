@@ -2,7 +2,7 @@ import cv2
 import numpy as np
 import pytest
 
-from caricli.render.sample_texture import sample_pixels, sample_texture, sample_texture_finely, texture_matrix
+from caricli.render.sample_texture import sample_pixels, sample_texture, texture_matrix
 
 
 def bilinear(image, x, y):
@@ -51,16 +51,6 @@ def test_uvs_start_at_the_bottom_left():
     corner = np.array([0.5 / 8, 0.5 / 4])
     found = sample_texture(texture, np.array([corner, 1 - corner, [0, 0], [1, 1], [0.5, 0.5]]))
     assert found[:, 0].tolist() == [200, 100, 200, 100, 0] and found.shape == (5, 3)
-
-
-def test_fine_samples_are_not_rounded():
-    generator = np.random.default_rng(4)
-    texture = generator.integers(0, 256, (9, 12, 3), dtype=np.uint8)
-    uvs = generator.uniform(-0.2, 1.2, (500, 2))
-    fine = sample_texture_finely(texture, uvs)
-    np.testing.assert_allclose(fine, bilinear(texture.astype(float), uvs[:, 0] * 12 - 0.5, (1 - uvs[:, 1]) * 9 - 0.5))
-    # OpenCV knows 32 places between two pixels, or rounds to whole levels.
-    assert 0.4 < np.abs(fine - sample_texture(texture, uvs)).max() < 0.04 * 255
 
 
 def test_the_matrix_takes_the_samples():

@@ -10,18 +10,18 @@ from typing import Any
 import numpy as np
 
 from caricli.commands.shared.batch import named_jobs
-from caricli.commands.shared.options import face_files
-from caricli.io.face import write_face
+from caricli.commands.shared.face_outputs import staged_face
 from caricli.io.image import write_png
-from caricli.io.mesh import MESH_SUFFIXES, write_mesh
-from caricli.io.outputs import staged
+from caricli.io.mesh import MESH_SUFFIXES
 from caricli.io.provenance import provenance
 from caricli.io.strict_json import write_json
 from caricli.methods.faces.subdivide_face import subdivide_face
 from caricli.methods.reconstruct.landmark_fit import LandmarkFit
 from caricli.models.shape_model import ShapeModel
 from caricli.render.fit_sheet import fit_sheet
+from caricli.store.face_files import write_face_files
 from caricli.store.pictures import find_picture, load_marked_picture
+from caricli.structures import Face
 from caricli.template.fine_mesh import FineMesh, fine_mesh
 
 
@@ -55,7 +55,7 @@ class FitTask:
 
     command: its name. files: what is read and written. model: ShapeModel. levels: how often the polygons of what is
     written for other tools are split. fit: of points (L, 2). about: what the JSON says of the run. inputs: files that
-    the model is from; sources: others that results come from.
+    the model is from; sources: others that results come from. worn: Face whose pictures the results wear, or None.
     """
 
     command: str
@@ -66,6 +66,7 @@ class FitTask:
     about: dict[str, Any]
     inputs: Sequence[Path | None] = ()
     sources: Sequence[Path | None] = ()
+    worn: Face | None = None
 
     @cached_property
     def fine(self) -> FineMesh:
@@ -76,15 +77,15 @@ class FitTask:
         """Fit a face to a landmark file, write it, and say how near it came."""
         picture = find_picture(self.files.image, path, many=self.files.out is None)
         inputs = (*self.files.landmarks, *self.inputs, *self.sources, picture)
-        with staged(*face_files(target), overwrite=self.files.overwrite, inputs=inputs) as (mesh, npz, json, png):
+        with staged_face(target, self.files.overwrite, inputs) as (mesh, npz, json, png):
             marks, pixels = load_marked_picture(path, picture, self.files.pts_origin)
             start = time.perf_counter()
             fit = self.fit(marks.points)
             seconds = time.perf_counter() - start
-            finer = subdivide_face(fit.face, self.model, self.fine)
-            write_mesh(mesh, finer.mesh)
-            write_face(npz, fit.face)
+            face = fit.face if self.worn is None else fit.face.wearing(self.worn)
+            finer = subdivide_face(face, self.model, self.fine)
+            write_face_files(mesh, npz, face, finer)
             report = provenance(self.command, [path, picture, *self.sources], **self.about, subdivide=self.levels)
             write_json(json, report | fit.figures() | {"seconds": seconds})
-            write_png(png, fit_sheet(fit.face, self.model.template, marks.points, pixels, fine=finer))
+            write_png(png, fit_sheet(face, self.model.template, marks.points, pixels, fine=finer))
         return f"{target}: {fit.describe()}, {seconds:.2f} s"

@@ -1,6 +1,6 @@
 """A regular face made a caricature: along the direction of all caricatures, or away from the mean face."""
 
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -16,7 +16,7 @@ from caricli.methods.faces.face_figures import face_figures
 from caricli.methods.faces.nearest_identity import likeness
 from caricli.models.intrinsic.model import feature_weights
 from caricli.models.shape_model import ShapeModel
-from caricli.structures import Directions, Face
+from caricli.structures import Directions
 from caricli.template.annotation import DELICATE
 from caricli.template.template import Template
 
@@ -79,7 +79,7 @@ def caricaturize_face(
     place = template.region("face")
     scale, rotation, translation = similarity(grown[place], face.vertices[place])
     mesh = face.mesh.with_vertices(scale * grown @ rotation.T + translation)
-    return encode_face(Face(mesh, face.camera, face.landmarks), model)
+    return encode_face(replace(face.without_latent(), mesh=mesh), model)
 
 
 def exaggeration(face: EncodedFace, model: ShapeModel, directions: Directions | None = None) -> Exaggeration:

@@ -6,8 +6,8 @@ from caricli.methods.edit.deform_arap import deform_arap
 from caricli.methods.edit.edit_handles import HandleEdit, edit_handles
 from caricli.methods.faces.draw_face import FaceDrawing
 from caricli.methods.faces.encode_face import EncodedFace
-from caricli.render.head_views import head_views
 from caricli.render.view_sheets import film_strip, view_rows
+from caricli.structures import Face
 
 VIEWS = ("front", "three-quarter", "profile")
 
@@ -24,7 +24,7 @@ def handle_sheet(before: EncodedFace, edit: HandleEdit, drawing: FaceDrawing, ba
     if baseline:
         tried = edit.tried
         rigid = deform_arap(before.vertices, before.faces, tried.vertices, tried.displacements)
-        rows.append(head_views(drawing.model.template.with_vertices(rigid), VIEWS, drawing.size))
+        rows.append(drawing.draw(Face(before.mesh.with_vertices(rigid), pictures=before.pictures), VIEWS))
         labels.append("as rigid as possible")
     return view_rows(rows, labels)
 

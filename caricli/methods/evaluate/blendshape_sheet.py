@@ -7,10 +7,10 @@ from caricli.methods.expressions.build_blendshapes import Blendshapes, build_ble
 from caricli.methods.expressions.rig_blendshapes import rig_blendshapes, shape_as_given
 from caricli.methods.expressions.settings import METHODS, BlendshapeSettings
 from caricli.methods.expressions.tools import ExpressionTools
-from caricli.methods.rig.make_rig import Pictures, RigSettings
+from caricli.methods.rig.make_rig import RigSettings
 from caricli.render.contact_sheet import contact_sheet
 from caricli.render.expression_row import expression_row
-from caricli.structures import Face
+from caricli.structures import Face, Pictures
 
 
 class BlendshapeSheet:
@@ -41,6 +41,6 @@ class BlendshapeSheet:
         return contact_sheet(self.cells, 1 + len(self.names), self.labels)
 
     def _add(self, label: str, blendshapes: Blendshapes, face: Face, pictures: Pictures) -> None:
-        rig = rig_blendshapes(blendshapes, self.tools, RigSettings(), pictures).rig
+        rig = rig_blendshapes(blendshapes, self.tools, RigSettings(), pictures, face.mesh).rig
         self.cells += expression_row(rig, shape_as_given(rig, face), self.names, self.size)
         self.labels += [label, *self.names]

@@ -10,7 +10,7 @@ from caricli.methods.expressions.retarget_expression import Explanation, explain
 from caricli.methods.reconstruct.fit_morphable import fit_morphable
 from caricli.methods.reconstruct.landmark_fit import LandmarkFit
 from caricli.models.morphable.model import MorphableModel
-from caricli.structures import Animation, Landmarks, Mesh, Rig
+from caricli.structures import Animation, Face, Landmarks, Rig
 from caricli.template.template import Template
 
 _SAID = 3
@@ -58,10 +58,10 @@ class Retargeting:
     explanation: Explanation
     unit: str
 
-    def caricature(self, t: int) -> Mesh:
-        """The Mesh of the rig, float64, with the expression of driver t."""
+    def caricature(self, t: int) -> Face:
+        """The Face of the rig, float64, with the expression of driver t, in what the rig wears."""
         vertices = RigPoser(self.rig).pose(self.explanation.weights[t])
-        return self.rig.mesh.with_vertices(vertices.astype(float))
+        return self.rig.face.posed(vertices.astype(float))
 
     def driver(self, t: int) -> Template:
         """The normal face as it is explained."""

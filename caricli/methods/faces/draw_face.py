@@ -7,9 +7,11 @@ import numpy as np
 
 from caricli.methods.faces.subdivide_face import subdivide_face
 from caricli.models.shape_model import ShapeModel
+from caricli.render.coat import mesh_coat
 from caricli.render.head_views import head_views
+from caricli.render.shade import Look
 from caricli.structures import Face
-from caricli.template.fine_mesh import FineMesh
+from caricli.template.fine_mesh import FineMesh, split_materials
 
 VIEWS = ("front", "three-quarter")
 """What shows most of a head where many are drawn."""
@@ -31,10 +33,14 @@ class FaceDrawing:
         return subdivide_face(face, self.model, self.fine)
 
     def draw(self, face: Face, views: Iterable[str] = VIEWS) -> list[np.ndarray]:
-        """Draw a face from several sides.
+        """Draw a face from several sides, in the pictures that it wears.
 
         face: Face of the model's topology. views: as in ``render_views``.
         Returns a list of (size, size, 4) uint8.
         """
         head = self.model.template.with_vertices(face.vertices)
-        return head_views(head, views, self.size, self.finer(face))
+        finer = self.finer(face)
+        materials = split_materials(face.materials, face.mesh.polygons, finer.levels)
+        shown = Face(finer.mesh, pictures=face.pictures, materials=materials)
+        coat = mesh_coat(shown.mesh, shown.pictures, shown.triangle_materials)
+        return head_views(head, views, self.size, finer, Look(coat=coat))

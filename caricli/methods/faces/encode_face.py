@@ -1,6 +1,6 @@
 """A mesh in the terms of a shape model, and back: what the latent cannot express is kept beside it."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields, replace
 
 import numpy as np
 
@@ -32,7 +32,7 @@ class EncodedFace(Face):
 def encode_face(face: Face, model: ShapeModel) -> EncodedFace:
     """Find the latent of a face and what it leaves over.
 
-    The face keeps its likeness: ``decode_face`` gives the very vertices back. Mesh, camera and landmarks stay.
+    The face keeps its likeness: ``decode_face`` gives the very vertices back. All else of it stays.
 
     face: Face of the model's topology. A latent that is the model's is kept, and with it a residual where both give the
     vertices to a micrometre; else they are found.
@@ -45,7 +45,8 @@ def encode_face(face: Face, model: ShapeModel) -> EncodedFace:
     own = model.decode(latent)
     shift = model.template.gradients.components.averages @ (vertices - own)
     residual = face.residual if kept else None
-    coded = Face(face.mesh.with_vertices(vertices), face.camera, face.landmarks, latent, residual, model.model_id)
+    mesh = face.mesh.with_vertices(vertices)
+    coded = replace(_plain(face), mesh=mesh, latent=latent, residual=residual, model_id=model.model_id)
     # Features of no shape do not come back from their shape: only as they were given do steps to and fro cancel.
     if residual is None or not _gives_back(coded, model, shift):
         residual = model.template.gradients.features(vertices) - _own_features(model, latent, own)
@@ -65,7 +66,7 @@ def decode_face(face: Face, model: ShapeModel, shift: np.ndarray | float = 0.0) 
     face: Face with a latent of the model, and a residual where there is one; its own shape does not count.
     model: ShapeModel; an IntrinsicModel's ``decode(latent, residual)`` is the same.
     shift: (C, 3) metres, of the components' centroids from those of the latent's own shape.
-    Returns the Face in that shape.
+    Returns the Face in that shape, with all else that it has.
     """
     assert face.latent is not None
     own = model.decode(face.latent)
@@ -73,7 +74,12 @@ def decode_face(face: Face, model: ShapeModel, shift: np.ndarray | float = 0.0) 
     gradients = model.template.gradients
     means = gradients.components.averages @ own + shift
     mesh = face.mesh.with_vertices(gradients.components.place(gradients.vertices(features), means))
-    return Face(mesh, face.camera, face.landmarks, face.latent, face.residual, face.model_id)
+    return replace(_plain(face), mesh=mesh)
+
+
+def _plain(face: Face) -> Face:
+    """The same without what encoding found."""
+    return Face(**{part.name: getattr(face, part.name) for part in fields(Face)})
 
 
 def _gives_back(face: Face, model: ShapeModel, shift: np.ndarray) -> bool:

@@ -15,7 +15,8 @@ def interpolate_faces(first: EncodedFace, second: EncodedFace, model: ShapeModel
     """Go from one face to another in equal steps of the latent, and of what it leaves over.
 
     The ends are the given faces exactly; in between, triangles that flip on the way are turned back. No picture shows
-    what is between two faces, so none has a camera.
+    what is between two faces, so none has a camera. What they wear turns from one into the other where both wear
+    pictures of one layout and size; else a step wears what the nearer end does, or the one that wears any.
 
     first, second: EncodedFace of the model. model: ShapeModel. steps: number of faces, both ends included, at least 2.
     Yields an EncodedFace for every step.
@@ -25,10 +26,23 @@ def interpolate_faces(first: EncodedFace, second: EncodedFace, model: ShapeModel
         latent = (1 - weight) * first.latent + weight * second.latent
         residual = (1 - weight) * first.residual + weight * second.residual
         shift = (1 - weight) * first.shift + weight * second.shift
-        blend = Face(first.mesh, latent=latent, residual=residual, model_id=model.model_id)
+        worn = _worn(first, second, float(weight))
+        blend = replace(worn, latent=latent, residual=residual, model_id=model.model_id)
         vertices = untangle(decode_face(blend, model, shift).vertices, model.template.gradients)
-        yield encode_face(replace(blend, mesh=first.mesh.with_vertices(vertices), residual=None), model)
+        yield encode_face(replace(blend, mesh=worn.mesh.with_vertices(vertices), residual=None), model)
     yield _unseen(second)
+
+
+def _worn(first: Face, second: Face, weight: float) -> Face:
+    """A Face with the polygons and pictures of a step, in the shape of either end."""
+    if first.pictures and second.pictures:
+        nearer = second if weight > 0.5 else first
+        same = first.mesh.same_layout(second.mesh)
+        pictures = first.pictures.mixed(second.pictures, weight) if same else nearer.pictures
+    else:
+        nearer = first if first.pictures or not second.pictures else second
+        pictures = nearer.pictures
+    return Face(nearer.mesh, pictures=pictures, materials=nearer.materials)
 
 
 def _unseen(face: EncodedFace) -> EncodedFace:

@@ -2,17 +2,22 @@
 
 from caricli.models.shape_model import ShapeModel
 from caricli.structures import Face
-from caricli.template.fine_mesh import FineMesh
+from caricli.template.fine_mesh import FineMesh, fine_mesh
 
 
 def subdivide_face(face: Face, model: ShapeModel, fine: FineMesh) -> FineMesh:
     """Decode a face's latent on a finer mesh and add what the face has beyond it, carried along linearly.
+
+    A face with polygons or UVs of its own has these split instead of the model's.
 
     face: Face of the model's topology; one without a latent is carried along as a whole.
     model: ShapeModel of the latent.
     fine: FineMesh of the model's template.
     Returns the FineMesh in the shape of the face, whose own vertices come first.
     """
+    template = model.template
+    if len(face.mesh.polygons) != len(template.polygons) or not face.mesh.same_layout(template):
+        fine = fine_mesh(face.mesh, fine.levels)
     if not fine.levels or face.latent is None:
         return fine.shaped(face.vertices)
     beyond = face.vertices - model.decode(face.latent)

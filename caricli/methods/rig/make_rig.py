@@ -9,7 +9,7 @@ from caricli.methods.rig.expression_templates import ExpressionTemplates
 from caricli.methods.rig.head_expressions import open_head_expressions
 from caricli.methods.rig.measure_rig import RigMeasures, measure_rig
 from caricli.methods.rig.transfer_rig import transfer_rig
-from caricli.structures import Mesh, Rig
+from caricli.structures import Mesh, Pictures, Rig
 from caricli.template.fine_mesh import fine_mesh
 
 
@@ -25,14 +25,6 @@ class RigSettings:
     levels: int = 0
     eyeballs: bool = True
     seed: int = 0
-
-
-@dataclass(frozen=True, eq=False)
-class Pictures:
-    """What is on a face. skin, eyes: (H, W, 3) uint8 sRGB, the top row first, or None."""
-
-    skin: np.ndarray | None = None
-    eyes: np.ndarray | None = None
 
 
 @dataclass(frozen=True, eq=False)

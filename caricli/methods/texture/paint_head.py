@@ -7,7 +7,6 @@ import numpy as np
 
 from caricli.errors import InputError
 from caricli.methods.rig.add_eyeballs import TEXTURE, add_eyeballs, fit_eyeballs
-from caricli.methods.rig.make_rig import Pictures
 from caricli.methods.texture.mask_head import mask_head, mesh_pixels
 from caricli.methods.texture.photometric_error import photometric_error
 from caricli.methods.texture.project_picture import project_picture
@@ -16,7 +15,7 @@ from caricli.methods.texture.texture_face import texture_face
 from caricli.render.diffuse_background import diffuse_background
 from caricli.render.eye_colours import eye_colours
 from caricli.render.paint_eye import paint_eye
-from caricli.structures import Face, Rig
+from caricli.structures import Face, Pictures, Rig
 from caricli.template.template import Template
 
 

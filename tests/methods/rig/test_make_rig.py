@@ -6,9 +6,9 @@ import pytest
 from caricli.errors import InputError, NumericsError
 from caricli.methods.rig.expression_templates import ExpressionTemplates
 from caricli.methods.rig.head_expressions import head_expressions
-from caricli.methods.rig.make_rig import Pictures, RigSettings, make_rig
+from caricli.methods.rig.make_rig import RigSettings, make_rig
 from caricli.methods.rig.transfer_rig import transfer_rig
-from caricli.structures import Material, Mesh
+from caricli.structures import Material, Mesh, Pictures
 from caricli.structures.mesh import triangle_fans
 
 BALL = 314  # vertices of an eyeball

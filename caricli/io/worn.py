@@ -1,0 +1,56 @@
+"""What a face wears, as picture files beside its own."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from caricli.errors import InputError, shown
+from caricli.io.image import read_image, write_png
+from caricli.structures import Pictures
+
+_LEADING_AWAY = ("/", "\\", "..", "\0", ":")
+
+
+@dataclass(frozen=True)
+class PictureNames:
+    """File names of the pictures beside a face, or None. skin, eyes: plain names."""
+
+    skin: str | None = None
+    eyes: str | None = None
+
+
+def worn_paths(path: Path) -> list[Path]:
+    """Files that may go beside a face: those of its pictures, and the material of an OBJ. path: of mesh or NPZ."""
+    return [path.with_name(f"{path.stem}-{part}.png") for part in ("skin", "eyes")] + [path.with_suffix(".mtl")]
+
+
+def write_pictures(path: Path, pictures: Pictures) -> PictureNames:
+    """Write what there is as PATH-skin.png and PATH-eyes.png. path: of the face. Raises OutputError."""
+    skin, eyes, _ = worn_paths(path)
+    names = []
+    for file, picture in ((skin, pictures.skin), (eyes, pictures.eyes)):
+        if picture is not None:
+            write_png(file, picture)
+        names.append(None if picture is None else file.name)
+    return PictureNames(*names)
+
+
+def read_pictures(path: Path, names: PictureNames) -> Pictures:
+    """Read the pictures that a face names. path: of the face.
+
+    Raises InputError when a name leads out of its folder, or no picture is there.
+    """
+    return Pictures(*(None if name is None else read_image(_beside(path, name)) for name in (names.skin, names.eyes)))
+
+
+def plain_name(name: str) -> str:
+    """The name, which must lead to a file beside its own. Raises InputError where it may lead elsewhere."""
+    if any(part in name for part in _LEADING_AWAY):
+        raise InputError(f"expected the name of a picture beside it, found {shown(name, 80)!r}")
+    return name
+
+
+def _beside(path: Path, name: str) -> Path:
+    picture = path.with_name(plain_name(name))
+    if not picture.is_file():
+        raise InputError(f"expected its picture {shown(name, 80)} beside it, found none")
+    return picture

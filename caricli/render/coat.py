@@ -1,0 +1,92 @@
+"""What a mesh is painted with when it is drawn."""
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from caricli.structures import Material, Mesh, Pictures, Rig
+
+NO_PICTURE = np.zeros((0, 0, 3), np.uint8)
+
+_SMALLEST = 1e-9
+_COARSEST = 16  # texels: a picture of a smaller side has no colours left
+
+
+@dataclass(frozen=True, eq=False)
+class Coat:
+    """Pictures on the triangles of a mesh.
+
+    uvs: (T, 2), origin at the bottom left. uv_faces: (F, 3) indices into them. materials: (F,) Material.
+    pictures: Pictures; a material without one keeps the colour of the mesh.
+    """
+
+    uvs: np.ndarray
+    uv_faces: np.ndarray
+    materials: np.ndarray
+    pictures: Pictures
+
+    def cut(self, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """The mesh with its vertices doubled along seams, where they have two places in a picture.
+
+        faces: (F, 3) of the mesh. Returns (W,) numbers of vertices, (F, 3) faces of them, and their places (W, 3) in
+        the pictures: u, v, and the Material.
+        """
+        materials = np.repeat(self.materials[:, None], 3, axis=1)
+        corners = np.stack([faces, self.uv_faces, materials], axis=-1).reshape(-1, 3).astype(np.int64)
+        key = (corners[:, 0] * len(self.uvs) + corners[:, 1]) * len(Material) + corners[:, 2]
+        _, first, number = np.unique(key, return_index=True, return_inverse=True)
+        at, uv, material = corners[first].T
+        return at, number.reshape(-1, 3).astype(np.int32), np.column_stack([self.uvs[uv], material])
+
+    def shrunk(self, points: np.ndarray, faces: np.ndarray, ball: float = 0.0) -> list[np.ndarray]:
+        """Pictures of skin and eyes, halved until a texel is about as large as a pixel: smaller ones would sparkle.
+
+        points: (V, 3), pixels and depth. faces: (F, 3). ball: pixels, radius of eyeballs beside the mesh, which are
+        drawn where it has none of its own.
+        Returns (H, W, 3) uint8 each, empty where there is none.
+        """
+        pictures = []
+        for material, picture in ((Material.SKIN, self.pictures.skin), (Material.EYE, self.pictures.eyes)):
+            if picture is None:
+                pictures.append(NO_PICTURE)
+                continue
+            chosen = self.materials == material
+            texels = self.uvs[self.uv_faces[chosen]] * [picture.shape[1], picture.shape[0]]
+            rate = np.sqrt(_area(texels) / max(_area(points[faces[chosen]]), _SMALLEST))
+            if not chosen.any():
+                rate = picture.shape[0] / max(2 * np.pi * ball, _SMALLEST)
+            most = np.log2(max(min(picture.shape[:2]) / _COARSEST, 1))
+            pictures.append(_halved(picture, int(np.clip(np.log2(max(rate, 1)), 0, most))))
+        return pictures
+
+
+def mesh_coat(mesh: Mesh, pictures: Pictures, materials: np.ndarray | None = None) -> Coat | None:
+    """The Coat of a mesh, or None where it has no UVs or there is no picture.
+
+    materials: (F,) Material of its triangles; skin where there are none.
+    """
+    if mesh.uvs is None or not pictures:
+        return None
+    materials = np.full(len(mesh.faces), Material.SKIN) if materials is None else materials
+    return Coat(mesh.uvs, mesh.uv_faces, materials, pictures)
+
+
+def rig_coat(rig: Rig) -> Coat | None:
+    """The Coat of a rig, or None where it has no pictures."""
+    return mesh_coat(rig.mesh, rig.pictures, rig.triangle_materials)
+
+
+def _area(corners: np.ndarray) -> float:
+    """Sum of the areas of triangles (F, 3, 2 or 3)."""
+    along = corners[:, 1] - corners[:, 0]
+    across = corners[:, 2] - corners[:, 0]
+    gram = (along**2).sum(1) * (across**2).sum(1) - (along * across).sum(1) ** 2
+    return float(np.sqrt(np.maximum(gram, 0)).sum() / 2)
+
+
+def _halved(picture: np.ndarray, times: int) -> np.ndarray:
+    if not times:
+        return np.ascontiguousarray(picture)
+    height, width = picture.shape[:2]
+    return cv2.resize(picture, (max(width >> times, 1), max(height >> times, 1)), interpolation=cv2.INTER_AREA)

@@ -1,0 +1,137 @@
+"""What a face wears stays on it through every command that reads a face and writes one."""
+
+import numpy as np
+import pytest
+
+from caricli.cli import COMMANDS
+from caricli.io.face import read_face, write_face
+from caricli.io.gltf.read_gltf import read_gltf
+from caricli.io.image import read_image
+from caricli.io.mtl import material_pictures
+from caricli.io.obj import read_obj, write_obj
+from caricli.io.rig import read_rig
+from caricli.io.strict_json import write_json
+from caricli.store.models import load_model
+from caricli.structures import Camera, Face, Mesh, Pictures
+
+CAMERA = Camera(1400.0, np.diag([1.0, -1, -1]), np.array([200.0, 400.0]))
+SKIN = np.array([40, 160, 60], np.uint8)
+EYES = np.array([30, 60, 200], np.uint8)
+
+# What is typed, with {} for the folder of the inputs, and what is written beside the mesh that it names.
+WEARERS = {
+    "edit-handle": "edit-handle {face} --handle nose_tip=0,0,2% --out {out}/new.obj",
+    "edit-semantic": "edit-semantic {face} --label BigNose=1 --out {out}/new.obj",
+    "caricaturize": "caricaturize {face} --mode own --out {out}/new.obj",
+    "interpolate": "interpolate {face} {face} --steps 2 --out-dir {out}",
+    "refine": "refine {face} {marks} --out {out}/new.obj",
+    "fit-morphable": "fit-morphable {marks} --expression-only --identity {face} --out {out}/new.obj",
+    "encode": "encode {face} --out {out}/new.npz",
+    "rig": "rig {face} --no-eyeballs --out {out}/new.glb",
+    "blendshapes": "blendshapes {face} --expressions {moods} --method transfer --out {out}/new.npz",
+    "retarget": "retarget {rig} {driver} --neutral {driver} --out {out}/new.obj",
+    "animate": "animate {rig} {weights} --frames {out}/new --out {out}/new.glb",
+}
+# Commands that write no face of a face that they read, and why.
+BARE = {
+    "reconstruct-from-landmarks": "reads landmarks",
+    "texture": "paints the face anew",
+    "sample": "reads no face",
+    "map-landmarks": "reads and writes landmarks",
+    "dataset build": "reads no face",
+    "dataset import": "a dataset holds shapes",
+    "dataset show": "writes a picture",
+    "template export": "reads no face",
+    "render": "writes a picture",
+    "inspect": "writes nothing",
+} | {name: "reads and writes no face" for name in COMMANDS if name.startswith(("train ", "evaluate "))}
+
+
+def test_every_command_is_here():
+    typed = {name for name, (module, _, _) in COMMANDS.items() if module}
+    assert typed == {*WEARERS, *BARE}, "say how a new command keeps what a face wears, or why it need not"
+
+
+@pytest.fixture(scope="module")
+def painted(head, head_template, small_pictures, tmp_path_factory):
+    """A folder of a green face with blue eyes, whose UVs are not the template's, and of what commands need besides."""
+    folder = tmp_path_factory.mktemp("painted")
+    vertices = head.evaluate(gender=0.3, age=0.6)
+    mesh = Mesh(vertices, head_template.polygons, 0.5 * head_template.uvs, head_template.uv_polygons)
+    pictures = Pictures(np.full((32, 32, 3), SKIN), np.full((16, 16, 3), EYES))
+    marks = CAMERA.project(vertices[head_template.annotation.landmarks[:68]])
+    write_face(folder / "face.npz", Face(mesh, CAMERA, marks, pictures=pictures))
+    np.savetxt(folder / "marks.txt", marks)
+    write_obj(folder / "driver.obj", load_model("morphable").template)
+    (folder / "moods.yaml").write_text("neutral: {}\nopen: {jawOpen: 0.8}\n")
+    weights = {"schema": "caricli.weights/1", "fps": 10, "names": ["open"], "weights": [[0.0], [1.0]]}
+    write_json(folder / "weights.json", weights)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def rig(run, painted):
+    """The rig of the face, for commands that start from one."""
+    line = (
+        f"blendshapes {painted}/face.npz --expressions {painted}/moods.yaml --method transfer --out {painted}/rig.npz"
+    )
+    result = run(*line.split())
+    assert result.exit_code == 0, result.output
+    return painted / "rig.npz"
+
+
+def typed(line, painted, rig, out):
+    names = {"face": "face.npz", "marks": "marks.txt", "moods": "moods.yaml", "driver": "driver.obj"}
+    paths = {key: painted / name for key, name in names.items()} | {"weights": painted / "weights.json", "rig": rig}
+    return line.format(out=out, **paths).split()
+
+
+@pytest.mark.parametrize("name", WEARERS)
+def test_it_keeps_what_the_face_wears(run, painted, rig, tmp_path, name):
+    result = run(*typed(WEARERS[name], painted, rig, tmp_path))
+    assert result.exit_code == 0, result.output
+    files = sorted(path for path in tmp_path.rglob("*") if path.is_file())
+    uvs = read_face(painted / "face.npz").mesh.uvs
+    seen = [check(path, uvs) for path in files for check in (obj_wears, npz_wears, glb_wears, sheet_shows)]
+    assert any(seen), files
+
+
+def obj_wears(path, uvs):
+    """Every OBJ names both pictures, which lie beside it, and has the UVs of the face."""
+    if path.suffix != ".obj":
+        return False
+    named = material_pictures(path)
+    for material, colour in (("face", SKIN), ("eyes", EYES)):
+        assert (read_image(named[material]) == colour).all(), path
+    np.testing.assert_allclose(read_obj(path).uvs[: len(uvs)], uvs, atol=1e-6)
+    return True
+
+
+def npz_wears(path, uvs):
+    """Every face names both, and every rig holds them."""
+    if path.suffix != ".npz":
+        return False
+    with np.load(path) as arrays:
+        is_rig = str(arrays["schema"]) == "caricli.rig/1"
+    face = read_rig(path).face if is_rig else read_face(path)
+    assert (face.pictures.skin == SKIN).all(), path
+    assert face.pictures.eyes is None or (face.pictures.eyes == EYES).all(), path
+    np.testing.assert_allclose(face.mesh.uvs[: len(uvs)], uvs, atol=1e-6)
+    return True
+
+
+def glb_wears(path, uvs):
+    """Every GLB embeds the skin."""
+    if path.suffix != ".glb":
+        return False
+    assert np.abs(read_gltf(path).texture.astype(int) - SKIN).max() <= 8, path
+    return True
+
+
+def sheet_shows(path, uvs):
+    """Every picture of faces shows the green skin."""
+    if path.suffix != ".png" or path.stem.endswith(("-skin", "-eyes")):
+        return False
+    red, green, blue = read_image(path).astype(int).transpose(2, 0, 1)
+    assert ((green > red + 30) & (green > blue + 30)).mean() > 0.02, path
+    return True

@@ -1,0 +1,33 @@
+import numpy as np
+import pytest
+
+from caricli.errors import InputError
+from caricli.structures import Pictures
+
+LIGHT = np.full((2, 3, 3), 200, np.uint8)
+DARK = np.full((2, 3, 3), 100, np.uint8)
+
+
+def test_pictures_of_one_size_are_mixed_by_their_weight():
+    mixed = Pictures(LIGHT).mixed(Pictures(DARK), 0.25)
+    assert (mixed.skin == 175).all() and mixed.skin.dtype == np.uint8 and mixed.eyes is None
+
+
+def test_else_the_nearer_or_the_only_one_is_taken():
+    large = np.full((5, 5, 3), 9, np.uint8)
+    for weight, expected in ((0.4, LIGHT), (0.6, large)):
+        assert Pictures(LIGHT).mixed(Pictures(large), weight).skin is expected
+    assert Pictures().mixed(Pictures(LIGHT), 0.1).skin is LIGHT and Pictures(LIGHT).mixed(Pictures(), 0.9).skin is LIGHT
+    assert Pictures(LIGHT).mixed(Pictures(LIGHT.copy()), 0.3).skin is LIGHT
+
+
+def test_whether_they_are_the_same():
+    assert Pictures(LIGHT).same(Pictures(LIGHT.copy())) and Pictures().same(Pictures())
+    assert not Pictures(LIGHT).same(Pictures(DARK)) and not Pictures(LIGHT).same(Pictures(LIGHT, DARK))
+    assert Pictures(LIGHT) and Pictures(eyes=DARK) and not Pictures()
+
+
+@pytest.mark.parametrize("image", [LIGHT.astype(float), LIGHT[0], LIGHT[:0], LIGHT[..., :2]])
+def test_what_is_no_picture_is_refused(image):
+    with pytest.raises(InputError, match=r"eyes: expected \(H,W,3\) uint8"):
+        Pictures(eyes=image)
