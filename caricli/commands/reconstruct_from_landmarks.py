@@ -27,8 +27,8 @@ from caricli.methods.reconstruct.settings import METHODS
 @click.option(
     "--method",
     type=click.Choice(METHODS),
-    default=METHODS[0],
-    help="Let the surface follow the landmarks elastically (intrinsic), or stay inside the model (latent).",
+    help="Let the surface follow the landmarks elastically (intrinsic), or stay inside the model (latent).  "
+    "[default: intrinsic, where the model is of that kind]",
 )
 @model_option
 @click.option(
@@ -55,13 +55,16 @@ def command(ctx, landmarks, out, out_dir, image, method, model, prior_weight, pt
     """
     from caricli.commands.shared.batch import run_batch
     from caricli.commands.shared.landmark_batch import FitTask, LandmarkFiles
-    from caricli.methods.reconstruct.fit_landmarks import fit_landmarks
+    from caricli.methods.reconstruct.fit_landmarks import fit_landmarks, fitting_method
     from caricli.store.models import DEFAULT_ELASTIC, DEFAULT_LATENT, load_model
 
     files = LandmarkFiles(landmarks, out, out_dir, image, pts_origin, overwrite)
-    shape_model = load_model(model, DEFAULT_ELASTIC if method == "intrinsic" else DEFAULT_LATENT)
+    shape_model = load_model(model, DEFAULT_LATENT if method == "latent" else DEFAULT_ELASTIC)
+    method = method or fitting_method(shape_model)
     shape_model.prepare()
+    # Edits go on in the model that is the best for them, unless another one was asked for.
+    latents = load_model(kind=DEFAULT_LATENT) if model is None and method == "intrinsic" else None
     fit = partial(fit_landmarks, model=shape_model, method=method, prior_weight=prior_weight)
     about = {"method": method, "prior_weight": prior_weight, "model_id": shape_model.model_id}
-    task = FitTask("reconstruct-from-landmarks", files, shape_model, levels, fit, about, inputs=[model])
+    task = FitTask("reconstruct-from-landmarks", files, shape_model, levels, fit, about, [model], latents=latents)
     run_batch(ctx, files.jobs(), task.run, "faces")

@@ -3,8 +3,8 @@
 import igl
 import numpy as np
 import scipy.sparse as sp
-from scipy.sparse.linalg import splu
 
+from caricli.geometry.cholesky import Cholesky
 from caricli.geometry.components import BOND, mesh_components
 
 STIFFNESS_LENGTH = 0.04
@@ -37,12 +37,14 @@ class ElasticAnchors:
         self.stiffness = laplacian.diagonal().mean()
         system = laplacian + plate + _HOLD * self.stiffness * sp.identity(len(vertices))
         bonds = mesh_components(vertices, faces).stiffness(points)
-        factor = splu((system + BOND * self.stiffness * bonds).tocsc())
+        factor = Cholesky(system + BOND * self.stiffness * bonds)
         self.rows = {int(p): k for k, p in enumerate(points)}
         self.points = points
         # Diffusion for the time l^2 / 2 spreads a point over its surroundings along the surface, never across a gap.
-        heat = splu((sp.diags(mass) + (SPREAD_LENGTH * height) ** 2 / 2 * laplacian).tocsc())
-        spread = heat.solve(np.eye(len(vertices))[:, points]) * mass[:, None]
+        heat = Cholesky(sp.diags(mass) + (SPREAD_LENGTH * height) ** 2 / 2 * laplacian)
+        sources = np.zeros((len(vertices), len(points)))
+        sources[points, np.arange(len(points))] = 1
+        spread = heat.solve(sources) * mass[:, None]
         self.averages = (spread / spread.sum(0)).T
         forces = self.averages.T - mass[:, None] / mass.sum()
         self.responses = factor.solve(forces)

@@ -1,7 +1,6 @@
 """Principal components with the scale of one standard deviation."""
 
 import numpy as np
-from sklearn.decomposition import PCA
 
 from caricli.errors import NumericsError
 
@@ -20,6 +19,9 @@ def principal_components(rows: np.ndarray, dimension: int, seed: int = 0) -> tup
     Returns (mean (M,), components (D, M), explained (D,) fractions of the variance).
     Raises NumericsError when all rows are the same.
     """
+    # Slow to import, and only training needs it.
+    from sklearn.decomposition import PCA
+
     if np.ptp(rows, axis=0).max() <= _SAME * np.abs(rows[0]).max():
         raise NumericsError(f"expected at least two shapes that differ, found {len(rows)} that do not")
     dimension = min(dimension, len(rows) - 1, rows.shape[1])

@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass
 
-import cv2
 import numpy as np
 
 from caricli.structures import Material, Mesh, Pictures, Rig
@@ -88,5 +87,7 @@ def _area(corners: np.ndarray) -> float:
 def _halved(picture: np.ndarray, times: int) -> np.ndarray:
     if not times:
         return np.ascontiguousarray(picture)
+    import cv2
+
     height, width = picture.shape[:2]
     return cv2.resize(picture, (max(width >> times, 1), max(height >> times, 1)), interpolation=cv2.INTER_AREA)

@@ -95,16 +95,17 @@ def load_latent_face(path: Path, model: ShapeModel, anew: bool = False) -> tuple
     """A face for commands that need a latent: its own where the file has one, else it is encoded first.
 
     path: OBJ or NPZ. model: ShapeModel. anew: encode also what has a latent of another bundled model.
-    Returns the EncodedFace with what it wears, and a line that says that it was encoded, or None.
+    Returns the EncodedFace with what it wears, and a line that says that a mesh alone was encoded, or None.
     Raises InputError for another topology, and for a latent of another model.
     """
     face = load_worn_face(path, model)
     foreign = anew and face.model_id != model.model_id and bundled_kind(face.model_id)
     if face.latent is None or face.model_id is None or foreign:
         code = encode_face(face, model)
-        had = f"its latent is of {model_name(face.model_id)}" if foreign else "had no latent"
         error = f"shape error {code.millimetres:.2f} mm ({code.percent:.2f} %)"
-        return code, f"{shown(path)}: {had}; encoded by {model_name(model.model_id)}, {error}"
+        note = f"{shown(path)}: had no latent; encoded by {model_name(model.model_id)}, {error}"
+        # From one bundled model to another nothing is lost: what the new latent cannot express stays beside it.
+        return code, None if foreign else note
     if face.model_id != model.model_id:
         its, ours = (bundled_kind(i) or "MODEL" for i in (face.model_id, model.model_id))
         raise InputError(

@@ -10,6 +10,7 @@ from caricli.io.landmarks import write_landmarks
 from caricli.io.mesh import read_mesh
 from caricli.io.obj import read_obj
 from caricli.io.strict_json import read_json, write_json
+from caricli.store.models import DEFAULT_LATENT, load_model
 from caricli.structures import Landmarks
 
 COMMAND = "reconstruct-from-landmarks"
@@ -52,7 +53,7 @@ def test_four_files_that_agree_with_each_other(reconstructed, head, points):
     np.testing.assert_allclose(face.vertices, mesh.vertices, atol=1e-7)
     np.testing.assert_array_equal(face.mesh.polygons, head.polygons)
     assert face.latent.shape == (128,) and face.residual.shape == (4200, 9)
-    assert face.model_id == report["model_id"]
+    assert face.model_id == report["latent_model_id"] == load_model(kind=DEFAULT_LATENT).model_id != report["model_id"]
     projected = face.camera.scale * face.vertices @ face.camera.rotation[:2].T + face.camera.translation
     np.testing.assert_allclose(projected[report["anchors"]], face.landmarks, atol=1e-3)
     np.testing.assert_allclose(report["pose"]["rotation"], face.camera.rotation, atol=1e-9)
@@ -340,12 +341,15 @@ def test_bad_models_are_one_line_and_leave_nothing(refused, marks, tmp_path, cas
     assert not out.parent.exists()
 
 
-def test_the_elastic_method_needs_an_intrinsic_model(run, refused, models, marks, tmp_path):
-    said = refused(COMMAND, marks, "--out", tmp_path / "face.obj", "--model", models["pca"])
-    assert "intrinsic" in said and "pca" in said
+def test_a_model_that_cannot_follow_elastically_is_fitted_inside(run, refused, models, marks, tmp_path):
+    pca = ("--out", tmp_path / "face.obj", "--model", models["pca"])
+    said = refused(COMMAND, marks, *pca, "--method", "intrinsic")
+    assert "needs an intrinsic model, found one of kind 'pca'; give --method latent" in said
     assert names(tmp_path) == ["marks.json"]
-    result = run(COMMAND, marks, "--out", tmp_path / "face.obj", "--model", models["pca"], "--method", "latent")
+    result = run(COMMAND, marks, *pca)
     assert result.exit_code == 0, result.output
+    report = read_json(tmp_path / "face.json")
+    assert report["method"] == "latent" and report["model_id"] == read_face(tmp_path / "face.npz").model_id
 
 
 @pytest.mark.parametrize("name", NAMES)

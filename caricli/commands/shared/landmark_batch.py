@@ -15,6 +15,7 @@ from caricli.io.image import write_png
 from caricli.io.mesh import MESH_SUFFIXES
 from caricli.io.provenance import provenance
 from caricli.io.strict_json import write_json
+from caricli.methods.faces.encode_face import encode_face
 from caricli.methods.faces.subdivide_face import subdivide_face
 from caricli.methods.reconstruct.landmark_fit import LandmarkFit
 from caricli.models.shape_model import ShapeModel
@@ -56,6 +57,7 @@ class FitTask:
     command: its name. files: what is read and written. model: ShapeModel. levels: how often the polygons of what is
     written for other tools are split. fit: of points (L, 2). about: what the JSON says of the run. inputs: files that
     the model is from; sources: others that results come from. worn: Face whose pictures the results wear, or None.
+    latents: ShapeModel of the same mesh, whose latent results get instead of that of ``model``, or None.
     """
 
     command: str
@@ -67,6 +69,7 @@ class FitTask:
     inputs: Sequence[Path | None] = ()
     sources: Sequence[Path | None] = ()
     worn: Face | None = None
+    latents: ShapeModel | None = None
 
     @cached_property
     def fine(self) -> FineMesh:
@@ -84,8 +87,11 @@ class FitTask:
             seconds = time.perf_counter() - start
             face = fit.face if self.worn is None else fit.face.wearing(self.worn)
             finer = subdivide_face(face, self.model, self.fine)
+            if self.latents is not None:
+                face = encode_face(face, self.latents)
             write_face_files(mesh, npz, face, finer)
-            report = provenance(self.command, [path, picture, *self.sources], **self.about, subdivide=self.levels)
+            about = self.about | {"latent_model_id": face.model_id, "subdivide": self.levels}
+            report = provenance(self.command, [path, picture, *self.sources], **about)
             write_json(json, report | fit.figures() | {"seconds": seconds})
             write_png(png, fit_sheet(face, self.model.template, marks.points, pixels, fine=finer))
         return f"{target}: {fit.describe()}, {seconds:.2f} s"

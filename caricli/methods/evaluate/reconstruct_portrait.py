@@ -85,7 +85,7 @@ def _coarse(kind: str, points: np.ndarray, model: Any) -> LandmarkFit:
     """The fit of a model to landmarks (L, 2)."""
     if kind == "morphable":
         return fit_morphable(points, model)
-    return fit_landmarks(points, model, "intrinsic" if kind == "intrinsic" else "latent")
+    return fit_landmarks(points, model)
 
 
 def _timed(fitting: Callable[[], LandmarkFit], template: Template) -> Reconstruction:

@@ -27,7 +27,7 @@ class LandmarkEncoder:
         Returns the EncodedFace, with camera and fitted landmarks, and the NME of the reconstruction in percent.
         Raises InputError, NumericsError.
         """
-        fit = fit_landmarks(points, self.fitter, "intrinsic" if self.fitter.kind == "intrinsic" else "latent")
+        fit = fit_landmarks(points, self.fitter)
         face = replace(fit.face, mesh=self.model.template.with_vertices(fit.face.vertices))
         if self.fitter is not self.model:
             face = face.without_latent()

@@ -13,18 +13,26 @@ from caricli.models.intrinsic.model import IntrinsicModel
 from caricli.models.shape_model import ShapeModel
 
 
+def fitting_method(model: ShapeModel) -> str:
+    """The better of METHODS of those that a model allows."""
+    return METHODS[0] if model.kind == "intrinsic" else METHODS[1]
+
+
 def fit_landmarks(
-    points: np.ndarray, model: ShapeModel, method: str = METHODS[0], prior_weight: float = 1.0
+    points: np.ndarray, model: ShapeModel, method: str | None = None, prior_weight: float = 1.0
 ) -> LandmarkFit:
     """Fit a face elastically, or inside the model.
 
     points: (L, 2) pixels, y down, NaN where unknown. model: ShapeModel, for "intrinsic" an IntrinsicModel. method: of
-    METHODS. prior_weight: larger stays nearer to plausible faces, smaller nearer to the landmarks.
+    METHODS, or None for the one that the model allows, see ``fitting_method``. prior_weight: larger stays nearer to
+    plausible faces, smaller nearer to the landmarks.
     Returns LandmarkFit. Raises InputError, NumericsError.
     """
-    if method == "latent":
+    if (method or fitting_method(model)) == "latent":
         return fit_landmarks_latent(points, model, LatentSettings(noise=LatentSettings.noise * prior_weight**0.5))
     if model.kind != "intrinsic":
-        raise InputError(f"the method 'intrinsic' needs an intrinsic model, found one of kind {model.kind!r}")
+        raise InputError(
+            f"the method 'intrinsic' needs an intrinsic model, found one of kind {model.kind!r}; give --method latent"
+        )
     settings = IntrinsicSettings(shrink=IntrinsicSettings.shrink * prior_weight)
     return fit_landmarks_intrinsic(points, cast(IntrinsicModel, model), settings)

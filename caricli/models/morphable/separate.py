@@ -2,7 +2,6 @@
 
 import numpy as np
 import scipy.sparse as sp
-from sklearn.utils.extmath import randomized_svd
 
 from caricli.models.principal_components import MIN_SHARE, principal_components
 
@@ -50,6 +49,9 @@ def principal_directions(offsets: np.ndarray, dimension: int, seed: int) -> np.n
     """Principal directions (E, M) of offsets (N, M) from zero, each one standard deviation long."""
     if not offsets.any():
         return offsets[:0]
+    # Slow to import, and only training needs it.
+    from sklearn.utils.extmath import randomized_svd
+
     _, sizes, directions = randomized_svd(offsets, min(dimension, *offsets.shape), n_iter=7, random_state=seed)
     kept = sizes**2 > MIN_SHARE * (sizes**2).sum()
     return (sizes[:, None] * directions / np.sqrt(len(offsets)))[kept]
