@@ -2,6 +2,7 @@
 
 import os
 import signal
+import sys
 from types import FrameType
 
 
@@ -11,6 +12,7 @@ def main() -> None:
     numbers = [n for n in (signal.SIGINT, signal.SIGTERM) if signal.getsignal(n) is not signal.SIG_IGN]
     for number in numbers:
         signal.signal(number, _leave)
+    _take_closed_streams()
     try:
         from caricli.cli import cli
 
@@ -18,6 +20,20 @@ def main() -> None:
     finally:
         for number in numbers:
             signal.signal(number, signal.SIG_IGN)  # the outputs are in their places: what comes now comes too late
+
+
+def _take_closed_streams() -> None:
+    """Take the numbers of standard streams that are closed, or the next file that is opened would be printed into.
+
+    What is printed to an output that is closed fails, as on a full disk; a closed stderr takes everything.
+    """
+    for number, mode in enumerate((os.O_RDONLY, os.O_RDONLY, os.O_WRONLY)):
+        try:
+            os.fstat(number)
+        except OSError:
+            os.open(os.devnull, mode)  # gets the lowest number that is free
+    sys.stdout = sys.stdout or open(1, "w", closefd=False)
+    sys.stderr = sys.stderr or open(2, "w", closefd=False)
 
 
 def _leave(number: int, _: FrameType | None) -> None:

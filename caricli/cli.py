@@ -1,5 +1,6 @@
 """The command line: a table of commands, each imported only when it is called, and the one place where failures end."""
 
+import errno
 import importlib
 import json
 import os
@@ -152,6 +153,8 @@ def _report(error: BaseException, debug: bool, as_json: bool) -> int:
     if isinstance(error, click.UsageError) and not as_json:
         error.show()
         return error.exit_code
+    if isinstance(error, OSError) and error.errno == errno.EBADF:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # for what is still to be flushed
     kind, message, code = _kind_message_code(error)
     # Whatever a file name or a library puts into a message, it stays one printable line.
     message = "".join(c if c.isprintable() else ascii(c)[1:-1] for c in " ".join(message.split()))
@@ -180,6 +183,8 @@ def _kind_message_code(error: BaseException) -> tuple[str, str, int]:
             return "stopped", "stopped by SIGINT", 130
         case MemoryError():
             return "memory", f"out of memory{f': {error}' if str(error) else ''}", 1
+        case OSError(errno=errno.EBADF):
+            return "system", "standard output is closed", 1
         case OSError() if error.strerror:
             return "system", f"{error.filename}: {error.strerror}" if error.filename else error.strerror, 1
         case _:

@@ -14,6 +14,7 @@ from click.testing import CliRunner
 import caricli
 from caricli.cli import COMMANDS, cli
 from caricli.errors import CaricliError, InputError, NumericsError, OutputError
+from caricli.io.obj import read_obj
 
 ROOT = Path(caricli.__file__).parents[1]
 # What reads arrays, pictures or meshes; none of it is needed to say what caricli can do.
@@ -264,6 +265,25 @@ def test_full_disk_under_stdout_is_one_line():
         _, stderr = process.communicate(timeout=30)
     assert process.returncode == 1
     assert stderr == "caricli: error: No space left on device\n"
+
+
+@pytest.mark.parametrize("arguments", ["--help", "--version", "edit-semantic --list", "template export head.obj"])
+def test_streams_that_are_closed(tmp_path, arguments):
+    """What cannot be printed is said in one line; nothing is printed into a file that was opened meanwhile."""
+    command = f"{sys.executable} -m caricli {arguments}"
+
+    def run(streams):
+        done = subprocess.run(
+            ["sh", "-c", f"{command} {streams}"], cwd=tmp_path, env=environment(), capture_output=True
+        )
+        for path in tmp_path.glob("head.obj"):
+            assert len(read_obj(path).vertices) == 4200
+            path.unlink()
+        return done.returncode, done.stderr.decode()
+
+    assert run(">&-") == (1, "caricli: error: standard output is closed\n")
+    assert run("2>&- > /dev/null") == (0, "")
+    assert run(">&- 2>&- <&-") == (1, "")
 
 
 def test_the_entry_point_runs_the_group():

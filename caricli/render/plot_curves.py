@@ -1,6 +1,7 @@
 """Curves as a picture."""
 
 import io
+import logging
 from collections.abc import Mapping
 
 import numpy as np
@@ -18,6 +19,8 @@ def plot_curves(
     size: of one panel, pixels.
     Returns (H, W, 3) uint8.
     """
+    # It warns of its own cache and fonts, which costs nobody but a second.
+    logging.getLogger("matplotlib").setLevel(logging.ERROR)
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
     from matplotlib.ticker import LogLocator, NullFormatter

@@ -4,6 +4,7 @@ from dataclasses import asdict, dataclass
 from typing import Any, cast
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from caricli.data.albedo import random_albedos
 from caricli.data.dataset import Dataset
@@ -44,10 +45,13 @@ class LinearTraining:
         return figures if self.agreement is None else figures | {"agreement": self.agreement}
 
 
+@threadpool_limits.wrap(limits=1)
 def train_linear(
     kind: str, data: Dataset, config: TrainingConfig, recipe: dict, report: Report = unwatched
 ) -> LinearTraining:
     """Train a model of components on a dataset's training meshes and measure it on all splits.
+
+    The same bytes come out whatever the number of threads, as sums are made by one.
 
     kind: of models/kinds.py, morphable or one whose class is a ComponentModel. recipe: JSON object, how it is trained,
     for the checkpoint.
