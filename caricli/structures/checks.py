@@ -18,7 +18,9 @@ def refuse(*problems: str | None) -> None:
 
 def number_problem(key: str, values: np.ndarray, most: float = MAX_NUMBER, noun: str = "numbers") -> str | None:
     """Whether values of any shape are no numbers, not finite, or of a magnitude above ``most``. noun: what they are."""
-    if values.dtype.kind not in "biuf" or not ((values >= -most) & (values <= most)).all():
+    kind = values.dtype.kind
+    limit = min(most, float(np.finfo(values.dtype).max)) if kind == "f" else most  # half precision ends before many
+    if kind not in "biuf" or not ((values >= -limit) & (values <= limit)).all():
         return f"{key}: expected finite {noun} of at most {most:g}, found others"
     return None
 

@@ -32,10 +32,13 @@ def test_what_is_no_number_or_too_large(value):
     assert "x: expected finite numbers of at most 1e+09" in number_problem("x", np.array([0, value]))
 
 
+@pytest.mark.filterwarnings("error")
 def test_numbers_up_to_the_cap():
-    for values in (np.array([1e9, -1e9]), np.array([True]), np.zeros((0, 3)), np.array(7, np.uint8)):
+    half = np.array([6e4, -6e4], np.float16)
+    for values in (half, np.array([1e9, -1e9]), np.array([True]), np.zeros((0, 3)), np.array(7, np.uint8)):
         assert number_problem("x", values) is None
     assert "finite metres of at most 2" in number_problem("x", np.array([3.0]), 2, "metres")
+    assert "of at most 1e+09" in number_problem("x", np.array([np.inf], np.float16))
 
 
 def test_points_that_are_apart():

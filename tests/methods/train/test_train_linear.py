@@ -2,10 +2,12 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from threadpoolctl import threadpool_limits
 
 from caricli.errors import InputError
 from caricli.methods.train.train_linear import train_linear
 from caricli.models.checkpoint import model_from_checkpoint
+from caricli.models.kernel.config import KernelConfig
 from caricli.models.pca.config import PcaConfig
 
 
@@ -37,3 +39,12 @@ def test_too_few_meshes_are_refused(data):
     few = SimpleNamespace(**vars(data) | {"rows": lambda split: np.arange(12) < 2})
     with pytest.raises(InputError, match="train split has 2 meshes, at least 3"):
         train_linear("pca", few, PcaConfig(), {})
+
+
+def test_the_number_of_threads_changes_no_byte(data):
+    trained = []
+    for threads in (1, 2):
+        with threadpool_limits(threads):
+            trained.append(train_linear("kernel", data, KernelConfig(dimension=5), {}).checkpoint[0])
+    for name, tensor in trained[0].items():
+        np.testing.assert_array_equal(tensor, trained[1][name], err_msg=name)
