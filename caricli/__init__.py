@@ -14,7 +14,6 @@ if TYPE_CHECKING:
     from caricli.io.image import read_image
     from caricli.io.landmarks import read_landmarks
     from caricli.io.mesh import read_mesh, write_mesh
-    from caricli.io.track import read_weights
     from caricli.methods.animate.animate_rig import animate_rig
     from caricli.methods.edit.caricaturize_face import caricaturize_face
     from caricli.methods.edit.edit_handles import edit_handles
@@ -26,6 +25,7 @@ if TYPE_CHECKING:
     from caricli.methods.texture.paint_head import paint_head
     from caricli.store.directions import load_directions
     from caricli.store.models import load_model
+    from caricli.store.tracks import load_track
     from caricli.structures import Camera, Face, Landmarks, Mesh, Rig
 
 __version__ = "0.1.0"
@@ -37,9 +37,9 @@ _HOMES = {
     "caricli.io.landmarks": ("read_landmarks",),
     "caricli.io.mesh": ("read_mesh", "write_mesh"),
     "caricli.io.face": ("read_face", "write_face"),
-    "caricli.io.track": ("read_weights",),
     "caricli.io.gltf.write_gltf": ("write_gltf",),
     "caricli.store.models": ("load_model",),
+    "caricli.store.tracks": ("load_track",),
     "caricli.store.directions": ("load_directions",),
     "caricli.methods.reconstruct.fit_landmarks": ("fit_landmarks",),
     "caricli.methods.reconstruct.refine_face": ("refine_face",),
@@ -68,13 +68,13 @@ __all__ = [
     "fit_landmarks",
     "load_directions",
     "load_model",
+    "load_track",
     "make_rig",
     "paint_head",
     "read_face",
     "read_image",
     "read_landmarks",
     "read_mesh",
-    "read_weights",
     "refine_face",
     "write_face",
     "write_gltf",

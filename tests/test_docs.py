@@ -1,3 +1,4 @@
+import os
 import re
 import runpy
 import subprocess
@@ -7,6 +8,7 @@ from urllib.parse import unquote
 
 import click
 import pytest
+from PIL import Image, ImageChops, ImageStat
 
 import caricli
 from caricli.cli import COMMANDS, cli
@@ -171,3 +173,16 @@ def test_one_machine_check_sees_bad_lines(bad):
 @pytest.mark.parametrize("good", ["../shared/real", "https://example.org/home/x", "$HOME/work/x", "tmp_path / 'x'"])
 def test_one_machine_check_passes_good_lines(good):
     assert not ONE_MACHINE.search(good)
+
+
+def test_the_numbers_of_landmarks_are_drawn_by_their_script(tmp_path):
+    script = ROOT / "docs" / "draw_landmarks.py"
+    environment = os.environ | {"PYTHONPATH": str(ROOT)}
+    subprocess.run([sys.executable, script, tmp_path / "landmarks.jpg"], check=True, env=environment)
+    with (
+        Image.open(tmp_path / "landmarks.jpg") as again,
+        Image.open(ROOT / "docs" / "images" / "landmarks.jpg") as kept,
+    ):
+        difference = ImageChops.difference(again, kept)
+        # Fonts of another machine differ a little.
+        assert again.size == kept.size and max(ImageStat.Stat(difference).mean) < 3

@@ -13,7 +13,7 @@ from caricli.structures import Track
 from caricli.structures.cues import viseme_name
 
 
-def load_track(path: Path, source_fps: float | None = None, fps: float | None = None) -> Track:
+def load_track(path: str | Path, source_fps: float | None = None, fps: float | None = None) -> Track:
     """The Track of a file, in ARKit's actions or whatever names it has that are no visemes.
 
     source_fps: frames a second of a recording that does not say. fps: those that are wanted, at which cues are spoken.

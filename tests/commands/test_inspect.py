@@ -115,6 +115,7 @@ def test_the_skin_of_a_rig_with_eyes_is_known(inspect, run, head_template, tmp_p
 
 def test_models_maps_and_directions(inspect):
     lines, report = inspect(asset_path("pca.safetensors"))
+    assert "trained with 720 people" in lines and report["people"] == 720
     assert "one of those that come with caricli" in lines and report["model_kind"] == "pca" and report["bundled"]
     _, report = inspect(asset_path("landmark_map.safetensors"))
     assert set(report["components"]) == {"normal", "caricature"}

@@ -30,7 +30,10 @@ def describe(value: Any, around: Acquaintances) -> Inspection:
     dimension = len(value.prior.mean)
     bundled = around.models.get(value.model_id)
     lines = ["one of those that come with caricli"] if bundled else [f"id {value.model_id[:12]}"]
+    people = None if value.seen is None else len(value.seen.train)
+    lines.append("no word of whom it was trained with" if people is None else f"trained with {people} people")
     values = {"model_kind": value.kind, "dimension": dimension, "model_id": value.model_id, "bundled": bool(bundled)}
+    values |= {} if people is None else {"people": people}
     summary = f"{value.kind}, {dimension} dimensions, {words.counts}"
     problems = tuple(words.check.problems)
     return Inspection("shape model", summary, (*lines, *words.lines), values | words.values, problems)
