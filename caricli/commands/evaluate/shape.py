@@ -47,7 +47,7 @@ def command(models, dataset, out, count, overwrite):
         data = read_dataset(dataset)
         loaded = {path: _of_mesh(path, data) for path in models}
         with naming(dataset):
-            unseen = unseen_data(data, {str(path): model.seen for path, model in loaded.items()})
+            unseen = unseen_data(data, {_name(path, models): model.seen for path, model in loaded.items()})
         for path, model in loaded.items():
             errors = evaluate_splits(model, unseen.data, count=count or 0)
             results[str(path)] = {split: asdict(error) for split, error in errors.items()}
@@ -66,6 +66,11 @@ def _of_mesh(path: Path, data: Any) -> Any:
     model = load_model(path)
     check_topology(model.template, data.template, path)
     return model
+
+
+def _name(path: Path, models: tuple[Path, ...]) -> str:
+    """What a message calls one of the models: the name of its file, where no other has the same."""
+    return path.name if [other.name for other in models].count(path.name) == 1 else str(path)
 
 
 def _about(path: Path, model: Any) -> tuple[str, str, str]:
