@@ -54,28 +54,32 @@ def _views(ctx, param, value):
 )
 @overwrite_option
 def command(paths, out, views, frames, size, columns, image, overwrite):
-    """Draw shaded pictures of faces (NPZ or any mesh): views side by side, a turntable, or an overlay.
+    """Draw shaded pictures of faces, meshes and rigs: views side by side, a turntable, or an overlay.
 
-    Several faces become a contact sheet with the names of their files. Heads of the bundled topology get eyeballs.
+    Faces and rigs are NPZ, GLB or glTF, meshes also OBJ, PLY or STL. They are drawn in the pictures that they wear (of
+    those in a GLB the first, and that of a material named eyes), rigs with their neutral face, overlays in clay.
+    Several become a contact sheet with the names of their files. Heads of the bundled topology get eyeballs where they
+    have none.
 
     \b
     Example:
       caricli render face.npz -o views.png
+      caricli render rig.glb -o turn.png --turntable 12 --size 256
       caricli render faces/*.obj -o sheet.png --views front --size 256
       caricli render face.npz -o overlay.png --image drawing.png
     """
     from caricli.render.face_sheet import SheetSettings, face_sheet
+    from caricli.store.rig_sources import load_shown_face
 
     if image is not None and len(paths) > 1:
         raise click.UsageError("--image takes one FACE.")
     settings = SheetSettings(views, frames, size, columns)
     _check_size(out, len(paths) * settings.count, size)
     with staged(out, overwrite=overwrite, inputs=(*paths, image)) as (temporary,):
-        faces = [read_face(path) for path in paths]
         if image is None:
-            picture = face_sheet([face.mesh for face in faces], [path.stem for path in paths], settings)
+            picture = face_sheet([load_shown_face(path) for path in paths], [path.stem for path in paths], settings)
         else:
-            picture = _overlay(faces[0], paths[0], image)
+            picture = _overlay(read_face(paths[0]), paths[0], image)
         write_png(temporary, picture)
     click.echo(f"{shown(out)}: {picture.shape[1]} x {picture.shape[0]} pixels, faces: {len(paths)}")
 

@@ -5,13 +5,13 @@ import numpy as np
 from caricli.errors import InputError
 from caricli.render.blend import over
 from caricli.render.coat import rig_coat
-from caricli.render.shade import CLAY, Look, shade
+from caricli.render.face_look import plain_colours
+from caricli.render.shade import Look, shade
 from caricli.render.sky import sky_visibility
 from caricli.render.smooth_normals import smooth_normals
 from caricli.render.views import TO_PICTURE, VIEWS, turn_about_y
-from caricli.structures import Material, Rig
+from caricli.structures import Rig
 
-EYE_WHITE = (232, 228, 222)
 PAPER = (255, 255, 255)
 _FILL = 0.82  # of the picture: jaws drop and heads turn
 
@@ -51,12 +51,10 @@ def draw_rig(
     middle = np.array([(size - 1) / 2, (size - 1) / 2, 0])
     points = scale * (vertices @ rotation.T - (low + high) / 2) + middle
     coat = rig_coat(rig)
-    look = Look(vertex_colours=_plain(rig), coat=coat, visibility=visibility, rotation=rotation)
+    look = Look(
+        vertex_colours=plain_colours(rig.mesh, rig.triangle_materials),
+        coat=coat,
+        visibility=visibility,
+        rotation=rotation,
+    )
     return over(shade(points, rig.faces, size, size, look), PAPER)
-
-
-def _plain(rig: Rig) -> np.ndarray:
-    """(V, 3) sRGB of vertices where no picture is: clay, and the white of eyes."""
-    colours = np.tile(np.array(CLAY, float), (len(rig.neutral), 1))
-    colours[rig.faces[rig.triangle_materials == Material.EYE]] = EYE_WHITE
-    return colours

@@ -6,11 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from caricli.render.contact_sheet import contact_sheet
-from caricli.render.place_eyeballs import place_eyeballs
-from caricli.render.shade import Look
+from caricli.render.face_look import face_look
 from caricli.render.views import render_views, turntable
-from caricli.structures import Mesh
-from caricli.template.annotation import bundled_annotation
+from caricli.structures import Face
 
 
 @dataclass(frozen=True)
@@ -34,19 +32,19 @@ class SheetSettings:
         return self.frames or len(self.views)
 
 
-def face_sheet(meshes: Sequence[Mesh], names: Sequence[str], settings: SheetSettings) -> np.ndarray:
-    """Pictures of faces with their names, or of one face; heads of the bundled topology get eyeballs.
+def face_sheet(faces: Sequence[Face], names: Sequence[str], settings: SheetSettings) -> np.ndarray:
+    """Pictures of faces in what they wear, with their names, or of one face.
 
-    Returns (H, W, 3) uint8.
+    Heads of the bundled topology get eyeballs unless they have eyes of their own. Returns (H, W, 3) uint8.
     """
-    strips = [_strip(mesh, settings) for mesh in meshes]
+    strips = [_strip(face, settings) for face in faces]
     if len(strips) == 1:
         return contact_sheet(strips[0], settings.columns or (None if settings.frames else len(settings.views)))
     return contact_sheet([np.hstack(strip) for strip in strips], settings.columns, list(names))
 
 
-def _strip(mesh: Mesh, settings: SheetSettings) -> list[np.ndarray]:
-    look = Look(eyeballs=place_eyeballs(mesh, bundled_annotation()))
+def _strip(face: Face, settings: SheetSettings) -> list[np.ndarray]:
+    look = face_look(face)
     if settings.frames:
-        return turntable(mesh, settings.frames, settings.size, look)
-    return render_views(mesh, settings.views, settings.size, look)
+        return turntable(face.mesh, settings.frames, settings.size, look)
+    return render_views(face.mesh, settings.views, settings.size, look)

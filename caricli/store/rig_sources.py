@@ -1,15 +1,18 @@
 """What rigs are made from: a neutral face and the pictures on it."""
 
-from dataclasses import astuple, dataclass
+from dataclasses import astuple, dataclass, replace
 from pathlib import Path
 
-from caricli.io.face import read_picture_names
-from caricli.io.gltf.read_gltf import read_gltf
+from caricli.errors import naming
+from caricli.io.face import read_face, read_picture_names
+from caricli.io.gltf.read_gltf import read_gltf, read_gltf_mesh
 from caricli.io.image import read_image
 from caricli.io.mtl import EYES, material_pictures
+from caricli.io.npz import read_npz, text_of
+from caricli.io.rig import SCHEMA as RIG_SCHEMA
 from caricli.io.rig import read_rig
 from caricli.io.worn import PictureNames
-from caricli.structures import Pictures, Rig
+from caricli.structures import Face, Material, Pictures, Rig
 
 EYES_FILE = "eyes.png"
 """Name of the picture of the eyes beside that of the skin."""
@@ -54,6 +57,39 @@ def picture_paths(face: Path, texture: Path | None = None) -> PicturePaths:
     if skin is not None and eyes is None and skin.with_name(EYES_FILE).is_file():
         eyes = skin.with_name(EYES_FILE)
     return PicturePaths(skin, eyes)
+
+
+def load_shown_face(path: Path) -> Face:
+    """What there is to see of a file: a face or a mesh with the pictures that it wears, or the neutral face of a rig.
+
+    path: NPZ of either, or any mesh. Raises InputError.
+    """
+    suffix = path.suffix.lower()
+    if suffix in (".glb", ".gltf"):
+        return _gltf_face(path)
+    if suffix == ".npz" and text_of(read_npz(path).get("schema")) == RIG_SCHEMA:
+        return _rig_face(read_rig(path))
+    face = read_face(path)
+    if face.mesh.uvs is None or face.pictures:
+        return face
+    with naming(path):
+        return replace(face, pictures=picture_paths(path).load())
+
+
+def _gltf_face(path: Path) -> Face:
+    """The rig or the one painted mesh of a glTF file, else all that is in the scene, which wears nothing."""
+    rig = read_gltf(path)
+    if rig.names or Material.EYE in rig.triangle_materials:
+        return _rig_face(rig)
+    scene = read_gltf_mesh(path)
+    if rig.pictures and rig.mesh.topology_id == scene.topology_id and rig.mesh.same_layout(scene):
+        return replace(_rig_face(rig), mesh=scene)
+    return Face(scene)
+
+
+def _rig_face(rig: Rig) -> Face:
+    pictures = Pictures() if rig.mesh.uvs is None else rig.pictures
+    return Face(rig.mesh, pictures=pictures, materials=rig.materials)
 
 
 def load_pictures(face: Path) -> Pictures:

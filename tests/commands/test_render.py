@@ -1,12 +1,17 @@
+import shutil
+
 import numpy as np
 import pytest
 from click.testing import CliRunner
 
 from caricli.cli import cli
 from caricli.io.face import write_face
+from caricli.io.gltf.write_gltf import write_gltf
 from caricli.io.image import read_image, write_png
+from caricli.io.mesh import read_mesh, write_mesh
 from caricli.io.obj import write_obj
-from caricli.structures import Camera, Face, Mesh
+from caricli.io.rig import write_rig
+from caricli.structures import Camera, Face, Mesh, Rig
 
 OCTAHEDRON = np.array([[1.0, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]])
 FACES = np.array([[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]], np.int32)
@@ -65,6 +70,56 @@ def test_several_faces_become_a_labelled_sheet(obj, npz, tmp_path):
     single, sheet = read_image(one), read_image(two)
     assert sheet.shape[0] > 2 * single.shape[0] - 8 + 20  # room for labels
     assert not drawn(sheet[-70:, -64:]).any()  # the fourth place is empty
+
+
+GREEN = np.tile(np.array([20, 160, 40], np.uint8), (32, 32, 1))
+BLUE = np.tile(np.array([30, 40, 200], np.uint8), (32, 32, 1))
+
+
+@pytest.fixture(scope="module")
+def painted(tmp_path_factory):
+    """Files by name of one octahedron with a green skin, its lowest two sides of a blue eye."""
+    folder = tmp_path_factory.mktemp("painted")
+    uvs = np.random.default_rng(0).uniform(0.2, 0.8, (24, 2))
+    mesh = Mesh(OCTAHEDRON.astype(np.float32) * 0.1, FACES, uvs, np.arange(24, dtype=np.int32).reshape(8, 3))
+    materials = np.array([0, 0, 1, 1, 0, 0, 1, 1], np.int32)
+    deltas = np.zeros((1, 6, 3), np.float32)
+    deltas[0, 0] = 0.01
+    rig = Rig(("jawOpen",), mesh, deltas, materials, GREEN, BLUE)
+    write_rig(folder / "rig.npz", rig)
+    write_gltf(folder / "rig.glb", rig)
+    plain = Rig((), mesh, deltas[:0], texture=GREEN)
+    write_gltf(folder / "face.glb", plain)
+    write_png(folder / "skin.png", GREEN)
+    write_mesh(folder / "face.obj", mesh, "skin.png", folder / "face.mtl")
+    write_face(folder / "face.npz", Face(mesh))
+    return folder
+
+
+@pytest.mark.parametrize("name", ["rig.npz", "rig.glb", "face.glb", "face.obj", "face.npz"])
+def test_draws_what_they_wear(painted, tmp_path, name):
+    result = run(painted / name, "-o", tmp_path / "a.png", "--size", 64, "--views", "front")
+    assert result.exit_code == 0, result.output
+    picture = read_image(tmp_path / "a.png").astype(int)
+    colours = picture[drawn(picture)]
+    top = picture[20:28][drawn(picture[20:28])].mean(0)
+    low = picture[-28:-20][drawn(picture[-28:-20])].mean(0)
+    assert len(colours) > 500 and top.argmax() == 1 and low.argmax() == (2 if name.startswith("rig") else 1)
+
+
+def test_a_mesh_without_pictures_is_clay(painted, tmp_path):
+    path = tmp_path / "alone.obj"
+    write_mesh(path, read_mesh(painted / "face.obj"))
+    assert run(path, "-o", tmp_path / "a.png", "--size", 64, "--views", "front").exit_code == 0
+    picture = read_image(tmp_path / "a.png").astype(int)
+    assert picture[drawn(picture)].mean(0).argmax() == 0
+
+
+def test_a_picture_that_is_named_and_not_there_is_said(painted, tmp_path):
+    shutil.copy(painted / "face.obj", tmp_path)
+    shutil.copy(painted / "face.mtl", tmp_path)
+    code, said = failure(tmp_path / "face.obj", "-o", tmp_path / "a.png")
+    assert code == 1 and "skin.png" in said and not (tmp_path / "a.png").exists()
 
 
 def test_lays_a_face_over_its_picture(npz, tmp_path):
