@@ -219,7 +219,7 @@ def test_bad_input_is_one_line_and_leaves_nothing(refused, rig_file, values, tmp
         check(word, source=bad)
     zero = {"schema": "caricli.weights/1", "fps": 0, "names": ["jawOpen"], "weights": [[0]]}
     (tmp_path / "zero.json").write_text(json.dumps(zero))
-    check("fps: expected more than 0", source=tmp_path / "zero.json")
+    check("fps: expected from 0.001 to 1000 frames a second, found 0", source=tmp_path / "zero.json")
     check("no such file", source=tmp_path / "none.csv")
     check("no such file", rig=tmp_path / "none.npz")
     check("expected an NPZ file", rig=good)
