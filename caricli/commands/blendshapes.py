@@ -30,7 +30,7 @@ DEFAULT_WEIGHTS = astuple(BlendshapeWeights())
     "--expressions",
     type=PATH,
     metavar="FILE",
-    help="Make the expressions of this YAML or JSON file.  [default: 46 of ARKit's]",
+    help="Make the expressions of this YAML or JSON file.  [default: ARKit's 52]",
 )
 @click.option(
     "--method",
@@ -123,7 +123,7 @@ def command(
             result = rig_blendshapes(blendshapes, tools, RigSettings(eyeballs=eyeballs, seed=seed), images, face.mesh)
         about = {"method": method, "reconstruct": reconstruct, "weights": weights, "seconds": seconds}
         figures, line = report_blendshapes(face, blendshapes, tools, result)
-        _write(files, face, result.rig, provenance("blendshapes", inputs, seed, **about, **figures))
+        _write(files, face, result, provenance("blendshapes", inputs, seed, **about, **figures))
     click.echo(f"{out}: {line}, {seconds:.2f} s")
 
 
@@ -135,15 +135,14 @@ def _check_usage(method, reconstruct, weights):
         raise click.UsageError("--weights are those of --method full.")
 
 
-def _write(files, face, rig, description):
-    """Write NPZ, GLB, JSON and picture of a Rig."""
+def _write(files, face, result, description):
+    """Write NPZ, GLB, JSON and picture of a RigResult."""
     from caricli.commands.shared.expression_picture import write_expression_sheet
     from caricli.io.gltf.write_gltf import write_gltf
     from caricli.io.rig import write_rig
-    from caricli.methods.expressions.rig_blendshapes import shape_as_given
 
     npz, glb, json, png = files
-    write_rig(npz, rig)
-    write_gltf(glb, rig)
+    write_rig(npz, result.rig)
+    write_gltf(glb, result.rig)
     write_json(json, description)
-    write_expression_sheet(png, rig, shape_as_given(rig, face))
+    write_expression_sheet(png, result.rig, result.shaped(face.vertices))

@@ -22,6 +22,12 @@ from caricli.io.usd import write_usd
     metavar="DIR",
     help="Take the expressions from meshes in this folder: neutral.obj, and one for each.  [default: the head's]",
 )
+@click.option(
+    "--neutral",
+    type=click.Choice(["auto", "as-is"]),
+    default="auto",
+    help="Find the neutral face where the given one shows an expression (auto), or take it as it is.",
+)
 @click.option("--eyeballs/--no-eyeballs", default=True, help="Put eyes into the sockets, as part of the mesh.")
 @click.option(
     "--texture", type=PATH, metavar="IMAGE", help="Put this picture on the skin.  [default: the one that the face has]"
@@ -38,8 +44,11 @@ from caricli.io.usd import write_usd
 )
 @seed_option
 @overwrite_option
-def command(face, out, templates, eyeballs, texture, sparse, usd, levels, seed, overwrite):
-    """Give a neutral face (NPZ, OBJ, PLY, GLB or glTF) the 52 expressions of ARKit by deformation transfer.
+def command(face, out, templates, neutral, eyeballs, texture, sparse, usd, levels, seed, overwrite):
+    """Give a face (NPZ, OBJ, PLY, GLB or glTF) the 52 expressions of ARKit by deformation transfer.
+
+    Expressions start from the neutral face. Of one that laughs it is found first, as `blendshapes` finds it, with its
+    lips closed; one that shows no expression, or has another mesh than the bundled models, is taken as it is.
 
     Lids close and lips meet as they do on the template, whatever the shape of the face; what no expression moves stays
     where it is. mouthClose is drawn on top of jawOpen, as it is meant. `caricli inspect` says what is in the result.
@@ -47,16 +56,17 @@ def command(face, out, templates, eyeballs, texture, sparse, usd, levels, seed, 
     \b
     Example:
       caricli rig face.npz --out rig.glb
+      caricli rig sculpted.obj --neutral as-is --out sculpted.glb
       caricli rig face.obj --subdivide 1 --sparse --out fine.glb
       caricli rig scan.obj --templates expressions --out rig.glb
     """
     from caricli.methods.rig.make_rig import RigSettings, make_rig
-    from caricli.methods.rig.rig_figures import describe_rig, lips_are_apart
+    from caricli.methods.rig.rig_figures import describe_rig
     from caricli.store.expression_templates import load_templates
     from caricli.store.rig_sources import picture_paths
 
     expressions, template_files = load_templates(templates)
-    mesh = read_face(face).mesh
+    given = read_face(face)
     pictures = picture_paths(face, texture)
     inputs = [face, *pictures.files, *template_files]
     suffixes = [".npz", ".json", ".png", *([".usdc"] if usd else [])]
@@ -64,23 +74,45 @@ def command(face, out, templates, eyeballs, texture, sparse, usd, levels, seed, 
         glb, npz, json, png, *usdc = files
         images = pictures.load()
         with naming(face):
-            result = make_rig(mesh, expressions, RigSettings(levels, eyeballs, seed), images)
+            rest = _rest(given, neutral)
+            result = make_rig(rest.mesh, expressions, RigSettings(levels, eyeballs, seed), images)
         write_gltf(glb, result.rig, sparse)
         write_rig(npz, result.rig)
         for path in usdc:
             write_usd(path, result.rig)
         about = {"subdivide": levels, "sparse": sparse, "units": "m", "axes": "+y up, +z front"}
-        _report(json, png, result, provenance("rig", inputs, seed, **about))
-    if lips_are_apart(result):
-        click.echo(f"{face}: its lips are apart, and stay so where no expression closes them", err=True)
-    click.echo(f"{out}: {describe_rig(result)}")
+        _report(json, png, result, rest, provenance("rig", inputs, seed, **about))
+    _advise(face, result, rest, neutral)
+    click.echo(f"{out}: {describe_rig(result)}, {rest.describe()}")
 
 
-def _report(json, png, result, description):
-    """Write what is known of a RigResult, and a picture of every expression."""
+def _rest(given, neutral):
+    """The NeutralFace of a Face."""
+    from caricli.methods.expressions.find_neutral import NeutralFace, find_neutral
+    from caricli.store.expression_tools import load_neutral_tools
+
+    tools = load_neutral_tools(given.mesh) if neutral == "auto" else None
+    return find_neutral(given, tools) if tools else NeutralFace(given.mesh, given.mesh)
+
+
+def _report(json, png, result, rest, description):
+    """Write what is known of a RigResult and its NeutralFace, and a picture of every expression."""
     from caricli.commands.shared.expression_picture import write_expression_sheet
     from caricli.methods.rig.rig_figures import rig_figures
     from caricli.store.expression_templates import load_action_units
 
-    write_json(json, description | rig_figures(result, load_action_units()))
-    write_expression_sheet(png, result.rig)
+    write_json(json, description | rest.figures() | rig_figures(result, load_action_units()))
+    write_expression_sheet(png, result.rig, result.shaped(rest.given.vertices) if rest.moved else None)
+
+
+def _advise(face, result, rest, neutral):
+    """Say what closes the lips of a RigResult, where they are apart."""
+    from caricli.methods.rig.rig_figures import lips_are_apart
+
+    if lips_are_apart(result):
+        advice = "give a face with its mouth at rest"
+        if neutral != "auto":
+            advice = "without --neutral as-is they are closed first"
+        elif rest.shown is None:
+            advice = "caricli blendshapes closes them with a --model and a --map of its mesh"
+        click.echo(f"{face}: its lips are apart, and stay so where no expression closes them; {advice}", err=True)

@@ -7,7 +7,6 @@ from typing import Any
 from caricli.errors import InputError, naming, shown
 from caricli.io.bundled import asset_path
 from caricli.io.config import read_yaml
-from caricli.io.strict_json import read_json
 from caricli.limits import MAX_SHAPES
 
 NEUTRAL = "neutral"
@@ -47,10 +46,9 @@ def mouth_shapes(action_names: Collection[str]) -> dict[str, dict[str, float]]:
     return {name: expand_sides(weights, action_names) for name, weights in table.items()}
 
 
-def facs_expressions(action_names: Collection[str]) -> dict[str, dict[str, float]]:
-    """The neutral expression and the 46 FACS-style ones, those of them that are among the actions."""
-    facs = read_json(asset_path("facs.json"))
-    return {NEUTRAL: {}} | {name: {name: 1.0} for name in action_names if facs.get(name, {}).get("facs46")}
+def single_expressions(action_names: Collection[str]) -> dict[str, dict[str, float]]:
+    """The neutral expression and every action alone."""
+    return {NEUTRAL: {}} | {name: {name: 1.0} for name in action_names}
 
 
 def read_expressions(path: Path, action_names: Collection[str]) -> dict[str, dict[str, float]]:

@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from caricli.data.expressions import NEUTRAL, facs_expressions, read_expressions
+from caricli.data.expressions import read_expressions, single_expressions
 from caricli.errors import InputError, naming, shown
 from caricli.io.landmarks import read_landmarks
 from caricli.io.mesh import is_mesh_file
@@ -16,7 +16,7 @@ from caricli.store.faces import load_worn_face
 from caricli.store.landmark_maps import landmark_map_path, load_landmark_map
 from caricli.store.models import DEFAULT_LATENT, load_model, load_morphable
 from caricli.store.rig_sources import PicturePaths, picture_paths
-from caricli.structures import Face
+from caricli.structures import Face, Mesh
 from caricli.template.template import Template
 
 
@@ -47,7 +47,9 @@ def load_tools(paths: ToolPaths = ToolPaths(), latent: bool = False) -> tuple[Ex
     if any(mesh.topology_id != morphable.template.topology_id for mesh in meshes):
         expected = f"templates and models of one mesh, that of the morphable model ({len(morphable.mean)} vertices)"
         raise InputError(f"{shown(paths.model or paths.templates)}: expected {expected}, found another")
-    expressions = _expressions(paths, actions)
+    expressions = single_expressions(actions.names)
+    if paths.expressions is not None:
+        expressions = read_expressions(paths.expressions, actions.names)
     actions = _on_template(actions, morphable.template)
     tools = ExpressionTools(actions, expressions, morphable, load_landmark_map(paths.landmark_map), model)
     if not tools.templates.deltas.any():
@@ -56,13 +58,10 @@ def load_tools(paths: ToolPaths = ToolPaths(), latent: bool = False) -> tuple[Ex
     return tools, [path for path in files if path is not None]
 
 
-def _expressions(paths: ToolPaths, actions: ExpressionTemplates) -> dict[str, dict[str, float]]:
-    """Weights of actions by the name of the expression, the neutral one first."""
-    if paths.expressions is not None:
-        return read_expressions(paths.expressions, actions.names)
-    if paths.templates is not None:
-        return {NEUTRAL: {}} | {name: {name: 1.0} for name in actions.names}
-    return facs_expressions(actions.names)
+def load_neutral_tools(mesh: Mesh) -> ExpressionTools | None:
+    """The bundled tools, which find the neutral face of a mesh; None for one of another topology than theirs."""
+    actions, _ = load_templates()
+    return load_tools()[0] if mesh.topology_id == actions.mesh.topology_id else None
 
 
 def _on_template(actions: ExpressionTemplates, template: Template) -> ExpressionTemplates:

@@ -54,3 +54,15 @@ def start_delta(names: Sequence[str], deltas: np.ndarray, k: int) -> np.ndarray:
     """
     base = STARTS.get(names[k])
     return deltas[names.index(base)] if base in names else np.zeros_like(deltas[k])
+
+
+def uses(names: Sequence[str]) -> np.ndarray:
+    """(K, K) the weights of expressions that using one of them means: its own, and that of what it starts from.
+
+    names: (K,) of expressions.
+    """
+    weights = np.eye(len(names))
+    for name, base in STARTS.items():
+        if name in names and base in names:
+            weights[names.index(name), names.index(base)] = 1
+    return weights

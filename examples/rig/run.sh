@@ -6,9 +6,8 @@ out="$1" seconds="${2:-10}" pixels="${3:-320}"
 mkdir -p "$out"
 
 caricli reconstruct-from-landmarks "$here/../astronaut/landmarks.json" --out "$out/astronaut.obj"
-caricli edit-semantic "$out/astronaut.npz" --label MouthOpen=-1 --label Smile=-0.7 --label BigEye=1.5 \
-    --label ThickLips=0.7 --out "$out/neutral.obj"
-caricli rig "$out/neutral.npz" --out "$out/rig.glb"
+caricli edit-semantic "$out/astronaut.npz" --label BigEye=1.5 --out "$out/eyes.obj"
+caricli rig "$out/eyes.npz" --out "$out/rig.glb"
 caricli inspect "$out/rig.glb"
 "${PYTHON:-python}" "$here/make_weights.py" "$out/weights.json" "$seconds"
 caricli animate "$out/rig.npz" "$out/weights.json" --out "$out/talk.glb"

@@ -10,6 +10,7 @@ from caricli.io.landmarks import write_landmarks
 from caricli.io.npz import read_npz, write_npz
 from caricli.io.rig import read_rig
 from caricli.io.strict_json import read_json
+from caricli.methods.rig.measure_rig import curve_gap
 from caricli.structures import Face, Landmarks
 from caricli.structures.arkit import ARKIT_NAMES
 
@@ -24,8 +25,12 @@ def folder(tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def landmarks(points, folder):
-    write_landmarks(folder / "marks.json", Landmarks(points[:68], (400, 400)))
+def landmarks(head, head_template, folder):
+    """Those of a laughing head in front."""
+    laugh = {"mouthSmileLeft": 0.9, "mouthSmileRight": 0.9, "jawOpen": 0.35}
+    face = head.evaluate(gender=0.2, age=0.8, actions=laugh)
+    marks = 1400 * face[head_template.annotation.landmarks[:68], :2] * [1, -1] + [200, 320]
+    write_landmarks(folder / "marks.json", Landmarks(marks, (400, 400)))
     return folder / "marks.json"
 
 
@@ -52,14 +57,14 @@ def blended(run, face, quick_pictures, folder):
     return out, result
 
 
-def test_a_face_gets_46_expressions(blended, face):
+def test_a_face_gets_arkits_expressions(blended, face):
     out, result = blended
     assert sorted(path.name for path in out.parent.iterdir()) == ["b.glb", "b.json", "b.npz", "b.png"]
-    assert result.stdout.startswith(f"{out}: 46 expressions, ") and result.stdout.count("\n") == 1
+    assert result.stdout.startswith(f"{out}: 52 expressions, ") and result.stdout.count("\n") == 1
     rig = read_rig(out)
-    assert len(rig.names) == 46 and set(rig.names) < set(ARKIT_NAMES)
-    assert rig.normal_deltas.shape == (46, 4200, 3) and len(rig.neutral) > 4200
-    # The picture shows a smile, the neutral face less of it; the skull is where it was.
+    assert sorted(rig.names) == sorted(ARKIT_NAMES)
+    assert rig.normal_deltas.shape == (52, 4200, 3) and len(rig.neutral) > 4200
+    # The picture shows a laugh, the neutral face less of it; the skull is where it was.
     moved = np.linalg.norm(rig.neutral[:4200] - read_face(face).vertices, axis=1)
     assert 0.001 < moved.max() < 0.03 and (moved < 1e-6).sum() > 500
     jaw = rig.names.index("jawOpen")
@@ -79,9 +84,22 @@ def test_the_report_says_what_every_expression_is_and_does(blended, face):
     assert report["command"] == "blendshapes" and report["method"] == "full" and report["weights"] == [1.0, 0.1, 0.05]
     assert str(face) in report["inputs"] and report["seconds"] > 0 and report["structure"] < 0.5
     rows = report["expressions"]
-    assert len(rows) == 47 and next(iter(rows)) == "neutral" and rows["jawOpen"]["weights"] == {"jawOpen": 1.0}
+    assert len(rows) == 53 and next(iter(rows)) == "neutral" and rows["jawOpen"]["weights"] == {"jawOpen": 1.0}
     for name, row in rows.items():
-        assert row["drift"] < 0.001 and (name == "neutral" or 0.3 < row["strength"] < 2), name
+        still = name in ("neutral", "tongueOut")
+        assert row.get("drift", 0) < 0.001 and (still or 0.3 < row["strength"] < 2), name
+
+
+def test_its_eyes_look_aside_and_its_lips_close_on_an_open_jaw(blended, head_template):
+    rig = read_rig(blended[0])
+    for name in ("eyeLookInLeft", "eyeLookOutLeft", "eyeLookInRight", "eyeLookOutRight"):
+        balls = rig.deltas[rig.names.index(name), 4200:]
+        assert np.abs(balls[:, 0]).max() > 0.003, name
+    assert not rig.deltas[rig.names.index("tongueOut")].any()
+    lips = [head_template.annotation.curves[f"mouth_inner_{lip}"] for lip in ("upper", "lower")]
+    close, wide, rest = (rig.shape_in_use(rig.names.index("mouthClose")), rig.shape("jawOpen"), rig.neutral)
+    assert curve_gap(close[:, :2], *lips) < 0.2 * curve_gap(wide[:, :2], *lips)
+    assert curve_gap(rest[:, :2], *lips) < 0.2 * curve_gap(wide[:, :2], *lips)
 
 
 @pytest.mark.parametrize("more", [("--method", "initial"), ("--method", "transfer"), ("--reconstruct", "latent")])

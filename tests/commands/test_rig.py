@@ -1,9 +1,11 @@
 import re
 import shutil
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+from caricli.commands.rig import _advise
 from caricli.io.bundled import asset_path
 from caricli.io.face import read_face, write_face
 from caricli.io.gltf.read_gltf import read_gltf
@@ -11,6 +13,7 @@ from caricli.io.image import read_image, write_png
 from caricli.io.obj import read_obj, write_obj
 from caricli.io.rig import read_rig
 from caricli.io.strict_json import read_json
+from caricli.methods.rig.measure_rig import curve_gap
 from caricli.structures import Mesh
 from caricli.structures.arkit import ARKIT_NAMES
 
@@ -181,6 +184,43 @@ def test_usd_beside_it(run, scans, target, tmp_path):
     pytest.importorskip("pxr")
     assert run("rig", target, "--templates", scans, "--usd", "--out", tmp_path / "rig.glb").exit_code == 0
     assert (tmp_path / "rig.usdc").stat().st_size > 1000
+
+
+@pytest.fixture(scope="module")
+def laughing(head, face):
+    """An OBJ of the same caricature, laughing."""
+    laugh = {"mouthSmileLeft": 0.8, "mouthSmileRight": 0.8, "jawOpen": 0.4}
+    path = face.with_name("laughing.obj")
+    vertices = head.evaluate(gender=0.1, age=0.8, weight=0.7, actions=laugh) * WIDE
+    write_obj(path, Mesh(vertices, head.polygons, head.uvs, head.uv_polygons))
+    return path
+
+
+def test_a_face_that_laughs_comes_to_rest_first(run, laughing, face, head_template, undrawn, tmp_path):
+    lips = [head_template.annotation.curves[f"mouth_inner_{lip}"] for lip in ("upper", "lower")]
+    gaps = {}
+    for choice in ("auto", "as-is"):
+        out = tmp_path / f"{choice}.glb"
+        result = run("rig", laughing, "--neutral", choice, "--no-eyeballs", "--out", out)
+        assert result.exit_code == 0, result.output
+        neutral = read_rig(out.with_suffix(".npz")).neutral
+        gaps[choice] = curve_gap(neutral[:, :2], *lips)
+        report = read_json(out.with_suffix(".json"))["neutral"]
+        if choice == "as-is":
+            np.testing.assert_allclose(neutral, read_obj(laughing).vertices, atol=1e-6)
+            assert "its lips are apart" in result.stderr and "without --neutral as-is" in result.stderr
+            assert report == {"moved": 0.0} and "neutral as given" in result.stdout
+        else:
+            assert result.stderr == "" and "mm from the given one" in result.stdout
+            assert report["expression_shown"] > 1 and 0.005 < report["moved"] < 0.05
+    rest = read_obj(face).vertices
+    assert gaps["auto"] < 1.5 * curve_gap(rest[:, :2], *lips) < 0.4 * gaps["as-is"]
+
+
+def test_what_closes_the_lips_of_ones_own_mesh_is_said(capsys):
+    rest = SimpleNamespace(shown=None)
+    _advise("scan.obj", SimpleNamespace(measures=SimpleNamespace(lips_open=0.5)), rest, "auto")
+    assert "caricli blendshapes closes them with a --model" in capsys.readouterr().err
 
 
 def test_wrong_usage(run, refused, face, tmp_path):

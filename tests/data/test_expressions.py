@@ -1,6 +1,6 @@
 import pytest
 
-from caricli.data.expressions import expand_sides, facs_expressions, named_expressions, read_expressions
+from caricli.data.expressions import expand_sides, named_expressions, read_expressions, single_expressions
 from caricli.errors import InputError
 
 NAMES = ("jawOpen", "mouthSmileLeft", "mouthSmileRight", "browDownLeft", "browDownRight")
@@ -28,10 +28,10 @@ def test_the_bundled_table_has_25_expressions_of_known_actions(head):
     assert len({str(weights) for weights in table.values()}) == 25
 
 
-def test_the_default_set_is_neutral_and_46(head):
-    found = facs_expressions(head.action_names)
-    assert len(found) == 47 and next(iter(found)) == "neutral" and found["jawOpen"] == {"jawOpen": 1.0}
-    assert list(facs_expressions(("jawOpen", "mine"))) == ["neutral", "jawOpen"]
+def test_the_default_set_is_neutral_and_every_action(head):
+    table = single_expressions(head.action_names)
+    assert list(table) == ["neutral", *head.action_names]
+    assert table["neutral"] == {} and table["jawOpen"] == {"jawOpen": 1.0}
 
 
 def test_a_file_is_read_with_the_neutral_one_first(tmp_path):

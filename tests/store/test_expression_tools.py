@@ -16,9 +16,9 @@ def tools():
     return load_tools()[0]
 
 
-def test_bundled_tools_make_46_expressions(tools):
+def test_bundled_tools_make_52_expressions(tools):
     bundled, files = load_tools()
-    assert len(tools.expressions) == 47 and next(iter(tools.expressions)) == "neutral"
+    assert len(tools.expressions) == 53 and next(iter(tools.expressions)) == "neutral"
     assert tools.templates.names == tuple(tools.expressions) and tools.acting.names == tools.templates.names[1:]
     assert bundled.latent is None and [path.name for path in files] == ["landmark_map.safetensors"]
     assert sorted(load_action_units()) == sorted(ARKIT_NAMES)

@@ -4,7 +4,7 @@ import numpy as np
 
 from caricli.methods.evaluate.evaluate_blendshapes import Comparison
 from caricli.methods.expressions.build_blendshapes import Blendshapes, build_blendshapes
-from caricli.methods.expressions.rig_blendshapes import rig_blendshapes, shape_as_given
+from caricli.methods.expressions.rig_blendshapes import rig_blendshapes
 from caricli.methods.expressions.settings import METHODS, BlendshapeSettings
 from caricli.methods.expressions.tools import ExpressionTools
 from caricli.methods.rig.make_rig import RigSettings
@@ -41,6 +41,6 @@ class BlendshapeSheet:
         return contact_sheet(self.cells, 1 + len(self.names), self.labels)
 
     def _add(self, label: str, blendshapes: Blendshapes, face: Face, pictures: Pictures) -> None:
-        rig = rig_blendshapes(blendshapes, self.tools, RigSettings(), pictures, face.mesh).rig
-        self.cells += expression_row(rig, shape_as_given(rig, face), self.names, self.size)
+        result = rig_blendshapes(blendshapes, self.tools, RigSettings(), pictures, face.mesh)
+        self.cells += expression_row(result.rig, result.shaped(face.vertices), self.names, self.size)
         self.labels += [label, *self.names]

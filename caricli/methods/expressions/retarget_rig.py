@@ -1,7 +1,7 @@
 """A caricature that does what normal faces do."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -11,6 +11,7 @@ from caricli.methods.reconstruct.fit_morphable import fit_morphable
 from caricli.methods.reconstruct.landmark_fit import LandmarkFit
 from caricli.models.morphable.model import MorphableModel
 from caricli.structures import Animation, Face, Landmarks, Rig
+from caricli.structures.arkit import uses
 from caricli.template.template import Template
 
 _SAID = 3
@@ -96,16 +97,20 @@ def retarget_rig(
 ) -> Retargeting:
     """Explain what normal faces of one person do by the expressions of a rig.
 
+    One that only means something on top of another comes with it: lips close on an open jaw, and not more than it is.
+
     drivers: all meshes or all landmarks. neutral: (N, 3) metres, the neutral face of the person in driving meshes, or
     None.
     Raises InputError where no expression moves a normal face.
     """
     meshes = [driver.vertices for driver in drivers if isinstance(driver, DrivingMesh)]
     seen = [driver for driver in drivers if isinstance(driver, DrivingLandmarks)]
-    deltas = rig.require_normal_deltas()
+    together = uses(rig.names)
+    deltas = np.tensordot(together, rig.require_normal_deltas(), 1)
     if meshes:
         explanation = explain_meshes(meshes, deltas, model, neutral)
-        return Retargeting(rig, model.template, explanation, "mm")
-    fits = [driver.fit for driver in seen]
-    explanation = explain_landmarks(fits, [driver.points for driver in seen], deltas, model)
-    return Retargeting(rig, model.template, explanation, "percent")
+    else:
+        points = [driver.points for driver in seen]
+        explanation = explain_landmarks([driver.fit for driver in seen], points, deltas, model)
+    explanation = replace(explanation, weights=explanation.weights @ together)
+    return Retargeting(rig, model.template, explanation, "mm" if meshes else "percent")

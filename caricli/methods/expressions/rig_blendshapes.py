@@ -8,7 +8,7 @@ from caricli.methods.expressions.build_blendshapes import Blendshapes
 from caricli.methods.expressions.measure_blendshapes import BlendshapeMeasures, measure_blendshapes
 from caricli.methods.expressions.tools import ExpressionTools
 from caricli.methods.rig.make_rig import RigResult, RigSettings, make_rig
-from caricli.structures import Face, Mesh, Pictures, Rig
+from caricli.structures import Face, Mesh, Pictures
 
 
 def rig_blendshapes(
@@ -28,13 +28,6 @@ def rig_blendshapes(
     result = make_rig(mesh, tools.acting, settings, pictures, blendshapes.shapes[1:] - neutral)
     normal_deltas = (blendshapes.normal[1:] - blendshapes.normal[0]).astype(np.float32)
     return replace(result, rig=replace(result.rig, normal_deltas=normal_deltas))
-
-
-def shape_as_given(rig: Rig, face: Face) -> np.ndarray:
-    """(W, 3) the vertices of a rig with the expression that the caricature has in its picture."""
-    given = np.array(rig.neutral)
-    given[: len(face.vertices)] = face.vertices
-    return given
 
 
 def report_blendshapes(

@@ -30,6 +30,9 @@ class BlendshapeSettings:
     farthest: factor of the way of a normal face's landmark: none goes farther, because the map exaggerates moves as it
     exaggerates faces.
     strength: how much landmarks pull, against the surface: little, because the deformation gradients already do most.
+    shown: farthest vertex of the expression that is fitted, of that of the middle one of the actions: below it a face
+    is neutral, because so much is fitted to neutral ones.
+    pictured: pixels that a face is high which no picture shows; landmarks have no pixels, so that it hardly matters.
     """
 
     method: str = "full"
@@ -39,3 +42,5 @@ class BlendshapeSettings:
     exaggeration: float = 1.08
     farthest: float = 1.25
     strength: float = 0.1
+    shown: float = 0.55
+    pictured: float = 400.0

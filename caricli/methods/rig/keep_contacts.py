@@ -31,6 +31,20 @@ class Contacts:
         self.own = vertices[pairs[:, 0]] - vertices[pairs[:, 1]]
         self.gaps = (self.own * self.normals).sum(1)
 
+    def rest(self) -> np.ndarray:
+        """Displacements (V, 3) of the face so that what touches in the templates' neutral face touches here, too.
+
+        Held along their normals alone, lips slip past each other and cross.
+        """
+        templates = self.templates
+        pairs = templates.pairs
+        offsets = templates.neutral[pairs[:, 0]] - templates.neutral[pairs[:, 1]]
+        closed = np.linalg.norm(offsets, axis=1) < templates.reach
+        floors = (self.scale * (offsets * templates.normals).sum(1) - self.gaps).clip(max=0)
+        targets = self.scale * offsets @ self.rotation.T - self.own
+        still = np.zeros((len(self.solver.rows), 3))
+        return self.solver.solve(still, Conditions(closed, targets, self.normals, floors))
+
     def keep(self, k: int, moved: np.ndarray) -> np.ndarray:
         """The displacements (V, 3) of expression k, nearest to ``moved`` (V, 3), that keep the contacts."""
         motion = self.templates.motions[k]

@@ -10,7 +10,7 @@ from caricli.methods.rig.head_expressions import open_head_expressions
 from caricli.methods.rig.measure_rig import RigMeasures, measure_rig
 from caricli.methods.rig.transfer_rig import transfer_rig
 from caricli.structures import Mesh, Pictures, Rig
-from caricli.template.fine_mesh import fine_mesh
+from caricli.template.fine_mesh import FineMesh, fine_mesh
 
 
 @dataclass(frozen=True)
@@ -34,11 +34,20 @@ class RigResult:
     rig: Rig.
     measures: RigMeasures of its expressions.
     eyeballs: those that it has.
+    fine: FineMesh of the face, whose vertices come first in the rig.
     """
 
     rig: Rig
     measures: RigMeasures
     eyeballs: list[Eyeball]
+    fine: FineMesh
+
+    def shaped(self, vertices: np.ndarray) -> np.ndarray:
+        """(W, 3) the vertices of the rig with the face in another shape (V, 3), metres."""
+        shape = np.array(self.rig.neutral)
+        face = self.fine.shaped(vertices).mesh.vertices
+        shape[: len(face)] = face
+        return shape
 
 
 def make_rig(
@@ -66,4 +75,4 @@ def make_rig(
     shape = fine.mesh.with_vertices((fine.weights @ mesh.vertices).astype(np.float32))
     rig = Rig(templates.names, shape, finer.astype(np.float32), texture=pictures.skin)
     rig = add_eyeballs(rig, eyeballs, np.random.default_rng(settings.seed), pictures.eyes)
-    return RigResult(rig, measures, eyeballs)
+    return RigResult(rig, measures, eyeballs, fine)

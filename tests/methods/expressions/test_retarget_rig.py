@@ -49,3 +49,17 @@ def test_a_rig_that_does_not_know_a_normal_face_is_refused(rig, head_template):
     plain = Rig(rig.names, rig.mesh, rig.deltas)
     with pytest.raises(InputError, match="to a normal face, found none; caricli blendshapes"):
         retarget_rig([DrivingMesh(head_template.vertices)], plain, load_model(kind="morphable"))
+
+
+def test_lips_close_on_an_open_jaw_and_no_more_than_it_is(head, head_template, ball):
+    names = ("mouthClose", "jawOpen", "browInnerUp")
+    deltas = head.actions[[head.action_names.index(name) for name in names]].astype(float)
+    vertices, faces = ball
+    rig = Rig(names, Mesh(vertices.astype(np.float32), faces), np.zeros((3, *vertices.shape)), normal_deltas=deltas)
+    model = load_model(kind="morphable")
+    neutral = model.template.vertices
+    drivers = [DrivingMesh(neutral + np.tensordot(w, deltas, 1)) for w in ([0.5, 0.8, 0.3], [0.4, 0, 0])]
+    weights = retarget_rig(drivers, rig, model, neutral).explanation.weights
+    np.testing.assert_allclose(weights[0], [0.5, 0.8, 0.3], atol=0.01)
+    # Lips that push through each other are no expression of anybody's.
+    assert (weights[:, 0] <= weights[:, 1] + 1e-9).all()

@@ -8,6 +8,7 @@ from caricli.methods.rig.make_rig import RigResult
 from caricli.methods.rig.measure_rig import RigMeasures
 from caricli.methods.rig.rig_figures import describe_rig, lips_are_apart, rig_figures
 from caricli.structures import Mesh, Rig
+from caricli.template.fine_mesh import fine_mesh
 
 
 @pytest.fixture
@@ -23,7 +24,7 @@ def result(ball):
         lips_open=0.2,
         inside=-0.001,
     )
-    return RigResult(rig, measures, [Eyeball("left", np.zeros(3), 0.01, 0.0)])
+    return RigResult(rig, measures, [Eyeball("left", np.zeros(3), 0.01, 0.0)], fine_mesh(rig.mesh, 0))
 
 
 def test_what_is_not_a_number_is_left_out(result):
