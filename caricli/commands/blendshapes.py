@@ -5,6 +5,7 @@ from dataclasses import astuple
 
 import click
 
+from caricli.commands.shared.notes import echo_result
 from caricli.commands.shared.options import (
     PATH,
     FiniteRange,
@@ -103,6 +104,7 @@ def command(
       caricli blendshapes landmarks.json --expressions moods.yaml --out moods.npz
       caricli blendshapes face.npz --method transfer --out rival.npz
     """
+    from caricli.commands.shared.progress import progress_bar
     from caricli.methods.expressions.build_blendshapes import build_blendshapes
     from caricli.methods.expressions.rig_blendshapes import report_blendshapes, rig_blendshapes
     from caricli.methods.rig.make_rig import RigSettings
@@ -116,7 +118,7 @@ def command(
     inputs = [source, *pictures.files, *tool_files]
     images = pictures.load()
     with staged(out, *map(out.with_suffix, (".glb", ".json", ".png")), overwrite=overwrite, inputs=inputs) as files:
-        with naming(source):
+        with naming(source), progress_bar("expressions"):
             start = time.perf_counter()
             blendshapes = build_blendshapes(face, tools, settings)
             seconds = time.perf_counter() - start
@@ -124,7 +126,7 @@ def command(
         about = {"method": method, "reconstruct": reconstruct, "weights": weights, "seconds": seconds}
         figures, line = report_blendshapes(face, blendshapes, tools, result)
         _write(files, face, result, provenance("blendshapes", inputs, seed, **about, **figures))
-    click.echo(f"{out}: {line}, {seconds:.2f} s")
+    echo_result(f"{out}: {line}")
 
 
 def _check_usage(method, reconstruct, weights):

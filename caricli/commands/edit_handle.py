@@ -78,7 +78,7 @@ def command(face, texts, file, pins, symmetric, out, norm, avoid, steps, baselin
 
     drawing = load_drawing(model, levels, SIZE)
     settings = HandleSettings(norm=1 if norm == "l1" else 2)
-    with staged_face(out, overwrite, (face, file, model)) as files:
+    with staged_face(out, overwrite, (face, file, model), "pulling") as files:
         before, note = load_latent_face(face, drawing.model, anew=model is None)
         head = drawing.model.template.with_vertices(before.vertices)
         handles = handle_points(_asked(texts) + load_handles(file), pins, head, symmetric)
@@ -110,4 +110,4 @@ def _summary(figures):
     shortened = "" if figures["share"] == 1 else f", shortened to {100 * figures['share']:.0f} %"
     added = {key: figures[key]["after"] - figures[key]["before"] for key in ("flipped_triangles", "crossing_pairs")}
     counts = f"flipped triangles {added['flipped_triangles']:+d}, crossing pairs {added['crossing_pairs']:+d}"
-    return f"reached {reached:.0f} %{shortened}, {counts}, {figures['seconds']:.2f} s"
+    return f"reached {reached:.0f} %{shortened}, {counts}"

@@ -72,7 +72,7 @@ def command(face, labels, out, keep, steps, listed, directions, model, levels, o
         raise click.UsageError("Give a FACE, at least one --label and --out; or --list.")
     strengths = named_numbers("--label", labels, "NAME=STRENGTH, such as BigNose=2", "label")
     edit = SemanticEdit(load_directions(drawing.model, path), strengths, keep)
-    with staged_face(out, overwrite, (face, model, path)) as files:
+    with staged_face(out, overwrite, (face, model, path), "editing") as files:
         before, note = load_latent_face(face, drawing.model, anew=model is None)
         after = edit_semantic(before, drawing.model, edit)
         about = {"model_id": after.model_id, "labels": strengths, "keep": keep, "subdivide": levels}

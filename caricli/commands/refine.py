@@ -5,6 +5,7 @@ import time
 import click
 
 from caricli.commands.shared.face_outputs import staged_face
+from caricli.commands.shared.notes import echo_result
 from caricli.commands.shared.options import (
     FACE_FILES,
     PATH,
@@ -71,7 +72,7 @@ def command(face, landmarks, out, image, parsing, weight, laplacian, model, pts_
     from caricli.template.fine_mesh import fine_mesh
 
     inputs = (face, landmarks, image, parsing, model)
-    with staged_face(out, overwrite, inputs) as files:
+    with staged_face(out, overwrite, inputs, "refining") as files:
         seen, shape_model = load_seen_face(face, model)
         template = shape_model.template
         marks, pixels = load_marked_picture(landmarks, image, pts_origin)
@@ -86,4 +87,4 @@ def command(face, landmarks, out, image, parsing, weight, laplacian, model, pts_
         write_face_files(files[0], files[1], result.face_of(shape_model), finer)
         write_json(files[2], provenance("refine", inputs[:4], **about))
         write_png(files[3], refine_sheet((seen, result.face), result.anchors, template, points, pixels, SIZE))
-    click.echo(f"{out}: {result.describe()}, {seconds:.2f} s")
+    echo_result(f"{out}: {result.describe()}")

@@ -2,6 +2,7 @@
 
 import click
 
+from caricli.commands.shared.notes import echo_result
 from caricli.commands.shared.options import PATH, out_option, overwrite_option, seed_option
 from caricli.errors import naming
 from caricli.io.face import read_face
@@ -60,6 +61,7 @@ def command(face, out, templates, neutral, eyeballs, texture, sparse, usd, level
       caricli rig face.obj --subdivide 1 --sparse --out fine.glb
       caricli rig scan.obj --templates expressions --out rig.glb
     """
+    from caricli.commands.shared.progress import progress_bar
     from caricli.methods.rig.make_rig import RigSettings, make_rig
     from caricli.methods.rig.rig_figures import describe_rig
     from caricli.store.expression_templates import load_templates
@@ -73,7 +75,7 @@ def command(face, out, templates, neutral, eyeballs, texture, sparse, usd, level
     with staged(out, *map(out.with_suffix, suffixes), overwrite=overwrite, inputs=inputs) as files:
         glb, npz, json, png, *usdc = files
         images = pictures.load()
-        with naming(face):
+        with naming(face), progress_bar("expressions"):
             rest = _rest(given, neutral)
             result = make_rig(rest.mesh, expressions, RigSettings(levels, eyeballs, seed), images)
         write_gltf(glb, result.rig, sparse)
@@ -83,7 +85,7 @@ def command(face, out, templates, neutral, eyeballs, texture, sparse, usd, level
         about = {"subdivide": levels, "sparse": sparse, "units": "m", "axes": "+y up, +z front"}
         _report(json, png, result, rest, provenance("rig", inputs, seed, **about))
     _advise(face, result, rest, neutral)
-    click.echo(f"{out}: {describe_rig(result)}, {rest.describe()}")
+    echo_result(f"{out}: {describe_rig(result)}, {rest.describe()}")
 
 
 def _rest(given, neutral):

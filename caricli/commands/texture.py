@@ -4,6 +4,7 @@ import time
 
 import click
 
+from caricli.commands.shared.notes import echo_result
 from caricli.commands.shared.options import PATH, model_option, out_option, overwrite_option, seed_option
 from caricli.errors import naming
 from caricli.io.image import read_image, write_png
@@ -48,13 +49,14 @@ def command(face, image, out, mask, size, flat, model, seed, overwrite):
       caricli texture face.npz photo.jpg --mask head.png --size 2048 --out textured
       caricli rig textured/face.npz --out rig.glb
     """
+    from caricli.commands.shared.progress import progress_bar
     from caricli.methods.texture.paint_head import paint_head
     from caricli.render.texture_sheet import texture_sheet
     from caricli.store.faces import load_seen_face, write_painted_head
     from caricli.store.pictures import load_mask
 
     inputs = (face, image, mask, model)
-    with staged_folder(out, overwrite=overwrite, inputs=inputs, marker=REPORT) as folder:
+    with staged_folder(out, overwrite=overwrite, inputs=inputs, marker=REPORT) as folder, progress_bar("painting"):
         seen, shape_model = load_seen_face(face, model)
         picture = read_image(image)
         with naming(face):
@@ -69,4 +71,4 @@ def command(face, image, out, mask, size, flat, model, seed, overwrite):
         report = provenance("texture", inputs[:3], seed, **about, **painted.figures())
         write_json(folder / REPORT, report)
         write_png(folder / "sheet.png", texture_sheet(painted.head, painted.rig, SIZE))
-    click.echo(f"{out}: {painted.describe()}, {seconds:.1f} s")
+    echo_result(f"{out}: {painted.describe()}")

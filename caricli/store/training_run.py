@@ -3,7 +3,7 @@
 import json
 import math
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -100,10 +100,15 @@ class TrainingRun:
                 last = time.monotonic()
             yield self.log[-1]
 
-    def finish(self, data: Dataset) -> dict[str, ShapeError]:
-        """Measure the best model on meshes that it was not trained on, and write the report."""
+    def finish(
+        self, data: Dataset, progress: Callable[[int, int], object] = lambda done, total: None
+    ) -> dict[str, ShapeError]:
+        """Measure the best model on meshes that it was not trained on, and write the report.
+
+        progress: called with the meshes that are measured, and of how many.
+        """
         model = load_model(self.folder / MODEL)
-        errors = evaluate_splits(model, data, ("validation", "test"), MEASURED)
+        errors = evaluate_splits(model, data, ("validation", "test"), MEASURED, progress)
         figures = {
             "model_id": model.model_id,
             "epochs": self.log[-1]["epoch"],

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import click
 
+from caricli.commands.shared.notes import echo_result
 from caricli.commands.shared.progress import progress_bar
 from caricli.errors import CaricliError
 
@@ -46,7 +47,7 @@ def run_batch(ctx: click.Context, items: Sequence[tuple], work: Callable[..., st
     with progress_bar(description) as report:
         for number, item in enumerate(items):
             try:
-                click.echo(work(*item))
+                echo_result(work(*item))
             except CaricliError as error:
                 if len(items) == 1:
                     raise

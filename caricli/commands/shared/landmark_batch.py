@@ -94,4 +94,4 @@ class FitTask:
             report = provenance(self.command, [path, picture, *self.sources], **about)
             write_json(json, report | fit.figures() | {"seconds": seconds})
             write_png(png, fit_sheet(face, self.model.template, marks.points, pixels, fine=finer))
-        return f"{target}: {fit.describe()}, {seconds:.2f} s"
+        return f"{target}: {fit.describe()}"

@@ -2,11 +2,15 @@
 
 import click
 
+from caricli.commands.shared.waited import waited
+
 
 def echo_result(line: str, *notes: str | None) -> None:
-    """Print what came of it, after what is worth knowing besides, on stderr; a note that is None is none."""
+    """Print what came of it and how long it took, after what is worth knowing besides, on stderr; a note that is None
+    is none.
+    """
     echo_notes(*notes)
-    click.echo(line)
+    click.echo(f"{line}, {waited()}")
 
 
 def echo_notes(*notes: str | None) -> None:

@@ -1,5 +1,6 @@
 """Bars for what takes its time."""
 
+import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -9,13 +10,20 @@ import click
 
 @contextmanager
 def progress_bar(description: str) -> Iterator[Callable[[int, int], None]]:
-    """Yield ``report(done, total)``: a bar with the time left on stderr where that is a terminal, else nothing."""
+    """Yield ``report(done, total)``: a bar with the time left on stderr where that is a terminal, else nothing.
+
+    Until it is called for the first time the bar only shows that something is being done.
+    """
+    if not sys.stderr.isatty():
+        # What draws bars is slow to import.
+        yield lambda done, total: None
+        return
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
     console = Console(stderr=True)
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
-    with Progress(*columns, console=console, disable=not console.is_terminal, transient=True) as progress:
+    with Progress(*columns, console=console, transient=True) as progress:
         task = progress.add_task(description, total=None)
         yield lambda done, total: progress.update(task, completed=done, total=total)
 
@@ -47,6 +55,8 @@ def training_bar(epochs: int, quiet: bool = False) -> Iterator[Callable[[dict], 
             if line["validation"] is not None and not console.is_terminal and not quiet:
                 done = line["epoch"] - first + 1
                 minutes = (time.monotonic() - start) / 60 / done * (epochs - line["epoch"])
-                click.echo(f"epoch {line['epoch']} of {epochs}: {text}, about {minutes:.0f} min left", err=True)
+                click.echo(
+                    f"epoch {line['epoch']} of {epochs}: {text}, about {minutes:.0f} min left, then measuring", err=True
+                )
 
         yield show

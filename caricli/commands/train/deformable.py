@@ -44,7 +44,7 @@ def command(dataset, out, config, overrides, resume, device, template, overwrite
       caricli train deformable --data dataset --out run --resume
       caricli train deformable --data dataset --out paper --config configs/deformable/paper.yaml --device cuda
     """
-    from caricli.commands.shared.progress import training_bar
+    from caricli.commands.shared.progress import progress_bar, training_bar
     from caricli.commands.shared.tables import shape_errors
     from caricli.commands.shared.training import chosen_device, network_points
     from caricli.data.dataset import read_dataset
@@ -66,4 +66,6 @@ def command(dataset, out, config, overrides, resume, device, template, overwrite
             for line in run.follow(training, data.template):
                 show(line)
         if run.writes:
-            click.echo(f"{out / MODEL}: {shape_errors(run.finish(data))}")
+            with progress_bar("measuring") as progress:
+                errors = run.finish(data, progress)
+            click.echo(f"{out / MODEL}: {shape_errors(errors)}")

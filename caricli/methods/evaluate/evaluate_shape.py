@@ -1,7 +1,8 @@
 """How well a shape model holds the shapes of a dataset."""
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -41,17 +42,38 @@ def split_rows(data: Dataset, split: str, least: int, count: int = 0) -> np.ndar
 
 
 def evaluate_splits(
-    model: ShapeModel, data: Dataset, splits: Iterable[str] = SPLITS, count: int = 0
+    model: ShapeModel,
+    data: Dataset,
+    splits: Iterable[str] = SPLITS,
+    count: int = 0,
+    report: Callable[[int, int], object] = lambda done, total: None,
 ) -> dict[str, ShapeError]:
-    """The ShapeError of every split that has meshes, of at most ``count`` of them, evenly spread; 0 for all."""
-    errors = {split: evaluate_shape(model, data.vertices[split_rows(data, split, 0, count)]) for split in splits}
-    return {split: error for split, error in errors.items() if error is not None}
+    """The ShapeError of every split that has meshes, of at most ``count`` of them, evenly spread; 0 for all.
+
+    report: called with the meshes that are measured, and of how many.
+    """
+    rows = {split: split_rows(data, split, 0, count) for split in splits}
+    total = sum(map(len, rows.values()))
+    errors = {}
+    done = 0
+    for split, numbers in rows.items():
+        error = evaluate_shape(model, data.vertices[numbers], partial(_report_all, report, done, total))
+        done += len(numbers)
+        if error is not None:
+            errors[split] = error
+    return errors
 
 
-def evaluate_shape(model: ShapeModel, shapes: np.ndarray) -> ShapeError | None:
+def _report_all(report: Callable[[int, int], object], before: int, total: int, done: int) -> None:
+    report(before + done, total)
+
+
+def evaluate_shape(
+    model: ShapeModel, shapes: np.ndarray, report: Callable[[int], object] = lambda done: None
+) -> ShapeError | None:
     """Encode and decode shapes and measure ``mean_v |v - v*|``.
 
-    shapes: (N, V, 3) metres.
+    shapes: (N, V, 3) metres. report: called with how many are measured.
     Returns None for no shapes.
     """
     if not len(shapes):
@@ -63,6 +85,7 @@ def evaluate_shape(model: ShapeModel, shapes: np.ndarray) -> ShapeError | None:
         latents = model.encode(batch)
         errors.append(np.linalg.norm(model.decode(latents) - batch, axis=-1).mean(-1))
         spreads.append(model.prior.rms(latents))
+        report(start + len(batch))
     error = float(np.concatenate(errors).mean())
     rms = float(np.concatenate(spreads).mean())
     return ShapeError(len(shapes), 1000 * error, 100 * error / model.template.height, rms)
