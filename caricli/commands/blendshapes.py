@@ -15,6 +15,7 @@ from caricli.commands.shared.options import (
     pts_origin_option,
     seed_option,
 )
+from caricli.commands.shared.picture import picture_files, picture_option
 from caricli.errors import naming
 from caricli.io.outputs import staged
 from caricli.io.provenance import provenance
@@ -73,6 +74,7 @@ DEFAULT_WEIGHTS = astuple(BlendshapeWeights())
 )
 @pts_origin_option
 @seed_option
+@picture_option
 @overwrite_option
 def command(
     source,
@@ -117,7 +119,8 @@ def command(
     face, pictures = load_caricature(source, tools, texture, pts_origin)
     inputs = [source, *pictures.files, *tool_files]
     images = pictures.load()
-    with staged(out, *map(out.with_suffix, (".glb", ".json", ".png")), overwrite=overwrite, inputs=inputs) as files:
+    others = [*map(out.with_suffix, (".glb", ".json")), *picture_files(out.with_suffix(".png"))]
+    with staged(out, *others, overwrite=overwrite, inputs=inputs) as files:
         with naming(source), progress_bar("expressions"):
             start = time.perf_counter()
             blendshapes = build_blendshapes(face, tools, settings)
@@ -143,8 +146,9 @@ def _write(files, face, result, description):
     from caricli.io.gltf.write_gltf import write_gltf
     from caricli.io.rig import write_rig
 
-    npz, glb, json, png = files
+    npz, glb, json, *pngs = files
     write_rig(npz, result.rig)
     write_gltf(glb, result.rig)
     write_json(json, description)
-    write_expression_sheet(png, result.rig, result.shaped(face.vertices))
+    for png in pngs:
+        write_expression_sheet(png, result.rig, result.shaped(face.vertices))

@@ -1,6 +1,7 @@
 """caricli caricaturize: regular faces made caricatures."""
 
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -20,6 +21,7 @@ from caricli.commands.shared.options import (
     pts_origin_option,
     subdivide_option,
 )
+from caricli.commands.shared.picture import picture_option
 from caricli.io.provenance import provenance
 from caricli.structures import Directions
 
@@ -55,6 +57,7 @@ DRAWN = (0.0, 0.5, 1.0)
 @directions_option
 @model_option
 @subdivide_option
+@picture_option
 @overwrite_option
 @click.pass_context
 def command(ctx, faces, strength, mode, out, out_dir, marked, image, pts_origin, directions, model, levels, overwrite):
@@ -123,8 +126,8 @@ class _Task:
             degrees = [caricaturize_face(regular.face, model, s, self.about["mode"], self.labels) for s in strengths]
             figures = caricature_figures(regular.face, degrees[-1], model, self.labels)
             description = provenance("caricaturize", [source, picture, self.path], **self.about, **figures)
-            sheet = caricature_sheet(degrees, strengths, self.drawing, regular.portrait)
-            write_face_result(files, degrees[-1], self.drawing, description, sheet)
+            draw = partial(caricature_sheet, degrees, strengths, self.drawing, regular.portrait)
+            write_face_result(files, degrees[-1], self.drawing, description, draw)
         if regular.note:
             click.echo(regular.note, err=True)
         return f"{target}: {_summary(figures)}"

@@ -16,6 +16,7 @@ from caricli.commands.shared.options import (
     overwrite_option,
     subdivide_option,
 )
+from caricli.commands.shared.picture import picture_option
 from caricli.errors import InputError
 from caricli.io.provenance import provenance
 
@@ -54,6 +55,7 @@ SIZE = 320
 @click.option("--baseline", type=click.Choice(["arap"]), help="Draw as-rigid-as-possible deformation, too, to compare.")
 @model_option
 @subdivide_option
+@picture_option
 @overwrite_option
 def command(face, texts, file, pins, symmetric, out, norm, avoid, steps, baseline, model, levels, overwrite):
     """Pull points of a face (NPZ, OBJ, PLY, GLB or glTF) and let the rest follow as faces do.
@@ -88,8 +90,8 @@ def command(face, texts, file, pins, symmetric, out, norm, avoid, steps, baselin
         about = {"model_id": before.model_id, "norm": norm, "subdivide": levels, "seconds": seconds}
         about |= handle_figures(edit, before)
         draw = partial(handle_strip, steps=steps) if steps else partial(handle_sheet, baseline=bool(baseline))
-        sheet = draw(before, edit, drawing)
-        write_face_result(files, edit.face, drawing, provenance("edit-handle", [face, file], **about), sheet)
+        draw = partial(draw, before, edit, drawing)
+        write_face_result(files, edit.face, drawing, provenance("edit-handle", [face, file], **about), draw)
     echo_result(f"{out}: {_summary(about)}", note)
 
 

@@ -1,5 +1,7 @@
 """caricli edit-semantic: more or less of what labels name."""
 
+from functools import partial
+
 import click
 
 from caricli.commands.shared.face_outputs import staged_face
@@ -15,6 +17,7 @@ from caricli.commands.shared.options import (
     overwrite_option,
     subdivide_option,
 )
+from caricli.commands.shared.picture import picture_option
 from caricli.commands.shared.tables import print_directions
 from caricli.io.provenance import provenance
 
@@ -42,6 +45,7 @@ SIZE = 320
 @directions_option
 @model_option
 @subdivide_option
+@picture_option
 @overwrite_option
 def command(face, labels, out, keep, steps, listed, directions, model, levels, overwrite):
     """Give a face (NPZ, OBJ, PLY, GLB or glTF) more of a label, or less with a negative strength.
@@ -77,7 +81,7 @@ def command(face, labels, out, keep, steps, listed, directions, model, levels, o
         after = edit_semantic(before, drawing.model, edit)
         about = {"model_id": after.model_id, "labels": strengths, "keep": keep, "subdivide": levels}
         about |= {name: face_figures(each, drawing.model) for name, each in (("before", before), ("after", after))}
-        sheet = semantic_strip(before, edit, drawing, steps)
-        write_face_result(files, after, drawing, provenance("edit-semantic", [face, path], **about), sheet)
+        draw = partial(semantic_strip, before, edit, drawing, steps)
+        write_face_result(files, after, drawing, provenance("edit-semantic", [face, path], **about), draw)
     flipped = 100 * about["after"]["flipped"]
     echo_result(f"{out}: {' '.join(labels)}, prior {after.prior_rms:.2f}, flipped triangles {flipped:.3f} %", note)

@@ -3,6 +3,7 @@
 import click
 
 from caricli.commands.shared.options import PATH, model_option, out_folder_option, out_option, overwrite_option
+from caricli.commands.shared.picture import picture_files, picture_option
 from caricli.io.face import write_face
 from caricli.io.image import write_png
 from caricli.io.outputs import staged
@@ -10,7 +11,6 @@ from caricli.io.provenance import provenance
 from caricli.io.strict_json import write_json
 from caricli.io.worn import worn_paths
 
-SUFFIXES = (".npz", ".json", ".png")
 SIZE = 320
 
 
@@ -19,6 +19,7 @@ SIZE = 320
 @out_option("FACE.npz", "Write the face of one input here; FACE.json and .png go beside it.", required=False)
 @out_folder_option("Write the faces of many inputs into this folder, each under the name of its input.")
 @model_option
+@picture_option
 @overwrite_option
 @click.pass_context
 def command(ctx, faces, out, out_dir, model, overwrite):
@@ -44,7 +45,7 @@ def command(ctx, faces, out, out_dir, model, overwrite):
     shape_model = load_model(model, DEFAULT_LATENT)
 
     def encode(path, target):
-        paths = [target.with_suffix(suffix) for suffix in SUFFIXES]
+        paths = [target.with_suffix(".npz"), target.with_suffix(".json"), *picture_files(target.with_suffix(".png"))]
         with staged(*paths, overwrite=overwrite, inputs=(*faces, model), optional=worn_paths(target)[:2]) as files:
             code = encode_face(load_worn_face(path, shape_model).without_latent(), shape_model)
             write_face(files[0], code)
@@ -53,7 +54,8 @@ def command(ctx, faces, out, out_dir, model, overwrite):
             write_json(files[1], provenance("encode", [path], **figures))
             head = shape_model.template.with_vertices(code.vertices)
             coat = mesh_coat(code.mesh, code.pictures)
-            write_png(files[2], comparison_sheet(head, shape_model.decode(code.latent), SIZE, coat))
+            for png in files[2:]:
+                write_png(png, comparison_sheet(head, shape_model.decode(code.latent), SIZE, coat))
         return f"{target}: shape error {code.millimetres:.3f} mm ({code.percent:.3f} %), prior {code.prior_rms:.2f}"
 
     run_batch(ctx, jobs, encode, "faces")

@@ -17,6 +17,7 @@ from caricli.commands.shared.options import (
     pts_origin_option,
     subdivide_option,
 )
+from caricli.commands.shared.picture import picture_option
 from caricli.methods.reconstruct.settings import MorphableWeights
 
 
@@ -39,6 +40,7 @@ from caricli.methods.reconstruct.settings import MorphableWeights
 )
 @pts_origin_option
 @subdivide_option
+@picture_option
 @overwrite_option
 @click.pass_context
 def command(

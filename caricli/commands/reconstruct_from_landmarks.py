@@ -16,6 +16,7 @@ from caricli.commands.shared.options import (
     pts_origin_option,
     subdivide_option,
 )
+from caricli.commands.shared.picture import picture_option
 from caricli.methods.reconstruct.settings import METHODS
 
 
@@ -40,6 +41,7 @@ from caricli.methods.reconstruct.settings import METHODS
 )
 @pts_origin_option
 @subdivide_option
+@picture_option
 @overwrite_option
 @click.pass_context
 def command(ctx, landmarks, out, out_dir, image, method, model, prior_weight, pts_origin, levels, overwrite):

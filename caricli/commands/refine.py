@@ -1,6 +1,7 @@
 """caricli refine: a face aligned exactly with its picture."""
 
 import time
+from functools import partial
 
 import click
 
@@ -18,8 +19,8 @@ from caricli.commands.shared.options import (
     pts_origin_option,
     subdivide_option,
 )
+from caricli.commands.shared.picture import picture_option, write_picture
 from caricli.errors import naming
-from caricli.io.image import write_png
 from caricli.io.provenance import provenance
 from caricli.io.strict_json import write_json
 from caricli.methods.reconstruct.settings import RefineSettings
@@ -51,6 +52,7 @@ SIZE = 384
 @model_option
 @pts_origin_option
 @subdivide_option
+@picture_option
 @overwrite_option
 def command(face, landmarks, out, image, parsing, weight, laplacian, model, pts_origin, levels, overwrite):
     """Move a face (NPZ with a camera) exactly onto the landmarks of its picture by Laplacian deformation.
@@ -83,8 +85,8 @@ def command(face, landmarks, out, image, parsing, weight, laplacian, model, pts_
         seconds = time.perf_counter() - start
         about = {"model_id": shape_model.model_id, "weight": weight, "laplacian": laplacian, "snapped": snapped}
         about |= {"subdivide": levels, "seconds": seconds} | result.figures()
-        finer = fine_mesh(result.face.mesh, levels)
-        write_face_files(files[0], files[1], result.face_of(shape_model), finer)
+        write_face_files(files[0], files[1], result.face_of(shape_model), fine_mesh(result.face.mesh, levels))
         write_json(files[2], provenance("refine", inputs[:4], **about))
-        write_png(files[3], refine_sheet((seen, result.face), result.anchors, template, points, pixels, SIZE))
+        draw = partial(refine_sheet, (seen, result.face), result.anchors, template, points, pixels, SIZE)
+        write_picture(files[3], draw)
     echo_result(f"{out}: {result.describe()}")

@@ -1,5 +1,7 @@
 """caricli retarget: a caricature that does what a normal face does."""
 
+from functools import partial
+
 import click
 
 from caricli.commands.shared.face_outputs import staged_face
@@ -15,8 +17,8 @@ from caricli.commands.shared.options import (
     overwrite_option,
     pts_origin_option,
 )
+from caricli.commands.shared.picture import picture_option, write_picture
 from caricli.errors import shown
-from caricli.io.image import write_png
 from caricli.io.outputs import check_folder, check_outputs, staged
 from caricli.io.provenance import provenance
 from caricli.io.strict_json import write_json
@@ -46,6 +48,7 @@ from caricli.io.strict_json import write_json
 )
 @model_option
 @pts_origin_option
+@picture_option
 @overwrite_option
 @click.pass_context
 def command(ctx, rig, drivers, out, out_dir, neutral, animation, fps, model, pts_origin, overwrite):
@@ -139,7 +142,7 @@ def _write(files, retargeting, row, description):
     face = retargeting.caricature(row)
     write_face_files(obj_file, npz_file, face)
     write_json(json_file, description | retargeting.figures(row))
-    write_png(png_file, driver_sheet(retargeting.driver(row), retargeting.rig, face.vertices))
+    write_picture(png_file, partial(driver_sheet, retargeting.driver(row), retargeting.rig, face.vertices))
 
 
 def _write_animation(files, retargeting, fps, description):

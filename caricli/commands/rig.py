@@ -4,6 +4,7 @@ import click
 
 from caricli.commands.shared.notes import echo_result
 from caricli.commands.shared.options import PATH, out_option, overwrite_option, seed_option
+from caricli.commands.shared.picture import picture_files, picture_option
 from caricli.errors import naming
 from caricli.io.face import read_face
 from caricli.io.gltf.write_gltf import write_gltf
@@ -44,6 +45,7 @@ from caricli.io.usd import write_usd
     help="Split every polygon of the face N times, in all files.",
 )
 @seed_option
+@picture_option
 @overwrite_option
 def command(face, out, templates, neutral, eyeballs, texture, sparse, usd, levels, seed, overwrite):
     """Give a face (NPZ, OBJ, PLY, GLB or glTF) the 52 expressions of ARKit by deformation transfer.
@@ -71,19 +73,21 @@ def command(face, out, templates, neutral, eyeballs, texture, sparse, usd, level
     given = read_face(face)
     pictures = picture_paths(face, texture)
     inputs = [face, *pictures.files, *template_files]
-    suffixes = [".npz", ".json", ".png", *([".usdc"] if usd else [])]
-    with staged(out, *map(out.with_suffix, suffixes), overwrite=overwrite, inputs=inputs) as files:
-        glb, npz, json, png, *usdc = files
+    suffixes = [".npz", ".json", *([".usdc"] if usd else [])]
+    drawn = picture_files(out.with_suffix(".png"))
+    with staged(out, *map(out.with_suffix, suffixes), *drawn, overwrite=overwrite, inputs=inputs) as files:
+        glb, npz, json, *others = files
         images = pictures.load()
         with naming(face), progress_bar("expressions"):
             rest = _rest(given, neutral)
             result = make_rig(rest.mesh, expressions, RigSettings(levels, eyeballs, seed), images)
         write_gltf(glb, result.rig, sparse)
         write_rig(npz, result.rig)
-        for path in usdc:
-            write_usd(path, result.rig)
+        if usd:
+            write_usd(others[0], result.rig)
         about = {"subdivide": levels, "sparse": sparse, "units": "m", "axes": "+y up, +z front"}
-        _report(json, png, result, rest, provenance("rig", inputs, seed, **about))
+        pngs = others[-len(drawn) :] if drawn else []
+        _report(json, pngs, result, rest, provenance("rig", inputs, seed, **about))
     _advise(face, result, rest, neutral)
     echo_result(f"{out}: {describe_rig(result)}, {rest.describe()}")
 
@@ -97,14 +101,15 @@ def _rest(given, neutral):
     return find_neutral(given, tools) if tools else NeutralFace(given.mesh, given.mesh)
 
 
-def _report(json, png, result, rest, description):
-    """Write what is known of a RigResult and its NeutralFace, and a picture of every expression."""
+def _report(json, pngs, result, rest, description):
+    """Write what is known of a RigResult and its NeutralFace, and where there is a path a picture."""
     from caricli.commands.shared.expression_picture import write_expression_sheet
     from caricli.methods.rig.rig_figures import rig_figures
     from caricli.store.expression_templates import load_action_units
 
     write_json(json, description | rest.figures() | rig_figures(result, load_action_units()))
-    write_expression_sheet(png, result.rig, result.shaped(rest.given.vertices) if rest.moved else None)
+    for png in pngs:
+        write_expression_sheet(png, result.rig, result.shaped(rest.given.vertices) if rest.moved else None)
 
 
 def _advise(face, result, rest, neutral):

@@ -6,6 +6,7 @@ import click
 
 from caricli.commands.shared.notes import echo_result
 from caricli.commands.shared.options import PATH, model_option, out_option, overwrite_option, seed_option
+from caricli.commands.shared.picture import picture_files, picture_option
 from caricli.errors import naming
 from caricli.io.image import read_image, write_png
 from caricli.io.outputs import staged_folder
@@ -36,6 +37,7 @@ SIZE = 320
 @click.option("--project-uv", "flat", is_flag=True, help="Use the picture itself as texture, as published, to compare.")
 @model_option
 @seed_option
+@picture_option
 @overwrite_option
 def command(face, image, out, mask, size, flat, model, seed, overwrite):
     """Paint a face (NPZ with a camera) with the picture that it was fitted to.
@@ -70,5 +72,6 @@ def command(face, image, out, mask, size, flat, model, seed, overwrite):
         about = {"project_uv": flat, "seconds": seconds, "model_id": shape_model.model_id, "head": painted.filled}
         report = provenance("texture", inputs[:3], seed, **about, **painted.figures())
         write_json(folder / REPORT, report)
-        write_png(folder / "sheet.png", texture_sheet(painted.head, painted.rig, SIZE))
+        for path in picture_files(folder / "sheet.png"):
+            write_png(path, texture_sheet(painted.head, painted.rig, SIZE))
     echo_result(f"{out}: {painted.describe()}")

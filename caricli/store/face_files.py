@@ -22,18 +22,25 @@ _ROUNDING = 1e-6
 
 
 def write_face_result(
-    files: Sequence[Path], face: Face, drawing: FaceDrawing, description: dict[str, Any], sheet: np.ndarray
+    files: Sequence[Path | None],
+    face: Face,
+    drawing: FaceDrawing,
+    description: dict[str, Any],
+    draw: Callable[[], np.ndarray],
 ) -> None:
     """Write the four files of a face, and beside them the pictures that it wears.
 
-    files: paths of the mesh, whose suffix says its format, the NPZ, the JSON and the PNG.
+    files: paths of the mesh, whose suffix says its format, the NPZ, the JSON and the PNG, or None for no picture.
     face: Face in its model's own mesh. drawing: FaceDrawing with the finer mesh. description: JSON value.
-    sheet: (H, W, 3) uint8.
+    draw: makes the picture, (H, W, 3) uint8.
     Raises OutputError when a file cannot be written.
     """
-    write_face_files(files[0], files[1], face, drawing.finer(face))
-    write_json(files[2], description)
-    write_png(files[3], sheet)
+    mesh, npz, json, png = files
+    assert mesh is not None and npz is not None and json is not None
+    write_face_files(mesh, npz, face, drawing.finer(face))
+    write_json(json, description)
+    if png is not None:
+        write_png(png, draw())
 
 
 def write_face_files(

@@ -1,5 +1,7 @@
 """What a face wears stays on it through every command that reads a face and writes one."""
 
+import importlib
+
 import numpy as np
 import pytest
 
@@ -94,6 +96,27 @@ def test_it_keeps_what_the_face_wears(run, painted, rig, tmp_path, name):
     uvs = read_face(painted / "face.npz").mesh.uvs
     seen = [check(path, uvs) for path in files for check in (obj_wears, npz_wears, glb_wears, sheet_shows)]
     assert any(seen), files
+
+
+def draws(name):
+    """Whether a command can be told not to draw."""
+    module = importlib.import_module(f"caricli.commands.{COMMANDS[name][0]}")
+    return any("--no-picture" in parameter.secondary_opts for parameter in module.command.params)
+
+
+def test_what_draws_a_picture_of_a_face_need_not():
+    assert {name for name in WEARERS if not draws(name)} == {"interpolate", "animate"}
+    assert draws("reconstruct-from-landmarks") and draws("texture")
+
+
+@pytest.mark.parametrize("name", ["edit-handle", "refine", "encode", "rig", "blendshapes", "retarget"])
+def test_no_picture_is_drawn_and_all_else_is_the_same(run, painted, rig, tmp_path, name, monkeypatch):
+    monkeypatch.setattr("caricli.render.shade.shade", None)
+    words = typed(WEARERS[name], painted, rig, tmp_path)
+    result = run(*words, "--no-picture")
+    assert result.exit_code == 0, result.output
+    files = {path.name for path in tmp_path.iterdir()}
+    assert "new.png" not in files and {"new.npz", "new.json"} < files
 
 
 def obj_wears(path, uvs):

@@ -46,7 +46,7 @@ def test_a_residual_that_says_something_is_kept(drawing, face, tmp_path):
 
 def test_all_four_files(drawing, face, tmp_path):
     files = [tmp_path / f"a{suffix}" for suffix in (".obj", ".npz", ".json", ".png")]
-    write_face_result(files, face, drawing, {"share": 1.0}, np.zeros((4, 4, 3), np.uint8))
+    write_face_result(files, face, drawing, {"share": 1.0}, lambda: np.zeros((4, 4, 3), np.uint8))
     assert all(path.is_file() for path in files) and read_json(files[2]) == {"share": 1.0}
 
 

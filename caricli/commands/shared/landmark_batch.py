@@ -3,7 +3,7 @@
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +11,7 @@ import numpy as np
 
 from caricli.commands.shared.batch import named_jobs
 from caricli.commands.shared.face_outputs import staged_face
-from caricli.io.image import write_png
+from caricli.commands.shared.picture import write_picture
 from caricli.io.mesh import MESH_SUFFIXES
 from caricli.io.provenance import provenance
 from caricli.io.strict_json import write_json
@@ -93,5 +93,5 @@ class FitTask:
             about = self.about | {"latent_model_id": face.model_id, "subdivide": self.levels}
             report = provenance(self.command, [path, picture, *self.sources], **about)
             write_json(json, report | fit.figures() | {"seconds": seconds})
-            write_png(png, fit_sheet(face, self.model.template, marks.points, pixels, fine=finer))
+            write_picture(png, partial(fit_sheet, face, self.model.template, marks.points, pixels, fine=finer))
         return f"{target}: {fit.describe()}"

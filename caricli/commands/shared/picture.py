@@ -1,0 +1,37 @@
+"""The picture that a command draws of its result, unless it is told not to."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import click
+import numpy as np
+
+from caricli.io.image import write_png
+
+_KEY = "caricli.picture"
+
+
+def _keep(ctx: click.Context, param: click.Parameter, value: bool) -> bool:
+    ctx.meta[_KEY] = value
+    return value
+
+
+picture_option = click.option(
+    "--picture/--no-picture",
+    default=True,
+    expose_value=False,
+    callback=_keep,
+    help="Draw a picture of the result, or save the time.",
+)
+
+
+def picture_files(path: Path) -> list[Path]:
+    """The file of the picture, or nothing where none is wanted."""
+    context = click.get_current_context(silent=True)
+    return [] if context is not None and not context.meta.get(_KEY, True) else [path]
+
+
+def write_picture(path: Path | None, draw: Callable[[], np.ndarray]) -> None:
+    """Draw a picture (H, W, 3) uint8 and write it, where there is a path. Raises OutputError."""
+    if path is not None:
+        write_png(path, draw())
