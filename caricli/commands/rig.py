@@ -74,8 +74,8 @@ def command(face, out, templates, neutral, eyeballs, texture, sparse, usd, level
     pictures = picture_paths(face, texture)
     inputs = [face, *pictures.files, *template_files]
     suffixes = [".npz", ".json", *([".usdc"] if usd else [])]
-    drawn = picture_files(out.with_suffix(".png"))
-    with staged(out, *map(out.with_suffix, suffixes), *drawn, overwrite=overwrite, inputs=inputs) as files:
+    paths = [out, *map(out.with_suffix, suffixes), *picture_files(out.with_suffix(".png"))]
+    with staged(*paths, overwrite=overwrite, inputs=inputs) as files:
         glb, npz, json, *others = files
         images = pictures.load()
         with naming(face), progress_bar("expressions"):
@@ -83,11 +83,8 @@ def command(face, out, templates, neutral, eyeballs, texture, sparse, usd, level
             result = make_rig(rest.mesh, expressions, RigSettings(levels, eyeballs, seed), images)
         write_gltf(glb, result.rig, sparse)
         write_rig(npz, result.rig)
-        if usd:
-            write_usd(others[0], result.rig)
         about = {"subdivide": levels, "sparse": sparse, "units": "m", "axes": "+y up, +z front"}
-        pngs = others[-len(drawn) :] if drawn else []
-        _report(json, pngs, result, rest, provenance("rig", inputs, seed, **about))
+        _report(json, others, result, rest, provenance("rig", inputs, seed, **about))
     _advise(face, result, rest, neutral)
     echo_result(f"{out}: {describe_rig(result)}, {rest.describe()}")
 
@@ -101,15 +98,18 @@ def _rest(given, neutral):
     return find_neutral(given, tools) if tools else NeutralFace(given.mesh, given.mesh)
 
 
-def _report(json, pngs, result, rest, description):
-    """Write what is known of a RigResult and its NeutralFace, and where there is a path a picture."""
+def _report(json, others, result, rest, description):
+    """Write what is known of a RigResult and its NeutralFace, and where there are paths USD and picture."""
     from caricli.commands.shared.expression_picture import write_expression_sheet
     from caricli.methods.rig.rig_figures import rig_figures
     from caricli.store.expression_templates import load_action_units
 
     write_json(json, description | rest.figures() | rig_figures(result, load_action_units()))
-    for png in pngs:
-        write_expression_sheet(png, result.rig, result.shaped(rest.given.vertices) if rest.moved else None)
+    for path in others:
+        if path.suffix == ".usdc":
+            write_usd(path, result.rig)
+        else:
+            write_expression_sheet(path, result.rig, result.shaped(rest.given.vertices) if rest.moved else None)
 
 
 def _advise(face, result, rest, neutral):
