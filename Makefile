@@ -7,7 +7,7 @@ FAST := tests/structures tests/io tests/geometry tests/template tests/store test
 VALIDATOR := tests/gltf_validator
 VALIDATOR_STAMP := $(VALIDATOR)/node_modules/.package-lock.json
 
-.PHONY: demo test fast lint docs setup clean
+.PHONY: demo test fast fuzz lint docs setup clean
 
 demo: setup examples/astronaut/astronaut.png
 	$(BIN)/caricli reconstruct-from-landmarks examples/astronaut/landmarks.json \
@@ -22,6 +22,11 @@ test: setup $(VALIDATOR_STAMP)
 # Hardly any training or rendering: under a minute, for every few lines that are changed.
 fast: setup
 	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -q -n 2 --durations=0 --durations-min=5 $(FAST)
+
+# All readers for so many seconds, e.g. `make fuzz SECONDS=36000`; .fuzz keeps what was learnt, and the findings.
+SECONDS ?= 600
+fuzz: setup
+	OMP_NUM_THREADS=1 $(BIN)/python -m tests.fuzz --seconds $(SECONDS) --folder .fuzz
 
 # Also what pre-commit runs, by .pre-commit-config.yaml.
 lint: setup
@@ -52,4 +57,4 @@ examples/astronaut/astronaut.png: examples/astronaut/fetch_image.py | setup
 	$(BIN)/python $< $@
 
 clean:
-	rm -rf $(VENV) demo build dist *.egg-info examples/astronaut/astronaut.png $(VALIDATOR)/node_modules
+	rm -rf $(VENV) .fuzz demo build dist *.egg-info examples/astronaut/astronaut.png $(VALIDATOR)/node_modules

@@ -4,7 +4,7 @@ from contextlib import ExitStack
 
 import click
 
-from caricli.commands.shared.options import PATH, FiniteRange, named, named_numbers, overwrite_option
+from caricli.commands.shared.options import PATH, FiniteRange, WholeRange, named, named_numbers, overwrite_option
 from caricli.errors import shown
 from caricli.io.image import write_png
 from caricli.io.mesh import write_mesh
@@ -68,7 +68,7 @@ SCALE = "NAME=K with K from 0 to 3, such as jawOpen=1.3"
     help="Draw pictures from this side.",
 )
 @click.option(
-    "--size", type=click.IntRange(16, 4096), default=512, metavar="PIXELS", help="Draw pictures this wide and high."
+    "--size", type=WholeRange(16, 4096), default=512, metavar="PIXELS", help="Draw pictures this wide and high."
 )
 @click.option("--no-head", is_flag=True, help="Leave out the turning of the head.")
 @overwrite_option

@@ -10,6 +10,7 @@ from caricli.commands.shared.notes import echo_result
 from caricli.commands.shared.options import (
     FACE_FILES,
     PATH,
+    WholeRange,
     model_option,
     named_mesh,
     out_option,
@@ -50,7 +51,7 @@ SIZE = 320
     "--no-intersections", "avoid", is_flag=True, help="Go only as far as the surface does not cross itself anew."
 )
 @click.option(
-    "--steps", type=click.IntRange(2, 25), metavar="N", help="Draw a film strip of N faces instead of before and after."
+    "--steps", type=WholeRange(2, 25), metavar="N", help="Draw a film strip of N faces instead of before and after."
 )
 @click.option("--baseline", type=click.Choice(["arap"]), help="Draw as-rigid-as-possible deformation, too, to compare.")
 @model_option

@@ -9,6 +9,7 @@ from caricli.commands.shared.notes import echo_result
 from caricli.commands.shared.options import (
     FACE_FILES,
     PATH,
+    WholeRange,
     directions_option,
     model_option,
     named_mesh,
@@ -37,7 +38,7 @@ SIZE = 320
 @click.option("--keep", multiple=True, metavar="NAME", help="Change this label as little as possible; repeat for more.")
 @click.option(
     "--steps",
-    type=click.IntRange(2, 25),
+    type=WholeRange(2, 25),
     metavar="N",
     help="Draw a strip of N faces, from minus to plus the strengths.",
 )

@@ -4,7 +4,7 @@ import click
 import numpy as np
 
 from caricli.commands.shared.notes import echo_result
-from caricli.commands.shared.options import PATH, model_option, overwrite_option, subdivide_option
+from caricli.commands.shared.options import PATH, WholeRange, model_option, overwrite_option, subdivide_option
 from caricli.io.image import write_png
 from caricli.io.outputs import staged
 from caricli.io.provenance import provenance
@@ -17,7 +17,7 @@ SIZE = 256
 @click.command()
 @click.argument("first", type=PATH, metavar="A")
 @click.argument("second", type=PATH, metavar="B")
-@click.option("--steps", type=click.IntRange(2, 1000), default=7, metavar="N", help="Make N faces, A and B among them.")
+@click.option("--steps", type=WholeRange(2, 1000), default=7, metavar="N", help="Make N faces, A and B among them.")
 @click.option(
     "--out-dir", type=PATH, required=True, metavar="DIR", help="Write the faces and their strip into this folder."
 )

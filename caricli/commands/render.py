@@ -2,7 +2,7 @@
 
 import click
 
-from caricli.commands.shared.options import PATH, out_option, overwrite_option
+from caricli.commands.shared.options import PATH, WholeRange, out_option, overwrite_option
 from caricli.errors import InputError, OutputError, shown
 from caricli.io.face import read_face
 from caricli.io.image import read_image, write_png
@@ -32,16 +32,14 @@ def _views(ctx, param, value):
 @click.option(
     "--turntable",
     "frames",
-    type=click.IntRange(1, 360),
+    type=WholeRange(1, 360),
     metavar="N",
     help="Draw N pictures of one turn instead of the views.",
 )
-@click.option(
-    "--size", type=click.IntRange(16, 4096), default=512, metavar="PIXELS", help="Draw views this wide and high."
-)
+@click.option("--size", type=WholeRange(16, 4096), default=512, metavar="PIXELS", help="Draw views this wide and high.")
 @click.option(
     "--columns",
-    type=click.IntRange(1),
+    type=WholeRange(1),
     metavar="N",
     help="Put N pictures into a row of the sheet: faces, or with one face its views.  [default: near to a square; "
     "the views of one face in one row]",

@@ -3,7 +3,7 @@
 import click
 
 from caricli.commands.shared.notes import echo_result
-from caricli.commands.shared.options import PATH, out_option, overwrite_option, seed_option
+from caricli.commands.shared.options import PATH, WholeRange, out_option, overwrite_option, seed_option
 from caricli.commands.shared.picture import picture_files, picture_option
 from caricli.errors import naming
 from caricli.io.face import read_face
@@ -39,7 +39,7 @@ from caricli.io.usd import write_usd
 @click.option(
     "--subdivide",
     "levels",
-    type=click.IntRange(0, 4),
+    type=WholeRange(0, 4),
     default=0,
     metavar="N",
     help="Split every polygon of the face N times, in all files.",

@@ -8,6 +8,7 @@ import numpy as np
 from caricli.commands.shared.options import (
     PATH,
     FiniteRange,
+    WholeRange,
     model_option,
     overwrite_option,
     seed_option,
@@ -26,7 +27,7 @@ SIZE = 200
 @click.option(
     "--out-dir", type=PATH, required=True, metavar="DIR", help="Write the faces and their sheet into this folder."
 )
-@click.option("--count", type=click.IntRange(1, 10_000), default=20, metavar="N", help="Draw N random faces.")
+@click.option("--count", type=WholeRange(1, 10_000), default=20, metavar="N", help="Draw N random faces.")
 @click.option(
     "--spread",
     type=FiniteRange(0, 10),

@@ -5,7 +5,7 @@ import time
 import click
 
 from caricli.commands.shared.notes import echo_result
-from caricli.commands.shared.options import PATH, model_option, out_option, overwrite_option, seed_option
+from caricli.commands.shared.options import PATH, WholeRange, model_option, out_option, overwrite_option, seed_option
 from caricli.commands.shared.picture import picture_files, picture_option
 from caricli.errors import naming
 from caricli.io.image import read_image, write_png
@@ -30,7 +30,7 @@ SIZE = 320
 )
 @click.option(
     "--size",
-    type=click.IntRange(64, 4096),
+    type=WholeRange(64, 4096),
     metavar="PIXELS",
     help="Make the texture this wide and high.  [default: 1024 or more, as fine as the picture]",
 )

@@ -17,6 +17,7 @@ from caricli.errors import InputError, naming
 from caricli.geometry.flipped_triangles import flipped_triangles
 from caricli.io.files import read_text
 from caricli.io.mesh import mesh_files, read_mesh
+from caricli.io.parse_number import parse_number
 from caricli.io.strict_json import read_json
 from caricli.limits import MAX_DATASET_BYTES
 from caricli.structures import Mesh
@@ -192,7 +193,7 @@ def _shown(row: dict[str, str]) -> MeshName:
 
 def _numbers(texts: list[str]) -> list[float]:
     try:
-        numbers = [float(text) for text in texts]
+        numbers = [parse_number(text.strip(" \t")) for text in texts]
     except ValueError:
         raise InputError("expected a number in every label column") from None
     if not (np.abs(numbers) <= np.finfo(np.float32).max).all():

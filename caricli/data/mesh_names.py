@@ -3,7 +3,8 @@
 from dataclasses import dataclass
 
 from caricli.data.expressions import NEUTRAL
-from caricli.errors import InputError
+from caricli.errors import InputError, shown
+from caricli.io.parse_number import parse_whole
 from caricli.structures.arkit import arkit_name
 
 BETWEEN = "__"
@@ -43,6 +44,10 @@ def read_mesh_name(stem: str) -> MeshName:
 
 def read_level(text: str) -> int:
     """A level of exaggeration. Raises InputError for what is no whole number from 1 to 1000."""
-    if not (text.isascii() and text.isdigit() and 1 <= int(text[:5]) <= 1000):
-        raise InputError(f"expected a level from 1 (as it is) to 1000, found {text[:40]!r}")
-    return int(text)
+    try:
+        level = parse_whole(text)
+    except ValueError:
+        level = 0
+    if not 1 <= level <= 1000:
+        raise InputError(f"expected a level from 1 (as it is) to 1000, found {shown(text, 40)!r}")
+    return level

@@ -5,18 +5,24 @@ import math
 import re
 import types
 import typing
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any, TypeVar
 
 from caricli.errors import InputError, shown
 from caricli.io.files import read_text
+from caricli.io.parse_number import parse_number, parse_whole
 from caricli.limits import MAX_CONFIG_BYTES, MAX_CONFIG_DEPTH
 
 Settings = TypeVar("Settings")
 
 # YAML 1.1 takes 1e-4 for text, which nobody means.
-_EXPONENT = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)[eE][-+]?\d+")
+_EXPONENT = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)[eE][-+]?\d+", re.ASCII)
+# YAML 1.1 also takes 1_0 for ten, 010 for eight and 1:30 for ninety.
+_NUMBERS: dict[str, Callable[[str], float]] = {
+    "tag:yaml.org,2002:int": parse_whole,
+    "tag:yaml.org,2002:float": parse_number,
+}
 
 
 def read_config(path: str | Path | None, cls: type[Settings], overrides: Iterable[str] = ()) -> Settings:
@@ -98,7 +104,7 @@ def _parse(text: str, name: str) -> Any:
             depth += isinstance(event, yaml.CollectionStartEvent) - isinstance(event, yaml.CollectionEndEvent)
             if depth > MAX_CONFIG_DEPTH:
                 raise InputError(f"{name}: expected YAML nested at most {MAX_CONFIG_DEPTH} deep, found more")
-        _refuse_duplicates(yaml.compose(text, Loader=yaml.SafeLoader), name)
+        _check_node(yaml.compose(text, Loader=yaml.SafeLoader), name)
         return yaml.safe_load(text)
     except yaml.YAMLError as error:
         reason = getattr(error, "problem", None) or getattr(error, "reason", None) or error
@@ -110,9 +116,11 @@ def _parse(text: str, name: str) -> Any:
         raise InputError(f"{name}: expected YAML, found {shown(error, 120)}") from None
 
 
-def _refuse_duplicates(node: Any, name: str) -> None:
+def _check_node(node: Any, name: str) -> None:
+    """Refuse keys that come twice and numbers in other than decimal digits."""
     children = getattr(node, "value", None)
     if not isinstance(children, list):
+        _check_scalar(node, name)
         return
     seen: set[str] = set()
     for child in children:
@@ -123,7 +131,17 @@ def _refuse_duplicates(node: Any, name: str) -> None:
             if key.value in seen:
                 raise InputError(f"{name}: expected distinct keys, found {shown(key.value, 60)!r} twice")
             seen.add(key.value)
-        _refuse_duplicates(child, name)
+        _check_node(child, name)
+
+
+def _check_scalar(node: Any, name: str) -> None:
+    parse = _NUMBERS.get(getattr(node, "tag", ""))
+    # What is not finite is refused with the name of its key.
+    if parse is not None and not node.value.lower().endswith((".nan", ".inf")):
+        try:
+            parse(node.value)
+        except ValueError:
+            raise InputError(f"{name}: expected a plain decimal number, found {shown(node.value, 60)!r}") from None
 
 
 def _convert(value: Any, hint: Any) -> Any:

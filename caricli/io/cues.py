@@ -9,6 +9,7 @@ import numpy as np
 
 from caricli.errors import InputError, naming, shown
 from caricli.io.files import decode_text, read_bytes
+from caricli.io.parse_number import parse_number
 from caricli.io.strict_json import parse_json
 from caricli.limits import MAX_JSON_BYTES
 from caricli.structures.cues import REST, RHUBARB, VISEMES, Cues, viseme_name
@@ -109,13 +110,13 @@ def _xml_rows(data: bytes) -> tuple[list[Row], float | None]:
 
 def _seconds(value: Any) -> float:
     try:
-        seconds = float(value) if isinstance(value, int | float | str) and not isinstance(value, bool) else np.nan
-    except (ValueError, OverflowError):
-        seconds = np.nan
+        seconds = parse_number(value) if isinstance(value, str) else value
+    except ValueError:
+        seconds = None
     # No recording is longer than a day.
-    if not 0 <= seconds <= 86400:
+    if not isinstance(seconds, int | float) or isinstance(seconds, bool) or not 0 <= seconds <= 86400:
         raise InputError(f"expected seconds, found {shown(value, 40)}")
-    return seconds
+    return float(seconds)
 
 
 def _cues(rows: list[Row], end: float | None) -> Cues:

@@ -10,6 +10,7 @@ from caricli.errors import InputError, OutputError, naming, shown
 from caricli.io.files import decode_text, read_bytes
 from caricli.io.npz import read_array
 from caricli.io.outputs import write_bytes
+from caricli.io.parse_number import parse_number
 from caricli.io.strict_json import parse_json, write_json
 from caricli.limits import MAX_COORDINATE, MAX_LANDMARK_BYTES
 from caricli.structures.landmarks import SCHEMES, Landmarks
@@ -141,10 +142,10 @@ def _points_from_lines(lines: list[tuple[int, str]]) -> np.ndarray:
             points.append((np.nan, np.nan))
             continue
         try:
-            x, y = (float(word) for word in words)
+            x, y = map(parse_number, words)
         except ValueError:
             x = y = np.nan
-        if not (abs(x) <= MAX_COORDINATE and abs(y) <= MAX_COORDINATE) or "_" in line:
+        if not (abs(x) <= MAX_COORDINATE and abs(y) <= MAX_COORDINATE):
             raise InputError(f"line {number}: expected two numbers x y, found {shown(line, 60)!r}")
         points.append((x, y))
     return np.array(points).reshape(-1, 2)

@@ -13,6 +13,7 @@ from caricli.errors import InputError, OutputError, naming, shown
 from caricli.io.files import content_kind, read_bytes
 from caricli.io.mtl import EYES
 from caricli.io.outputs import write_bytes
+from caricli.io.parse_number import parse_number, parse_numbers
 from caricli.limits import (
     MAX_COORDINATE,
     MAX_CORNERS,
@@ -163,10 +164,10 @@ class _Coordinates:
     def coordinates(self) -> np.ndarray:
         """The numbers as an array (N, size)."""
         try:
-            values = np.fromiter(map(float, self.words), np.float64, len(self.words))
+            values = parse_numbers(self.words)
         except ValueError:
             values = None
-        if values is None or not np.all(np.abs(values) <= MAX_COORDINATE) or b"_" in b"".join(self.words):
+        if values is None or not np.all(np.abs(values) <= MAX_COORDINATE):
             k, word = next((k, word) for k, word in enumerate(self.words) if not _is_coordinate(word))
             _fail(self.numbers[k // self.size], f"a finite coordinate of at most {MAX_COORDINATE:g}", word)
         return values.reshape(-1, self.size)
@@ -323,6 +324,6 @@ def _logical_lines(data: bytes) -> Iterator[tuple[int, bytes]]:
 
 def _is_coordinate(word: bytes) -> bool:
     try:
-        return b"_" not in word and abs(float(word)) <= MAX_COORDINATE
+        return abs(parse_number(word)) <= MAX_COORDINATE
     except ValueError:
         return False

@@ -1,7 +1,5 @@
 """PLY, by trimesh: vertex order and count are kept."""
 
-import io
-import warnings
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +7,7 @@ import numpy as np
 from caricli.errors import InputError, naming, shown
 from caricli.io.files import content_kind, read_bytes
 from caricli.io.outputs import write_bytes
+from caricli.io.trimesh_load import trimesh_load
 from caricli.limits import MAX_FILE_BYTES, MAX_POLYGONS, MAX_VERTICES
 from caricli.structures import Mesh
 
@@ -97,10 +96,7 @@ def _load(data: bytes) -> dict:
     from trimesh.exchange.ply import load_ply
 
     try:
-        with warnings.catch_warnings():
-            # NumPy's reader of text only warns of words that are no numbers.
-            warnings.simplefilter("error", DeprecationWarning)
-            return load_ply(io.BytesIO(data), fix_texture=False, skip_materials=True)
+        return trimesh_load(load_ply, data, fix_texture=False, skip_materials=True)
     except Exception as error:  # trimesh raises whatever it meets
         reason = "damaged, or binary with polygons of different sizes (then save it as text or as triangles)"
         raise InputError(f"expected {_KIND}, found one that is {reason}: {shown(error, 120)}") from error

@@ -1,7 +1,5 @@
 """STL, by trimesh: triangles without shared vertices, which become shared again on reading."""
 
-import io
-import warnings
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +7,7 @@ import numpy as np
 from caricli.errors import InputError, naming, shown
 from caricli.io.files import content_kind, read_bytes
 from caricli.io.outputs import write_bytes
+from caricli.io.trimesh_load import trimesh_load
 from caricli.limits import MAX_FILE_BYTES, MAX_POLYGONS
 from caricli.structures import Mesh
 
@@ -70,10 +69,7 @@ def _corners(data: bytes) -> np.ndarray:
     from trimesh.exchange.stl import load_stl
 
     try:
-        with warnings.catch_warnings():
-            # NumPy's reader of text only warns of words that are no numbers.
-            warnings.simplefilter("error", DeprecationWarning)
-            solid = load_stl(io.BytesIO(data))
+        solid = trimesh_load(load_stl, data)
         solids = [solid] if "vertices" in solid else [*solid["geometry"].values()]
         return np.concatenate([np.asarray(part["vertices"], np.float64) for part in solids] or [np.zeros((0, 3))])
     except Exception as error:  # trimesh raises whatever it meets

@@ -11,7 +11,7 @@ COMMON = (24, 25, 30, 48, 50, 60, 90, 120, 240)
 NTSC = 1000 / 1001
 """How much slower than its timecode says a recording at 23.976, 29.97 or 59.94 frames a second runs."""
 
-_TIMECODE = re.compile(r"(\d{1,2}):(\d{1,2}):(\d{1,2})([:;])(\d{1,4}(?:\.\d{1,9})?)")
+_TIMECODE = re.compile(r"(\d{1,2}):(\d{1,2}):(\d{1,2})([:;])(\d{1,4}(?:\.\d{1,9})?)", re.ASCII)
 _DAY = 86400.0
 _BACK = 0.5
 """Seconds that timecodes may go back: a tracker's clock and the camera's disagree by some frames, not by more."""

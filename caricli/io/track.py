@@ -11,6 +11,7 @@ from caricli.io.files import decode_text, read_bytes
 from caricli.io.mediapipe_head import mediapipe_head
 from caricli.io.npz import read_npz
 from caricli.io.outputs import write_bytes
+from caricli.io.parse_number import parse_number
 from caricli.io.strict_json import format_json, parse_json
 from caricli.io.timecode import timecode_seconds
 from caricli.limits import MAX_FILE_BYTES, MAX_JSON_BYTES, MAX_SHAPES
@@ -134,7 +135,7 @@ def _columns(header: list[str], line: str) -> dict[str, int]:
 
 def _number(word: str, name: str) -> float:
     try:
-        return float(word)
+        return parse_number(word.strip(" \t"))
     except ValueError:
         raise InputError(f"{name}: expected a number, found {shown(word, 40)!r}") from None
 
@@ -280,8 +281,8 @@ def _check_fps(fps: Any, where: str) -> None:
 
 
 def _check_size(frames: int, names: int) -> None:
-    if not frames:
-        raise InputError("expected at least one frame of weights, found none")
+    if not frames or not names:
+        raise InputError(f"expected at least one frame of weights, found {frames} of {names} names")
     if frames > MAX_FRAMES or names > MAX_SHAPES or frames * names > MAX_WEIGHTS:
         most = f"{MAX_FRAMES} frames, {MAX_SHAPES} names and {MAX_WEIGHTS} weights"
         raise InputError(f"expected at most {most}, found {frames} frames of {names}")

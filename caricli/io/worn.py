@@ -1,5 +1,6 @@
 """What a face wears, as picture files beside its own."""
 
+import os
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -44,13 +45,13 @@ def read_pictures(path: Path, names: PictureNames) -> Pictures:
 
 def plain_name(name: str) -> str:
     """The name, which must lead to a file beside its own. Raises InputError where it may lead elsewhere."""
-    if any(part in name for part in _LEADING_AWAY):
+    if any(part in name for part in _LEADING_AWAY) or Path(name).name != name:
         raise InputError(f"expected the name of a picture beside it, found {shown(name, 80)!r}")
     return name
 
 
 def _beside(path: Path, name: str) -> Path:
     picture = path.with_name(plain_name(name))
-    if not picture.is_file():
+    if not os.path.isfile(picture):  # also where its name is too long for any file
         raise InputError(f"expected its picture {shown(name, 80)} beside it, found none")
     return picture

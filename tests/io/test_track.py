@@ -181,10 +181,10 @@ def test_bad_takes_say_the_line(tmp_path):
     check(4, lambda line: line + ",0", "line 4", "found 64")
     check(3, lambda line: value(line, 5, "much"), "line 3: EyeLookOutLeft: expected a number, found 'much'")
     check(3, lambda line: value(line, 5, ""), "line 3: EyeLookOutLeft", "found ''")
-    check(5, lambda line: value(line, 2, "nan"), "line 5: eyeBlinkLeft", "found nan")
+    check(5, lambda line: value(line, 2, "nan"), "line 5: EyeBlinkLeft: expected a number", "found 'nan'")
     check(5, lambda line: value(line, 2, "1.6"), "line 5: eyeBlinkLeft", "from -0.5 to 1.5, found 1.6")
-    check(2, lambda line: value(line, 53, "-inf"), "line 2: tongueOut", "found -inf")
-    check(2, lambda line: value(line, 54, "nan"), "line 2", "angles of the head in radians")
+    check(2, lambda line: value(line, 53, "-inf"), "line 2: TongueOut: expected a number", "found '-inf'")
+    check(2, lambda line: value(line, 54, "99"), "line 2", "angles of the head in radians")
     check(2, lambda line: value(line, 55, "90"), "line 2", "angles of the head in radians")
     path.write_text(lines[0] + "\n\n")
     refused(path, "at least one frame")
@@ -231,8 +231,9 @@ def test_bad_values_of_our_json(tmp_path):
         ({"names": ["a", "a"]}, "'a' twice"),
         ({"names": ["a", ""]}, "names"),
         ({"names": "ab"}, "names"),
-        ({"names": []}, "row 0: expected 0 numbers"),
+        ({"names": []}, "at least one frame of weights, found 2 of 0 names"),
         ({"weights": []}, "at least one frame"),
+        ({"weights": [[], []], "names": []}, "at least one frame of weights, found 2 of 0 names"),
         ({"weights": [[0, 1], [1]]}, "row 1: expected 2 numbers, found 1"),
         ({"weights": [[0, 1], [1, None]]}, "row 1"),
         ({"weights": [[0, 1], [1, True]]}, "row 1"),

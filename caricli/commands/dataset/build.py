@@ -2,29 +2,29 @@
 
 import click
 
-from caricli.commands.shared.options import PATH, overwrite_option, seed_option, workers_option
+from caricli.commands.shared.options import PATH, WholeRange, overwrite_option, seed_option, workers_option
 from caricli.io.outputs import staged_folder
 
 
 @click.command()
 @click.argument("out", type=PATH, metavar="OUT_DIR")
-@click.option("--count", type=click.IntRange(1), metavar="N", help="Draw N meshes at random instead of the full grid.")
-@click.option("--identities", type=click.IntRange(1, 100_000), default=150, metavar="N", help="Make N people.")
-@click.option("--expressions", type=click.IntRange(1, 25), default=25, metavar="N", help="Use N expressions.")
+@click.option("--count", type=WholeRange(1), metavar="N", help="Draw N meshes at random instead of the full grid.")
+@click.option("--identities", type=WholeRange(1, 100_000), default=150, metavar="N", help="Make N people.")
+@click.option("--expressions", type=WholeRange(1, 25), default=25, metavar="N", help="Use N expressions.")
 @click.option(
-    "--levels", type=click.IntRange(1, 4), default=4, metavar="N", help="Make N levels of exaggeration; 1 is none."
+    "--levels", type=WholeRange(1, 4), default=4, metavar="N", help="Make N levels of exaggeration; 1 is none."
 )
 @click.option(
     "--albedo",
     "albedos",
-    type=click.IntRange(0),
+    type=WholeRange(0),
     default=0,
     metavar="N",
     help="Draw N pictures of random colours, too.",
 )
 @click.option(
     "--albedo-size",
-    type=click.IntRange(32, 4096),
+    type=WholeRange(32, 4096),
     default=256,
     metavar="TEXELS",
     help="Make the pictures of --albedo this wide and high.",

@@ -3,7 +3,7 @@
 import click
 import numpy as np
 
-from caricli.commands.shared.options import PATH, out_option, overwrite_option, seed_option
+from caricli.commands.shared.options import PATH, WholeRange, out_option, overwrite_option, seed_option
 from caricli.io.image import write_png
 from caricli.io.outputs import staged
 
@@ -11,10 +11,8 @@ from caricli.io.outputs import staged
 @click.command()
 @click.argument("dataset", type=PATH)
 @out_option("PNG", "Draw random meshes on this contact sheet.", required=False, suffix=".png")
-@click.option("--faces", type=click.IntRange(1, 400), default=35, metavar="N", help="Draw N meshes on the sheet.")
-@click.option(
-    "--size", type=click.IntRange(32, 1024), default=200, metavar="PIXELS", help="Draw views this wide and high."
-)
+@click.option("--faces", type=WholeRange(1, 400), default=35, metavar="N", help="Draw N meshes on the sheet.")
+@click.option("--size", type=WholeRange(32, 1024), default=200, metavar="PIXELS", help="Draw views this wide and high.")
 @seed_option
 @overwrite_option
 def command(dataset, out, faces, size, seed, overwrite):

@@ -6,7 +6,7 @@ from typing import Any
 import click
 
 from caricli.commands.shared.notes import echo_notes
-from caricli.commands.shared.options import PATH, data_option, out_option, overwrite_option, seed_option
+from caricli.commands.shared.options import PATH, WholeRange, data_option, out_option, overwrite_option, seed_option
 from caricli.commands.shared.tables import number, print_table
 from caricli.errors import naming
 from caricli.io.image import write_png
@@ -29,7 +29,7 @@ _COLUMNS = {
 @click.command()
 @data_option
 @out_option("DIR", "Write blendshapes.json, with every figure, and blendshapes.png into this folder.")
-@click.option("--count", type=click.IntRange(1, 10_000), default=50, metavar="N", help="Measure at most N caricatures.")
+@click.option("--count", type=WholeRange(1, 10_000), default=50, metavar="N", help="Measure at most N caricatures.")
 @click.option(
     "--everyone",
     is_flag=True,

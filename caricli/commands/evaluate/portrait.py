@@ -9,6 +9,7 @@ from caricli.commands.shared.notes import echo_notes
 from caricli.commands.shared.options import (
     PATH,
     FiniteRange,
+    WholeRange,
     data_option,
     out_option,
     overwrite_option,
@@ -43,7 +44,7 @@ _DIGITS = (*[2] * len(_PARTS), 1, 2, 2, 3, 2)
 @data_option
 @out_option("DIR", "Write portrait.json, with every figure of every face, and portrait.png into this folder.")
 @click.option(
-    "--count", type=click.IntRange(1, 10_000), default=50, metavar="N", help="Render N test faces of the dataset."
+    "--count", type=WholeRange(1, 10_000), default=50, metavar="N", help="Render N test faces of the dataset."
 )
 @click.option(
     "--noise",

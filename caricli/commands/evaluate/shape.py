@@ -8,7 +8,7 @@ from typing import Any
 import click
 
 from caricli.commands.shared.notes import echo_notes
-from caricli.commands.shared.options import PATH, data_option, each_bundled, overwrite_option
+from caricli.commands.shared.options import PATH, WholeRange, data_option, each_bundled, overwrite_option
 from caricli.errors import naming
 from caricli.io.outputs import staged
 from caricli.io.provenance import provenance
@@ -20,7 +20,7 @@ from caricli.io.strict_json import write_json
 @data_option
 @click.option("-o", "--out", type=PATH, metavar="JSON", help="Write the figures into this file, too.")
 @click.option(
-    "--count", type=click.IntRange(1), metavar="N", help="Measure at most N meshes of every split.  [default: all]"
+    "--count", type=WholeRange(1), metavar="N", help="Measure at most N meshes of every split.  [default: all]"
 )
 @overwrite_option
 def command(models, dataset, out, count, overwrite):

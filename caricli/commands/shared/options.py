@@ -12,17 +12,33 @@ from pathlib import Path
 import click
 
 from caricli.errors import InputError, OutputError
+from caricli.io.parse_number import parse_number, parse_whole
 
 PATH = click.Path(path_type=Path)
 
 
 class FiniteRange(click.FloatRange):
-    """A range that refuses nan, which no comparison finds outside."""
+    """A range of finite numbers in plain decimal digits, as ``parse_number`` takes them."""
 
     def convert(self, value, param, ctx):
         """Turn the text into a number in the range."""
-        number = super().convert(value, param, ctx)
-        return self.fail(f"{value} is not a number.", param, ctx) if number != number else number
+        return super().convert(_parsed(self, parse_number, value, param, ctx), param, ctx)
+
+
+class WholeRange(click.IntRange):
+    """A range of whole numbers in plain decimal digits, as ``parse_whole`` takes them."""
+
+    def convert(self, value, param, ctx):
+        """Turn the text into a number in the range."""
+        return super().convert(_parsed(self, parse_whole, value, param, ctx), param, ctx)
+
+
+def _parsed(kind, parse, value, param, ctx):
+    """The number of a text; what is no text is a number already."""
+    try:
+        return parse(value) if isinstance(value, str) else value
+    except ValueError as error:
+        return kind.fail(f"{value!r} is {error}.", param, ctx)
 
 
 def named(*suffixes: str) -> Callable:
@@ -59,14 +75,14 @@ def named_numbers(
     """Numbers by name, of an option that is repeated with NAME=NUMBER.
 
     option: as it is typed. texts: its values. expected: what a message says of their form, with an example. noun: what
-    the names are names of. limits: smallest and largest number, or None for any, nan among them.
+    the names are names of. limits: smallest and largest number, or None for any.
     Raises InputError for another form, another number, and a name that is there twice.
     """
     numbers = {}
     for text in texts:
         name, _, value = text.rpartition("=")
         try:
-            number = float(value)
+            number = parse_number(value)
         except ValueError:
             raise InputError(f"{option} {text}: expected {expected}") from None
         if not name:
@@ -83,13 +99,13 @@ overwrite_option = click.option("--overwrite", is_flag=True, help="Replace outpu
 
 seed_option = click.option(
     "--seed",
-    type=click.IntRange(0, 2**32 - 1),
+    type=WholeRange(0, 2**32 - 1),
     default=0,
     help="Draw from this seed; the same one gives the same bytes on the same machine.",
 )
 
 workers_option = click.option(
-    "--workers", type=click.IntRange(min=1), metavar="N", help="Work in N processes.  [default: one per usable core]"
+    "--workers", type=WholeRange(min=1), metavar="N", help="Work in N processes.  [default: one per usable core]"
 )
 
 
@@ -124,7 +140,7 @@ directions_option = click.option(
 subdivide_option = click.option(
     "--subdivide",
     "levels",
-    type=click.IntRange(0, 4),
+    type=WholeRange(0, 4),
     default=0,
     metavar="N",
     help="Split every polygon of the mesh N times; the NPZ keeps the model's own mesh for the next command.",
@@ -135,7 +151,7 @@ image_option = click.option(
 )
 
 pts_origin_option = click.option(
-    "--pts-origin", type=click.IntRange(0, 1), default=1, help="Count the pixels of .pts files from 0 or from 1."
+    "--pts-origin", type=WholeRange(0, 1), default=1, help="Count the pixels of .pts files from 0 or from 1."
 )
 
 device_option = click.option(

@@ -4,7 +4,14 @@ from dataclasses import replace
 
 import click
 
-from caricli.commands.shared.options import data_option, model_option, out_option, overwrite_option, seed_option
+from caricli.commands.shared.options import (
+    WholeRange,
+    data_option,
+    model_option,
+    out_option,
+    overwrite_option,
+    seed_option,
+)
 from caricli.errors import naming
 from caricli.io.directions import write_directions
 from caricli.io.outputs import staged
@@ -19,7 +26,7 @@ from caricli.io.strict_json import write_json
 @click.option(
     "--label", "wanted", multiple=True, metavar="NAME", help="Train this label; repeat for more.  [default: all]"
 )
-@click.option("--count", type=click.IntRange(min=1), metavar="N", help="Use N training meshes.  [default: all]")
+@click.option("--count", type=WholeRange(min=1), metavar="N", help="Use N training meshes.  [default: all]")
 @seed_option
 @overwrite_option
 def command(dataset, out, model, wanted, count, seed, overwrite):

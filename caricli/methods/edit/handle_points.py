@@ -1,18 +1,23 @@
 """Handles as a person writes them, to vertices and displacements."""
 
 import difflib
+import math
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from caricli.errors import InputError
+from caricli.errors import InputError, shown
+from caricli.io.parse_number import parse_number
 from caricli.structures.landmarks import POINT_NAMES
 from caricli.template.template import Template
 
 _FARTHEST = 0.5
 """Of the head's height, the most that a handle is moved: beyond it no face is left."""
+
+_MOST_DIGITS = 18
+"""Of a vertex index."""
 
 _SAME = 1e-9
 """Metres: displacements of one vertex that differ by less do not contradict each other."""
@@ -70,15 +75,17 @@ def vertex_of(where: object, head: Template) -> int:
     landmarks = head.annotation.landmarks
     text = str(where).strip()
     if text.isascii() and text.isdigit():
-        if int(text) >= len(head.vertices):
-            raise InputError(f"handle {text}: expected a vertex from 0 to {len(head.vertices) - 1}")
-        return int(text)
+        # Whatever it is, so many digits are beyond the last vertex.
+        vertex = int(text) if len(text) <= _MOST_DIGITS else len(head.vertices)
+        if vertex >= len(head.vertices):
+            raise InputError(f"handle {text[:40]}: expected a vertex from 0 to {len(head.vertices) - 1}")
+        return vertex
     number = int(text[1:]) if re.fullmatch(r"l\d{1,4}", text, re.ASCII) else POINT_NAMES.get(text)
     if number is None:
         near = difflib.get_close_matches(text, POINT_NAMES, 1)
         places = f"expected a vertex, l0 to l80 or one of {', '.join(POINT_NAMES)}"
         hint = f"did you mean {near[0]}?" if near else places
-        raise InputError(f"handle {text[:40]!r} is not known; {hint}")
+        raise InputError(f"handle {shown(text, 40)!r} is not known; {hint}")
     if number >= len(landmarks):
         raise InputError(f"handle {text}: expected a landmark from l0 to l{len(landmarks) - 1}")
     return int(landmarks[number])
@@ -92,20 +99,22 @@ def displacement_of(values: object, height: float, where: object) -> np.ndarray:
     Raises InputError for other values, and for more than half the height.
     """
     if not isinstance(values, list | tuple) or len(values) != 3:
-        raise InputError(f"handle {where}: expected three lengths dx,dy,dz, found {values!r}")
+        raise InputError(f"handle {shown(where, 40)}: expected three lengths dx,dy,dz, found {shown(values, 60)}")
     lengths = []
     for value in values:
         text = str(value).strip()
         try:
-            lengths.append(float(text.removesuffix("%")) * (height / 100 if text.endswith("%") else 1))
+            lengths.append(parse_number(text.removesuffix("%")) * (height / 100 if text.endswith("%") else 1))
         except ValueError:
-            raise InputError(f"handle {where}: expected metres or a share such as 5%, found {text[:40]!r}") from None
-    displacement = np.array(lengths)
-    # nan is not small either.
-    if not np.linalg.norm(displacement) <= _FARTHEST * height:
-        most = _FARTHEST * height
-        raise InputError(f"handle {where}: expected at most {most:.3f} m, half the head's height, found {lengths}")
-    return displacement
+            given = shown(text, 40)
+            expected = "metres or a share such as 5%"
+            raise InputError(f"handle {shown(where, 40)}: expected {expected}, found {given!r}") from None
+    # Before their squares, which may be too large for any number.
+    longest = math.hypot(*lengths)
+    if longest > _FARTHEST * height:
+        expected = f"at most {_FARTHEST * height:.3f} m, half the head's height"
+        raise InputError(f"handle {shown(where, 40)}: expected {expected}, found {lengths}")
+    return np.array(lengths)
 
 
 def _placed(
