@@ -35,7 +35,9 @@ from caricli.io.usd import write_usd
     "--texture", type=PATH, metavar="IMAGE", help="Put this picture on the skin.  [default: the one that the face has]"
 )
 @click.option("--sparse", is_flag=True, help="Store only what moves, for a smaller GLB that fewer programs read.")
-@click.option("--usd", is_flag=True, help="Write RIG.usdc too, with blend shapes; this needs caricli[usd].")
+@click.option(
+    "--usd", is_flag=True, help="Write RIG.usdz too, with blend shapes and pictures; this needs caricli[usd]."
+)
 @click.option(
     "--subdivide",
     "levels",
@@ -73,7 +75,7 @@ def command(face, out, templates, neutral, eyeballs, texture, sparse, usd, level
     given = read_face(face)
     pictures = picture_paths(face, texture)
     inputs = [face, *pictures.files, *template_files]
-    suffixes = [".npz", ".json", *([".usdc"] if usd else [])]
+    suffixes = [".npz", ".json", *([".usdz"] if usd else [])]
     paths = [out, *map(out.with_suffix, suffixes), *picture_files(out.with_suffix(".png"))]
     with staged(*paths, overwrite=overwrite, inputs=inputs) as files:
         glb, npz, json, *others = files
@@ -106,7 +108,7 @@ def _report(json, others, result, rest, description):
 
     write_json(json, description | rest.figures() | rig_figures(result, load_action_units()))
     for path in others:
-        if path.suffix == ".usdc":
+        if path.suffix == ".usdz":
             write_usd(path, result.rig)
         else:
             write_expression_sheet(path, result.rig, result.shaped(rest.given.vertices) if rest.moved else None)

@@ -1,32 +1,60 @@
-"""Rigs as USD: a mesh with named UsdSkel blend shapes; needs the extra `usd`."""
+"""Rigs as USD: a mesh with named UsdSkel blend shapes and its pictures in one file; needs the extra `usd`."""
 
+import os
+import tempfile
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from caricli.errors import OutputError, shown
-from caricli.io.gltf.write_gltf import shading_normals
+from caricli.io.gltf.format import MATERIAL_NAMES
+from caricli.io.gltf.write_gltf import COLOURS, ROUGHNESS, shading_normals
+from caricli.io.image import write_png
 from caricli.io.outputs import writing
 from caricli.structures import Material, Rig
 
-_SUFFIXES = (".usdc", ".usda")
+_LAYER = "head.usdc"
+_LONG_AGO = 315_705_600
+"""Seconds: the second day that a ZIP knows, for the same bytes at any time."""
 
 
 def write_usd(path: str | Path, rig: Rig) -> None:
-    """Write a rig as USD: metres, +y up, +z front, polygons as they are, UVs by corner, the eyes a subset of faces.
+    """Write a rig as USDZ: metres, +y up, +z front, polygons as they are, UVs by corner.
 
+    Skin and eyes are subsets of faces with a material each (`UsdPreviewSurface`), whose picture is inside the file.
     Every shape is a `UsdSkel.BlendShape` of only the vertices that move, with the change of their normals. Names that
     USD does not take for a prim are changed for the prim; the token in ``skel:blendShapes`` is the name itself.
-    path: .usdc (binary) or .usda (text).
+    path: .usdz.
     Raises OutputError when the suffix is another, the package is missing or the file cannot be written.
     """
-    if not str(path).endswith(_SUFFIXES):
-        raise OutputError(f"{shown(path)}: expected a name in {' or '.join(_SUFFIXES)}, found another")
+    if Path(path).suffix != ".usdz":
+        raise OutputError(f"{shown(path)}: expected a name in .usdz, found another")
     try:
-        from pxr import Tf, Usd, UsdGeom, UsdSkel
+        from pxr import Sdf, Tf
     except ImportError:
         raise OutputError(f"{shown(path)}: USD needs a package: pip install 'caricli[usd]'") from None
+
+    stage = _stage(rig)
+    with writing(path), tempfile.TemporaryDirectory() as folder:
+        try:
+            saved = stage.GetRootLayer().Export(f"{folder}/{_LAYER}")
+            package = Sdf.ZipFileWriter.CreateNew(str(path))
+            names = [_LAYER, *(_picture_name(material) for material in _pictured(rig))]
+            for material in _pictured(rig):
+                write_png(Path(folder, _picture_name(material)), np.asarray(rig.picture(material)))
+            for name in names:
+                os.utime(f"{folder}/{name}", (_LONG_AGO, _LONG_AGO))
+            # The layer comes first, as USDZ wants it.
+            saved = saved and all(package.AddFile(f"{folder}/{name}", name) for name in names) and package.Save()
+        except Tf.ErrorException:
+            saved = False
+        if not saved:
+            raise OutputError(f"{shown(path)}: cannot be written")
+
+
+def _stage(rig: Rig) -> Any:
+    from pxr import Usd, UsdGeom, UsdSkel
 
     stage = Usd.Stage.CreateInMemory()
     UsdGeom.SetStageUpAxis(stage, UsdGeom.Tokens.y)
@@ -36,16 +64,26 @@ def write_usd(path: str | Path, rig: Rig) -> None:
     normals, normal_deltas = shading_normals(rig)
     mesh = _add_mesh(stage, rig, normals)
     _add_uvs(mesh, rig)
-    _add_eyes(mesh, rig)
+    _add_materials(stage, mesh, rig)
     binding = _add_skeleton(stage, mesh, rig.names)
     _add_shapes(stage, binding, rig, normal_deltas)
-    with writing(path):
-        try:
-            saved = stage.GetRootLayer().Export(str(path))
-        except Tf.ErrorException:
-            saved = False
-        if not saved:
-            raise OutputError(f"{shown(path)}: cannot be written")
+    return stage
+
+
+def _pictured(rig: Rig) -> list[Material]:
+    """Materials with a picture that has a place on the surface."""
+    if rig.mesh.uvs is None:
+        return []
+    return [material for material in _materials(rig) if rig.picture(material) is not None]
+
+
+def _materials(rig: Rig) -> list[Material]:
+    """Those that polygons have."""
+    return [Material(number) for number in np.unique(rig.triangle_materials).tolist()]
+
+
+def _picture_name(material: Material) -> str:
+    return f"{MATERIAL_NAMES[material]}.png"
 
 
 def _add_mesh(stage: Any, rig: Rig, normals: np.ndarray) -> Any:
@@ -75,12 +113,50 @@ def _add_uvs(mesh: Any, rig: Rig) -> None:
     places.SetIndices(_whole_numbers(rig.mesh.uv_polygons[rig.mesh.polygons >= 0]))
 
 
-def _add_eyes(mesh: Any, rig: Rig) -> None:
-    from pxr import UsdGeom
+def _add_materials(stage: Any, mesh: Any, rig: Rig) -> None:
+    """A subset of the faces for every material, which is bound to it."""
+    from pxr import UsdGeom, UsdShade
 
-    if rig.materials is not None:
-        (eyes,) = np.nonzero(np.asarray(rig.materials) == Material.EYE)
-        UsdGeom.Subset.CreateGeomSubset(mesh, "eyes", UsdGeom.Tokens.face, _whole_numbers(eyes))
+    binding = UsdShade.MaterialBindingAPI.Apply(mesh.GetPrim())
+    of_polygons = np.zeros(len(rig.mesh.polygons)) if rig.materials is None else np.asarray(rig.materials)
+    for material in _materials(rig):
+        (polygons,) = np.nonzero(of_polygons == material)
+        part = binding.CreateMaterialBindSubset(MATERIAL_NAMES[material], _whole_numbers(polygons), UsdGeom.Tokens.face)
+        surface = _add_surface(stage, material, material in _pictured(rig))
+        UsdShade.MaterialBindingAPI.Apply(part.GetPrim()).Bind(surface)
+    binding.SetMaterialBindSubsetsFamilyType(UsdGeom.Tokens.partition)
+
+
+def _add_surface(stage: Any, material: Material, pictured: bool) -> Any:
+    """A material of one colour, or of its picture by the UVs."""
+    from pxr import Gf, Sdf, UsdShade
+
+    kinds = Sdf.ValueTypeNames
+    path = f"/head/materials/{MATERIAL_NAMES[material]}"
+    whole = UsdShade.Material.Define(stage, path)
+    surface = UsdShade.Shader.Define(stage, f"{path}/surface")
+    surface.CreateIdAttr("UsdPreviewSurface")
+    surface.CreateInput("roughness", kinds.Float).Set(ROUGHNESS)
+    surface.CreateInput("metallic", kinds.Float).Set(0.0)
+    colour = surface.CreateInput("diffuseColor", kinds.Color3f)
+    whole.CreateSurfaceOutput().ConnectToSource(surface.ConnectableAPI(), "surface")
+    if not pictured:
+        colour.Set(Gf.Vec3f(*COLOURS[material][:3]))
+        return whole
+    places = UsdShade.Shader.Define(stage, f"{path}/places")
+    places.CreateIdAttr("UsdPrimvarReader_float2")
+    places.CreateInput("varname", kinds.String).Set("st")
+    places.CreateOutput("result", kinds.Float2)
+    picture = UsdShade.Shader.Define(stage, f"{path}/picture")
+    picture.CreateIdAttr("UsdUVTexture")
+    picture.CreateInput("file", kinds.Asset).Set(Sdf.AssetPath(f"./{_picture_name(material)}"))
+    picture.CreateInput("sourceColorSpace", kinds.Token).Set("sRGB")
+    for side in ("wrapS", "wrapT"):
+        picture.CreateInput(side, kinds.Token).Set("repeat")
+    picture.CreateInput("st", kinds.Float2).ConnectToSource(places.ConnectableAPI(), "result")
+    picture.CreateOutput("rgb", kinds.Float3)
+    colour.ConnectToSource(picture.ConnectableAPI(), "rgb")
+    return whole
 
 
 def _add_skeleton(stage: Any, mesh: Any, names: tuple[str, ...]) -> Any:
@@ -111,6 +187,9 @@ def _add_shapes(stage: Any, binding: Any, rig: Rig, normal_deltas: np.ndarray) -
             prim = f"{prim}_{number}"
         shape = UsdSkel.BlendShape.Define(stage, above.AppendChild(prim))
         (moved,) = np.nonzero(delta.any(1) | normal.any(1))
+        if not len(moved):
+            # Blender drops a shape without offsets: one of zero keeps the name.
+            moved = np.zeros(1, int)
         shape.CreateOffsetsAttr(_vectors(delta[moved]))
         shape.CreateNormalOffsetsAttr(_vectors(normal[moved]))
         shape.CreatePointIndicesAttr(_whole_numbers(moved))

@@ -14,6 +14,7 @@ from caricli.structures import Rig
 
 PAPER = (255, 255, 255)
 _FILL = 0.82  # of the picture: jaws drop and heads turn
+_HIDDEN = 0.25  # of the sky of a free vertex; what sees less at rest, as the mouth does, may come out
 
 
 def neutral_sky(rig: Rig) -> np.ndarray:
@@ -29,7 +30,8 @@ def draw_rig(
 ) -> np.ndarray:
     """Draw one frame of a rig; the camera depends on the neutral face alone, so that frames follow each other calmly.
 
-    Without a picture skin is clay and eyes are white.
+    Without a picture skin is clay and eyes are white. What is hidden in the neutral face looks around anew, so that an
+    open mouth shows its wall.
 
     rig: Rig. vertices: (V, 3), metres, of this frame. view: a key of VIEWS. size: pixels, width and height. sky:
     of ``neutral_sky``, or None to look around anew.
@@ -47,7 +49,7 @@ def draw_rig(
     high = neutral.max(0)
     scale = _FILL * size / ((high - low)[:2].max() or 1)
     normals = smooth_normals(vertices, rig.faces)
-    visibility = sky_visibility(vertices, rig.faces, normals) if sky is None else sky
+    visibility = sky_visibility(vertices, rig.faces, normals) if sky is None else _seen(rig, vertices, normals, sky)
     middle = np.array([(size - 1) / 2, (size - 1) / 2, 0])
     points = scale * (vertices @ rotation.T - (low + high) / 2) + middle
     coat = rig_coat(rig)
@@ -58,3 +60,12 @@ def draw_rig(
         rotation=rotation,
     )
     return over(shade(points, rig.faces, size, size, look), PAPER)
+
+
+def _seen(rig: Rig, vertices: np.ndarray, normals: np.ndarray, sky: np.ndarray) -> np.ndarray:
+    """What vertices (V, 3) of a frame see of the sky: that of the neutral face, but for what is hidden there."""
+    # Half of the directions are behind a surface.
+    hidden = np.flatnonzero(sky.mean(1) < _HIDDEN / 2)
+    visibility = np.array(sky)
+    visibility[hidden] = sky_visibility(vertices, rig.faces, normals, hidden)
+    return visibility

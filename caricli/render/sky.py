@@ -24,18 +24,22 @@ def _sphere(count: int) -> np.ndarray:
 DIRECTIONS = _sphere(48)
 
 
-def sky_visibility(vertices: np.ndarray, faces: np.ndarray, normals: np.ndarray) -> np.ndarray:
+def sky_visibility(
+    vertices: np.ndarray, faces: np.ndarray, normals: np.ndarray, ids: np.ndarray | None = None
+) -> np.ndarray:
     """See from every vertex which of DIRECTIONS end in the sky and which in the mesh itself.
 
     vertices: (V, 3), any unit. faces: (F, 3), counter-clockwise from outside. normals: (V, 3), unit length.
-    Returns (V, len(DIRECTIONS)) float32: one for sky; zero for mesh and for directions behind the surface.
+    ids: (N,) of the vertices that look around, or None for all.
+    Returns (V or N, len(DIRECTIONS)) float32: one for sky; zero for mesh and for directions behind the surface.
     """
     kernels = warp_start()
     import warp as wp
 
     points, triangles = mesh_arrays(vertices, faces)
-    seen = np.zeros((len(points), len(DIRECTIONS)), np.float32)
-    if len(triangles):
+    around = slice(None) if ids is None else ids
+    seen = np.zeros((len(points[around]), len(DIRECTIONS)), np.float32)
+    if len(triangles) and len(seen):
         size = float(np.linalg.norm(np.ptp(points, axis=0)))
         points = (points - points.mean(0)) / np.float32(size or 1)
         mesh = wp_mesh(points, triangles)
@@ -43,7 +47,7 @@ def sky_visibility(vertices: np.ndarray, faces: np.ndarray, normals: np.ndarray)
         rays.mesh = mesh.id
         rays.start = _LIFT
         rays.reach = _REACH
-        vectors = [_vectors(a) for a in (points, normals, DIRECTIONS)]
+        vectors = [_vectors(a) for a in (points[around], normals[around], DIRECTIONS)]
         wp.launch(kernels.sky_seen, seen.shape, [rays, *vectors], [_shared(seen)], device="cpu")
     return seen
 

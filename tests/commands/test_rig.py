@@ -183,7 +183,7 @@ def test_a_picture_of_choice_and_that_beside_an_npz(run, scans, target, egg, tmp
 def test_usd_beside_it(run, scans, target, tmp_path):
     pytest.importorskip("pxr")
     assert run("rig", target, "--templates", scans, "--usd", "--out", tmp_path / "rig.glb").exit_code == 0
-    assert (tmp_path / "rig.usdc").stat().st_size > 1000
+    assert (tmp_path / "rig.usdz").stat().st_size > 1000
 
 
 @pytest.fixture(scope="module")

@@ -1,4 +1,5 @@
 import builtins
+import zipfile
 from dataclasses import replace
 
 import numpy as np
@@ -6,16 +7,17 @@ import pytest
 
 from caricli.errors import OutputError
 from caricli.io.gltf.write_gltf import shading_normals
+from caricli.io.image import read_image
 from caricli.io.usd import write_usd
 from caricli.structures import Mesh, Rig
 
 Usd = pytest.importorskip("pxr.Usd", reason="usd-core is not installed")
-from pxr import Gf, UsdGeom, UsdSkel, UsdValidation  # noqa: E402
+from pxr import Gf, UsdGeom, UsdShade, UsdSkel, UsdValidation  # noqa: E402
 
 
-@pytest.fixture(params=["usdc", "usda"])
-def written(full_rig, tmp_path, request):
-    path = tmp_path / f"a.{request.param}"
+@pytest.fixture
+def written(full_rig, tmp_path):
+    path = tmp_path / "a.usdz"
     write_usd(path, full_rig)
     return path
 
@@ -53,12 +55,42 @@ def test_shapes_store_what_moves(full_rig, written):
     targets = binding.GetBlendShapeTargetsRel().GetTargets()
     assert [target.name for target in targets] == list(full_rig.names)
     normals = shading_normals(full_rig)[1]
+    assert not full_rig.deltas[3].any()
     for target, delta, normal in zip(targets, full_rig.deltas, normals, strict=True):
         shape = UsdSkel.BlendShape(stage.GetPrimAtPath(target))
         where = np.array(shape.GetPointIndicesAttr().Get(), int)
-        np.testing.assert_array_equal(where, np.flatnonzero(delta.any(1) | normal.any(1)))
+        moved = np.flatnonzero(delta.any(1) | normal.any(1))
+        # Blender drops a shape without offsets.
+        np.testing.assert_array_equal(where, moved if len(moved) else [0])
         np.testing.assert_array_equal(np.reshape(shape.GetOffsetsAttr().Get(), (-1, 3)), delta[where])
         np.testing.assert_array_equal(np.reshape(shape.GetNormalOffsetsAttr().Get(), (-1, 3)), normal[where])
+
+
+def test_skin_and_eyes_have_materials_with_their_pictures(full_rig, written, tmp_path):
+    stage = Usd.Stage.Open(str(written))
+    for number, (name, image) in enumerate({"skin": full_rig.texture, "eyes": full_rig.eye_texture}.items()):
+        part = UsdGeom.Subset(stage.GetPrimAtPath(f"/head/mesh/{name}"))
+        np.testing.assert_array_equal(part.GetIndicesAttr().Get(), np.flatnonzero(full_rig.materials == number))
+        material, _ = UsdShade.MaterialBindingAPI(part).ComputeBoundMaterial()
+        assert material.GetPath() == f"/head/materials/{name}"
+        surface, _, _ = material.ComputeSurfaceSource()
+        colour = surface.GetInput("diffuseColor").GetConnectedSources()[0][0].source
+        asset = UsdShade.Shader(colour.GetPrim()).GetInput("file").Get()
+        with zipfile.ZipFile(written) as package:
+            (tmp_path / "picture.png").write_bytes(package.read(asset.path.removeprefix("./")))
+        np.testing.assert_array_equal(read_image(tmp_path / "picture.png"), image)
+
+
+def test_without_pictures_materials_have_a_colour(full_rig, tmp_path):
+    write_usd(tmp_path / "a.usdz", replace(full_rig, texture=None, eye_texture=None))
+    stage = Usd.Stage.Open(str(tmp_path / "a.usdz"))
+    colours = [
+        UsdShade.Shader(stage.GetPrimAtPath(f"/head/materials/{name}/surface")).GetInput("diffuseColor").Get()
+        for name in ("skin", "eyes")
+    ]
+    assert colours[0] != colours[1] and all(colours)
+    with zipfile.ZipFile(tmp_path / "a.usdz") as package:
+        assert package.namelist() == ["head.usdc"]
 
 
 def test_usd_moves_the_mesh_by_the_weights(full_rig, written):
@@ -73,8 +105,8 @@ def test_usd_moves_the_mesh_by_the_weights(full_rig, written):
 
 def test_names_that_usd_does_not_take_stay_tokens(full_rig, tmp_path):
     names = ("a b", "a_b", "2nd", "eyes")
-    write_usd(tmp_path / "a.usdc", replace(full_rig, names=names))
-    stage = Usd.Stage.Open(str(tmp_path / "a.usdc"))
+    write_usd(tmp_path / "a.usdz", replace(full_rig, names=names))
+    stage = Usd.Stage.Open(str(tmp_path / "a.usdz"))
     binding = UsdSkel.BindingAPI(mesh_of(stage))
     assert tuple(binding.GetBlendShapesAttr().Get()) == names
     targets = binding.GetBlendShapeTargetsRel().GetTargets()
@@ -86,19 +118,19 @@ def test_names_that_usd_does_not_take_stay_tokens(full_rig, tmp_path):
 def test_a_bare_rig_of_triangles_is_written_the_same_twice(full_rig, tmp_path):
     bare = Rig(full_rig.names, Mesh(full_rig.neutral, full_rig.faces), full_rig.deltas)
     for name in ("a", "b"):
-        write_usd(tmp_path / f"{name}.usdc", bare)
-    assert (tmp_path / "a.usdc").read_bytes() == (tmp_path / "b.usdc").read_bytes()
-    stage = Usd.Stage.Open(str(tmp_path / "a.usdc"))
+        write_usd(tmp_path / f"{name}.usdz", bare)
+    assert (tmp_path / "a.usdz").read_bytes() == (tmp_path / "b.usdz").read_bytes()
+    stage = Usd.Stage.Open(str(tmp_path / "a.usdz"))
     counts = mesh_of(stage).GetFaceVertexCountsAttr().Get()
     np.testing.assert_array_equal(counts, np.full(len(bare.faces), 3))
 
 
 def test_what_cannot_be_written_is_refused(full_rig, tmp_path, monkeypatch):
-    with pytest.raises(OutputError, match="expected a name in .usdc or .usda"):
-        write_usd(tmp_path / "a.usdz", full_rig)
+    with pytest.raises(OutputError, match="expected a name in .usdz"):
+        write_usd(tmp_path / "a.usdc", full_rig)
     (tmp_path / "file").touch()
     with pytest.raises(OutputError, match="cannot be written"):
-        write_usd(tmp_path / "file" / "a.usdc", full_rig)
+        write_usd(tmp_path / "file" / "a.usdz", full_rig)
     real = builtins.__import__
 
     def without(name, *args, **kwargs):
@@ -108,5 +140,5 @@ def test_what_cannot_be_written_is_refused(full_rig, tmp_path, monkeypatch):
 
     monkeypatch.setattr(builtins, "__import__", without)
     with pytest.raises(OutputError, match=r"pip install 'caricli\[usd\]'$"):
-        write_usd(tmp_path / "a.usdc", full_rig)
+        write_usd(tmp_path / "a.usdz", full_rig)
     assert [path.name for path in tmp_path.iterdir()] == ["file"]

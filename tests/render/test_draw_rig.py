@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from caricli.errors import InputError
-from caricli.render.draw_rig import draw_rig
+from caricli.render.draw_rig import draw_rig, neutral_sky
 from caricli.structures import Material, Mesh, Rig
 
 
@@ -75,3 +75,16 @@ def test_unknown_views_and_other_meshes_are_refused(rig):
         draw_rig(rig, rig.neutral, "back", 32)
     with pytest.raises(InputError, match="needs vertices of shape"):
         draw_rig(rig, rig.neutral[:-1], "front", 32)
+
+
+def test_what_comes_out_of_hiding_is_drawn_as_if_it_had_never_hidden(sphere):
+    vertices, faces = sphere
+    count = len(vertices)
+    points = np.concatenate([0.1 * vertices, 0.04 * vertices]).astype(np.float32)
+    deltas = np.zeros((1, *points.shape), np.float32)
+    deltas[0, count:] = [0, 0, 0.2]
+    hidden = Rig(("out",), Mesh(points, np.concatenate([faces, faces + count])), deltas)
+    shape = hidden.shape("out")
+    picture = draw_rig(hidden, shape, "front", 96, neutral_sky(hidden)).astype(int)
+    assert np.abs(picture[42:55, 42:55] - draw_rig(hidden, shape, "front", 96).astype(int)[42:55, 42:55]).max() <= 2
+    assert picture[48, 48].min() > 40

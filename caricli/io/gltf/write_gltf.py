@@ -12,8 +12,8 @@ from caricli.io.gltf.container import write_container
 from caricli.io.gltf.format import DTYPES, MATERIAL_NAMES, SOURCE_VERTEX, TYPES, VERSION
 from caricli.structures import Animation, Material, Rig
 
-_COLOURS = {Material.SKIN: [0.7, 0.42, 0.3, 1], Material.EYE: [0.85, 0.83, 0.8, 1]}
-_ROUGHNESS = 0.6
+COLOURS = {Material.SKIN: [0.7, 0.42, 0.3, 1], Material.EYE: [0.85, 0.83, 0.8, 1]}
+ROUGHNESS = 0.6
 _CODES = {dtype: code for code, dtype in DTYPES.items()}
 _FOR_VERTICES = 34962
 _FOR_INDICES = 34963
@@ -172,11 +172,11 @@ def _materials(rig: Rig, buffer: _Buffer) -> dict[str, list[dict]]:
     images: list[dict] = []
     for number in np.unique(rig.triangle_materials).tolist():
         material = Material(number)
-        surface: dict = {"metallicFactor": 0, "roughnessFactor": _ROUGHNESS}
+        surface: dict = {"metallicFactor": 0, "roughnessFactor": ROUGHNESS}
         image = rig.picture(material)
         # A picture without UVs has no place on the surface.
         if image is None or rig.mesh.uvs is None:
-            surface["baseColorFactor"] = _COLOURS[material]
+            surface["baseColorFactor"] = COLOURS[material]
         else:
             surface["baseColorTexture"] = {"index": len(images)}
             images.append({"mimeType": "image/png", "bufferView": buffer.view(_png(image))})
