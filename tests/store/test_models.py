@@ -1,7 +1,11 @@
+import shutil
+
+import numpy as np
 import pytest
 
 from caricli.errors import InputError
 from caricli.io.bundled import asset_path
+from caricli.io.checkpoint import read_checkpoint
 from caricli.store.models import bundled_kind, check_topology, load_model, load_morphable, model_name
 
 
@@ -24,3 +28,21 @@ def test_a_model_of_another_mesh_is_refused(head_template):
     fewer = type(head_template)(head_template.vertices, head_template.polygons[1:], annotation=head_template.annotation)
     with pytest.raises(InputError, match="the model: its topology"):
         check_topology(model.template, fewer, "the model")
+
+
+@pytest.mark.parametrize("kind", ["pca", "morphable", "deformable"])
+def test_what_is_bundled_lies_in_the_picture_as_the_head_does(head_template, kind):
+    template = load_model(kind=kind).template
+    np.testing.assert_array_equal(template.uvs, head_template.uvs)
+    np.testing.assert_array_equal(template.uv_polygons, head_template.uv_polygons)
+    assert template.topology_id == head_template.topology_id
+
+
+def test_a_model_of_ones_own_keeps_the_layout_that_it_was_trained_with(tmp_path):
+    stored = read_checkpoint(asset_path("pca.safetensors"))[0]
+    own = tmp_path / "pca.safetensors"
+    shutil.copy(asset_path("pca.safetensors"), own)
+    template = load_model(own).template
+    np.testing.assert_array_equal(template.uvs, stored["template.uvs"])
+    np.testing.assert_array_equal(template.uv_polygons, stored["template.uv_polygons"])
+    assert load_model(own).model_id == load_model(kind="pca").model_id

@@ -27,8 +27,6 @@ def small_head():
         "action_names": np.array(["jawOpen"]),
         "actions": generator.normal(size=(1, 6, 3)).astype(np.float32),
         "polygons": np.array([[0, 1, 2, 3], [2, 3, 4, 5]], np.int32),
-        "uvs": generator.uniform(size=(6, 2)),
-        "uv_polygons": np.array([[0, 1, 2, 3], [2, 3, 4, 5]], np.int32),
     }
 
 
@@ -54,6 +52,8 @@ def extraction(monkeypatch, tmp_path):
     monkeypatch.setattr(module, "_anny", contextlib.nullcontext)
     monkeypatch.setattr(module, "start_warp", lambda: None)
     monkeypatch.setattr(module, "bundled_annotation", lambda: annotation)
+    layout = {"uvs": np.zeros((6, 2)), "uv_polygons": small_head()["polygons"]}
+    monkeypatch.setattr(module, "bundled_layout", lambda: layout)
     return calls
 
 
@@ -233,8 +233,6 @@ ANOTHER = {
     "action_names": np.array("jawOpen"),
     "actions": np.array([["jawOpen"] * 3] * 6)[None],
     "polygons": np.array([[0, 1, 2, 3], [2, 3, 4, 6]], np.int32),
-    "uvs": np.zeros((3, 2)),
-    "uv_polygons": np.array([[0, 1, 2, 3]], np.int32),
 }
 """Arrays that do not fit the head of six vertices."""
 
