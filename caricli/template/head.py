@@ -55,6 +55,16 @@ class Head:
     actions: np.ndarray
     polygons: np.ndarray
 
+    @property
+    def uvs(self) -> np.ndarray:
+        """(T, 2) of the bundled layout, not Anny's own."""
+        return bundled_layout()["uvs"]
+
+    @property
+    def uv_polygons(self) -> np.ndarray:
+        """(P, 4) indices into the UVs."""
+        return bundled_layout()["uv_polygons"]
+
     def evaluate(
         self,
         gender: float = 0.5,
@@ -87,7 +97,7 @@ class Head:
     def template(self, **options: Any) -> Template:
         """The Template of ``evaluate(**options)`` with the bundled layout and annotation."""
         vertices = self.evaluate(**options)
-        return Template(vertices, self.polygons, **bundled_layout(), annotation=bundled_annotation())
+        return Template(vertices, self.polygons, self.uvs, self.uv_polygons, annotation=bundled_annotation())
 
     def open_mouth_template(self) -> Template:
         """The template with the lips apart, for networks that tell points apart by their position alone."""

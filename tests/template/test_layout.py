@@ -53,9 +53,28 @@ def test_the_face_has_nearly_half_and_little_is_left(head_template, areas):
     assert 0.75 <= areas.sum() < 1
 
 
-def test_nothing_lies_on_something_else(areas, shown):
-    # What is covered twice would be missing from what is covered.
+def test_nothing_lies_on_something_else(head_template, areas, shown):
+    # Where no triangle is turned over and no borders cross, one chart can be on another only as a whole.
+    edges = np.concatenate([head_template.uv_faces[:, [k, (k + 1) % 3]] for k in range(3)])
+    edges, counts = np.unique(np.sort(edges, axis=1), axis=0, return_counts=True)
+    first, last = np.moveaxis(head_template.uvs[edges[counts == 1]], 1, 0)
+    assert len(first) > 300 and not crossing(first, last).any()
     assert (shown >= 0).mean() == pytest.approx(areas.sum(), abs=2e-4)
+
+
+def crossing(first, last):
+    """(E, E) bool: which of the lines from ``first`` to ``last`` cross, not counting ends that meet."""
+
+    def side(a, b, c):
+        return np.sign((b - a)[..., 0] * (c - a)[..., 1] - (b - a)[..., 1] * (c - a)[..., 0])
+
+    a, b, c, d = first[:, None], last[:, None], first[None], last[None]
+    return (side(a, b, c) * side(a, b, d) < 0) & (side(c, d, a) * side(c, d, b) < 0)
+
+
+def test_lines_that_cross_are_seen():
+    first, last = np.array([[[0, 0], [0, 1], [2, 0]], [[1, 1], [1, 0], [2, 1]]])
+    assert crossing(first, last).sum() == 2
 
 
 def test_every_part_has_its_chart(head_template, islands):

@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 
+from caricli.io.image import read_image
 from caricli.io.obj import read_obj
 
 
@@ -46,3 +47,12 @@ def test_an_output_that_cannot_be_written_is_refused_before_the_head_is_made(ref
     for more in ([], ["--overwrite"]):
         assert "not a regular file" in refused("template", "export", tmp_path / "head.obj", *more)
     assert (tmp_path / "head.obj").is_symlink()
+
+
+def test_a_sheet_of_the_layout_is_drawn(run, refused, tmp_path):
+    mesh = tmp_path / "head.obj"
+    sheet = tmp_path / "sheet.png"
+    result = run("template", "export", mesh, "--uv-sheet", sheet, "--size", 256)
+    assert result.exit_code == 0 and read_image(sheet).shape == (256, 256, 3) and mesh.is_file()
+    assert "--overwrite" in refused("template", "export", tmp_path / "other.obj", "--uv-sheet", sheet)
+    assert not (tmp_path / "other.obj").exists()
