@@ -11,7 +11,11 @@ from caricli.io.outputs import staged
 @click.argument("out", type=PATH, metavar="OUT.obj", callback=named_mesh)
 @click.option("--open-mouth", is_flag=True, help="Write the head that networks deform, its lips apart.")
 @click.option(
-    "--uv-sheet", "sheet", type=PATH, metavar="SHEET.png", help="Draw where everything lies in a texture, to paint over."
+    "--uv-sheet",
+    "sheet",
+    type=PATH,
+    metavar="SHEET.png",
+    help="Draw where everything lies in a texture, to paint over.",
 )
 @click.option(
     "--size", type=click.IntRange(256, 4096), default=2048, metavar="PIXELS", help="Draw the sheet this wide and high."
