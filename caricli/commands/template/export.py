@@ -2,7 +2,7 @@
 
 import click
 
-from caricli.commands.shared.options import PATH, named_mesh, overwrite_option
+from caricli.commands.shared.options import PATH, WholeRange, named_mesh, overwrite_option
 from caricli.io.image import write_png
 from caricli.io.outputs import staged
 
@@ -18,7 +18,7 @@ from caricli.io.outputs import staged
     help="Draw where everything lies in a texture, to paint over.",
 )
 @click.option(
-    "--size", type=click.IntRange(256, 4096), default=2048, metavar="PIXELS", help="Draw the sheet this wide and high."
+    "--size", type=WholeRange(256, 4096), default=2048, metavar="PIXELS", help="Draw the sheet this wide and high."
 )
 @overwrite_option
 def command(out, open_mouth, sheet, size, overwrite):
