@@ -6,8 +6,10 @@ from functools import cached_property
 import numpy as np
 
 from caricli.geometry.deformation_gradients import DeformationGradients
+from caricli.geometry.lengthen_neck import Neck
 from caricli.geometry.tuck_cavities import Cavities
 from caricli.structures import Mesh
+from caricli.structures.landmarks import POINT_NAMES
 from caricli.template.annotation import CAVITIES, Annotation
 
 
@@ -30,6 +32,15 @@ class Template(Mesh):
         """Mouth cavity and eye sockets, as far as the annotation names them, prepared on first use."""
         regions = self.annotation.regions
         return Cavities(self.vertices, self.faces, [regions[name] for name in CAVITIES if name in regions])
+
+    @cached_property
+    def neck(self) -> Neck:
+        """The neck below the chin, as far as the annotation names it, prepared on first use."""
+        note = self.annotation
+        still = self.mask("ear_left", "ear_right")
+        still[note.landmarks] = True
+        neck = note.regions.get("neck", np.zeros(0, np.int64))
+        return Neck(self.vertices, self.faces, neck, int(note.landmarks[POINT_NAMES["chin"]]), still)
 
     def region(self, name: str) -> np.ndarray:
         """Vertex ids of a region; all vertices where the annotation does not name it."""

@@ -1,5 +1,6 @@
 """A 3D face from 2D landmarks by the method of a name."""
 
+from dataclasses import replace
 from typing import cast
 
 import numpy as np
@@ -34,5 +35,7 @@ def fit_landmarks(
         raise InputError(
             f"the method 'intrinsic' needs an intrinsic model, found one of kind {model.kind!r}; give --method latent"
         )
-    settings = IntrinsicSettings(shrink=IntrinsicSettings.shrink * prior_weight)
+    usual = IntrinsicSettings()
+    factor = prior_weight**0.5
+    settings = replace(usual, misfit=usual.misfit * factor, least=usual.least * factor)
     return fit_landmarks_intrinsic(points, cast(IntrinsicModel, model), settings)

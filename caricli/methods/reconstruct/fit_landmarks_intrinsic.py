@@ -4,6 +4,7 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from caricli.geometry.untangle import untangle
+from caricli.methods.reconstruct.camera_rows import CAMERA, camera_rows
 from caricli.methods.reconstruct.landmark_fit import LandmarkFit, Observation, outlier_weights
 from caricli.methods.reconstruct.settings import IntrinsicSettings, OutlierSettings
 from caricli.models.intrinsic.model import IntrinsicModel
@@ -19,36 +20,41 @@ def fit_landmarks_intrinsic(
     model: IntrinsicModel,
     settings: IntrinsicSettings = IntrinsicSettings(),  # noqa: B008 (frozen)
 ) -> LandmarkFit:
-    """Fit a face whose surface follows the landmarks elastically while its features stay near the model's.
+    """Fit the likeliest face of the model, whose surface then follows the landmarks elastically.
 
-    Alternates, after Wu et al. 2018 (expressions paper 3.2.1): camera; jaw landmarks to the outline; the smoothest
-    correction of the model's shape that takes the landmarks to their rays (depth is kept); and the latent as the shrunk
-    projection of the result's deformation-gradient features. An outlier among the landmarks loses its weight. At the
-    end flipped triangles are turned back and mouth cavity and eye sockets are tucked behind the skin.
+    First camera, outline and latent in turns: the latent minimises ``sum_k w_k |s R[:2] p_k(z) + t - b_k|^2 / noise^2 +
+    |z|^2``, by steps with the derivatives at the mean face; noise follows what the landmarks miss by. What no landmark
+    sees, depth and neck and cheeks, so goes along with what they see as in the training faces. Then the smoothest
+    correction takes the landmarks to their rays (depth is kept; Wu et al. 2018, expressions paper 3.2.1). An outlier
+    among the landmarks loses its weight. Flipped triangles are turned back, the neck goes down with a chin that sank
+    below it, and mouth cavity and eye sockets are tucked behind the skin.
 
     points: (L, 2) pixels, y down, NaN where unknown. model: IntrinsicModel. settings: IntrinsicSettings.
     Returns LandmarkFit; what the latent cannot express is in its residual. Raises InputError, NumericsError.
     """
     template = model.template
     observation = Observation(points, template)
-    vertices, camera, weights = _follow(observation, model, settings)
-    vertices = untangle(vertices, template.gradients)
-    anchors = observation.anchors(vertices, camera.rotation)
-    last = observation.camera(vertices, anchors, weights)
-    gaps = observation.gaps(vertices, last, anchors)
-    pull = model.anchors.move(anchors[observation.ids], gaps, settings.strength, weights)
-    vertices = template.cavities.tuck(vertices + pull @ last.rotation[:2])
-    features = template.gradients.features(vertices)
-    latent = model.features_to_latent(features, settings.shrink)
-    residual = features - model.features(latent)
+    latent, camera, weights = _likeliest(observation, model, settings)
+    vertices = model.decode(latent)
+    for number in range(settings.corrections):
+        if number:
+            vertices = untangle(vertices, template.gradients)
+        vertices = template.neck.lengthen(vertices)
+        anchors = observation.anchors(vertices, camera.rotation)
+        camera = observation.camera(vertices, anchors, weights)
+        gaps = observation.gaps(vertices, camera, anchors)
+        pull = model.anchors.move(anchors[observation.ids], gaps, settings.strength, weights)
+        vertices = vertices + pull @ camera.rotation[:2]
+    vertices = template.cavities.tuck(vertices)
+    residual = template.gradients.features(vertices) - model.features(latent)
     face = Face(template.with_vertices(vertices), camera, None, latent, residual, model.model_id)
     return observation.measure(face, model, weights, settings)
 
 
-def _follow(
+def _likeliest(
     observation: Observation, model: IntrinsicModel, settings: IntrinsicSettings
 ) -> tuple[np.ndarray, Camera, np.ndarray]:
-    """Vertices (V, 3) that meet the landmarks, the Camera, and the weights (K,) of the landmarks."""
+    """The latent (D,) of the likeliest face, its Camera, and the weights (K,) of the landmarks."""
     latent = np.array(model.prior.mean)
     rotation = None
     weights = np.ones(len(observation.ids))
@@ -56,10 +62,17 @@ def _follow(
         shape = model.decode(latent)
         camera, anchors = observation.settle(shape, weights, rotation)
         rotation = camera.rotation
-        gaps = observation.gaps(shape, camera, anchors)
+        errors = observation.errors(shape, camera, anchors)
         if number >= _OUTLIERS.first_round:
-            weights = outlier_weights(np.linalg.norm(gaps, axis=1) * camera.scale, _OUTLIERS)
-        pull = model.anchors.move(anchors[observation.ids], gaps, settings.strength, weights)
-        vertices = shape + pull @ rotation[:2]
-        latent = model.features_to_latent(model.template.gradients.features(vertices), settings.shrink)
-    return vertices, camera, weights
+            weights = outlier_weights(errors, _OUTLIERS)
+        noise = max(settings.least, settings.misfit * np.sqrt(np.average(errors**2, weights=weights)))
+        ids = anchors[observation.ids]
+        scale = np.sqrt(weights)[:, None] / noise
+        tangent = model.tangent[np.searchsorted(model.anchors.points, ids)]
+        rows = (camera_rows(shape[ids], tangent, camera) * scale[:, :, None]).reshape(2 * len(ids), -1)
+        gaps = ((observation.points - camera.project(shape[ids])) * scale).ravel()
+        # The camera may move along: a turn that explains the landmarks as well is no reason for another face.
+        system = rows.T @ rows
+        system[CAMERA:, CAMERA:] += np.eye(len(latent))
+        latent = np.linalg.solve(system, rows.T @ (gaps + rows[:, CAMERA:] @ latent))[CAMERA:]
+    return latent, camera, weights

@@ -3,8 +3,8 @@
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from caricli.geometry.deformation_gradients import rotation_matrices
 from caricli.geometry.gauss_newton import Damping
+from caricli.methods.reconstruct.camera_rows import CAMERA, camera_rows, moved_camera
 from caricli.methods.reconstruct.landmark_fit import LandmarkFit, Observation, outlier_weights
 from caricli.methods.reconstruct.settings import DampingSettings, LatentSettings, OutlierSettings
 from caricli.models.shape_model import ShapeModel
@@ -12,9 +12,6 @@ from caricli.structures import Camera, Face
 
 _OUTLIERS = OutlierSettings()
 _DAMPING = DampingSettings()
-
-_CAMERA = 6
-"""Unknowns of a camera: turn (3), logarithm of the scale, shift (2)."""
 
 
 @threadpool_limits.wrap(limits=1)
@@ -78,12 +75,12 @@ class _Search:
         """Take a step that lowers the cost, if one of a few does. joint: of camera and latent, else of the latent."""
         system, right = self.normal_equations()
         if not joint:
-            system = system[_CAMERA:, _CAMERA:]
-            right = right[_CAMERA:]
+            system = system[CAMERA:, CAMERA:]
+            right = right[CAMERA:]
         before = self.cost(self.camera, self.whitened)
         for _ in range(_DAMPING.tries):
             step = damping.step(system, right)
-            camera = _moved(self.camera, step[:_CAMERA]) if joint else self.camera
+            camera = moved_camera(self.camera, step[:CAMERA]) if joint else self.camera
             whitened = self.whitened + step[-len(self.whitened) :]
             if self.cost(camera, whitened) < before:
                 self.camera = camera
@@ -102,34 +99,12 @@ class _Search:
         camera = self.camera
         latent = self.model.prior.colour(self.whitened)
         positions, jacobian = self.model.points_jacobian(latent, self.anchors[self.observation.ids])
-        rows = _camera_rows(positions, jacobian @ self.model.prior.factor, camera)
+        rows = camera_rows(positions, jacobian @ self.model.prior.factor, camera)
         scale = np.sqrt(self.weights)[:, None] / self.noise
         residual = ((self.observation.points - camera.project(positions)) * scale).ravel()
         rows = (rows * scale[:, :, None]).reshape(len(residual), -1)
         system = rows.T @ rows
         right = rows.T @ residual
-        system[_CAMERA:, _CAMERA:] += np.eye(len(self.whitened))
-        right[_CAMERA:] -= self.whitened
+        system[CAMERA:, CAMERA:] += np.eye(len(self.whitened))
+        right[CAMERA:] -= self.whitened
         return system, right
-
-
-def _camera_rows(positions: np.ndarray, jacobian: np.ndarray, camera: Camera) -> np.ndarray:
-    """(K, 2, 6 + D) derivatives of projected positions (K, 3), whose derivatives by the latent are (K, 3, D)."""
-    turned = positions @ camera.rotation.T
-    rows = np.zeros((len(positions), 2, _CAMERA + jacobian.shape[2]))
-    rows[:, 0, 1] = turned[:, 2]
-    rows[:, 0, 2] = -turned[:, 1]
-    rows[:, 1, 0] = -turned[:, 2]
-    rows[:, 1, 2] = turned[:, 0]
-    rows[:, :, 3] = turned[:, :2]
-    rows[:, :, _CAMERA:] = np.einsum("ab,kbd->kad", camera.rotation[:2], jacobian)
-    rows *= camera.scale
-    rows[:, 0, 4] = 1.0
-    rows[:, 1, 5] = 1.0
-    return rows
-
-
-def _moved(camera: Camera, step: np.ndarray) -> Camera:
-    """The camera turned, scaled and shifted by a step (6,)."""
-    rotation = rotation_matrices(step[None, :3])[0] @ camera.rotation
-    return Camera(camera.scale * float(np.exp(step[3])), rotation, camera.translation + step[4:])

@@ -11,13 +11,18 @@ class IntrinsicSettings:
     """Weights of the elastic fit.
 
     strength: of the landmarks against the surface; 10 meets them to about a tenth of a percent of their diagonal.
-    shrink: of the prior; drawings stay at about one standard deviation with it.
-    rounds: of camera, outline, correction and latent; after ten of them nothing moves that is seen.
+    misfit: expected distance of a landmark from where the model alone puts it, in root mean squares of these distances:
+    the farther a drawing is from every face of the model, the less it tells of what it does not show.
+    least: such a distance at least, as a share of the landmarks' diagonal: what the model leaves out of usual faces.
+    rounds: of camera, outline and latent; after ten of them nothing moves that is seen.
+    corrections: of the surface, each with the outline and the neck that the one before it left.
     """
 
     strength: float = 10.0
-    shrink: float = 1.5e-4
+    misfit: float = 1.2
+    least: float = 0.008
     rounds: int = 10
+    corrections: int = 3
 
     @property
     def iterations(self) -> int:

@@ -98,9 +98,14 @@ class IntrinsicModel:
         template = self.template
         return ElasticAnchors(template.vertices, template.faces, template.annotation.anchor_ids())
 
+    @cached_property
+    def tangent(self) -> np.ndarray:
+        """(A, 3, D) derivatives by the latent, at the mean face, of the points of ``anchors``, in their order."""
+        return self.points_jacobian(self.prior.mean, self.anchors.points)[1]
+
     def prepare(self) -> None:
         """See ShapeModel."""
-        _ = self.anchors, self.template.gradients, self.template.cavities
+        _ = self.anchors, self.tangent, self.template.gradients, self.template.cavities, self.template.neck
 
     def features(self, latents: np.ndarray) -> np.ndarray:
         """Latents (..., D) to features (..., V, 9)."""

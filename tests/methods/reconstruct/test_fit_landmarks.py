@@ -1,4 +1,5 @@
 import os
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -172,7 +173,8 @@ def test_a_heavier_prior_stays_nearer_to_the_mean(fit, method, one):
     results = []
     for weight in (0.1, 1.0, 10.0):
         if method == "intrinsic":
-            settings = IntrinsicSettings(shrink=IntrinsicSettings().shrink * weight)
+            usual = IntrinsicSettings()
+            settings = replace(usual, misfit=usual.misfit * weight**0.5, least=usual.least * weight**0.5)
         else:
             settings = LatentSettings(noise=LatentSettings().noise * weight**0.5)
         results.append(fit(caricature, settings))
