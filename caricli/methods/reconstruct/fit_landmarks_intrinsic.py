@@ -74,5 +74,7 @@ def _likeliest(
         # The camera may move along: a turn that explains the landmarks as well is no reason for another face.
         system = rows.T @ rows
         system[CAMERA:, CAMERA:] += np.eye(len(latent))
-        latent = np.linalg.solve(system, rows.T @ (gaps + rows[:, CAMERA:] @ latent))[CAMERA:]
+        likeliest = np.linalg.solve(system, rows.T @ (gaps + rows[:, CAMERA:] @ latent))[CAMERA:]
+        # Derivatives are those at the mean face: far from it whole steps go to and fro.
+        latent = latent + settings.step * (likeliest - latent)
     return latent, camera, weights

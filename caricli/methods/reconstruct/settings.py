@@ -14,6 +14,7 @@ class IntrinsicSettings:
     misfit: expected distance of a landmark from where the model alone puts it, in root mean squares of these distances:
     the farther a drawing is from every face of the model, the less it tells of what it does not show.
     least: such a distance at least, as a share of the landmarks' diagonal: what the model leaves out of usual faces.
+    step: share of the way to the likeliest latent that a round goes.
     rounds: of camera, outline and latent; after ten of them nothing moves that is seen.
     corrections: of the surface, each with the outline and the neck that the one before it left.
     """
@@ -21,6 +22,7 @@ class IntrinsicSettings:
     strength: float = 10.0
     misfit: float = 1.2
     least: float = 0.008
+    step: float = 0.7
     rounds: int = 10
     corrections: int = 3
 
