@@ -14,7 +14,8 @@ def fitted(lopsided_head):
     """A Template, a Face of it whose camera shows it about (300, 200), and given landmarks."""
     camera = Camera(50.0, FRONT, np.array([300.0, 200.0]))
     vertices = lopsided_head.vertices
-    points = camera.project(vertices[np.flatnonzero(vertices[:, 2] > 0.3)[::8]])
+    front = np.flatnonzero(vertices[:, 2] > 0.3)
+    points = camera.project(vertices[front[np.linspace(0, len(front) - 1, 68).astype(int)]])
     given = points + np.array([4.0, 0.0])
     given[2] = np.nan
     return lopsided_head, Face(lopsided_head, camera, points), given
