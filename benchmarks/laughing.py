@@ -33,7 +33,7 @@ from caricli.methods.reconstruct.landmark_vertices import landmark_vertices
 from caricli.models.intrinsic.config import IntrinsicConfig
 from caricli.models.intrinsic.model import IntrinsicModel
 from caricli.render.views import TO_PICTURE
-from caricli.store.models import load_model
+from caricli.store.models import load_model, load_morphable
 
 TRAINED_ON = 0
 LAUGH = {
@@ -123,7 +123,8 @@ def errors(vertices, truth, template):
 
 def methods():
     """Functions from landmarks (68, 2) to a LandmarkFit, by name."""
-    intrinsic, kernel, pca, morphable = (load_model(kind=kind) for kind in ("intrinsic", "kernel", "pca", "morphable"))
+    intrinsic, kernel, pca = (load_model(kind=kind) for kind in ("intrinsic", "kernel", "pca"))
+    morphable = load_morphable()
     return {
         "intrinsic": lambda points: fit_landmarks(points, intrinsic),
         "latent (kernel)": lambda points: fit_landmarks(points, kernel, "latent"),
