@@ -7,6 +7,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from caricli.errors import InputError, naming, shown
+from caricli.structures.checks import number_problem
 
 KEYS = ("facial_transformation_matrixes", "facialTransformationMatrixes")
 _ROUND = 1e-3
@@ -48,7 +49,7 @@ def _rotation(value: Any) -> np.ndarray:
         matrix = np.array(value, float)
     except (TypeError, ValueError):
         matrix = np.zeros(0)
-    if matrix.shape not in ((4, 4), (16,)) or not np.isfinite(matrix).all():
+    if matrix.shape not in ((4, 4), (16,)) or number_problem("matrix", matrix):
         raise InputError(f"expected a matrix of 4 x 4 numbers, found {shown(value, 60)}")
     # Without a place both readings fit: then a list is JavaScript's.
     matrix = matrix.reshape(4, 4).T if matrix.ndim == 1 else matrix
@@ -59,4 +60,7 @@ def _rotation(value: Any) -> np.ndarray:
     if np.abs(matrix[3] - last).max() > _ROUND or np.linalg.det(linear) <= _ROUND:
         raise InputError(f"expected the matrix of a pose, found {shown(value, 60)}")
     left, _, right = np.linalg.svd(linear)
-    return left @ right
+    turn = left @ right
+    if np.linalg.det(turn) < 0:  # of numbers so far apart that the sign of their determinant is rounding
+        raise InputError(f"expected the matrix of a pose, found {shown(value, 60)}")
+    return turn

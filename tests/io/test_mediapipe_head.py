@@ -50,6 +50,8 @@ def test_without_matrices_the_head_keeps_still():
         ([[1, 2], [3, 4]], "expected a matrix of 4 x 4 numbers"),
         ("pose", "expected a matrix of 4 x 4 numbers"),
         (np.full((4, 4), np.nan).tolist(), "expected a matrix of 4 x 4 numbers"),
+        ([[1, 0, 0, 0], [0, 1, 0, 0], [1e308, 0, 1, 0], [0, 0, 0, 1]], "expected a matrix of 4 x 4 numbers"),
+        ([[1, 0, 0, 0], [0, 1, 0, 0], [1e30, 0, 1, 0], [0, 0, 0, 1]], "expected a matrix of 4 x 4 numbers"),
         (np.ones((4, 4)).tolist(), "expected the matrix of a pose"),
         (np.diag([1.0, 1, -1, 1]).tolist(), "expected the matrix of a pose"),
         (np.diag([0.0, 0, 0, 1]).tolist(), "expected the matrix of a pose"),

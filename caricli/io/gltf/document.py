@@ -70,6 +70,8 @@ class Document:
             if where.dtype.kind == "f" or where.max() >= count:
                 raise InputError(f"sparse: expected indices below {count}, found others")
             values[where] = self._view(take(sparse, "values", dict), dtype, changed, width)
+        if not np.isfinite(values).all():
+            raise InputError("accessor: expected finite numbers, found others")
         return values
 
     def _view(self, holder: dict, dtype: np.dtype, count: int, width: int) -> np.ndarray:
