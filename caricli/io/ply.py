@@ -32,7 +32,7 @@ def read_ply(path: str | Path) -> Mesh:
         elements = _load(data)
         if "faces" not in elements or "vertices" not in elements:
             raise InputError("expected a mesh with vertices and faces, found none")
-        return Mesh(np.asarray(elements["vertices"], np.float64), elements["faces"])
+        return Mesh(elements["vertices"], elements["faces"])
 
 
 def write_ply(path: str | Path, mesh: Mesh) -> None:
@@ -96,7 +96,9 @@ def _load(data: bytes) -> dict:
     from trimesh.exchange.ply import load_ply
 
     try:
-        return trimesh_load(load_ply, data, fix_texture=False, skip_materials=True)
+        elements = trimesh_load(load_ply, data, fix_texture=False, skip_materials=True)
+        # Lines of a text may have different lengths.
+        return {key: np.asarray(rows, np.float64) if key == "vertices" else rows for key, rows in elements.items()}
     except Exception as error:  # trimesh raises whatever it meets
         reason = "damaged, or binary with polygons of different sizes (then save it as text or as triangles)"
         raise InputError(f"expected {_KIND}, found one that is {reason}: {shown(error, 120)}") from error

@@ -383,6 +383,7 @@ def test_a_ply_cannot_claim_much(tmp_path, form):
         (b"ply\nformat ascii 1.0\n" + b"property float x\n" * 300 + b"end_header\n", "at most 256 properties"),
         (HEADER % (b"ascii", 3, 1) + b"0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n" + b"\n" * 10**6, "expected 4 lines of values"),
         (HEADER % (b"ascii", 3, 1) + b"0 0 0\n1 0 x\n0 1 0\n3 0 1 2\n", "damaged"),
+        (HEADER % (b"ascii", 3, 1) + b"0 0 0\n1 0\n0 1 0\n3 0 1 2\n", "damaged"),
         (HEADER % (b"ascii", 3, 1) + b"0 0 0\n1 0 nan\n0 1 0\n3 0 1 2\n", "vertices: expected finite"),
         (HEADER % (b"ascii", 3, 1) + b"0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n", "polygons: expected indices below 3"),
         (HEADER % (b"ascii", 3, 1) + b"0 0 0\n1 0 0\n0 1 0\n3 0 1 -1\n", "polygons: expected"),
