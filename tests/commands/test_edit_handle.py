@@ -86,7 +86,7 @@ def test_shares_are_of_the_face_that_is_edited(run, face, tmp_path):
         (["--handle", "nose_tpi=0,0,5%"], "did you mean nose_tip"),
         (["--handle", "nose_tip"], "expected WHERE=DX,DY,DZ"),
         (["--handle", "nose_tip=0,0"], "three lengths"),
-        (["--handle", "nose_tip=0,0,nan"], "half the head's height"),
+        (["--handle", "nose_tip=0,0,nan"], "expected metres or a share"),
         (["--handle", "nose_tip=0,0,9"], "half the head's height"),
         (["--handle", "9999=0,0,1%"], "vertex from 0 to 4199"),
         (["--handle", "l99=0,0,1%"], "l0 to l80"),

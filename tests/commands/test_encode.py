@@ -93,7 +93,7 @@ BAD = {
     "a web page": (lambda path, smile: path.write_bytes(b"<html></html>"), "HTML"),
     "not a number": (lambda path, smile: path.write_text("v 1 2 nan\nv 1 0 0\nv 0 0 0\nf 1 2 3\n"), "line 1"),
     "centimetres": (lambda path, smile: scaled(path, smile, 100), "m high, found"),
-    "a point": (lambda path, smile: scaled(path, smile, 0), "m high, found 0 m"),
+    "a point": (lambda path, smile: scaled(path, smile, 0), "all of them in one place"),
 }
 
 

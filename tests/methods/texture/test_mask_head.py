@@ -119,7 +119,7 @@ def test_where_colours_tell_nothing_the_landmarks_do(face, points):
 
 
 def test_a_face_that_fills_its_picture(face, points):
-    mask = mask_head(zoomed(face, 1, -60), picture()[60:180, 60:160], points - 60)
+    mask = mask_head(zoomed(face, 1, -50), picture()[50:190, 50:170], points - 50)
     assert mask.mean() > 0.8
 
 
