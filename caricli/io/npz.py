@@ -83,6 +83,8 @@ def read_array(stream: IO[bytes], size: int, name: str) -> np.ndarray:
             raise InputError("expected true or false, found another value")
         array = buffer.view(dtype).reshape(shape, order=order)
         array = array.astype(dtype.newbyteorder("="), copy=False)
+        if dtype.kind == "f":
+            array[np.isnan(array)] = np.nan  # those that signal would warn wherever they are computed with
         if dtype.kind == "U":
             codes = np.ascontiguousarray(array).reshape(-1).view(np.uint32)
             if (codes > 0x10FFFF).any() or ((codes >= 0xD800) & (codes < 0xE000)).any():

@@ -205,3 +205,11 @@ def test_arrays_from_a_stream_are_read_to_the_end():
         npz.read_array(io.BytesIO(data + b"x"), len(data), "a.npy")
     with pytest.raises(InputError, match="found 23"):
         npz.read_array(io.BytesIO(data[:-1]), len(data), "a.npy")
+
+
+def test_numbers_that_signal_are_plain_unknowns(tmp_path):
+    signalling = np.array([0x7F800001, 0x3F800000], np.uint32).view(np.float32)
+    np.savez(tmp_path / "a.npz", values=signalling)
+    values = read_npz(tmp_path / "a.npz")["values"]
+    with np.errstate(all="raise"):
+        np.testing.assert_array_equal(values.astype(np.float64), [np.nan, 1.0])
