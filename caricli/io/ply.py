@@ -96,9 +96,10 @@ def _load(data: bytes) -> dict:
     from trimesh.exchange.ply import load_ply
 
     try:
-        elements = trimesh_load(load_ply, data, fix_texture=False, skip_materials=True)
-        # Lines of a text may have different lengths.
-        return {key: np.asarray(rows, np.float64) if key == "vertices" else rows for key, rows in elements.items()}
+        with np.errstate(invalid="ignore"):  # of what is no number, which a Mesh refuses
+            elements = trimesh_load(load_ply, data, fix_texture=False, skip_materials=True)
+            # Lines of a text may have different lengths.
+            return {key: np.asarray(rows, np.float64) if key == "vertices" else rows for key, rows in elements.items()}
     except Exception as error:  # trimesh raises whatever it meets
         reason = "damaged, or binary with polygons of different sizes (then save it as text or as triangles)"
         raise InputError(f"expected {_KIND}, found one that is {reason}: {shown(error, 120)}") from error

@@ -69,8 +69,9 @@ def _corners(data: bytes) -> np.ndarray:
     from trimesh.exchange.stl import load_stl
 
     try:
-        solid = trimesh_load(load_stl, data)
-        solids = [solid] if "vertices" in solid else [*solid["geometry"].values()]
-        return np.concatenate([np.asarray(part["vertices"], np.float64) for part in solids] or [np.zeros((0, 3))])
+        with np.errstate(invalid="ignore"):  # of what is no number, which a Mesh refuses
+            solid = trimesh_load(load_stl, data)
+            solids = [solid] if "vertices" in solid else [*solid["geometry"].values()]
+            return np.concatenate([np.asarray(part["vertices"], np.float64) for part in solids] or [np.zeros((0, 3))])
     except Exception as error:  # trimesh raises whatever it meets
         raise InputError(f"expected {_KIND}, found a damaged one: {shown(error, 120)}") from error

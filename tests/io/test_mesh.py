@@ -423,6 +423,18 @@ def test_damaged_stls(tmp_path, data, words):
     refused(tmp_path / "a.stl", words)
 
 
+@pytest.mark.parametrize("suffix", [".ply", ".stl"])
+def test_numbers_that_signal_are_refused_without_a_warning(ball_mesh, tmp_path, suffix, recwarn):
+    path = tmp_path / f"a{suffix}"
+    write_mesh(path, ball_mesh)
+    data = bytearray(path.read_bytes())
+    start = 96 if suffix == ".stl" else data.index(b"end_header\n") + 11
+    data[start : start + 4] = b"\x01\x00\x80\x7f"
+    path.write_bytes(data)
+    refused(path, "expected finite")
+    assert not recwarn.list
+
+
 def test_triangles_are_capped(ball_mesh, tmp_path, monkeypatch):
     triangles = trimesh.Trimesh(ball_mesh.vertices, ball_mesh.faces, process=False)
     (tmp_path / "a.stl").write_text(trimesh.exchange.stl.export_stl_ascii(triangles))
