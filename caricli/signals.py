@@ -48,6 +48,7 @@ def raising() -> Iterator[None]:
     numbers = [n for n in (signal.SIGINT, signal.SIGTERM) if signal.getsignal(n) is not signal.SIG_IGN]
     handlers = dict.fromkeys(numbers, _handler_of(os.getpid())) | {signal.SIGALRM: _ask_again}
     previous = {number: signal.signal(number, handler) for number, handler in handlers.items()}
+    hook = sys.unraisablehook
     sys.unraisablehook = _quiet
     try:
         yield
@@ -57,7 +58,7 @@ def raising() -> Iterator[None]:
         raise Stopped(_request.number) from error
     finally:
         signal.setitimer(signal.ITIMER_REAL, 0)
-        sys.unraisablehook = sys.__unraisablehook__
+        sys.unraisablehook = hook
         # After a stop the process ends, and a second signal must not change how.
         for number, handler in previous.items() if _request.number is None else ():
             signal.signal(number, handler)

@@ -92,8 +92,10 @@ def test_what_cleans_up_is_not_interrupted():
 
 def test_without_a_signal_nothing_changes():
     before = [signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM, signal.SIGALRM)]
+    hook = sys.unraisablehook
     with signals.raising(), signals.held():
         signals.raise_if_asked()
+    assert sys.unraisablehook is hook
     assert [signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM, signal.SIGALRM)] == before
     with pytest.raises(ZeroDivisionError), signals.raising():
         _ = 1 / 0
