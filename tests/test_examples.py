@@ -103,8 +103,8 @@ def test_drawing_to_rig(run, tmp_path):
         run("make", "-j2", "-f", makefile, f"PICTURES={pictures}", f"OUT={out}", "SIZE=256", "DURATION=1")
     assert sorted(path.name for path in out.iterdir() if path.is_dir()) == ["astronaut"]
     rig, moved = read_gltf(out / "astronaut" / "rig.glb"), read_gltf(out / "astronaut" / "talk.glb")
-    assert len(rig.names) == 52 and rig.texture.shape == (256, 256, 3) and rig.texture.std() > 10
-    assert rig.eye_texture is not None and moved.names == rig.names
+    assert len(rig.names) == 52 and rig.pictures.skin.shape == (256, 256, 3) and rig.pictures.skin.std() > 10
+    assert rig.pictures.eyes is not None and moved.names == rig.names
     errors = read_json(out / "astronaut" / "refined.json")
     assert errors["after"]["all"] < 0.05 < errors["before"]["all"]
     assert read_json(out / "astronaut" / "textured" / "face.json")["photometric_error"] < 0.06

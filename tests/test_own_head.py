@@ -96,7 +96,7 @@ def test_the_rig_has_its_own_expressions_under_arkits_names_and_its_picture(own)
     folder, _ = own
     rig = read_rig(folder / "rig.npz")
     assert len(rig.names) == 55 and {"eyeBlinkLeft", "browInnerUp", "browInnerUp_L", "jawOpen"} <= set(rig.names)
-    assert read_gltf(folder / "rig.glb").texture.std() > 10
+    assert read_gltf(folder / "rig.glb").pictures.skin.std() > 10
     assert len(rig.neutral) == len(read_mesh(folder / "head" / "expressions" / "neutral.obj").vertices)
     parts = mesh_components(rig.neutral, rig.faces)
     moved = [

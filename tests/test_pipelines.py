@@ -113,7 +113,7 @@ def test_portrait_goes_on_where_it_was_killed_and_past_a_bad_picture(snakemake, 
     ended(snakemake(*start), code=1)
     assert (head / "face.npz").stat() == face
     rig = read_gltf(head / "rig.glb")
-    assert len(rig.names) == 52 and rig.texture.shape == (128, 128, 3)
+    assert len(rig.names) == 52 and rig.pictures.skin.shape == (128, 128, 3)
     page = (out / "index.html").read_text("utf-8")
     assert "1 of 2 finished" in page and "a &amp; &#x27;b&#x27; 1" in page
     assert re.search(r'class="failed">reconstruct failed: [^<]*unmarked\.json: expected', page)
@@ -155,7 +155,7 @@ def test_expressions_go_on_where_they_were_stopped_and_past_bad_files(snakemake,
     ended(snakemake(*start), code=1)
     assert (home / "refined.npz").stat() == face
     blendshapes = read_gltf(home / "blendshapes.glb")
-    assert blendshapes.names == ("jawOpen", "smile") and blendshapes.texture.shape == (128, 128, 3)
+    assert blendshapes.names == ("jawOpen", "smile") and blendshapes.pictures.skin.shape == (128, 128, 3)
     weights = read_json(home / "expressions" / "open.json")["weights"]
     assert abs(weights["jawOpen"] - 0.7) < 0.02 and weights["smile"] < 0.02
     assert read_json(home / "expressions" / "astronaut.json")["weights"]["smile"] > 0.2
@@ -178,7 +178,7 @@ def test_expressions_go_on_where_they_were_stopped_and_past_bad_files(snakemake,
     ended(snakemake(*start))
     page = (out / "index.html").read_text("utf-8")
     assert "4 of 4 expressions finished" in page and "failed:" not in page
-    assert read_gltf(out / "heads" / "unmarked" / "blendshapes.glb").texture is None
+    assert read_gltf(out / "heads" / "unmarked" / "blendshapes.glb").pictures.skin is None
     assert "heads/unmarked/expressions/open.obj" in links_of(out / "index.html")
     assert (home / "refined.npz").stat() == face
     assert "Nothing to be done" in ended(snakemake(*start))

@@ -90,5 +90,5 @@ def test_the_walk_of_the_page_makes_a_rig(tmp_path):
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=tmp_path, env=environment)
     assert done.returncode == 0, done.stderr
     rig = read_gltf(tmp_path / "rig.glb")
-    assert len(rig.names) == 52 and rig.texture is not None and rig.texture.std() > 10
+    assert len(rig.names) == 52 and rig.pictures.skin is not None and rig.pictures.skin.std() > 10
     assert read_image(tmp_path / "photo.png").shape[2] == 3

@@ -12,12 +12,14 @@ from caricli.io.mesh_arrays import mesh_from_arrays, mesh_to_arrays
 from caricli.io.npz import read_npz, take_texts, write_npz
 from caricli.io.worn import PictureNames, plain_name, read_pictures, write_pictures
 from caricli.limits import MAX_VERTICES
-from caricli.structures import Camera, Face
+from caricli.structures import Camera, Face, Hair, Mesh
+from caricli.structures.pictures import PICTURED
 
 SCHEMA = "caricli.face/1"
 UNITS = "m"
 AXES = "+y up, +z front"
 
+_PICTURES = [f"{name}_picture" for name in PICTURED.values()]
 # In the order in which they are written.
 _STORED = {
     "vertices": np.float32,
@@ -33,12 +35,17 @@ _STORED = {
     "uvs": np.float64,
     "uv_polygons": np.int32,
     "materials": np.int32,
-    "skin_picture": np.str_,
-    "eyes_picture": np.str_,
+    "hair_vertices": np.float32,
+    "hair_polygons": np.int32,
+    "hair_uvs": np.float64,
+    "hair_uv_polygons": np.int32,
+    "hair_roots": np.int32,
+    "hair_weights": np.float32,
+    **dict.fromkeys(_PICTURES, np.str_),
 }
 _OWN = ("landmarks", "latent", "residual", "model_id")
 _TEXTS = {"schema": SCHEMA, "units": UNITS, "axes": AXES}
-_PICTURES = ("skin_picture", "eyes_picture")
+_HAIR = ("hair_vertices", "hair_polygons", "hair_uvs", "hair_uv_polygons", "hair_roots", "hair_weights")
 _CAMERA = ("camera_scale", "camera_rotation", "camera_translation")
 
 
@@ -87,7 +94,8 @@ def write_face(path: str | Path, face: Face, names: PictureNames | None = None) 
     values: dict = {"vertices": mesh.vertices} | mesh_to_arrays(mesh)
     values |= {key: getattr(face, key) for key in (*_OWN, "materials")}
     names = write_pictures(Path(path), face.pictures) if names is None else names
-    values |= dict(zip(_PICTURES, [names.skin, names.eyes], strict=True))
+    values |= dict(zip(_PICTURES, names, strict=True))
+    values |= _hair_arrays(face.hair)
     if camera is not None:
         values |= dict(zip(_CAMERA, [camera.scale, camera.rotation, camera.translation], strict=True))
     arrays = {key: np.array(text) for key, text in (_TEXTS | {"topology_id": mesh.topology_id}).items()}
@@ -99,8 +107,7 @@ def write_face(path: str | Path, face: Face, names: PictureNames | None = None) 
 
 def _names(values: dict) -> PictureNames:
     """The names of pictures, plain ones, taken out of values by key."""
-    skin, eyes = (None if key not in values else plain_name(values.pop(key)) for key in _PICTURES)
-    return PictureNames(skin, eyes)
+    return PictureNames(*(None if key not in values else plain_name(values.pop(key)) for key in _PICTURES))
 
 
 def _face(values: dict) -> Face:
@@ -111,7 +118,28 @@ def _face(values: dict) -> Face:
         raise InputError(f"camera: expected {', '.join(_CAMERA)}, found only {', '.join(given)}")
     camera = Camera(*(values[key] for key in _CAMERA)) if given else None
     others: dict[str, Any] = {key: values.get(key) for key in (*_OWN, "materials")}
-    return Face(mesh, camera, **others)
+    return Face(mesh, camera, hair=_hair(values), **others)
+
+
+def _hair_arrays(hair: Hair | None) -> dict[str, np.ndarray | None]:
+    if hair is None:
+        return {}
+    shell = [hair.shell.vertices, hair.shell.polygons, hair.shell.uvs, hair.shell.uv_polygons]
+    return dict(zip(_HAIR, [*shell, hair.roots, hair.weights], strict=True))
+
+
+def _hair(values: dict) -> Hair | None:
+    """The Hair of values by key, or None."""
+    given = [key for key in _HAIR if key in values]
+    if not given:
+        return None
+    if len(given) < len(_HAIR):
+        raise InputError(f"hair: expected {', '.join(_HAIR)}, found only {', '.join(given)}")
+    vertices, polygons, uvs, uv_polygons, roots, weights = (values[key] for key in _HAIR)
+    try:
+        return Hair(Mesh(vertices, polygons, uvs, uv_polygons), roots, weights)
+    except InputError as error:
+        raise InputError(f"hair: {error}") from error
 
 
 def _value(key: str, array: np.ndarray) -> np.ndarray | str:

@@ -13,7 +13,7 @@ from caricli.io.image import read_image
 from caricli.io.obj import read_obj, write_obj
 from caricli.io.ply import read_ply, write_ply
 from caricli.io.stl import read_stl, write_stl
-from caricli.structures import Mesh, Rig
+from caricli.structures import Mesh, Pictures, Rig
 
 
 @dataclass(frozen=True)
@@ -40,9 +40,9 @@ def _write_still_gltf(
         raise OutputError(f"{shown(path)}: expected a mesh with UVs for the texture, found none")
     # No polygon shows a picture of eyes where all are skin.
     names = (texture, None if materials is None else eyes)
-    pictures = [None if name is None else read_image(path.parent / name) for name in names]
+    pictures = Pictures(*(None if name is None else read_image(path.parent / name) for name in names))
     no_shapes = np.zeros((0, len(mesh.vertices), 3), np.float32)
-    write_gltf(path, Rig((), mesh, no_shapes, materials, *pictures))
+    write_gltf(path, Rig((), mesh, no_shapes, materials, pictures))
 
 
 _GLTF = _Format(read_gltf_mesh, _write_still_gltf, keeps_texture=True)

@@ -8,11 +8,12 @@ from caricli.errors import InputError, naming, shown
 from caricli.io.face import AXES, UNITS
 from caricli.io.mesh_arrays import MESH_DTYPES, mesh_from_arrays, mesh_to_arrays
 from caricli.io.npz import read_npz, take_texts, write_npz
-from caricli.structures import Rig
+from caricli.structures import Pictures, Rig
 
 SCHEMA = "caricli.rig/1"
 
 _TEXTS = {"schema": SCHEMA, "units": UNITS, "axes": AXES}
+_TEXTURES = {"texture": "skin", "eye_texture": "eyes", "hair_texture": "hair", "bust_texture": "bust"}
 # In the order in which they are written.
 _STORED = {
     "names": np.str_,
@@ -20,12 +21,11 @@ _STORED = {
     "deltas": np.float32,
     **MESH_DTYPES,
     "materials": np.int32,
-    "texture": np.uint8,
-    "eye_texture": np.uint8,
+    **dict.fromkeys(_TEXTURES, np.uint8),
     "normal_deltas": np.float32,
 }
 _REQUIRED = ("names", "neutral", "deltas", "faces")
-_LOOKS = ("materials", "texture", "eye_texture", "normal_deltas")
+_LOOKS = ("materials", "normal_deltas")
 
 
 def read_rig(path: str | Path) -> Rig:
@@ -53,6 +53,7 @@ def write_rig(path: str | Path, rig: Rig) -> None:
     """
     values: dict = {"names": rig.names, "neutral": rig.neutral, "deltas": rig.deltas} | mesh_to_arrays(rig.mesh)
     values |= {key: getattr(rig, key) for key in _LOOKS}
+    values |= dict(zip(_TEXTURES, rig.pictures, strict=True))
     arrays = {key: np.array(text) for key, text in _TEXTS.items()}
     for key, stored in _STORED.items():
         if values.get(key) is not None:
@@ -77,4 +78,6 @@ def _rig(values: dict) -> Rig:
     if names.ndim != 1:
         raise InputError(f"names: expected a list of names, found {names.shape}")
     mesh = mesh_from_arrays(values, "neutral")
-    return Rig(tuple(names.tolist()), mesh, values["deltas"], **{key: values.get(key) for key in _LOOKS})
+    pictures = Pictures(**{name: values.get(key) for key, name in _TEXTURES.items()})
+    looks = {key: values.get(key) for key in _LOOKS}
+    return Rig(tuple(names.tolist()), mesh, values["deltas"], pictures=pictures, **looks)

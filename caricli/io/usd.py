@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 
 from caricli.errors import OutputError, shown
-from caricli.io.gltf.format import MATERIAL_NAMES
-from caricli.io.gltf.write_gltf import COLOURS, ROUGHNESS, shading_normals
+from caricli.io.gltf.write_gltf import shading_normals
 from caricli.io.image import write_png
 from caricli.io.outputs import writing
 from caricli.structures import Material, Rig
+from caricli.structures.materials import FINISHES
 
 _LAYER = "head.usdc"
 _LONG_AGO = 315_705_600
@@ -42,7 +42,7 @@ def write_usd(path: str | Path, rig: Rig) -> None:
             package = Sdf.ZipFileWriter.CreateNew(str(path))
             names = [_LAYER, *(_picture_name(material) for material in _pictured(rig))]
             for material in _pictured(rig):
-                write_png(Path(folder, _picture_name(material)), np.asarray(rig.picture(material)))
+                write_png(Path(folder, _picture_name(material)), np.asarray(rig.pictures.of(material)))
             for name in names:
                 os.utime(f"{folder}/{name}", (_LONG_AGO, _LONG_AGO))
             # The layer comes first, as USDZ wants it.
@@ -74,7 +74,7 @@ def _pictured(rig: Rig) -> list[Material]:
     """Materials with a picture that has a place on the surface."""
     if rig.mesh.uvs is None:
         return []
-    return [material for material in _materials(rig) if rig.picture(material) is not None]
+    return [material for material in _materials(rig) if rig.pictures.of(material) is not None]
 
 
 def _materials(rig: Rig) -> list[Material]:
@@ -83,7 +83,7 @@ def _materials(rig: Rig) -> list[Material]:
 
 
 def _picture_name(material: Material) -> str:
-    return f"{MATERIAL_NAMES[material]}.png"
+    return f"{FINISHES[material].name}.png"
 
 
 def _add_mesh(stage: Any, rig: Rig, normals: np.ndarray) -> Any:
@@ -121,7 +121,7 @@ def _add_materials(stage: Any, mesh: Any, rig: Rig) -> None:
     of_polygons = np.zeros(len(rig.mesh.polygons)) if rig.materials is None else np.asarray(rig.materials)
     for material in _materials(rig):
         (polygons,) = np.nonzero(of_polygons == material)
-        part = binding.CreateMaterialBindSubset(MATERIAL_NAMES[material], _whole_numbers(polygons), UsdGeom.Tokens.face)
+        part = binding.CreateMaterialBindSubset(FINISHES[material].name, _whole_numbers(polygons), UsdGeom.Tokens.face)
         surface = _add_surface(stage, material, material in _pictured(rig))
         UsdShade.MaterialBindingAPI.Apply(part.GetPrim()).Bind(surface)
     binding.SetMaterialBindSubsetsFamilyType(UsdGeom.Tokens.partition)
@@ -132,16 +132,16 @@ def _add_surface(stage: Any, material: Material, pictured: bool) -> Any:
     from pxr import Gf, Sdf, UsdShade
 
     kinds = Sdf.ValueTypeNames
-    path = f"/head/materials/{MATERIAL_NAMES[material]}"
+    path = f"/head/materials/{FINISHES[material].name}"
     whole = UsdShade.Material.Define(stage, path)
     surface = UsdShade.Shader.Define(stage, f"{path}/surface")
     surface.CreateIdAttr("UsdPreviewSurface")
-    surface.CreateInput("roughness", kinds.Float).Set(ROUGHNESS)
+    surface.CreateInput("roughness", kinds.Float).Set(FINISHES[material].roughness)
     surface.CreateInput("metallic", kinds.Float).Set(0.0)
     colour = surface.CreateInput("diffuseColor", kinds.Color3f)
     whole.CreateSurfaceOutput().ConnectToSource(surface.ConnectableAPI(), "surface")
     if not pictured:
-        colour.Set(Gf.Vec3f(*COLOURS[material][:3]))
+        colour.Set(Gf.Vec3f(*FINISHES[material].linear))
         return whole
     places = UsdShade.Shader.Define(stage, f"{path}/places")
     places.CreateIdAttr("UsdPrimvarReader_float2")

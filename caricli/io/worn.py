@@ -1,34 +1,46 @@
 """What a face wears, as picture files beside its own."""
 
 import os
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, fields
 from pathlib import Path
 
 from caricli.errors import InputError, shown
 from caricli.io.image import read_image, write_png
 from caricli.structures import Pictures
+from caricli.structures.pictures import PICTURED
 
 _LEADING_AWAY = ("/", "\\", "..", "\0", ":")
 
 
 @dataclass(frozen=True)
 class PictureNames:
-    """File names of the pictures beside a face, or None. skin, eyes: plain names."""
+    """File names of the pictures beside a face, or None. skin, eyes, hair, bust: plain names."""
 
     skin: str | None = None
     eyes: str | None = None
+    hair: str | None = None
+    bust: str | None = None
+
+    def __iter__(self) -> Iterator[str | None]:
+        """All of them in the order of ``Pictures``."""
+        return (getattr(self, field.name) for field in fields(self))
+
+
+def picture_paths(path: Path) -> list[Path]:
+    """Files of the pictures that a face may wear, in the order of ``Pictures``. path: of mesh or NPZ."""
+    return [path.with_name(f"{path.stem}-{name}.png") for name in PICTURED.values()]
 
 
 def worn_paths(path: Path) -> list[Path]:
     """Files that may go beside a face: those of its pictures, and the material of an OBJ. path: of mesh or NPZ."""
-    return [path.with_name(f"{path.stem}-{part}.png") for part in ("skin", "eyes")] + [path.with_suffix(".mtl")]
+    return [*picture_paths(path), path.with_suffix(".mtl")]
 
 
 def write_pictures(path: Path, pictures: Pictures) -> PictureNames:
-    """Write what there is as PATH-skin.png and PATH-eyes.png. path: of the face. Raises OutputError."""
-    skin, eyes, _ = worn_paths(path)
+    """Write what there is as PATH-skin.png, PATH-eyes.png and so on. path: of the face. Raises OutputError."""
     names = []
-    for file, picture in ((skin, pictures.skin), (eyes, pictures.eyes)):
+    for file, picture in zip(picture_paths(path), pictures, strict=True):
         if picture is not None:
             write_png(file, picture)
         names.append(None if picture is None else file.name)
@@ -40,7 +52,7 @@ def read_pictures(path: Path, names: PictureNames) -> Pictures:
 
     Raises InputError when a name leads out of its folder, or no picture is there.
     """
-    return Pictures(*(None if name is None else read_image(_beside(path, name)) for name in (names.skin, names.eyes)))
+    return Pictures(*(None if name is None else read_image(_beside(path, name)) for name in names))
 
 
 def plain_name(name: str) -> str:

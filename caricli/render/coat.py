@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from caricli.structures import Material, Mesh, Pictures, Rig
+from caricli.structures.pictures import PICTURED
 
 NO_PICTURE = np.zeros((0, 0, 3), np.uint8)
 
@@ -39,14 +40,14 @@ class Coat:
         return at, number.reshape(-1, 3).astype(np.int32), np.column_stack([self.uvs[uv], material])
 
     def shrunk(self, points: np.ndarray, faces: np.ndarray, ball: float = 0.0) -> list[np.ndarray]:
-        """Pictures of skin and eyes, halved until a texel is about as large as a pixel: smaller ones would sparkle.
+        """All pictures in their order, halved until a texel is about as large as a pixel: smaller ones would sparkle.
 
         points: (V, 3), pixels and depth. faces: (F, 3). ball: pixels, radius of eyeballs beside the mesh, which are
         drawn where it has none of its own.
         Returns (H, W, 3) uint8 each, empty where there is none.
         """
         pictures = []
-        for material, picture in ((Material.SKIN, self.pictures.skin), (Material.EYE, self.pictures.eyes)):
+        for material, picture in zip(PICTURED, self.pictures, strict=True):
             if picture is None:
                 pictures.append(NO_PICTURE)
                 continue

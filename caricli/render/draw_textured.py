@@ -10,7 +10,8 @@ from caricli.render.rasterise import rasterise
 from caricli.render.sample_texture import sample_texture
 from caricli.render.smooth_normals import smooth_normals
 from caricli.render.views import TO_PICTURE, VIEWS, turn_about_y
-from caricli.structures import Material, Rig
+from caricli.structures import Rig
+from caricli.structures.pictures import PICTURED
 
 ANGLES = VIEWS | {"behind": 180.0}
 PAPER = 255.0
@@ -80,8 +81,8 @@ def _looked_up(
     uvs = np.einsum("nk,nkc->nc", weights, rig.mesh.uvs[rig.mesh.uv_faces[face]])
     materials = rig.triangle_materials[face]
     colours = np.full((len(face), 3), paper)
-    for material in (Material.SKIN, Material.EYE):
-        picture = rig.picture(material)
+    for material in PICTURED:
+        picture = rig.pictures.of(material)
         if picture is not None and (materials == material).any():
             colours[materials == material] = sample_texture(picture, uvs[materials == material])
     return colours

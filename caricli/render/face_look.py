@@ -4,11 +4,10 @@ import numpy as np
 
 from caricli.render.coat import mesh_coat
 from caricli.render.place_eyeballs import place_eyeballs
-from caricli.render.shade import CLAY, Look
+from caricli.render.shade import Look
 from caricli.structures import Face, Material, Mesh
+from caricli.structures.materials import FINISHES
 from caricli.template.annotation import bundled_annotation
-
-EYE_WHITE = (232, 228, 222)
 
 
 def face_look(face: Face) -> Look:
@@ -24,7 +23,8 @@ def face_look(face: Face) -> Look:
 
 
 def plain_colours(mesh: Mesh, materials: np.ndarray) -> np.ndarray:
-    """(V, 3) sRGB of vertices where no picture is: clay, and the white of eyes. materials: (F,) of the triangles."""
-    colours = np.tile(np.array(CLAY, float), (len(mesh.vertices), 1))
-    colours[mesh.faces[materials == Material.EYE]] = EYE_WHITE
+    """(V, 3) sRGB of vertices where no picture is, by their finish. materials: (F,) of the triangles."""
+    colours = np.tile(np.array(FINISHES[Material.SKIN].colour, float), (len(mesh.vertices), 1))
+    for material in np.unique(materials):
+        colours[mesh.faces[materials == material]] = FINISHES[Material(material)].colour
     return colours

@@ -5,6 +5,8 @@
 
 import warp as wp
 
+from caricli.structures.pictures import PICTURED
+
 # Nothing differentiates through these kernels; leaving the adjoints out halves the time to compile them.
 wp.set_module_options({"enable_backward": False})
 
@@ -13,6 +15,7 @@ KEY = wp.constant(wp.normalize(wp.vec3(-0.58, -0.56, -0.59)))  # the ways to the
 FILL = wp.constant(wp.normalize(wp.vec3(0.85, -0.05, -0.52)))
 RIM = wp.constant(wp.normalize(wp.vec3(0.62, -0.50, 0.60)))
 VIEW = wp.constant(wp.vec3(0.0, 0.0, -1.0))
+SKIN, EYE, HAIR, BUST = (wp.constant(int(material)) for material in PICTURED)
 
 
 @wp.struct
@@ -135,9 +138,11 @@ class Scene:
     normals: wp.array(dtype=wp.vec3)
     colours: wp.array(dtype=wp.vec3)
     light: wp.array(dtype=wp.vec3)  # how much of the key light, the fill light and the sky reaches the vertex
-    places: wp.array(dtype=wp.vec3)  # of the vertices in the pictures: u, v, and 0 for skin or 1 for eyes; or empty
+    places: wp.array(dtype=wp.vec3)  # of the vertices in the pictures: u, v, and the Material; or empty
     skin: wp.array3d(dtype=wp.uint8)  # sRGB, the top row first; empty where there is none
     eyes: wp.array3d(dtype=wp.uint8)
+    hair: wp.array3d(dtype=wp.uint8)
+    bust: wp.array3d(dtype=wp.uint8)
     eyeballs: wp.array(dtype=wp.vec4)  # centre and radius
     gaze: wp.vec3
 
@@ -228,10 +233,15 @@ def eye_colour(n: wp.vec3, scene: Scene):
 @wp.func
 def painted(scene: Scene, place: wp.vec3, plain: wp.vec3):
     """Linear colour of a place in the pictures; the plain one where its material has no picture."""
-    if place[2] < 0.5 and scene.skin.shape[0] > 0:
+    material = int(place[2] + 0.5)
+    if material == SKIN and scene.skin.shape[0] > 0:
         return picture_colour(scene.skin, place[0], place[1])
-    if place[2] >= 0.5 and scene.eyes.shape[0] > 0:
+    if material == EYE and scene.eyes.shape[0] > 0:
         return picture_colour(scene.eyes, place[0], place[1])
+    if material == HAIR and scene.hair.shape[0] > 0:
+        return picture_colour(scene.hair, place[0], place[1])
+    if material == BUST and scene.bust.shape[0] > 0:
+        return picture_colour(scene.bust, place[0], place[1])
     return plain
 
 

@@ -13,8 +13,11 @@ from caricli.render.rasterise import depth_range, mesh_arrays, wp_mesh
 from caricli.render.sky import light_received, sky_visibility
 from caricli.render.smooth_normals import smooth_normals
 from caricli.render.warp_start import warp_start
+from caricli.structures import Material
+from caricli.structures.materials import FINISHES
+from caricli.structures.pictures import PICTURED
 
-CLAY = (206, 160, 136)
+CLAY = FINISHES[Material.SKIN].colour
 _LONGEST_EDGE = 12.0  # pixels; coarser meshes would show their corners and are rounded off before they are drawn
 
 
@@ -64,7 +67,7 @@ def shade(points: np.ndarray, faces: np.ndarray, width: int, height: int, look: 
     light = _light(kernels, points, triangles, normals, look)
     colours = np.broadcast_to(look.colour if look.vertex_colours is None else look.vertex_colours, points.shape)
     carried: list[np.ndarray] = [_linear(np.asarray(colours, float)), light]
-    pictures: Sequence[np.ndarray] = (NO_PICTURE, NO_PICTURE)
+    pictures: Sequence[np.ndarray] = [NO_PICTURE] * len(PICTURED)
     if look.coat is not None:
         largest = max((radius for _, radius in look.eyeballs), default=0.0)
         pictures = look.coat.shrunk(points, triangles, largest)
@@ -80,7 +83,8 @@ def shade(points: np.ndarray, faces: np.ndarray, width: int, height: int, look: 
     places = finer[2] if look.coat is not None else np.zeros((0, 3))
     arrays = (normals, *finer[:2], places)
     scene.normals, scene.colours, scene.light, scene.places = (_on_device(array, wp.vec3) for array in arrays)
-    scene.skin, scene.eyes = (wp.array(picture, dtype=wp.uint8, device="cpu", copy=False) for picture in pictures)
+    for name, worn in zip(PICTURED.values(), pictures, strict=True):
+        setattr(scene, name, wp.array(worn, dtype=wp.uint8, device="cpu", copy=False))
     balls = [[*centre, radius] for centre, radius in look.eyeballs]
     scene.eyeballs = _on_device(np.array(balls, float).reshape(-1, 4), wp.vec4)
     scene.gaze = wp.vec3(*(float(g) for g in look.gaze))

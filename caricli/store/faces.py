@@ -20,7 +20,7 @@ from caricli.store.models import DEFAULT_ELASTIC, bundled_kind, load_model, mode
 from caricli.store.rig_sources import EYES_FILE, load_pictures
 from caricli.structures import Face, Mesh, Pictures
 
-SKIN_FILE = "texture.png"
+FILES = {"skin": "texture.png", "eyes": EYES_FILE, "hair": "hair.png", "bust": "bust.png"}
 """Name of the picture of the skin beside its OBJ."""
 
 _SMALLEST = 0.2
@@ -134,12 +134,11 @@ def write_painted_head(folder: Path, painted: Painted, face: Face) -> None:
     Raises OutputError when a file cannot be written.
     """
     rig = painted.rig
-    assert rig.texture is not None
-    write_png(folder / SKIN_FILE, rig.texture)
-    if rig.eye_texture is not None:
-        write_png(folder / EYES_FILE, rig.eye_texture)
+    names = PictureNames(*(None if picture is None else FILES[name] for name, picture in rig.pictures.items()))
+    for name, picture in rig.pictures.items():
+        if picture is not None:
+            write_png(folder / FILES[name], picture)
     mesh = _trimmed(painted.head)
-    names = PictureNames(SKIN_FILE, None if rig.eye_texture is None else EYES_FILE)
     write_obj(folder / "face.obj", mesh, names.skin, eyes=names.eyes)
     write_face(folder / "face.npz", replace(face, mesh=mesh, pictures=painted.pictures, materials=None), names)
     write_gltf(folder / "face.glb", rig)

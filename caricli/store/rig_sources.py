@@ -25,19 +25,21 @@ def load_rig(path: Path) -> Rig:
 
 @dataclass(frozen=True)
 class PicturePaths:
-    """Where the pictures on a face are. skin, eyes: paths, or None."""
+    """Where the pictures on a face are. skin, eyes, hair, bust: paths, or None."""
 
     skin: Path | None = None
     eyes: Path | None = None
+    hair: Path | None = None
+    bust: Path | None = None
 
     @property
     def files(self) -> list[Path]:
         """Those that there are."""
-        return [path for path in (self.skin, self.eyes) if path is not None]
+        return [path for path in astuple(self) if path is not None]
 
     def load(self) -> Pictures:
         """Read them."""
-        return Pictures(*(None if path is None else read_image(path) for path in (self.skin, self.eyes)))
+        return Pictures(*(None if path is None else read_image(path) for path in astuple(self)))
 
 
 def picture_paths(face: Path, texture: Path | None = None) -> PicturePaths:
@@ -49,7 +51,7 @@ def picture_paths(face: Path, texture: Path | None = None) -> PicturePaths:
     if texture is None and face.suffix.lower() == ".npz" and face.is_file():
         names = read_picture_names(face)
         if names != PictureNames():
-            return PicturePaths(*(None if name is None else face.with_name(name) for name in astuple(names)))
+            return PicturePaths(*(None if name is None else face.with_name(name) for name in names))
     mesh = face if face.suffix.lower() == ".obj" else face.with_suffix(".obj")
     named = material_pictures(mesh) if texture is None and mesh.is_file() else {}
     eyes = named.pop(EYES, None)

@@ -7,6 +7,7 @@ from caricli.structures.face import Face
 from caricli.structures.landmarks import Landmarks
 from caricli.structures.materials import Material
 from caricli.structures.mesh import Mesh
+from caricli.structures.parts import Hair, Part
 from caricli.structures.pictures import Pictures
 from caricli.structures.rig import Rig
 from caricli.structures.seen_people import SeenPeople
@@ -18,9 +19,11 @@ __all__ = [
     "Cues",
     "Directions",
     "Face",
+    "Hair",
     "Landmarks",
     "Material",
     "Mesh",
+    "Part",
     "Pictures",
     "Rig",
     "SeenPeople",

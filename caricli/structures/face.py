@@ -10,6 +10,7 @@ from caricli.structures.checks import coordinate_problem, refuse, shape_problem
 from caricli.structures.landmarks import SCHEMES
 from caricli.structures.materials import material_problem
 from caricli.structures.mesh import Mesh
+from caricli.structures.parts import Hair
 from caricli.structures.pictures import Pictures
 
 FEATURES = 9
@@ -28,6 +29,7 @@ class Face:
     model_id: SHA-256 of the model that the latent belongs to.
     pictures: Pictures that it wears, none unless it is painted; they lie on the UVs of the mesh.
     materials: (P,) int32, a Material for every polygon; all skin where there are none.
+    hair: Hair that stands on the mesh.
     Raises InputError when an array has another shape or holds what is not finite or beyond the caps.
     """
 
@@ -39,6 +41,7 @@ class Face:
     model_id: str | None = None
     pictures: Pictures = Pictures()  # noqa: RUF009 (frozen)
     materials: np.ndarray | None = None
+    hair: Hair | None = None
 
     def __post_init__(self) -> None:
         """Check that the parts fit each other."""
@@ -55,19 +58,22 @@ class Face:
         refuse(material_problem(self.materials, len(self.mesh.polygons)))
         if self.pictures and self.mesh.uvs is None:
             refuse("uvs: expected them on a face with pictures, found none")
+        if self.hair is not None and np.max(self.hair.roots) >= len(self.mesh.vertices):
+            refuse(f"hair_roots: expected vertices below {len(self.mesh.vertices)}, found {np.max(self.hair.roots)}")
 
     def posed(self, vertices: np.ndarray) -> "Face":
         """The same face in another shape, (V, 3) metres, of which no picture or model knows."""
-        return Face(self.mesh.with_vertices(vertices), pictures=self.pictures, materials=self.materials)
+        hair = None if self.hair is None else self.hair.moved(self.vertices, vertices)
+        return Face(self.mesh.with_vertices(vertices), pictures=self.pictures, materials=self.materials, hair=hair)
 
     def wearing(self, other: "Face") -> "Face":
-        """The same face in the polygons and pictures of another of its topology."""
-        mesh = other.mesh.with_vertices(self.vertices)
-        return replace(self, mesh=mesh, pictures=other.pictures, materials=other.materials)
+        """The same face in the polygons, pictures and hair of another of its topology."""
+        worn = other.posed(self.vertices)
+        return replace(self, mesh=worn.mesh, pictures=worn.pictures, materials=worn.materials, hair=worn.hair)
 
     def without_latent(self) -> "Face":
         """The same face without what a model says of it."""
-        return Face(self.mesh, self.camera, self.landmarks, pictures=self.pictures, materials=self.materials)
+        return replace(self, latent=None, residual=None, model_id=None)
 
     @property
     def vertices(self) -> np.ndarray:

@@ -1,5 +1,6 @@
 """What polygons are made of."""
 
+from dataclasses import dataclass
 from enum import IntEnum
 
 import numpy as np
@@ -10,6 +11,46 @@ class Material(IntEnum):
 
     SKIN = 0
     EYE = 1
+    TEETH = 2
+    GUMS = 3
+    TONGUE = 4
+    LASHES = 5
+    HAIR = 6
+    BUST = 7
+
+
+@dataclass(frozen=True)
+class Finish:
+    """How a material looks where it wears no picture.
+
+    name: in files. colour: sRGB, 0 to 255. roughness: from 0, a mirror, to 1, chalk.
+    """
+
+    name: str
+    colour: tuple[int, int, int]
+    roughness: float
+
+    @property
+    def linear(self) -> list[float]:
+        """The colour in linear light, 0 to 1."""
+        shares = [value / 255 for value in self.colour]
+        return [x / 12.92 if x <= 0.04045 else ((x + 0.055) / 1.055) ** 2.4 for x in shares]
+
+
+FINISHES = {
+    Material.SKIN: Finish("skin", (206, 160, 136), 0.6),
+    Material.EYE: Finish("eyes", (232, 228, 222), 0.2),
+    Material.TEETH: Finish("teeth", (240, 233, 216), 0.25),
+    Material.GUMS: Finish("gums", (190, 98, 96), 0.3),
+    Material.TONGUE: Finish("tongue", (198, 104, 104), 0.4),
+    Material.LASHES: Finish("lashes", (38, 28, 24), 0.7),
+    Material.HAIR: Finish("hair", (92, 66, 48), 0.7),
+    Material.BUST: Finish("bust", (206, 160, 136), 0.7),
+}
+"""The Finish of every Material."""
+
+MATERIALS = {finish.name: material for material, finish in FINISHES.items()}
+"""Materials by their names in files."""
 
 
 def material_problem(materials: np.ndarray | None, polygons: int) -> str | None:

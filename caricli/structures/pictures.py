@@ -1,41 +1,66 @@
 """What a face wears."""
 
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, fields
 
 import numpy as np
 
 from caricli.structures.checks import refuse
+from caricli.structures.materials import Material
+
+PICTURED = {
+    Material.SKIN: "skin",
+    Material.EYE: "eyes",
+    Material.HAIR: "hair",
+    Material.BUST: "bust",
+}
+"""Materials that may wear a picture, and what it is called among Pictures; the others are plain."""
 
 
 @dataclass(frozen=True, eq=False)
 class Pictures:
-    """What is on a face. skin, eyes: (H, W, 3) uint8 sRGB, the top row first, or None.
+    """What is on a face. skin, eyes, hair, bust: (H, W, 3) uint8 sRGB, the top row first, or None.
 
     Raises InputError when a picture has another shape or type.
     """
 
     skin: np.ndarray | None = None
     eyes: np.ndarray | None = None
+    hair: np.ndarray | None = None
+    bust: np.ndarray | None = None
 
     def __post_init__(self) -> None:
-        """Check both."""
-        for name in ("skin", "eyes"):
+        """Check them all."""
+        for name in PICTURED.values():
             if getattr(self, name) is not None:
                 refuse(picture_problem(name, np.asarray(getattr(self, name))))
 
     def __bool__(self) -> bool:
         """Whether there is any."""
-        return self.skin is not None or self.eyes is not None
+        return any(picture is not None for picture in self)
+
+    def __iter__(self) -> Iterator[np.ndarray | None]:
+        """All of them in order, None where there is none."""
+        return (getattr(self, field.name) for field in fields(self))
+
+    def items(self) -> Iterator[tuple[str, np.ndarray | None]]:
+        """All of them with their names."""
+        return zip(PICTURED.values(), self, strict=True)
+
+    def of(self, material: Material | int) -> np.ndarray | None:
+        """The picture of a material, or None."""
+        name = PICTURED.get(Material(material))
+        return None if name is None else getattr(self, name)
 
     def same(self, other: "Pictures") -> bool:
         """Whether these are like others, texel by texel."""
-        return _same(self.skin, other.skin) and _same(self.eyes, other.eyes)
+        return all(_same(*pair) for pair in zip(self, other, strict=True))
 
     def mixed(self, other: "Pictures", weight: float) -> "Pictures":
         """Between these and others, which have a weight from 0 to 1: their mean where both have one of the same size,
         else that of the nearer.
         """
-        return Pictures(_mixed(self.skin, other.skin, weight), _mixed(self.eyes, other.eyes, weight))
+        return Pictures(*(_mixed(*pair, weight) for pair in zip(self, other, strict=True)))
 
 
 def picture_problem(key: str, image: np.ndarray) -> str | None:

@@ -11,7 +11,7 @@ from caricli.structures.checks import coordinate_problem, refuse
 from caricli.structures.face import Face
 from caricli.structures.materials import Material, material_problem
 from caricli.structures.mesh import Mesh
-from caricli.structures.pictures import Pictures, picture_problem
+from caricli.structures.pictures import Pictures
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,7 +22,7 @@ class Rig:
     mesh: Mesh of the neutral face, float32.
     deltas: (K, V, 3) float32, metres.
     materials: (P,) int32, a Material for every polygon; all skin where there are none.
-    texture, eye_texture: (H, W, 3) uint8 sRGB, the top row first, of either material; or None.
+    pictures: Pictures that it wears, on the UVs of the mesh.
     normal_deltas: (K, N, 3) float32, metres, what the same expressions do to a normal face of N vertices (expressions
     paper, equation 19); or None.
     Raises InputError when the parts do not fit each other or hold what is not finite.
@@ -32,8 +32,7 @@ class Rig:
     mesh: Mesh
     deltas: np.ndarray
     materials: np.ndarray | None = None
-    texture: np.ndarray | None = None
-    eye_texture: np.ndarray | None = None
+    pictures: Pictures = Pictures()  # noqa: RUF009 (frozen)
     normal_deltas: np.ndarray | None = None
 
     def __post_init__(self) -> None:
@@ -43,9 +42,6 @@ class Rig:
         if not sound or len(names) > MAX_SHAPES or len(set(names)) < len(names):
             refuse(f"names: expected at most {MAX_SHAPES} distinct names, found {shown(names, 60)}")
         refuse(self._delta_problem(), material_problem(self.materials, len(self.mesh.polygons)))
-        for key in ("texture", "eye_texture"):
-            if getattr(self, key) is not None:
-                refuse(picture_problem(key, np.asarray(getattr(self, key))))
 
     @property
     def neutral(self) -> np.ndarray:
@@ -65,19 +61,10 @@ class Rig:
         return np.repeat(self.materials, self.mesh.triangles_of_polygons)
 
     @property
-    def pictures(self) -> Pictures:
-        """Those of skin and eyes."""
-        return Pictures(self.texture, self.eye_texture)
-
-    @property
     def face(self) -> Face:
         """The neutral Face in what the rig wears; pictures that have no UVs to lie on are left out."""
         pictures = Pictures() if self.mesh.uvs is None else self.pictures
         return Face(self.mesh, pictures=pictures, materials=self.materials)
-
-    def picture(self, material: Material) -> np.ndarray | None:
-        """The picture (H, W, 3) uint8 of a material, or None."""
-        return self.eye_texture if material == Material.EYE else self.texture
 
     def shape(self, name: str) -> np.ndarray:
         """(V, 3) vertices with one expression at full weight. Raises InputError when it has another name."""

@@ -11,7 +11,7 @@ from caricli.io.image import read_image, write_png
 from caricli.io.mesh import read_mesh, write_mesh
 from caricli.io.obj import write_obj
 from caricli.io.rig import write_rig
-from caricli.structures import Camera, Face, Mesh, Rig
+from caricli.structures import Camera, Face, Mesh, Pictures, Rig
 
 OCTAHEDRON = np.array([[1.0, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]])
 FACES = np.array([[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]], np.int32)
@@ -85,10 +85,10 @@ def painted(tmp_path_factory):
     materials = np.array([0, 0, 1, 1, 0, 0, 1, 1], np.int32)
     deltas = np.zeros((1, 6, 3), np.float32)
     deltas[0, 0] = 0.01
-    rig = Rig(("jawOpen",), mesh, deltas, materials, GREEN, BLUE)
+    rig = Rig(("jawOpen",), mesh, deltas, materials, Pictures(GREEN, BLUE))
     write_rig(folder / "rig.npz", rig)
     write_gltf(folder / "rig.glb", rig)
-    plain = Rig((), mesh, deltas[:0], texture=GREEN)
+    plain = Rig((), mesh, deltas[:0], pictures=Pictures(GREEN))
     write_gltf(folder / "face.glb", plain)
     write_png(folder / "skin.png", GREEN)
     write_mesh(folder / "face.obj", mesh, "skin.png", folder / "face.mtl")

@@ -78,7 +78,7 @@ def test_a_head_gets_arkits_expressions_and_eyes(rigged, face, head):
     assert sorted(rig.names) == sorted(ARKIT_NAMES) and len(rig.neutral) > 4200
     np.testing.assert_allclose(rig.neutral[:4200], read_obj(face).vertices, atol=1e-6)
     np.testing.assert_array_equal(rig.mesh.polygons[: len(head.polygons)], head.polygons)
-    np.testing.assert_array_equal(rig.texture, read_image(face.with_name("skin.png")))
+    np.testing.assert_array_equal(rig.pictures.skin, read_image(face.with_name("skin.png")))
     picture = read_image(out.with_suffix(".png"))
     assert picture.shape[1] >= 9 * 48 and picture.shape[0] >= 6 * 48
 
@@ -89,8 +89,7 @@ def test_the_glb_holds_the_same(rigged):
     assert glb.names == rig.names
     for key in ("neutral", "deltas"):
         np.testing.assert_allclose(getattr(glb, key), getattr(rig, key), atol=1e-6)
-    for key in ("texture", "eye_texture"):
-        np.testing.assert_array_equal(getattr(glb, key), getattr(rig, key))
+    assert glb.pictures.same(rig.pictures)
     np.testing.assert_array_equal(np.sort(np.sort(glb.faces, 1), 0), np.sort(np.sort(rig.faces, 1), 0))
 
 
@@ -115,7 +114,7 @@ def test_plain_fine_and_sparse(run, rigged, face, undrawn, tmp_path):
     plain, fine = tmp_path / "plain.glb", tmp_path / "fine.glb"
     assert run("rig", face, "--no-eyeballs", "--sparse", "--out", plain).exit_code == 0
     rig = read_rig(plain.with_suffix(".npz"))
-    assert len(rig.neutral) == 4200 and rig.eye_texture is None
+    assert len(rig.neutral) == 4200 and rig.pictures.eyes is None
     assert plain.stat().st_size < 0.7 * rigged[0].stat().st_size
     np.testing.assert_allclose(read_gltf(plain).deltas, rig.deltas, atol=1e-6)
     report = read_json(plain.with_suffix(".json"))
@@ -131,7 +130,7 @@ def test_ones_own_expressions(run, scans, target, egg, tmp_path):
     result = run("rig", target, "--templates", scans, "--out", out)
     assert result.exit_code == 0, result.output
     rig = read_rig(out.with_suffix(".npz"))
-    assert rig.names == ("Grin", "jawOpen", "mouthClose") and rig.texture is None
+    assert rig.names == ("Grin", "jawOpen", "mouthClose") and rig.pictures.skin is None
     np.testing.assert_allclose(rig.neutral, read_obj(target).vertices, atol=1e-6)
     np.testing.assert_array_equal(rig.mesh.polygons, egg.polygons)
     report = read_json(out.with_suffix(".json"))
@@ -159,7 +158,7 @@ def test_the_seed_paints_the_eyes(run, rigged, face, undrawn, tmp_path):
         assert again.with_suffix(suffix).read_bytes() == rigged[0].with_suffix(suffix).read_bytes()
     assert run("rig", face, "--seed", 1, "--overwrite", "--out", again).exit_code == 0
     one, other = (read_rig(path.with_suffix(".npz")) for path in (again, rigged[0]))
-    assert (one.eye_texture != other.eye_texture).any()
+    assert (one.pictures.eyes != other.pictures.eyes).any()
     np.testing.assert_array_equal(one.deltas, other.deltas)
 
 
@@ -177,7 +176,7 @@ def test_a_picture_of_choice_and_that_beside_an_npz(run, scans, target, egg, tmp
     for path, extra, value in ((target, (), 40), (upper, (), 40), (npz, (), 40), (target, chosen, 200)):
         result = run("rig", path, *extra, *options)
         assert result.exit_code == 0, result.output
-        np.testing.assert_array_equal(read_gltf(tmp_path / "rig.glb").texture, np.full((4, 4, 3), value))
+        np.testing.assert_array_equal(read_gltf(tmp_path / "rig.glb").pictures.skin, np.full((4, 4, 3), value))
 
 
 def test_usd_beside_it(run, scans, target, tmp_path):

@@ -19,7 +19,7 @@ from caricli.methods.texture.settings import PaintSettings, TextureSettings
 from caricli.render.draw_textured import render_textured
 from caricli.render.rasterise import rasterise
 from caricli.store.rig_sources import PicturePaths, picture_paths
-from caricli.structures import Camera, Face, Material, Rig
+from caricli.structures import Camera, Face, Material, Pictures, Rig
 
 COMMAND = "texture"
 NAMES = ["eyes.png", "face.glb", "face.json", "face.mtl", "face.npz", "face.obj", "sheet.png", "texture.png"]
@@ -47,7 +47,7 @@ def scene(head, head_template, tmp_path_factory):
     write_face(folder / "face.npz", Face(mesh, CAMERA, marks))
     skin = draw_albedo(head_template, np.random.default_rng(3), "soft", 256)
     still = np.zeros((0, *vertices.shape), np.float32)
-    rig = Rig((), mesh.with_vertices(vertices.astype(np.float32)), still, texture=skin)
+    rig = Rig((), mesh.with_vertices(vertices.astype(np.float32)), still, pictures=Pictures(skin))
     write_png(folder / "photo.png", render_textured(rig, CAMERA.place(vertices), SIDE, SIDE, paper=MAGENTA))
     mask = rasterise(CAMERA.place(vertices), head_template.faces, SIDE, SIDE).face >= 0
     write_png(folder / "mask.png", np.repeat(mask[..., None] * np.uint8(255), 3, axis=2))
@@ -85,7 +85,7 @@ def test_no_background_and_the_colours_of_the_picture(textured, scene):
     assert np.abs(texture - MAGENTA).sum(-1).min() > 150
     face = read_face(textured / "face.npz")
     mesh = face.mesh.with_vertices(face.vertices.astype(np.float32))
-    rig = Rig((), mesh, np.zeros((0, 4200, 3), np.float32), texture=read_image(textured / "texture.png"))
+    rig = Rig((), mesh, np.zeros((0, 4200, 3), np.float32), pictures=Pictures(read_image(textured / "texture.png")))
     again = render_textured(rig, CAMERA.place(face.vertices), SIDE, SIDE).astype(float)
     mask = read_image(scene / "mask.png")[..., 0] > 0
     error = np.abs(again - read_image(scene / "photo.png"))[mask].mean() / 255
@@ -107,8 +107,8 @@ def test_trimesh_opens_the_obj_with_its_picture(textured, scene):
 def test_the_glb_has_skin_and_eyes(textured, run):
     rig = read_gltf(textured / "face.glb")
     assert rig.names == () and set(rig.materials) == {Material.SKIN, Material.EYE} and len(rig.neutral) > 4200
-    np.testing.assert_array_equal(rig.texture, read_image(textured / "texture.png"))
-    np.testing.assert_array_equal(rig.eye_texture, read_image(textured / "eyes.png"))
+    np.testing.assert_array_equal(rig.pictures.skin, read_image(textured / "texture.png"))
+    np.testing.assert_array_equal(rig.pictures.eyes, read_image(textured / "eyes.png"))
     np.testing.assert_allclose(rig.neutral[:4200], read_face(textured / "face.npz").vertices, atol=1e-6)
     said = run("inspect", textured / "face.glb")
     assert said.exit_code == 0 and "0 shapes" in said.stdout and "0 of 52 names" in said.stdout
@@ -122,8 +122,8 @@ def test_rig_takes_both_pictures_along(run, textured, tmp_path, monkeypatch):
     assert result.exit_code == 0, result.output
     rig = read_rig(tmp_path / "rig.npz")
     assert len(rig.names) == 52
-    np.testing.assert_array_equal(rig.texture, read_image(textured / "texture.png"))
-    np.testing.assert_array_equal(rig.eye_texture, read_image(textured / "eyes.png"))
+    np.testing.assert_array_equal(rig.pictures.skin, read_image(textured / "texture.png"))
+    np.testing.assert_array_equal(rig.pictures.eyes, read_image(textured / "eyes.png"))
 
 
 def test_pictures_of_a_face(textured, tmp_path):

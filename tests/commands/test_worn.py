@@ -147,7 +147,7 @@ def glb_wears(path, uvs):
     """Every GLB embeds the skin."""
     if path.suffix != ".glb":
         return False
-    assert np.abs(read_gltf(path).texture.astype(int) - SKIN).max() <= 8, path
+    assert np.abs(read_gltf(path).pictures.skin.astype(int) - SKIN).max() <= 8, path
     return True
 
 

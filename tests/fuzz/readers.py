@@ -57,7 +57,7 @@ from caricli.store.faces import load_latent_face
 from caricli.store.handles import load_handles
 from caricli.store.landmark_maps import load_landmark_map
 from caricli.store.models import load_model
-from caricli.structures import Camera, Directions, Face, Landmarks, Material, Mesh, Pictures, Rig, Track
+from caricli.structures import Camera, Directions, Face, Hair, Landmarks, Material, Mesh, Pictures, Rig, Track
 from caricli.structures.arkit import ARKIT_NAMES
 from caricli.template.annotation import parse_annotation
 from caricli.template.template import Template
@@ -153,7 +153,7 @@ def _rig() -> Rig:
     deltas = _RANDOM.normal(0, 0.01, (2, len(MESH.vertices), 3)).astype(np.float32)
     skin = Mesh(MESH.vertices.astype(np.float32), MESH.polygons, MESH.uvs, MESH.uv_polygons)
     materials = np.array([Material.EYE, *[Material.SKIN] * (len(MESH.polygons) - 1)], np.int32)
-    return Rig(("jawOpen", "b"), skin, deltas, materials, PICTURE, PICTURE, deltas[:, :5])
+    return Rig(("jawOpen", "b"), skin, deltas, materials, Pictures(PICTURE, PICTURE, PICTURE), deltas[:, :5])
 
 
 def _directions() -> Directions:
@@ -172,8 +172,11 @@ def _face() -> Face:
 
 def _worn(path: Path) -> None:
     """A face that wears pictures."""
+    roots = np.array([[0, 1, 2]] * len(MESH.vertices), np.int32)
+    hair = Hair(MESH, roots, np.full(roots.shape, 1 / 3))
     polygons = len(HEAD.polygons)
-    write_face(path, replace(_face(), pictures=Pictures(PICTURE, PICTURE), materials=np.zeros(polygons, np.int32)))
+    wearing = replace(_face(), pictures=Pictures(PICTURE, PICTURE, PICTURE), hair=hair)
+    write_face(path, replace(wearing, materials=np.zeros(polygons, np.int32)))
 
 
 def _read_name(path: Path) -> None:

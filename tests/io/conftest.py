@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from caricli.structures import Material, Mesh, Rig
+from caricli.structures import Material, Mesh, Pictures, Rig
 
 ROWS, COLUMNS = 5, 8
 
@@ -42,6 +42,5 @@ def full_rig():
         mesh=Mesh(neutral, polygons, np.concatenate([skin[2], eye[2]]), uv_polygons),
         deltas=deltas,
         materials=np.repeat([Material.SKIN, Material.EYE], [len(skin[1]), len(eye[1])]).astype(np.int32),
-        texture=pictures[0],
-        eye_texture=pictures[1],
+        pictures=Pictures(*pictures),
     )

@@ -17,7 +17,7 @@ from caricli.errors import InputError, OutputError
 from caricli.io.gltf.read_gltf import read_gltf
 from caricli.io.gltf.write_gltf import shading_normals, write_gltf
 from caricli.io.rig import read_rig, write_rig
-from caricli.structures import Animation, Material, Mesh, Rig
+from caricli.structures import Animation, Material, Mesh, Pictures, Rig
 from caricli.structures.arkit import ARKIT_NAMES
 
 VALIDATOR = Path(caricli.__file__).parents[1] / "tests" / "gltf_validator"
@@ -84,7 +84,7 @@ def kinds(full, head, subdivided):
         "plain sparse": (plain(full), {"sparse": True}),
         "eyes, seams and pictures": (full, {}),
         "eyes, seams and pictures, sparse": (full, {"sparse": True}),
-        "eyes without pictures": (replace(full, texture=None, eye_texture=None), {}),
+        "eyes without pictures": (replace(full, pictures=Pictures()), {}),
         "a picture without UVs": (replace(full, mesh=Mesh(full.neutral, full.mesh.polygons)), {}),
         "only eyes": (replace(full, materials=np.full_like(full.materials, Material.EYE)), {}),
         "animated": (full, {"animation": turning}),
@@ -232,8 +232,7 @@ def test_what_was_written_comes_back(name, sparse, request, tmp_path):
     np.testing.assert_array_equal(back.faces, rig.faces)
     corners = rig.mesh.uv_faces
     np.testing.assert_allclose(back.mesh.uvs[back.mesh.uv_polygons], rig.mesh.uvs[corners], rtol=0, atol=1e-6)
-    for key in ("texture", "eye_texture"):
-        np.testing.assert_array_equal(getattr(back, key), getattr(rig, key))
+    assert back.pictures.same(rig.pictures)
     if rig.materials is None:
         assert back.materials is None
     else:
@@ -252,8 +251,7 @@ def test_a_head_that_keeps_still_comes_back(full_rig, tmp_path):
     np.testing.assert_array_equal(back.materials, np.repeat(full_rig.materials, 2))
     expected = full_rig.mesh.uvs[full_rig.mesh.uv_faces]
     np.testing.assert_allclose(back.mesh.uvs[back.mesh.uv_polygons], expected, atol=1e-6)
-    for key in ("texture", "eye_texture"):
-        np.testing.assert_array_equal(getattr(back, key), getattr(full_rig, key))
+    assert back.pictures.same(full_rig.pictures)
 
 
 def test_a_mesh_with_targets_goes_before_one_without(full_rig, tmp_path):
@@ -275,7 +273,7 @@ def test_vertices_of_no_triangle_come_back_in_their_place(full_rig, tmp_path):
     assert len(np.unique(rig.faces)) < len(rig.neutral)
     for key in ("neutral", "deltas", "faces"):
         np.testing.assert_array_equal(getattr(back, key), getattr(rig, key))
-    assert back.mesh.is_plain and back.materials is back.texture is None
+    assert back.mesh.is_plain and back.materials is back.pictures.skin is None
 
 
 def test_seams_split_vertices_and_show_no_edge(full_rig, tmp_path):
@@ -447,7 +445,7 @@ def test_other_programs_files_are_read(tmp_path):
     np.testing.assert_array_equal(rig.faces, faces)
     uvs = np.stack([fractions[:, 0], 1 - fractions[:, 1]], axis=1)
     np.testing.assert_allclose(rig.mesh.uvs[rig.mesh.uv_polygons], uvs[faces], atol=1e-6)
-    assert rig.materials is rig.texture is None
+    assert rig.materials is rig.pictures.skin is None
 
 
 def test_primitives_without_indices_take_their_vertices_in_turn(tmp_path):
@@ -586,8 +584,8 @@ def test_a_picture_that_cannot_be_read_is_left_out(full_rig, tmp_path):
     at = binary.index(b"\x89PNG")
     put_together(tmp_path / "b.glb", document, binary[:at] + b"rubbish" + binary[at + 7 :])
     back = read_gltf(tmp_path / "b.glb")
-    assert back.texture is None
-    np.testing.assert_array_equal(back.eye_texture, full_rig.eye_texture)
+    assert back.pictures.skin is None
+    np.testing.assert_array_equal(back.pictures.eyes, full_rig.pictures.eyes)
 
 
 def leaves(value, path=()):

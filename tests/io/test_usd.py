@@ -9,7 +9,7 @@ from caricli.errors import OutputError
 from caricli.io.gltf.write_gltf import shading_normals
 from caricli.io.image import read_image
 from caricli.io.usd import write_usd
-from caricli.structures import Mesh, Rig
+from caricli.structures import Mesh, Pictures, Rig
 
 Usd = pytest.importorskip("pxr.Usd", reason="usd-core is not installed")
 from pxr import Gf, UsdGeom, UsdShade, UsdSkel, UsdValidation  # noqa: E402
@@ -68,7 +68,7 @@ def test_shapes_store_what_moves(full_rig, written):
 
 def test_skin_and_eyes_have_materials_with_their_pictures(full_rig, written, tmp_path):
     stage = Usd.Stage.Open(str(written))
-    for number, (name, image) in enumerate({"skin": full_rig.texture, "eyes": full_rig.eye_texture}.items()):
+    for number, (name, image) in enumerate({"skin": full_rig.pictures.skin, "eyes": full_rig.pictures.eyes}.items()):
         part = UsdGeom.Subset(stage.GetPrimAtPath(f"/head/mesh/{name}"))
         np.testing.assert_array_equal(part.GetIndicesAttr().Get(), np.flatnonzero(full_rig.materials == number))
         material, _ = UsdShade.MaterialBindingAPI(part).ComputeBoundMaterial()
@@ -82,7 +82,7 @@ def test_skin_and_eyes_have_materials_with_their_pictures(full_rig, written, tmp
 
 
 def test_without_pictures_materials_have_a_colour(full_rig, tmp_path):
-    write_usd(tmp_path / "a.usdz", replace(full_rig, texture=None, eye_texture=None))
+    write_usd(tmp_path / "a.usdz", replace(full_rig, pictures=Pictures()))
     stage = Usd.Stage.Open(str(tmp_path / "a.usdz"))
     colours = [
         UsdShade.Shader(stage.GetPrimAtPath(f"/head/materials/{name}/surface")).GetInput("diffuseColor").Get()

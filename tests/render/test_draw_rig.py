@@ -5,7 +5,7 @@ import pytest
 
 from caricli.errors import InputError
 from caricli.render.draw_rig import draw_rig, neutral_sky
-from caricli.structures import Material, Mesh, Rig
+from caricli.structures import Material, Mesh, Pictures, Rig
 
 
 @pytest.fixture(scope="module")
@@ -19,7 +19,7 @@ def rig(sphere):
     image[:, :8], image[:, 8:] = (220, 20, 20), (20, 20, 220)
     materials = np.repeat([Material.SKIN, Material.EYE], len(faces)).astype(np.int32)
     deltas = np.zeros((1, *points.shape), np.float32)
-    return Rig(("still",), Mesh(points, both, uvs, both), deltas, materials, None, image)
+    return Rig(("still",), Mesh(points, both, uvs, both), deltas, materials, Pictures(eyes=image))
 
 
 def test_eyes_have_their_picture_and_skin_its_own_colour(rig):
@@ -33,7 +33,7 @@ def test_eyes_have_their_picture_and_skin_its_own_colour(rig):
 def test_a_picture_has_its_top_row_at_the_top(rig):
     image = np.zeros((16, 16, 3), np.uint8)
     image[:8], image[8:] = (220, 20, 20), (20, 20, 220)
-    picture = draw_rig(replace(rig, eye_texture=image), rig.neutral, "front", 96).astype(int)
+    picture = draw_rig(replace(rig, pictures=Pictures(eyes=image)), rig.neutral, "front", 96).astype(int)
     assert picture[42, 48, 0] > picture[42, 48, 2] + 80 and picture[54, 48, 2] > picture[54, 48, 0] + 80
 
 
@@ -55,9 +55,9 @@ def test_views_turn_the_head(rig):
 def test_rigs_without_materials_or_pictures_are_drawn_plainly(rig):
     flat = Mesh(rig.neutral, rig.mesh.polygons)
     for bare in (
-        replace(rig, materials=None, mesh=flat, eye_texture=None),
+        replace(rig, materials=None, mesh=flat, pictures=Pictures()),
         replace(rig, mesh=flat),
-        replace(rig, eye_texture=None),
+        replace(rig, pictures=Pictures(rig.pictures.skin)),
     ):
         picture = draw_rig(bare, bare.neutral, "front", 64).astype(int)
         colour = picture[32, 32]

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from caricli.render.draw_textured import ANGLES, INSIDE, draw_textured, render_textured
-from caricli.structures import Material, Mesh, Rig
+from caricli.structures import Material, Mesh, Pictures, Rig
 
 # Of pictures that are one colour on every side.
 LEFT, RIGHT, BACK, WHITE = (200, 30, 40), (30, 180, 60), (60, 70, 220), 255
@@ -23,7 +23,7 @@ def ball(sphere):
     texture[:, 30:60], texture[:, 60:90] = LEFT, RIGHT
     uv_faces = np.arange(len(uvs)).reshape(-1, 3).astype(np.int32)
     still = np.zeros((0, len(vertices), 3), np.float32)
-    return Rig((), Mesh(vertices.astype(np.float32), faces, uvs, uv_faces), still, texture=texture)
+    return Rig((), Mesh(vertices.astype(np.float32), faces, uvs, uv_faces), still, pictures=Pictures(texture))
 
 
 def placed(vertices, scale, centre):
@@ -36,12 +36,12 @@ def near(colour, wanted, tolerance=6):
 
 
 def test_colours_are_where_the_uvs_say(ball):
-    before = ball.texture.copy()
+    before = ball.pictures.skin.copy()
     image = render_textured(ball, placed(ball.neutral, 40, 49.5), 100, 100)
     assert image.shape == (100, 100, 3) and image.dtype == np.uint8
     assert near(image[50, 30], LEFT, 0) and near(image[50, 70], RIGHT, 0)
     assert (image[2, 2] == WHITE).all()
-    np.testing.assert_array_equal(ball.texture, before)
+    np.testing.assert_array_equal(ball.pictures.skin, before)
 
 
 def test_paper_and_shade(ball):
@@ -71,7 +71,7 @@ def test_views_are_from_where_they_say(ball):
 def test_eyes_have_their_own_picture_and_none_is_paper(ball):
     eyes = np.full((4, 4, 3), 77, np.uint8)
     materials = np.where(ball.neutral[ball.faces].mean(1)[:, 1] > 0, Material.EYE, Material.SKIN).astype(np.int32)
-    both = Rig((), ball.mesh, ball.deltas, materials, ball.texture, eyes)
+    both = Rig((), ball.mesh, ball.deltas, materials, Pictures(ball.pictures.skin, eyes))
     image = render_textured(both, placed(ball.neutral, 40, 49.5), 100, 100)
     assert (image[30, 40] == 77).all() and near(image[70, 30], LEFT, 0)
     bare = Rig((), ball.mesh, ball.deltas)
@@ -80,6 +80,6 @@ def test_eyes_have_their_own_picture_and_none_is_paper(ball):
 
 def test_the_inside_has_no_picture(ball):
     turned = Mesh(ball.neutral, ball.faces[:, ::-1], ball.mesh.uvs, ball.mesh.uv_polygons[:, ::-1])
-    inside = Rig((), turned, ball.deltas, texture=ball.texture)
+    inside = Rig((), turned, ball.deltas, pictures=Pictures(ball.pictures.skin))
     image = render_textured(inside, placed(ball.neutral, 40, 49.5), 100, 100)
     assert (image[50, 50] == np.round(INSIDE)).all()

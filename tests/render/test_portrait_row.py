@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from caricli.render.portrait_row import SIDES, portrait_row
-from caricli.structures import Camera, Face, Rig
+from caricli.structures import Camera, Face, Pictures, Rig
 
 SIZE = 64
 
@@ -16,7 +16,9 @@ def row(head_template):
     image = np.full((128, 96, 3), (40, 80, 160), np.uint8)
     texture = np.full((8, 8, 3), (200, 20, 20), np.uint8)
     still = np.zeros((0, *head_template.vertices.shape), np.float32)
-    rig = Rig((), head_template.with_vertices(head_template.vertices.astype(np.float32)), still, texture=texture)
+    rig = Rig(
+        (), head_template.with_vertices(head_template.vertices.astype(np.float32)), still, pictures=Pictures(texture)
+    )
     face = Face(head_template, camera, np.nan_to_num(points, nan=20.0))
     return portrait_row(image, points, [face, None], rig, head_template, SIZE)
 

@@ -4,13 +4,8 @@ import struct
 
 import numpy as np
 
-from caricli.structures import Material
-
 SOURCE_VERTEX = "_SOURCE_VERTEX"
 """The vertex attribute that tells which vertex of the rig a vertex, split where the UVs have a seam, comes from."""
-
-MATERIAL_NAMES = {Material.SKIN: "skin", Material.EYE: "eyes"}
-TEXTURE_FIELDS = {Material.SKIN: "texture", Material.EYE: "eye_texture"}
 
 MAGIC = b"glTF"
 VERSION = 2

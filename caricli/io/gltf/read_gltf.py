@@ -11,13 +11,15 @@ import numpy as np
 from caricli.errors import InputError, naming, shown
 from caricli.io.gltf.container import read_container
 from caricli.io.gltf.document import Document
-from caricli.io.gltf.format import MATERIAL_NAMES, SOURCE_VERTEX, TEXTURE_FIELDS
+from caricli.io.gltf.format import SOURCE_VERTEX
 from caricli.io.gltf.scene import node_placements
 from caricli.io.image import read_image
 from caricli.io.outputs import write_bytes
 from caricli.io.strict_json import take, take_whole
 from caricli.limits import MAX_CORNERS, MAX_NPZ_BYTES, MAX_SHAPES, MAX_VERTICES
-from caricli.structures import Material, Mesh, Rig
+from caricli.structures import Material, Mesh, Pictures, Rig
+from caricli.structures.materials import MATERIALS
+from caricli.structures.pictures import PICTURED
 
 _TRIANGLES = 4
 # What these extensions change is how things look, never where vertices are.
@@ -226,18 +228,26 @@ def _merged(sources: np.ndarray, positions: np.ndarray) -> tuple[np.ndarray, np.
 
 
 def _looks(document: Document, primitives: list[dict], surface: _Surface) -> dict:
-    """The materials of the triangles, where there are eyes, and the pictures that are embedded."""
+    """The materials of the triangles, where not all is skin, and the pictures that are embedded."""
     kinds: list[Material] = []
-    looks: dict[str, np.ndarray] = {}
+    pictures: dict[str, np.ndarray] = {}
     for primitive in primitives:
         material = document.item(primitive, "material", "materials") if "material" in primitive else {}
-        kinds.append(Material.EYE if material.get("name") == MATERIAL_NAMES[Material.EYE] else Material.SKIN)
-        image = _image(document, material) if TEXTURE_FIELDS[kinds[-1]] not in looks else None
-        if image is not None:
-            looks[TEXTURE_FIELDS[kinds[-1]]] = image
-    if Material.EYE in kinds:
+        kinds.append(_kind(material))
+        name = PICTURED.get(kinds[-1])
+        image = None if name is None or name in pictures else _image(document, material)
+        if name is not None and image is not None:
+            pictures[name] = image
+    looks: dict = {"pictures": Pictures(**pictures)}
+    if any(kind != Material.SKIN for kind in kinds):
         looks["materials"] = np.repeat(kinds, [len(part) for part in surface.triangles]).astype(np.int32)
     return looks
+
+
+def _kind(material: dict) -> Material:
+    """The Material of a material of a file, skin where it is of another name."""
+    name = material.get("name")
+    return MATERIALS.get(name, Material.SKIN) if isinstance(name, str) else Material.SKIN
 
 
 def _image(document: Document, material: dict) -> np.ndarray | None:

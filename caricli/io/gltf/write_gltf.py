@@ -9,11 +9,10 @@ import scipy.sparse as sp
 from caricli import __version__
 from caricli.errors import OutputError, shown
 from caricli.io.gltf.container import write_container
-from caricli.io.gltf.format import DTYPES, MATERIAL_NAMES, SOURCE_VERTEX, TYPES, VERSION
-from caricli.structures import Animation, Material, Rig
+from caricli.io.gltf.format import DTYPES, SOURCE_VERTEX, TYPES, VERSION
+from caricli.structures import Animation, Rig
+from caricli.structures.materials import FINISHES, Material
 
-COLOURS = {Material.SKIN: [0.7, 0.42, 0.3, 1], Material.EYE: [0.85, 0.83, 0.8, 1]}
-ROUGHNESS = 0.6
 _CODES = {dtype: code for code, dtype in DTYPES.items()}
 _FOR_VERTICES = 34962
 _FOR_INDICES = 34963
@@ -172,15 +171,16 @@ def _materials(rig: Rig, buffer: _Buffer) -> dict[str, list[dict]]:
     images: list[dict] = []
     for number in np.unique(rig.triangle_materials).tolist():
         material = Material(number)
-        surface: dict = {"metallicFactor": 0, "roughnessFactor": ROUGHNESS}
-        image = rig.picture(material)
+        finish = FINISHES[material]
+        surface: dict = {"metallicFactor": 0, "roughnessFactor": finish.roughness}
+        image = rig.pictures.of(material)
         # A picture without UVs has no place on the surface.
         if image is None or rig.mesh.uvs is None:
-            surface["baseColorFactor"] = COLOURS[material]
+            surface["baseColorFactor"] = [*finish.linear, 1]
         else:
             surface["baseColorTexture"] = {"index": len(images)}
             images.append({"mimeType": "image/png", "bufferView": buffer.view(_png(image))})
-        materials.append({"name": MATERIAL_NAMES[material], "pbrMetallicRoughness": surface})
+        materials.append({"name": finish.name, "pbrMetallicRoughness": surface})
     if not images:
         return {"materials": materials}
     return {

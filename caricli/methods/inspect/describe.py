@@ -15,6 +15,7 @@ from caricli.models.landmark_map.model import LandmarkMap
 from caricli.structures import Cues, Directions, Face, Landmarks, Mesh, Rig, Track
 from caricli.structures.arkit import ARKIT_NAMES
 from caricli.structures.landmarks import PARTS, SCHEMES
+from caricli.structures.pictures import PICTURED
 
 _NAMED = 12
 """Names that a line lists."""
@@ -70,8 +71,9 @@ def _(value: Face, around: Acquaintances) -> Inspection:
 def _(value: Rig, around: Acquaintances) -> Inspection:
     words = MeshWords.of_skin(value, around)
     check = check_rig(value)
-    pictures = [name for name in ("texture", "eye_texture", "normal_deltas") if getattr(value, name) is not None]
-    lines = [f"with {', '.join(pictures)}"] if pictures else []
+    extras = [f"a picture of {name}" for name in PICTURED.values() if getattr(value.pictures, name) is not None]
+    extras += ["normal_deltas"] if value.normal_deltas is not None else []
+    lines = [f"with {', '.join(extras)}"] if extras else []
     shapes = [vars(shape) for shape in check.shapes]
     values = {"shapes": shapes, "arkit": {key: getattr(check, key) for key in ("exact", "near", "unknown", "missing")}}
     summary = f"{words.counts}, {len(value.names)} shapes, {words.height}"

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from caricli.geometry.join_meshes import join_meshes
 from caricli.render.paint_eye import paint_eye
 from caricli.render.place_eyeballs import place_eyeballs
 from caricli.structures import Material, Mesh, Rig
@@ -86,41 +87,17 @@ def add_eyeballs(
         for each in eyeballs
     ]
     deltas = [np.reshape(moves, (len(rig.names), len(ball.vertices), 3)) for moves in turned]
-    mesh = _with_balls(rig.mesh, ball, eyeballs)
+    placed = [ball.with_vertices(each.centre + each.radius * ball.vertices) for each in eyeballs]
+    joined = join_meshes([rig.mesh, *placed])
+    mesh = joined.with_vertices(joined.vertices.astype(np.float32))
     skin = np.arange(len(mesh.polygons)) < len(rig.mesh.polygons)
     return replace(
         rig,
         mesh=mesh,
         deltas=np.concatenate([rig.deltas, *deltas], axis=1).astype(np.float32),
         materials=np.where(skin, Material.SKIN, Material.EYE).astype(np.int32),
-        eye_texture=paint_eye(TEXTURE, generator) if picture is None else picture,
+        pictures=replace(rig.pictures, eyes=paint_eye(TEXTURE, generator) if picture is None else picture),
     )
-
-
-def _with_balls(mesh: Mesh, ball: Mesh, eyeballs: Sequence[Eyeball]) -> Mesh:
-    """A Mesh and after it a unit ball for every eye, all of them in one place of the picture."""
-    width = max(mesh.polygons.shape[1], ball.polygons.shape[1])
-    # Every corner needs a place in a picture once the eyes have one.
-    uvs = np.zeros((1, 2)) if mesh.uvs is None else mesh.uvs
-    one_place = np.where(mesh.polygons >= 0, 0, -1)
-    skin_uvs = one_place if mesh.uv_polygons is None else mesh.uv_polygons
-    own = _widen(ball.polygons, width)
-    own_uvs = np.where(own >= 0, _widen(np.asarray(ball.uv_polygons), width) + len(uvs), -1)
-    starts = len(mesh.vertices) + len(ball.vertices) * np.arange(len(eyeballs))
-    polygons = [_widen(mesh.polygons, width), *(np.where(own >= 0, own + start, -1) for start in starts)]
-    uv_polygons = [_widen(skin_uvs, width), *([own_uvs] * len(eyeballs))]
-    placed = [each.centre + each.radius * ball.vertices for each in eyeballs]
-    return Mesh(
-        np.concatenate([mesh.vertices, *placed]).astype(np.float32),
-        np.concatenate(polygons).astype(np.int32),
-        np.concatenate([uvs, np.asarray(ball.uvs)]),
-        np.concatenate(uv_polygons).astype(np.int32),
-    )
-
-
-def _widen(polygons: np.ndarray, width: int) -> np.ndarray:
-    """Rows padded with -1."""
-    return np.pad(polygons, ((0, 0), (0, width - polygons.shape[1])), constant_values=-1)
 
 
 def _turn(name: str, side: str) -> np.ndarray:

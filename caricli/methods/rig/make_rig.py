@@ -1,6 +1,6 @@
 """A rig from a neutral face: expressions, contacts, eyes, pictures, any resolution."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -73,6 +73,6 @@ def make_rig(
     fine = fine_mesh(mesh, settings.levels)
     finer = np.stack([fine.weights @ delta for delta in deltas])
     shape = fine.mesh.with_vertices((fine.weights @ mesh.vertices).astype(np.float32))
-    rig = Rig(templates.names, shape, finer.astype(np.float32), texture=pictures.skin)
+    rig = Rig(templates.names, shape, finer.astype(np.float32), pictures=replace(pictures, eyes=None))
     rig = add_eyeballs(rig, eyeballs, np.random.default_rng(settings.seed), pictures.eyes)
     return RigResult(rig, measures, eyeballs, fine)

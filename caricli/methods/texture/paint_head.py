@@ -38,13 +38,13 @@ class Painted:
 
     @property
     def pictures(self) -> Pictures:
-        """Those of skin and eyes, for a rig."""
-        return Pictures(self.rig.texture, self.rig.eye_texture)
+        """What the head wears."""
+        return self.rig.pictures
 
     def figures(self) -> dict[str, Any]:
         """What reports say of it, as JSON."""
-        assert self.rig.texture is not None
-        return {"size": len(self.rig.texture), "photometric_error": self.error, "seen": self.seen}
+        assert self.pictures.skin is not None
+        return {"size": len(self.pictures.skin), "photometric_error": self.error, "seen": self.seen}
 
     def describe(self) -> str:
         """What is printed of it."""
@@ -83,7 +83,7 @@ def paint_head(
         texture = painted.image
         seen = float(painted.seen[painted.covered].mean())
     still = np.zeros((0, *head.vertices.shape), np.float32)
-    rig = Rig((), head.with_vertices(head.vertices.astype(np.float32)), still, texture=texture)
+    rig = Rig((), head.with_vertices(head.vertices.astype(np.float32)), still, pictures=Pictures(texture))
     generator = np.random.default_rng(settings.seed)
     eyes = paint_eye(TEXTURE, generator, *eye_colours(image, landmarks))
     whole = add_eyeballs(rig, fit_eyeballs(head, head.annotation, still), generator, eyes)

@@ -40,7 +40,7 @@ def test_a_rig_is_expressions_eyes_and_picture(templates, face, deltas):
     assert len(rig.neutral) == 4200 + 2 * BALL and [b.side for b in balls] == ["left", "right"]
     np.testing.assert_allclose(rig.neutral[:4200], face.vertices, atol=1e-7)
     np.testing.assert_allclose(rig.deltas[:, :4200], deltas, atol=1e-7)
-    np.testing.assert_array_equal(rig.texture, texture)
+    np.testing.assert_array_equal(rig.pictures.skin, texture)
     np.testing.assert_array_equal(rig.mesh.polygons[: len(face.polygons)], face.polygons)
     # Of these expressions one turns an eye, the left one.
     moving = rig.deltas.any(2)
@@ -53,7 +53,7 @@ def test_without_eyes(templates, face, deltas):
     bare = make_rig(face, templates, RigSettings(eyeballs=False), deltas=deltas)
     rig = bare.rig
     assert len(rig.neutral) == 4200 and bare.eyeballs == [] and bare.measures.inside is None
-    assert rig.materials is rig.eye_texture is rig.texture is None
+    assert rig.materials is rig.pictures.eyes is rig.pictures.skin is None
     np.testing.assert_array_equal(rig.faces, face.faces)
     nameless = replace(templates, mesh=Mesh(templates.neutral, templates.mesh.polygons))
     unknown = make_rig(face, nameless, deltas=deltas)

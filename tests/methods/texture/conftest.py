@@ -7,7 +7,7 @@ import pytest
 
 from caricli.data.texture_painter import draw_albedo
 from caricli.render.draw_textured import render_textured
-from caricli.structures import Camera, Face, Rig
+from caricli.structures import Camera, Face, Pictures, Rig
 from caricli.template.template import Template
 
 SIDE = 240
@@ -33,6 +33,6 @@ def pictured(head, head_template):
     marks = camera.project(shape.vertices[shape.annotation.landmarks[:68]])
     skin = draw_albedo(head_template, np.random.default_rng(3), "soft", 256)
     still = np.zeros((0, *shape.vertices.shape), np.float32)
-    rig = Rig((), shape.with_vertices(shape.vertices.astype(np.float32)), still, texture=skin)
+    rig = Rig((), shape.with_vertices(shape.vertices.astype(np.float32)), still, pictures=Pictures(skin))
     image = render_textured(rig, camera.place(shape.vertices), SIDE, SIDE, paper=MAGENTA)
     return Scene(shape, Face(shape, camera, marks), rig, image, (image != MAGENTA).any(-1))

@@ -25,7 +25,7 @@ def painted(pictured):
 
 def test_a_head_with_skin_and_eyes(painted, pictured):
     rig = painted.rig
-    assert rig.names == () and rig.texture.shape == (96, 96, 3) and rig.eye_texture.shape == (64, 64, 3)
+    assert rig.names == () and rig.pictures.skin.shape == (96, 96, 3) and rig.pictures.eyes.shape == (64, 64, 3)
     assert set(rig.materials) == {Material.SKIN, Material.EYE}
     np.testing.assert_array_equal(rig.neutral[:4200], pictured.head.vertices.astype(np.float32))
     np.testing.assert_array_equal(painted.head.vertices, pictured.head.vertices)
@@ -41,15 +41,15 @@ def test_the_figures_are_what_they_say(painted):
 
 def test_the_picture_itself_as_published(pictured):
     flat = paint_head(pictured.face, pictured.head, pictured.image, pictured.mask, PaintSettings(project_uv=True))
-    assert flat.seen == 1 and flat.rig.texture.shape == pictured.image.shape and flat.error < 0.03
+    assert flat.seen == 1 and flat.rig.pictures.skin.shape == pictured.image.shape and flat.error < 0.03
     np.testing.assert_array_equal(flat.head.uv_polygons, flat.head.polygons)
-    np.testing.assert_array_equal(flat.rig.texture[pictured.mask], pictured.image[pictured.mask])
+    np.testing.assert_array_equal(flat.rig.pictures.skin[pictured.mask], pictured.image[pictured.mask])
 
 
 def test_the_seed_paints_the_iris_and_nothing_else(painted, pictured):
     other = paint_head(pictured.face, pictured.head, pictured.image, pictured.mask, replace(SMALL, seed=1)).rig
-    np.testing.assert_array_equal(other.texture, painted.rig.texture)
-    assert (other.eye_texture != painted.rig.eye_texture).any()
+    np.testing.assert_array_equal(other.pictures.skin, painted.rig.pictures.skin)
+    assert (other.pictures.eyes != painted.rig.pictures.eyes).any()
 
 
 def test_a_mesh_without_uvs_takes_the_picture_itself_only(pictured):

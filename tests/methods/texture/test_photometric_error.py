@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from caricli.methods.texture.photometric_error import photometric_error
+from caricli.structures import Pictures
 
 
 def test_the_picture_of_a_head_is_that_of_its_texture(pictured):
@@ -12,7 +13,7 @@ def test_the_picture_of_a_head_is_that_of_its_texture(pictured):
 
 def test_colours_that_are_off_count_by_how_much_and_only_inside_the_mask(pictured):
     lighter = np.where(pictured.mask[..., None], np.minimum(pictured.image + 51, 255), pictured.image).astype(np.uint8)
-    darker = replace(pictured.rig, texture=pictured.rig.texture // 2)
+    darker = replace(pictured.rig, pictures=Pictures(pictured.rig.pictures.skin // 2))
     error = photometric_error(pictured.rig, pictured.face, np.clip(pictured.image, 0, 204), pictured.mask)
     assert error < photometric_error(darker, pictured.face, pictured.image, pictured.mask) < 1
     plain = np.clip(pictured.image.astype(int) + 20, 0, 255)

@@ -13,7 +13,7 @@ from caricli.render.rasterise import rasterise
 from caricli.render.sample_texture import sample_pixels, sample_texture
 from caricli.render.smooth_normals import smooth_normals
 from caricli.render.uv_map import pad_texture, uv_map
-from caricli.structures import Camera, Rig
+from caricli.structures import Camera, Pictures, Rig
 from caricli.template.annotation import CAVITIES
 
 SIZE, SIDE = 384, 400
@@ -65,7 +65,7 @@ def colours(places):
 
 def still(vertices, template, texture):
     deltas = np.zeros((0, *vertices.shape), np.float32)
-    return Rig((), template.with_vertices(vertices.astype(np.float32)), deltas, texture=texture)
+    return Rig((), template.with_vertices(vertices.astype(np.float32)), deltas, pictures=Pictures(texture))
 
 
 def photograph(vertices, template, texture, camera):
