@@ -147,10 +147,9 @@ def _write_frames(folder, performance, kind, view, size):
 
 
 def _pictures(performance, view, size):
-    from caricli.render.draw_rig import draw_rig, neutral_sky
+    from caricli.render.rig_stage import RigStage
 
-    sky = neutral_sky(performance.rig)
-    return (draw_rig(performance.rig, vertices, view, size, sky) for vertices in _shapes(performance, "pictures"))
+    return RigStage(performance.rig, view, size).pictures(_shapes(performance, "pictures"))
 
 
 def _shapes(performance, description):

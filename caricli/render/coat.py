@@ -1,15 +1,14 @@
 """What a mesh is painted with when it is drawn."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from caricli.structures import Material, Mesh, Pictures, Rig
 from caricli.structures.pictures import PICTURED
 
-NO_PICTURE = np.zeros((0, 0, 3), np.uint8)
-
 _SMALLEST = 1e-9
+_FINE = 1.25  # texels along a pixel that it may still have
 _COARSEST = 16  # texels: a picture of a smaller side has no colours left
 
 
@@ -39,36 +38,35 @@ class Coat:
         at, uv, material = corners[first].T
         return at, number.reshape(-1, 3).astype(np.int32), np.column_stack([self.uvs[uv], material])
 
-    def shrunk(self, points: np.ndarray, faces: np.ndarray, ball: float = 0.0) -> list[np.ndarray]:
-        """All pictures in their order, halved until a texel is about as large as a pixel: smaller ones would sparkle.
+    def shrunk(self, points: np.ndarray, faces: np.ndarray, ball: float = 0.0) -> "Coat":
+        """The same in pictures whose texels are about as large as pixels: smaller ones would sparkle.
 
         points: (V, 3), pixels and depth. faces: (F, 3). ball: pixels, radius of eyeballs beside the mesh, which are
         drawn where it has none of its own.
-        Returns (H, W, 3) uint8 each, empty where there is none.
         """
         pictures = []
         for material, picture in zip(PICTURED, self.pictures, strict=True):
-            if picture is None:
-                pictures.append(NO_PICTURE)
-                continue
-            chosen = self.materials == material
-            texels = self.uvs[self.uv_faces[chosen]] * [picture.shape[1], picture.shape[0]]
-            rate = np.sqrt(_area(texels) / max(_area(points[faces[chosen]]), _SMALLEST))
-            if not chosen.any():
-                rate = picture.shape[0] / max(2 * np.pi * ball, _SMALLEST)
-            most = np.log2(max(min(picture.shape[:2]) / _COARSEST, 1))
-            pictures.append(_halved(picture, int(np.clip(np.log2(max(rate, 1)), 0, most))))
-        return pictures
+            if picture is not None:
+                chosen = self.materials == material
+                texels = self.uvs[self.uv_faces[chosen]] * [picture.shape[1], picture.shape[0]]
+                rate = np.sqrt(_area(texels) / max(_area(points[faces[chosen]]), _SMALLEST))
+                if not chosen.any():
+                    rate = picture.shape[0] / max(2 * np.pi * ball, _SMALLEST)
+                picture = _shrunk(picture, min(rate, min(picture.shape[:2]) / _COARSEST))
+            pictures.append(picture)
+        return replace(self, pictures=Pictures(*pictures))
 
 
 def mesh_coat(mesh: Mesh, pictures: Pictures, materials: np.ndarray | None = None) -> Coat | None:
-    """The Coat of a mesh, or None where it has no UVs or there is no picture.
+    """The Coat of a mesh, or None where it is skin alone without UVs or a picture.
 
     materials: (F,) Material of its triangles; skin where there are none.
     """
-    if mesh.uvs is None or not pictures:
+    if materials is None and (mesh.uvs is None or not pictures):
         return None
     materials = np.full(len(mesh.faces), Material.SKIN) if materials is None else materials
+    if mesh.uvs is None:
+        return Coat(np.zeros((1, 2)), np.zeros_like(mesh.faces), materials, Pictures())
     return Coat(mesh.uvs, mesh.uv_faces, materials, pictures)
 
 
@@ -85,10 +83,11 @@ def _area(corners: np.ndarray) -> float:
     return float(np.sqrt(np.maximum(gram, 0)).sum() / 2)
 
 
-def _halved(picture: np.ndarray, times: int) -> np.ndarray:
-    if not times:
-        return np.ascontiguousarray(picture)
+def _shrunk(picture: np.ndarray, times: float) -> np.ndarray:
+    """A picture so many times smaller, or itself where that is hardly a difference."""
+    if times < _FINE:
+        return picture
     import cv2
 
-    height, width = picture.shape[:2]
-    return cv2.resize(picture, (max(width >> times, 1), max(height >> times, 1)), interpolation=cv2.INTER_AREA)
+    height, width = (max(round(side / times), 1) for side in picture.shape[:2])
+    return cv2.resize(picture, (width, height), interpolation=cv2.INTER_AREA)

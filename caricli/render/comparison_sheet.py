@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from caricli.render.backdrop import row_of
 from caricli.render.coat import Coat
 from caricli.render.contact_sheet import contact_sheet
 from caricli.render.head_views import head_views
@@ -36,4 +37,4 @@ def comparison_sheet(
         head_views(other, views, size, look=Look(vertex_colours=colours)),
     ]
     labels = ["given", "encoded", f"distance, red from {1000 * worst:.1f} mm"]
-    return contact_sheet([np.hstack(row) for row in rows], 1, labels)
+    return contact_sheet([row_of(row) for row in rows], 1, labels)

@@ -5,10 +5,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from caricli.errors import InputError
-from caricli.render.blend import over
+from caricli.render.backdrop import PAPER, on_backdrop
 
 _GAP = 0.03  # of a cell's shorter side, between cells
 _TEXT = 0.06  # of a cell's shorter side, height of the letters
+_INK = (70, 68, 66)
 _STRIP = 1.6  # of the letters' height, of the strip they stand in
 
 
@@ -16,12 +17,11 @@ def contact_sheet(
     images: Sequence[np.ndarray],
     columns: int | None = None,
     labels: Sequence[str] | None = None,
-    background: Sequence[int] = (255, 255, 255),
 ) -> np.ndarray:
     """Lay pictures out in rows, each centred in a cell of the largest one's size, with a label under it.
 
     images: list of (H, W, 3 or 4) uint8. columns: pictures in a row; near to a square sheet when absent. labels: one
-    text per picture, shortened to fit. background: sRGB, 0 to 255.
+    text per picture, shortened to fit.
     Returns (H, W, 3) uint8.
     Raises InputError when there is no picture, or not one label for each.
     """
@@ -36,14 +36,13 @@ def contact_sheet(
     size = max(10, round(_TEXT * min(width, height)))
     strip = 0 if labels is None else round(_STRIP * size)
     sheet = np.empty((gap + rows * (height + strip + gap), gap + columns * (width + gap), 3), np.uint8)
-    sheet[:] = background
+    sheet[:] = PAPER
     for k, image in enumerate(images):
         top = gap + (k // columns) * (height + strip + gap)
         left = gap + (k % columns) * (width + gap)
         y = top + (height - image.shape[0]) // 2
         x = left + (width - image.shape[1]) // 2
-        cell = sheet[y : y + image.shape[0], x : x + image.shape[1]]
-        cell[:] = over(image, cell)
+        sheet[y : y + image.shape[0], x : x + image.shape[1]] = on_backdrop(image)
         if labels is not None:
             cell = sheet[top + height : top + height + strip, left : left + width]
             cell[:] = _labelled(cell, labels[k], size)
@@ -51,7 +50,7 @@ def contact_sheet(
 
 
 def _labelled(strip: np.ndarray, text: str, size: int) -> np.ndarray:
-    """Write one line of text in the middle of a strip, in the grey that stands out from its background."""
+    """Write one line of text in the middle of a strip."""
     from PIL import Image, ImageDraw, ImageFont
 
     font = ImageFont.load_default(size)
@@ -61,6 +60,5 @@ def _labelled(strip: np.ndarray, text: str, size: int) -> np.ndarray:
             text = text[:-1]
         text += "..."
     picture = Image.fromarray(np.ascontiguousarray(strip))
-    grey = (70,) * 3 if strip.mean() > 127 else (215,) * 3
-    ImageDraw.Draw(picture).text((strip.shape[1] / 2, strip.shape[0] / 2), text, grey, font, anchor="mm")
+    ImageDraw.Draw(picture).text((strip.shape[1] / 2, strip.shape[0] / 2), text, _INK, font, anchor="mm")
     return np.asarray(picture)

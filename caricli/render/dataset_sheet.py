@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from caricli.render.backdrop import row_of
 from caricli.render.contact_sheet import contact_sheet
 from caricli.render.head_views import head_views
 from caricli.template.template import Template
@@ -18,4 +19,4 @@ def dataset_sheet(
     """
     chosen = np.sort(generator.choice(len(shapes), min(count, len(shapes)), replace=False))
     heads = (template.with_vertices(shape) for shape in shapes[chosen])
-    return contact_sheet([np.hstack(head_views(head, ("front", "three-quarter"), size)) for head in heads])
+    return contact_sheet([row_of(head_views(head, ("front", "three-quarter"), size)) for head in heads])

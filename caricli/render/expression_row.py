@@ -4,7 +4,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from caricli.render.draw_rig import draw_rig, neutral_sky
+from caricli.render.rig_stage import RigStage
 from caricli.structures import Rig
 
 
@@ -14,6 +14,5 @@ def expression_row(rig: Rig, given: np.ndarray, names: Iterable[str], size: int)
     given: (V, 3) metres. names: of expressions; the neutral face stands for those that the rig does not have. size:
     pixels.
     """
-    sky = neutral_sky(rig)
     shapes = [given, *(rig.shape(name) if name in rig.names else rig.neutral for name in names)]
-    return [draw_rig(rig, shape, "front", size, sky) for shape in shapes]
+    return [*RigStage(rig, "front", size).pictures(shapes)]

@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 
 from caricli.render.contact_sheet import contact_sheet
-from caricli.render.draw_rig import draw_rig, neutral_sky
+from caricli.render.rig_stage import RigStage
 from caricli.structures import Rig
 
 SIZE = 224
@@ -24,9 +24,8 @@ def expression_sheet(rig: Rig, progress: Callable[[int, int], object], given: np
     shapes = {} if given is None else {"as given": given}
     shapes["neutral"] = rig.neutral
     shapes |= {name: rig.shape_in_use(k) for k, name in enumerate(rig.names)}
-    sky = neutral_sky(rig)
     pictures = []
-    for shape in shapes.values():
-        pictures.append(draw_rig(rig, shape, "front", SIZE, sky))
+    for picture in RigStage(rig, "front", SIZE).pictures(shapes.values()):
+        pictures.append(picture)
         progress(len(pictures), len(shapes))
     return contact_sheet(pictures, min(COLUMNS, len(pictures)), [*shapes])

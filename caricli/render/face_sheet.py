@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from caricli.render.backdrop import row_of
 from caricli.render.contact_sheet import contact_sheet
 from caricli.render.face_look import face_look
 from caricli.render.views import render_views, turntable
@@ -40,7 +41,7 @@ def face_sheet(faces: Sequence[Face], names: Sequence[str], settings: SheetSetti
     strips = [_strip(face, settings) for face in faces]
     if len(strips) == 1:
         return contact_sheet(strips[0], settings.columns or (None if settings.frames else len(settings.views)))
-    return contact_sheet([np.hstack(strip) for strip in strips], settings.columns, list(names))
+    return contact_sheet([row_of(strip) for strip in strips], settings.columns, list(names))
 
 
 def _strip(face: Face, settings: SheetSettings) -> list[np.ndarray]:

@@ -3,6 +3,7 @@
 import numpy as np
 from PIL import Image
 
+from caricli.render.backdrop import PAPER, blank_paper
 from caricli.render.coat import mesh_coat
 from caricli.render.contact_sheet import contact_sheet
 from caricli.render.head_views import head_views
@@ -29,7 +30,7 @@ def fit_sheet(
     """Picture with given (green circles) and fitted (red) landmarks, mesh over the picture, three views.
 
     face: Face with the camera and the landmarks that were fitted. template: Template of its topology, whose annotation
-    says where the eyes are. given: (L, 2) pixels, NaN where unknown. image: (H, W, 3) uint8, white where there is none.
+    says where the eyes are. given: (L, 2) pixels, NaN where unknown. image: (H, W, 3) uint8, paper where there is none.
     size: pixels of one view. fine: FineMesh in the face's shape, to draw in the views.
     Returns (H, W, 3) uint8. Raises InputError when the face has no camera or no landmarks.
     """
@@ -61,10 +62,10 @@ def _window(given: np.ndarray, projected: np.ndarray | None) -> tuple[np.ndarray
 
 def _crop(image: np.ndarray | None, corner: np.ndarray, window: float, size: int) -> np.ndarray:
     if image is None:
-        return np.full((size, size, 3), 255, dtype=np.uint8)
+        return blank_paper(size, size)
     box = (*corner, *(corner + window))
     return np.asarray(
         Image.fromarray(image).transform(
-            (size, size), Image.Transform.EXTENT, box, Image.Resampling.BICUBIC, fillcolor="white"
+            (size, size), Image.Transform.EXTENT, box, Image.Resampling.BICUBIC, fillcolor=PAPER
         )
     )

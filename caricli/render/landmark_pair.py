@@ -4,6 +4,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from caricli.render.backdrop import blank_paper
 from caricli.render.contact_sheet import contact_sheet
 from caricli.render.overlay import draw_landmarks
 
@@ -25,9 +26,9 @@ def landmark_pair(pair: Mapping[str, np.ndarray], size: int) -> np.ndarray:
     low = both.min(0)
     extent = np.ptp(both, axis=0)
     zoom = size * (1 - 2 * _MARGIN) / extent.max()
-    white = np.full((size, size, 3), 255, np.uint8)
+    paper = blank_paper(size, size)
     pictures = [
-        draw_landmarks(white, (points - low - extent / 2) * zoom + size / 2, COLOURS[name])
+        draw_landmarks(paper, (points - low - extent / 2) * zoom + size / 2, COLOURS[name])
         for name, points in pair.items()
     ]
     labels = [f"{name}, {what}" for name, what in zip(pair, ("given", "mapped"), strict=True)]

@@ -5,10 +5,12 @@ from collections.abc import Sequence
 import cv2
 import numpy as np
 
-from caricli.render.draw_textured import draw_textured
+from caricli.render.backdrop import blank_paper, on_backdrop
+from caricli.render.face_look import face_look
 from caricli.render.fit_sheet import FITTED, GIVEN
 from caricli.render.overlay import draw_landmarks, overlay_mesh
 from caricli.render.place_eyeballs import place_eyeballs
+from caricli.render.views import render_views
 from caricli.structures import Face, Rig
 from caricli.template.template import Template
 
@@ -33,13 +35,14 @@ def portrait_row(
     zoom = size / max(image.shape[:2])
     picture = cv2.resize(image, None, fx=zoom, fy=zoom, interpolation=cv2.INTER_AREA)
     fitted = [picture if face is None else _fit(picture, zoom, given, face, template) for face in fits]
-    return [picture, *fitted, *draw_textured(rig, SIDES, size)]
+    sides = render_views(rig.face.mesh, SIDES, size, face_look(rig.face))
+    return [picture, *fitted, *map(on_backdrop, sides)]
 
 
 def _fit(picture: np.ndarray, zoom: float, given: np.ndarray, face: Face, template: Template) -> np.ndarray:
-    """A fitted face on white, with the landmarks."""
+    """A fitted face on paper, with the landmarks."""
     eyeballs = place_eyeballs(face.mesh, template.annotation)
-    white = np.full_like(picture, 255)
-    drawn = overlay_mesh(white, face.mesh, face.require_camera().zoomed(zoom), opacity=1, eyeballs=eyeballs)
+    paper = blank_paper(*picture.shape[:2])
+    drawn = overlay_mesh(paper, face.mesh, face.require_camera().zoomed(zoom), opacity=1, eyeballs=eyeballs)
     drawn = draw_landmarks(drawn, zoom * given, GIVEN, radius=2, hollow=True, lines=False)
     return draw_landmarks(drawn, zoom * face.require_landmarks(), FITTED, radius=1, lines=False)

@@ -2,23 +2,26 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from types import ModuleType
 from typing import Any
 
 import numpy as np
 
-from caricli.render.coat import NO_PICTURE, Coat
+from caricli.render.coat import Coat
 from caricli.render.curved_triangles import split_long_edges
+from caricli.render.lights import FILL, KEY
 from caricli.render.rasterise import depth_range, mesh_arrays, wp_mesh
-from caricli.render.sky import light_received, sky_visibility
+from caricli.render.seen_vertices import seen_vertices
+from caricli.render.sky import DIRECTIONS, key_directions, light_received, sky_visibility
 from caricli.render.smooth_normals import smooth_normals
 from caricli.render.warp_start import warp_start
-from caricli.structures import Material
+from caricli.structures import Material, Mesh, Pictures
 from caricli.structures.materials import FINISHES
-from caricli.structures.pictures import PICTURED
 
 CLAY = FINISHES[Material.SKIN].colour
+_NO_PICTURE = np.zeros((0, 0, 3), np.uint8)
 _LONGEST_EDGE = 12.0  # pixels; coarser meshes would show their corners and are rounded off before they are drawn
+_SOFTNESS = dict.fromkeys((Material.SKIN, Material.GUMS, Material.TONGUE, Material.BUST), 1.0) | {Material.TEETH: 0.5}
+_WETNESS = {Material.TEETH: 0.5, Material.GUMS: 0.35, Material.TONGUE: 0.35}
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,7 +36,9 @@ class Look:
     gaze: (3,) unit, where the eyes look.
     visibility: (V, D) what `sky_visibility` saw of the mesh before it was turned, for pictures of one mesh to share; or
     None, to look around anew.
+    key: (V, D) what it saw of the key light in the `key_directions` of this picture; or None.
     rotation: (3, 3), how the mesh was turned since; given where ``visibility`` is.
+    hidden: (V,) bool, vertices that look around anew nevertheless where they are seen; or None.
     """
 
     colour: Sequence[float] = CLAY
@@ -43,7 +48,9 @@ class Look:
     eyeballs: Sequence[tuple[np.ndarray, float]] = ()
     gaze: Sequence[float] | np.ndarray = (0, 0, -1)
     visibility: np.ndarray | None = None
+    key: np.ndarray | None = None
     rotation: np.ndarray | None = None
+    hidden: np.ndarray | None = None
 
 
 def shade(points: np.ndarray, faces: np.ndarray, width: int, height: int, look: Look | None = None) -> np.ndarray:
@@ -63,51 +70,76 @@ def shade(points: np.ndarray, faces: np.ndarray, width: int, height: int, look: 
     points, triangles = mesh_arrays(points, faces)
     if not len(triangles) or not len(picture):
         return picture.astype(np.uint8).reshape(height, width, 4)
+    placed = Mesh(points, triangles)
     normals = smooth_normals(points, triangles)
-    light = _light(kernels, points, triangles, normals, look)
-    colours = np.broadcast_to(look.colour if look.vertex_colours is None else look.vertex_colours, points.shape)
-    carried: list[np.ndarray] = [_linear(np.asarray(colours, float)), light]
-    pictures: Sequence[np.ndarray] = [NO_PICTURE] * len(PICTURED)
-    if look.coat is not None:
-        largest = max((radius for _, radius in look.eyeballs), default=0.0)
-        pictures = look.coat.shrunk(points, triangles, largest)
-        at, triangles, places = look.coat.cut(triangles)
-        points = points[at]
-        normals = normals[at]
-        carried = [*(array[at] for array in carried), places]
-    points, triangles, normals, finer = split_long_edges(points, triangles, normals, carried, _LONGEST_EDGE)
-    mesh = wp_mesh(points.astype(np.float32), triangles)
-    scene = kernels.Scene()
+    scene, mesh = _scene(placed, normals, _light(placed, normals, width, height, look), look)
     scene.mesh = mesh.id
-    scene.start, scene.reach = depth_range(points)
-    places = finer[2] if look.coat is not None else np.zeros((0, 3))
-    arrays = (normals, *finer[:2], places)
-    scene.normals, scene.colours, scene.light, scene.places = (_on_device(array, wp.vec3) for array in arrays)
-    for name, worn in zip(PICTURED.values(), pictures, strict=True):
-        setattr(scene, name, wp.array(worn, dtype=wp.uint8, device="cpu", copy=False))
-    balls = [[*centre, radius] for centre, radius in look.eyeballs]
-    scene.eyeballs = _on_device(np.array(balls, float).reshape(-1, 4), wp.vec4)
-    scene.gaze = wp.vec3(*(float(g) for g in look.gaze))
-    centres = wp.zeros(len(picture), dtype=wp.vec4, device="cpu")
-    wp.launch(kernels.centre_colour, len(picture), [scene, width], [centres], device="cpu")
+    centres = wp.zeros(len(picture), dtype=kernels.Sample, device="cpu")
+    wp.launch(kernels.centre_sample, len(picture), [scene, width], [centres], device="cpu")
     out: Any = wp.array(picture, dtype=wp.vec4, device="cpu", copy=False)
     given = [scene, width, height, look.supersample, centres]
     wp.launch(kernels.shaded_pixel, len(picture), given, [out], device="cpu")
     return np.rint(np.clip(picture, 0, 1) * 255).astype(np.uint8).reshape(height, width, 4)
 
 
-def _light(
-    kernels: ModuleType, points: np.ndarray, triangles: np.ndarray, normals: np.ndarray, look: Look
-) -> np.ndarray:
-    """Shares (V, 3) of key light, fill light and sky that reach the vertices."""
-    if look.visibility is None:
-        visibility = sky_visibility(points, triangles, normals)
-        rotation = np.eye(3)
-    else:
-        visibility = look.visibility
-        rotation = np.asarray(look.rotation)
-    ways = (np.array(kernels.KEY) @ rotation, np.array(kernels.FILL) @ rotation, None)
-    return light_received(visibility, normals @ rotation, ways)
+def _light(mesh: Mesh, normals: np.ndarray, width: int, height: int, look: Look) -> np.ndarray:
+    """Shares (V, 3) of key light, fill light and sky that reach the vertices; only those that are seen look around."""
+    rotation = np.eye(3) if look.rotation is None else np.asarray(look.rotation)
+    normals = normals @ rotation
+    vertices = mesh.vertices @ rotation
+    fresh = np.ones(len(normals), bool)
+    hidden = np.zeros(len(normals), bool) if look.hidden is None else look.hidden
+    looks = [(DIRECTIONS, look.visibility), (key_directions(KEY) @ rotation, look.key)]
+    seen = None
+    sights = []
+    for directions, before in looks:
+        sight = np.zeros((len(normals), len(directions)), np.float32) if before is None else np.array(before)
+        unsure = fresh if before is None else hidden
+        if unsure.any():
+            seen = seen_vertices(mesh.vertices, mesh.faces, width, height) if seen is None else seen
+            anew = np.flatnonzero(unsure & seen)
+            sight[anew] = sky_visibility(vertices, mesh.faces, normals, anew, directions)
+        sights.append(sight)
+    around = light_received(sights[0], normals, DIRECTIONS, [None, FILL @ rotation])
+    key = light_received(sights[1], normals, looks[1][0], [None])
+    return np.column_stack([key, around[:, 1], around[:, 0]])
+
+
+def _scene(mesh: Mesh, normals: np.ndarray, light: np.ndarray, look: Look) -> tuple[Any, Any]:
+    """The kernels' Scene of a Mesh in pixels, and warp's mesh, which must outlive it."""
+    kernels = warp_start()
+    import warp as wp
+
+    points = mesh.vertices
+    triangles = mesh.faces
+    colours = np.broadcast_to(look.colour if look.vertex_colours is None else look.vertex_colours, points.shape)
+    carried: list[np.ndarray] = [_linear(np.asarray(colours, float)), light, np.zeros((len(points), 3))]
+    pictures = Pictures()
+    if look.coat is not None:
+        largest = max((radius for _, radius in look.eyeballs), default=0.0)
+        pictures = look.coat.shrunk(points, triangles, largest).pictures
+        at, triangles, places = look.coat.cut(triangles)
+        points = points[at]
+        normals = normals[at]
+        carried = [*(array[at] for array in carried[:2]), places]
+    points, triangles, normals, finer = split_long_edges(points, triangles, normals, carried, _LONGEST_EDGE)
+    scene = kernels.Scene()
+    scene.start, scene.reach = depth_range(points)
+    arrays = (normals, *finer)
+    scene.normals, scene.colours, scene.light, scene.places = (_on_device(array, wp.vec3) for array in arrays)
+    for name, worn in pictures.items():
+        texels = _NO_PICTURE if worn is None else np.ascontiguousarray(worn)
+        setattr(scene, name, wp.array(texels, dtype=wp.uint8, device="cpu", copy=False))
+    scene.finishes = _on_device(np.array([_finish(material) for material in Material]), wp.vec3)
+    balls = [[*centre, radius] for centre, radius in look.eyeballs]
+    scene.eyeballs = _on_device(np.array(balls, float).reshape(-1, 4), wp.vec4)
+    scene.gaze = wp.vec3(*(float(g) for g in look.gaze))
+    return scene, wp_mesh(points.astype(np.float32), triangles)
+
+
+def _finish(material: Material) -> tuple[float, float, float]:
+    """Roughness of a material, how far light wanders under its surface, and how wet it is, 0 to 1."""
+    return FINISHES[material].roughness, _SOFTNESS.get(material, 0.0), _WETNESS.get(material, 0.0)
 
 
 def _on_device(array: np.ndarray, dtype: type) -> Any:

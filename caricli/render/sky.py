@@ -1,4 +1,4 @@
-"""How much of the sky each vertex sees: the source of soft shadows."""
+"""How much of the sky and of a wide light each vertex sees: the source of soft shadows."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -10,6 +10,8 @@ from caricli.render.warp_start import warp_start
 
 _LIFT = 1e-3  # of the mesh's size: rays start so far above the surface, which they would hit else
 _REACH = 2.0  # of the mesh's size: no ray through it is longer
+_KEY_RAYS = 16
+_KEY_REACH = np.radians(16)  # half the angle that the key light fills: the wider the softer its shadows
 
 
 def _sphere(count: int) -> np.ndarray:
@@ -22,23 +24,40 @@ def _sphere(count: int) -> np.ndarray:
 
 
 DIRECTIONS = _sphere(48)
+"""Ways to the sky, (D, 3)."""
+
+
+def key_directions(way: np.ndarray) -> np.ndarray:
+    """Ways (16, 3) to a disc of light on a Fibonacci spiral around the way (3,) to its middle, unit length."""
+    k = np.arange(_KEY_RAYS) + 0.5
+    r = np.tan(_KEY_REACH) * np.sqrt(k / _KEY_RAYS)
+    turn = np.pi * (1 + np.sqrt(5)) * k
+    aside = np.cross(way, [0.0, 1.0, 0.0])
+    aside /= np.linalg.norm(aside)
+    upward = np.cross(aside, way)
+    ways = way + (r * np.cos(turn))[:, None] * aside + (r * np.sin(turn))[:, None] * upward
+    return ways / np.linalg.norm(ways, axis=1, keepdims=True)
 
 
 def sky_visibility(
-    vertices: np.ndarray, faces: np.ndarray, normals: np.ndarray, ids: np.ndarray | None = None
+    vertices: np.ndarray,
+    faces: np.ndarray,
+    normals: np.ndarray,
+    ids: np.ndarray | None = None,
+    directions: np.ndarray = DIRECTIONS,
 ) -> np.ndarray:
-    """See from every vertex which of DIRECTIONS end in the sky and which in the mesh itself.
+    """See from every vertex which directions end in the sky and which in the mesh itself.
 
     vertices: (V, 3), any unit. faces: (F, 3), counter-clockwise from outside. normals: (V, 3), unit length.
-    ids: (N,) of the vertices that look around, or None for all.
-    Returns (V or N, len(DIRECTIONS)) float32: one for sky; zero for mesh and for directions behind the surface.
+    ids: (N,) of the vertices that look around, or None for all. directions: (D, 3), unit length.
+    Returns (V or N, D) float32: one for sky; zero for mesh and for directions behind the surface.
     """
     kernels = warp_start()
     import warp as wp
 
     points, triangles = mesh_arrays(vertices, faces)
     around = slice(None) if ids is None else ids
-    seen = np.zeros((len(points[around]), len(DIRECTIONS)), np.float32)
+    seen = np.zeros((len(points[around]), len(directions)), np.float32)
     if len(triangles) and len(seen):
         size = float(np.linalg.norm(np.ptp(points, axis=0)))
         points = (points - points.mean(0)) / np.float32(size or 1)
@@ -47,29 +66,34 @@ def sky_visibility(
         rays.mesh = mesh.id
         rays.start = _LIFT
         rays.reach = _REACH
-        vectors = [_vectors(a) for a in (points[around], normals[around], DIRECTIONS)]
+        vectors = [_vectors(a) for a in (points[around], normals[around], directions)]
         wp.launch(kernels.sky_seen, seen.shape, [rays, *vectors], [_shared(seen)], device="cpu")
     return seen
 
 
 def light_received(
-    visibility: np.ndarray, normals: np.ndarray, lights: Sequence[np.ndarray | None], sharpness: float = 8.0
+    visibility: np.ndarray,
+    normals: np.ndarray,
+    directions: np.ndarray,
+    lights: Sequence[np.ndarray | None],
+    sharpness: float = 8.0,
 ) -> np.ndarray:
     """Share of each light's rays that reach each vertex, of all that could without the mesh in the way.
 
-    visibility: of `sky_visibility`. normals: (V, 3), in the same frame. lights: L times the way (3,) to a wide light in
-    that frame, unit length, or None for the whole sky. sharpness: exponent of a light's cosine lobe; higher is smaller.
+    visibility: (V, D) of `sky_visibility` in directions (D, 3). normals: (V, 3), in the same frame. lights: L times the
+    way (3,) to a wide light in that frame, unit length, or None for all directions alike.
+    sharpness: exponent of a light's cosine lobe; higher is smaller.
     Returns (V, L) float32 in [0, 1]; one where the light is behind the surface.
     """
     kernels = warp_start()
     import warp as wp
 
     ways = np.array([np.zeros(3) if light is None else np.asarray(light) for light in lights])
-    lobes = np.maximum((DIRECTIONS[None] * ways[:, None]).sum(-1), 0) ** sharpness
+    lobes = np.maximum((directions[None] * ways[:, None]).sum(-1), 0) ** sharpness
     lobes[[light is None for light in lights]] = 1
     share = np.ones((len(normals), len(lights)), np.float32)
     if share.size:
-        given = [_shared(visibility), _vectors(normals), _vectors(DIRECTIONS), _shared(lobes.astype(np.float32))]
+        given = [_shared(visibility), _vectors(normals), _vectors(directions), _shared(lobes.astype(np.float32))]
         wp.launch(kernels.light_share, share.shape, given, [_shared(share)], device="cpu")
     return share
 

@@ -10,8 +10,9 @@ def smooth_normals(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
     vertices: (V, 3). faces: (F, 3), counter-clockwise from outside.
     Returns (V, 3) float64; (0, 0, 0) where a vertex has no triangle with an area.
     """
-    vertices = np.asarray(vertices, float)
-    place = np.unique(vertices, axis=0, return_inverse=True)[1].ravel()
+    # Bytes are compared, many times faster than rows; the sum makes a zero of a negative one.
+    vertices = np.ascontiguousarray(vertices, float) + 0.0
+    place = np.unique(vertices.view(f"V{vertices.itemsize * 3}"), return_inverse=True)[1].ravel()
     corners = vertices[faces]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     length = np.linalg.norm(normals, axis=1, keepdims=True)

@@ -3,8 +3,9 @@
 import numpy as np
 
 from caricli.render.contact_sheet import contact_sheet
-from caricli.render.draw_textured import ANGLES, draw_textured
+from caricli.render.face_look import face_look
 from caricli.render.head_views import head_views
+from caricli.render.views import VIEWS, render_views
 from caricli.structures import Rig
 from caricli.template.template import Template
 
@@ -19,6 +20,6 @@ def texture_sheet(head: Template, rig: Rig, size: int) -> np.ndarray:
     Returns (H, W, 3) uint8.
     """
     plain = head_views(head.with_vertices(rig.neutral[: len(head.vertices)].astype(float)), _FIRST, size)
-    others = [view for view in ANGLES if view not in _FIRST]
-    pictures = [*plain, *draw_textured(rig, _FIRST, size), *draw_textured(rig, others, size)]
-    return contact_sheet(pictures, 3, ["before", "", "", "after", "", "", "", "", ""])
+    others = [view for view in VIEWS if view not in _FIRST]
+    textured = render_views(rig.face.mesh, [*_FIRST, *others], size, face_look(rig.face))
+    return contact_sheet([*plain, *textured], 3, ["before", "", "", "after", "", "", "", "", ""])

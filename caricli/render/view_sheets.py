@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from caricli.render.backdrop import on_backdrop, row_of
 from caricli.render.contact_sheet import contact_sheet
 
 
@@ -13,9 +14,9 @@ def film_strip(heads: Sequence[Sequence[np.ndarray]], labels: Sequence[str]) -> 
     heads: of each its views, (H, W, 3 or 4) uint8. labels: one text a head.
     Returns (H, W, 3) uint8.
     """
-    return contact_sheet([np.vstack(views) for views in heads], len(heads), labels)
+    return contact_sheet([np.vstack([on_backdrop(view) for view in views]) for views in heads], len(heads), labels)
 
 
 def view_rows(heads: Sequence[Sequence[np.ndarray]], labels: Sequence[str]) -> np.ndarray:
     """Heads below each other, the views of each in a row; arguments and result as in ``film_strip``."""
-    return contact_sheet([np.hstack(views) for views in heads], 1, labels)
+    return contact_sheet([row_of(views) for views in heads], 1, labels)

@@ -11,7 +11,14 @@ from caricli.render.sky import sky_visibility
 from caricli.render.smooth_normals import smooth_normals
 from caricli.structures import Mesh
 
-VIEWS = {"front": 0.0, "three-quarter": -35.0, "profile": -90.0, "three-quarter-right": 35.0, "profile-right": 90.0}
+VIEWS = {
+    "front": 0.0,
+    "three-quarter": -35.0,
+    "profile": -90.0,
+    "three-quarter-right": 35.0,
+    "profile-right": 90.0,
+    "behind": 180.0,
+}
 """Turn of the head about its vertical axis in degrees; positive looks to the right of the picture."""
 
 TO_PICTURE = np.diag([1.0, -1.0, -1.0])

@@ -42,7 +42,7 @@ def quick_pictures(small_pictures):
         return np.ones((len(vertices if ids is None else ids), len(DIRECTIONS)), np.float32)
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("caricli.render.draw_rig.sky_visibility", lit)
+        patch.setattr("caricli.render.rig_stage.sky_visibility", lit)
         yield
 
 

@@ -16,8 +16,8 @@ from caricli.io.obj import read_obj, write_obj
 from caricli.io.rig import read_rig
 from caricli.io.strict_json import read_json
 from caricli.methods.texture.settings import PaintSettings, TextureSettings
-from caricli.render.draw_textured import render_textured
 from caricli.render.rasterise import rasterise
+from caricli.render.render_textured import render_textured
 from caricli.store.rig_sources import PicturePaths, picture_paths
 from caricli.structures import Camera, Face, Material, Pictures, Rig
 

@@ -44,10 +44,14 @@ def test_vertices_on_a_seam_are_doubled_and_no_others():
     np.testing.assert_array_equal(places[cut][..., :2], coat.uvs[coat.uv_faces])
 
 
-def test_pictures_are_halved_while_texels_are_smaller_than_pixels(wall):
-    for side, expected in ((16, 16), (64, 64), (SIDE * 2, SIDE), (SIDE * 9, SIDE * 9 // 8)):
-        skin, *others = mesh_coat(wall, Pictures(np.zeros((side, side, 3), np.uint8))).shrunk(wall.vertices, wall.faces)
-        assert skin.shape == (expected, expected, 3) and all(other.size == 0 for other in others)
+def test_pictures_are_shrunk_where_texels_are_smaller_than_pixels(wall):
+    for side, expected in ((16, 16), (SIDE, SIDE), (SIDE * 2, SIDE), (SIDE * 9, SIDE)):
+        coat = mesh_coat(wall, Pictures(np.zeros((side, side, 3), np.uint8)))
+        small = coat.shrunk(wall.vertices, wall.faces)
+        assert small.pictures.skin.shape == (expected, expected, 3)
+        assert all(picture is None for name, picture in small.pictures.items() if name != "skin")
+        # Once is enough.
+        assert small.shrunk(wall.vertices, wall.faces).pictures.skin is small.pictures.skin
 
 
 def test_eyeballs_beside_the_mesh_are_painted(wall):

@@ -2,6 +2,8 @@ import numpy as np
 import pytest
 
 from caricli.errors import InputError
+from caricli.render.backdrop import PAPER, backdrop
+from caricli.render.blend import over
 from caricli.render.contact_sheet import contact_sheet
 
 
@@ -11,22 +13,24 @@ def plain(colour, height=40, width=40):
 
 def test_pictures_stand_in_rows_and_columns():
     colours = [(250, 0, 0), (0, 250, 0), (0, 0, 250), (250, 250, 0), (0, 250, 250)]
-    sheet = contact_sheet([plain(c) for c in colours], columns=3, background=(9, 8, 7))
+    sheet = contact_sheet([plain(c) for c in colours], columns=3)
     gap = (sheet.shape[1] - 120) // 4
     assert sheet.shape == (2 * 40 + 3 * gap, 3 * 40 + 4 * gap, 3) and sheet.dtype == np.uint8
     for k, colour in enumerate(colours):
         top, left = gap + (k // 3) * (40 + gap), gap + (k % 3) * (40 + gap)
         assert (sheet[top : top + 40, left : left + 40] == colour).all()
-    assert (sheet[-40 - gap :, -40 - gap :] == (9, 8, 7)).all()
-    assert (sheet == (9, 8, 7)).all(-1).sum() == sheet.shape[0] * sheet.shape[1] - 5 * 40 * 40
+    assert (sheet[-40 - gap :, -40 - gap :] == PAPER).all()
+    assert (sheet == PAPER).all(-1).sum() == sheet.shape[0] * sheet.shape[1] - 5 * 40 * 40
 
 
-def test_alpha_lets_the_background_through_and_small_pictures_are_centred():
+def test_alpha_lets_the_backdrop_through_and_small_pictures_are_centred():
     clear = np.zeros((20, 20, 4), np.uint8)
     half = np.full((40, 40, 4), 128, np.uint8)
-    sheet = contact_sheet([half, clear], columns=2, background=(200, 100, 0))
-    assert {tuple(p) for p in sheet.reshape(-1, 3).tolist()} == {(200, 100, 0), (164, 114, 64)}
-    small = contact_sheet([plain(0), plain(250, 20, 10)], columns=2, background=(9, 9, 9))
+    sheet = contact_sheet([half, clear], columns=2)
+    gap = (sheet.shape[1] - 80) // 3
+    np.testing.assert_array_equal(sheet[gap : gap + 40, gap : gap + 40], over(half, backdrop(40, 40)))
+    np.testing.assert_array_equal(sheet[gap + 10 : gap + 30, 2 * gap + 50 : 2 * gap + 70], backdrop(20, 20))
+    small = contact_sheet([plain(0), plain(250, 20, 10)], columns=2)
     y, x = np.nonzero((small == 250).all(-1))
     gap = (small.shape[1] - 80) // 3
     assert (y.min() - gap, x.min() - 2 * gap - 40) == (10, 15) and len(y) == 200

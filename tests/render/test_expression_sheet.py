@@ -19,11 +19,15 @@ def rig(ball, monkeypatch):
 def test_every_expression_is_drawn_on_top_of_what_it_is_meant_for(rig, monkeypatch):
     shapes, done = [], []
 
-    def draw(rig, shape, view, size, sky):
-        shapes.append(shape)
-        return np.full((size, size, 3), 255, np.uint8)
+    class Stage:
+        def __init__(self, rig, view, size):
+            self.size = size
 
-    monkeypatch.setattr(sheet, "draw_rig", draw)
+        def pictures(self, frames):
+            shapes.extend(frames)
+            return (np.full((self.size, self.size, 3), 255, np.uint8) for _ in shapes)
+
+    monkeypatch.setattr(sheet, "RigStage", Stage)
     picture = sheet.expression_sheet(rig, lambda k, total: done.append((k, total)), rig.neutral + 1)
     assert picture.ndim == 3 and picture.shape[1] >= 4 * 32 and done == [(1, 4), (2, 4), (3, 4), (4, 4)]
     given, neutral, opened, closed = shapes

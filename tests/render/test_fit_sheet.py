@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 
 from caricli.errors import InputError
+from caricli.render.backdrop import PAPER
 from caricli.render.fit_sheet import FITTED, GIVEN, fit_sheet
 from caricli.structures import Camera, Face
 
@@ -68,10 +69,10 @@ def test_the_picture_is_cut_out_around_the_landmarks(fitted):
     assert np.nonzero(blue)[1].mean() < SIZE / 2 < np.nonzero(yellow)[1].mean()
 
 
-def test_landmarks_beyond_the_border_of_the_picture_have_white_behind_them(fitted):
+def test_landmarks_beyond_the_border_of_the_picture_have_paper_behind_them(fitted):
     image = np.full((100, 100, 3), 90, np.uint8)
     sheet = sheet_of(fitted, image)
-    assert near(panels(sheet)[0], (255, 255, 255)).mean() > 0.3
+    assert near(panels(sheet)[0], PAPER).mean() > 0.3
     assert near(panels(sheet)[0], FITTED).sum() >= 10
 
 

@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 
+from caricli.render.backdrop import PAPER
 from caricli.render.portrait_row import SIDES, portrait_row
 from caricli.structures import Camera, Face, Pictures, Rig
 
@@ -29,8 +30,8 @@ def test_every_picture_has_the_size_that_was_asked_for(row):
     assert all(picture.shape == (SIZE, SIZE, 3) for picture in row[3:])
 
 
-def test_a_fit_is_on_white_and_one_that_is_missing_is_the_picture_itself(row):
+def test_a_fit_is_on_paper_and_one_that_is_missing_is_the_picture_itself(row):
     picture, fit, missing, *sides = row
     assert (picture == (40, 80, 160)).all() and np.array_equal(missing, picture)
-    assert (fit[0, 0] == 255).all() and fit.std() > 10
+    assert (fit[0, 0] == PAPER).all() and fit.std() > 10
     assert all((side.reshape(-1, 3)[:, 0] > side.reshape(-1, 3)[:, 2] + 50).mean() > 0.1 for side in sides)

@@ -1,8 +1,11 @@
 import numpy as np
 import pytest
 
+from caricli.render.coat import Coat
 from caricli.render.rasterise import rasterise
 from caricli.render.shade import Look, shade
+from caricli.render.sky import DIRECTIONS
+from caricli.structures import Material, Pictures
 
 SIZE = 64
 
@@ -69,7 +72,7 @@ def test_an_eyeball_looks_along_its_gaze_and_hides_behind_the_mesh(sphere):
     assert ball[SIZE // 2, SIZE // 2, :3].max() < 40 and ball[SIZE // 2, SIZE // 2, 3] == 255  # the pupil
     assert ball[SIZE // 2, SIZE // 2 + 12, :3].min() > 90  # the white
     turned = shade(far, faces, SIZE, SIZE, Look(eyeballs=[(middle, 20.0)], gaze=(0.6, 0, -0.8))).astype(int)
-    assert turned[SIZE // 2, SIZE // 2 + 12, :3].max() < 40
+    assert turned[SIZE // 2, SIZE // 2 + 12, :3].max() < 70
     near = in_picture(vertices) - [0, 0, 90]
     plain = shade(near, faces, SIZE, SIZE)
     assert (shade(near, faces, SIZE, SIZE, Look(eyeballs=[(middle, 20.0)])) == plain).all()
@@ -84,3 +87,63 @@ def test_same_input_same_bytes_and_inputs_are_not_changed(lopsided):
 
 def test_nothing_to_draw_is_transparent():
     assert (shade(np.zeros((3, 3)), np.zeros((0, 3), int), 8, 5) == np.zeros((5, 8, 4))).all()
+
+
+def grey(picture):
+    return picture[..., :3].astype(float).mean(-1)
+
+
+def test_a_convex_body_has_no_shadow_of_its_own(sphere):
+    points, faces = in_picture(sphere[0]), sphere[1]
+    free = np.ones((len(points), len(DIRECTIONS)), np.float32)
+    own, unhindered = (shade(points, faces, SIZE, SIZE, Look(visibility=seen)) for seen in (None, free))
+    assert np.abs(own.astype(int) - unhindered).max() <= 3
+
+
+def test_what_stands_in_the_lights_way_shades_the_ground(sphere):
+    vertices, faces = sphere
+
+    steps = np.linspace(0, 1, 33)
+    grid = np.stack(np.meshgrid(steps, steps), -1).reshape(-1, 2)
+    ground = np.column_stack([grid * SIZE, np.full(len(grid), 30.0)])
+    k = np.arange(33 * 33).reshape(33, 33)
+    a, b, c, d = (q.ravel() for q in (k[:-1, :-1], k[:-1, 1:], k[1:, 1:], k[1:, :-1]))
+    floor = np.concatenate([np.stack([a, c, b], 1), np.stack([a, d, c], 1)])
+    ball = 8 * vertices * [1, -1, -1] + [20, 20, 10]
+    bare = grey(shade(ground, floor, SIZE, SIZE))
+    both = grey(shade(np.concatenate([ground, ball]), np.concatenate([floor, faces + len(ground)]), SIZE, SIZE))
+    # The light comes from the upper left: the shadow lies to the lower right, and softly.
+    assert both[44, 44] < bare[44, 44] - 15
+    assert abs(both[8, 50] - bare[8, 50]) < 8
+    assert (np.abs(np.diff(both[44, 34:])) < 25).all()
+
+
+def test_red_light_reaches_further_round_skin_than_round_hair(sphere):
+    points, faces = in_picture(sphere[0]), sphere[1]
+    warmth = {}
+    for material in (Material.SKIN, Material.HAIR):
+        coat = Coat(np.zeros((1, 2)), np.zeros_like(faces), np.full(len(faces), material), Pictures())
+        drawn = shade(points, faces, SIZE, SIZE, Look(colour=(150, 150, 150), coat=coat)).astype(float)
+        warmth[material] = drawn[40, 40, 0] - drawn[40, 40, 1] - (drawn[25, 25, 0] - drawn[25, 25, 1])
+    assert warmth[Material.SKIN] > warmth[Material.HAIR] + 1
+
+
+def test_wet_materials_mirror_the_window_and_dry_ones_do_not(sphere):
+    points, faces = in_picture(sphere[0]), sphere[1]
+    brightest = {}
+    for material in (Material.SKIN, Material.TEETH, Material.TONGUE, Material.HAIR):
+        coat = Coat(np.zeros((1, 2)), np.zeros_like(faces), np.full(len(faces), material), Pictures())
+        brightest[material] = grey(shade(points, faces, SIZE, SIZE, Look(colour=(90, 90, 90), coat=coat))).max()
+    assert min(brightest[Material.TEETH], brightest[Material.TONGUE]) > 1.3 * max(
+        brightest[Material.SKIN], brightest[Material.HAIR]
+    )
+
+
+def test_an_eye_has_a_highlight_towards_the_light_wherever_it_looks(sphere):
+    far = in_picture(sphere[0] * 0.1) + [0, 0, 90]
+    middle = [(SIZE - 1) / 2, (SIZE - 1) / 2, 0.0]
+    for gaze in ((0, 0, -1), (0.3, 0.1, -0.95), (-0.3, 0, -0.95)):
+        ball = grey(shade(far, sphere[1], SIZE, SIZE, Look(eyeballs=[(middle, 20.0)], gaze=gaze)))
+        bright = np.argwhere(ball > 235)
+        assert 4 < len(bright) < 120
+        assert (bright.mean(0) < SIZE / 2 - 2).all()

@@ -65,5 +65,5 @@ def test_a_turntable_starts_in_front_and_comes_round(lopsided):
 
 
 def test_an_unknown_view_is_refused(sphere):
-    with pytest.raises(InputError, match="'behind'.*front"):
-        render_views(Mesh(*sphere), ["behind"], 16)
+    with pytest.raises(InputError, match="'above'.*front"):
+        render_views(Mesh(*sphere), ["above"], 16)

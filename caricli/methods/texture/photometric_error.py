@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from caricli.render.draw_textured import render_textured
 from caricli.render.rasterise import rasterise
+from caricli.render.render_textured import render_textured
 from caricli.structures import Face, Rig
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from caricli.data.texture_painter import draw_albedo
-from caricli.render.draw_textured import render_textured
+from caricli.render.render_textured import render_textured
 from caricli.structures import Camera, Face, Pictures, Rig
 from caricli.template.template import Template
 

@@ -8,8 +8,8 @@ from caricli.geometry.deformation_gradients import rotation_matrices
 from caricli.methods.texture.settings import TextureSettings
 from caricli.methods.texture.texture_face import texture_face
 from caricli.render.diffuse_background import diffuse_background
-from caricli.render.draw_textured import render_textured
 from caricli.render.rasterise import rasterise
+from caricli.render.render_textured import render_textured
 from caricli.render.sample_texture import sample_pixels, sample_texture
 from caricli.render.smooth_normals import smooth_normals
 from caricli.render.uv_map import pad_texture, uv_map

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from caricli.errors import InputError
-from caricli.render.draw_rig import draw_rig, neutral_sky
+from caricli.render.backdrop import PAPER, backdrop
+from caricli.render.rig_stage import RigStage
 from caricli.structures import Material, Mesh, Pictures, Rig
 
 
@@ -23,8 +24,8 @@ def rig(sphere):
 
 
 def test_eyes_have_their_picture_and_skin_its_own_colour(rig):
-    picture = draw_rig(rig, rig.neutral, "front", 96).astype(int)
-    assert picture.shape == (96, 96, 3) and (picture[0, 0] == 255).all()
+    picture = RigStage(rig, "front", 96).picture(rig.neutral).astype(int)
+    assert picture.shape == (96, 96, 3) and (picture[0, 0] == PAPER).all()
     left, right, skin = picture[48, 42], picture[48, 53], picture[48, 25]
     assert left[0] > left[2] + 80 and right[2] > right[0] + 80
     assert skin[0] > skin[1] > skin[2] > 30
@@ -33,23 +34,25 @@ def test_eyes_have_their_picture_and_skin_its_own_colour(rig):
 def test_a_picture_has_its_top_row_at_the_top(rig):
     image = np.zeros((16, 16, 3), np.uint8)
     image[:8], image[8:] = (220, 20, 20), (20, 20, 220)
-    picture = draw_rig(replace(rig, pictures=Pictures(eyes=image)), rig.neutral, "front", 96).astype(int)
+    picture = RigStage(replace(rig, pictures=Pictures(eyes=image)), "front", 96).picture(rig.neutral).astype(int)
     assert picture[42, 48, 0] > picture[42, 48, 2] + 80 and picture[54, 48, 2] > picture[54, 48, 0] + 80
 
 
 def test_the_camera_does_not_follow_the_frame(rig):
     moved = rig.neutral + [0.02, 0, 0]
-    before, after = (draw_rig(rig, v, "front", 96).astype(int) for v in (rig.neutral, moved))
+    before, after = (RigStage(rig, "front", 96).picture(v).astype(int) for v in (rig.neutral, moved))
     shift = 0.02 * 0.82 * 96 / np.ptp(rig.neutral[:, :2], axis=0).max()
-    drawn = [(picture < 250).any(2).any(0).nonzero()[0] for picture in (before, after)]
+    drawn = [(picture != backdrop(96, 96)).any(2).any(0).nonzero()[0] for picture in (before, after)]
     assert abs((drawn[1][0] - drawn[0][0]) - shift) <= 1.5
 
 
 def test_views_turn_the_head(rig):
-    profile = draw_rig(rig, rig.neutral, "profile", 96)
-    drawn = (profile < 250).any(2).any(0).nonzero()[0]
+    profile = RigStage(rig, "profile", 96).picture(rig.neutral)
+    drawn = (profile != backdrop(96, 96)).any(2).any(0).nonzero()[0]
     # The eye sticks out to the left of the picture.
-    assert 48 - drawn[0] > drawn[-1] - 47 - 1 and not np.array_equal(profile, draw_rig(rig, rig.neutral, "front", 96))
+    assert 48 - drawn[0] > drawn[-1] - 47 - 1 and not np.array_equal(
+        profile, RigStage(rig, "front", 96).picture(rig.neutral)
+    )
 
 
 def test_rigs_without_materials_or_pictures_are_drawn_plainly(rig):
@@ -59,22 +62,22 @@ def test_rigs_without_materials_or_pictures_are_drawn_plainly(rig):
         replace(rig, mesh=flat),
         replace(rig, pictures=Pictures(rig.pictures.skin)),
     ):
-        picture = draw_rig(bare, bare.neutral, "front", 64).astype(int)
+        picture = RigStage(bare, "front", 64).picture(bare.neutral).astype(int)
         colour = picture[32, 32]
         assert colour.min() > 60 and (colour[0] >= colour[2]).all()
 
 
 def test_the_rig_and_the_vertices_stay_as_they_are(rig):
     vertices = rig.neutral.copy()
-    draw_rig(rig, vertices, "front", 32)
+    RigStage(rig, "front", 32).picture(vertices)
     np.testing.assert_array_equal(vertices, rig.neutral)
 
 
 def test_unknown_views_and_other_meshes_are_refused(rig):
     with pytest.raises(InputError, match="no view is called 'back'"):
-        draw_rig(rig, rig.neutral, "back", 32)
+        RigStage(rig, "back", 32).picture(rig.neutral)
     with pytest.raises(InputError, match="needs vertices of shape"):
-        draw_rig(rig, rig.neutral[:-1], "front", 32)
+        RigStage(rig, "front", 32).picture(rig.neutral[:-1])
 
 
 def test_what_comes_out_of_hiding_is_drawn_as_if_it_had_never_hidden(sphere):
@@ -85,6 +88,28 @@ def test_what_comes_out_of_hiding_is_drawn_as_if_it_had_never_hidden(sphere):
     deltas[0, count:] = [0, 0, 0.2]
     hidden = Rig(("out",), Mesh(points, np.concatenate([faces, faces + count])), deltas)
     shape = hidden.shape("out")
-    picture = draw_rig(hidden, shape, "front", 96, neutral_sky(hidden)).astype(int)
-    assert np.abs(picture[42:55, 42:55] - draw_rig(hidden, shape, "front", 96).astype(int)[42:55, 42:55]).max() <= 2
+    picture = RigStage(hidden, "front", 96).picture(shape).astype(int)
+    assert (
+        np.abs(
+            picture[42:55, 42:55]
+            - RigStage(replace(hidden, mesh=hidden.mesh.with_vertices(shape)), "front", 96)
+            .picture(shape)
+            .astype(int)[42:55, 42:55]
+        ).max()
+        <= 2
+    )
     assert picture[48, 48].min() > 40
+
+
+def test_many_frames_are_those_that_come_one_by_one_though_each_is_overwritten(rig):
+    stage = RigStage(rig, "front", 48)
+    shapes = [rig.neutral + [0.01 * k, 0, 0] for k in range(6)]
+
+    def frames():
+        buffer = np.empty_like(shapes[0])
+        for shape in shapes:
+            buffer[:] = shape
+            yield buffer
+
+    for picture, shape in zip(stage.pictures(frames()), shapes, strict=True):
+        np.testing.assert_array_equal(picture, stage.picture(shape))

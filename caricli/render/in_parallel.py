@@ -1,0 +1,27 @@
+"""One function over many things on all processors."""
+
+import os
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import Future, ThreadPoolExecutor
+from typing import TypeVar
+
+T = TypeVar("T")
+R = TypeVar("R")
+
+
+def in_parallel(function: Callable[[T], R], things: Iterable[T]) -> Iterator[R]:
+    """Results of a function in the order of what they are of, a few of which are worked on at a time.
+
+    Threads pay where most of the work is a kernel's: those run beside each other. At most one thing more than there
+    are processors is waiting, whatever the number of things.
+    """
+    workers = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    with ThreadPoolExecutor(workers) as pool:
+        waiting: deque[Future[R]] = deque()
+        for thing in things:
+            waiting.append(pool.submit(function, thing))
+            if len(waiting) > workers:
+                yield waiting.popleft().result()
+        while waiting:
+            yield waiting.popleft().result()

@@ -1,0 +1,76 @@
+"""A rig before one camera, for pictures of its frames."""
+
+from collections.abc import Iterable, Iterator
+
+import numpy as np
+
+from caricli.errors import InputError
+from caricli.render.backdrop import on_backdrop
+from caricli.render.coat import rig_coat
+from caricli.render.face_look import plain_colours
+from caricli.render.in_parallel import in_parallel
+from caricli.render.lights import KEY
+from caricli.render.shade import Look, shade
+from caricli.render.sky import key_directions, sky_visibility
+from caricli.render.smooth_normals import smooth_normals
+from caricli.render.views import TO_PICTURE, VIEWS, turn_about_y
+from caricli.structures import Rig
+
+_FILL = 0.82  # of the picture: jaws drop and heads turn
+_SUPERSAMPLE = 2  # its square is the number of rays through a border's pixel; frames are small, or on the move
+_HIDDEN = 0.25  # of the sky of a free vertex; what sees less at rest, as the mouth does, may come out
+
+
+class RigStage:
+    """What the frames of a rig share: the camera, which depends on the neutral face alone, so that they follow each
+    other calmly, the pictures, and what its vertices see of the sky.
+
+    Without a picture a material is as plain as its finish. What is hidden in the neutral face looks around anew where
+    it is seen, so that an open mouth shows its wall.
+    """
+
+    def __init__(self, rig: Rig, view: str = "front", size: int = 512) -> None:
+        """rig: Rig. view: a key of VIEWS. size: pixels, width and height. Raises InputError for an unknown view."""
+        if view not in VIEWS:
+            raise InputError(f"no view is called {view!r}: expected one of {', '.join(VIEWS)}")
+        self.rig = rig
+        self.size = size
+        self.rotation = TO_PICTURE @ turn_about_y(VIEWS[view])
+        neutral = rig.neutral @ self.rotation.T
+        low = neutral.min(0)
+        high = neutral.max(0)
+        self.scale = _FILL * size / ((high - low)[:2].max() or 1)
+        self.shift = np.array([(size - 1) / 2, (size - 1) / 2, 0]) - self.scale * (low + high) / 2
+        normals = smooth_normals(rig.neutral, rig.faces)
+        sky = sky_visibility(rig.neutral, rig.faces, normals)
+        ways = key_directions(KEY) @ self.rotation
+        coat = rig_coat(rig)
+        self.look = Look(
+            vertex_colours=plain_colours(rig.mesh, rig.triangle_materials),
+            coat=None if coat is None else coat.shrunk(self._placed(rig.neutral), rig.faces),
+            visibility=sky,
+            key=sky_visibility(rig.neutral, rig.faces, normals, None, ways),
+            rotation=self.rotation,
+            supersample=_SUPERSAMPLE,
+            # Half of the directions are behind a surface.
+            hidden=sky.mean(1) < _HIDDEN / 2,
+        )
+
+    def picture(self, vertices: np.ndarray) -> np.ndarray:
+        """Draw one frame.
+
+        vertices: (V, 3), metres. Returns (size, size, 3) uint8. Raises InputError when they are not the rig's.
+        """
+        vertices = np.asarray(vertices, float)
+        if vertices.shape != self.rig.neutral.shape:
+            expected = self.rig.neutral.shape
+            raise InputError(f"a frame of this rig needs vertices of shape {expected}, found {vertices.shape}")
+        return on_backdrop(shade(self._placed(vertices), self.rig.faces, self.size, self.size, self.look))
+
+    def pictures(self, frames: Iterable[np.ndarray]) -> Iterator[np.ndarray]:
+        """Draw many frames, in their order, several at a time."""
+        # Whoever makes frames may overwrite the last one.
+        return in_parallel(self.picture, (np.array(frame) for frame in frames))
+
+    def _placed(self, vertices: np.ndarray) -> np.ndarray:
+        return self.scale * vertices @ self.rotation.T + self.shift
