@@ -18,7 +18,7 @@ def test_every_face_has_two_views(shapes):
     one, four = sheet(shapes, 1), sheet(shapes, 4)
     assert one.dtype == np.uint8 and one.shape[1] >= 80 and 40 <= one.shape[0] < 80
     left, right = one[:, : one.shape[1] // 2], one[:, one.shape[1] // 2 :]
-    assert (left < 250).any(-1).sum() > 100 and (right < 250).any(-1).sum() > 100
+    assert (left < 205).any(-1).sum() > 100 and (right < 205).any(-1).sum() > 100
     assert four.size > 3 * one.size
 
 
