@@ -35,6 +35,13 @@ YOUNGEST = 0.55
 """Age on the head's scale from 0, a baby, to 1: adults, whose faces caricaturists draw."""
 
 
+def usual_size(name: str) -> float:
+    """How large a local change usually is among people; 0 for what is not drawn."""
+    if name in EXCLUDED or not (any(part in name for part in PARTS) or name in FURTHER):
+        return 0.0
+    return sum(SPREAD) / 2 * DAMPED.get("l-" + name[2:] if name.startswith("r-") else name, 1.0)
+
+
 @dataclass(frozen=True)
 class Identity:
     """What makes a person: arguments of ``Head.evaluate``.
@@ -50,7 +57,7 @@ class Identity:
 
 def random_identity(head: Head, generator: np.random.Generator) -> Identity:
     """Draw a person: gender, age and weight uniform, local changes normal, left and right coupled."""
-    names = [n for n in head.change_names if (any(p in n for p in PARTS) or n in FURTHER) and n not in EXCLUDED]
+    names = [name for name in head.change_names if usual_size(name)]
     spread = generator.uniform(*SPREAD)
     changes: dict[str, float] = {}
     for name in names:

@@ -30,7 +30,7 @@ from the outer face of the band (0) to the inner one (1)."""
 BACK_ROWS = ((-0.3, 0.08), (0.3, -0.02), (0.8, 0.08), (1.0, 0.26), (0.84, 0.5), (0.98, 0.74), (0.4, 1.0), (-0.3, 0.92))
 """Of a tooth that grinds: two rims and the groove between them."""
 
-GUM_ROWS = ((-1.0, 0.0), (-0.45, -0.08), (0.0, -0.05), (0.0, 0.16), (0.0, 0.84), (0.0, 1.05), (-0.9, 1.12))
+GUM_ROWS = ((-0.62, 0.02), (-0.3, -0.03), (0.0, -0.04), (0.0, 0.16), (0.0, 0.84), (0.0, 1.03), (-0.6, 1.06))
 """Of the gums, likewise; in the rows of height 0 gums rise between teeth."""
 
 

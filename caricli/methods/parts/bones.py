@@ -1,0 +1,150 @@
+"""Parts that are as rigid as bone."""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from caricli.geometry.axis_similarity import axis_similarity
+from caricli.geometry.weighted_similarities import weighted_similarities
+from caricli.methods.parts.follow import follow_weights
+from caricli.structures import Part
+from caricli.template.template import Template
+
+RIGID = 0.002
+"""Of the head's height: skin that moves so much otherwise than the bone says half as much of it."""
+
+UNEVEN = 1.5
+"""How many times as wide as high, or deep, a part may become, compared with the template's."""
+
+STILL = 1e-4
+"""Metres: what an expression of the template moves less it leaves where it is."""
+
+
+_FEWEST = 12
+"""Vertices of a mouth's wall that can tell where teeth are."""
+
+_NEAREST = 300
+"""Vertices of the skin that are asked where there is no such wall."""
+
+_POINTS = 80
+"""Of a part, that are asked for."""
+
+
+@dataclass(frozen=True, eq=False)
+class Frames:
+    """Points in a part, and how heads differ there.
+
+    points: (Q, 3) metres, in the template. examples: displacements (n, V, 3) of the skin and (n, Q, 3) of the points
+    from the template to other heads; n may be 0.
+    """
+
+    points: np.ndarray
+    examples: tuple[np.ndarray, np.ndarray]
+
+
+def plain_frames(part: Part) -> Frames:
+    """Frames of a part of which nothing but its place is known: points spread over it."""
+    vertices = np.asarray(part.mesh.vertices, float)
+    points = vertices[np.linspace(0, len(vertices) - 1, min(_POINTS, len(vertices))).astype(int)]
+    return Frames(points, (np.zeros((0, 0, 3)), np.zeros((0, len(points), 3))))
+
+
+class Bone:
+    """A part that stands by what surrounds it, and that expressions move as rigidly as they move the jaw.
+
+    It is turned and scaled along its width, height and depth, never bent.
+    """
+
+    def __init__(self, template: Template, part: Part, frames: Frames, jaw: "Jaw | None") -> None:
+        """frames: of the part. jaw: what it moves with, None for the skull, which keeps still."""
+        self.part = part
+        self.shape = np.asarray(part.mesh.vertices, float)
+        self.frames = frames
+        self.jaw = jaw
+        self.around = surroundings(template, frames.points)
+        anchors = np.asarray(template.vertices, float)[self.around]
+        skin, moved = frames.examples
+        examples = (skin[:, self.around] if len(skin) else np.zeros((0, len(anchors), 3)), moved)
+        self.weights = follow_weights(anchors, frames.points, examples, template.height)
+
+    def place(self, neutral: np.ndarray, names: tuple[str, ...], deltas: np.ndarray) -> Part:
+        """The part in a face (V, 3) with expressions (K, V, 3)."""
+        scales, rotation, shift = axis_similarity(self.frames.points, self.weights @ neutral[self.around], UNEVEN)
+        to_face = rotation * scales
+        shape = self.shape @ to_face.T + shift
+        moved = np.zeros((len(names), *shape.shape))
+        for k, name in enumerate(names):
+            if self.jaw is not None:
+                turn, carry = self.jaw.motion(name, neutral, deltas[k])
+                moved[k] = shape @ turn.T + carry - shape
+            moved[k] += self._own(name) @ to_face.T
+        return replace(self.part, mesh=self.part.mesh.with_vertices(shape), names=names, deltas=moved)
+
+    @cached_property
+    def own(self) -> dict[str, np.ndarray]:
+        """What expressions of the template do to the part beside moving it with the jaw, (W, 3) by name."""
+        moves = {}
+        for name, delta in zip(self.part.names, np.asarray(self.part.deltas, float), strict=True):
+            if self.jaw is not None and self.jaw.moves(name):
+                continue
+            if np.abs(delta).max() > STILL:
+                moves[name] = delta
+        return moves
+
+    def _own(self, name: str) -> np.ndarray:
+        return self.own.get(name, np.zeros_like(self.shape))
+
+
+class Jaw:
+    """The motion of the jaw's bone, read from the skin that moves with it."""
+
+    def __init__(self, template: Template, part: Part, actions: np.ndarray) -> None:
+        """part: that hangs on the jaw and is rigid, with its expressions. actions: (K, V, 3) metres, what the same
+        expressions do to the skin."""
+        start = np.asarray(part.mesh.vertices, float)
+        vertices = np.asarray(template.vertices, float)
+        self.names = part.names
+        self.anchors: dict[str, tuple[np.ndarray, np.ndarray]] = {}
+        if not len(self.names):
+            ids = template.region("jaw")
+            self.shared = (ids, np.ones(len(ids)))
+            return
+        self.moving = np.abs(np.asarray(part.deltas)).max((1, 2)) > STILL
+        _, turns, shifts = weighted_similarities(start, start + part.deltas, np.ones(len(start)), scaling=False)
+        with_bone = vertices @ np.swapaxes(turns, -1, -2) + shifts[:, None] - vertices
+        apart = np.linalg.norm(actions - with_bone, axis=-1) / (RIGID * template.height)
+        moving = np.linalg.norm(with_bone, axis=-1) / (RIGID * template.height)
+        # What hardly moves with the bone, near the joint, must not outweigh the chin because it is hardly apart.
+        own = 1 / (1 + apart**4) * np.minimum(moving, 1)
+        shared = 1 / (1 + apart.max(0) ** 2) ** 2 * np.minimum(moving.max(0), 1)
+        self.anchors = {name: _largest(own[k]) for k, name in enumerate(self.names) if self.moving[k]}
+        self.shared = _largest(shared)
+
+    def moves(self, name: str) -> bool:
+        """Whether an expression of the template moves the bone."""
+        return name in self.anchors
+
+    def motion(self, name: str, neutral: np.ndarray, delta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Rotation (3, 3) and translation (3,) of the bone of a face (V, 3) in an expression (V, 3)."""
+        if name in self.names and not self.moves(name):
+            return np.eye(3), np.zeros(3)
+        ids, weights = self.anchors.get(name, self.shared)
+        start = neutral[ids]
+        _, turn, shift = weighted_similarities(start, start + delta[ids], weights, scaling=False)
+        return turn, shift
+
+
+def surroundings(template: Template, points: np.ndarray) -> np.ndarray:
+    """Vertices of the skin that say where points (Q, 3) in a head are: the wall of the mouth, else the nearest."""
+    wall = template.annotation.regions.get("inner_mouth")
+    if wall is not None and len(wall) > _FEWEST:
+        return wall
+    distance = np.linalg.norm(np.asarray(template.vertices, float) - points.mean(0), axis=1)
+    return np.argsort(distance, kind="stable")[:_NEAREST]
+
+
+def _largest(weights: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Ids of the vertices that count, and their weights."""
+    ids = np.flatnonzero(weights > 1e-2 * weights.max())
+    return ids, weights[ids]

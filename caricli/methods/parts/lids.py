@@ -1,0 +1,46 @@
+"""Lashes that stand on the edges of lids."""
+
+from dataclasses import replace
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from caricli.geometry.components import mesh_components
+from caricli.geometry.weighted_similarities import weighted_similarities
+from caricli.structures import Part
+from caricli.template.template import Template
+
+NEIGHBOURS = 14
+"""Vertices of a lid that a lash is held by."""
+
+
+class Lids:
+    """Lashes, each held by the lid around its root."""
+
+    def __init__(self, template: Template, part: Part) -> None:
+        """template: whose annotation knows the eyes. part: a component of its mesh for every lash."""
+        self.part = part
+        self.shape = np.asarray(part.mesh.vertices, float)
+        self.template = np.asarray(template.vertices, float)
+        self.labels = mesh_components(self.shape, part.mesh.faces).labels
+        lids = np.flatnonzero(
+            template.mask("eyes_left", "eyes_right") & ~template.mask("eye_socket_left", "eye_socket_right")
+        )
+        tree = cKDTree(self.template[lids])
+        distance, _ = tree.query(self.shape)
+        lashes = [np.flatnonzero(self.labels == k) for k in range(self.labels.max() + 1)]
+        roots = self.shape[[ids[distance[ids].argmin()] for ids in lashes]]
+        distance, near = tree.query(roots, NEIGHBOURS)
+        self.ids = lids[near]
+        self.weights = np.exp(-0.5 * (distance / distance.mean(1, keepdims=True)) ** 2)
+
+    def place(self, neutral: np.ndarray, names: tuple[str, ...], deltas: np.ndarray) -> Part:
+        """The lashes of a face (V, 3) with expressions (K, V, 3)."""
+        shape = self._moved(self.template, neutral[None], self.shape, True)[0]
+        moved = self._moved(neutral, neutral + deltas, shape, False) - shape
+        return replace(self.part, mesh=self.part.mesh.with_vertices(shape), names=names, deltas=moved)
+
+    def _moved(self, before: np.ndarray, after: np.ndarray, shape: np.ndarray, scaling: bool) -> np.ndarray:
+        scale, rotation, shift = weighted_similarities(before[self.ids], after[:, self.ids], self.weights, scaling)
+        turned = np.einsum("kwij,wj->kwi", rotation[:, self.labels], shape)
+        return scale[:, self.labels, None] * turned + shift[:, self.labels]
