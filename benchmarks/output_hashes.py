@@ -70,7 +70,7 @@ animate rig.npz weights.json --out talk.glb --frames frames --format obj --smoot
 animate rig.npz weights.json --video talk.gif --size 64
 render face.npz head.obj -o sheet.png --size 96
 render face.npz -o overlay.png --image astronaut.png
-render face.npz -o turn.png --turntable 3 --size 64
+render face.npz -o turn.png --views turntable --frames 3 --size 64
 """.strip().splitlines()  # fmt: skip
 # Commands that no line above runs, and why.
 LEFT_OUT = {"inspect": "prints what is in a file and writes none"}

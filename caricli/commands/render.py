@@ -1,8 +1,10 @@
 """caricli render: shaded pictures of faces."""
 
+from itertools import chain
+
 import click
 
-from caricli.commands.shared.options import PATH, WholeRange, out_option, overwrite_option
+from caricli.commands.shared.options import PATH, WholeRange, named, out_option, overwrite_option
 from caricli.errors import InputError, OutputError, shown
 from caricli.io.face import read_face
 from caricli.io.image import read_image, write_png
@@ -10,31 +12,37 @@ from caricli.io.outputs import staged
 from caricli.limits import MAX_IMAGE_PIXELS
 from caricli.render.views import VIEWS
 
+TURN = "turntable"
+FPS = 24
+FRAMES = {".png": 8, ".gif": 72, ".mp4": 96}
+"""Suffixes of what can be drawn, with the usual number of pictures of one turn."""
+
 
 def _views(ctx, param, value):
     names = tuple(name.strip() for name in value.split(","))
     unknown = [name for name in names if name not in VIEWS]
-    if unknown:
-        raise click.BadParameter(f"{unknown[0]!r} is not one of {', '.join(VIEWS)}.")
+    if unknown and names != (TURN,):
+        raise click.BadParameter(f"{unknown[0]!r} is not one of {', '.join(VIEWS)}, or {TURN} alone.")
     return names
 
 
 @click.command()
 @click.argument("paths", nargs=-1, required=True, type=PATH, metavar="FACE...")
-@out_option("PNG", "Write the picture here.", suffix=".png")
+@out_option("PICTURE", "Write the picture here, as .png; a turntable also as .gif or .mp4.", check=named(*FRAMES))
 @click.option(
     "--views",
     callback=_views,
     default="front,three-quarter,profile",
     metavar="NAMES",
-    help=f"Look from these sides, with commas between them: {', '.join(VIEWS)}.",
+    help=f"Look from these sides, with commas between them: {', '.join(VIEWS)}; or turn once: {TURN}.",
 )
 @click.option(
-    "--turntable",
-    "frames",
+    "--frames",
     type=WholeRange(1, 360),
     metavar="N",
-    help="Draw N pictures of one turn instead of the views.",
+    help=f"Draw N pictures of a turn, in a film {FPS} a second.  [default: "
+    + ", ".join(f"{count} as {suffix}" for suffix, count in FRAMES.items())
+    + "]",
 )
 @click.option("--size", type=WholeRange(16, 4096), default=512, metavar="PIXELS", help="Draw views this wide and high.")
 @click.option(
@@ -52,7 +60,7 @@ def _views(ctx, param, value):
 )
 @overwrite_option
 def command(paths, out, views, frames, size, columns, image, overwrite):
-    """Draw shaded pictures of faces, meshes and rigs: views side by side, a turntable, or an overlay.
+    """Draw shaded pictures of faces, meshes and rigs: views side by side, a turn, or an overlay.
 
     Faces and rigs are NPZ, GLB or glTF, meshes also OBJ, PLY or STL. They are drawn in the pictures that they wear (of
     those in a GLB the first, and that of a material named eyes), rigs with their neutral face, overlays in clay.
@@ -62,24 +70,52 @@ def command(paths, out, views, frames, size, columns, image, overwrite):
     \b
     Example:
       caricli render face.npz -o views.png
-      caricli render rig.glb -o turn.png --turntable 12 --size 256
+      caricli render rig.glb -o turn.mp4 --views turntable
+      caricli render rig.glb -o turn.png --views turntable --frames 12 --size 256
       caricli render faces/*.obj -o sheet.png --views front --size 256
       caricli render face.npz -o overlay.png --image drawing.png
     """
-    from caricli.render.face_sheet import SheetSettings, face_sheet
+    from caricli.render.face_sheet import SheetSettings
     from caricli.store.rig_sources import load_shown_face
 
-    if image is not None and len(paths) > 1:
-        raise click.UsageError("--image takes one FACE.")
-    settings = SheetSettings(views, frames, size, columns)
-    _check_size(out, len(paths) * settings.count, size)
+    film = out.suffix.lower() != ".png"
+    _check_use(len(paths), film, views, frames, image)
+    turn = (frames or FRAMES[out.suffix.lower()]) if views == (TURN,) else None
+    settings = SheetSettings(views, turn, size, columns)
+    _check_size(out, len(paths) * (1 if film else settings.count), size)
     with staged(out, overwrite=overwrite, inputs=(*paths, image)) as (temporary,):
         if image is None:
-            picture = face_sheet([load_shown_face(path) for path in paths], [path.stem for path in paths], settings)
+            faces = [load_shown_face(path) for path in paths]
+            picture = _draw(temporary, faces, [path.stem for path in paths], settings)
         else:
             picture = _overlay(read_face(paths[0]), paths[0], image)
-        write_png(temporary, picture)
+            write_png(temporary, picture)
     click.echo(f"{shown(out)}: {picture.shape[1]} x {picture.shape[0]} pixels, faces: {len(paths)}")
+
+
+def _check_use(count, film, views, frames, image):
+    """Refuse options that do not go together."""
+    if image is not None and (count > 1 or film or views == (TURN,)):
+        raise click.UsageError("--image takes one FACE and gives one picture, as .png.")
+    if views != (TURN,) and (film or frames is not None):
+        raise click.UsageError(f"A film and --frames are for --views {TURN}.")
+
+
+def _draw(path, faces, names, settings):
+    """Write a sheet, or a film where the name of the file says so; returns the sheet or the first frame."""
+    from caricli.commands.shared.progress import progress_bar
+    from caricli.io.video import write_video
+    from caricli.render.face_sheet import face_sheet, turning_faces
+
+    with progress_bar("pictures") as report:
+        if path.suffix.lower() == ".png":
+            picture = face_sheet(faces, names, settings)
+            write_png(path, picture)
+            return picture
+        pictures = turning_faces(faces, names, settings, report)
+        first = next(pictures)
+        write_video(path, chain([first], pictures), FPS)
+        return first
 
 
 def _check_size(out, pictures, size):

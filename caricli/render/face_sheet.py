@@ -1,11 +1,11 @@
 """Faces from several sides, one beside the other."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from caricli.render.backdrop import row_of
+from caricli.render.backdrop import on_backdrop, row_of
 from caricli.render.contact_sheet import contact_sheet
 from caricli.render.face_look import face_look
 from caricli.render.views import render_views, turntable
@@ -17,7 +17,7 @@ class SheetSettings:
     """What is drawn of a face.
 
     views: keys of VIEWS.
-    frames: instead of the views, pictures of one turn; None for none.
+    frames: instead of the views, pictures of one turn; None for the views.
     size: pixels, side of one picture.
     columns: pictures in a row: faces, or with one face its views; None for near to a square, and all views in a row.
     """
@@ -44,8 +44,22 @@ def face_sheet(faces: Sequence[Face], names: Sequence[str], settings: SheetSetti
     return contact_sheet([row_of(strip) for strip in strips], settings.columns, list(names))
 
 
+def turning_faces(
+    faces: Sequence[Face], names: Sequence[str], settings: SheetSettings, progress: Callable[[int, int], object]
+) -> Iterator[np.ndarray]:
+    """The frames of a film in which a face turns once, or several do beside each other with their names.
+
+    settings: of a turn. progress: called with finished frames and their total. Yields (H, W, 3) uint8.
+    """
+    turns = zip(*(turntable(face.mesh, settings.count, settings.size, face_look(face)) for face in faces), strict=True)
+    for k, pictures in enumerate(turns):
+        alone = len(pictures) == 1
+        yield on_backdrop(pictures[0]) if alone else contact_sheet(pictures, settings.columns, list(names))
+        progress(k + 1, settings.count)
+
+
 def _strip(face: Face, settings: SheetSettings) -> list[np.ndarray]:
     look = face_look(face)
     if settings.frames:
-        return turntable(face.mesh, settings.frames, settings.size, look)
+        return [*turntable(face.mesh, settings.frames, settings.size, look)]
     return render_views(face.mesh, settings.views, settings.size, look)

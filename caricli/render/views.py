@@ -1,11 +1,12 @@
 """Pictures of a head from agreed sides."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from caricli.errors import InputError
+from caricli.render.in_parallel import in_parallel
 from caricli.render.shade import Look, shade
 from caricli.render.sky import sky_visibility
 from caricli.render.smooth_normals import smooth_normals
@@ -44,19 +45,19 @@ def render_views(
     unknown = [v for v in views if v not in VIEWS]
     if unknown:
         raise InputError(f"no view is called {unknown[0]!r}: expected some of {', '.join(VIEWS)}")
-    return _turned(mesh, [VIEWS[v] for v in views], size, look or Look(), centred=True)
+    return [*_turned(mesh, [VIEWS[v] for v in views], size, look or Look(), centred=True)]
 
 
-def turntable(mesh: Mesh, frames: int, size: int = 512, look: Look | None = None) -> list[np.ndarray]:
+def turntable(mesh: Mesh, frames: int, size: int = 512, look: Look | None = None) -> Iterator[np.ndarray]:
     """Draw a head turning once about its vertical axis, from the front.
 
     mesh, size, look: as in `render_views`. frames: how many pictures, evenly spread over the turn.
-    Returns a list of (size, size, 4) uint8.
+    Yields (size, size, 4) uint8.
     """
     return _turned(mesh, [360 * k / frames for k in range(frames)], size, look or Look(), centred=False)
 
 
-def _turned(mesh: Mesh, angles: Sequence[float], size: int, look: Look, centred: bool) -> list[np.ndarray]:
+def _turned(mesh: Mesh, angles: Sequence[float], size: int, look: Look, centred: bool) -> Iterator[np.ndarray]:
     """Pictures of a head turned by angles in degrees, each centred, or all about the middle of the head."""
     vertices = np.asarray(mesh.vertices, float)
     middle = (vertices.min(0) + vertices.max(0)) / 2
@@ -71,13 +72,19 @@ def _turned(mesh: Mesh, angles: Sequence[float], size: int, look: Look, centred:
     visibility = look.visibility
     if visibility is None:
         visibility = sky_visibility(vertices, mesh.faces, smooth_normals(vertices, mesh.faces))
-    pictures = []
-    for rotation, (low, high) in zip(rotations, extents, strict=True):
+    ball = scale * max((radius for _, radius in look.eyeballs), default=0.0)
+    coat = look.coat and look.coat.shrunk(scale * vertices, mesh.faces, ball)
+
+    def draw(number: int) -> np.ndarray:
+        rotation = rotations[number]
+        low, high = extents[number]
         shift = np.array([*(-(low + high) / 2 if centred else (0, 0)), 0]) * scale + [(size - 1) / 2, (size - 1) / 2, 0]
         balls = [(scale * rotation @ (np.asarray(c) - middle) + shift, scale * r) for c, r in look.eyeballs]
-        seen = replace(look, eyeballs=balls, gaze=rotation[:, 2], visibility=visibility, rotation=rotation)
-        pictures.append(shade(scale * vertices @ rotation.T + shift, mesh.faces, size, size, seen))
-    return pictures
+        placed = {"eyeballs": balls, "gaze": rotation[:, 2], "visibility": visibility, "rotation": rotation}
+        seen = replace(look, coat=coat, **placed)
+        return shade(scale * vertices @ rotation.T + shift, mesh.faces, size, size, seen)
+
+    return in_parallel(draw, range(len(angles)))
 
 
 def turn_about_y(degrees: float) -> np.ndarray:

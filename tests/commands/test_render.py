@@ -1,5 +1,6 @@
 import shutil
 
+import cv2
 import numpy as np
 import pytest
 from click.testing import CliRunner
@@ -58,10 +59,36 @@ def test_same_input_same_bytes(obj, tmp_path):
     assert (tmp_path / "a.png").read_bytes() == (tmp_path / "b.png").read_bytes()
 
 
-def test_draws_a_turntable(obj, tmp_path):
-    assert run(obj, "-o", tmp_path / "turn.png", "--size", 24, "--turntable", 6, "--columns", 6).exit_code == 0
+def film_frames(path):
+    film = cv2.VideoCapture(str(path))
+    frames = []
+    while (frame := film.read())[0]:
+        frames.append(frame[1])
+    return frames
+
+
+TURN = ("--views", "turntable", "--size", 24)
+
+
+def test_a_turn_as_a_strip(obj, tmp_path):
+    assert run(obj, "-o", tmp_path / "turn.png", *TURN, "--frames", 6, "--columns", 6).exit_code == 0
     picture = read_image(tmp_path / "turn.png")
     assert picture.shape[1] > 6 * 24 and picture.shape[0] < 2 * 24
+
+
+@pytest.mark.parametrize("suffix", [".gif", ".mp4"])
+def test_a_turn_as_a_film(obj, npz, tmp_path, suffix):
+    one, again, both = (tmp_path / f"{name}{suffix}" for name in ("one", "again", "both"))
+    for out, faces in ((one, [obj]), (again, [obj]), (both, [obj, npz])):
+        result = run(*faces, "-o", out, *TURN, "--frames", 6)
+        assert result.exit_code == 0, result.output
+    assert one.read_bytes() == again.read_bytes()
+    film, pair = (film_frames(path) for path in (one, both))
+    assert len(film) == len(pair) == 6 and film[0].shape == (24, 24, 3)
+    assert pair[0].shape[1] > 2 * 24
+    # An octahedron turns by 60 degrees from one frame to the next: three are one half of a turn, and look alike.
+    assert np.abs(film[1].astype(int) - film[0]).max() > 40
+    assert np.abs(film[3].astype(int) - film[0]).mean() < 4
 
 
 def test_several_faces_become_a_labelled_sheet(obj, npz, tmp_path):
@@ -154,7 +181,7 @@ def test_refuses_what_exists_what_is_missing_and_what_is_too_much(obj, tmp_path)
     assert failure(tmp_path / "none.obj", "-o", tmp_path / "y.png")[0] == 1
     code, said = failure(obj, "-o", obj, "--overwrite")
     assert code == 1 and "head.obj" in said
-    code, said = failure(obj, "-o", tmp_path / "y.png", "--size", 4096, "--turntable", 360)
+    code, said = failure(obj, "-o", tmp_path / "y.png", "--size", 4096, "--views", "turntable", "--frames", 360)
     assert code == 1 and "--size" in said
     assert not (tmp_path / "y.png").exists()
     assert run(obj, "-o", out, "--size", 16, "--overwrite").exit_code == 0
@@ -162,7 +189,7 @@ def test_refuses_what_exists_what_is_missing_and_what_is_too_much(obj, tmp_path)
 
 
 @pytest.mark.parametrize(
-    "options", [["--views", "above"], ["--size", "0"], ["--turntable", "0"], ["--image", "a", "b"]]
+    "options", [["--views", "above"], ["--size", "0"], ["--frames", "0"], ["--frames", "3"], ["--image", "a", "b"]]
 )
 def test_wrong_usage_is_exit_2(obj, tmp_path, options):
     assert run(obj, "-o", tmp_path / "x.png", *options).exit_code == 2

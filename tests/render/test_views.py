@@ -57,9 +57,9 @@ def test_profile_looks_to_the_left_and_its_twin_to_the_right(sphere):
 
 def test_a_turntable_starts_in_front_and_comes_round(lopsided):
     vertices, faces = lopsided
-    frames = turntable(Mesh(vertices, faces), 4, 64)
+    frames = [*turntable(Mesh(vertices, faces), 4, 64)]
     assert len(frames) == 4
-    behind = turntable(Mesh(vertices * [-1, 1, -1], faces), 4, 64)[0]
+    behind = next(turntable(Mesh(vertices * [-1, 1, -1], faces), 4, 64))
     assert mean_difference(frames[2], behind) < 0.01
     assert all(not p[:, [0, -1], 3].any() and not p[[0, -1], :, 3].any() for p in frames)
 
