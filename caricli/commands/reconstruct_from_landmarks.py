@@ -39,16 +39,23 @@ from caricli.methods.reconstruct.settings import METHODS
     metavar="W",
     help="Stay nearer to plausible faces (larger) or nearer to the landmarks (smaller).",
 )
+@click.option(
+    "--outline",
+    type=click.Choice(["auto", "none"]),
+    default="auto",
+    help="Where 68 landmarks come with --image, find the ears in it, which pull weakly (auto), or leave them as such a "
+    "face has them (none).",
+)
 @pts_origin_option
 @subdivide_option
 @picture_option
 @overwrite_option
 @click.pass_context
-def command(ctx, landmarks, out, out_dir, image, method, model, prior_weight, pts_origin, levels, overwrite):
+def command(ctx, landmarks, out, out_dir, image, method, model, prior_weight, outline, pts_origin, levels, overwrite):
     """Reconstruct 3D caricatures from 68 (iBUG) or 81 landmarks: JSON, .pts, text or NPY.
 
     With several LANDMARKS --image is a folder of pictures with the same names. In the picture that is written, green
-    circles are the given landmarks and red dots the fitted ones.
+    circles are the given landmarks, and the ears that were found in the picture; red dots are the fitted landmarks.
 
     \b
     Example:
@@ -67,6 +74,7 @@ def command(ctx, landmarks, out, out_dir, image, method, model, prior_weight, pt
     # Edits go on in the model that is the best for them, unless another one was asked for.
     latents = load_model(kind=DEFAULT_LATENT) if model is None and method == "intrinsic" else None
     fit = partial(fit_landmarks, model=shape_model, method=method, prior_weight=prior_weight)
-    about = {"method": method, "prior_weight": prior_weight, "model_id": shape_model.model_id}
-    task = FitTask("reconstruct-from-landmarks", files, shape_model, levels, fit, about, [model], latents=latents)
+    about = {"method": method, "prior_weight": prior_weight, "outline": outline, "model_id": shape_model.model_id}
+    sources = {"latents": latents, "looks": outline == "auto"}
+    task = FitTask("reconstruct-from-landmarks", files, shape_model, levels, fit, about, [model], **sources)
     run_batch(ctx, files.jobs(), task.run, "faces")

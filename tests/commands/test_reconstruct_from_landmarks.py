@@ -10,8 +10,10 @@ from caricli.io.landmarks import write_landmarks
 from caricli.io.mesh import read_mesh
 from caricli.io.obj import read_obj
 from caricli.io.strict_json import read_json, write_json
+from caricli.render.overlay import overlay_mesh
 from caricli.store.models import DEFAULT_LATENT, load_model
-from caricli.structures import Landmarks
+from caricli.structures import Camera, Landmarks
+from caricli.template.head import load_head
 
 COMMAND = "reconstruct-from-landmarks"
 NAMES = ["face.json", "face.npz", "face.obj", "face.png"]
@@ -389,3 +391,26 @@ def test_the_suffix_says_the_format_of_the_mesh(run, reconstructed, tmp_path):
     np.testing.assert_allclose(
         read_mesh(tmp_path / "face.ply").vertices, read_obj(folder / "face.obj").vertices, atol=1e-6
     )
+
+
+def test_ears_are_found_in_the_picture_unless_nobody_shall_look(run, head_template, tmp_path):
+    big = {f"{side}-ear-{name}": 1.8 for side in "lr" for name in ("scale-incr", "wing-incr")}
+    face = head_template.with_vertices(load_head().evaluate(changes=big))
+    camera = Camera(1400.0, np.diag([1.0, -1.0, -1.0]), np.array([200.0, 390.0]))
+    write_png(
+        tmp_path / "face.png", overlay_mesh(np.full((400, 400, 3), (70, 110, 160), np.uint8), face, camera, opacity=1)
+    )
+    marks = tmp_path / "marks.json"
+    write_landmarks(
+        marks, Landmarks(camera.project(face.vertices[head_template.annotation.landmarks[:68]]), (400, 400))
+    )
+    reports = {}
+    for outline in ("auto", "none"):
+        out = tmp_path / outline / "face.obj"
+        result = run(COMMAND, marks, "--image", tmp_path / "face.png", "--out", out, "--outline", outline)
+        assert result.exit_code == 0, result.output
+        reports[outline] = read_json(out.with_suffix(".json"))
+        reports[outline]["width"] = np.ptp(read_obj(out).vertices[:, 0])
+    assert reports["auto"]["found_landmarks"]["ear_left_outer"]["confidence"] > 0.1
+    assert "found_landmarks" not in reports["none"]
+    assert reports["auto"]["width"] > 1.1 * reports["none"]["width"]

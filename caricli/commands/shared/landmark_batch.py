@@ -7,8 +7,6 @@ from functools import cached_property, partial
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from caricli.commands.shared.batch import named_jobs
 from caricli.commands.shared.face_outputs import staged_face
 from caricli.commands.shared.picture import write_picture
@@ -55,21 +53,23 @@ class FitTask:
     """What is done with every file.
 
     command: its name. files: what is read and written. model: ShapeModel. levels: how often the polygons of what is
-    written for other tools are split. fit: of points (L, 2). about: what the JSON says of the run. inputs: files that
-    the model is from; sources: others that results come from. worn: Face whose pictures the results wear, or None.
-    latents: ShapeModel of the same mesh, whose latent results get instead of that of ``model``, or None.
+    written for other tools are split. fit: of points (L, 2), and where it ``looks`` of the picture, called ``image``.
+    about: what the JSON says of the run. inputs: files that the model is from; sources: others that results come from.
+    worn: Face whose pictures the results wear, or None. latents: ShapeModel of the same mesh, whose latent results get
+    instead of that of ``model``, or None.
     """
 
     command: str
     files: LandmarkFiles
     model: ShapeModel
     levels: int
-    fit: Callable[[np.ndarray], LandmarkFit]
+    fit: Callable[..., LandmarkFit]
     about: dict[str, Any]
     inputs: Sequence[Path | None] = ()
     sources: Sequence[Path | None] = ()
     worn: Face | None = None
     latents: ShapeModel | None = None
+    looks: bool = False
 
     @cached_property
     def fine(self) -> FineMesh:
@@ -83,7 +83,7 @@ class FitTask:
         with staged_face(target, self.files.overwrite, inputs) as (mesh, npz, json, png):
             marks, pixels = load_marked_picture(path, picture, self.files.pts_origin)
             start = time.perf_counter()
-            fit = self.fit(marks.points)
+            fit = self.fit(marks.points, image=pixels) if self.looks else self.fit(marks.points)
             seconds = time.perf_counter() - start
             face = fit.face if self.worn is None else fit.face.wearing(self.worn)
             finer = subdivide_face(face, self.model, self.fine)
@@ -93,5 +93,6 @@ class FitTask:
             about = self.about | {"latent_model_id": face.model_id, "subdivide": self.levels}
             report = provenance(self.command, [path, picture, *self.sources], **about)
             write_json(json, report | fit.figures() | {"seconds": seconds})
-            write_picture(png, partial(fit_sheet, face, self.model.template, marks.points, pixels, fine=finer))
+            points = fit.shown(marks.points)
+            write_picture(png, partial(fit_sheet, face, self.model.template, points, pixels, fine=finer))
         return f"{target}: {fit.describe()}"

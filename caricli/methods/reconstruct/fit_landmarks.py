@@ -1,6 +1,8 @@
 """A 3D face from 2D landmarks by the method of a name."""
 
+from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from typing import cast
 
 import numpy as np
@@ -9,9 +11,12 @@ from caricli.errors import InputError
 from caricli.methods.reconstruct.fit_landmarks_intrinsic import fit_landmarks_intrinsic
 from caricli.methods.reconstruct.fit_landmarks_latent import fit_landmarks_latent
 from caricli.methods.reconstruct.landmark_fit import LandmarkFit
+from caricli.methods.reconstruct.outline import can_find_outline
 from caricli.methods.reconstruct.settings import METHODS, IntrinsicSettings, LatentSettings
 from caricli.models.intrinsic.model import IntrinsicModel
 from caricli.models.shape_model import ShapeModel
+
+_SEED = 0  # of the search in the picture: the same picture gives the same face
 
 
 def fitting_method(model: ShapeModel) -> str:
@@ -20,22 +25,42 @@ def fitting_method(model: ShapeModel) -> str:
 
 
 def fit_landmarks(
-    points: np.ndarray, model: ShapeModel, method: str | None = None, prior_weight: float = 1.0
+    points: np.ndarray,
+    model: ShapeModel,
+    method: str | None = None,
+    prior_weight: float = 1.0,
+    image: np.ndarray | None = None,
 ) -> LandmarkFit:
     """Fit a face elastically, or inside the model.
 
+    Where 68 landmarks come with a picture, ears that are clearly seen there pull weakly (``find_outline``).
+
     points: (L, 2) pixels, y down, NaN where unknown. model: ShapeModel, for "intrinsic" an IntrinsicModel. method: of
     METHODS, or None for the one that the model allows, see ``fitting_method``. prior_weight: larger stays nearer to
-    plausible faces, smaller nearer to the landmarks.
+    plausible faces, smaller nearer to the landmarks. image: (H, W, 3) uint8, the picture, or None to look at none.
     Returns LandmarkFit. Raises InputError, NumericsError.
     """
-    if (method or fitting_method(model)) == "latent":
-        return fit_landmarks_latent(points, model, LatentSettings(noise=LatentSettings.noise * prior_weight**0.5))
+    fit = _method(model, method or fitting_method(model), prior_weight)
+    first = fit(points)
+    if image is None or not can_find_outline(points, model.template):
+        return first
+    # OpenCV and the rasteriser take a while to start, and most fits have no picture.
+    from caricli.methods.reconstruct.find_outline import find_outline
+
+    outline = find_outline(first.face, model.template, points, image, np.random.default_rng(_SEED))
+    second = fit(points, outline=outline) if outline.found else first
+    return replace(second, outline=outline)
+
+
+def _method(model: ShapeModel, method: str, prior_weight: float) -> Callable[..., LandmarkFit]:
+    """The function of a name, with model and settings. Raises InputError where the model cannot do it."""
+    factor = prior_weight**0.5
+    if method == "latent":
+        return partial(fit_landmarks_latent, model=model, settings=LatentSettings(noise=LatentSettings.noise * factor))
     if model.kind != "intrinsic":
         raise InputError(
             f"the method 'intrinsic' needs an intrinsic model, found one of kind {model.kind!r}; give --method latent"
         )
     usual = IntrinsicSettings()
-    factor = prior_weight**0.5
     settings = replace(usual, misfit=usual.misfit * factor, least=usual.least * factor)
-    return fit_landmarks_intrinsic(points, cast(IntrinsicModel, model), settings)
+    return partial(fit_landmarks_intrinsic, model=cast(IntrinsicModel, model), settings=settings)

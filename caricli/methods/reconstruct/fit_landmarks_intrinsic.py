@@ -5,7 +5,8 @@ from threadpoolctl import threadpool_limits
 
 from caricli.geometry.untangle import untangle
 from caricli.methods.reconstruct.camera_rows import CAMERA, camera_rows
-from caricli.methods.reconstruct.landmark_fit import LandmarkFit, Observation, outlier_weights
+from caricli.methods.reconstruct.landmark_fit import LandmarkFit, Observation
+from caricli.methods.reconstruct.outline import Outline
 from caricli.methods.reconstruct.settings import IntrinsicSettings, OutlierSettings
 from caricli.models.intrinsic.model import IntrinsicModel
 from caricli.structures import Camera, Face
@@ -19,6 +20,7 @@ def fit_landmarks_intrinsic(
     points: np.ndarray,
     model: IntrinsicModel,
     settings: IntrinsicSettings = IntrinsicSettings(),  # noqa: B008 (frozen)
+    outline: Outline | None = None,
 ) -> LandmarkFit:
     """Fit the likeliest face of the model, whose surface then follows the landmarks elastically.
 
@@ -29,11 +31,12 @@ def fit_landmarks_intrinsic(
     among the landmarks loses its weight. Flipped triangles are turned back, the neck goes down with a chin that sank
     below it, and mouth cavity and eye sockets are tucked behind the skin.
 
-    points: (L, 2) pixels, y down, NaN where unknown. model: IntrinsicModel. settings: IntrinsicSettings.
+    points: (L, 2) pixels, y down, NaN where unknown. model: IntrinsicModel. settings: IntrinsicSettings. outline: what
+    was found in the picture besides 68 points, or None.
     Returns LandmarkFit; what the latent cannot express is in its residual. Raises InputError, NumericsError.
     """
     template = model.template
-    observation = Observation(points, template)
+    observation = Observation(points, template, outline)
     latent, camera, weights = _likeliest(observation, model, settings)
     vertices = model.decode(latent)
     for number in range(settings.corrections):
@@ -57,14 +60,14 @@ def _likeliest(
     """The latent (D,) of the likeliest face, its Camera, and the weights (K,) of the landmarks."""
     latent = np.array(model.prior.mean)
     rotation = None
-    weights = np.ones(len(observation.ids))
+    weights = observation.trust
     for number in range(settings.rounds):
         shape = model.decode(latent)
         camera, anchors = observation.settle(shape, weights, rotation)
         rotation = camera.rotation
         errors = observation.errors(shape, camera, anchors)
         if number >= _OUTLIERS.first_round:
-            weights = outlier_weights(errors, _OUTLIERS)
+            weights = observation.weights(errors)
         noise = max(settings.least, settings.misfit * np.sqrt(np.average(errors**2, weights=weights)))
         ids = anchors[observation.ids]
         scale = np.sqrt(weights)[:, None] / noise

@@ -5,7 +5,8 @@ from threadpoolctl import threadpool_limits
 
 from caricli.geometry.gauss_newton import Damping
 from caricli.methods.reconstruct.camera_rows import CAMERA, camera_rows, moved_camera
-from caricli.methods.reconstruct.landmark_fit import LandmarkFit, Observation, outlier_weights
+from caricli.methods.reconstruct.landmark_fit import LandmarkFit, Observation
+from caricli.methods.reconstruct.outline import Outline
 from caricli.methods.reconstruct.settings import DampingSettings, LatentSettings, OutlierSettings
 from caricli.models.shape_model import ShapeModel
 from caricli.structures import Camera, Face
@@ -19,6 +20,7 @@ def fit_landmarks_latent(
     points: np.ndarray,
     model: ShapeModel,
     settings: LatentSettings = LatentSettings(),  # noqa: B008 (frozen)
+    outline: Outline | None = None,
 ) -> LandmarkFit:
     """Fit a face that stays inside a shape model (deformable paper, equation 3 and supplement 5).
 
@@ -27,9 +29,10 @@ def fit_landmarks_latent(
     points that landmarks can stand on are decoded.
 
     points: (L, 2) pixels, y down, NaN where unknown. model: any ShapeModel. settings: LatentSettings.
+    outline: what was found in the picture besides 68 points, or None.
     Returns LandmarkFit without a residual. Raises InputError, NumericsError.
     """
-    observation = Observation(points, model.template)
+    observation = Observation(points, model.template, outline)
     search = _Search(observation, model, settings.noise)
     damping = Damping(_DAMPING.start, _DAMPING.ease, _DAMPING.tighten)
     for number in range(settings.iterations):
@@ -53,7 +56,7 @@ class _Search:
         self.candidates = model.template.annotation.anchor_ids()
         self.whitened = np.zeros(len(model.prior.mean))
         self.camera, self.anchors = observation.settle(self.shape(self.whitened))
-        self.weights = np.ones(len(observation.ids))
+        self.weights = observation.trust
 
     def shape(self, whitened: np.ndarray) -> np.ndarray:
         """(V, 3) vertices that landmarks can stand on, the others at zero."""
@@ -69,7 +72,7 @@ class _Search:
         else:
             self.camera, self.anchors = self.observation.settle(shape, self.weights, self.camera.rotation)
         if robust:
-            self.weights = outlier_weights(self.observation.errors(shape, self.camera, self.anchors), _OUTLIERS)
+            self.weights = self.observation.weights(self.observation.errors(shape, self.camera, self.anchors))
 
     def descend(self, joint: bool, damping: Damping) -> None:
         """Take a step that lowers the cost, if one of a few does. joint: of camera and latent, else of the latent."""

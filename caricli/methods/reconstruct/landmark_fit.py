@@ -9,11 +9,17 @@ from caricli.errors import InputError
 from caricli.geometry.fit_camera import fit_camera
 from caricli.geometry.flipped_triangles import flipped_triangles
 from caricli.methods.reconstruct.landmark_vertices import landmark_vertices
+from caricli.methods.reconstruct.outline import Outline
 from caricli.methods.reconstruct.settings import IntrinsicSettings, LatentSettings, OutlierSettings
 from caricli.models.shape_model import ShapeModel
 from caricli.structures import Camera, Face
 from caricli.structures.landmarks import FEWEST, PARTS
 from caricli.template.template import Template
+
+_OUTLIERS = OutlierSettings()
+
+_FOUND = 0.1
+"""How strongly a landmark pulls that was found for sure, of how one does that was given."""
 
 _CONVENTION = "pixels = scale * rotation[:2] @ vertex + translation; x right, y down, z into the picture"
 
@@ -31,6 +37,7 @@ class LandmarkFit:
     part_errors: percent, mean distances by part of the face.
     rounds: iterations that it took.
     settings: IntrinsicSettings or LatentSettings.
+    outline: Outline of what was found in the picture besides, or None where nobody looked; in no error.
     """
 
     face: Face
@@ -42,6 +49,7 @@ class LandmarkFit:
     part_errors: dict[str, float]
     rounds: int
     settings: IntrinsicSettings | LatentSettings
+    outline: Outline | None = None
 
     def figures(self) -> dict[str, Any]:
         """What reports say of the fit, as JSON."""
@@ -61,7 +69,11 @@ class LandmarkFit:
             },
             "anchors": np.asarray(self.anchors),
             "iterations": self.rounds,
-        }
+        } | ({} if self.outline is None else {"found_landmarks": self.outline.figures()})
+
+    def shown(self, points: np.ndarray) -> np.ndarray:
+        """Given landmarks (L, 2) with those that were found in the picture."""
+        return points if self.outline is None else np.concatenate([points, self.outline.points])
 
     def describe(self) -> str:
         """What is printed of it."""
@@ -71,12 +83,15 @@ class LandmarkFit:
 class Observation:
     """The landmarks that are known, in units of their diagonal around their centre, and where they can stand.
 
-    ids: (K,) numbers of the known landmarks. points: (K, 2) their places in those units. count: L, of all landmarks.
+    ids: (K,) numbers of the known landmarks. points: (K, 2) their places in those units. trust: (K,) from 0 to 1, how
+    strongly they pull. given: (K,) bool, those that were given and not found. asked: how many landmarks files have.
+    count: L, of all landmarks, with those that can be found.
     Cameras and errors of its methods are in those units too, but for ``in_pixels``.
     """
 
-    def __init__(self, points: np.ndarray, template: Template) -> None:
-        """points: (L, 2) pixels, y down, NaN where unknown. template: Template that they stand on.
+    def __init__(self, points: np.ndarray, template: Template, outline: Outline | None = None) -> None:
+        """points: (L, 2) pixels, y down, NaN where unknown. template: Template that they stand on. outline: what was
+        found besides the 68, which pulls weakly.
 
         Raises InputError for another number of landmarks, too few known ones, and all in one place.
         """
@@ -85,16 +100,23 @@ class Observation:
             expected = "68 or 81" if note.has_extra else "the 68 that the model's annotation has"
             raise InputError(f"expected {expected} landmarks, found {len(points)}")
         self.template = template
+        self.asked = len(points)
+        confidence = np.ones(len(points))
+        if outline is not None:
+            points = np.concatenate([points, np.where(outline.confidence[:, None] > 0, outline.points, np.nan)])
+            confidence = np.concatenate([confidence, _FOUND * outline.confidence])
         self.count = len(points)
         self.ids = np.flatnonzero(np.isfinite(points).all(axis=1))
         if len(self.ids) < FEWEST:
             raise InputError(f"expected at least {FEWEST} known landmarks, found {len(self.ids)}")
-        given = points[self.ids]
+        self.trust = confidence[self.ids]
+        self.given = self.trust == 1
+        given = points[self.ids[self.given]]
         self.centre = given.mean(0)
         self.diagonal = float(np.linalg.norm(np.ptp(given, axis=0)))
         if self.diagonal == 0:
             raise InputError("all landmarks lie in one place")
-        self.points = (given - self.centre) / self.diagonal
+        self.points = (points[self.ids] - self.centre) / self.diagonal
 
     def anchors(self, vertices: np.ndarray, rotation: np.ndarray) -> np.ndarray:
         """(L,) vertex ids of all landmarks for a posed shape (V, 3); the jaw slides to the outline."""
@@ -126,6 +148,13 @@ class Observation:
         """(K,) distances of the known landmarks as shares of the diagonal."""
         return np.linalg.norm(camera.project(vertices[anchors[self.ids]]) - self.points, axis=1)
 
+    def weights(self, errors: np.ndarray) -> np.ndarray:
+        """(K,) of the known landmarks, from their errors (K,): less than trust for given ones that are far off.
+
+        What was found has been doubted enough, and may be far from where a usual face has it.
+        """
+        return self.trust * np.where(self.given, outlier_weights(errors, _OUTLIERS), 1)
+
     def in_pixels(self, camera: Camera) -> Camera:
         """The same camera for the given picture."""
         translation = camera.translation * self.diagonal + self.centre
@@ -146,14 +175,15 @@ class Observation:
             raise InputError(
                 "the landmarks show a face from behind: are they mirrored, upside down, or in another order?"
             )
-        errors = 100 * self.errors(face.vertices, camera, anchors)
+        errors = 100 * self.errors(face.vertices, camera, anchors)[self.given]
         own = face.vertices if face.residual is None else model.decode(latent)
-        own_errors = 100 * self.errors(own, *self.settle(own, weights, _rotation(face)))
-        parts = {name: errors[np.isin(self.ids, list(numbers))] for name, numbers in PARTS.items()}
+        own_errors = 100 * self.errors(own, *self.settle(own, weights, _rotation(face)))[self.given]
+        ids = self.ids[self.given]
+        parts = {name: errors[np.isin(ids, list(numbers))] for name, numbers in PARTS.items()}
         pixels = self.in_pixels(camera)
         return LandmarkFit(
-            face=replace(face, camera=pixels, landmarks=pixels.project(face.vertices[anchors])),
-            anchors=anchors,
+            face=replace(face, camera=pixels, landmarks=pixels.project(face.vertices[anchors[: self.asked]])),
+            anchors=anchors[: self.asked],
             nme=float(errors.mean()),
             nme_latent=float(own_errors.mean()),
             prior_rms=float(model.prior.rms(latent)),

@@ -123,3 +123,76 @@ class SnapSettings:
     """
 
     farthest: float = 0.5
+
+
+@dataclass(frozen=True)
+class EvidenceSettings:
+    """How a picture is looked at; lengths are pixels of a window in which the landmarks have a common diagonal.
+
+    diagonal: of the landmarks in the window. reach: how far around them it goes, as a share of that. bins: of the
+    histogram of colours, along L, a and b. skin_spread, rest_spread: bins, standard deviations, by which the colours of
+    the skin and of the rest are spread: ears lie in other light than cheeks. rare: share of a colour that was never
+    seen. certain: logarithm of the odds that counts as sure. blur, edge_blur: standard deviations, before colours and
+    edges are read. margin: around eyes, brows and mouth. line: half the width of a drawn outline.
+    """
+
+    diagonal: float = 220.0
+    reach: float = 0.75
+    bins: tuple[int, int, int] = (16, 32, 32)
+    skin_spread: tuple[float, float, float] = (2.0, 1.5, 1.5)
+    rest_spread: tuple[float, float, float] = (1.0, 1.0, 1.0)
+    rare: float = 2e-6
+    certain: float = 3.0
+    blur: float = 1.0
+    edge_blur: float = 1.2
+    margin: int = 4
+    line: int = 3
+
+
+@dataclass(frozen=True)
+class EarSettings:
+    """How ears are looked for.
+
+    spread: standard deviations of an ear's numbers from those of the fitted head, see ``EarShapes``. likeness: of those
+    of the second ear from those of the first. step: of the search, shares of the ear's height and logarithms.
+    edge, contrast, colour: weights of the edge along the rim, of the difference in colour across it, and of the colour
+    inside. strong: change of colour, levels a pixel, that is a clear edge. near, far: pixels from the rim, where
+    colours are read. trust: of a score against the deviations. growth: power of the ear's size by which it counts.
+    tries: ears at first; kept, children: of every round, how many go on with how many changes; rounds; calm: factor of
+    the steps from round to round. hidden_from: degrees by which an ear is turned away until the face may hide it.
+    """
+
+    spread: tuple[float, ...] = (0.15, 1.0, 0.5, 0.3, 0.3, 0.12, 0.12)
+    likeness: tuple[float, ...] = (0.15, 0.5, 0.15, 0.1, 0.2, 0.1, 0.1)
+    step: tuple[float, ...] = (0.06, 0.2, 0.15, 0.1, 0.12, 0.06, 0.06)
+    edge: float = 0.8
+    contrast: float = 1.0
+    colour: float = 0.5
+    strong: float = 6.0
+    near: float = 3.0
+    far: float = 6.6
+    trust: float = 12.0
+    growth: float = 0.3
+    tries: int = 2000
+    kept: int = 60
+    children: int = 10
+    rounds: int = 4
+    calm: float = 0.6
+    hidden_from: float = 8.0
+
+
+@dataclass(frozen=True)
+class TrustSettings:
+    """When an ear is believed.
+
+    least: colour inside, contrast and edge, see ``ear_shapes.agreement``, below which it is none. rise: how much more
+    of them makes it sure. vague: pixels of the window, standard deviation of a landmark that halves its confidence.
+    small: heights of the fitted ear, below which confidence falls. inherited: share of an ear's confidence that one has
+    which is taken from it, and below which it is.
+    """
+
+    least: tuple[float, float, float] = (0.05, 0.3, 0.4)
+    rise: tuple[float, float, float] = (0.3, 0.4, 0.3)
+    vague: float = 6.0
+    small: float = 0.8
+    inherited: float = 0.5

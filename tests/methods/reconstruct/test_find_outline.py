@@ -1,0 +1,158 @@
+"""Ears in pictures of heads of which everything is known."""
+
+from dataclasses import replace
+
+import cv2
+import numpy as np
+import pytest
+
+from caricli.errors import InputError
+from caricli.methods.reconstruct.find_outline import find_outline
+from caricli.methods.reconstruct.fit_landmarks import fit_landmarks
+from caricli.methods.reconstruct.fit_landmarks_intrinsic import fit_landmarks_intrinsic
+from caricli.methods.reconstruct.outline import Outline, can_find_outline
+from caricli.render.overlay import overlay_mesh
+from caricli.structures.landmarks import EAR_LEFT, EAR_RIGHT
+
+EARS = [*EAR_RIGHT, *EAR_LEFT]
+GIANT = {"ear-scale-incr": 1.6, "ear-wing-incr": 2.0}
+BACKGROUND = (70, 110, 160)
+
+
+@pytest.fixture(scope="module")
+def portrait(head, intrinsic, seen):
+    """A function: turn in degrees and changes of the ears to a Truth with 81 landmarks, and its picture."""
+
+    def make(yaw=0.0, changes=GIANT):
+        both = {f"{side}-{name}": weight for side in "lr" for name, weight in changes.items()}
+        truth = seen(head.evaluate(changes=both), yaw=yaw, count=81)
+        plain = np.full((640, 640, 3), BACKGROUND, np.uint8)
+        mesh = intrinsic.template.with_vertices(truth.vertices)
+        return truth, overlay_mesh(plain, mesh, truth.camera, opacity=1)
+
+    return make
+
+
+@pytest.fixture(scope="module")
+def frontal(portrait, intrinsic):
+    """Truth and picture of a face from the front, its fit to 68 landmarks alone, and with the picture."""
+    truth, image = portrait()
+    points = truth.points[:68]
+    return truth, image, fit_landmarks(points, intrinsic), fit_landmarks(points, intrinsic, image=image)
+
+
+def ear_errors(face, truth, intrinsic):
+    """(6,) pixels."""
+    ids = intrinsic.template.annotation.landmarks[EARS]
+    return np.linalg.norm(face.camera.project(face.vertices[ids]) - truth.points[EARS], axis=1)
+
+
+def ear_height(vertices, intrinsic, ear):
+    """Metres from the top to the lobe."""
+    ids = intrinsic.template.annotation.landmarks
+    return np.linalg.norm(vertices[ids[ear[0]]] - vertices[ids[ear[2]]])
+
+
+def test_giant_ears_come_out_of_the_picture(frontal, intrinsic):
+    truth, _, alone, looked = frontal
+    before = ear_errors(alone.face, truth, intrinsic).mean()
+    assert ear_errors(looked.face, truth, intrinsic).mean() < 0.5 * before
+    assert looked.nme < alone.nme + 0.05
+    assert looked.face.landmarks.shape == (68, 2) and looked.anchors.shape == (68,)
+
+
+@pytest.mark.parametrize(("yaw", "near", "far"), [(28, EAR_RIGHT, EAR_LEFT), (-28, EAR_LEFT, EAR_RIGHT)])
+def test_the_far_ear_is_like_the_near_one(portrait, intrinsic, yaw, near, far):
+    truth, image = portrait(yaw)
+    face = fit_landmarks(truth.points[:68], intrinsic, image=image).face
+    ratio = ear_height(face.vertices, intrinsic, far) / ear_height(face.vertices, intrinsic, near)
+    assert 0.75 < ratio < 1.33
+    assert ear_errors(face, truth, intrinsic).mean() < 0.06 * 620
+
+
+@pytest.mark.parametrize("kind", ["plain", "noise"])
+def test_a_picture_that_shows_no_ears_leaves_the_usual_ones(frontal, intrinsic, kind):
+    truth, image, alone, _ = frontal
+    generator = np.random.default_rng(3)
+    empty = np.full_like(image, 90) if kind == "plain" else generator.integers(0, 255, image.shape).astype(np.uint8)
+    looked = fit_landmarks(truth.points[:68], intrinsic, image=empty)
+    assert looked.outline.confidence.max() < 0.2
+    for ear in (EAR_RIGHT, EAR_LEFT):
+        usual = ear_height(alone.face.vertices, intrinsic, ear)
+        assert ear_height(looked.face.vertices, intrinsic, ear) == pytest.approx(usual, rel=0.1)
+    if kind == "plain":
+        assert not looked.outline.found
+        assert np.array_equal(looked.face.vertices, alone.face.vertices)
+
+
+def test_what_is_found_is_said(frontal):
+    truth, _, _, fit = frontal
+    figures = fit.figures()["found_landmarks"]
+    assert list(figures) == [f"ear_{side}_{part}" for side in ("right", "left") for part in ("top", "outer", "lobe")]
+    assert all(0 < row["confidence"] <= 1 for row in figures.values())
+    assert np.allclose([row["point"] for row in figures.values()], truth.points[EARS], atol=0.04 * 620)
+    assert np.array_equal(fit.shown(truth.points[:68])[EARS], fit.outline.points[3:9])
+
+
+def test_the_same_picture_gives_the_same_face(frontal, intrinsic):
+    truth, image, _, looked = frontal
+    assert np.array_equal(fit_landmarks(truth.points[:68], intrinsic, image=image).face.vertices, looked.face.vertices)
+
+
+def test_size_and_place_of_the_picture_do_not_matter(frontal, intrinsic):
+    truth, image, alone, looked = frontal
+    large = cv2.resize(np.pad(image, ((40, 0), (70, 0), (0, 0)), mode="edge"), None, fx=2, fy=2)
+    camera = alone.face.camera.zoomed(2, np.array([-70.0, -40.0]))
+    points = 2 * (truth.points[:68] + [70, 40])
+    face = replace(alone.face, camera=camera)
+    other = find_outline(face, intrinsic.template, points, large, np.random.default_rng(0))
+    assert np.allclose(other.points[3:9] / 2 - [70, 40], looked.outline.points[3:9], atol=15)
+
+
+def test_given_ears_pull_as_before(frontal, intrinsic):
+    truth, image, _, _ = frontal
+    alone = fit_landmarks(truth.points, intrinsic)
+    looked = fit_landmarks(truth.points, intrinsic, image=image)
+    assert looked.outline is None and "found_landmarks" not in looked.figures()
+    assert np.array_equal(looked.face.vertices, alone.face.vertices)
+
+
+def test_confidence_is_how_strongly_ears_pull(frontal, intrinsic):
+    truth, _, usual, _ = frontal
+    reached = []
+    for confidence in (0.01, 0.1, 1.0):
+        outline = Outline(truth.points[68:], np.where(np.isin(np.arange(68, 81), EARS), confidence, 0))
+        fit = fit_landmarks_intrinsic(truth.points[:68], intrinsic, outline=outline)
+        reached.append(ear_errors(fit.face, truth, intrinsic).mean())
+    assert ear_errors(usual.face, truth, intrinsic).mean() > reached[0] > reached[1] > reached[2]
+
+
+def test_inside_a_model_too(frontal, pca):
+    truth, image, _, _ = frontal
+    alone = fit_landmarks(truth.points[:68], pca, "latent")
+    looked = fit_landmarks(truth.points[:68], pca, "latent", image=image)
+    assert ear_errors(looked.face, truth, pca).mean() < 0.8 * ear_errors(alone.face, truth, pca).mean()
+
+
+def test_where_nothing_can_be_found(frontal, intrinsic):
+    truth, _, _, _ = frontal
+    points = truth.points[:68]
+    template = intrinsic.template
+    assert can_find_outline(points, template)
+    assert not can_find_outline(truth.points, template)
+    assert not can_find_outline(np.where(np.arange(68)[:, None] == 3, np.nan, points), template)
+    note = template.annotation
+    bare = replace(note, curves={name: line for name, line in note.curves.items() if name != "ear_left"})
+    assert not can_find_outline(points, replace_annotation(template, bare))
+    assert not can_find_outline(points, replace_annotation(template, replace(note, landmarks=note.landmarks[:68])))
+
+
+def replace_annotation(template, note):
+    """A stand-in for a template with another annotation."""
+    return type("Bare", (), {"annotation": note, "vertices": template.vertices})
+
+
+def test_landmarks_outside_the_picture_are_refused(frontal, intrinsic):
+    truth, image, fit, _ = frontal
+    with pytest.raises(InputError, match="found them outside"):
+        find_outline(fit.face, intrinsic.template, truth.points[:68] + 5000, image, np.random.default_rng(0))
