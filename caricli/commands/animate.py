@@ -137,7 +137,7 @@ def _write_frames(folder, performance, kind, view, size):
     frames = _pictures(performance, view, size) if kind == "png" else _shapes(performance, "frames")
     face = performance.rig.face
     names = PictureNames() if kind == "png" else write_pictures(folder / "frames.obj", face.pictures)
-    worn = {"mtl": folder / "frames.mtl", "eyes": names.eyes, "materials": face.materials}
+    worn = {"mtl": folder / "frames.mtl", "others": names.others, "materials": face.materials}
     for k, frame in enumerate(frames):
         path = folder / f"frame-{k:0{digits}d}.{kind}"
         if kind == "png":

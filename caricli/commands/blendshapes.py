@@ -12,6 +12,7 @@ from caricli.commands.shared.options import (
     model_option,
     out_option,
     overwrite_option,
+    parts_option,
     pts_origin_option,
     seed_option,
 )
@@ -68,7 +69,7 @@ DEFAULT_WEIGHTS = astuple(BlendshapeWeights())
     metavar="DIR",
     help="Take the actions from meshes in this folder: neutral.obj, and one for each.  [default: the head's]",
 )
-@click.option("--eyeballs/--no-eyeballs", default=True, help="Put eyes into the sockets, as part of the mesh.")
+@parts_option
 @click.option(
     "--texture", type=PATH, metavar="IMAGE", help="Put this picture on the skin.  [default: the one that the face has]"
 )
@@ -86,7 +87,7 @@ def command(
     map_path,
     model,
     templates,
-    eyeballs,
+    parts,
     texture,
     pts_origin,
     seed,
@@ -125,7 +126,7 @@ def command(
             start = time.perf_counter()
             blendshapes = build_blendshapes(face, tools, settings)
             seconds = time.perf_counter() - start
-            result = rig_blendshapes(blendshapes, tools, RigSettings(eyeballs=eyeballs, seed=seed), images, face.mesh)
+            result = rig_blendshapes(blendshapes, tools, RigSettings(parts=parts, seed=seed), images, face)
         about = {"method": method, "reconstruct": reconstruct, "weights": weights, "seconds": seconds}
         figures, line = report_blendshapes(face, blendshapes, tools, result)
         _write(files, face, result, provenance("blendshapes", inputs, seed, **about, **figures))
@@ -151,4 +152,4 @@ def _write(files, face, result, description):
     write_gltf(glb, result.rig)
     write_json(json, description)
     for png in pngs:
-        write_expression_sheet(png, result.rig, result.shaped(face.vertices))
+        write_expression_sheet(png, result.rig, result.shaped(face))

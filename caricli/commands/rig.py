@@ -3,7 +3,7 @@
 import click
 
 from caricli.commands.shared.notes import echo_result
-from caricli.commands.shared.options import PATH, WholeRange, out_option, overwrite_option, seed_option
+from caricli.commands.shared.options import PATH, WholeRange, out_option, overwrite_option, parts_option, seed_option
 from caricli.commands.shared.picture import picture_files, picture_option
 from caricli.errors import naming
 from caricli.io.face import read_face
@@ -30,7 +30,7 @@ from caricli.io.usd import write_usd
     default="auto",
     help="Find the neutral face where the given one shows an expression (auto), or take it as it is.",
 )
-@click.option("--eyeballs/--no-eyeballs", default=True, help="Put eyes into the sockets, as part of the mesh.")
+@parts_option
 @click.option(
     "--texture", type=PATH, metavar="IMAGE", help="Put this picture on the skin.  [default: the one that the face has]"
 )
@@ -49,7 +49,7 @@ from caricli.io.usd import write_usd
 @seed_option
 @picture_option
 @overwrite_option
-def command(face, out, templates, neutral, eyeballs, texture, sparse, usd, levels, seed, overwrite):
+def command(face, out, templates, neutral, parts, texture, sparse, usd, levels, seed, overwrite):
     """Give a face (NPZ, OBJ, PLY, GLB or glTF) the 52 expressions of ARKit by deformation transfer.
 
     Expressions start from the neutral face. Of one that laughs it is found first, as `blendshapes` finds it, with its
@@ -82,11 +82,12 @@ def command(face, out, templates, neutral, eyeballs, texture, sparse, usd, level
         images = pictures.load()
         with naming(face), progress_bar("expressions"):
             rest = _rest(given, neutral)
-            result = make_rig(rest.mesh, expressions, RigSettings(levels, eyeballs, seed), images)
+            hair = given.with_vertices(rest.mesh.vertices).hair
+            result = make_rig(rest.mesh, expressions, RigSettings(levels, parts, seed), images, hair=hair)
         write_gltf(glb, result.rig, sparse)
         write_rig(npz, result.rig)
         about = {"subdivide": levels, "sparse": sparse, "units": "m", "axes": "+y up, +z front"}
-        _report(json, others, result, rest, provenance("rig", inputs, seed, **about))
+        _report(json, others, result, rest, given, provenance("rig", inputs, seed, **about))
     _advise(face, result, rest, neutral)
     echo_result(f"{out}: {describe_rig(result)}, {rest.describe()}")
 
@@ -100,8 +101,8 @@ def _rest(given, neutral):
     return find_neutral(given, tools) if tools else NeutralFace(given.mesh, given.mesh)
 
 
-def _report(json, others, result, rest, description):
-    """Write what is known of a RigResult and its NeutralFace, and where there are paths USD and picture."""
+def _report(json, others, result, rest, given, description):
+    """Write what is known of a RigResult and its NeutralFace of a Face, and where there are paths USD and picture."""
     from caricli.commands.shared.expression_picture import write_expression_sheet
     from caricli.methods.rig.rig_figures import rig_figures
     from caricli.store.expression_templates import load_action_units
@@ -111,7 +112,7 @@ def _report(json, others, result, rest, description):
         if path.suffix == ".usdz":
             write_usd(path, result.rig)
         else:
-            write_expression_sheet(path, result.rig, result.shaped(rest.given.vertices) if rest.moved else None)
+            write_expression_sheet(path, result.rig, result.shaped(given) if rest.moved else None)
 
 
 def _advise(face, result, rest, neutral):

@@ -1,6 +1,6 @@
 """Meshes in any of the formats that are read and written; the name of a file says which."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -33,14 +33,14 @@ def _write_still_gltf(
     mesh: Mesh,
     texture: str | None,
     _mtl: Path | None,
-    eyes: str | None,
+    others: Mapping[str, str | None] | None,
     materials: np.ndarray | None,
 ) -> None:
     if texture is not None and mesh.uvs is None:
         raise OutputError(f"{shown(path)}: expected a mesh with UVs for the texture, found none")
     # No polygon shows a picture of eyes where all are skin.
-    names = (texture, None if materials is None else eyes)
-    pictures = Pictures(*(None if name is None else read_image(path.parent / name) for name in names))
+    names = {"skin": texture} | dict(others if others and materials is not None else {})
+    pictures = Pictures(**{key: read_image(path.parent / name) for key, name in names.items() if name is not None})
     no_shapes = np.zeros((0, len(mesh.vertices), 3), np.float32)
     write_gltf(path, Rig((), mesh, no_shapes, materials, pictures))
 
@@ -107,13 +107,14 @@ def write_mesh(
     mesh: Mesh,
     texture: str | None = None,
     mtl: Path | None = None,
-    eyes: str | None = None,
+    others: Mapping[str, str | None] | None = None,
     materials: np.ndarray | None = None,
 ) -> None:
     """Write a mesh in the format of the suffix; OBJ keeps polygons and UVs, glTF triangles and UVs, the others neither.
 
-    texture, eyes: the file names of PNGs in the same folder, of skin and eyes: an OBJ names them, GLB and glTF embed
-    them, so they must be there. mtl: path of the material file of an OBJ. materials: (P,) Material of the polygons.
+    texture: the file name of a PNG in the same folder, of the skin. others: the same by the name of another material,
+    such as eyes. An OBJ names them, GLB and glTF embed them, so they must be there. mtl: path of the material file of
+    an OBJ. materials: (P,) Material of the polygons.
     Raises OutputError when the suffix is another, the format has no place for the texture, or it cannot be written.
     """
     path = Path(path)
@@ -122,8 +123,8 @@ def write_mesh(
         raise OutputError(f"{shown(path)}: expected {ANY_MESH}, found {shown(suffix, 20)!r}")
     chosen = _FORMATS[suffix]
     if chosen.keeps_texture:
-        chosen.write(path, mesh, texture, mtl, eyes, materials)
-    elif texture is None and eyes is None:
+        chosen.write(path, mesh, texture, mtl, others, materials)
+    elif texture is None and not any((others or {}).values()):
         chosen.write(path, mesh)
     else:
         textured = _listed([name for name, other in _FORMATS.items() if other.keeps_texture])

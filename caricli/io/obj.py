@@ -2,7 +2,7 @@
 
 import io
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import NoReturn
@@ -11,7 +11,6 @@ import numpy as np
 
 from caricli.errors import InputError, OutputError, naming, shown
 from caricli.io.files import content_kind, read_bytes
-from caricli.io.mtl import EYES
 from caricli.io.outputs import write_bytes
 from caricli.io.parse_number import parse_number, parse_numbers
 from caricli.limits import (
@@ -24,6 +23,7 @@ from caricli.limits import (
 )
 from caricli.structures import Material, Mesh
 from caricli.structures.checks import repeats
+from caricli.structures.materials import FINISHES, MATERIALS
 
 _KIND = "an OBJ file"
 _SKIN = "face"  # its material
@@ -78,20 +78,23 @@ def write_obj(
     mesh: Mesh,
     texture: str | None = None,
     mtl: Path | None = None,
-    eyes: str | None = None,
+    others: Mapping[str, str | None] | None = None,
     materials: np.ndarray | None = None,
 ) -> None:
-    """Write an OBJ file, and its materials when there is a texture.
+    """Write an OBJ file, and its materials when there is a texture or they are several.
 
-    texture, eyes: the file names of PNGs in the same folder, of skin and eyes. mtl: path of the material file to write,
+    texture: the file name of a PNG in the same folder, of the skin. others: the same by the name of another material,
+    such as eyes. mtl: path of the material file to write,
     in the same folder as the OBJ (by default with its stem and the suffix .mtl). materials: (P,) Material of the
     polygons; all skin where there are none.
     Raises OutputError when a texture is no plain file name or has no UVs to sit on, or a file cannot be written.
     """
     path = Path(path)
     lines = ["# units m, axes +y up, +z front\n"]
-    pictures = {_SKIN: texture, EYES: eyes}
-    painted = any(picture is not None for picture in pictures.values())
+    kinds = np.zeros(len(mesh.polygons), int) if materials is None else materials
+    pictures = {_SKIN: texture} | {name: picture for name, picture in (others or {}).items() if picture is not None}
+    pictures = dict.fromkeys(map(_name, np.unique(kinds).tolist())) | pictures
+    painted = len(pictures) > 1 or texture is not None
     if painted:
         mtl = path.with_suffix(".mtl") if mtl is None else Path(mtl)
         _write_materials(path, mesh, pictures, mtl)
@@ -104,23 +107,23 @@ def write_obj(
         lines.append("vt %.9g %.9g\n" * len(mesh.uvs) % tuple(mesh.uvs.ravel().tolist()))
         corners = np.stack([corners, mesh.uv_polygons[used] + 1], axis=1).ravel()
         corner = " %d/%d"
-    kinds = [f"f{corner * n}\n" for n in range(mesh.polygons.shape[1] + 1)]
-    rows = [kinds[n] for n in used.sum(1).tolist()]
-    for start in _material_starts(materials) if painted else ():
-        name = EYES if materials is not None and materials[start] == Material.EYE else _SKIN
-        rows[start] = f"usemtl {name}\n{rows[start]}"
+    forms = [f"f{corner * n}\n" for n in range(mesh.polygons.shape[1] + 1)]
+    rows = [forms[n] for n in used.sum(1).tolist()]
+    # Polygons that are not of the material of the one before.
+    for start in np.flatnonzero(np.diff(kinds, prepend=-1)).tolist() if painted else ():
+        rows[start] = f"usemtl {_name(kinds[start])}\n{rows[start]}"
     lines.append("".join(rows) % tuple(corners.tolist()))
     write_bytes(path, "".join(lines).encode("utf-8"))
 
 
-def _material_starts(materials: np.ndarray | None) -> list[int]:
-    """Polygons that are not of the material of the one before."""
-    return [0] if materials is None else np.flatnonzero(np.diff(materials, prepend=-1)).tolist()
+def _name(material: int) -> str:
+    """Of a Material in the file."""
+    return _SKIN if material == Material.SKIN else FINISHES[Material(material)].name
 
 
 def _write_materials(path: str | Path, mesh: Mesh, pictures: dict[str, str | None], mtl: Path) -> None:
-    """pictures: file names by the name of the material."""
-    if mesh.uvs is None:
+    """pictures: file names by the name of the material, None where it has a plain colour."""
+    if mesh.uvs is None and any(picture is not None for picture in pictures.values()):
         raise OutputError(f"{shown(path)}: expected a mesh with UVs for the texture, found none")
     texts = []
     for name in (*pictures.values(), mtl.name):
@@ -129,9 +132,11 @@ def _write_materials(path: str | Path, mesh: Mesh, pictures: dict[str, str | Non
         if not name or name != Path(name).name or not name.isprintable():
             raise OutputError(f"{shown(path)}: expected a plain file name for the material, found {shown(name)!r}")
     for material, picture in pictures.items():
-        if material == _SKIN or picture is not None:
-            texts.append(f"newmtl {material}\nKa 1 1 1\nKd 1 1 1\nKs 0 0 0\nillum 1\n")
-            texts.append("" if picture is None else f"map_Kd {picture}\n")
+        plain = picture is None and material in MATERIALS
+        colour = FINISHES[MATERIALS[material]].colour if plain else (255, 255, 255)
+        shares = " ".join(f"{value / 255:.4g}" for value in colour)
+        texts.append(f"newmtl {material}\nKa 1 1 1\nKd {shares}\nKs 0 0 0\nillum 1\n")
+        texts.append("" if picture is None else f"map_Kd {picture}\n")
     write_bytes(mtl, "".join(texts).encode("utf-8"))
 
 

@@ -22,6 +22,11 @@ class PictureNames:
     hair: str | None = None
     bust: str | None = None
 
+    @property
+    def others(self) -> dict[str, str | None]:
+        """All but the skin's, by what wears them."""
+        return {"eyes": self.eyes, "hair": self.hair, "bust": self.bust}
+
     def __iter__(self) -> Iterator[str | None]:
         """All of them in the order of ``Pictures``."""
         return (getattr(self, field.name) for field in fields(self))

@@ -1,25 +1,50 @@
 """How a face is drawn in what it wears."""
 
+from collections.abc import Sequence
+from dataclasses import replace
+
 import numpy as np
 
+from caricli.geometry.join_meshes import join_meshes
 from caricli.render.coat import mesh_coat
 from caricli.render.place_eyeballs import place_eyeballs
 from caricli.render.shade import Look
-from caricli.structures import Face, Material, Mesh
+from caricli.structures import Face, Material, Mesh, Part
 from caricli.structures.materials import FINISHES
 from caricli.template.annotation import bundled_annotation
 
 
-def face_look(face: Face) -> Look:
+def face_look(face: Face, eyeballs: bool = True) -> Look:
     """The Look of a face: its pictures, and clay and white eyes where it has none.
 
-    Heads of the bundled topology get eyeballs unless they have eyes of their own.
+    eyeballs: whether heads of the bundled topology get eyes, where they have none of their own.
     """
     materials = face.triangle_materials
-    coat = mesh_coat(face.mesh, face.pictures, materials)
-    if materials is None or Material.EYE not in materials:
-        return Look(eyeballs=place_eyeballs(face.mesh, bundled_annotation()), coat=coat)
-    return Look(vertex_colours=plain_colours(face.mesh, materials), coat=coat)
+    has_eyes = materials is not None and bool((materials == Material.EYE).any())
+    return Look(
+        vertex_colours=None if materials is None else plain_colours(face.mesh, materials),
+        eyeballs=place_eyeballs(face.mesh, bundled_annotation()) if eyeballs and not has_eyes else (),
+        coat=mesh_coat(face.mesh, face.pictures, materials),
+    )
+
+
+def with_parts(mesh: Mesh, look: Look, parts: Sequence[Part]) -> tuple[Mesh, Look]:
+    """A mesh joined with parts, and the Look of both, which these have in their own colours and pictures.
+
+    look: of the mesh, no eyes among its materials, its visibility not known.
+    """
+    if not parts:
+        return mesh, look
+    joined = join_meshes([mesh, *(part.mesh for part in parts)])
+    added = join_meshes([part.mesh for part in parts])
+    own = np.full(len(mesh.faces), Material.SKIN) if look.coat is None else look.coat.materials
+    materials = np.concatenate([own, *(np.repeat(part.materials, part.mesh.triangles_of_polygons) for part in parts)])
+    colours = np.broadcast_to(look.colour if look.vertex_colours is None else look.vertex_colours, mesh.vertices.shape)
+    return joined, replace(
+        look,
+        vertex_colours=np.concatenate([colours, plain_colours(added, materials[len(own) :])]),
+        coat=None if look.coat is None else mesh_coat(joined, look.coat.pictures, materials),
+    )
 
 
 def plain_colours(mesh: Mesh, materials: np.ndarray) -> np.ndarray:

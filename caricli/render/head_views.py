@@ -1,15 +1,17 @@
 """Views of a head with its eyeballs."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
 
+from caricli.render.face_look import with_parts
 from caricli.render.place_eyeballs import place_eyeballs
 from caricli.render.shade import Look
 from caricli.render.sky import sky_visibility
 from caricli.render.smooth_normals import smooth_normals
 from caricli.render.views import render_views
+from caricli.structures import Part
 from caricli.template.fine_mesh import FineMesh
 from caricli.template.template import Template
 
@@ -20,16 +22,21 @@ def head_views(
     size: int,
     fine: FineMesh | None = None,
     look: Look = Look(),  # noqa: B008 (frozen)
+    parts: Sequence[Part] = (),
 ) -> list[np.ndarray]:
     """Draw a head from several sides, with eyeballs where the annotation knows its lids.
 
     head: Template in the shape of the face. views: keys of VIEWS. size: pixels, width and height of a picture. fine:
     FineMesh in the same shape, to draw instead; what its vertices see of the sky is carried over from the coarse ones,
-    because rays take most of the time. look: Look of what is drawn, but for its eyeballs.
+    because rays take most of the time. look: Look of what is drawn, but for its eyeballs. parts: Parts of the face, to
+    be drawn with it.
     Returns a list of (size, size, 4) uint8.
     """
+    drawn, look = with_parts(head if fine is None else fine.mesh, look, parts)
     eyeballs = place_eyeballs(head, head.annotation)
-    if fine is None:
-        return render_views(head, views, size, replace(look, eyeballs=eyeballs))
-    seen = fine.weights @ sky_visibility(head.vertices, head.faces, smooth_normals(head.vertices, head.faces))
-    return render_views(fine.mesh, views, size, replace(look, eyeballs=eyeballs, visibility=seen.astype(np.float32)))
+    whole, _ = with_parts(head, Look(), parts)
+    seen = sky_visibility(whole.vertices, whole.faces, smooth_normals(whole.vertices, whole.faces))
+    if fine is not None:
+        count = len(head.vertices)
+        seen = np.concatenate([fine.weights @ seen[:count], seen[count:]])
+    return render_views(drawn, views, size, replace(look, eyeballs=eyeballs, visibility=seen.astype(np.float32)))

@@ -57,7 +57,7 @@ def write_face_files(
     shown = names if keeps_texture(mesh_file) else PictureNames()
     mesh = face.mesh if finer is None else finer.mesh
     materials = split_materials(face.materials, face.mesh.polygons, finer.levels if finer else 0)
-    write_mesh(mesh_file, mesh, shown.skin, eyes=shown.eyes, materials=materials)
+    write_mesh(mesh_file, mesh, shown.skin, others=shown.others, materials=materials)
     if face.residual is not None and not np.abs(face.residual).max() > _ROUNDING:
         face = replace(face, residual=None)
     write_face(npz_file, face, names)

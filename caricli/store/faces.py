@@ -139,7 +139,7 @@ def write_painted_head(folder: Path, painted: Painted, face: Face) -> None:
         if picture is not None:
             write_png(folder / FILES[name], picture)
     mesh = _trimmed(painted.head)
-    write_obj(folder / "face.obj", mesh, names.skin, eyes=names.eyes)
+    write_obj(folder / "face.obj", mesh, names.skin, others=names.others)
     write_face(folder / "face.npz", replace(face, mesh=mesh, pictures=painted.pictures, materials=None), names)
     write_gltf(folder / "face.glb", rig)
 

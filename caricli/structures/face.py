@@ -1,6 +1,7 @@
 """One face."""
 
 from dataclasses import dataclass, replace
+from typing import Self
 
 import numpy as np
 
@@ -61,10 +62,15 @@ class Face:
         if self.hair is not None and np.max(self.hair.roots) >= len(self.mesh.vertices):
             refuse(f"hair_roots: expected vertices below {len(self.mesh.vertices)}, found {np.max(self.hair.roots)}")
 
+    def with_vertices(self, vertices: np.ndarray) -> Self:
+        """The same face in another shape, (V, 3) metres, with all else that it has; its hair goes along."""
+        hair = None if self.hair is None else self.hair.moved(self.vertices, vertices)
+        return replace(self, mesh=self.mesh.with_vertices(vertices), hair=hair)
+
     def posed(self, vertices: np.ndarray) -> "Face":
         """The same face in another shape, (V, 3) metres, of which no picture or model knows."""
-        hair = None if self.hair is None else self.hair.moved(self.vertices, vertices)
-        return Face(self.mesh.with_vertices(vertices), pictures=self.pictures, materials=self.materials, hair=hair)
+        bare = Face(self.mesh, pictures=self.pictures, materials=self.materials, hair=self.hair)
+        return bare.with_vertices(vertices)
 
     def wearing(self, other: "Face") -> "Face":
         """The same face in the polygons, pictures and hair of another of its topology."""

@@ -53,6 +53,18 @@ MATERIALS = {finish.name: material for material, finish in FINISHES.items()}
 """Materials by their names in files."""
 
 
+HEAD_PARTS = {
+    "skin": (Material.SKIN,),
+    "eyes": (Material.EYE,),
+    "teeth": (Material.TEETH, Material.GUMS),
+    "tongue": (Material.TONGUE,),
+    "lashes": (Material.LASHES,),
+    "hair": (Material.HAIR,),
+    "bust": (Material.BUST,),
+}
+"""What a head may consist of, by the names that choose it, and what this is made of."""
+
+
 def material_problem(materials: np.ndarray | None, polygons: int) -> str | None:
     """What is wrong with the materials (P,) of so many polygons, or None."""
     if materials is None:

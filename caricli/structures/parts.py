@@ -6,7 +6,7 @@ from typing import Literal, get_args
 import numpy as np
 
 from caricli.structures.checks import coordinate_problem, refuse, shape_problem
-from caricli.structures.materials import material_problem
+from caricli.structures.materials import Material, material_problem
 from caricli.structures.mesh import Mesh
 
 Hold = Literal["skull", "jaw", "lids", "scalp", "neck"]
@@ -72,6 +72,12 @@ class Hair:
     def footing(self, vertices: np.ndarray) -> np.ndarray:
         """(H, 3) where hair stands on a skin (V, 3), metres."""
         return np.einsum("hk,hkc->hc", self.weights, vertices[self.roots])
+
+    @property
+    def part(self) -> Part:
+        """The hair as a Part, which no expression moves."""
+        materials = np.full(len(self.shell.polygons), Material.HAIR, np.int32)
+        return Part("hair", self.shell, materials, "scalp", (), np.zeros((0, *self.shell.vertices.shape)))
 
     def moved(self, before: np.ndarray, after: np.ndarray) -> "Hair":
         """The hair of a skin (V, 3) on the same skin in another shape (V, 3)."""

@@ -112,7 +112,7 @@ def test_the_report_says_how_sound_every_expression_is(rigged, face):
 
 def test_plain_fine_and_sparse(run, rigged, face, undrawn, tmp_path):
     plain, fine = tmp_path / "plain.glb", tmp_path / "fine.glb"
-    assert run("rig", face, "--no-eyeballs", "--sparse", "--out", plain).exit_code == 0
+    assert run("rig", face, "--parts", "skin", "--sparse", "--out", plain).exit_code == 0
     rig = read_rig(plain.with_suffix(".npz"))
     assert len(rig.neutral) == 4200 and rig.pictures.eyes is None
     assert plain.stat().st_size < 0.7 * rigged[0].stat().st_size
@@ -200,7 +200,7 @@ def test_a_face_that_laughs_comes_to_rest_first(run, laughing, face, head_templa
     gaps = {}
     for choice in ("auto", "as-is"):
         out = tmp_path / f"{choice}.glb"
-        result = run("rig", laughing, "--neutral", choice, "--no-eyeballs", "--out", out)
+        result = run("rig", laughing, "--neutral", choice, "--parts", "skin", "--out", out)
         assert result.exit_code == 0, result.output
         neutral = read_rig(out.with_suffix(".npz")).neutral
         gaps[choice] = curve_gap(neutral[:, :2], *lips)

@@ -29,7 +29,7 @@ WEARERS = {
     "refine": "refine {face} {marks} --out {out}/new.obj",
     "fit-morphable": "fit-morphable {marks} --expression-only --identity {face} --out {out}/new.obj",
     "encode": "encode {face} --out {out}/new.npz",
-    "rig": "rig {face} --no-eyeballs --out {out}/new.glb",
+    "rig": "rig {face} --parts skin --out {out}/new.glb",
     "blendshapes": "blendshapes {face} --expressions {moods} --method transfer --out {out}/new.npz",
     "retarget": "retarget {rig} {driver} --neutral {driver} --out {out}/new.obj",
     "animate": "animate {rig} {weights} --frames {out}/new --out {out}/new.glb",

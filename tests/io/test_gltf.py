@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 import caricli
 from caricli.errors import InputError, OutputError
-from caricli.io.gltf.read_gltf import read_gltf
+from caricli.io.gltf.read_gltf import read_gltf, read_gltf_mesh
 from caricli.io.gltf.write_gltf import shading_normals, write_gltf
 from caricli.io.rig import read_rig, write_rig
 from caricli.structures import Animation, Material, Mesh, Pictures, Rig
@@ -31,6 +31,29 @@ def plain(rig):
 
 def still(rig):
     return replace(rig, names=(), deltas=rig.deltas[:0])
+
+
+def haired(rig, moved=0.0):
+    """The rig whose last quads are hair on vertices of their own."""
+    polygons, count = rig.mesh.polygons, len(rig.neutral)
+    last = np.unique(polygons[-8:])
+    number = np.arange(count)
+    number[last] = count + np.arange(len(last))
+    deltas = np.concatenate([rig.deltas, np.full((len(rig.names), len(last), 3), moved, np.float32)], axis=1)
+    mesh = rig.mesh
+    uv_polygons = None if mesh.uv_polygons is None else np.concatenate([mesh.uv_polygons, mesh.uv_polygons[-8:]])
+    return replace(
+        rig,
+        mesh=Mesh(
+            np.concatenate([rig.neutral, 1.1 * rig.neutral[last]]),
+            np.concatenate([polygons, number[polygons[-8:]]]),
+            mesh.uvs,
+            uv_polygons,
+        ),
+        deltas=deltas,
+        materials=np.concatenate([rig.materials, np.full(8, Material.HAIR)]).astype(np.int32),
+        pictures=replace(rig.pictures, hair=rig.pictures.skin),
+    )
 
 
 def grid(side, names=("bump",)):
@@ -90,6 +113,11 @@ def kinds(full, head, subdivided):
         "animated": (full, {"animation": turning}),
         "animated sparse": (full, {"animation": turning, "sparse": True}),
         "one frame, no rotation": (full, {"animation": Animation([0.0], turning.weights[:1])}),
+        "hair": (haired(full), {}),
+        "hair, sparse, animated": (haired(full), {"sparse": True, "animation": turning}),
+        "hair that keeps still": (still(haired(full)), {}),
+        "hair that moves": (haired(full, 0.01), {}),
+        "all but hair is lashes": (replace(haired(full), materials=np.maximum(haired(full).materials, 5)), {}),
         "nothing moves": (replace(full, deltas=0 * full.deltas), {}),
         "nothing moves, sparse": (replace(full, deltas=0 * full.deltas), {"sparse": True}),
         "keeps still": (still(full), {}),
@@ -218,6 +246,45 @@ def test_the_head_has_all_names_of_arkit(head_rig, tmp_path):
     write_gltf(tmp_path / "a.glb", head_rig)
     names = pygltflib.GLTF2.load(tmp_path / "a.glb").meshes[0].extras["targetNames"]
     assert len(names) == 52 and set(names) == set(ARKIT_NAMES)
+
+
+def test_hair_is_a_node_below_the_head_and_comes_back_with_it(full_rig, tmp_path):
+    rig = haired(full_rig)
+    write_gltf(tmp_path / "a.glb", rig, animation=movement(rig))
+    gltf = pygltflib.GLTF2.load(tmp_path / "a.glb")
+    assert [node.name for node in gltf.nodes] == ["head", "hair"] and gltf.nodes[0].children == [1]
+    assert gltf.scenes[0].nodes == [0] and not gltf.meshes[1].primitives[0].targets
+    assert {channel.target.node for channel in gltf.animations[0].channels} == {0}
+    back = read_gltf(tmp_path / "a.glb")
+    np.testing.assert_array_equal(back.neutral, rig.neutral)
+    np.testing.assert_array_equal(back.deltas, rig.deltas)
+    np.testing.assert_array_equal(back.faces, rig.faces)
+    np.testing.assert_array_equal(back.triangle_materials, rig.triangle_materials)
+    assert back.pictures.same(rig.pictures)
+    np.testing.assert_array_equal(read_gltf_mesh(tmp_path / "a.glb").faces, rig.faces)
+    write_gltf(tmp_path / "b.glb", haired(full_rig, 0.01))
+    assert [node.name for node in pygltflib.GLTF2.load(tmp_path / "b.glb").nodes] == ["head"]
+
+
+def test_hair_that_another_program_moved_is_left_where_it_is_not_ours(full_rig, tmp_path):
+    write_gltf(tmp_path / "a.glb", haired(full_rig))
+    document, binary = taken_apart(tmp_path / "a.glb")
+    document["nodes"][1]["translation"] = [0, 1, 0]
+    put_together(tmp_path / "b.glb", document, binary)
+    assert len(read_gltf(tmp_path / "b.glb").neutral) == len(full_rig.neutral)
+    document["nodes"][0]["children"] = [7]
+    put_together(tmp_path / "c.glb", document, binary)
+    with pytest.raises(InputError, match="expected the number of one of 2 nodes"):
+        read_gltf(tmp_path / "c.glb")
+
+
+def test_what_moves_nothing_is_stored_once(full_rig, tmp_path):
+    write_gltf(tmp_path / "a.glb", full_rig)
+    gltf = pygltflib.GLTF2.load(tmp_path / "a.glb")
+    for primitive in gltf.meshes[0].primitives:
+        places = [index for target in primitive.targets for index in target.values()]
+        still = {index for index in places if not values(gltf, index).any()}
+        assert len(still) == 1 and places.count(*still) >= 4
 
 
 @pytest.mark.parametrize("sparse", [False, True])

@@ -23,7 +23,7 @@ def written(tmp_path):
 def test_what_we_write_is_found(tmp_path):
     corners = np.array([[0, 1, 2]])
     mesh = Mesh(np.eye(3), corners, np.eye(3)[:, :2], corners)
-    write_obj(tmp_path / "face.obj", mesh, texture="skin.png", eyes="iris.png")
+    write_obj(tmp_path / "face.obj", mesh, texture="skin.png", others={"eyes": "iris.png"})
     expected = {"face": tmp_path / "skin.png", "eyes": tmp_path / "iris.png"}
     assert material_pictures(tmp_path / "face.obj") == expected
 

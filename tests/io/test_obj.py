@@ -178,10 +178,19 @@ def square():
     return Mesh(np.c_[corners, np.zeros(4)], polygons, corners, polygons)
 
 
+def test_what_has_no_picture_has_its_colour(tmp_path):
+    mesh = Mesh(square().vertices, np.array([[0, 1, 2], [0, 2, 3]]))
+    write_obj(tmp_path / "a.obj", mesh, materials=np.array([Material.SKIN, Material.TONGUE]))
+    rows = [line for line in (tmp_path / "a.obj").read_text().splitlines() if line[0] in "uf"]
+    assert rows == ["usemtl face", "f 1 2 3", "usemtl tongue", "f 1 3 4"]
+    texts = (tmp_path / "a.mtl").read_text().split("newmtl ")[1:]
+    assert [text.split()[0] for text in texts] == ["face", "tongue"] and "Kd 0.7765 0.4078 0.4078" in texts[1]
+
+
 def test_eyes_are_a_material_of_their_own(tmp_path):
     mesh = Mesh(np.eye(3), np.tile([[0, 1, 2]], (4, 1)), np.eye(3)[:, :2], np.tile([[0, 1, 2]], (4, 1)))
     materials = np.array([Material.SKIN, Material.EYE, Material.EYE, Material.SKIN])
-    write_obj(tmp_path / "a.obj", mesh, eyes="iris.png", materials=materials)
+    write_obj(tmp_path / "a.obj", mesh, others={"eyes": "iris.png"}, materials=materials)
     rows = [line for line in (tmp_path / "a.obj").read_text().splitlines() if line.startswith(("usemtl", "f "))]
     face = "f 1/1 2/2 3/3"
     assert rows == ["usemtl face", face, "usemtl eyes", face, face, "usemtl face", face]

@@ -25,12 +25,14 @@ _TRIANGLES = 4
 # What these extensions change is how things look, never where vertices are.
 _HARMLESS = ("KHR_materials_", "KHR_texture_", "EXT_texture_", "KHR_lights_")
 _SAME_PLACE = 1e-5
+_PLACEMENT = {"matrix", "translation", "rotation", "scale"}
 
 
 def read_gltf(path: str | Path) -> Rig:
     """Read the first mesh with morph targets of a GLB, or where none has any the first one, ours or another program's.
 
-    Vertices with the same `SOURCE_VERTEX` become one again. Transforms of nodes are left aside: the neutral and its
+    Vertices with the same `SOURCE_VERTEX` become one again, those of the meshes below its node, such as hair, among
+    them. Transforms of nodes are left aside: the neutral and its
     displacements stay in the mesh's own frame, as they are stored. Of the materials the base colour's picture is read,
     where it is embedded; the one named "eyes" is that of the eyes. Skins, animations and weights are left aside.
     path: a GLB file, or a .gltf, without external files.
@@ -42,7 +44,7 @@ def read_gltf(path: str | Path) -> Rig:
         document = Document(content, buffers)
         _refuse_extensions(document)
         mesh, primitives = _first_mesh(document)
-        return _rig(document, mesh, primitives)
+        return _rig(document, mesh, [*primitives, *_below(document, mesh, primitives)])
 
 
 def read_gltf_mesh(path: str | Path) -> Mesh:
@@ -58,9 +60,8 @@ def read_gltf_mesh(path: str | Path) -> Mesh:
         _refuse_extensions(document)
         _refuse_other_files(document)
         mesh, primitives = _first_mesh(document)
-        is_ours = all(SOURCE_VERTEX in take(primitive, "attributes", dict) for primitive in primitives)
-        if is_ours or primitives[0]["targets"]:
-            neutral = _rig(document, mesh, primitives).mesh
+        if _is_ours(primitives) or primitives[0]["targets"]:
+            neutral = _rig(document, mesh, [*primitives, *_below(document, mesh, primitives)]).mesh
             return neutral.with_vertices(neutral.vertices.astype(np.float64))
         return _scene_mesh(document)
 
@@ -132,6 +133,25 @@ def _first_mesh(document: Document) -> tuple[dict, list[dict]]:
         return mesh, primitives
     if still is None:
         raise InputError("expected a mesh, found none")
+    return still
+
+
+def _is_ours(primitives: list[dict]) -> bool:
+    """Whether all vertices say where they come from."""
+    return all(SOURCE_VERTEX in take(primitive, "attributes", dict) for primitive in primitives)
+
+
+def _below(document: Document, mesh: dict, primitives: list[dict]) -> list[dict]:
+    """What keeps still right below the node of a mesh of ours, as primitives with as many targets as that has."""
+    number = next(k for k, other in enumerate(document.content["meshes"]) if other is mesh)
+    nodes = [node for node in take(document.content, "nodes", list, []) if isinstance(node, dict)]
+    children = take(next((node for node in nodes if node.get("mesh") == number), {}), "children", list, [])
+    still: list[dict] = []
+    for child in children if _is_ours(primitives) else []:
+        node = document.item({"node": child}, "node", "nodes")
+        others = [] if "mesh" not in node else _primitives(document.item(node, "mesh", "meshes"))
+        if _is_ours(others) and not _PLACEMENT & set(node) and not any(other.get("targets") for other in others):
+            still += [other | {"targets": [{}] * len(primitives[0]["targets"])} for other in others]
     return still
 
 

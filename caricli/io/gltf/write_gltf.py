@@ -24,8 +24,9 @@ def write_gltf(path: str | Path, rig: Rig, sparse: bool = False, animation: Anim
     """Write a rig: metres, +y up, +z front; the same rig gives the same bytes.
 
     One node with one mesh; one primitive for every material; morph targets of positions and normals, their names in
-    ``mesh.extras.targetNames``. Vertices are split where the UVs have a seam, and `SOURCE_VERTEX` leads back; those of
-    no polygon stand at the end of the first primitive.
+    ``mesh.extras.targetNames``; targets that move nothing share their zeros. Hair that keeps still is a node of its own
+    below the head's. Vertices are split where the UVs have a seam, and `SOURCE_VERTEX` leads back; those of no polygon
+    stand at the end of the first primitive.
     path: a GLB, or, where it ends in .gltf, one text with all inside. sparse: whether of a target only the vertices
     that move are stored. animation: weights of the rig's shapes over time, or None.
     Raises OutputError when the animation does not fit the rig, the file would be larger than what is read, or it
@@ -35,15 +36,11 @@ def write_gltf(path: str | Path, rig: Rig, sparse: bool = False, animation: Anim
         count = np.shape(animation.weights)[1]
         raise OutputError(f"{shown(path)}: expected weights of the rig's {len(rig.names)} expressions, found {count}")
     buffer = _Buffer()
-    mesh: dict[str, object] = {"name": "head", "primitives": _primitives(rig, sparse, buffer)}
-    if rig.names:
-        mesh |= {"weights": [0] * len(rig.names), "extras": {"targetNames": list(rig.names)}}
     document: dict[str, object] = {
         "asset": {"version": f"{VERSION}.0", "generator": f"caricli {__version__}"},
         "scene": 0,
         "scenes": [{"nodes": [0]}],
-        "nodes": [{"name": "head", "mesh": 0}],
-        "meshes": [mesh],
+        **_nodes(rig, _primitives(rig, sparse, buffer)),
         **_materials(rig, buffer),
     }
     if animation is not None and (rig.names or animation.rotations is not None):
@@ -84,6 +81,7 @@ class _Buffer:
         self.views: list[dict] = []
         self.accessors: list[dict] = []
         self._length = 0
+        self._zeros: dict[int, int] = {}
 
     def view(self, data: bytes, target: int | None = None) -> int:
         """Append bytes, padded to a multiple of four; returns the number of the view."""
@@ -115,10 +113,43 @@ class _Buffer:
         self.accessors.append(accessor)
         return len(self.accessors) - 1
 
+    def displacements(self, array: np.ndarray, sparse: bool) -> int:
+        """Append displacements (N,3); those that are all zero are there once."""
+        if array.any():
+            return self.accessor(array, None if sparse else _FOR_VERTICES, bounds=True, sparse=sparse)
+        if len(array) not in self._zeros:
+            target = None if sparse else _FOR_VERTICES
+            self._zeros[len(array)] = self.accessor(array, target, bounds=True, sparse=sparse)
+        return self._zeros[len(array)]
+
 
 def _index_dtype(count: int) -> np.dtype:
     # The largest number of a type is the mark of a restart and no index.
     return np.dtype("<u2") if count <= np.iinfo(np.uint16).max else np.dtype("<u4")
+
+
+def _nodes(rig: Rig, primitives: list[dict]) -> dict[str, list[dict]]:
+    """The head, and where it has hair that keeps still, this as its child."""
+    apart = _hair_apart(rig)
+    kinds = np.unique(rig.triangle_materials)
+    own = [
+        primitive for primitive, kind in zip(primitives, kinds, strict=True) if not (apart and kind == Material.HAIR)
+    ]
+    node: dict[str, object] = {"name": "head", "mesh": 0}
+    mesh: dict[str, object] = {"name": "head", "primitives": own}
+    if rig.names:
+        mesh |= {"weights": [0] * len(rig.names), "extras": {"targetNames": list(rig.names)}}
+    if not apart:
+        return {"nodes": [node], "meshes": [mesh]}
+    hair = [primitive for primitive in primitives if primitive not in own]
+    nodes = [node | {"children": [1]}, {"name": "hair", "mesh": 1}]
+    return {"nodes": nodes, "meshes": [mesh, {"name": "hair", "primitives": hair}]}
+
+
+def _hair_apart(rig: Rig) -> bool:
+    """Whether there is hair that keeps still on something else."""
+    hair = rig.triangle_materials == Material.HAIR
+    return bool(hair.any() and not hair.all() and not np.any(rig.deltas[:, np.unique(rig.faces[hair])]))
 
 
 def _primitives(rig: Rig, sparse: bool, buffer: _Buffer) -> list[dict]:
@@ -131,6 +162,7 @@ def _primitives(rig: Rig, sparse: bool, buffer: _Buffer) -> list[dict]:
     normals, normal_deltas = shading_normals(rig)
     keys = triangles.astype(np.int64) * len(uvs) + corners
     loose = np.setdiff1d(np.arange(len(neutral)), triangles) * len(uvs)
+    apart = _hair_apart(rig)
     primitives = []
     for number, material in enumerate(np.unique(materials)):
         kept, indices = np.unique(keys[materials == material], return_inverse=True)
@@ -147,22 +179,14 @@ def _primitives(rig: Rig, sparse: bool, buffer: _Buffer) -> list[dict]:
             attributes["TEXCOORD_0"] = buffer.accessor(flipped, _FOR_VERTICES)
         indices = indices.ravel().astype(_index_dtype(len(source)))
         primitive = {"attributes": attributes, "indices": buffer.accessor(indices, _FOR_INDICES), "material": number}
-        if rig.names:
-            primitive["targets"] = _targets(rig.deltas[:, source], normal_deltas[:, source], sparse, buffer)
+        deltas = np.asarray(rig.deltas, np.float32)[:, source]
+        if rig.names and not (apart and material == Material.HAIR):
+            primitive["targets"] = [
+                {"POSITION": buffer.displacements(delta, sparse), "NORMAL": buffer.displacements(normal, sparse)}
+                for delta, normal in zip(deltas, normal_deltas[:, source], strict=True)
+            ]
         primitives.append(primitive)
     return primitives
-
-
-def _targets(deltas: np.ndarray, normal_deltas: np.ndarray, sparse: bool, buffer: _Buffer) -> list[dict]:
-    """The morph targets of a primitive, from what happens to its vertices (K,V,3) and their normals (K,V,3)."""
-    target = None if sparse else _FOR_VERTICES
-    return [
-        {
-            "POSITION": buffer.accessor(delta, target, bounds=True, sparse=sparse),
-            "NORMAL": buffer.accessor(normal, target, sparse=sparse),
-        }
-        for delta, normal in zip(np.asarray(deltas, np.float32), normal_deltas, strict=True)
-    ]
 
 
 def _materials(rig: Rig, buffer: _Buffer) -> dict[str, list[dict]]:

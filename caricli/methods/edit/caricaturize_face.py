@@ -1,6 +1,6 @@
 """A regular face made a caricature: along the direction of all caricatures, or away from the mean face."""
 
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
@@ -78,8 +78,7 @@ def caricaturize_face(
     grown = template.cavities.tuck(_grown(_aligned(face.vertices, template), strength, template))
     place = template.region("face")
     scale, rotation, translation = similarity(grown[place], face.vertices[place])
-    mesh = face.mesh.with_vertices(scale * grown @ rotation.T + translation)
-    return encode_face(replace(face.without_latent(), mesh=mesh), model)
+    return encode_face(face.without_latent().with_vertices(scale * grown @ rotation.T + translation), model)
 
 
 def exaggeration(face: EncodedFace, model: ShapeModel, directions: Directions | None = None) -> Exaggeration:

@@ -199,7 +199,7 @@ class _Solver:
         decoded = decode_face(replace(self.face, latent=latent), self.model, self.face.shift)
         gradients = self.model.template.gradients
         vertices = untangle(decoded.vertices, gradients, self.settings.untangling, self.face.vertices)
-        return replace(decoded, mesh=decoded.mesh.with_vertices(vertices))
+        return decoded.with_vertices(vertices)
 
     def _latent(self, displacements: np.ndarray, whitened: np.ndarray) -> np.ndarray:
         """The whitened latent (D,) that takes the handles nearest to their goals, sought from another one."""

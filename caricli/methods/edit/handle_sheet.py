@@ -7,7 +7,6 @@ from caricli.methods.edit.edit_handles import HandleEdit, edit_handles
 from caricli.methods.faces.draw_face import FaceDrawing
 from caricli.methods.faces.encode_face import EncodedFace
 from caricli.render.view_sheets import film_strip, view_rows
-from caricli.structures import Face
 
 VIEWS = ("front", "three-quarter", "profile")
 
@@ -24,7 +23,7 @@ def handle_sheet(before: EncodedFace, edit: HandleEdit, drawing: FaceDrawing, ba
     if baseline:
         tried = edit.tried
         rigid = deform_arap(before.vertices, before.faces, tried.vertices, tried.displacements)
-        rows.append(drawing.draw(Face(before.mesh.with_vertices(rigid), pictures=before.pictures), VIEWS))
+        rows.append(drawing.draw(before.posed(rigid), VIEWS))
         labels.append("as rigid as possible")
     return view_rows(rows, labels)
 

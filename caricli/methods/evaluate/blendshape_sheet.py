@@ -41,6 +41,6 @@ class BlendshapeSheet:
         return contact_sheet(self.cells, 1 + len(self.names), self.labels)
 
     def _add(self, label: str, blendshapes: Blendshapes, face: Face, pictures: Pictures) -> None:
-        result = rig_blendshapes(blendshapes, self.tools, RigSettings(), pictures, face.mesh)
-        self.cells += expression_row(result.rig, result.shaped(face.vertices), self.names, self.size)
+        result = rig_blendshapes(blendshapes, self.tools, RigSettings(), pictures, face)
+        self.cells += expression_row(result.rig, result.shaped(face), self.names, self.size)
         self.labels += [label, *self.names]

@@ -8,7 +8,7 @@ from caricli.methods.expressions.build_blendshapes import Blendshapes
 from caricli.methods.expressions.measure_blendshapes import BlendshapeMeasures, measure_blendshapes
 from caricli.methods.expressions.tools import ExpressionTools
 from caricli.methods.rig.make_rig import RigResult, RigSettings, make_rig
-from caricli.structures import Face, Mesh, Pictures
+from caricli.structures import Face, Pictures
 
 
 def rig_blendshapes(
@@ -16,16 +16,16 @@ def rig_blendshapes(
     tools: ExpressionTools,
     settings: RigSettings = RigSettings(),  # noqa: B008 (frozen)
     pictures: Pictures = Pictures(),  # noqa: B008 (frozen)
-    layout: Mesh | None = None,
+    worn: Face | None = None,
 ) -> RigResult:
     """The rig of a caricature's expressions, each of which starts from the neutral one.
 
-    layout: Mesh whose polygons and UVs it has; the model's where there is none.
+    worn: Face whose polygons, UVs and hair it has; without one the polygons and UVs of the model.
     Raises NumericsError for triangles without area.
     """
     neutral = blendshapes.shapes[0]
-    mesh = (layout or tools.morphable.template).with_vertices(neutral)
-    result = make_rig(mesh, tools.acting, settings, pictures, blendshapes.shapes[1:] - neutral)
+    face = (worn or Face(tools.morphable.template)).posed(neutral)
+    result = make_rig(face.mesh, tools.acting, settings, pictures, blendshapes.shapes[1:] - neutral, face.hair)
     normal_deltas = (blendshapes.normal[1:] - blendshapes.normal[0]).astype(np.float32)
     return replace(result, rig=replace(result.rig, normal_deltas=normal_deltas))
 

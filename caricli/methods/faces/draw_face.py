@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from caricli.methods.faces.subdivide_face import subdivide_face
+from caricli.methods.parts.face_parts import face_parts
 from caricli.models.shape_model import ShapeModel
 from caricli.render.coat import mesh_coat
 from caricli.render.head_views import head_views
@@ -33,7 +34,7 @@ class FaceDrawing:
         return subdivide_face(face, self.model, self.fine)
 
     def draw(self, face: Face, views: Iterable[str] = VIEWS) -> list[np.ndarray]:
-        """Draw a face from several sides, in the pictures that it wears.
+        """Draw a whole head from several sides, in the pictures that its face wears.
 
         face: Face of the model's topology. views: as in ``render_views``.
         Returns a list of (size, size, 4) uint8.
@@ -43,4 +44,4 @@ class FaceDrawing:
         materials = split_materials(face.materials, face.mesh.polygons, finer.levels)
         shown = Face(finer.mesh, pictures=face.pictures, materials=materials)
         coat = mesh_coat(shown.mesh, shown.pictures, shown.triangle_materials)
-        return head_views(head, views, self.size, finer, Look(coat=coat))
+        return head_views(head, views, self.size, finer, Look(coat=coat), face_parts(face, self.model.template))

@@ -73,8 +73,7 @@ def decode_face(face: Face, model: ShapeModel, shift: np.ndarray | float = 0.0) 
     features = _own_features(model, face.latent, own) + (0.0 if face.residual is None else face.residual)
     gradients = model.template.gradients
     means = gradients.components.averages @ own + shift
-    mesh = face.mesh.with_vertices(gradients.components.place(gradients.vertices(features), means))
-    return replace(_plain(face), mesh=mesh)
+    return _plain(face).with_vertices(gradients.components.place(gradients.vertices(features), means))
 
 
 def _plain(face: Face) -> Face:

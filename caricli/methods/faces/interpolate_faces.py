@@ -29,7 +29,7 @@ def interpolate_faces(first: EncodedFace, second: EncodedFace, model: ShapeModel
         worn = _worn(first, second, float(weight))
         blend = replace(worn, latent=latent, residual=residual, model_id=model.model_id)
         vertices = untangle(decode_face(blend, model, shift).vertices, model.template.gradients)
-        yield encode_face(replace(blend, mesh=worn.mesh.with_vertices(vertices), residual=None), model)
+        yield encode_face(replace(blend, residual=None).with_vertices(vertices), model)
     yield _unseen(second)
 
 
@@ -42,7 +42,7 @@ def _worn(first: Face, second: Face, weight: float) -> Face:
     else:
         nearer = first if first.pictures or not second.pictures else second
         pictures = nearer.pictures
-    return Face(nearer.mesh, pictures=pictures, materials=nearer.materials)
+    return Face(nearer.mesh, pictures=pictures, materials=nearer.materials, hair=nearer.hair)
 
 
 def _unseen(face: EncodedFace) -> EncodedFace:

@@ -86,7 +86,7 @@ def refine_face(
     vertices = _deformed(face, template, ids, places, settings)
     landmarks = camera.project(vertices[target.anchors])
     return Refinement(
-        face=replace(face, mesh=face.mesh.with_vertices(vertices), landmarks=landmarks, residual=None),
+        face=replace(face.with_vertices(vertices), landmarks=landmarks, residual=None),
         anchors=target.anchors,
         before=before,
         after=target.errors(landmarks),

@@ -6,10 +6,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from caricli.geometry.join_meshes import join_meshes
+from caricli.methods.rig.add_parts import add_parts
 from caricli.render.paint_eye import paint_eye
 from caricli.render.place_eyeballs import place_eyeballs
-from caricli.structures import Material, Mesh, Rig
+from caricli.structures import Material, Mesh, Part, Rig
 from caricli.template.annotation import Annotation
 
 RINGS = 14
@@ -82,22 +82,15 @@ def add_eyeballs(
     if not eyeballs:
         return rig
     ball = _unit_ball()
-    turned = [
-        [each.radius * (ball.vertices @ _turn(name, each.side).T - ball.vertices) for name in rig.names]
-        for each in eyeballs
-    ]
-    deltas = [np.reshape(moves, (len(rig.names), len(ball.vertices), 3)) for moves in turned]
-    placed = [ball.with_vertices(each.centre + each.radius * ball.vertices) for each in eyeballs]
-    joined = join_meshes([rig.mesh, *placed])
-    mesh = joined.with_vertices(joined.vertices.astype(np.float32))
-    skin = np.arange(len(mesh.polygons)) < len(rig.mesh.polygons)
-    return replace(
-        rig,
-        mesh=mesh,
-        deltas=np.concatenate([rig.deltas, *deltas], axis=1).astype(np.float32),
-        materials=np.where(skin, Material.SKIN, Material.EYE).astype(np.int32),
-        pictures=replace(rig.pictures, eyes=paint_eye(TEXTURE, generator) if picture is None else picture),
-    )
+    materials = np.full(len(ball.polygons), Material.EYE, np.int32)
+    parts = []
+    for each in eyeballs:
+        turned = [each.radius * (ball.vertices @ _turn(name, each.side).T - ball.vertices) for name in rig.names]
+        deltas = np.reshape(turned, (len(rig.names), *ball.vertices.shape))
+        placed = ball.with_vertices(each.centre + each.radius * ball.vertices)
+        parts.append(Part(f"eye_{each.side}", placed, materials, "skull", rig.names, deltas))
+    eyes = paint_eye(TEXTURE, generator) if picture is None else picture
+    return replace(add_parts(rig, parts), pictures=replace(rig.pictures, eyes=eyes))
 
 
 def _turn(name: str, side: str) -> np.ndarray:

@@ -1,15 +1,20 @@
 """A rig from a neutral face: expressions, contacts, eyes, pictures, any resolution."""
 
+from collections.abc import Callable, Collection
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
+from caricli.methods.parts.face_parts import face_parts
 from caricli.methods.rig.add_eyeballs import Eyeball, add_eyeballs, fit_eyeballs
+from caricli.methods.rig.add_parts import add_parts
 from caricli.methods.rig.expression_templates import ExpressionTemplates
 from caricli.methods.rig.head_expressions import open_head_expressions
 from caricli.methods.rig.measure_rig import RigMeasures, measure_rig
 from caricli.methods.rig.transfer_rig import transfer_rig
-from caricli.structures import Mesh, Pictures, Rig
+from caricli.structures import Face, Hair, Mesh, Part, Pictures, Rig
+from caricli.structures.materials import HEAD_PARTS
 from caricli.template.fine_mesh import FineMesh, fine_mesh
 
 
@@ -17,13 +22,13 @@ from caricli.template.fine_mesh import FineMesh, fine_mesh
 class RigSettings:
     """What a rig is made of.
 
-    levels: how often polygons are split, linearly.
-    eyeballs: whether eyes are put into the sockets, where the templates know them.
+    levels: how often polygons of the face are split, linearly.
+    parts: some of ``HEAD_PARTS``: what is put into and on the face, where the templates know it, beside the skin.
     seed: of the picture of the eyes, where none is given.
     """
 
     levels: int = 0
-    eyeballs: bool = True
+    parts: Collection[str] = tuple(HEAD_PARTS)
     seed: int = 0
 
 
@@ -35,19 +40,21 @@ class RigResult:
     measures: RigMeasures of its expressions.
     eyeballs: those that it has.
     fine: FineMesh of the face, whose vertices come first in the rig.
+    dress: makes the parts of a Face, whose vertices come last in the rig.
     """
 
     rig: Rig
     measures: RigMeasures
     eyeballs: list[Eyeball]
     fine: FineMesh
+    dress: Callable[[Face], list[Part]]
 
-    def shaped(self, vertices: np.ndarray) -> np.ndarray:
-        """(W, 3) the vertices of the rig with the face in another shape (V, 3), metres."""
-        shape = np.array(self.rig.neutral)
-        face = self.fine.shaped(vertices).mesh.vertices
-        shape[: len(face)] = face
-        return shape
+    def shaped(self, face: Face) -> np.ndarray:
+        """(W, 3) the vertices of the rig with the face in another shape, metres."""
+        skin = self.fine.shaped(face.vertices).mesh.vertices
+        parts = np.concatenate([np.zeros((0, 3)), *(part.mesh.vertices for part in self.dress(face))])
+        eyes = self.rig.neutral[len(skin) : len(self.rig.neutral) - len(parts)]
+        return np.concatenate([skin, eyes, parts])
 
 
 def make_rig(
@@ -56,18 +63,19 @@ def make_rig(
     settings: RigSettings = RigSettings(),  # noqa: B008 (frozen)
     pictures: Pictures = Pictures(),  # noqa: B008 (frozen)
     deltas: np.ndarray | None = None,
+    hair: Hair | None = None,
 ) -> RigResult:
-    """Give a neutral face expressions, put eyes into it and split its polygons.
+    """Give a neutral face expressions, put eyes, teeth and what else belongs to a head into it, split its polygons.
 
     mesh: Mesh of the face, metres, of the templates' topology. templates: ExpressionTemplates; None for the 52 of ARKit
     on the open head, whose topology the bundled models have. deltas: (K, V, 3) metres, what their expressions do to the
-    face; None for deformation transfer, lids and lips meeting as they do on the templates.
+    face; None for deformation transfer, lids and lips meeting as they do on the templates. hair: that of the face.
     Raises InputError for another topology, NumericsError for triangles without area.
     """
     templates = templates or open_head_expressions()
     templates.require_topology(mesh)
     deltas = transfer_rig(templates, mesh.vertices) if deltas is None else deltas
-    annotation = templates.annotation if settings.eyeballs else None
+    annotation = templates.annotation if "eyes" in settings.parts else None
     eyeballs = [] if annotation is None else fit_eyeballs(mesh, annotation, deltas)
     measures = measure_rig(mesh.vertices, deltas, templates, eyeballs)
     fine = fine_mesh(mesh, settings.levels)
@@ -75,4 +83,6 @@ def make_rig(
     shape = fine.mesh.with_vertices((fine.weights @ mesh.vertices).astype(np.float32))
     rig = Rig(templates.names, shape, finer.astype(np.float32), pictures=replace(pictures, eyes=None))
     rig = add_eyeballs(rig, eyeballs, np.random.default_rng(settings.seed), pictures.eyes)
-    return RigResult(rig, measures, eyeballs, fine)
+    dress = partial(face_parts, template=templates.mesh, chosen=settings.parts)
+    rig = add_parts(rig, dress(Face(mesh, hair=hair), names=rig.names, deltas=deltas))
+    return RigResult(rig, measures, eyeballs, fine, dress)

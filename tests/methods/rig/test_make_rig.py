@@ -8,7 +8,7 @@ from caricli.methods.rig.expression_templates import ExpressionTemplates
 from caricli.methods.rig.head_expressions import head_expressions
 from caricli.methods.rig.make_rig import RigSettings, make_rig
 from caricli.methods.rig.transfer_rig import transfer_rig
-from caricli.structures import Material, Mesh, Pictures
+from caricli.structures import Face, Hair, Material, Mesh, Pictures
 from caricli.structures.mesh import triangle_fans
 
 BALL = 314  # vertices of an eyeball
@@ -34,7 +34,7 @@ def face(head, head_template):
 
 def test_a_rig_is_expressions_eyes_and_picture(templates, face, deltas):
     texture = np.full((8, 8, 3), 90, np.uint8)
-    result = make_rig(face, templates, pictures=Pictures(skin=texture))
+    result = make_rig(face, templates, RigSettings(parts=("skin", "eyes")), Pictures(skin=texture))
     rig, measures, balls = result.rig, result.measures, result.eyeballs
     assert rig.names == templates.names
     assert len(rig.neutral) == 4200 + 2 * BALL and [b.side for b in balls] == ["left", "right"]
@@ -49,8 +49,44 @@ def test_a_rig_is_expressions_eyes_and_picture(templates, face, deltas):
     assert set(measures.lid_gap) == {"left"} and measures.flipped.max() < 0.002
 
 
+def test_a_whole_head_has_teeth_tongue_lashes_and_the_hair_of_the_face(templates, face, deltas, cap):
+    result = make_rig(face, templates, deltas=deltas, hair=cap)
+    rig = result.rig
+    assert set(rig.materials) == {*Material} - {Material.BUST}
+    ends = {material: np.unique(rig.faces[rig.triangle_materials == material]) for material in Material}
+    assert ends[Material.SKIN].max() == 4199 and ends[Material.HAIR].min() == len(rig.neutral) - len(cap.shell.vertices)
+    opened = rig.deltas[rig.names.index("jawOpen")]
+    lower, upper = (part(opened, rig, side) for side in ("lower", "upper"))
+    assert (lower[:, 1] < -0.005).all() and not upper.any()
+    blinked = rig.deltas[rig.names.index("eyeBlinkLeft"), ends[Material.LASHES]]
+    assert 0.003 < np.abs(blinked).max() < 0.03
+    assert not rig.deltas[:, ends[Material.HAIR]].any()
+    # In another shape of the face all goes along.
+    wide = result.shaped(Face(face, hair=cap).with_vertices(face.vertices * [1.2, 1, 1]))
+    np.testing.assert_allclose(wide[:4200, 0], 1.2 * rig.neutral[:4200, 0], atol=1e-6)
+    for material in (Material.TEETH, Material.LASHES, Material.HAIR):
+        grown = np.ptp(wide[ends[material], 0]) / np.ptp(rig.neutral[ends[material], 0])
+        assert 1.02 < grown < 1.25, material
+
+
+def part(values, rig, side):
+    """Values of the teeth of one row."""
+    ids = np.unique(rig.faces[rig.triangle_materials == Material.TEETH])
+    return values[ids[: len(ids) // 2] if side == "upper" else ids[len(ids) // 2 :]]
+
+
+@pytest.fixture(scope="module")
+def cap(face):
+    """Hair of the topmost triangles, a centimetre above the skin."""
+    roots = face.faces[face.vertices[face.faces][..., 1].mean(1).argsort()[-200:]]
+    used, faces = np.unique(roots, return_inverse=True)
+    faces = faces.reshape(roots.shape).astype(np.int32)
+    shell = Mesh(face.vertices[used] + [0, 0.01, 0], faces, np.zeros((1, 2)), 0 * faces)
+    return Hair(shell, np.repeat(used[:, None], 3, 1).astype(np.int32), np.full((len(used), 3), 1 / 3))
+
+
 def test_without_eyes(templates, face, deltas):
-    bare = make_rig(face, templates, RigSettings(eyeballs=False), deltas=deltas)
+    bare = make_rig(face, templates, RigSettings(parts=("skin",)), deltas=deltas)
     rig = bare.rig
     assert len(rig.neutral) == 4200 and bare.eyeballs == [] and bare.measures.inside is None
     assert rig.materials is rig.pictures.eyes is rig.pictures.skin is None
@@ -63,18 +99,18 @@ def test_without_eyes(templates, face, deltas):
 
 def test_finer_meshes_do_the_same(templates, face, deltas):
     coarse, fine = (make_rig(face, templates, RigSettings(levels), deltas=deltas).rig for levels in (0, 1))
-    count = len(fine.neutral) - 2 * BALL
+    count = len(fine.neutral) - (len(coarse.neutral) - 4200)
     assert count > 3 * 4200
     for key in ("neutral", "deltas"):
         np.testing.assert_allclose(getattr(fine, key)[..., :4200, :], getattr(coarse, key)[..., :4200, :], atol=1e-7)
-        # Eyes are as fine as they are, and what is new lies between what was there.
+        # Eyes and teeth are as fine as they are, and what is new lies between what was there.
         np.testing.assert_array_equal(getattr(fine, key)[..., count:, :], getattr(coarse, key)[..., 4200:, :])
     edge = coarse.mesh.polygons[0, :2]
     middle = coarse.neutral[edge].astype(float).mean(0)
     at = np.linalg.norm(fine.neutral - middle, axis=1).argmin()
     np.testing.assert_allclose(fine.neutral[at], middle, atol=1e-6)
     np.testing.assert_allclose(fine.deltas[:, at], coarse.deltas[:, edge].astype(float).mean(1), atol=1e-6)
-    skin = fine.mesh.polygons[fine.materials != Material.EYE]
+    skin = fine.mesh.polygons[fine.materials == Material.SKIN]
     np.testing.assert_array_equal(fine.mesh.faces[: len(triangle_fans(skin))], triangle_fans(skin))
 
 
@@ -93,7 +129,7 @@ def test_a_triangle_without_area_is_refused(templates, face, deltas):
 
 
 def test_without_templates_it_does_arkits_52(face, head):
-    rig = make_rig(face, settings=RigSettings(eyeballs=False)).rig
+    rig = make_rig(face, settings=RigSettings(parts=("skin",))).rig
     assert rig.names == head.action_names and len(rig.neutral) == 4200
 
 

@@ -24,7 +24,7 @@ def result(ball):
         lips_open=0.2,
         inside=-0.001,
     )
-    return RigResult(rig, measures, [Eyeball("left", np.zeros(3), 0.01, 0.0)], fine_mesh(rig.mesh, 0))
+    return RigResult(rig, measures, [Eyeball("left", np.zeros(3), 0.01, 0.0)], fine_mesh(rig.mesh, 0), lambda face: [])
 
 
 def test_what_is_not_a_number_is_left_out(result):

@@ -1,0 +1,37 @@
+"""What is on and in a face beside its skin."""
+
+from collections.abc import Collection, Sequence
+
+import numpy as np
+
+from caricli.methods.parts.attachment import attachment_for
+from caricli.structures import Face, Mesh, Part
+from caricli.structures.materials import HEAD_PARTS
+from caricli.template.template import Template
+
+_ATTACHED = {"teeth", "tongue", "lashes"}
+
+
+def face_parts(
+    face: Face,
+    template: Mesh,
+    chosen: Collection[str] = tuple(HEAD_PARTS),
+    names: Sequence[str] = (),
+    deltas: np.ndarray | None = None,
+) -> list[Part]:
+    """The parts of a head on a face, and the hair that this has.
+
+    face: Face. template: of its topology; where it is a Template that knows parts, or has the topology of the open
+    head, these are attached. chosen: some of ``HEAD_PARTS``. names, deltas: K expressions and (K, V, 3) metres, what
+    they do to the face.
+    Returns Parts, the hair last.
+    """
+    parts: list[Part] = []
+    if isinstance(template, Template) and template.topology_id == face.mesh.topology_id and _ATTACHED & {*chosen}:
+        attachment = attachment_for(template)
+        moves = np.zeros((0, *face.vertices.shape)) if deltas is None else deltas
+        parts = [] if attachment is None else [*attachment.animate(face.mesh, names, moves)]
+    if face.hair is not None:
+        parts.append(face.hair.part)
+    materials = [material for name in chosen for material in HEAD_PARTS[name]]
+    return [part for part in parts if np.isin(part.materials, materials).all()]

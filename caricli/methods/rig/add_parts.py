@@ -1,0 +1,68 @@
+"""Parts of a head for a rig, and a rig of fewer parts."""
+
+from collections.abc import Collection, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from caricli.geometry.join_meshes import join_meshes
+from caricli.structures import Material, Mesh, Part, Rig
+from caricli.structures.materials import HEAD_PARTS
+
+_STILL = 1e-6
+"""Metres: what moves no farther does not move, but for rounding."""
+
+
+def add_parts(rig: Rig, parts: Sequence[Part]) -> Rig:
+    """The rig with parts as part of its mesh: own polygons and UVs, moved by the expressions that they know by name.
+
+    rig: Rig. parts: placed on its neutral face.
+    Returns Rig; its own vertices come first, then those of the parts in their order; polygons stand by their material.
+    """
+    if not parts:
+        return rig
+    joined = join_meshes([rig.mesh, *(part.mesh for part in parts)])
+    own = np.full(len(rig.mesh.polygons), Material.SKIN) if rig.materials is None else rig.materials
+    materials = np.concatenate([own, *(part.materials for part in parts)])
+    # Files keep polygons by their material.
+    order = np.argsort(materials, kind="stable")
+    uv_polygons = None if joined.uv_polygons is None else joined.uv_polygons[order]
+    return replace(
+        rig,
+        mesh=Mesh(joined.vertices.astype(np.float32), joined.polygons[order], joined.uvs, uv_polygons),
+        deltas=np.concatenate([rig.deltas, *(_deltas(part, rig.names) for part in parts)], axis=1, dtype=np.float32),
+        materials=materials[order].astype(np.int32),
+    )
+
+
+def choose_parts(rig: Rig, parts: Collection[str]) -> Rig:
+    """The rig without the polygons of other parts and the vertices of these alone.
+
+    parts: some of ``HEAD_PARTS``, the skin among them. Returns Rig; the vertices that are left keep their order.
+    """
+    chosen = [material for name in parts for material in HEAD_PARTS[name]]
+    if rig.materials is None or np.isin(rig.materials, chosen).all():
+        return rig
+    mesh = rig.mesh
+    kept = np.isin(rig.materials, chosen)
+    dropped = np.setdiff1d(mesh.polygons[~kept], mesh.polygons[kept])
+    left = np.setdiff1d(np.arange(len(mesh.vertices)), dropped)
+    number = np.full(len(mesh.vertices) + 1, -1, np.int32)
+    number[left] = np.arange(len(left))
+    uv_polygons = None if mesh.uv_polygons is None else mesh.uv_polygons[kept]
+    return replace(
+        rig,
+        mesh=Mesh(mesh.vertices[left], number[mesh.polygons[kept]], mesh.uvs, uv_polygons),
+        deltas=rig.deltas[:, left],
+        materials=rig.materials[kept],
+    )
+
+
+def _deltas(part: Part, names: Sequence[str]) -> np.ndarray:
+    """(K, W, 3) what expressions of these names do to a part: nothing where it does not know them."""
+    deltas = np.zeros((len(names), *part.mesh.vertices.shape), np.float32)
+    for k, name in enumerate(names):
+        if name in part.names:
+            moved = part.deltas[part.names.index(name)]
+            deltas[k] = np.where((np.abs(moved) > _STILL).any(1, keepdims=True), moved, 0)
+    return deltas

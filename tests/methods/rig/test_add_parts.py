@@ -1,0 +1,60 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from caricli.methods.rig.add_parts import add_parts, choose_parts
+from caricli.structures import Material, Mesh, Part, Pictures, Rig
+from caricli.structures.materials import HEAD_PARTS
+
+SQUARE = np.array([[0, 1, 2, 3]], np.int32)
+CORNERS = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
+
+
+def part(name, material, names=(), move=0.0):
+    mesh = Mesh(CORNERS + [0, 0, -1], SQUARE, np.eye(2), 0 * SQUARE)
+    deltas = np.full((len(names), 4, 3), move)
+    return Part(name, mesh, np.array([material], np.int32), "skull", names, deltas)
+
+
+@pytest.fixture
+def rig():
+    deltas = np.ones((2, 4, 3), np.float32)
+    return Rig(("smile", "jawOpen"), Mesh(CORNERS.astype(np.float32), SQUARE, CORNERS[:, :2], SQUARE), deltas)
+
+
+def test_parts_come_after_the_skin_and_move_by_name(rig):
+    parts = [part("lower", Material.TEETH, ("jawOpen", "other"), 0.5), part("gums", Material.GUMS)]
+    whole = add_parts(rig, [*parts, part("upper", Material.TEETH)])
+    assert whole.materials.tolist() == [Material.SKIN, Material.TEETH, Material.TEETH, Material.GUMS]
+    np.testing.assert_array_equal(whole.mesh.polygons[:, 0], [0, 4, 12, 8])
+    np.testing.assert_array_equal(whole.neutral[:4], rig.neutral)
+    np.testing.assert_array_equal(whole.deltas[:, :4], rig.deltas)
+    np.testing.assert_array_equal(whole.deltas[:, 4:8], [np.zeros((4, 3)), np.full((4, 3), 0.5)])
+    assert not whole.deltas[:, 8:].any() and whole.deltas.dtype == np.float32
+    assert add_parts(rig, []) is rig
+
+
+def test_what_is_not_chosen_leaves_with_its_vertices(rig):
+    parts = [part("tongue", Material.TONGUE, ("smile",), 0.25), part("teeth", Material.TEETH, ("smile",), 0.5)]
+    whole = add_parts(rig, parts)
+    bare = choose_parts(whole, ("skin", "teeth"))
+    assert bare.materials.tolist() == [Material.SKIN, Material.TEETH] and len(bare.neutral) == 8
+    np.testing.assert_array_equal(bare.neutral[bare.mesh.polygons], whole.neutral[whole.mesh.polygons[:2]])
+    np.testing.assert_array_equal(bare.mesh.uvs[bare.mesh.uv_polygons], whole.mesh.uvs[whole.mesh.uv_polygons[:2]])
+    np.testing.assert_array_equal(bare.deltas[0, 4:], np.full((4, 3), 0.5, np.float32))
+    skin = choose_parts(whole, ("skin",))
+    np.testing.assert_array_equal(skin.neutral, rig.neutral)
+    np.testing.assert_array_equal(skin.deltas, rig.deltas)
+
+
+def test_who_has_all_that_is_chosen_stays_as_it_is(rig):
+    whole = add_parts(rig, [part("teeth", Material.TEETH)])
+    assert choose_parts(whole, tuple(HEAD_PARTS)) is whole and choose_parts(rig, ("skin",)) is rig
+
+
+def test_polygons_of_three_corners_stay_what_they_are(rig):
+    padded = np.array([[0, 1, 2, -1]], np.int32)
+    mixed = replace(rig, mesh=Mesh(CORNERS[:3].astype(np.float32), padded), deltas=rig.deltas[:, :3])
+    whole = add_parts(replace(mixed, pictures=Pictures()), [part("a", Material.TONGUE), part("b", Material.LASHES)])
+    np.testing.assert_array_equal(choose_parts(whole, ("skin", "lashes")).mesh.polygons, [[0, 1, 2, -1], [3, 4, 5, 6]])
