@@ -13,7 +13,7 @@ from typing import Any
 import click
 
 from caricli import __version__, signals
-from caricli.errors import CaricliError
+from caricli.errors import CaricliError, UsageError
 
 # What is typed: (module in caricli.commands, or None for a group; section of the help; short help).
 COMMANDS = {
@@ -67,6 +67,9 @@ COMMANDS = {
     "inspect": ("inspect", "Look", "Say what a file holds, and whether it is whole."),
 }
 
+_THREADED = ("Models", "Data")
+"""Sections whose matrices are large. In the others threads would wait for each other twice as long as they work."""
+
 
 class LazyGroup(click.Group):
     """The commands of the table that start with `prefix`; a command's module is imported when it is called."""
@@ -88,9 +91,12 @@ class LazyGroup(click.Group):
         """Return the command or subgroup named `cmd_name`, or None."""
         if cmd_name not in self._entries():
             return None
-        module, _, short_help = self._entries()[cmd_name]
+        module, section, short_help = self._entries()[cmd_name]
         if module is None:
             return LazyGroup(cmd_name, prefix=f"{self.prefix}{cmd_name} ", help=short_help)
+        if section not in _THREADED:
+            # Read when NumPy is imported, which commands do.
+            os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
         return importlib.import_module(f"caricli.commands.{module}").command
 
     def format_commands(self, ctx, formatter):
@@ -150,7 +156,7 @@ def _report(error: BaseException, debug: bool, as_json: bool) -> int:
     if isinstance(error, BrokenPipeError):  # the reader of our output left; there is nobody to tell
         sys.stdout = open(os.devnull, "w")  # or the interpreter's own flush at exit would complain
         return 1
-    if isinstance(error, click.UsageError) and not as_json:
+    if isinstance(error, click.exceptions.NoArgsIsHelpError) and not as_json:
         error.show()
         return error.exit_code
     if isinstance(error, OSError) and error.errno == errno.EBADF:
@@ -170,11 +176,13 @@ def _kind_message_code(error: BaseException) -> tuple[str, str, int]:
     """Return the kind of failure for programs, the message for people, and the exit code."""
     match error:
         case CaricliError():
-            return type(error).__name__.removesuffix("Error").lower(), str(error), 1
+            code = 2 if isinstance(error, UsageError) else 1
+            return type(error).__name__.removesuffix("Error").lower(), str(error), code
         case click.exceptions.NoArgsIsHelpError():
             return "usage", "no command given; see --help", error.exit_code
         case click.UsageError():
-            return "usage", error.format_message(), error.exit_code
+            help_of = f"; see {error.ctx.command_path} --help" if error.ctx else ""
+            return "usage", error.format_message().strip().removesuffix(".") + help_of, error.exit_code
         case click.ClickException():
             return "failed", error.format_message(), error.exit_code
         case signals.Stopped():

@@ -5,11 +5,15 @@ from contextlib import contextmanager
 
 
 class CaricliError(Exception):
-    """Anything that caricli refuses or fails to do; the command line turns it into one line and exit code 1."""
+    """Anything that caricli refuses or fails to do; the command line turns it into one line and exit code 1, or 2."""
 
 
 class InputError(CaricliError):
     """An input is missing, unreadable, malformed, or does not fit what it is used with."""
+
+
+class UsageError(InputError):
+    """What was typed cannot be meant, whatever the files hold; the command line gives it exit code 2."""
 
 
 class OutputError(CaricliError):

@@ -135,6 +135,9 @@ def test_wrong_usage_is_2(args, expected):
     assert result.exit_code == 2
     assert result.stdout == ""
     assert expected in result.stderr
+    if not expected.startswith("Usage"):
+        assert result.stderr.startswith("caricli: error: ") and result.stderr.count("\n") == 1
+        assert f"; see caricli{' dataset' if args[0] == 'dataset' else ''} --help" in result.stderr
 
 
 @pytest.mark.parametrize("args", [["no-such-command"], ["--no-such-option"], [], ["dataset"]])

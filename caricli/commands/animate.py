@@ -4,6 +4,7 @@ from contextlib import ExitStack
 
 import click
 
+from caricli.commands.shared.notes import echo_result
 from caricli.commands.shared.options import PATH, FiniteRange, WholeRange, named, named_numbers, overwrite_option
 from caricli.errors import shown
 from caricli.io.image import write_png
@@ -83,10 +84,10 @@ def command(rig, weights, out, frames, kind, video, fps, source_fps, smooth, sca
     Where the names are the fifteen visemes (sil, PP, ... ou), or WEIGHTS are mouth cues of Rhubarb Lip Sync (JSON, TSV
     or XML, of its letters or of visemes), the face speaks: shapes run into each other, and lips close for p, b and m.
 
-    Names are bound by name; those that the rig lacks are listed. Weights are cut to 0 to 1, then scaled. The head turns
-    about the origin of the face frame: positive yaw to its own left, pitch down, roll to its right shoulder. A JSON
-    beside the GLB (GLB's name), or the video (its name and .json), says what was done; among the frames it is
-    animation.json.
+    Names are bound by name; those that the rig lacks are listed. Weights are cut to 0 to 1, mouthClose to what jawOpen
+    opens, then scaled. The head turns about the origin of the face frame: positive yaw to its own left, pitch down,
+    roll to its right shoulder. A JSON beside the GLB (GLB's name), or the video (its name and .json), says what was
+    done; among the frames it is animation.json.
 
     \b
     Example:
@@ -101,6 +102,7 @@ def command(rig, weights, out, frames, kind, video, fps, source_fps, smooth, sca
 
     if out is None and frames is None and video is None:
         raise click.UsageError("Give at least one of --out, --frames and --video.")
+    factors = named_numbers("--scale", scales, SCALE, "expression", (0, 3))
     first = out or video or frames
     # A video often lies beside a rig of its name, whose JSON is another.
     report_file = out.with_suffix(".json") if out else video and video.with_name(f"{video.name}.json")
@@ -109,7 +111,6 @@ def command(rig, weights, out, frames, kind, video, fps, source_fps, smooth, sca
     with ExitStack() as stack:
         temporary = dict(zip(files, stack.enter_context(staged(*files, **given)), strict=True)) if files else {}
         folder = stack.enter_context(staged_folder(frames, marker=REPORT, **given)) if frames else None
-        factors = named_numbers("--scale", scales, SCALE, "expression", (0, 3))
         settings = AnimationSettings(fps, smooth, factors, not no_head)
         performance = animate_rig(load_rig(rig), load_track(weights, source_fps, fps), settings)
         _write_moving(temporary.get(out), temporary.get(video), performance, view, size)
@@ -167,4 +168,4 @@ def _say(out, weights, performance):
         click.echo(f"{shown(weights)}: the rig lacks {shown(', '.join(unmatched), 400)}", err=True)
     counts = f"{len(performance.driven)} of {len(performance.rig.names)} expressions driven"
     frames = len(performance.animation.times)
-    click.echo(f"{shown(out)}: {frames} frames at {performance.fps:.4g} a second, {counts}")
+    echo_result(f"{shown(out)}: {frames} frames at {performance.fps:.4g} a second, {counts}")

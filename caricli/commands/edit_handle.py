@@ -18,7 +18,7 @@ from caricli.commands.shared.options import (
     subdivide_option,
 )
 from caricli.commands.shared.picture import picture_option
-from caricli.errors import InputError
+from caricli.errors import UsageError, shown
 from caricli.io.provenance import provenance
 
 SIZE = 320
@@ -79,12 +79,13 @@ def command(face, texts, file, pins, symmetric, out, norm, avoid, steps, baselin
     from caricli.store.faces import load_latent_face
     from caricli.store.handles import load_handles
 
+    asked = _asked(texts, file)
     drawing = load_drawing(model, levels, SIZE)
     settings = HandleSettings(norm=1 if norm == "l1" else 2)
     with staged_face(out, overwrite, (face, file, model), "pulling") as files:
         before, note = load_latent_face(face, drawing.model, anew=model is None)
         head = drawing.model.template.with_vertices(before.vertices)
-        handles = handle_points(_asked(texts) + load_handles(file), pins, head, symmetric)
+        handles = handle_points(asked + load_handles(file), pins, head, symmetric)
         start = time.perf_counter()
         edit = edit_handles(before, drawing.model, handles, settings, avoid)
         seconds = time.perf_counter() - start
@@ -96,13 +97,15 @@ def command(face, texts, file, pins, symmetric, out, norm, avoid, steps, baselin
     echo_result(f"{out}: {_summary(about)}", note)
 
 
-def _asked(texts):
-    """Pairs of a place and three lengths."""
+def _asked(texts, file):
+    """Pairs of a place and three lengths, as they were typed; where none were there must be a file."""
+    if not texts and file is None:
+        raise UsageError("give at least one --handle, or --handles")
     asked = []
     for text in texts:
         where, equals, lengths = text.partition("=")
-        if not equals:
-            raise InputError(f"--handle {text[:60]}: expected WHERE=DX,DY,DZ, such as nose_tip=0,0,5%")
+        if not equals or lengths.count(",") != 2:
+            raise UsageError(f"--handle {shown(text, 60)}: expected WHERE=DX,DY,DZ, such as nose_tip=0,0,5%")
         asked.append((where, lengths.split(",")))
     return asked
 

@@ -2,6 +2,7 @@
 
 import click
 
+from caricli.commands.shared.notes import echo_result
 from caricli.commands.shared.options import PATH, out_option, overwrite_option, pts_origin_option
 from caricli.errors import naming
 from caricli.io.image import write_png
@@ -57,4 +58,4 @@ def command(landmarks, to, out, map_path, pts_origin, overwrite):
         write_png(files[1], landmark_pair({other(to): marks.points[:COUNT], to: mapped}, SIZE))
     left_out = "" if len(marks.points) == COUNT else f" (the first of {len(marks.points)})"
     share = mean_shift(marks.points, mapped)
-    click.echo(f"{out}: {COUNT} landmarks{left_out} to {to}, moved by {share:.2f} % of their diagonal")
+    echo_result(f"{out}: {COUNT} landmarks{left_out} to {to}, moved by {share:.2f} % of their diagonal")

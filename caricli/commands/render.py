@@ -4,8 +4,9 @@ from itertools import chain
 
 import click
 
+from caricli.commands.shared.notes import echo_result
 from caricli.commands.shared.options import PATH, WholeRange, named, out_option, overwrite_option
-from caricli.errors import InputError, OutputError, shown
+from caricli.errors import InputError, UsageError, shown
 from caricli.io.face import read_face
 from caricli.io.image import read_image, write_png
 from caricli.io.outputs import staged
@@ -90,7 +91,7 @@ def command(paths, out, views, frames, size, columns, image, overwrite):
         else:
             picture = _overlay(read_face(paths[0]), paths[0], image)
             write_png(temporary, picture)
-    click.echo(f"{shown(out)}: {picture.shape[1]} x {picture.shape[0]} pixels, faces: {len(paths)}")
+    echo_result(f"{shown(out)}: {picture.shape[1]} x {picture.shape[0]} pixels, faces: {len(paths)}")
 
 
 def _check_use(count, film, views, frames, image):
@@ -121,7 +122,7 @@ def _draw(path, faces, names, settings):
 def _check_size(out, pictures, size):
     """Refuse a sheet that no reader would take."""
     if pictures * size * size > MAX_IMAGE_PIXELS:
-        raise OutputError(
+        raise UsageError(
             f"{shown(out)}: {pictures} pictures of {size} x {size} are more than {MAX_IMAGE_PIXELS} pixels "
             "together; give a smaller --size"
         )

@@ -5,6 +5,7 @@ from functools import partial
 import click
 
 from caricli.commands.shared.face_outputs import staged_face
+from caricli.commands.shared.notes import echo_result
 from caricli.commands.shared.options import (
     FACE_FILES,
     PATH,
@@ -82,7 +83,7 @@ def command(ctx, rig, drivers, out, out_dir, neutral, animation, fps, model, pts
             _write_animation(
                 files, retargeting, fps, provenance("retarget", [rig, neutral, *drivers], **about, fps=fps)
             )
-        click.echo(f"{shown(animation)}: {len(drivers)} frames at {fps:.4g} a second")
+        echo_result(f"{shown(animation)}: {len(drivers)} frames at {fps:.4g} a second")
 
     def retarget(path, target):
         row = loaded.row(path)

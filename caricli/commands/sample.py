@@ -5,6 +5,7 @@ from itertools import islice
 import click
 import numpy as np
 
+from caricli.commands.shared.notes import echo_result
 from caricli.commands.shared.options import (
     PATH,
     FiniteRange,
@@ -67,4 +68,4 @@ def command(out_dir, count, spread, seed, model, levels, overwrite):
         write_json(files[-1], provenance("sample", [], seed, **about))
     rejected = sum(row["rejected"] for row in rows)
     flipped = 100 * np.mean([row["flipped"] for row in rows])
-    click.echo(f"{out_dir}: {count} faces, {rejected} draws rejected, flipped triangles {flipped:.3f} %")
+    echo_result(f"{out_dir}: {count} faces, {rejected} draws rejected, flipped triangles {flipped:.3f} %")

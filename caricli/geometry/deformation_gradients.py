@@ -130,14 +130,17 @@ class DeformationGradients:
         rotations = rotation_matrices(features[:, :3])
         stretches = _stretches(features)
         planes = rotations @ (stretches @ self.tangents)
+        # By each of the nine features first: they are few, directions are many.
+        single = np.empty((self.count, 2, 3, directions.shape[-1]))
         # d exp(r) = [J_l(r) dr]_x exp(r), with the left Jacobian of the rotation group.
-        turns = np.einsum("vab,dvb->vad", _left_jacobians(features[:, :3]), directions[..., :3])
-        turned = np.cross(turns[:, :, None, :], planes[..., None], axis=1)
-        change = np.zeros((self.count, 3, 3, len(directions)))
-        for k, (a, b) in enumerate(_STRETCH):
-            change[:, a, b] = change[:, b, a] = directions[..., 3 + k].T
-        stretched = np.einsum("vab,vbcd,vct->vatd", rotations, change, self.tangents, optimize=True)
-        return np.swapaxes(planes, 1, 2), np.swapaxes(turned + stretched, 1, 2)
+        turns = _left_jacobians(features[:, :3])
+        single[..., :3] = np.swapaxes(np.cross(turns[:, :, None, :], planes[..., None], axis=1), 1, 2)
+        for k, (a, b) in enumerate(_STRETCH, 3):
+            change = np.zeros((3, 3))
+            change[a, b] = change[b, a] = 1
+            single[..., k] = np.swapaxes(rotations @ change @ self.tangents, 1, 2)
+        along = single.reshape(self.count, 6, -1) @ np.moveaxis(directions, 0, -1)
+        return np.swapaxes(planes, 1, 2), along.reshape(self.count, 2, 3, -1)
 
     def maps_to_vertices(self, maps: np.ndarray) -> np.ndarray:
         """The shape whose one-ring maps are nearest to the given ones, its centroid at the origin.

@@ -5,11 +5,11 @@ import math
 import re
 import types
 import typing
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, TypeVar
 
-from caricli.errors import InputError, shown
+from caricli.errors import InputError, UsageError, shown
 from caricli.io.files import read_text
 from caricli.io.parse_number import parse_number, parse_whole
 from caricli.limits import MAX_CONFIG_BYTES, MAX_CONFIG_DEPTH
@@ -25,7 +25,7 @@ _NUMBERS: dict[str, Callable[[str], float]] = {
 }
 
 
-def read_config(path: str | Path | None, cls: type[Settings], overrides: Iterable[str] = ()) -> Settings:
+def read_config(path: str | Path | None, cls: type[Settings], overrides: Sequence[str] = ()) -> Settings:
     """Read settings.
 
     path: a YAML file, or None for the defaults. cls: a dataclass whose fields are bool, int, float, str, list[T],
@@ -33,7 +33,7 @@ def read_config(path: str | Path | None, cls: type[Settings], overrides: Iterabl
     value in YAML.
     Returns an instance of cls.
     Raises InputError for tags, anchors, duplicate or unknown keys, a wrong type, a number that is not finite, a missing
-    field, or a value that the class refuses with ValueError.
+    field, or a value that the class refuses with ValueError; of these UsageError where it is an override's.
     """
     name = shown(path) if path is not None else "settings"
     values = {} if path is None else _read_values(path)
@@ -43,7 +43,7 @@ def read_config(path: str | Path | None, cls: type[Settings], overrides: Iterabl
     for override in overrides:
         key, separator, text = override.partition("=")
         if not separator:
-            raise InputError(f"expected key=value, found {shown(override, 60)!r}")
+            raise UsageError(f"expected key=value, found {shown(override, 60)!r}")
         settings[key] = _override(key, text, hints)
     for key, field in fields.items():
         required = field.default is dataclasses.MISSING and field.default_factory is dataclasses.MISSING
@@ -52,7 +52,8 @@ def read_config(path: str | Path | None, cls: type[Settings], overrides: Iterabl
     try:
         return cls(**settings)
     except ValueError as error:
-        raise InputError(f"{name}: {shown(error, 200)}") from error
+        kind = UsageError if overrides else InputError
+        raise kind(f"{name}: {shown(error, 200)}") from error
 
 
 def read_yaml(path: str | Path) -> Any:
@@ -88,7 +89,10 @@ def _override(key: str, text: str, hints: dict[str, Any]) -> Any:
     name = f"{shown(key, 60)}={shown(text, 60)}"
     if hints.get(key) is str:
         return text
-    return _setting(key, _parse(text, name) if text else "", hints, name)
+    try:
+        return _setting(key, _parse(text, name) if text else "", hints, name)
+    except InputError as error:
+        raise UsageError(str(error)) from error
 
 
 def _parse(text: str, name: str) -> Any:

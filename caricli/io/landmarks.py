@@ -86,33 +86,39 @@ def _points_from_npy(data: bytes, path: str | Path) -> np.ndarray:
 
 
 def _points_from_json(value: Any) -> np.ndarray:
-    if not isinstance(value, dict) or value.get("schema") != SCHEMA:
-        schema = value.get("schema") if isinstance(value, dict) else "a list"
-        raise InputError(f"expected the schema {SCHEMA!r}, found {shown(schema, 60)!r}")
+    if not isinstance(value, dict):
+        raise InputError(f"expected landmarks as an object of the schema {SCHEMA!r}, found a list")
+    if value.get("schema") != SCHEMA:
+        raise InputError(f"expected the schema {SCHEMA!r}, found {_given(value.get('schema'))}")
     unknown = set(value) - {"schema", "scheme", "image", "points"}
     if unknown:
         raise InputError(f"expected schema, scheme, image and points, found {shown(min(unknown), 60)!r}")
     entries = value.get("points")
     if not isinstance(entries, list):
-        raise InputError(f"expected points to be a list, found {shown(entries, 60)!r}")
+        raise InputError(f"expected points to be a list, found {_given(entries)}")
     if len(entries) in SCHEMES and value.get("scheme") != SCHEMES[len(entries)]:
         expected = f"the scheme {SCHEMES[len(entries)]!r} for {len(entries)} points"
-        raise InputError(f"expected {expected}, found {shown(value.get('scheme'), 60)!r}")
+        raise InputError(f"expected {expected}, found {_given(value.get('scheme'))}")
     points = np.full((len(entries), 2), np.nan)
     for k, entry in enumerate(entries):
         if entry is None:
             continue
         if not (isinstance(entry, list) and len(entry) == 2 and all(_is_number(x) for x in entry)):
-            raise InputError(f"point {k}: expected [x, y] or null, found {shown(entry, 60)!r}")
+            raise InputError(f"point {k}: expected [x, y] or null, found {_given(entry)}")
         points[k] = entry
     return points
+
+
+def _given(value: Any) -> str:
+    """A value of the file as messages show it."""
+    return "none" if value is None else shown(repr(value), 60)
 
 
 def _image_size(image: Any) -> tuple[int, int] | None:
     if image is None:
         return None
     if not isinstance(image, dict) or set(image) != {"width", "height"}:
-        raise InputError(f"expected an image with width and height, found {shown(image, 60)!r}")
+        raise InputError(f"expected an image with width and height, found {_given(image)}")
     size = (image["width"], image["height"])
     if not all(type(side) is int and 1 <= side <= _MAX_IMAGE_SIDE for side in size):
         raise InputError(f"expected an image size in whole pixels, found {shown(size, 60)}")

@@ -45,7 +45,7 @@ def staged(
     """
     required = len(paths)
     paths = (*paths, *optional)
-    finals = [_checked_file(path, overwrite, inputs) for path in paths]
+    finals = [_checked_file(path, overwrite, inputs, paths[0]) for path in paths]
     for k, final in enumerate(finals):
         if final in finals[:k]:
             raise OutputError(f"{shown(paths[k])}: expected different outputs, found the same one twice")
@@ -150,13 +150,16 @@ def _write_errors(paths: Sequence[str | Path]) -> Iterator[None]:
         raise type(error)(_STAGING_FOLDER.sub("", str(error))) from error
 
 
-def _resolved(path: str | Path, inputs: Iterable[Path | None]) -> Path:
+def _resolved(path: str | Path, inputs: Iterable[Path | None], asked: str | Path | None = None) -> Path:
+    """Where a path leads, which must be no input. asked: the output that this one goes beside, or None."""
+    follows = asked is not None and path != asked and Path(path).name.startswith(Path(asked).stem)
+    beside = f"; it goes beside {shown(asked)}: give that another name" if follows else ""
     try:
         final = Path(os.path.realpath(path))
         with writing(path):
             for source in inputs:
                 if source is not None and (final == Path(os.path.realpath(source)) or _same(final, source)):
-                    raise OutputError(f"{shown(path)}: expected an output, found one of the inputs")
+                    raise OutputError(f"{shown(path)}: expected an output, found one of the inputs{beside}")
     except ValueError as error:
         raise OutputError(f"{shown(path)}: expected a path, found {shown(error)}") from error
     return final
@@ -174,8 +177,10 @@ def _is_there(final: Path) -> bool:
     return final.exists() or final.is_symlink()
 
 
-def _checked_file(path: str | Path, overwrite: bool, inputs: Iterable[Path | None]) -> Path:
-    final = _resolved(path, inputs)
+def _checked_file(
+    path: str | Path, overwrite: bool, inputs: Iterable[Path | None], asked: str | Path | None = None
+) -> Path:
+    final = _resolved(path, inputs, asked)
     with writing(path):
         if _is_there(final):
             if not final.is_file():

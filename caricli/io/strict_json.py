@@ -49,6 +49,11 @@ def parse_json(data: bytes, name: object) -> Any:
             json.dumps(value, ensure_ascii=False).encode("utf-8")
     except UnicodeEncodeError:
         raise InputError(f"{shown(name)}: expected strict JSON, found half of a surrogate pair") from None
+    except json.JSONDecodeError as error:
+        rest = text[error.pos :].strip()
+        given = repr(shown(rest, 20)) if rest else "the end of the file"
+        where = f"line {error.lineno}, column {error.colno}"
+        raise InputError(f"{shown(name)}: {where}: expected strict JSON, found {given} ({error.msg})") from None
     except (ValueError, RecursionError) as error:
         raise InputError(f"{shown(name)}: expected strict JSON, found {shown(error, 120)}") from None
     return value

@@ -1,8 +1,10 @@
 """Shape models to plain tensors with a description, and back."""
 
 import hashlib
+import json
 from collections.abc import Mapping
 from typing import Any
+from weakref import WeakValueDictionary
 
 import numpy as np
 
@@ -47,7 +49,7 @@ def model_from_checkpoint(tensors: Mapping[str, np.ndarray], metadata: Mapping[s
         for name, value in tensors.items():
             refuse(number_problem(shown(name, 60), value))
     try:
-        template = _template(tensors, metadata["annotation"], where)
+        template = _shared_template(tensors, metadata["annotation"], where)
         own = {name.removeprefix("model."): value for name, value in tensors.items() if name.startswith("model.")}
         model = model_class(kind).from_tensors(template, own, model_id(kind, own))
     except KeyError as error:
@@ -63,9 +65,30 @@ def model_id(kind: str, tensors: Mapping[str, np.ndarray]) -> str:
     """SHA-256 of a model's own tensors: the same for the file and for the model in memory."""
     digest = hashlib.sha256(kind.encode())
     for name in sorted(tensors):
-        value = tensors[name].astype("<f4")
-        digest.update(f"{name}{value.shape}".encode() + value.tobytes())
+        value = np.ascontiguousarray(tensors[name], "<f4")
+        digest.update(f"{name}{np.shape(tensors[name])}".encode())
+        digest.update(value.data)
     return digest.hexdigest()
+
+
+_templates: WeakValueDictionary[str, Template] = WeakValueDictionary()
+"""Those of the models that are in use, by what they are made of."""
+
+
+def _shared_template(tensors: Mapping[str, np.ndarray], annotation: Any, where: object) -> Template:
+    """The Template of a model; models of the same one share it, and what is factored for it."""
+    digest = hashlib.sha256(json.dumps(annotation).encode())
+    for name in sorted(tensors):
+        if name.startswith("template."):
+            value = np.ascontiguousarray(tensors[name])
+            digest.update(f"{name}{value.shape}{value.dtype}".encode())
+            digest.update(value.data)
+    key = digest.hexdigest()
+    template = _templates.get(key)
+    if template is None:
+        template = _template(tensors, annotation, where)
+        _templates[key] = template
+    return template
 
 
 def _template(tensors: Mapping[str, np.ndarray], annotation: Any, where: object) -> Template:

@@ -13,6 +13,7 @@ from caricli.io import cues, directions, face, landmarks, rig, track
 from caricli.io.bundled import asset_path
 from caricli.io.checkpoint import read_checkpoint
 from caricli.io.files import content_kind, read_start
+from caricli.io.gltf.read_clips import read_clips
 from caricli.io.gltf.read_gltf import read_gltf, read_gltf_mesh
 from caricli.io.image import read_image
 from caricli.io.mesh import ANY_MESH, is_mesh_file, read_mesh
@@ -22,7 +23,7 @@ from caricli.io.obj import read_obj
 from caricli.io.ply import read_ply
 from caricli.io.stl import read_stl
 from caricli.io.strict_json import read_json
-from caricli.methods.inspect.inspection import Acquaintances
+from caricli.methods.inspect.inspection import Acquaintances, Animated
 from caricli.models.checkpoint import model_from_checkpoint
 from caricli.models.kinds import KINDS
 from caricli.models.landmark_map.model import SCHEMA as LANDMARK_MAP_SCHEMA
@@ -133,10 +134,12 @@ def _read_arrays(path: Path) -> Any:
 
 
 def _read_gltf(path: Path) -> Any:
-    """A Rig where there are shapes or eyes, else the Mesh of the scene."""
+    """A Rig where there are shapes or eyes, else the Mesh of the scene; Animated where it moves."""
     content = read_gltf(path)
     is_rig = bool(content.names) or Material.EYE in content.triangle_materials
-    return content if is_rig else read_gltf_mesh(path)
+    still = content if is_rig else read_gltf_mesh(path)
+    clips = read_clips(path)
+    return Animated(still, clips) if clips else still
 
 
 def _read_weights_of_model(path: Path) -> Any:

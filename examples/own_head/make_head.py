@@ -15,6 +15,8 @@ from pathlib import Path
 
 import numpy as np
 import scipy.sparse as sp
+from rich.console import Console
+from rich.progress import track
 from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
@@ -260,7 +262,8 @@ def write_head(folder: Path, people: int, acting: int, levels: int, seed: int) -
     write("expressions/neutral.obj", own.neutral)
     for name, shape in own.expressions(own.neutral).items():
         write(f"expressions/{name}.obj", shape)
-    for number in range(people):
+    bar = Console(stderr=True)
+    for number in track(range(people), "people", console=bar, transient=True, disable=not bar.is_terminal):
         person = f"person{number:03d}"
         neutral = own.person(generator)
         faces = {"neutral": neutral}
@@ -283,4 +286,8 @@ if __name__ == "__main__":
     parser.add_argument("--levels", type=int, default=1)
     parser.add_argument("--seed", type=int, default=0)
     chosen = parser.parse_args()
-    write_head(chosen.folder, chosen.people, chosen.acting, chosen.levels, chosen.seed)
+    head = write_head(chosen.folder, chosen.people, chosen.acting, chosen.levels, chosen.seed)
+    given = (
+        f"{chosen.people} people in meshes, {len(head.expressions(head.neutral))} expressions, annotation.json for both"
+    )
+    print(f"{chosen.folder}: {given}, {len(head.fine(head.neutral))} vertices each, in centimetres")

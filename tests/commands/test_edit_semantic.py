@@ -95,17 +95,17 @@ def test_the_labels_are_listed(run, pca):
 def test_bad_input_is_one_line_and_leaves_nothing(refused, smile, models, directions, pca, ball, run, tmp_path):
     out = tmp_path / "new" / "a.obj"
 
-    def check(*words, face=smile, label="Smile=1", options=pca):
-        said = refused("edit-semantic", face, "--label", label, "--out", out, *options)
+    def check(*words, face=smile, label="Smile=1", options=pca, code=1):
+        said = refused("edit-semantic", face, "--label", label, "--out", out, *options, code=code)
         assert all(word in said for word in words), said
 
     check("label 'Smlie'", "did you mean 'Smile'", label="Smlie=1")
     check("label 'nose'", "did you mean", options=(*pca, "--keep", "nose"))
     for text in ("Smile", "Smile=", "Smile=much", "Smile=nan", "Smile=-inf"):
-        check("NAME=STRENGTH", label=text)
-    check("label ''", label="=1")
+        check("NAME=STRENGTH", label=text, code=2)
+    check("label ''", label="=1", code=2)
     check("strength of at most", label="Smile=1e9")
-    check("every label once", options=(*pca, "--label", "Smile=2"))
+    check("every label once", options=(*pca, "--label", "Smile=2"), code=2)
     check("cannot change while Smile is kept", options=(*pca, "--keep", "Smile"))
     check("none.npz", face=tmp_path / "none.npz")
     check("none.npz", options=("--model", models["pca"], "--directions", tmp_path / "none.npz"))

@@ -12,7 +12,7 @@ from caricli.io.rig import write_rig
 from caricli.io.strict_json import write_json
 from caricli.io.track import write_weights
 from caricli.store.models import load_model
-from caricli.structures import Camera, Face, Mesh, Rig, Track
+from caricli.structures import Animation, Camera, Face, Mesh, Rig, Track
 from caricli.structures.arkit import ARKIT_NAMES
 
 COMMAND = "inspect"
@@ -89,11 +89,25 @@ def test_a_rig(inspect, rig, suffix, tmp_path):
     assert report["shapes"][0].keys() == {"name", "largest", "moved", "flipped"}
 
 
+@pytest.mark.parametrize("shapes", [52, 0])
+def test_animations(inspect, rig, shapes, tmp_path):
+    path = tmp_path / "moving.glb"
+    still = Rig(rig.names[:shapes], rig.mesh, rig.deltas[:shapes])
+    turns = np.tile([0.0, 0, 0, 1], (31, 1))
+    write_gltf(path, still, animation=Animation(np.arange(31) / 20, np.zeros((31, shapes)), turns))
+    lines, report = inspect(path)
+    assert "animation 'animation': 1.5 s, 31 frames" in lines
+    assert report["animations"] == [{"name": "animation", "length": 1.5, "frames": 31}]
+    assert report["kind"] == ("rig" if shapes else "mesh")
+
+
 def test_names_that_are_not_arkits(inspect, ball, tmp_path):
     vertices, faces = ball
     deltas = np.zeros((3, 300, 3), np.float32)
     deltas[:, :40, 1] = 0.01
     small = Mesh((0.1 * vertices).astype(np.float32), faces)
+    write_gltf(tmp_path / "a.glb", Rig(("cheekPuff", "cheekPuff_L", "extra"), small, deltas))
+    assert "cheekPuff_L: a part of cheekPuff, which is there" in inspect(tmp_path / "a.glb")[0]
     write_gltf(tmp_path / "a.glb", Rig(("jawOpen", "tongue_out", "extra"), small, deltas))
     lines, report = inspect(tmp_path / "a.glb")
     assert "tongue_out: ARKit spells it tongueOut" in lines and "extra: no ARKit name" in lines

@@ -65,6 +65,6 @@ def test_bad_input_is_refused(refused, points, marks, tmp_path, name):
 def test_another_suffix_is_refused_though_the_file_is_there(refused, marks, tmp_path):
     out = tmp_path / "mapped.foo"
     out.write_text("mine")
-    line = refused("map-landmarks", marks, "--to", "normal", "--out", out, "--overwrite")
+    line = refused("map-landmarks", marks, "--to", "normal", "--out", out, "--overwrite", code=2)
     assert f"{out}: expected a name that ends in .json" in line
     assert out.read_text() == "mine"

@@ -169,7 +169,7 @@ def failure(*args):
 def test_an_overlay_needs_a_camera(obj, tmp_path):
     write_png(tmp_path / "photo.png", np.zeros((9, 9, 3), np.uint8))
     code, said = failure(obj, "-o", tmp_path / "over.png", "--image", tmp_path / "photo.png")
-    assert code == 1 and "head.obj" in said and "camera" in said
+    assert code == 2 and "head.obj" in said and "camera" in said
     assert not (tmp_path / "over.png").exists()
 
 
@@ -180,9 +180,9 @@ def test_refuses_what_exists_what_is_missing_and_what_is_too_much(obj, tmp_path)
     assert code == 1 and "--overwrite" in said and out.read_text() == "mine"
     assert failure(tmp_path / "none.obj", "-o", tmp_path / "y.png")[0] == 1
     code, said = failure(obj, "-o", obj, "--overwrite")
-    assert code == 1 and "head.obj" in said
+    assert code == 2 and "head.obj" in said
     code, said = failure(obj, "-o", tmp_path / "y.png", "--size", 4096, "--views", "turntable", "--frames", 360)
-    assert code == 1 and "--size" in said
+    assert code == 2 and "--size" in said
     assert not (tmp_path / "y.png").exists()
     assert run(obj, "-o", out, "--size", 16, "--overwrite").exit_code == 0
     assert read_image(out).ndim == 3

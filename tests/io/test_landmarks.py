@@ -112,7 +112,7 @@ JSON_CASES = [
     (as_json(circle(), scheme="wflw"), "expected the scheme 'ibug68' for 68 points, found 'wflw'"),
     (as_json(circle(), extra=1), "found 'extra'"),
     (as_json(circle(), points={}), "expected points to be a list"),
-    (as_json(circle(), points=with_point(5, [1])), r"point 5: expected \[x, y\] or null, found '\[1\]'"),
+    (as_json(circle(), points=with_point(5, [1])), r"point 5: expected \[x, y\] or null, found \[1\]"),
     (as_json(circle(), points=with_point(5, ["1", 2])), "point 5: expected"),
     (as_json(circle(), points=with_point(5, [True, 2])), "point 5: expected"),
     (as_json(circle(), points=with_point(5, [None, 2])), "point 5: expected"),
@@ -129,7 +129,8 @@ JSON_CASES = [
     (as_json(circle(), image={"width": True, "height": 5}), "expected an image size in whole pixels"),
     (as_json(circle(), image={"width": 5}), "expected an image with width and height"),
     (as_json(circle(), image=[200, 300]), "expected an image with width and height"),
-    ("[]", "found 'a list'"),
+    ("[]", "found a list"),
+    (as_json(circle(), schema=None), "expected the schema 'caricli.landmarks/1', found none"),
     ("{}", "expected the schema"),
     ('{"schema": 1, "schema": 2}', "twice"),
 ]

@@ -132,6 +132,14 @@ def test_an_output_is_never_an_input(tmp_path, name):
     assert source.read_text() == "precious"
 
 
+def test_what_goes_beside_an_output_is_never_an_input(tmp_path):
+    source = tmp_path / "moods.json"
+    source.write_text("precious")
+    said = r"moods.json: .*found one of the inputs; it goes beside \S*moods.npz: give that another name"
+    with pytest.raises(OutputError, match=said), staged(tmp_path / "moods.npz", source, inputs=[source]):
+        raise AssertionError("the body must not run")
+
+
 def test_other_inputs_do_not_disturb(tmp_path):
     (tmp_path / "in.obj").write_text("in")
     with staged(tmp_path / "out.obj", inputs=[tmp_path / "in.obj", tmp_path / "missing"]) as (temporary,):

@@ -219,6 +219,15 @@ def test_the_head_is_extracted_once(extraction, tmp_path, capfd):
     assert capfd.readouterr() == ("", "")
 
 
+def test_somebody_at_a_terminal_is_told_of_the_wait(extraction, monkeypatch, capsys):
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
+    load()
+    told = capsys.readouterr()
+    assert told.out == "" and told.err.count("\n") == 1 and "a minute or two" in told.err
+    load()
+    assert capsys.readouterr().err == ""
+
+
 def test_a_process_keeps_the_head_it_has_loaded(extraction):
     load_head.cache_clear()
     try:

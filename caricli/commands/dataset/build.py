@@ -2,6 +2,7 @@
 
 import click
 
+from caricli.commands.shared.notes import echo_result
 from caricli.commands.shared.options import PATH, WholeRange, overwrite_option, seed_option, workers_option
 from caricli.io.outputs import staged_folder
 
@@ -51,4 +52,4 @@ def command(out, count, identities, expressions, levels, albedos, albedo_size, s
     settings = BuildSettings(count, identities, expressions, levels, seed)
     with staged_folder(out, overwrite=overwrite, marker="dataset.json") as temporary, progress_bar("meshes") as report:
         summary = build_dataset(temporary, settings, workers, report, albedos, albedo_size)
-    click.echo(f"{out}: {summary['meshes']} meshes, flipped triangles {100 * summary['flipped']:.3f} %")
+    echo_result(f"{out}: {summary['meshes']} meshes, flipped triangles {100 * summary['flipped']:.3f} %")

@@ -2,6 +2,7 @@
 
 import click
 
+from caricli.commands.shared.notes import echo_result
 from caricli.commands.shared.options import PATH, overwrite_option, seed_option
 from caricli.io.outputs import staged_folder
 
@@ -48,4 +49,4 @@ def command(obj_dir, out, annotation, labels, unit, seed, overwrite):
         progress_bar("meshes") as report,
     ):
         summary = import_dataset(obj_dir, temporary, annotation, labels, ImportSettings(unit, seed), report)
-    click.echo(f"{out}: {summary.describe()}")
+    echo_result(f"{out}: {summary.describe()}")

@@ -3,6 +3,7 @@
 import click
 import numpy as np
 
+from caricli.commands.shared.notes import echo_result
 from caricli.commands.shared.options import PATH, WholeRange, out_option, overwrite_option, seed_option
 from caricli.io.image import write_png
 from caricli.io.outputs import staged
@@ -34,6 +35,6 @@ def command(dataset, out, faces, size, seed, overwrite):
         with staged(out, overwrite=overwrite, inputs=dataset_files(dataset)) as (temporary,):
             sheet = dataset_sheet(data.vertices, data.template, faces, size, np.random.default_rng(seed))
             write_png(temporary, sheet)
-        click.echo(f"{out}: {min(faces, len(data.vertices))} meshes drawn")
+        echo_result(f"{out}: {min(faces, len(data.vertices))} meshes drawn")
     for line in summarise_dataset(data):
         click.echo(line)

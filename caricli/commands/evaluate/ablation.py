@@ -6,6 +6,7 @@ from typing import Any
 
 import click
 
+from caricli.commands.shared.notes import echo_result
 from caricli.commands.shared.options import (
     config_option,
     data_option,
@@ -14,6 +15,7 @@ from caricli.commands.shared.options import (
     overwrite_option,
     set_option,
 )
+from caricli.errors import shown
 from caricli.io.config import read_config
 from caricli.io.image import write_png
 from caricli.io.outputs import staged_folder, write_bytes
@@ -64,6 +66,7 @@ def command(dataset, out, config, overrides, device, overwrite):
         rows = list(evaluate_ablation(data.template, meshes, settings, report))
         _write(folder, rows, recipe | {"meshes": len(meshes.shapes), "unseen": len(meshes.unseen)})
     print_table(_COLUMNS, map(_cells, rows))
+    echo_result(f"{shown(out)}: {len(rows)} networks")
 
 
 def _write(folder: Path, rows: list, recipe: dict) -> None:

@@ -1,14 +1,15 @@
 """caricli evaluate blendshapes: how near the expressions of caricatures come to true ones, method by method."""
 
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import click
 
-from caricli.commands.shared.notes import echo_notes
+from caricli.commands.shared.notes import echo_notes, echo_result
 from caricli.commands.shared.options import PATH, WholeRange, data_option, out_option, overwrite_option, seed_option
 from caricli.commands.shared.tables import number, print_table
-from caricli.errors import naming
+from caricli.errors import naming, shown
 from caricli.io.image import write_png
 from caricli.io.outputs import staged_folder
 from caricli.io.provenance import provenance
@@ -85,7 +86,7 @@ def command(dataset, out, count, everyone, given, faces, seed, overwrite):
         recipe = provenance("evaluate blendshapes", [dataset / "dataset.json", *faces], seed, given=given)
         write_json(folder / "blendshapes.json", recipe | unseen.figures | tally.summary)
         write_png(folder / "blendshapes.png", sheet.image)
-    _print(tally, unseen.note)
+    _print(out, tally, unseen.note)
 
 
 def _evaluate(caricatures: list, given: str, seed: int, sheet: Any) -> Any:
@@ -110,7 +111,7 @@ def _add_drawings(sheet: Any, drawings: dict) -> None:
         sheet.add_face(name, face, pictures.load())
 
 
-def _print(tally: Any, note: str | None) -> None:
+def _print(out: Path, tally: Any, note: str | None) -> None:
     """Print a ComparisonTally: means by method, then errors by expression, and on stderr what else is to be said."""
     echo_notes(note)
     means = tally.means
@@ -126,3 +127,4 @@ def _print(tally: Any, note: str | None) -> None:
         if row["of"]
     ]
     print_table(("error % of", *rivals, "full nearest"), rows, "expressions")
+    echo_result(f"{shown(out)}: {len(tally.caricatures)} caricatures")

@@ -5,7 +5,7 @@ from typing import Any
 import click
 import numpy as np
 
-from caricli.commands.shared.notes import echo_notes
+from caricli.commands.shared.notes import echo_notes, echo_result
 from caricli.commands.shared.options import (
     PATH,
     FiniteRange,
@@ -17,7 +17,7 @@ from caricli.commands.shared.options import (
     seed_option,
 )
 from caricli.commands.shared.tables import number, print_table
-from caricli.errors import naming
+from caricli.errors import naming, shown
 from caricli.io.image import write_png
 from caricli.io.outputs import staged_folder
 from caricli.io.provenance import provenance
@@ -97,6 +97,7 @@ def command(dataset, out, count, noise, pictures, pts_origin, seed, overwrite):
         write_png(folder / "portrait.png", sheet)
     echo_notes(unseen.note)
     _print(tally)
+    echo_result(f"{shown(out)}: {sum(tally.count(group) for group in tally.means)} portraits")
 
 
 def _evaluate(sets: dict, models: dict) -> tuple[Any, np.ndarray]:

@@ -7,9 +7,9 @@ from typing import Any
 
 import click
 
-from caricli.commands.shared.notes import echo_notes
+from caricli.commands.shared.notes import echo_notes, echo_result
 from caricli.commands.shared.options import PATH, WholeRange, data_option, each_bundled, overwrite_option
-from caricli.errors import naming
+from caricli.errors import naming, shown
 from caricli.io.outputs import staged
 from caricli.io.provenance import provenance
 from caricli.io.strict_json import write_json
@@ -57,6 +57,8 @@ def command(models, dataset, out, count, overwrite):
             write_json(temporary, recipe | unseen.figures | {"models": results})
     echo_notes(unseen.note)
     print_table(("model", "kind", "D", *(f"{split} mm (%)" for split in SPLITS), "test latent rms"), rows)
+    if out:
+        echo_result(f"{shown(out)}: {len(rows)} models")
 
 
 def _of_mesh(path: Path, data: Any) -> Any:

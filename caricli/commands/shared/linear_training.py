@@ -6,8 +6,9 @@ from pathlib import Path
 
 import click
 
+from caricli.commands.shared.notes import echo_result
 from caricli.commands.shared.options import config_option, data_option, out_option, overwrite_option, set_option
-from caricli.errors import InputError
+from caricli.errors import UsageError
 from caricli.io.config import read_config
 from caricli.io.outputs import staged
 from caricli.io.provenance import provenance
@@ -41,7 +42,7 @@ def train_and_write(
     from caricli.store.datasets import dataset_files
 
     if out.suffix != ".safetensors":
-        raise InputError(f"{out}: expected a name that ends in .safetensors")
+        raise UsageError(f"{out}: expected a name that ends in .safetensors")
     settings = read_config(config, config_class(kind), overrides)
     inputs = (dataset, config, *dataset_files(dataset))
     with (
@@ -55,4 +56,4 @@ def train_and_write(
         write_checkpoint(model_file, *training.checkpoint)
         write_json(report_file, recipe | training.figures)
     dimensions = len(training.model.prior.mean)
-    click.echo(f"{out}: {dimensions} dimensions, {shape_errors(training.errors)}")
+    echo_result(f"{out}: {dimensions} dimensions, {shape_errors(training.errors)}")

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import click
 
-from caricli.errors import InputError, OutputError
+from caricli.errors import UsageError, shown
 from caricli.io.parse_number import parse_number, parse_whole
 
 PATH = click.Path(path_type=Path)
@@ -47,7 +47,7 @@ def named(*suffixes: str) -> Callable:
     def check(ctx, param, value):
         # A folder has its own refusal.
         if value is not None and value.suffix.lower() not in suffixes and not value.is_dir():
-            raise OutputError(f"{value}: expected a name that ends in {' or '.join(suffixes)}")
+            raise UsageError(f"{shown(value)}: expected a name that ends in {' or '.join(suffixes)}")
         return value
 
     return check
@@ -76,7 +76,7 @@ def named_numbers(
 
     option: as it is typed. texts: its values. expected: what a message says of their form, with an example. noun: what
     the names are names of. limits: smallest and largest number, or None for any.
-    Raises InputError for another form, another number, and a name that is there twice.
+    Raises UsageError for another form, another number, and a name that is there twice.
     """
     numbers = {}
     for text in texts:
@@ -84,14 +84,14 @@ def named_numbers(
         try:
             number = parse_number(value)
         except ValueError:
-            raise InputError(f"{option} {text}: expected {expected}") from None
+            raise UsageError(f"{option} {text}: expected {expected}") from None
         if not name:
-            raise InputError(f"{option} {text}: expected {expected}, found the {noun} ''")
+            raise UsageError(f"{option} {text}: expected {expected}, found the {noun} ''")
         if limits is not None and not limits[0] <= number <= limits[1]:
-            raise InputError(f"{option} {text}: expected {expected}")
+            raise UsageError(f"{option} {text}: expected {expected}")
         numbers[name] = number
     if len(numbers) < len(texts):
-        raise InputError(f"{option}: expected every {noun} once, found {' '.join(texts)}")
+        raise UsageError(f"{option}: expected every {noun} once, found {' '.join(texts)}")
     return numbers
 
 

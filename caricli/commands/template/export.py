@@ -2,6 +2,7 @@
 
 import click
 
+from caricli.commands.shared.notes import echo_result
 from caricli.commands.shared.options import PATH, WholeRange, named_mesh, overwrite_option
 from caricli.io.image import write_png
 from caricli.io.outputs import staged
@@ -44,4 +45,4 @@ def command(out, open_mouth, sheet, size, overwrite):
         write_mesh(mesh, template)
         for picture in pictures:
             write_png(picture, uv_sheet(template, size))
-    click.echo(f"{out}: {len(template.vertices)} vertices, {len(template.polygons)} polygons")
+    echo_result(f"{out}: {len(template.vertices)} vertices, {len(template.polygons)} polygons")

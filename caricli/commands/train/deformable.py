@@ -4,6 +4,7 @@ from dataclasses import asdict
 
 import click
 
+from caricli.commands.shared.notes import echo_result
 from caricli.commands.shared.options import (
     PATH,
     config_option,
@@ -68,4 +69,4 @@ def command(dataset, out, config, overrides, resume, device, template, overwrite
         if run.writes:
             with progress_bar("measuring") as progress:
                 errors = run.finish(data, progress)
-            click.echo(f"{out / MODEL}: {shape_errors(errors)}")
+            echo_result(f"{out / MODEL}: {shape_errors(errors)}")

@@ -4,6 +4,7 @@ from dataclasses import asdict
 
 import click
 
+from caricli.commands.shared.notes import echo_result
 from caricli.commands.shared.options import (
     config_option,
     data_option,
@@ -57,7 +58,7 @@ def command(dataset, out, config, overrides, seed, overwrite):
             training = train_landmark_map(data, settings, seed, recipe, progress_bar)
         write_checkpoint(files[0], *training.checkpoint)
         write_json(files[1], recipe | training.figures | {"epochs": training.epochs})
-    click.echo(f"{out}: {_summary(training.figures)}")
+    echo_result(f"{out}: {_summary(training.figures)}")
 
 
 def _summary(figures: dict) -> str:

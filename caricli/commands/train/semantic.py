@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import click
 
+from caricli.commands.shared.notes import echo_result
 from caricli.commands.shared.options import (
     WholeRange,
     data_option,
@@ -64,4 +65,4 @@ def command(dataset, out, model, wanted, count, seed, overwrite):
     print_directions(learnt)
     for name, reason in skipped.items():
         click.echo(f"{name}: left out, {reason}", err=True)
-    click.echo(f"{out}: {len(learnt.names)} labels from {learnt.count} meshes")
+    echo_result(f"{out}: {len(learnt.names)} labels from {learnt.count} meshes")

@@ -14,6 +14,7 @@ from caricli.methods.animate.resample_weights import resample_weights
 from caricli.methods.animate.smooth_weights import smooth_weights
 from caricli.methods.animate.turn_head import turn_head
 from caricli.structures import Animation, Rig, Track
+from caricli.structures.arkit import STARTS
 
 
 @dataclass(frozen=True)
@@ -73,7 +74,7 @@ class Performance:
         return {
             "fps": self.fps,
             "frames": len(self.animation.times),
-            "seconds": float(self.animation.times[-1]),
+            "length": float(self.animation.times[-1]),
             "smooth": self.settings.smooth,
             "scale": self.settings.scales,
             "head": self.animation.rotations is not None,
@@ -93,6 +94,8 @@ def animate_rig(
 ) -> Performance:
     """Move a rig by a track: weights are smoothed, resampled, bound by name, cut to 0 to 1, then scaled.
 
+    What only means something on top of another action goes no further than that: ``mouthClose`` undoes what ``jawOpen``
+    opens, and alone would pull the chin over the lips.
     Raises InputError when a scaled expression is not the rig's, no name is common, or frames are too many.
     """
     unknown = [name for name in settings.scales if name not in rig.names]
@@ -105,6 +108,17 @@ def animate_rig(
     calm = smooth_weights(track.weights, track.times, settings.smooth)
     even, fps = resample_weights(replace(track, weights=calm, head=head), settings.fps)
     bound = bind_weights(even, rig.names)
-    weights = np.clip(bound.weights, 0, 1) * [settings.scales.get(name, 1.0) for name in rig.names]
+    scales = np.array([settings.scales.get(name, 1.0) for name in rig.names])
+    weights = scales * _with_starts(np.clip(bound.weights, 0, 1), rig.names)
     rotations = None if even.head is None else turn_head(even.head)
     return Performance(rig, Animation(even.times, weights, rotations), fps, bound, settings)
+
+
+def _with_starts(weights: np.ndarray, names: tuple[str, ...]) -> np.ndarray:
+    """Weights (T, K) of named actions, none of ``STARTS`` above what it starts from, where the rig has that."""
+    weights = weights.copy()
+    for name, start in STARTS.items():
+        if name in names and start in names:
+            column = names.index(name)
+            weights[:, column] = np.minimum(weights[:, column], weights[:, names.index(start)])
+    return weights

@@ -1,15 +1,17 @@
 """What is said of every kind of thing that files hold."""
 
 from collections import Counter
+from dataclasses import replace
 from functools import singledispatch
 from typing import Any
 
 import numpy as np
 
 from caricli.data.dataset import SPLITS, Dataset
+from caricli.errors import shown
 from caricli.geometry.deformation_gradients import DeformationGradients
 from caricli.geometry.flipped_triangles import flipped_triangles
-from caricli.methods.inspect.inspection import Acquaintances, Inspection, MeshWords
+from caricli.methods.inspect.inspection import Acquaintances, Animated, Inspection, MeshWords
 from caricli.methods.rig.check_rig import RigCheck, check_rig
 from caricli.models.landmark_map.model import LandmarkMap
 from caricli.structures import Cues, Directions, Face, Landmarks, Mesh, Rig, Track
@@ -81,10 +83,24 @@ def _(value: Rig, around: Acquaintances) -> Inspection:
     return Inspection("rig", summary, tuple(lines), values | words.values, tuple(words.check.problems))
 
 
+@describe.register
+def _(value: Animated, around: Acquaintances) -> Inspection:
+    still = describe(value.still, around)
+    lines = [
+        f"animation {shown(clip.name, 60)!r}: {clip.length:.3g} s, {clip.frames} frames"
+        for clip in value.clips[:_NAMED]
+    ]
+    lines += [f"and {len(value.clips) - _NAMED} more animations"] if len(value.clips) > _NAMED else []
+    values = still.values | {"animations": [vars(clip) for clip in value.clips]}
+    return replace(still, lines=(*lines, *still.lines), values=values)
+
+
 def _rig_lines(check: RigCheck) -> list[str]:
     """What of ARKit is there, and a table of the shapes."""
     lines = [f"ARKit: {len(check.exact)} of {len(ARKIT_NAMES)} names, {len(check.missing)} missing"]
-    lines += [f"{name}: ARKit spells it {arkit}" for name, arkit in check.near.items()]
+    for name, arkit in check.near.items():
+        whole = f"a part of {arkit}, which is there" if arkit in check.exact else f"ARKit spells it {arkit}"
+        lines.append(f"{name}: {whole}")
     lines += [f"{name}: no ARKit name" for name in check.unknown]
     lines += [f"missing: {', '.join(check.missing)}"] if check.missing else []
     width = max((len(shape.name) for shape in check.shapes), default=0)
@@ -112,7 +128,7 @@ def _(value: Landmarks, around: Acquaintances) -> Inspection:
 @describe.register
 def _(value: Track, around: Acquaintances) -> Inspection:
     frames = len(value.times)
-    seconds = float(value.times[-1])
+    length = float(value.times[-1])
     still = [name for name, column in zip(value.names, value.weights.T, strict=True) if not column.any()]
     arkit = sum(name in ARKIT_NAMES for name in value.names)
     lines = [
@@ -124,20 +140,20 @@ def _(value: Track, around: Acquaintances) -> Inspection:
     lines += [f"always 0: {_listed(still)}"] if still else []
     values = {
         "frames": frames,
-        "seconds": seconds,
+        "length": length,
         "names": value.names,
         "arkit": arkit,
         "head": value.head is not None,
     }
-    return Inspection("weights", f"{frames} frames, {seconds:.3g} s, {len(value.names)} names", tuple(lines), values)
+    return Inspection("weights", f"{frames} frames, {length:.3g} s, {len(value.names)} names", tuple(lines), values)
 
 
 @describe.register
 def _(value: Cues, around: Acquaintances) -> Inspection:
     lengths = np.diff(np.append(value.starts, value.end))
-    seconds = {name: float(lengths[[own == name for own in value.names]].sum()) for name in sorted(set(value.names))}
-    lines = [f"{name}: {value.names.count(name)} times, {length:.3g} s" for name, length in seconds.items()]
-    values = {"cues": len(value.names), "seconds": value.end, "names": seconds}
+    held = {name: float(lengths[[own == name for own in value.names]].sum()) for name in sorted(set(value.names))}
+    lines = [f"{name}: {value.names.count(name)} times, {length:.3g} s" for name, length in held.items()]
+    values = {"cues": len(value.names), "length": value.end, "names": held}
     return Inspection("speech", f"{len(value.names)} mouth cues, {value.end:.3g} s", tuple(lines), values)
 
 

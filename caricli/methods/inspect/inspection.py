@@ -5,6 +5,7 @@ from typing import Any
 
 from caricli.methods.inspect.check_mesh import MeshCheck, check_mesh
 from caricli.structures import Material, Mesh, Rig
+from caricli.structures.track import Clip
 
 
 @dataclass(frozen=True)
@@ -35,6 +36,14 @@ class Inspection:
         """All of it for programs."""
         whole = {"whole": not self.problems, "problems": list(self.problems)}
         return {"file": name, "kind": self.kind} | self.values | whole | {"beside": beside}
+
+
+@dataclass(frozen=True, eq=False)
+class Animated:
+    """A Rig or Mesh that moves. clips: Clips of its animations."""
+
+    still: Rig | Mesh
+    clips: tuple[Clip, ...]
 
 
 @dataclass(frozen=True, eq=False)

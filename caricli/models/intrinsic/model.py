@@ -46,10 +46,7 @@ class IntrinsicModel:
         self._labels = template.gradients.components.labels
         self.model_id = model_id
         self.prior = Prior.standard(len(basis))
-        weight = feature_weights(template)
-        flat = basis.reshape(len(basis), -1)
-        self._weighted = flat * np.repeat(weight, FEATURES)
-        self._gram = direction_products(flat, self._weighted)
+        direction_products(basis.reshape(len(basis), -1))
         # The vertices whose rows of the solution are kept, in ascending order, and these rows.
         self._kept_points = np.zeros(0, dtype=np.int64)
         self._kept_rows = np.zeros((0, 0))
@@ -91,6 +88,16 @@ class IntrinsicModel:
             "basis": self.basis.astype(np.float16),
             "offset": self.offset.astype(np.float32),
         }
+
+    @cached_property
+    def _weighted(self) -> np.ndarray:
+        """(D, 9 V) the basis, weighted by area."""
+        return self.basis.reshape(len(self.basis), -1) * np.repeat(feature_weights(self.template), FEATURES)
+
+    @cached_property
+    def _gram(self) -> np.ndarray:
+        """(D, D) weighted products of the directions."""
+        return direction_products(self.basis.reshape(len(self.basis), -1), self._weighted)
 
     @cached_property
     def anchors(self) -> ElasticAnchors:

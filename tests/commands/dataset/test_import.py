@@ -15,9 +15,8 @@ def test_meshes_become_a_dataset(run, eggs, annotation, tmp_path):
     labels.write_text("file,Smile\n" + "".join(f"egg_{k:02d}.obj,{k - 6}\n" for k in range(12)))
     out = tmp_path / "deep" / "d"
     result = run("dataset", "import", eggs, out, "--annotation", annotation, "--labels", labels)
-    assert (
-        result.exit_code == 0
-        and result.stdout == f"{out}: 12 meshes, people 12, expressions 1, 0.240 m high, taken as given in m\n"
+    assert result.exit_code == 0 and result.stdout.startswith(
+        f"{out}: 12 meshes, people 12, expressions 1, 0.240 m high, taken as given in m, "
     ), result.output
     data = read_dataset(out)
     first = read_obj(eggs / "egg_05.obj")

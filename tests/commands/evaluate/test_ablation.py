@@ -55,7 +55,7 @@ def test_bad_input_is_one_line_and_leaves_nothing(refused, dataset, tmp_path):
     out = ("--out", tmp_path / "new" / "ablation")
     assert "missing" in refused("evaluate", "ablation", "--data", tmp_path / "missing", *out)
     for setting in ("epochs=0", "network=siren", "meshes=-1"):
-        said = refused("evaluate", "ablation", "--data", dataset, *out, "--set", setting)
+        said = refused("evaluate", "ablation", "--data", dataset, *out, "--set", setting, code=2)
         assert setting.split("=")[0] in said
     assert list(tmp_path.iterdir()) == []
 

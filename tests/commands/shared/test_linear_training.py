@@ -55,15 +55,15 @@ def test_settings_come_from_a_file_and_from_the_line(run, dataset, tmp_path):
 def test_bad_input_is_one_line_and_leaves_nothing(refused, dataset, tmp_path, kind):
     out = tmp_path / "new" / "m.safetensors"
 
-    def check(*words, data=dataset, target=out, options=()):
-        said = refused("train", kind, "--data", data, "--out", target, *options)
+    def check(*words, data=dataset, target=out, options=(), code=1):
+        said = refused("train", kind, "--data", data, "--out", target, *options, code=code)
         assert all(word in said for word in words), said
 
     check("missing", data=tmp_path / "missing")
-    check(".safetensors", target=tmp_path / "m.pkl")
-    check("dimensions", options=("--set", "dimensions=3"))
-    check("dimension", options=("--set", "dimension=many"))
-    check("dimension", options=("--set", "dimension=0"))
+    check(".safetensors", target=tmp_path / "m.pkl", code=2)
+    check("dimensions", options=("--set", "dimensions=3"), code=2)
+    check("dimension", options=("--set", "dimension=many"), code=2)
+    check("dimension", options=("--set", "dimension=0"), code=2)
     check("none.yaml", options=("--config", tmp_path / "none.yaml"))
     bad = tmp_path / "bad.yaml"
     for content, word in (("dimension: !!python/object:os.system 3", "tag"), ("dim: 3", "dim"), ("- 3", "key: value")):

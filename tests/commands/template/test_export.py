@@ -9,7 +9,7 @@ from caricli.io.obj import read_obj
 def test_the_head_is_written_with_quads_and_uvs(run, head, tmp_path, flags):
     out = tmp_path / "new" / "head.obj"
     result = run("template", "export", out, *flags)
-    assert result.exit_code == 0 and result.stdout == f"{out}: 4200 vertices, 4178 polygons\n"
+    assert result.exit_code == 0 and result.stdout.startswith(f"{out}: 4200 vertices, 4178 polygons, ")
     mesh = read_obj(out)
     expected = head.open_mouth_template() if flags else head.template()
     np.testing.assert_allclose(mesh.vertices, expected.vertices, atol=1e-8)
@@ -34,7 +34,7 @@ def test_an_existing_file_is_kept_unless_told_otherwise(run, refused, tmp_path):
 
 @pytest.mark.parametrize("name", ["head.txt", "head"])
 def test_another_suffix_is_refused(refused, tmp_path, name):
-    assert "expected a name that ends in .obj" in refused("template", "export", tmp_path / name)
+    assert "expected a name that ends in .obj" in refused("template", "export", tmp_path / name, code=2)
     assert list(tmp_path.iterdir()) == []
 
 

@@ -116,7 +116,7 @@ def test_a_damaged_state_is_refused(refused, trained, dataset, tiny, tmp_path, d
 
 @pytest.mark.parametrize("setting", ["depth=3", "width=0", "latent=many", "precision=int8", "points"])
 def test_bad_settings_are_refused_and_nothing_is_written(refused, dataset, tmp_path, setting):
-    refused("train", "deformable", "--data", dataset, "--set", setting, "--out", tmp_path / "run")
+    refused("train", "deformable", "--data", dataset, "--set", setting, "--out", tmp_path / "run", code=2)
     assert not (tmp_path / "run").exists()
 
 

@@ -46,5 +46,5 @@ def test_a_dataset_without_both_domains_is_refused(run, refused, tmp_path):
 @pytest.mark.parametrize("setting", ["least=0", "views=0", "cycle=-1", "no_such=1"])
 def test_impossible_settings_are_refused(refused, dataset, tmp_path, setting):
     out = tmp_path / "map.safetensors"
-    line = refused("train", "landmark-map", "--data", dataset, "--out", out, "--set", setting)
+    line = refused("train", "landmark-map", "--data", dataset, "--out", out, "--set", setting, code=2)
     assert setting.split("=")[0] in line and not out.exists()

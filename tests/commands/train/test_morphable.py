@@ -46,7 +46,7 @@ def test_evaluate_and_sample_take_it(run, trained, dataset, tmp_path):
 @pytest.mark.parametrize("setting", ["identity=0", "noise=0", "dimension=3", "albedo=many"])
 def test_bad_settings_are_one_line_and_leave_nothing(refused, dataset, tmp_path, setting):
     out = tmp_path / "m.safetensors"
-    said = refused("train", "morphable", "--data", dataset, "--out", out, "--set", setting)
+    said = refused("train", "morphable", "--data", dataset, "--out", out, "--set", setting, code=2)
     assert setting.split("=")[0] in said
     assert list(tmp_path.iterdir()) == []
 

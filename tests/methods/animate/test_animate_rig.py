@@ -44,3 +44,15 @@ def test_the_head_may_keep_still(rig, track):
 def test_only_expressions_of_the_rig_are_scaled(rig, track):
     with pytest.raises(InputError, match="jawopen: not among the rig's 2; did you mean 'jawOpen'"):
         animate_rig(rig, track, AnimationSettings(scales={"jawopen": 1.0}))
+
+
+def test_lips_close_only_what_the_jaw_opens(rig):
+    names = ("mouthClose", "jawOpen")
+    weights = np.array([[0.7, 0.0], [0.7, 0.5], [0.3, 0.5], [1.4, 1.0]])
+    track = Track(names, np.arange(4) / 10, weights)
+    closing = Rig(names, rig.mesh, rig.deltas)
+    moving = animate_rig(closing, track, AnimationSettings(scales={"jawOpen": 0.5}))
+    expected = np.array([[0, 0], [0.5, 0.25], [0.3, 0.25], [1, 0.5]])
+    np.testing.assert_allclose(moving.animation.weights, expected, atol=1e-12)
+    alone = animate_rig(Rig(("mouthClose", "open"), rig.mesh, rig.deltas), track)
+    np.testing.assert_allclose(alone.animation.weights[:, 0], [0.7, 0.7, 0.3, 1], atol=1e-12)

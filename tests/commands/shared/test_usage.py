@@ -1,0 +1,54 @@
+import re
+from pathlib import Path
+
+import pytest
+
+import caricli
+from caricli.cli import COMMANDS
+
+FOLDER = Path(caricli.__file__).parent / "commands"
+
+
+@pytest.mark.parametrize(
+    "args",
+    [
+        ["rig"],
+        ["rig", "face.npz", "--out", "rig.gltf"],
+        ["rig", "face.npz", "--out", "rig.glb", "--neutral", "smiling"],
+        ["animate", "rig.glb", "take.csv"],
+        ["animate", "rig.glb", "take.csv", "--video", "a.avi"],
+        ["animate", "rig.glb", "take.csv", "--out", "a.glb", "--scale", "jawOpen"],
+        ["render", "face.npz", "-o", "a.png", "--views", "above"],
+        ["render", "face.npz", "-o", "a.png", "--size", "4096", "--views", "turntable", "--frames", "360"],
+        ["render", "a.npz", "b.npz", "-o", "a.png", "--image", "c.png"],
+        ["reconstruct-from-landmarks", "a.json"],
+        ["edit-handle", "face.npz", "--handle", "nose_tip", "--out", "a.obj"],
+        ["edit-handle", "face.npz", "--handle", "nose_tip=1,2", "--out", "a.obj"],
+        ["edit-handle", "face.npz", "--out", "a.obj"],
+        ["edit-semantic", "face.npz", "--label", "BigNose", "--out", "a.obj"],
+        ["train", "pca", "--data", "d", "--out", "model.npz"],
+        ["train", "pca", "--data", "d", "--out", "m.safetensors", "--set", "dimension"],
+        ["train", "pca", "--data", "d", "--out", "m.safetensors", "--set", "dimensions=3"],
+        ["train", "pca", "--data", "d", "--out", "m.safetensors", "--set", "dimension=0"],
+        ["template", "export", "head.txt"],
+    ],
+)
+def test_wrong_usage_is_one_line_and_2_everywhere(refused, args, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    refused(*args, code=2)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_what_is_wrong_in_the_files_is_1(refused, tmp_path):
+    config = tmp_path / "config.yaml"
+    config.write_text("dimension: 0\n")
+    out = ("--out", tmp_path / "m.safetensors")
+    assert "dimension" in refused("train", "pca", "--data", tmp_path, *out, "--config", config)
+
+
+def test_every_command_that_writes_says_how_long_it_took():
+    says = re.compile(r"echo_result\(|run_batch\(|train_and_write\(")
+    for module, _, _ in COMMANDS.values():
+        if module:
+            text = FOLDER.joinpath(*module.split(".")).with_suffix(".py").read_text("utf-8")
+            assert "out_option" not in text and "overwrite_option" not in text or says.search(text), module
