@@ -12,7 +12,7 @@ from caricli.io.image import read_image, write_png
 from caricli.io.outputs import staged_folder
 from caricli.io.provenance import provenance
 from caricli.io.strict_json import write_json
-from caricli.methods.texture.settings import PaintSettings
+from caricli.methods.texture.settings import PaintSettings, TextureSettings
 
 REPORT = "face.json"
 SIZE = 320
@@ -35,15 +35,18 @@ SIZE = 320
     help="Make the texture this wide and high.  [default: 1024 or more, as fine as the picture]",
 )
 @click.option("--project-uv", "flat", is_flag=True, help="Use the picture itself as texture, as published, to compare.")
+@click.option("--keep-light", is_flag=True, help="Leave light and shade of the picture in the texture.")
 @model_option
 @seed_option
 @picture_option
 @overwrite_option
-def command(face, image, out, mask, size, flat, model, seed, overwrite):
+def command(face, image, out, mask, size, flat, keep_light, model, seed, overwrite):
     """Paint a face (NPZ with a camera) with the picture that it was fitted to.
 
-    What the picture does not show comes from the other side of the face, and else from what surrounds it; background
-    never enters. eyes.png is painted in the colours of the eyes. `caricli rig` takes both pictures along.
+    What the picture does not show comes from the other side of the face, and else has the colour of its skin, of what
+    is seen of ears and neck, and of the hair; background never enters. The light of the picture is estimated and taken
+    out, so that the head can stand in any other; face.json says what it was. eyes.png is painted in the colours of the
+    eyes. `caricli rig` takes both pictures along.
 
     \b
     Example:
@@ -64,9 +67,10 @@ def command(face, image, out, mask, size, flat, model, seed, overwrite):
         with naming(face):
             seen.require_landmarks()
         head = None if mask is None else load_mask(mask, (picture.shape[1], picture.shape[0]))
+        settings = PaintSettings(size, flat, seed, TextureSettings(keep_light=keep_light))
         start = time.perf_counter()
         with naming(", ".join(str(path) for path in inputs[:3] if path)):
-            painted = paint_head(seen, shape_model.template, picture, head, PaintSettings(size, flat, seed))
+            painted = paint_head(seen, shape_model.template, picture, head, settings)
         seconds = time.perf_counter() - start
         write_painted_head(folder, painted, seen)
         about = {"project_uv": flat, "seconds": seconds, "model_id": shape_model.model_id, "head": painted.filled}

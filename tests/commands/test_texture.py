@@ -15,7 +15,7 @@ from caricli.io.image import read_image, write_png
 from caricli.io.obj import read_obj, write_obj
 from caricli.io.rig import read_rig
 from caricli.io.strict_json import read_json
-from caricli.methods.texture.settings import PaintSettings, TextureSettings
+from caricli.methods.texture.settings import TextureSettings
 from caricli.render.rasterise import rasterise
 from caricli.render.render_textured import render_textured
 from caricli.store.rig_sources import PicturePaths, picture_paths
@@ -170,8 +170,7 @@ def test_the_plain_variant_has_the_picture_itself(run, scene, tmp_path):
 
 
 def test_without_a_size_it_is_as_fine_as_the_picture(run, scene, tmp_path, monkeypatch):
-    settings = partial(PaintSettings, texture=TextureSettings(smallest=64))
-    monkeypatch.setattr("caricli.commands.texture.PaintSettings", settings)
+    monkeypatch.setattr("caricli.commands.texture.TextureSettings", partial(TextureSettings, smallest=64))
     out = tmp_path / "out"
     assert run(COMMAND, *inputs(scene), "--out", out).exit_code == 0
     side = read_json(out / "face.json")["size"]

@@ -7,6 +7,7 @@ import numpy as np
 
 from caricli.errors import InputError
 from caricli.methods.rig.add_eyeballs import TEXTURE, add_eyeballs, fit_eyeballs
+from caricli.methods.texture.estimate_light import Light
 from caricli.methods.texture.mask_head import mask_head, mesh_pixels
 from caricli.methods.texture.photometric_error import photometric_error
 from caricli.methods.texture.project_picture import project_picture
@@ -28,6 +29,7 @@ class Painted:
     error: photometric error, of full scale.
     seen: share of the surface that the picture shows.
     filled: share of the picture that the head fills.
+    light: Light that was taken out of the picture, or None where it was kept; the error is measured in it.
     """
 
     head: Template
@@ -35,6 +37,7 @@ class Painted:
     error: float
     seen: float
     filled: float
+    light: Light | None = None
 
     @property
     def pictures(self) -> Pictures:
@@ -44,7 +47,8 @@ class Painted:
     def figures(self) -> dict[str, Any]:
         """What reports say of it, as JSON."""
         assert self.pictures.skin is not None
-        return {"size": len(self.pictures.skin), "photometric_error": self.error, "seen": self.seen}
+        light = {} if self.light is None else {"light": self.light.figures()}
+        return {"size": len(self.pictures.skin), "photometric_error": self.error, "seen": self.seen} | light
 
     def describe(self) -> str:
         """What is printed of it."""
@@ -76,15 +80,18 @@ def paint_head(
         head = project_picture(head, camera, image)
         texture = diffuse_background(image, mask)
         seen = 1.0
+        light = None
     elif head.uvs is None:
         raise InputError("expected a model whose mesh has UVs, found none; --project-uv needs none")
     else:
         painted = texture_face(head, camera, image, mask, settings.size, settings.texture)
         texture = painted.image
         seen = float(painted.seen[painted.covered].mean())
+        light = painted.light
     still = np.zeros((0, *head.vertices.shape), np.float32)
     rig = Rig((), head.with_vertices(head.vertices.astype(np.float32)), still, pictures=Pictures(texture))
     generator = np.random.default_rng(settings.seed)
     eyes = paint_eye(TEXTURE, generator, *eye_colours(image, landmarks))
     whole = add_eyeballs(rig, fit_eyeballs(head, head.annotation, still), generator, eyes)
-    return Painted(head, whole, photometric_error(rig, face, image, mask), seen, float(mask.mean()))
+    error = photometric_error(rig, face, image, mask, light)
+    return Painted(head, whole, error, seen, float(mask.mean()), light)

@@ -2,19 +2,26 @@
 
 import numpy as np
 
+from caricli.methods.texture.estimate_light import Light
 from caricli.render.rasterise import rasterise
 from caricli.render.render_textured import render_textured
+from caricli.render.smooth_normals import smooth_normals
 from caricli.structures import Face, Rig
 
 
-def photometric_error(rig: Rig, face: Face, image: np.ndarray, mask: np.ndarray) -> float:
+def photometric_error(rig: Rig, face: Face, image: np.ndarray, mask: np.ndarray, light: Light | None = None) -> float:
     """Mean difference of colour between a rendering and the picture where both show the head, of full scale.
 
     rig: Rig of the textured head without eyeballs. face: Face that it is made of, with the camera of the picture.
-    image: (H, W, 3) uint8. mask: (H, W) bool, the head in it.
+    image: (H, W, 3) uint8. mask: (H, W) bool, the head in it. light: Light that was taken out of the texture, and in
+    which it is seen again; None for none.
     """
     height, width = image.shape[:2]
     placed = face.require_camera().place(face.vertices)
-    again = render_textured(rig, placed, width, height)
-    both = mask & (rasterise(placed, rig.faces, width, height).face >= 0)
-    return float(np.abs(again.astype(float) - image)[both].mean() / 255)
+    again = render_textured(rig, placed, width, height).astype(np.float64)
+    raster = rasterise(placed, rig.faces, width, height)
+    both = mask & (raster.face >= 0)
+    if light is not None:
+        shade = light.shade(smooth_normals(face.vertices, face.faces))[rig.faces[raster.face[both]]]
+        again[both] = np.minimum(again[both] * np.einsum("nk,nkc->nc", raster.barycentric[both], shade), 255)
+    return float(np.abs(again - image)[both].mean() / 255)

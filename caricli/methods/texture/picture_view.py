@@ -37,6 +37,10 @@ class SeenColours:
     colours: np.ndarray
     seen: np.ndarray
 
+    def unlit(self, shade: np.ndarray) -> "SeenColours":
+        """The same without light, which made them shade (N, 3) times as bright."""
+        return SeenColours(self.colours / shade, self.seen)
+
     def completed(self, other: "SeenColours", weight: float) -> "SeenColours":
         """With those of the other side where these are hardly seen. weight: of the other side."""
         share = self.seen / np.maximum(self.seen + weight * other.seen, 1e-9)

@@ -13,8 +13,9 @@ class TextureSettings:
     behind: share of the head's height that a point may be behind the surface that is seen: rasterising rounds.
     edge: share of the head's height, width of the band inside the mask's border that hardly counts: outlines are there.
     trust: how far a texel must be seen to take nothing but the picture.
-    hold: stiffness of colours that are seen against the smoothest continuation; faint: pull towards the usual colour,
-    so that a mesh in pieces has an answer.
+    glimpse: how far a vertex must be seen for what is hardly seen around it to look as it does in the picture.
+    burnt: sRGB from which on a pixel may have been brighter than it is in the picture.
+    keep_light: whether light and shade of the picture stay in the texture.
     rounds: of giving back what a rendering blurs; alone: weight that keeps texels which no pixel shows near the others.
     smallest, largest: texels, limits of the size that follows the picture.
     buffer: pixels, longest side of what is rasterised; more than the largest texture can hold tell nothing.
@@ -26,8 +27,9 @@ class TextureSettings:
     behind: float = 0.006
     edge: float = 0.012
     trust: float = 0.35
-    hold: float = 1e4
-    faint: float = 1e-6
+    glimpse: float = 0.01
+    burnt: int = 250
+    keep_light: bool = False
     rounds: int = 8
     alone: float = 0.25
     smallest: int = 1024

@@ -3,10 +3,9 @@
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.sparse as sp
 
-from caricli.geometry.cholesky import Cholesky
-from caricli.geometry.vertex_neighbours import vertex_neighbours
+from caricli.methods.texture.estimate_light import Light, estimate_light
+from caricli.methods.texture.fill_unseen import fill_unseen, skin_weights
 from caricli.methods.texture.picture_view import PictureView, SeenColours, SurfacePoints
 from caricli.methods.texture.settings import TextureSettings
 from caricli.render.smooth_normals import smooth_normals
@@ -23,11 +22,13 @@ class FaceTexture:
     image: (S, S, 3) uint8 sRGB, the top row first.
     seen: (S, S) float32, from 0 where a texel is made up to 1 where the picture shows it.
     covered: (S, S) bool, texels of the surface.
+    light: Light that was taken out of it, or None.
     """
 
     image: np.ndarray
     seen: np.ndarray
     covered: np.ndarray
+    light: Light | None
 
 
 def texture_face(
@@ -52,25 +53,41 @@ def texture_face(
     """
     view = PictureView(head, camera, image, mask, settings)
     texels = _Texels(head, size or view.size())
-    vertices = SurfacePoints(
-        head.vertices, smooth_normals(head.vertices, head.faces), head.mask(*CAVITIES).astype(np.float64)
-    )
-    points = texels.points(vertices, texels.corners)
-    own = view.look(points)
-    colours = own
+    normals = smooth_normals(head.vertices, head.faces)
+    vertices = SurfacePoints(head.vertices, normals, head.mask(*CAVITIES).astype(np.float64))
     usual = view.look(vertices)
+    light = None
+    if not settings.keep_light:
+        weights = skin_weights(head, usual.seen)
+        light = estimate_light(usual.colours, normals, head.vertices, weights, -camera.rotation[2])
+    shade = np.ones_like(normals) if light is None else light.shade(normals)
+    points = texels.points(vertices, texels.corners)
+    own_shade = texels.blend(shade, texels.corners)
+    own = view.look(points)
+    colours = own.unlit(own_shade)
+    usual = usual.unlit(shade)
+    hardly = usual
     mirror = head.annotation.mirror
     if mirror is not None:
-        colours = own.completed(view.look(texels.points(vertices, mirror[texels.corners])), settings.mirrored)
+        corners = mirror[texels.corners]
+        other = view.look(texels.points(vertices, corners)).unlit(texels.blend(shade, corners))
+        colours = colours.completed(other, settings.mirrored)
         usual = usual.completed(SeenColours(usual.colours[mirror], usual.seen[mirror]), settings.mirrored)
     trust = _trust(colours.seen, settings)
-    filled = texels.blend(_spread(usual, head.faces, settings), texels.corners)
-    painted = trust * colours.colours + (1 - trust) * filled
+    filled = fill_unseen(head, usual)
+    glimpse = np.clip(hardly.seen / settings.glimpse, 0, 1)[:, None]
+    filled = texels.blend(glimpse * hardly.colours + (1 - glimpse) * filled, texels.corners)
+    # What is full white may have been brighter.
+    burnt = (own.colours >= settings.burnt) & (own_shade > 1)
+    bare = np.where(burnt, np.maximum(colours.colours, filled), colours.colours)
+    lit = own_shade * (trust * bare + (1 - trust) * filled)
     owner = texels.owner()
-    sharp = view.sharpen(painted, _trust(own.seen, settings), points.places, owner)
+    bright = np.maximum(lit - 255, 0)
+    sharp = (view.sharpen(lit - bright, _trust(own.seen, settings), points.places, owner) + bright) / own_shade
     seen = np.zeros(texels.covered.shape, np.float32)
     seen[texels.covered] = trust[:, 0]
-    return FaceTexture(np.round(sharp).astype(np.uint8)[owner], seen, texels.covered)
+    picture = np.round(np.clip(sharp, 0, 255)).astype(np.uint8)[owner]
+    return FaceTexture(picture, seen, texels.covered, light)
 
 
 class _Texels:
@@ -103,13 +120,3 @@ def _trust(seen: np.ndarray, settings: TextureSettings) -> np.ndarray:
     """(N, 1) from 0 to 1, how much of the picture texels take that are seen as far as (N,)."""
     trust = np.clip(seen / settings.trust, 0, 1)[:, None]
     return trust * trust * (3 - 2 * trust)
-
-
-def _spread(vertices: SeenColours, faces: np.ndarray, settings: TextureSettings) -> np.ndarray:
-    """(V, 3) colours of vertices, those that are not seen the smoothest continuation of the others."""
-    adjacency, _ = vertex_neighbours(faces, len(vertices.colours))
-    laplacian = sp.diags(np.asarray(adjacency.sum(1)).ravel()) - adjacency
-    hold = settings.hold * vertices.seen**2
-    usual = np.average(vertices.colours, axis=0, weights=vertices.seen + 1e-9)
-    right = hold[:, None] * vertices.colours + settings.faint * usual
-    return Cholesky(laplacian + sp.diags(hold + settings.faint)).solve(right)

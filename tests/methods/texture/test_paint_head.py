@@ -5,7 +5,9 @@ import pytest
 
 from caricli.errors import InputError
 from caricli.methods.texture.paint_head import paint_head
-from caricli.methods.texture.settings import PaintSettings
+from caricli.methods.texture.settings import PaintSettings, TextureSettings
+from caricli.render.rasterise import rasterise
+from caricli.render.smooth_normals import smooth_normals
 from caricli.structures import Material
 
 SMALL = PaintSettings(size=96)
@@ -68,3 +70,32 @@ def test_a_face_of_no_picture_is_refused(pictured):
 def test_a_mask_that_shows_no_head_is_refused(pictured):
     with pytest.raises(InputError, match="expected a mask that is white where the head is, found none there"):
         paint_head(pictured.face, pictured.head, pictured.image, np.zeros_like(pictured.mask), SMALL)
+
+
+def test_light_is_taken_out_and_the_error_measured_in_it(pictured):
+    """A lamp from the side: without it both halves of the face have their colours again."""
+    camera = pictured.face.require_camera()
+    head = pictured.head
+    raster = rasterise(camera.place(head.vertices), head.faces, *pictured.image.shape[1::-1])
+    shown = raster.face >= 0
+    normals = smooth_normals(head.vertices, head.faces)
+    sideways = np.einsum("nk,nk->n", raster.barycentric[shown], normals[head.faces[raster.face[shown]]][..., 0])
+    image = pictured.image.copy()
+    image[shown] = np.clip(image[shown] * (0.8 + 0.35 * sideways[:, None]), 0, 255).astype(np.uint8)
+
+    out, kept = (
+        paint_head(
+            pictured.face, head, image, pictured.mask, PaintSettings(96, texture=TextureSettings(keep_light=keep))
+        )
+        for keep in (False, True)
+    )
+    assert out.light is not None and kept.light is None
+    assert out.figures()["light"] == out.light.figures() and "light" not in kept.figures()
+    assert out.error < kept.error + 0.01
+
+    def halves(texture):
+        """Brightness of the left half of the cheeks over that of the right."""
+        rows = texture[45:65].mean((0, 2))
+        return rows[60:75].mean() / rows[21:36].mean()
+
+    assert abs(halves(out.pictures.skin) - 1) < 0.4 * abs(halves(kept.pictures.skin) - 1)

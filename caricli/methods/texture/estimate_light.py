@@ -1,0 +1,183 @@
+"""The light on a face, from the colours of its skin: nine spherical harmonics of the normals."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+GAMMA = 2.2
+"""Exponent from sRGB to linear light, near enough for ratios."""
+
+_LEVEL = 1e-6
+_DOME = 400
+
+
+@dataclass(frozen=True)
+class LightSettings:
+    """How light is told from colours.
+
+    spread: of the coefficients of the first and the second order, standard deviations for that of the constant one.
+    noise: standard deviation of the skin's own colour, of logarithms. outlier: in units of the residuals' spread, from
+    where on a colour counts as another thing than skin. weights: of the spread against the mean square of the
+    logarithms, of which that is taken that foretells left-out parts best. folds: left-out parts. gain: share of the
+    left-out error that light has to explain before it is believed in. rounds: of reweighting. range: least and greatest
+    light, of the mean one. least: points of skin, with fewer nothing is told.
+    """
+
+    spread: tuple[float, float] = (0.5, 0.25)
+    noise: float = 0.1
+    outlier: float = 2.5
+    weights: tuple[float, ...] = (1e-4, 1e-3, 1e-2)
+    folds: int = 8
+    gain: float = 0.1
+    rounds: int = 12
+    range: tuple[float, float] = (0.3, 2.5)
+    least: int = 60
+
+
+@dataclass(frozen=True, eq=False)
+class Light:
+    """Light on a surface by its normals, one for the mean of all that a camera can see.
+
+    coefficients: (9, 3) of `harmonics`, for red, green and blue, linear light.
+    range: (2, 3) least and greatest that it is taken for.
+    explained: share of the variation of the skin's colours that it foretells where these were left out, from 0 to 1.
+    """
+
+    coefficients: np.ndarray
+    range: np.ndarray
+    explained: float
+
+    def figures(self) -> dict[str, Any]:
+        """What reports say of it, as JSON."""
+        return {
+            "harmonics": self.coefficients.round(5).tolist(),
+            "least": self.range[0].round(5).tolist(),
+            "greatest": self.range[1].round(5).tolist(),
+            "gamma": GAMMA,
+            "explained": self.explained,
+        }
+
+    def shade(self, normals: np.ndarray) -> np.ndarray:
+        """(N, 3) factors of sRGB with which unlit colours come to light. normals: (N, 3) unit length."""
+        return np.clip(harmonics(normals) @ self.coefficients, *self.range) ** (1 / GAMMA)
+
+
+def harmonics(normals: np.ndarray) -> np.ndarray:
+    """(N, 9) real spherical harmonics of unit normals (N, 3), up to the second order."""
+    x, y, z = normals.T
+    first = np.sqrt(3 / (4 * np.pi))
+    second = np.sqrt(15 / (4 * np.pi))
+    one = np.full(len(normals), np.sqrt(1 / (4 * np.pi)))
+    squares = [second * x * y, second * y * z, np.sqrt(5 / (16 * np.pi)) * (3 * z * z - 1)]
+    return np.stack([one, first * x, first * y, first * z, *squares, second * x * z, second / 2 * (x * x - y * y)], 1)
+
+
+def estimate_light(
+    colours: np.ndarray, normals: np.ndarray, places: np.ndarray, weights: np.ndarray, view: np.ndarray
+) -> Light | None:
+    """Find the light that makes one colour of skin look as it does (Ramamoorthi and Hanrahan 2001, nine coefficients).
+
+    Minimises sum_i w_i rho(log c_i - log(H_i l)) + weight * |l / spread|^2 for every channel, rho bounded, so that
+    hair, brows and beard hardly count. What light explains is measured on parts of the face that were left out; where
+    that is little, as on flat drawings, there is none.
+
+    colours: (N, 3) sRGB, 0 to 255. normals: (N, 3) unit length. places: (N, 3) metres. weights: (N,) how much each is
+    skin that is seen. view: (3,) unit, the way to the camera.
+    Returns Light, or None where it explains too little.
+    """
+    settings = LightSettings()
+    used = weights > 0
+    if used.sum() < settings.least:
+        return None
+    logs = GAMMA * np.log(np.clip(colours[used], 1, 255) / 255)
+    fit = _Fit(harmonics(normals[used]), logs, weights[used] / weights[used].sum(), settings)
+    folds = _folds(places[used], settings.folds)
+    constant = fit.missed(folds, np.inf)
+    missed = [fit.missed(folds, weight) for weight in settings.weights]
+    best = int(np.argmin(missed))
+    explained = 1 - missed[best] / max(constant, _LEVEL)
+    if explained < settings.gain:
+        return None
+    light = fit.solve(np.ones(len(logs)), settings.weights[best])
+    dome = _dome()
+    # An incident light meter beside the face would say one.
+    light = light / np.maximum(harmonics(dome[dome @ view > 0]) @ light, _LEVEL).mean(0)
+    lit = np.quantile(harmonics(normals[used]) @ light, [0.01, 0.99], axis=0)
+    return Light(light, np.clip(lit, *settings.range), float(explained))
+
+
+class _Fit:
+    """Skin in light: harmonics (N, 9), logarithms (N, 3) of colours, weights (N,)."""
+
+    def __init__(self, basis: np.ndarray, logs: np.ndarray, weights: np.ndarray, settings: LightSettings) -> None:
+        self.basis = basis
+        self.logs = logs
+        self.weights = weights
+        self.settings = settings
+        orders = np.repeat([0.0, 1, 2], [1, 3, 5])
+        self.stiff = np.where(orders == 0, 0, 1 / np.array([1, *settings.spread])[orders.astype(int)] ** 2)
+
+    def solve(self, kept: np.ndarray, weight: float) -> np.ndarray:
+        """(9, 3) coefficients by points that are kept, (N,) 0 or 1; of a weight of their spread, inf for no light."""
+        weights = self.weights * kept
+        middle = np.exp([_weighted_median(log, weights) for log in self.logs.T])
+        light = np.zeros((9, 3))
+        light[0] = middle / self.basis[0, 0]
+        for _ in range(self.settings.rounds):
+            lit = np.maximum(self.basis @ light, 0.1 * middle)
+            rest = self.logs - np.log(lit)
+            robust = weights * self.trust(rest, weights)
+            for k in range(3):
+                jacobian = self.basis / lit[:, k : k + 1]
+                if np.isinf(weight):
+                    jacobian = jacobian[:, :1]
+                size = jacobian.shape[1]
+                stiff = self.stiff[:size] * (0 if np.isinf(weight) else weight * robust.sum()) / light[0, k] ** 2
+                left = jacobian.T @ (robust[:, None] * jacobian) + np.diag(stiff)
+                right = jacobian.T @ (robust * rest[:, k]) - stiff * light[:size, k]
+                light[:size, k] += np.linalg.solve(left + _LEVEL**2 * np.eye(size), right)
+        return light
+
+    def trust(self, rest: np.ndarray, weights: np.ndarray) -> np.ndarray:
+        """(N,) from 0 to 1, how much residuals (N, 3) are those of skin."""
+        size = np.sqrt((rest**2).mean(1))
+        spread = max(1.4826 * _weighted_median(size, weights), self.settings.noise)
+        return 1 / (1 + (size / (self.settings.outlier * spread)) ** 2) ** 2
+
+    def missed(self, folds: np.ndarray, weight: float) -> float:
+        """Bounded squares of the residuals of points that were left out."""
+        total = 0.0
+        for fold in range(folds.max() + 1):
+            out = folds == fold
+            light = self.solve(~out, weight)
+            lit = np.maximum(self.basis[out] @ light, _LEVEL)
+            rest = ((self.logs[out] - np.log(lit)) ** 2).mean(1)
+            bound = (3 * self.settings.noise) ** 2
+            total += float(self.weights[out] @ (rest * bound / (rest + bound)))
+        return total
+
+
+def _folds(places: np.ndarray, count: int) -> np.ndarray:
+    """(N,) int: parts of a surface, each around one of points that are far from each other."""
+    centres = [places[np.argmax(np.linalg.norm(places - places.mean(0), axis=1))]]
+    while len(centres) < count:
+        nearest = cKDTree(np.array(centres)).query(places)[0]
+        centres.append(places[np.argmax(nearest)])
+    return cKDTree(np.array(centres)).query(places)[1]
+
+
+def _weighted_median(values: np.ndarray, weights: np.ndarray) -> float:
+    order = np.argsort(values)
+    total = np.cumsum(weights[order])
+    return float(values[order[np.searchsorted(total, total[-1] / 2)]])
+
+
+def _dome() -> np.ndarray:
+    """(N, 3) ways all around."""
+    k = np.arange(_DOME) + 0.5
+    y = 1 - 2 * k / _DOME
+    turn = np.pi * (1 + np.sqrt(5)) * k
+    across = np.sqrt(1 - y * y)
+    return np.stack([across * np.cos(turn), y, across * np.sin(turn)], 1)

@@ -1,0 +1,78 @@
+import numpy as np
+import pytest
+
+from caricli.methods.texture.estimate_light import GAMMA, estimate_light, harmonics
+
+VIEW = np.array([0.0, 0, 1])
+SKIN = np.array([205.0, 160, 130])
+
+
+@pytest.fixture(scope="module")
+def surface():
+    """Normals (N, 3) that a camera sees of a bumpy sphere, and its places."""
+    generator = np.random.default_rng(0)
+    places = generator.normal(size=(1500, 3))
+    places /= np.linalg.norm(places, axis=1, keepdims=True)
+    normals = places + 0.35 * generator.normal(size=places.shape)
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    seen = (normals @ VIEW > 0.15) & (places @ VIEW > 0.15)
+    return normals[seen], places[seen]
+
+
+def lit(normals):
+    """Factors (N, 3) of linear light: a warm lamp from the left above and a bluish sky."""
+    way = np.array([-0.6, 0.5, 0.6]) / np.linalg.norm([-0.6, 0.5, 0.6])
+    light = np.maximum(normals @ way, 0)[:, None] * [1.1, 1.0, 0.9]
+    return light + (0.4 + 0.1 * normals[:, 1:2]) * [0.9, 1.0, 1.1]
+
+
+def estimated(colours, surface):
+    normals, places = surface
+    return estimate_light(colours, normals, places, np.ones(len(normals)), VIEW)
+
+
+def test_harmonics_are_orthonormal():
+    generator = np.random.default_rng(1)
+    ways = generator.normal(size=(200_000, 3))
+    basis = harmonics(ways / np.linalg.norm(ways, axis=1, keepdims=True))
+    np.testing.assert_allclose(4 * np.pi * basis.T @ basis / len(ways), np.eye(9), atol=0.03)
+
+
+def test_light_is_taken_out_though_a_fifth_is_hair(surface):
+    normals, places = surface
+    hair = places[:, 1] > 0.55
+    assert 0.1 < hair.mean() < 0.3
+    own = np.where(hair[:, None], [40.0, 30, 25], SKIN * (1 + 0.03 * np.sin(40 * places[:, :1])))
+    pictured = own * lit(normals) ** (1 / GAMMA)
+    light = estimated(pictured, surface)
+    assert light.explained > 0.3
+    plain = (pictured / light.shade(normals))[~hair]
+    before = (pictured[~hair] / pictured[~hair].mean(0)).std(0).max()
+    after = (plain / plain.mean(0)).std(0).max()
+    assert after < 0.45 * before, (before, after)
+
+
+def test_flat_colours_have_no_light(surface):
+    normals, places = surface
+    generator = np.random.default_rng(2)
+    spots = np.where((places[:, :1] > 0.2) & (places[:, 1:2] < 0), [225.0, 120, 110], SKIN)
+    assert estimated(spots, surface) is None
+    assert estimated(SKIN + generator.normal(0, 6, spots.shape), surface) is None
+    assert estimate_light(SKIN[None], VIEW[None], VIEW[None], np.ones(1), VIEW) is None
+
+
+def test_the_mean_of_what_a_camera_sees_stays(surface):
+    normals, _ = surface
+    light = estimated(SKIN * lit(normals) ** (1 / GAMMA), surface)
+    generator = np.random.default_rng(3)
+    ways = generator.normal(size=(20_000, 3))
+    ways /= np.linalg.norm(ways, axis=1, keepdims=True)
+    np.testing.assert_allclose((harmonics(ways[ways @ VIEW > 0]) @ light.coefficients).mean(0), 1, atol=0.03)
+
+
+def test_a_brighter_picture_has_the_same_light(surface):
+    normals, _ = surface
+    pictured = 0.6 * SKIN * lit(normals) ** (1 / GAMMA)
+    first = estimated(pictured, surface)
+    second = estimated(1.3 * pictured, surface)
+    np.testing.assert_allclose(first.coefficients, second.coefficients, rtol=1e-3, atol=1e-3)
