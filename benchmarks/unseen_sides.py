@@ -30,7 +30,7 @@ from caricli.methods.texture.settings import TextureSettings
 from caricli.methods.texture.texture_face import texture_face
 from caricli.render.rasterise import rasterise
 from caricli.render.sample_texture import sample_texture
-from caricli.render.sky import light_received, sky_visibility
+from caricli.render.sky import DIRECTIONS, light_received, sky_visibility
 from caricli.render.smooth_normals import smooth_normals
 from caricli.render.uv_map import uv_map
 from caricli.structures import Camera
@@ -55,6 +55,7 @@ class Sitter:
 
     head: Template. camera: Camera. image: (H, W, 3) uint8. mask: (H, W) bool. truth: (S, S, 3) uint8 sRGB, without
     light. unseen: (N,) square metres of every texel that the camera does not see. seen: (N,) the same of the others.
+    parts: (N,) from 0 to 1 by the keys of PARTS.
     """
 
     head: object
@@ -142,9 +143,8 @@ def _light(head, camera, generator):
         key = generator.uniform(0.4, 1.4) * _tint(generator)
         sky = generator.uniform(0.2, 0.8) * _tint(generator)
         ground = generator.uniform(0.1, 0.6) * _tint(generator)
-        reached = light_received(
-            sky_visibility(head.vertices, head.faces, normals), normals, (way @ camera.rotation, None)
-        )
+        visibility = sky_visibility(head.vertices, head.faces, normals)
+        reached = light_received(visibility, normals, DIRECTIONS, (way @ camera.rotation, None))
         here = _arriving(normals @ camera.rotation.T, way, key, sky, ground, reached)
         beside = _arriving(dome, way, key, sky, ground, np.ones((len(dome), 2)))
     metered = beside[dome[:, 2] < 0].mean(axis=(0, 1))
@@ -228,7 +228,7 @@ def main():
     seed = int(sys.argv[1]) if len(sys.argv) > 1 else 16005
     count = int(sys.argv[2]) if len(sys.argv) > 2 else 50
     studio = Studio(seed, count)
-    ways = {"now": TextureSettings()}
+    ways = {"without light": TextureSettings(), "kept light": TextureSettings(keep_light=True)}
     rows = {name: [] for name in ways}
     for number in range(count):
         sitter = studio.sitter(number)
