@@ -9,7 +9,7 @@ from caricli.geometry.join_meshes import join_meshes
 from caricli.render.coat import mesh_coat
 from caricli.render.place_eyeballs import place_eyeballs
 from caricli.render.shade import Look
-from caricli.structures import Face, Material, Mesh, Part
+from caricli.structures import Face, Material, Mesh, Part, Pictures
 from caricli.structures.materials import FINISHES
 from caricli.template.annotation import bundled_annotation
 
@@ -43,7 +43,7 @@ def with_parts(mesh: Mesh, look: Look, parts: Sequence[Part]) -> tuple[Mesh, Loo
     return joined, replace(
         look,
         vertex_colours=np.concatenate([colours, plain_colours(added, materials[len(own) :])]),
-        coat=None if look.coat is None else mesh_coat(joined, look.coat.pictures, materials),
+        coat=mesh_coat(joined, Pictures() if look.coat is None else look.coat.pictures, materials),
     )
 
 

@@ -270,7 +270,7 @@ def sample_at(scene: Scene, x: float, y: float):
         if sample.material == EYE:
             rgb = mesh_eye_colour(scene, hit.face, place, albedo, n, light)
         else:
-            rgb = lit(albedo, n, light, finish) + finish[2] * light[0] * softbox(n) * wp.vec3(1.0)
+            rgb = lit(albedo, n, light, finish) + 0.5 * finish[2] * light[0] * softbox(n) * wp.vec3(1.0)
         sample.colour = wp.vec4(rgb[0], rgb[1], rgb[2], 1.0)
         sample.depth = hit.t
     elif hit.found == -1:

@@ -44,7 +44,8 @@ def softbox(n: wp.vec3):
 def lit(albedo: wp.vec3, n: wp.vec3, light: wp.vec3, finish: wp.vec3):
     """Linear colour of a surface under a warm key, a cool fill, a rim light and the sky.
 
-    light: shares of key, fill and sky that arrive. finish: roughness, and how far light wanders under the surface.
+    light: shares of key, fill and sky that arrive. finish: roughness, how far light wanders under the
+    surface, and how wet it is.
     """
     # Red light wanders furthest under skin: it wraps round the terminator, and fills the borders of shadows.
     soft = finish[1]
@@ -55,8 +56,11 @@ def lit(albedo: wp.vec3, n: wp.vec3, light: wp.vec3, finish: wp.vec3):
     for c in range(3):
         direct[c] = arrives[c] * wp.max((toward + wrap[c]) / (1.0 + wrap[c]), 0.0)
     ambient = wp.lerp(wp.vec3(0.17, 0.14, 0.125), wp.vec3(0.35, 0.37, 0.41), 0.5 - 0.5 * n[1])
+    # A wet mouth throws light about: it is lit from all sides, and reaches what no ray from the sky does.
+    ambient = wp.lerp(ambient, wp.vec3(0.42, 0.37, 0.34), finish[2])
     # Light that bounces inside a fold is tinted by the skin: occlusion darkens red last.
-    sky = wp.vec3(wp.pow(light[2], 1.3), wp.pow(light[2], 1.3 + 0.35 * soft), wp.pow(light[2], 1.3 + 0.5 * soft))
+    dim = 1.3 - 0.8 * finish[2]
+    sky = wp.vec3(wp.pow(light[2], dim), wp.pow(light[2], dim + 0.35 * soft), wp.pow(light[2], dim + 0.5 * soft))
     received = (
         wp.cw_mul(wp.vec3(1.00, 0.94, 0.87), direct)
         + light[1] * wp.max(wp.dot(n, FILL), 0.0) * wp.vec3(0.20, 0.23, 0.28)
@@ -120,7 +124,7 @@ def wet_eye(albedo: wp.vec3, n: wp.vec3, light: wp.vec3, away: float, outward: w
     cornea = wp.cos(bulge) * n + wp.sin(bulge) * outward
     across = wp.smoothstep(0.18, 0.30, away) * before_iris * wp.max(-wp.dot(outward, KEY), 0.0)
     colour = lit((1.0 + 0.9 * light[0] * across) * albedo, n, light, wp.vec3(0.45, 0.3, 0.0))
-    window = (0.2 + 0.65 * before_iris) * wp.smoothstep(0.05, 0.40, light[0]) * softbox(cornea)
+    window = (0.2 + 0.65 * before_iris) * (0.6 + 0.4 * wp.smoothstep(0.05, 0.40, light[0])) * softbox(cornea)
     return colour + window * wp.vec3(1.0)
 
 

@@ -21,7 +21,7 @@ CLAY = FINISHES[Material.SKIN].colour
 _NO_PICTURE = np.zeros((0, 0, 3), np.uint8)
 _LONGEST_EDGE = 12.0  # pixels; coarser meshes would show their corners and are rounded off before they are drawn
 _SOFTNESS = dict.fromkeys((Material.SKIN, Material.GUMS, Material.TONGUE, Material.BUST), 1.0) | {Material.TEETH: 0.5}
-_WETNESS = {Material.TEETH: 0.5, Material.GUMS: 0.35, Material.TONGUE: 0.35}
+_WETNESS = {Material.TEETH: 1.0, Material.GUMS: 0.7, Material.TONGUE: 0.7}
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,9 +36,9 @@ class Look:
     gaze: (3,) unit, where the eyes look.
     visibility: (V, D) what `sky_visibility` saw of the mesh before it was turned, for pictures of one mesh to share; or
     None, to look around anew.
-    key: (V, D) what it saw of the key light in the `key_directions` of this picture; or None.
+    key: (V, D) what it saw of the key light in the `key_directions` of this picture, where ``visibility`` is; or None.
     rotation: (3, 3), how the mesh was turned since; given where ``visibility`` is.
-    hidden: (V,) bool, vertices that look around anew nevertheless where they are seen; or None.
+    hidden: (V,) bool, vertices that look around anew nevertheless where they are seen, where ``key`` is; or None.
     """
 
     colour: Sequence[float] = CLAY
@@ -86,23 +86,24 @@ def _light(mesh: Mesh, normals: np.ndarray, width: int, height: int, look: Look)
     """Shares (V, 3) of key light, fill light and sky that reach the vertices; only those that are seen look around."""
     rotation = np.eye(3) if look.rotation is None else np.asarray(look.rotation)
     normals = normals @ rotation
-    vertices = mesh.vertices @ rotation
-    fresh = np.ones(len(normals), bool)
-    hidden = np.zeros(len(normals), bool) if look.hidden is None else look.hidden
-    looks = [(DIRECTIONS, look.visibility), (key_directions(KEY) @ rotation, look.key)]
-    seen = None
-    sights = []
-    for directions, before in looks:
-        sight = np.zeros((len(normals), len(directions)), np.float32) if before is None else np.array(before)
-        unsure = fresh if before is None else hidden
-        if unsure.any():
-            seen = seen_vertices(mesh.vertices, mesh.faces, width, height) if seen is None else seen
-            anew = np.flatnonzero(unsure & seen)
-            sight[anew] = sky_visibility(vertices, mesh.faces, normals, anew, directions)
-        sights.append(sight)
-    around = light_received(sights[0], normals, DIRECTIONS, [None, FILL @ rotation])
-    key = light_received(sights[1], normals, looks[1][0], [None])
-    return np.column_stack([key, around[:, 1], around[:, 0]])
+    around = len(DIRECTIONS)
+    directions = np.concatenate([DIRECTIONS, key_directions(KEY) @ rotation])
+    sight = np.zeros((len(normals), len(directions)), np.float32)
+    unsure = np.ones(len(normals), bool)
+    first = 0
+    if look.visibility is not None:
+        sight[:, :around] = look.visibility
+        first = around
+    if look.key is not None:
+        sight[:, around:] = look.key
+        unsure = np.zeros(len(normals), bool) if look.hidden is None else look.hidden
+        first = 0
+    if unsure.any():
+        anew = np.flatnonzero(unsure & seen_vertices(mesh.vertices, mesh.faces, width, height))
+        sight[anew, first:] = sky_visibility(mesh.vertices @ rotation, mesh.faces, normals, anew, directions[first:])
+    wide = light_received(sight[:, :around], normals, DIRECTIONS, [FILL @ rotation, None])
+    key = light_received(sight[:, around:], normals, directions[around:], [None])
+    return np.column_stack([key, wide])
 
 
 def _scene(mesh: Mesh, normals: np.ndarray, light: np.ndarray, look: Look) -> tuple[Any, Any]:

@@ -106,7 +106,7 @@ def _vectors(array: np.ndarray) -> Any:
 
 
 def _shared(array: np.ndarray) -> Any:
-    """A warp array in the memory of a float32 one."""
+    """A warp array in the memory of a float32 one, or of a copy where it has gaps."""
     import warp as wp
 
-    return wp.array(array, device="cpu", copy=False)
+    return wp.array(np.ascontiguousarray(array), device="cpu", copy=False)

@@ -147,3 +147,17 @@ def test_an_eye_has_a_highlight_towards_the_light_wherever_it_looks(sphere):
         bright = np.argwhere(ball > 235)
         assert 4 < len(bright) < 120
         assert (bright.mean(0) < SIZE / 2 - 2).all()
+
+
+def test_a_wet_mouth_is_lit_where_skin_in_its_place_is_dark():
+    """At the bottom of a pit."""
+    x, y = np.meshgrid(np.linspace(-1, 1, 61), np.linspace(-1, 1, 61))
+    pit = np.stack([x, y, -1.5 * np.exp(-20 * (x**2 + y**2))], -1).reshape(-1, 3)
+    k = np.arange(61 * 61).reshape(61, 61)
+    a, b, c, d = (q.ravel() for q in (k[:-1, :-1], k[:-1, 1:], k[1:, 1:], k[1:, :-1]))
+    faces = np.concatenate([np.stack([a, b, c], 1), np.stack([a, c, d], 1)])
+    deep = {}
+    for material in (Material.SKIN, Material.TEETH):
+        coat = Coat(np.zeros((1, 2)), np.zeros_like(faces), np.full(len(faces), material), Pictures())
+        deep[material] = grey(shade(in_picture(pit, 30.0), faces, SIZE, SIZE, Look(coat=coat)))[32, 32]
+    assert deep[Material.TEETH] > 1.3 * deep[Material.SKIN]
