@@ -6,8 +6,9 @@ from functools import cache, lru_cache
 import numpy as np
 
 from caricli.data.identities import usual_size
-from caricli.methods.parts.bones import Bone, Frames, Jaw, plain_frames
+from caricli.methods.parts.bones import Bone, Frames, Jaw, Posed, plain_frames
 from caricli.methods.parts.lids import Lids
+from caricli.methods.parts.pocket import Mouths, Pocket
 from caricli.structures import Mesh, Part
 from caricli.template.head import BasePart, Head, load_head
 from caricli.template.head_parts import head_parts
@@ -15,6 +16,9 @@ from caricli.template.template import Template
 
 BETWEEN = 0.3
 """Of the way from a usual head to a node of gender, age and weight: how far heads differ in that."""
+
+POSED = 0.25
+"""Weight of expressions: the neutral face of a drawing that laughs keeps some of its laughter."""
 
 
 class Attachment:
@@ -33,6 +37,8 @@ class Attachment:
         moves = np.zeros((0, *template.vertices.shape)) if actions is None else actions
         rigid = next((part for part in parts if part.hangs_on == "jaw"), None)
         jaw = None if rigid is None else Jaw(template, rigid, moves)
+        wall = template.annotation.regions.get("inner_mouth")
+        self.pocket = None if wall is None else Pocket(template, wall)
         self.holds: list[Bone | Lids] = []
         for part in parts:
             if part.hangs_on == "lids":
@@ -51,9 +57,9 @@ class Attachment:
         mesh: Mesh of its skin, metres, in the template's topology. names: K. deltas: (K, V, 3) metres, what the
         expressions do to the skin.
         """
-        neutral = np.asarray(mesh.vertices, float)
-        moves = np.asarray(deltas, float)
-        return tuple(hold.place(neutral, tuple(names), moves) for hold in self.holds)
+        face = Posed(np.asarray(mesh.vertices, float), tuple(names), np.asarray(deltas, float))
+        mouths = None if self.pocket is None else Mouths(self.pocket, face.neutral, face.names, face.deltas)
+        return tuple(hold.place(face) if isinstance(hold, Lids) else hold.place(face, mouths) for hold in self.holds)
 
 
 def attachment_for(template: Template) -> Attachment | None:
@@ -84,7 +90,7 @@ def _frames(head: Head, part: BasePart) -> Frames:
     for shapes in (head, part):
         nodes = shapes.phenotype.reshape(-1, *shapes.phenotype.shape[-2:]) - shapes.evaluate()
         ways = [sizes * changes[identity] for changes in (shapes.changes_up, shapes.changes_down)]
-        examples.append(np.concatenate([*ways, BETWEEN * nodes]).astype(float))
+        examples.append(np.concatenate([*ways, BETWEEN * nodes, POSED * shapes.actions]).astype(float))
     return Frames(part.evaluate(), (examples[0], examples[1]))
 
 

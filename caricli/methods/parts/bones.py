@@ -8,7 +8,8 @@ import numpy as np
 from caricli.geometry.axis_similarity import axis_similarity
 from caricli.geometry.weighted_similarities import weighted_similarities
 from caricli.methods.parts.follow import follow_weights
-from caricli.structures import Part
+from caricli.methods.parts.pocket import Mouth, Mouths, make_room
+from caricli.structures import Material, Part
 from caricli.template.template import Template
 
 RIGID = 0.002
@@ -21,6 +22,17 @@ STILL = 1e-4
 """Metres: what an expression of the template moves less it leaves where it is."""
 
 
+PRESSED = 0.001
+"""Of the head's height: nothing comes nearer to the wall of the mouth than this, and"""
+KEPT = 0.003
+"""teeth that would are moved as far from it."""
+
+WAY = (1.0, 0.5)
+"""Weights of expressions at which the wall of the mouth is looked at."""
+
+_FIRM = 80
+"""Points of what does not give way that are looked at."""
+
 _FEWEST = 12
 """Vertices of a mouth's wall that can tell where teeth are."""
 
@@ -29,6 +41,18 @@ _NEAREST = 300
 
 _POINTS = 80
 """Of a part, that are asked for."""
+
+
+@dataclass(frozen=True, eq=False)
+class Posed:
+    """The skin of a face and its expressions.
+
+    neutral: (V, 3) metres. names: K. deltas: (K, V, 3) metres.
+    """
+
+    neutral: np.ndarray
+    names: tuple[str, ...]
+    deltas: np.ndarray
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,19 +91,56 @@ class Bone:
         skin, moved = frames.examples
         examples = (skin[:, self.around] if len(skin) else np.zeros((0, len(anchors), 3)), moved)
         self.weights = follow_weights(anchors, frames.points, examples, template.height)
+        teeth = np.unique(part.mesh.polygons[part.materials == Material.TEETH])
+        # Gums and tongue give way where teeth do not.
+        firm = teeth[teeth >= 0] if len(teeth) else np.arange(len(self.shape))
+        self.firm = firm[:: max(len(firm) // _FIRM, 1)]
 
-    def place(self, neutral: np.ndarray, names: tuple[str, ...], deltas: np.ndarray) -> Part:
-        """The part in a face (V, 3) with expressions (K, V, 3)."""
-        scales, rotation, shift = axis_similarity(self.frames.points, self.weights @ neutral[self.around], UNEVEN)
+    def place(self, face: Posed, mouths: Mouths | None) -> Part:
+        """The part in a face. mouths: of the same face, None where the wall of its mouth is not told."""
+        scales, rotation, shift = axis_similarity(self.frames.points, self.weights @ face.neutral[self.around], UNEVEN)
         to_face = rotation * scales
         shape = self.shape @ to_face.T + shift
-        moved = np.zeros((len(names), *shape.shape))
-        for k, name in enumerate(names):
+        if mouths is not None:
+            shape = self._settled(mouths.rest, shape, mouths.height, True)
+        moved = self._moved(face, shape, to_face)
+        if mouths is not None:
+            for k in mouths.order:
+                moved[k] += self._kept_in(mouths, shape, moved, int(k))
+        return replace(self.part, mesh=self.part.mesh.with_vertices(shape), names=face.names, deltas=moved)
+
+    def _moved(self, face: Posed, shape: np.ndarray, to_face: np.ndarray) -> np.ndarray:
+        """(K, W, 3) what expressions do to the part by the jaw and by themselves."""
+        moved = np.zeros((len(face.names), *shape.shape))
+        for k, name in enumerate(face.names):
             if self.jaw is not None:
-                turn, carry = self.jaw.motion(name, neutral, deltas[k])
+                turn, carry = self.jaw.motion(name, face.neutral, face.deltas[k])
                 moved[k] = shape @ turn.T + carry - shape
-            moved[k] += self._own(name) @ to_face.T
-        return replace(self.part, mesh=self.part.mesh.with_vertices(shape), names=names, deltas=moved)
+            if name in self.own:
+                moved[k] += self.own[name] @ to_face.T
+        return moved
+
+    def _settled(self, mouth: Mouth, shape: np.ndarray, height: float, scaling: bool) -> np.ndarray:
+        """The part (W, 3) as a whole brought into a mouth, and what gives way pressed into it."""
+        firm = shape[self.firm]
+        settled = shape
+        if mouth.room(firm)[0].min() < PRESSED * height:
+            scale, shift = make_room(mouth, firm, KEPT * height, scaling)
+            centre = firm.mean(0)
+            settled = centre + scale * (shape - centre) + shift
+        return settled + mouth.pushes(settled, PRESSED * height)
+
+    def _kept_in(self, mouths: Mouths, shape: np.ndarray, moved: np.ndarray, k: int) -> np.ndarray:
+        """(W, 3) what expression k has to do besides, so that the part stays in the mouth on the way."""
+        more = np.zeros_like(shape)
+        if mouths.names[k] in self.own or (mouths.still(k) and not moved[k].any()):
+            return more
+        for amount in WAY:
+            start = shape + amount * np.tensordot(mouths.uses[k], moved, 1)
+            posed = start + amount * more
+            settled = self._settled(mouths.mouth(k, amount), posed, mouths.height, False)
+            more += (settled - posed) / amount
+        return more
 
     @cached_property
     def own(self) -> dict[str, np.ndarray]:
@@ -91,9 +152,6 @@ class Bone:
             if np.abs(delta).max() > STILL:
                 moves[name] = delta
         return moves
-
-    def _own(self, name: str) -> np.ndarray:
-        return self.own.get(name, np.zeros_like(self.shape))
 
 
 class Jaw:

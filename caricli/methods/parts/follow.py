@@ -14,7 +14,7 @@ class FollowSettings:
     them; reach, size: their reach and their length, shares of the height. exact: weight of what must hold.
     """
 
-    stiffness: float = 0.004
+    stiffness: float = 0.002
     fields: int = 200
     reach: float = 0.12
     size: float = 0.01

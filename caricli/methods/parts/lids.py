@@ -7,6 +7,7 @@ from scipy.spatial import cKDTree
 
 from caricli.geometry.components import mesh_components
 from caricli.geometry.weighted_similarities import weighted_similarities
+from caricli.methods.parts.bones import Posed
 from caricli.structures import Part
 from caricli.template.template import Template
 
@@ -34,11 +35,11 @@ class Lids:
         self.ids = lids[near]
         self.weights = np.exp(-0.5 * (distance / distance.mean(1, keepdims=True)) ** 2)
 
-    def place(self, neutral: np.ndarray, names: tuple[str, ...], deltas: np.ndarray) -> Part:
-        """The lashes of a face (V, 3) with expressions (K, V, 3)."""
-        shape = self._moved(self.template, neutral[None], self.shape, True)[0]
-        moved = self._moved(neutral, neutral + deltas, shape, False) - shape
-        return replace(self.part, mesh=self.part.mesh.with_vertices(shape), names=names, deltas=moved)
+    def place(self, face: Posed) -> Part:
+        """The lashes of a face."""
+        shape = self._moved(self.template, face.neutral[None], self.shape, True)[0]
+        moved = self._moved(face.neutral, face.neutral + face.deltas, shape, False) - shape
+        return replace(self.part, mesh=self.part.mesh.with_vertices(shape), names=face.names, deltas=moved)
 
     def _moved(self, before: np.ndarray, after: np.ndarray, shape: np.ndarray, scaling: bool) -> np.ndarray:
         scale, rotation, shift = weighted_similarities(before[self.ids], after[:, self.ids], self.weights, scaling)

@@ -3,6 +3,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from caricli.methods.parts.attachment import attachment_for, open_head_attachment
+from caricli.methods.parts.bones import Bone, Posed
+from caricli.methods.parts.pocket import Mouths, Pocket
 from caricli.structures import Material, Mesh
 from caricli.template.head import load_head
 from caricli.template.head_parts import head_parts
@@ -26,7 +28,10 @@ def test_on_the_template_parts_are_where_the_template_has_them(head, template):
     parts = open_head_attachment().attach(template)
     assert [part.name for part in parts] == ["teeth_upper", "teeth_lower", "tongue", "lashes"]
     for part, own in zip(parts, head_parts(head), strict=True):
-        assert np.abs(part.mesh.vertices - own.mesh.vertices).max() < 1e-9
+        away = np.abs(part.mesh.vertices - own.mesh.vertices).max(1)
+        # A little of the lower gums gives way to the lip.
+        assert away.max() < (0.004 if part.name == "teeth_lower" else 1e-9) * template.height
+        assert (away < 1e-9).mean() > 0.95
         assert part.names == () and part.deltas.shape == (0, len(part.mesh.vertices), 3)
         assert part.mesh.uvs is not None
 
@@ -44,12 +49,14 @@ def test_they_go_wherever_the_head_goes(template):
 def test_expressions_move_bone_rigidly_and_the_tongue_comes_out(head, template):
     parts = by_name(open_head_attachment().animate(template, head.action_names, head.actions))
     names = list(head.action_names)
-    assert not parts["teeth_upper"].deltas.any()
+    crowns = np.unique(parts["teeth_upper"].mesh.polygons[parts["teeth_upper"].materials == Material.TEETH])
+    assert np.abs(parts["teeth_upper"].deltas[names.index("jawOpen"), crowns]).max() < 1e-4
     for name in ("teeth_lower", "tongue"):
         start = parts[name].mesh.vertices
         open_ = start + parts[name].deltas[names.index("jawOpen")]
-        lengths = [np.linalg.norm(np.diff(shape[::7], axis=0), axis=1) for shape in (start, open_)]
-        assert np.allclose(*lengths) and (open_[:, 1].mean() - start[:, 1].mean()) < -0.01
+        firm = np.unique(parts[name].mesh.polygons[parts[name].materials != Material.GUMS])[::7]
+        lengths = [np.linalg.norm(np.diff(shape[firm], axis=0), axis=1) for shape in (start, open_)]
+        assert np.allclose(*lengths, atol=2e-4) and (open_[:, 1].mean() - start[:, 1].mean()) < -0.01
     tip = parts["tongue"].mesh.vertices[:, 2].argmax()
     assert parts["tongue"].deltas[names.index("tongueOut"), tip, 2] > 0.015
     shut = parts["lashes"].deltas[names.index("eyeBlinkLeft")]
@@ -69,3 +76,27 @@ def test_another_topology_has_none(template):
     )  # turned inside out
     assert attachment_for(other) is None
     assert isinstance(template, Mesh)
+
+
+def test_parts_stay_behind_a_lip_that_was_pushed_in(head, template):
+    narrow = template.vertices.copy()
+    wall = template.annotation.regions["inner_mouth"]
+    lip = narrow[wall[narrow[wall, 2].argmax()]]
+    narrow -= 0.02 * np.exp(-0.5 * (((narrow - lip) / 0.015) ** 2).sum(1))[:, None] * [0, 0, 1]
+    face = template.with_vertices(narrow)
+    attachment = open_head_attachment()
+    deltas = np.asarray(head.actions, float)
+    parts = attachment.animate(face, head.action_names, deltas)
+    pocket = Pocket(template, wall)
+    mouths = Mouths(pocket, narrow, head.action_names, deltas)
+    free = [part for part in parts if part.name != "lashes"]
+    bones = [hold for hold in attachment.holds if isinstance(hold, Bone)]
+    unaware = [bone.place(Posed(narrow, (), np.zeros((0, *narrow.shape))), None) for bone in bones]
+    assert max(-mouths.rest.room(part.mesh.vertices)[0].min() for part in unaware) > 0.005 * face.height
+    for part in free:
+        assert mouths.rest.room(part.mesh.vertices)[0].min() > -1e-4 * face.height
+        for name in ("jawOpen", "mouthPucker", "mouthSmileLeft", "jawLeft", "mouthRollLower", "mouthClose"):
+            k = head.action_names.index(name)
+            for amount in (0.5, 1.0):
+                moved = part.mesh.vertices + amount * np.tensordot(mouths.uses[k], part.deltas, 1)
+                assert mouths.mouth(k, amount).room(moved)[0].min() > -0.003 * face.height
