@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from caricli.geometry.quad_grid import quad_grid
 from caricli.structures import Material, Mesh
@@ -113,6 +112,8 @@ class _Band:
     """A band as a function of where along it, how high and how deep."""
 
     def __init__(self, band: Mesh) -> None:
+        from scipy.interpolate import CubicSpline  # slow to import, and only those need it who attach teeth
+
         rows = np.asarray(band.vertices, float)[quad_grid(band.polygons)]
         along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(rows[1], axis=0), axis=1))])
         self.rows = CubicSpline(along / along[-1], rows, axis=1)

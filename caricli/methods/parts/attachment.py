@@ -78,20 +78,19 @@ def _own_attachment(template: Template) -> Attachment:
 def open_head_attachment() -> Attachment:
     """Of the open head in its usual shape."""
     head = load_head()
-    frames = {name: _frames(head, part) for name, part in head.parts.items() if name != "lashes"}
+    skin = _examples(head, head)
+    rigid = {name: part for name, part in head.parts.items() if name != "lashes"}
+    frames = {name: Frames(part.evaluate(), (skin, _examples(head, part))) for name, part in rigid.items()}
     return Attachment(head.template(), head_parts(head), frames, head.actions.astype(float))
 
 
-def _frames(head: Head, part: BasePart) -> Frames:
-    """How heads differ in a part of the base mesh: by changes of usual size, by gender, age and weight."""
+def _examples(head: Head, shapes: Head | BasePart) -> np.ndarray:
+    """(E, V, 3) how heads differ, in the skin or a part: by changes of usual size, by gender, age and weight."""
     identity = [k for k, name in enumerate(head.change_names) if usual_size(name)]
     sizes = np.array([usual_size(head.change_names[k]) for k in identity])[:, None, None]
-    examples = []
-    for shapes in (head, part):
-        nodes = shapes.phenotype.reshape(-1, *shapes.phenotype.shape[-2:]) - shapes.evaluate()
-        ways = [sizes * changes[identity] for changes in (shapes.changes_up, shapes.changes_down)]
-        examples.append(np.concatenate([*ways, BETWEEN * nodes, POSED * shapes.actions]).astype(float))
-    return Frames(part.evaluate(), (examples[0], examples[1]))
+    nodes = shapes.phenotype.reshape(-1, *shapes.phenotype.shape[-2:]) - shapes.evaluate()
+    ways = [sizes * changes[identity] for changes in (shapes.changes_up, shapes.changes_down)]
+    return np.concatenate([*ways, BETWEEN * nodes, POSED * shapes.actions])
 
 
 @cache
