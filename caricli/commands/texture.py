@@ -1,6 +1,7 @@
 """caricli texture: the picture on the face."""
 
 import time
+from typing import get_args
 
 import click
 
@@ -12,7 +13,7 @@ from caricli.io.image import read_image, write_png
 from caricli.io.outputs import staged_folder
 from caricli.io.provenance import provenance
 from caricli.io.strict_json import write_json
-from caricli.methods.texture.settings import PaintSettings, TextureSettings
+from caricli.methods.texture.settings import Hair, PaintSettings, TextureSettings
 
 REPORT = "face.json"
 SIZE = 320
@@ -21,7 +22,9 @@ SIZE = 320
 @click.command()
 @click.argument("face", type=PATH)
 @click.argument("image", type=PATH)
-@out_option("DIR", "Write face.obj, .mtl, .npz, .glb, .json, texture.png, eyes.png and sheet.png into this folder.")
+@out_option(
+    "DIR", "Write face.obj, .mtl, .npz, .glb, .json, texture.png, eyes.png, hair.png and sheet.png into this folder."
+)
 @click.option(
     "--mask",
     type=PATH,
@@ -34,13 +37,21 @@ SIZE = 320
     metavar="PIXELS",
     help="Make the texture this wide and high.  [default: 1024 or more, as fine as the picture]",
 )
+@click.option(
+    "--hair",
+    type=click.Choice(get_args(Hair)),
+    default=PaintSettings.hair,
+    show_default=True,
+    help="Make a shell of the hair in the picture, or leave it as paint on the head; auto makes one unless it is "
+    "doubtful what is hair.",
+)
 @click.option("--project-uv", "flat", is_flag=True, help="Use the picture itself as texture, as published, to compare.")
 @click.option("--keep-light", is_flag=True, help="Leave light and shade of the picture in the texture.")
 @model_option
 @seed_option
 @picture_option
 @overwrite_option
-def command(face, image, out, mask, size, flat, keep_light, model, seed, overwrite):
+def command(face, image, out, mask, size, hair, flat, keep_light, model, seed, overwrite):
     """Paint a face (NPZ with a camera) with the picture that it was fitted to.
 
     What the picture does not show comes from the other side of the face, and else has the colour of its skin, of what
@@ -67,7 +78,7 @@ def command(face, image, out, mask, size, flat, keep_light, model, seed, overwri
         with naming(face):
             seen.require_landmarks()
         head = None if mask is None else load_mask(mask, (picture.shape[1], picture.shape[0]))
-        settings = PaintSettings(size, flat, seed, TextureSettings(keep_light=keep_light))
+        settings = PaintSettings(size, flat, seed, hair, TextureSettings(keep_light=keep_light))
         start = time.perf_counter()
         with naming(", ".join(str(path) for path in inputs[:3] if path)):
             painted = paint_head(seen, shape_model.template, picture, head, settings)

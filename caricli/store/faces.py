@@ -140,6 +140,8 @@ def write_painted_head(folder: Path, painted: Painted, face: Face) -> None:
             write_png(folder / FILES[name], picture)
     mesh = _trimmed(painted.head)
     write_obj(folder / "face.obj", mesh, names.skin, others=names.others)
+    dressed = painted.hair
+    face = replace(face, hair=None) if dressed is None else replace(dressed.face, hair=dressed.hair)
     write_face(folder / "face.npz", replace(face, mesh=mesh, pictures=painted.pictures, materials=None), names)
     write_gltf(folder / "face.glb", rig)
 

@@ -26,7 +26,7 @@ NAMES = ["eyes.png", "face.glb", "face.json", "face.mtl", "face.npz", "face.obj"
 SIDE = 300
 MAGENTA = np.array([255.0, 0, 255])
 CAMERA = Camera(1050.0, np.diag([1.0, -1, -1]), np.array([150.0, 290.0]))
-QUICK = ("--size", 96)
+QUICK = ("--size", 96, "--hair", "none")
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -61,7 +61,7 @@ def inputs(scene):
 @pytest.fixture(scope="module")
 def textured(run, scene, tmp_path_factory):
     out = tmp_path_factory.mktemp("textured") / "out"
-    result = run(COMMAND, *inputs(scene), "--size", 256, "--out", out)
+    result = run(COMMAND, *inputs(scene), "--size", 256, "--hair", "none", "--out", out)
     assert result.exit_code == 0, result.output
     assert result.stdout.startswith(f"{out}: ") and "photometric error" in result.stdout
     return out
@@ -172,7 +172,7 @@ def test_the_plain_variant_has_the_picture_itself(run, scene, tmp_path):
 def test_without_a_size_it_is_as_fine_as_the_picture(run, scene, tmp_path, monkeypatch):
     monkeypatch.setattr("caricli.commands.texture.TextureSettings", partial(TextureSettings, smallest=64))
     out = tmp_path / "out"
-    assert run(COMMAND, *inputs(scene), "--out", out).exit_code == 0
+    assert run(COMMAND, *inputs(scene), "--hair", "none", "--out", out).exit_code == 0
     side = read_json(out / "face.json")["size"]
     assert 64 < side < 2048 and read_image(out / "texture.png").shape == (side, side, 3)
 
@@ -280,3 +280,17 @@ def test_outputs_that_exist_and_wrong_usage(refused, run, scene, textured, tmp_p
         result = run(COMMAND, *inputs(scene), "--size", size, "--out", tmp_path / "out")
         assert result.exit_code == 2 and "--size" in result.stderr
     assert [path.name for path in tmp_path.iterdir()] == ["own"]
+
+
+def test_hair_of_the_picture_becomes_a_shell(run, scene, tmp_path):
+    out = tmp_path / "out"
+    result = run(COMMAND, *inputs(scene)[:2], "--size", 96, "--hair", "shell", "--out", out)
+    assert result.exit_code == 0 and "as in the picture" in result.stdout
+    face = read_face(out / "face.npz")
+    assert face.hair is not None and face.pictures.hair.shape == (96, 96, 3) and (out / "hair.png").is_file()
+    assert len(face.vertices) == 4200
+    feet = face.hair.footing(face.vertices)
+    away = np.linalg.norm(face.hair.shell.vertices - feet, axis=1)
+    assert 0.002 < np.median(away) < 0.05
+    report = read_json(out / "face.json")["hair"]
+    assert report["overlap"] > 0.8 and 0 <= report["doubt"] < 0.3

@@ -1,13 +1,15 @@
 """A head with the colours of its picture: skin, eyes, and how near they come."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from caricli.errors import InputError
+from caricli.methods.hair.dress_hair import DressedHair, bare_skin, dress_hair
 from caricli.methods.rig.add_eyeballs import TEXTURE, add_eyeballs, fit_eyeballs
 from caricli.methods.texture.estimate_light import Light
+from caricli.methods.rig.add_parts import add_parts
 from caricli.methods.texture.mask_head import mask_head, mesh_pixels
 from caricli.methods.texture.photometric_error import photometric_error
 from caricli.methods.texture.project_picture import project_picture
@@ -30,6 +32,7 @@ class Painted:
     seen: share of the surface that the picture shows.
     filled: share of the picture that the head fills.
     light: Light that was taken out of the picture, or None where it was kept; the error is measured in it.
+    hair: DressedHair on the head, or None.
     """
 
     head: Template
@@ -38,6 +41,7 @@ class Painted:
     seen: float
     filled: float
     light: Light | None = None
+    hair: DressedHair | None = None
 
     @property
     def pictures(self) -> Pictures:
@@ -48,11 +52,13 @@ class Painted:
         """What reports say of it, as JSON."""
         assert self.pictures.skin is not None
         light = {} if self.light is None else {"light": self.light.figures()}
-        return {"size": len(self.pictures.skin), "photometric_error": self.error, "seen": self.seen} | light
+        hair = {"hair": None if self.hair is None else self.hair.figures()}
+        return {"size": len(self.pictures.skin), "photometric_error": self.error, "seen": self.seen} | light | hair
 
     def describe(self) -> str:
         """What is printed of it."""
-        return f"{100 * self.seen:.0f} % of the surface seen, photometric error {100 * self.error:.2f} %"
+        hair = "no hair" if self.hair is None else f"hair {100 * self.hair.overlap:.0f} % as in the picture"
+        return f"{100 * self.seen:.0f} % of the surface seen, photometric error {100 * self.error:.2f} %, {hair}"
 
 
 def paint_head(
@@ -75,6 +81,10 @@ def paint_head(
         mask = mask_head(face, image)
     elif not (mask & mesh_pixels(face, image)).any():
         raise InputError("expected a mask that is white where the head is, found none there")
+    hair = dress_hair(face, template, image, settings)
+    if hair is not None:
+        face = hair.face
+    skin = mask if hair is None else bare_skin(mask, hair)
     head = template.with_vertices(face.vertices)
     if settings.project_uv:
         head = project_picture(head, camera, image)
@@ -84,7 +94,7 @@ def paint_head(
     elif head.uvs is None:
         raise InputError("expected a model whose mesh has UVs, found none; --project-uv needs none")
     else:
-        painted = texture_face(head, camera, image, mask, settings.size, settings.texture)
+        painted = texture_face(head, camera, image, skin, settings.size, settings.texture)
         texture = painted.image
         seen = float(painted.seen[painted.covered].mean())
         light = painted.light
@@ -93,5 +103,8 @@ def paint_head(
     generator = np.random.default_rng(settings.seed)
     eyes = paint_eye(TEXTURE, generator, *eye_colours(image, landmarks))
     whole = add_eyeballs(rig, fit_eyeballs(head, head.annotation, still), generator, eyes)
-    error = photometric_error(rig, face, image, mask, light)
-    return Painted(head, whole, error, seen, float(mask.mean()), light)
+    error = photometric_error(rig, face, image, skin, light)
+    if hair is not None:
+        whole = add_parts(whole, [hair.hair.part])
+        whole = replace(whole, pictures=replace(whole.pictures, hair=hair.picture))
+    return Painted(head, whole, error, seen, float(mask.mean()), light, hair)

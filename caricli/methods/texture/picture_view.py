@@ -44,7 +44,7 @@ class SeenColours:
     def completed(self, other: "SeenColours", weight: float) -> "SeenColours":
         """With those of the other side where these are hardly seen. weight: of the other side."""
         share = self.seen / np.maximum(self.seen + weight * other.seen, 1e-9)
-        colours = share[:, None] * self.colours + (1 - share[:, None]) * other.colours
+        colours = share[..., None] * self.colours + (1 - share[..., None]) * other.colours
         return SeenColours(colours, np.maximum(self.seen, other.seen * (1 - share)))
 
 

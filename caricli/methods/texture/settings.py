@@ -1,6 +1,10 @@
 """What textures are tuned by; light to import, because the command line takes its defaults from here."""
 
 from dataclasses import dataclass
+from typing import Literal
+
+Hair = Literal["auto", "none", "shell"]
+"""What becomes of the hair of a picture."""
 
 
 @dataclass(frozen=True)
@@ -43,11 +47,13 @@ class PaintSettings:
 
     size: texels, side of the texture; None for as fine as the picture.
     project_uv: the picture itself as texture, as published (portrait paper, equation 12), to compare.
-    seed: of the fibres of the iris.
+    seed: of the fibres of the iris, and of strands of hair that the picture does not show.
+    hair: "shell" of hair on the head, "none", or "auto": a shell unless it is doubtful what is hair.
     texture: TextureSettings.
     """
 
     size: int | None = None
     project_uv: bool = False
     seed: int = 0
+    hair: Hair = "auto"
     texture: TextureSettings = TextureSettings()

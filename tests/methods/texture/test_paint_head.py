@@ -10,7 +10,7 @@ from caricli.render.rasterise import rasterise
 from caricli.render.smooth_normals import smooth_normals
 from caricli.structures import Material
 
-SMALL = PaintSettings(size=96)
+SMALL = PaintSettings(size=96, hair="none")
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -37,7 +37,7 @@ def test_a_head_with_skin_and_eyes(painted, pictured):
 def test_the_figures_are_what_they_say(painted):
     assert 0 < painted.error < 0.05 and 0.1 < painted.seen < 0.7
     assert 0.05 < painted.filled < 1
-    assert painted.figures() == {"size": 96, "photometric_error": painted.error, "seen": painted.seen}
+    assert painted.figures() == {"size": 96, "photometric_error": painted.error, "seen": painted.seen, "hair": None}
     assert painted.describe().startswith(f"{100 * painted.seen:.0f} % of the surface seen")
 
 

@@ -1,0 +1,1 @@
+"""Hair of a picture on a head."""

@@ -1,0 +1,86 @@
+"""The hair of a picture on the head that was fitted to it."""
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import cv2
+import numpy as np
+
+from caricli.errors import InputError
+from caricli.geometry.join_meshes import join_meshes
+from caricli.methods.hair.make_shell import make_shell, sink_skull
+from caricli.methods.hair.mask_hair import HairMask, mask_hair
+from caricli.methods.hair.paint_hair import paint_hair
+from caricli.methods.texture.picture_view import PictureView
+from caricli.methods.texture.settings import PaintSettings
+from caricli.render.rasterise import rasterise
+from caricli.structures import Camera, Face, Hair
+from caricli.template.template import Template
+
+_NEEDED = ("ear_left", "ear_right", "scalp")
+_MARGIN = 0.015  # of the face's height: as far around hair the skin has its colour or its shadow
+_SIZE = 1024  # texels of hair where none are asked for
+
+
+@dataclass(frozen=True, eq=False)
+class DressedHair:
+    """Hair and what is under it.
+
+    face: Face whose skull is under the hair. hair: Hair on it. picture: (S, S, 3) uint8, of the hair. mask: HairMask.
+    overlap: intersection over union of hair as the camera sees it and the mask.
+    """
+
+    face: Face
+    hair: Hair
+    picture: np.ndarray
+    mask: HairMask
+    overlap: float
+
+    def figures(self) -> dict[str, Any]:
+        """What reports say of it, as JSON."""
+        return {"doubt": self.mask.doubt, "overlap": self.overlap}
+
+
+def dress_hair(face: Face, template: Template, image: np.ndarray, settings: PaintSettings) -> DressedHair | None:
+    """Put the hair of a picture on a head.
+
+    face: Face with camera and landmarks. template: of its topology. image: (H, W, 3) uint8. settings:
+    PaintSettings; their hair is "shell", "auto" for none where it is doubtful which pixels show hair or the template
+    does not name ears and scalp, or "none".
+    Returns DressedHair, or None. Raises InputError where a shell is asked for and there is no hair or no such name.
+    """
+    choice = settings.hair
+    if choice == "none" or settings.project_uv:
+        return None
+    if missing := [name for name in _NEEDED if name not in template.annotation.regions]:
+        if choice == "auto":
+            return None
+        raise InputError(f"expected an annotation with the region {missing[0]!r} for hair to stand on, found none")
+    mask = mask_hair(face, template, image)
+    if choice == "auto" and not mask.trusted:
+        return None
+    if not mask.pixels.any():
+        raise InputError("expected hair around the face, found none; --hair none goes without")
+    camera = face.require_camera()
+    head = sink_skull(template.with_vertices(face.vertices), camera, mask)
+    hair = make_shell(head, camera, mask)
+    view = PictureView(hair.shell, camera, image, mask.pixels, settings.texture)
+    picture = paint_hair(hair, view, settings.size or _SIZE, np.random.default_rng(settings.seed))
+    sunk = replace(face, mesh=face.mesh.with_vertices(head.vertices), residual=None)
+    return DressedHair(sunk, hair, picture, mask, overlap(sunk, hair, camera, mask.pixels))
+
+
+def overlap(face: Face, hair: Hair, camera: Camera, mask: np.ndarray) -> float:
+    """Intersection over union of the pixels where the camera sees hair, and a mask (H, W) bool."""
+    both = join_meshes([face.mesh, hair.shell])
+    raster = rasterise(camera.place(both.vertices), both.faces, mask.shape[1], mask.shape[0])
+    shown = raster.face >= len(face.faces)
+    return float((shown & mask).sum() / max((shown | mask).sum(), 1))
+
+
+def bare_skin(mask: np.ndarray, dressed: DressedHair) -> np.ndarray:
+    """(H, W) bool: what is left of a mask of the head where no hair covers or colours the skin."""
+    reach = max(round(_MARGIN * np.ptp(dressed.face.require_landmarks()[:, 1])), 1)
+    disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * reach + 1, 2 * reach + 1))
+    bare = mask & (cv2.dilate(dressed.mask.pixels.astype(np.uint8), disc) == 0)
+    return bare if bare.any() else mask

@@ -1,0 +1,42 @@
+"""Where hair ends on a head."""
+
+import numpy as np
+
+_STEPS = 24  # rows that the edge may rise or fall from one column to the next
+
+
+def find_edge(votes: np.ndarray, steady: float) -> np.ndarray:
+    """The edge with the most votes, one row for every column: what is above it is hair.
+
+    Maximises ``sum_c (sum_{r < e_c} votes_rc - steady |e_c - e_{c+1}|)`` around the head, by dynamic programming.
+
+    votes: (R, C), above zero where there is hair, below where there is none. steady: votes that a step costs.
+    Returns (C,) int, from 0 to R.
+    """
+    rows, columns = votes.shape
+    gains = np.vstack([np.zeros(columns), np.cumsum(votes, axis=0)])
+    # The column where most is said begins, its edge fixed, so that the way around ends where it began.
+    first = int(np.abs(votes).sum(0).argmax())
+    gains = np.roll(gains, -first, axis=1)
+    start = int(gains[:, 0].argmax())
+    score = np.full(rows + 1, -np.inf)
+    score[start] = gains[start, 0]
+    came = np.zeros((columns, rows + 1), int)
+    most = min(_STEPS, rows)
+    for column in range(1, columns):
+        best = np.full(rows + 1, -np.inf)
+        for step in range(-most, most + 1):
+            moved = np.full(rows + 1, -np.inf)
+            low = max(step, 0)
+            high = rows + 1 + min(step, 0)
+            moved[low:high] = score[low - step : high - step] - steady * abs(step)
+            better = moved > best
+            best = np.where(better, moved, best)
+            came[column] = np.where(better, step, came[column])
+        score = best + gains[:, column]
+    last = score - steady * np.abs(np.arange(rows + 1) - start)
+    edge = np.zeros(columns, int)
+    edge[-1] = int(last.argmax())
+    for column in range(columns - 1, 0, -1):
+        edge[column - 1] = edge[column] - came[column, edge[column]]
+    return np.roll(edge, first)

@@ -1,0 +1,132 @@
+"""A head seen from its middle: directions on a sphere, and how far out the skin is in each."""
+
+from functools import cached_property
+
+import numpy as np
+import scipy.sparse as sp
+from scipy.ndimage import distance_transform_edt
+
+from caricli.methods.hair.settings import ShellSettings
+from caricli.render.rasterise import rasterise
+from caricli.template.template import Template
+
+_FINE = 512  # pixels, side of the map of directions
+_EARS = ("ear_left", "ear_right")
+
+
+class HeadSphere:
+    """Directions from the middle of a head, around its whorl: the pole, at the top behind.
+
+    A direction is (longitude, angle): radians around the whorl, 0 towards the face and growing to the subject's left,
+    and radians from the whorl. Maps (R, C) hold a value for every direction of a grid: row r is at the angle
+    ``angles[r]``, column c at the longitude ``longitudes[c]``.
+
+    middle: (3,) metres, between the ears.
+    """
+
+    def __init__(self, head: Template, settings: ShellSettings, fine: bool = False) -> None:
+        """head: Template in the shape of the face, whose annotation names the ears. fine: with the finer grid."""
+        rows, columns = settings.fine if fine else settings.coarse
+        ears = [head.vertices[head.annotation.regions[name]] for name in _EARS]
+        self.head = head
+        self.middle = (ears[0].mean(0) + ears[1].mean(0)) / 2
+        tilt = np.radians(settings.tilt)
+        up = np.array([0, np.cos(tilt), -np.sin(tilt)])
+        front = np.array([0, np.sin(tilt), np.cos(tilt)])
+        self.axes = np.stack([np.array([1.0, 0, 0]), front, up])
+        self.longitudes = 2 * np.pi * np.arange(columns) / columns
+        self.angles = np.pi * (np.arange(rows) + 0.5) / rows
+
+    def points(self, longitudes: np.ndarray, angles: np.ndarray, radii: np.ndarray) -> np.ndarray:
+        """(..., 3) metres, so far (...) from the middle in directions (...)."""
+        return self.middle + radii[..., None] * self.directions(longitudes, angles)
+
+    def directions(self, longitudes: np.ndarray, angles: np.ndarray) -> np.ndarray:
+        """(..., 3) unit vectors."""
+        out = np.sin(angles)
+        local = np.stack([out * np.sin(longitudes), out * np.cos(longitudes), np.cos(angles)], -1)
+        return local @ self.axes
+
+    def seen_from(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Longitudes, angles and radii of points (..., 3)."""
+        local = (points - self.middle) @ self.axes.T
+        radii = np.linalg.norm(local, axis=-1)
+        angles = np.arccos(np.clip(local[..., 2] / np.maximum(radii, 1e-9), -1, 1))
+        return np.arctan2(local[..., 0], local[..., 1]), angles, radii
+
+    def sample(self, values: np.ndarray, longitudes: np.ndarray, angles: np.ndarray) -> np.ndarray:
+        """Values (...) of a map (R, C) of any grid in directions (...), between its rows and columns."""
+        rows, columns = values.shape
+        column = np.mod(longitudes, 2 * np.pi) / (2 * np.pi) * columns
+        row = np.clip(angles / np.pi * rows - 0.5, 0, rows - 1)
+        left = np.floor(column).astype(int)
+        top = np.minimum(np.floor(row).astype(int), rows - 2)
+        x = column - left
+        y = row - top
+        left %= columns
+        right = (left + 1) % columns
+        upper = (1 - x) * values[top, left] + x * values[top, right]
+        return (1 - y) * upper + y * ((1 - x) * values[top + 1, left] + x * values[top + 1, right])
+
+    @cached_property
+    def _skin(self) -> tuple[np.ndarray, np.ndarray]:
+        """Faces of the skin without ears and pockets, and (S, S) which is outermost in every direction of a disc."""
+        head = self.head
+        inner = head.mask(*_EARS, "inner_mouth", "eye_socket_left", "eye_socket_right", "nostril_left", "nostril_right")
+        faces = head.faces[~inner[head.faces].any(1)]
+        longitudes, angles, radii = self.seen_from(head.vertices)
+        places = _FINE / 2 * (1 + angles / np.pi * np.stack([np.sin(longitudes), np.cos(longitudes)])) - 0.5
+        # Triangles around the lower pole would cover the whole disc.
+        faces = faces[angles[faces].max(1) < 0.97 * np.pi]
+        raster = rasterise(np.column_stack([*places, -radii * _FINE / head.height]), faces, _FINE, _FINE)
+        nearest = distance_transform_edt(raster.face < 0, return_distances=False, return_indices=True)
+        return faces, raster.face[tuple(nearest)]
+
+    def roots(self, longitudes: np.ndarray, angles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Where the skin is in directions (N,): vertices (N, 3) int32 and their weights (N, 3).
+
+        Over ears and beyond the neck's end it is the nearest place of the skin elsewhere.
+        """
+        faces, owner = self._skin
+        x, y = _FINE / 2 * (1 + angles / np.pi * np.stack([np.sin(longitudes), np.cos(longitudes)])) - 0.5
+        column, row = (np.clip(np.round(a).astype(int), 0, _FINE - 1) for a in (x, y))
+        corners = faces[owner[row, column]]
+        rays = self.directions(longitudes, angles)
+        edges = np.swapaxes(self.head.vertices[corners] - self.middle, 1, 2)
+        weights = np.linalg.solve(edges + 1e-12 * np.eye(3), rays[..., None])[..., 0]
+        weights = np.clip(weights / weights.sum(1, keepdims=True), 0, 1)
+        return corners.astype(np.int32), weights / weights.sum(1, keepdims=True)
+
+    @cached_property
+    def radii(self) -> np.ndarray:
+        """(R, C) map of how far out the skin is, ears left out."""
+        longitudes, angles = np.meshgrid(self.longitudes, self.angles)
+        corners, weights = self.roots(longitudes.ravel(), angles.ravel())
+        points = np.einsum("nk,nkc->nc", weights, self.head.vertices[corners])
+        return np.linalg.norm(points - self.middle, axis=1).reshape(longitudes.shape)
+
+    def region(self, *names: str) -> np.ndarray:
+        """(R, C) map, from 0 to 1: how far the skin there is of regions."""
+        longitudes, angles = np.meshgrid(self.longitudes, self.angles)
+        corners, weights = self.roots(longitudes.ravel(), angles.ravel())
+        return (weights * self.head.mask(*names)[corners]).sum(1).reshape(longitudes.shape)
+
+    @cached_property
+    def bending(self) -> tuple[sp.csr_matrix, np.ndarray]:
+        """Bending of maps (n, n), and the areas (n,) of their cells on the unit sphere."""
+        rows = len(self.angles)
+        columns = len(self.longitudes)
+        sine = np.sin(self.angles)
+        step = np.pi / rows
+        turn = 2 * np.pi / columns
+        ids = np.arange(rows * columns).reshape(rows, columns)
+        around = np.repeat((step / (turn * sine))[:, None], columns, 1)
+        along = np.repeat((np.sin((self.angles[1:] + self.angles[:-1]) / 2) * turn / step)[:, None], columns, 1)
+        first = np.concatenate([ids.ravel(), ids[:-1].ravel()])
+        second = np.concatenate([np.roll(ids, -1, 1).ravel(), ids[1:].ravel()])
+        weights = np.concatenate([around.ravel(), along.ravel()])
+        adjacency = sp.csr_matrix((weights, (first, second)), (ids.size, ids.size))
+        adjacency = adjacency + adjacency.T
+        laplacian = sp.diags(np.asarray(adjacency.sum(1)).ravel()) - adjacency
+        areas = np.repeat(sine * step * turn, columns)
+        return (laplacian @ sp.diags(1 / areas) @ laplacian).tocsr(), areas

@@ -1,0 +1,44 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from caricli.errors import InputError
+from caricli.methods.hair.dress_hair import bare_skin, dress_hair
+from caricli.methods.texture.settings import PaintSettings
+from tests.methods.hair.conftest import BROWN
+
+SMALL = PaintSettings(size=128)
+
+
+@pytest.fixture(scope="module")
+def dressed(sitter):
+    return dress_hair(sitter.face, sitter.head, sitter.image, SMALL)
+
+
+def test_hair_has_the_colour_of_the_picture_on_all_sides(dressed):
+    assert dressed.overlap > 0.88 and set(dressed.figures()) == {"doubt", "overlap"}
+    assert dressed.picture.shape == (128, 128, 3)
+    away = np.abs(dressed.picture.astype(int) - BROWN)
+    assert away.mean() < 10 and np.quantile(away, 0.99) < 60
+
+
+def test_the_skin_under_it_is_left_to_be_filled(dressed, sitter):
+    shown = ~sitter.hair.behind
+    bare = bare_skin(shown, dressed)
+    assert not (bare & dressed.mask.pixels).any() and 0.2 < bare.sum() / shown.sum() < 0.9
+
+
+def test_none_auto_and_shell(sitter):
+    assert dress_hair(sitter.face, sitter.head, sitter.image, replace(SMALL, hair="none")) is None
+    assert dress_hair(sitter.face, sitter.head, sitter.bald, SMALL) is None
+    with pytest.raises(InputError, match="expected hair around the face, found none; --hair none goes without"):
+        dress_hair(sitter.face, sitter.head, sitter.bald, replace(SMALL, hair="shell"))
+
+
+def test_a_head_whose_scalp_has_no_name(sitter):
+    regions = {name: ids for name, ids in sitter.head.annotation.regions.items() if name != "scalp"}
+    head = replace(sitter.head, annotation=replace(sitter.head.annotation, regions=regions))
+    assert dress_hair(sitter.face, head, sitter.image, SMALL) is None
+    with pytest.raises(InputError, match="expected an annotation with the region 'scalp'"):
+        dress_hair(sitter.face, head, sitter.image, replace(SMALL, hair="shell"))

@@ -1,0 +1,66 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from caricli.geometry.triangle_normals import triangle_normals
+from caricli.methods.hair.dress_hair import overlap
+from caricli.methods.hair.make_shell import make_shell, sink_skull
+from caricli.structures import Mesh
+from tests.methods.hair.conftest import CAMERA
+
+
+@pytest.fixture(scope="module")
+def shell(sitter):
+    return make_shell(sitter.head, CAMERA, sitter.hair)
+
+
+def test_the_outline_is_that_of_the_hair(shell, sitter):
+    assert overlap(sitter.face, shell, CAMERA, sitter.hair.pixels) > 0.88
+
+
+def test_it_is_closed_towards_the_skin_and_faces_outwards(shell):
+    mesh = shell.shell
+    assert (mesh.polygons[:, 3] >= 0).mean() > 0.9
+    edges = np.sort(mesh.faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
+    _, uses = np.unique(edges, axis=0, return_counts=True)
+    assert (uses == 1).sum() == 128 and uses.max() == 2
+    middle = mesh.vertices.mean(0)
+    outwards = (triangle_normals(mesh.vertices, mesh.faces) * (mesh.vertices[mesh.faces].mean(1) - middle)).sum(1) > 0
+    assert outwards.mean() > 0.97
+
+
+def test_its_rim_is_on_the_skin(shell, sitter):
+    feet = shell.footing(sitter.head.vertices)
+    away = np.linalg.norm(shell.shell.vertices - feet, axis=1) / sitter.head.height
+    # Over ears the skin that it stands on is beside it.
+    assert np.quantile(away[-128:], 0.8) < 0.01 and np.median(away[:-128]) > 0.03
+    np.testing.assert_allclose(shell.weights.sum(1), 1)
+
+
+def test_it_has_a_place_of_its_own_in_the_picture(shell):
+    mesh = shell.shell
+    corners = mesh.uvs[mesh.uv_faces]
+    turns = np.linalg.det(np.stack([corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]], 1))
+    assert (turns < 0).all() or (turns > 0).all()
+    assert 0 < mesh.uvs.min() and mesh.uvs.max() < 1
+
+
+def test_it_goes_along_with_a_larger_head(shell, sitter):
+    vertices = sitter.head.vertices
+    moved = shell.moved(vertices, vertices + [0, 0.1, 0])
+    np.testing.assert_allclose(
+        moved.shell.vertices - shell.shell.vertices, np.broadcast_to([0, 0.1, 0], shell.shell.vertices.shape), atol=1e-9
+    )
+
+
+def test_a_skull_that_stands_out_is_drawn_in(sitter):
+    low = replace(sitter.hair, pixels=np.roll(sitter.hair.pixels, 45, axis=0))
+    low = replace(low, behind=np.roll(sitter.hair.behind, 45, axis=0) | (np.mgrid[:320, :320][0] < 60))
+    sunk = sink_skull(sitter.head, CAMERA, low)
+    assert CAMERA.project(sunk.vertices)[:, 1].min() > CAMERA.project(sitter.head.vertices)[:, 1].min() + 5
+    face = sitter.head.annotation.regions["mouth"]
+    np.testing.assert_allclose(sunk.vertices[face], sitter.head.vertices[face], atol=1e-4)
+    assert isinstance(sunk, Mesh)
+    untouched = sink_skull(sitter.head, CAMERA, sitter.hair)
+    assert np.abs(untouched.vertices - sitter.head.vertices).max() < 0.01 * sitter.head.height

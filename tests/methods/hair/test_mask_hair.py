@@ -1,0 +1,36 @@
+import numpy as np
+import pytest
+
+from caricli.methods.hair.mask_hair import mask_hair
+
+
+@pytest.fixture(scope="module")
+def hair_mask(sitter):
+    return mask_hair(sitter.face, sitter.head, sitter.image)
+
+
+def test_hair_is_told_from_skin_and_wall(hair_mask, sitter):
+    truth = sitter.hair.pixels
+    assert (hair_mask.pixels & truth).sum() / (hair_mask.pixels | truth).sum() > 0.95
+    assert hair_mask.trusted and 0 <= hair_mask.doubt < 0.2
+    assert hair_mask.behind[:40].all() and (hair_mask.behind & truth).mean() < 0.01
+
+
+def test_a_bald_head_has_none(sitter):
+    bald = mask_hair(sitter.face, sitter.head, sitter.bald)
+    assert not bald.trusted and bald.pixels.mean() < 0.01
+
+
+def test_the_mask_is_mirrored_with_the_picture(hair_mask, sitter):
+    flipped = np.ascontiguousarray(sitter.image[:, ::-1])
+    again = mask_hair(sitter.face, sitter.head, sitter.image)
+    np.testing.assert_array_equal(again.pixels, hair_mask.pixels)
+    overlap = mask_hair(sitter.face, sitter.head, flipped).pixels[:, ::-1]
+    # The head is not quite in the middle, and samples are drawn: the hair is the same to a few pixels of its border.
+    assert (overlap & hair_mask.pixels).sum() > 0.9 * (overlap | hair_mask.pixels).sum()
+
+
+def test_a_wall_of_the_colour_of_hair_leaves_doubt(sitter):
+    image = sitter.image.copy()
+    image[sitter.hair.behind] = image[sitter.hair.pixels].mean(0).astype(np.uint8)
+    assert not mask_hair(sitter.face, sitter.head, image).trusted
