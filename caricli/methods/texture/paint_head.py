@@ -8,8 +8,8 @@ import numpy as np
 from caricli.errors import InputError
 from caricli.methods.hair.dress_hair import DressedHair, bare_skin, dress_hair
 from caricli.methods.rig.add_eyeballs import TEXTURE, add_eyeballs, fit_eyeballs
-from caricli.methods.texture.estimate_light import Light
 from caricli.methods.rig.add_parts import add_parts
+from caricli.methods.texture.estimate_light import Light
 from caricli.methods.texture.mask_head import mask_head, mesh_pixels
 from caricli.methods.texture.photometric_error import photometric_error
 from caricli.methods.texture.project_picture import project_picture
