@@ -5,6 +5,7 @@ from caricli.render.coat import Coat
 from caricli.render.rasterise import rasterise
 from caricli.render.shade import Look, shade
 from caricli.render.sky import DIRECTIONS
+from caricli.render.views import TO_PICTURE, turn_about_y
 from caricli.structures import Material, Pictures
 
 SIZE = 64
@@ -134,7 +135,7 @@ def test_wet_materials_mirror_the_window_and_dry_ones_do_not(sphere):
     for material in (Material.SKIN, Material.TEETH, Material.TONGUE, Material.HAIR):
         coat = Coat(np.zeros((1, 2)), np.zeros_like(faces), np.full(len(faces), material), Pictures())
         brightest[material] = grey(shade(points, faces, SIZE, SIZE, Look(colour=(90, 90, 90), coat=coat))).max()
-    assert min(brightest[Material.TEETH], brightest[Material.TONGUE]) > 1.3 * max(
+    assert min(brightest[Material.TEETH], brightest[Material.TONGUE]) > 1.2 * max(
         brightest[Material.SKIN], brightest[Material.HAIR]
     )
 
@@ -161,3 +162,23 @@ def test_a_wet_mouth_is_lit_where_skin_in_its_place_is_dark():
         coat = Coat(np.zeros((1, 2)), np.zeros_like(faces), np.full(len(faces), material), Pictures())
         deep[material] = grey(shade(in_picture(pit, 30.0), faces, SIZE, SIZE, Look(coat=coat)))[32, 32]
     assert deep[Material.TEETH] > 1.3 * deep[Material.SKIN]
+
+
+def test_an_eye_of_the_mesh_is_drawn_as_one_beside_it(sphere):
+    vertices, faces = sphere
+    away = np.arccos(np.clip(vertices[:, 2], -1, 1))
+    around = np.arctan2(vertices[:, 1], vertices[:, 0])
+    uvs = 0.5 + np.column_stack([away * np.cos(around), away * np.sin(around)]) / (2 * np.pi)
+    iris = np.hypot(*(np.mgrid[:128, :128] - 63.5)) < 10
+    picture = np.where(iris[..., None], (40, 60, 110), (50, 40, 40)).astype(np.uint8)
+    for turn in (-25, 0, 25):
+        rotation = TO_PICTURE @ turn_about_y(turn)
+        points = 20 * vertices @ rotation.T + [31.5, 31.5, 0]
+        coat = Coat(uvs, faces, np.full(len(faces), Material.EYE), Pictures(eyes=picture))
+        of_mesh = shade(points, faces, SIZE, SIZE, Look(coat=coat)).astype(int)
+        look = Look(coat=coat, eyeballs=[((31.5, 31.5, 0.0), 20.0)], gaze=rotation[:, 2])
+        beside = shade(0.1 * points + [28, 28, 90], faces, SIZE, SIZE, look).astype(int)
+        bright = [np.argwhere(grey(each) > 0.93 * grey(each).max()).mean(0) for each in (of_mesh, beside)]
+        assert np.abs(bright[0] - bright[1]).max() < 1.5
+        blue = [np.argwhere(each[..., 2] > each[..., 0] + 25).mean(0) for each in (of_mesh, beside)]
+        assert np.abs(blue[0] - blue[1]).max() < 2
