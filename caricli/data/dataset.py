@@ -1,7 +1,7 @@
 """A dataset folder: a manifest, the template and shards of meshes."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +14,7 @@ from caricli.io.strict_json import read_json, take, take_whole
 from caricli.limits import MAX_DATASET_BYTES, MAX_VERTICES
 from caricli.structures.checks import coordinate_problem, number_problem, refuse
 from caricli.template.annotation import parse_annotation
+from caricli.template.own_parts import parts_from_arrays
 from caricli.template.template import Template
 
 SCHEMA = "caricli.dataset/1"
@@ -200,7 +201,7 @@ def _read_template(folder: Path, manifest: Mapping[str, Any]) -> Template:
         template = Template(vertices, polygons, arrays.get("uvs"), arrays.get("uv_polygons"), annotation=annotation)
         if template.topology_id != manifest["topology_id"] or not np.array_equal(template.faces, faces):
             raise InputError(f"its faces do not fit {MANIFEST}")
-    return template
+        return replace(template, parts=parts_from_arrays(arrays, template))
 
 
 def _check_shard(shard: Mapping[str, np.ndarray], count: int, template: Template) -> None:

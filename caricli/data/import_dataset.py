@@ -3,7 +3,7 @@
 import csv
 import io
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -22,6 +22,7 @@ from caricli.io.strict_json import read_json
 from caricli.limits import MAX_DATASET_BYTES
 from caricli.structures import Mesh
 from caricli.template.annotation import parse_annotation
+from caricli.template.own_parts import read_own_parts
 from caricli.template.template import Template
 
 MAX_CSV_BYTES = 2**26
@@ -85,7 +86,8 @@ def import_dataset(
 ) -> ImportSummary:
     """Write the meshes of a folder (``mesh_files``), in the order of their names, into an empty dataset folder.
 
-    mesh_folder: holds files of one topology, +y up, +z front. annotation_path: JSON for ``parse_annotation``.
+    mesh_folder: holds files of one topology, +y up, +z front. annotation_path: JSON for ``parse_annotation``;
+    parts that it names fit the first mesh.
     labels_path: CSV with a column ``file``, maybe ``identity``, ``expression`` and ``level``, and numeric label
     columns; without one the names of the files say these (``read_mesh_name``). settings: ImportSettings.
     progress: called with the number of files that are read and their total.
@@ -108,6 +110,8 @@ def import_dataset(
     annotation = parse_annotation(read_json(annotation_path), len(first.vertices), str(annotation_path))
     mean = shapes.mean(0, dtype=float)
     template = Template(mean, first.polygons, first.uvs, first.uv_polygons, annotation=annotation)
+    parts = read_own_parts(template, annotation_path, np.asarray(first.vertices, float) * UNITS[unit], UNITS[unit])
+    template = replace(template, parts=parts)
     labels = read_labels(labels_path, [path.name for path in files])
     columns = labels.columns() | {"file": np.array([path.name for path in files])}
     people = np.unique(columns["identity"]).tolist()

@@ -10,6 +10,7 @@ from caricli.data.dataset import SCHEMA
 from caricli.io.npz import write_npz
 from caricli.io.provenance import sha256_file
 from caricli.io.strict_json import write_json
+from caricli.template.own_parts import parts_to_arrays
 from caricli.template.template import Template
 
 SHARD_SIZE = 512
@@ -27,7 +28,7 @@ class DatasetWriter:
         arrays = {"vertices": template.vertices, "faces": template.faces, "polygons": template.polygons}
         if template.uvs is not None and template.uv_polygons is not None:
             arrays |= {"uvs": template.uvs, "uv_polygons": template.uv_polygons}
-        write_npz(folder / "template.npz", arrays)
+        write_npz(folder / "template.npz", arrays | parts_to_arrays(template.parts))
 
     def add_shard(self, columns: Mapping[str, np.ndarray]) -> None:
         """Write one file of meshes.

@@ -3,6 +3,7 @@
 import hashlib
 import json
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 from weakref import WeakValueDictionary
 
@@ -14,6 +15,7 @@ from caricli.models.shape_model import ShapeModel
 from caricli.structures import SeenPeople
 from caricli.structures.checks import number_problem, refuse
 from caricli.template.annotation import parse_annotation
+from caricli.template.own_parts import parts_from_arrays, parts_to_arrays
 from caricli.template.template import Template
 
 SCHEMA = "caricli.model/1"
@@ -30,6 +32,8 @@ def model_to_checkpoint(model: ShapeModel, recipe: Any) -> tuple[dict[str, np.nd
         value = getattr(model.template, name)
         if value is not None:
             tensors[f"template.{name}"] = value.astype(np.int32 if value.dtype.kind == "i" else np.float64)
+    for name, value in parts_to_arrays(model.template.parts).items():
+        tensors[f"template.{name}"] = value.astype(np.int32 if value.dtype.kind == "i" else np.float64)
     annotation = model.template.annotation.source
     return tensors, {"schema": SCHEMA, "kind": model.kind, "annotation": annotation, "recipe": recipe}
 
@@ -107,4 +111,5 @@ def _template(tensors: Mapping[str, np.ndarray], annotation: Any, where: object)
     with naming(where):
         if not np.array_equal(template.faces, faces):
             raise InputError(_NO_MESH)
-    return template
+        own = {name.removeprefix("template."): value for name, value in tensors.items()}
+        return replace(template, parts=parts_from_arrays(own, template))

@@ -1,22 +1,26 @@
 """What is known by name on a head: landmarks, jaw paths, curves, regions, mirror map, eyeballs."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cache
 from typing import Any
 
 import numpy as np
 
-from caricli.errors import InputError
+from caricli.errors import InputError, shown
 from caricli.io.bundled import asset_path
 from caricli.io.strict_json import read_json
 from caricli.structures.landmarks import COUNT, EXTRA, JAW
+from caricli.structures.parts import Hold
 
 CAVITIES = ("inner_mouth", "eye_socket_left", "eye_socket_right")
 """Regions that turn inwards, which neither landmarks nor pictures see."""
 
 DELICATE = ("eyes_left", "eyes_right", "eye_socket_left", "eye_socket_right", "mouth", "inner_mouth")
 """Regions where curvature says nothing about character: exaggeration by it leaves them as they are."""
+
+HELD_BY: dict[Hold, tuple[str, ...]] = {"skull": ("skull",), "jaw": ("jaw",), "lids": ("eyes_left", "eyes_right")}
+"""Regions that say where that is on which own parts may hang; one of them is enough."""
 
 
 @dataclass(frozen=True)
@@ -29,6 +33,7 @@ class Annotation:
     mirror: (V,) the vertex on the other side of every vertex, or None.
     eyeballs: JSON object, as it was read.
     source: the JSON value that all this was read from, kept so that a checkpoint can carry it.
+    holds: what every part of the topology hangs on, by the name of the part.
     """
 
     landmarks: np.ndarray
@@ -38,6 +43,7 @@ class Annotation:
     mirror: np.ndarray | None
     eyeballs: dict
     source: dict
+    holds: dict[str, Hold] = field(default_factory=dict)
 
     @property
     def has_extra(self) -> bool:
@@ -61,7 +67,8 @@ def parse_annotation(value: Any, vertex_count: int, where: str) -> Annotation:
     """Check an annotation's JSON value against a mesh.
 
     value: dict of the form of ``assets/head_annotation.json``; only ``ibug68`` is required. ``extra13``, ``jaw_paths``
-    (17 lists of vertex ids, back to front), ``curves``, ``regions``, ``mirror`` and ``eyeballs`` may be absent.
+    (17 lists of vertex ids, back to front), ``curves``, ``regions``, ``mirror``, ``eyeballs`` and ``parts`` (objects
+    with ``file`` and ``hangs_on`` by name) may be absent.
     vertex_count: V. where: the file's name, for messages.
     Returns Annotation. Raises InputError.
     """
@@ -95,7 +102,29 @@ def parse_annotation(value: Any, vertex_count: int, where: str) -> Annotation:
     eyeballs = value.get("eyeballs", {})
     if not isinstance(eyeballs, dict):
         raise InputError(f"{where}: 'eyeballs' must be an object")
-    return Annotation(landmarks, jaw_paths, table("curves"), table("regions"), mirror, eyeballs, value)
+    regions = table("regions")
+    holds = _holds(value, regions, where)
+    return Annotation(landmarks, jaw_paths, table("curves"), regions, mirror, eyeballs, value, holds)
+
+
+def _holds(value: dict, regions: dict[str, np.ndarray], where: str) -> dict[str, Hold]:
+    """What parts hang on, checked against the regions that say where this is."""
+    parts = value.get("parts", {})
+    if not isinstance(parts, dict) or not all(isinstance(part, dict) for part in parts.values()):
+        raise InputError(f"{where}: 'parts' must map names to objects with 'file' and 'hangs_on'")
+    holds: dict[str, Hold] = {}
+    for name, part in parts.items():
+        hold = part.get("hangs_on")
+        if hold not in HELD_BY:
+            expected = " or ".join(HELD_BY)
+            raise InputError(f"{where}: 'parts.{name}' must hang on {expected}, found {shown(hold, 60)!r}")
+        if not isinstance(part.get("file"), str):
+            raise InputError(f"{where}: 'parts.{name}' must name its file")
+        if not any(len(regions.get(region, ())) for region in HELD_BY[hold]):
+            expected = " or ".join(f"'regions.{region}'" for region in HELD_BY[hold])
+            raise InputError(f"{where}: 'parts.{name}' hangs on the {hold}: {expected}, its vertices, is missing")
+        holds[name] = hold
+    return holds
 
 
 def _jaw_paths(value: dict, jaw: np.ndarray, ids: Callable, where: str) -> tuple[np.ndarray, ...]:

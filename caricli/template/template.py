@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Self
 
 import numpy as np
 
@@ -19,18 +18,11 @@ class Template(Mesh):
     """A Mesh whose places have names. Its height is what shape errors are measured against.
 
     annotation: Annotation of the vertices.
-    parts: what lies beside the skin, in this very shape; the same mesh in another shape has none until they are
-    attached to it.
+    parts: FittedParts of an own topology, None where it has none; those of the open head are told by its topology.
     """
 
     annotation: Annotation = field(kw_only=True)
-    parts: tuple[Part, ...] = field(default=(), kw_only=True)
-
-    def with_vertices(self, vertices: np.ndarray) -> Self:
-        """The same template in another shape, without parts. vertices: (V, 3), as many as there are."""
-        other = super().with_vertices(vertices)
-        object.__setattr__(other, "parts", ())
-        return other
+    parts: "FittedParts | None" = field(default=None, kw_only=True)
 
     @cached_property
     def gradients(self) -> DeformationGradients:
@@ -62,3 +54,14 @@ class Template(Mesh):
         for name in names:
             mask[self.annotation.regions.get(name, [])] = True
         return mask
+
+
+@dataclass(frozen=True, eq=False)
+class FittedParts:
+    """Parts of an own topology and the head that they were modelled in, whatever shape a template has.
+
+    head: Template in that shape. parts: without expressions of their own.
+    """
+
+    head: Template
+    parts: tuple[Part, ...]

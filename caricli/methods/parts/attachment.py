@@ -12,7 +12,7 @@ from caricli.methods.parts.pocket import Mouths, Pocket
 from caricli.structures import Mesh, Part
 from caricli.template.head import BasePart, Head, load_head
 from caricli.template.head_parts import head_parts
-from caricli.template.template import Template
+from caricli.template.template import FittedParts, Template
 
 BETWEEN = 0.3
 """Of the way from a usual head to a node of gender, age and weight: how far heads differ in that."""
@@ -64,14 +64,14 @@ class Attachment:
 
 def attachment_for(template: Template) -> Attachment | None:
     """The Attachment of a template's own parts, or of the open head's where it has its topology, else None."""
-    if template.parts:
-        return _own_attachment(template)
+    if template.parts is not None:
+        return _own_attachment(template.parts)
     return open_head_attachment() if template.topology_id == open_head_topology() else None
 
 
 @lru_cache(maxsize=4)
-def _own_attachment(template: Template) -> Attachment:
-    return Attachment(template, template.parts)
+def _own_attachment(fitted: FittedParts) -> Attachment:
+    return Attachment(fitted.head, fitted.parts)
 
 
 @cache

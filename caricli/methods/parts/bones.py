@@ -34,10 +34,10 @@ _FIRM = 80
 """Points of what does not give way that are looked at."""
 
 _FEWEST = 12
-"""Vertices of a mouth's wall that can tell where teeth are."""
+"""Vertices of a region that can tell where a part is."""
 
-_NEAREST = 300
-"""Vertices of the skin that are asked where there is no such wall."""
+_MOST = 500
+"""Vertices of the skin that are asked."""
 
 _POINTS = 80
 """Of a part, that are asked for."""
@@ -86,7 +86,7 @@ class Bone:
         self.shape = np.asarray(part.mesh.vertices, float)
         self.frames = frames
         self.jaw = jaw
-        self.around = surroundings(template, frames.points)
+        self.around = surroundings(template, part)
         anchors = np.asarray(template.vertices, float)[self.around]
         skin, moved = frames.examples
         examples = (skin[:, self.around] if len(skin) else np.zeros((0, len(anchors), 3)), moved)
@@ -193,13 +193,16 @@ class Jaw:
         return turn, shift
 
 
-def surroundings(template: Template, points: np.ndarray) -> np.ndarray:
-    """Vertices of the skin that say where points (Q, 3) in a head are: the wall of the mouth, else the nearest."""
-    wall = template.annotation.regions.get("inner_mouth")
-    if wall is not None and len(wall) > _FEWEST:
-        return wall
-    distance = np.linalg.norm(np.asarray(template.vertices, float) - points.mean(0), axis=1)
-    return np.argsort(distance, kind="stable")[:_NEAREST]
+def surroundings(template: Template, part: Part) -> np.ndarray:
+    """Vertices of the skin that say where a part is: the wall of the mouth, or else what it hangs on."""
+    regions = template.annotation.regions
+    ids = regions.get("inner_mouth", np.zeros(0, int))
+    if len(ids) < _FEWEST:
+        ids = regions.get(part.hangs_on, np.zeros(0, int))
+    if len(ids) < _FEWEST:
+        distance = np.linalg.norm(template.vertices - part.mesh.vertices.mean(0), axis=1)
+        ids = np.argsort(distance, kind="stable")
+    return ids[:: -(-len(ids) // _MOST)]
 
 
 def _largest(weights: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

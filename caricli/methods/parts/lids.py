@@ -31,7 +31,7 @@ class Lids:
         distance, _ = tree.query(self.shape)
         lashes = [np.flatnonzero(self.labels == k) for k in range(self.labels.max() + 1)]
         roots = self.shape[[ids[distance[ids].argmin()] for ids in lashes]]
-        distance, near = tree.query(roots, NEIGHBOURS)
+        distance, near = tree.query(roots, min(NEIGHBOURS, len(lids)))
         self.ids = lids[near]
         self.weights = np.exp(-0.5 * (distance / distance.mean(1, keepdims=True)) ** 2)
 

@@ -1,8 +1,14 @@
+import json
+
 import numpy as np
 import pytest
 
 from caricli.data.dataset import read_dataset
-from caricli.io.obj import read_obj
+from caricli.io.obj import read_obj, write_obj
+from caricli.io.strict_json import write_json
+from caricli.methods.parts.attachment import attachment_for
+from caricli.store.models import load_model
+from caricli.structures import Material, Mesh
 
 
 @pytest.fixture
@@ -67,3 +73,64 @@ def test_an_output_is_never_an_input(refused, eggs, annotation, tmp_path):
     said = refused("dataset", "import", eggs, eggs.parent, "--annotation", annotation, "--overwrite")
     assert "input" in said
     assert sorted(path.name for path in eggs.iterdir()) == before
+
+
+def row_of_teeth(egg, folder, **entry):
+    """A little box inside an egg as a file of parts, and the annotation of the egg with it."""
+    value = json.loads((folder / "annotation.json").read_text())
+    vertices = egg.vertices
+    low = vertices.mean(0) - 0.05 * np.ptp(vertices, axis=0)
+    corners = low + 0.1 * np.ptp(vertices, axis=0) * np.stack(np.meshgrid([0, 1], [0, 1], [0, 1]), -1).reshape(-1, 3)
+    quads = np.array([[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]])
+    write_obj(folder / "teeth.obj", Mesh(corners, quads))
+    value["regions"] = {"skull": np.flatnonzero(vertices[:, 1] > low[1]).tolist()}
+    value["regions"]["jaw"] = np.flatnonzero(vertices[:, 1] <= low[1]).tolist()
+    value["parts"] = {"teeth_lower": {"file": "teeth.obj", "hangs_on": "jaw"} | entry}
+    return value
+
+
+def test_parts_come_with_the_annotation_and_stay_in_a_model(run, eggs, tmp_path):
+    write_json(tmp_path / "annotation.json", json.loads((eggs.parent / "annotation.json").read_text()))
+    egg = read_obj(eggs / "egg_00.obj")
+    write_json(tmp_path / "annotation.json", row_of_teeth(egg, tmp_path))
+    out = tmp_path / "d"
+    assert run("dataset", "import", eggs, out, "--annotation", tmp_path / "annotation.json").exit_code == 0
+    data = read_dataset(out)
+    result = run("train", "pca", "--data", out, "--out", tmp_path / "m.safetensors", "--set", "dimension=3")
+    assert result.exit_code == 0, result.output
+    model = load_model(tmp_path / "m.safetensors")
+    for template in (data.template, model.template):
+        attachment = attachment_for(template)
+        (teeth,) = attachment.attach(egg)
+        assert np.abs(teeth.mesh.vertices - read_obj(tmp_path / "teeth.obj").vertices).max() < 1e-6
+        (there,) = attachment.attach(egg.with_vertices(1.5 * egg.vertices + [0, 0.1, 0]))
+        assert np.abs(there.mesh.vertices - 1.5 * teeth.mesh.vertices - [0, 0.1, 0]).max() < 1e-6
+        assert set(there.materials) == {Material.TEETH}
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (lambda value: value["parts"]["teeth_lower"].pop("hangs_on"), "'parts.teeth_lower' must hang on skull or jaw"),
+        (lambda value: value["regions"].pop("jaw"), "hangs on the jaw: 'regions.jaw', its vertices, is missing"),
+        (lambda value: value["parts"]["teeth_lower"].pop("file"), "'parts.teeth_lower' must name its file"),
+        (lambda value: value["parts"]["teeth_lower"].update(file="../teeth.obj"), "must lie in the folder"),
+        (
+            lambda value: value["parts"]["teeth_lower"].update(file="far.obj"),
+            "expected a part that fits the first mesh",
+        ),
+        (lambda value: value["parts"]["teeth_lower"].update(material="wood"), "a material (skin, eyes, teeth"),
+        (lambda value: value.update(parts=["teeth.obj"]), "'parts' must map names to objects"),
+    ],
+)
+def test_parts_that_do_not_fit_are_refused(refused, eggs, tmp_path, change, words):
+    write_json(tmp_path / "annotation.json", json.loads((eggs.parent / "annotation.json").read_text()))
+    egg = read_obj(eggs / "egg_00.obj")
+    value = row_of_teeth(egg, tmp_path)
+    teeth = read_obj(tmp_path / "teeth.obj")
+    write_obj(tmp_path / "far.obj", teeth.with_vertices(teeth.vertices + [0, 5, 0]))
+    change(value)
+    write_json(tmp_path / "annotation.json", value)
+    line = refused("dataset", "import", eggs, tmp_path / "d", "--annotation", tmp_path / "annotation.json")
+    assert words in line
+    assert not (tmp_path / "d").exists()

@@ -39,7 +39,6 @@ def test_on_the_template_parts_are_where_the_template_has_them(head, template):
 def test_they_go_wherever_the_head_goes(template):
     turn = Rotation.from_rotvec([0.3, -0.4, 1.0]).as_matrix()
     moved = template.with_vertices(1.7 * template.vertices @ turn.T + [0.1, 0.2, 0.3])
-    assert moved.parts == ()
     pairs = zip(open_head_attachment().attach(template), attachment_for(template).attach(moved), strict=True)
     for before, after in pairs:
         expected = 1.7 * before.mesh.vertices @ turn.T + [0.1, 0.2, 0.3]
