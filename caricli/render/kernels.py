@@ -192,7 +192,7 @@ def mesh_eye_colour(scene: Scene, face: int, place: wp.vec3, albedo: wp.vec3, n:
     twice = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
     away = 2.0 * wp.pi * wp.sqrt(x * x + y * y)
     if wp.abs(twice) < 1.0e-12 or away > 1.6:
-        return lit(albedo, n, light, wp.vec3(0.45, 0.3, 0.0))
+        return lit(albedo, n, light, wp.vec3(1.0, 0.3, 0.0))
     outward = (x * (c[1] - a[1]) - y * (c[0] - a[0])) * along + (y * (b[0] - a[0]) - x * (b[1] - a[1])) * aside
     outward = outward * wp.sign(twice)
     outward = wp.normalize(outward - wp.dot(outward, n) * n)

@@ -17,6 +17,8 @@ VIEW = wp.constant(wp.vec3(0.0, 0.0, -1.0))
 @wp.func
 def shine(n: wp.vec3, way: wp.vec3, roughness: float):
     """Light from one way that a dielectric throws straight at the camera: normalised Blinn and Phong, Schlick."""
+    if roughness >= 1.0:
+        return 0.0
     half = wp.normalize(way + VIEW)
     alpha = wp.max(roughness * roughness, 0.04)
     power = 2.0 / (alpha * alpha) - 2.0
@@ -120,13 +122,14 @@ def eye_albedo(away: float):
 def wet_eye(albedo: wp.vec3, n: wp.vec3, light: wp.vec3, away: float, outward: wp.vec3):
     """Linear colour of an eyeball at an angle from its front; outward: the way on its surface that leads from there.
 
-    The cornea bulges before the iris and mirrors the window; what falls through it lights the iris' far side.
+    The cornea bulges before the iris and mirrors the window, and nothing else of the lights, or a veil would lie on the
+    pupil; what falls through it lights the iris' far side.
     """
     before_iris = wp.smoothstep(0.62, 0.40, away)
     bulge = 0.8 * away * before_iris
     cornea = wp.cos(bulge) * n + wp.sin(bulge) * outward
     across = wp.smoothstep(0.18, 0.30, away) * before_iris * wp.max(-wp.dot(outward, KEY), 0.0)
-    colour = lit((1.0 + 0.9 * light[0] * across) * albedo, n, light, wp.vec3(0.45, 0.3, 0.0))
+    colour = lit((1.0 + 0.9 * light[0] * across) * albedo, n, light, wp.vec3(1.0, 0.3, 0.0))
     window = (0.2 + 0.65 * before_iris) * (0.6 + 0.4 * wp.smoothstep(0.05, 0.40, light[0])) * softbox(cornea)
     return colour + window * wp.vec3(1.0)
 
