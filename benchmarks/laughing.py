@@ -10,6 +10,7 @@ face's own z, distance that of vertices. The last line is JSON.
 
 import json
 import sys
+from functools import cached_property
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -67,11 +68,21 @@ class Laughter:
         self.seed = seed
         self.source = MeshSource(BuildSettings(count=count, identities=count, seed=seed))
         self.template = self.source.template
+
+    @cached_property
+    def prior(self):
+        """IntrinsicModel that parts are exaggerated with."""
         shapes = np.concatenate([self.source.prior_shape(k) for k in range(PRIOR_SHAPES)])
-        self.prior = IntrinsicModel.train(self.template, shapes, IntrinsicConfig(PRIOR_DIMENSION, seed))
+        return IntrinsicModel.train(self.template, shapes, IntrinsicConfig(PRIOR_DIMENSION, self.seed))
 
     def faces(self, number):
         """Vertices (V, 3) by group."""
+        laughing, caricature, generator = self.laughs(number)
+        groups = {"laughing": laughing, "caricature": caricature, "parts": self._parts(laughing, generator)}
+        return {name: self.template.cavities.tuck(vertices) for name, vertices in groups.items()}
+
+    def laughs(self, number):
+        """Laughing face and caricature (V, 3), cavities as they are, and the generator for what comes after them."""
         generator = np.random.default_rng([self.seed, number])
         drawn = {name: generator.uniform(*limits) for name, limits in LAUGH.items()}
         weights = expand_sides(drawn, self.source.head.action_names)
@@ -81,8 +92,7 @@ class Laughter:
         bold = regular_face(person, {name: factor * weight for name, weight in weights.items()}, self.source.head)
         exponents = [generator.uniform(*CURVATURE)]
         caricature = exaggerate_curvature(bold, self.template.faces, exponents, self.source.hold)[0]
-        groups = {"laughing": plain, "caricature": caricature, "parts": self._parts(plain, generator)}
-        return {name: self.template.cavities.tuck(vertices) for name, vertices in groups.items()}
+        return plain, caricature, generator
 
     def _parts(self, plain, generator):
         """The face exaggerated as a dataset's are, by parts and half of the time by curvature before them."""
@@ -103,11 +113,15 @@ class Laughter:
             strength *= DRAW.milder
         return moved
 
-    def landmarks(self, vertices, number):
-        """(68, 2) pixels, as a random camera sees them."""
+    def view(self, vertices, number):
+        """Rotation (3, 3) of a random camera, and the vertices (68,) that landmarks stand on in it."""
         generator = np.random.default_rng([self.seed, number, 1])
         rotation = TO_PICTURE @ Rotation.from_euler("yxz", POSE * generator.uniform(-1, 1, 3)).as_matrix()
-        ids = landmark_vertices(vertices, rotation, self.template, 68)
+        return rotation, landmark_vertices(vertices, rotation, self.template, 68)
+
+    def landmarks(self, vertices, number):
+        """(68, 2) pixels, as the random camera sees them."""
+        rotation, ids = self.view(vertices, number)
         return PIXELS * vertices[ids] @ rotation[:2].T
 
 

@@ -62,5 +62,7 @@ def _method(model: ShapeModel, method: str, prior_weight: float) -> Callable[...
             f"the method 'intrinsic' needs an intrinsic model, found one of kind {model.kind!r}; give --method latent"
         )
     usual = IntrinsicSettings()
-    settings = replace(usual, misfit=usual.misfit * factor, least=usual.least * factor)
+    settings = replace(
+        usual, misfit=usual.misfit * factor, least=usual.least * factor, follow=usual.follow * prior_weight
+    )
     return partial(fit_landmarks_intrinsic, model=cast(IntrinsicModel, model), settings=settings)

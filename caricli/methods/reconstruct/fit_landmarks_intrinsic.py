@@ -1,5 +1,7 @@
 """A 3D face from 2D landmarks that its surface follows elastically."""
 
+from dataclasses import dataclass
+
 import numpy as np
 from threadpoolctl import threadpool_limits
 
@@ -10,8 +12,26 @@ from caricli.methods.reconstruct.outline import Outline
 from caricli.methods.reconstruct.settings import IntrinsicSettings, OutlierSettings
 from caricli.models.intrinsic.model import IntrinsicModel
 from caricli.structures import Camera, Face
+from caricli.structures.landmarks import EAR_LEFT, EAR_RIGHT
 
 _OUTLIERS = OutlierSettings()
+
+_EARS = {"ear_left": EAR_LEFT, "ear_right": EAR_RIGHT}
+"""Regions with the landmarks that show them."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Likeliest:
+    """The likeliest face of the model for some landmarks.
+
+    latent: (D,). camera: Camera. weights: (K,) of the landmarks. noise: how far these are expected from where the model
+    puts them, a share of their diagonal.
+    """
+
+    latent: np.ndarray
+    camera: Camera
+    weights: np.ndarray
+    noise: float
 
 
 # The matrices are small: threads that wait for each other cost more than they bring, most of all on a busy machine.
@@ -27,9 +47,12 @@ def fit_landmarks_intrinsic(
     First camera, outline and latent in turns: the latent minimises ``sum_k w_k |s R[:2] p_k(z) + t - b_k|^2 / noise^2 +
     |z|^2``, by steps with the derivatives at the mean face; noise follows what the landmarks miss by. What no landmark
     sees, depth and neck and cheeks, so goes along with what they see as in the training faces. Then the smoothest
-    correction takes the landmarks to their rays (depth is kept; Wu et al. 2018, expressions paper 3.2.1). An outlier
-    among the landmarks loses its weight. Flipped triangles are turned back, the neck goes down with a chin that sank
-    below it, and mouth cavity and eye sockets are tucked behind the skin.
+    correction takes the landmarks to their rays (depth is kept; Wu et al. 2018, expressions paper 3.2.1), in turns with
+    a latent that follows it: towards the smallest ``|f - f(z)|^2 + follow |z - likeliest|^2`` for the features f of the
+    corrected surface, so that a nose or lip that was pulled gets the depth of such a nose or lip. It goes only the
+    share of the way that the model leaves unexplained, 1 - least / noise, and by that share ears that no landmark shows
+    go back to the mean face's. An outlier among the landmarks loses its weight. Flipped triangles are turned back, the
+    neck goes down with a chin that sank below it, and mouth cavity and eye sockets are tucked behind the skin.
 
     points: (L, 2) pixels, y down, NaN where unknown. model: IntrinsicModel. settings: IntrinsicSettings. outline: what
     was found in the picture besides 68 points, or None.
@@ -37,27 +60,63 @@ def fit_landmarks_intrinsic(
     """
     template = model.template
     observation = Observation(points, template, outline)
-    latent, camera, weights = _likeliest(observation, model, settings)
-    vertices = model.decode(latent)
+    likeliest = _likeliest(observation, model, settings)
+    surface = _Surface(observation, model, settings, likeliest)
+    latent = likeliest.latent
+    for _ in range(settings.turns if surface.strange else 0):
+        latent = surface.follow(surface.correct(surface.shape(latent)), latent)
+    vertices = surface.shape(latent)
     for number in range(settings.corrections):
-        if number:
-            vertices = untangle(vertices, template.gradients)
-        vertices = template.neck.lengthen(vertices)
-        anchors = observation.anchors(vertices, camera.rotation)
-        camera = observation.camera(vertices, anchors, weights)
-        gaps = observation.gaps(vertices, camera, anchors)
-        pull = model.anchors.move(anchors[observation.ids], gaps, settings.strength, weights)
-        vertices = vertices + pull @ camera.rotation[:2]
+        vertices = surface.correct(untangle(vertices, template.gradients) if number else vertices)
     vertices = template.cavities.tuck(vertices)
     residual = template.gradients.features(vertices) - model.features(latent)
-    face = Face(template.with_vertices(vertices), camera, None, latent, residual, model.model_id)
-    return observation.measure(face, model, weights, settings)
+    face = Face(template.with_vertices(vertices), surface.camera, None, latent, residual, model.model_id)
+    return observation.measure(face, model, likeliest.weights, settings)
 
 
-def _likeliest(
-    observation: Observation, model: IntrinsicModel, settings: IntrinsicSettings
-) -> tuple[np.ndarray, Camera, np.ndarray]:
-    """The latent (D,) of the likeliest face, its Camera, and the weights (K,) of the landmarks."""
+class _Surface:
+    """A surface that follows the landmarks elastically. camera: Camera that it was last seen with."""
+
+    def __init__(
+        self, observation: Observation, model: IntrinsicModel, settings: IntrinsicSettings, likeliest: _Likeliest
+    ) -> None:
+        """likeliest: where it begins."""
+        self.observation = observation
+        self.model = model
+        self.settings = settings
+        self.likeliest = likeliest
+        self.camera = likeliest.camera
+        # The share that the model leaves unexplained: 0 for faces like its own, towards 1 far from all of them.
+        self.strange = 1 - settings.least / likeliest.noise
+        unseen = [name for name, numbers in _EARS.items() if not np.isin(numbers, observation.ids).any()]
+        # (V, 1) how much of what a latent makes of the mean face is left out.
+        self.usual = self.strange * model.template.mask(*unseen)[:, None]
+
+    def shape(self, latent: np.ndarray) -> np.ndarray:
+        """(V, 3) of a latent (D,), unseen ears more usual than it has them."""
+        return self.model.decode(latent, -self.usual * (self.model.features(latent) - self.model.mean))
+
+    def correct(self, vertices: np.ndarray) -> np.ndarray:
+        """Vertices (V, 3) taken to the landmarks' rays, the neck down to the chin."""
+        observation = self.observation
+        weights = self.likeliest.weights
+        vertices = self.model.template.neck.lengthen(vertices)
+        anchors = observation.anchors(vertices, self.camera.rotation)
+        self.camera = observation.camera(vertices, anchors, weights)
+        gaps = observation.gaps(vertices, self.camera, anchors)
+        pull = self.model.anchors.move(anchors[observation.ids], gaps, self.settings.strength, weights)
+        return vertices + pull @ self.camera.rotation[:2]
+
+    def follow(self, vertices: np.ndarray, latent: np.ndarray) -> np.ndarray:
+        """The latent (D,) for what a correction made, vertices (V, 3), of the shape of a latent (D,)."""
+        model = self.model
+        start = self.likeliest.latent
+        features = model.template.gradients.features(vertices) + self.usual * (model.features(latent) - model.mean)
+        change = features - model.features(start) + model.mean
+        return start + self.strange * model.features_to_latent(change, self.settings.follow)
+
+
+def _likeliest(observation: Observation, model: IntrinsicModel, settings: IntrinsicSettings) -> _Likeliest:
     latent = np.array(model.prior.mean)
     rotation = None
     weights = observation.trust
@@ -80,4 +139,4 @@ def _likeliest(
         likeliest = np.linalg.solve(system, rows.T @ (gaps + rows[:, CAMERA:] @ latent))[CAMERA:]
         # Derivatives are those at the mean face: far from it whole steps go to and fro.
         latent = latent + settings.step * (likeliest - latent)
-    return latent, camera, weights
+    return _Likeliest(latent, camera, weights, noise)
