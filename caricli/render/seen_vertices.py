@@ -8,6 +8,7 @@ from caricli.render.rasterise import depth_range, mesh_arrays, wp_mesh
 from caricli.render.warp_start import warp_start
 
 _RAYS = 2  # for every triangle, over the whole picture; all neighbours of what they meet count as seen
+_STEP = 2  # pixels between rays, at most: teeth are small
 
 
 def seen_vertices(vertices: np.ndarray, faces: np.ndarray, width: int, height: int) -> np.ndarray:
@@ -20,7 +21,7 @@ def seen_vertices(vertices: np.ndarray, faces: np.ndarray, width: int, height: i
     import warp as wp
 
     points, triangles = mesh_arrays(vertices, faces)
-    step = max(np.sqrt(width * height / max(_RAYS * len(triangles), 1)), 1.0)
+    step = float(np.clip(np.sqrt(width * height / max(_RAYS * len(triangles), 1)), 1, _STEP))
     columns = max(round(width / step), 1)
     rows = max(round(height / step), 1)
     hit = np.full(rows * columns, -1, np.int32)
