@@ -5,7 +5,15 @@ from contextlib import ExitStack
 import click
 
 from caricli.commands.shared.notes import echo_result
-from caricli.commands.shared.options import PATH, FiniteRange, WholeRange, named, named_numbers, overwrite_option
+from caricli.commands.shared.options import (
+    PATH,
+    FiniteRange,
+    WholeRange,
+    named,
+    named_numbers,
+    overwrite_option,
+    parts_option,
+)
 from caricli.errors import shown
 from caricli.io.image import write_png
 from caricli.io.mesh import write_mesh
@@ -72,8 +80,11 @@ SCALE = "NAME=K with K from 0 to 3, such as jawOpen=1.3"
     "--size", type=WholeRange(16, 4096), default=512, metavar="PIXELS", help="Draw pictures this wide and high."
 )
 @click.option("--no-head", is_flag=True, help="Leave out the turning of the head.")
+@parts_option
 @overwrite_option
-def command(rig, weights, out, frames, kind, video, fps, source_fps, smooth, scales, view, size, no_head, overwrite):
+def command(
+    rig, weights, out, frames, kind, video, fps, source_fps, smooth, scales, view, size, no_head, parts, overwrite
+):
     """Move a RIG (NPZ or GLB) by the WEIGHTS of a face tracker, or by speech.
 
     WEIGHTS are a CSV of Live Link Face, a JSON of MediaPipe, an NPZ, or a JSON such as this:
@@ -97,6 +108,7 @@ def command(rig, weights, out, frames, kind, video, fps, source_fps, smooth, sca
       caricli animate rig.glb take.csv --frames frames --format png --view three-quarter
     """
     from caricli.methods.animate.animate_rig import AnimationSettings, animate_rig
+    from caricli.methods.rig.add_parts import choose_parts
     from caricli.store.rig_sources import load_rig
     from caricli.store.tracks import load_track
 
@@ -112,7 +124,7 @@ def command(rig, weights, out, frames, kind, video, fps, source_fps, smooth, sca
         temporary = dict(zip(files, stack.enter_context(staged(*files, **given)), strict=True)) if files else {}
         folder = stack.enter_context(staged_folder(frames, marker=REPORT, **given)) if frames else None
         settings = AnimationSettings(fps, smooth, factors, not no_head)
-        performance = animate_rig(load_rig(rig), load_track(weights, source_fps, fps), settings)
+        performance = animate_rig(choose_parts(load_rig(rig), parts), load_track(weights, source_fps, fps), settings)
         _write_moving(temporary.get(out), temporary.get(video), performance, view, size)
         if folder is not None:
             _write_frames(folder, performance, kind, view, size)

@@ -36,8 +36,6 @@ def command(ctx, faces, out, out_dir, model, overwrite):
     """
     from caricli.commands.shared.batch import named_jobs, run_batch
     from caricli.methods.faces.encode_face import encode_face
-    from caricli.render.coat import mesh_coat
-    from caricli.render.comparison_sheet import comparison_sheet
     from caricli.store.faces import load_worn_face
     from caricli.store.models import DEFAULT_LATENT, load_model
 
@@ -52,10 +50,19 @@ def command(ctx, faces, out, out_dir, model, overwrite):
             error = {"millimetres": code.millimetres, "percent": code.percent}
             figures = {"model_id": code.model_id, "shape_error": error, "prior_rms": code.prior_rms}
             write_json(files[1], provenance("encode", [path], **figures))
-            head = shape_model.template.with_vertices(code.vertices)
-            coat = mesh_coat(code.mesh, code.pictures)
             for png in files[2:]:
-                write_png(png, comparison_sheet(head, shape_model.decode(code.latent), SIZE, coat))
+                write_png(png, _sheet(code, shape_model))
         return f"{target}: shape error {code.millimetres:.3f} mm ({code.percent:.3f} %), prior {code.prior_rms:.2f}"
 
     run_batch(ctx, jobs, encode, "faces")
+
+
+def _sheet(code, model):
+    """The picture of an EncodedFace beside its latent alone."""
+    from caricli.methods.parts.whole_head import whole_head
+    from caricli.render.coat import mesh_coat
+    from caricli.render.comparison_sheet import comparison_sheet
+
+    latent = code.with_vertices(model.decode(code.latent))
+    heads = [whole_head(face, model.template) for face in (code, latent)]
+    return comparison_sheet(*heads, SIZE, mesh_coat(code.mesh, code.pictures))

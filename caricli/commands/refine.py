@@ -28,6 +28,16 @@ from caricli.methods.reconstruct.settings import RefineSettings
 SIZE = 384
 
 
+def _sheet(seen, result, template, points, pixels):
+    """The picture of a Face before and after its Refinement."""
+    from caricli.methods.parts.whole_head import whole_head
+    from caricli.render.refine_sheet import refine_sheet
+
+    faces = (seen, result.face)
+    heads = [whole_head(face, template) for face in faces]
+    return refine_sheet(faces, result.anchors, heads, points, pixels, SIZE)
+
+
 @click.command()
 @click.argument("face", type=PATH)
 @click.argument("landmarks", type=PATH)
@@ -67,7 +77,6 @@ def command(face, landmarks, out, image, parsing, weight, laplacian, model, pts_
     """
     from caricli.methods.reconstruct.refine_face import refine_face
     from caricli.methods.reconstruct.snap_eyes import snap_eyes
-    from caricli.render.refine_sheet import refine_sheet
     from caricli.store.face_files import write_face_files
     from caricli.store.faces import load_seen_face
     from caricli.store.pictures import load_eyes, load_marked_picture
@@ -87,6 +96,5 @@ def command(face, landmarks, out, image, parsing, weight, laplacian, model, pts_
         about |= {"subdivide": levels, "seconds": seconds} | result.figures()
         write_face_files(files[0], files[1], result.face_of(shape_model), fine_mesh(result.face.mesh, levels))
         write_json(files[2], provenance("refine", inputs[:4], **about))
-        draw = partial(refine_sheet, (seen, result.face), result.anchors, template, points, pixels, SIZE)
-        write_picture(files[3], draw)
+        write_picture(files[3], partial(_sheet, seen, result, template, points, pixels))
     echo_result(f"{out}: {result.describe()}")

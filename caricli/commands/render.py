@@ -5,7 +5,7 @@ from itertools import chain
 import click
 
 from caricli.commands.shared.notes import echo_result
-from caricli.commands.shared.options import PATH, WholeRange, named, out_option, overwrite_option
+from caricli.commands.shared.options import PATH, WholeRange, named, out_option, overwrite_option, parts_option
 from caricli.errors import InputError, UsageError, shown
 from caricli.io.face import read_face
 from caricli.io.image import read_image, write_png
@@ -59,14 +59,15 @@ def _views(ctx, param, value):
     metavar="IMAGE",
     help="Draw the face over this picture instead of the views; the face must be an NPZ with a camera.",
 )
+@parts_option
 @overwrite_option
-def command(paths, out, views, frames, size, columns, image, overwrite):
+def command(paths, out, views, frames, size, columns, image, parts, overwrite):
     """Draw shaded pictures of faces, meshes and rigs: views side by side, a turn, or an overlay.
 
     Faces and rigs are NPZ, GLB or glTF, meshes also OBJ, PLY or STL. They are drawn in the pictures that they wear (of
     those in a GLB the first, and that of a material named eyes), rigs with their neutral face, overlays in clay.
-    Several become a contact sheet with the names of their files. Heads of the bundled topology get eyeballs where they
-    have none.
+    Several become a contact sheet with the names of their files. Heads of the bundled topology get eyes, teeth, tongue
+    and lashes where they are skin alone.
 
     \b
     Example:
@@ -76,17 +77,18 @@ def command(paths, out, views, frames, size, columns, image, overwrite):
       caricli render faces/*.obj -o sheet.png --views front --size 256
       caricli render face.npz -o overlay.png --image drawing.png
     """
+    from caricli.methods.parts.whole_head import whole_face
     from caricli.render.face_sheet import SheetSettings
     from caricli.store.rig_sources import load_shown_face
 
     film = out.suffix.lower() != ".png"
     _check_use(len(paths), film, views, frames, image)
     turn = (frames or FRAMES[out.suffix.lower()]) if views == (TURN,) else None
-    settings = SheetSettings(views, turn, size, columns)
+    settings = SheetSettings(views, turn, size, columns, "eyes" in parts)
     _check_size(out, len(paths) * (1 if film else settings.count), size)
     with staged(out, overwrite=overwrite, inputs=(*paths, image)) as (temporary,):
         if image is None:
-            faces = [load_shown_face(path) for path in paths]
+            faces = [whole_face(load_shown_face(path), parts) for path in paths]
             picture = _draw(temporary, faces, [path.stem for path in paths], settings)
         else:
             picture = _overlay(read_face(paths[0]), paths[0], image)

@@ -16,25 +16,24 @@ _WORST = 0.02  # of the height: from here on as red as it gets
 
 def comparison_sheet(
     given: Template,
-    vertices: np.ndarray,
+    other: Template,
     size: int = 320,
     coat: Coat | None = None,
 ) -> np.ndarray:
     """Three rows of views: the given head, another shape of it, and this one coloured by its distance, grey to red.
 
-    given: Template in the shape of the head. vertices: (V, 3) metres, of the other shape. size: pixels of a view.
-    coat: Coat of the given head, or None.
+    given, other: Template in the shapes of both, with their parts, which the last row leaves out. size: pixels of a
+    view. coat: Coat of the given head, or None.
     Returns (H, W, 3) uint8.
     """
     worst = _WORST * np.ptp(given.vertices[:, 1])
-    share = np.clip(np.linalg.norm(vertices - given.vertices, axis=1, keepdims=True) / worst, 0, 1)
+    share = np.clip(np.linalg.norm(other.vertices - given.vertices, axis=1, keepdims=True) / worst, 0, 1)
     colours = (1 - share) * np.array(NEAR) + share * np.array(FAR)
     views = ("front", "three-quarter", "profile")
-    other = given.with_vertices(vertices)
     rows = [
         head_views(given, views, size, look=Look(coat=coat)),
         head_views(other, views, size),
-        head_views(other, views, size, look=Look(vertex_colours=colours)),
+        head_views(other.with_vertices(other.vertices), views, size, look=Look(vertex_colours=colours)),
     ]
     labels = ["given", "encoded", f"distance, red from {1000 * worst:.1f} mm"]
     return contact_sheet([row_of(row) for row in rows], 1, labels)

@@ -20,12 +20,14 @@ class SheetSettings:
     frames: instead of the views, pictures of one turn; None for the views.
     size: pixels, side of one picture.
     columns: pictures in a row: faces, or with one face its views; None for near to a square, and all views in a row.
+    eyeballs: whether heads of the bundled topology get eyes where they have none.
     """
 
     views: tuple[str, ...] = ("front", "three-quarter", "profile")
     frames: int | None = None
     size: int = 512
     columns: int | None = None
+    eyeballs: bool = True
 
     @property
     def count(self) -> int:
@@ -51,7 +53,10 @@ def turning_faces(
 
     settings: of a turn. progress: called with finished frames and their total. Yields (H, W, 3) uint8.
     """
-    turns = zip(*(turntable(face.mesh, settings.count, settings.size, face_look(face)) for face in faces), strict=True)
+    turns = zip(
+        *(turntable(face.mesh, settings.count, settings.size, face_look(face, settings.eyeballs)) for face in faces),
+        strict=True,
+    )
     for k, pictures in enumerate(turns):
         alone = len(pictures) == 1
         yield on_backdrop(pictures[0]) if alone else contact_sheet(pictures, settings.columns, list(names))
@@ -59,7 +64,7 @@ def turning_faces(
 
 
 def _strip(face: Face, settings: SheetSettings) -> list[np.ndarray]:
-    look = face_look(face)
+    look = face_look(face, settings.eyeballs)
     if settings.frames:
         return [*turntable(face.mesh, settings.frames, settings.size, look)]
     return render_views(face.mesh, settings.views, settings.size, look)

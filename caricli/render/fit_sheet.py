@@ -21,7 +21,7 @@ _MARGIN = 0.35  # of the larger side of what is shown, around it
 
 def fit_sheet(
     face: Face,
-    template: Template,
+    head: Template,
     given: np.ndarray,
     image: np.ndarray | None = None,
     size: int = 512,
@@ -29,8 +29,8 @@ def fit_sheet(
 ) -> np.ndarray:
     """Picture with given (green circles) and fitted (red) landmarks, mesh over the picture, three views.
 
-    face: Face with the camera and the landmarks that were fitted. template: Template of its topology, whose annotation
-    says where the eyes are. given: (L, 2) pixels, NaN where unknown. image: (H, W, 3) uint8, paper where there is none.
+    face: Face with the camera and the landmarks that were fitted. head: Template in the shape of the face, a WholeHead
+    where it has parts. given: (L, 2) pixels, NaN where unknown. image: (H, W, 3) uint8, paper where there is none.
     size: pixels of one view. fine: FineMesh in the face's shape, to draw in the views.
     Returns (H, W, 3) uint8. Raises InputError when the face has no camera or no landmarks.
     """
@@ -42,9 +42,8 @@ def fit_sheet(
     dotted = draw_landmarks(picture, (fitted - corner) * zoom, FITTED)
     circle = max(1.5, size / 120)
     marked = draw_landmarks(dotted, (given - corner) * zoom, GIVEN, radius=circle, hollow=True, lines=False)
-    eyeballs = place_eyeballs(face.mesh, template.annotation)
+    eyeballs = place_eyeballs(head, head.annotation)
     over = overlay_mesh(picture, face.mesh, camera.zoomed(zoom, corner), eyeballs=eyeballs)
-    head = template.with_vertices(face.vertices)
     look = Look(coat=mesh_coat(face.mesh if fine is None else fine.mesh, face.pictures))
     return contact_sheet([marked, over, *head_views(head, ("front", "three-quarter", "profile"), size, fine, look)], 5)
 

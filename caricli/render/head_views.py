@@ -1,6 +1,6 @@
 """Views of a head with its eyeballs."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import replace
 
 import numpy as np
@@ -11,9 +11,8 @@ from caricli.render.shade import Look
 from caricli.render.sky import sky_visibility
 from caricli.render.smooth_normals import smooth_normals
 from caricli.render.views import render_views
-from caricli.structures import Part
 from caricli.template.fine_mesh import FineMesh
-from caricli.template.template import Template
+from caricli.template.template import Template, WholeHead
 
 
 def head_views(
@@ -22,16 +21,15 @@ def head_views(
     size: int,
     fine: FineMesh | None = None,
     look: Look = Look(),  # noqa: B008 (frozen)
-    parts: Sequence[Part] = (),
 ) -> list[np.ndarray]:
-    """Draw a head from several sides, with eyeballs where the annotation knows its lids.
+    """Draw a head with its parts from several sides, with eyeballs where the annotation knows its lids.
 
-    head: Template in the shape of the face. views: keys of VIEWS. size: pixels, width and height of a picture. fine:
-    FineMesh in the same shape, to draw instead; what its vertices see of the sky is carried over from the coarse ones,
-    because rays take most of the time. look: Look of what is drawn, but for its eyeballs. parts: Parts of the face, to
-    be drawn with it.
+    head: Template in the shape of the face, a WholeHead where it has parts. views: keys of VIEWS. size: pixels, width
+    and height of a picture. fine: FineMesh in the same shape, to draw instead; what its vertices see of the sky is
+    carried over from the coarse ones, because rays take most of the time. look: Look of the face, but for its eyeballs.
     Returns a list of (size, size, 4) uint8.
     """
+    parts = head.dressed if isinstance(head, WholeHead) else ()
     drawn, look = with_parts(head if fine is None else fine.mesh, look, parts)
     eyeballs = place_eyeballs(head, head.annotation)
     whole, _ = with_parts(head, Look(), parts)

@@ -29,7 +29,6 @@ from caricli.models.kinds import KINDS
 from caricli.models.landmark_map.model import SCHEMA as LANDMARK_MAP_SCHEMA
 from caricli.models.landmark_map.model import map_from_checkpoint
 from caricli.store.models import load_model
-from caricli.structures import Material
 from caricli.structures.arkit import ARKIT_NAMES
 
 _EXPECTED = f"a file of caricli's, or {ANY_MESH}"
@@ -134,10 +133,9 @@ def _read_arrays(path: Path) -> Any:
 
 
 def _read_gltf(path: Path) -> Any:
-    """A Rig where there are shapes or eyes, else the Mesh of the scene; Animated where it moves."""
+    """A Rig where there are shapes or materials of a head, else the Mesh of the scene; Animated where it moves."""
     content = read_gltf(path)
-    is_rig = bool(content.names) or Material.EYE in content.triangle_materials
-    still = content if is_rig else read_gltf_mesh(path)
+    still = content if content.names or content.materials is not None else read_gltf_mesh(path)
     clips = read_clips(path)
     return Animated(still, clips) if clips else still
 

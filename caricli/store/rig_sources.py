@@ -84,7 +84,8 @@ def _gltf_face(path: Path) -> Face:
     if rig.names or Material.EYE in rig.triangle_materials:
         return _rig_face(rig)
     scene = read_gltf_mesh(path)
-    if rig.pictures and rig.mesh.topology_id == scene.topology_id and rig.mesh.same_layout(scene):
+    worn = rig.pictures or rig.materials is not None
+    if worn and rig.mesh.topology_id == scene.topology_id and rig.mesh.same_layout(scene):
         return replace(_rig_face(rig), mesh=scene)
     return Face(scene)
 

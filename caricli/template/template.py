@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Self
 
 import numpy as np
 
@@ -54,6 +55,22 @@ class Template(Mesh):
         for name in names:
             mask[self.annotation.regions.get(name, [])] = True
         return mask
+
+
+@dataclass(frozen=True, eq=False)
+class WholeHead(Template):
+    """A Template in the shape of a face, with what is on and in this face.
+
+    dressed: Parts of the face; the same template in another shape has none until they are attached to it.
+    """
+
+    dressed: tuple[Part, ...] = field(default=(), kw_only=True)
+
+    def with_vertices(self, vertices: np.ndarray) -> Self:
+        """The same template in another shape, without parts. vertices: (V, 3), as many as there are."""
+        other = super().with_vertices(vertices)
+        object.__setattr__(other, "dressed", ())
+        return other
 
 
 @dataclass(frozen=True, eq=False)

@@ -193,3 +193,9 @@ def test_refuses_what_exists_what_is_missing_and_what_is_too_much(obj, tmp_path)
 )
 def test_wrong_usage_is_exit_2(obj, tmp_path, options):
     assert run(obj, "-o", tmp_path / "x.png", *options).exit_code == 2
+
+
+@pytest.mark.parametrize("parts", ["skin,beard", "teeth", ""])
+def test_parts_that_no_head_has_are_wrong_usage(obj, tmp_path, parts):
+    code, said = failure(obj, "-o", tmp_path / "a.png", "--parts", parts)
+    assert code == 2 and "--parts" in said and not (tmp_path / "a.png").exists()

@@ -14,11 +14,12 @@ from caricli.io.obj import read_obj, write_obj
 from caricli.io.rig import read_rig
 from caricli.io.strict_json import write_json
 from caricli.store.models import load_model
-from caricli.structures import Camera, Face, Mesh, Pictures
+from caricli.structures import Camera, Face, Hair, Material, Mesh, Pictures
 
 CAMERA = Camera(1400.0, np.diag([1.0, -1, -1]), np.array([200.0, 400.0]))
 SKIN = np.array([40, 160, 60], np.uint8)
 EYES = np.array([30, 60, 200], np.uint8)
+HAIR = np.array([200, 30, 160], np.uint8)
 
 # What is typed, with {} for the folder of the inputs, and what is written beside the mesh that it names.
 WEARERS = {
@@ -29,7 +30,7 @@ WEARERS = {
     "refine": "refine {face} {marks} --out {out}/new.obj",
     "fit-morphable": "fit-morphable {marks} --expression-only --identity {face} --out {out}/new.obj",
     "encode": "encode {face} --out {out}/new.npz",
-    "rig": "rig {face} --parts skin --out {out}/new.glb",
+    "rig": "rig {face} --parts skin,hair --out {out}/new.glb",
     "blendshapes": "blendshapes {face} --expressions {moods} --method transfer --out {out}/new.npz",
     "retarget": "retarget {rig} {driver} --neutral {driver} --out {out}/new.obj",
     "animate": "animate {rig} {weights} --frames {out}/new --out {out}/new.glb",
@@ -54,15 +55,26 @@ def test_every_command_is_here():
     assert typed == {*WEARERS, *BARE}, "say how a new command keeps what a face wears, or why it need not"
 
 
+def cap(mesh):
+    """Hair of the topmost triangles, a centimetre above the skin."""
+    roots = mesh.faces[mesh.vertices[mesh.faces][..., 1].mean(1).argsort()[-200:]]
+    used, faces = np.unique(roots, return_inverse=True)
+    faces = faces.reshape(roots.shape).astype(np.int32)
+    shell = Mesh(mesh.vertices[used] + [0, 0.01, 0], faces, np.full((1, 2), 0.5), 0 * faces)
+    return Hair(shell, np.repeat(used[:, None], 3, 1).astype(np.int32), np.full((len(used), 3), 1 / 3))
+
+
 @pytest.fixture(scope="module")
 def painted(head, head_template, small_pictures, tmp_path_factory):
-    """A folder of a green face with blue eyes, whose UVs are not the template's, and of what commands need besides."""
+    """A folder of a green face with blue eyes and purple hair, whose UVs are not the template's, and of what commands
+    need besides."""
     folder = tmp_path_factory.mktemp("painted")
     vertices = head.evaluate(gender=0.3, age=0.6)
     mesh = Mesh(vertices, head_template.polygons, 0.5 * head_template.uvs, head_template.uv_polygons)
-    pictures = Pictures(np.full((32, 32, 3), SKIN), np.full((16, 16, 3), EYES))
+    colours = {"skin": SKIN, "eyes": EYES, "hair": HAIR}
+    pictures = Pictures(**{name: np.full((32, 32, 3), colour) for name, colour in colours.items()})
     marks = CAMERA.project(vertices[head_template.annotation.landmarks[:68]])
-    write_face(folder / "face.npz", Face(mesh, CAMERA, marks, pictures=pictures))
+    write_face(folder / "face.npz", Face(mesh, CAMERA, marks, pictures=pictures, hair=cap(mesh)))
     np.savetxt(folder / "marks.txt", marks)
     write_obj(folder / "driver.obj", load_model("morphable").template)
     (folder / "moods.yaml").write_text("neutral: {}\nopen: {jawOpen: 0.8}\n")
@@ -137,24 +149,38 @@ def npz_wears(path, uvs):
     with np.load(path) as arrays:
         is_rig = str(arrays["schema"]) == "caricli.rig/1"
     face = read_rig(path).face if is_rig else read_face(path)
-    assert (face.pictures.skin == SKIN).all(), path
+    assert (face.pictures.skin == SKIN).all() and (face.pictures.hair == HAIR).all(), path
+    assert hair_stands(face), path
     assert face.pictures.eyes is None or (face.pictures.eyes == EYES).all(), path
     np.testing.assert_allclose(face.mesh.uvs[: len(uvs)], uvs, atol=1e-6)
     return True
 
 
+def hair_stands(face):
+    """Whether the hair is a centimetre above the skin, on its own or as a part of the mesh."""
+    if face.hair is not None:
+        above = face.hair.shell.vertices - face.vertices[face.hair.roots[:, 0]]
+        return np.allclose(above, [0, 0.01, 0], atol=1e-6)
+    hair = np.unique(face.faces[face.triangle_materials == Material.HAIR])
+    above = face.vertices[hair, 1].max() - face.vertices[:4200, 1].max()
+    return len(hair) > 50 and abs(above - 0.01) < 1e-6
+
+
 def glb_wears(path, uvs):
-    """Every GLB embeds the skin."""
+    """Every GLB embeds skin and hair."""
     if path.suffix != ".glb":
         return False
-    assert np.abs(read_gltf(path).pictures.skin.astype(int) - SKIN).max() <= 8, path
+    rig = read_gltf(path)
+    assert np.abs(rig.pictures.skin.astype(int) - SKIN).max() <= 8, path
+    assert np.abs(rig.pictures.hair.astype(int) - HAIR).max() <= 8 and hair_stands(rig.face), path
     return True
 
 
 def sheet_shows(path, uvs):
-    """Every picture of faces shows the green skin."""
-    if path.suffix != ".png" or path.stem.endswith(("-skin", "-eyes")):
+    """Every picture of faces shows the green skin and the purple hair."""
+    if path.suffix != ".png" or path.stem.endswith(("-skin", "-eyes", "-hair")):
         return False
     red, green, blue = read_image(path).astype(int).transpose(2, 0, 1)
     assert ((green > red + 30) & (green > blue + 30)).mean() > 0.02, path
+    assert ((red > green + 30) & (blue > green + 30)).mean() > 0.002, path
     return True

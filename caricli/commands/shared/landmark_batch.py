@@ -7,6 +7,8 @@ from functools import cached_property, partial
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from caricli.commands.shared.batch import named_jobs
 from caricli.commands.shared.face_outputs import staged_face
 from caricli.commands.shared.picture import write_picture
@@ -15,6 +17,7 @@ from caricli.io.provenance import provenance
 from caricli.io.strict_json import write_json
 from caricli.methods.faces.encode_face import encode_face
 from caricli.methods.faces.subdivide_face import subdivide_face
+from caricli.methods.parts.whole_head import whole_head
 from caricli.methods.reconstruct.landmark_fit import LandmarkFit
 from caricli.models.shape_model import ShapeModel
 from caricli.render.fit_sheet import fit_sheet
@@ -94,5 +97,9 @@ class FitTask:
             report = provenance(self.command, [path, picture, *self.sources], **about)
             write_json(json, report | fit.figures() | {"seconds": seconds})
             points = fit.shown(marks.points)
-            write_picture(png, partial(fit_sheet, face, self.model.template, points, pixels, fine=finer))
+            write_picture(png, partial(self._sheet, face, finer, points, pixels))
         return f"{target}: {fit.describe()}"
+
+    def _sheet(self, face: Face, finer: FineMesh, points: np.ndarray, pixels: np.ndarray | None) -> np.ndarray:
+        """The picture of a face and the landmarks (L, 2) that it was fitted to."""
+        return fit_sheet(face, whole_head(face, self.model.template), points, pixels, fine=finer)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from caricli.methods.faces.subdivide_face import subdivide_face
-from caricli.methods.parts.face_parts import face_parts
+from caricli.methods.parts.whole_head import whole_head
 from caricli.models.shape_model import ShapeModel
 from caricli.render.coat import mesh_coat
 from caricli.render.head_views import head_views
@@ -39,9 +39,8 @@ class FaceDrawing:
         face: Face of the model's topology. views: as in ``render_views``.
         Returns a list of (size, size, 4) uint8.
         """
-        head = self.model.template.with_vertices(face.vertices)
         finer = self.finer(face)
         materials = split_materials(face.materials, face.mesh.polygons, finer.levels)
         shown = Face(finer.mesh, pictures=face.pictures, materials=materials)
         coat = mesh_coat(shown.mesh, shown.pictures, shown.triangle_materials)
-        return head_views(head, views, self.size, finer, Look(coat=coat), face_parts(face, self.model.template))
+        return head_views(whole_head(face, self.model.template), views, self.size, finer, Look(coat=coat))

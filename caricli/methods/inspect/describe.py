@@ -14,9 +14,10 @@ from caricli.geometry.flipped_triangles import flipped_triangles
 from caricli.methods.inspect.inspection import Acquaintances, Animated, Inspection, MeshWords
 from caricli.methods.rig.check_rig import RigCheck, check_rig
 from caricli.models.landmark_map.model import LandmarkMap
-from caricli.structures import Cues, Directions, Face, Landmarks, Mesh, Rig, Track
+from caricli.structures import Cues, Directions, Face, Landmarks, Material, Mesh, Rig, Track
 from caricli.structures.arkit import ARKIT_NAMES
 from caricli.structures.landmarks import PARTS, SCHEMES
+from caricli.structures.materials import HEAD_PARTS
 from caricli.structures.pictures import PICTURED
 
 _NAMED = 12
@@ -65,6 +66,8 @@ def _(value: Face, around: Acquaintances) -> Inspection:
         residual = "" if value.residual is None else ", and a residual"
         lines.append(f"a latent of {len(value.latent)} numbers of {of}{residual}")
         values |= {"latent": len(value.latent), "model_id": value.model_id, "residual": value.residual is not None}
+    lines.append(f"made of {', '.join(_made_of(value))}")
+    values["parts"] = _made_of(value)
     summary = f"{words.counts}, {words.height}"
     return Inspection("face", summary, tuple(lines), values, tuple(words.check.problems))
 
@@ -75,9 +78,14 @@ def _(value: Rig, around: Acquaintances) -> Inspection:
     check = check_rig(value)
     extras = [f"a picture of {name}" for name in PICTURED.values() if getattr(value.pictures, name) is not None]
     extras += ["normal_deltas"] if value.normal_deltas is not None else []
-    lines = [f"with {', '.join(extras)}"] if extras else []
+    lines = [f"made of {', '.join(_made_of(value))}"]
+    lines += [f"with {', '.join(extras)}"] if extras else []
     shapes = [vars(shape) for shape in check.shapes]
-    values = {"shapes": shapes, "arkit": {key: getattr(check, key) for key in ("exact", "near", "unknown", "missing")}}
+    values = {
+        "shapes": shapes,
+        "parts": _made_of(value),
+        "arkit": {key: getattr(check, key) for key in ("exact", "near", "unknown", "missing")},
+    }
     summary = f"{words.counts}, {len(value.names)} shapes, {words.height}"
     lines = [*words.lines, *lines, *_rig_lines(check)]
     return Inspection("rig", summary, tuple(lines), values | words.values, tuple(words.check.problems))
@@ -93,6 +101,13 @@ def _(value: Animated, around: Acquaintances) -> Inspection:
     lines += [f"and {len(value.clips) - _NAMED} more animations"] if len(value.clips) > _NAMED else []
     values = still.values | {"animations": [vars(clip) for clip in value.clips]}
     return replace(still, lines=(*lines, *still.lines), values=values)
+
+
+def _made_of(value: Face | Rig) -> list[str]:
+    """Names of the parts of a head."""
+    materials = [Material.SKIN] if value.materials is None else value.materials
+    hair = [Material.HAIR] if isinstance(value, Face) and value.hair is not None else []
+    return [name for name, own in HEAD_PARTS.items() if np.isin(own, [*materials, *hair]).any()]
 
 
 def _rig_lines(check: RigCheck) -> list[str]:

@@ -102,13 +102,13 @@ class MeshWords:
 
     @property
     def lines(self) -> list[str]:
-        """Unit, topology, UVs, parts."""
+        """Unit, topology, UVs, pieces."""
         check = self.check
         topology = "that of the bundled models" if self.same else "not known"
         uvs = f"{check.uvs} UVs" if check.uvs else "no UVs"
-        parts = "one part" if check.components == 1 else f"{check.components} parts"
+        pieces = "one piece" if check.components == 1 else f"{check.components} pieces"
         hints = [] if check.hint is None else [check.hint]
-        return [*hints, f"topology: {topology}", f"{uvs}, {parts}, {check.open_edges} open edges"]
+        return [*hints, f"topology: {topology}", f"{uvs}, {pieces}, {check.open_edges} open edges"]
 
     @property
     def values(self) -> dict[str, Any]:

@@ -7,6 +7,7 @@ import numpy as np
 
 from caricli.errors import InputError
 from caricli.methods.hair.dress_hair import DressedHair, bare_skin, dress_hair
+from caricli.methods.parts.face_parts import face_parts
 from caricli.methods.rig.add_eyeballs import TEXTURE, add_eyeballs, fit_eyeballs
 from caricli.methods.rig.add_parts import add_parts
 from caricli.methods.texture.estimate_light import Light
@@ -27,7 +28,7 @@ class Painted:
     """A textured head and how it was come by.
 
     head: Template in the shape of the face, with the UVs of its texture.
-    rig: Rig of the head with its eyes, without expressions; the vertices of the face come first.
+    rig: Rig of the whole head, without expressions; the vertices of the face come first.
     error: photometric error, of full scale.
     seen: share of the surface that the picture shows.
     filled: share of the picture that the head fills.
@@ -103,6 +104,7 @@ def paint_head(
     generator = np.random.default_rng(settings.seed)
     eyes = paint_eye(TEXTURE, generator, *eye_colours(image, landmarks))
     whole = add_eyeballs(rig, fit_eyeballs(head, head.annotation, still), generator, eyes)
+    whole = add_parts(whole, face_parts(face, template, ("teeth", "tongue", "lashes")))
     error = photometric_error(rig, face, image, skin, light)
     if hair is not None:
         whole = add_parts(whole, [hair.hair.part])
