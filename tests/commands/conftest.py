@@ -38,8 +38,8 @@ def small_pictures():
 def quick_pictures(small_pictures):
     """Small pictures without shadows, which take most of the time that is left."""
 
-    def lit(vertices, faces, normals, ids=None):
-        return np.ones((len(vertices if ids is None else ids), len(DIRECTIONS)), np.float32)
+    def lit(vertices, faces, normals, ids=None, directions=DIRECTIONS):
+        return np.ones((len(vertices if ids is None else ids), len(directions)), np.float32)
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("caricli.render.rig_stage.sky_visibility", lit)
