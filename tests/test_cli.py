@@ -109,6 +109,18 @@ print(sorted(loaded), commands, file=sys.stderr)
     assert done.stderr == "[] []\n"
 
 
+def test_fits_and_rigs_import_nothing_that_takes_seconds():
+    code = """
+import sys
+import caricli.commands.shared.landmark_batch, caricli.methods.reconstruct.fit_landmarks
+import caricli.methods.rig.make_rig, caricli.methods.expressions.find_neutral, caricli.methods.texture.paint_head
+import caricli.store.expression_tools, caricli.store.faces
+print(sorted({"anny", "matplotlib", "skimage", "sklearn", "torch", "trimesh"} & set(sys.modules)))
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env=environment(), check=True)
+    assert done.stdout == "[]\n"
+
+
 def test_version():
     assert CliRunner().invoke(cli, ["--version"]).output == f"caricli, version {caricli.__version__}\n"
 

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,12 +14,14 @@ from caricli.io.image import write_png
 from caricli.io.obj import write_obj
 from caricli.io.worn import PictureNames
 from caricli.methods.faces.encode_face import EncodedFace, encode_face
-from caricli.methods.texture.paint_head import Painted
 from caricli.models.morphable.model import MorphableModel
 from caricli.models.shape_model import ShapeModel
 from caricli.store.models import DEFAULT_ELASTIC, bundled_kind, load_model, model_name
 from caricli.store.rig_sources import EYES_FILE, load_pictures
 from caricli.structures import Face, Mesh, Pictures
+
+if TYPE_CHECKING:
+    from caricli.methods.texture.paint_head import Painted
 
 FILES = {"skin": "texture.png", "eyes": EYES_FILE, "hair": "hair.png", "bust": "bust.png"}
 """Name of the picture of the skin beside its OBJ."""
@@ -127,7 +130,7 @@ def load_identity(path: Path | None, model: MorphableModel) -> tuple[np.ndarray,
     return model.parts(code.latent)[0], note
 
 
-def write_painted_head(folder: Path, painted: Painted, face: Face) -> None:
+def write_painted_head(folder: Path, painted: "Painted", face: Face) -> None:
     """Write a textured head: OBJ with material and pictures, NPZ for the next command, GLB with eyes.
 
     folder: of face.obj, .mtl, .npz and .glb, texture.png and eyes.png. face: Face that was painted.

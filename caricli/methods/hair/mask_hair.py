@@ -5,8 +5,6 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 from scipy.ndimage import distance_transform_edt
-from skimage.graph import MCP_Geometric
-from sklearn.mixture import GaussianMixture
 
 from caricli.methods.hair.picture_zones import PictureZones
 from caricli.methods.hair.settings import MaskSettings
@@ -128,12 +126,16 @@ class _Classes:
             return
         if len(colours) > self.settings.samples:
             colours = colours[self.generator.choice(len(colours), self.settings.samples, replace=False)]
+        from sklearn.mixture import GaussianMixture
+
         mixture = GaussianMixture(_COMPONENTS[kind], reg_covar=self.settings.spread, random_state=0, tol=1e-2)
         mixture.fit(colours)
         self.likelihoods[..., kind] = mixture.score_samples(self.lab.reshape(-1, 3)).reshape(self.zones.shape)
 
     def _way(self, start: np.ndarray, quiet: float, step: float) -> np.ndarray:
         """(H, W) edges on the shortest way from pixels (H, W) bool: what is above quiet, in steps, up to a bound."""
+        from skimage.graph import MCP_Geometric
+
         costs, _ = MCP_Geometric(np.maximum(self.edges - quiet, 0) + _SMALLEST_STEP).find_costs(
             np.argwhere(start)[::_STEP]
         )
