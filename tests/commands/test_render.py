@@ -169,7 +169,7 @@ def failure(*args):
 def test_an_overlay_needs_a_camera(obj, tmp_path):
     write_png(tmp_path / "photo.png", np.zeros((9, 9, 3), np.uint8))
     code, said = failure(obj, "-o", tmp_path / "over.png", "--image", tmp_path / "photo.png")
-    assert code == 2 and "head.obj" in said and "camera" in said
+    assert code == 1 and "head.obj" in said and "camera" in said
     assert not (tmp_path / "over.png").exists()
 
 

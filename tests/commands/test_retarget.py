@@ -151,8 +151,8 @@ def test_bad_input_is_one_line_and_leaves_nothing(refused, ball, rig_file, drive
     neutral, meshes, _ = drivers
     rig, place = read_rig(rig_file), tmp_path / "new"
 
-    def check(*words, rig=rig_file, driver=meshes[0], options=()):
-        said = refused(COMMAND, rig, driver, "--out", place / "f.obj", *options)
+    def check(*words, rig=rig_file, driver=meshes[0], options=(), code=1):
+        said = refused(COMMAND, rig, driver, "--out", place / "f.obj", *options, code=code)
         assert all(word in said for word in words), said
         assert not place.exists()
 
@@ -172,7 +172,7 @@ def test_bad_input_is_one_line_and_leaves_nothing(refused, ball, rig_file, drive
     check("ball.obj", "topology", options=("--neutral", tmp_path / "ball.obj"))
     check("no such file", driver=tmp_path / "none.obj")
     check("kind morphable", options=("--model", "pca"))
-    check("ends in .glb", options=("--animation", place / "a.gltf"))
+    check("ends in .glb", options=("--animation", place / "a.gltf"), code=2)
     write_face(tmp_path / "face.npz", Face(Mesh(vertices, faces)))
     check("caricli.rig/1", rig=tmp_path / "face.npz")
 

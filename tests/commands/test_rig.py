@@ -227,7 +227,7 @@ def test_wrong_usage(run, refused, face, tmp_path):
     for options in ((), (face,), ("--out", out), (face, "--out", out, "--subdivide", 9)):
         result = run("rig", *options)
         assert result.exit_code == 2 and result.stdout == "", options
-    assert ".glb" in refused("rig", face, "--out", tmp_path / "a.obj")
+    assert ".glb" in refused("rig", face, "--out", tmp_path / "a.obj", code=2)
     assert list(tmp_path.iterdir()) == []
 
 
