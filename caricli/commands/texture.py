@@ -67,7 +67,6 @@ def command(face, image, out, mask, size, hair, flat, keep_light, model, seed, o
     """
     from caricli.commands.shared.progress import progress_bar
     from caricli.methods.texture.paint_head import paint_head
-    from caricli.render.texture_sheet import texture_sheet
     from caricli.store.faces import load_seen_face, write_painted_head
     from caricli.store.pictures import load_mask
 
@@ -88,5 +87,14 @@ def command(face, image, out, mask, size, hair, flat, keep_light, model, seed, o
         report = provenance("texture", inputs[:3], seed, **about, **painted.figures())
         write_json(folder / REPORT, report)
         for path in picture_files(folder / "sheet.png"):
-            write_png(path, texture_sheet(painted.head, painted.rig, SIZE))
+            write_png(path, _sheet(painted))
     echo_result(f"{out}: {painted.describe()}")
+
+
+def _sheet(painted):
+    """The picture of a Painted head before and after."""
+    from caricli.methods.parts.whole_head import whole_head
+    from caricli.render.texture_sheet import texture_sheet
+    from caricli.structures import Face
+
+    return texture_sheet(whole_head(Face(painted.head), painted.head), painted.rig, SIZE)

@@ -204,7 +204,9 @@ def _materials(rig: Rig, buffer: _Buffer) -> dict[str, list[dict]]:
         else:
             surface["baseColorTexture"] = {"index": len(images)}
             images.append({"mimeType": "image/png", "bufferView": buffer.view(_png(image))})
-        materials.append({"name": finish.name, "pbrMetallicRoughness": surface})
+        # A shell of hair has an inside, which is seen from below.
+        sides = {"doubleSided": True} if material == Material.HAIR else {}
+        materials.append({"name": finish.name, "pbrMetallicRoughness": surface, **sides})
     if not images:
         return {"materials": materials}
     return {
