@@ -17,7 +17,9 @@ from caricli.template.template import Template
 DISC = 0.49
 """Of the picture's side, how far from its middle the edge of a shell is."""
 
-_FACING = 0.35  # cosine between skin and view from which on it is seen as it is
+_FACING = 0.2  # cosine between skin and view from which on it is seen as it is
+_SMALLEST = 0.3  # of a radius: no skull is smaller
+_TOGETHER = 0.3  # how much the scales of a skull differ, beside the fit of its outline
 _GAP = 2  # least thicknesses of hair by which a skull is drawn in behind the outline
 _ROUNDS = 2  # of surface and hairline in turns
 
@@ -32,17 +34,45 @@ def sink_skull(
 
     head: Template in the shape of the face. camera: of the picture. hair: HairMask.
     """
-    sphere = HeadSphere(head, settings)
-    skin = sphere.radii
-    skull = sphere.region("scalp", "forehead")
-    outline = Outline.of(hair.pixels, hair.behind, camera.project(sphere.middle), settings.bins)
-    wanted = fit_outline(sphere, camera, outline, skull > 0.5, settings) - _GAP * settings.least * head.height
-    share = np.minimum(wanted / skin, 1)
-    longitudes, angles, _ = sphere.seen_from(head.vertices)
-    there = sphere.sample(share, longitudes, angles)
-    hold = np.clip(sphere.sample(_blurred(skull), longitudes, angles), 0, 1)
-    kept = 1 - hold + hold * there
-    return head.with_vertices(sphere.middle + kept[:, None] * (head.vertices - sphere.middle))
+    for step in (_shrunk, _tightened):
+        sphere = HeadSphere(head, settings)
+        outline = Outline.of(hair.pixels, hair.behind, camera.project(sphere.middle), settings.bins)
+        share = np.clip(step(sphere, camera, outline, settings), _SMALLEST, 1)
+        longitudes, angles, _ = sphere.seen_from(head.vertices)
+        hold = np.clip(sphere.sample(_blurred(sphere.region("scalp", "forehead")), longitudes, angles), 0, 1)
+        kept = 1 - hold * (1 - sphere.sample(share, longitudes, angles))
+        head = head.with_vertices(sphere.middle + kept[:, None] * (head.vertices - sphere.middle))
+    return head
+
+
+def _shrunk(sphere: HeadSphere, camera: Camera, outline: Outline, settings: ShellSettings) -> np.ndarray:
+    """(R, C) shares of the skull's radii with which its outline is inside the hair's: a scale for each axis.
+
+    Depth, which the picture does not show, goes along with height and width.
+    """
+    longitudes, angles = np.meshgrid(sphere.longitudes, sphere.angles)
+    skull = (sphere.region("scalp", "forehead") > 0.5).ravel()
+    squares = sphere.directions(longitudes, angles).reshape(-1, 3) ** 2
+    scales = np.ones(3)
+    for _ in range(settings.rounds):
+        radii = sphere.radii * (squares @ scales).reshape(angles.shape)
+        projected = camera.project(sphere.points(longitudes, angles, radii)).reshape(-1, 2)
+        shares, outermost = outline.compare(projected, camera.project(sphere.middle), skull)
+        chosen = outermost & np.isfinite(shares)
+        if not chosen.any():
+            break
+        # Rows at the end hold the scales together.
+        together = _TOGETHER * np.sqrt(chosen.sum()) * (np.eye(3) - 1 / 3)
+        wanted = np.minimum((squares[chosen] @ scales) * shares[chosen], 1)
+        scales = np.linalg.lstsq(np.vstack([squares[chosen], together]), np.append(wanted, np.zeros(3)), rcond=None)[0]
+    return (squares @ scales).reshape(angles.shape)
+
+
+def _tightened(sphere: HeadSphere, camera: Camera, outline: Outline, settings: ShellSettings) -> np.ndarray:
+    """(R, C) shares of the skull's radii with which no place of it is outside."""
+    skull = sphere.region("scalp", "forehead") > 0.5
+    wanted = fit_outline(sphere, camera, outline, skull, settings) - _GAP * settings.least * sphere.head.height
+    return wanted / sphere.radii
 
 
 def make_shell(
@@ -104,7 +134,7 @@ def _edge(sphere: HeadSphere, camera: Camera, hair: HairMask, total: np.ndarray,
         rows = find_edge(np.where(deep, votes + hidden, -1).reshape(angles.shape), settings.steady)
         edge = rows * (sphere.angles[1] - sphere.angles[0])
         usual = _as_long(sphere, points, rows, seen.reshape(angles.shape), usual)
-    return gaussian_filter1d(edge, 0.7, mode="wrap")
+    return gaussian_filter1d(edge, settings.calm, mode="wrap")
 
 
 def _as_long(

@@ -60,7 +60,7 @@ def mask_hair(
         if not classes.learn():
             break
     mask = _hanging_together(classes, zones, settings)
-    probability = np.where(_near(mask, zones.size * settings.reach), classes.probabilities[..., HAIR], 0)
+    probability = np.where(_near(mask, zones.size * settings.radius), classes.probabilities[..., HAIR], 0)
     probability[zones.features] = mask[zones.features]
     doubt = 1 - np.minimum(mask, probability).sum() / max(np.maximum(mask, probability).sum(), 1e-9)
     enough = mask.sum() >= settings.least * zones.enclosed.sum()

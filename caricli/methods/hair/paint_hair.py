@@ -10,6 +10,8 @@ from caricli.render.smooth_normals import smooth_normals
 from caricli.render.uv_map import pad_texture, uv_map
 from caricli.structures import Hair
 
+_STRANGE = 3.5  # of the median distance from the median colour
+_NEVER_STRANGE = 6.0  # CIELAB
 _ROWS = 192
 _COLUMNS = 640
 
@@ -30,6 +32,7 @@ def paint_hair(hair: Hair, view: PictureView, size: int, generator: np.random.Ge
     x, y = _unrolled(size)
     colours = cv2.remap(both.colours.astype(np.float32), x, y, cv2.INTER_LINEAR)
     seen = cv2.remap(both.seen.astype(np.float32), x, y, cv2.INTER_LINEAR) > settings.trust
+    seen &= _usual(colours, seen)
     filled = continue_strands(colours, seen, generator).astype(np.float32)
     column, row = _rolled(size)
     elsewhere = cv2.remap(np.pad(filled, ((0, 0), (1, 1), (0, 0)), mode="wrap"), column + 1, row, cv2.INTER_LINEAR)
@@ -53,6 +56,15 @@ def _look(hair: Hair, view: PictureView, size: int) -> SeenColours:
     seen = np.zeros((size, size))
     seen[covered] = looked.seen
     return SeenColours(pad_texture(colours, covered), pad_texture(seen, covered))
+
+
+def _usual(colours: np.ndarray, seen: np.ndarray) -> np.ndarray:
+    """Which of colours (R, C, 3) are like most that are seen (R, C): skin at the border of hair is not continued."""
+    if not seen.any():
+        return seen
+    lab = cv2.cvtColor(colours / np.float32(255), cv2.COLOR_RGB2LAB)
+    away = np.linalg.norm(lab - np.median(lab[seen], axis=0), axis=-1)
+    return away <= _STRANGE * np.median(away[seen]) + _NEVER_STRANGE
 
 
 def _unrolled(size: int) -> tuple[np.ndarray, np.ndarray]:

@@ -41,14 +41,14 @@ class MaskSettings:
     samples: int = 4000
     spread: float = 4.0
     quiet: float = 0.8
-    loudest: float = 5.0
+    loudest: float = 5.5
     strange: float = -15.0
     floor: float = -12.8
     lowest: float = -20.0
     apart: float = 8.0
     least: float = 0.04
     speckle: float = 0.02
-    doubt: float = 0.3
+    doubt: float = 0.4
 
 
 @dataclass(frozen=True)
@@ -64,6 +64,7 @@ class ShellSettings:
     bins: directions in which the outline is compared. rounds: of surface and outline in turns.
     hidden: how much a place that the picture does not show counts for the hairline, beside one that it shows.
     steady: how much the hairline's ups and downs count.
+    calm: columns over which the hairline is blurred.
     slack: how far outside the mask the outline may be.
     rim: length over which a shell reaches its thickness at least; round_: the same for its thickness.
     under: how far below the skin its edge ends.
@@ -83,6 +84,7 @@ class ShellSettings:
     rounds: int = 6
     hidden: float = 0.15
     steady: float = 0.4
+    calm: float = 0.8
     slack: float = 0.03
     rim: float = 0.012
     round_: float = 1.2

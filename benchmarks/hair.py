@@ -1,0 +1,45 @@
+"""How far hair on fitted heads is as their pictures show it, and what it costs.
+
+Usage: python benchmarks/hair.py FACE.npz PICTURE [FACE.npz PICTURE ...]. Faces come from `caricli
+reconstruct-from-landmarks LANDMARKS --image PICTURE --out FACE.npz`.
+
+For every picture: the doubt of the mask, whether `--hair auto` trusts it, the intersection over union of hair as the
+camera sees it with that mask, and seconds of processor time of the mask, the shell and its picture of 1024 texels,
+medians of three. Whether the mask itself is right is for the eye. The last line is JSON.
+"""
+
+import json
+import sys
+import time
+from pathlib import Path
+from statistics import median
+
+from caricli.io.image import read_image
+from caricli.methods.hair.dress_hair import dress_hair
+from caricli.methods.texture.settings import PaintSettings
+from caricli.store.faces import load_seen_face
+
+SETTINGS = PaintSettings(size=1024, hair="shell")
+ROUNDS = 3
+
+
+def measure(face_file: Path, picture: Path) -> dict:
+    """Figures of one picture."""
+    face, model = load_seen_face(face_file)
+    image = read_image(picture)
+    times = []
+    for _ in range(ROUNDS):
+        start = time.process_time()
+        dressed = dress_hair(face, model.template, image, SETTINGS)
+        times.append(time.process_time() - start)
+    assert dressed is not None
+    figures = {"picture": picture.name, "trusted": dressed.mask.trusted, "seconds": median(times)}
+    return figures | dressed.figures()
+
+
+if __name__ == "__main__":
+    files = [Path(name) for name in sys.argv[1:]]
+    results = [measure(*pair) for pair in zip(files[::2], files[1::2], strict=True)]
+    for each in results:
+        print(f"{each['picture']}: overlap {each['overlap']:.3f}, doubt {each['doubt']:.2f}, {each['seconds']:.1f} s")
+    print(json.dumps(results))
