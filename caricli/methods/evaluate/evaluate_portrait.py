@@ -152,7 +152,7 @@ def evaluate_portrait(portrait: Portrait, models: Mapping[str, Any], texture: in
         figures[name] = measure_portrait(own, portrait, template)
         # What equation 7 adjusts is compared by its landmarks alone, as published.
         if name not in ADJUSTED:
-            painted = paint_head(own.face, template, portrait.image, mask, PaintSettings(size=texture))
+            painted = paint_head(own.face, template, portrait.image, mask, PaintSettings(size=texture, hair="none"))
             figures[name]["photometric"] = 100 * painted.error
             rigs[name] = painted.rig
     return PortraitResult(portrait, reconstructions, figures, refused, rigs)
