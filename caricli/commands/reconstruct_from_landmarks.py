@@ -43,8 +43,8 @@ from caricli.methods.reconstruct.settings import METHODS
     "--outline",
     type=click.Choice(["auto", "none"]),
     default="auto",
-    help="Where 68 landmarks come with --image, find the ears in it, which pull weakly (auto), or leave them as such a "
-    "face has them (none).",
+    help="Where 68 landmarks come with --image, find ears and forehead in it, which pull weakly (auto), or leave them "
+    "as such a face has them (none).",
 )
 @pts_origin_option
 @subdivide_option
@@ -55,7 +55,7 @@ def command(ctx, landmarks, out, out_dir, image, method, model, prior_weight, ou
     """Reconstruct 3D caricatures from 68 (iBUG) or 81 landmarks: JSON, .pts, text or NPY.
 
     With several LANDMARKS --image is a folder of pictures with the same names. In the picture that is written, green
-    circles are the given landmarks, and the ears that were found in the picture; red dots are the fitted landmarks.
+    circles are the given landmarks and what was found in the picture besides; red dots are the fitted landmarks.
 
     \b
     Example:

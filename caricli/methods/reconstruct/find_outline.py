@@ -1,15 +1,16 @@
-"""Landmarks beyond the 68 that a picture shows: the ears."""
+"""Landmarks beyond the 68 that a picture shows: ears and forehead."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
 from caricli.methods.reconstruct.ear_shapes import EarShapes, agreement
+from caricli.methods.reconstruct.head_silhouette import find_forehead
 from caricli.methods.reconstruct.outline import SIDES, Outline
 from caricli.methods.reconstruct.picture_evidence import PictureEvidence, picture_evidence
 from caricli.methods.reconstruct.settings import EarSettings, TrustSettings
 from caricli.structures import Face
-from caricli.structures.landmarks import COUNT, EXTRA
+from caricli.structures.landmarks import COUNT, EXTRA, FOREHEAD
 from caricli.template.template import Template
 
 _EARS = EarSettings()
@@ -19,13 +20,13 @@ _TRUST = TrustSettings()
 def find_outline(
     face: Face, template: Template, points: np.ndarray, image: np.ndarray, generator: np.random.Generator
 ) -> Outline:
-    """Find the ears of a face in its picture.
+    """Find ears and forehead of a face in its picture.
 
     An ear is an outline of skin's colours before other colours, with edges along it, at the side of the face; of all
     that this head could have, larger or smaller, higher or lower, the most likely, found by drawing them at random and
     changing the best. The ear that is turned towards the camera comes first, and the other is expected to be like it:
     where it does not show, it is taken from the first. A wrong ear is worse than an average one, so what does not stand
-    out clearly has little confidence, or none.
+    out clearly has little confidence, or none. The forehead follows from where the head ends, see ``find_forehead``.
 
     face: Face with the camera of the picture, as the 68 landmarks alone fit it. template: of its topology, see
     ``outline.can_find_outline``. points: (68, 2) pixels. image: (H, W, 3) uint8. generator: of the draws.
@@ -35,6 +36,8 @@ def find_outline(
     shapes = {side: EarShapes(face, template, side, window) for side in SIDES}
     places = np.full((len(EXTRA), 2), np.nan)
     confidence = np.zeros(len(EXTRA))
+    forehead = np.array(FOREHEAD) - COUNT
+    places[forehead], confidence[forehead] = find_forehead(face, template, points, window)
     ear = None
     for side in sorted(SIDES, key=lambda side: shapes[side].away):
         ear = _EarSearch(shapes[side], window, ear).find(generator)

@@ -33,7 +33,7 @@ def fit_landmarks(
 ) -> LandmarkFit:
     """Fit a face elastically, or inside the model.
 
-    Where 68 landmarks come with a picture, ears that are clearly seen there pull weakly (``find_outline``).
+    Where 68 landmarks come with a picture, ears and forehead that are seen there pull weakly (``find_outline``).
 
     points: (L, 2) pixels, y down, NaN where unknown. model: ShapeModel, for "intrinsic" an IntrinsicModel. method: of
     METHODS, or None for the one that the model allows, see ``fitting_method``. prior_weight: larger stays nearer to

@@ -23,12 +23,15 @@ class PictureEvidence:
 
     skin: (H, W) from -1, surely not of the face's skin by its colour, to 1. gradient: (H, W, 2), how colours change to
     the right and down, levels of Lab a pixel; none on the face and along its marked outline. inside: (H, W) bool, what
-    the landmarks enclose. corner: (2,) pixels of the picture, where the window begins. zoom: (2,) of its axes.
+    the landmarks enclose. covered: (H, W) bool, what the fitted mesh covers. lab: (H, W, 3) uint8, the colours.
+    corner: (2,) pixels of the picture, where the window begins. zoom: (2,) of its axes.
     """
 
     skin: np.ndarray
     gradient: np.ndarray
     inside: np.ndarray
+    covered: np.ndarray
+    lab: np.ndarray
     corner: np.ndarray
     zoom: np.ndarray
 
@@ -66,7 +69,7 @@ def picture_evidence(face: Face, points: np.ndarray, image: np.ndarray) -> Pictu
     jaw = np.zeros(inside.shape, np.uint8)
     cv2.polylines(jaw, [np.rint(marks[list(JAW)]).astype(np.int32)], False, 1, 2 * _SETTINGS.line)
     gradient[inside | (jaw > 0)] = 0
-    return PictureEvidence(skin, gradient, inside, corner, zoom)
+    return PictureEvidence(skin, gradient, inside, covered, lab, corner, zoom)
 
 
 def _window(points: np.ndarray, image: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

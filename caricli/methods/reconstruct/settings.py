@@ -166,7 +166,7 @@ class EarSettings:
     the steps from round to round. hidden_from: degrees by which an ear is turned away until the face may hide it.
     """
 
-    spread: tuple[float, ...] = (0.15, 1.0, 0.5, 0.3, 0.3, 0.12, 0.12)
+    spread: tuple[float, ...] = (0.15, 1.0, 0.35, 0.3, 0.3, 0.2, 0.2)
     likeness: tuple[float, ...] = (0.15, 0.5, 0.15, 0.1, 0.2, 0.1, 0.1)
     step: tuple[float, ...] = (0.06, 0.2, 0.15, 0.1, 0.12, 0.06, 0.06)
     edge: float = 0.8
@@ -177,7 +177,7 @@ class EarSettings:
     far: float = 6.6
     trust: float = 12.0
     growth: float = 0.3
-    tries: int = 2000
+    tries: int = 3000
     kept: int = 60
     children: int = 10
     rounds: int = 4
@@ -200,3 +200,26 @@ class TrustSettings:
     vague: float = 6.0
     small: float = 0.8
     inherited: float = 0.5
+
+
+@dataclass(frozen=True)
+class SilhouetteSettings:
+    """How the end of a head is looked for, in the window at half its size.
+
+    frame: pixels along the border that show what is behind the head. rounds: of GrabCut. along: first, last and step of
+    the rays, in distances of the fitted forehead. sides, change: steps on both sides of an end, and by how many levels
+    of Lab their means differ at least. wedge: what belongs to a ray, aside per length. limits: of the ratio of a head's
+    height to the fitted one's: farther pulled, foreheads get a ridge above the brows. power: of the ratio by which the
+    forehead moves. trust: confidence where all rays agree; vague: difference of their ratios that halves it.
+    """
+
+    frame: int = 3
+    rounds: int = 3
+    along: tuple[float, float, float] = (0.3, 2.5, 0.01)
+    sides: int = 8
+    change: float = 12.0
+    wedge: float = 0.08
+    limits: tuple[float, float] = (0.85, 1.2)
+    power: float = 0.7
+    trust: float = 0.4
+    vague: float = 0.15
