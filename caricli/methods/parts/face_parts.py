@@ -5,6 +5,7 @@ from collections.abc import Collection, Sequence
 import numpy as np
 
 from caricli.methods.parts.attachment import attachment_for
+from caricli.methods.parts.close_neck import close_neck
 from caricli.structures import Face, Mesh, Part
 from caricli.structures.materials import HEAD_PARTS
 from caricli.template.template import Template
@@ -19,7 +20,7 @@ def face_parts(
     names: Sequence[str] = (),
     deltas: np.ndarray | None = None,
 ) -> list[Part]:
-    """The parts of a head on a face, and the hair that this has.
+    """The parts of a head on a face, what closes its neck, and the hair that it has.
 
     face: Face. template: of its topology; where it is a Template that knows parts, or has the topology of the open
     head, these are attached. chosen: some of ``HEAD_PARTS``. names, deltas: K expressions and (K, V, 3) metres, what
@@ -27,10 +28,12 @@ def face_parts(
     Returns Parts, the hair last.
     """
     parts: list[Part] = []
-    if isinstance(template, Template) and template.topology_id == face.mesh.topology_id and _ATTACHED & {*chosen}:
-        attachment = attachment_for(template)
+    if isinstance(template, Template) and template.topology_id == face.mesh.topology_id:
         moves = np.zeros((0, *face.vertices.shape)) if deltas is None else deltas
+        attachment = attachment_for(template) if _ATTACHED & {*chosen} else None
         parts = [] if attachment is None else [*attachment.animate(face.mesh, names, moves)]
+        neck = close_neck(template, face.vertices, names, moves)
+        parts += [] if neck is None else [neck]
     if face.hair is not None:
         parts.append(face.hair.part)
     materials = [material for name in chosen for material in HEAD_PARTS[name]]

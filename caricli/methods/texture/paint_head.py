@@ -7,6 +7,7 @@ import numpy as np
 
 from caricli.errors import InputError
 from caricli.methods.hair.dress_hair import DressedHair, bare_skin, dress_hair
+from caricli.methods.parts.close_neck import neck_picture
 from caricli.methods.parts.face_parts import face_parts
 from caricli.methods.rig.add_eyeballs import TEXTURE, add_eyeballs, fit_eyeballs
 from caricli.methods.rig.add_parts import add_parts
@@ -104,9 +105,8 @@ def paint_head(
     generator = np.random.default_rng(settings.seed)
     eyes = paint_eye(TEXTURE, generator, *eye_colours(image, landmarks))
     whole = add_eyeballs(rig, fit_eyeballs(head, head.annotation, still), generator, eyes)
-    whole = add_parts(whole, face_parts(face, template, ("teeth", "tongue", "lashes")))
+    whole = add_parts(whole, face_parts(face, template, ("teeth", "tongue", "lashes", "bust")))
     error = photometric_error(rig, face, image, skin, light)
-    if hair is not None:
-        whole = add_parts(whole, [hair.hair.part])
-        whole = replace(whole, pictures=replace(whole.pictures, hair=hair.picture))
+    pictures = replace(whole.pictures, bust=neck_picture(head, texture), hair=None if hair is None else hair.picture)
+    whole = add_parts(replace(whole, pictures=pictures), [] if hair is None else [hair.hair.part])
     return Painted(head, whole, error, seen, float(mask.mean()), light, hair)

@@ -1,0 +1,80 @@
+import igl
+import numpy as np
+import pytest
+
+from caricli.geometry.join_meshes import join_meshes
+from caricli.methods.parts.close_neck import HEIGHT, WIDTH, close_neck, neck_edge, neck_picture
+from caricli.methods.parts.face_parts import face_parts
+from caricli.structures import Face, Material, Mesh
+from caricli.template.annotation import parse_annotation
+from caricli.template.template import Template
+
+
+@pytest.fixture(scope="module", params=[0, 1])
+def face(head, head_template, request):
+    """A usual head, and one of another size whose neck is anything but even."""
+    vertices = head.evaluate(gender=0.2, age=0.8)
+    if request.param:
+        generator = np.random.default_rng(0)
+        edge = neck_edge(head_template)
+        vertices = 3 * vertices
+        vertices[edge] += 0.02 * generator.normal(size=(len(edge), 3))
+    return vertices
+
+
+def test_there_is_no_gap(head_template, face):
+    cap = close_neck(head_template, face)
+    edge = neck_edge(head_template)
+    np.testing.assert_array_equal(cap.mesh.vertices[: len(edge)], face[edge])
+    whole = join_meshes([head_template.with_vertices(face), cap.mesh])
+    _, number = np.unique(whole.vertices, axis=0, return_inverse=True)
+    faces = number.ravel()[whole.faces]
+    assert len(igl.boundary_facets(faces)[0]) == 0
+    # Every edge is gone along once each way: the cap faces outwards as the skin does.
+    ways = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
+    assert len(np.unique(ways, axis=0)) == len(ways)
+
+
+def test_it_is_below_and_has_a_place_in_its_picture(head_template, face):
+    cap = close_neck(head_template, face)
+    normals = np.cross(*np.diff(cap.mesh.vertices[cap.mesh.faces], axis=1).transpose(1, 0, 2))
+    assert normals[:, 1].sum() < 0 and (cap.materials == Material.BUST).all() and cap.hangs_on == "neck"
+    assert (np.linalg.norm(normals, axis=1) > 0).all()
+    assert cap.mesh.uvs.min() == 0 and cap.mesh.uvs.max() == 1
+
+
+def test_it_moves_with_its_edge(head_template, face):
+    shift = np.array([0.01, -0.02, 0.03])
+    deltas = np.stack([np.tile(shift, (len(face), 1)), np.zeros_like(face)])
+    cap = close_neck(head_template, face, ("moved", "still"), deltas)
+    assert cap.names == ("moved", "still")
+    np.testing.assert_allclose(cap.deltas[0], np.tile(shift, (len(cap.mesh.vertices), 1)), atol=1e-12)
+    assert not cap.deltas[1].any()
+
+
+def test_it_is_a_part_like_others(head_template, face):
+    shown = Face(Mesh(face, head_template.polygons))
+    assert [part.name for part in face_parts(shown, head_template, ("skin", "bust"))] == ["neck"]
+    assert "neck" in [part.name for part in face_parts(shown, head_template)]
+    assert not face_parts(shown, head_template, ("skin", "eyes"))
+
+
+def test_the_colours_of_its_rim_are_those_of_the_skin(head_template):
+    size = 256
+    texture = np.zeros((size, size, 3), np.uint8)
+    texture[..., 0] = np.linspace(60, 220, size).astype(np.uint8)
+    picture = neck_picture(head_template, texture)
+    assert picture.shape == (HEIGHT, WIDTH, 3)
+    edge = neck_edge(head_template)
+    first = head_template.uv_polygons[np.nonzero(head_template.polygons == edge[5])][0]
+    expected = np.interp(head_template.uvs[first, 0] * size - 0.5, np.arange(size), texture[0, :, 0])
+    at = round(5 / len(edge) * WIDTH - 0.5)
+    assert abs(float(picture[0, at, 0]) - expected) < 6
+    assert np.ptp(picture[-1].astype(float), axis=0).max() < 0.1 * np.ptp(picture[0].astype(float), axis=0).max()
+
+
+def test_a_neck_without_a_name_stays_as_it_is(head_template, face):
+    source = {"ibug68": head_template.annotation.source["ibug68"]}
+    annotation = parse_annotation(source, len(face), "own.json")
+    own = Template(face, head_template.polygons, annotation=annotation)
+    assert close_neck(own, face) is None and neck_picture(own, np.zeros((8, 8, 3), np.uint8)) is None
