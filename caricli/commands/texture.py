@@ -23,7 +23,7 @@ SIZE = 320
 @click.argument("face", type=PATH)
 @click.argument("image", type=PATH)
 @out_option(
-    "DIR", "Write face.obj, .mtl, .npz, .glb, .json, texture.png, eyes.png, hair.png and sheet.png into this folder."
+    "DIR", "Write face.obj, .mtl, .npz, .glb, .json, sheet.png, texture.png, eyes.png, hair.png and bust.png in here."
 )
 @click.option(
     "--mask",

@@ -23,6 +23,10 @@ def load_rig(path: Path) -> Rig:
     return read_gltf(path) if path.suffix.lower() == ".glb" else read_rig(path)
 
 
+BUST_FILE = "bust.png"
+"""Beside the picture of the skin."""
+
+
 @dataclass(frozen=True)
 class PicturePaths:
     """Where the pictures on a face are. skin, eyes, hair, bust: paths, or None."""
@@ -44,7 +48,7 @@ class PicturePaths:
 
 def picture_paths(face: Path, texture: Path | None = None) -> PicturePaths:
     """The pictures on a face: the given one, else what the NPZ names, or the OBJ, itself or beside the NPZ; and of the
-    eyes what they name, or the `eyes.png` beside the skin's.
+    eyes what they name, or the `eyes.png` beside the skin's, as of the bust `bust.png`.
 
     face: path of an OBJ or NPZ. texture: path of the skin's picture, or None to look for it.
     """
@@ -58,7 +62,8 @@ def picture_paths(face: Path, texture: Path | None = None) -> PicturePaths:
     skin = next(iter(named.values()), None) if texture is None else texture
     if skin is not None and eyes is None and skin.with_name(EYES_FILE).is_file():
         eyes = skin.with_name(EYES_FILE)
-    return PicturePaths(skin, eyes)
+    bust = None if skin is None else skin.with_name(BUST_FILE)
+    return PicturePaths(skin, eyes, bust=bust if bust is not None and bust.is_file() else None)
 
 
 def load_shown_face(path: Path) -> Face:

@@ -22,7 +22,17 @@ from caricli.store.rig_sources import PicturePaths, picture_paths
 from caricli.structures import Camera, Face, Material, Pictures, Rig
 
 COMMAND = "texture"
-NAMES = ["eyes.png", "face.glb", "face.json", "face.mtl", "face.npz", "face.obj", "sheet.png", "texture.png"]
+NAMES = [
+    "bust.png",
+    "eyes.png",
+    "face.glb",
+    "face.json",
+    "face.mtl",
+    "face.npz",
+    "face.obj",
+    "sheet.png",
+    "texture.png",
+]
 SIDE = 300
 MAGENTA = np.array([255.0, 0, 255])
 CAMERA = Camera(1050.0, np.diag([1.0, -1, -1]), np.array([150.0, 290.0]))
@@ -106,7 +116,11 @@ def test_trimesh_opens_the_obj_with_its_picture(textured, scene):
 
 def test_the_glb_has_skin_and_eyes(textured, run):
     rig = read_gltf(textured / "face.glb")
-    assert rig.names == () and set(rig.materials) == {Material.SKIN, Material.EYE} and len(rig.neutral) > 4200
+    assert (
+        rig.names == ()
+        and set(rig.materials) == {Material.SKIN, Material.EYE, Material.BUST}
+        and len(rig.neutral) > 4200
+    )
     np.testing.assert_array_equal(rig.pictures.skin, read_image(textured / "texture.png"))
     np.testing.assert_array_equal(rig.pictures.eyes, read_image(textured / "eyes.png"))
     np.testing.assert_allclose(rig.neutral[:4200], read_face(textured / "face.npz").vertices, atol=1e-6)
@@ -127,7 +141,7 @@ def test_rig_takes_both_pictures_along(run, textured, tmp_path, monkeypatch):
 
 
 def test_pictures_of_a_face(textured, tmp_path):
-    expected = PicturePaths(textured / "texture.png", textured / "eyes.png")
+    expected = PicturePaths(*(textured / name for name in ("texture.png", "eyes.png")), bust=textured / "bust.png")
     assert picture_paths(textured / "face.npz") == picture_paths(textured / "face.obj") == expected
     assert picture_paths(textured / "face.npz", tmp_path / "other.png") == PicturePaths(tmp_path / "other.png")
     assert picture_paths(tmp_path / "none.npz") == PicturePaths()
