@@ -11,7 +11,7 @@ from caricli.methods.parts.bones import Posed
 from caricli.structures import Part
 from caricli.template.template import Template
 
-NEIGHBOURS = 14
+NEIGHBOURS = 6
 """Vertices of a lid that a lash is held by."""
 
 

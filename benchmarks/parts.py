@@ -1,0 +1,213 @@
+"""Teeth, tongue and lashes in faces: are they where they belong, and do they stay behind the skin?
+
+Usage: python benchmarks/parts.py [FACE.npz ...] [--json OUT.json]. Attached parts are compared with where the identity
+targets of the open head put them, on 100 generated people and on 100 caricatures of others. A caricature is exaggerated
+by curvature, which says nothing of what is not skin; the truth is the person's own parts, carried by the deformation
+that the skin makes of the space inside: the smoothest field (biharmonic, affine part apart) that moves the skin of the
+person to the caricature's. Then parts are moved with all 52 expressions at weights 1/4 to 1 (mouthClose on top of
+jawOpen, as it is meant) on 50 generated faces of the highest level of exaggeration, each with an expression of its own,
+and on the faces that are given; how deep a vertex of a part lies in the flesh is told by the winding number. Seeds are
+of people on whom nothing was chosen. Shares are of the head's height. The last line is JSON.
+"""
+
+import json
+import statistics
+import sys
+import time
+from pathlib import Path
+
+import igl
+import numpy as np
+from scipy.interpolate import RBFInterpolator
+
+from caricli.data.build_settings import EXPONENTS, BuildSettings
+from caricli.data.identities import random_identity
+from caricli.data.mesh_source import MeshSource
+from caricli.geometry.axis_similarity import axis_similarity
+from caricli.geometry.components import mesh_components
+from caricli.geometry.exaggerate_curvature import exaggerate_curvature
+from caricli.io.face import read_face
+from caricli.methods.parts.attachment import open_head_attachment
+from caricli.methods.parts.bones import UNEVEN
+from caricli.methods.parts.lids import Lids
+from caricli.methods.rig.head_expressions import open_head_expressions
+from caricli.methods.rig.transfer_rig import transfer_rig
+from caricli.structures.arkit import uses
+from caricli.template.annotation import DELICATE
+from caricli.template.head import load_head
+from caricli.template.lash_hairs import SIDES, lash_hairs
+
+PEOPLE, CARICATURES, FACES, RUNS = 100, 100, 50, 7
+SEEDS = {"people": 2026, "caricatures": 4052, "faces": 6078}
+WEIGHTS = (0.25, 0.5, 0.75, 1.0)
+EVERY = 3  # vertices of the skin that tell the field inside a caricature
+DEEP = 0.003
+
+
+def main():
+    """Print the tables and the JSON line."""
+    arguments = sys.argv[1:]
+    out = None
+    if "--json" in arguments:
+        at = arguments.index("--json")
+        out = arguments[at + 1]
+        del arguments[at : at + 2]
+    figures = {"attachment": placed(), "milliseconds": timed(), "depth": {}}
+    print(json.dumps(figures, indent=1), flush=True)
+    sets = {f"{FACES} generated faces": generated()} | {
+        f"{len(arguments)} given faces": [read_face(Path(name)).vertices.astype(float) for name in arguments]
+    }
+    for name, faces in sets.items():
+        figures["depth"][name] = summary([depths(face) for face in faces])
+        print(name, json.dumps(figures["depth"][name], indent=1), flush=True)
+    if out:
+        Path(out).write_text(json.dumps(figures, indent=1) + "\n")
+    print(json.dumps(figures))
+
+
+def placed():
+    """Mean distances from the truth by set and part, mean and largest over heads, percent of the height."""
+    errors = {"people": [], "caricatures": []}
+    for kind, count in (("people", PEOPLE), ("caricatures", CARICATURES)):
+        generator = np.random.default_rng(SEEDS[kind])
+        for number in range(count):
+            skin, truth = person(generator)
+            if kind == "caricatures":
+                skin, truth = exaggerated(skin, truth, EXPONENTS[1 + number % (len(EXPONENTS) - 1)])
+            errors[kind].append(distances(skin, truth))
+    return {
+        kind: {
+            name: {"mean": float(np.mean([row[name] for row in rows])), "largest": float(max(r[name] for r in rows))}
+            for name in rows[0]
+        }
+        for kind, rows in errors.items()
+    }
+
+
+def person(generator):
+    """The skin of a random person and, by name, the parts of the base mesh."""
+    head = load_head()
+    identity = vars(random_identity(head, generator))
+    return head.evaluate(**identity), {name: part.evaluate(**identity) for name, part in head.parts.items()}
+
+
+def exaggerated(skin, truth, exponent):
+    """A caricature of a person, and its parts."""
+    template = load_head().template()
+    hold = template.mask(*DELICATE).astype(float)
+    caricature = exaggerate_curvature(skin, template.faces, [exponent], hold)[0]
+    field = RBFInterpolator(skin[::EVERY], (caricature - skin)[::EVERY], kernel="linear", degree=1)
+    return caricature, {name: points + field(points) for name, points in truth.items()}
+
+
+def distances(skin, truth):
+    """Percent of the height, by part: what the base mesh's own vertices miss; of lashes their roots."""
+    head = load_head()
+    attachment = open_head_attachment()
+    height = np.ptp(skin[:, 1])
+    missed = {}
+    for hold in attachment.holds:
+        name = hold.part.name
+        if isinstance(hold, Lids):
+            strips = head.parts["lashes"]
+            hairs = lash_hairs(strips.mesh())
+            lashes = next(part for part in attachment.attach(head.template().with_vertices(skin)) if part.name == name)
+            aims = hairs.mesh.vertices + hairs.weights @ (truth[name] - strips.evaluate())
+            roots = rooted(hairs.mesh)
+            missed["lashes' roots"] = centres(lashes.mesh.vertices - aims, roots)
+        else:
+            scales, rotation, shift = axis_similarity(hold.frames.points, hold.weights @ skin[hold.around], UNEVEN)
+            points = hold.frames.points * scales @ rotation.T + shift
+            missed[name] = np.linalg.norm(points - truth[name], axis=1).mean()
+    return {name: 100 * float(value / height) for name, value in missed.items()}
+
+
+def rooted(mesh):
+    """(L, SIDES) the ring of every lash that is in the lid."""
+    labels = mesh_components(mesh.vertices, mesh.faces).labels
+    return np.array([np.flatnonzero(labels == k)[:SIDES] for k in range(labels.max() + 1)])
+
+
+def centres(errors, rings):
+    """Mean length of the errors (W, 3) of rings' centres."""
+    return np.linalg.norm(errors[rings].mean(1), axis=1).mean()
+
+
+def timed():
+    """Median milliseconds of processor time of an attachment, on faces that need room and that do not."""
+    template = load_head().template()
+    attachment = open_head_attachment()
+    milliseconds = []
+    for face in generated()[:RUNS]:
+        mesh = template.with_vertices(face)
+        attachment.attach(mesh)
+        start = time.process_time()
+        attachment.attach(mesh)
+        milliseconds.append(1000 * (time.process_time() - start))
+    return {"median": statistics.median(milliseconds), "largest": max(milliseconds)}
+
+
+def generated():
+    """Faces of the highest level, each another person with another expression."""
+    source = MeshSource(BuildSettings(identities=FACES, seed=SEEDS["faces"]))
+    count = len(source.actions)
+    return [np.asarray(source.levels(k, k % count)[-1].columns["vertices"], float) for k in range(FACES)]
+
+
+def depths(face):
+    """Percent of the height that parts are in the flesh, by part and expression, at the worst weight."""
+    templates = open_head_expressions()
+    mesh = templates.mesh.with_vertices(face)
+    deltas = transfer_rig(templates, face)
+    flesh = Flesh(mesh.faces)
+    together = uses(templates.names)
+    deepest = {}
+    for part in open_head_attachment().animate(mesh, templates.names, deltas):
+        rows = {"rest": flesh.depth(face, part.mesh.vertices)}
+        for k, name in enumerate(templates.names):
+            skin, own = (np.tensordot(together[k], moves, 1) for moves in (deltas, part.deltas))
+            near = np.linalg.norm(face - part.mesh.vertices.mean(0), axis=1) < 0.3 * mesh.height
+            if max(np.abs(own).max(), np.abs(skin[near]).max()) > 1e-5:
+                ways = [flesh.depth(face + a * skin, part.mesh.vertices + a * own) for a in WEIGHTS]
+                rows[name] = max(ways)
+        deepest[part.name] = {name: 100 * value / mesh.height for name, value in rows.items()}
+    return deepest
+
+
+class Flesh:
+    """What the skin encloses, closed at the neck."""
+
+    def __init__(self, faces):
+        edges = igl.boundary_facets(faces)[0]
+        self.rim = np.unique(edges)
+        self.faces = np.asarray(faces, np.int64)
+        fan = np.column_stack([edges[:, ::-1], np.full(len(edges), faces.max() + 1)])
+        self.closed = np.concatenate([self.faces, fan])
+
+    def depth(self, vertices, points):
+        """Metres that the deepest of points is in it."""
+        closed = np.concatenate([vertices, vertices[self.rim].mean(0, keepdims=True)])
+        inside = igl.fast_winding_number(closed, self.closed, points) > 0.5
+        if not inside.any():
+            return 0.0
+        return float(np.sqrt(igl.point_mesh_squared_distance(points[inside], vertices, self.faces)[0].max()))
+
+
+def summary(faces):
+    """By part: the deepest of all, by expression where it is deep, and the share of faces that have none deeper."""
+    if not faces:
+        return {}
+    result = {}
+    for part in faces[0]:
+        worst = {}
+        for face in faces:
+            for name, value in face[part].items():
+                worst[name] = max(worst.get(name, 0.0), value)
+        deep = {name: round(value, 3) for name, value in sorted(worst.items()) if value > 100 * DEEP}
+        sound = float(np.mean([max(face[part].values()) <= 100 * DEEP for face in faces]))
+        result[part] = {"deepest": round(max(worst.values()), 3), "beyond 0.3 %": deep, "faces within": sound}
+    return result
+
+
+if __name__ == "__main__":
+    main()
