@@ -11,7 +11,7 @@ from caricli.methods.parts.lids import Lids
 from caricli.methods.parts.pocket import Mouths, Pocket
 from caricli.structures import Mesh, Part
 from caricli.template.head import BasePart, Head, load_head
-from caricli.template.head_parts import head_parts
+from caricli.template.head_parts import head_parts, part_lips
 from caricli.template.template import FittedParts, Template
 
 BETWEEN = 0.3
@@ -81,7 +81,9 @@ def open_head_attachment() -> Attachment:
     skin = _examples(head, head)
     rigid = {name: part for name, part in head.parts.items() if name != "lashes"}
     frames = {name: Frames(part.evaluate(), (skin, _examples(head, part))) for name, part in rigid.items()}
-    return Attachment(head.template(), head_parts(head), frames, head.actions.astype(float))
+    actions = head.actions.astype(float)
+    actions[head.action_names.index("tongueOut")] += part_lips(head.action_names, actions)
+    return Attachment(head.template(), head_parts(head), frames, actions)
 
 
 def _examples(head: Head, shapes: Head | BasePart) -> np.ndarray:

@@ -18,6 +18,9 @@ RIGID = 0.002
 UNEVEN = 1.5
 """How many times as wide as high, or deep, a part may become, compared with the template's."""
 
+OWN = 5e-3
+"""Metres: a part that an expression of the template moves less against its bone is taken to be as rigid as that."""
+
 STILL = 1e-4
 """Metres: what an expression of the template moves less it leaves where it is."""
 
@@ -148,8 +151,9 @@ class Bone:
         moves = {}
         for name, delta in zip(self.part.names, np.asarray(self.part.deltas, float), strict=True):
             if self.jaw is not None and self.jaw.moves(name):
-                continue
-            if np.abs(delta).max() > STILL:
+                turn, shift = self.jaw.usual[name]
+                delta = delta - (self.shape @ turn.T + shift - self.shape)
+            if np.abs(delta).max() > OWN:
                 moves[name] = delta
         return moves
 
@@ -177,6 +181,7 @@ class Jaw:
         own = 1 / (1 + apart**4) * np.minimum(moving, 1)
         shared = 1 / (1 + apart.max(0) ** 2) ** 2 * np.minimum(moving.max(0), 1)
         self.anchors = {name: _largest(own[k]) for k, name in enumerate(self.names) if self.moving[k]}
+        self.usual = {name: (turns[k], shifts[k]) for k, name in enumerate(self.names)}
         self.shared = _largest(shared)
 
     def moves(self, name: str) -> bool:

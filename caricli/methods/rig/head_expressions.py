@@ -10,6 +10,7 @@ from caricli.geometry.contact_solver import Conditions, ContactSolver
 from caricli.geometry.deformation_transfer import DeformationTransfer
 from caricli.methods.rig.expression_templates import ExpressionTemplates, contact_normals
 from caricli.template.head import Head, load_head
+from caricli.template.head_parts import part_lips
 from caricli.template.template import Template
 
 BLINKS = ("eyeBlinkLeft", "eyeBlinkRight")
@@ -44,7 +45,8 @@ def head_expressions(
     """The 52 expressions of the open head, its lids and lips stopped where they meet.
 
     The head's blinks close the lids at about 0.8, sooner at the outer than at the inner corner, and pierce beyond: at
-    that strength the margins are brought together. Elsewhere lips that push through each other are held apart.
+    that strength the margins are brought together. Elsewhere lips that push through each other are held apart. They
+    part for the tongue that comes out.
 
     template: Template of its neutral face.
     """
@@ -54,6 +56,8 @@ def head_expressions(
     for k, name in enumerate(raw.names):
         moved = (settings.blink if name in BLINKS else 1.0) * raw.deltas[k]
         deltas[k] = moved + margins.correction(name, raw.start(k) - raw.neutral, moved)
+    if "tongueOut" in raw.names:
+        deltas[raw.names.index("tongueOut")] += part_lips(raw.names, deltas)
     return ExpressionTemplates(raw.names, template, deltas)
 
 

@@ -16,6 +16,7 @@ from caricli.structures import Mesh
 from caricli.structures.arkit import ARKIT_NAMES
 
 _TOUCH = 2e-4
+from caricli.template.head_parts import part_lips
 
 
 @pytest.fixture(scope="module")
@@ -63,7 +64,9 @@ def test_only_blinks_are_weaker_and_only_lips_and_lids_differ(templates, head, h
     near = head_template.mask("mouth", "lips", "eyes_left", "eyes_right", "inner_mouth")
     for k, name in enumerate(templates.names):
         strength = MendSettings.blink if name in BLINKS else 1.0
-        change = np.abs(templates.deltas[k] - strength * head.actions[k].astype(float)).max(1)
+        # Lips part for the tongue, which the head's own comes through.
+        usual = part_lips(templates.names, templates.deltas) if name == "tongueOut" else strength * head.actions[k]
+        change = np.abs(templates.deltas[k] - usual).max(1)
         assert change.max() < 4e-3 and change[~near].max() < (3e-3 if name in BLINKS else 1e-3), name
     for name in ("browInnerUp", "jawOpen", "eyeWideLeft"):
         k = templates.names.index(name)

@@ -57,7 +57,9 @@ def test_a_whole_head_has_teeth_tongue_lashes_and_the_hair_of_the_face(templates
     assert ends[Material.SKIN].max() == 4199 and ends[Material.HAIR].min() == len(rig.neutral) - len(cap.shell.vertices)
     opened = rig.deltas[rig.names.index("jawOpen")]
     lower, upper = (part(opened, rig, side) for side in ("lower", "upper"))
-    assert (lower[:, 1] < -0.005).all() and not upper.any()
+    # Teeth at the back are near the joint, and upper ones only make room for the lip.
+    assert lower[:, 1].max() < 0 and lower[:, 1].min() < -0.005
+    assert np.abs(upper).max() < 0.1 * np.abs(lower).max()
     blinked = rig.deltas[rig.names.index("eyeBlinkLeft"), ends[Material.LASHES]]
     assert 0.003 < np.abs(blinked).max() < 0.03
     assert not rig.deltas[:, ends[Material.HAIR]].any()
