@@ -14,9 +14,9 @@ from caricli.methods.rig.head_expressions import BLINKS, MendSettings, head_expr
 from caricli.methods.rig.measure_rig import curve_gap
 from caricli.structures import Mesh
 from caricli.structures.arkit import ARKIT_NAMES
+from caricli.template.head_parts import part_lips
 
 _TOUCH = 2e-4
-from caricli.template.head_parts import part_lips
 
 
 @pytest.fixture(scope="module")
