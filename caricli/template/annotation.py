@@ -115,7 +115,7 @@ def _holds(value: dict, regions: dict[str, np.ndarray], where: str) -> dict[str,
     holds: dict[str, Hold] = {}
     for name, part in parts.items():
         hold = part.get("hangs_on")
-        if hold not in HELD_BY:
+        if not isinstance(hold, str) or hold not in HELD_BY:
             expected = " or ".join(HELD_BY)
             raise InputError(f"{where}: 'parts.{name}' must hang on {expected}, found {shown(hold, 60)!r}")
         if not isinstance(part.get("file"), str):

@@ -123,8 +123,9 @@ def test_the_skin_of_a_rig_with_eyes_is_known(inspect, run, head_template, tmp_p
     write_mesh(tmp_path / "head.obj", head_template)
     assert run("rig", tmp_path / "head.obj", "--out", tmp_path / "rig.glb").exit_code == 0
     lines, report = inspect(tmp_path / "rig.npz")
-    assert "topology: that of the bundled models" in lines and "made of skin, eyes, teeth, tongue, lashes" in lines
-    assert report["mesh"]["components"] > 5 and report["parts"] == ["skin", "eyes", "teeth", "tongue", "lashes"]
+    parts = ["skin", "eyes", "teeth", "tongue", "lashes", "bust"]
+    assert "topology: that of the bundled models" in lines and f"made of {', '.join(parts)}" in lines
+    assert report["mesh"]["components"] > 5 and report["parts"] == parts
     assert report["beside"] == ["rig.glb", "rig.json", "rig.png"]
 
 

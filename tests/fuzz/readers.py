@@ -25,6 +25,7 @@ from caricli.io.config import read_config
 from caricli.io.cues import read_cues
 from caricli.io.directions import read_directions, write_directions
 from caricli.io.face import read_face, read_picture_names, write_face
+from caricli.io.gltf.read_clips import read_clips
 from caricli.io.gltf.read_gltf import read_gltf
 from caricli.io.gltf.write_gltf import write_gltf
 from caricli.io.image import read_image
@@ -57,10 +58,24 @@ from caricli.store.faces import load_latent_face
 from caricli.store.handles import load_handles
 from caricli.store.landmark_maps import load_landmark_map
 from caricli.store.models import load_model
-from caricli.structures import Camera, Directions, Face, Hair, Landmarks, Material, Mesh, Pictures, Rig, Track
+from caricli.structures import (
+    Animation,
+    Camera,
+    Directions,
+    Face,
+    Hair,
+    Landmarks,
+    Material,
+    Mesh,
+    Part,
+    Pictures,
+    Rig,
+    Track,
+)
 from caricli.structures.arkit import ARKIT_NAMES
 from caricli.template.annotation import parse_annotation
-from caricli.template.template import Template
+from caricli.template.own_parts import read_own_parts
+from caricli.template.template import FittedParts, Template
 from tests.fuzz.mutate import Mutation, mutate_arrays, mutate_glb, mutate_json, mutate_members, mutate_tensors
 
 _RANDOM = np.random.default_rng(0)
@@ -102,7 +117,8 @@ HEAD = _grid(12, 10)
 MARKS = Landmarks(np.stack([20 * np.arange(68.0) % 97, np.arange(68.0)], axis=1), (100, 100))
 PICTURE = _RANDOM.integers(0, 256, (8, 8, 3), np.uint8)
 CAMERA = Camera(300.0, np.diag([1.0, -1.0, -1.0]), np.array([40.0, 60.0]))
-ANNOTATION = {"ibug68": list(range(68)), "regions": {"face": [1, 2, 3]}, "eyeballs": {}}
+PARTS = {"teeth_lower": {"file": "teeth.obj", "hangs_on": "jaw"}}
+ANNOTATION = {"ibug68": list(range(68)), "regions": {"face": [1, 2, 3], "jaw": [4, 5, 6, 7]}, "eyeballs": {}}
 WEIGHTS = [[0.1, 0.2], [0.3, 0.4], [0.5, 0.6]]
 
 
@@ -121,8 +137,14 @@ def _models() -> list[ShapeModel]:
     network = HyperSiren(NetworkSize(2, 4, 2, 4), torch.Generator().manual_seed(0))
     features = _RANDOM.normal(0, 0.05, (4, count, 9))
     shapes = ShapeBases(own.vertices, bases[0], bases[1][:2], 0.003)
+    teeth = Part(
+        "teeth_lower", MESH, np.zeros(len(MESH.polygons), np.int32), "jaw", (), np.zeros((0, len(MESH.vertices), 3))
+    )
+    note = parse_annotation(ANNOTATION | {"parts": PARTS}, count, "annotation")
+    whole = replace(own, annotation=note, parts=FittedParts(own, (teeth,)))
     return [
         PcaModel(own, own.vertices, bases[0]),
+        PcaModel(whole, own.vertices, bases[0]),
         IntrinsicModel(own, features[0], features[:3], np.zeros((4, 3))),
         KernelModel(own, own.vertices, bases[1], process),
         MorphableModel(own, shapes, LinearBasis(np.full((count, 3), 0.6), 0.1 * bases[2])),
@@ -242,6 +264,8 @@ def _read_annotation(path: Path) -> None:
     note = parse_annotation(read_json(path), 120, path.name)
     own = Template(HEAD.vertices, HEAD.polygons, annotation=note)
     _ = own.gradients, own.cavities
+    write_mesh(path.with_name("teeth.obj"), MESH)
+    read_own_parts(own, path, own.vertices, 1.0)
 
 
 def _state(path: Path) -> None:
@@ -357,6 +381,15 @@ def _rig_glb(path: Path) -> None:
     write_gltf(path, _rig(), sparse=True)
 
 
+def _read_glb(path: Path) -> None:
+    read_gltf(path)
+    read_clips(path)
+
+
+def _clip_glb(path: Path) -> None:
+    write_gltf(path, _rig(), animation=Animation(_TRACK.times, np.array(WEIGHTS)))
+
+
 _LINES = "".join(f"{x} {y}\n" for x, y in MARKS.points.tolist())
 _TRACK = Track(("jawOpen", "b"), np.array([0, 0.1, 0.3]), np.array(WEIGHTS), np.zeros((3, 3)))
 _OWN_WEIGHTS = {"schema": "caricli.weights/1", "fps": 30, "names": ["jawOpen", "b"], "weights": WEIGHTS}
@@ -370,7 +403,7 @@ _TABLE: Callable[[Path], object] = lambda path: read_labels(path, ["a.obj", "b.o
 def _all() -> list[Reader]:
     return [
         *map(_mesh_reader, MESH_SUFFIXES),
-        Reader("rig.glb", read_gltf, (_rig_glb, lambda path: write_gltf(path, _rig())), mutate_glb),
+        Reader("rig.glb", _read_glb, (_rig_glb, _clip_glb), mutate_glb),
         Reader("rig.npz", read_rig, (lambda path: write_rig(path, _rig()),), mutate_arrays),
         Reader("face.npz", read_face, (lambda path: write_face(path, _face()),), mutate_arrays),
         Reader("names.npz", read_picture_names, (_worn,), mutate_arrays),
@@ -404,7 +437,8 @@ def _all() -> list[Reader]:
         Reader("value.json", read_json, (_json(TREE),), mutate_json),
         Reader("settings.yaml", _STEPS, (_text("latent: 4\nlearning_rate: 1e-3\nschedule: cosine\n"),)),
         Reader("expressions.yaml", _ACTIONS, (_text("neutral: {}\nsmile: {mouthSmile: 0.5, jawOpen: 1}\n"),)),
-        Reader("annotation.json", _read_annotation, (_json(ANNOTATION),), mutate_json),
+        Reader("annotation.json", _read_annotation, (_json(ANNOTATION), _json(ANNOTATION | {"parts": PARTS})),
+               mutate_json),
         Reader("handles.json", _HANDLES, (_json({"l30": [0, 0, "5%"], "17": [0.01, 0, 0]}),), mutate_json),
         Reader("labels.csv", _TABLE, (_text("file,identity,BigNose\na.obj,x,0.5\nb.obj,y,-1e3\n"),)),
         Reader("material.txt", _read_material, (_text("mtllib a.mtl\nmap_Kd -s 1 1 1 a.png\n"),)),

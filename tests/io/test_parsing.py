@@ -78,7 +78,7 @@ def test_a_malformed_legend_is_refused(legend, tmp_path):
 def test_a_legend_that_is_no_json_is_refused(tmp_path):
     Image.fromarray(LABELS).save(tmp_path / "a.png")
     (tmp_path / "a.json").write_text("{'skin': 1}")
-    with pytest.raises(InputError, match=r"a\.json: expected strict JSON"):
+    with pytest.raises(InputError, match=r"a\.json: line 1, column 2: expected strict JSON"):
         read_parsing(tmp_path / "a.png")
 
 
