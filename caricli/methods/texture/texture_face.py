@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+import scipy.sparse as sp
 
 from caricli.methods.texture.estimate_light import Light, estimate_light
 from caricli.methods.texture.fill_unseen import fill_unseen, skin_weights
@@ -102,7 +103,8 @@ class _Texels:
 
     def blend(self, values: np.ndarray, corners: np.ndarray) -> np.ndarray:
         """(N, C) values of vertices (V, C) between the corners (N, 3)."""
-        return np.einsum("nk,nkc->nc", self.weights, values[corners])
+        ends = np.arange(0, corners.size + 1, 3)
+        return sp.csr_matrix((self.weights.ravel(), corners.ravel(), ends), (len(corners), len(values))) @ values
 
     def points(self, vertices: SurfacePoints, corners: np.ndarray) -> SurfacePoints:
         """The same between the corners (N, 3) for what is known of the vertices."""
