@@ -15,7 +15,7 @@ from caricli.io.files import content_kind, read_bytes
 from caricli.io.outputs import writing
 from caricli.limits import MAX_IMAGE_BYTES, MAX_IMAGE_PIXELS
 
-_EFFORT = 3  # of PNG, from 0 to 9: the usual 6 saves a tenth of the bytes and takes twice as long
+EFFORT = 3  # of PNG, from 0 to 9: the usual 6 saves a tenth of the bytes and takes twice as long
 _FORMATS = ("PNG", "JPEG", "WEBP", "BMP", "TIFF", "GIF")
 
 
@@ -79,7 +79,7 @@ def write_png(path: str | Path, image: np.ndarray) -> None:
     if image.dtype != np.uint8 or image.ndim != 3 or image.shape[2] not in (3, 4) or 0 in image.shape:
         raise OutputError(f"{shown(path)}: expected an image (H,W,3|4) uint8, found {image.shape} {image.dtype}")
     with writing(path), open(path, "wb") as stream:
-        Image.fromarray(np.ascontiguousarray(image)).save(stream, "PNG", compress_level=_EFFORT)
+        Image.fromarray(np.ascontiguousarray(image)).save(stream, "PNG", compress_level=EFFORT)
 
 
 def _rgb(image: Any, pillow: Any) -> np.ndarray:

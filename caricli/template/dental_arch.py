@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from caricli.geometry.cubic_spline import CubicSpline
 from caricli.geometry.quad_grid import quad_grid
 from caricli.structures import Material, Mesh
 
@@ -112,15 +113,13 @@ class _Band:
     """A band as a function of where along it, how high and how deep."""
 
     def __init__(self, band: Mesh) -> None:
-        from scipy.interpolate import CubicSpline  # slow to import, and only those need it who attach teeth
-
         rows = np.asarray(band.vertices, float)[quad_grid(band.polygons)]
         along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(rows[1], axis=0), axis=1))])
-        self.rows = CubicSpline(along / along[-1], rows, axis=1)
+        self.rows = CubicSpline(along / along[-1], np.moveaxis(rows, 1, 0))
 
     def points(self, along: np.ndarray, height: np.ndarray, depth: np.ndarray) -> np.ndarray:
         """(..., 3) points; along: from 0 to 1; height and depth as in ``FRONT_ROWS``; all of one shape."""
-        far, line, edge, inner = np.moveaxis(self.rows(np.clip(along, 0, 1)), 0, 0)
+        far, line, edge, inner = np.moveaxis(self.rows(np.clip(along, 0, 1)), -2, 0)
         up = np.where(height[..., None] > 0, edge - line, line - far)
         return line + height[..., None] * up + depth[..., None] * (inner - line)
 

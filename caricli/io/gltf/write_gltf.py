@@ -10,6 +10,7 @@ from caricli import __version__
 from caricli.errors import OutputError, shown
 from caricli.io.gltf.container import write_container
 from caricli.io.gltf.format import DTYPES, SOURCE_VERTEX, TYPES, VERSION
+from caricli.io.image import EFFORT
 from caricli.structures import Animation, Rig
 from caricli.structures.materials import FINISHES, Material
 
@@ -221,7 +222,7 @@ def _png(image: np.ndarray) -> bytes:
     from PIL import Image
 
     stream = io.BytesIO()
-    Image.fromarray(np.ascontiguousarray(image, np.uint8)).save(stream, "PNG")
+    Image.fromarray(np.ascontiguousarray(image, np.uint8)).save(stream, "PNG", compress_level=EFFORT)
     return stream.getvalue()
 
 

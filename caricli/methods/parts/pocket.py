@@ -65,14 +65,18 @@ class Mouths:
         self.height = pocket.height * _spread(self.neutral) / pocket.spread
         # Expressions that others start from come first.
         self.order = np.argsort(self.uses.sum(1), kind="stable")
+        self._mouths: dict[tuple[int, float], Mouth] = {}
 
     def still(self, k: int) -> bool:
         """Whether expression k leaves the wall as it is."""
         return bool(np.abs(self.deltas[k]).max(initial=0) < STILL * self.height)
 
     def mouth(self, k: int, amount: float) -> "Mouth":
-        """With expression k, and what it starts from, at a weight."""
-        return Mouth(self.pocket, self.neutral + amount * np.tensordot(self.uses[k], self.deltas, 1))
+        """With expression k, and what it starts from, at a weight; all parts look at the same one."""
+        if (k, amount) not in self._mouths:
+            wall = self.neutral + amount * np.tensordot(self.uses[k], self.deltas, 1)
+            self._mouths[k, amount] = Mouth(self.pocket, wall)
+        return self._mouths[k, amount]
 
 
 class Mouth:
