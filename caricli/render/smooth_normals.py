@@ -14,15 +14,16 @@ def smooth_normals(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
     vertices = np.ascontiguousarray(vertices, float) + 0.0
     place = np.unique(vertices.view(f"V{vertices.itemsize * 3}"), return_inverse=True)[1].ravel()
     corners = vertices[faces]
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    length = np.linalg.norm(normals, axis=1, keepdims=True)
-    normals /= np.where(length > 0, length, 1)
+    edges = [corners[:, (k + 1) % 3] - corners[:, k] for k in range(3)]
+    normals = np.cross(edges[0], -edges[2])
+    # Twice the area, which is the sine of every corner's angle times its two edges.
+    length = np.linalg.norm(normals, axis=1)
+    normals /= np.where(length > 0, length, 1)[:, None]
     total = np.zeros((len(vertices), 3))
     for k in range(3):
-        a = corners[:, (k + 1) % 3] - corners[:, k]
-        b = corners[:, (k + 2) % 3] - corners[:, k]
-        angle = np.arctan2(np.linalg.norm(np.cross(a, b), axis=1), (a * b).sum(1))
+        angle = np.arctan2(length, -(edges[k] * edges[k - 1]).sum(1))
+        at = place[faces[:, k]]
         for axis in range(3):
-            total[:, axis] += np.bincount(place[faces[:, k]], angle * normals[:, axis], len(vertices))
+            total[:, axis] += np.bincount(at, angle * normals[:, axis], len(vertices))
     length = np.linalg.norm(total, axis=1, keepdims=True)
     return (total / np.where(length > 0, length, 1))[place]
