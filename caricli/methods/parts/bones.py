@@ -30,8 +30,8 @@ PRESSED = 0.001
 KEPT = 0.003
 """teeth that would are moved as far from it."""
 
-WAY = (1.0, 0.5)
-"""Weights of expressions at which the wall of the mouth is looked at."""
+WAY = (0.5, 1.0)
+"""Weights of expressions at which the wall of the mouth is looked at, the one that must be right last."""
 
 _FIRM = 80
 """Points of what does not give way that are looked at."""

@@ -29,21 +29,38 @@ class RoomSettings:
     smallest: float = 0.4
 
 
+class Bag:
+    """A part of the skin that is open like a bag, closed over its rim."""
+
+    def __init__(self, template: Template, member: np.ndarray) -> None:
+        """member: (V,) whether vertices belong to it."""
+        faces = template.faces[member[template.faces].all(1)]
+        self.ids, local = np.unique(faces, return_inverse=True)
+        self.faces = local.reshape(-1, 3).astype(np.int64)
+        edges = igl.boundary_facets(self.faces)[0]
+        self.rim = np.unique(edges)
+        fan = np.column_stack([edges[:, ::-1], np.full(len(edges), len(self.ids))])
+        # Its skin faces into it: turned over, the winding number is one inside.
+        self.closed = np.concatenate([self.faces, fan])[:, ::-1].copy()
+
+    def holds(self, skin: np.ndarray, points: np.ndarray) -> np.ndarray:
+        """(N,) whether points (N, 3) are in it. skin: (W, 3) of its vertices."""
+        closed = np.concatenate([skin, skin[self.rim].mean(0, keepdims=True)])
+        return igl.fast_winding_number(closed, self.closed, np.ascontiguousarray(points)) > 0.5
+
+
 class Pocket:
-    """The wall of a mouth, closed where the lips are."""
+    """The wall of a mouth, closed behind the lips, and the same with the lips, closed before them."""
 
     def __init__(self, template: Template, wall: np.ndarray) -> None:
         """wall: vertex ids of the region that lines the mouth."""
         member = np.zeros(len(template.vertices), bool)
         member[wall] = True
-        faces = template.faces[member[template.faces].all(1)]
-        self.ids, local = np.unique(faces, return_inverse=True)
-        self.wall = local.reshape(-1, 3).astype(np.int64)
-        edges = igl.boundary_facets(self.wall)[0]
-        self.rim = np.unique(edges)
-        fan = np.column_stack([edges[:, ::-1], np.full(len(edges), len(self.ids))])
-        # The skin of a pocket faces into it: turned over, the winding number is one inside.
-        self.closed = np.concatenate([self.wall, fan])[:, ::-1].copy()
+        self.inner = Bag(template, member)
+        self.ids = self.inner.ids
+        member[template.annotation.regions.get("mouth", wall)] = True
+        self.lips = Bag(template, member)
+        self.inside = np.searchsorted(self.lips.ids, self.ids)
         self.height = template.height
         self.spread = _spread(np.asarray(template.vertices, float)[self.ids])
 
@@ -58,18 +75,18 @@ class Mouths:
         """neutral: (V, 3) metres. names: K. deltas: (K, V, 3) metres."""
         self.pocket = pocket
         self.names = names
-        self.neutral = neutral[pocket.ids]
-        self.deltas = deltas[:, pocket.ids]
+        self.neutral = neutral[pocket.lips.ids]
+        self.deltas = deltas[:, pocket.lips.ids]
         self.uses = uses(names)
         self.rest = Mouth(pocket, self.neutral)
-        self.height = pocket.height * _spread(self.neutral) / pocket.spread
+        self.height = pocket.height * _spread(self.neutral[pocket.inside]) / pocket.spread
         # Expressions that others start from come first.
         self.order = np.argsort(self.uses.sum(1), kind="stable")
         self._mouths: dict[tuple[int, float], Mouth] = {}
 
     def still(self, k: int) -> bool:
         """Whether expression k leaves the wall as it is."""
-        return bool(np.abs(self.deltas[k]).max(initial=0) < STILL * self.height)
+        return bool(np.abs(self.deltas[k, self.pocket.inside]).max(initial=0) < STILL * self.height)
 
     def mouth(self, k: int, amount: float) -> "Mouth":
         """With expression k, and what it starts from, at a weight; all parts look at the same one."""
@@ -82,25 +99,29 @@ class Mouths:
 class Mouth:
     """A Pocket in the shape of one face."""
 
-    def __init__(self, pocket: Pocket, wall: np.ndarray) -> None:
-        """wall: (W, 3) metres."""
+    def __init__(self, pocket: Pocket, skin: np.ndarray) -> None:
+        """skin: (W, 3) metres, of the wall and the lips."""
         self.pocket = pocket
-        self.wall = wall
+        self.skin = skin
+        self.wall = skin[pocket.inside]
+        self.faces = pocket.inner.faces
         self.tree = igl.AABB()
-        self.tree.init(wall, pocket.wall)
-        self.normals = triangle_normals(wall, pocket.wall)
-        self.closed = np.concatenate([wall, wall[pocket.rim].mean(0, keepdims=True)])
+        self.tree.init(self.wall, self.faces)
+        self.normals = triangle_normals(self.wall, self.faces)
 
     def room(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Distances (N,) of points (N, 3) from the wall, negative outside, and unit ways (N, 3) into the mouth."""
         points = np.ascontiguousarray(points)
-        squared, face, nearest = self.tree.squared_distance(self.wall, self.pocket.wall, points)
+        squared, face, nearest = self.tree.squared_distance(self.wall, self.faces, points)
         distance = np.sqrt(squared)
         away = points - nearest
-        # The side of the nearest face is quick and mostly right; where it says outside, the winding number decides.
+        # The side of the nearest face is quick and mostly right; where it says outside, winding numbers decide: behind
+        # the lips may still be in a lip that crosses the other one.
         outside = (self.normals[face] * away).sum(1) < 0
         if outside.any():
-            outside[outside] = igl.fast_winding_number(self.closed, self.pocket.closed, points[outside]) < 0.5
+            doubtful = points[outside]
+            in_mouth = self.pocket.lips.holds(self.skin, doubtful) & self.pocket.inner.holds(self.wall, doubtful)
+            outside[outside] = ~in_mouth
         sign = np.where(outside, -1.0, 1.0)
         return sign * distance, sign[:, None] * away / np.maximum(distance, 1e-9)[:, None]
 
