@@ -2,6 +2,7 @@
 
 import cv2
 import numpy as np
+import scipy.sparse as sp
 
 from caricli.methods.hair.continue_strands import continue_strands
 from caricli.methods.hair.make_shell import DISC, unrolled_to_uv
@@ -49,7 +50,10 @@ def _look(hair: Hair, view: PictureView, size: int) -> SeenColours:
     corners = shell.faces[face[covered]]
     blend = weights[covered].astype(np.float64)
     normals = smooth_normals(shell.vertices, shell.faces)
-    points, normals = (np.einsum("nk,nkc->nc", blend, of[corners]) for of in (shell.vertices, normals))
+    ends = np.arange(0, corners.size + 1, 3)
+    mix = sp.csr_matrix((blend.ravel(), corners.ravel(), ends), (len(corners), len(normals)))
+    points = mix @ shell.vertices
+    normals = mix @ normals
     looked = view.look(SurfacePoints(points, normals, np.zeros(len(points))))
     colours = np.zeros((size, size, 3))
     colours[covered] = looked.colours
