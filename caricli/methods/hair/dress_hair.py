@@ -7,13 +7,12 @@ import cv2
 import numpy as np
 
 from caricli.errors import InputError
-from caricli.geometry.join_meshes import join_meshes
 from caricli.methods.hair.make_shell import make_shell, sink_skull
 from caricli.methods.hair.mask_hair import HairMask, mask_hair
 from caricli.methods.hair.paint_hair import paint_hair
+from caricli.methods.hair.snap_border import snap_border, visible_hair
 from caricli.methods.texture.picture_view import PictureView
 from caricli.methods.texture.settings import PaintSettings
-from caricli.render.rasterise import rasterise
 from caricli.structures import Camera, Face, Hair
 from caricli.template.template import Template
 
@@ -63,7 +62,7 @@ def dress_hair(face: Face, template: Template, image: np.ndarray, settings: Pain
         raise InputError("expected hair around the face, found none; --hair none goes without")
     camera = face.require_camera()
     head = sink_skull(template.with_vertices(face.vertices), camera, mask)
-    hair = make_shell(head, camera, mask)
+    hair, head = snap_border(make_shell(head, camera, mask), head, camera, mask)
     view = PictureView(hair.shell, camera, image, mask.pixels, settings.texture)
     picture = paint_hair(hair, view, settings.size or _SIZE, np.random.default_rng(settings.seed))
     sunk = replace(face, mesh=face.mesh.with_vertices(head.vertices), residual=None)
@@ -72,9 +71,7 @@ def dress_hair(face: Face, template: Template, image: np.ndarray, settings: Pain
 
 def overlap(face: Face, hair: Hair, camera: Camera, mask: np.ndarray) -> float:
     """Intersection over union of the pixels where the camera sees hair, and a mask (H, W) bool."""
-    both = join_meshes([face.mesh, hair.shell])
-    raster = rasterise(camera.place(both.vertices), both.faces, mask.shape[1], mask.shape[0])
-    shown = raster.face >= len(face.faces)
+    shown = visible_hair(face.mesh, hair, camera, mask.shape)
     return float((shown & mask).sum() / max((shown | mask).sum(), 1))
 
 

@@ -75,7 +75,7 @@ class HeadSphere:
         inner = head.mask(*_EARS, "inner_mouth", "eye_socket_left", "eye_socket_right", "nostril_left", "nostril_right")
         faces = head.faces[~inner[head.faces].any(1)]
         longitudes, angles, radii = self.seen_from(head.vertices)
-        places = _FINE / 2 * (1 + angles / np.pi * np.stack([np.sin(longitudes), np.cos(longitudes)])) - 0.5
+        places = _disc(longitudes, angles)
         # Triangles around the lower pole would cover the whole disc.
         faces = faces[angles[faces].max(1) < 0.97 * np.pi]
         raster = rasterise(np.column_stack([*places, -radii * _FINE / head.height]), faces, _FINE, _FINE)
@@ -88,7 +88,7 @@ class HeadSphere:
         Over ears and beyond the neck's end it is the nearest place of the skin elsewhere.
         """
         faces, owner = self._skin
-        x, y = _FINE / 2 * (1 + angles / np.pi * np.stack([np.sin(longitudes), np.cos(longitudes)])) - 0.5
+        x, y = _disc(longitudes, angles)
         column, row = (np.clip(np.round(a).astype(int), 0, _FINE - 1) for a in (x, y))
         corners = faces[owner[row, column]]
         rays = self.directions(longitudes, angles)
@@ -96,6 +96,14 @@ class HeadSphere:
         weights = np.linalg.solve(edges + 1e-12 * np.eye(3), rays[..., None])[..., 0]
         weights = np.clip(weights / weights.sum(1, keepdims=True), 0, 1)
         return corners.astype(np.int32), weights / weights.sum(1, keepdims=True)
+
+    def cover(self, vertices: np.ndarray, faces: np.ndarray, longitudes: np.ndarray, angles: np.ndarray) -> np.ndarray:
+        """How far out triangles (F, 3) of vertices (V, 3) are in directions (N,), infinite where there are none."""
+        around, down, radii = self.seen_from(vertices)
+        faces = faces[down[faces].max(1) < 0.97 * np.pi]
+        raster = rasterise(np.column_stack([*_disc(around, down), -radii]), faces, _FINE, _FINE)
+        x, y = (np.clip(np.round(each).astype(int), 0, _FINE - 1) for each in _disc(longitudes, angles))
+        return np.where(raster.face >= 0, -raster.depth, np.inf)[y, x]
 
     @cached_property
     def radii(self) -> np.ndarray:
@@ -130,3 +138,8 @@ class HeadSphere:
         laplacian = sp.diags(np.asarray(adjacency.sum(1)).ravel()) - adjacency
         areas = np.repeat(sine * step * turn, columns)
         return (laplacian @ sp.diags(1 / areas) @ laplacian).tocsr(), areas
+
+
+def _disc(longitudes: np.ndarray, angles: np.ndarray) -> np.ndarray:
+    """(2, ...) pixels of directions (...) on the map of directions, the whorl in the middle."""
+    return _FINE / 2 * (1 + angles / np.pi * np.stack([np.sin(longitudes), np.cos(longitudes)])) - 0.5

@@ -1,0 +1,43 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from caricli.methods.hair.dress_hair import overlap
+from caricli.methods.hair.make_shell import make_shell
+from caricli.methods.hair.snap_border import snap_border
+from tests.methods.hair.conftest import CAMERA
+
+
+@pytest.fixture(scope="module")
+def shell(sitter):
+    return make_shell(sitter.head, CAMERA, sitter.hair)
+
+
+@pytest.fixture(scope="module")
+def snapped(shell, sitter):
+    return snap_border(shell, sitter.head, CAMERA, sitter.hair)
+
+
+def test_the_border_is_that_of_the_mask(shell, snapped, sitter):
+    hair, head = snapped
+    before = overlap(sitter.face, shell, CAMERA, sitter.hair.pixels)
+    after = overlap(replace(sitter.face, mesh=head), hair, CAMERA, sitter.hair.pixels)
+    assert after > 0.97 and 1 - after < 0.5 * (1 - before)
+
+
+def test_only_what_is_near_the_border_moves(shell, snapped, sitter):
+    hair, head = snapped
+    away = np.linalg.norm(hair.shell.vertices - shell.shell.vertices, axis=1) / sitter.head.height
+    assert np.median(away) < 0.01
+    behind = shell.shell.vertices @ CAMERA.rotation[2] > np.quantile(shell.shell.vertices @ CAMERA.rotation[2], 0.9)
+    assert away[behind].max() < 1e-9
+    features = head.annotation.regions["mouth"]
+    np.testing.assert_allclose(head.vertices[features], sitter.head.vertices[features], atol=1e-12)
+
+
+def test_the_skull_is_lowered_where_hair_is_pressed_on_it(shell, sitter):
+    low = np.roll(sitter.hair.pixels, 12, axis=0)
+    hair, head = snap_border(shell, sitter.head, CAMERA, replace(sitter.hair, pixels=low))
+    assert CAMERA.project(head.vertices)[:, 1].min() > CAMERA.project(sitter.head.vertices)[:, 1].min() + 3
+    assert overlap(replace(sitter.face, mesh=head), hair, CAMERA, low) > overlap(sitter.face, shell, CAMERA, low) + 0.05
