@@ -6,7 +6,6 @@ import cv2
 import numpy as np
 from scipy.ndimage import distance_transform_edt
 
-from caricli.methods.hair.colour_mixture import ColourMixture
 from caricli.methods.hair.picture_zones import PictureZones
 from caricli.methods.hair.settings import MaskSettings
 from caricli.structures import Face
@@ -127,8 +126,11 @@ class _Classes:
             return
         if len(colours) > self.settings.samples:
             colours = colours[self.generator.choice(len(colours), self.settings.samples, replace=False)]
-        mixture = ColourMixture(colours, _COMPONENTS[kind], self.settings.spread)
-        self.likelihoods[..., kind] = mixture.log_likelihoods(self.lab)
+        from sklearn.mixture import GaussianMixture
+
+        mixture = GaussianMixture(_COMPONENTS[kind], reg_covar=self.settings.spread, random_state=0, tol=1e-2)
+        mixture.fit(colours)
+        self.likelihoods[..., kind] = mixture.score_samples(self.lab.reshape(-1, 3)).reshape(self.zones.shape)
 
     def _way(self, start: np.ndarray, quiet: float, step: float) -> np.ndarray:
         """(H, W) edges on the shortest way from pixels (H, W) bool: what is above quiet, in steps, up to a bound."""
