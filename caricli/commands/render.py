@@ -5,8 +5,17 @@ from itertools import chain
 import click
 
 from caricli.commands.shared.notes import echo_result
-from caricli.commands.shared.options import PATH, WholeRange, named, out_option, overwrite_option, parts_option
-from caricli.errors import InputError, UsageError, shown
+from caricli.commands.shared.options import (
+    PATH,
+    WholeRange,
+    bust_option,
+    named,
+    out_option,
+    overwrite_option,
+    parts_option,
+    with_bust,
+)
+from caricli.errors import InputError, UsageError, naming, shown
 from caricli.io.face import read_face
 from caricli.io.image import read_image, write_png
 from caricli.io.outputs import staged
@@ -60,8 +69,9 @@ def _views(ctx, param, value):
     help="Draw the face over this picture instead of the views; the face must be an NPZ with a camera.",
 )
 @parts_option
+@bust_option
 @overwrite_option
-def command(paths, out, views, frames, size, columns, image, parts, overwrite):
+def command(paths, out, views, frames, size, columns, image, parts, bust, overwrite):
     """Draw shaded pictures of faces, meshes and rigs: views side by side, a turn, or an overlay.
 
     Faces and rigs are NPZ, GLB or glTF, meshes also OBJ, PLY or STL. They are drawn in the pictures that they wear (of
@@ -77,9 +87,7 @@ def command(paths, out, views, frames, size, columns, image, parts, overwrite):
       caricli render faces/*.obj -o sheet.png --views front --size 256
       caricli render face.npz -o overlay.png --image drawing.png
     """
-    from caricli.methods.parts.whole_head import whole_face
     from caricli.render.face_sheet import SheetSettings
-    from caricli.store.rig_sources import load_shown_face
 
     film = out.suffix.lower() != ".png"
     _check_use(len(paths), film, views, frames, image)
@@ -88,12 +96,22 @@ def command(paths, out, views, frames, size, columns, image, parts, overwrite):
     _check_size(out, len(paths) * (1 if film else settings.count), size)
     with staged(out, overwrite=overwrite, inputs=(*paths, image)) as (temporary,):
         if image is None:
-            faces = [whole_face(load_shown_face(path), parts) for path in paths]
+            faces = [_whole(path, with_bust(parts, bust)) for path in paths]
             picture = _draw(temporary, faces, [path.stem for path in paths], settings)
         else:
             picture = _overlay(read_face(paths[0]), paths[0], image)
             write_png(temporary, picture)
     echo_result(f"{shown(out)}: {picture.shape[1]} x {picture.shape[0]} pixels, faces: {len(paths)}")
+
+
+def _whole(path, parts):
+    """The face of a file with these parts of a head."""
+    from caricli.methods.parts.whole_head import whole_face
+    from caricli.store.rig_sources import load_shown_face
+
+    face = load_shown_face(path)
+    with naming(path):
+        return whole_face(face, parts)
 
 
 def _check_use(count, film, views, frames, image):

@@ -3,7 +3,16 @@
 import click
 
 from caricli.commands.shared.notes import echo_result
-from caricli.commands.shared.options import PATH, WholeRange, out_option, overwrite_option, parts_option, seed_option
+from caricli.commands.shared.options import (
+    PATH,
+    WholeRange,
+    bust_option,
+    out_option,
+    overwrite_option,
+    parts_option,
+    seed_option,
+    with_bust,
+)
 from caricli.commands.shared.picture import picture_files, picture_option
 from caricli.errors import naming
 from caricli.io.face import read_face
@@ -31,6 +40,7 @@ from caricli.io.usd import write_usd
     help="Find the neutral face where the given one shows an expression (auto), or take it as it is.",
 )
 @parts_option
+@bust_option
 @click.option(
     "--texture", type=PATH, metavar="IMAGE", help="Put this picture on the skin.  [default: the one that the face has]"
 )
@@ -49,7 +59,7 @@ from caricli.io.usd import write_usd
 @seed_option
 @picture_option
 @overwrite_option
-def command(face, out, templates, neutral, parts, texture, sparse, usd, levels, seed, overwrite):
+def command(face, out, templates, neutral, parts, bust, texture, sparse, usd, levels, seed, overwrite):
     """Give a face (NPZ, OBJ, PLY, GLB or glTF) the 52 expressions of ARKit by deformation transfer.
 
     Expressions start from the neutral face. Of one that laughs it is found first, as `blendshapes` finds it, with its
@@ -63,6 +73,7 @@ def command(face, out, templates, neutral, parts, texture, sparse, usd, levels, 
       caricli rig face.npz --out rig.glb
       caricli rig sculpted.obj --neutral as-is --out sculpted.glb
       caricli rig face.obj --subdivide 1 --sparse --out fine.glb
+      caricli rig textured/face.npz --bust --out bust.glb
       caricli rig scan.obj --templates expressions --out rig.glb
     """
     from caricli.commands.shared.progress import progress_bar
@@ -75,21 +86,26 @@ def command(face, out, templates, neutral, parts, texture, sparse, usd, levels, 
     given = read_face(face)
     pictures = picture_paths(face, texture)
     inputs = [face, *pictures.files, *template_files]
-    suffixes = [".npz", ".json", *([".usdz"] if usd else [])]
-    paths = [out, *map(out.with_suffix, suffixes), *picture_files(out.with_suffix(".png"))]
+    settings = RigSettings(levels, with_bust(parts, bust), seed)
+    paths = [*_paths(out, usd), *picture_files(out.with_suffix(".png"))]
     with staged(*paths, overwrite=overwrite, inputs=inputs) as files:
         glb, npz, json, *others = files
         images = pictures.load()
         with naming(face), progress_bar("expressions"):
             rest = _rest(given, neutral)
             hair = given.with_vertices(rest.mesh.vertices).hair
-            result = make_rig(rest.mesh, expressions, RigSettings(levels, parts, seed), images, hair=hair)
+            result = make_rig(rest.mesh, expressions, settings, images, hair=hair)
         write_gltf(glb, result.rig, sparse)
         write_rig(npz, result.rig)
         about = {"subdivide": levels, "sparse": sparse, "units": "m", "axes": "+y up, +z front"}
         _report(json, others, result, rest, given, provenance("rig", inputs, seed, **about))
     _advise(face, result, rest, neutral)
     echo_result(f"{out}: {describe_rig(result)}, {rest.describe()}")
+
+
+def _paths(out, usd):
+    """The files of a rig, pictures aside."""
+    return [out, *map(out.with_suffix, (".npz", ".json", ".usdz") if usd else (".npz", ".json"))]
 
 
 def _rest(given, neutral):

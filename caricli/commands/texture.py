@@ -6,7 +6,15 @@ from typing import get_args
 import click
 
 from caricli.commands.shared.notes import echo_result
-from caricli.commands.shared.options import PATH, WholeRange, model_option, out_option, overwrite_option, seed_option
+from caricli.commands.shared.options import (
+    PATH,
+    WholeRange,
+    bust_option,
+    model_option,
+    out_option,
+    overwrite_option,
+    seed_option,
+)
 from caricli.commands.shared.picture import picture_files, picture_option
 from caricli.errors import naming
 from caricli.io.image import read_image, write_png
@@ -45,13 +53,14 @@ SIZE = 320
     help="Make a shell of the hair in the picture, or leave it as paint on the head; auto makes one unless it is "
     "doubtful what is hair.",
 )
+@bust_option
 @click.option("--project-uv", "flat", is_flag=True, help="Use the picture itself as texture, as published, to compare.")
 @click.option("--keep-light", is_flag=True, help="Leave light and shade of the picture in the texture.")
 @model_option
 @seed_option
 @picture_option
 @overwrite_option
-def command(face, image, out, mask, size, hair, flat, keep_light, model, seed, overwrite):
+def command(face, image, out, mask, size, hair, bust, flat, keep_light, model, seed, overwrite):
     """Paint a face (NPZ with a camera) with the picture that it was fitted to.
 
     What the picture does not show comes from the other side of the face, and else has the colour of its skin, of what
@@ -77,7 +86,7 @@ def command(face, image, out, mask, size, hair, flat, keep_light, model, seed, o
         with naming(face):
             seen.require_landmarks()
         head = None if mask is None else load_mask(mask, (picture.shape[1], picture.shape[0]))
-        settings = PaintSettings(size, flat, seed, hair, TextureSettings(keep_light=keep_light))
+        settings = PaintSettings(size, flat, seed, hair, bust, TextureSettings(keep_light=keep_light))
         start = time.perf_counter()
         with naming(", ".join(str(path) for path in inputs[:3] if path)):
             painted = paint_head(seen, shape_model.template, picture, head, settings)

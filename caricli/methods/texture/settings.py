@@ -49,6 +49,7 @@ class PaintSettings:
     project_uv: the picture itself as texture, as published (portrait paper, equation 12), to compare.
     seed: of the fibres of the iris, and of strands of hair that the picture does not show.
     hair: "shell" of hair on the head, "none", or "auto": a shell unless it is doubtful what is hair.
+    bust: whether shoulders are put under the head.
     texture: TextureSettings.
     """
 
@@ -56,4 +57,5 @@ class PaintSettings:
     project_uv: bool = False
     seed: int = 0
     hair: Hair = "auto"
+    bust: bool = False
     texture: TextureSettings = TextureSettings()

@@ -1,0 +1,86 @@
+import igl
+import numpy as np
+import pytest
+
+from caricli.errors import InputError
+from caricli.geometry.join_meshes import join_meshes
+from caricli.methods.parts.close_neck import neck_edge
+from caricli.methods.parts.face_parts import face_parts
+from caricli.methods.parts.shoulders import add_shoulders, open_head_shoulders
+from caricli.methods.parts.whole_head import whole_face
+from caricli.structures import Face, Material, Mesh
+from caricli.structures.materials import HEAD_PARTS, SHOULDERS
+
+
+@pytest.fixture(scope="module", params=[0, 1])
+def face(head, head_template, request):
+    """A usual head, and one of another size and pose whose neck is anything but even."""
+    vertices = head.evaluate(gender=0.2, age=0.8)
+    if request.param:
+        edge = neck_edge(head_template)
+        vertices = 3 * vertices + [0.1, 0.2, 0.3]
+        vertices[edge] += 0.02 * np.random.default_rng(0).normal(size=(len(edge), 3))
+    return vertices
+
+
+def test_there_is_no_gap(head_template, face):
+    bust = add_shoulders(head_template, face)
+    edge = neck_edge(head_template)
+    np.testing.assert_array_equal(bust.mesh.vertices[: len(edge)], face[edge])
+    whole = join_meshes([head_template.with_vertices(face), bust.mesh])
+    _, number = np.unique(whole.vertices, axis=0, return_inverse=True)
+    faces = number.ravel()[whole.faces]
+    assert len(igl.boundary_facets(faces)[0]) == 0
+    # Every edge is gone along once each way: the bust faces outwards as the skin does.
+    ways = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
+    assert len(np.unique(ways, axis=0)) == len(ways)
+
+
+def test_shoulders_keep_their_shape_and_stand_upright(head_template, face):
+    rest = open_head_shoulders().mesh.vertices
+    places = add_shoulders(head_template, face).mesh.vertices
+    below = rest[:, 1] < -0.1
+    scale = np.ptp(places[below], axis=0) / np.ptp(rest[below], axis=0)
+    np.testing.assert_allclose(scale, scale[0], rtol=1e-6)
+    np.testing.assert_allclose(
+        places[below] - places[below].mean(0), scale * (rest[below] - rest[below].mean(0)), atol=1e-9
+    )
+
+
+def test_under_the_usual_head_it_is_the_bodys_own(head_template):
+    bust = add_shoulders(head_template, head_template.vertices)
+    np.testing.assert_allclose(bust.mesh.vertices, open_head_shoulders().mesh.vertices, atol=1e-9)
+    assert (bust.materials == Material.BUST).all() and bust.hangs_on == "neck"
+    # Its picture goes around as that of the neck does: once, beginning at the same vertex.
+    rim = len(neck_edge(head_template))
+    corners = zip(bust.mesh.polygons.ravel(), bust.mesh.uv_polygons.ravel(), strict=True)
+    at = {int(vertex): bust.mesh.uvs[place] for vertex, place in corners}
+    np.testing.assert_allclose([at[k] for k in range(1, rim)], [(k / rim, 1) for k in range(1, rim)], atol=1e-6)
+    assert bust.mesh.uvs.min() >= 0 and bust.mesh.uvs.max() <= 1
+
+
+def test_it_keeps_still_but_at_its_edge(head_template, face):
+    edge = neck_edge(head_template)
+    deltas = np.zeros((2, *face.shape))
+    deltas[0, edge] = [0.001, -0.002, 0.003]
+    bust = add_shoulders(head_template, face, ("moved", "still"), deltas)
+    np.testing.assert_array_equal(bust.deltas[0, : len(edge)], deltas[0, edge])
+    assert not bust.deltas[1].any()
+    low = open_head_shoulders().mesh.vertices[:, 1] < -0.1
+    assert low.sum() > 100 and np.abs(bust.deltas[0, low]).max() < 1e-12
+
+
+def test_it_takes_the_place_of_the_cap(head_template, face):
+    shown = Face(Mesh(face, head_template.polygons))
+    assert [part.name for part in face_parts(shown, head_template, ("skin", SHOULDERS))] == ["bust"]
+    names = [part.name for part in face_parts(shown, head_template, (*HEAD_PARTS, SHOULDERS))]
+    assert "bust" in names and "neck" not in names
+
+
+def test_another_topology_has_none(head_template, face):
+    box = Face(Mesh(face[:4], np.array([[0, 1, 2, 3]])))
+    with pytest.raises(InputError, match="bundled head's topology"):
+        whole_face(box, ("skin", SHOULDERS))
+    whole = whole_face(Face(Mesh(face, head_template.polygons)))
+    with pytest.raises(InputError, match="has its parts already"):
+        whole_face(whole, ("skin", SHOULDERS))
