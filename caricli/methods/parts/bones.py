@@ -8,7 +8,7 @@ import numpy as np
 from caricli.geometry.axis_similarity import axis_similarity
 from caricli.geometry.weighted_similarities import weighted_similarities
 from caricli.methods.parts.follow import follow_weights
-from caricli.methods.parts.pocket import Mouth, Mouths, make_room
+from caricli.methods.parts.pocket import Mouth, Mouths, bend_out, make_room
 from caricli.structures import Material, Part
 from caricli.template.template import Template
 
@@ -32,6 +32,9 @@ KEPT = 0.003
 
 WAY = (0.5, 1.0)
 """Weights of expressions at which the wall of the mouth is looked at, the one that must be right last."""
+
+LET_OUT = (0.25, 0.5, 0.75, 1.0)
+"""The same for what comes out of it."""
 
 _FIRM = 80
 """Points of what does not give way that are looked at."""
@@ -136,14 +139,21 @@ class Bone:
     def _kept_in(self, mouths: Mouths, shape: np.ndarray, moved: np.ndarray, k: int) -> np.ndarray:
         """(W, 3) what expression k has to do besides, so that the part stays in the mouth on the way."""
         more = np.zeros_like(shape)
-        if mouths.names[k] in self.own or (mouths.still(k) and not moved[k].any()):
+        if mouths.still(k) and not moved[k].any():
             return more
+        if mouths.names[k] in self.own:
+            return self._let_out(mouths, shape, moved[k], k)
         for amount in WAY:
             start = shape + amount * np.tensordot(mouths.uses[k], moved, 1)
             posed = start + amount * more
             settled = self._settled(mouths.mouth(k, amount), posed, mouths.height, False)
             more += (settled - posed) / amount
         return more
+
+    def _let_out(self, mouths: Mouths, shape: np.ndarray, move: np.ndarray, k: int) -> np.ndarray:
+        """(W, 3) what a part that comes out of the mouth has to do besides, so that it does between the lips."""
+        opened = {weight: mouths.mouth(k, weight, True) for weight in LET_OUT}
+        return bend_out(opened, shape, move, PRESSED * mouths.height)
 
     @cached_property
     def own(self) -> dict[str, np.ndarray]:

@@ -1,5 +1,6 @@
 """The inside of a mouth, and how a part is brought into it."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import igl
@@ -82,29 +83,33 @@ class Mouths:
         self.height = pocket.height * _spread(self.neutral[pocket.inside]) / pocket.spread
         # Expressions that others start from come first.
         self.order = np.argsort(self.uses.sum(1), kind="stable")
-        self._mouths: dict[tuple[int, float], Mouth] = {}
+        self._mouths: dict[tuple[int, float, bool], Mouth] = {}
 
     def still(self, k: int) -> bool:
         """Whether expression k leaves the wall as it is."""
         return bool(np.abs(self.deltas[k, self.pocket.inside]).max(initial=0) < STILL * self.height)
 
-    def mouth(self, k: int, amount: float) -> "Mouth":
-        """With expression k, and what it starts from, at a weight; all parts look at the same one."""
-        if (k, amount) not in self._mouths:
-            wall = self.neutral + amount * np.tensordot(self.uses[k], self.deltas, 1)
-            self._mouths[k, amount] = Mouth(self.pocket, wall)
-        return self._mouths[k, amount]
+    def mouth(self, k: int, amount: float, open_lips: bool = False) -> "Mouth":
+        """With expression k, and what it starts from, at a weight; all parts look at the same one.
+
+        open_lips: whether parts may come out.
+        """
+        if (k, amount, open_lips) not in self._mouths:
+            skin = self.neutral + amount * np.tensordot(self.uses[k], self.deltas, 1)
+            self._mouths[k, amount, open_lips] = Mouth(self.pocket, skin, open_lips)
+        return self._mouths[k, amount, open_lips]
 
 
 class Mouth:
     """A Pocket in the shape of one face."""
 
-    def __init__(self, pocket: Pocket, skin: np.ndarray) -> None:
-        """skin: (W, 3) metres, of the wall and the lips."""
+    def __init__(self, pocket: Pocket, skin: np.ndarray, open_lips: bool = False) -> None:
+        """skin: (W, 3) metres, of the wall and the lips. open_lips: whether before the lips is in it, too."""
         self.pocket = pocket
         self.skin = skin
-        self.wall = skin[pocket.inside]
-        self.faces = pocket.inner.faces
+        self.open_lips = open_lips
+        self.wall = skin if open_lips else skin[pocket.inside]
+        self.faces = pocket.lips.faces if open_lips else pocket.inner.faces
         self.tree = igl.AABB()
         self.tree.init(self.wall, self.faces)
         self.normals = triangle_normals(self.wall, self.faces)
@@ -120,7 +125,9 @@ class Mouth:
         outside = (self.normals[face] * away).sum(1) < 0
         if outside.any():
             doubtful = points[outside]
-            in_mouth = self.pocket.lips.holds(self.skin, doubtful) & self.pocket.inner.holds(self.wall, doubtful)
+            in_mouth = self.pocket.lips.holds(self.skin, doubtful)
+            if not self.open_lips:
+                in_mouth &= self.pocket.inner.holds(self.wall, doubtful)
             outside[outside] = ~in_mouth
         sign = np.where(outside, -1.0, 1.0)
         return sign * distance, sign[:, None] * away / np.maximum(distance, 1e-9)[:, None]
@@ -169,6 +176,42 @@ def make_room(
         if scaling:
             scale = float(np.clip(scale + step[3], settings.smallest, 1.0))
     return scale, shift
+
+
+def bend_out(
+    mouths: Mapping[float, Mouth],
+    points: np.ndarray,
+    way: np.ndarray,
+    margin: float,
+    settings: RoomSettings = RoomSettings(),  # noqa: B008 (frozen)
+) -> np.ndarray:
+    """What is to be added to a tongue's way out (N, 3), so that it comes between the lips: it is raised and flattened.
+
+    All by smooth functions of where its points are, for points that are pressed one by one crumple; where the lips
+    leave no way it stays in them.
+
+    mouths: with open lips, by weights of the expression. points: (N, 3) at rest. way: (N, 3) at weight 1. margin:
+    metres that they keep from the skin.
+    """
+    share = np.linalg.norm(way, axis=1)
+    share = share / share.max()
+    above = (points + way)[:, 1]
+    above = above - share @ above / share.sum()
+    basis = np.stack([share, share**2, share * above / np.abs(above).max()], -1)
+    amounts = np.zeros(3)
+    for _ in range(2 * settings.rounds):
+        damped = settings.hold * np.eye(3)
+        asked = np.zeros(3)
+        for weight, mouth in mouths.items():
+            raised = np.outer(basis @ amounts, [0.0, 1.0, 0.0])
+            push = mouth.pushes(points + weight * (way + raised), margin)
+            length = np.linalg.norm(push, axis=1, keepdims=True)
+            rows = weight * push[:, 1:2] / np.maximum(length, 1e-12) * basis
+            damped = damped + rows.T @ rows
+            asked = asked + rows.T @ length[:, 0]
+        amounts += np.linalg.solve(damped, asked)
+        amounts[2] = np.clip(amounts[2], (settings.smallest - 1) * np.abs(above).max(), 0)
+    return np.outer(basis @ amounts, [0.0, 1.0, 0.0])
 
 
 def _spread(points: np.ndarray) -> float:
