@@ -39,5 +39,5 @@ def test_bad_input_is_one_line(refused, dataset, tmp_path):
 @pytest.mark.parametrize("name", ["dataset.json", "shard-0000.npz", "labels.npz", "template.npz"])
 def test_the_sheet_does_not_replace_the_dataset(refused, dataset, name):
     before = (dataset / name).read_bytes()
-    assert "ends in .png" in refused("dataset", "show", dataset, "-o", dataset / name, "--overwrite")
+    assert "ends in .png" in refused("dataset", "show", dataset, "-o", dataset / name, "--overwrite", code=2)
     assert (dataset / name).read_bytes() == before

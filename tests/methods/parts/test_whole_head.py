@@ -18,7 +18,7 @@ def haired(head_template):
 
 def test_a_face_becomes_a_whole_head(haired, head_template):
     whole = whole_face(haired)
-    assert set(whole.materials) == {*Material} - {Material.EYE, Material.BUST} and whole.hair is None
+    assert set(whole.materials) == {*Material} - {Material.EYE} and whole.hair is None
     np.testing.assert_allclose(whole.vertices[:4200], haired.vertices, atol=1e-7)
     np.testing.assert_allclose(whole.vertices[-3:], haired.hair.shell.vertices, atol=1e-7)
     assert whole.pictures.same(haired.pictures)
