@@ -125,9 +125,11 @@ class Mouth:
         outside = (self.normals[face] * away).sum(1) < 0
         if outside.any():
             doubtful = points[outside]
-            in_mouth = self.pocket.lips.holds(self.skin, doubtful)
+            in_mouth = np.ones(len(doubtful), bool)
             if not self.open_lips:
-                in_mouth &= self.pocket.inner.holds(self.wall, doubtful)
+                in_mouth = self.pocket.inner.holds(self.wall, doubtful)
+            if in_mouth.any():
+                in_mouth[in_mouth] = self.pocket.lips.holds(self.skin, doubtful[in_mouth])
             outside[outside] = ~in_mouth
         sign = np.where(outside, -1.0, 1.0)
         return sign * distance, sign[:, None] * away / np.maximum(distance, 1e-9)[:, None]
