@@ -5,7 +5,7 @@ reconstruct-from-landmarks LANDMARKS --image PICTURE --out FACE.npz`.
 
 For every picture: the doubt of the mask, whether `--hair auto` trusts it, the intersection over union of hair as the
 camera sees it with that mask, and seconds of processor time of the mask, the shell and its picture of 1024 texels,
-medians of three. Whether the mask itself is right is for the eye. The last line is JSON.
+medians of three; or that there is no hair. Whether the mask itself is right is for the eye. The last line is JSON.
 """
 
 import json
@@ -16,6 +16,7 @@ from statistics import median
 
 from caricli.io.image import read_image
 from caricli.methods.hair.dress_hair import dress_hair
+from caricli.methods.hair.mask_hair import mask_hair
 from caricli.methods.texture.settings import PaintSettings
 from caricli.store.faces import load_seen_face
 
@@ -27,6 +28,8 @@ def measure(face_file: Path, picture: Path) -> dict:
     """Figures of one picture."""
     face, model = load_seen_face(face_file)
     image = read_image(picture)
+    if not mask_hair(face, model.template, image).pixels.any():
+        return {"picture": picture.name, "trusted": False}
     times = []
     for _ in range(ROUNDS):
         start = time.process_time()
@@ -41,5 +44,6 @@ if __name__ == "__main__":
     files = [Path(name) for name in sys.argv[1:]]
     results = [measure(*pair) for pair in zip(files[::2], files[1::2], strict=True)]
     for each in results:
-        print(f"{each['picture']}: overlap {each['overlap']:.3f}, doubt {each['doubt']:.2f}, {each['seconds']:.1f} s")
+        figures = {key: round(each[key], 3) for key in ("overlap", "doubt", "seconds") if key in each}
+        print(f"{each['picture']}: {figures or 'no hair'}")
     print(json.dumps(results))
