@@ -14,13 +14,16 @@ STILL = 2e-4
 """Of the head's height: a wall that an expression moves less is still."""
 
 
+_UP = np.array([0.0, 1.0, 0.0])
+
+
 @dataclass(frozen=True)
 class RoomSettings:
     """How parts make room for the wall of the mouth.
 
     margin: share of the head's height that they keep from it. rounds: moves, at most. hold: weight against a move, to
     one point that is pushed as far. shrink: the same against a change of size by the whole. smallest: of a part's size,
-    what shrinking leaves.
+    what shrinking leaves. touch: how often its margin a tongue on its way out may be in the skin.
     """
 
     margin: float = 0.003
@@ -28,6 +31,7 @@ class RoomSettings:
     hold: float = 0.03
     shrink: float = 0.3
     smallest: float = 0.4
+    touch: float = 3.0
 
 
 class Bag:
@@ -187,10 +191,11 @@ def bend_out(
     margin: float,
     settings: RoomSettings = RoomSettings(),  # noqa: B008 (frozen)
 ) -> np.ndarray:
-    """What is to be added to a tongue's way out (N, 3), so that it comes between the lips: it is raised and flattened.
+    """What is to be added to a tongue's way out (N, 3), so that it comes between the lips.
 
-    All by smooth functions of where its points are, for points that are pressed one by one crumple; where the lips
-    leave no way it stays in them.
+    Its back is raised, which leaves the tip where it goes; where that does not do, all of it is raised and flattened.
+    All by smooth functions of how far its points go and how high they are, for points that are pressed one by one
+    crumple; where the lips leave no way it stays in them.
 
     mouths: with open lips, by weights of the expression. points: (N, 3) at rest. way: (N, 3) at weight 1. margin:
     metres that they keep from the skin.
@@ -199,21 +204,31 @@ def bend_out(
     share = share / share.max()
     above = (points + way)[:, 1]
     above = above - share @ above / share.sum()
-    basis = np.stack([share, share**2, share * above / np.abs(above).max()], -1)
-    amounts = np.zeros(3)
-    for _ in range(2 * settings.rounds):
-        damped = settings.hold * np.eye(3)
-        asked = np.zeros(3)
-        for weight, mouth in mouths.items():
-            raised = np.outer(basis @ amounts, [0.0, 1.0, 0.0])
-            push = mouth.pushes(points + weight * (way + raised), margin)
-            length = np.linalg.norm(push, axis=1, keepdims=True)
-            rows = weight * push[:, 1:2] / np.maximum(length, 1e-12) * basis
-            damped = damped + rows.T @ rows
-            asked = asked + rows.T @ length[:, 0]
-        amounts += np.linalg.solve(damped, asked)
-        amounts[2] = np.clip(amounts[2], (settings.smallest - 1) * np.abs(above).max(), 0)
-    return np.outer(basis @ amounts, [0.0, 1.0, 0.0])
+    thickness = np.abs(above).max()
+
+    def raised(basis: np.ndarray, flattest: float) -> tuple[np.ndarray, float]:
+        amounts = np.zeros(basis.shape[1])
+        for _ in range(2 * settings.rounds):
+            damped = settings.hold * np.eye(len(amounts))
+            asked = np.zeros(len(amounts))
+            deepest = 0.0
+            for weight, mouth in mouths.items():
+                push = mouth.pushes(points + weight * (way + np.outer(basis @ amounts, _UP)), margin)
+                length = np.linalg.norm(push, axis=1)
+                deepest = max(deepest, length.max())
+                rows = weight * (push @ _UP / np.maximum(length, 1e-12))[:, None] * basis
+                damped = damped + rows.T @ rows
+                asked = asked + rows.T @ length
+            if deepest <= settings.touch * margin:
+                break
+            amounts += np.linalg.solve(damped, asked)
+            amounts[-1] = max(amounts[-1], flattest)
+        return np.outer(basis @ amounts, _UP), deepest
+
+    bent, deepest = raised((share * (1 - share))[:, None], 0.0)
+    if deepest <= settings.touch * margin:
+        return bent
+    return raised(np.stack([share, share**2, share * above / thickness], -1), (settings.smallest - 1) * thickness)[0]
 
 
 def _spread(points: np.ndarray) -> float:

@@ -23,7 +23,14 @@ def test_a_face_becomes_a_whole_head(haired, head_template):
     np.testing.assert_allclose(whole.vertices[-3:], haired.hair.shell.vertices, atol=1e-7)
     assert whole.pictures.same(haired.pictures)
     template = whole_head(haired, head_template)
-    assert [part.name for part in template.dressed] == ["teeth_upper", "teeth_lower", "tongue", "lashes", "hair"]
+    assert [part.name for part in template.dressed] == [
+        "teeth_upper",
+        "teeth_lower",
+        "tongue",
+        "lashes",
+        "neck",
+        "hair",
+    ]
     np.testing.assert_array_equal(template.vertices, haired.vertices)
     assert template.with_vertices(2 * haired.vertices).dressed == ()
 
