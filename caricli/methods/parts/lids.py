@@ -8,6 +8,7 @@ from scipy.spatial import cKDTree
 from caricli.geometry.components import mesh_components
 from caricli.geometry.weighted_similarities import weighted_similarities
 from caricli.methods.parts.bones import Posed
+from caricli.methods.parts.pocket import spread
 from caricli.structures import Part
 from caricli.template.template import Template
 
@@ -30,18 +31,33 @@ class Lids:
         tree = cKDTree(self.template[lids])
         distance, _ = tree.query(self.shape)
         lashes = [np.flatnonzero(self.labels == k) for k in range(self.labels.max() + 1)]
-        roots = self.shape[[ids[distance[ids].argmin()] for ids in lashes]]
-        distance, near = tree.query(roots, min(NEIGHBOURS, len(lids)))
+        self.roots = np.array([ids[distance[ids].argmin()] for ids in lashes])
+        distance, near = tree.query(self.shape[self.roots], min(NEIGHBOURS, len(lids)))
         self.ids = lids[near]
         self.weights = np.exp(-0.5 * (distance / distance.mean(1, keepdims=True)) ** 2)
 
     def place(self, face: Posed) -> Part:
         """The lashes of a face."""
-        shape = self._moved(self.template, face.neutral[None], self.shape, True)[0]
+        size = spread(face.neutral) / spread(self.template)
+        shape = self._shortened(self._moved(self.template, face.neutral[None], self.shape, True)[0], size)
         moved = self._moved(face.neutral, face.neutral + face.deltas, shape, False) - shape
         return replace(self.part, mesh=self.part.mesh.with_vertices(shape), names=face.names, deltas=moved)
+
+    def _shortened(self, shape: np.ndarray, size: float) -> np.ndarray:
+        """Lashes that are no longer than those of usual eyes on a head of a size: drawn eyes are often huge."""
+        roots = shape[self.roots][self.labels]
+        away = shape - roots
+        length = _lengths(away, self.labels) / _lengths(self.shape - self.shape[self.roots][self.labels], self.labels)
+        return roots + away / np.maximum(length / size, 1.0)[self.labels, None]
 
     def _moved(self, before: np.ndarray, after: np.ndarray, shape: np.ndarray, scaling: bool) -> np.ndarray:
         scale, rotation, shift = weighted_similarities(before[self.ids], after[:, self.ids], self.weights, scaling)
         turned = np.einsum("kwij,wj->kwi", rotation[:, self.labels], shape)
         return scale[:, self.labels, None] * turned + shift[:, self.labels]
+
+
+def _lengths(away: np.ndarray, labels: np.ndarray) -> np.ndarray:
+    """(L,) how far the farthest vertex of every lash is from its root. away: (W, 3) from there. labels: (W,)."""
+    lengths = np.zeros(labels.max() + 1)
+    np.maximum.at(lengths, labels, np.linalg.norm(away, axis=1))
+    return lengths

@@ -67,7 +67,7 @@ class Pocket:
         self.lips = Bag(template, member)
         self.inside = np.searchsorted(self.lips.ids, self.ids)
         self.height = template.height
-        self.spread = _spread(np.asarray(template.vertices, float)[self.ids])
+        self.spread = spread(np.asarray(template.vertices, float)[self.ids])
 
 
 class Mouths:
@@ -84,7 +84,7 @@ class Mouths:
         self.deltas = deltas[:, pocket.lips.ids]
         self.uses = uses(names)
         self.rest = Mouth(pocket, self.neutral)
-        self.height = pocket.height * _spread(self.neutral[pocket.inside]) / pocket.spread
+        self.height = pocket.height * spread(self.neutral[pocket.inside]) / pocket.spread
         # Expressions that others start from come first.
         self.order = np.argsort(self.uses.sum(1), kind="stable")
         self._mouths: dict[tuple[int, float, bool], Mouth] = {}
@@ -231,5 +231,6 @@ def bend_out(
     return raised(np.stack([share, share**2, share * above / thickness], -1), (settings.smallest - 1) * thickness)[0]
 
 
-def _spread(points: np.ndarray) -> float:
+def spread(points: np.ndarray) -> float:
+    """How far points (N, 3) are from their mean, as the root of the mean square."""
     return float(np.sqrt(((points - points.mean(0)) ** 2).sum(1).mean()))

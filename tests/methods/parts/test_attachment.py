@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from caricli.geometry.components import mesh_components
 from caricli.methods.parts.attachment import attachment_for, open_head_attachment
 from caricli.methods.parts.bones import Bone, Posed
 from caricli.methods.parts.pocket import Mouths, Pocket
@@ -61,6 +62,19 @@ def test_expressions_move_bone_rigidly_and_the_tongue_comes_out(head, template):
     shut = parts["lashes"].deltas[names.index("eyeBlinkLeft")]
     left = parts["lashes"].mesh.vertices[:, 0] > 0
     assert shut[left, 1].min() < -0.008 and np.abs(shut[~left]).max() < 1e-3
+
+
+def test_lashes_of_huge_eyes_are_no_longer_than_usual(template):
+    def lengths(mesh):
+        lashes = by_name(open_head_attachment().attach(mesh))["lashes"].mesh
+        labels = mesh_components(lashes.vertices, lashes.faces).labels
+        return np.array([np.ptp(lashes.vertices[labels == k], axis=0).max() for k in range(labels.max() + 1)])
+
+    eyes = template.mask("eyes_left", "eyes_right")
+    middle = template.vertices[eyes].mean(0)
+    wide = np.where(eyes[:, None], middle + 2 * (template.vertices - middle), template.vertices)
+    usual = lengths(template)
+    assert (lengths(template.with_vertices(wide)) < 1.5 * usual).all()
 
 
 def test_materials_say_what_is_tooth_and_what_gum(head):
