@@ -1,5 +1,6 @@
 """Which pixels of a picture show hair: what stands out from skin and background around a face."""
 
+import warnings
 from dataclasses import dataclass
 
 import cv2
@@ -129,7 +130,8 @@ class _Classes:
         from sklearn.mixture import GaussianMixture
 
         mixture = GaussianMixture(_COMPONENTS[kind], reg_covar=self.settings.spread, random_state=0, tol=1e-2)
-        mixture.fit(colours)
+        with warnings.catch_warnings(action="ignore"):  # of plain walls, which have fewer colours than Gaussians
+            mixture.fit(colours)
         self.likelihoods[..., kind] = mixture.score_samples(self.lab.reshape(-1, 3)).reshape(self.zones.shape)
 
     def _way(self, start: np.ndarray, quiet: float, step: float) -> np.ndarray:
