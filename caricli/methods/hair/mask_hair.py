@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 from scipy.ndimage import distance_transform_edt
+from threadpoolctl import threadpool_limits
 
 from caricli.methods.hair.picture_zones import PictureZones
 from caricli.methods.hair.settings import MaskSettings
@@ -130,7 +131,8 @@ class _Classes:
         from sklearn.mixture import GaussianMixture
 
         mixture = GaussianMixture(_COMPONENTS[kind], reg_covar=self.settings.spread, random_state=0, tol=1e-2)
-        with warnings.catch_warnings(action="ignore"):  # of plain walls, which have fewer colours than Gaussians
+        # Plain walls have fewer colours than Gaussians; threads for so few wait for each other.
+        with warnings.catch_warnings(action="ignore"), threadpool_limits(1):
             mixture.fit(colours)
         self.likelihoods[..., kind] = mixture.score_samples(self.lab.reshape(-1, 3)).reshape(self.zones.shape)
 
