@@ -1,13 +1,12 @@
-import igl
 import numpy as np
 import pytest
 
-from caricli.geometry.join_meshes import join_meshes
 from caricli.methods.parts.close_neck import HEIGHT, WIDTH, close_neck, neck_edge, neck_picture
 from caricli.methods.parts.face_parts import face_parts
 from caricli.structures import Face, Material, Mesh
 from caricli.template.annotation import parse_annotation
 from caricli.template.template import Template
+from tests.methods.parts.neck import assert_closed
 
 
 @pytest.fixture(scope="module", params=[0, 1])
@@ -23,16 +22,7 @@ def face(head, head_template, request):
 
 
 def test_there_is_no_gap(head_template, face):
-    cap = close_neck(head_template, face)
-    edge = neck_edge(head_template)
-    np.testing.assert_array_equal(cap.mesh.vertices[: len(edge)], face[edge])
-    whole = join_meshes([head_template.with_vertices(face), cap.mesh])
-    _, number = np.unique(whole.vertices, axis=0, return_inverse=True)
-    faces = number.ravel()[whole.faces]
-    assert len(igl.boundary_facets(faces)[0]) == 0
-    # Every edge is gone along once each way: the cap faces outwards as the skin does.
-    ways = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
-    assert len(np.unique(ways, axis=0)) == len(ways)
+    assert_closed(head_template, face, close_neck(head_template, face))
 
 
 def test_it_is_below_and_has_a_place_in_its_picture(head_template, face):

@@ -1,15 +1,14 @@
-import igl
 import numpy as np
 import pytest
 
 from caricli.errors import InputError
-from caricli.geometry.join_meshes import join_meshes
 from caricli.methods.parts.close_neck import neck_edge
 from caricli.methods.parts.face_parts import face_parts
 from caricli.methods.parts.shoulders import add_shoulders, open_head_shoulders
 from caricli.methods.parts.whole_head import whole_face
 from caricli.structures import Face, Material, Mesh
 from caricli.structures.materials import HEAD_PARTS, SHOULDERS
+from tests.methods.parts.neck import assert_closed
 
 
 @pytest.fixture(scope="module", params=[0, 1])
@@ -24,16 +23,7 @@ def face(head, head_template, request):
 
 
 def test_there_is_no_gap(head_template, face):
-    bust = add_shoulders(head_template, face)
-    edge = neck_edge(head_template)
-    np.testing.assert_array_equal(bust.mesh.vertices[: len(edge)], face[edge])
-    whole = join_meshes([head_template.with_vertices(face), bust.mesh])
-    _, number = np.unique(whole.vertices, axis=0, return_inverse=True)
-    faces = number.ravel()[whole.faces]
-    assert len(igl.boundary_facets(faces)[0]) == 0
-    # Every edge is gone along once each way: the bust faces outwards as the skin does.
-    ways = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
-    assert len(np.unique(ways, axis=0)) == len(ways)
+    assert_closed(head_template, face, add_shoulders(head_template, face))
 
 
 def test_shoulders_keep_their_shape_and_stand_upright(head_template, face):
