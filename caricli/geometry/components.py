@@ -3,10 +3,9 @@
 from dataclasses import dataclass
 from functools import cached_property
 
+import igl
 import numpy as np
 import scipy.sparse as sp
-from scipy.sparse.csgraph import connected_components
-from scipy.spatial import cKDTree
 
 from caricli.geometry.vertex_neighbours import vertex_neighbours
 
@@ -99,12 +98,10 @@ def mesh_components(vertices: np.ndarray, faces: np.ndarray) -> Components:
     vertices: (V, 3). faces: (F, 3), every vertex in one.
     """
     count = len(vertices)
-    number, parts = connected_components(vertex_neighbours(faces, count)[0], directed=False)
+    labels = component_labels(faces, count)
+    number = int(labels.max()) + 1
     if number == 1:
-        return Components(np.zeros(count, int), sp.csr_matrix((0, count)), np.zeros(0, int))
-    # By size, those of one size by their first vertex: rounding cannot change it.
-    order = np.argsort(-np.bincount(parts), kind="stable")
-    labels = np.argsort(order)[parts]
+        return Components(labels, sp.csr_matrix((0, count)), np.zeros(0, int))
     largest = np.flatnonzero(labels == 0)
     points = [_spread(vertices, np.flatnonzero(labels == part), POINTS) for part in range(1, number)]
     owners = np.repeat(np.arange(1, number), [len(ids) for ids in points])
@@ -116,11 +113,25 @@ def mesh_components(vertices: np.ndarray, faces: np.ndarray) -> Components:
     return Components(labels, bonds.tocsr(), owners)
 
 
+def component_labels(faces: np.ndarray, count: int) -> np.ndarray:
+    """(V,) the number of every vertex's component, 0 the one with most vertices.
+
+    faces: (F, 3). count: V, every vertex in a triangle.
+    """
+    parts = igl.vertex_components_from_adjacency_matrix(vertex_neighbours(faces, count)[0].astype(int))[0]
+    # By size, those of one size by their first vertex: rounding cannot change it.
+    order = np.argsort(-np.bincount(parts), kind="stable")
+    return np.argsort(order)[parts]
+
+
 def _follow(vertices: np.ndarray, ids: np.ndarray, largest: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Vertices (R, K) of the largest component and their weights (R, K) that give the points of ids (R,).
 
     Least ``sum_k (w_k d_k)^2`` with ``sum_k w_k = 1`` and ``sum_k w_k v_k`` the point, d_k the distances.
     """
+    # Imported here: it takes a while, and most heads are one component.
+    from scipy.spatial import cKDTree
+
     distance, near = cKDTree(vertices[largest]).query(vertices[ids], min(NEAREST, len(largest)))
     far = _spread(vertices, largest, SPREAD)
     columns = np.concatenate([largest[near], np.tile(far, (len(ids), 1))], axis=1)

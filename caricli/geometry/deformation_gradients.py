@@ -3,12 +3,12 @@
 import igl
 import numpy as np
 import scipy.sparse as sp
-from scipy.sparse.linalg import splu
-from scipy.spatial.transform import Rotation
 
 from caricli.errors import NumericsError
+from caricli.geometry.cholesky import Cholesky
 from caricli.geometry.components import mesh_components
 from caricli.geometry.per_column import per_column
+from caricli.geometry.rotation_vectors import rotation_matrices, rotation_vectors
 
 _STRETCH = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
 """Entries of the symmetric stretch in the order of the features."""
@@ -71,7 +71,7 @@ class DeformationGradients:
         # Nothing else says where a component is, so that it hangs as it should however weakly it is bound.
         system = system + self.stiffness * (hangers.T @ hangers)
         # The system knows no translation; a weak hold makes it definite, and the centroid is set afterwards.
-        self._factor = splu((system + _HOLD * self.stiffness * sp.identity(self.count)).tocsc())
+        self._factor = Cholesky(system + _HOLD * self.stiffness * sp.identity(self.count))
 
     def maps(self, vertices: np.ndarray) -> np.ndarray:
         """The linear map of every one-ring, never inside out.
@@ -103,9 +103,8 @@ class DeformationGradients:
         rotations = np.swapaxes(turned, -1, -2) @ np.swapaxes(frame, -1, -2)
         stretch = self.tangents @ root @ np.swapaxes(self.tangents, -1, -2)
         stretch += (np.sqrt(area)[..., None, None] * self.normals[:, :, None]) * self.normals[:, None, :]
-        vectors = Rotation.from_matrix(rotations.reshape(-1, 3, 3), assume_valid=True).as_rotvec()
         symmetric = np.stack([stretch[..., a, b] - (a == b) for a, b in _STRETCH], axis=-1)
-        return np.concatenate([vectors.reshape(*area.shape, 3), symmetric], axis=-1)
+        return np.concatenate([rotation_vectors(rotations), symmetric], axis=-1)
 
     def _planes(self, vertices: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Images of the tangents (..., V, 2, 3), unit normals (..., V, 3), changes of area (..., V)."""
@@ -180,11 +179,6 @@ def _weighted_edges(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray
     if not np.isfinite(weights).all() or len(np.unique(i)) < len(vertices):
         raise NumericsError("the template has vertices outside every triangle, or degenerate triangles")
     return i, cotangents.col[off], weights
-
-
-def rotation_matrices(vectors: np.ndarray) -> np.ndarray:
-    """Rotation vectors (..., 3) in radians to matrices (..., 3, 3)."""
-    return Rotation.from_rotvec(vectors.reshape(-1, 3)).as_matrix().reshape(*vectors.shape, 3)
 
 
 def _stretches(features: np.ndarray) -> np.ndarray:

@@ -1,5 +1,7 @@
 """Soft position constraints that bring their surroundings along."""
 
+from collections.abc import Mapping
+
 import igl
 import numpy as np
 import scipy.sparse as sp
@@ -27,29 +29,23 @@ class ElasticAnchors:
     points of their own are taken along by their bonds (``mesh_components``).
     """
 
-    def __init__(self, vertices: np.ndarray, faces: np.ndarray, points: np.ndarray) -> None:
-        """vertices: (V, 3) template. faces: (F, 3). points: (K,) vertex ids that can be anchors, without repeats."""
-        points = np.asarray(points)
-        height = np.ptp(vertices[:, 1])
+    def __init__(
+        self,
+        vertices: np.ndarray,
+        faces: np.ndarray,
+        points: np.ndarray,
+        solved: Mapping[str, np.ndarray] | None = None,
+    ) -> None:
+        """vertices: (V, 3) template. faces: (F, 3). points: (K,) vertex ids that can be anchors, without repeats.
+        solved: what ``solved`` was of anchors of the same, where there were some, so that nothing has to be factored.
+        """
+        self.points = np.asarray(points)
+        self.rows = {int(p): k for k, p in enumerate(self.points)}
         laplacian = -igl.cotmatrix(vertices, faces)
-        mass = igl.massmatrix(vertices, faces).diagonal()
-        plate = (STIFFNESS_LENGTH * height) ** 2 * laplacian @ sp.diags(1 / mass) @ laplacian
         self.stiffness = laplacian.diagonal().mean()
-        system = laplacian + plate + _HOLD * self.stiffness * sp.identity(len(vertices))
-        bonds = mesh_components(vertices, faces).stiffness(points)
-        factor = Cholesky(system + BOND * self.stiffness * bonds)
-        self.rows = {int(p): k for k, p in enumerate(points)}
-        self.points = points
-        # Diffusion for the time l^2 / 2 spreads a point over its surroundings along the surface, never across a gap.
-        heat = Cholesky(sp.diags(mass) + (SPREAD_LENGTH * height) ** 2 / 2 * laplacian)
-        sources = np.zeros((len(vertices), len(points)))
-        sources[points, np.arange(len(points))] = 1
-        spread = heat.solve(sources) * mass[:, None]
-        self.averages = (spread / spread.sum(0)).T
-        forces = self.averages.T - mass[:, None] / mass.sum()
-        self.responses = factor.solve(forces)
-        self.responses -= mass @ self.responses / mass.sum()
-        self.compliance = self.averages @ self.responses
+        self.solved = _solve(vertices, faces, self.points, laplacian) if solved is None else solved
+        self.responses = self.solved["responses"]
+        self.compliance = self.solved["compliance"]
 
     def move(
         self, points: np.ndarray, moves: np.ndarray, strength: float, confidence: np.ndarray | None = None
@@ -68,3 +64,35 @@ class ElasticAnchors:
         system[count, count] = 0.0
         solution = np.linalg.solve(system, np.vstack([moves, np.zeros((1, moves.shape[1]))]))
         return self.responses[:, chosen] @ solution[:count] + solution[count]
+
+
+def _solve(
+    vertices: np.ndarray, faces: np.ndarray, points: np.ndarray, laplacian: sp.csc_matrix
+) -> dict[str, np.ndarray]:
+    """How a surface moves under a unit force on each of the points: responses (V, K), and compliance (K, K), of the
+    points' own surroundings. laplacian: (V, V) sparse."""
+    height = np.ptp(vertices[:, 1])
+    mass = igl.massmatrix(vertices, faces).diagonal()
+    plate = (STIFFNESS_LENGTH * height) ** 2 * laplacian @ sp.diags(1 / mass) @ laplacian
+    stiffness = laplacian.diagonal().mean()
+    bonds = BOND * stiffness * mesh_components(vertices, faces).stiffness(points)
+    factor = Cholesky(laplacian + plate + _HOLD * stiffness * sp.identity(len(vertices)) + bonds)
+    averages = surrounding_averages(vertices, faces, points)
+    responses = factor.solve(averages.T - mass[:, None] / mass.sum())
+    responses -= mass @ responses / mass.sum()
+    return {"responses": responses, "compliance": averages @ responses}
+
+
+def surrounding_averages(vertices: np.ndarray, faces: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """(K, V) weights by which the surroundings of points (K,) are averaged, those of each with the sum one.
+
+    Diffusion for the time l^2 / 2 (l ``SPREAD_LENGTH`` of the height) spreads a point over its surroundings along the
+    surface, never across a gap. vertices: (V, 3). faces: (F, 3).
+    """
+    mass = igl.massmatrix(vertices, faces).diagonal()
+    time = (SPREAD_LENGTH * np.ptp(vertices[:, 1])) ** 2 / 2
+    heat = Cholesky(sp.diags(mass) - time * igl.cotmatrix(vertices, faces))
+    sources = np.zeros((len(vertices), len(points)))
+    sources[points, np.arange(len(points))] = 1
+    spread = heat.solve(sources) * mass[:, None]
+    return (spread / spread.sum(0)).T

@@ -3,7 +3,7 @@
 import numpy as np
 
 from caricli.errors import NumericsError
-from caricli.geometry.deformation_gradients import rotation_matrices
+from caricli.geometry.rotation_vectors import rotation_matrices
 from caricli.structures import Camera
 
 _STEPS = 10  # at most

@@ -7,18 +7,16 @@ import numpy as np
 from caricli.errors import NumericsError
 
 
-def gauss_newton(
-    start: np.ndarray, normal_equations: Callable, rounds: int, settled: float = 0.0, solve: Callable = np.linalg.solve
-) -> np.ndarray:
+def gauss_newton(start: np.ndarray, normal_equations: Callable, rounds: int, settled: float = 0.0) -> np.ndarray:
     """Repeat the full step ``x + A(x)^-1 b(x)``.
 
     start: (D,). normal_equations: called with x, returns the system A (D, D) and the right side b (D,). rounds: at
-    most. settled: a step none of whose entries is as large ends it. solve: of one dense linear system.
+    most. settled: a step none of whose entries is as large ends it.
     Returns (D,). Raises NumericsError where a system is singular or not finite.
     """
     x = start
     for _ in range(rounds):
-        step = _solved(solve, *normal_equations(x))
+        step = _solved(*normal_equations(x))
         x = x + step
         if np.abs(step).max() < settled:
             break
@@ -36,7 +34,7 @@ class Damping:
 
     def step(self, system: np.ndarray, right: np.ndarray) -> np.ndarray:
         """The step (D,) for a system (D, D) and its right side (D,). Raises NumericsError as ``gauss_newton`` does."""
-        return _solved(np.linalg.solve, system + self.value * np.diag(np.diag(system)), right)
+        return _solved(system + self.value * np.diag(np.diag(system)), right)
 
     def accept(self) -> None:
         """The last step lowered the cost."""
@@ -47,10 +45,10 @@ class Damping:
         self.value *= self.tighten
 
 
-def _solved(solve: Callable, system: np.ndarray, right: np.ndarray) -> np.ndarray:
+def _solved(system: np.ndarray, right: np.ndarray) -> np.ndarray:
     try:
         if np.isfinite(system).all() and np.isfinite(right).all():
-            return solve(system, right)
+            return np.linalg.solve(system, right)
     except np.linalg.LinAlgError:
         pass
     raise NumericsError("a fit has no solution: do its points, or the directions of its model, lie in one place?")

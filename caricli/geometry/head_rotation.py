@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from caricli.geometry.deformation_gradients import rotation_matrices
+from caricli.geometry.rotation_vectors import rotation_matrices
 
 TURNS = np.radians([12.0, 30.0, 12.0])
 """Pitch, yaw and roll of heads in pictures, at most."""

@@ -1,9 +1,10 @@
 """A neck that goes down with the chin."""
 
+from functools import cached_property
+
 import igl
 import numpy as np
 import scipy.sparse as sp
-from scipy.spatial import cKDTree
 
 from caricli.geometry.cholesky import Cholesky
 from caricli.geometry.elastic_anchors import STIFFNESS_LENGTH
@@ -31,13 +32,23 @@ class Neck:
         bool, what never goes along."""
         self.height = float(np.ptp(vertices[:, 1]))
         self.chin = chin
-        self.weights = np.zeros(len(vertices))
-        edge = np.intersect1d(neck, igl.boundary_facets(faces)[0].ravel())
-        self.front = int(edge[vertices[edge, 1].argmin()]) if len(edge) else chin
-        if not len(edge):
-            return
-        hanging = np.union1d(edge, neck[vertices[neck, 1] < vertices[chin, 1]])
-        still = still | (cKDTree(vertices[neck]).query(vertices)[0] > REACH * self.height)
+        self._mesh = (vertices, faces)
+        self._neck = neck
+        self._still = still
+        self._edge = np.intersect1d(neck, igl.boundary_facets(faces)[0].ravel())
+        self.front = int(self._edge[vertices[self._edge, 1].argmin()]) if len(self._edge) else chin
+
+    @cached_property
+    def weights(self) -> np.ndarray:
+        """(V,) solved for on first use: few chins sink."""
+        vertices, faces = self._mesh
+        if not len(self._edge):
+            return np.zeros(len(vertices))
+        from scipy.spatial import cKDTree
+
+        neck = self._neck
+        hanging = np.union1d(self._edge, neck[vertices[neck, 1] < vertices[self.chin, 1]])
+        still = self._still | (cKDTree(vertices[neck]).query(vertices)[0] > REACH * self.height)
         still[hanging] = False
         laplacian = -igl.cotmatrix(vertices, faces)
         mass = igl.massmatrix(vertices, faces).diagonal()
@@ -48,9 +59,9 @@ class Neck:
         target = np.zeros((len(vertices), 1))
         target[hanging] = _PULL * stiffness
         system = laplacian + plate + stiffness * sp.diags(_PULL * held + _HOLD)
-        self.weights = np.clip(Cholesky(system.tocsc()).solve(target)[:, 0], 0, 1)
+        return np.clip(Cholesky(system.tocsc()).solve(target)[:, 0], 0, 1)
 
     def lengthen(self, vertices: np.ndarray) -> np.ndarray:
         """Vertices (V, 3) with the neck as far down as the chin needs, and no farther. vertices: (V, 3)."""
         missing = vertices[self.front, 1] - vertices[self.chin, 1] + CLEARANCE * self.height
-        return vertices - max(missing, 0.0) * self.weights[:, None] * [0.0, 1.0, 0.0]
+        return vertices - missing * self.weights[:, None] * [0.0, 1.0, 0.0] if missing > 0 else vertices

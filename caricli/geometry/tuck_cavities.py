@@ -6,9 +6,9 @@ from dataclasses import dataclass
 import igl
 import numpy as np
 import scipy.sparse as sp
-from scipy.sparse.linalg import splu
 
-from caricli.geometry.components import mesh_components
+from caricli.geometry.cholesky import Cholesky
+from caricli.geometry.components import component_labels
 from caricli.geometry.triangle_normals import triangle_normals
 
 TOUCH = 0.006
@@ -70,7 +70,7 @@ class Cavities:
             laplacian = -igl.cotmatrix(vertices, faces[own])[free][:, free]
             self.pockets.append(_Pocket(edges, free, free[~near[free]], laplacian))
         # Eyes and teeth lie in the pockets as they should.
-        labels = mesh_components(vertices, faces).labels
+        labels = component_labels(faces, len(vertices))
         own = np.isin(labels[faces[:, 0]], labels[faces[inside, 0]])
         self.skin = faces[own & ~inside]
 
@@ -86,7 +86,7 @@ class Cavities:
             for pocket in pockets:
                 move = moves[pocket.free]
                 hold = sp.diags(_PULL * pocket.laplacian.diagonal().mean() * move.any(axis=1))
-                vertices[pocket.free] += splu((pocket.laplacian + hold).tocsc()).solve(hold @ move)
+                vertices[pocket.free] += Cholesky(pocket.laplacian + hold).solve(hold @ move)
             pockets = [pocket for pocket in pockets if moves[pocket.deep].any()]
         return vertices
 

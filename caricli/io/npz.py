@@ -43,10 +43,11 @@ def read_npz(path: str | Path, max_bytes: int = MAX_NPZ_BYTES) -> dict[str, np.n
         raise InputError(f"{shown(path)}: expected an NPZ file, found a damaged one: {shown(error, 120)}") from error
 
 
-def write_npz(path: str | Path, arrays: Mapping[str, np.ndarray]) -> None:
-    """Write an NPZ file, compressed; the same arrays give the same bytes.
+def write_npz(path: str | Path, arrays: Mapping[str, np.ndarray], packed: bool = True) -> None:
+    """Write an NPZ file; the same arrays give the same bytes.
 
-    arrays: bool, int, float or text by name; their order is kept.
+    arrays: bool, int, float or text by name; their order is kept. packed: compressed, or as they are,
+    to be read sooner.
     Raises OutputError when it cannot be written or is more than `read_npz` takes; TypeError for another kind of array.
     """
     total = sum(np.asarray(value).nbytes for value in arrays.values())
@@ -59,7 +60,7 @@ def write_npz(path: str | Path, arrays: Mapping[str, np.ndarray]) -> None:
                 raise TypeError(f"{name}: arrays of {value.dtype} are not written")
             # Fixed time, system and mode: nothing of the moment or the machine enters the bytes.
             info = zipfile.ZipInfo(f"{name}.npy", (1980, 1, 1, 0, 0, 0))
-            info.compress_type = zipfile.ZIP_DEFLATED
+            info.compress_type = zipfile.ZIP_DEFLATED if packed else zipfile.ZIP_STORED
             info.create_system = 3
             info.external_attr = 0o644 << 16
             with archive.open(info, "w") as member:

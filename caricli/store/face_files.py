@@ -3,7 +3,7 @@
 from collections.abc import Callable, Container, Iterable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -12,10 +12,12 @@ from caricli.io.image import write_png
 from caricli.io.mesh import keeps_texture, write_mesh
 from caricli.io.strict_json import write_json
 from caricli.io.worn import PictureNames, worn_paths, write_pictures
-from caricli.methods.faces.draw_face import FaceDrawing
-from caricli.methods.faces.encode_face import EncodedFace
 from caricli.structures import Face, Pictures
 from caricli.template.fine_mesh import FineMesh, split_materials
+
+if TYPE_CHECKING:
+    from caricli.methods.faces.draw_face import FaceDrawing
+    from caricli.methods.faces.encode_face import EncodedFace
 
 _ROUNDING = 1e-6
 """Residuals up to this are what single precision loses, and are left out."""
@@ -24,7 +26,7 @@ _ROUNDING = 1e-6
 def write_face_result(
     files: Sequence[Path | None],
     face: Face,
-    drawing: FaceDrawing,
+    drawing: "FaceDrawing",
     description: dict[str, Any],
     draw: Callable[[], np.ndarray],
 ) -> None:
@@ -95,8 +97,8 @@ class FaceSeries:
     def write(
         self,
         files: Sequence[Path],
-        faces: Iterable[tuple[EncodedFace, dict[str, Any]]],
-        drawing: FaceDrawing,
+        faces: "Iterable[tuple[EncodedFace, dict[str, Any]]]",
+        drawing: "FaceDrawing",
         drawn: Container[int],
         report: Callable[[int, int], None],
     ) -> tuple[list[dict[str, Any]], list[list[np.ndarray]]]:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.sparse as sp
 
-from caricli.geometry.components import mesh_components
+from caricli.geometry.components import component_labels
 from caricli.geometry.quad_grid import quad_grid
 from caricli.structures import Mesh
 
@@ -47,25 +47,30 @@ def lash_hairs(strips: Mesh, style: LashStyle = LashStyle()) -> LashHairs:  # no
 
     strips: Mesh of grids of quads, each with one long side behind the edge of a lid, at lower z, and one that is free.
     """
-    labels = mesh_components(strips.vertices, strips.faces).labels
+    labels = component_labels(strips.faces, len(strips.vertices))
     rings = np.repeat(np.arange(len(style.rows)), [SIDES] * (len(style.rows) - 1) + [1])
     weights, offsets = [], []
+    count = 0
     for label in np.unique(labels):
         own = strips.polygons[labels[strips.polygons[:, 0]] == label]
         grid = quad_grid(own)
         rooted = grid if strips.vertices[grid[0], 2].mean() < strips.vertices[grid[-1], 2].mean() else grid[::-1]
-        for along, lean, reach in _spread(strips.vertices[rooted], style):
-            rows = np.array(style.rows) * reach
-            line = _on_grid(rooted, along + lean * rows, rows, len(strips.vertices))
-            weights.append(line[rings])
-            offsets.append(_ring(line @ strips.vertices, style.thickness))
+        along, lean, reach = _spread(strips.vertices[rooted], style)
+        across = reach[:, None] * np.array(style.rows)
+        lines = _on_grid(
+            rooted, (along[:, None] + lean[:, None] * across).ravel(), across.ravel(), len(strips.vertices)
+        )
+        first = len(style.rows) * np.arange(len(along))
+        weights.append(lines[(first[:, None] + rings).ravel()])
+        offsets.append(_rings((lines @ strips.vertices).reshape(*across.shape, 3), style.thickness))
+        count += len(along)
     moved = sp.vstack(weights).tocsr()
-    polygons, uvs = _hair(len(style.rows), len(weights))
+    polygons, uvs = _hair(len(style.rows), count)
     return LashHairs(Mesh(moved @ strips.vertices + np.concatenate(offsets), polygons, uvs, polygons), moved)
 
 
-def _spread(strip: np.ndarray, style: LashStyle) -> list[tuple[float, float, float]]:
-    """Where each lash of a strip (R, C, 3) stands along it, how far it leans by its tip, and its length."""
+def _spread(strip: np.ndarray, style: LashStyle) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Where lashes (N,) of a strip (R, C, 3) stand along it, how far they lean by their tips, and their lengths."""
     lengths = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(strip[-1], axis=0), axis=1))])
     count = max(int(lengths[-1] / style.spacing), 2)
     columns = np.arange(len(lengths)) / (len(lengths) - 1)
@@ -74,7 +79,7 @@ def _spread(strip: np.ndarray, style: LashStyle) -> list[tuple[float, float, flo
     lean = 2 * style.fan * (along - 0.5) + pairs
     # The golden section spreads lengths evenly without a pattern that the eye would see.
     reach = style.shortest + (1 - style.shortest) * ((np.arange(count) * 0.6180339887) % 1.0)
-    return list(zip(along.tolist(), lean.tolist(), reach.tolist(), strict=True))
+    return along, lean, reach
 
 
 def _on_grid(grid: np.ndarray, along: np.ndarray, across: np.ndarray, count: int) -> sp.csr_matrix:
@@ -92,17 +97,20 @@ def _on_grid(grid: np.ndarray, along: np.ndarray, across: np.ndarray, count: int
     return sp.csr_matrix((values, (np.tile(points, 4), ids)), shape=(len(points), count))
 
 
-def _ring(centres: np.ndarray, thickness: float) -> np.ndarray:
-    """(SIDES (N - 1) + 1, 3) offsets of the corners around a line (N, 3) that thins to its tip, which is last."""
-    along = np.gradient(centres, axis=0)
-    along /= np.linalg.norm(along, axis=1, keepdims=True)
+def _rings(centres: np.ndarray, thickness: float) -> np.ndarray:
+    """(N (SIDES (R - 1) + 1), 3) offsets of the corners around lines (N, R, 3) that thin to their tips, the last."""
+    along = np.gradient(centres, axis=1)
+    along /= np.linalg.norm(along, axis=-1, keepdims=True)
     first = np.cross(along, [0.0, 1.0, 0.0])
-    first /= np.linalg.norm(first, axis=1, keepdims=True)
+    first /= np.linalg.norm(first, axis=-1, keepdims=True)
     second = np.cross(along, first)
     turns = 2 * np.pi * np.arange(SIDES) / SIDES
-    thin = thickness / 2 * (1 - np.arange(len(centres) - 1) / (len(centres) - 1)) ** 0.7
-    ring = first[:-1, None] * np.cos(turns)[:, None] + second[:-1, None] * np.sin(turns)[:, None]
-    return np.concatenate([(thin[:, None, None] * ring).reshape(-1, 3), np.zeros((1, 3))])
+    count, rows, _ = centres.shape
+    thin = thickness / 2 * (1 - np.arange(rows - 1) / (rows - 1)) ** 0.7
+    ring = first[:, :-1, None] * np.cos(turns)[:, None] + second[:, :-1, None] * np.sin(turns)[:, None]
+    return np.concatenate([(thin[:, None, None] * ring).reshape(count, -1, 3), np.zeros((count, 1, 3))], 1).reshape(
+        -1, 3
+    )
 
 
 def _hair(rows: int, count: int) -> tuple[np.ndarray, np.ndarray]:

@@ -8,7 +8,7 @@ from click.testing import CliRunner
 from scipy.optimize import linear_sum_assignment
 
 from caricli.cli import cli
-from caricli.geometry.deformation_gradients import rotation_matrices
+from caricli.geometry.rotation_vectors import rotation_matrices
 from caricli.io.directions import write_directions
 from caricli.io.landmarks import write_landmarks
 from caricli.io.obj import write_obj

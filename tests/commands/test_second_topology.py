@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from caricli.geometry.deformation_gradients import rotation_matrices
+from caricli.geometry.rotation_vectors import rotation_matrices
 from caricli.geometry.similarity import similarity
 from caricli.io.face import read_face
 from caricli.io.image import read_image

@@ -10,8 +10,9 @@ from scipy.spatial.transform import Rotation
 
 from caricli.data.identities import random_identity
 from caricli.errors import NumericsError
-from caricli.geometry.deformation_gradients import DeformationGradients, rotation_matrices
+from caricli.geometry.deformation_gradients import DeformationGradients
 from caricli.geometry.flipped_triangles import flipped_triangles
+from caricli.geometry.rotation_vectors import rotation_matrices
 from caricli.structures.face import FEATURES
 
 VECTORS = arrays(float, 3, elements=st.floats(-1.8, 1.8))

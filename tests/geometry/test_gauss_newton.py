@@ -1,6 +1,5 @@
 import numpy as np
 import pytest
-from scipy.linalg import solve
 from scipy.optimize import least_squares
 
 from caricli.geometry.gauss_newton import Damping, gauss_newton
@@ -56,18 +55,6 @@ def test_a_small_step_ends_it(settled, calls):
 
     gauss_newton(np.zeros(2), equations, 6, settled=settled)
     assert len(points) == calls
-
-
-def test_it_solves_with_what_it_is_given():
-    solved = []
-
-    def counting(system, right):
-        solved.append(system.shape)
-        return solve(system, right, assume_a="pos")
-
-    x = gauss_newton(np.zeros(2), normal_equations, 4, solve=counting)
-    assert solved == [(2, 2)] * 4
-    np.testing.assert_allclose(x, gauss_newton(np.zeros(2), normal_equations, 4), atol=1e-12)
 
 
 def test_damped_steps_are_shorter_the_more_they_are_damped():

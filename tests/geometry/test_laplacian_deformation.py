@@ -3,8 +3,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from caricli.errors import NumericsError
-from caricli.geometry.deformation_gradients import rotation_matrices
 from caricli.geometry.laplacian_deformation import LaplacianDeformation
+from caricli.geometry.rotation_vectors import rotation_matrices
 
 ANCHORS = np.array([0, 8, 31, 40, 54, 62])
 KINDS = ("uniform", "cotangent")

@@ -3,7 +3,7 @@ import pytest
 
 from caricli.errors import NumericsError
 from caricli.geometry import self_intersections as module
-from caricli.geometry.deformation_gradients import rotation_matrices
+from caricli.geometry.rotation_vectors import rotation_matrices
 from caricli.geometry.self_intersections import self_intersections
 
 ACROSS = np.array([[-1.0, -1, 0], [1, -1, 0], [0, 1, 0], [0, -0.2, -1], [0.2, 0, 1], [-0.2, 0, 1]])

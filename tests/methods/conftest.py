@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from caricli.data.identities import random_identity
-from caricli.geometry.deformation_gradients import rotation_matrices
+from caricli.geometry.rotation_vectors import rotation_matrices
 from caricli.geometry.slide_contour import slide_contour
 from caricli.structures import Camera
 

@@ -17,10 +17,8 @@ from caricli.io.provenance import provenance
 from caricli.io.strict_json import write_json
 from caricli.methods.faces.encode_face import encode_face
 from caricli.methods.faces.subdivide_face import subdivide_face
-from caricli.methods.parts.whole_head import whole_head
 from caricli.methods.reconstruct.landmark_fit import LandmarkFit
 from caricli.models.shape_model import ShapeModel
-from caricli.render.fit_sheet import fit_sheet
 from caricli.store.face_files import write_face_files
 from caricli.store.pictures import find_picture, load_marked_picture
 from caricli.structures import Face
@@ -102,4 +100,8 @@ class FitTask:
 
     def _sheet(self, face: Face, finer: FineMesh, points: np.ndarray, pixels: np.ndarray | None) -> np.ndarray:
         """The picture of a face and the landmarks (L, 2) that it was fitted to."""
+        # What draws takes a while to start.
+        from caricli.methods.parts.whole_head import whole_head
+        from caricli.render.fit_sheet import fit_sheet
+
         return fit_sheet(face, whole_head(face, self.model.template), points, pixels, fine=finer)

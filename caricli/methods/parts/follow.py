@@ -1,8 +1,10 @@
 """Points in a head as weighted means of vertices of its skin."""
 
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
 
 import numpy as np
+
+from caricli.io.kept import kept_arrays
 
 
 @dataclass(frozen=True)
@@ -37,6 +39,19 @@ def follow_weights(
     (n, Q, 3) of the points. height: metres, of the head.
     Returns (Q, J).
     """
+    given = (anchors, points, *examples, height, *astuple(settings))
+    return kept_arrays("follow", given, lambda: {"weights": _solve(anchors, points, examples, height, settings)})[
+        "weights"
+    ]
+
+
+def _solve(
+    anchors: np.ndarray,
+    points: np.ndarray,
+    examples: tuple[np.ndarray, np.ndarray],
+    height: float,
+    settings: FollowSettings,
+) -> np.ndarray:
     moved, answers = (np.moveaxis(example, 1, 2).reshape(-1, example.shape[1]) for example in examples)
     fields = [_fields(places, anchors, height, settings) for places in (anchors, points)]
     # The examples of all axes share one row of weights, so that a turned head is treated as one that is not.

@@ -3,10 +3,10 @@
 from dataclasses import replace
 
 import numpy as np
-from scipy.spatial import cKDTree
 
-from caricli.geometry.components import mesh_components
+from caricli.geometry.components import component_labels
 from caricli.geometry.weighted_similarities import weighted_similarities
+from caricli.io.kept import kept_arrays
 from caricli.methods.parts.bones import Posed
 from caricli.methods.parts.pocket import spread
 from caricli.structures import Part
@@ -24,16 +24,15 @@ class Lids:
         self.part = part
         self.shape = np.asarray(part.mesh.vertices, float)
         self.template = np.asarray(template.vertices, float)
-        self.labels = mesh_components(self.shape, part.mesh.faces).labels
+        self.labels = component_labels(part.mesh.faces, len(self.shape))
         lids = np.flatnonzero(
             template.mask("eyes_left", "eyes_right") & ~template.mask("eye_socket_left", "eye_socket_right")
         )
-        tree = cKDTree(self.template[lids])
-        distance, _ = tree.query(self.shape)
-        lashes = [np.flatnonzero(self.labels == k) for k in range(self.labels.max() + 1)]
-        self.roots = np.array([ids[distance[ids].argmin()] for ids in lashes])
-        distance, near = tree.query(self.shape[self.roots], min(NEIGHBOURS, len(lids)))
-        self.ids = lids[near]
+        given = (self.template[lids], self.shape, self.labels)
+        held = kept_arrays("lids", given, lambda: _held(*given))
+        self.roots = held["roots"]
+        self.ids = lids[held["near"]]
+        distance = held["distance"]
         self.weights = np.exp(-0.5 * (distance / distance.mean(1, keepdims=True)) ** 2)
 
     def place(self, face: Posed) -> Part:
@@ -54,6 +53,22 @@ class Lids:
         scale, rotation, shift = weighted_similarities(before[self.ids], after[:, self.ids], self.weights, scaling)
         turned = np.einsum("kwij,wj->kwi", rotation[:, self.labels], shape)
         return scale[:, self.labels, None] * turned + shift[:, self.labels]
+
+
+def _held(lids: np.ndarray, shape: np.ndarray, labels: np.ndarray) -> dict[str, np.ndarray]:
+    """The root of every lash, and of vertices of lids (N, 3) the numbers of those near it and their distances.
+
+    shape: (W, 3) of the lashes. labels: (W,) the lash of every vertex, from 0 to L - 1. Roots are (L,), the rest (L, k).
+    """
+    # Imported here: it takes longer than all of this, which is mostly kept.
+    from scipy.spatial import cKDTree
+
+    tree = cKDTree(lids)
+    distance, _ = tree.query(shape)
+    lashes = [np.flatnonzero(labels == k) for k in range(labels.max() + 1)]
+    roots = np.array([ids[distance[ids].argmin()] for ids in lashes])
+    distance, near = tree.query(shape[roots], min(NEIGHBOURS, len(lids)))
+    return {"roots": roots, "near": near, "distance": distance}
 
 
 def _lengths(away: np.ndarray, labels: np.ndarray) -> np.ndarray:

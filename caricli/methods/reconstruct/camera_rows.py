@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from caricli.geometry.deformation_gradients import rotation_matrices
+from caricli.geometry.rotation_vectors import rotation_matrices
 from caricli.structures import Camera
 
 CAMERA = 6

@@ -40,16 +40,14 @@ def fit_landmarks(
     plausible faces, smaller nearer to the landmarks. image: (H, W, 3) uint8, the picture, or None to look at none.
     Returns LandmarkFit. Raises InputError, NumericsError.
     """
-    fit = _method(model, method or fitting_method(model), prior_weight)
-    first = fit(points)
-    if image is None or not can_find_outline(points, model.template):
-        return first
-    # OpenCV and the rasteriser take a while to start, and most fits have no picture.
-    from caricli.methods.reconstruct.find_outline import find_outline
+    look = None
+    if image is not None and can_find_outline(points, model.template):
+        # OpenCV takes a while to start, and most fits have no picture.
+        from caricli.methods.reconstruct.find_outline import find_outline
 
-    outline = find_outline(first.face, model.template, points, image, np.random.default_rng(_SEED))
-    second = fit(points, outline=outline) if outline.found else first
-    return replace(second, outline=outline)
+        generator = np.random.default_rng(_SEED)
+        look = partial(find_outline, template=model.template, points=points, image=image, generator=generator)
+    return _method(model, method or fitting_method(model), prior_weight)(points, look=look)
 
 
 def _method(model: ShapeModel, method: str, prior_weight: float) -> Callable[..., LandmarkFit]:

@@ -1,6 +1,7 @@
 """A 3D face from 2D landmarks that its surface follows elastically."""
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -40,7 +41,7 @@ def fit_landmarks_intrinsic(
     points: np.ndarray,
     model: IntrinsicModel,
     settings: IntrinsicSettings = IntrinsicSettings(),  # noqa: B008 (frozen)
-    outline: Outline | None = None,
+    look: Callable[[Face], Outline] | None = None,
 ) -> LandmarkFit:
     """Fit the likeliest face of the model, whose surface then follows the landmarks elastically.
 
@@ -54,13 +55,22 @@ def fit_landmarks_intrinsic(
     go back to the mean face's. An outlier among the landmarks loses its weight. Flipped triangles are turned back, the
     neck goes down with a chin that sank below it, and mouth cavity and eye sockets are tucked behind the skin.
 
-    points: (L, 2) pixels, y down, NaN where unknown. model: IntrinsicModel. settings: IntrinsicSettings. outline: what
-    was found in the picture besides 68 points, or None.
+    points: (L, 2) pixels, y down, NaN where unknown. model: IntrinsicModel. settings: IntrinsicSettings. look: what is
+    found in the picture besides 68 points around the likeliest face for these, corrected once; where there is anything,
+    the likeliest face for all of it follows in a few rounds more.
     Returns LandmarkFit; what the latent cannot express is in its residual. Raises InputError, NumericsError.
     """
     template = model.template
-    observation = Observation(points, template, outline)
+    observation = Observation(points, template)
     likeliest = _likeliest(observation, model, settings)
+    outline = None
+    if look is not None:
+        first = _Surface(observation, model, settings, likeliest)
+        seen = template.with_vertices(first.correct(first.shape(likeliest.latent)))
+        outline = look(Face(seen, observation.in_pixels(first.camera)))
+        if outline.found:
+            observation = Observation(points, template, outline)
+            likeliest = _likeliest(observation, model, settings, likeliest)
     surface = _Surface(observation, model, settings, likeliest)
     latent = likeliest.latent
     for _ in range(settings.turns if surface.strange else 0):
@@ -71,7 +81,7 @@ def fit_landmarks_intrinsic(
     vertices = template.cavities.tuck(vertices)
     residual = template.gradients.features(vertices) - model.features(latent)
     face = Face(template.with_vertices(vertices), surface.camera, None, latent, residual, model.model_id)
-    return observation.measure(face, model, likeliest.weights, settings)
+    return replace(observation.measure(face, model, likeliest.weights, settings), outline=outline)
 
 
 class _Surface:
@@ -116,11 +126,14 @@ class _Surface:
         return start + self.strange * model.features_to_latent(change, self.settings.follow)
 
 
-def _likeliest(observation: Observation, model: IntrinsicModel, settings: IntrinsicSettings) -> _Likeliest:
-    latent = np.array(model.prior.mean)
-    rotation = None
+def _likeliest(
+    observation: Observation, model: IntrinsicModel, settings: IntrinsicSettings, first: _Likeliest | None = None
+) -> _Likeliest:
+    """The likeliest face. first: the one for less landmarks of the same face, to begin with, or None."""
+    latent = np.array(model.prior.mean) if first is None else first.latent
+    rotation = None if first is None else first.camera.rotation
     weights = observation.trust
-    for number in range(settings.rounds):
+    for number in range(settings.rounds) if first is None else range(settings.rounds, settings.rounds + settings.again):
         shape = model.decode(latent)
         camera, anchors = observation.settle(shape, weights, rotation)
         rotation = camera.rotation

@@ -1,5 +1,8 @@
 """A 3D face from 2D landmarks that stays inside a shape model."""
 
+from collections.abc import Callable
+from dataclasses import replace
+
 import numpy as np
 from threadpoolctl import threadpool_limits
 
@@ -20,7 +23,7 @@ def fit_landmarks_latent(
     points: np.ndarray,
     model: ShapeModel,
     settings: LatentSettings = LatentSettings(),  # noqa: B008 (frozen)
-    outline: Outline | None = None,
+    look: Callable[[Face], Outline] | None = None,
 ) -> LandmarkFit:
     """Fit a face that stays inside a shape model (deformable paper, equation 3 and supplement 5).
 
@@ -29,9 +32,18 @@ def fit_landmarks_latent(
     points that landmarks can stand on are decoded.
 
     points: (L, 2) pixels, y down, NaN where unknown. model: any ShapeModel. settings: LatentSettings.
-    outline: what was found in the picture besides 68 points, or None.
+    look: what is found in the picture besides 68 points around a fit to these; where there is anything, another fit
+    follows.
     Returns LandmarkFit without a residual. Raises InputError, NumericsError.
     """
+    fit = _fit(points, model, settings, None)
+    if look is None:
+        return fit
+    outline = look(fit.face)
+    return replace(_fit(points, model, settings, outline) if outline.found else fit, outline=outline)
+
+
+def _fit(points: np.ndarray, model: ShapeModel, settings: LatentSettings, outline: Outline | None) -> LandmarkFit:
     observation = Observation(points, model.template, outline)
     search = _Search(observation, model, settings.noise)
     damping = Damping(_DAMPING.start, _DAMPING.ease, _DAMPING.tighten)

@@ -4,17 +4,17 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
-from scipy.ndimage import gaussian_filter
 
 from caricli.errors import InputError
 from caricli.methods.reconstruct.settings import EvidenceSettings
-from caricli.render.rasterise import rasterise
+from caricli.render.covered_pixels import covered_pixels
 from caricli.structures import Face
 from caricli.structures.landmarks import BROW_LEFT, BROW_RIGHT, EYE_LEFT, EYE_RIGHT, JAW, LIPS, OUTLINE
 
 _SETTINGS = EvidenceSettings()
 _FEATURES = (EYE_LEFT, EYE_RIGHT, LIPS, BROW_LEFT, BROW_RIGHT)
 _LEVELS = 256
+_TAILS = 4  # standard deviations, to where a colour is spread
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,7 +62,7 @@ def picture_evidence(face: Face, points: np.ndarray, image: np.ndarray) -> Pictu
     marks = (points + 0.5 - corner) * zoom - 0.5
     placed = (face.require_camera().place(face.vertices) + [0.5, 0.5, 0]) * [*zoom, scale]
     placed[:, :2] -= corner * zoom + 0.5
-    covered = rasterise(placed, face.faces, *lab.shape[1::-1]).face >= 0
+    covered = covered_pixels(placed, face.faces, *lab.shape[1::-1])
     inside = _filled(lab.shape[:2], marks[list(OUTLINE)])
     skin = _skin_odds(lab, _bare_skin(inside, marks), ~(inside | _grown(covered, 1)))
     gradient = _gradient(lab)
@@ -124,7 +124,14 @@ def _histogram(lab: np.ndarray, mask: np.ndarray, spread: tuple[float, ...]) -> 
     counts = cv2.calcHist([lab], [0, 1, 2], mask.astype(np.uint8), list(bins), [0, _LEVELS] * 3).astype(float)
     if not mask.any():
         counts += 1
-    return gaussian_filter(counts / counts.sum(), spread)
+    counts /= counts.sum()
+    for axis, width in enumerate(spread):
+        last = np.moveaxis(counts, axis, 2)
+        lines = np.ascontiguousarray(last).reshape(-1, bins[axis])
+        size = (2 * round(_TAILS * width) + 1, 1)
+        smooth = cv2.GaussianBlur(lines, size, width, sigmaY=1, borderType=cv2.BORDER_REFLECT)
+        counts = np.moveaxis(smooth.reshape(last.shape), 2, axis)
+    return counts
 
 
 def _gradient(lab: np.ndarray) -> np.ndarray:

@@ -16,6 +16,7 @@ class IntrinsicSettings:
     least: such a distance at least, as a share of the landmarks' diagonal: what the model leaves out of usual faces.
     step: share of the way to the likeliest latent that a round goes.
     rounds: of camera, outline and latent; after ten of them nothing moves that is seen.
+    again: further rounds, where something was found in the picture.
     follow: of the likeliest latent against what a correction makes of the surface, in mean squares of its features.
     turns: of correction and latent after the rounds.
     corrections: of the surface at the end, each with the outline and the neck that the one before it left.
@@ -26,6 +27,7 @@ class IntrinsicSettings:
     least: float = 0.008
     step: float = 0.7
     rounds: int = 10
+    again: int = 5
     follow: float = 5e-5
     turns: int = 3
     corrections: int = 3

@@ -4,8 +4,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
+from caricli.geometry.rotation_vectors import rotation_matrices
 from caricli.methods.rig.add_parts import add_parts
 from caricli.render.paint_eye import paint_eye
 from caricli.render.place_eyeballs import place_eyeballs
@@ -100,7 +100,8 @@ def _turn(name: str, side: str) -> np.ndarray:
         return np.eye(3)
     about_x, about_y = ANGLES[direction.capitalize()]
     inwards = (direction == "in") == (side == "left")
-    return Rotation.from_euler("xy", [about_x, -about_y if inwards else about_y], degrees=True).as_matrix()
+    about = np.radians([[about_x, 0, 0], [0, -about_y if inwards else about_y, 0]])
+    return rotation_matrices(about[1]) @ rotation_matrices(about[0])
 
 
 def _unit_ball() -> Mesh:

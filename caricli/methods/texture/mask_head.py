@@ -4,7 +4,7 @@ import cv2
 import numpy as np
 
 from caricli.errors import InputError
-from caricli.render.rasterise import rasterise
+from caricli.render.covered_pixels import covered_pixels
 from caricli.structures import Face, Landmarks
 from caricli.structures.landmarks import OUTLINE
 
@@ -59,7 +59,7 @@ def mask_head(face: Face, image: np.ndarray, points: np.ndarray | None = None) -
 def _covered(face: Face, height: int, width: int, zoom: float = 1.0) -> np.ndarray:
     """(height, width) bool: pixels that the mesh covers in the picture, made that much larger."""
     placed = zoom * face.require_camera().place(face.vertices)
-    return rasterise(placed, face.faces, width, height).face >= 0
+    return covered_pixels(placed, face.faces, width, height)
 
 
 def _first_guess(head: np.ndarray, enclosed: np.ndarray, outline: np.ndarray) -> np.ndarray:

@@ -1,7 +1,7 @@
 """Principal components of deformation-gradient features, decoded by a sparse solve: they extrapolate untorn."""
 
 from collections.abc import Mapping
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Self
 
 import igl
@@ -11,6 +11,7 @@ from scipy.sparse import csr_matrix
 from caricli.errors import InputError
 from caricli.geometry.elastic_anchors import ElasticAnchors
 from caricli.geometry.per_column import per_column
+from caricli.io.kept import kept_arrays
 from caricli.models.intrinsic.config import IntrinsicConfig
 from caricli.models.linear_basis import direction_products
 from caricli.models.principal_components import principal_components
@@ -103,12 +104,24 @@ class IntrinsicModel:
     def anchors(self) -> ElasticAnchors:
         """ElasticAnchors for every vertex that a landmark can stand on, prepared on first use."""
         template = self.template
-        return ElasticAnchors(template.vertices, template.faces, template.annotation.anchor_ids())
+        points = template.annotation.anchor_ids()
+        solved = kept_arrays("anchors", (template.vertices, template.faces, points), self._solved_anchors)
+        return ElasticAnchors(template.vertices, template.faces, points, solved)
+
+    def _solved_anchors(self) -> Mapping[str, np.ndarray]:
+        template = self.template
+        return ElasticAnchors(template.vertices, template.faces, template.annotation.anchor_ids()).solved
 
     @cached_property
     def tangent(self) -> np.ndarray:
         """(A, 3, D) derivatives by the latent, at the mean face, of the points of ``anchors``, in their order."""
-        return self.points_jacobian(self.prior.mean, self.anchors.points)[1]
+        template = self.template
+        points = template.annotation.anchor_ids()
+        given = (template.vertices, template.faces, points, self.mean, self.model_id or self.basis)
+        return kept_arrays("tangent", given, partial(self._tangent_at, points))["tangent"]
+
+    def _tangent_at(self, points: np.ndarray) -> Mapping[str, np.ndarray]:
+        return {"tangent": self.points_jacobian(self.prior.mean, points)[1]}
 
     def prepare(self) -> None:
         """See ShapeModel."""

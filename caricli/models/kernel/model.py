@@ -5,9 +5,7 @@ from functools import partial
 from typing import Self
 
 import numpy as np
-from scipy.linalg import solve
 from scipy.sparse import csr_matrix
-from scipy.spatial import cKDTree
 
 from caricli.geometry.gauss_newton import gauss_newton
 from caricli.geometry.per_column import per_column
@@ -25,8 +23,6 @@ _STEPS = 3
 _JITTER = 1e-4
 # How many shapes the mean face counts for, which is to stay what it is: its own mean would be a less exaggerated face.
 _MEAN_FACES = 1e4
-
-_solve_positive = partial(solve, assume_a="pos")
 
 
 class KernelModel:
@@ -133,7 +129,7 @@ class KernelModel:
         latents = np.linalg.solve(gram[:count, :count], products[..., :count, None])[..., 0]
         for k in np.ndindex(latents.shape[:-1]):
             equations = partial(self._normal_equations, products[k])
-            latents[k] = gauss_newton(latents[k], equations, _STEPS, solve=_solve_positive)
+            latents[k] = gauss_newton(latents[k], equations, _STEPS)
         return latents
 
     def _normal_equations(self, products: np.ndarray, latent: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -152,6 +148,8 @@ def train_process(coefficients: np.ndarray, deviations: np.ndarray, config: Kern
 
     coefficients: (N, D + E) of the training shapes, in standard deviations. deviations: (D + E,) metres.
     """
+    from scipy.linalg import solve
+
     latents, finer = np.split(coefficients, [config.dimension], axis=1)
     # Coarse components matter more. A typical latent has the length 1 / width.
     scale = np.sqrt(deviations[: latents.shape[1]])
@@ -163,7 +161,7 @@ def train_process(coefficients: np.ndarray, deviations: np.ndarray, config: Kern
     at_mean = gaussian_kernel(0 * scale, centres)
     system = kernel.T @ kernel + config.ridge * (between_centres + _JITTER * np.eye(len(centres)))
     system += _MEAN_FACES * np.outer(at_mean, at_mean)
-    return GaussianProcess(scale, centres, _solve_positive(system, kernel.T @ finer))
+    return GaussianProcess(scale, centres, solve(system, kernel.T @ finer, assume_a="pos"))
 
 
 def with_mirror_images(shapes: np.ndarray, mirror: np.ndarray | None) -> np.ndarray:
@@ -178,5 +176,7 @@ def vertex_weights(template: Template, near: float, radius: float) -> np.ndarray
 
     What landmarks see then takes little of the prior's distance to reach.
     """
+    from scipy.spatial import cKDTree
+
     distance, _ = cKDTree(template.vertices[template.annotation.landmarks]).query(template.vertices)
     return 1 + near * np.exp(-((distance / template.height / radius) ** 2))

@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 
 from caricli.errors import InputError
-from caricli.geometry.deformation_gradients import rotation_matrices
 from caricli.geometry.flipped_triangles import flipped_triangles
+from caricli.geometry.rotation_vectors import rotation_matrices
 from caricli.methods.edit.caricaturize_face import caricature_figures, caricaturize_face, exaggeration
 from caricli.methods.faces.encode_face import encode_face
 from caricli.structures import Directions, Face

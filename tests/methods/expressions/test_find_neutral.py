@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
-from caricli.geometry.deformation_gradients import rotation_matrices
 from caricli.geometry.head_rotation import head_rotation
+from caricli.geometry.rotation_vectors import rotation_matrices
 from caricli.geometry.self_intersections import self_intersections
 from caricli.methods.expressions.build_blendshapes import build_blendshapes
 from caricli.methods.expressions.find_neutral import find_neutral

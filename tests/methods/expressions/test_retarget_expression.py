@@ -6,7 +6,7 @@ from scipy.optimize import lsq_linear
 
 from caricli.data.identities import random_identity
 from caricli.errors import InputError
-from caricli.geometry.deformation_gradients import rotation_matrices
+from caricli.geometry.rotation_vectors import rotation_matrices
 from caricli.geometry.similarity import similarity
 from caricli.io.bundled import asset_path
 from caricli.io.strict_json import read_json

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from caricli.errors import CaricliError, InputError
-from caricli.geometry.deformation_gradients import rotation_matrices
+from caricli.geometry.rotation_vectors import rotation_matrices
 from caricli.geometry.similarity import similarity
 from caricli.io.landmarks import read_landmarks
 from caricli.methods.reconstruct.fit_landmarks_intrinsic import fit_landmarks_intrinsic

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.ndimage import binary_erosion
 
-from caricli.geometry.deformation_gradients import rotation_matrices
+from caricli.geometry.rotation_vectors import rotation_matrices
 from caricli.methods.texture.settings import TextureSettings
 from caricli.methods.texture.texture_face import texture_face
 from caricli.render.diffuse_background import diffuse_background
