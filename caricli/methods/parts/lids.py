@@ -58,7 +58,7 @@ class Lids:
 def _held(lids: np.ndarray, shape: np.ndarray, labels: np.ndarray) -> dict[str, np.ndarray]:
     """The root of every lash, and of vertices of lids (N, 3) the numbers of those near it and their distances.
 
-    shape: (W, 3) of the lashes. labels: (W,) the lash of every vertex, from 0 to L - 1. Roots are (L,), the rest (L, k).
+    shape: (W, 3) of the lashes. labels: (W,) the lash of every vertex, from 0 to L - 1. Roots: (L,); the rest: (L, k).
     """
     # Imported here: it takes longer than all of this, which is mostly kept.
     from scipy.spatial import cKDTree
