@@ -16,6 +16,7 @@ import numpy as np
 
 from caricli.geometry.laplacian_deformation import LaplacianDeformation
 from caricli.methods.evaluate.portrait_studio import PortraitStudio
+from caricli.methods.texture.picture_view import Sight
 from caricli.methods.texture.texture_face import texture_face
 from caricli.structures.landmarks import COUNT
 from caricli.template.fine_mesh import fine_mesh
@@ -66,7 +67,7 @@ def time_refining(template, count):
 def time_texturing(template):
     """Seconds to paint the head with a portrait of it."""
     portrait = PortraitStudio(template, PICTURE).portray("head", template.vertices, np.random.default_rng(0))
-    return median(lambda: texture_face(template, portrait.camera, portrait.image, portrait.mask, TEXTURE))
+    return median(lambda: texture_face(template, Sight(portrait.camera, portrait.image, portrait.mask), TEXTURE))
 
 
 def median(work):

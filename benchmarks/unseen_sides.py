@@ -26,6 +26,7 @@ from caricli.data.regular_face import regular_face
 from caricli.data.texture_painter import TexturePainter
 from caricli.geometry.exaggerate_curvature import exaggerate_curvature
 from caricli.geometry.head_rotation import TURNS, head_rotation
+from caricli.methods.texture.picture_view import Sight
 from caricli.methods.texture.settings import TextureSettings
 from caricli.methods.texture.texture_face import texture_face
 from caricli.render.rasterise import rasterise
@@ -202,7 +203,7 @@ def srgb(light):
 
 def errors(sitter, studio, settings):
     """Percent by what is measured."""
-    texture = texture_face(sitter.head, sitter.camera, sitter.image, sitter.mask, TEXTURE, settings).image
+    texture = texture_face(sitter.head, Sight(sitter.camera, sitter.image, sitter.mask), TEXTURE, settings).image
     covered = studio.face >= 0
     row, column = np.nonzero(covered)
     uvs = np.stack([(column + 0.5) / TEXTURE, 1 - (row + 0.5) / TEXTURE], 1)

@@ -28,6 +28,17 @@ def render_textured(
     pixels. paper: sRGB, 0 to 255, behind it and where there is no picture.
     Returns (height, width, 3) uint8.
     """
+    return np.clip(np.round(textured_colours(rig, placed, width, height, paper)), 0, 255).astype(np.uint8)
+
+
+def textured_colours(
+    rig: Rig,
+    placed: np.ndarray,
+    width: int,
+    height: int,
+    paper: float | np.ndarray | Sequence[float] = PAPER,
+) -> np.ndarray:
+    """The same (height, width, 3) float64, not rounded; for the arguments see `render_textured`."""
     faces = rig.faces
     raster = rasterise(placed, faces, width, height)
     shown = raster.face >= 0
@@ -38,7 +49,7 @@ def render_textured(
     colours[triangle_normals(placed, faces)[face, 2] > 0] = INSIDE
     image = np.full((height, width, 3), paper)
     image[shown] = colours
-    return np.clip(np.round(image), 0, 255).astype(np.uint8)
+    return image
 
 
 def _looked_up(
@@ -52,5 +63,5 @@ def _looked_up(
     for material in PICTURED:
         picture = rig.pictures.of(material)
         if picture is not None and (materials == material).any():
-            colours[materials == material] = sample_texture(picture, uvs[materials == material])
+            colours[materials == material] = sample_texture(picture.astype(np.float32), uvs[materials == material])
     return colours

@@ -11,7 +11,7 @@ from caricli.methods.hair.make_shell import make_shell, sink_skull
 from caricli.methods.hair.mask_hair import HairMask, mask_hair
 from caricli.methods.hair.paint_hair import paint_hair
 from caricli.methods.hair.snap_border import snap_border, visible_hair
-from caricli.methods.texture.picture_view import PictureView
+from caricli.methods.texture.picture_view import PictureView, Sight
 from caricli.methods.texture.settings import PaintSettings
 from caricli.structures import Camera, Face, Hair
 from caricli.template.template import Template
@@ -63,7 +63,7 @@ def dress_hair(face: Face, template: Template, image: np.ndarray, settings: Pain
     camera = face.require_camera()
     head = sink_skull(template.with_vertices(face.vertices), camera, mask)
     hair, head = snap_border(make_shell(head, camera, mask), head, camera, mask)
-    view = PictureView(hair.shell, camera, image, mask.pixels, settings.texture)
+    view = PictureView(hair.shell, Sight(camera, image, mask.pixels), settings.texture)
     picture = paint_hair(hair, view, settings.size or _SIZE, np.random.default_rng(settings.seed))
     sunk = replace(face, mesh=face.mesh.with_vertices(head.vertices), residual=None)
     return DressedHair(sunk, hair, picture, mask, overlap(sunk, hair, camera, mask.pixels))

@@ -9,7 +9,7 @@ import scipy.sparse as sp
 from caricli.geometry.cholesky import Cholesky
 from caricli.geometry.triangle_normals import triangle_normals
 from caricli.geometry.vertex_neighbours import vertex_neighbours
-from caricli.methods.texture.picture_view import SeenColours
+from caricli.methods.texture.picture_view import SeenColours, likeness
 from caricli.template.annotation import CAVITIES
 from caricli.template.template import Template
 
@@ -70,9 +70,9 @@ def fill_unseen(
     """
     areas = vertex_areas(head)
     usual = region_colours(head, vertices, areas, settings)
-    other = _unlike(vertices.colours, usual, settings)
+    own = likeness(vertices.colours, usual, settings.other) ** 2
     pockets = head.mask(*CAVITIES, "nostril_left", "nostril_right", "lips")
-    like = np.where(pockets, 1, (1 - other) ** 2)
+    like = np.where(pockets, 1, own)
     hold = settings.hold * vertices.seen**2 * like
     laplacian = sp.csr_matrix(-igl.cotmatrix(head.vertices, head.faces))
     pull = np.where(pockets, 0, areas / (settings.reach * head.height) ** 2) + settings.faint
@@ -85,7 +85,7 @@ def region_colours(head: Template, vertices: SeenColours, areas: np.ndarray, set
     skin = _median(vertices.colours, skin_weights(head, vertices.seen) + 1e-12 * areas)
     usual = np.tile(skin, (len(areas), 1))
     plain = ~head.mask(*FEATURES)
-    other = _unlike(vertices.colours, skin, settings)
+    like = likeness(vertices.colours, skin, settings.other)
     for names in REGIONS:
         region = head.mask(*names)
         if not region.any():
@@ -94,11 +94,11 @@ def region_colours(head: Template, vertices: SeenColours, areas: np.ndarray, set
         proof = settings.proof
         if names == ("scalp",):
             # Hair or skin, never a mixture of both.
-            hairy = seen @ other > settings.hair * seen.sum()
-            seen = seen * (other if hairy else 1 - other) ** 2
+            hairy = seen @ (1 - like) > settings.hair * seen.sum()
+            seen = seen * (1 - like if hairy else like) ** 2
             proof = settings.strand
         else:
-            seen = seen * (1 - other) ** 2
+            seen = seen * like**2
         share = seen.sum() / areas[region].sum()
         own = _median(vertices.colours, seen + 1e-12 * areas * region)
         usual[region] += share / (share + proof) * (own - skin)
@@ -106,12 +106,6 @@ def region_colours(head: Template, vertices: SeenColours, areas: np.ndarray, set
     for _ in range(settings.soft):
         usual = (usual + mean @ usual) / 2
     return usual
-
-
-def _unlike(colours: np.ndarray, usual: np.ndarray, settings: FillSettings) -> np.ndarray:
-    """(N,) from 0 to 1, how far colours (N, 3) are those of another thing than is usual there."""
-    distance = ((colours - usual) ** 2).mean(1) / (255 * settings.other) ** 2
-    return distance / (1 + distance)
 
 
 def _median(colours: np.ndarray, weights: np.ndarray) -> np.ndarray:

@@ -14,6 +14,7 @@ from caricli.methods.rig.add_parts import add_parts
 from caricli.methods.texture.estimate_light import Light
 from caricli.methods.texture.mask_head import mask_head, mesh_pixels
 from caricli.methods.texture.photometric_error import photometric_error
+from caricli.methods.texture.picture_view import Sight
 from caricli.methods.texture.project_picture import project_picture
 from caricli.methods.texture.settings import PaintSettings
 from caricli.methods.texture.texture_face import texture_face
@@ -97,7 +98,7 @@ def paint_head(
     elif head.uvs is None:
         raise InputError("expected a model whose mesh has UVs, found none; --project-uv needs none")
     else:
-        painted = texture_face(head, camera, image, skin, settings.size, settings.texture)
+        painted = texture_face(head, Sight(camera, image, skin, mask), settings.size, settings.texture)
         texture = painted.image
         seen = float(painted.seen[painted.covered].mean())
         light = painted.light

@@ -4,7 +4,7 @@ import numpy as np
 
 from caricli.methods.texture.estimate_light import Light
 from caricli.render.rasterise import rasterise
-from caricli.render.render_textured import render_textured
+from caricli.render.render_textured import textured_colours
 from caricli.render.smooth_normals import smooth_normals
 from caricli.structures import Face, Rig
 
@@ -18,10 +18,10 @@ def photometric_error(rig: Rig, face: Face, image: np.ndarray, mask: np.ndarray,
     """
     height, width = image.shape[:2]
     placed = face.require_camera().place(face.vertices)
-    again = render_textured(rig, placed, width, height).astype(np.float64)
+    again = textured_colours(rig, placed, width, height)
     raster = rasterise(placed, rig.faces, width, height)
     both = mask & (raster.face >= 0)
     if light is not None:
         shade = light.shade(smooth_normals(face.vertices, face.faces))[rig.faces[raster.face[both]]]
         again[both] = np.minimum(again[both] * np.einsum("nk,nkc->nc", raster.barycentric[both], shade), 255)
-    return float(np.abs(again - image)[both].mean() / 255)
+    return float(np.abs(np.round(again[both]) - image[both]).mean() / 255)

@@ -41,30 +41,45 @@ class SeenColours:
         """The same without light, which made them shade (N, 3) times as bright."""
         return SeenColours(self.colours / shade, self.seen)
 
-    def completed(self, other: "SeenColours", weight: float) -> "SeenColours":
-        """With those of the other side where these are hardly seen. weight: of the other side."""
+    def part(self, rows: np.ndarray) -> "SeenColours":
+        """Of the points those of rows (N,) bool."""
+        return SeenColours(self.colours[rows], self.seen[rows])
+
+    def completed(self, other: "SeenColours", weight: float | np.ndarray) -> "SeenColours":
+        """With those of the other side where these are hardly seen. weight: of the other side, of all or (N,)."""
         share = self.seen / np.maximum(self.seen + weight * other.seen, 1e-9)
         colours = share[..., None] * self.colours + (1 - share[..., None]) * other.colours
         return SeenColours(colours, np.maximum(self.seen, other.seen * (1 - share)))
 
 
-class PictureView:
-    """A head in a picture: colours without background, depth, and how near the border of the mask a pixel is."""
+@dataclass(frozen=True, eq=False)
+class Sight:
+    """What a camera saw.
 
-    def __init__(
-        self, head: Mesh, camera: Camera, image: np.ndarray, mask: np.ndarray, settings: TextureSettings
-    ) -> None:
-        """head: Mesh with UVs. image: (H, W, 3) uint8. mask: (H, W) bool, the head."""
+    camera: Camera. image: (H, W, 3) uint8. mask: (H, W) bool, what is to be painted in it. whole: (H, W) bool, that
+    with what is before it and was left out, as hair; None for nothing. Only the border of the whole is an outline.
+    """
+
+    camera: Camera
+    image: np.ndarray
+    mask: np.ndarray
+    whole: np.ndarray | None = None
+
+
+class PictureView:
+    """A head in a picture: colours without background, depth, and how far a pixel is one of the head."""
+
+    def __init__(self, head: Mesh, sight: Sight, settings: TextureSettings) -> None:
+        """head: Mesh with UVs. sight: Sight of it."""
+        camera = sight.camera
+        mask = sight.mask
         self.camera = camera
         self.settings = settings
         self.height = head.height
         assert head.uvs is not None
         self.corners = head.uvs[head.uv_faces]
-        self.pictured = diffuse_background(image, mask)
-        # Texels near the border of the mask would show the outline of the drawing or what is behind it.
-        reach = settings.edge * camera.scale * self.height
-        inside = distance_transform_edt(np.pad(mask, 1))[1:-1, 1:-1]
-        self.inside = np.clip(inside / max(reach, 1.0) - 0.5, 0, 1).astype(np.float32)
+        self.pictured = diffuse_background(sight.image, mask)
+        self.inside = self._inside(mask, mask if sight.whole is None else sight.whole)
         rows, columns = mask.shape
         self.zoom = min(1.0, settings.buffer / max(rows, columns))
         size = (round(columns * self.zoom), round(rows * self.zoom))
@@ -136,6 +151,25 @@ class PictureView:
         sharper[seen] = current
         return sharper
 
+    def _inside(self, mask: np.ndarray, whole: np.ndarray) -> np.ndarray:
+        """(H, W) float32 from 0 to 1, how far pixels show what the mask (H, W) bool is of.
+
+        Near the border of the whole (H, W) a picture may show the outline of the drawing, or what is behind: there
+        counts what looks as that which is nearest to it and farther inside.
+        """
+        reach = max(self.settings.edge * self.camera.scale * self.height, 1.0)
+        depth = distance_transform_edt(np.pad(whole, 1))[1:-1, 1:-1]
+        inside = np.clip(depth / reach - 0.5, 0, 1).astype(np.float32)
+        deep = mask & (inside == 1)
+        rim = mask & ~deep
+        if deep.any() and rim.any():
+            row, column = distance_transform_edt(~deep, return_distances=False, return_indices=True)[:, rim]
+            usual = _blur(self.pictured, deep, reach)[row, column]
+            like = likeness(self.pictured[rim], usual, self.settings.other) ** 2
+            # The outermost pixel is a mixture.
+            inside[rim] = np.maximum(inside[rim], np.clip(depth[rim] - 1, 0, 1) * like)
+        return inside
+
     def _range(self, x: np.ndarray, y: np.ndarray, colours: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Least and largest colours (N, 3) that texels may take: their own, and those of the pixels around."""
         square = np.ones((3, 3), np.uint8)
@@ -146,3 +180,18 @@ class PictureView:
     def _shrunk(self, placed: np.ndarray) -> np.ndarray:
         """Places (N, 3) in the smaller picture; its pixels' centres are whole numbers too."""
         return self.zoom * placed + [(self.zoom - 1) / 2, (self.zoom - 1) / 2, 0]
+
+
+def likeness(colours: np.ndarray, usual: np.ndarray, other: float) -> np.ndarray:
+    """(N,) from 0 to 1, how far colours (N, 3) are those of what has the usual ones (N, 3), 0 to 255.
+
+    other: their difference, of full scale, that makes it one half.
+    """
+    return 1 / (1 + ((colours - usual) ** 2).mean(1) / (255 * other) ** 2)
+
+
+def _blur(image: np.ndarray, mask: np.ndarray, radius: float) -> np.ndarray:
+    """(H, W, 3) means of what of a picture is in a mask (H, W) bool, around its pixels. radius: pixels."""
+    side = 2 * int(radius) + 1
+    share = cv2.blur(mask.astype(np.float32), (side, side))
+    return cv2.blur(image * mask[..., None].astype(np.float32), (side, side)) / np.maximum(share, 1e-6)[..., None]

@@ -16,8 +16,11 @@ class TextureSettings:
     mirrored: how much the other side counts where a texel is seen itself; small, so that sides keep what is theirs.
     behind: share of the head's height that a point may be behind the surface that is seen: rasterising rounds.
     edge: share of the head's height, width of the band inside the mask's border that hardly counts: outlines are there.
+    other: standard deviation of colours, of full scale, from what is farther inside, by which those in that band count
+    as another thing; what is like it counts as much.
     trust: how far a texel must be seen to take nothing but the picture.
-    glimpse: how far a vertex must be seen for what is hardly seen around it to look as it does in the picture.
+    glimpse: how far a vertex must be seen for what is hardly seen around it to look as it does in the picture, and a
+    texel for its own colour to count where this is like what fills it.
     burnt: sRGB from which on a pixel may have been brighter than it is in the picture.
     keep_light: whether light and shade of the picture stay in the texture.
     rounds: of giving back what a rendering blurs; alone: weight that keeps texels which no pixel shows near the others.
@@ -30,6 +33,7 @@ class TextureSettings:
     mirrored: float = 0.08
     behind: float = 0.006
     edge: float = 0.012
+    other: float = 0.08
     trust: float = 0.35
     glimpse: float = 0.01
     burnt: int = 250

@@ -1,5 +1,6 @@
 """A texture from the picture that a face was fitted to (portrait paper, section 3.2.3), right from every side."""
 
+from copy import copy
 from dataclasses import dataclass
 
 import numpy as np
@@ -7,11 +8,10 @@ import scipy.sparse as sp
 
 from caricli.methods.texture.estimate_light import Light, estimate_light
 from caricli.methods.texture.fill_unseen import fill_unseen, skin_weights
-from caricli.methods.texture.picture_view import PictureView, SeenColours, SurfacePoints
+from caricli.methods.texture.picture_view import PictureView, SeenColours, Sight, SurfacePoints, likeness
 from caricli.methods.texture.settings import TextureSettings
 from caricli.render.smooth_normals import smooth_normals
 from caricli.render.uv_map import pad_texture, uv_map
-from caricli.structures import Camera
 from caricli.template.annotation import CAVITIES
 from caricli.template.template import Template
 
@@ -34,25 +34,24 @@ class FaceTexture:
 
 def texture_face(
     head: Template,
-    camera: Camera,
-    image: np.ndarray,
-    mask: np.ndarray,
+    sight: Sight,
     size: int | None = None,
     settings: TextureSettings = TextureSettings(),  # noqa: B008 (frozen)
 ) -> FaceTexture:
     """Paint a face with its picture where the picture shows it, and plausibly elsewhere.
 
-    A texel takes the colour at its projection as far as it is seen, not at a grazing angle, and not near the border of
-    the mask; where it is not, that of its mirror image, if this is; the rest is filled by diffusion over the surface
-    from what is seen. Background never enters: it is replaced by diffused colours of the face first. What a rendering
-    blurs of this is then given back to the texels that are seen.
+    A texel takes the colour at its projection as far as it is seen, not at a grazing angle, and not where an outline
+    may be; where it is not, that of its mirror image, if this is; the rest is filled over the surface from what is
+    seen. What is hardly seen takes its own colour as far as this is like what fills it. Background never enters: it is
+    replaced by diffused colours of the face first. What a rendering blurs of this is then given back to the texels that
+    are seen.
 
-    head: Template with UVs, in the shape of the face. camera: Camera of the picture. image: (H, W, 3) uint8. mask:
-    (H, W) bool, the head. size: texels, width and height; where there is none, the power of two, within limits, with
-    which texels of what is seen are one to two pixels wide, by their median. settings: TextureSettings.
+    head: Template with UVs, in the shape of the face. sight: Sight of it. size: texels, width and height; where there
+    is none, the power of two, within limits, with which texels of what is seen are one to two pixels wide, by their
+    median. settings: TextureSettings.
     Returns FaceTexture.
     """
-    view = PictureView(head, camera, image, mask, settings)
+    view = PictureView(head, sight, settings)
     texels = _Texels(head, size or view.size())
     normals = smooth_normals(head.vertices, head.faces)
     vertices = SurfacePoints(head.vertices, normals, head.mask(*CAVITIES).astype(np.float64))
@@ -60,28 +59,27 @@ def texture_face(
     light = None
     if not settings.keep_light:
         weights = skin_weights(head, usual.seen)
-        light = estimate_light(usual.colours, normals, head.vertices, weights, -camera.rotation[2])
+        light = estimate_light(usual.colours, normals, head.vertices, weights, -sight.camera.rotation[2])
     shade = np.ones_like(normals) if light is None else light.shade(normals)
-    points = texels.points(vertices, texels.corners)
-    own_shade = texels.blend(shade, texels.corners)
+    points, own_shade = texels.points(vertices, shade)
     own = view.look(points)
-    colours = own.unlit(own_shade)
-    usual = usual.unlit(shade)
-    hardly = usual
-    mirror = head.annotation.mirror
-    if mirror is not None:
-        corners = mirror[texels.corners]
-        other = view.look(texels.points(vertices, corners)).unlit(texels.blend(shade, corners))
-        colours = colours.completed(other, settings.mirrored)
-        usual = usual.completed(SeenColours(usual.colours[mirror], usual.seen[mirror]), settings.mirrored)
-    trust = _trust(colours.seen, settings)
-    filled = fill_unseen(head, usual)
-    glimpse = np.clip(hardly.seen / settings.glimpse, 0, 1)[:, None]
-    filled = texels.blend(glimpse * hardly.colours + (1 - glimpse) * filled, texels.corners)
     # What is full white may have been brighter.
     burnt = (own.colours >= settings.burnt) & (own_shade > 1)
-    bare = np.where(burnt, np.maximum(colours.colours, filled), colours.colours)
-    lit = own_shade * (trust * bare + (1 - trust) * filled)
+    rest = (own.seen < settings.trust) | burnt.any(1)
+    hardly = own.unlit(own_shade)
+    colours = hardly.colours.copy()
+    trust = np.ones((len(colours), 1))
+    hardly = hardly.part(rest)
+    both = hardly
+    if head.annotation.mirror is not None:
+        points_there, shade_there = texels.part(rest, head.annotation.mirror).points(vertices, shade)
+        there = view.look(points_there).unlit(shade_there)
+        both = both.completed(there, settings.mirrored * (1 - _trust(both.seen, settings)[:, 0]))
+    trust[rest] = _trust(both.seen, settings)
+    filled = _fill(head, usual.unlit(shade), hardly, texels.part(rest), settings)
+    bare = np.where(burnt[rest], np.maximum(both.colours, filled), both.colours)
+    colours[rest] = trust[rest] * bare + (1 - trust[rest]) * filled
+    lit = own_shade * colours
     owner = texels.owner()
     bright = np.maximum(lit - 255, 0)
     sharp = (view.sharpen(lit - bright, _trust(own.seen, settings), points.places, owner) + bright) / own_shade
@@ -91,30 +89,50 @@ def texture_face(
     return FaceTexture(picture, seen, texels.covered, light)
 
 
+def _fill(
+    head: Template, vertices: SeenColours, hardly: SeenColours, texels: "_Texels", settings: TextureSettings
+) -> np.ndarray:
+    """(N, 3) colours of texels that are hardly seen, themselves and by vertices, without light."""
+    mirror = head.annotation.mirror
+    usual = vertices
+    if mirror is not None:
+        usual = usual.completed(SeenColours(usual.colours[mirror], usual.seen[mirror]), settings.mirrored)
+    glimpse = np.clip(vertices.seen / settings.glimpse, 0, 1)[:, None]
+    filled = texels.mix @ (glimpse * vertices.colours + (1 - glimpse) * fill_unseen(head, usual)).astype(np.float32)
+    like = likeness(hardly.colours, filled, settings.other) * np.clip(hardly.seen / settings.glimpse, 0, 1)
+    return like[:, None] * hardly.colours + (1 - like[:, None]) * filled
+
+
 class _Texels:
-    """The N texels that show a surface: corners (N, 3) of their triangles, and the weights (N, 3) of these."""
+    """The N texels that show a surface of V vertices, and how these mix there: (N, V), sparse."""
 
     def __init__(self, head: Template, size: int) -> None:
         """size: texels, width and height of the texture."""
         face, weights = uv_map(head, size)
         self.covered = face >= 0
-        self.corners = head.faces[face[self.covered]]
-        self.weights = weights[self.covered].astype(np.float64)
-
-    def blend(self, values: np.ndarray, corners: np.ndarray) -> np.ndarray:
-        """(N, C) values of vertices (V, C) between the corners (N, 3)."""
+        corners = head.faces[face[self.covered]]
         ends = np.arange(0, corners.size + 1, 3)
-        return sp.csr_matrix((self.weights.ravel(), corners.ravel(), ends), (len(corners), len(values))) @ values
+        shape = (len(corners), len(head.vertices))
+        self.mix = sp.csr_matrix((weights[self.covered].ravel(), corners.ravel(), ends), shape)
 
-    def points(self, vertices: SurfacePoints, corners: np.ndarray) -> SurfacePoints:
-        """The same between the corners (N, 3) for what is known of the vertices."""
-        pockets = (self.weights * vertices.pockets[corners]).sum(1)
-        return SurfacePoints(self.blend(vertices.places, corners), self.blend(vertices.normals, corners), pockets)
+    def part(self, rows: np.ndarray, mirror: np.ndarray | None = None) -> "_Texels":
+        """Of the texels those of rows (N,) bool, on the other side where there is a mirror map (V,)."""
+        part = copy(self)
+        part.mix = self.mix[rows]
+        if mirror is not None:
+            part.mix.indices = mirror[part.mix.indices].astype(part.mix.indices.dtype)
+        return part
+
+    def points(self, vertices: SurfacePoints, shade: np.ndarray) -> tuple[SurfacePoints, np.ndarray]:
+        """Points and shade (N, 3), of what they are at the vertices."""
+        columns = np.column_stack([vertices.places, vertices.normals, vertices.pockets, shade]).astype(np.float32)
+        values = self.mix @ columns
+        return SurfacePoints(values[:, :3], values[:, 3:6], values[:, 6]), values[:, 7:]
 
     def owner(self) -> np.ndarray:
         """(S, S) the texel, from 0 to N - 1, that each place of the texture shows; beyond the islands the nearest."""
         ids = np.zeros(self.covered.shape, int)
-        ids[self.covered] = np.arange(len(self.corners))
+        ids[self.covered] = np.arange(self.mix.shape[0])
         return pad_texture(ids, self.covered)
 
 

@@ -3,7 +3,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from caricli.methods.texture.estimate_light import Light
 from caricli.methods.texture.photometric_error import photometric_error
+from caricli.render.render_textured import textured_colours
 from caricli.structures import Pictures
 
 
@@ -23,3 +25,14 @@ def test_colours_that_are_off_count_by_how_much_and_only_inside_the_mask(picture
     beside = np.where(pictured.mask[..., None], pictured.image, 0).astype(np.uint8)
     assert photometric_error(pictured.rig, pictured.face, beside, pictured.mask) == 0
     assert photometric_error(pictured.rig, pictured.face, lighter, pictured.mask) > 0
+
+
+def test_light_is_put_back_before_anything_is_rounded(pictured):
+    light = Light(np.eye(9, 1) * [4.0, 3.5, 4.5], np.tile([[0.1], [9.0]], 3), 1.0)
+    height, width = pictured.mask.shape
+    placed = pictured.face.require_camera().place(pictured.face.vertices)
+    unlit = textured_colours(pictured.rig, placed, width, height)
+    lit = np.minimum(unlit * light.shade(np.array([[0.0, 0, 1]])), 255)
+    image = np.where(pictured.mask[..., None], np.round(lit), pictured.image).astype(np.uint8)
+    assert photometric_error(pictured.rig, pictured.face, image, pictured.mask, light) < 1e-5
+    assert photometric_error(pictured.rig, pictured.face, image, pictured.mask) > 0.03
