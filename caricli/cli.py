@@ -60,6 +60,7 @@ COMMANDS = {
     "dataset": (None, "Data", "Build, import or look at a dataset of faces."),
     "dataset build": ("dataset.build", "Data", "Generate caricatures from the open head model."),
     "dataset import": ("dataset.import_", "Data", "Import a folder of registered meshes."),
+    "dataset pictures": ("dataset.pictures", "Data", "Draw pictures of the faces, with all that is known of them."),
     "dataset show": ("dataset.show", "Data", "Draw a contact sheet and print what is in it."),
     "template": (None, "Data", "Export the head that every face is made from."),
     "template export": ("template.export", "Data", "Write the head as a mesh."),

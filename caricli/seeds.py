@@ -22,3 +22,11 @@ class TrainingSeed(IntEnum):
     START = 3
     CODES = 4
     SURFACE = 5
+
+
+class PictureSeed(IntEnum):
+    """Streams of generated pictures, after their seed."""
+
+    ORDER = 0
+    SITTER = 1
+    PICTURE = 2

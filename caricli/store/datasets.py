@@ -5,4 +5,11 @@ from pathlib import Path
 
 def dataset_files(folder: Path) -> list[Path]:
     """The files of a dataset folder, which no output may replace."""
-    return [folder / "dataset.json", *folder.glob("*.npz")]
+    return [*folder.glob("*.json"), *folder.glob("*.npz")]
+
+
+def is_picture_set(folder: Path) -> bool:
+    """Whether a folder is one of pictures; what it is else is for its reader to say."""
+    from caricli.data.picture_set import MANIFEST
+
+    return (folder / MANIFEST).exists()

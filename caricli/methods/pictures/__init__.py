@@ -1,0 +1,1 @@
+"""Pictures of known faces, with all that is known of them."""

@@ -1,0 +1,141 @@
+"""A whole picture: a background, people, what they hold, and what it is made with."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from caricli.methods.pictures.background import random_background
+from caricli.methods.pictures.draw_sitter import Drawing, draw_sitter, random_pose, random_strands
+from caricli.methods.pictures.held import hold_before
+from caricli.methods.pictures.light import Sky, random_sky
+from caricli.methods.pictures.media import MEDIA, to_srgb
+from caricli.methods.pictures.settings import PoseSettings, SceneSettings
+from caricli.methods.pictures.sitter import Sitter
+from caricli.render.sky import DIRECTIONS
+from caricli.structures.parsing import Region
+
+
+@dataclass(frozen=True, eq=False)
+class Shown:
+    """One face in a picture.
+
+    sitter: its number among those who sat. points: (L, 2) pixels. visible: (L,) bool. rotation: (3, 3). scale: pixels a
+    metre. translation: (2,) pixels, where the middle of the head is. perspective: see ``Pose``. light: (9, 3) spherical
+    harmonics in the axes of the camera.
+    """
+
+    sitter: int
+    points: np.ndarray
+    visible: np.ndarray
+    rotation: np.ndarray
+    scale: float
+    translation: np.ndarray
+    perspective: float
+    light: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class Composition:
+    """A picture with all that is known of it.
+
+    image: (S, S, 3) uint8. region: (S, S) uint8 Region. faces: those that it shows, the largest first. medium: a key of
+    MEDIA.
+    """
+
+    image: np.ndarray
+    region: np.ndarray
+    faces: list[Shown]
+    medium: str
+
+
+class Easel:
+    """Where pictures are composed."""
+
+    def __init__(self, size: int, scene: SceneSettings | None = None, poses: PoseSettings | None = None) -> None:
+        """size: pixels, width and height of a picture."""
+        self.size = size
+        self.scene = scene or SceneSettings()
+        self.poses = poses or PoseSettings()
+        self.drawn = round(self.scene.drawn * size)
+
+    def compose(self, sitters: Sequence[Sitter], first: int, generator: np.random.Generator) -> Composition:
+        """Draw one picture. sitters: who may be in it. first: the number of the one who is where there is one alone."""
+        sky = random_sky(generator)
+        image = np.array(random_background(self.drawn, generator))
+        region = np.zeros((self.drawn, self.drawn), np.uint8)
+        drawings = self._people(sitters, first, sky, generator)
+        for _, drawing, away in drawings:
+            shown = drawing.region > 0
+            image[shown] = drawing.colours[shown]
+            region[shown] = drawing.region[shown]
+        faces = [(number, drawing) for number, drawing, away in drawings if not away]
+        if faces and generator.random() < self.scene.held:
+            number, drawing = faces[-1]
+            skin = sitters[number].pieces.colours[0]
+            hold_before(image, region, drawing.points, skin * sky.above, generator)
+        exposed = to_srgb(_exposed(image, region, generator))
+        exposed = cv2.resize(exposed, (self.size, self.size), interpolation=cv2.INTER_AREA)
+        region_small = cv2.resize(region, (self.size, self.size), interpolation=cv2.INTER_NEAREST)
+        names = list(MEDIA)
+        medium = str(generator.choice(names, p=[share for _, share in MEDIA.values()]))
+        finished = MEDIA[medium][0](exposed, region_small, generator)
+        levels = np.round(255 * np.clip(finished, 0, 1)).astype(np.uint8)
+        shown_faces = [self._shown(number, drawing, region, sky) for number, drawing in reversed(faces)]
+        return Composition(levels, region_small, shown_faces, medium)
+
+    def _people(
+        self, sitters: Sequence[Sitter], first: int, sky: Sky, generator: np.random.Generator
+    ) -> list[tuple[int, Drawing, bool]]:
+        """Who is drawn, the smallest first, and who is seen from behind."""
+        scene = self.scene
+        poses = self.poses
+        kind = generator.random()
+        strands = random_strands(generator)
+        if kind < scene.none:
+            chosen = [(first, True)] if generator.random() < scene.away else []
+        elif kind < scene.none + scene.several:
+            count = min(int(generator.integers(2, scene.most + 1)), len(sitters))
+            chosen = [(int(number), False) for number in generator.choice(len(sitters), count, replace=False)]
+        else:
+            chosen = [(first, False)]
+        drawings = []
+        for number, away in chosen:
+            filled = generator.uniform(*poses.filled)
+            size = generator.random()
+            if len(chosen) > 1:
+                filled *= generator.uniform(0.3, 0.7)
+            elif size < poses.small:
+                filled = np.exp(generator.uniform(*np.log(poses.small_filled)))
+            elif size < poses.small + poses.close:
+                filled = generator.uniform(*poses.close_filled)
+            spread = PoseSettings(**(vars(poses) | {"aside": 0.32})) if len(chosen) > 1 else poses
+            pose = random_pose(sitters[number], self.drawn, filled, generator, spread, away)
+            drawings.append((number, draw_sitter(sitters[number], pose, self.drawn, sky, generator, strands), away))
+        return sorted(drawings, key=lambda each: each[1].pose.scale)
+
+    def _shown(self, number: int, drawing: Drawing, region: np.ndarray, sky: Sky) -> Shown:
+        """The face in the pixels of the finished picture; what others or things hide of it is not visible."""
+        at = np.clip(np.round(drawing.points).astype(int), 0, self.drawn - 1)
+        same = region[at[:, 1], at[:, 0]] == drawing.region[at[:, 1], at[:, 0]]
+        scale = self.size / self.drawn
+        pose = drawing.pose
+        return Shown(
+            number,
+            (drawing.points + 0.5) * scale - 0.5,
+            drawing.visible & same,
+            pose.rotation,
+            pose.scale * scale,
+            (pose.translation + 0.5) * scale - 0.5,
+            pose.perspective,
+            sky.harmonics(DIRECTIONS),
+        )
+
+
+def _exposed(image: np.ndarray, region: np.ndarray, generator: np.random.Generator) -> np.ndarray:
+    """The picture as bright as pictures are, more or less."""
+    lit = image[(region == Region.SKIN) | (region == Region.NOSE)]
+    bright = np.percentile(lit.max(1), 80) if len(lit) > 50 else 0.6
+    target = generator.uniform(0.35, 0.95) if generator.random() < 0.8 else generator.uniform(0.08, 1.3)
+    return image * np.clip(target / max(bright, 0.02), 0.3, 6.0)

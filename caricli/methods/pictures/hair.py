@@ -1,0 +1,162 @@
+"""Hair, hats and beards that people wear in pictures."""
+
+import numpy as np
+
+from caricli.methods.hair.head_sphere import HeadSphere
+from caricli.methods.pictures.background import random_colour
+from caricli.methods.pictures.piece import Piece, make_piece
+from caricli.methods.pictures.settings import SitterSettings
+from caricli.render.paint import smooth_step
+from caricli.structures.parsing import Region
+
+COLUMNS = 72
+ROWS = 22
+"""Of quads of a shell, around the head and from the whorl to its edge."""
+
+_UNDER = 0.01  # of the head's height: how far below the skin a shell ends
+_STRANDS = 3.0  # pictures of strands around a head
+
+
+def random_wig(
+    sphere: HeadSphere, colour: np.ndarray, generator: np.random.Generator, settings: SitterSettings
+) -> tuple[Piece, np.ndarray]:
+    """Draw a head of hair: short, a bob or long, with a fringe or without, smooth or curly.
+
+    colour: linear light. Returns a Piece, and how thick hair is on a map (R, C) of the sphere, metres.
+    """
+    height = sphere.head.height
+    fringe, sides, back = (generator.uniform(*limits) for limits in (settings.fringe, settings.sides, settings.back))
+    edge = np.radians(np.interp(_away(sphere.longitudes), [0, 0.28, 0.5, 1], [fringe, fringe + 4, sides, back]))
+    parting = generator.uniform(-0.5, 0.5)
+    edge += np.radians(generator.uniform(0, 16)) * np.sin(sphere.longitudes - parting) * (_front(sphere) > 0)
+    edge += np.radians(generator.uniform(0, 5)) * np.sin(generator.integers(5, 25) * sphere.longitudes)
+    thick = generator.uniform(*settings.thickness) * height
+    curls = generator.uniform(0, 0.35) if generator.random() < 0.5 else 0.0
+    lumps = _lumps(sphere, generator)
+    thickness = thick * np.maximum(0.4 + 0.6 * np.cos(sphere.angles / 1.6)[:, None], 0.25) * (1 + curls * lumps)
+    total = _fall(sphere, sphere.radii + thickness)
+    tone = colour * generator.uniform(0.6, 1.25)
+    return _shell(sphere, total, edge, Region.HAIR, tone, generator.uniform(0.05, 0.3)), total - sphere.radii
+
+
+def random_hat(
+    sphere: HeadSphere, thickness: np.ndarray | float, generator: np.random.Generator
+) -> tuple[list[Piece], np.ndarray]:
+    """Draw a cap with a peak, a hat with a brim, or a beanie. thickness: of the hair below it, metres.
+
+    Returns Pieces, and the angles (C,) at which it ends.
+    """
+    height = sphere.head.height
+    front = np.radians(generator.uniform(48, 74))
+    back = np.radians(generator.uniform(70, 108))
+    edge = front + (back - front) * _away(sphere.longitudes)
+    kind = generator.choice(["cap", "hat", "beanie"])
+    crown = height * (generator.uniform(0.1, 0.4) if kind == "hat" else generator.uniform(0.0, 0.1))
+    up = np.clip(_ways(sphere)[..., 1], 0, 1)
+    total = sphere.radii + np.minimum(thickness, 0.04 * height) + 0.02 * height + crown * up**2
+    colour = random_colour(generator)
+    shell = _shell(sphere, total, edge, Region.HAT, colour, 0.05)
+    pieces = [Piece(**(vars(shell) | {"strands": np.full((len(shell.vertices), 2), np.nan)}))]
+    if kind != "beanie":
+        reach = height * generator.uniform(0.12, 0.4)
+        ahead = np.clip(1.3 * _front(sphere), 0, 1) ** 0.5 if kind == "cap" else np.ones_like(_front(sphere))
+        pieces.append(_brim(sphere, total, edge, reach * ahead, colour * generator.uniform(0.6, 1.0)))
+    return pieces, edge
+
+
+def random_beard(
+    skin: Piece, normals: np.ndarray, grown: np.ndarray, colour: np.ndarray, thickness: float
+) -> Piece | None:
+    """A beard that stands off the skin where it grows.
+
+    skin: Piece. normals: (W, 3). grown: (W,) from 0 to 1. thickness: metres.
+    Returns a Piece, None where nothing grows.
+    """
+    faces = skin.faces[(grown[skin.faces] > 0.05).all(1)]
+    if not len(faces):
+        return None
+    hanging = np.array([0, -0.6, 0.2])
+    lift = thickness * smooth_step(grown, 0.05, 0.9)
+    vertices = skin.vertices + lift[:, None] * (normals + hanging) - 0.1 * thickness * normals
+    used, numbers = np.unique(faces, return_inverse=True)
+    size = np.ptp(skin.vertices[:, 1])
+    strands = np.stack([vertices[used, 0] / size * 9, vertices[used, 1] / size * 2], 1)
+    return make_piece(vertices[used], numbers.reshape(-1, 3), Region.BEARD, colour, 0.05, strands)
+
+
+def _away(longitudes: np.ndarray) -> np.ndarray:
+    """How far directions are from the face around the whorl, 0 to 1."""
+    return np.abs((longitudes + np.pi) % (2 * np.pi) - np.pi) / np.pi
+
+
+def _front(sphere: HeadSphere) -> np.ndarray:
+    """(C,) how far longitudes look to where the face looks, -1 to 1."""
+    return np.cos(sphere.longitudes)
+
+
+def _ways(sphere: HeadSphere) -> np.ndarray:
+    """(R, C, 3) directions of the sphere's grid in the axes of the face."""
+    return sphere.directions(*np.meshgrid(sphere.longitudes, sphere.angles))
+
+
+def _lumps(sphere: HeadSphere, generator: np.random.Generator) -> np.ndarray:
+    """(R, C) smooth noise on the sphere."""
+    ways = _ways(sphere)
+    waves = generator.normal(0, 9, (12, 3))
+    return np.cos(ways @ waves.T + generator.uniform(0, 2 * np.pi, 12)).mean(-1) * np.sqrt(12 * 2) / 2
+
+
+def _fall(sphere: HeadSphere, total: np.ndarray) -> np.ndarray:
+    """Radii with which hair falls straight from where the head is widest, and does not follow the neck."""
+    ways = _ways(sphere)
+    aside = np.hypot(ways[..., 0], np.minimum(ways[..., 2], 0))
+    widest = np.maximum.accumulate(np.where(ways[..., 1] > -0.1, total * aside, 0), axis=0)
+    low = (ways[..., 1] < -0.05) & (ways[..., 2] < 0.45)
+    return np.where(low, np.maximum(total, 0.96 * widest / np.maximum(aside, 0.35)), total)
+
+
+def _shell(
+    sphere: HeadSphere, total: np.ndarray, edge: np.ndarray, region: Region, colour: np.ndarray, gloss: float
+) -> Piece:
+    """A surface from the whorl to an edge (C,) of the sphere, its radii (R, C), closing towards the skin there."""
+    turns = 2 * np.pi * np.arange(COLUMNS) / COLUMNS
+    ends = np.interp(turns, sphere.longitudes, edge, period=2 * np.pi)
+    share = np.sin(np.pi / 2 * np.arange(1, ROWS + 1) / ROWS)
+    angles = share[:, None] * ends
+    around = np.broadcast_to(turns, angles.shape)
+    skin = sphere.sample(sphere.radii, around, angles)
+    thickness = sphere.sample(total, around, angles) - skin
+    left = (1 - share)[:, None] * ends / np.radians(14)
+    radii = skin + thickness * np.sqrt(np.clip(left, 0, 1))
+    radii[-1] = skin[-1] - _UNDER * sphere.head.height
+    top = sphere.points(np.zeros(1), np.zeros(1), sphere.sample(total, np.zeros(1), np.zeros(1)))
+    points = np.concatenate([top, sphere.points(around, angles, radii).reshape(-1, 3)])
+    across = np.append(0, np.broadcast_to(_STRANDS * np.arange(COLUMNS) / COLUMNS, angles.shape).ravel())
+    strands = np.stack([across, np.append(0, np.repeat(share, COLUMNS))], 1)
+    return make_piece(points, _net(ROWS, COLUMNS), region, colour, gloss, strands)
+
+
+def _brim(sphere: HeadSphere, total: np.ndarray, edge: np.ndarray, reach: np.ndarray, colour: np.ndarray) -> Piece:
+    """A ring that leaves an edge (C,) of a hat outwards, so far (C,), metres."""
+    inside = sphere.points(sphere.longitudes, edge, 0.97 * sphere.sample(total, sphere.longitudes, edge))
+    outward = inside - sphere.middle
+    outward[:, 1] = 0
+    outward /= np.maximum(np.linalg.norm(outward, axis=1, keepdims=True), 1e-9)
+    outside = inside + reach[:, None] * (outward + [0, -0.18, 0])
+    count = len(edge)
+    ring = np.arange(count)
+    after = np.roll(ring, -1)
+    quads = np.stack([ring, ring + count, after + count, after], 1)
+    faces = np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
+    piece = make_piece(np.concatenate([inside, outside]), faces, Region.HAT, colour)
+    return Piece(**(vars(piece) | {"thin": True}))
+
+
+def _net(rows: int, columns: int) -> np.ndarray:
+    """Triangles of a fan around the first vertex and rings after it."""
+    rings = 1 + np.arange(rows * columns).reshape(rows, columns)
+    after = np.roll(rings, -1, axis=1)
+    fan = np.stack([np.zeros(columns, int), rings[0], after[0]], 1)
+    first = np.stack([rings[:-1], rings[1:], after[1:]], -1).reshape(-1, 3)
+    second = np.stack([rings[:-1], after[1:], after[:-1]], -1).reshape(-1, 3)
+    return np.concatenate([fan, first, second])
