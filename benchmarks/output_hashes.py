@@ -29,6 +29,7 @@ template export open.obj --open-mouth
 dataset build dataset --identities 4 --expressions 3 --levels 2 --seed 5 --workers 2 --albedo 2 --albedo-size 32
 dataset build drawn --count 6 --identities 5 --workers 2
 dataset show dataset -o show.png --faces 4 --size 48
+dataset pictures drawn drawings --count 6 --size 96 --workers 2
 sample --out-dir sampled --count 3 --seed 3 --subdivide 1
 sample --out-dir plain --count 3 --seed 4
 dataset import plain imported --annotation annotation.json

@@ -1,7 +1,7 @@
 """A folder of pictures with all that is known of them."""
 
 import io
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -111,7 +111,7 @@ class PictureWriter:
         for name in ("pictures", "labels"):
             (folder / name).mkdir(parents=True)
 
-    def add(self, image: bytes, labels: bytes, medium: str, faces: list[Mapping[str, Any]]) -> None:
+    def add(self, image: bytes, labels: bytes, medium: str, faces: Sequence[Mapping[str, Any]]) -> None:
         """Write one picture. image: JPEG. labels: PNG. faces: COLUMNS but ``picture``."""
         write_bytes(self.folder / picture_name(self.count), image)
         write_bytes(self.folder / labels_name(self.count), labels)

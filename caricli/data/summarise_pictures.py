@@ -14,13 +14,17 @@ def summarise_pictures(pictures: PictureSet) -> list[str]:
     truth = pictures.truth
     faces = np.bincount(truth["picture"], minlength=pictures.count)
     media = Counter(pictures.media).most_common()
-    size = truth["landmarks"].max(1) - truth["landmarks"].min(1) if len(truth["picture"]) else np.zeros((1, 2))
+    if len(truth["picture"]):
+        low, high = np.percentile(np.ptp(truth["landmarks"], axis=1).max(1), (5, 95))
+        seen = 100 * truth["visible"].mean()
+        shown = [f"landmarks: boxes of {low:.0f} to {high:.0f} pixels (5 to 95 %), {seen:.1f} % visible"]
+    else:
+        shown = []
     counts = (f"{len(pictures.pictures_of(split))} {split}" for split in SPLITS)
     return [
         f"pictures: {pictures.count}, of {len(np.unique(truth['person']))} people",
         f"faces: {faces.sum()}; none in {(faces == 0).sum()} pictures, several in {(faces > 1).sum()}",
-        f"landmarks' boxes: {np.percentile(size.max(1), 5):.0f} to {np.percentile(size.max(1), 95):.0f} pixels (5 to 95 %)",
-        f"visible landmarks: {100 * truth['visible'].mean() if truth['visible'].size else 0:.1f} %",
+        *shown,
         f"splits: {', '.join(counts)}",
         f"made as: {', '.join(f'{count} {medium}' for medium, count in media)}",
     ]

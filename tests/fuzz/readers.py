@@ -20,6 +20,8 @@ from caricli.data.dataset import MANIFEST, SCHEMA, read_albedos, read_dataset
 from caricli.data.expressions import read_expressions
 from caricli.data.import_dataset import read_labels
 from caricli.data.mesh_names import read_mesh_name
+from caricli.data.picture_set import read_picture_set
+from caricli.data.summarise_pictures import summarise_pictures
 from caricli.io.checkpoint import read_checkpoint, write_checkpoint
 from caricli.io.config import read_config
 from caricli.io.cues import read_cues
@@ -332,6 +334,38 @@ def _read_bundle(path: Path) -> None:
     read_dataset(folder)
 
 
+def _pictures_bundle(path: Path) -> None:
+    """The truth of a folder of pictures, and its manifest as text."""
+    faces = 3
+    arrays = {
+        "picture": np.array([0, 0, 2], np.int32),
+        "landmarks": np.zeros((faces, 4, 2), np.float32),
+        "visible": np.ones((faces, 4), bool),
+        **{name: np.arange(faces, dtype=np.int32) for name in ("person", "expression", "level")},
+        **{name: np.ones(faces, np.float32) for name in ("scale", "perspective")},
+        "rotation": np.ones((faces, 3, 3), np.float32),
+        "translation": np.ones((faces, 2), np.float32),
+        "light": np.ones((faces, 9, 3), np.float32),
+        "coefficients": np.ones((faces, 5), np.float32),
+    }
+    splits = {"train": [0, 1], "validation": [2], "test": [3]}
+    manifest = {"schema": "caricli.pictures/1", "count": 3, "media": ["flat"] * 3, "splits": splits, "truth": {}}
+    write_npz(path, arrays | {"manifest": np.array(json.dumps(manifest))})
+
+
+def _read_pictures(path: Path) -> None:
+    """Make the folder that a bundle stands for, its hash right, and read and describe it."""
+    arrays = read_npz(path)
+    folder = path.with_name("pictures")
+    folder.mkdir(exist_ok=True)
+    manifest = parse_json(str(arrays.pop("manifest", "{}")).encode(), "manifest")
+    write_npz(folder / "truth.npz", arrays)
+    if isinstance(manifest, dict) and isinstance(manifest.get("truth"), dict):
+        manifest["truth"]["sha256"] = sha256_file(folder / "truth.npz")
+    write_json(folder / "pictures.json", manifest)
+    summarise_pictures(read_picture_set(folder))
+
+
 def _entries(manifest: Any) -> list[dict]:
     values = list(manifest.values()) if isinstance(manifest, dict) else []
     shards = [value for value in values if isinstance(value, list)]
@@ -417,6 +451,7 @@ def _all() -> list[Reader]:
         Reader("any.safetensors", read_checkpoint, (_write_map,)),
         Reader("state.pt", read_state, (_state,), mutate_members),
         Reader("dataset.npz", _read_bundle, (_dataset_bundle,), _mutate_bundle),
+        Reader("pictures.npz", _read_pictures, (_pictures_bundle,), _mutate_bundle),
         Reader("marks.json", read_landmarks, (lambda path: write_landmarks(path, MARKS),), mutate_json),
         Reader("marks.pts", read_landmarks, (lambda path: write_landmarks(path, MARKS),)),
         Reader("marks.txt", read_landmarks, (_text(_LINES),)),

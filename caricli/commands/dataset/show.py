@@ -13,7 +13,9 @@ from caricli.io.outputs import staged
 @click.argument("dataset", type=PATH)
 @out_option("PNG", "Draw some at random on this contact sheet.", required=False, suffix=".png")
 @click.option("--faces", type=WholeRange(1, 400), default=35, metavar="N", help="Draw N on the sheet.")
-@click.option("--size", type=WholeRange(32, 1024), default=200, metavar="PIXELS", help="Draw views of meshes this wide and high.")
+@click.option(
+    "--size", type=WholeRange(32, 1024), default=200, metavar="PIXELS", help="Draw views of meshes this wide and high."
+)
 @seed_option
 @overwrite_option
 def command(dataset, out, faces, size, seed, overwrite):

@@ -16,7 +16,9 @@ def random_background(size: int, generator: np.random.Generator) -> np.ndarray:
     image = _gradient(size, base, generator)
     for _ in range(generator.integers(0, 4)):
         clouds = blob_noise(size, float(generator.choice([0.03, 0.08, 0.2, 0.4])), generator)
-        image = image + clouds[..., None] * (generator.normal(0, 0.08) + generator.normal(0, 0.04, 3)).astype(np.float32)
+        image = image + clouds[..., None] * (generator.normal(0, 0.08) + generator.normal(0, 0.04, 3)).astype(
+            np.float32
+        )
     image = np.clip(image, 0, 1).astype(np.float32)
     if kind > 0.5:
         # Letters can be drawn in whole numbers alone.

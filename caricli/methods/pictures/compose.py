@@ -1,16 +1,17 @@
 """A whole picture: a background, people, what they hold, and what it is made with."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
 
 from caricli.methods.pictures.background import random_background
-from caricli.methods.pictures.draw_sitter import Drawing, draw_sitter, random_pose, random_strands
+from caricli.methods.pictures.draw_sitter import Drawing, draw_sitter, random_strands
 from caricli.methods.pictures.held import hold_before
 from caricli.methods.pictures.light import Sky, random_sky
 from caricli.methods.pictures.media import MEDIA, to_srgb
+from caricli.methods.pictures.pose import random_pose
 from caricli.methods.pictures.settings import PoseSettings, SceneSettings
 from caricli.methods.pictures.sitter import Sitter
 from caricli.render.sky import DIRECTIONS
@@ -65,55 +66,65 @@ class Easel:
         sky = random_sky(generator)
         image = np.array(random_background(self.drawn, generator))
         region = np.zeros((self.drawn, self.drawn), np.uint8)
-        drawings = self._people(sitters, first, sky, generator)
-        for _, drawing, away in drawings:
+        people = self._people(sitters, first, sky, generator)
+        for _, drawing, _ in people:
             shown = drawing.region > 0
             image[shown] = drawing.colours[shown]
             region[shown] = drawing.region[shown]
-        faces = [(number, drawing) for number, drawing, away in drawings if not away]
+        faces = [(number, drawing) for number, drawing, away in people if not away]
         if faces and generator.random() < self.scene.held:
             number, drawing = faces[-1]
-            skin = sitters[number].pieces.colours[0]
-            hold_before(image, region, drawing.points, skin * sky.above, generator)
-        exposed = to_srgb(_exposed(image, region, generator))
-        exposed = cv2.resize(exposed, (self.size, self.size), interpolation=cv2.INTER_AREA)
-        region_small = cv2.resize(region, (self.size, self.size), interpolation=cv2.INTER_NEAREST)
-        names = list(MEDIA)
-        medium = str(generator.choice(names, p=[share for _, share in MEDIA.values()]))
-        finished = MEDIA[medium][0](exposed, region_small, generator)
-        levels = np.round(255 * np.clip(finished, 0, 1)).astype(np.uint8)
+            hold_before(image, region, drawing.points, sitters[number].pieces.colours[0] * sky.above, generator)
+        medium = str(generator.choice(list(MEDIA), p=[share for _, share in MEDIA.values()]))
+        finished, labels = self._finish(image, region, medium, generator)
         shown_faces = [self._shown(number, drawing, region, sky) for number, drawing in reversed(faces)]
-        return Composition(levels, region_small, shown_faces, medium)
+        return Composition(finished, labels, shown_faces, medium)
+
+    def _finish(
+        self, image: np.ndarray, region: np.ndarray, medium: str, generator: np.random.Generator
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """The picture (S, S, 3) uint8 and its Regions in the size that was asked for."""
+        sides = (self.size, self.size)
+        exposed = cv2.resize(to_srgb(_exposed(image, region, generator)), sides, interpolation=cv2.INTER_AREA)
+        labels = cv2.resize(region, sides, interpolation=cv2.INTER_NEAREST)
+        drawn = MEDIA[medium][0](exposed, labels, generator)
+        return np.round(255 * np.clip(drawn, 0, 1)).astype(np.uint8), labels
 
     def _people(
         self, sitters: Sequence[Sitter], first: int, sky: Sky, generator: np.random.Generator
     ) -> list[tuple[int, Drawing, bool]]:
         """Who is drawn, the smallest first, and who is seen from behind."""
         scene = self.scene
-        poses = self.poses
         kind = generator.random()
         strands = random_strands(generator)
-        if kind < scene.none:
-            chosen = [(first, True)] if generator.random() < scene.away else []
+        away = kind < scene.none
+        chosen = [first]
+        poses = self.poses
+        if away:
+            chosen = chosen if generator.random() < scene.away else []
+            poses = replace(poses, around=180)
         elif kind < scene.none + scene.several:
             count = min(int(generator.integers(2, scene.most + 1)), len(sitters))
-            chosen = [(int(number), False) for number in generator.choice(len(sitters), count, replace=False)]
-        else:
-            chosen = [(first, False)]
+            chosen = generator.choice(len(sitters), count, replace=False).tolist()
+            poses = replace(poses, aside=poses.apart)
         drawings = []
-        for number, away in chosen:
-            filled = generator.uniform(*poses.filled)
-            size = generator.random()
-            if len(chosen) > 1:
-                filled *= generator.uniform(0.3, 0.7)
-            elif size < poses.small:
-                filled = np.exp(generator.uniform(*np.log(poses.small_filled)))
-            elif size < poses.small + poses.close:
-                filled = generator.uniform(*poses.close_filled)
-            spread = PoseSettings(**(vars(poses) | {"aside": 0.32})) if len(chosen) > 1 else poses
-            pose = random_pose(sitters[number], self.drawn, filled, generator, spread, away)
-            drawings.append((number, draw_sitter(sitters[number], pose, self.drawn, sky, generator, strands), away))
+        for number in chosen:
+            filled = self._filled(len(chosen), generator)
+            pose = random_pose(sitters[number].skin, self.drawn, filled, generator, poses)
+            drawing = draw_sitter(sitters[number], pose, self.drawn, sky, strands, generator)
+            drawings.append((number, drawing, away))
         return sorted(drawings, key=lambda each: each[1].pose.scale)
+
+    def _filled(self, count: int, generator: np.random.Generator) -> float:
+        """Share of the picture's side that a face fills, one of so many."""
+        poses = self.poses
+        usual = generator.uniform(*poses.filled)
+        if count > 1:
+            return usual * generator.uniform(0.3, 0.7)
+        kind = generator.random()
+        if kind < poses.small:
+            return float(np.exp(generator.uniform(*np.log(poses.small_filled))))
+        return generator.uniform(*poses.close_filled) if kind < poses.small + poses.close else usual
 
     def _shown(self, number: int, drawing: Drawing, region: np.ndarray, sky: Sky) -> Shown:
         """The face in the pixels of the finished picture; what others or things hide of it is not visible."""

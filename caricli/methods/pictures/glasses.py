@@ -17,7 +17,7 @@ def random_glasses(marks: np.ndarray, dark: bool, generator: np.random.Generator
     """
     right = marks[list(EYE_RIGHT)].mean(0)
     left = marks[list(EYE_LEFT)].mean(0)
-    apart = np.linalg.norm(left - right)
+    apart = float(np.linalg.norm(left - right))
     across = (left - right) / apart
     up = np.cross([0.0, 0.0, 1.0], across)
     near = marks[[*EYES, *BROWS, 27, 28]]
@@ -50,9 +50,7 @@ def _superellipse(width: float, height: float, power: float) -> np.ndarray:
     """(SEGMENTS, 2) points of a superellipse of half so wide and high."""
     turn = 2 * np.pi * np.arange(SEGMENTS) / SEGMENTS
     x, y = np.cos(turn), np.sin(turn)
-    return np.stack(
-        [width * np.sign(x) * np.abs(x) ** (2 / power), height * np.sign(y) * np.abs(y) ** (2 / power)], 1
-    )
+    return np.stack([width * np.sign(x) * np.abs(x) ** (2 / power), height * np.sign(y) * np.abs(y) ** (2 / power)], 1)
 
 
 def _band(outer: np.ndarray, inner: np.ndarray, colour: np.ndarray, closed: bool = True) -> Piece:

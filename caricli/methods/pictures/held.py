@@ -51,15 +51,17 @@ def _hand(mask: np.ndarray, wrist: np.ndarray, length: float, generator: np.rand
         ends.append((base, tip, 0.12))
     ends.append((palm, palm + 0.4 * length * (0.6 * forward - generator.choice([-1, 1]) * aside), 0.14))
     for start, end, width in ends:
-        places = [tuple(int(value) for value in np.round(point)) for point in (start, end)]
-        cv2.line(mask, *places, 255, max(1, round(width * length)), cv2.LINE_AA)
-    cv2.circle(mask, tuple(int(value) for value in np.round(palm)), max(1, round(0.27 * length)), 255, -1, cv2.LINE_AA)
+        cv2.line(mask, _pixel(start), _pixel(end), 255, max(1, round(width * length)), cv2.LINE_AA)
+    cv2.circle(mask, _pixel(palm), max(1, round(0.27 * length)), 255, -1, cv2.LINE_AA)
 
 
 def _stick(mask: np.ndarray, head: np.ndarray, radius: float, generator: np.random.Generator) -> None:
     """A ball on a handle."""
     turn = np.pi / 2 + generator.normal(0, 0.5)
     end = head + 5 * radius * np.array([np.cos(turn), np.sin(turn)])
-    places = [tuple(int(value) for value in np.round(point)) for point in (head, end)]
-    cv2.line(mask, *places, 255, max(1, round(1.1 * radius)), cv2.LINE_AA)
-    cv2.circle(mask, places[0], max(1, round(radius)), 255, -1, cv2.LINE_AA)
+    cv2.line(mask, _pixel(head), _pixel(end), 255, max(1, round(1.1 * radius)), cv2.LINE_AA)
+    cv2.circle(mask, _pixel(head), max(1, round(radius)), 255, -1, cv2.LINE_AA)
+
+
+def _pixel(point: np.ndarray) -> tuple[int, int]:
+    return round(float(point[0])), round(float(point[1]))

@@ -12,7 +12,7 @@ class Sky:
     """Where light comes from, in the axes of the camera (x right, y down, z into the picture).
 
     ways: (L, 3) unit, towards lamps. colours: (L, 3) linear light. sharpness: (L,) of their cosine lobes.
-    above, below: (3,) linear light of the sky and of the ground. wrap: how far light goes round edges, 0 to 1.
+    above, below: (3,) linear light of the sky and of the ground.
     """
 
     ways: np.ndarray
@@ -20,6 +20,12 @@ class Sky:
     sharpness: np.ndarray
     above: np.ndarray
     below: np.ndarray
+
+    @property
+    def half(self) -> np.ndarray:
+        """(3,) unit, the normal of what mirrors the first lamp into the camera."""
+        way: np.ndarray = self.ways[0] + np.array([0, 0, -1])
+        return way / max(float(np.linalg.norm(way)), 1e-6)
 
     def radiance(self, directions: np.ndarray) -> np.ndarray:
         """(D, 3) linear light from directions (D, 3) in the camera's axes."""
@@ -42,7 +48,7 @@ def random_sky(generator: np.random.Generator) -> Sky:
     fill = generator.normal(size=3)
     fill[2] = -abs(fill[2])
     rim = np.array([generator.choice([-1.0, 1.0]), generator.normal(-0.2, 0.4), generator.uniform(0.1, 0.6)])
-    ways = np.stack([way / max(np.linalg.norm(way), 1e-6) for way in (key, fill, rim)])
+    ways = np.stack([way / max(float(np.linalg.norm(way)), 1e-6) for way in (key, fill, rim)])
     soft = generator.random() < 0.3
     strengths = np.array(
         [

@@ -7,11 +7,10 @@ from dataclasses import dataclass
 class SitterSettings:
     """What people wear. Lengths are shares of the head's height, where nothing else is said.
 
-    bald, shaved: of hair: none, or painted on the scalp alone. thickness: of hair over the skull. fringe, sides, back:
-    degrees from the whorl to where hair ends over the forehead, beside the face and behind. bold_fringe: chance that it
-    covers the forehead. hat, glasses, dark, beard, wrinkled, lashes: chances; dark: of the glasses.
-    beard_thickness: of a full beard. twisted: chance that the mouth or an eye is pulled to one side.
-    painted: chance that a scalp without a shell is painted with hair.
+    bald, shaved: of hair: none, or painted on the scalp alone. thickness: of hair over the skull.
+    fringe, sides, back: degrees from the whorl to where hair ends over the forehead, beside the face and behind.
+    hat, glasses, dark, beard, wrinkled, lashes: chances; dark: of the glasses. beard_thickness: of a full beard.
+    twisted: chance that the mouth or an eye is pulled to one side.
     """
 
     bald: float = 0.12
@@ -35,10 +34,12 @@ class PoseSettings:
     """How heads stand in pictures.
 
     yaw, pitch, roll: standard deviations, degrees; farthest: the most of yaw. turned: chance of a yaw from anywhere
-    within the most. rolled: chance of a roll of up to ``roll_far``. perspective: share by which what is a head's height
-    nearer is larger, at most. filled: longer side of the landmarks' box as a share of the picture's. close, small:
-    chances of faces that go beyond the picture's edges, and of small ones; their shares. aside: how far its middle is
-    off, of the picture's side.
+    within the most. around: degrees that are added to it; 180 show a head from behind. rolled: chance of a roll of up
+    to ``roll_far``.
+    perspective: share by which what is a head's height nearer is larger, at most.
+    filled: longer side of the landmarks' box as a share of the picture's. close, small: chances of faces that go beyond
+    the picture's edges, and of small ones; their shares. aside: how far its middle is off, of the picture's side;
+    apart: the same where there are several.
     """
 
     yaw: float = 20
@@ -46,6 +47,7 @@ class PoseSettings:
     roll: float = 9
     farthest: float = 65
     turned: float = 0.2
+    around: float = 0
     rolled: float = 0.12
     roll_far: float = 45
     perspective: float = 0.35
@@ -55,6 +57,7 @@ class PoseSettings:
     small: float = 0.15
     small_filled: tuple[float, float] = (0.085, 0.35)
     aside: float = 0.12
+    apart: float = 0.32
 
 
 @dataclass(frozen=True)

@@ -11,6 +11,7 @@ from caricli.methods.hair.settings import ShellSettings
 from caricli.methods.parts.attachment import attachment_for
 from caricli.methods.parts.shoulders import add_shoulders
 from caricli.methods.pictures.background import random_colour
+from caricli.methods.pictures.eyes import Eyes
 from caricli.methods.pictures.glasses import random_glasses
 from caricli.methods.pictures.hair import random_beard, random_hat, random_wig
 from caricli.methods.pictures.media import to_srgb
@@ -49,17 +50,15 @@ class Sitter:
     """A head to draw, in its own frame, metres.
 
     skin: Template in the shape of the face. pieces: Pieces of W vertices. normals: (W, 3). transfer: (W, D) how much of
-    the light of DIRECTIONS reaches a vertex, cosine included. eyeballs: centres (3,) and radii. iris: linear colour.
-    iris_size: radians from the middle of the eye. albedo: (V, 3) sRGB from 0 to 1, unlit, of the skin's vertices.
+    the light of DIRECTIONS reaches a vertex, cosine included. eyes: Eyes. albedo: (V, 3) sRGB from 0 to 1, unlit, of
+    the skin's vertices.
     """
 
     skin: Template
     pieces: Pieces
     normals: np.ndarray
     transfer: np.ndarray
-    eyeballs: list[tuple[np.ndarray, float]]
-    iris: np.ndarray
-    iris_size: float
+    eyes: Eyes
     albedo: np.ndarray
 
 
@@ -98,10 +97,8 @@ class Wardrobe:
         together = join_pieces(pieces)
         normals, transfer = self._light_transfer(head, together, len(skin.vertices))
         iris = generator.random(3) ** 2 * generator.uniform(0.1, 0.6)
-        balls = place_eyeballs(head, self.template.annotation)
-        iris_size = float(generator.uniform(0.34, 0.62))
-        albedo = to_srgb(skin.colours[: len(vertices)])
-        return Sitter(head, together, normals, transfer, balls, iris, iris_size, albedo)
+        eyes = Eyes(place_eyeballs(head, self.template.annotation), iris, float(generator.uniform(0.34, 0.62)))
+        return Sitter(head, together, normals, transfer, eyes, to_srgb(skin.colours[: len(vertices)]))
 
     def _skin_regions(self) -> np.ndarray:
         """(P,) Region of the finer skin's vertices, but what hair and beard make of it."""

@@ -1,0 +1,112 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from caricli.methods.pictures.compose import Easel
+from caricli.methods.pictures.draw_sitter import draw_sitter, random_strands
+from caricli.methods.pictures.light import Sky
+from caricli.methods.pictures.pose import random_pose
+from caricli.methods.pictures.settings import PoseSettings, SceneSettings, SitterSettings
+from caricli.methods.pictures.sitter import Wardrobe
+from caricli.structures.parsing import Region
+from caricli.template.head import load_head
+
+PLAIN = SitterSettings(bald=1, shaved=0, hat=0, glasses=0, beard=0, wrinkled=0, twisted=0)
+STILL = PoseSettings(yaw=0, pitch=0, roll=0, turned=0, rolled=0, perspective=0, aside=0)
+EVEN = Sky(np.array([[0.0, 0.0, -1.0]]), np.zeros((1, 3)), np.ones(1), np.ones(3), np.ones(3))
+
+
+@pytest.fixture(scope="module")
+def wardrobe():
+    return Wardrobe(load_head().template(), PLAIN)
+
+
+@pytest.fixture(autouse=True)
+def plain(wardrobe):
+    wardrobe.settings = PLAIN
+
+
+def _drawn(wardrobe, seed=0, size=160, pose=STILL):
+    generator = np.random.default_rng(seed)
+    sitter = wardrobe.seat(wardrobe.template.vertices, generator)
+    stand = random_pose(sitter.skin, size, 0.6, generator, pose)
+    return sitter, draw_sitter(sitter, stand, size, EVEN, random_strands(generator), generator)
+
+
+def test_a_surface_under_an_even_sky_gets_no_more_light_than_there_is(wardrobe):
+    sitter, _ = _drawn(wardrobe)
+    received = sitter.transfer.sum(1)
+    assert received.max() < 1.05
+    nose = wardrobe.template.annotation.landmarks[30]
+    assert received[nose] > 0.9
+    # The wall of the mouth sees next to nothing of it.
+    assert received[wardrobe.template.annotation.regions["inner_mouth"]].mean() < 0.4
+
+
+def test_all_of_a_bare_face_is_seen_from_the_front(wardrobe):
+    _, drawing = _drawn(wardrobe)
+    assert drawing.visible[17:68].all()
+    there = set(np.unique(drawing.region).tolist())
+    assert {Region.SKIN, Region.EYES, Region.NOSE, Region.LIPS, Region.EARS, Region.NECK} <= there
+    assert not there & {Region.HAIR, Region.BEARD, Region.GLASSES, Region.HAT, Region.OTHER}
+
+
+@pytest.mark.parametrize(
+    ("worn", "region", "hidden"),
+    [
+        ({"hat": 1}, Region.HAT, ()),
+        ({"glasses": 1, "dark": 1}, Region.GLASSES, range(36, 48)),
+        ({"beard": 1}, Region.BEARD, ()),
+        ({"bald": 0, "shaved": 0}, Region.HAIR, ()),
+    ],
+)
+def test_what_is_worn_is_seen_and_hides_what_is_behind(wardrobe, worn, region, hidden):
+    wardrobe.settings = replace(PLAIN, **worn)
+    _, drawing = _drawn(wardrobe)
+    assert (drawing.region == region).sum() > 40
+    assert not drawing.visible[list(hidden)].any()
+
+
+def test_a_face_that_is_turned_hides_its_far_side(wardrobe):
+    turned = replace(STILL, turned=1, farthest=60)
+    for seed in range(6):
+        _, drawing = _drawn(wardrobe, seed, pose=turned)
+        yaw = np.degrees(np.arcsin(drawing.pose.rotation[0, 2]))
+        if abs(yaw) > 45:
+            return _far_ear_is_hidden(drawing, yaw)
+    pytest.fail("none of the seeds turns it far")
+
+
+def _far_ear_is_hidden(drawing, yaw):
+    right = drawing.visible[71:74].mean()
+    left = drawing.visible[74:77].mean()
+    assert (left > right) == (
+        drawing.points[75, 0] - drawing.points[30, 0] > drawing.points[30, 0] - drawing.points[72, 0]
+    )
+
+
+def test_pictures_with_several_people_tell_who_hides_whom(wardrobe):
+    generator = np.random.default_rng(4)
+    sitters = [wardrobe.seat(wardrobe.template.vertices, generator) for _ in range(3)]
+    easel = Easel(128, SceneSettings(none=0, several=1, held=0))
+    counts = []
+    for _ in range(6):
+        picture = easel.compose(sitters, 0, generator)
+        counts.append(len(picture.faces))
+        scales = [face.scale for face in picture.faces]
+        assert scales == sorted(scales, reverse=True)
+        # Whoever is in front is not hidden by the others.
+        assert picture.faces[0].visible.mean() >= min(face.visible.mean() for face in picture.faces)
+    assert min(counts) >= 2
+
+
+def test_no_one_is_where_there_is_to_be_no_face(wardrobe):
+    generator = np.random.default_rng(5)
+    sitters = [wardrobe.seat(wardrobe.template.vertices, generator)]
+    easel = Easel(96, SceneSettings(none=1, away=0.5))
+    pictures = [easel.compose(sitters, 0, generator) for _ in range(8)]
+    assert all(not picture.faces for picture in pictures)
+    behind = [picture for picture in pictures if (picture.region > 0).any()]
+    assert 0 < len(behind) < 8
+    assert all((picture.region != Region.EYES).all() for picture in behind)
