@@ -13,6 +13,7 @@ from caricli.io.npz import read_npz, take_texts, write_npz
 from caricli.io.worn import PictureNames, plain_name, read_pictures, write_pictures
 from caricli.limits import MAX_VERTICES
 from caricli.structures import Camera, Face, Hair, Mesh
+from caricli.structures.mesh import topology_id
 from caricli.structures.pictures import PICTURED
 
 SCHEMA = "caricli.face/1"
@@ -71,7 +72,8 @@ def read_face(path: str | Path) -> Face:
                 raise InputError(f"expected a face with {key}, found none")
         names = _names(values)
         face = replace(_face(values), pictures=read_pictures(Path(path), names))
-        if topology is None or str(topology) != face.mesh.topology_id:
+        # Files of before do not count loose vertices.
+        if topology is None or str(topology) not in (face.mesh.topology_id, topology_id(face.faces)):
             raise InputError("expected a topology_id that matches the faces, found another or none")
         return face
 

@@ -1,6 +1,7 @@
 """What a training needs to go on: tensors and counters in one file, loaded without running code."""
 
 import io
+import warnings
 import zipfile
 from pathlib import Path
 from typing import Any
@@ -55,6 +56,9 @@ def _load(data: bytes, device: Any) -> Any:
             sound = all(member.compress_type == zipfile.ZIP_STORED for member in archive.infolist())
         if not sound:
             raise ValueError("packed members")
-        return torch.load(io.BytesIO(data), map_location=device, weights_only=True)
+        # What is strange about a damaged file is said once, by the error.
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            return torch.load(io.BytesIO(data), map_location=device, weights_only=True)
     except Exception as error:  # both raise whatever they meet
         raise InputError(f"expected {_KIND}, found a damaged or other file; --overwrite begins anew") from error

@@ -60,7 +60,7 @@ class Mesh:
     @cached_property
     def topology_id(self) -> str:
         """SHA-256 of the triangles: two meshes that share it can take each other's vertices."""
-        return topology_id(self.faces)
+        return topology_id(self.faces, len(self.vertices) - int(self.faces.max(initial=-1)) - 1)
 
     @property
     def height(self) -> float:
@@ -110,9 +110,13 @@ class Mesh:
         return coordinate_problem("uvs", uvs) or index_problem("uv_polygons", uv_polygons, len(uvs), distinct=False)
 
 
-def topology_id(faces: np.ndarray) -> str:
-    """The SHA-256, as hexadecimal digits, of faces (F, 3) as little-endian int32 in C order."""
-    return hashlib.sha256(np.ascontiguousarray(faces, "<i4").tobytes()).hexdigest()
+def topology_id(faces: np.ndarray, loose: int = 0) -> str:
+    """The SHA-256, as hexadecimal digits, of faces (F, 3) as little-endian int32 in C order.
+
+    loose: vertices after the last that is in a face; where there are any, their number is hashed, too.
+    """
+    told = b"" if loose <= 0 else np.array(loose, "<i4").tobytes()
+    return hashlib.sha256(np.ascontiguousarray(faces, "<i4").tobytes() + told).hexdigest()
 
 
 def triangle_fans(polygons: np.ndarray) -> np.ndarray:

@@ -1,6 +1,7 @@
 import io
 import os
 import zipfile
+from contextlib import suppress
 
 import pytest
 import torch
@@ -56,6 +57,17 @@ def test_what_is_no_state_is_refused(tmp_path, data, words):
     (tmp_path / "state.pt").write_bytes(data)
     with pytest.raises(InputError, match=f"state.pt: expected .*{words}"):
         read_state(tmp_path / "state.pt")
+
+
+def test_what_torch_wonders_about_is_said_by_the_error_alone(tmp_path, recwarn):
+    stream = io.BytesIO()
+    with zipfile.ZipFile(io.BytesIO(GOOD)) as archive, zipfile.ZipFile(stream, "w") as copy:
+        for name in archive.namelist():
+            copy.writestr(name, archive.read(name).replace(b"\x80\x02", b"\x80\x12", 1))
+    (tmp_path / "state.pt").write_bytes(stream.getvalue())
+    with suppress(InputError):
+        read_state(tmp_path / "state.pt")
+    assert not recwarn.list
 
 
 def test_a_pipe_is_not_waited_for(tmp_path):

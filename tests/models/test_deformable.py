@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 import torch
 
-from caricli.errors import InputError
+from caricli.errors import InputError, NumericsError
 from caricli.models.checkpoint import model_from_checkpoint, model_to_checkpoint
 from caricli.models.deformable.config import DeformableConfig, NetworkSize
 from caricli.models.deformable.model import DeformableModel, UnitBox
@@ -21,6 +21,15 @@ def model(head):
         layer.weight.data *= 10
     prior = Prior(np.full(6, 0.01), 0.01 * np.tril(np.random.default_rng(1).normal(size=(6, 6)), -1) + 0.03 * np.eye(6))
     return DeformableModel(template, network, head.open_mouth_template().vertices, prior)
+
+
+def test_a_network_that_makes_one_shape_alone_encodes_none(model):
+    network = HyperSiren(SIZE, torch.Generator().manual_seed(0))
+    for parameter in network.parameters():
+        torch.nn.init.zeros_(parameter)
+    still = DeformableModel(model.template, network, model.template.vertices, model.prior)
+    with pytest.raises(NumericsError, match="no two shapes"):
+        still.encode(model.template.vertices)
 
 
 def test_the_paper_network_has_the_parameters_that_the_paper_counts():

@@ -45,6 +45,10 @@ def test_another_mesh_and_another_size_are_refused(shape, model, tmp_path):
     write_obj(tmp_path / "part.obj", Mesh(shape.vertices, shape.polygons[:-1]))
     with pytest.raises(InputError, match="part.obj: expected the topology of the model .4200 vertices, 8356 triangles"):
         load_face(tmp_path / "part.obj", model)
+    loose = Mesh(np.vstack([shape.vertices, shape.vertices]), shape.polygons)
+    write_obj(tmp_path / "loose.obj", loose)
+    with pytest.raises(InputError, match="loose.obj: expected the topology of the model .*8400 vertices"):
+        load_face(tmp_path / "loose.obj", model)
     write_obj(tmp_path / "mm.obj", Mesh(1000 * shape.vertices, shape.polygons))
     with pytest.raises(InputError, match="mm.obj: expected a head about 0.2.* m high, found 2"):
         load_face(tmp_path / "mm.obj", model)

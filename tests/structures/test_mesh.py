@@ -81,6 +81,12 @@ def test_topology_id_is_of_the_triangles_alone():
     assert topology_id(faces) != topology_id(faces[::-1])
 
 
+def test_meshes_with_loose_vertices_are_of_a_topology_of_their_own():
+    loose = Mesh(np.vstack([SQUARE, SQUARE]), QUAD)
+    assert loose.topology_id != Mesh(SQUARE, QUAD).topology_id
+    assert loose.topology_id == loose.with_vertices(2 * loose.vertices).topology_id
+
+
 def test_another_shape_shares_all_but_the_vertices():
     mesh = square()
     before = (mesh.faces, mesh.uv_faces, mesh.topology_id)

@@ -28,9 +28,7 @@ def command(dataset, out, count, size, model, seed, workers, overwrite):
 
     \b
     Example:
-      caricli dataset build people --count 1409
       caricli dataset pictures people pictures --count 2000
-      caricli dataset show pictures -o sheet.png
     """
     from caricli.commands.shared.progress import progress_bar
     from caricli.data.dataset import read_dataset

@@ -188,7 +188,10 @@ class DeformableModel:
         rest = moved.numpy().astype(float) - mean
         moments = rest.T @ rest
         moments += _ENCODER.noise * np.trace(moments) / len(moments) * np.eye(len(moments))
-        return mean, np.linalg.solve(moments, rest.T @ whitened)
+        try:
+            return mean, np.linalg.solve(moments, rest.T @ whitened)
+        except np.linalg.LinAlgError as error:
+            raise NumericsError("the network's latents make no two shapes: none can be found for a face") from error
 
     def _places(self, points: np.ndarray) -> torch.Tensor:
         return torch.from_numpy(self.box.normalise(points).astype(np.float32))
