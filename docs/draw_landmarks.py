@@ -8,8 +8,8 @@ from matplotlib import font_manager
 from PIL import Image, ImageDraw, ImageFont
 
 from caricli.methods.reconstruct.landmark_vertices import landmark_vertices
+from caricli.render.face_look import head_look
 from caricli.render.overlay import draw_landmarks, overlay_mesh
-from caricli.render.place_eyeballs import place_eyeballs
 from caricli.render.views import TO_PICTURE
 from caricli.structures import Camera
 from caricli.structures.landmarks import BROWS, COUNT, EXTRA, EYE_LEFT, EYE_RIGHT, JAW, LIPS, LIPS_INSIDE, NOSTRILS
@@ -51,7 +51,8 @@ def portray(face, shown):
     middle = (low + high) / 2
     camera = Camera(scale, TO_PICTURE, SIDE / 2 - scale * TO_PICTURE[:2, :2] @ middle)
     paper = np.full((SIDE, SIDE, 3), 255, np.uint8)
-    picture = overlay_mesh(paper, face, camera, 1.0, eyeballs=place_eyeballs(face, face.annotation))
+    whole, look = head_look(face)
+    picture = overlay_mesh(paper, whole, camera, 1.0, look)
     points = camera.place(shown)[:, :2]
     return Image.fromarray(draw_landmarks(picture, points, radius=4)), points
 

@@ -4,6 +4,7 @@ from contextlib import ExitStack
 
 import click
 
+from caricli.commands.shared.head_options import made_head_options
 from caricli.commands.shared.notes import echo_result
 from caricli.commands.shared.options import (
     PATH,
@@ -12,9 +13,8 @@ from caricli.commands.shared.options import (
     named,
     named_numbers,
     overwrite_option,
-    parts_option,
 )
-from caricli.errors import shown
+from caricli.errors import naming, shown
 from caricli.io.image import write_png
 from caricli.io.mesh import write_mesh
 from caricli.io.outputs import staged, staged_folder
@@ -80,10 +80,10 @@ SCALE = "NAME=K with K from 0 to 3, such as jawOpen=1.3"
     "--size", type=WholeRange(16, 4096), default=512, metavar="PIXELS", help="Draw pictures this wide and high."
 )
 @click.option("--no-head", is_flag=True, help="Leave out the turning of the head.")
-@parts_option
+@made_head_options
 @overwrite_option
 def command(
-    rig, weights, out, frames, kind, video, fps, source_fps, smooth, scales, view, size, no_head, parts, overwrite
+    rig, weights, out, frames, kind, video, fps, source_fps, smooth, scales, view, size, no_head, head, overwrite
 ):
     """Move a RIG (NPZ or GLB) by the WEIGHTS of a face tracker, or by speech.
 
@@ -108,8 +108,6 @@ def command(
       caricli animate rig.glb take.csv --frames frames --format png --view three-quarter
     """
     from caricli.methods.animate.animate_rig import AnimationSettings, animate_rig
-    from caricli.methods.rig.add_parts import choose_parts
-    from caricli.store.rig_sources import load_rig
     from caricli.store.tracks import load_track
 
     if out is None and frames is None and video is None:
@@ -124,7 +122,7 @@ def command(
         temporary = dict(zip(files, stack.enter_context(staged(*files, **given)), strict=True)) if files else {}
         folder = stack.enter_context(staged_folder(frames, marker=REPORT, **given)) if frames else None
         settings = AnimationSettings(fps, smooth, factors, not no_head)
-        performance = animate_rig(choose_parts(load_rig(rig), parts), load_track(weights, source_fps, fps), settings)
+        performance = animate_rig(_load(rig, head), load_track(weights, source_fps, fps), settings)
         _write_moving(temporary.get(out), temporary.get(video), performance, view, size)
         if folder is not None:
             _write_frames(folder, performance, kind, view, size)
@@ -132,6 +130,16 @@ def command(
             if path is not None:
                 write_json(path, provenance("animate", [rig, weights], **performance.figures()))
     _say(first, weights, performance)
+
+
+def _load(path, head):
+    """The Rig of a file with the parts that are chosen. head: HeadChoice."""
+    from caricli.methods.parts.whole_head import choose_head
+    from caricli.store.rig_sources import load_rig
+
+    rig = load_rig(path)
+    with naming(path):
+        return choose_head(rig, head)
 
 
 def _write_moving(glb, video, performance, view, size):

@@ -5,6 +5,7 @@ from dataclasses import astuple
 
 import click
 
+from caricli.commands.shared.head_options import head_options
 from caricli.commands.shared.notes import echo_result
 from caricli.commands.shared.options import (
     PATH,
@@ -12,7 +13,6 @@ from caricli.commands.shared.options import (
     model_option,
     out_option,
     overwrite_option,
-    parts_option,
     pts_origin_option,
     seed_option,
 )
@@ -69,7 +69,7 @@ DEFAULT_WEIGHTS = astuple(BlendshapeWeights())
     metavar="DIR",
     help="Take the actions from meshes in this folder: neutral.obj, and one for each.  [default: the head's]",
 )
-@parts_option
+@head_options
 @click.option(
     "--texture", type=PATH, metavar="IMAGE", help="Put this picture on the skin.  [default: the one that the face has]"
 )
@@ -87,7 +87,7 @@ def command(
     map_path,
     model,
     templates,
-    parts,
+    head,
     texture,
     pts_origin,
     seed,
@@ -126,7 +126,7 @@ def command(
             start = time.perf_counter()
             blendshapes = build_blendshapes(face, tools, settings)
             seconds = time.perf_counter() - start
-            result = rig_blendshapes(blendshapes, tools, RigSettings(parts=parts, seed=seed), images, face)
+            result = rig_blendshapes(blendshapes, tools, RigSettings(head=head, seed=seed), images, face)
         about = {"method": method, "reconstruct": reconstruct, "weights": weights, "seconds": seconds}
         figures, line = report_blendshapes(face, blendshapes, tools, result)
         _write(files, face, result, provenance("blendshapes", inputs, seed, **about, **figures))

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from caricli.commands.shared.face_outputs import staged_face
+from caricli.commands.shared.head_options import mesh_head_options
 from caricli.commands.shared.options import (
     FACE_FILES,
     PATH,
@@ -56,11 +57,14 @@ DRAWN = (0.0, 0.5, 1.0)
 @pts_origin_option
 @directions_option
 @model_option
+@mesh_head_options
 @subdivide_option
 @picture_option
 @overwrite_option
 @click.pass_context
-def command(ctx, faces, strength, mode, out, out_dir, marked, image, pts_origin, directions, model, levels, overwrite):
+def command(
+    ctx, faces, strength, mode, out, out_dir, marked, image, pts_origin, directions, model, head, levels, overwrite
+):
     """Exaggerate faces (NPZ, OBJ, PLY, GLB or glTF), or with --from-landmarks the faces that landmarks belong to.
 
     The direction goes from regular faces to caricatures, the same way for all; a face's own way enlarges whatever sets
@@ -81,7 +85,7 @@ def command(ctx, faces, strength, mode, out, out_dir, marked, image, pts_origin,
     if image and not marked:
         raise click.UsageError("--image goes with --from-landmarks.")
     jobs = named_jobs(faces, "LANDMARKS" if marked else "FACE", out, out_dir, *MESH_SUFFIXES)
-    drawing = load_drawing(model, levels, SIZE)
+    drawing = load_drawing(model, levels, SIZE, head)
     # A face's own way needs no directions, so it works for models that have none.
     path = directions_path(directions, drawing.model) if directions or mode == "direction" else None
     labels = None if path is None else load_directions(drawing.model, path)

@@ -6,6 +6,7 @@ from functools import partial
 import click
 
 from caricli.commands.shared.face_outputs import staged_face
+from caricli.commands.shared.head_options import mesh_head_options
 from caricli.commands.shared.notes import echo_result
 from caricli.commands.shared.options import (
     FACE_FILES,
@@ -55,10 +56,11 @@ SIZE = 320
 )
 @click.option("--baseline", type=click.Choice(["arap"]), help="Draw as-rigid-as-possible deformation, too, to compare.")
 @model_option
+@mesh_head_options
 @subdivide_option
 @picture_option
 @overwrite_option
-def command(face, texts, file, pins, symmetric, out, norm, avoid, steps, baseline, model, levels, overwrite):
+def command(face, texts, file, pins, symmetric, out, norm, avoid, steps, baseline, model, head, levels, overwrite):
     """Pull points of a face (NPZ, OBJ, PLY, GLB or glTF) and let the rest follow as faces do.
 
     What the latent cannot express stays on the face. A face without a latent is encoded first, one of another bundled
@@ -80,7 +82,7 @@ def command(face, texts, file, pins, symmetric, out, norm, avoid, steps, baselin
     from caricli.store.handles import load_handles
 
     asked = _asked(texts, file)
-    drawing = load_drawing(model, levels, SIZE)
+    drawing = load_drawing(model, levels, SIZE, head)
     settings = HandleSettings(norm=1 if norm == "l1" else 2)
     with staged_face(out, overwrite, (face, file, model), "pulling") as files:
         before, note = load_latent_face(face, drawing.model, anew=model is None)

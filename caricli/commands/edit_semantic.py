@@ -5,6 +5,7 @@ from functools import partial
 import click
 
 from caricli.commands.shared.face_outputs import staged_face
+from caricli.commands.shared.head_options import mesh_head_options
 from caricli.commands.shared.notes import echo_result
 from caricli.commands.shared.options import (
     FACE_FILES,
@@ -45,10 +46,11 @@ SIZE = 320
 @click.option("--list", "listed", is_flag=True, help="Print the labels and how well each is known, and stop.")
 @directions_option
 @model_option
+@mesh_head_options
 @subdivide_option
 @picture_option
 @overwrite_option
-def command(face, labels, out, keep, steps, listed, directions, model, levels, overwrite):
+def command(face, labels, out, keep, steps, listed, directions, model, head, levels, overwrite):
     """Give a face (NPZ, OBJ, PLY, GLB or glTF) more of a label, or less with a negative strength.
 
     Strengths are in standard deviations of faces. What the latent cannot express stays on the face, so the opposite
@@ -69,7 +71,7 @@ def command(face, labels, out, keep, steps, listed, directions, model, levels, o
     from caricli.store.face_files import write_face_result
     from caricli.store.faces import load_latent_face
 
-    drawing = load_drawing(model, levels, SIZE)
+    drawing = load_drawing(model, levels, SIZE, head)
     path = directions_path(directions, drawing.model)
     if listed:
         return print_directions(load_directions(drawing.model, path))

@@ -5,6 +5,7 @@ from functools import partial
 
 import click
 
+from caricli.commands.shared.head_options import mesh_head_options
 from caricli.commands.shared.options import (
     FACE_FILES,
     PATH,
@@ -39,12 +40,13 @@ from caricli.methods.reconstruct.settings import MorphableWeights
     help="Hold identity and expression nearer to the mean face (larger) or to the landmarks (smaller).",
 )
 @pts_origin_option
+@mesh_head_options
 @subdivide_option
 @picture_option
 @overwrite_option
 @click.pass_context
 def command(
-    ctx, landmarks, out, out_dir, image, model, expression_only, identity, weights, pts_origin, levels, overwrite
+    ctx, landmarks, out, out_dir, image, model, expression_only, identity, weights, pts_origin, head, levels, overwrite
 ):
     """Fit identity, expression and pose of a morphable model to 68 (iBUG) or 81 landmarks: JSON, .pts, text or NPY.
 
@@ -72,5 +74,5 @@ def command(
     fit = partial(fit_morphable, model=shape_model, weights=MorphableWeights(*weights), identity=kept)
     about = {"model_id": shape_model.model_id, "weights": weights, "expression_only": expression_only}
     worn = None if identity is None else load_worn_face(identity, shape_model)
-    task = FitTask("fit-morphable", files, shape_model, levels, fit, about, [model], [identity], worn)
+    task = FitTask("fit-morphable", files, shape_model, levels, fit, about, [model], [identity], worn, head)
     run_batch(ctx, files.jobs(), task.run, "faces")

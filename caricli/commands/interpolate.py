@@ -3,6 +3,7 @@
 import click
 import numpy as np
 
+from caricli.commands.shared.head_options import mesh_head_options
 from caricli.commands.shared.notes import echo_result
 from caricli.commands.shared.options import PATH, WholeRange, model_option, overwrite_option, subdivide_option
 from caricli.io.image import write_png
@@ -22,9 +23,10 @@ SIZE = 256
     "--out-dir", type=PATH, required=True, metavar="DIR", help="Write the faces and their strip into this folder."
 )
 @model_option
+@mesh_head_options
 @subdivide_option
 @overwrite_option
-def command(first, second, steps, out_dir, model, levels, overwrite):
+def command(first, second, steps, out_dir, model, head, levels, overwrite):
     """Go from face A to face B (NPZ, OBJ, PLY, GLB or glTF) in equal steps.
 
     The steps are step-000.obj and .npz and so on; strip.png shows at most 12 of them, and strip.json has their figures.
@@ -44,7 +46,7 @@ def command(first, second, steps, out_dir, model, levels, overwrite):
     from caricli.store.face_files import FaceSeries
     from caricli.store.faces import load_latent_face
 
-    drawing = load_drawing(model, levels, SIZE)
+    drawing = load_drawing(model, levels, SIZE, head)
     series = FaceSeries(out_dir, "step", steps, "strip")
     drawn = sorted(set(np.linspace(0, steps - 1, min(DRAWN, steps)).round().astype(int).tolist()))
     inputs = [first, second, model]

@@ -4,6 +4,7 @@ from functools import partial
 
 import click
 
+from caricli.commands.shared.head_options import mesh_head_options
 from caricli.commands.shared.options import (
     FACE_FILES,
     PATH,
@@ -47,11 +48,14 @@ from caricli.methods.reconstruct.settings import METHODS
     "as such a face has them (none).",
 )
 @pts_origin_option
+@mesh_head_options
 @subdivide_option
 @picture_option
 @overwrite_option
 @click.pass_context
-def command(ctx, landmarks, out, out_dir, image, method, model, prior_weight, outline, pts_origin, levels, overwrite):
+def command(
+    ctx, landmarks, out, out_dir, image, method, model, prior_weight, outline, pts_origin, head, levels, overwrite
+):
     """Reconstruct 3D caricatures from 68 (iBUG) or 81 landmarks: JSON, .pts, text or NPY.
 
     With several LANDMARKS --image is a folder of pictures with the same names. In the picture that is written, green
@@ -75,6 +79,6 @@ def command(ctx, landmarks, out, out_dir, image, method, model, prior_weight, ou
     latents = load_model(kind=DEFAULT_LATENT) if model is None and method == "intrinsic" else None
     fit = partial(fit_landmarks, model=shape_model, method=method, prior_weight=prior_weight)
     about = {"method": method, "prior_weight": prior_weight, "outline": outline, "model_id": shape_model.model_id}
-    sources = {"latents": latents, "looks": outline == "auto"}
+    sources = {"latents": latents, "looks": outline == "auto", "head": head}
     task = FitTask("reconstruct-from-landmarks", files, shape_model, levels, fit, about, [model], **sources)
     run_batch(ctx, files.jobs(), task.run, "faces")

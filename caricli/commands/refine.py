@@ -6,6 +6,7 @@ from functools import partial
 import click
 
 from caricli.commands.shared.face_outputs import staged_face
+from caricli.commands.shared.head_options import mesh_head_options
 from caricli.commands.shared.notes import echo_result
 from caricli.commands.shared.options import (
     FACE_FILES,
@@ -24,17 +25,18 @@ from caricli.errors import naming
 from caricli.io.provenance import provenance
 from caricli.io.strict_json import write_json
 from caricli.methods.reconstruct.settings import RefineSettings
+from caricli.structures.head_choice import WHOLE
 
 SIZE = 384
 
 
-def _sheet(seen, result, template, points, pixels):
-    """The picture of a Face before and after its Refinement."""
+def _sheet(seen, result, template, head, points, pixels):
+    """The picture of a Face before and after its Refinement. head: HeadChoice or None."""
     from caricli.methods.parts.whole_head import whole_head
     from caricli.render.refine_sheet import refine_sheet
 
     faces = (seen, result.face)
-    heads = [whole_head(face, template) for face in faces]
+    heads = [whole_head(face, template, head or WHOLE) for face in faces]
     return refine_sheet(faces, result.anchors, heads, points, pixels, SIZE)
 
 
@@ -61,10 +63,11 @@ def _sheet(seen, result, template, points, pixels):
 )
 @model_option
 @pts_origin_option
+@mesh_head_options
 @subdivide_option
 @picture_option
 @overwrite_option
-def command(face, landmarks, out, image, parsing, weight, laplacian, model, pts_origin, levels, overwrite):
+def command(face, landmarks, out, image, parsing, weight, laplacian, model, pts_origin, head, levels, overwrite):
     """Move a face (NPZ with a camera) exactly onto the landmarks of its picture by Laplacian deformation.
 
     Depth and local shape stay as they are. In the picture that is written, green circles are the given landmarks and
@@ -75,6 +78,7 @@ def command(face, landmarks, out, image, parsing, weight, laplacian, model, pts_
       caricli refine face.npz landmarks.json --image drawing.png --out refined.obj
       caricli refine face.npz landmarks.json --parsing labels.png --out refined.obj
     """
+    from caricli.methods.parts.whole_head import mesh_face
     from caricli.methods.reconstruct.refine_face import refine_face
     from caricli.methods.reconstruct.snap_eyes import snap_eyes
     from caricli.store.face_files import write_face_files
@@ -94,7 +98,8 @@ def command(face, landmarks, out, image, parsing, weight, laplacian, model, pts_
         seconds = time.perf_counter() - start
         about = {"model_id": shape_model.model_id, "weight": weight, "laplacian": laplacian, "snapped": snapped}
         about |= {"subdivide": levels, "seconds": seconds} | result.figures()
-        write_face_files(files[0], files[1], result.face_of(shape_model), fine_mesh(result.face.mesh, levels))
+        shown = mesh_face(result.face, template, head, fine_mesh(result.face.mesh, levels))
+        write_face_files(files[0], files[1], result.face_of(shape_model), shown)
         write_json(files[2], provenance("refine", inputs[:4], **about))
-        write_picture(files[3], partial(_sheet, seen, result, template, points, pixels))
+        write_picture(files[3], partial(_sheet, seen, result, template, head, points, pixels))
     echo_result(f"{out}: {result.describe()}")

@@ -1,19 +1,18 @@
 """caricli render: shaded pictures of faces."""
 
+from dataclasses import replace
 from itertools import chain
 
 import click
 
+from caricli.commands.shared.head_options import head_options
 from caricli.commands.shared.notes import echo_result
 from caricli.commands.shared.options import (
     PATH,
     WholeRange,
-    bust_option,
     named,
     out_option,
     overwrite_option,
-    parts_option,
-    with_bust,
 )
 from caricli.errors import InputError, UsageError, naming, shown
 from caricli.io.face import read_face
@@ -21,6 +20,7 @@ from caricli.io.image import read_image, write_png
 from caricli.io.outputs import staged
 from caricli.limits import MAX_IMAGE_PIXELS
 from caricli.render.views import VIEWS
+from caricli.structures import Pictures
 
 TURN = "turntable"
 FPS = 24
@@ -68,10 +68,9 @@ def _views(ctx, param, value):
     metavar="IMAGE",
     help="Draw the face over this picture instead of the views; the face must be an NPZ with a camera.",
 )
-@parts_option
-@bust_option
+@head_options
 @overwrite_option
-def command(paths, out, views, frames, size, columns, image, parts, bust, overwrite):
+def command(paths, out, views, frames, size, columns, image, head, overwrite):
     """Draw shaded pictures of faces, meshes and rigs: views side by side, a turn, or an overlay.
 
     Faces and rigs are NPZ, GLB or glTF, meshes also OBJ, PLY or STL. They are drawn in the pictures that they wear (of
@@ -92,26 +91,26 @@ def command(paths, out, views, frames, size, columns, image, parts, bust, overwr
     film = out.suffix.lower() != ".png"
     _check_use(len(paths), film, views, frames, image)
     turn = (frames or FRAMES[out.suffix.lower()]) if views == (TURN,) else None
-    settings = SheetSettings(views, turn, size, columns, "eyes" in parts)
+    settings = SheetSettings(views, turn, size, columns, "eyes" in head.parts)
     _check_size(out, len(paths) * (1 if film else settings.count), size)
     with staged(out, overwrite=overwrite, inputs=(*paths, image)) as (temporary,):
         if image is None:
-            faces = [_whole(path, with_bust(parts, bust)) for path in paths]
+            faces = [_whole(path, head) for path in paths]
             picture = _draw(temporary, faces, [path.stem for path in paths], settings)
         else:
-            picture = _overlay(read_face(paths[0]), paths[0], image)
+            picture = _overlay(read_face(paths[0]), paths[0], head, image)
             write_png(temporary, picture)
     echo_result(f"{shown(out)}: {picture.shape[1]} x {picture.shape[0]} pixels, faces: {len(paths)}")
 
 
-def _whole(path, parts):
-    """The face of a file with these parts of a head."""
+def _whole(path, head):
+    """The face of a file as a head of the parts that are chosen."""
     from caricli.methods.parts.whole_head import whole_face
     from caricli.store.rig_sources import load_shown_face
 
     face = load_shown_face(path)
     with naming(path):
-        return whole_face(face, parts)
+        return whole_face(face, head)
 
 
 def _check_use(count, film, views, frames, image):
@@ -148,13 +147,14 @@ def _check_size(out, pictures, size):
         )
 
 
-def _overlay(face, path, image):
-    """The face over its picture."""
+def _overlay(face, path, head, image):
+    """The face as a head of the parts that are chosen, in clay over its picture."""
+    from caricli.methods.parts.whole_head import whole_face
+    from caricli.render.face_look import face_look
     from caricli.render.overlay import overlay_mesh
-    from caricli.render.place_eyeballs import place_eyeballs
-    from caricli.template.annotation import bundled_annotation
 
     if face.camera is None:
         raise InputError(f"{shown(path)}: expected a face NPZ with a camera to lay it over a picture, found none")
-    eyeballs = place_eyeballs(face.mesh, bundled_annotation())
-    return overlay_mesh(read_image(image), face.mesh, face.camera, eyeballs=eyeballs)
+    with naming(path):
+        plain = replace(whole_face(face, head), pictures=Pictures())
+    return overlay_mesh(read_image(image), plain.mesh, face.camera, look=face_look(plain, "eyes" in head.parts))

@@ -1,10 +1,9 @@
 """caricli retarget: a caricature that does what a normal face does."""
 
-from functools import partial
-
 import click
 
 from caricli.commands.shared.face_outputs import staged_face
+from caricli.commands.shared.head_options import made_head_options
 from caricli.commands.shared.notes import echo_result
 from caricli.commands.shared.options import (
     FACE_FILES,
@@ -19,7 +18,7 @@ from caricli.commands.shared.options import (
     pts_origin_option,
 )
 from caricli.commands.shared.picture import picture_option, write_picture
-from caricli.errors import shown
+from caricli.errors import naming, shown
 from caricli.io.outputs import check_folder, check_outputs, staged
 from caricli.io.provenance import provenance
 from caricli.io.strict_json import write_json
@@ -47,12 +46,13 @@ from caricli.io.strict_json import write_json
     metavar="N",
     help="Show N drivers a second in the animation.",
 )
+@made_head_options
 @model_option
 @pts_origin_option
 @picture_option
 @overwrite_option
 @click.pass_context
-def command(ctx, rig, drivers, out, out_dir, neutral, animation, fps, model, pts_origin, overwrite):
+def command(ctx, rig, drivers, out, out_dir, neutral, animation, fps, head, model, pts_origin, overwrite):
     """Give a caricature the expressions of normal faces.
 
     B.npz is what `blendshapes` wrote. Drivers are meshes of the model's topology (NPZ, OBJ, PLY, GLB or glTF), or
@@ -76,7 +76,7 @@ def command(ctx, rig, drivers, out, out_dir, neutral, animation, fps, model, pts
     given = {"overwrite": overwrite, "inputs": (rig, neutral, model, *drivers)}
     _check_outputs(out, out_dir, animation, given)
     normal = load_morphable(model)
-    loaded, retargeting = _load(rig, drivers, neutral, normal, pts_origin, animation is not None)
+    loaded, retargeting = _load(_load_rig(rig, normal, head), drivers, neutral, normal, pts_origin, bool(animation))
     about = {"model_id": normal.model_id, "drivers": len(loaded.faces)}
     if animation is not None:
         with staged(*_film_files(animation), **given) as files:
@@ -117,17 +117,26 @@ def _check_outputs(out, out_dir, animation, given):
         check_folder(out_dir)
 
 
-def _load(rig, drivers, neutral, normal, pts_origin, whole):
+def _load_rig(path, normal, head):
+    """The Rig of a file with the parts that are chosen. normal: MorphableModel. head: HeadChoice."""
+    from caricli.methods.parts.whole_head import choose_head
+    from caricli.store.drivers import load_driven_rig
+
+    rig = load_driven_rig(path, normal)
+    with naming(path):
+        return choose_head(rig, head)
+
+
+def _load(driven, drivers, neutral, normal, pts_origin, whole):
     """The Drivers, and the Retargeting of those that could be read, or None.
 
-    normal: MorphableModel. whole: whether a driver that cannot be read ends everything.
+    driven: Rig. normal: MorphableModel. whole: whether a driver that cannot be read ends everything.
     """
     from caricli.commands.shared.progress import progress_bar
     from caricli.methods.expressions.retarget_rig import retarget_rig
-    from caricli.store.drivers import load_driven_rig, load_drivers
+    from caricli.store.drivers import load_drivers
     from caricli.store.faces import load_face
 
-    driven = load_driven_rig(rig, normal)
     calm = None if neutral is None else load_face(neutral, normal).vertices
     with progress_bar("reading") as progress:
         loaded = load_drivers(drivers, normal, pts_origin, progress, whole)
@@ -143,7 +152,16 @@ def _write(files, retargeting, row, description):
     face = retargeting.caricature(row)
     write_face_files(obj_file, npz_file, face)
     write_json(json_file, description | retargeting.figures(row))
-    write_picture(png_file, partial(driver_sheet, retargeting.driver(row), retargeting.rig, face.vertices))
+    write_picture(png_file, lambda: driver_sheet(_driver(retargeting, row), retargeting.rig, face.vertices))
+
+
+def _driver(retargeting, row):
+    """The normal face of a Retargeting as a whole head."""
+    from caricli.methods.parts.whole_head import whole_head
+    from caricli.structures import Face
+
+    driver = retargeting.driver(row)
+    return whole_head(Face(driver), driver)
 
 
 def _write_animation(files, retargeting, fps, description):

@@ -2,16 +2,14 @@
 
 import click
 
+from caricli.commands.shared.head_options import head_options
 from caricli.commands.shared.notes import echo_result
 from caricli.commands.shared.options import (
     PATH,
     WholeRange,
-    bust_option,
     out_option,
     overwrite_option,
-    parts_option,
     seed_option,
-    with_bust,
 )
 from caricli.commands.shared.picture import picture_files, picture_option
 from caricli.errors import naming
@@ -39,8 +37,7 @@ from caricli.io.usd import write_usd
     default="auto",
     help="Find the neutral face where the given one shows an expression (auto), or take it as it is.",
 )
-@parts_option
-@bust_option
+@head_options
 @click.option(
     "--texture", type=PATH, metavar="IMAGE", help="Put this picture on the skin.  [default: the one that the face has]"
 )
@@ -59,7 +56,7 @@ from caricli.io.usd import write_usd
 @seed_option
 @picture_option
 @overwrite_option
-def command(face, out, templates, neutral, parts, bust, texture, sparse, usd, levels, seed, overwrite):
+def command(face, out, templates, neutral, head, texture, sparse, usd, levels, seed, overwrite):
     """Give a face (NPZ, OBJ, PLY, GLB or glTF) the 52 expressions of ARKit by deformation transfer.
 
     Expressions start from the neutral face. Of one that laughs it is found first, as `blendshapes` finds it, with its
@@ -86,7 +83,7 @@ def command(face, out, templates, neutral, parts, bust, texture, sparse, usd, le
     given = read_face(face)
     pictures = picture_paths(face, texture)
     inputs = [face, *pictures.files, *template_files]
-    settings = RigSettings(levels, with_bust(parts, bust), seed)
+    settings = RigSettings(levels, head, seed)
     paths = [*_paths(out, usd), *picture_files(out.with_suffix(".png"))]
     with staged(*paths, overwrite=overwrite, inputs=inputs) as files:
         glb, npz, json, *others = files

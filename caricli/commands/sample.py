@@ -5,6 +5,7 @@ from itertools import islice
 import click
 import numpy as np
 
+from caricli.commands.shared.head_options import mesh_head_options
 from caricli.commands.shared.notes import echo_result
 from caricli.commands.shared.options import (
     PATH,
@@ -38,9 +39,10 @@ SIZE = 200
 )
 @seed_option
 @model_option
+@mesh_head_options
 @subdivide_option
 @overwrite_option
-def command(out_dir, count, spread, seed, model, levels, overwrite):
+def command(out_dir, count, spread, seed, model, head, levels, overwrite):
     """Draw random faces from a model's prior: face-000.obj and .npz and so on, sheet.png and sheet.json.
 
     Flipped triangles are turned back and eye sockets and mouth tucked behind the skin; a face that keeps more than
@@ -57,9 +59,10 @@ def command(out_dir, count, spread, seed, model, levels, overwrite):
     from caricli.store.drawings import load_drawing
     from caricli.store.face_files import FaceSeries
 
-    drawing = load_drawing(model, levels, SIZE)
+    drawing = load_drawing(model, levels, SIZE, head)
     series = FaceSeries(out_dir, "face", count, "sheet")
-    with staged(*series.files, overwrite=overwrite, inputs=[model]) as files, progress_bar("faces") as report:
+    given = {"overwrite": overwrite, "inputs": [model], "optional": series.optional}
+    with staged(*series.files, **given) as files, progress_bar("faces") as report:
         samples = islice(sample_faces(drawing.model, np.random.default_rng(seed), spread), count)
         faces = ((sample.face, sample.figures()) for sample in samples)
         rows, views = series.write(files, faces, drawing, range(DRAWN), report)

@@ -5,11 +5,11 @@ from typing import get_args
 
 import click
 
+from caricli.commands.shared.head_options import head_options
 from caricli.commands.shared.notes import echo_result
 from caricli.commands.shared.options import (
     PATH,
     WholeRange,
-    bust_option,
     model_option,
     out_option,
     overwrite_option,
@@ -53,14 +53,14 @@ SIZE = 320
     help="Make a shell of the hair in the picture, or leave it as paint on the head; auto makes one unless it is "
     "doubtful what is hair.",
 )
-@bust_option
+@head_options
 @click.option("--project-uv", "flat", is_flag=True, help="Use the picture itself as texture, as published, to compare.")
 @click.option("--keep-light", is_flag=True, help="Leave light and shade of the picture in the texture.")
 @model_option
 @seed_option
 @picture_option
 @overwrite_option
-def command(face, image, out, mask, size, hair, bust, flat, keep_light, model, seed, overwrite):
+def command(face, image, out, mask, size, hair, head, flat, keep_light, model, seed, overwrite):
     """Paint a face (NPZ with a camera) with the picture that it was fitted to.
 
     What the picture does not show comes from the other side of the face, and else has the colour of its skin, of what
@@ -85,25 +85,25 @@ def command(face, image, out, mask, size, hair, bust, flat, keep_light, model, s
         picture = read_image(image)
         with naming(face):
             seen.require_landmarks()
-        head = None if mask is None else load_mask(mask, (picture.shape[1], picture.shape[0]))
-        settings = PaintSettings(size, flat, seed, hair, bust, TextureSettings(keep_light=keep_light))
+        white = None if mask is None else load_mask(mask, (picture.shape[1], picture.shape[0]))
+        settings = PaintSettings(size, flat, seed, hair, head, TextureSettings(keep_light=keep_light))
         start = time.perf_counter()
         with naming(", ".join(str(path) for path in inputs[:3] if path)):
-            painted = paint_head(seen, shape_model.template, picture, head, settings)
+            painted = paint_head(seen, shape_model.template, picture, white, settings)
         seconds = time.perf_counter() - start
         write_painted_head(folder, painted, seen)
         about = {"project_uv": flat, "seconds": seconds, "model_id": shape_model.model_id, "head": painted.filled}
         report = provenance("texture", inputs[:3], seed, **about, **painted.figures())
         write_json(folder / REPORT, report)
         for path in picture_files(folder / "sheet.png"):
-            write_png(path, _sheet(painted))
+            write_png(path, _sheet(painted, head))
     echo_result(f"{out}: {painted.describe()}")
 
 
-def _sheet(painted):
+def _sheet(painted, head):
     """The picture of a Painted head before and after."""
     from caricli.methods.parts.whole_head import whole_head
     from caricli.render.texture_sheet import texture_sheet
     from caricli.structures import Face
 
-    return texture_sheet(whole_head(Face(painted.head), painted.head), painted.rig, SIZE)
+    return texture_sheet(whole_head(Face(painted.head), painted.head, head), painted.rig, SIZE)

@@ -12,6 +12,7 @@ from caricli.render.shade import Look
 from caricli.structures import Face, Material, Mesh, Part, Pictures
 from caricli.structures.materials import FINISHES
 from caricli.template.annotation import bundled_annotation
+from caricli.template.template import Template, WholeHead
 
 
 def face_look(face: Face, eyeballs: bool = True) -> Look:
@@ -26,6 +27,18 @@ def face_look(face: Face, eyeballs: bool = True) -> Look:
         eyeballs=place_eyeballs(face.mesh, bundled_annotation()) if eyeballs and not has_eyes else (),
         coat=mesh_coat(face.mesh, face.pictures, materials),
     )
+
+
+def head_eyeballs(head: Template) -> list[tuple[np.ndarray, float]]:
+    """Centres and radii of the eyeballs that a head is drawn with, where its annotation knows its lids."""
+    wanted = not isinstance(head, WholeHead) or head.eyes
+    return place_eyeballs(head, head.annotation) if wanted else []
+
+
+def head_look(head: Template) -> tuple[Mesh, Look]:
+    """A head with its parts, where it is a WholeHead, as one mesh, and its plain Look with eyeballs."""
+    parts = head.dressed if isinstance(head, WholeHead) else ()
+    return with_parts(head, Look(eyeballs=head_eyeballs(head)), parts)
 
 
 def with_parts(mesh: Mesh, look: Look, parts: Sequence[Part]) -> tuple[Mesh, Look]:

@@ -6,9 +6,9 @@ from PIL import Image
 from caricli.render.backdrop import PAPER, blank_paper
 from caricli.render.coat import mesh_coat
 from caricli.render.contact_sheet import contact_sheet
+from caricli.render.face_look import head_look
 from caricli.render.head_views import head_views
 from caricli.render.overlay import draw_landmarks, overlay_mesh
-from caricli.render.place_eyeballs import place_eyeballs
 from caricli.render.shade import Look
 from caricli.structures import Face
 from caricli.template.fine_mesh import FineMesh
@@ -42,8 +42,8 @@ def fit_sheet(
     dotted = draw_landmarks(picture, (fitted - corner) * zoom, FITTED)
     circle = max(1.5, size / 120)
     marked = draw_landmarks(dotted, (given - corner) * zoom, GIVEN, radius=circle, hollow=True, lines=False)
-    eyeballs = place_eyeballs(head, head.annotation)
-    over = overlay_mesh(picture, face.mesh, camera.zoomed(zoom, corner), eyeballs=eyeballs)
+    mesh, plain = head_look(head)
+    over = overlay_mesh(picture, mesh, camera.zoomed(zoom, corner), look=plain)
     look = Look(coat=mesh_coat(face.mesh if fine is None else fine.mesh, face.pictures))
     return contact_sheet([marked, over, *head_views(head, ("front", "three-quarter", "profile"), size, fine, look)], 5)
 

@@ -5,8 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from caricli.render.face_look import with_parts
-from caricli.render.place_eyeballs import place_eyeballs
+from caricli.render.face_look import head_eyeballs, with_parts
 from caricli.render.shade import Look
 from caricli.render.sky import sky_visibility
 from caricli.render.smooth_normals import smooth_normals
@@ -31,10 +30,11 @@ def head_views(
     """
     parts = head.dressed if isinstance(head, WholeHead) else ()
     drawn, look = with_parts(head if fine is None else fine.mesh, look, parts)
-    eyeballs = place_eyeballs(head, head.annotation)
     whole, _ = with_parts(head, Look(), parts)
     seen = sky_visibility(whole.vertices, whole.faces, smooth_normals(whole.vertices, whole.faces))
     if fine is not None:
         count = len(head.vertices)
         seen = np.concatenate([fine.weights @ seen[:count], seen[count:]])
-    return render_views(drawn, views, size, replace(look, eyeballs=eyeballs, visibility=seen.astype(np.float32)))
+    return render_views(
+        drawn, views, size, replace(look, eyeballs=head_eyeballs(head), visibility=seen.astype(np.float32))
+    )

@@ -1,11 +1,12 @@
 """A fitted mesh and its landmarks over the picture they belong to."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from caricli.render.blend import over
-from caricli.render.shade import CLAY, Look, shade
+from caricli.render.shade import Look, shade
 from caricli.structures import Camera, Mesh
 from caricli.structures.landmarks import COUNT, POLYLINES, RINGS
 
@@ -20,17 +21,16 @@ def overlay_mesh(
     mesh: Mesh,
     camera: Camera,
     opacity: float = 0.7,
-    colour: Sequence[float] = CLAY,
-    eyeballs: Sequence[tuple[np.ndarray, float]] = (),
+    look: Look = Look(),  # noqa: B008 (frozen)
 ) -> np.ndarray:
     """Draw a mesh over a picture.
 
-    image: (H, W, 3) uint8. mesh: Mesh in the face frame. camera: Camera. opacity: 0 to 1. colour, eyeballs: as in
-    `Look`, the eyeballs in the face frame.
+    image: (H, W, 3) uint8. mesh: Mesh in the face frame. camera: Camera. opacity: 0 to 1. look: Look of the mesh, its
+    eyeballs in the face frame.
     Returns (H, W, 3) uint8.
     """
-    balls = [(camera.place(centre), camera.scale * radius) for centre, radius in eyeballs]
-    look = Look(colour, eyeballs=balls, gaze=camera.rotation[:, 2])
+    balls = [(camera.place(centre), camera.scale * radius) for centre, radius in look.eyeballs]
+    look = replace(look, eyeballs=balls, gaze=camera.rotation[:, 2])
     height, width = image.shape[:2]
     return over(shade(camera.place(mesh.vertices), mesh.faces, width, height, look), image, opacity)
 

@@ -13,7 +13,6 @@ from caricli.io.mesh import keeps_texture, write_mesh
 from caricli.io.strict_json import write_json
 from caricli.io.worn import PictureNames, worn_paths, write_pictures
 from caricli.structures import Face, Pictures
-from caricli.template.fine_mesh import FineMesh, split_materials
 
 if TYPE_CHECKING:
     from caricli.methods.faces.draw_face import FaceDrawing
@@ -39,30 +38,32 @@ def write_face_result(
     """
     mesh, npz, json, png = files
     assert mesh is not None and npz is not None and json is not None
-    write_face_files(mesh, npz, face, drawing.finer(face))
+    write_face_files(mesh, npz, face, drawing.mesh_face(face))
     write_json(json, description)
     if png is not None:
         write_png(png, draw())
 
 
 def write_face_files(
-    mesh_file: Path, npz_file: Path, face: Face, finer: FineMesh | None = None, names: PictureNames | None = None
+    mesh_file: Path, npz_file: Path, face: Face, shown: Face | None = None, names: PictureNames | None = None
 ) -> PictureNames:
     """Write mesh and NPZ alone, and the pictures of the face.
 
-    mesh_file, npz_file: paths. face: Face. finer: FineMesh in its shape, or None for its own. names: of its pictures,
-    where they are there already.
-    Returns the names of its pictures. Raises OutputError.
+    mesh_file, npz_file: paths. face: Face. shown: what the mesh file holds of it, in its pictures and perhaps others,
+    or None for its own mesh. names: of these pictures, where they are there already.
+    Returns the names of the pictures. Raises OutputError.
     """
-    names = write_pictures(npz_file, face.pictures) if names is None else names
+    shown = shown or face
     # The other formats have no place for pictures; the NPZ keeps them for the next command.
-    shown = names if keeps_texture(mesh_file) else PictureNames()
-    mesh = face.mesh if finer is None else finer.mesh
-    materials = split_materials(face.materials, face.mesh.polygons, finer.levels if finer else 0)
-    write_mesh(mesh_file, mesh, shown.skin, others=shown.others, materials=materials)
+    textured = keeps_texture(mesh_file)
+    if names is None:
+        names = write_pictures(npz_file, shown.pictures if textured else face.pictures)
+    kept = names if textured else PictureNames()
+    write_mesh(mesh_file, shown.mesh, kept.skin, others=kept.others, materials=shown.materials)
     if face.residual is not None and not np.abs(face.residual).max() > _ROUNDING:
         face = replace(face, residual=None)
-    write_face(npz_file, face, names)
+    own = zip(names, face.pictures, strict=True)
+    write_face(npz_file, face, PictureNames(*(None if picture is None else name for name, picture in own)))
     return names
 
 
@@ -113,10 +114,11 @@ class FaceSeries:
         worn: tuple[Pictures, PictureNames] | None = None
         for number, (face, figures) in enumerate(faces):
             # Faces that wear the same share the files.
-            names = worn[1] if worn and worn[0].same(face.pictures) else None
+            shown = drawing.mesh_face(face)
+            names = worn[1] if worn and worn[0].same(shown.pictures) else None
             mesh_file, npz_file = files[2 * number : 2 * number + 2]
-            names = write_face_files(mesh_file, npz_file, face, drawing.finer(face), names)
-            worn = (face.pictures, names)
+            names = write_face_files(mesh_file, npz_file, face, shown, names)
+            worn = (shown.pictures, names)
             if number in drawn:
                 views.append(drawing.draw(face))
             rows.append({"face": self.stems[number]} | figures)

@@ -4,6 +4,7 @@ from caricli.structures.camera import Camera
 from caricli.structures.cues import Cues
 from caricli.structures.directions import Directions
 from caricli.structures.face import Face
+from caricli.structures.head_choice import HeadChoice
 from caricli.structures.landmarks import Landmarks
 from caricli.structures.materials import Material
 from caricli.structures.mesh import Mesh
@@ -20,6 +21,7 @@ __all__ = [
     "Directions",
     "Face",
     "Hair",
+    "HeadChoice",
     "Landmarks",
     "Material",
     "Mesh",

@@ -1,6 +1,5 @@
 """What polygons are made of."""
 
-from collections.abc import Collection
 from dataclasses import dataclass
 from enum import IntEnum
 
@@ -18,6 +17,7 @@ class Material(IntEnum):
     LASHES = 5
     HAIR = 6
     BUST = 7
+    CLOTH = 8
 
 
 @dataclass(frozen=True)
@@ -47,6 +47,7 @@ FINISHES = {
     Material.LASHES: Finish("lashes", (38, 28, 24), 0.7),
     Material.HAIR: Finish("hair", (92, 66, 48), 0.7),
     Material.BUST: Finish("bust", (206, 160, 136), 0.7),
+    Material.CLOTH: Finish("cloth", (74, 86, 104), 0.9),
 }
 """The Finish of every Material."""
 
@@ -61,17 +62,9 @@ HEAD_PARTS = {
     "tongue": (Material.TONGUE,),
     "lashes": (Material.LASHES,),
     "hair": (Material.HAIR,),
-    "bust": (Material.BUST,),
+    "bust": (Material.BUST, Material.CLOTH),
 }
 """What a head may consist of, by the names that choose it, and what this is made of."""
-
-SHOULDERS = "shoulders"
-"""Chooses a bust that reaches to the shoulders, instead of one that ends at the neck."""
-
-
-def materials_of(parts: Collection[str]) -> list[Material]:
-    """What parts of a head are made of. parts: some of ``HEAD_PARTS``, and ``SHOULDERS``."""
-    return [material for name in parts for material in (HEAD_PARTS | {SHOULDERS: (Material.BUST,)})[name]]
 
 
 def material_problem(materials: np.ndarray | None, polygons: int) -> str | None:

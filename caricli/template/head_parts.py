@@ -7,6 +7,7 @@ import numpy as np
 
 from caricli.geometry.similarity import similarity
 from caricli.structures import Material
+from caricli.structures.head_choice import Teeth
 from caricli.structures.parts import Hold, Part
 from caricli.template.dental_arch import STYLES, dental_arch
 from caricli.template.head import BasePart, Head
@@ -31,7 +32,7 @@ _STILL = 1e-6
 """Metres: what an action moves less it does not move."""
 
 
-def head_parts(head: Head, style: str = "natural", **options: Any) -> tuple[Part, ...]:
+def head_parts(head: Head, style: Teeth = "natural", **options: Any) -> tuple[Part, ...]:
     """The parts of ``head.evaluate(**options)``, moved by the 52 ARKit actions.
 
     Teeth are modelled on the bands of the base mesh and move as rigidly as bone; lashes are single hairs along its
@@ -43,7 +44,7 @@ def head_parts(head: Head, style: str = "natural", **options: Any) -> tuple[Part
     return (*teeth, _tongue(head.parts["tongue"], options), _lashes(head.parts["lashes"], options))
 
 
-def _teeth(band: BasePart, row: str, style: str, options: dict[str, Any]) -> Part:
+def _teeth(band: BasePart, row: str, style: Teeth, options: dict[str, Any]) -> Part:
     place = band.mesh(**options)
     mesh, materials = dental_arch(place, row == "upper", STYLES[style])
     deltas = np.zeros((len(band.action_names), *mesh.vertices.shape))

@@ -62,9 +62,11 @@ class WholeHead(Template):
     """A Template in the shape of a face, with what is on and in this face.
 
     dressed: Parts of the face; the same template in another shape has none until they are attached to it.
+    eyes: whether it is drawn with eyeballs.
     """
 
     dressed: tuple[Part, ...] = field(default=(), kw_only=True)
+    eyes: bool = field(default=True, kw_only=True)
 
     def with_vertices(self, vertices: np.ndarray) -> Self:
         """The same template in another shape, without parts. vertices: (V, 3), as many as there are."""

@@ -21,7 +21,7 @@ def row(head_template):
         (), head_template.with_vertices(head_template.vertices.astype(np.float32)), still, pictures=Pictures(texture)
     )
     face = Face(head_template, camera, np.nan_to_num(points, nan=20.0))
-    return portrait_row(image, points, [face, None], rig, head_template, SIZE)
+    return portrait_row(image, points, [(face, head_template), None], rig, SIZE)
 
 
 def test_every_picture_has_the_size_that_was_asked_for(row):

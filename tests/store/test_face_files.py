@@ -29,7 +29,7 @@ def face(drawing):
 def test_the_fine_mesh_in_any_format_and_the_models_own_for_the_next_command(drawing, face, tmp_path, suffix):
     mesh_file, npz_file = tmp_path / f"a{suffix}", tmp_path / "a.npz"
     finer = drawing.finer(face)
-    write_face_files(mesh_file, npz_file, face, finer)
+    write_face_files(mesh_file, npz_file, face, drawing.mesh_face(face))
     mesh, stored = read_mesh(mesh_file), read_face(npz_file)
     np.testing.assert_allclose(mesh.vertices, finer.mesh.vertices, atol=1e-7)
     np.testing.assert_allclose(stored.vertices, face.vertices, atol=1e-7)
@@ -40,7 +40,7 @@ def test_the_fine_mesh_in_any_format_and_the_models_own_for_the_next_command(dra
 
 def test_a_residual_that_says_something_is_kept(drawing, face, tmp_path):
     other = encode_face(Face(face.mesh.with_vertices(1.1 * face.vertices)), drawing.model)
-    write_face_files(tmp_path / "a.obj", tmp_path / "a.npz", other, drawing.finer(other))
+    write_face_files(tmp_path / "a.obj", tmp_path / "a.npz", other, drawing.mesh_face(other))
     np.testing.assert_array_equal(read_face(tmp_path / "a.npz").residual, other.residual.astype(np.float32))
 
 

@@ -73,7 +73,10 @@ CASES = [
     (lambda r: {"deltas": r.deltas * np.nan}, "deltas: expected finite"),
     (lambda r: {"deltas": r.deltas[:, :-1]}, "deltas: expected the shape"),
     (lambda r: {"deltas": r.deltas[:-1]}, "deltas: expected the shape"),
-    (lambda r: {"materials": bad(r.materials, 99)}, "materials: expected [0, 1, 2, 3, 4, 5, 6, 7] for every polygon"),
+    (
+        lambda r: {"materials": bad(r.materials, 99)},
+        "materials: expected [0, 1, 2, 3, 4, 5, 6, 7, 8] for every polygon",
+    ),
     (lambda r: {"materials": r.materials[:-1]}, "materials: expected"),
     (lambda r: {"normal_deltas": r.normal_deltas[:3]}, "normal_deltas: expected 4 displacements"),
     (lambda r: {"normal_deltas": r.normal_deltas[..., :2]}, "normal_deltas: expected 4 displacements"),

@@ -47,7 +47,8 @@ def _meshes(folder, count, size, generator):
     """Lines that describe a dataset of meshes, and a function that draws its sheet."""
     from caricli.data.dataset import read_dataset
     from caricli.data.summarise_dataset import summarise_dataset
-    from caricli.render.dataset_sheet import dataset_sheet
+    from caricli.methods.faces.dataset_sheet import dataset_sheet
+    from caricli.store.datasets import dataset_files
 
     data = read_dataset(folder)
     return summarise_dataset(data), lambda: dataset_sheet(data.vertices, data.template, count, size, generator)

@@ -16,12 +16,13 @@ from caricli.io.mesh import MESH_SUFFIXES
 from caricli.io.provenance import provenance
 from caricli.io.strict_json import write_json
 from caricli.methods.faces.encode_face import encode_face
-from caricli.methods.faces.subdivide_face import subdivide_face
+from caricli.methods.faces.subdivide_face import finer_face, subdivide_face
 from caricli.methods.reconstruct.landmark_fit import LandmarkFit
 from caricli.models.shape_model import ShapeModel
 from caricli.store.face_files import write_face_files
 from caricli.store.pictures import find_picture, load_marked_picture
-from caricli.structures import Face
+from caricli.structures import Face, HeadChoice
+from caricli.structures.head_choice import WHOLE
 from caricli.template.fine_mesh import FineMesh, fine_mesh
 
 
@@ -56,8 +57,8 @@ class FitTask:
     command: its name. files: what is read and written. model: ShapeModel. levels: how often the polygons of what is
     written for other tools are split. fit: of points (L, 2), and where it ``looks`` of the picture, called ``image``.
     about: what the JSON says of the run. inputs: files that the model is from; sources: others that results come from.
-    worn: Face whose pictures the results wear, or None. latents: ShapeModel of the same mesh, whose latent results get
-    instead of that of ``model``, or None.
+    worn: Face whose pictures the results wear, or None. head: HeadChoice, or None, as of FaceDrawing. latents:
+    ShapeModel of the same mesh, whose latent results get instead of that of ``model``, or None.
     """
 
     command: str
@@ -69,6 +70,7 @@ class FitTask:
     inputs: Sequence[Path | None] = ()
     sources: Sequence[Path | None] = ()
     worn: Face | None = None
+    head: HeadChoice | None = None
     latents: ShapeModel | None = None
     looks: bool = False
 
@@ -90,7 +92,7 @@ class FitTask:
             finer = subdivide_face(face, self.model, self.fine)
             if self.latents is not None:
                 face = encode_face(face, self.latents)
-            write_face_files(mesh, npz, face, finer)
+            write_face_files(mesh, npz, face, self._shown(face, finer))
             about = self.about | {"latent_model_id": face.model_id, "subdivide": self.levels}
             report = provenance(self.command, [path, picture, *self.sources], **about)
             write_json(json, report | fit.figures() | {"seconds": seconds})
@@ -98,10 +100,18 @@ class FitTask:
             write_picture(png, partial(self._sheet, face, finer, points, pixels))
         return f"{target}: {fit.describe()}"
 
+    def _shown(self, face: Face, finer: FineMesh) -> Face:
+        """What the mesh file holds of a face: its skin, or the head that was chosen."""
+        if self.head is None:
+            return finer_face(face, finer)
+        from caricli.methods.parts.whole_head import mesh_face
+
+        return mesh_face(face, self.model.template, self.head, finer)
+
     def _sheet(self, face: Face, finer: FineMesh, points: np.ndarray, pixels: np.ndarray | None) -> np.ndarray:
         """The picture of a face and the landmarks (L, 2) that it was fitted to."""
         # What draws takes a while to start.
         from caricli.methods.parts.whole_head import whole_head
         from caricli.render.fit_sheet import fit_sheet
 
-        return fit_sheet(face, whole_head(face, self.model.template), points, pixels, fine=finer)
+        return fit_sheet(face, whole_head(face, self.model.template, self.head or WHOLE), points, pixels, fine=finer)

@@ -121,37 +121,6 @@ def each_bundled(ctx, param, values):
     return tuple(bundled(ctx, param, value) for value in values)
 
 
-def chosen_parts(ctx, param, value):
-    """The names of parts in a text with commas, as a tuple; all where there is none; the skin is always among them."""
-    from caricli.structures.materials import HEAD_PARTS
-
-    names = tuple(HEAD_PARTS) if value is None else tuple(name.strip() for name in value.split(","))
-    unknown = [name for name in names if name not in HEAD_PARTS]
-    if unknown:
-        raise click.BadParameter(f"{unknown[0]!r} is not one of {', '.join(HEAD_PARTS)}.")
-    if "skin" not in names:
-        raise click.BadParameter("'skin' is not among them; all others are in it or on it.")
-    return names
-
-
-parts_option = click.option(
-    "--parts",
-    callback=chosen_parts,
-    metavar="NAMES",
-    help="Make the head of these, with commas between them: skin, eyes, teeth, tongue, lashes, hair, bust.  [default: "
-    "all that it has]",
-)
-
-
-def with_bust(parts, bust):
-    """The names of parts that are chosen, and the shoulders where these are."""
-    from caricli.structures.materials import SHOULDERS
-
-    return (*parts, SHOULDERS) if bust else parts
-
-
-bust_option = click.option("--bust", is_flag=True, help="Put shoulders under the head instead of closing its neck.")
-
 model_option = click.option(
     "--model",
     type=PATH,

@@ -3,6 +3,7 @@
 import numpy as np
 
 from caricli.methods.evaluate.evaluate_portrait import PortraitResult
+from caricli.methods.parts.whole_head import whole_head
 from caricli.render.contact_sheet import contact_sheet
 from caricli.render.portrait_row import SIDES, portrait_row
 from caricli.template.template import Template
@@ -24,10 +25,10 @@ class PortraitSheet:
     def add(self, result: PortraitResult) -> None:
         """Draw a portrait: the picture, the faces of SHOWN in its place, and the textured head."""
         portrait = result.portrait
-        faces = {name: own.face for name, own in result.reconstructions.items()}
+        faces = {name: (own.face, whole_head(own.face, self.template)) for name, own in result.reconstructions.items()}
         rig = result.rigs.get(SHOWN[-1], result.rigs["elastic"])
         fits = [faces.get(name) for name in SHOWN]
-        self.cells += portrait_row(portrait.image, portrait.points, fits, rig, self.template, self.size)
+        self.cells += portrait_row(portrait.image, portrait.points, fits, rig, self.size)
         names = [name if name in faces else f"{name} refused" for name in SHOWN]
         self.labels += [portrait.name, *names, *["textured"] * len(SIDES)]
 

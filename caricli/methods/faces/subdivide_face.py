@@ -2,7 +2,7 @@
 
 from caricli.models.shape_model import ShapeModel
 from caricli.structures import Face
-from caricli.template.fine_mesh import FineMesh, fine_mesh
+from caricli.template.fine_mesh import FineMesh, fine_mesh, split_materials
 
 
 def subdivide_face(face: Face, model: ShapeModel, fine: FineMesh) -> FineMesh:
@@ -22,3 +22,9 @@ def subdivide_face(face: Face, model: ShapeModel, fine: FineMesh) -> FineMesh:
         return fine.shaped(face.vertices)
     beyond = face.vertices - model.decode(face.latent)
     return fine.with_vertices(model.decode_on(face.latent, fine.weights) + fine.weights @ beyond)
+
+
+def finer_face(face: Face, fine: FineMesh) -> Face:
+    """The skin of a face on a FineMesh in its shape, with what it wears alone."""
+    materials = split_materials(face.materials, face.mesh.polygons, fine.levels)
+    return Face(fine.mesh, pictures=face.pictures, materials=materials)

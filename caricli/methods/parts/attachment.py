@@ -6,10 +6,12 @@ from functools import cache, lru_cache
 import numpy as np
 
 from caricli.data.identities import usual_size
+from caricli.errors import InputError
 from caricli.methods.parts.bones import Bone, Frames, Jaw, Posed, plain_frames
 from caricli.methods.parts.lids import Lids
 from caricli.methods.parts.pocket import Mouths, Pocket
 from caricli.structures import Mesh, Part
+from caricli.structures.head_choice import Teeth
 from caricli.template.head import BasePart, Head, load_head
 from caricli.template.head_parts import head_parts, part_lips
 from caricli.template.template import FittedParts, Template
@@ -62,11 +64,18 @@ class Attachment:
         return tuple(hold.place(face) if isinstance(hold, Lids) else hold.place(face, mouths) for hold in self.holds)
 
 
-def attachment_for(template: Template) -> Attachment | None:
-    """The Attachment of a template's own parts, or of the open head's where it has its topology, else None."""
+def attachment_for(template: Template, teeth: Teeth = "natural") -> Attachment | None:
+    """The Attachment of a template's own parts, or of the open head's where it has its topology, else None.
+
+    Raises InputError for other teeth than natural ones where it has its own.
+    """
     if template.parts is not None:
+        if teeth != "natural":
+            raise InputError(
+                f"expected a head without teeth of its own for {teeth} ones, found one whose annotation has them"
+            )
         return _own_attachment(template.parts)
-    return open_head_attachment() if template.topology_id == open_head_topology() else None
+    return open_head_attachment(teeth) if template.topology_id == open_head_topology() else None
 
 
 @lru_cache(maxsize=4)
@@ -75,7 +84,7 @@ def _own_attachment(fitted: FittedParts) -> Attachment:
 
 
 @cache
-def open_head_attachment() -> Attachment:
+def open_head_attachment(teeth: Teeth = "natural") -> Attachment:
     """Of the open head in its usual shape."""
     head = load_head()
     skin = _examples(head, head)
@@ -83,7 +92,7 @@ def open_head_attachment() -> Attachment:
     frames = {name: Frames(part.evaluate(), (skin, _examples(head, part))) for name, part in rigid.items()}
     actions = head.actions.astype(float)
     actions[head.action_names.index("tongueOut")] += part_lips(head.action_names, actions)
-    return Attachment(head.template(), head_parts(head), frames, actions)
+    return Attachment(head.template(), head_parts(head, teeth), frames, actions)
 
 
 def _examples(head: Head, shapes: Head | BasePart) -> np.ndarray:

@@ -1,13 +1,12 @@
 """Parts of a head for a rig, and a rig of fewer parts."""
 
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from caricli.geometry.join_meshes import join_meshes
-from caricli.structures import Material, Mesh, Part, Rig
-from caricli.structures.materials import materials_of
+from caricli.structures import HeadChoice, Material, Mesh, Part, Rig
 
 _STILL = 1e-6
 """Metres: what moves no farther does not move, but for rounding."""
@@ -35,16 +34,15 @@ def add_parts(rig: Rig, parts: Sequence[Part]) -> Rig:
     )
 
 
-def choose_parts(rig: Rig, parts: Collection[str]) -> Rig:
+def choose_parts(rig: Rig, choice: HeadChoice) -> Rig:
     """The rig without the polygons of other parts and the vertices of these alone.
 
-    parts: some of ``HEAD_PARTS``, the skin among them. Returns Rig; the vertices that are left keep their order.
+    choice: HeadChoice, of which the parts count. Returns Rig; the vertices that are left keep their order.
     """
-    chosen = materials_of(parts)
-    if rig.materials is None or np.isin(rig.materials, chosen).all():
+    if rig.materials is None or choice.takes(rig.materials):
         return rig
     mesh = rig.mesh
-    kept = np.isin(rig.materials, chosen)
+    kept = np.isin(rig.materials, choice.materials)
     dropped = np.setdiff1d(mesh.polygons[~kept], mesh.polygons[kept])
     left = np.setdiff1d(np.arange(len(mesh.vertices)), dropped)
     number = np.full(len(mesh.vertices) + 1, -1, np.int32)

@@ -1,6 +1,6 @@
 """A rig from a neutral face: expressions, contacts, eyes, pictures, any resolution."""
 
-from collections.abc import Callable, Collection
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -13,8 +13,8 @@ from caricli.methods.rig.expression_templates import ExpressionTemplates
 from caricli.methods.rig.head_expressions import open_head_expressions
 from caricli.methods.rig.measure_rig import RigMeasures, measure_rig
 from caricli.methods.rig.transfer_rig import transfer_rig
-from caricli.structures import Face, Hair, Mesh, Part, Pictures, Rig
-from caricli.structures.materials import HEAD_PARTS
+from caricli.structures import Face, Hair, HeadChoice, Mesh, Part, Pictures, Rig
+from caricli.structures.head_choice import WHOLE
 from caricli.template.fine_mesh import FineMesh, fine_mesh
 
 
@@ -23,12 +23,12 @@ class RigSettings:
     """What a rig is made of.
 
     levels: how often polygons of the face are split, linearly.
-    parts: some of ``HEAD_PARTS``: what is put into and on the face, where the templates know it, beside the skin.
+    head: HeadChoice: what is put into and on the face, where the templates know it, beside the skin.
     seed: of the picture of the eyes, where none is given.
     """
 
     levels: int = 0
-    parts: Collection[str] = tuple(HEAD_PARTS)
+    head: HeadChoice = WHOLE
     seed: int = 0
 
 
@@ -75,7 +75,7 @@ def make_rig(
     templates = templates or open_head_expressions()
     templates.require_topology(mesh)
     deltas = transfer_rig(templates, mesh.vertices) if deltas is None else deltas
-    annotation = templates.annotation if "eyes" in settings.parts else None
+    annotation = templates.annotation if "eyes" in settings.head.parts else None
     eyeballs = [] if annotation is None else fit_eyeballs(mesh, annotation, deltas)
     measures = measure_rig(mesh.vertices, deltas, templates, eyeballs)
     fine = fine_mesh(mesh, settings.levels)
@@ -83,6 +83,6 @@ def make_rig(
     shape = fine.mesh.with_vertices((fine.weights @ mesh.vertices).astype(np.float32))
     rig = Rig(templates.names, shape, finer.astype(np.float32), pictures=replace(pictures, eyes=None))
     rig = add_eyeballs(rig, eyeballs, np.random.default_rng(settings.seed), pictures.eyes)
-    dress = partial(face_parts, template=templates.mesh, chosen=settings.parts)
+    dress = partial(face_parts, template=templates.mesh, choice=settings.head)
     rig = add_parts(rig, dress(Face(mesh, hair=hair), names=rig.names, deltas=deltas))
     return RigResult(rig, measures, eyeballs, fine, dress)

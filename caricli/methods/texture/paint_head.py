@@ -10,7 +10,7 @@ from caricli.methods.hair.dress_hair import DressedHair, bare_skin, dress_hair
 from caricli.methods.parts.close_neck import neck_picture
 from caricli.methods.parts.face_parts import face_parts
 from caricli.methods.rig.add_eyeballs import TEXTURE, add_eyeballs, fit_eyeballs
-from caricli.methods.rig.add_parts import add_parts
+from caricli.methods.rig.add_parts import add_parts, choose_parts
 from caricli.methods.texture.estimate_light import Light
 from caricli.methods.texture.mask_head import mask_head, mesh_pixels
 from caricli.methods.texture.photometric_error import photometric_error
@@ -22,7 +22,6 @@ from caricli.render.diffuse_background import diffuse_background
 from caricli.render.eye_colours import eye_colours
 from caricli.render.paint_eye import paint_eye
 from caricli.structures import Face, Pictures, Rig
-from caricli.structures.materials import SHOULDERS
 from caricli.template.template import Template
 
 
@@ -107,9 +106,9 @@ def paint_head(
     generator = np.random.default_rng(settings.seed)
     eyes = paint_eye(TEXTURE, generator, *eye_colours(image, landmarks))
     whole = add_eyeballs(rig, fit_eyeballs(head, head.annotation, still), generator, eyes)
-    below = SHOULDERS if settings.bust else "bust"
-    whole = add_parts(whole, face_parts(face, template, ("teeth", "tongue", "lashes", below)))
+    whole = add_parts(whole, face_parts(replace(face, hair=None), template, settings.head))
     error = photometric_error(rig, face, image, skin, light)
     pictures = replace(whole.pictures, bust=neck_picture(head, texture), hair=None if hair is None else hair.picture)
     whole = add_parts(replace(whole, pictures=pictures), [] if hair is None else [hair.hair.part])
+    whole = choose_parts(whole, settings.head)
     return Painted(head, whole, error, seen, float(mask.mean()), light, hair)

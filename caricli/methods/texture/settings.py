@@ -3,6 +3,9 @@
 from dataclasses import dataclass
 from typing import Literal
 
+from caricli.structures import HeadChoice
+from caricli.structures.head_choice import WHOLE
+
 Hair = Literal["auto", "none", "shell"]
 """What becomes of the hair of a picture."""
 
@@ -53,7 +56,7 @@ class PaintSettings:
     project_uv: the picture itself as texture, as published (portrait paper, equation 12), to compare.
     seed: of the fibres of the iris, and of strands of hair that the picture does not show.
     hair: "shell" of hair on the head, "none", or "auto": a shell unless it is doubtful what is hair.
-    bust: whether shoulders are put under the head.
+    head: HeadChoice; pictures of what it leaves out are painted nevertheless, for the commands that come after.
     texture: TextureSettings.
     """
 
@@ -61,5 +64,5 @@ class PaintSettings:
     project_uv: bool = False
     seed: int = 0
     hair: Hair = "auto"
-    bust: bool = False
+    head: HeadChoice = WHOLE
     texture: TextureSettings = TextureSettings()

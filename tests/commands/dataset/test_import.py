@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from caricli.data.dataset import read_dataset
+from caricli.errors import InputError
 from caricli.io.obj import read_obj, write_obj
 from caricli.io.strict_json import write_json
 from caricli.methods.parts.attachment import attachment_for
@@ -106,6 +107,8 @@ def test_parts_come_with_the_annotation_and_stay_in_a_model(run, eggs, tmp_path)
         (there,) = attachment.attach(egg.with_vertices(1.5 * egg.vertices + [0, 0.1, 0]))
         assert np.abs(there.mesh.vertices - 1.5 * teeth.mesh.vertices - [0, 0.1, 0]).max() < 1e-6
         assert set(there.materials) == {Material.TEETH}
+        with pytest.raises(InputError, match="expected a head without teeth of its own for cartoon ones"):
+            attachment_for(template, "cartoon")
 
 
 @pytest.mark.parametrize(

@@ -83,6 +83,15 @@ def test_materials_say_what_is_tooth_and_what_gum(head):
     assert set(parts["lashes"].materials) == {Material.LASHES}
 
 
+def test_cartoon_teeth_stand_where_natural_ones_do(template):
+    natural, cartoon = (by_name(attachment_for(template, teeth).attach(template)) for teeth in ("natural", "cartoon"))
+    for name in ("teeth_upper", "teeth_lower"):
+        ends = [[part.mesh.vertices.min(0), part.mesh.vertices.max(0)] for part in (natural[name], cartoon[name])]
+        np.testing.assert_allclose(*ends, atol=0.003)
+        crowns = [(part.materials == Material.TEETH).sum() for part in (natural[name], cartoon[name])]
+        assert crowns[0] / 14 == crowns[1] / 10
+
+
 def test_another_topology_has_none(template):
     other = type(template)(
         template.vertices, template.polygons[:, ::-1].copy(), annotation=template.annotation

@@ -3,7 +3,7 @@ import pytest
 
 from caricli.methods.parts.close_neck import HEIGHT, WIDTH, close_neck, neck_edge, neck_picture
 from caricli.methods.parts.face_parts import face_parts
-from caricli.structures import Face, Material, Mesh
+from caricli.structures import Face, HeadChoice, Material, Mesh
 from caricli.template.annotation import parse_annotation
 from caricli.template.template import Template
 from tests.methods.parts.neck import assert_closed
@@ -44,9 +44,9 @@ def test_it_moves_with_its_edge(head_template, face):
 
 def test_it_is_a_part_like_others(head_template, face):
     shown = Face(Mesh(face, head_template.polygons))
-    assert [part.name for part in face_parts(shown, head_template, ("skin", "bust"))] == ["neck"]
+    assert [part.name for part in face_parts(shown, head_template, HeadChoice(("skin", "bust")))] == ["neck"]
     assert "neck" in [part.name for part in face_parts(shown, head_template)]
-    assert not face_parts(shown, head_template, ("skin", "eyes"))
+    assert not face_parts(shown, head_template, HeadChoice(("skin", "eyes")))
 
 
 def test_the_colours_of_its_rim_are_those_of_the_skin(head_template):

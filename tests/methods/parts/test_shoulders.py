@@ -4,10 +4,9 @@ import pytest
 from caricli.errors import InputError
 from caricli.methods.parts.close_neck import neck_edge
 from caricli.methods.parts.face_parts import face_parts
-from caricli.methods.parts.shoulders import add_shoulders, open_head_shoulders
-from caricli.methods.parts.whole_head import whole_face
-from caricli.structures import Face, Material, Mesh
-from caricli.structures.materials import HEAD_PARTS, SHOULDERS
+from caricli.methods.parts.shoulders import THICKNESS, add_shoulders, open_head_shoulders
+from caricli.methods.parts.whole_head import choose_head, whole_face
+from caricli.structures import Face, HeadChoice, Material, Mesh, Rig
 from tests.methods.parts.neck import assert_closed
 
 
@@ -40,7 +39,7 @@ def test_shoulders_keep_their_shape_and_stand_upright(head_template, face):
 def test_under_the_usual_head_it_is_the_bodys_own(head_template):
     bust = add_shoulders(head_template, head_template.vertices)
     np.testing.assert_allclose(bust.mesh.vertices, open_head_shoulders().mesh.vertices, atol=1e-9)
-    assert (bust.materials == Material.BUST).all() and bust.hangs_on == "neck"
+    assert set(bust.materials) == {Material.BUST, Material.CLOTH} and bust.hangs_on == "neck"
     # Its picture goes around as that of the neck does: once, beginning at the same vertex.
     rim = len(neck_edge(head_template))
     corners = zip(bust.mesh.polygons.ravel(), bust.mesh.uv_polygons.ravel(), strict=True)
@@ -62,15 +61,38 @@ def test_it_keeps_still_but_at_its_edge(head_template, face):
 
 def test_it_takes_the_place_of_the_cap(head_template, face):
     shown = Face(Mesh(face, head_template.polygons))
-    assert [part.name for part in face_parts(shown, head_template, ("skin", SHOULDERS))] == ["bust"]
-    names = [part.name for part in face_parts(shown, head_template, (*HEAD_PARTS, SHOULDERS))]
+    assert [part.name for part in face_parts(shown, head_template, HeadChoice(("skin",), shoulders=True))] == ["bust"]
+    names = [part.name for part in face_parts(shown, head_template, HeadChoice(shoulders=True))]
     assert "bust" in names and "neck" not in names
 
 
 def test_another_topology_has_none(head_template, face):
     box = Face(Mesh(face[:4], np.array([[0, 1, 2, 3]])))
     with pytest.raises(InputError, match="bundled head's topology"):
-        whole_face(box, ("skin", SHOULDERS))
-    whole = whole_face(Face(Mesh(face, head_template.polygons)))
+        whole_face(box, HeadChoice(shoulders=True))
+
+
+def test_a_head_that_has_its_parts_changes_its_cap_for_them(head_template, face):
+    shown = Face(Mesh(face, head_template.polygons))
+    whole = whole_face(whole_face(shown), HeadChoice(("skin", "teeth", "bust"), shoulders=True))
+    assert {*whole.materials} == {*map(int, (0, Material.TEETH, Material.GUMS, Material.BUST, Material.CLOTH))}
+    shoulders = add_shoulders(head_template, whole.vertices[:4200].astype(float))
+    np.testing.assert_allclose(whole.vertices[-len(shoulders.mesh.vertices) :], shoulders.mesh.vertices, atol=1e-6)
+    again = whole_face(whole, HeadChoice(("skin", "teeth", "bust"), shoulders=True))
+    np.testing.assert_array_equal(again.vertices, whole.vertices)
+    rig = Rig((), head_template.with_vertices(face.astype(np.float32)), np.zeros((0, *face.shape), np.float32))
+    assert {*choose_head(rig, HeadChoice(shoulders=True)).materials} == {0, Material.BUST, Material.CLOTH}
     with pytest.raises(InputError, match="has its parts already"):
-        whole_face(whole, ("skin", SHOULDERS))
+        whole_face(whole, HeadChoice(teeth="cartoon"))
+
+
+def test_the_shirt_begins_at_a_loop_around_the_neck_and_stands_off_it(head_template):
+    bust = add_shoulders(head_template, head_template.vertices)
+    polygons = bust.mesh.polygons
+    skin, cloth = (np.unique(polygons[bust.materials == m]) for m in (Material.BUST, Material.CLOTH))
+    rim = len(neck_edge(head_template))
+    border = np.intersect1d(skin, cloth[cloth >= 0])
+    assert set(range(rim)) <= set(skin) and len(border) == rim
+    # The shirt's own edge is as far from the skin below it as the shirt is thick.
+    apart = np.linalg.norm(bust.mesh.vertices[border] - bust.mesh.vertices[-rim:], axis=1)
+    np.testing.assert_allclose(apart, THICKNESS, rtol=1e-6)

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from caricli.methods.parts.whole_head import whole_face, whole_head
-from caricli.structures import Face, Hair, Material, Mesh, Pictures
+from caricli.structures import Face, Hair, HeadChoice, Material, Mesh, Pictures
 
 TRIANGLE = np.array([[0, 1, 2]], np.int32)
 
@@ -18,7 +18,7 @@ def haired(head_template):
 
 def test_a_face_becomes_a_whole_head(haired, head_template):
     whole = whole_face(haired)
-    assert set(whole.materials) == {*Material} - {Material.EYE} and whole.hair is None
+    assert set(whole.materials) == {*Material} - {Material.EYE, Material.CLOTH} and whole.hair is None
     np.testing.assert_allclose(whole.vertices[:4200], haired.vertices, atol=1e-7)
     np.testing.assert_allclose(whole.vertices[-3:], haired.hair.shell.vertices, atol=1e-7)
     assert whole.pictures.same(haired.pictures)
@@ -37,10 +37,11 @@ def test_a_face_becomes_a_whole_head(haired, head_template):
 
 @pytest.mark.parametrize("chosen, left", [(("skin",), {0}), (("skin", "hair"), {0, 6}), (("skin", "teeth"), {0, 2, 3})])
 def test_some_of_it(haired, chosen, left):
-    bare = whole_face(haired, chosen)
+    choice = HeadChoice(chosen)
+    bare = whole_face(haired, choice)
     assert {*(bare.materials if bare.materials is not None else [0])} == left
     # What has parts already loses those that are not chosen.
-    again = whole_face(whole_face(haired), chosen)
+    again = whole_face(whole_face(haired), choice)
     np.testing.assert_array_equal(again.vertices, np.float32(bare.vertices))
     np.testing.assert_array_equal(again.faces, bare.faces)
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from caricli.methods.rig.add_parts import add_parts, choose_parts
-from caricli.structures import Material, Mesh, Part, Pictures, Rig
-from caricli.structures.materials import HEAD_PARTS
+from caricli.structures import HeadChoice, Material, Mesh, Part, Pictures, Rig
+from caricli.structures.head_choice import BARE, WHOLE
 
 SQUARE = np.array([[0, 1, 2, 3]], np.int32)
 CORNERS = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
@@ -38,23 +38,24 @@ def test_parts_come_after_the_skin_and_move_by_name(rig):
 def test_what_is_not_chosen_leaves_with_its_vertices(rig):
     parts = [part("tongue", Material.TONGUE, ("smile",), 0.25), part("teeth", Material.TEETH, ("smile",), 0.5)]
     whole = add_parts(rig, parts)
-    bare = choose_parts(whole, ("skin", "teeth"))
+    bare = choose_parts(whole, HeadChoice(("skin", "teeth")))
     assert bare.materials.tolist() == [Material.SKIN, Material.TEETH] and len(bare.neutral) == 8
     np.testing.assert_array_equal(bare.neutral[bare.mesh.polygons], whole.neutral[whole.mesh.polygons[:2]])
     np.testing.assert_array_equal(bare.mesh.uvs[bare.mesh.uv_polygons], whole.mesh.uvs[whole.mesh.uv_polygons[:2]])
     np.testing.assert_array_equal(bare.deltas[0, 4:], np.full((4, 3), 0.5, np.float32))
-    skin = choose_parts(whole, ("skin",))
+    skin = choose_parts(whole, BARE)
     np.testing.assert_array_equal(skin.neutral, rig.neutral)
     np.testing.assert_array_equal(skin.deltas, rig.deltas)
 
 
 def test_who_has_all_that_is_chosen_stays_as_it_is(rig):
     whole = add_parts(rig, [part("teeth", Material.TEETH)])
-    assert choose_parts(whole, tuple(HEAD_PARTS)) is whole and choose_parts(rig, ("skin",)) is rig
+    assert choose_parts(whole, WHOLE) is whole and choose_parts(rig, BARE) is rig
 
 
 def test_polygons_of_three_corners_stay_what_they_are(rig):
     padded = np.array([[0, 1, 2, -1]], np.int32)
     mixed = replace(rig, mesh=Mesh(CORNERS[:3].astype(np.float32), padded), deltas=rig.deltas[:, :3])
     whole = add_parts(replace(mixed, pictures=Pictures()), [part("a", Material.TONGUE), part("b", Material.LASHES)])
-    np.testing.assert_array_equal(choose_parts(whole, ("skin", "lashes")).mesh.polygons, [[0, 1, 2, -1], [3, 4, 5, 6]])
+    left = choose_parts(whole, HeadChoice(("skin", "lashes")))
+    np.testing.assert_array_equal(left.mesh.polygons, [[0, 1, 2, -1], [3, 4, 5, 6]])

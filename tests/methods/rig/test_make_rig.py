@@ -8,7 +8,8 @@ from caricli.methods.rig.expression_templates import ExpressionTemplates
 from caricli.methods.rig.head_expressions import head_expressions
 from caricli.methods.rig.make_rig import RigSettings, make_rig
 from caricli.methods.rig.transfer_rig import transfer_rig
-from caricli.structures import Face, Hair, Material, Mesh, Pictures
+from caricli.structures import Face, Hair, HeadChoice, Material, Mesh, Pictures
+from caricli.structures.head_choice import BARE
 from caricli.structures.mesh import triangle_fans
 
 BALL = 314  # vertices of an eyeball
@@ -34,7 +35,7 @@ def face(head, head_template):
 
 def test_a_rig_is_expressions_eyes_and_picture(templates, face, deltas):
     texture = np.full((8, 8, 3), 90, np.uint8)
-    result = make_rig(face, templates, RigSettings(parts=("skin", "eyes")), Pictures(skin=texture))
+    result = make_rig(face, templates, RigSettings(head=HeadChoice(("skin", "eyes"))), Pictures(skin=texture))
     rig, measures, balls = result.rig, result.measures, result.eyeballs
     assert rig.names == templates.names
     assert len(rig.neutral) == 4200 + 2 * BALL and [b.side for b in balls] == ["left", "right"]
@@ -88,7 +89,7 @@ def cap(face):
 
 
 def test_without_eyes(templates, face, deltas):
-    bare = make_rig(face, templates, RigSettings(parts=("skin",)), deltas=deltas)
+    bare = make_rig(face, templates, RigSettings(head=BARE), deltas=deltas)
     rig = bare.rig
     assert len(rig.neutral) == 4200 and bare.eyeballs == [] and bare.measures.inside is None
     assert rig.materials is rig.pictures.eyes is rig.pictures.skin is None
@@ -131,7 +132,7 @@ def test_a_triangle_without_area_is_refused(templates, face, deltas):
 
 
 def test_without_templates_it_does_arkits_52(face, head):
-    rig = make_rig(face, settings=RigSettings(parts=("skin",))).rig
+    rig = make_rig(face, settings=RigSettings(head=BARE)).rig
     assert rig.names == head.action_names and len(rig.neutral) == 4200
 
 
