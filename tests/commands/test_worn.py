@@ -44,6 +44,7 @@ BARE = {
     "dataset build": "reads no face",
     "dataset import": "a dataset holds shapes",
     "dataset show": "writes a picture",
+    "dataset pictures": "draws people of a dataset",
     "template export": "reads no face",
     "render": "writes a picture",
     "inspect": "writes nothing",

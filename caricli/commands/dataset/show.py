@@ -48,7 +48,6 @@ def _meshes(folder, count, size, generator):
     from caricli.data.dataset import read_dataset
     from caricli.data.summarise_dataset import summarise_dataset
     from caricli.methods.faces.dataset_sheet import dataset_sheet
-    from caricli.store.datasets import dataset_files
 
     data = read_dataset(folder)
     return summarise_dataset(data), lambda: dataset_sheet(data.vertices, data.template, count, size, generator)
