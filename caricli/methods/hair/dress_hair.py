@@ -10,7 +10,7 @@ from caricli.errors import InputError
 from caricli.methods.hair.make_shell import make_shell, sink_skull
 from caricli.methods.hair.mask_hair import HairMask, mask_hair
 from caricli.methods.hair.paint_hair import paint_hair
-from caricli.methods.hair.snap_border import snap_border, visible_hair
+from caricli.methods.hair.snap_border import snap_border, union_share, visible_hair
 from caricli.methods.texture.picture_view import PictureView, Sight
 from caricli.methods.texture.settings import PaintSettings
 from caricli.structures import Camera, Face, Hair
@@ -62,7 +62,7 @@ def dress_hair(face: Face, template: Template, image: np.ndarray, settings: Pain
         raise InputError("expected hair around the face, found none; --hair none goes without")
     camera = face.require_camera()
     head = sink_skull(template.with_vertices(face.vertices), camera, mask)
-    hair, head = snap_border(make_shell(head, camera, mask), head, camera, mask)
+    hair, head = snap_border(*make_shell(head, camera, mask), camera, mask)
     view = PictureView(hair.shell, Sight(camera, image, mask.pixels), settings.texture)
     picture = paint_hair(hair, view, settings.size or _SIZE, np.random.default_rng(settings.seed))
     sunk = replace(face, mesh=face.mesh.with_vertices(head.vertices), residual=None)
@@ -71,8 +71,7 @@ def dress_hair(face: Face, template: Template, image: np.ndarray, settings: Pain
 
 def overlap(face: Face, hair: Hair, camera: Camera, mask: np.ndarray) -> float:
     """Intersection over union of the pixels where the camera sees hair, and a mask (H, W) bool."""
-    shown = visible_hair(face.mesh, hair, camera, mask.shape)
-    return float((shown & mask).sum() / max((shown | mask).sum(), 1))
+    return union_share(visible_hair(face.mesh, hair, camera, mask.shape), mask)
 
 
 def bare_skin(mask: np.ndarray, dressed: DressedHair) -> np.ndarray:

@@ -7,11 +7,15 @@ import scipy.sparse as sp
 
 from caricli.geometry.cholesky import Cholesky
 from caricli.methods.hair.head_sphere import HeadSphere
+from caricli.methods.hair.mask_hair import HairMask
 from caricli.methods.hair.settings import ShellSettings
+from caricli.render.rasterise import rasterise
 from caricli.structures import Camera
 
 _BORDER = 2  # pixels: a mask that ends at the picture's border says nothing
 _SECTORS = 60  # directions in each of which one point of a surface is outermost; a coarse grid has one in each
+_TURNS = 3  # of meeting the outline
+_STEEP = 8  # power of the share of the way to the outline with which what is inside follows
 _STEPS = (0.03, 0.06)  # of the way to the outline, beyond it: there is the background
 
 
@@ -19,47 +23,107 @@ _STEPS = (0.03, 0.06)  # of the way to the outline, beyond it: there is the back
 class Outline:
     """How far hair reaches from the projected middle of a head.
 
+    centre: (2,) pixels, that middle.
     radii: (B,) pixels, in directions ``2 pi b / B``, x to y; NaN where it is not against the background.
+    limits: (B,) pixels, how far it may reach at most where no hair is seen: as far as the head, where this is against
+    the background, and NaN elsewhere.
     """
 
+    centre: np.ndarray
     radii: np.ndarray
+    limits: np.ndarray
 
     @classmethod
-    def of(cls, hair: np.ndarray, behind: np.ndarray, centre: np.ndarray, bins: int) -> "Outline":
-        """hair, behind: (H, W) bool, hair and background. centre: (2,) pixels."""
-        rows, columns = np.nonzero(hair)
-        away = np.column_stack([columns, rows]) - centre
-        radii = np.hypot(*away.T)
-        number = np.floor(np.mod(np.arctan2(away[:, 1], away[:, 0]), 2 * np.pi) / (2 * np.pi) * bins).astype(int)
-        farthest = np.full(bins, np.nan)
-        for each in range(bins):
-            chosen = number == each
-            if not chosen.any():
-                continue
-            angle = 2 * np.pi * (each + 0.5) / bins
-            most = radii[chosen].max() + 0.5
-            beyond = centre + np.outer(most * (1 + np.array(_STEPS)), [np.cos(angle), np.sin(angle)])
-            x, y = np.round(beyond).astype(int).T
-            inside = (x >= _BORDER) & (y >= _BORDER) & (x < hair.shape[1] - _BORDER) & (y < hair.shape[0] - _BORDER)
-            if inside.all() and behind[y, x].all():
-                farthest[each] = most
-        return cls(farthest)
+    def of(cls, hair: HairMask, sphere: HeadSphere, camera: Camera, bins: int) -> "Outline":
+        """hair: HairMask around a head, whose directions sphere has. bins: B."""
+        rows, columns = hair.pixels.shape
+        head = sphere.head
+        centre = camera.project(sphere.middle)
+        shown = rasterise(camera.place(head.vertices), head.faces, columns, rows).face >= 0
+        radii = _farthest(hair.pixels, hair.behind, centre, bins)
+        return cls(centre, radii, np.where(np.isnan(radii), _farthest(shown, hair.behind, centre, bins), np.nan))
 
-    def compare(self, points: np.ndarray, centre: np.ndarray, allowed: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def bald(self, shape: tuple[int, int]) -> np.ndarray:
+        """(H, W) bool: pixels of a picture in directions in which no hair reaches beyond the head."""
+        y, x = np.indices(shape)
+        turns = np.mod(np.arctan2(y - self.centre[1], x - self.centre[0]), 2 * np.pi) / (2 * np.pi)
+        return np.isfinite(self.limits)[np.floor(turns * len(self.limits)).astype(int) % len(self.limits)]
+
+    def compare(self, points: np.ndarray, allowed: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """How far points (N, 2) are from the outline.
 
         allowed: (N,) bool, those that may be outermost. Returns (N,) shares of the way to them that the outline is at,
         NaN where it is not known, and (N,) bool, those that are outermost.
         """
-        away = points - centre
+        away = points - self.centre
         radii = np.hypot(*away.T)
         turns = np.mod(np.arctan2(away[:, 1], away[:, 0]), 2 * np.pi) / (2 * np.pi)
-        share = self.radii[np.floor(turns * len(self.radii)).astype(int)] / np.maximum(radii, 1e-9)
+        number = np.floor(turns * len(self.radii)).astype(int)
+        limited = np.isfinite(self.limits)[number]
+        share = np.where(limited, self.limits[number], self.radii[number]) / np.maximum(radii, 1e-9)
         sector = np.floor(turns * _SECTORS).astype(int)
         order = np.lexsort([np.where(allowed, radii, -1), sector])
         outermost = np.zeros(len(points), bool)
         outermost[order[np.append(np.diff(sector[order]) > 0, True)]] = True
-        return np.where(allowed, share, np.nan), outermost & allowed
+        return np.where(allowed, share, np.nan), outermost & allowed & ~limited
+
+
+def meet_outline(
+    sphere: HeadSphere, camera: Camera, outline: Outline, hairy: np.ndarray, total: np.ndarray
+) -> np.ndarray:
+    """Radii (R, C) with which a surface of radii (R, C) meets an outline exactly, where `fit_outline` is smooth.
+
+    Seen from the camera radii go along directions from the projected middle, so that what is outermost in a direction
+    is brought to the outline by a factor, and what is nearer to the middle follows less.
+
+    hairy: (R, C) bool, directions that may be outermost.
+    """
+    longitudes, angles = np.meshgrid(sphere.longitudes, sphere.angles)
+    bins = len(outline.radii)
+    for _ in range(_TURNS):
+        away = camera.project(sphere.points(longitudes, angles, total)).reshape(-1, 2) - outline.centre
+        radii = np.hypot(*away.T)
+        turns = np.mod(np.arctan2(away[:, 1], away[:, 0]), 2 * np.pi) / (2 * np.pi) * bins
+        outermost = np.zeros(bins)
+        chosen = hairy.ravel()
+        np.maximum.at(outermost, np.floor(turns[chosen]).astype(int), radii[chosen])
+        outermost = np.where(outermost > 0, outermost, np.inf)
+        factors = np.where(np.isnan(outline.radii), np.fmin(outline.limits / outermost, 1), outline.radii / outermost)
+        factors = _filled(np.where(np.isinf(outermost), np.nan, factors))
+        place = turns - 0.5
+        factor = np.interp(place, np.arange(bins), factors, period=bins)
+        nearness = np.clip(radii / outermost[np.floor(turns).astype(int)], 0, 1) ** _STEEP
+        total = total * (1 + nearness * (factor - 1)).reshape(total.shape)
+    return total
+
+
+def _filled(factors: np.ndarray) -> np.ndarray:
+    """Factors (B,) around a circle, those that are not known between their neighbours'; one where none is."""
+    given = np.flatnonzero(np.isfinite(factors))
+    if len(given) == 0:
+        return np.ones_like(factors)
+    return np.interp(np.arange(len(factors)), given, factors[given], period=len(factors))
+
+
+def _farthest(mask: np.ndarray, behind: np.ndarray, centre: np.ndarray, bins: int) -> np.ndarray:
+    """(bins,) pixels, how far a mask (H, W) reaches in each direction, NaN where no background (H, W) is beyond it."""
+    rows, columns = np.nonzero(mask)
+    away = np.column_stack([columns, rows]) - centre
+    number = np.floor(np.mod(np.arctan2(away[:, 1], away[:, 0]), 2 * np.pi) / (2 * np.pi) * bins).astype(int)
+    farthest = np.full(bins, -np.inf)
+    np.maximum.at(farthest, number, np.hypot(*away.T) + 0.5)
+    turns = 2 * np.pi * (np.arange(bins) + 0.5) / bins
+    reach = np.where(np.isfinite(farthest), farthest, 0)[:, None] * (1 + np.array([0, *_STEPS]))
+    x, y = (
+        np.round(centre[k] + reach * way[:, None]).astype(int) for k, way in enumerate((np.cos(turns), np.sin(turns)))
+    )
+    height, width = mask.shape
+    inside = (x >= 0) & (y >= 0) & (x < width) & (y < height)
+    against = behind[np.clip(y, 0, height - 1), np.clip(x, 0, width - 1)] | ~inside
+    # What reaches the picture's border goes on beyond it.
+    whole = inside[:, 0] & (x[:, 0] >= _BORDER) & (y[:, 0] >= _BORDER)
+    whole &= (x[:, 0] < width - _BORDER) & (y[:, 0] < height - _BORDER)
+    return np.where(np.isfinite(farthest) & whole & against[:, 1:].all(1), farthest, np.nan)
 
 
 def fit_outline(
@@ -76,7 +140,6 @@ def fit_outline(
     longitudes, angles = np.meshgrid(sphere.longitudes, sphere.angles)
     height = sphere.head.height
     bending, areas = sphere.bending
-    centre = camera.project(sphere.middle)
     usual = settings.usual * height
     pull = settings.faint * areas
     added = np.full(skin.shape, usual)
@@ -84,7 +147,7 @@ def fit_outline(
     for _ in range(settings.rounds):
         total = skin + added
         projected = camera.project(sphere.points(longitudes, angles, total)).reshape(-1, 2)
-        share, outermost = outline.compare(projected, centre, hairy.ravel())
+        share, outermost = outline.compare(projected, hairy.ravel())
         wanted = total.ravel() * share - skin.ravel()
         # What was outside once stays inside, or front and back would take turns.
         most = np.fmin(most, np.where(share < 1, wanted, np.inf))

@@ -1,14 +1,17 @@
 """A shell of hair on a head, its outline that of the hair in the picture."""
 
-import numpy as np
-from scipy.ndimage import distance_transform_edt, gaussian_filter1d
+from dataclasses import dataclass
 
+import numpy as np
+from scipy.ndimage import gaussian_filter1d
+
+from caricli.geometry.vertex_neighbours import vertex_neighbours
 from caricli.methods.hair.find_edge import find_edge
-from caricli.methods.hair.fit_outline import Outline, fit_outline
+from caricli.methods.hair.fit_outline import Outline, fit_outline, meet_outline
+from caricli.methods.hair.hair_view import HairView
 from caricli.methods.hair.head_sphere import HeadSphere
 from caricli.methods.hair.mask_hair import HairMask
 from caricli.methods.hair.settings import ShellSettings
-from caricli.render.rasterise import rasterise
 from caricli.render.sample_texture import sample_pixels
 from caricli.structures import Camera, Mesh
 from caricli.structures.parts import Hair
@@ -20,7 +23,11 @@ DISC = 0.49
 _FACING = 0.2  # cosine between skin and view from which on it is seen as it is
 _SMALLEST = 0.3  # of a radius: no skull is smaller
 _TOGETHER = 0.3  # how much the scales of a skull differ, beside the fit of its outline
+_GRAZING = 0.1  # cosine down to which skin that turns away from the camera says whether there is hair
 _GAP = 2  # least thicknesses of hair by which a skull is drawn in behind the outline
+_SAMPLES = 8  # of the way across the outline
+_RAMP = 4  # vertices over which a skull that is lowered leads down
+_TURNS = 4  # of bending a shell away from bare skin that it hides
 _ROUNDS = 2  # of surface and hairline in turns
 
 
@@ -36,7 +43,7 @@ def sink_skull(
     """
     for step in (_shrunk, _tightened):
         sphere = HeadSphere(head, settings)
-        outline = Outline.of(hair.pixels, hair.behind, camera.project(sphere.middle), settings.bins)
+        outline = Outline.of(hair, sphere, camera, settings.bins)
         share = np.clip(step(sphere, camera, outline, settings), _SMALLEST, 1)
         longitudes, angles, _ = sphere.seen_from(head.vertices)
         hold = np.clip(sphere.sample(_blurred(sphere.region("scalp", "forehead")), longitudes, angles), 0, 1)
@@ -57,7 +64,7 @@ def _shrunk(sphere: HeadSphere, camera: Camera, outline: Outline, settings: Shel
     for _ in range(settings.rounds):
         radii = sphere.radii * (squares @ scales).reshape(angles.shape)
         projected = camera.project(sphere.points(longitudes, angles, radii)).reshape(-1, 2)
-        shares, outermost = outline.compare(projected, camera.project(sphere.middle), skull)
+        shares, outermost = outline.compare(projected, skull)
         chosen = outermost & np.isfinite(shares)
         if not chosen.any():
             break
@@ -80,7 +87,7 @@ def make_shell(
     camera: Camera,
     hair: HairMask,
     settings: ShellSettings = ShellSettings(),  # noqa: B008 (frozen)
-) -> Hair:
+) -> tuple[Hair, Template]:
     """Build a shell of hair.
 
     It leaves the skin along rays from the middle of the head, which a smooth field makes longer so that its outline is
@@ -88,19 +95,64 @@ def make_shell(
     hair is longer at the sides; there its thickness falls to nothing, and it closes towards the skin.
 
     head: Template in the shape of the face, whose annotation names ears and scalp. camera: of the picture.
-    hair: HairMask. Returns Hair, its quads from the whorl outwards, its picture unrolled around the whorl.
+    hair: HairMask. Returns Hair, its quads from the whorl outwards, its picture unrolled around the whorl,
+    and the head, its skull below them.
     """
     sphere = HeadSphere(head, settings)
-    outline = Outline.of(hair.pixels, hair.behind, camera.project(sphere.middle), settings.bins)
+    outline = Outline.of(hair, sphere, camera, settings.bins)
     fine = HeadSphere(head, settings, fine=True)
+    view = HairView(head, camera, hair, outline)
     longitudes, angles = np.meshgrid(fine.longitudes, fine.angles)
     edge = np.full(len(fine.longitudes), np.radians(110))
     for _ in range(_ROUNDS):
         ends = np.interp(sphere.longitudes, fine.longitudes, edge, period=2 * np.pi)
         thickness = fit_outline(sphere, camera, outline, sphere.angles[:, None] < ends, settings) - sphere.radii
         total = fine.radii + np.maximum(fine.sample(thickness, longitudes, angles), settings.least * head.height)
-        edge = _edge(fine, camera, hair, total, settings)
-    return _mesh(fine, total, edge, settings)
+        edge = _edge(fine, view, total, settings)
+    total = meet_outline(fine, camera, outline, angles < edge, total)
+    left, _ = _left(fine, view, edge, total)
+    head = lower_skull(head, fine, np.where(left > 0, total - settings.least * head.height, np.inf))
+    fine = HeadSphere(head, settings, fine=True)
+    view = HairView(head, camera, hair, outline)
+    left, seen = _left(fine, view, edge, total)
+    # Seen skin says itself where hair ends, down to some way below the edge.
+    row = np.clip(np.searchsorted(fine.angles, edge), 0, len(fine.angles) - 1)
+    lower = edge + settings.below * seen[row, np.arange(len(edge))]
+    return _mesh(_Surface(fine, total, left, lower), view, settings), head
+
+
+def lower_skull(head: Template, sphere: HeadSphere, most: np.ndarray) -> Template:
+    """The head with its skull below hair, and what is beside it leading there.
+
+    sphere: HeadSphere of the head. most: (R, C) metres, how far out the skull may be, infinite where there is no hair.
+    """
+    longitudes, angles, radii = sphere.seen_from(head.vertices)
+    rows, columns = most.shape
+    row = np.clip(np.round(angles / np.pi * rows - 0.5).astype(int), 0, rows - 1)
+    column = np.round(np.mod(longitudes, 2 * np.pi) / (2 * np.pi) * columns).astype(int) % columns
+    skull = ~head.mask("ear_left", "ear_right")
+    wanted = np.where(skull, np.clip(radii - most[row, column], 0, 0.5 * radii), 0)
+    _, mean = vertex_neighbours(head.faces, len(head.vertices))
+    lower = wanted
+    for _ in range(_RAMP):
+        lower = np.maximum(wanted, np.where(skull, mean @ lower, 0))
+    kept = 1 - lower / np.maximum(radii, 1e-9)
+    return head.with_vertices(sphere.middle + kept[:, None] * (head.vertices - sphere.middle))
+
+
+def _left(sphere: HeadSphere, view: HairView, ends: np.ndarray, total: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """(R, C) metres, how far it is to where hair ends, below zero beyond; and (R, C) from 0 to 1, how far that is seen.
+
+    It is the distance to (C,) angles; but where skin is seen that to what is bare in the picture, and where hair would
+    be seen in front of the head not more than that.
+    """
+    longitudes, angles = np.meshgrid(sphere.longitudes, sphere.angles)
+    skin = sphere.points(longitudes, angles, sphere.radii)
+    seen = view.shows(skin) * np.clip(1 + _facing(skin, view.camera) / _GRAZING, 0, 1)
+    outer = sphere.points(longitudes, angles, total)
+    usual = (ends - angles) * total
+    usual = np.where(view.shows(outer), np.minimum(usual, view.to_bare(outer)), usual)
+    return seen * view.to_bare(skin) + (1 - seen) * usual, seen
 
 
 def _taper(left: np.ndarray, thickness: np.ndarray, height: float, settings: ShellSettings) -> np.ndarray:
@@ -109,32 +161,39 @@ def _taper(left: np.ndarray, thickness: np.ndarray, height: float, settings: She
     return np.sqrt(np.clip(1 - (1 - np.clip(left / length, 0, 1)) ** 2, 0, 1))
 
 
-def _edge(sphere: HeadSphere, camera: Camera, hair: HairMask, total: np.ndarray, settings: ShellSettings) -> np.ndarray:
+def _edge(sphere: HeadSphere, view: HairView, total: np.ndarray, settings: ShellSettings) -> np.ndarray:
     """(C,) angles where hair ends."""
     longitudes, angles = np.meshgrid(sphere.longitudes, sphere.angles)
-    cosine = _facing(sphere.points(longitudes, angles, sphere.radii), camera)
+    cosine = _facing(sphere.points(longitudes, angles, sphere.radii), view.camera)
     # What faces the camera ends where it meets the skin; at the sides its outer surface is seen.
     share = 1 - np.clip(cosine / _FACING, 0, 1)
     points = sphere.points(longitudes, angles, sphere.radii + share * (total - sphere.radii))
-    placed = camera.place(points.reshape(-1, 3))
-    pictured = ((placed[:, :2] >= 0) & (placed[:, :2] < hair.pixels.shape[::-1])).all(1)
-    skin = rasterise(camera.place(sphere.head.vertices), sphere.head.faces, *hair.pixels.shape[::-1]).face >= 0
-    covered = sample_pixels(skin.astype(np.float32), placed[:, 0], placed[:, 1], border=1.0) > 0.5
     # Hair behind the head is seen, too, where it stands out.
-    seen = np.where(pictured, np.where(covered, np.clip(cosine.ravel() / _FACING, 0, 1), 1), 0)
-    # Inside up to the outline's own error, where the surface turns away.
-    away = distance_transform_edt(~hair.pixels).astype(np.float32)
-    slack = np.where(cosine > 0, 0.5, settings.slack * camera.scale * sphere.head.height).ravel()
-    inside = sample_pixels(away, placed[:, 0], placed[:, 1]) <= slack
-    votes = seen * np.where(inside, 1.0, -1.0)
+    seen = view.shows(points).astype(float)
+    # Inside up to the outline's own error, which is across the outline.
+    slack = np.where(view.beside(points), settings.slack * view.camera.scale * sphere.head.height, 0.5)
+    inside = _inside(view, view.camera.project(points.reshape(-1, 3)), slack.ravel())
+    votes = seen * np.where(inside, 1.0, -1.0).reshape(seen.shape)
     usual = np.where(sphere.region("scalp") > 0.5, 1.0, -1.0)
     for _ in range(2):
-        hidden = settings.hidden * (1 - seen) * usual.ravel()
-        deep = (angles < np.radians(settings.deepest)).ravel()
-        rows = find_edge(np.where(deep, votes + hidden, -1).reshape(angles.shape), settings.steady)
+        hidden = settings.hidden * (1 - seen) * usual
+        deep = angles < np.radians(settings.deepest)
+        rows = find_edge(np.where(deep, votes + hidden, -1), settings.steady)
         edge = rows * (sphere.angles[1] - sphere.angles[0])
-        usual = _as_long(sphere, points, rows, seen.reshape(angles.shape), usual)
+        usual = _as_long(sphere, points, rows, seen, usual)
     return gaussian_filter1d(edge, settings.calm, mode="wrap")
+
+
+def _inside(view: HairView, points: np.ndarray, slack: np.ndarray) -> np.ndarray:
+    """(N,) bool: whether points (N, 2) of a picture are hair, or what is so many pixels (N,) nearer to the middle."""
+    away = points - view.outline.centre
+    inwards = -away / np.maximum(np.hypot(*away.T), 1e-9)[:, None]
+    hair = view.hair.pixels.astype(np.float32)
+    inside = np.zeros(len(points), bool)
+    for share in np.linspace(0, 1, _SAMPLES):
+        x, y = (points + share * slack[:, None] * inwards).T
+        inside |= sample_pixels(hair, x, y, border=0.0) > 0.5
+    return inside
 
 
 def _as_long(
@@ -160,22 +219,39 @@ def _facing(points: np.ndarray, camera: Camera) -> np.ndarray:
     return -(normals @ camera.rotation[2]) / lengths
 
 
-def _mesh(sphere: HeadSphere, total: np.ndarray, edge: np.ndarray, settings: ShellSettings) -> Hair:
+@dataclass(frozen=True, eq=False)
+class _Surface:
+    """sphere: HeadSphere. total, left: (R, C) metres, how far out hair is, and how far from its end. ends: (C,) angles
+    down to which a shell goes."""
+
+    sphere: HeadSphere
+    total: np.ndarray
+    left: np.ndarray
+    ends: np.ndarray
+
+
+def _mesh(surface: _Surface, view: HairView, settings: ShellSettings) -> Hair:
+    sphere = surface.sphere
     columns = settings.columns
     longitudes = 2 * np.pi * np.arange(columns) / columns
-    ends = np.interp(longitudes, sphere.longitudes, edge, period=2 * np.pi)
+    ends = np.interp(longitudes, sphere.longitudes, surface.ends, period=2 * np.pi)
     # Denser towards the edge, where the shell is round.
     share = np.sin(np.pi / 2 * (np.arange(settings.rows) + 1) / settings.rows)
     angles = share[:, None] * ends
     around = np.broadcast_to(longitudes, angles.shape)
     skin = sphere.sample(sphere.radii, around, angles)
-    outer = sphere.sample(total, around, angles)
-    thickness = outer - skin
-    left = (ends - angles) * outer
+    thickness = sphere.sample(surface.total, around, angles) - skin
+    left = sphere.sample(surface.left, around, angles)
     height = sphere.head.height
-    radii = skin + thickness * _taper(left, thickness, height, settings)
+    for _ in range(_TURNS):
+        radii = (
+            skin + thickness * _taper(left, thickness, height, settings) + np.clip(left, -settings.under * height, 0)
+        )
+        # What hides bare skin ends before it.
+        points = sphere.points(around, angles, radii)
+        left = np.where(view.shows(points), np.minimum(left, view.to_bare(points)), left)
     radii[-1] = skin[-1] - settings.under * height
-    top = sphere.sample(total, np.zeros(1), np.zeros(1))
+    top = sphere.sample(surface.total, np.zeros(1), np.zeros(1))
     points = np.concatenate(
         [
             sphere.points(np.zeros(1), np.zeros(1), top),

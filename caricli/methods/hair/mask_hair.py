@@ -1,13 +1,12 @@
 """Which pixels of a picture show hair: what stands out from skin and background around a face."""
 
-import warnings
 from dataclasses import dataclass
 
 import cv2
 import numpy as np
 from scipy.ndimage import distance_transform_edt
-from threadpoolctl import threadpool_limits
 
+from caricli.methods.hair.colour_mixture import ColourMixture
 from caricli.methods.hair.picture_zones import PictureZones
 from caricli.methods.hair.settings import MaskSettings
 from caricli.structures import Face
@@ -19,6 +18,7 @@ BACKGROUND = 2
 
 _COMPONENTS = (4, 4, 6)  # Gaussians of each class
 _SURE = 0.6  # posterior from which on a pixel teaches its class
+_APART = 0.5  # of hair's usual distance from the background: what is nearer does not teach how hair looks
 _FEWEST = 50  # pixels that a colour model takes
 _STEP = 7  # every so many-th pixel of a class starts a way
 _SMALLEST_STEP = 0.02  # CIELAB a pixel: even a plain way costs a little
@@ -82,7 +82,10 @@ class _Classes:
         smooth = cv2.GaussianBlur(cv2.cvtColor(zones.picture, cv2.COLOR_RGB2LAB), (0, 0), max(0.5, 0.004 * zones.size))
         self.lab = smooth.astype(np.float32)
         slopes = [cv2.Sobel(self.lab, cv2.CV_32F, *way, ksize=3) / 8 for way in ((1, 0), (0, 1))]
-        self.edges = np.sqrt(np.square(slopes).sum((0, -1)))
+        gradient = np.sqrt(np.square(slopes).sum((0, -1)))
+        width = 2 * max(2, round(settings.radius * zones.size)) + 1
+        disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (width, width))
+        self.edges = cv2.morphologyEx(gradient, cv2.MORPH_TOPHAT, disc)
         quiet = min(np.quantile(self.edges[zones.behind], settings.quiet), settings.loudest)
         self.quiet = quiet
         self.ways = np.zeros((*zones.shape, 3))
@@ -101,10 +104,14 @@ class _Classes:
         zones = self.zones
         sure = self.probabilities > _SURE
         hair = sure[..., HAIR]
+        teaching = hair & zones.above_brows
+        away = self.ways[..., BACKGROUND]
+        if teaching.any():
+            teaching &= away > _APART * np.median(away[teaching])
         core = cv2.erode(hair.astype(np.uint8), np.ones((3, 3), np.uint8)) > 0
         if core.sum() < _FEWEST:
             return False
-        self._fit(HAIR, hair)
+        self._fit(HAIR, teaching)
         self._fit(BACKGROUND, sure[..., BACKGROUND] & zones.above_chin | zones.behind)
         self._fit(SKIN, sure[..., SKIN] & ~zones.features | zones.inner)
         self.ways[..., HAIR] = self._way(core, self.quiet, _SKIN_STEP)
@@ -128,13 +135,8 @@ class _Classes:
             return
         if len(colours) > self.settings.samples:
             colours = colours[self.generator.choice(len(colours), self.settings.samples, replace=False)]
-        from sklearn.mixture import GaussianMixture
-
-        mixture = GaussianMixture(_COMPONENTS[kind], reg_covar=self.settings.spread, random_state=0, tol=1e-2)
-        # Plain walls have fewer colours than Gaussians; threads for so few wait for each other.
-        with warnings.catch_warnings(action="ignore"), threadpool_limits(1):
-            mixture.fit(colours)
-        self.likelihoods[..., kind] = mixture.score_samples(self.lab.reshape(-1, 3)).reshape(self.zones.shape)
+        mixture = ColourMixture(colours, _COMPONENTS[kind], self.settings.spread)
+        self.likelihoods[..., kind] = mixture.log_likelihoods(self.lab)
 
     def _way(self, start: np.ndarray, quiet: float, step: float) -> np.ndarray:
         """(H, W) edges on the shortest way from pixels (H, W) bool: what is above quiet, in steps, up to a bound."""
@@ -149,18 +151,41 @@ class _Classes:
 def _hanging_together(classes: _Classes, zones: PictureZones, settings: MaskSettings) -> np.ndarray:
     """(H, W) bool: the parts of the hair that begin above the brows, next to the head, without speckles and holes."""
     hair = (classes.probabilities.argmax(-1) == HAIR) & ~zones.features
-    _, parts = cv2.connectedComponents(hair.astype(np.uint8))
-    areas = np.bincount(parts.ravel())
-    rows = np.where(hair, np.arange(len(parts))[:, None], len(parts))
-    tops = np.full(len(areas), len(parts))
-    np.minimum.at(tops, parts.ravel(), rows.ravel())
+    hair &= ~_bridges(hair, zones.above_brows, round(settings.bridge * zones.size))
+    parts, areas = _parts(hair)
+    above = np.bincount(parts[zones.above_brows], minlength=len(areas)) > 0
     close = np.bincount(parts[zones.close], minlength=len(areas)) > 0
-    kept = (areas > settings.speckle * zones.size**2) & (tops < zones.brows) & close
+    kept = (areas > settings.speckle * zones.size**2) & above & close
     kept[0] = False
     mask = kept[parts]
-    holes, labels = cv2.connectedComponents((~mask).astype(np.uint8))
-    small = np.bincount(labels.ravel(), minlength=holes) < settings.speckle * zones.size**2 / 4
-    return mask | small[labels]
+    holes, areas = _parts(~mask)
+    return mask | (areas < settings.speckle * zones.size**2 / 4)[holes]
+
+
+def _bridges(hair: np.ndarray, above: np.ndarray, width: int) -> np.ndarray:
+    """(H, W) bool: what of a mask is thinner than a width and leads from what begins above to what does not.
+
+    So a halo leads from hair to a collar.
+    """
+    disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (width | 1, width | 1))
+    thick = cv2.morphologyEx(hair.astype(np.uint8), cv2.MORPH_OPEN, disc) > 0
+    parts, areas = _parts(thick)
+    begins = np.bincount(parts[above], minlength=len(areas)) > 0
+    thin, count = _parts(hair & ~thick)
+    leads = np.ones(len(count), bool)
+    for ends in (thick & begins[parts], thick & ~begins[parts]):
+        leads &= (
+            np.bincount(thin[cv2.dilate(ends.astype(np.uint8), np.ones((3, 3), np.uint8)) > 0], minlength=len(count))
+            > 0
+        )
+    leads[0] = False
+    return leads[thin]
+
+
+def _parts(mask: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Parts of a mask that hang together: (H, W) their numbers, 0 outside, and their areas."""
+    _, parts = cv2.connectedComponents(mask.astype(np.uint8))
+    return parts, np.bincount(parts.ravel())
 
 
 def _near(mask: np.ndarray, reach: float) -> np.ndarray:

@@ -42,6 +42,7 @@ class PictureZones:
         skull = self.mesh & (rows < points[_NASION, 1])
         self.outside = distance_transform_edt(~(self.enclosed | skull)) / self.size
         self.close = self.outside < 0.15
+        self.above_brows = rows < self.brows
         self.above_chin = rows < points[_CHIN, 1]
         self.far = self.outside > min(settings.far, np.quantile(self.outside, 0.9))
         self.behind = self.far & self.above_chin
@@ -109,7 +110,8 @@ class PictureZones:
         top = _falling((rows - self.brows) / self.size, -settings.forehead, settings.blur)
         skin = np.where(self.mesh | (outer < 0.04), 0.4, 0.08) * (1 - 0.9 * top)
         skin = np.where(self.enclosed, 0.98, skin) + self.ears
-        behind = np.where(self.enclosed, 0.0005, np.where(outer < 0.03, 0.2, 0.5))
+        beside = (outer < 0.03) & (rows < self.brows)
+        behind = np.where(self.enclosed, 0.0005, np.where(beside, 0.2, 0.5))
         hair = np.where(self.far, 0.003, hair)
         behind = np.where(self.far, 0.995, behind)
         chances = np.stack([skin, hair, behind], -1)

@@ -22,6 +22,7 @@ class MaskSettings:
     colour drifts where it is shaded. lowest: for skin and for known hair, so that no single pixel decides.
     apart: the most that edges on the way from a class to a pixel count against it.
     least: share of the face's area that hair fills at least. speckle: of it, smaller parts of the mask are dropped.
+    bridge: parts that nothing wider than this joins do not hang together.
     doubt: from 0 to 1; with more the mask is not trusted.
     """
 
@@ -48,6 +49,7 @@ class MaskSettings:
     apart: float = 8.0
     least: float = 0.04
     speckle: float = 0.02
+    bridge: float = 0.03
     doubt: float = 0.4
 
 
@@ -68,10 +70,11 @@ class ShellSettings:
     slack: how far outside the mask the outline may be.
     rim: length over which a shell reaches its thickness at least; round_: the same for its thickness.
     under: how far below the skin its edge ends.
+    below: radians below the edge down to which the picture says where hair ends.
     """
 
-    columns: int = 128
-    rows: int = 36
+    columns: int = 192
+    rows: int = 48
     coarse: tuple[int, int] = (48, 64)
     fine: tuple[int, int] = (156, 192)
     tilt: float = 25.0
@@ -88,4 +91,5 @@ class ShellSettings:
     slack: float = 0.03
     rim: float = 0.012
     round_: float = 1.2
-    under: float = 0.004
+    under: float = 0.006
+    below: float = 0.15

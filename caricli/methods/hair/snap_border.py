@@ -1,15 +1,16 @@
 """Hair moved until its border in the picture is that of a mask."""
 
 from dataclasses import replace
+from operator import itemgetter
 
 import cv2
 import igl
 import numpy as np
-from scipy.ndimage import distance_transform_edt
+from scipy.spatial import KDTree
 
 from caricli.geometry.join_meshes import join_meshes
-from caricli.geometry.vertex_neighbours import vertex_neighbours
 from caricli.methods.hair.head_sphere import HeadSphere
+from caricli.methods.hair.make_shell import lower_skull
 from caricli.methods.hair.mask_hair import HairMask
 from caricli.methods.hair.settings import ShellSettings
 from caricli.render.rasterise import rasterise
@@ -17,12 +18,12 @@ from caricli.render.sample_texture import sample_pixels
 from caricli.structures import Camera, Hair, Mesh
 from caricli.template.template import Template
 
-_WIDTHS = (0.04, 0.03, 0.02, 0.015, 0.01, 0.01)  # of the head's height: over which a movement is spread, in turns
+_WIDTHS = (0.015, 0.01, 0.01, 0.01)
 _REACH = 0.06  # of the head's height: borders farther apart than this are not of the same place
 _FADING = 0.05  # of what a straight border weighs: less of it near moves less
 _BACK = (-0.6, -0.2)  # cosines between surface and view, from which on and with which it moves along
 _SKIN = (0.2, 0.6)  # cosines from which on and with which it stays as high above the skin
-_RAMP = 4  # vertices over which a skull that is lowered leads down
+_SOFT = 1.5  # pixels over which the way out of a border is looked for
 _EDGE = 2  # pixels: the picture's end is no border
 
 
@@ -37,34 +38,41 @@ def snap_border(
 
     Every pixel of either border wants to be at the nearest of the other one; what they want, averaged with weights that
     fall with the distance, moves what is near them, in smaller and smaller neighbourhoods. Where the surface faces the
-    camera it goes along the skin.
+    camera it goes along the skin. The best of the rounds counts.
 
     hair: Hair on the head. head: Template in the shape of the face. camera: of the picture. mask: HairMask.
     Returns Hair with the same polygons and roots, and the head.
     """
     sphere = HeadSphere(head, settings, fine=True)
+    longitudes, angles, radii = sphere.seen_from(hair.shell.vertices)
+    above = radii > sphere.sample(sphere.radii, longitudes, angles)
+    shown = visible_hair(head, hair, camera, mask.pixels.shape)
+    best = (union_share(shown, mask.pixels), hair, head)
     for width in _WIDTHS:
-        shown = visible_hair(head, hair, camera, mask.pixels.shape)
         points = _moved(hair.shell, sphere, camera, _field(shown, mask.pixels, camera.scale * head.height, width))
-        hair = replace(hair, shell=hair.shell.with_vertices(points))
-        head = _sunk(head, hair.shell, sphere, settings)
-    return hair, head
+        inner = hair.shell.faces[above[hair.shell.faces].all(1)]
+        head = lower_skull(head, sphere, sphere.cover(points, inner, *np.meshgrid(sphere.longitudes, sphere.angles)))
+        hair = replace(hair, shell=hair.shell.with_vertices(_buried(points, ~above, head, sphere, settings)))
+        shown = visible_hair(head, hair, camera, mask.pixels.shape)
+        best = max(best, (union_share(shown, mask.pixels), hair, head), key=itemgetter(0))
+    return best[1:]
 
 
-def _sunk(head: Template, shell: Mesh, sphere: HeadSphere, settings: ShellSettings) -> Template:
-    """The head with its skull below a shell, and what is beside it leading there."""
-    longitudes, angles, radii = sphere.seen_from(head.vertices)
-    # The rim itself is below the skin.
-    inner = shell.faces[(shell.faces < len(shell.vertices) - settings.columns).all(1)]
-    least = sphere.cover(shell.vertices, inner, longitudes, angles) - settings.least * head.height
-    skull = ~head.mask("ear_left", "ear_right")
-    wanted = np.where(skull, np.clip(radii - least, 0, 0.5 * radii), 0)
-    _, mean = vertex_neighbours(head.faces, len(head.vertices))
-    lower = wanted
-    for _ in range(_RAMP):
-        lower = np.maximum(wanted, np.where(skull, mean @ lower, 0))
-    kept = 1 - lower / np.maximum(radii, 1e-9)
-    return head.with_vertices(sphere.middle + kept[:, None] * (head.vertices - sphere.middle))
+def union_share(first: np.ndarray, second: np.ndarray) -> float:
+    """Intersection over union of two masks."""
+    return float((first & second).sum() / max((first | second).sum(), 1))
+
+
+def _buried(
+    points: np.ndarray, below: np.ndarray, head: Template, sphere: HeadSphere, settings: ShellSettings
+) -> np.ndarray:
+    """Points (N, 3), those of them that are below the skin (N,) still so where the skin was lowered."""
+    longitudes, angles, radii = sphere.seen_from(points[below])
+    skin = HeadSphere(head, settings, fine=True)
+    deepest = skin.sample(skin.radii, longitudes, angles) - settings.under * head.height
+    buried = points.copy()
+    buried[below] = skin.points(longitudes, angles, np.minimum(radii, deepest))
+    return buried
 
 
 def visible_hair(head: Mesh, hair: Hair, camera: Camera, shape: tuple[int, int]) -> np.ndarray:
@@ -79,31 +87,37 @@ def _field(shown: np.ndarray, wanted: np.ndarray, height: float, width: float) -
 
     height: pixels of the head. width: share of it over which movements are spread.
     """
-    borders = [_border(shown), _border(wanted)]
+    here = _border(shown, height)
+    there = _border(wanted, height)
     total = np.zeros((*shown.shape, 3), np.float32)
-    for start, end, way in ((0, 1, 1), (1, 0, -1)):
-        if not borders[end].any():
+    for start, end, way in ((here, there, 1), (there, here, -1)):
+        if len(start) == 0 or len(end) == 0:
             continue
-        nearest = distance_transform_edt(~borders[end], return_distances=False, return_indices=True)
-        rows, columns = np.nonzero(borders[start])
-        ends = nearest[:, rows, columns]
-        move = np.column_stack([ends[1] - columns, ends[0] - rows])
-        close = np.hypot(*move.T) < _REACH * height
+        away, nearest = KDTree(end).query(start, distance_upper_bound=_REACH * height)
+        close = np.isfinite(away)
+        ends = end[nearest[close]]
         # It acts where the shown border is: that is the one that moves.
-        at = np.stack([rows, columns]) if way > 0 else ends
-        np.add.at(total, (at[0][close], at[1][close]), np.column_stack([way * move, np.ones(len(move))])[close])
+        column, row = (start[close] if way > 0 else ends)[:, :2].astype(int).T
+        move = way * (ends - start[close])[:, :2]
+        np.add.at(total, (row, column), np.column_stack([move, np.ones(len(move))]))
     spread = max(width * height, 1.0)
     total = cv2.GaussianBlur(total, (0, 0), spread, borderType=cv2.BORDER_CONSTANT)
     usual = 2 / (np.sqrt(2 * np.pi) * spread)
     return total[..., :2] / (total[..., 2:] + _FADING * usual)
 
 
-def _border(mask: np.ndarray) -> np.ndarray:
+def _border(mask: np.ndarray, height: float) -> np.ndarray:
+    """(N, 4): pixels along a mask's border, x and y, and the way out of it there, so long that opposite sides of thin
+    hair are not taken for each other. height: pixels of the head."""
     inner = cv2.erode(mask.astype(np.uint8), np.ones((3, 3), np.uint8), borderValue=1) > 0
     border = mask & ~inner
     border[:_EDGE] = border[-_EDGE:] = False
     border[:, :_EDGE] = border[:, -_EDGE:] = False
-    return border
+    soft = cv2.GaussianBlur(mask.astype(np.float32), (0, 0), _SOFT)
+    outwards = np.stack([-cv2.Sobel(soft, cv2.CV_32F, 1, 0), -cv2.Sobel(soft, cv2.CV_32F, 0, 1)], -1)[border]
+    outwards = outwards / np.maximum(np.linalg.norm(outwards, axis=1, keepdims=True), 1e-9)
+    rows, columns = np.nonzero(border)
+    return np.column_stack([columns, rows, _REACH * height * outwards])
 
 
 def _moved(shell: Mesh, sphere: HeadSphere, camera: Camera, field: np.ndarray) -> np.ndarray:

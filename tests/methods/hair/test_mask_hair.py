@@ -1,7 +1,8 @@
+import cv2
 import numpy as np
 import pytest
 
-from caricli.methods.hair.mask_hair import mask_hair
+from caricli.methods.hair.mask_hair import _bridges, mask_hair
 
 
 @pytest.fixture(scope="module")
@@ -34,3 +35,23 @@ def test_a_wall_of_the_colour_of_hair_leaves_doubt(sitter):
     image = sitter.image.copy()
     image[sitter.hair.behind] = image[sitter.hair.pixels].mean(0).astype(np.uint8)
     assert not mask_hair(sitter.face, sitter.head, image).trusted
+
+
+def test_a_glow_around_hair_is_the_wall(sitter):
+    distance = cv2.distanceTransform(sitter.hair.behind.astype(np.uint8), cv2.DIST_L2, 5)
+    glow = 90 * np.exp(-((distance / 25) ** 2)) * sitter.hair.behind
+    image = np.clip(sitter.image + glow[..., None], 0, 255).astype(np.uint8)
+    mask = mask_hair(sitter.face, sitter.head, image)
+    truth = sitter.hair.pixels
+    assert mask.trusted and (mask.pixels & truth).sum() / (mask.pixels | truth).sum() > 0.93
+
+
+def test_what_thin_things_join_is_apart():
+    hair = np.zeros((60, 40), bool)
+    hair[5:20, 5:35] = hair[40:55, 5:35] = True
+    hair[20:40, 10:12] = True
+    hair[20:30, 30:32] = True
+    above = np.arange(60)[:, None] < np.full(40, 10)
+    bridges = _bridges(hair, above, 5)
+    assert bridges[22:38, 10:12].all() and bridges.sum() <= 44
+    assert not _bridges(hair, above, 1).any()

@@ -1,0 +1,56 @@
+"""What a picture shows of a head and its hair."""
+
+import cv2
+import numpy as np
+from scipy.ndimage import distance_transform_edt
+
+from caricli.methods.hair.fit_outline import Outline
+from caricli.methods.hair.mask_hair import HairMask
+from caricli.render.rasterise import rasterise
+from caricli.render.sample_texture import sample_pixels
+from caricli.structures import Camera
+from caricli.template.template import Template
+
+_BEHIND = 0.01  # of the head's height: what is farther behind the surface is hidden
+
+
+class HairView:
+    """A head as the camera sees it, and where the picture shows that there is no hair.
+
+    Bare is what is neither hair nor background, and the background beside the head in directions in which no hair
+    stands out. camera: Camera. hair: HairMask. outline: Outline of the hair.
+    """
+
+    def __init__(self, head: Template, camera: Camera, hair: HairMask, outline: Outline) -> None:
+        """head: Template in the shape of the face. outline: around the middle of its directions."""
+        self.camera = camera
+        self.hair = hair
+        self.outline = outline
+        rows, columns = hair.pixels.shape
+        self._depth = rasterise(camera.place(head.vertices), head.faces, columns, rows).depth
+        self._close = _BEHIND * camera.scale * head.height
+        bare = ~hair.pixels & (~hair.behind | outline.bald(hair.pixels.shape))
+        far = np.full(bare.shape, np.hypot(rows, columns))
+        signed = distance_transform_edt(~bare) - distance_transform_edt(bare) if bare.any() else far
+        self._to_bare = signed.astype(np.float32)
+
+    def shows(self, points: np.ndarray) -> np.ndarray:
+        """Whether points (..., 3) are in the picture and not behind the head."""
+        x, y, z = np.moveaxis(self.camera.place(points), -1, 0)
+        rows, columns = self.hair.pixels.shape
+        pictured = (x >= 0) & (y >= 0) & (x < columns) & (y < rows)
+        return pictured & (z < self._nearest(x, y) + self._close)
+
+    def beside(self, points: np.ndarray) -> np.ndarray:
+        """Whether points (..., 3) are beside the head in the picture."""
+        x, y, _ = np.moveaxis(self.camera.place(points), -1, 0)
+        return np.isinf(self._nearest(x, y))
+
+    def to_bare(self, points: np.ndarray) -> np.ndarray:
+        """Metres in the picture from points (..., 3) to where it is bare, below zero inside."""
+        x, y, _ = np.moveaxis(self.camera.place(points), -1, 0)
+        return sample_pixels(self._to_bare, x.ravel(), y.ravel()).reshape(x.shape) / self.camera.scale
+
+    def _nearest(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        depth = sample_pixels(self._depth, x.ravel(), y.ravel(), cv2.INTER_NEAREST, float("inf"))
+        return depth.reshape(x.shape)
