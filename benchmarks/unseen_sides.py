@@ -10,7 +10,7 @@ given: shape, camera and mask are.
 The error is the mean difference of sRGB from the colours without light, percent of full scale, over the surface that
 the camera does not see, by its area, without the insides of mouth, nostrils and eye sockets. `balanced` is the same
 after one factor for each channel has made the seen part as bright as its truth: it leaves out how bright the picture
-was taken. The last line is JSON.
+was taken. `smooth` is without the grain of unseen skin. The last line is JSON.
 """
 
 import json
@@ -201,9 +201,10 @@ def srgb(light):
     return 255 * np.where(x <= 0.0031308, 12.92 * x, 1.055 * x ** (1 / 2.4) - 0.055)
 
 
-def errors(sitter, studio, settings):
+def errors(sitter, studio, settings, generator=None):
     """Percent by what is measured."""
-    texture = texture_face(sitter.head, Sight(sitter.camera, sitter.image, sitter.mask), TEXTURE, settings).image
+    sight = Sight(sitter.camera, sitter.image, sitter.mask)
+    texture = texture_face(sitter.head, sight, TEXTURE, settings, generator).image
     covered = studio.face >= 0
     row, column = np.nonzero(covered)
     uvs = np.stack([(column + 0.5) / TEXTURE, 1 - (row + 0.5) / TEXTURE], 1)
@@ -229,12 +230,14 @@ def main():
     seed = int(sys.argv[1]) if len(sys.argv) > 1 else 16005
     count = int(sys.argv[2]) if len(sys.argv) > 2 else 50
     studio = Studio(seed, count)
-    ways = {"without light": TextureSettings(), "kept light": TextureSettings(keep_light=True)}
+    usual = TextureSettings()
+    ways = {"without light": (usual, 0), "smooth": (usual, None), "kept light": (TextureSettings(keep_light=True), 0)}
     rows = {name: [] for name in ways}
     for number in range(count):
         sitter = studio.sitter(number)
-        for name, settings in ways.items():
-            rows[name].append(errors(sitter, studio, settings))
+        for name, (settings, grain) in ways.items():
+            generator = None if grain is None else np.random.default_rng(grain)
+            rows[name].append(errors(sitter, studio, settings, generator))
     figures = {}
     for name, found in rows.items():
         figures[name] = {key: round(float(np.mean([row[key] for row in found])), 3) for key in found[0]}

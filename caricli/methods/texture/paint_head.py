@@ -97,7 +97,8 @@ def paint_head(
     elif head.uvs is None:
         raise InputError("expected a model whose mesh has UVs, found none; --project-uv needs none")
     else:
-        painted = texture_face(head, Sight(camera, image, skin, mask), settings.size, settings.texture)
+        grain = np.random.default_rng(settings.seed)
+        painted = texture_face(head, Sight(camera, image, skin, mask), settings.size, settings.texture, grain)
         texture = painted.image
         seen = float(painted.seen[painted.covered].mean())
         light = painted.light

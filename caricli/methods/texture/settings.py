@@ -54,7 +54,7 @@ class PaintSettings:
 
     size: texels, side of the texture; None for as fine as the picture.
     project_uv: the picture itself as texture, as published (portrait paper, equation 12), to compare.
-    seed: of the fibres of the iris, and of strands of hair that the picture does not show.
+    seed: of the fibres of the iris, and of strands of hair and grain of skin that the picture does not show.
     hair: "shell" of hair on the head, "none", or "auto": a shell unless it is doubtful what is hair.
     head: HeadChoice; pictures of what it leaves out are painted nevertheless, for the commands that come after.
     texture: TextureSettings.

@@ -7,7 +7,8 @@ import numpy as np
 import scipy.sparse as sp
 
 from caricli.methods.texture.estimate_light import Light, estimate_light
-from caricli.methods.texture.fill_unseen import fill_unseen, skin_weights
+from caricli.methods.texture.fill_unseen import FEATURES, fill_unseen, skin_weights
+from caricli.methods.texture.grow_grain import grow_grain
 from caricli.methods.texture.picture_view import PictureView, SeenColours, Sight, SurfacePoints, likeness
 from caricli.methods.texture.settings import TextureSettings
 from caricli.render.smooth_normals import smooth_normals
@@ -37,6 +38,7 @@ def texture_face(
     sight: Sight,
     size: int | None = None,
     settings: TextureSettings = TextureSettings(),  # noqa: B008 (frozen)
+    generator: np.random.Generator | None = None,
 ) -> FaceTexture:
     """Paint a face with its picture where the picture shows it, and plausibly elsewhere.
 
@@ -48,7 +50,8 @@ def texture_face(
 
     head: Template with UVs, in the shape of the face. sight: Sight of it. size: texels, width and height; where there
     is none, the power of two, within limits, with which texels of what is seen are one to two pixels wide, by their
-    median. settings: TextureSettings.
+    median. settings: TextureSettings. generator: of the grain of the skin that is not seen (`grow_grain`); without one
+    it is smooth.
     Returns FaceTexture.
     """
     view = PictureView(head, sight, settings)
@@ -85,6 +88,8 @@ def texture_face(
     sharp = (view.sharpen(lit - bright, _trust(own.seen, settings), points.places, owner) + bright) / own_shade
     seen = np.zeros(texels.covered.shape, np.float32)
     seen[texels.covered] = trust[:, 0]
+    if generator is not None:
+        sharp = grow_grain(sharp[owner], seen, texels.regions(head), generator)[texels.covered]
     picture = np.round(np.clip(sharp, 0, 255)).astype(np.uint8)[owner]
     return FaceTexture(picture, seen, texels.covered, light)
 
@@ -128,6 +133,13 @@ class _Texels:
         columns = np.column_stack([vertices.places, vertices.normals, vertices.pockets, shade]).astype(np.float32)
         values = self.mix @ columns
         return SurfacePoints(values[:, :3], values[:, 3:6], values[:, 6]), values[:, 7:]
+
+    def regions(self, head: Template) -> np.ndarray:
+        """(S, S) int, 2 on the scalp, 1 on other plain skin, 0 elsewhere."""
+        shares = self.mix @ np.column_stack([head.mask(*FEATURES), head.mask("scalp")]).astype(np.float32)
+        regions = np.zeros(self.covered.shape, int)
+        regions[self.covered] = np.where(shares[:, 0] > 0.01, 0, np.where(shares[:, 1] > 0.5, 2, 1))
+        return regions
 
     def owner(self) -> np.ndarray:
         """(S, S) the texel, from 0 to N - 1, that each place of the texture shows; beyond the islands the nearest."""

@@ -5,7 +5,9 @@ import pytest
 
 from caricli.errors import InputError
 from caricli.methods.texture.paint_head import paint_head
+from caricli.methods.texture.picture_view import Sight
 from caricli.methods.texture.settings import PaintSettings, TextureSettings
+from caricli.methods.texture.texture_face import texture_face
 from caricli.render.rasterise import rasterise
 from caricli.render.smooth_normals import smooth_normals
 from caricli.structures import Material
@@ -49,9 +51,12 @@ def test_the_picture_itself_as_published(pictured):
     np.testing.assert_array_equal(flat.rig.pictures.skin[pictured.mask], pictured.image[pictured.mask])
 
 
-def test_the_seed_paints_the_iris_and_nothing_else(painted, pictured):
+def test_the_seed_paints_the_iris_and_the_grain_of_what_is_not_seen(painted, pictured):
     other = paint_head(pictured.face, pictured.head, pictured.image, pictured.mask, replace(SMALL, seed=1)).rig
-    np.testing.assert_array_equal(other.pictures.skin, painted.rig.pictures.skin)
+    sight = Sight(pictured.face.camera, pictured.image, pictured.mask)
+    seen = texture_face(pictured.head, sight, SMALL.size).seen == 1
+    np.testing.assert_array_equal(other.pictures.skin[seen], painted.rig.pictures.skin[seen])
+    assert (other.pictures.skin != painted.rig.pictures.skin).any()
     assert (other.pictures.eyes != painted.rig.pictures.eyes).any()
 
 
