@@ -2,6 +2,7 @@
 
 import errno
 import importlib
+import importlib.util
 import json
 import os
 import signal
@@ -98,6 +99,7 @@ class LazyGroup(click.Group):
         if section not in _THREADED:
             # Read when NumPy is imported, which commands do.
             os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+        _put_off("numpy.f2py", "numpy.testing")
         return importlib.import_module(f"caricli.commands.{module}").command
 
     def format_commands(self, ctx, formatter):
@@ -109,6 +111,21 @@ class LazyGroup(click.Group):
         for section, rows in sections.items():
             with formatter.section(section):
                 formatter.write_dl([(name.ljust(width), short_help) for name, short_help in rows])
+
+
+def _put_off(*names):
+    """Let modules of a package be imported when something is asked of them.
+
+    SciPy takes all that NumPy offers, its tools for Fortran and for tests among it, which are a third of its start.
+    """
+    for name in names:
+        package, _, last = name.rpartition(".")
+        if name not in sys.modules:
+            spec = importlib.util.find_spec(name)
+            loader = spec.loader = importlib.util.LazyLoader(spec.loader)
+            module = sys.modules[name] = importlib.util.module_from_spec(spec)
+            loader.exec_module(module)
+            setattr(sys.modules[package], last, module)
 
 
 class Caricli(LazyGroup):

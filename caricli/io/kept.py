@@ -16,8 +16,8 @@ from caricli.io.cache import cache_folder
 from caricli.io.npz import read_npz, write_npz
 from caricli.io.outputs import staged
 
-MOST = 6
-"""Files of one name: of the bundled heads and of some own ones. The oldest one goes."""
+MOST = 128 * 2**20
+"""Bytes of all files: of the bundled heads and of some own ones. What was not asked for for the longest time goes."""
 
 QUICK = 0.02
 """Seconds: what is made sooner, as of small meshes, is not kept."""
@@ -37,22 +37,27 @@ def kept_arrays(
     path = _kept_path(name, given)
     if path is None:
         return make()
-    with contextlib.suppress(CaricliError):
-        return read_npz(path)
+    with contextlib.suppress(CaricliError, OSError):
+        arrays = read_npz(path)
+        os.utime(path)
+        return arrays
     start = time.perf_counter()
     arrays = make()
     if time.perf_counter() - start > QUICK:
-        _keep(path, arrays, name)
+        _keep(path, arrays)
     return arrays
 
 
-def _keep(path: Path, arrays: Mapping[str, np.ndarray], name: str) -> None:
+def _keep(path: Path, arrays: Mapping[str, np.ndarray]) -> None:
     with contextlib.suppress(CaricliError, OSError):
         with staged(path, overwrite=True) as (temporary,):
             write_npz(temporary, arrays, packed=False)
-        files = sorted(path.parent.glob(f"{name}-*.npz"), key=lambda file: file.stat().st_mtime_ns)
-        for old in files[:-MOST]:
-            old.unlink()
+        files = sorted((file.stat().st_mtime_ns, file.stat().st_size, file) for file in path.parent.glob("*.npz"))
+        total = sum(size for _, size, _ in files)
+        for _, size, file in files:
+            if total > MOST:
+                file.unlink()
+                total -= size
 
 
 def _kept_path(name: str, given: Iterable[np.ndarray | str | float]) -> Path | None:

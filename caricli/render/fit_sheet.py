@@ -1,5 +1,8 @@
 """A landmark fit on one picture: what was given, what was fitted, from several sides."""
 
+from collections.abc import Callable
+from dataclasses import replace
+
 import numpy as np
 from PIL import Image
 
@@ -7,7 +10,8 @@ from caricli.render.backdrop import PAPER, blank_paper
 from caricli.render.coat import mesh_coat
 from caricli.render.contact_sheet import contact_sheet
 from caricli.render.face_look import head_look
-from caricli.render.head_views import head_views
+from caricli.render.head_views import head_sky, head_views
+from caricli.render.in_parallel import in_parallel
 from caricli.render.overlay import draw_landmarks, overlay_mesh
 from caricli.render.shade import Look
 from caricli.structures import Face
@@ -43,9 +47,15 @@ def fit_sheet(
     circle = max(1.5, size / 120)
     marked = draw_landmarks(dotted, (given - corner) * zoom, GIVEN, radius=circle, hollow=True, lines=False)
     mesh, plain = head_look(head)
-    over = overlay_mesh(picture, mesh, camera.zoomed(zoom, corner), look=plain)
-    look = Look(coat=mesh_coat(face.mesh if fine is None else fine.mesh, face.pictures))
-    return contact_sheet([marked, over, *head_views(head, ("front", "three-quarter", "profile"), size, fine, look)], 5)
+    sky = head_sky(head)
+    before = replace(plain, visibility=sky, rotation=camera.rotation)
+    look = Look(coat=mesh_coat(face.mesh if fine is None else fine.mesh, face.pictures), visibility=sky)
+    drawings: list[Callable[[], list[np.ndarray]]] = [
+        lambda: head_views(head, ("front", "three-quarter", "profile"), size, fine, look),
+        lambda: [overlay_mesh(picture, mesh, camera.zoomed(zoom, corner), look=before)],
+    ]
+    views, over = in_parallel(lambda draw: draw(), drawings)
+    return contact_sheet([marked, *over, *views], 5)
 
 
 def _window(given: np.ndarray, projected: np.ndarray | None) -> tuple[np.ndarray, float]:

@@ -25,16 +25,22 @@ def head_views(
 
     head: Template in the shape of the face, a WholeHead where it has parts. views: keys of VIEWS. size: pixels, width
     and height of a picture. fine: FineMesh in the same shape, to draw instead; what its vertices see of the sky is
-    carried over from the coarse ones, because rays take most of the time. look: Look of the face, but for its eyeballs.
+    carried over from the coarse ones, because rays take most of the time. look: Look of the face, but for its eyeballs;
+    its visibility is what `head_sky` gives, or None.
     Returns a list of (size, size, 4) uint8.
     """
     parts = head.dressed if isinstance(head, WholeHead) else ()
     drawn, look = with_parts(head if fine is None else fine.mesh, look, parts)
-    whole, _ = with_parts(head, Look(), parts)
-    seen = sky_visibility(whole.vertices, whole.faces, smooth_normals(whole.vertices, whole.faces))
+    seen = head_sky(head) if look.visibility is None else look.visibility
     if fine is not None:
         count = len(head.vertices)
         seen = np.concatenate([fine.weights @ seen[:count], seen[count:]])
     return render_views(
         drawn, views, size, replace(look, eyeballs=head_eyeballs(head), visibility=seen.astype(np.float32))
     )
+
+
+def head_sky(head: Template) -> np.ndarray:
+    """What the vertices of a head and its parts see of the sky, see ``sky_visibility``, for its pictures to share."""
+    whole, _ = with_parts(head, Look(), head.dressed if isinstance(head, WholeHead) else ())
+    return sky_visibility(whole.vertices, whole.faces, smooth_normals(whole.vertices, whole.faces))

@@ -5,11 +5,13 @@ from typing import Any
 
 import numpy as np
 
+from caricli.render.in_parallel import in_parallel
 from caricli.render.rasterise import mesh_arrays, wp_mesh
 from caricli.render.warp_start import warp_start
 
 _LIFT = 1e-3  # of the mesh's size: rays start so far above the surface, which they would hit else
 _REACH = 2.0  # of the mesh's size: no ray through it is longer
+_BLOCK = 2048  # vertices that look around at a time
 _KEY_RAYS = 16
 _KEY_REACH = np.radians(16)  # half the angle that the key light fills: the wider the softer its shadows
 
@@ -66,8 +68,17 @@ def sky_visibility(
         rays.mesh = mesh.id
         rays.start = _LIFT
         rays.reach = _REACH
-        vectors = [_vectors(a) for a in (points[around], normals[around], directions)]
-        wp.launch(kernels.sky_seen, seen.shape, [rays, *vectors], [_shared(seen)], device="cpu")
+        towards = _vectors(directions)
+        origins = points[around]
+        upwards = normals[around]
+
+        def look(first: int) -> None:
+            rows = slice(first, first + _BLOCK)
+            given = [rays, _vectors(origins[rows]), _vectors(upwards[rows]), towards]
+            wp.launch(kernels.sky_seen, seen[rows].shape, given, [_shared(seen[rows])], device="cpu")
+
+        for _ in in_parallel(look, range(0, len(seen), _BLOCK)):
+            pass
     return seen
 
 

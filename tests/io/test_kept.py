@@ -1,3 +1,5 @@
+import os
+
 import numpy as np
 import pytest
 
@@ -70,13 +72,23 @@ def test_damage_is_mended(folder, damage):
     assert make.times == 3 and file.read_bytes() == whole
 
 
-def test_only_the_newest_stay(folder):
-    for number in range(kept.MOST + 3):
+def test_what_was_not_asked_for_goes_first(folder, monkeypatch):
+    for number in range(3):
         kept_arrays("thing", (float(number),), Made())
-    assert len([*folder.iterdir()]) == kept.MOST
-    last = Made()
-    kept_arrays("thing", (float(kept.MOST + 2),), last)
-    assert last.times == 0
+    for file, second in zip(
+        sorted(folder.iterdir(), key=lambda file: file.stat().st_mtime_ns), (10, 20, 30), strict=True
+    ):
+        os.utime(file, (second, second))
+    size = file.stat().st_size
+    kept_arrays("thing", (0.0,), Made())
+    monkeypatch.setattr(kept, "MOST", 3 * size)
+    kept_arrays("other", (), Made())
+    assert len([*folder.iterdir()]) == 3
+    times = {}
+    for number in range(3):
+        times[number] = Made()
+        kept_arrays("thing", (float(number),), times[number])
+    assert times[0].times == 0 and times[1].times == 1
 
 
 def test_what_is_made_quickly_is_not_kept(folder, monkeypatch):

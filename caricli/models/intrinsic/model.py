@@ -51,6 +51,8 @@ class IntrinsicModel:
         # The vertices whose rows of the solution are kept, in ascending order, and these rows.
         self._kept_points = np.zeros(0, dtype=np.int64)
         self._kept_rows = np.zeros((0, 0))
+        # The last latents and their features, the newest last.
+        self._asked: list[tuple[bytes, np.ndarray]] = []
 
     @classmethod
     def train(cls, template: Template, shapes: np.ndarray, config: IntrinsicConfig) -> Self:
@@ -128,8 +130,18 @@ class IntrinsicModel:
         _ = self.anchors, self.tangent, self.template.gradients, self.template.cavities, self.template.neck
 
     def features(self, latents: np.ndarray) -> np.ndarray:
-        """Latents (..., D) to features (..., V, 9)."""
-        return self.mean + np.tensordot(latents, self.basis, 1)
+        """Latents (..., D) to features (..., V, 9), which are not to be written to."""
+        latents = np.asarray(latents, float)
+        if latents.ndim != 1:
+            return self.mean + np.tensordot(latents, self.basis, 1)
+        # Fits ask several times for the same ones, and reading the basis takes longest.
+        key = latents.tobytes()
+        features = next((features for asked, features in self._asked if asked == key), None)
+        if features is None:
+            features = self.mean + np.tensordot(latents, self.basis, 1)
+            features.flags.writeable = False
+        self._asked = [*(pair for pair in self._asked if pair[0] != key)][-1:] + [(key, features)]
+        return features
 
     def features_to_latent(self, features: np.ndarray, shrink: float = 0.0) -> np.ndarray:
         """Project features (..., V, 9) into the space.
