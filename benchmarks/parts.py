@@ -1,19 +1,21 @@
 """Teeth, tongue and lashes in faces: are they where they belong, and do they stay behind the skin?
 
-Usage: python benchmarks/parts.py [FACE.npz ...] [--json OUT.json]. Attached parts are compared with where the identity
-targets of the open head put them, on 100 generated people and on 100 caricatures of others. A caricature is exaggerated
-by curvature, which says nothing of what is not skin; the truth is the person's own parts, carried by the deformation
-that the skin makes of the space inside: the smoothest field (biharmonic, affine part apart) that moves the skin of the
-person to the caricature's. Then parts are moved with all 52 expressions at weights 1/4 to 1 (mouthClose on top of
-jawOpen, as it is meant) on 50 generated faces of the highest level of exaggeration, each with an expression of its own,
-and on the faces that are given; how deep a vertex of a part lies in the flesh is told by the winding number. Seeds are
-of people on whom nothing was chosen. Shares are of the head's height. The last line is JSON.
+Usage: python benchmarks/parts.py [FACE.npz ...] [--json OUT.json] [--workers N]. Attached parts are compared with
+where the identity targets of the open head put them, on 100 generated people and on 100 caricatures of others. A
+caricature is exaggerated by curvature, which says nothing of what is not skin; the truth is the person's own parts,
+carried by the deformation that the skin makes of the space inside: the smoothest field (biharmonic, affine part apart)
+that moves the skin of the person to the caricature's. Then parts are moved with all 52 expressions at weights 1/4 to 1
+(mouthClose on top of jawOpen, as it is meant) on 50 generated faces of the highest level of exaggeration, each with an
+expression of its own, and on the faces that are given; how deep a vertex of a part lies in the flesh is told by the
+winding number. tongueOut is drawn from the front, and what is seen of the tongue counted. Seeds are of people on whom
+nothing was chosen. Shares are of the head's height. The last line is JSON.
 """
 
 import json
 import statistics
 import sys
 import time
+from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
 import igl
@@ -32,6 +34,7 @@ from caricli.methods.parts.bones import UNEVEN
 from caricli.methods.parts.lids import Lids
 from caricli.methods.rig.head_expressions import open_head_expressions
 from caricli.methods.rig.transfer_rig import transfer_rig
+from caricli.render.rasterise import rasterise
 from caricli.structures.arkit import uses
 from caricli.template.annotation import DELICATE
 from caricli.template.head import load_head
@@ -40,6 +43,7 @@ from caricli.template.lash_hairs import SIDES, lash_hairs
 PEOPLE, CARICATURES, FACES, RUNS = 100, 100, 50, 7
 SEEDS = {"people": 2026, "caricatures": 4052, "faces": 6078}
 WEIGHTS = (0.25, 0.5, 0.75, 1.0)
+PIXELS = 2000  # of a picture of the height of the head
 EVERY = 3  # vertices of the skin that tell the field inside a caricature
 DEEP = 0.003
 
@@ -52,14 +56,20 @@ def main():
         at = arguments.index("--json")
         out = arguments[at + 1]
         del arguments[at : at + 2]
+    workers = 1
+    if "--workers" in arguments:
+        at = arguments.index("--workers")
+        workers = int(arguments[at + 1])
+        del arguments[at : at + 2]
     figures = {"attachment": placed(), "milliseconds": timed(), "depth": {}}
     print(json.dumps(figures, indent=1), flush=True)
     sets = {f"{FACES} generated faces": generated()} | {
         f"{len(arguments)} given faces": [read_face(Path(name)).vertices.astype(float) for name in arguments]
     }
-    for name, faces in sets.items():
-        figures["depth"][name] = summary([depths(face) for face in faces])
-        print(name, json.dumps(figures["depth"][name], indent=1), flush=True)
+    with ProcessPoolExecutor(workers) as pool:
+        for name, faces in sets.items():
+            figures["depth"][name] = summary([*pool.map(depths, faces)])
+            print(name, json.dumps(figures["depth"][name], indent=1), flush=True)
     if out:
         Path(out).write_text(json.dumps(figures, indent=1) + "\n")
     print(json.dumps(figures))
@@ -155,23 +165,46 @@ def generated():
 
 
 def depths(face):
-    """Percent of the height that parts are in the flesh, by part and expression, at the worst weight."""
+    """Percent of the height that parts are in the flesh, by part and expression, at the worst weight, and the tongue.
+
+    Of this: the percent of the height squared that is seen of it from the front when it is out.
+    """
     templates = open_head_expressions()
+    attachment = open_head_attachment()
     mesh = templates.mesh.with_vertices(face)
-    deltas = transfer_rig(templates, face)
+    names = templates.names
+    deltas = attachment.let_out(mesh, names, transfer_rig(templates, face))
+    parts = attachment.animate(mesh, names, deltas)
+    points = np.concatenate([part.mesh.vertices for part in parts])
+    moves = np.concatenate([part.deltas for part in parts], axis=1)
+    ends = np.cumsum([len(part.mesh.vertices) for part in parts])[:-1]
     flesh = Flesh(mesh.faces)
-    together = uses(templates.names)
-    deepest = {}
-    for part in open_head_attachment().animate(mesh, templates.names, deltas):
-        rows = {"rest": flesh.depth(face, part.mesh.vertices)}
-        for k, name in enumerate(templates.names):
-            skin, own = (np.tensordot(together[k], moves, 1) for moves in (deltas, part.deltas))
-            near = np.linalg.norm(face - part.mesh.vertices.mean(0), axis=1) < 0.3 * mesh.height
-            if max(np.abs(own).max(), np.abs(skin[near]).max()) > 1e-5:
-                ways = [flesh.depth(face + a * skin, part.mesh.vertices + a * own) for a in WEIGHTS]
-                rows[name] = max(ways)
-        deepest[part.name] = {name: 100 * value / mesh.height for name, value in rows.items()}
-    return deepest
+
+    def deep(amounts):
+        skin, own = (np.tensordot(amounts, way, 1) for way in (deltas, moves))
+        depth = flesh.depth(face + skin, points + own)
+        return np.array([100 * rows.max() / mesh.height for rows in np.split(depth, ends)])
+
+    rows = {"rest": deep(np.zeros(len(names)))}
+    for name, amounts in zip(names, uses(names), strict=True):
+        rows[name] = np.max([deep(weight * amounts) for weight in WEIGHTS], axis=0)
+    by_part = {part.name: {name: float(row[k]) for name, row in rows.items()} for k, part in enumerate(parts)}
+    k = names.index("tongueOut")
+    return by_part | {"seen": seen(mesh.with_vertices(face + deltas[k]), parts, k)}
+
+
+def seen(mesh, parts, k):
+    """Percent of the height squared that a picture from the front shows of the tongue, in expression k."""
+    meshes = [mesh, *(part.mesh.with_vertices(part.mesh.vertices + part.deltas[k]) for part in parts)]
+    starts = np.cumsum([0, *(len(one.vertices) for one in meshes)])
+    points = np.concatenate([one.vertices for one in meshes])
+    faces = np.concatenate([one.faces + start for one, start in zip(meshes, starts, strict=False)])
+    scale = PIXELS / mesh.height
+    places = scale * (points - points.min(0)) * [1, -1, -1] + [0, PIXELS, 0]
+    shown = rasterise(places, faces, PIXELS, PIXELS).face
+    tongue = 1 + next(i for i, part in enumerate(parts) if part.name == "tongue")
+    first = sum(len(one.faces) for one in meshes[:tongue])
+    return float(100 * ((shown >= first) & (shown < first + len(meshes[tongue].faces))).mean())
 
 
 class Flesh:
@@ -185,28 +218,37 @@ class Flesh:
         self.closed = np.concatenate([self.faces, fan])
 
     def depth(self, vertices, points):
-        """Metres that the deepest of points is in it."""
+        """(N,) metres that points (N, 3) are in it."""
         closed = np.concatenate([vertices, vertices[self.rim].mean(0, keepdims=True)])
         inside = igl.fast_winding_number(closed, self.closed, points) > 0.5
-        if not inside.any():
-            return 0.0
-        return float(np.sqrt(igl.point_mesh_squared_distance(points[inside], vertices, self.faces)[0].max()))
+        depth = np.zeros(len(points))
+        if inside.any():
+            depth[inside] = np.sqrt(igl.point_mesh_squared_distance(points[inside], vertices, self.faces)[0])
+        return depth
 
 
 def summary(faces):
-    """By part: the deepest of all, by expression where it is deep, and the share of faces that have none deeper."""
+    """By part: the deepest of all, by expression where it is deep, and how many faces have none deeper.
+
+    And how much of the tongue is seen when it is out: of the face that shows the least, and the median.
+    """
     if not faces:
         return {}
-    result = {}
-    for part in faces[0]:
+    shown = [face["seen"] for face in faces]
+    result = {"tongue seen": {"least": round(min(shown), 3), "median": round(statistics.median(shown), 3)}}
+    for part in faces[0].keys() - {"seen"}:
         worst = {}
         for face in faces:
             for name, value in face[part].items():
                 worst[name] = max(worst.get(name, 0.0), value)
         deep = {name: round(value, 3) for name, value in sorted(worst.items()) if value > 100 * DEEP}
-        sound = float(np.mean([max(face[part].values()) <= 100 * DEEP for face in faces]))
-        result[part] = {"deepest": round(max(worst.values()), 3), "beyond 0.3 %": deep, "faces within": sound}
-    return result
+        sound = sum(max(face[part].values()) <= 100 * DEEP for face in faces)
+        result[part] = {
+            "deepest": round(max(worst.values()), 3),
+            "beyond 0.3 %": deep,
+            "faces within": f"{sound} of {len(faces)}",
+        }
+    return dict(sorted(result.items()))
 
 
 if __name__ == "__main__":

@@ -1,6 +1,7 @@
 """Teeth, tongue and lashes put into a face and moved with its expressions."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import cache, lru_cache
 
 import numpy as np
@@ -60,8 +61,25 @@ class Attachment:
         expressions do to the skin.
         """
         face = Posed(np.asarray(mesh.vertices, float), tuple(names), np.asarray(deltas, float))
-        mouths = None if self.pocket is None else Mouths(self.pocket, face.neutral, face.names, face.deltas)
+        mouths = self._mouths(face)
         return tuple(hold.place(face) if isinstance(hold, Lids) else hold.place(face, mouths) for hold in self.holds)
+
+    def let_out(self, mesh: Mesh, names: Sequence[str], deltas: np.ndarray) -> np.ndarray:
+        """(K, V, 3) metres, what expressions do to the skin where lips part as far as a tongue needs to come out.
+
+        mesh, names, deltas: as in ``animate``; the other expressions stay as they are.
+        """
+        face = Posed(np.asarray(mesh.vertices, float), tuple(names), np.asarray(deltas, float))
+        mouths = self._mouths(face)
+        if mouths is None:
+            return face.deltas
+        for hold in self.holds:
+            if isinstance(hold, Bone):
+                face = replace(face, deltas=hold.let_out(face, mouths))
+        return face.deltas
+
+    def _mouths(self, face: Posed) -> Mouths | None:
+        return None if self.pocket is None else Mouths(self.pocket, face.neutral, face.names, face.deltas)
 
 
 def attachment_for(template: Template, teeth: Teeth = "natural") -> Attachment | None:

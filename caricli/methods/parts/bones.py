@@ -7,8 +7,11 @@ import numpy as np
 
 from caricli.geometry.axis_similarity import axis_similarity
 from caricli.geometry.weighted_similarities import weighted_similarities
+from caricli.methods.parts.clear_way import Bends, clear_way
+from caricli.methods.parts.flesh import Flesh, Hide
 from caricli.methods.parts.follow import follow_weights
-from caricli.methods.parts.pocket import Mouth, Mouths, bend_out, make_room
+from caricli.methods.parts.let_out import PARTINGS, far_enough, part_more, tongue_bends
+from caricli.methods.parts.pocket import Mouth, Mouths, make_room
 from caricli.structures import Material, Part
 from caricli.template.template import Template
 
@@ -30,11 +33,17 @@ PRESSED = 0.001
 KEPT = 0.003
 """teeth that would are moved as far from it."""
 
-WAY = (0.5, 1.0)
-"""Weights of expressions at which the wall of the mouth is looked at, the one that must be right last."""
+WAY = (0.25, 0.5, 0.75, 1.0)
+"""Weights of expressions at which parts are kept out of the skin."""
 
-LET_OUT = (0.25, 0.5, 0.75, 1.0)
-"""The same for what comes out of it."""
+SHIFT = 0.1
+"""Weight against moves of what is firm, to one point that is as deep."""
+
+GIVEN_WAY = 3
+"""How often what gives way is looked at, at all weights."""
+
+FREE = 1.0
+"""Times PRESSED, what the worst point of a tongue may lack of that distance where lips are parted far enough."""
 
 _FIRM = 80
 """Points of what does not give way that are looked at."""
@@ -59,6 +68,10 @@ class Posed:
     neutral: np.ndarray
     names: tuple[str, ...]
     deltas: np.ndarray
+
+    def only(self, k: int) -> "Posed":
+        """With expression k alone."""
+        return Posed(self.neutral, self.names[k : k + 1], self.deltas[k : k + 1])
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,6 +105,8 @@ class Bone:
         self.shape = np.asarray(part.mesh.vertices, float)
         self.frames = frames
         self.jaw = jaw
+        self.hide = Hide(template.faces)
+        self.lips = _lips(template)
         self.around = surroundings(template, part)
         anchors = np.asarray(template.vertices, float)[self.around]
         skin, moved = frames.examples
@@ -104,16 +119,37 @@ class Bone:
 
     def place(self, face: Posed, mouths: Mouths | None) -> Part:
         """The part in a face. mouths: of the same face, None where the wall of its mouth is not told."""
+        shape, to_face = self._at_rest(face, mouths)
+        moved = self._moved(face, shape, to_face)
+        if mouths is not None and face.names:
+            distance, _ = mouths.rest.room(shape)
+            for k in mouths.order:
+                if face.names[k] in self.own:
+                    moved[k] += self._way_out(face.only(k), shape, moved[k], mouths.height)[0]
+                else:
+                    moved[k] += self._kept_in(mouths, shape, distance, moved, int(k))
+        return replace(self.part, mesh=self.part.mesh.with_vertices(shape), names=face.names, deltas=moved)
+
+    def let_out(self, face: Posed, mouths: Mouths) -> np.ndarray:
+        """(K, V, 3) metres, what expressions do to a face whose lips part as far as the part needs to come out."""
+        shape, to_face = self._at_rest(face, mouths)
+        lips = part_more(face.names, face.deltas)
+        deltas = face.deltas.copy()
+        for k in np.flatnonzero([name in self.own for name in face.names]):
+            for parting in PARTINGS:
+                deltas[k] = face.deltas[k] + parting * lips
+                opened = Posed(face.neutral, (face.names[k],), deltas[k : k + 1])
+                _, lack = self._way_out(opened, shape, self._moved(opened, shape, to_face)[0], mouths.height)
+                if lack <= FREE * PRESSED * mouths.height:
+                    break
+        return deltas
+
+    def _at_rest(self, face: Posed, mouths: Mouths | None) -> tuple[np.ndarray, np.ndarray]:
+        """The part (W, 3) without expression, and what (3, 3) takes it there."""
         scales, rotation, shift = axis_similarity(self.frames.points, self.weights @ face.neutral[self.around], UNEVEN)
         to_face = rotation * scales
         shape = self.shape @ to_face.T + shift
-        if mouths is not None:
-            shape = self._settled(mouths.rest, shape, mouths.height, True)
-        moved = self._moved(face, shape, to_face)
-        if mouths is not None:
-            for k in mouths.order:
-                moved[k] += self._kept_in(mouths, shape, moved, int(k))
-        return replace(self.part, mesh=self.part.mesh.with_vertices(shape), names=face.names, deltas=moved)
+        return (shape if mouths is None else self._settled(mouths.rest, shape, mouths.height)), to_face
 
     def _moved(self, face: Posed, shape: np.ndarray, to_face: np.ndarray) -> np.ndarray:
         """(K, W, 3) what expressions do to the part by the jaw and by themselves."""
@@ -126,34 +162,57 @@ class Bone:
                 moved[k] += self.own[name] @ to_face.T
         return moved
 
-    def _settled(self, mouth: Mouth, shape: np.ndarray, height: float, scaling: bool) -> np.ndarray:
+    def _settled(self, mouth: Mouth, shape: np.ndarray, height: float) -> np.ndarray:
         """The part (W, 3) as a whole brought into a mouth, and what gives way pressed into it."""
         firm = shape[self.firm]
         settled = shape
         if mouth.room(firm)[0].min() < PRESSED * height:
-            scale, shift = make_room(mouth, firm, KEPT * height, scaling)
+            scale, shift = make_room(mouth, firm, KEPT * height)
             centre = firm.mean(0)
             settled = centre + scale * (shape - centre) + shift
         return settled + mouth.pushes(settled, PRESSED * height)
 
-    def _kept_in(self, mouths: Mouths, shape: np.ndarray, moved: np.ndarray, k: int) -> np.ndarray:
-        """(W, 3) what expression k has to do besides, so that the part stays in the mouth on the way."""
+    def _kept_in(
+        self, mouths: Mouths, shape: np.ndarray, distance: np.ndarray, moved: np.ndarray, k: int
+    ) -> np.ndarray:
+        """(W, 3) what expression k has to do besides, so that the part stays in the mouth on the way.
+
+        shape, distance: (W, 3) and (W,) metres, the part at rest and how far it is from the wall. moved: (K, W, 3).
+        """
         more = np.zeros_like(shape)
-        if mouths.still(k) and not moved[k].any():
-            return more
-        if mouths.names[k] in self.own:
-            return self._let_out(mouths, shape, moved[k], k)
-        for amount in WAY:
-            start = shape + amount * np.tensordot(mouths.uses[k], moved, 1)
-            posed = start + amount * more
-            settled = self._settled(mouths.mouth(k, amount), posed, mouths.height, False)
-            more += (settled - posed) / amount
+        way = np.tensordot(mouths.uses[k], moved, 1)
+        # What the wall cannot come near on its way need not be looked at.
+        free = distance - np.linalg.norm(way, axis=1) - mouths.moves(k)
+        near = np.flatnonzero(free < PRESSED * mouths.height)
+        firm = np.intersect1d(near, self.firm)
+        walls = {amount: mouths.mouth(k, amount) for amount in WAY} if len(near) else {}
+        touched = [wall.room(shape[firm] + amount * way[firm])[0].min(initial=np.inf) for amount, wall in walls.items()]
+        if min(touched, default=np.inf) < PRESSED * mouths.height:
+            points, ways = shape[self.firm], way[self.firm]
+            more += clear_way(walls, points, ways, _shifts(len(points)), KEPT * mouths.height)[0]
+            near = np.flatnonzero(free - np.linalg.norm(more, axis=1) < PRESSED * mouths.height)
+        for _ in range(GIVEN_WAY):
+            pressed = np.zeros(len(near), bool)
+            for amount, wall in walls.items():
+                # On the way it may touch: what is pressed there goes much farther at its end.
+                margin = (1 if amount == 1 else -1) * PRESSED * mouths.height
+                push = wall.pushes(shape[near] + amount * (way + more)[near], margin)
+                more[near] += push / amount
+                pressed |= push.any(1)
+            near = near[pressed]
         return more
 
-    def _let_out(self, mouths: Mouths, shape: np.ndarray, move: np.ndarray, k: int) -> np.ndarray:
-        """(W, 3) what a part that comes out of the mouth has to do besides, so that it does between the lips."""
-        opened = {weight: mouths.mouth(k, weight, True) for weight in LET_OUT}
-        return bend_out(opened, shape, move, PRESSED * mouths.height)
+    def _way_out(self, face: Posed, shape: np.ndarray, move: np.ndarray, height: float) -> tuple[np.ndarray, float]:
+        """(W, 3) what a part that comes out of the mouth has to do besides, so that it does between the lips.
+
+        face: Posed with one expression, which moves the part (W, 3) by itself. height: metres, as of ``Mouths``.
+        Returns also what the worst point lacks of its distance from the skin, metres.
+        """
+        flesh = {amount: Flesh(self.hide, face.neutral + amount * face.deltas[0]) for amount in WAY}
+        way, spare = far_enough(shape, move, (face.neutral + face.deltas[0])[self.lips], height)
+        bends = tongue_bends(shape, way, spare)
+        amounts, lack = clear_way(flesh, shape, way, bends, PRESSED * height)
+        return way - move + bends.moves @ amounts, lack
 
     @cached_property
     def own(self) -> dict[str, np.ndarray]:
@@ -218,6 +277,18 @@ def surroundings(template: Template, part: Part) -> np.ndarray:
         distance = np.linalg.norm(template.vertices - part.mesh.vertices.mean(0), axis=1)
         ids = np.argsort(distance, kind="stable")
     return ids[:: -(-len(ids) // _MOST)]
+
+
+def _lips(template: Template) -> np.ndarray:
+    """Vertex ids of the rims of the lips, or of the whole mouth where these are not told."""
+    curves = template.annotation.curves
+    rims = [curves[name] for name in ("mouth_inner_upper", "mouth_inner_lower") if name in curves]
+    return np.concatenate(rims) if rims else template.region("mouth")
+
+
+def _shifts(count: int) -> Bends:
+    """Moves of so many points as a whole."""
+    return Bends(np.tile(np.eye(3), (count, 1, 1)), np.full(3, SHIFT), np.full(3, -np.inf), np.zeros(3))
 
 
 def _largest(weights: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -43,3 +43,16 @@ def face_parts(
     if face.hair is not None:
         parts.append(face.hair.part)
     return [part for part in parts if choice.takes(part.materials)]
+
+
+def let_tongue_out(
+    mesh: Mesh, template: Mesh, choice: HeadChoice, names: Sequence[str], deltas: np.ndarray
+) -> np.ndarray:
+    """(K, V, 3) metres, what expressions do to a face that wears a tongue: its lips part as far as that needs.
+
+    mesh: Mesh of the face. template, choice, names, deltas: as in ``face_parts``.
+    """
+    attachment = None
+    if "tongue" in choice.parts and isinstance(template, Template) and template.topology_id == mesh.topology_id:
+        attachment = attachment_for(template, choice.teeth)
+    return deltas if attachment is None else attachment.let_out(mesh, names, deltas)

@@ -7,72 +7,98 @@ import numpy as np
 from caricli.geometry.components import component_labels
 from caricli.geometry.weighted_similarities import weighted_similarities
 from caricli.io.kept import kept_arrays
+from caricli.methods.parts.bend_lashes import Lashes
 from caricli.methods.parts.bones import Posed
+from caricli.methods.parts.flesh import Flesh, Hide
 from caricli.methods.parts.pocket import spread
 from caricli.structures import Part
+from caricli.structures.arkit import uses
 from caricli.template.template import Template
 
 NEIGHBOURS = 6
 """Vertices of a lid that a lash is held by."""
 
+REACH = 0.08
+"""Of the head's height: how far from lashes skin may be that comes over them."""
+
+OVER = 60
+"""Vertices of that skin, around its root, that may come over a lash, and"""
+STILL = 1e-3
+"""of the height: how far an expression moves at least one of them against it, or it is not asked whether it does."""
+
+WAY = (0.25, 0.5, 0.75, 1.0)
+"""Weights of expressions at which lashes are kept out of the skin."""
+
 
 class Lids:
-    """Lashes, each held by the lid around its root."""
+    """Lashes, each held by the lid around its root, and bent where another fold of skin would cover it."""
 
     def __init__(self, template: Template, part: Part) -> None:
         """template: whose annotation knows the eyes. part: a component of its mesh for every lash."""
         self.part = part
         self.shape = np.asarray(part.mesh.vertices, float)
         self.template = np.asarray(template.vertices, float)
-        self.labels = component_labels(part.mesh.faces, len(self.shape))
+        labels = component_labels(part.mesh.faces, len(self.shape))
         lids = np.flatnonzero(
             template.mask("eyes_left", "eyes_right") & ~template.mask("eye_socket_left", "eye_socket_right")
         )
-        given = (self.template[lids], self.shape, self.labels)
-        held = kept_arrays("lids", given, lambda: _held(*given))
-        self.roots = held["roots"]
-        self.ids = lids[held["near"]]
+        given = (self.template, template.faces, lids, self.shape, labels)
+        held = kept_arrays("lashes", given, lambda: _held(*given))
+        self.lashes = Lashes(self.shape, labels, held["roots"], template.height)
+        self.ids = held["near"]
         distance = held["distance"]
         self.weights = np.exp(-0.5 * (distance / distance.mean(1, keepdims=True)) ** 2)
+        self.hide = Hide(held["faces"])
+        self.over = held["over"]
 
     def place(self, face: Posed) -> Part:
         """The lashes of a face."""
         size = spread(face.neutral) / spread(self.template)
-        shape = self._shortened(self._moved(self.template, face.neutral[None], self.shape, True)[0], size)
+        shape = self._moved(self.template, face.neutral[None], self.shape, True)[0]
+        shape = self.lashes.shortened(shape, size)
+        skin = face.neutral[self.hide.ids]
+        middle = face.neutral.mean(0)
+        shape = self.lashes.bent({1.0: Flesh(self.hide, skin, middle)}, shape, shape, size)
         moved = self._moved(face.neutral, face.neutral + face.deltas, shape, False) - shape
+        together = uses(face.names)
+        changes = np.tensordot(together, face.deltas[:, self.hide.ids], 1)
+        # Expressions that others start from come first.
+        for k in np.argsort(together.sum(1), kind="stable"):
+            end = shape + np.tensordot(together[k], moved, 1)
+            against = changes[k, self.over] - (end - shape)[self.lashes.roots][:, None]
+            near = np.linalg.norm(against, axis=-1).max(1) > STILL * size * self.lashes.height
+            if near.any():
+                flesh = {weight: Flesh(self.hide, skin + weight * changes[k], middle) for weight in WAY}
+                moved[k] += self.lashes.bent(flesh, shape, end, size, near) - end
         return replace(self.part, mesh=self.part.mesh.with_vertices(shape), names=face.names, deltas=moved)
-
-    def _shortened(self, shape: np.ndarray, size: float) -> np.ndarray:
-        """Lashes that are no longer than those of usual eyes on a head of a size: drawn eyes are often huge."""
-        roots = shape[self.roots][self.labels]
-        away = shape - roots
-        length = _lengths(away, self.labels) / _lengths(self.shape - self.shape[self.roots][self.labels], self.labels)
-        return roots + away / np.maximum(length / size, 1.0)[self.labels, None]
 
     def _moved(self, before: np.ndarray, after: np.ndarray, shape: np.ndarray, scaling: bool) -> np.ndarray:
         scale, rotation, shift = weighted_similarities(before[self.ids], after[:, self.ids], self.weights, scaling)
-        turned = np.einsum("kwij,wj->kwi", rotation[:, self.labels], shape)
-        return scale[:, self.labels, None] * turned + shift[:, self.labels]
+        labels = self.lashes.labels
+        turned = np.einsum("kwij,wj->kwi", rotation[:, labels], shape)
+        return scale[:, labels, None] * turned + shift[:, labels]
 
 
-def _held(lids: np.ndarray, shape: np.ndarray, labels: np.ndarray) -> dict[str, np.ndarray]:
-    """The root of every lash, and of vertices of lids (N, 3) the numbers of those near it and their distances.
+def _held(
+    template: np.ndarray, faces: np.ndarray, lids: np.ndarray, shape: np.ndarray, labels: np.ndarray
+) -> dict[str, np.ndarray]:
+    """What holds lashes (W, 3), and the skin that may come over them.
 
-    shape: (W, 3) of the lashes. labels: (W,) the lash of every vertex, from 0 to L - 1. Roots: (L,); the rest: (L, k).
+    template: (V, 3) metres. faces: (F, 3). lids: vertices that lashes may stand on. labels: (W,) the lash of every
+    vertex, from 0 to L - 1.
+    Returns roots (L,), vertices of lashes; near (L, k) those of the lids near each, and their distance; faces (H, 3) of
+    the skin around; over (L, m), numbers among its vertices.
     """
     # Imported here: it takes longer than all of this, which is mostly kept.
     from scipy.spatial import cKDTree
 
-    tree = cKDTree(lids)
+    tree = cKDTree(template[lids])
     distance, _ = tree.query(shape)
     lashes = [np.flatnonzero(labels == k) for k in range(labels.max() + 1)]
     roots = np.array([ids[distance[ids].argmin()] for ids in lashes])
     distance, near = tree.query(shape[roots], min(NEIGHBOURS, len(lids)))
-    return {"roots": roots, "near": near, "distance": distance}
-
-
-def _lengths(away: np.ndarray, labels: np.ndarray) -> np.ndarray:
-    """(L,) how far the farthest vertex of every lash is from its root. away: (W, 3) from there. labels: (W,)."""
-    lengths = np.zeros(labels.max() + 1)
-    np.maximum.at(lengths, labels, np.linalg.norm(away, axis=1))
-    return lengths
+    reached = cKDTree(shape).query(template)[0] < REACH * np.ptp(template[:, 1])
+    around = faces[reached[faces].all(1)]
+    skin = template[np.unique(around)]
+    over = cKDTree(skin).query(shape[roots], min(OVER, len(skin)))[1]
+    return {"roots": roots, "near": lids[near], "distance": distance, "faces": around, "over": over}

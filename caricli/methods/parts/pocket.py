@@ -1,6 +1,5 @@
 """The inside of a mouth, and how a part is brought into it."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import igl
@@ -10,12 +9,6 @@ from caricli.geometry.triangle_normals import triangle_normals
 from caricli.structures.arkit import uses
 from caricli.template.template import Template
 
-STILL = 2e-4
-"""Of the head's height: a wall that an expression moves less is still."""
-
-
-_UP = np.array([0.0, 1.0, 0.0])
-
 
 @dataclass(frozen=True)
 class RoomSettings:
@@ -23,7 +16,7 @@ class RoomSettings:
 
     margin: share of the head's height that they keep from it. rounds: moves, at most. hold: weight against a move, to
     one point that is pushed as far. shrink: the same against a change of size by the whole. smallest: of a part's size,
-    what shrinking leaves. touch: how often its margin a tongue on its way out may be in the skin.
+    what shrinking leaves.
     """
 
     margin: float = 0.003
@@ -31,7 +24,6 @@ class RoomSettings:
     hold: float = 0.03
     shrink: float = 0.3
     smallest: float = 0.4
-    touch: float = 3.0
 
 
 class Bag:
@@ -81,39 +73,34 @@ class Mouths:
         self.pocket = pocket
         self.names = names
         self.neutral = neutral[pocket.lips.ids]
-        self.deltas = deltas[:, pocket.lips.ids]
         self.uses = uses(names)
+        self.changes = np.tensordot(self.uses, deltas[:, pocket.lips.ids], 1)
         self.rest = Mouth(pocket, self.neutral)
         self.height = pocket.height * spread(self.neutral[pocket.inside]) / pocket.spread
         # Expressions that others start from come first.
         self.order = np.argsort(self.uses.sum(1), kind="stable")
-        self._mouths: dict[tuple[int, float, bool], Mouth] = {}
+        self._mouths: dict[tuple[int, float], Mouth] = {}
 
-    def still(self, k: int) -> bool:
-        """Whether expression k leaves the wall as it is."""
-        return bool(np.abs(self.deltas[k, self.pocket.inside]).max(initial=0) < STILL * self.height)
+    def moves(self, k: int) -> float:
+        """Metres, how far expression k, with what it starts from, moves the wall at most."""
+        return float(np.linalg.norm(self.changes[k, self.pocket.inside], axis=1).max())
 
-    def mouth(self, k: int, amount: float, open_lips: bool = False) -> "Mouth":
-        """With expression k, and what it starts from, at a weight; all parts look at the same one.
-
-        open_lips: whether parts may come out.
-        """
-        if (k, amount, open_lips) not in self._mouths:
-            skin = self.neutral + amount * np.tensordot(self.uses[k], self.deltas, 1)
-            self._mouths[k, amount, open_lips] = Mouth(self.pocket, skin, open_lips)
-        return self._mouths[k, amount, open_lips]
+    def mouth(self, k: int, amount: float) -> "Mouth":
+        """With expression k, and what it starts from, at a weight; all parts look at the same one."""
+        if (k, amount) not in self._mouths:
+            self._mouths[k, amount] = Mouth(self.pocket, self.neutral + amount * self.changes[k])
+        return self._mouths[k, amount]
 
 
 class Mouth:
     """A Pocket in the shape of one face."""
 
-    def __init__(self, pocket: Pocket, skin: np.ndarray, open_lips: bool = False) -> None:
-        """skin: (W, 3) metres, of the wall and the lips. open_lips: whether before the lips is in it, too."""
+    def __init__(self, pocket: Pocket, skin: np.ndarray) -> None:
+        """skin: (W, 3) metres, of the wall and the lips."""
         self.pocket = pocket
         self.skin = skin
-        self.open_lips = open_lips
-        self.wall = skin if open_lips else skin[pocket.inside]
-        self.faces = pocket.lips.faces if open_lips else pocket.inner.faces
+        self.wall = skin[pocket.inside]
+        self.faces = pocket.inner.faces
         self.tree = igl.AABB()
         self.tree.init(self.wall, self.faces)
         self.normals = triangle_normals(self.wall, self.faces)
@@ -129,9 +116,7 @@ class Mouth:
         outside = (self.normals[face] * away).sum(1) < 0
         if outside.any():
             doubtful = points[outside]
-            in_mouth = np.ones(len(doubtful), bool)
-            if not self.open_lips:
-                in_mouth = self.pocket.inner.holds(self.wall, doubtful)
+            in_mouth = self.pocket.inner.holds(self.wall, doubtful)
             if in_mouth.any():
                 in_mouth[in_mouth] = self.pocket.lips.holds(self.skin, doubtful[in_mouth])
             outside[outside] = ~in_mouth
@@ -148,7 +133,6 @@ def make_room(
     mouth: Mouth,
     points: np.ndarray,
     margin: float,
-    scaling: bool = True,
     settings: RoomSettings = RoomSettings(),  # noqa: B008 (frozen)
 ) -> tuple[float, np.ndarray]:
     """A scale and a move that bring points into a mouth, as little as can be.
@@ -156,14 +140,13 @@ def make_room(
     Every round minimises ``sum |change of the point along its push - push|^2`` with weights against moves and changes
     of size; what was pushed before holds its ground while others are.
 
-    points: (N, 3) of a part. margin: metres that they keep from the wall. scaling: whether the size may change.
+    points: (N, 3) of a part. margin: metres that they keep from the wall.
     Returns s and t (3,): points go to ``centre + s (points - centre) + t``, with the centre their mean.
     """
     centre = points.mean(0)
     away = points - centre
     size = np.sqrt((away**2).sum(1).mean())
     damping = np.diag([settings.hold] * 3 + [settings.shrink * size**2])
-    free = slice(0, 4 if scaling else 3)
     scale = 1.0
     shift = np.zeros(3)
     touched = np.zeros(len(points), bool)
@@ -176,59 +159,11 @@ def make_room(
             break
         ways[pushed] = push[pushed] / length[pushed, None]
         touched |= pushed
-        rows = np.column_stack([ways, (ways * away).sum(1)])[touched][:, free]
-        step = np.linalg.solve(rows.T @ rows + damping[free, free], rows.T @ length[touched])
+        rows = np.column_stack([ways, (ways * away).sum(1)])[touched]
+        step = np.linalg.solve(rows.T @ rows + damping, rows.T @ length[touched])
         shift = shift + step[:3]
-        if scaling:
-            scale = float(np.clip(scale + step[3], settings.smallest, 1.0))
+        scale = float(np.clip(scale + step[3], settings.smallest, 1.0))
     return scale, shift
-
-
-def bend_out(
-    mouths: Mapping[float, Mouth],
-    points: np.ndarray,
-    way: np.ndarray,
-    margin: float,
-    settings: RoomSettings = RoomSettings(),  # noqa: B008 (frozen)
-) -> np.ndarray:
-    """What is to be added to a tongue's way out (N, 3), so that it comes between the lips.
-
-    Its back is raised, which leaves the tip where it goes; where that does not do, all of it is raised and flattened.
-    All by smooth functions of how far its points go and how high they are, for points that are pressed one by one
-    crumple; where the lips leave no way it stays in them.
-
-    mouths: with open lips, by weights of the expression. points: (N, 3) at rest. way: (N, 3) at weight 1. margin:
-    metres that they keep from the skin.
-    """
-    share = np.linalg.norm(way, axis=1)
-    share = share / share.max()
-    above = (points + way)[:, 1]
-    above = above - share @ above / share.sum()
-    thickness = np.abs(above).max()
-
-    def raised(basis: np.ndarray, flattest: float) -> tuple[np.ndarray, float]:
-        amounts = np.zeros(basis.shape[1])
-        for _ in range(2 * settings.rounds):
-            damped = settings.hold * np.eye(len(amounts))
-            asked = np.zeros(len(amounts))
-            deepest = 0.0
-            for weight, mouth in mouths.items():
-                push = mouth.pushes(points + weight * (way + np.outer(basis @ amounts, _UP)), margin)
-                length = np.linalg.norm(push, axis=1)
-                deepest = max(deepest, length.max())
-                rows = weight * (push @ _UP / np.maximum(length, 1e-12))[:, None] * basis
-                damped = damped + rows.T @ rows
-                asked = asked + rows.T @ length
-            if deepest <= settings.touch * margin:
-                break
-            amounts += np.linalg.solve(damped, asked)
-            amounts[-1] = max(amounts[-1], flattest)
-        return np.outer(basis @ amounts, _UP), deepest
-
-    bent, deepest = raised((share * (1 - share))[:, None], 0.0)
-    if deepest <= settings.touch * margin:
-        return bent
-    return raised(np.stack([share, share**2, share * above / thickness], -1), (settings.smallest - 1) * thickness)[0]
 
 
 def spread(points: np.ndarray) -> float:

@@ -6,7 +6,7 @@ from functools import partial
 
 import numpy as np
 
-from caricli.methods.parts.face_parts import face_parts
+from caricli.methods.parts.face_parts import face_parts, let_tongue_out
 from caricli.methods.rig.add_eyeballs import Eyeball, add_eyeballs, fit_eyeballs
 from caricli.methods.rig.add_parts import add_parts
 from caricli.methods.rig.expression_templates import ExpressionTemplates
@@ -69,12 +69,14 @@ def make_rig(
 
     mesh: Mesh of the face, metres, of the templates' topology. templates: ExpressionTemplates; None for the 52 of ARKit
     on the open head, whose topology the bundled models have. deltas: (K, V, 3) metres, what their expressions do to the
-    face; None for deformation transfer, lids and lips meeting as they do on the templates. hair: that of the face.
+    face; None for deformation transfer, lids and lips meeting as they do on the templates. A tongue that is put in may
+    part the lips farther than they. hair: that of the face.
     Raises InputError for another topology, NumericsError for triangles without area.
     """
     templates = templates or open_head_expressions()
     templates.require_topology(mesh)
     deltas = transfer_rig(templates, mesh.vertices) if deltas is None else deltas
+    deltas = let_tongue_out(mesh, templates.mesh, settings.head, templates.names, deltas)
     annotation = templates.annotation if "eyes" in settings.head.parts else None
     eyeballs = [] if annotation is None else fit_eyeballs(mesh, annotation, deltas)
     measures = measure_rig(mesh.vertices, deltas, templates, eyeballs)

@@ -30,9 +30,9 @@ def test_on_the_template_parts_are_where_the_template_has_them(head, template):
     assert [part.name for part in parts] == ["teeth_upper", "teeth_lower", "tongue", "lashes"]
     for part, own in zip(parts, head_parts(head), strict=True):
         away = np.abs(part.mesh.vertices - own.mesh.vertices).max(1)
-        # A little of the lower gums gives way to the lip.
-        assert away.max() < (0.004 if part.name == "teeth_lower" else 1e-9) * template.height
-        assert (away < 1e-9).mean() > 0.95
+        # A little of the lower gums gives way to the lip, and a few lashes at the corners of the eyes to the lids.
+        assert away.max() < {"teeth_lower": 0.004, "lashes": 0.001}.get(part.name, 1e-9) * template.height
+        assert (away < 1e-4 * template.height).mean() > 0.9
         assert part.names == () and part.deltas.shape == (0, len(part.mesh.vertices), 3)
         assert part.mesh.uvs is not None
 
@@ -119,6 +119,6 @@ def test_parts_stay_behind_a_lip_that_was_pushed_in(head, template):
         assert mouths.rest.room(part.mesh.vertices)[0].min() > -1e-4 * face.height
         for name in ("jawOpen", "mouthPucker", "mouthSmileLeft", "jawLeft", "mouthRollLower", "mouthClose"):
             k = head.action_names.index(name)
-            for amount in (0.5, 1.0):
+            for amount in (0.25, 0.5, 0.75, 1.0):
                 moved = part.mesh.vertices + amount * np.tensordot(mouths.uses[k], part.deltas, 1)
                 assert mouths.mouth(k, amount).room(moved)[0].min() > -0.003 * face.height

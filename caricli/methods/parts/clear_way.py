@@ -1,0 +1,89 @@
+"""How a part that moves keeps clear of walls, by a few smooth changes of its way."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+ROUNDS = 40
+"""Times that rooms are asked, at most."""
+
+START = 0.1
+"""Of their least, what bounded amounts are first."""
+
+
+class Room(Protocol):
+    """What has walls."""
+
+    def room(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Distances (N,) of points (N, 3) from the walls, negative where they are in them, and unit ways (N, 3) out."""
+
+
+@dataclass(frozen=True, eq=False)
+class Bends:
+    """Changes of the way of N points.
+
+    moves: (N, 3, M), of an amount of one metre. hold: (M,) weights against amounts, to one point that is as deep. low:
+    (M,) metres, the least that amounts may be, -inf for those that are free; the others are not above zero. wish: (M,)
+    metres, what amounts are where nothing is in the way.
+    """
+
+    moves: np.ndarray
+    hold: np.ndarray
+    low: np.ndarray
+    wish: np.ndarray
+
+
+def clear_way(
+    rooms: Mapping[float, Room], points: np.ndarray, way: np.ndarray, bends: Bends, margin: float
+) -> tuple[np.ndarray, float]:
+    """Amounts of changes that keep points clear of walls on the straight way from where they are.
+
+    Minimises ``sum max(margin - distance, 0)^2 + sum (hold (amount - wish))^2`` over all points and rooms, with
+    amounts within bounds.
+
+    rooms: by shares of the way. points: (N, 3) at its beginning. way: (N, 3) metres. margin: metres from the walls.
+    Returns (M,) metres, and what the worst point lacks of its margin, metres.
+    """
+
+    def lacks(amounts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        changed = way + bends.moves @ amounts
+        rows = []
+        for share, room in rooms.items():
+            distance, out = room.room(points + share * changed)
+            lack = np.maximum(margin - distance, 0.0)
+            rows.append((lack, -share * np.einsum("nc,ncm->nm", np.where(lack[:, None] > 0, out, 0.0), bends.moves)))
+        held = [bends.hold * (amounts - bends.wish)], [np.diag(bends.hold)]
+        values, slopes = (
+            np.concatenate([*own, *more]) for own, more in zip(zip(*rows, strict=True), held, strict=True)
+        )
+        return values / margin, slopes / margin
+
+    # Imported here: it takes longer than most heads need, which move nothing.
+    from scipy.optimize import least_squares
+
+    bounded = np.isfinite(bends.low)
+    # Where bounds are met the solver begins with steps too small to go on.
+    start = np.where(bounded, START * bends.low, bends.wish)
+    last = [start, *lacks(start)]
+
+    def asked(amounts: np.ndarray) -> list[np.ndarray]:
+        # The solver asks for values and slopes one after the other.
+        if not np.array_equal(last[0], amounts):
+            last[:] = [amounts.copy(), *lacks(amounts)]
+        return last
+
+    if not lacks(bends.wish)[0].any():
+        return bends.wish, 0.0
+    result = least_squares(
+        lambda amounts: asked(amounts)[1],
+        start,
+        jac=lambda amounts: asked(amounts)[2],
+        bounds=(bends.low, np.where(bounded, 0.0, np.inf)),
+        x_scale=10 * margin,
+        ftol=1e-2,
+        xtol=1e-5,
+        max_nfev=ROUNDS,
+    )
+    return result.x, float(margin * result.fun[: len(rooms) * len(points)].max())

@@ -1,0 +1,42 @@
+import numpy as np
+import pytest
+
+from caricli.methods.parts.flesh import Flesh, Hide
+
+
+@pytest.fixture(scope="module")
+def balls(ball):
+    """A ball whose top was cut off, closed over the cut and towards its middle."""
+    vertices, faces = np.asarray(ball[0], float), np.asarray(ball[1])
+    radius = np.linalg.norm(vertices, axis=1).mean()
+    cut = faces[(vertices[faces][..., 1] < 0.6 * radius).all(1)]
+    hide = Hide(cut)
+    return radius, Flesh(hide, vertices[hide.ids]), Flesh(hide, vertices[hide.ids], np.zeros(3))
+
+
+def ring(radius, height=0.0):
+    turns = np.linspace(0, 2 * np.pi, 17)
+    return np.column_stack([radius * np.cos(turns), np.full(17, height), radius * np.sin(turns)])
+
+
+def test_room_is_the_distance_from_the_skin_and_the_way_out_of_the_flesh(balls):
+    radius, flesh, _ = balls
+    for share in (0.8, 1.2):
+        distance, ways = flesh.room(ring(share * radius))
+        np.testing.assert_allclose(distance, (share - 1) * radius, atol=0.02 * radius)
+        outward = ring(1.0)
+        assert ((ways * outward).sum(1) > 0.95).all()
+
+
+def test_what_it_is_closed_to_says_what_is_in_it(balls):
+    radius, over, towards = balls
+    top = np.array([[0.0, 0.4 * radius, 0.0]])
+    assert over.room(top)[0] < 0 < towards.room(top)[0]
+
+
+def test_ways_out_are_those_of_what_is_deep_enough(balls):
+    radius, flesh, _ = balls
+    points = np.concatenate([ring(0.9 * radius), ring(0.99 * radius), ring(1.1 * radius)])
+    ways = flesh.ways_out(points, np.full(len(points), 0.05 * radius))
+    assert not ways[17:].any()
+    np.testing.assert_allclose(np.linalg.norm(points[:17] + ways[:17], axis=1), radius, atol=0.02 * radius)
