@@ -21,6 +21,7 @@ from pathlib import Path
 ROOT = Path(__file__).parents[1]
 ASTRONAUT = ROOT / "examples" / "astronaut"
 TINY = "--set epochs=2 --set points=32 --set width=16 --set hidden=16 --set latent=8"
+SEER = "--set width=16 --set stem=8 --set depth=1 --set size=64 --set steps=40 --set batch=8 --set precision=float32"
 
 # Every line is run in turn in one folder; what it writes goes into a folder of its own, or beside the others.
 COMMANDS = f"""
@@ -30,6 +31,11 @@ dataset build dataset --identities 4 --expressions 3 --levels 2 --seed 5 --worke
 dataset build drawn --count 6 --identities 5 --workers 2
 dataset show dataset -o show.png --faces 4 --size 48
 dataset pictures drawn drawings --count 6 --size 96 --workers 2
+dataset build many --count 60 --identities 30 --workers 2
+dataset pictures many portraits --count 60 --size 96 --workers 2
+train detector --pictures portraits --out seer {SEER} --set epochs=1 --set validate_every=1
+detect astronaut.png --all --score 0 --detector seer/model.safetensors --out-dir seen
+evaluate detector --pictures portraits --real pictures --detector seer/model.safetensors --out judged
 sample --out-dir sampled --count 3 --seed 3 --subdivide 1
 sample --out-dir plain --count 3 --seed 4
 dataset import plain imported --annotation annotation.json

@@ -18,6 +18,7 @@ from caricli.errors import CaricliError, UsageError
 
 # What is typed: (module in caricli.commands, or None for a group; section of the help; short help).
 COMMANDS = {
+    "detect": ("detect", "Reconstruct", "Find faces and landmarks in pictures."),
     "reconstruct-from-landmarks": (
         "reconstruct_from_landmarks",
         "Reconstruct",
@@ -49,6 +50,7 @@ COMMANDS = {
         "Models",
         "Train a map between landmarks of normal faces and caricatures.",
     ),
+    "train detector": ("train.detector", "Models", "Train the network that finds faces in pictures."),
     "evaluate": (None, "Models", "Compare models and methods on a dataset."),
     "evaluate shape": ("evaluate.shape", "Models", "Compare the shape errors of models."),
     "evaluate ablation": ("evaluate.ablation", "Models", "Compare the deformable model with its rivals."),
@@ -58,6 +60,7 @@ COMMANDS = {
         "Models",
         "Compare expressions of caricatures with the true ones.",
     ),
+    "evaluate detector": ("evaluate.detector", "Models", "Measure a detector on pictures whose truth is known."),
     "dataset": (None, "Data", "Build, import or look at a dataset of faces."),
     "dataset build": ("dataset.build", "Data", "Generate caricatures from the open head model."),
     "dataset import": ("dataset.import_", "Data", "Import a folder of registered meshes."),

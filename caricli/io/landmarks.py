@@ -17,6 +17,7 @@ from caricli.structures.landmarks import SCHEMES, Landmarks
 
 SCHEMA = "caricli.landmarks/1"
 _KIND = "a landmark file"
+_KEYS = ("schema", "scheme", "image", "points", "spreads", "visibility")
 _MAX_IMAGE_SIDE = 1_000_000
 
 
@@ -34,7 +35,9 @@ def read_landmarks(path: str | Path, pts_origin: int = 1) -> Landmarks:
     elif data.lstrip()[:1] in (b"{", b"["):
         value = parse_json(data, path)
         with naming(path):
-            return Landmarks(_points_from_json(value), _image_size(value.get("image")))
+            points = _points_from_json(value)
+            spreads = _spreads_from_json(value.get("spreads"), points)
+            return Landmarks(points, _image_size(value.get("image")), spreads, _visibility(value.get("visibility")))
     else:
         lines = decode_text(data, path, _KIND).removeprefix("\ufeff").splitlines() or [""]
         with naming(path):
@@ -49,7 +52,7 @@ def read_landmarks(path: str | Path, pts_origin: int = 1) -> Landmarks:
 def write_landmarks(path: str | Path, landmarks: Landmarks) -> None:
     """Write landmarks in the format of the path's extension: .json, .pts (from 1), .txt or .npy.
 
-    The image size is kept in JSON only.
+    Image size, spreads and visibility are kept in JSON only.
     Raises OutputError when the extension is another or the file cannot be written.
     """
     suffix = Path(path).suffix.lower()
@@ -60,6 +63,11 @@ def write_landmarks(path: str | Path, landmarks: Landmarks) -> None:
             width, height = landmarks.image_size
             value["image"] = {"width": int(width), "height": int(height)}
         value["points"] = [None if np.isnan(point).any() else point.tolist() for point in points]
+        if landmarks.spreads is not None:
+            rows = landmarks.spreads[:, [0, 0, 1], [0, 1, 1]]
+            value["spreads"] = [None if np.isnan(row).any() else row.tolist() for row in rows]
+        if landmarks.visibility is not None:
+            value["visibility"] = landmarks.visibility.tolist()
         write_json(path, value)
     elif suffix == ".npy":
         # Not into the file itself: there NumPy writes past Python and overlooks a full disk.
@@ -90,9 +98,9 @@ def _points_from_json(value: Any) -> np.ndarray:
         raise InputError(f"expected landmarks as an object of the schema {SCHEMA!r}, found a list")
     if value.get("schema") != SCHEMA:
         raise InputError(f"expected the schema {SCHEMA!r}, found {_given(value.get('schema'))}")
-    unknown = set(value) - {"schema", "scheme", "image", "points"}
+    unknown = set(value) - set(_KEYS)
     if unknown:
-        raise InputError(f"expected schema, scheme, image and points, found {shown(min(unknown), 60)!r}")
+        raise InputError(f"expected {', '.join(_KEYS[:-1])} and {_KEYS[-1]}, found {shown(min(unknown), 60)!r}")
     entries = value.get("points")
     if not isinstance(entries, list):
         raise InputError(f"expected points to be a list, found {_given(entries)}")
@@ -107,6 +115,29 @@ def _points_from_json(value: Any) -> np.ndarray:
             raise InputError(f"point {k}: expected [x, y] or null, found {_given(entry)}")
         points[k] = entry
     return points
+
+
+def _spreads_from_json(entries: Any, points: np.ndarray) -> np.ndarray | None:
+    """Covariances (L, 2, 2) of rows [xx, xy, yy], NaN where a point is not known; None where there are none."""
+    if entries is None:
+        return None
+    if not isinstance(entries, list) or len(entries) != len(points):
+        raise InputError(f"expected a list of {len(points)} spreads, found {_given(entries)}")
+    spreads = np.full((len(points), 2, 2), np.nan)
+    for k in np.flatnonzero(np.isfinite(points).all(axis=1)):
+        entry = entries[k]
+        if not (isinstance(entry, list) and len(entry) == 3 and all(_is_number(x) for x in entry)):
+            raise InputError(f"spread {k}: expected [xx, xy, yy], found {_given(entry)}")
+        spreads[k] = [[entry[0], entry[1]], [entry[1], entry[2]]]
+    return spreads
+
+
+def _visibility(entries: Any) -> np.ndarray | None:
+    if entries is None:
+        return None
+    if not isinstance(entries, list) or not all(_is_number(x) for x in entries):
+        raise InputError(f"expected visibility to be a list of numbers, found {_given(entries)}")
+    return np.array(entries, np.float64)
 
 
 def _given(value: Any) -> str:

@@ -2,12 +2,16 @@
 
 import io
 import warnings
+from enum import IntEnum
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from caricli.errors import InputError, shown
 from caricli.io.files import read_bytes
+from caricli.io.image import EFFORT
+from caricli.io.outputs import writing
 from caricli.io.strict_json import read_json
 from caricli.limits import MAX_IMAGE_BYTES, MAX_IMAGE_PIXELS
 
@@ -44,8 +48,25 @@ def read_parsing(path: str | Path) -> tuple[np.ndarray, dict[str, int]]:
         raise
     except Exception as error:  # Pillow's decoders raise whatever they meet
         raise InputError(f"{shown(path)}: expected a PNG of label numbers, found none: {shown(error, 120)}") from error
-    legend = Path(path).with_suffix(".json")
-    return labels, _read_legend(legend) if legend.is_file() else dict(CELEBAMASK_HQ)
+    beside = Path(path).with_suffix(".json")
+    return labels, _read_legend(beside) if beside.is_file() else dict(CELEBAMASK_HQ)
+
+
+def write_parsing(path: str | Path, labels: np.ndarray) -> None:
+    """Write a label map.
+
+    labels: (H, W) uint8.
+    Raises OutputError when the file cannot be written.
+    """
+    from PIL import Image
+
+    with writing(path), open(path, "wb") as stream:
+        Image.fromarray(labels).save(stream, "PNG", compress_level=EFFORT)
+
+
+def legend(labels: type[IntEnum], **more: Any) -> dict[str, Any]:
+    """The JSON that goes beside a label map: the names of its labels, and more entries."""
+    return {"schema": SCHEMA, "labels": {label.name.lower(): label.value for label in labels}} | more
 
 
 def _read_legend(path: str | Path) -> dict[str, int]:

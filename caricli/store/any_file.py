@@ -25,6 +25,8 @@ from caricli.io.stl import read_stl
 from caricli.io.strict_json import read_json
 from caricli.methods.inspect.inspection import Acquaintances, Animated
 from caricli.models.checkpoint import model_from_checkpoint
+from caricli.models.detector.model import SCHEMA as DETECTOR_SCHEMA
+from caricli.models.detector.model import detector_from_checkpoint
 from caricli.models.kinds import KINDS
 from caricli.models.landmark_map.model import SCHEMA as LANDMARK_MAP_SCHEMA
 from caricli.models.landmark_map.model import map_from_checkpoint
@@ -45,11 +47,15 @@ _JSON: dict[str, Callable[[Path], Any]] = {
     track.SCHEMA: track.read_weights,
     DATASET_SCHEMA: lambda path: read_dataset(path.parent),
 }
+_WEIGHTS: dict[Any, Callable[..., Any]] = {
+    LANDMARK_MAP_SCHEMA: map_from_checkpoint,
+    DETECTOR_SCHEMA: detector_from_checkpoint,
+}
 
 
 def load_any(path: Path) -> Any:
     """What a file or folder holds, told by its content: one of the structures, a Dataset, a ShapeModel, a LandmarkMap,
-    the dict of a report or of expressions, or the array of a picture.
+    a Detector, the dict of a report or of expressions, or the array of a picture.
 
     Raises InputError when it is none of them, or damaged.
     """
@@ -142,8 +148,8 @@ def _read_gltf(path: Path) -> Any:
 
 def _read_weights_of_model(path: Path) -> Any:
     tensors, metadata = read_checkpoint(path)
-    of_map = metadata.get("schema") == LANDMARK_MAP_SCHEMA
-    return (map_from_checkpoint if of_map else model_from_checkpoint)(tensors, metadata, shown(path))
+    rebuild = _WEIGHTS.get(metadata.get("schema"), model_from_checkpoint)
+    return rebuild(tensors, metadata, shown(path))
 
 
 def _read_json(path: Path) -> Any:

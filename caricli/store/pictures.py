@@ -1,5 +1,6 @@
 """Pictures that landmarks and faces belong to, by path."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +13,7 @@ from caricli.structures import Landmarks
 
 PICTURES = (".png", ".jpg", ".jpeg", ".webp", ".bmp", ".tif", ".tiff", ".gif")
 
-_EYE_LABELS = ("eye_left", "eye_right")
+_EYE_LABELS = ("eye_left", "eye_right", "eyes")
 """Labels of a parsed picture that show an eye."""
 
 _WHITE = 127
@@ -52,7 +53,7 @@ def load_marked_picture(
         other = "{} x {}".format(*marks.image_size)
         raise InputError(f"{path}: expected landmarks of the {size[0]} x {size[1]} picture {image}, found {other}")
     with naming(path):
-        return Landmarks(marks.points, size), picture
+        return replace(marks, image_size=size), picture
 
 
 def load_eyes(path: Path | None, size: tuple[int, int] | None) -> np.ndarray | None:

@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 from caricli.data.dataset import Dataset
 from caricli.errors import InputError, OutputError, naming
@@ -50,8 +50,33 @@ class Beginning:
     writes: bool = True
 
 
-class TrainingRun:
-    """One training in its folder, from the beginning or from where it was left."""
+class Training(Protocol):
+    """A training that can stop after any epoch and go on from its state as if it had not."""
+
+    @property
+    def config(self) -> Any:
+        """Settings, ``checkpoint_seconds`` among them."""
+
+    @property
+    def ended(self) -> bool:
+        """Whether nothing is left to do."""
+
+    def state(self) -> dict:
+        """Everything that the rest of the training depends on, for torch.save."""
+
+    def load_state(self, state: dict) -> None:
+        """Go on from a state that ``state()`` gave. Raises InputError when it is of another training."""
+
+    def epochs(self) -> Iterator[EpochRecord]:
+        """Train, and yield what came of it after every epoch."""
+
+
+class RunFolder:
+    """The folder of one training of any kind, from the beginning or from where it was left."""
+
+    curve = "shape error"
+    axis = "mean distance in % of the head's height"
+    """What the learning curve is called, and its errors are."""
 
     def __init__(self, folder: Path, recipe: dict, beginning: Beginning) -> None:
         """Read the state to go on from, or make room for a new one.
@@ -79,10 +104,11 @@ class TrainingRun:
         elif self.writes:
             self._prepare(beginning.overwrite or beginning.resume)
 
-    def follow(self, training: AutoDecoderTraining, template: Template) -> Iterator[dict]:
+    def record(self, training: Training, unit: float, checkpoint: Callable[[], tuple[dict, dict]]) -> Iterator[dict]:
         """Train to the end; log, checkpoint and keep the best model on the way.
 
-        template: of the model. Yields the log's line of every epoch: errors in percent of the template's height.
+        unit: length that the training's errors are given in percent of. checkpoint: tensors and metadata of the model
+        that it has come to. Yields the log's line of every epoch.
         """
         if self.state is not None:
             with naming(self.folder / STATE):
@@ -92,33 +118,28 @@ class TrainingRun:
                 self._write_curves()
         last = time.monotonic()
         for record in training.epochs():
-            self.log.append(self._line(record, template.height))
+            self.log.append(self._line(record, unit))
             if self.writes and record.best:
-                self._write_model(training, template)
+                self.write_model(checkpoint())
             if self.writes and (training.ended or time.monotonic() - last >= training.config.checkpoint_seconds):
                 self._write_state(training)
                 last = time.monotonic()
             yield self.log[-1]
 
-    def finish(
-        self, data: Dataset, progress: Callable[[int, int], object] = lambda done, total: None
-    ) -> dict[str, ShapeError]:
-        """Measure the best model on meshes that it was not trained on, and write the report.
-
-        progress: called with the meshes that are measured, and of how many.
-        """
-        model = load_model(self.folder / MODEL)
-        errors = evaluate_splits(model, data, ("validation", "test"), MEASURED, progress)
-        figures = {
-            "model_id": model.model_id,
+    def report(self, figures: dict) -> None:
+        """Write the recipe with figures of the finished model, how long it took, and the end of the log."""
+        about = {
             "epochs": self.log[-1]["epoch"],
             "seconds": self._elapsed(),
-            "shape_error": {split: asdict(error) for split, error in errors.items()},
             "log": [line for line in self.log if line["validation"] is not None][-LOGGED:],
         }
         with staged(self.folder / REPORT, overwrite=True) as (temporary,):
-            write_json(temporary, self.recipe | figures)
-        return errors
+            write_json(temporary, self.recipe | figures | about)
+
+    def write_model(self, checkpoint: tuple[dict, dict]) -> None:
+        """Write a model: tensors and metadata."""
+        with staged(self.folder / MODEL, overwrite=True) as (temporary,):
+            write_checkpoint(temporary, *checkpoint)
 
     def _check_folder(self) -> None:
         if self.folder.exists() and not self.folder.is_dir():
@@ -132,22 +153,18 @@ class TrainingRun:
         for path in old:
             path.unlink()
 
-    def _line(self, record: EpochRecord, height: float) -> dict:
+    def _line(self, record: EpochRecord, unit: float) -> dict:
         return {
             "epoch": record.epoch,
             "loss": record.loss,
-            "train": 100 * record.train_error / height,
-            "validation": None if record.validation_error is None else 100 * record.validation_error / height,
+            "train": 100 * record.train_error / unit,
+            "validation": None if record.validation_error is None else 100 * record.validation_error / unit,
         }
 
     def _elapsed(self) -> float:
         return round(self.seconds + time.monotonic() - self.started, 1)
 
-    def _write_model(self, training: AutoDecoderTraining, template: Template) -> None:
-        with staged(self.folder / MODEL, overwrite=True) as (temporary,):
-            write_checkpoint(temporary, *model_to_checkpoint(trained_model(training, template), self.recipe))
-
-    def _write_state(self, training: AutoDecoderTraining) -> None:
+    def _write_state(self, training: Training) -> None:
         state = training.state() | {"log": self.log, "seconds": self._elapsed()}
         write_state(self.folder / STATE, state, self.recipe)
         self._write_log()
@@ -162,7 +179,35 @@ class TrainingRun:
         lines = {name: [line for line in self.log if line[name] is not None] for name in ("train", "validation")}
         curves = {name: ([r["epoch"] for r in rows], [r[name] for r in rows]) for name, rows in lines.items()}
         with staged(self.folder / CURVES, overwrite=True) as (temporary,):
-            write_png(temporary, plot_curves({"shape error": curves}))
+            write_png(temporary, plot_curves({self.curve: curves}, y_label=self.axis))
+
+
+class TrainingRun(RunFolder):
+    """The training of a shape model in its folder."""
+
+    def follow(self, training: AutoDecoderTraining, template: Template) -> Iterator[dict]:
+        """Train to the end; log, checkpoint and keep the best model on the way.
+
+        template: of the model. Yields the log's line of every epoch: errors in percent of the template's height.
+        """
+        return self.record(
+            training,
+            template.height,
+            lambda: model_to_checkpoint(trained_model(training, template), self.recipe),
+        )
+
+    def finish(
+        self, data: Dataset, progress: Callable[[int, int], object] = lambda done, total: None
+    ) -> dict[str, ShapeError]:
+        """Measure the best model on meshes that it was not trained on, and write the report.
+
+        progress: called with the meshes that are measured, and of how many.
+        """
+        model = load_model(self.folder / MODEL)
+        errors = evaluate_splits(model, data, ("validation", "test"), MEASURED, progress)
+        shape_error = {split: asdict(error) for split, error in errors.items()}
+        self.report({"model_id": model.model_id, "shape_error": shape_error})
+        return errors
 
 
 def _check_same(trained: dict, asked: dict) -> None:

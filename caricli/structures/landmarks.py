@@ -77,6 +77,13 @@ POINT_NAMES = {
 } | {name: number for number, name in enumerate(EXTRA_NAMES, COUNT)}  # fmt: skip
 """Numbers of points by their names."""
 
+MIRRORED = (
+    *range(16, -1, -1), *range(26, 16, -1), 27, 28, 29, 30, 35, 34, 33, 32, 31, 45, 44, 43, 42, 47, 46, 39, 38, 37, 36,
+    41, 40, 54, 53, 52, 51, 50, 49, 48, 59, 58, 57, 56, 55, 64, 63, 62, 61, 60, 67, 66, 65, 70, 69, 68, 74, 75, 76, 71,
+    72, 73, 78, 77, 80, 79,
+)  # fmt: skip
+"""Of each of the 81 points, the one in whose place it stands in a mirrored picture."""
+
 FEWEST = 8
 """Points that must be known."""
 
@@ -89,13 +96,18 @@ class Landmarks:
     """Landmarks of one picture.
 
     points: (68, 2) or (81, 2) float64, pixels, origin at the top left, y down; a NaN row where a point is not known.
-    image_size: (width, height) in pixels, or None where it is not known.
+    image_size: (width, height) in pixels, or None where it is not known. spreads: (L, 2, 2) covariances of their
+    errors, square pixels, or None where nothing is known of them; NaN where a point is not known. visibility: (L,) from
+    0 to 1, how sure it is that nothing hides a point, or None.
     Raises InputError for another number of points, a coordinate that is not finite, fewer than FEWEST known points, all
-    of them in one place, or, where the size is known, points that do not belong to such a picture.
+    of them in one place, spreads that are no covariances, or, where the size is known, points that do not belong to
+    such a picture.
     """
 
     points: np.ndarray
     image_size: tuple[int, int] | None = None
+    spreads: np.ndarray | None = None
+    visibility: np.ndarray | None = None
 
     def __post_init__(self) -> None:
         """Check that they can be the landmarks of a face."""
@@ -114,6 +126,12 @@ class Landmarks:
             refuse("expected the points of a face, found all of them in one place")
         if self.image_size is not None:
             self.check_inside(self.image_size)
+        if self.spreads is not None:
+            _check_spreads(self.spreads, self.known)
+        if self.visibility is not None:
+            given = np.asarray(self.visibility)
+            if given.shape != (len(points),) or not ((given >= 0) & (given <= 1)).all():
+                refuse(f"expected a visibility from 0 to 1 of every point, found {given.shape}")
 
     @property
     def known(self) -> np.ndarray:
@@ -144,3 +162,14 @@ class Landmarks:
             k = int(np.argmax(outside))
             expected = f"a place in or near the {size[0]} x {size[1]} image"
             raise InputError(f"point {k}: expected {expected}, found {self.points[k].tolist()}")
+
+
+def _check_spreads(spreads: np.ndarray, known: np.ndarray) -> None:
+    """Refuse what are no covariances (L, 2, 2) of the known points."""
+    if spreads.shape != (len(known), 2, 2):
+        refuse(f"expected a spread of every point, found {spreads.shape}")
+    own = spreads[known]
+    sound = (own[:, 0, 0] > 0) & (np.linalg.det(own) > 0) & (own[:, 0, 1] == own[:, 1, 0])
+    if not sound.all():
+        k = int(np.flatnonzero(known)[np.argmin(sound)])
+        refuse(f"point {k}: expected a covariance, found {spreads[k].tolist()}")

@@ -46,6 +46,9 @@ from caricli.models.checkpoint import model_to_checkpoint
 from caricli.models.deformable.config import DeformableConfig, NetworkSize
 from caricli.models.deformable.model import DeformableModel
 from caricli.models.deformable.networks import HyperSiren
+from caricli.models.detector.config import DetectorSize
+from caricli.models.detector.model import Detector, detector_to_checkpoint
+from caricli.models.detector.networks import DetectorNetwork
 from caricli.models.intrinsic.model import IntrinsicModel
 from caricli.models.kernel.gaussian_process import GaussianProcess
 from caricli.models.kernel.model import KernelModel
@@ -56,6 +59,7 @@ from caricli.models.pca.model import PcaModel
 from caricli.models.prior import Prior
 from caricli.models.shape_model import ShapeModel
 from caricli.store.any_file import load_any
+from caricli.store.detector import load_detector
 from caricli.store.faces import load_latent_face
 from caricli.store.handles import load_handles
 from caricli.store.landmark_maps import load_landmark_map
@@ -75,6 +79,7 @@ from caricli.structures import (
     Track,
 )
 from caricli.structures.arkit import ARKIT_NAMES
+from caricli.structures.parsing import Region
 from caricli.template.annotation import parse_annotation
 from caricli.template.own_parts import read_own_parts
 from caricli.template.template import FittedParts, Template
@@ -116,7 +121,12 @@ def _grid(rows: int, columns: int) -> Mesh:
 
 MESH = _grid(4, 3)
 HEAD = _grid(12, 10)
-MARKS = Landmarks(np.stack([20 * np.arange(68.0) % 97, np.arange(68.0)], axis=1), (100, 100))
+MARKS = Landmarks(
+    np.stack([20 * np.arange(68.0) % 97, np.arange(68.0)], axis=1),
+    (100, 100),
+    np.tile(np.eye(2), (68, 1, 1)),
+    np.ones(68),
+)
 PICTURE = _RANDOM.integers(0, 256, (8, 8, 3), np.uint8)
 CAMERA = Camera(300.0, np.diag([1.0, -1.0, -1.0]), np.array([40.0, 60.0]))
 PARTS = {"teeth_lower": {"file": "teeth.obj", "hangs_on": "jaw"}}
@@ -249,6 +259,11 @@ def _json(value: Any) -> Callable[[Path], object]:
 
 def _picture(kind: str, mode: str = "RGB", **options: Any) -> Callable[[Path], object]:
     return lambda path: Image.fromarray(PICTURE).convert(mode).save(path, kind, **options)
+
+
+def _write_detector(path: Path) -> None:
+    network = DetectorNetwork(DetectorSize(4, 8, 1), 81, len(Region), torch.Generator().manual_seed(0))
+    write_checkpoint(path, *detector_to_checkpoint(Detector(network, 64)))
 
 
 def _picture_of_eyes(path: Path) -> None:
@@ -447,6 +462,7 @@ def _all() -> list[Reader]:
         Reader("arrays.npz", read_npz, (lambda path: write_npz(path, _ARRAYS),), mutate_members),
         Reader("directions.npz", read_directions, (lambda path: write_directions(path, _directions()),), mutate_arrays),
         Reader("model.safetensors", _use_model, _model_seeds(), mutate_tensors),
+        Reader("detector.safetensors", load_detector, (_write_detector,), mutate_tensors),
         Reader("map.safetensors", _map_marks, (_write_map,), mutate_tensors),
         Reader("any.safetensors", read_checkpoint, (_write_map,)),
         Reader("state.pt", read_state, (_state,), mutate_members),

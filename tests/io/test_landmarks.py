@@ -202,3 +202,37 @@ def test_writing_refuses(tmp_path):
     with pytest.raises(OutputError, match=r"expected \.json, \.pts, \.txt or \.npy for landmarks, found '\.xml'"):
         write_landmarks(tmp_path / "a.xml", Landmarks(circle()))
     assert list(tmp_path.iterdir()) == []
+
+
+def test_spreads_and_visibility_come_back(tmp_path):
+    generator = np.random.default_rng(0)
+    roots = generator.normal(size=(81, 2, 2))
+    spreads = roots @ roots.swapaxes(1, 2) + np.eye(2)
+    points = generator.uniform(0, 100, (81, 2))
+    points[7] = np.nan
+    spreads[7] = np.nan
+    marks = Landmarks(points, (100, 100), (spreads + spreads.swapaxes(1, 2)) / 2, generator.uniform(size=81))
+    write_landmarks(tmp_path / "marks.json", marks)
+    again = read_landmarks(tmp_path / "marks.json")
+    np.testing.assert_array_equal(again.spreads, marks.spreads)
+    np.testing.assert_array_equal(again.visibility, marks.visibility)
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "message"),
+    [
+        ("spreads", [[1, 0, 1]] * 3, "expected a list of 68 spreads"),
+        ("spreads", [[1, 2, 1]] * 68, "point 0: expected a covariance"),
+        ("spreads", [None] * 68, "spread 0: expected"),
+        ("spreads", [[1, 0, "1"]] * 68, "spread 0: expected"),
+        ("visibility", [0.5] * 67, "expected a visibility from 0 to 1 of every point"),
+        ("visibility", [2] * 68, "expected a visibility from 0 to 1 of every point"),
+        ("visibility", "all", "expected visibility to be a list of numbers"),
+    ],
+)
+def test_what_are_no_spreads_or_visibilities_is_refused(tmp_path, key, value, message):
+    points = np.random.default_rng(0).uniform(0, 100, (68, 2)).tolist()
+    text = json.dumps({"schema": "caricli.landmarks/1", "scheme": "ibug68", "points": points, key: value})
+    (tmp_path / "marks.json").write_text(text)
+    with pytest.raises(InputError, match=message):
+        read_landmarks(tmp_path / "marks.json")

@@ -38,3 +38,11 @@ def shape_errors(errors: dict) -> str:
     """Text of ShapeErrors by split."""
     figures = ", ".join(f"{split} {error.percent:.3f} %" for split, error in errors.items())
     return f"shape error {figures} of the head's height"
+
+
+def detector_figures(figures: dict) -> str:
+    """Text of the figures of a DetectorTally."""
+    text = f"{100 * figures['recall']:.1f} % of {figures['faces']} faces found, {figures['false']} false ones"
+    if figures["nme"]:
+        text += f", landmarks within {figures['nme']['all']:.2f} % of their diagonal"
+    return text

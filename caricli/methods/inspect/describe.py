@@ -13,6 +13,7 @@ from caricli.geometry.deformation_gradients import DeformationGradients
 from caricli.geometry.flipped_triangles import flipped_triangles
 from caricli.methods.inspect.inspection import Acquaintances, Animated, Inspection, MeshWords
 from caricli.methods.rig.check_rig import RigCheck, check_rig
+from caricli.models.detector.model import Detector
 from caricli.models.landmark_map.model import LandmarkMap
 from caricli.structures import Cues, Directions, Face, Landmarks, Material, Mesh, Rig, Track
 from caricli.structures.arkit import ARKIT_NAMES
@@ -190,6 +191,13 @@ def _(value: LandmarkMap, around: Acquaintances) -> Inspection:
     sizes = {name: len(domain.basis) for name, domain in value.domains.items()}
     summary = ", ".join(f"{count} components of {name} faces" for name, count in sizes.items())
     return Inspection("landmark map", summary, (), {"components": sizes})
+
+
+@describe.register
+def _(value: Detector, around: Acquaintances) -> Inspection:
+    weights = sum(parameter.numel() for parameter in value.network.parameters())
+    summary = f"{weights / 1e6:.1f} million weights, for faces in windows of {value.size} pixels"
+    return Inspection("detector", summary, (), {"weights": weights, "size": value.size, "model_id": value.model_id})
 
 
 @describe.register

@@ -1,0 +1,53 @@
+"""caricli train detector: faces, landmarks and regions of pictures."""
+
+from dataclasses import asdict
+
+import click
+
+from caricli.commands.shared.notes import echo_result
+from caricli.commands.shared.options import PATH, config_option, out_option, overwrite_option, set_option
+from caricli.io.config import read_config
+from caricli.io.provenance import provenance
+
+
+@click.command()
+@click.option(
+    "--pictures", type=PATH, metavar="DIR", required=True, help="Train on this folder of `caricli dataset pictures`."
+)
+@out_option("RUN_DIR", "Write model, log, learning curve and the state to resume from into this folder.")
+@config_option
+@set_option
+@click.option("--resume", is_flag=True, help="Go on from the last checkpoint in RUN_DIR; begin where there is none.")
+@overwrite_option
+def command(pictures, out, config, overrides, resume, overwrite):
+    """Train the network that finds faces, their landmarks and regions, for `caricli detect`.
+
+    The model of the best validation is in RUN_DIR/model.safetensors, with recipe and errors in model.json. Killed at
+    any moment, the same command with --resume ends in the same model. Under torchrun every process takes its share of
+    each batch, which on two cores is faster than two threads. People of the dataset's validation and test splits are
+    not trained with.
+
+    \b
+    Example:
+      caricli train detector --pictures pictures --out run
+      caricli train detector --pictures pictures --out run --resume
+    """
+    from caricli.commands.shared.progress import progress_bar, training_bar
+    from caricli.commands.shared.tables import detector_figures
+    from caricli.methods.train.processes import training_processes
+    from caricli.models.detector.config import DetectorConfig
+    from caricli.store.detector_run import DetectorRun, load_training
+    from caricli.store.training_run import MODEL, Beginning
+
+    settings = read_config(config, DetectorConfig, overrides)
+    with training_processes("cpu") as share:
+        recipe = provenance("train detector", [pictures / "pictures.json"], config=asdict(settings))
+        run = DetectorRun(out, recipe, Beginning(resume, overwrite, writes=share.process == 0))
+        training = load_training(pictures, settings, share)
+        with training_bar(settings.epochs, quiet=not run.writes) as show:
+            for line in run.follow(training):
+                show(line)
+        if run.writes:
+            with progress_bar("measuring") as progress:
+                figures = run.finish(training, progress)
+            echo_result(f"{out / MODEL}: {detector_figures(figures)}")

@@ -1,0 +1,1 @@
+"""Faces, landmarks and regions of pictures."""

@@ -1,0 +1,63 @@
+"""Faces of a picture, with their landmarks, and its regions."""
+
+import numpy as np
+
+from caricli.errors import InputError
+from caricli.methods.detect.find_faces import Candidate, Glance, common_share, find_faces
+from caricli.methods.detect.parse_picture import parse_picture
+from caricli.methods.detect.read_faces import ReadFace, look_at_face
+from caricli.methods.detect.settings import DetectSettings
+from caricli.models.detector.model import Detector
+from caricli.structures.detection import DetectedFace, Detection, FaceFrame
+from caricli.structures.landmarks import Landmarks
+
+
+def detect_faces(picture: np.ndarray, detector: Detector, settings: DetectSettings | None = None) -> Detection:
+    """Find all faces of a picture, read their landmarks, and say what every pixel shows.
+
+    The picture is searched at several scales; each place that may hold a face is looked at twice, in the frame that the
+    search gave and in that of the landmarks that were seen there, with its mirror image. A face is what both looks and
+    search are sure of.
+    picture: (H, W, 3) uint8.
+    """
+    settings = settings or DetectSettings()
+    candidates, glances = find_faces(picture, detector, settings)
+    size = (picture.shape[1], picture.shape[0])
+    pairs: list[tuple[DetectedFace, ReadFace]] = []
+    for candidate in candidates:
+        read = look_at_face(picture, candidate.frame, detector, settings)
+        face = _face(candidate, read, size, settings)
+        if face is not None and all(common_share(face.frame, own.frame) <= settings.overlap for own, _ in pairs):
+            pairs.append((face, read))
+    pairs.sort(key=lambda pair: -pair[0].frame.side)
+    faces = [face for face, _ in pairs]
+    glance = _nearest_glance(glances, faces, settings)
+    regions = parse_picture(picture.shape[:2], glance, [read for _, read in pairs])
+    return Detection(faces, regions)
+
+
+def _face(candidate: Candidate, read: ReadFace, size: tuple[int, int], settings: DetectSettings) -> DetectedFace | None:
+    """The face that was read at a place, or None where there is none, or too little of one in the picture."""
+    score = float(np.sqrt(candidate.score * read.score))
+    if score < settings.sure or not np.isfinite(read.points).all():
+        return None
+    frame = FaceFrame.of(read.points)
+    margin = settings.margin * frame.side
+    beyond = ((read.points < -0.5 - margin) | (read.points > np.array(size) - 0.5 + margin)).any(1)
+    diagonal = np.linalg.norm(np.ptp(read.points, axis=0))
+    vague = np.sqrt(np.linalg.eigvalsh(read.spreads)[:, 1]) > settings.vague * diagonal
+    unknown = beyond | vague
+    points = np.where(unknown[:, None], np.nan, read.points)
+    spreads = np.where(unknown[:, None, None], np.nan, read.spreads)
+    try:
+        landmarks = Landmarks(points, size, spreads, np.clip(read.visible, 0, 1))
+    except InputError:
+        return None
+    return DetectedFace(frame, score, landmarks)
+
+
+def _nearest_glance(glances: list[Glance], faces: list[DetectedFace], settings: DetectSettings) -> Glance:
+    """The picture at the scale at which its largest face is nearest to the size at which regions are read."""
+    if not faces:
+        return glances[0]
+    return min(glances, key=lambda glance: abs(np.log(faces[0].frame.side * glance.scale / settings.parse)))

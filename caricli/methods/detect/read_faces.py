@@ -1,0 +1,71 @@
+"""Landmarks of faces whose place is known roughly."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from caricli.methods.detect.settings import DetectSettings
+from caricli.models.detector.model import Detector
+from caricli.render.cut_window import cut_window
+from caricli.structures.detection import FaceFrame
+from caricli.structures.landmarks import MIRRORED
+
+
+@dataclass(frozen=True, eq=False)
+class ReadFace:
+    """A face as it was read.
+
+    frame: FaceFrame in which it was. score: 0 to 1. points: (81, 2) pixels of the picture. spreads: (81, 2, 2) square
+    pixels. visible: (81,) 0 to 1. matrix: (2, 3) map from the picture's pixels to the window's. regions: (S / 2, S / 2,
+    R) probabilities, the pixel j at 2 j of the window.
+    """
+
+    frame: FaceFrame
+    score: float
+    points: np.ndarray
+    spreads: np.ndarray
+    visible: np.ndarray
+    matrix: np.ndarray
+    regions: np.ndarray
+
+
+def look_at_face(picture: np.ndarray, frame: FaceFrame, detector: Detector, settings: DetectSettings) -> ReadFace:
+    """Look at the face in a frame of a picture (H, W, 3) uint8, and then at the face in the frame of its landmarks.
+
+    The second look is at the window and its mirror image, whose means are taken; where they differ is doubt, too.
+    """
+    first = _read(picture, frame, settings.first, detector)
+    return _read(picture, FaceFrame.of(first.points), settings.second, detector)
+
+
+def _read(picture: np.ndarray, frame: FaceFrame, share: float, detector: Detector) -> ReadFace:
+    size = detector.size
+    matrix = frame.matrix(size, share)
+    window = cut_window(picture, matrix, (size, size))
+    reading = detector.read(np.stack([window, window[:, ::-1]]))
+    turned = reading.points[1, list(MIRRORED)] * [-1, 1] + [size - 1, 0]
+    apart = (reading.points[0] - turned) / 2
+    mirror = np.diag([-1.0, 1.0])
+    spreads = (reading.covariance[0] + mirror @ reading.covariance[1, list(MIRRORED)] @ mirror) / 2
+    spreads += apart[:, :, None] * apart[:, None, :]
+    back = np.linalg.inv(matrix[:, :2])
+    regions = (reading.regions[0] + _mirrored_regions(reading.regions[1])) / 2
+    return ReadFace(
+        frame,
+        float(reading.score.mean()),
+        ((reading.points[0] + turned) / 2 - matrix[:, 2]) @ back.T,
+        _symmetric(back @ spreads @ back.T),
+        (reading.visible[0] + reading.visible[1, list(MIRRORED)]) / 2,
+        matrix,
+        regions,
+    )
+
+
+def _symmetric(matrices: np.ndarray) -> np.ndarray:
+    return (matrices + matrices.swapaxes(-1, -2)) / 2
+
+
+def _mirrored_regions(regions: np.ndarray) -> np.ndarray:
+    """Regions (h, w, R) of a mirrored window as in the window itself: there they are half a pixel to the right."""
+    turned = regions[:, ::-1]
+    return (turned + np.concatenate([turned[:, :1], turned[:, :-1]], axis=1)) / 2

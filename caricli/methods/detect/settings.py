@@ -1,0 +1,33 @@
+"""Settings of the search for faces."""
+
+from dataclasses import dataclass, replace
+
+
+@dataclass(frozen=True)
+class DetectSettings:
+    """How faces are looked for; the numbers follow from what the detector is trained on.
+
+    sides: longer sides of the picture at which it is searched, in those of the windows that the detector was trained
+    on: a face of 1/12 of it has 23 of 128 pixels at the largest, one that fills it 96 at the smallest, and the training
+    is on 16 to 128. start: score from which on a place is looked at more closely. sure: score of a face. most: places
+    that are looked at, the best first. overlap: share of a face that another one has, above which they are one. first,
+    second: share of the window's side to the face's when it is looked at first, in the frame that the search gave, and
+    when it is read, in the frame of its landmarks. parse: side of a face at which the picture's regions are read, in
+    windows' sides. vague: spread of a landmark along its worse direction beyond which it counts as not known, of the
+    face's diagonal; margin: how far beyond the edge of the picture it may be, of the face's side.
+    """
+
+    sides: tuple[float, ...] = (0.75, 1.25, 2.125)
+    start: float = 0.2
+    sure: float = 0.4
+    most: int = 24
+    overlap: float = 0.5
+    first: float = 1.9
+    second: float = 1.6
+    parse: float = 0.375
+    vague: float = 0.12
+    margin: float = 0.01
+
+    def sure_of(self, score: float) -> "DetectSettings":
+        """The same with another score of a face; places are looked at from half of it on."""
+        return replace(self, sure=score, start=min(self.start, score / 2))

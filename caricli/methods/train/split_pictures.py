@@ -1,0 +1,36 @@
+"""Pictures of a split, as trainings take them."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from caricli.data.picture_set import PictureSet
+from caricli.structures.detection import MarkedPicture
+
+SEEN = 0.25
+"""Share of its landmarks that must be visible for a face to be learnt from: of a few nothing can be told."""
+
+
+class SplitPictures:
+    """Pictures of a PictureSet with people of one split alone, or nobody, and their faces of which enough is seen."""
+
+    def __init__(self, pictures: PictureSet, split: str) -> None:
+        """split: its name."""
+        self.pictures = pictures
+        self.numbers: Sequence[int] = pictures.pictures_of(split).tolist()
+        seen = pictures.truth["visible"].mean(1) >= SEEN
+        self.faces: Sequence[tuple[int, int]] = [
+            (number, place) for number in self.numbers for place, row in enumerate(pictures.faces(number)) if seen[row]
+        ]
+
+    def marked(self, number: int) -> MarkedPicture:
+        """A picture with its truth. Raises InputError when a file is missing or damaged."""
+        return marked_picture(self.pictures, number)
+
+
+def marked_picture(pictures: PictureSet, number: int) -> MarkedPicture:
+    """A picture with its truth. Raises InputError when a file is missing or damaged."""
+    rows = pictures.faces(number)
+    points = pictures.truth["landmarks"][rows].astype(np.float64)
+    visible = pictures.truth["visible"][rows].astype(bool)
+    return MarkedPicture(pictures.picture(number), pictures.regions(number), points, visible)

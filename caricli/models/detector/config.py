@@ -1,0 +1,90 @@
+"""Settings of the detector and of its training."""
+
+from dataclasses import dataclass
+
+from caricli.models.config import MAX_SEED, check_ranges
+
+_RANGES = {
+    "stem": (4, 512), "width": (8, 512), "depth": (1, 16), "size": (64, 512), "epochs": (1, 10**6), "steps": (1, 10**6),
+    "batch": (2, 4096), "crops": (0.1, 0.9), "learning_rate": (1e-9, 1), "weight_decay": (0, 10), "decay": (0, 0.99999),
+    "heat_weight": (0, 1e6), "place_weight": (0, 1e6), "doubt_weight": (0, 1e6), "visible_weight": (0, 1e6),
+    "parsing_weight": (0, 1e6), "face_weight": (0, 1e6), "validation": (1, 10**5), "validate_every": (1, 10**6),
+    "checkpoint_seconds": (0, 10**5), "seed": (0, MAX_SEED),
+}  # fmt: skip
+_PRECISIONS = ("float32", "bfloat16")
+_STEP = 32
+"""Pixels that the network reduces to one: a window has a multiple of them."""
+
+
+@dataclass(frozen=True)
+class DetectorSize:
+    """Size of the network.
+
+    stem: channels at half of the window's size. width: channels at a quarter; below it there are 3/2, 2 and 5/2 as
+    many. depth: residual blocks at the two lowest levels.
+    Raises ValueError for impossible sizes.
+    """
+
+    stem: int = 16
+    width: int = 64
+    depth: int = 2
+
+    def __post_init__(self) -> None:
+        """Refuse impossible sizes."""
+        check_ranges(self, {name: _RANGES[name] for name in ("stem", "width", "depth")})
+
+    @property
+    def widths(self) -> tuple[int, int, int, int]:
+        """Channels at 1/4, 1/8, 1/16 and 1/32 of the window's size."""
+        return self.width, self.width * 3 // 2, self.width * 2, self.width * 5 // 2
+
+
+@dataclass(frozen=True)
+class DetectorConfig:
+    """Settings of a detector's training.
+
+    With the defaults the network has 5.3 MB in half precision.
+
+    stem, width, depth: see DetectorSize. size: of the windows that it is trained on, pixels; a multiple of 32. epochs;
+    steps: in an epoch; batch: windows a step, of which ``crops`` hold one face as it is cut out for its landmarks, the
+    others any part of a picture at any scale. learning_rate, weight_decay: of AdamW, with a cosine schedule. decay: of
+    the weights' moving average, a step. heat_weight, place_weight, doubt_weight, visible_weight, parsing_weight,
+    face_weight: of the losses. precision: of the convolutions. validation: faces measured at a validation.
+    validate_every: epochs. checkpoint_seconds: between two checkpoints.
+    Raises ValueError for impossible sizes.
+    """
+
+    stem: int = 16
+    width: int = 64
+    depth: int = 2
+    size: int = 128
+    epochs: int = 500
+    steps: int = 50
+    batch: int = 32
+    crops: float = 0.65
+    learning_rate: float = 2e-3
+    weight_decay: float = 1e-3
+    decay: float = 0.998
+    heat_weight: float = 1.0
+    place_weight: float = 0.5
+    doubt_weight: float = 0.1
+    visible_weight: float = 0.3
+    parsing_weight: float = 1.0
+    face_weight: float = 1.0
+    precision: str = "bfloat16"
+    validation: int = 200
+    validate_every: int = 10
+    checkpoint_seconds: int = 60
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        """Refuse impossible sizes."""
+        check_ranges(self, _RANGES)
+        if self.size % _STEP:
+            raise ValueError(f"size must be a multiple of {_STEP}, found {self.size}")
+        if self.precision not in _PRECISIONS:
+            raise ValueError(f"precision must be {' or '.join(_PRECISIONS)}, found {self.precision!r}")
+
+    def network(self) -> DetectorSize:
+        """The DetectorSize."""
+        return DetectorSize(self.stem, self.width, self.depth)

@@ -1,0 +1,198 @@
+"""The detector as it is used: weights, the size of its windows, and how far its doubts are to be trusted."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, fields
+from typing import Any
+
+import numpy as np
+import torch
+
+from caricli.errors import InputError, naming, shown
+from caricli.models.checkpoint import model_id
+from caricli.models.detector.config import DetectorSize
+from caricli.models.detector.networks import COARSE, FINE, HALF, REACH, DetectorNetwork, FaceGrid
+from caricli.structures.checks import number_problem, refuse
+from caricli.structures.landmarks import SCHEMES
+from caricli.structures.parsing import Region
+
+SCHEMA = "caricli.detector/1"
+KIND = "detector"
+LANDMARKS = max(SCHEMES)
+"""Landmarks that are found."""
+
+TRUST = (0.01, 100.0)
+"""Of what doubts are multiplied by, the least and the most."""
+
+_SIDES = (64, 512)
+
+
+@dataclass(frozen=True, eq=False)
+class FaceCells:
+    """What a window shows of faces: at each of n cells.
+
+    score: (n,) 0 to 1. centre: (n, 2) pixels. side: (n,) pixels. roll: (n,) radians, clockwise. cell: (n, 2) row and
+    column.
+    """
+
+    score: np.ndarray
+    centre: np.ndarray
+    side: np.ndarray
+    roll: np.ndarray
+    cell: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class Reading:
+    """What windows show of one face each, in their pixels.
+
+    points: (B, 81, 2). covariance: (B, 81, 2, 2) square pixels. visible: (B, 81) 0 to 1. score: (B,) 0 to 1, of the
+    face in the middle. regions: (B, S / 2, S / 2, R) probabilities; the pixel j is at 2 j of the window.
+    """
+
+    points: np.ndarray
+    covariance: np.ndarray
+    visible: np.ndarray
+    score: np.ndarray
+    regions: np.ndarray
+
+
+class Detector:
+    """Finds faces in windows of pictures, and reads their landmarks and regions."""
+
+    def __init__(self, network: DetectorNetwork, size: int, trust: float = 1.0, recipe: Any = None) -> None:
+        """network: weights. size: of the windows it was trained on, pixels. trust: what its doubts are multiplied by.
+
+        recipe: JSON value, how it was trained, or None.
+        """
+        self.network = network.eval()
+        self.size = size
+        self.trust = trust
+        self.recipe = recipe
+        for parameter in network.parameters():
+            parameter.requires_grad_(False)
+
+    @property
+    def model_id(self) -> str:
+        """SHA-256 of its weights."""
+        return model_id(KIND, self.tensors())
+
+    @torch.inference_mode()
+    def search(self, window: np.ndarray) -> tuple[FaceCells, np.ndarray]:
+        """Look for faces in a window (H, W, 3) uint8 of any size, sides multiples of 32 pixels.
+
+        Returns what is at every cell, and probabilities of regions (H / 2, W / 2, R).
+        """
+        features, levels = self.network.coarse(_tensor(window[None]))
+        grid = self.network.faces(features)
+        regions = self.network.parse(self.network.fine(features, levels), levels)
+        return face_cells(grid), _probabilities(regions)[0]
+
+    @torch.inference_mode()
+    def read(self, windows: np.ndarray) -> Reading:
+        """Read windows (B, S, S, 3) uint8, S = ``size``, each with one upright face in its middle."""
+        features, levels = self.network.coarse(_tensor(windows))
+        grid = self.network.faces(features)
+        fine = self.network.fine(features, levels)
+        maps = self.network.read(fine)
+        middle = slice(self.size // COARSE // 2 - 1, self.size // COARSE // 2 + 1)
+        score = torch.sigmoid(grid.score[:, middle, middle]).amax((1, 2))
+        return Reading(
+            (maps.mean.double().numpy() + 0.5) * FINE - 0.5,
+            maps.covariance.double().numpy() * (FINE * self.trust) ** 2,
+            torch.sigmoid(maps.visible).double().numpy(),
+            score.double().numpy(),
+            _probabilities(self.network.parse(fine, levels)),
+        )
+
+    def tensors(self) -> dict[str, np.ndarray]:
+        """Arrays by name: weights in half precision, statistics of normalisation in single."""
+        arrays = {name: value.numpy() for name, value in _weights(self.network).items()}
+        return {name: value.astype(np.float16 if value.ndim > 1 else np.float32) for name, value in arrays.items()}
+
+
+def face_cells(grid: FaceGrid) -> FaceCells:
+    """What the grid of the first window says, in the window's pixels."""
+    score = torch.sigmoid(grid.score[0]).numpy()
+    cell = np.indices(score.shape).reshape(2, -1).T
+    shift = grid.shift[0].numpy().transpose(1, 2, 0).reshape(-1, 2)
+    cosine, sine = grid.turn[0].numpy().reshape(2, -1)
+    centre = (cell[:, ::-1] + shift + 0.5) * COARSE - 0.5
+    side = REACH * np.exp2(np.clip(grid.size[0].numpy().ravel(), -6, 6))
+    return FaceCells(score.ravel(), centre, side, np.arctan2(sine, cosine), cell)
+
+
+def detector_to_checkpoint(detector: Detector) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
+    """A detector as (tensors, metadata), from which ``detector_from_checkpoint`` rebuilds it."""
+    about = {"schema": SCHEMA, "network": asdict(detector.network.size), "size": detector.size}
+    about |= {"trust": detector.trust, "regions": [region.name.lower() for region in Region]}
+    about["recipe"] = detector.recipe
+    return detector.tensors(), about
+
+
+def detector_from_checkpoint(tensors: Mapping[str, np.ndarray], metadata: Mapping[str, Any], where: object) -> Detector:
+    """Rebuild a Detector.
+
+    tensors, metadata: of ``detector_to_checkpoint``, read from a file. where: its name, for messages.
+    Raises InputError when something is missing or does not fit.
+    """
+    with naming(where):
+        if metadata.get("schema") != SCHEMA:
+            raise InputError(f"expected a detector of schema {SCHEMA!r}, found {shown(metadata.get('schema'), 60)!r}")
+        if metadata.get("regions") != [region.name.lower() for region in Region]:
+            raise InputError("expected a detector of the regions that caricli knows, found another")
+        size = _whole(metadata.get("size"), _SIDES, "size")
+        trust = metadata.get("trust")
+        if not isinstance(trust, float) or not TRUST[0] <= trust <= TRUST[1]:
+            raise InputError(f"expected a trust from {TRUST[0]:g} to {TRUST[1]:g}, found {shown(trust, 60)!r}")
+        network = _network(metadata.get("network"))
+        _load(network, tensors)
+        return Detector(network, size, trust, metadata.get("recipe"))
+
+
+def _network(about: Any) -> DetectorNetwork:
+    names = [field.name for field in fields(DetectorSize)]
+    if not isinstance(about, dict) or sorted(about) != sorted(names):
+        raise InputError(f"expected a network of {', '.join(names)}, found {shown(about, 60)!r}")
+    try:
+        size = DetectorSize(**{name: _whole(about[name], (1, 512), name) for name in names})
+    except ValueError as error:
+        raise InputError(str(error)) from error
+    return DetectorNetwork(size, LANDMARKS, len(Region), torch.Generator())
+
+
+def _load(network: DetectorNetwork, tensors: Mapping[str, np.ndarray]) -> None:
+    """Put arrays into a network that they fit."""
+    own = _weights(network)
+    if sorted(own) != sorted(tensors):
+        odd = sorted(set(own) ^ set(tensors))[0]
+        raise InputError(f"expected the weights of such a network, found others ({shown(odd, 60)})")
+    for name, value in own.items():
+        array = tensors[name]
+        refuse(number_problem(name, array))
+        if array.shape != tuple(value.shape) or array.dtype.kind != "f":
+            raise InputError(f"{name}: expected {tuple(value.shape)}, found {array.dtype} {array.shape}")
+        value.copy_(torch.from_numpy(np.asarray(array, np.float32)))
+
+
+def _weights(network: DetectorNetwork) -> dict[str, torch.Tensor]:
+    """Its tensors by name, without counters."""
+    return {name: value for name, value in network.state_dict().items() if value.is_floating_point()}
+
+
+def _whole(value: Any, limits: Sequence[int], name: str) -> int:
+    if type(value) is not int or not limits[0] <= value <= limits[1]:
+        raise InputError(f"expected a {name} from {limits[0]} to {limits[1]}, found {shown(value, 60)!r}")
+    return value
+
+
+def _tensor(windows: np.ndarray) -> torch.Tensor:
+    return torch.from_numpy(windows.astype(np.float32) / 255).permute(0, 3, 1, 2)
+
+
+def _probabilities(logits: torch.Tensor) -> np.ndarray:
+    """Logits (B, h, w, 4, R) of ``DetectorNetwork.parse`` to probabilities (B, 2 h, 2 w, R)."""
+    step = FINE // HALF
+    chances = torch.softmax(logits, -1)
+    count, height, width, _, regions = chances.shape
+    cells = chances.view(count, height, width, step, step, regions).permute(0, 1, 3, 2, 4, 5)
+    return cells.reshape(count, height * step, width * step, regions).numpy()

@@ -1,0 +1,57 @@
+"""What was found in a picture, drawn over it."""
+
+import numpy as np
+
+from caricli.render.blend import over
+from caricli.render.overlay import draw_landmarks
+from caricli.structures.detection import DetectedFace, Detection
+from caricli.structures.parsing import REGION_COLOURS
+
+SEEN = (0, 200, 120)
+HIDDEN = (255, 140, 0)
+FRAME = (255, 220, 0)
+DOUBT = (255, 255, 255)
+
+_ONE = 1.0
+"""Ellipses are drawn at one standard deviation."""
+
+
+def detection_sheet(picture: np.ndarray, detection: Detection, opacity: float = 0.6) -> np.ndarray:
+    """Draw faces over a picture, and its regions over the same beside it.
+
+    Frames in yellow; landmarks in green, hidden ones in orange; around each an ellipse of one standard deviation.
+    picture: (H, W, 3) uint8. opacity: of the regions, 0 to 1. Returns (H, 2 W, 3) uint8.
+    """
+    left = picture
+    for face in detection.faces:
+        left = _draw_face(left, face)
+    colours = np.array(REGION_COLOURS, np.uint8)[detection.regions]
+    return np.concatenate([left, over(colours, picture, opacity)], 1)
+
+
+def smaller(image: np.ndarray, side: int) -> np.ndarray:
+    """A picture (H, W, 3) uint8 no longer than so many pixels."""
+    import cv2
+
+    scale = min(1.0, side / max(image.shape[:2]))
+    size = [max(1, round(length * scale)) for length in image.shape[1::-1]]
+    return cv2.resize(image, size, interpolation=cv2.INTER_AREA)
+
+
+def _draw_face(image: np.ndarray, face: DetectedFace) -> np.ndarray:
+    import cv2
+
+    picture = np.ascontiguousarray(image).copy()
+    width = max(1, round(0.003 * min(image.shape[:2])))
+    cv2.polylines(picture, [np.rint(face.frame.corners).astype(np.int32)], True, FRAME, width, cv2.LINE_AA)
+    marks = face.landmarks
+    assert marks.spreads is not None and marks.visibility is not None
+    for point, spread in zip(marks.points[marks.known], marks.spreads[marks.known], strict=True):
+        values, vectors = np.linalg.eigh(spread)
+        axes = tuple(float(length) for length in 2 * _ONE * np.sqrt(values[::-1]))
+        angle = float(np.degrees(np.arctan2(vectors[1, 1], vectors[0, 1])))
+        cv2.ellipse(picture, (point.tolist(), axes, angle), DOUBT, 1, cv2.LINE_AA)
+    seen = marks.visibility >= 0.5
+    hidden = np.where(seen[:, None], np.nan, marks.points)
+    picture = draw_landmarks(picture, np.where(seen[:, None], marks.points, np.nan), SEEN)
+    return draw_landmarks(picture, hidden, HIDDEN, lines=False)

@@ -1,0 +1,58 @@
+"""The training of a detector in its folder."""
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+from caricli.data.picture_set import read_picture_set
+from caricli.errors import naming
+from caricli.methods.evaluate.evaluate_detector import DetectorTally, JudgedPicture, evaluate_detector
+from caricli.methods.train.split_pictures import SplitPictures
+from caricli.methods.train.train_autodecoder import Share
+from caricli.methods.train.train_detector import DetectorTraining
+from caricli.models.detector.config import DetectorConfig
+from caricli.models.detector.model import TRUST, Detector, detector_to_checkpoint
+from caricli.store.detector import load_detector
+from caricli.store.training_run import MODEL, RunFolder
+
+
+def load_training(folder: Path, config: DetectorConfig, share: Share) -> DetectorTraining:
+    """A training on a folder of pictures. share: of this process. Raises InputError when it is no such folder."""
+    pictures = read_picture_set(folder)
+    with naming(folder):
+        return DetectorTraining(SplitPictures(pictures, "train"), SplitPictures(pictures, "validation"), config, share)
+
+
+class DetectorRun(RunFolder):
+    """The folder of a detector's training."""
+
+    curve = "landmark error"
+    axis = "mean distance in % of the face's diagonal (validation) or the window's side (train)"
+
+    def follow(self, training: DetectorTraining) -> Iterator[dict]:
+        """Train to the end; log, checkpoint and keep the best model on the way. Yields the log's line of each epoch."""
+
+        def checkpoint() -> tuple[dict, dict]:
+            return detector_to_checkpoint(Detector(training.copied_average(), training.config.size, recipe=self.recipe))
+
+        return self.record(training, 1.0, checkpoint)
+
+    def finish(
+        self, training: DetectorTraining, progress: Callable[[int, int], object] = lambda done, total: None
+    ) -> dict:
+        """Measure the best model on the pictures that it was validated with, and let its doubts agree with its errors.
+
+        progress: called with the pictures that are measured, and of how many. Returns the figures.
+        """
+        detector = load_detector(self.folder / MODEL)
+        detector.trust = 1.0  # whatever an end that was stopped has written
+        tally = DetectorTally()
+        numbers = training.unseen.numbers[: training.config.validation]
+        pictures = (JudgedPicture(training.unseen.marked(number), str(number), "any") for number in numbers)
+        for done, (judged, detection) in enumerate(evaluate_detector(detector, pictures), 1):
+            tally.add(judged, detection)
+            progress(done, len(numbers))
+        detector.trust = min(max(tally.trust, TRUST[0]), TRUST[1])
+        self.write_model(detector_to_checkpoint(detector))
+        figures = tally.trusting(detector.trust).figures
+        self.report({"model_id": detector.model_id, "trust": detector.trust, "validation": figures})
+        return figures

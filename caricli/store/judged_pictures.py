@@ -1,0 +1,83 @@
+"""Pictures that detectors are measured on: generated ones, and real ones with landmarks."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from caricli.data.picture_set import MANIFEST, PictureSet, read_picture_set
+from caricli.errors import InputError
+from caricli.io.provenance import sha256_file
+from caricli.methods.evaluate.evaluate_detector import UNKNOWN, JudgedPicture
+from caricli.methods.train.split_pictures import marked_picture
+from caricli.models.detector.model import Detector
+from caricli.store.pictures import load_marked_picture
+from caricli.store.portraits import portrait_files
+from caricli.structures.detection import MarkedPicture
+from caricli.structures.landmarks import COUNT
+
+
+@dataclass(frozen=True, eq=False)
+class JudgedPictures:
+    """Pictures of a PictureSet, by their numbers, each read when it is its turn."""
+
+    pictures: PictureSet
+    numbers: list[int]
+
+    def __len__(self) -> int:
+        """How many there are."""
+        return len(self.numbers)
+
+    def __iter__(self) -> Iterator[JudgedPicture]:
+        """One after the other."""
+        truth = self.pictures.truth
+        for number in self.numbers:
+            marked = marked_picture(self.pictures, number)
+            rows = self.pictures.faces(number)
+            # The head's front is the third axis; how far it points to the side is the sine of the yaw.
+            yaws = np.degrees(np.arcsin(np.clip(truth["rotation"][rows][:, 0, 2], -1, 1)))
+            yield JudgedPicture(marked, f"{number:06d}", self.pictures.media[number], yaws)
+
+
+def judged_inputs(pictures: Path | None, real: Path | None) -> list[Path]:
+    """The files that say what is measured: the manifest of generated pictures, real ones and their landmarks."""
+    manifest = [] if pictures is None else [pictures / MANIFEST]
+    return [*manifest, *(path for pair in portrait_files(real) for path in pair)]
+
+
+def load_judged_sets(
+    pictures: Path | None, real: Path | None, detector: Detector, count: int, pts_origin: int
+) -> tuple[dict[str, Sequence[JudgedPicture] | JudgedPictures], str | None]:
+    """Generated pictures of a folder of ``caricli dataset pictures``, and real ones, at most so many, where given.
+
+    Where a detector was trained on the folder, only those of test people. Returns the sets by name, and one line about
+    them, or None where there is nothing to say. Raises InputError when something is missing or damaged.
+    """
+    sets: dict[str, Sequence[JudgedPicture] | JudgedPictures] = {}
+    note = None
+    if pictures is not None:
+        sets["generated"], note = _generated(pictures, detector, count)
+    if real is not None:
+        sets["real"] = [_real(*pair, pts_origin) for pair in portrait_files(real)[:count]]
+    return sets, note
+
+
+def _generated(folder: Path, detector: Detector, count: int) -> tuple[JudgedPictures, str | None]:
+    pictures = read_picture_set(folder)
+    inputs = detector.recipe.get("inputs") if isinstance(detector.recipe, dict) else None
+    trained = isinstance(inputs, dict) and sha256_file(folder / MANIFEST) in inputs.values()
+    numbers = pictures.pictures_of("test").tolist() if trained else list(range(pictures.count))
+    note = f"{folder}: the detector was trained on it; measured on its {len(numbers)} pictures of test people"
+    return JudgedPictures(pictures, numbers[:count]), note if trained else None
+
+
+def _real(path: Path, marks: Path, pts_origin: int) -> JudgedPicture:
+    """A real picture with one face."""
+    landmarks, pixels = load_marked_picture(marks, path, pts_origin)
+    assert pixels is not None
+    if not landmarks.known[:COUNT].all():
+        raise InputError(f"{marks}: expected all {COUNT} points of iBUG, found {landmarks.known[:COUNT].sum()}")
+    nothing = np.full(pixels.shape[:2], UNKNOWN, np.uint8)
+    points = landmarks.points[None]
+    return JudgedPicture(MarkedPicture(pixels, nothing, points, np.ones(points.shape[:2], bool)), path.stem, "real")

@@ -1,0 +1,52 @@
+import json
+import os
+import subprocess
+import sys
+
+import pytest
+
+from caricli.io.bundled import config_path
+from caricli.io.image import read_image
+from tests.drawn_pictures import mean_shape, write_drawn_set
+
+SETTINGS = ("epochs=2", "steps=2", "batch=6", "validate_every=1", "validation=2")
+SMALL = ("--config", config_path("detector/tiny.yaml"), *(f"--set={text}" for text in SETTINGS))
+
+
+@pytest.fixture(scope="module")
+def pictures(head_template, tmp_path_factory):
+    return write_drawn_set(tmp_path_factory.mktemp("drawn") / "set", mean_shape(head_template), 16, 0)
+
+
+@pytest.fixture(scope="module")
+def trained(run, pictures, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("trained") / "run"
+    result = run("train", "detector", "--pictures", pictures, "--out", folder, *SMALL)
+    assert result.exit_code == 0, result.output
+    assert "epoch 2 of 2" in result.stderr and "faces found" in result.stdout
+    return folder
+
+
+def test_what_it_writes(trained, pictures):
+    report = json.loads((trained / "model.json").read_text())
+    assert report["command"] == "train detector" and report["config"]["epochs"] == 2
+    assert list(report["inputs"]) == [str(pictures / "pictures.json")]
+    assert read_image(trained / "loss.png").std() > 0
+    assert len((trained / "log.jsonl").read_text().splitlines()) == 2
+
+
+def test_two_processes_train_together_and_one_of_them_speaks(pictures, tmp_path):
+    torchrun = [sys.executable, "-m", "torch.distributed.run", "--nproc-per-node", "2", "-m", "caricli"]
+    folder = tmp_path / "run"
+    command = [*torchrun, "train", "detector", "--pictures", pictures, "--out", folder, *SMALL]
+    environment = os.environ | {"OMP_NUM_THREADS": "1"}
+    done = subprocess.run(list(map(str, command)), capture_output=True, text=True, env=environment, timeout=300)
+    assert done.returncode == 0, done.stderr
+    assert done.stderr.count("epoch 2 of 2") == 1 and done.stdout.count("faces found") == 1
+
+
+def test_other_settings_are_refused_and_what_is_no_folder_of_pictures(refused, trained, pictures, tmp_path):
+    told = refused("train", "detector", "--pictures", pictures, "--out", trained, *SMALL, "--resume", "--set=seed=3")
+    assert "seed 0 there, 3 here" in told
+    told = refused("train", "detector", "--pictures", tmp_path, "--out", tmp_path / "run")
+    assert "pictures.json" in told

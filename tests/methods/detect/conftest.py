@@ -1,0 +1,46 @@
+"""Detectors and pictures for all tests of detection."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import torch
+
+from caricli.io.bundled import config_path
+from caricli.io.config import read_config
+from caricli.methods.train.train_detector import DetectorTraining
+from caricli.models.detector.config import DetectorConfig, DetectorSize
+from caricli.models.detector.model import Detector
+from caricli.models.detector.networks import DetectorNetwork
+from caricli.structures.parsing import Region
+from tests.drawn_pictures import DrawnPictures, mean_shape
+
+
+@pytest.fixture(scope="session")
+def untrained():
+    """A Detector with random weights: where it says landmarks are depends on the window alone."""
+    generator = torch.Generator().manual_seed(0)
+    network = DetectorNetwork(DetectorSize(8, 16, 1), 81, len(Region), generator)
+    for parameter in network.parameters():
+        if not parameter.any():
+            torch.nn.init.uniform_(parameter, 0, 0.5, generator)
+    network.heat.weight.data *= 100
+    return Detector(network, 64)
+
+
+@pytest.fixture(scope="session")
+def trained(head_template):
+    """A Detector that has seen simple drawn faces for seconds, undisguised, and pictures that it was not trained on."""
+    shape = mean_shape(head_template)
+    unseen = DrawnPictures(shape, 20, 1)
+    settings = ["epochs=1", "steps=150", "validate_every=1", "validation=4", "learning_rate=0.005", "crops=0.6"]
+    config = read_config(config_path("detector/tiny.yaml"), DetectorConfig, settings)
+    training = DetectorTraining(DrawnPictures(shape, 80, 0), unseen, config)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("caricli.methods.train.train_detector.disguise_window", as_it_is)
+        list(training.epochs())
+    return Detector(training.average, 64), unseen
+
+
+def as_it_is(window, generator):
+    return replace(window, pixels=window.pixels.astype(np.float32) / 255)

@@ -1,0 +1,73 @@
+import cv2
+import numpy as np
+import pytest
+
+from caricli.methods.detect.detect_faces import _face, detect_faces
+from caricli.methods.detect.find_faces import Candidate, Glance, frames_overlap
+from caricli.methods.detect.parse_picture import parse_picture
+from caricli.methods.detect.read_faces import ReadFace
+from caricli.methods.detect.settings import DetectSettings
+from caricli.structures.detection import FaceFrame
+from caricli.structures.parsing import Region
+from tests.drawn_pictures import mean_shape
+
+
+def test_faces_are_found_where_they_are_and_none_where_there_is_none(trained):
+    detector, pictures = trained
+    overlaps = []
+    for number in pictures.numbers:
+        picture = pictures.marked(number)
+        faces = detect_faces(picture.pixels, detector).faces
+        assert faces == [] or len(picture.landmarks)
+        assert [face.frame.side for face in faces] == sorted((face.frame.side for face in faces), reverse=True)
+        frames = [FaceFrame.of(truth) for truth in picture.landmarks]
+        overlaps += [max((frames_overlap(frame, face.frame) for face in faces), default=0) for frame in frames]
+    assert np.mean(np.array(overlaps) > 0.3) >= 0.7, np.round(overlaps, 2)
+
+
+def test_a_larger_picture_has_the_same_faces_and_regions(trained):
+    detector, pictures = trained
+    picture = pictures.marked(12)
+    found = detect_faces(picture.pixels, detector)
+    larger = detect_faces(cv2.resize(picture.pixels, (640, 640)), detector)
+    assert len(larger.faces) == len(found.faces) >= 1
+    places = (larger.faces[0].landmarks.points + 0.5) / 4 - 0.5
+    apart = np.linalg.norm(places - found.faces[0].landmarks.points, axis=1)
+    assert np.nanmean(apart) < 2
+    assert larger.regions.shape == (640, 640)
+    assert (larger.regions[2::4, 2::4] == found.regions).mean() > 0.9
+
+
+def test_what_is_beyond_the_edge_or_vague_is_not_known(head_template):
+    points = 60 * mean_shape(head_template) + [100 - 25, 60]
+    spreads = np.tile(np.eye(2), (81, 1, 1))
+    spreads[60] = np.diag([1.0, 400.0])
+    frame = FaceFrame.of(points)
+    read = ReadFace(frame, 0.9, points, spreads, np.ones(81), frame.matrix(64, 1.6), np.zeros((32, 32, 16)))
+    face = _face(Candidate(frame, 0.9), read, (100, 120), DetectSettings())
+    unknown = (points[:, 0] > 101) | (np.arange(81) == 60)
+    assert unknown.sum() > 3
+    np.testing.assert_array_equal(face.landmarks.known, ~unknown)
+    np.testing.assert_array_equal(np.isnan(face.landmarks.spreads[:, 0, 0]), unknown)
+    assert face.score == pytest.approx(0.9) and face.frame.side == frame.side
+    assert _face(Candidate(frame, 0.1), read, (100, 120), DetectSettings()) is None, "the search was not sure"
+    assert _face(Candidate(frame, 0.9), read, (40, 120), DetectSettings()) is None, "too little of it is there"
+
+
+@pytest.mark.parametrize("shape", [(1, 1), (20, 20000), (7, 300)])
+def test_any_picture_can_be_asked(trained, shape):
+    found = detect_faces(np.full((*shape, 3), 128, np.uint8), trained[0])
+    assert found.regions.shape == shape and found.regions.dtype == np.uint8
+
+
+def test_regions_lie_where_they_were_seen():
+    chances = np.full((32, 32, 16), 0.01)
+    chances[..., Region.BACKGROUND] = 0.5
+    chances[8:16, 4:12, Region.EYES] = 1
+    scale = 0.5
+    matrix = np.array([[scale, 0, 0], [0, scale, 0]])
+    regions = parse_picture((128, 128), Glance(matrix, chances, scale), [])
+    y, x = np.nonzero(regions == Region.EYES)
+    # A pixel j of the map is at 2 j of the window, at 4 j of the picture.
+    assert x.min() == pytest.approx(4 * 3.5, abs=1.5) and x.max() == pytest.approx(4 * 11.5, abs=1.5)
+    assert y.min() == pytest.approx(4 * 7.5, abs=1.5) and y.max() == pytest.approx(4 * 15.5, abs=1.5)

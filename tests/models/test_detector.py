@@ -1,0 +1,84 @@
+import numpy as np
+import pytest
+import torch
+
+from caricli.errors import InputError
+from caricli.models.detector.config import DetectorConfig, DetectorSize
+from caricli.models.detector.model import Detector, detector_from_checkpoint, detector_to_checkpoint
+from caricli.models.detector.networks import DetectorNetwork, _moments, _spread
+from caricli.structures.parsing import Region
+
+
+@pytest.fixture(scope="module")
+def detector():
+    """One with random weights, also those that a training begins with as zeros."""
+    generator = torch.Generator().manual_seed(0)
+    network = DetectorNetwork(DetectorSize(8, 16, 1), 81, len(Region), generator)
+    for parameter in network.parameters():
+        if not parameter.any():
+            torch.nn.init.uniform_(parameter, 0, 0.5, generator)
+    return Detector(network, 64, 1.5, {"seed": 0})
+
+
+def test_blobs_have_their_mean_and_their_spread():
+    mean = torch.tensor([[[12.0, 20.5]]])
+    covariance = torch.tensor([[4.0, 1.5], [1.5, 3.0]])
+    places = torch.stack(torch.meshgrid(torch.arange(32.0), torch.arange(32.0), indexing="xy"), -1) - mean[0, 0]
+    heights = torch.exp(-0.5 * (places @ torch.linalg.inv(covariance) * places).sum(-1))[None, None]
+    moments = _moments(heights)
+    found = torch.stack([moments[..., 0, 1], moments[..., 1, 0]], -1) / moments[..., :1, 0]
+    torch.testing.assert_close(found, mean, atol=1e-3, rtol=0)
+    torch.testing.assert_close(_spread(moments, found)[0, 0], covariance, atol=1e-2, rtol=0)
+
+
+def test_windows_of_any_size_are_searched_and_those_of_its_own_read(detector):
+    generator = np.random.default_rng(0)
+    cells, regions = detector.search(generator.integers(0, 256, (96, 160, 3), np.uint8))
+    assert len(cells.score) == 6 * 10 and regions.shape == (48, 80, 16)
+    np.testing.assert_allclose(regions.sum(-1), 1, atol=1e-5)
+    reading = detector.read(generator.integers(0, 256, (2, 64, 64, 3), np.uint8))
+    assert reading.points.shape == (2, 81, 2) and reading.regions.shape == (2, 32, 32, 16)
+    assert ((reading.points > -2) & (reading.points < 66)).all()
+    assert (np.linalg.eigvalsh(reading.covariance) > 0).all()
+
+
+def test_a_checkpoint_rebuilds_it(detector):
+    tensors, about = detector_to_checkpoint(detector)
+    again = detector_from_checkpoint({name: value.astype(np.float32) for name, value in tensors.items()}, about, "it")
+    assert (again.size, again.trust, again.recipe) == (64, 1.5, {"seed": 0})
+    assert {value.dtype for value in tensors.values()} == {np.dtype(np.float16), np.dtype(np.float32)}
+    window = np.random.default_rng(1).integers(0, 256, (1, 64, 64, 3), np.uint8)
+    np.testing.assert_allclose(again.read(window).points, detector.read(window).points, atol=0.5)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda t, a: a.update(schema="other"), "expected a detector of schema"),
+        (lambda t, a: a.update(size=7), "expected a size from 64 to 512, found '7'"),
+        (lambda t, a: a.update(trust=0.0), "expected a trust from"),
+        (lambda t, a: a.update(network={"stem": 8}), "expected a network of stem, width, depth"),
+        (lambda t, a: a["network"].update(width=10**9), "expected a width from"),
+        (lambda t, a: a.update(regions=["skin"]), "regions that caricli knows"),
+        (lambda t, a: t.pop("about"), "expected the weights of such a network, found others \\(about\\)"),
+        (lambda t, a: t.update(about=t["about"][:1]), "about: expected \\(81, 16, 3\\), found"),
+        (lambda t, a: t.update(about=t["about"] * np.nan), "about: "),
+    ],
+)
+def test_what_is_no_detector_is_refused(detector, change, message):
+    tensors, about = detector_to_checkpoint(detector)
+    about["network"] = dict(about["network"])
+    change(tensors, about)
+    with pytest.raises(InputError, match=message):
+        detector_from_checkpoint(tensors, about, "it")
+
+
+@pytest.mark.parametrize("setting", [{"size": 100}, {"precision": "float16"}, {"crops": 0.0}, {"decay": 1.0}])
+def test_impossible_settings_are_refused(setting):
+    with pytest.raises(ValueError, match=next(iter(setting))):
+        DetectorConfig(**setting)
+
+
+def test_the_default_is_small_enough_to_come_along():
+    network = DetectorNetwork(DetectorConfig().network(), 81, len(Region), torch.Generator())
+    assert 2 * sum(value.numel() for value in network.parameters()) < 6e6

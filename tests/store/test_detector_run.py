@@ -1,0 +1,54 @@
+from dataclasses import asdict
+
+import pytest
+
+from caricli.errors import InputError
+from caricli.io.bundled import config_path
+from caricli.io.config import read_config
+from caricli.io.strict_json import read_json
+from caricli.methods.train.train_autodecoder import ALL
+from caricli.models.detector.config import DetectorConfig
+from caricli.store.detector import load_detector
+from caricli.store.detector_run import DetectorRun, load_training
+from caricli.store.training_run import FILES, MODEL, Beginning
+from tests.drawn_pictures import mean_shape, write_drawn_set
+
+SETTINGS = ("epochs=3", "steps=2", "batch=6", "validate_every=1", "validation=4")
+
+
+@pytest.fixture(scope="module")
+def pictures(head_template, tmp_path_factory):
+    return write_drawn_set(tmp_path_factory.mktemp("drawn") / "set", mean_shape(head_template), 16, 0)
+
+
+def begin(pictures, folder, resume=False):
+    config = read_config(config_path("detector/tiny.yaml"), DetectorConfig, SETTINGS)
+    recipe = {"config": asdict(config), "inputs": {"pictures.json": "0" * 64}}
+    return DetectorRun(folder, recipe, Beginning(resume=resume)), load_training(pictures, config, ALL)
+
+
+def test_a_run_that_was_left_goes_on_to_the_same_bytes(pictures, tmp_path):
+    whole, training = begin(pictures, tmp_path / "whole")
+    assert [line["epoch"] for line in whole.follow(training)] == [1, 2, 3]
+    figures = whole.finish(training)
+    assert sorted(path.name for path in (tmp_path / "whole").iterdir()) == sorted(FILES)
+    left, training = begin(pictures, tmp_path / "left")
+    for line in left.follow(training):
+        if line["epoch"] == 2:
+            break
+    for _ in range(2):  # the second time there is nothing left to do but to measure
+        again, training = begin(pictures, tmp_path / "left", resume=True)
+        list(again.follow(training))
+        again.finish(training)
+        assert (tmp_path / "left" / MODEL).read_bytes() == (tmp_path / "whole" / MODEL).read_bytes()
+    report = read_json(tmp_path / "whole" / "model.json")
+    detector = load_detector(tmp_path / "whole" / MODEL)
+    assert report["model_id"] == detector.model_id and report["trust"] == detector.trust
+    assert report["validation"] == figures and report["epochs"] == 3
+    assert detector.recipe["inputs"] == {"pictures.json": "0" * 64}
+
+
+def test_without_a_detector_it_is_said_how_to_make_one(monkeypatch, tmp_path):
+    monkeypatch.setattr("caricli.store.detector.asset_path", lambda name: tmp_path / name)
+    with pytest.raises(InputError, match="caricli train detector"):
+        load_detector()
