@@ -128,6 +128,17 @@ def test_the_glb_has_skin_and_eyes(textured, run):
     assert said.exit_code == 0 and "0 shapes" in said.stdout and "0 of 52 names" in said.stdout
 
 
+def test_a_head_of_what_is_chosen(run, scene, tmp_path):
+    choice = ("--parts", "skin,teeth", "--bust", "--teeth", "cartoon")
+    result = run(COMMAND, *inputs(scene), *QUICK, *choice, "--no-picture", "--out", tmp_path / "out")
+    assert result.exit_code == 0, result.output
+    rig = read_gltf(tmp_path / "out" / "face.glb")
+    assert {*rig.materials} == {Material.SKIN, Material.TEETH, Material.GUMS, Material.BUST, Material.CLOTH}
+    # What is left out is painted nevertheless, and `rig` puts it in again.
+    assert {path.name for path in (tmp_path / "out").iterdir()} == {*NAMES} - {"sheet.png"}
+    assert read_face(tmp_path / "out" / "face.npz").pictures.eyes is not None
+
+
 def test_rig_takes_both_pictures_along(run, textured, tmp_path, monkeypatch):
     monkeypatch.setattr(
         "caricli.render.expression_sheet.expression_sheet", lambda rig, progress, given: np.zeros((4, 4, 3), np.uint8)
