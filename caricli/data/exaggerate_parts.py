@@ -37,6 +37,6 @@ def exaggerate_parts(
     for _ in range(rounds):
         shape = gradients.vertices(model.features(latent) + rest)
         moves = target - shape[landmarks]
-        shape += model.anchors.move(landmarks, moves, STRENGTH)
+        shape += model.template.anchors.move(landmarks, moves, STRENGTH)
         latent = model.features_to_latent(gradients.features(shape), SHRINK)
     return shape

@@ -2,7 +2,6 @@
 
 import igl
 import numpy as np
-from scipy.spatial import cKDTree
 
 from caricli.geometry.vertex_neighbours import vertex_neighbours
 
@@ -23,7 +22,7 @@ def touching_pairs(vertices: np.ndarray, faces: np.ndarray, reach: float) -> np.
     Returns (P, 2); every vertex with its nearest partner, each pair once.
     """
     normals = igl.per_vertex_normals(vertices, faces)
-    pairs = cKDTree(vertices).query_pairs(reach, output_type="ndarray")
+    pairs = _near_pairs(vertices, reach)
     offsets = vertices[pairs[:, 0]] - vertices[pairs[:, 1]]
     facing = (normals[pairs[:, 0]] * normals[pairs[:, 1]]).sum(1) < FACING
     # Back to back, as the two sides of a thin wall, is no contact.
@@ -40,7 +39,7 @@ def closing_pairs(before: np.ndarray, after: np.ndarray, faces: np.ndarray, reac
     before, after: (V, 3). faces: (F, 3). reach: in their unit.
     Returns (P, 2); every vertex with its nearest partner, each pair once.
     """
-    pairs = cKDTree(after).query_pairs(reach, output_type="ndarray")
+    pairs = _near_pairs(after, reach)
     now, then = (np.linalg.norm(v[pairs[:, 0]] - v[pairs[:, 1]], axis=1) for v in (after, before))
     came = closes(then, now, reach)
     pairs = pairs[came]
@@ -80,3 +79,11 @@ def _connected(pairs: np.ndarray, faces: np.ndarray, count: int) -> np.ndarray:
         ring = ring @ adjacency
         near = near + ring
     return np.asarray(near[rows, pairs[:, 1]]).ravel() > 0
+
+
+def _near_pairs(vertices: np.ndarray, reach: float) -> np.ndarray:
+    """(P, 2) all pairs of vertices (V, 3) that are within reach."""
+    # Imported here: it takes a while, and what comes of it is mostly kept.
+    from scipy.spatial import cKDTree
+
+    return cKDTree(vertices).query_pairs(reach, output_type="ndarray")

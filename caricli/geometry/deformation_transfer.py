@@ -18,7 +18,7 @@ def triangle_maps(before: np.ndarray, after: np.ndarray, faces: np.ndarray) -> n
     before, after: (V, 3). faces: (F, 3), all with an area in ``before``.
     Returns (F, 3, 3).
     """
-    return _frames(after, faces) @ np.linalg.inv(_frames(before, faces))
+    return triangle_frames(after, faces) @ np.linalg.inv(triangle_frames(before, faces))
 
 
 class DeformationTransfer:
@@ -82,9 +82,15 @@ class DeformationTransfer:
         return self._factor.solve(right)
 
 
-def _frames(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
-    """(F, 3, 3) columns: two edges and the scaled normal."""
+def triangle_frames(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
+    """(F, 3, 3), in whose columns are two edges of a triangle and its normal, scaled with the root of the area.
+
+    vertices: (V, 3). faces: (F, 3).
+    """
     edges = vertices[faces[:, 1:]] - vertices[faces[:, :1]]
+    frames = np.empty((len(faces), 3, 3))
+    frames[:, :, :2] = edges.transpose(0, 2, 1)
     normals = np.cross(edges[:, 0], edges[:, 1])
-    lengths = np.sqrt(np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), np.finfo(float).tiny))
-    return np.stack([edges[:, 0], edges[:, 1], normals / lengths], axis=2)
+    lengths = np.sqrt(np.maximum(np.sqrt((normals**2).sum(1)), np.finfo(float).tiny))
+    frames[:, :, 2] = normals / lengths[:, None]
+    return frames

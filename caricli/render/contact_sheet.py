@@ -1,6 +1,8 @@
 """Many pictures on one sheet."""
 
 from collections.abc import Sequence
+from functools import cache
+from typing import Any
 
 import numpy as np
 
@@ -49,11 +51,18 @@ def contact_sheet(
     return sheet
 
 
+@cache
+def _font(size: int) -> Any:
+    from PIL import ImageFont
+
+    return ImageFont.load_default(size)
+
+
 def _labelled(strip: np.ndarray, text: str, size: int) -> np.ndarray:
     """Write one line of text in the middle of a strip."""
-    from PIL import Image, ImageDraw, ImageFont
+    from PIL import Image, ImageDraw
 
-    font = ImageFont.load_default(size)
+    font = _font(size)
     text = "".join(c if c.isprintable() else "?" for c in str(text))
     if font.getlength(text) > strip.shape[1]:
         while text and font.getlength(text + "...") > strip.shape[1]:

@@ -1,14 +1,17 @@
 """The mesh that a shape space deforms, with everything that is known about it."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Self
 
 import numpy as np
 
 from caricli.geometry.deformation_gradients import DeformationGradients
+from caricli.geometry.elastic_anchors import ElasticAnchors
 from caricli.geometry.lengthen_neck import Neck
 from caricli.geometry.tuck_cavities import Cavities
+from caricli.io.kept import kept_arrays
 from caricli.structures import Mesh, Part
 from caricli.structures.landmarks import POINT_NAMES
 from caricli.template.annotation import CAVITIES, Annotation
@@ -29,6 +32,16 @@ class Template(Mesh):
     def gradients(self) -> DeformationGradients:
         """Deformation gradients against these vertices, factored on first use."""
         return DeformationGradients(self.vertices, self.faces)
+
+    @cached_property
+    def anchors(self) -> ElasticAnchors:
+        """ElasticAnchors for every vertex that a landmark can stand on, kept for later calls."""
+        points = self.annotation.anchor_ids()
+        solved = kept_arrays("anchors", (self.vertices, self.faces, points), partial(self._solved_anchors, points))
+        return ElasticAnchors(self.vertices, self.faces, points, solved)
+
+    def _solved_anchors(self, points: np.ndarray) -> Mapping[str, np.ndarray]:
+        return ElasticAnchors(self.vertices, self.faces, points).solved
 
     @cached_property
     def cavities(self) -> Cavities:

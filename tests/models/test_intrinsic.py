@@ -87,8 +87,8 @@ def test_it_extrapolates_turns_where_positions_tear(ball_template):
 
 def test_anchors_are_prepared_for_every_landmark_and_jaw_path(intrinsic):
     expected = intrinsic.template.annotation.anchor_ids()
-    assert np.array_equal(intrinsic.anchors.points, expected)
-    assert intrinsic.anchors is intrinsic.anchors
+    assert np.array_equal(intrinsic.template.anchors.points, expected)
+    assert intrinsic.template.anchors is intrinsic.template.anchors
 
 
 def test_weights_are_shares_of_the_area(ball_template):

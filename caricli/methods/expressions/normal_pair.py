@@ -5,7 +5,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from caricli.errors import InputError
-from caricli.geometry.elastic_anchors import ElasticAnchors
 from caricli.geometry.similarity import similarity
 from caricli.methods.edit.map_landmarks import map_landmarks
 from caricli.methods.expressions.settings import BlendshapeSettings
@@ -96,7 +95,6 @@ class NormalPair:
         landmarks pull elastically.
         """
         gradients = self.template.gradients
-        elastic = ElasticAnchors(self.template.vertices, self.template.faces, np.unique(self.anchors))
         features = gradients.features(self.vertices)
         usual = gradients.features(self.given)
         shapes = []
@@ -108,7 +106,7 @@ class NormalPair:
             calm = way <= np.median(way)
             moved += (self.vertices[calm] - moved[calm]).mean(0)
             left = (points - self.camera.project(moved[self.anchors])) / self.camera.scale
-            pull = elastic.move(*_distinct(self.anchors, left), self.settings.strength)
+            pull = self.template.anchors.move(*_distinct(self.anchors, left), self.settings.strength)
             shapes.append(moved + pull @ self.camera.rotation[:2])
         return np.array(shapes)
 

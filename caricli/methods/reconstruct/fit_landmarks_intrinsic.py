@@ -114,7 +114,7 @@ class _Surface:
         anchors = observation.anchors(vertices, self.camera.rotation)
         self.camera = observation.camera(vertices, anchors, weights)
         gaps = observation.gaps(vertices, self.camera, anchors)
-        pull = self.model.anchors.move(anchors[observation.ids], gaps, self.settings.strength, weights)
+        pull = self.model.template.anchors.move(anchors[observation.ids], gaps, self.settings.strength, weights)
         return vertices + pull @ self.camera.rotation[:2]
 
     def follow(self, vertices: np.ndarray, latent: np.ndarray) -> np.ndarray:
@@ -143,7 +143,7 @@ def _likeliest(
         noise = max(settings.least, settings.misfit * np.sqrt(np.average(errors**2, weights=weights)))
         ids = anchors[observation.ids]
         scale = np.sqrt(weights)[:, None] / noise
-        tangent = model.tangent[np.searchsorted(model.anchors.points, ids)]
+        tangent = model.tangent[np.searchsorted(model.template.anchors.points, ids)]
         rows = (camera_rows(shape[ids], tangent, camera) * scale[:, :, None]).reshape(2 * len(ids), -1)
         gaps = ((observation.points - camera.project(shape[ids])) * scale).ravel()
         # The camera may move along: a turn that explains the landmarks as well is no reason for another face.

@@ -1,7 +1,7 @@
 """The expressions that rigs are made of: those of the open head, or anybody's own."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import astuple, dataclass
 from functools import cached_property
 
 import igl
@@ -10,9 +10,10 @@ import scipy.sparse as sp
 
 from caricli.errors import InputError
 from caricli.geometry.contact_pairs import closes, closing_pairs, touching_pairs
-from caricli.geometry.deformation_transfer import triangle_maps
+from caricli.geometry.deformation_transfer import triangle_frames
 from caricli.geometry.flat_triangles import flat_triangles
 from caricli.geometry.vertex_neighbours import vertex_neighbours
+from caricli.io.kept import kept_arrays
 from caricli.structures import Mesh
 from caricli.structures.arkit import STARTS, start_delta
 from caricli.template.annotation import Annotation
@@ -133,15 +134,26 @@ class ExpressionTemplates:
     @cached_property
     def pairs(self) -> np.ndarray:
         """(P, 2) vertices that touch, in the neutral face or in any expression."""
+        return self._contacts["pairs"]
+
+    @cached_property
+    def _contacts(self) -> Mapping[str, np.ndarray]:
+        """``pairs``, and (V,) bool, which vertices touch something in the neutral face."""
+        given = ("\n".join(self.names), self.neutral, self.faces, self.deltas, *astuple(self.settings))
+        return kept_arrays("contacts", given, self._find_contacts)
+
+    def _find_contacts(self) -> dict[str, np.ndarray]:
         candidates = [touching_pairs(self.neutral, self.faces, self.reach)]
+        touching = np.zeros(len(self.neutral), dtype=bool)
+        touching[candidates[0]] = True
         for k, delta in enumerate(self.deltas):
             closing = closing_pairs(self.start(k), self.start(k) + delta, self.faces, self.reach)
-            candidates.append(closing[~self._slides(closing, k)])
+            candidates.append(closing[~self._slides(closing, k, touching)])
         pairs = np.unique(np.concatenate(candidates), axis=0)
         spacing = self.settings.spacing * self.reach
         while len(kept := thin_pairs(pairs, self.neutral, spacing)) > self.settings.most:
             spacing *= self.settings.coarser
-        return kept
+        return {"pairs": kept, "touching": touching}
 
     @cached_property
     def normals(self) -> np.ndarray:
@@ -161,21 +173,23 @@ class ExpressionTemplates:
             near = np.maximum(near, (1 - (ring + 1) / (rings + 1)) * (self._adjacency @ near > 0))
         return near
 
-    def _slides(self, pairs: np.ndarray, k: int) -> np.ndarray:
-        """(P,) whether both vertices of pairs touch something before expression k: then they only meet by sliding."""
+    def _slides(self, pairs: np.ndarray, k: int, touching: np.ndarray) -> np.ndarray:
+        """(P,) whether both vertices of pairs touch something before expression k: then they only meet by sliding.
+
+        touching: (V,) bool, what does in the neutral face.
+        """
         if STARTS.get(self.names[k]) in self.names:
             return np.zeros(len(pairs), dtype=bool)
-        return self._touching[pairs].all(axis=1)
-
-    @cached_property
-    def _touching(self) -> np.ndarray:
-        touching = np.zeros(len(self.neutral), dtype=bool)
-        touching[touching_pairs(self.neutral, self.faces, self.reach)] = True
-        return touching
+        return touching[pairs].all(axis=1)
 
     @cached_property
     def _adjacency(self) -> sp.csr_matrix:
         return vertex_neighbours(self.faces, len(self.neutral))[0]
+
+    @cached_property
+    def _unframed(self) -> np.ndarray:
+        """(F, 3, 3) inverses of the triangles' frames in the neutral face."""
+        return np.linalg.inv(triangle_frames(self.neutral, self.faces))
 
     def _motion(self, k: int) -> Motion | None:
         start = self.start(k)
@@ -193,11 +207,11 @@ class ExpressionTemplates:
         trust = np.clip(size / (self.settings.faint * size.max()), 0, 1)
         return Motion(
             triangles=triangles,
-            maps=triangle_maps(self.neutral, shape, self.faces[triangles]),
+            maps=triangle_frames(shape, self.faces[triangles]) @ self._unframed[triangles],
             moved=moved,
             trust=trust**2 * (3 - 2 * trust),
             near=self.fade(size > 0),
-            closed=closed & ~self._slides(self.pairs, k),
+            closed=closed & ~self._slides(self.pairs, k, self._contacts["touching"]),
             offsets=after,
             gaps=(after * self.normals).sum(1),
         )

@@ -1,6 +1,6 @@
 """The 52 expressions of the open head, with lids and lips that stop where they meet."""
 
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
 from functools import cache
 
 import numpy as np
@@ -8,6 +8,7 @@ import numpy as np
 from caricli.geometry.contact_pairs import closes, touching_pairs
 from caricli.geometry.contact_solver import Conditions, ContactSolver
 from caricli.geometry.deformation_transfer import DeformationTransfer
+from caricli.io.kept import kept_arrays
 from caricli.methods.rig.expression_templates import ExpressionTemplates, contact_normals
 from caricli.template.head import Head, load_head
 from caricli.template.head_parts import part_lips
@@ -51,6 +52,16 @@ def head_expressions(
     template: Template of its neutral face.
     """
     raw = ExpressionTemplates(head.action_names, template, head.actions.astype(float))
+    curves = [
+        template.annotation.curves[f"eye_{lid}_{side}"] for lid in ("upper", "lower") for side in ("left", "right")
+    ]
+    given = ("\n".join(raw.names), template.vertices, template.faces, head.actions, *curves, *astuple(settings))
+    mended = kept_arrays("expressions", given, lambda: {"deltas": _mend(raw, template, settings)})
+    return ExpressionTemplates(raw.names, template, mended["deltas"])
+
+
+def _mend(raw: ExpressionTemplates, template: Template, settings: MendSettings) -> np.ndarray:
+    """(K, V, 3) metres."""
     margins = _Margins(raw, template, settings)
     deltas = np.zeros_like(raw.deltas)
     for k, name in enumerate(raw.names):
@@ -58,7 +69,7 @@ def head_expressions(
         deltas[k] = moved + margins.correction(name, raw.start(k) - raw.neutral, moved)
     if "tongueOut" in raw.names:
         deltas[raw.names.index("tongueOut")] += part_lips(raw.names, deltas)
-    return ExpressionTemplates(raw.names, template, deltas)
+    return deltas
 
 
 class _Margins:

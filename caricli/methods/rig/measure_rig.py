@@ -70,9 +70,15 @@ class _Expressions:
         self.curves = {} if templates.annotation is None else templates.annotation.curves
 
     def flipped(self) -> np.ndarray:
-        gradients = DeformationGradients(self.neutral, self.templates.faces)
-        shapes = (start + delta for start, delta in zip(self.starts, self.deltas, strict=True))
-        return np.array([flipped_triangles(shape, gradients).mean() for shape in shapes])
+        faces = self.templates.faces
+        gradients = DeformationGradients(self.neutral, faces)
+        shares = []
+        for start, delta in zip(self.starts, self.deltas, strict=True):
+            near = (start + delta != self.neutral).any(1)
+            near[faces[near[faces].any(1)]] = True
+            # No others can have turned over: their surroundings are what they were.
+            shares.append(flipped_triangles(start + delta, gradients, near[faces].any(1)).sum() / len(faces))
+        return np.array(shares)
 
     def strength(self) -> np.ndarray:
         scale, *_ = similarity(self.templates.neutral, self.neutral)

@@ -9,7 +9,6 @@ import numpy as np
 from scipy.sparse import csr_matrix
 
 from caricli.errors import InputError
-from caricli.geometry.elastic_anchors import ElasticAnchors
 from caricli.geometry.per_column import per_column
 from caricli.io.kept import kept_arrays
 from caricli.models.intrinsic.config import IntrinsicConfig
@@ -103,20 +102,8 @@ class IntrinsicModel:
         return direction_products(self.basis.reshape(len(self.basis), -1), self._weighted)
 
     @cached_property
-    def anchors(self) -> ElasticAnchors:
-        """ElasticAnchors for every vertex that a landmark can stand on, prepared on first use."""
-        template = self.template
-        points = template.annotation.anchor_ids()
-        solved = kept_arrays("anchors", (template.vertices, template.faces, points), self._solved_anchors)
-        return ElasticAnchors(template.vertices, template.faces, points, solved)
-
-    def _solved_anchors(self) -> Mapping[str, np.ndarray]:
-        template = self.template
-        return ElasticAnchors(template.vertices, template.faces, template.annotation.anchor_ids()).solved
-
-    @cached_property
     def tangent(self) -> np.ndarray:
-        """(A, 3, D) derivatives by the latent, at the mean face, of the points of ``anchors``, in their order."""
+        """(A, 3, D) derivatives by the latent, at the mean face, of the points of the template's ``anchors``."""
         template = self.template
         points = template.annotation.anchor_ids()
         given = (template.vertices, template.faces, points, self.mean, self.model_id or self.basis)
@@ -127,7 +114,8 @@ class IntrinsicModel:
 
     def prepare(self) -> None:
         """See ShapeModel."""
-        _ = self.anchors, self.tangent, self.template.gradients, self.template.cavities, self.template.neck
+        template = self.template
+        _ = self.tangent, template.anchors, template.gradients, template.cavities, template.neck
 
     def features(self, latents: np.ndarray) -> np.ndarray:
         """Latents (..., D) to features (..., V, 9), which are not to be written to."""
