@@ -15,9 +15,8 @@ from caricli.structures.landmarks import Landmarks
 def detect_faces(picture: np.ndarray, detector: Detector, settings: DetectSettings | None = None) -> Detection:
     """Find all faces of a picture, read their landmarks, and say what every pixel shows.
 
-    The picture is searched at several scales; each place that may hold a face is looked at twice, in the frame that the
-    search gave and in that of the landmarks that were seen there, with its mirror image. A face is what both looks and
-    search are sure of.
+    The picture is searched at several scales; each place that may hold a face is looked at in the frame that the search
+    gave, and in that of the landmarks that were seen there. A face is what search and last look are sure of.
     picture: (H, W, 3) uint8.
     """
     settings = settings or DetectSettings()

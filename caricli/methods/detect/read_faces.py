@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from caricli.methods.detect.find_faces import frames_overlap
 from caricli.methods.detect.settings import DetectSettings
 from caricli.models.detector.model import Detector
 from caricli.render.cut_window import cut_window
@@ -30,12 +31,18 @@ class ReadFace:
 
 
 def look_at_face(picture: np.ndarray, frame: FaceFrame, detector: Detector, settings: DetectSettings) -> ReadFace:
-    """Look at the face in a frame of a picture (H, W, 3) uint8, and then at the face in the frame of its landmarks.
+    """Look at the face in a frame of a picture (H, W, 3) uint8, and then again in the frame of the landmarks just seen.
 
-    The second look is at the window and its mirror image, whose means are taken; where they differ is doubt, too.
+    It ends where these frames agree, or after ``settings.looks``. Every look is at the window and its mirror image,
+    whose means are taken; where they differ is doubt, too.
     """
-    first = _read(picture, frame, settings.first, detector)
-    return _read(picture, FaceFrame.of(first.points), settings.second, detector)
+    read = _read(picture, frame, settings.first, detector)
+    for _ in range(settings.looks - 1):
+        frame = FaceFrame.of(read.points)
+        read = _read(picture, frame, settings.second, detector)
+        if frames_overlap(frame, FaceFrame.of(read.points)) > settings.agree:
+            break
+    return read
 
 
 def _read(picture: np.ndarray, frame: FaceFrame, share: float, detector: Detector) -> ReadFace:

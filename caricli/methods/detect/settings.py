@@ -12,7 +12,8 @@ class DetectSettings:
     is on 16 to 128. start: score from which on a place is looked at more closely. sure: score of a face. most: places
     that are looked at, the best first. overlap: share of a face that another one has, above which they are one. first,
     second: share of the window's side to the face's when it is looked at first, in the frame that the search gave, and
-    when it is read, in the frame of its landmarks. parse: side of a face at which the picture's regions are read, in
+    when it is read, in the frame of its landmarks; looks: at a face, at most; agree: overlap of the frames of two of
+    them, from which on there is no further one. parse: side of a face at which the picture's regions are read, in
     windows' sides. vague: spread of a landmark along its worse direction beyond which it counts as not known, of the
     face's diagonal; margin: how far beyond the edge of the picture it may be, of the face's side.
     """
@@ -24,6 +25,8 @@ class DetectSettings:
     overlap: float = 0.5
     first: float = 1.9
     second: float = 1.6
+    looks: int = 4
+    agree: float = 0.9
     parse: float = 0.375
     vague: float = 0.12
     margin: float = 0.01

@@ -17,7 +17,8 @@ def test_faces_are_found_where_they_are_and_none_where_there_is_none(trained):
     overlaps = []
     for number in pictures.numbers:
         picture = pictures.marked(number)
-        faces = detect_faces(picture.pixels, detector).faces
+        # One that has learnt so little sees faces smaller at every look.
+        faces = detect_faces(picture.pixels, detector, DetectSettings(looks=2)).faces
         assert faces == [] or len(picture.landmarks)
         assert [face.frame.side for face in faces] == sorted((face.frame.side for face in faces), reverse=True)
         frames = [FaceFrame.of(truth) for truth in picture.landmarks]
