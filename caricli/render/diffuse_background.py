@@ -2,7 +2,8 @@
 
 import cv2
 import numpy as np
-from scipy.ndimage import distance_transform_edt
+
+from caricli.render.nearest_pixel import nearest_pixel
 
 LAYERS = 48
 """Pixels from the border of the face on which the mean goes on."""
@@ -30,7 +31,6 @@ def diffuse_background(image: np.ndarray, mask: np.ndarray) -> np.ndarray:
         total = cv2.filter2D(colours, -1, _KERNEL, borderType=cv2.BORDER_CONSTANT)
         colours[fresh] = total[fresh] / weight[fresh][:, None]
         filled[fresh] = 1.0
-    row, column = distance_transform_edt(filled == 0, return_distances=False, return_indices=True)
-    diffused = np.round(colours[row, column]).astype(np.uint8)
+    diffused = np.round(colours).astype(np.uint8)[nearest_pixel(filled > 0)]
     diffused[mask] = image[mask]
     return diffused

@@ -37,20 +37,21 @@ def texture_matrix(owner: np.ndarray, count: int, uvs: np.ndarray) -> sp.csr_mat
     """What bilinear samples take of every colour, where texels share colours.
 
     owner: (H, W) int, the colour that a texel has, of ``count``. uvs: (N, 2).
-    Returns (N, count), sparse.
+    Returns (N, count), sparse, float32; a colour that several texels of a sample have is there as often.
     """
     height, width = owner.shape
     places = _pixels(owner, uvs)
     first = np.floor(places).astype(int)
-    points = np.arange(len(uvs))
-    rest = places - first
-    matrix = 0
-    for right, down in np.ndindex(2, 2):
+    rest = (places - first).astype(np.float32)
+    owners = np.empty((len(uvs), 4), np.int32)
+    parts = np.empty((len(uvs), 4), np.float32)
+    for corner, (right, down) in enumerate(np.ndindex(2, 2)):
         column = np.clip(first[:, 0] + right, 0, width - 1)
         row = np.clip(first[:, 1] + down, 0, height - 1)
-        part = np.abs(1 - right - rest[:, 0]) * np.abs(1 - down - rest[:, 1])
-        matrix = matrix + sp.csr_matrix((part, (points, owner[row, column])), (len(uvs), count))
-    return matrix
+        owners[:, corner] = owner[row, column]
+        parts[:, corner] = np.abs(1 - right - rest[:, 0]) * np.abs(1 - down - rest[:, 1])
+    ends = np.arange(0, owners.size + 1, 4)
+    return sp.csr_matrix((parts.ravel(), owners.ravel(), ends), (len(uvs), count))
 
 
 def _pixels(texture: np.ndarray, uvs: np.ndarray) -> np.ndarray:

@@ -1,9 +1,9 @@
 """Which point of the surface every texel of a picture shows."""
 
 import numpy as np
-from scipy.ndimage import distance_transform_edt
 
 from caricli.errors import InputError
+from caricli.render.nearest_pixel import nearest_pixel
 from caricli.render.rasterise import rasterise
 from caricli.structures import Mesh
 
@@ -31,5 +31,4 @@ def pad_texture(image: np.ndarray, covered: np.ndarray) -> np.ndarray:
     """
     if not covered.any():
         return image.copy()
-    row, column = distance_transform_edt(~covered, return_distances=False, return_indices=True)
-    return image[row, column]
+    return image[nearest_pixel(covered)]

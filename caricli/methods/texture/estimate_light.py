@@ -129,15 +129,13 @@ class _Fit:
             lit = np.maximum(self.basis @ light, 0.1 * middle)
             rest = self.logs - np.log(lit)
             robust = weights * self.trust(rest, weights)
-            for k in range(3):
-                jacobian = self.basis / lit[:, k : k + 1]
-                if np.isinf(weight):
-                    jacobian = jacobian[:, :1]
-                size = jacobian.shape[1]
-                stiff = self.stiff[:size] * (0 if np.isinf(weight) else weight * robust.sum()) / light[0, k] ** 2
-                left = jacobian.T @ (robust[:, None] * jacobian) + np.diag(stiff)
-                right = jacobian.T @ (robust * rest[:, k]) - stiff * light[:size, k]
-                light[:size, k] += np.linalg.solve(left + _LEVEL**2 * np.eye(size), right)
+            size = 1 if np.isinf(weight) else 9
+            basis = self.basis[:, :size]
+            stiff = np.zeros((3, size)) if size == 1 else weight * robust.sum() * self.stiff / light[0, :, None] ** 2
+            scaled = (robust[:, None] / lit**2).T[:, :, None] * basis
+            left = scaled.transpose(0, 2, 1) @ basis + np.einsum("ci,ij->cij", stiff + _LEVEL**2, np.eye(size))
+            right = (robust[:, None] * rest / lit).T @ basis - stiff * light[:size].T
+            light[:size] += np.linalg.solve(left, right[..., None])[..., 0].T
         return light
 
     def trust(self, rest: np.ndarray, weights: np.ndarray) -> np.ndarray:

@@ -4,11 +4,12 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
-from scipy.ndimage import distance_transform_edt
+import scipy.sparse as sp
 
 from caricli.geometry.triangle_normals import triangle_normals
 from caricli.methods.texture.settings import TextureSettings
 from caricli.render.diffuse_background import diffuse_background
+from caricli.render.nearest_pixel import nearest_pixel
 from caricli.render.rasterise import rasterise
 from caricli.render.sample_texture import sample_pixels, texture_matrix
 from caricli.structures import Camera, Mesh
@@ -103,16 +104,16 @@ class PictureView:
     def look(self, points: SurfacePoints) -> SeenColours:
         """The colours of points, and how far they are seen."""
         settings = self.settings
-        placed = self.camera.place(points.places)
+        placed = self._place(points.places)
         x = placed[:, 0]
         y = placed[:, 1]
-        colours = sample_pixels(self.pictured, x, y).astype(np.float64)
+        colours = sample_pixels(self.pictured, x, y).astype(placed.dtype)
         inside = sample_pixels(self.inside, x, y, border=0.0)
         shrunk = self._shrunk(placed)
         nearest = sample_pixels(self.raster.depth, shrunk[:, 0], shrunk[:, 1], cv2.INTER_NEAREST, float("inf"))
         behind = placed[:, 2] - nearest / self.zoom
-        lengths = np.maximum(np.linalg.norm(points.normals, axis=1), 1e-9)
-        cosine = -(points.normals @ self.camera.rotation[2]) / lengths
+        lengths = np.sqrt(np.einsum("nk,nk->n", points.normals, points.normals))
+        cosine = -(points.normals @ self.camera.rotation[2].astype(placed.dtype)) / np.maximum(lengths, 1e-9)
         # A surface at an angle is behind itself by the width of a pixel.
         allowed = settings.behind * self.camera.scale * self.height / np.clip(cosine, 0.2, 1)
         facing = np.clip((cosine - settings.grazing) / (settings.facing - settings.grazing), 0, 1) ** 2
@@ -136,11 +137,11 @@ class PictureView:
         missing[self.pixels] = (lookup @ trust) * (self.small[self.pixels] - lookup @ colours)
         sharper = colours.copy()
         seen = trust[:, 0] > 0
-        lookup = lookup[:, seen]
+        lookup = _columns(lookup, seen)
         back = lookup.T.tocsr()
         alone = self.settings.alone
-        total = back @ np.ones((len(face), 1)) + alone
-        x, y, _ = self._shrunk(self.camera.place(places[seen])).T
+        total = back @ np.ones((len(face), 1), np.float32) + alone
+        x, y, _ = self._shrunk(self._place(places[seen])).T
         current = colours[seen]
         least, most = self._range(x, y, current)
         for _ in range(self.settings.rounds):
@@ -158,13 +159,13 @@ class PictureView:
         counts what looks as that which is nearest to it and farther inside.
         """
         reach = max(self.settings.edge * self.camera.scale * self.height, 1.0)
-        depth = distance_transform_edt(np.pad(whole, 1))[1:-1, 1:-1]
+        depth = cv2.distanceTransform(np.pad(whole, 1).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)[1:-1, 1:-1]
         inside = np.clip(depth / reach - 0.5, 0, 1).astype(np.float32)
         deep = mask & (inside == 1)
         rim = mask & ~deep
         if deep.any() and rim.any():
-            row, column = distance_transform_edt(~deep, return_distances=False, return_indices=True)[:, rim]
-            usual = _blur(self.pictured, deep, reach)[row, column]
+            row, column = nearest_pixel(deep)
+            usual = _blur(self.pictured, deep, reach)[row[rim], column[rim]]
             like = likeness(self.pictured[rim], usual, self.settings.other) ** 2
             # The outermost pixel is a mixture.
             inside[rim] = np.maximum(inside[rim], np.clip(depth[rim] - 1, 0, 1) * like)
@@ -177,9 +178,25 @@ class PictureView:
         brightest = sample_pixels(cv2.dilate(self.small, square), x, y, cv2.INTER_NEAREST)
         return np.minimum(darkest, colours), np.maximum(brightest, colours)
 
+    def _place(self, points: np.ndarray) -> np.ndarray:
+        """Pixels and depth (N, 3) of points (N, 3), as exact as these are."""
+        camera = self.camera
+        matrix = (camera.scale * camera.rotation.T).astype(points.dtype)
+        return points @ matrix + np.array([*camera.translation, 0], points.dtype)
+
     def _shrunk(self, placed: np.ndarray) -> np.ndarray:
         """Places (N, 3) in the smaller picture; its pixels' centres are whole numbers too."""
-        return self.zoom * placed + [(self.zoom - 1) / 2, (self.zoom - 1) / 2, 0]
+        if self.zoom == 1:
+            return placed
+        return self.zoom * placed + np.array([(self.zoom - 1) / 2, (self.zoom - 1) / 2, 0], placed.dtype)
+
+
+def _columns(matrix: sp.csr_matrix, kept: np.ndarray) -> sp.csr_matrix:
+    """The columns of a matrix (N, M) that are kept, (M,) bool, quicker than by their index."""
+    number = np.cumsum(kept) - 1
+    data = np.where(kept[matrix.indices], matrix.data, 0)
+    indices = np.maximum(number, 0).astype(matrix.indices.dtype)[matrix.indices]
+    return sp.csr_matrix((data, indices, matrix.indptr), (matrix.shape[0], int(kept.sum())))
 
 
 def likeness(colours: np.ndarray, usual: np.ndarray, other: float) -> np.ndarray:

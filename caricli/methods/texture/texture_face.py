@@ -71,15 +71,16 @@ def texture_face(
     rest = (own.seen < settings.trust) | burnt.any(1)
     hardly = own.unlit(own_shade)
     colours = hardly.colours.copy()
-    trust = np.ones((len(colours), 1))
+    trust = np.ones((len(colours), 1), np.float32)
     hardly = hardly.part(rest)
+    some = texels.part(rest)
     both = hardly
     if head.annotation.mirror is not None:
-        points_there, shade_there = texels.part(rest, head.annotation.mirror).points(vertices, shade)
+        points_there, shade_there = some.mirrored(head.annotation.mirror).points(vertices, shade)
         there = view.look(points_there).unlit(shade_there)
         both = both.completed(there, settings.mirrored * (1 - _trust(both.seen, settings)[:, 0]))
     trust[rest] = _trust(both.seen, settings)
-    filled = _fill(head, usual.unlit(shade), hardly, texels.part(rest), settings)
+    filled = _fill(head, usual.unlit(shade), hardly, some, settings)
     bare = np.where(burnt[rest], np.maximum(both.colours, filled), both.colours)
     colours[rest] = trust[rest] * bare + (1 - trust[rest]) * filled
     lit = own_shade * colours
@@ -120,13 +121,18 @@ class _Texels:
         shape = (len(corners), len(head.vertices))
         self.mix = sp.csr_matrix((weights[self.covered].ravel(), corners.ravel(), ends), shape)
 
-    def part(self, rows: np.ndarray, mirror: np.ndarray | None = None) -> "_Texels":
-        """Of the texels those of rows (N,) bool, on the other side where there is a mirror map (V,)."""
+    def part(self, rows: np.ndarray) -> "_Texels":
+        """Of the texels those of rows (N,) bool."""
         part = copy(self)
         part.mix = self.mix[rows]
-        if mirror is not None:
-            part.mix.indices = mirror[part.mix.indices].astype(part.mix.indices.dtype)
         return part
+
+    def mirrored(self, mirror: np.ndarray) -> "_Texels":
+        """Where they are on the other side. mirror: (V,) vertices that face each other."""
+        other = copy(self)
+        corners = mirror[self.mix.indices].astype(self.mix.indices.dtype)
+        other.mix = sp.csr_matrix((self.mix.data, corners, self.mix.indptr), self.mix.shape)
+        return other
 
     def points(self, vertices: SurfacePoints, shade: np.ndarray) -> tuple[SurfacePoints, np.ndarray]:
         """Points and shade (N, 3), of what they are at the vertices."""
