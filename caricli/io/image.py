@@ -1,6 +1,7 @@
 """Pictures: one loader, one writer."""
 
 import ctypes
+import hashlib
 import io
 import warnings
 from contextlib import suppress
@@ -16,6 +17,8 @@ from caricli.io.outputs import writing
 from caricli.limits import MAX_IMAGE_BYTES, MAX_IMAGE_PIXELS
 
 EFFORT = 3  # of PNG, from 0 to 9: the usual 6 saves a tenth of the bytes and takes twice as long
+_MOST_PACKED = 4  # that a head wears
+_packed: dict[str, bytes] = {}
 _FORMATS = ("PNG", "JPEG", "WEBP", "BMP", "TIFF", "GIF")
 
 
@@ -74,12 +77,25 @@ def write_png(path: str | Path, image: np.ndarray) -> None:
     image: (H,W,3) or (H,W,4) uint8.
     Raises OutputError when the array is no such image or the file cannot be written.
     """
-    from PIL import Image
-
     if image.dtype != np.uint8 or image.ndim != 3 or image.shape[2] not in (3, 4) or 0 in image.shape:
         raise OutputError(f"{shown(path)}: expected an image (H,W,3|4) uint8, found {image.shape} {image.dtype}")
     with writing(path), open(path, "wb") as stream:
-        Image.fromarray(np.ascontiguousarray(image)).save(stream, "PNG", compress_level=EFFORT)
+        stream.write(png_bytes(image))
+
+
+def png_bytes(image: np.ndarray) -> bytes:
+    """A picture (H, W, 3 or 4) uint8 as a PNG; the same one is packed once, for files and inside of others."""
+    from PIL import Image
+
+    image = np.ascontiguousarray(image)
+    key = hashlib.sha256(f"{image.shape}".encode() + image.data).hexdigest()
+    if key not in _packed:
+        stream = io.BytesIO()
+        Image.fromarray(image).save(stream, "PNG", compress_level=EFFORT)
+        while len(_packed) >= _MOST_PACKED:
+            del _packed[next(iter(_packed))]
+        _packed[key] = stream.getvalue()
+    return _packed[key]
 
 
 def _rgb(image: Any, pillow: Any) -> np.ndarray:

@@ -12,7 +12,7 @@ from PIL import Image
 
 from caricli.errors import InputError, OutputError
 from caricli.io import image as image_module
-from caricli.io.image import read_image, write_png
+from caricli.io.image import png_bytes, read_image, write_png
 
 GRADIENT = np.arange(5 * 7 * 3, dtype=np.uint8).reshape(5, 7, 3)
 
@@ -129,3 +129,14 @@ def test_writing_refuses(tmp_path, image):
     with pytest.raises(OutputError, match=r"expected an image \(H,W,3\|4\) uint8"):
         write_png(tmp_path / "a.png", image)
     assert not (tmp_path / "a.png").exists()
+
+
+def test_a_picture_is_packed_once(tmp_path, monkeypatch):
+    image = np.random.default_rng(3).integers(0, 255, (40, 30, 3)).astype(np.uint8)
+    write_png(tmp_path / "first.png", image)
+    monkeypatch.setattr("PIL.Image.fromarray", None)
+    assert png_bytes(image.copy()) == (tmp_path / "first.png").read_bytes()
+    with pytest.raises(TypeError):
+        png_bytes(image.reshape(30, 40, 3))
+    with pytest.raises(TypeError):
+        png_bytes(255 - image)

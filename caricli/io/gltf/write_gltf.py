@@ -1,6 +1,5 @@
 """Rigs to GLB or glTF: one mesh with named morph targets."""
 
-import io
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +9,7 @@ from caricli import __version__
 from caricli.errors import OutputError, shown
 from caricli.io.gltf.container import write_container
 from caricli.io.gltf.format import DTYPES, SOURCE_VERTEX, TYPES, VERSION
-from caricli.io.image import EFFORT
+from caricli.io.image import png_bytes
 from caricli.structures import Animation, Rig
 from caricli.structures.materials import FINISHES, Material
 
@@ -204,7 +203,7 @@ def _materials(rig: Rig, buffer: _Buffer) -> dict[str, list[dict]]:
             surface["baseColorFactor"] = [*finish.linear, 1]
         else:
             surface["baseColorTexture"] = {"index": len(images)}
-            images.append({"mimeType": "image/png", "bufferView": buffer.view(_png(image))})
+            images.append({"mimeType": "image/png", "bufferView": buffer.view(png_bytes(image))})
         # A shell of hair has an inside, which is seen from below.
         sides = {"doubleSided": True} if material == Material.HAIR else {}
         materials.append({"name": finish.name, "pbrMetallicRoughness": surface, **sides})
@@ -216,14 +215,6 @@ def _materials(rig: Rig, buffer: _Buffer) -> dict[str, list[dict]]:
         "images": images,
         "samplers": [{"magFilter": _LINEAR, "minFilter": _LINEAR_MIPMAP_LINEAR}],
     }
-
-
-def _png(image: np.ndarray) -> bytes:
-    from PIL import Image
-
-    stream = io.BytesIO()
-    Image.fromarray(np.ascontiguousarray(image, np.uint8)).save(stream, "PNG", compress_level=EFFORT)
-    return stream.getvalue()
 
 
 def _animation(animation: Animation, buffer: _Buffer) -> dict:
