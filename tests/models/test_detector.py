@@ -33,8 +33,9 @@ def test_blobs_have_their_mean_and_their_spread():
 
 def test_windows_of_any_size_are_searched_and_those_of_its_own_read(detector):
     generator = np.random.default_rng(0)
-    cells, regions = detector.search(generator.integers(0, 256, (96, 160, 3), np.uint8))
-    assert len(cells.score) == 6 * 10 and regions.shape == (48, 80, 16)
+    window = generator.integers(0, 256, (96, 160, 3), np.uint8)
+    regions = detector.parse(window)
+    assert len(detector.search(window).score) == 6 * 10 and regions.shape == (48, 80, 16)
     np.testing.assert_allclose(regions.sum(-1), 1, atol=1e-5)
     reading = detector.read(generator.integers(0, 256, (2, 64, 64, 3), np.uint8))
     assert reading.points.shape == (2, 81, 2) and reading.regions.shape == (2, 32, 32, 16)

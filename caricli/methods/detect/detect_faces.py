@@ -4,7 +4,7 @@ import numpy as np
 
 from caricli.errors import InputError
 from caricli.methods.detect.find_faces import Candidate, Glance, common_share, find_faces
-from caricli.methods.detect.parse_picture import parse_picture
+from caricli.methods.detect.parse_picture import WindowRegions, parse_picture
 from caricli.methods.detect.read_faces import ReadFace, look_at_face
 from caricli.methods.detect.settings import DetectSettings
 from caricli.models.detector.model import Detector
@@ -24,15 +24,23 @@ def detect_faces(picture: np.ndarray, detector: Detector, settings: DetectSettin
     size = (picture.shape[1], picture.shape[0])
     pairs: list[tuple[DetectedFace, ReadFace]] = []
     for candidate in candidates:
-        read = look_at_face(picture, candidate.frame, detector, settings)
-        face = _face(candidate, read, size, settings)
-        if face is not None and all(common_share(face.frame, own.frame) <= settings.overlap for own, _ in pairs):
-            pairs.append((face, read))
+        # What a face that was found covers needs no look.
+        if _is_new(candidate.frame, pairs, settings):
+            read = look_at_face(picture, candidate.frame, detector, settings)
+            face = _face(candidate, read, size, settings)
+            if face is not None and _is_new(face.frame, pairs, settings):
+                pairs.append((face, read))
     pairs.sort(key=lambda pair: -pair[0].frame.side)
     faces = [face for face, _ in pairs]
     glance = _nearest_glance(glances, faces, settings)
-    regions = parse_picture(picture.shape[:2], glance, [read for _, read in pairs])
+    whole = WindowRegions(detector.parse(glance.window), glance.matrix)
+    own = [WindowRegions(read.regions, read.matrix) for _, read in pairs]
+    regions = parse_picture(picture.shape[:2], whole, own)
     return Detection(faces, regions)
+
+
+def _is_new(frame: FaceFrame, pairs: list[tuple[DetectedFace, ReadFace]], settings: DetectSettings) -> bool:
+    return all(common_share(frame, face.frame) <= settings.overlap for face, _ in pairs)
 
 
 def _face(candidate: Candidate, read: ReadFace, size: tuple[int, int], settings: DetectSettings) -> DetectedFace | None:

@@ -21,12 +21,12 @@ _MULTIPLE = 32
 class Glance:
     """A whole picture at one scale.
 
-    matrix: (2, 3) map from the picture's pixels to the window's. regions: (H / 2, W / 2, R) probabilities, the pixel j
-    at 2 j of the window. scale: pixels of the window a pixel of the picture.
+    matrix: (2, 3) map from the picture's pixels to the window's. window: (H, W, 3) uint8. scale: of windows as the
+    detector was trained on a pixel of the picture.
     """
 
     matrix: np.ndarray
-    regions: np.ndarray
+    window: np.ndarray
     scale: float
 
 
@@ -52,9 +52,9 @@ def find_faces(
         size = [_MULTIPLE * ceil((round(length * scale) + 1) / _MULTIPLE) for length in picture.shape[1::-1]]
         shift = [(size[k] - scale * picture.shape[1 - k]) / 2 + (scale - 1) / 2 for k in range(2)]
         matrix = np.array([[scale, 0, shift[0]], [0, scale, shift[1]]])
-        cells, regions = detector.search(cut_window(picture, matrix, (size[0], size[1])))
-        candidates += _peaks(cells, matrix, scale, settings.start)
-        glances.append(Glance(matrix, regions, scale / detector.size))
+        window = cut_window(picture, matrix, (size[0], size[1]))
+        candidates += _peaks(detector.search(window), matrix, scale, settings.start)
+        glances.append(Glance(matrix, window, scale / detector.size))
     return without_doubles(candidates, settings.overlap)[: settings.most], glances
 
 

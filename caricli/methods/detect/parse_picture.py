@@ -1,37 +1,49 @@
 """What every pixel of a picture shows."""
 
+from dataclasses import dataclass
+
 import numpy as np
 
-from caricli.methods.detect.find_faces import Glance
-from caricli.methods.detect.read_faces import ReadFace
 from caricli.models.detector.networks import HALF
 
 _EDGE = 4
 """Pixels of a window's map at its edge, where the network has seen little around them."""
 
 
-def parse_picture(shape: tuple[int, int], glance: Glance, faces: list[ReadFace]) -> np.ndarray:
+@dataclass(frozen=True, eq=False)
+class WindowRegions:
+    """What a window shows.
+
+    chances: (h, w, R) probabilities of regions, the pixel j at HALF j of the window. matrix: (2, 3) map from the
+    picture's pixels to the window's.
+    """
+
+    chances: np.ndarray
+    matrix: np.ndarray
+
+
+def parse_picture(shape: tuple[int, int], whole: WindowRegions, faces: list[WindowRegions]) -> np.ndarray:
     """Put the regions of a whole picture and of the windows of its faces together.
 
-    shape: (height, width). glance: the picture as a whole. faces: the first over the others.
+    shape: (height, width). faces: the first over the others.
     Returns (height, width) uint8 values of Region.
     """
     regions = np.zeros(shape, np.uint8)
-    _lay(regions, glance.regions, glance.matrix, edge=0)
+    _lay(regions, whole, edge=0)
     for face in reversed(faces):
-        _lay(regions, face.regions, face.matrix, _EDGE)
+        _lay(regions, face, _EDGE)
     return regions
 
 
-def _lay(regions: np.ndarray, chances: np.ndarray, matrix: np.ndarray, edge: int) -> None:
-    """Write the likeliest of chances (h, w, R) over regions (H, W).
+def _lay(regions: np.ndarray, window: WindowRegions, edge: int) -> None:
+    """Write the likeliest regions of a window over regions (H, W).
 
-    matrix: (2, 3) from the pixels of the regions to those of the window, HALF of which are one of the chances. edge:
-    pixels of the chances that are left out around them, or 0 where they are of the whole picture.
+    edge: pixels of its map that are left out around it, or 0 where it is of the whole picture.
     """
     import cv2
 
-    to_chances = matrix / HALF
+    chances = window.chances
+    to_chances = window.matrix / HALF
     height, width = chances.shape[:2]
     corners = np.array([[0, 0], [width, 0], [width, height], [0, height]]) - to_chances[:, 2]
     there = np.linalg.solve(to_chances[:, :2], corners.T).T

@@ -33,11 +33,11 @@ class ReadFace:
 def look_at_face(picture: np.ndarray, frame: FaceFrame, detector: Detector, settings: DetectSettings) -> ReadFace:
     """Look at the face in a frame of a picture (H, W, 3) uint8, and then again in the frame of the landmarks just seen.
 
-    It ends where these frames agree, or after ``settings.looks``. Every look is at the window and its mirror image,
-    whose means are taken; where they differ is doubt, too.
+    It ends where these frames agree, after ``settings.looks``, or where the first sees no face at all. Every look is at
+    the window and its mirror image, whose means are taken; where they differ is doubt, too.
     """
     read = _read(picture, frame, settings.first, detector)
-    for _ in range(settings.looks - 1):
+    for _ in range(settings.looks - 1 if read.score >= settings.start else 0):
         frame = FaceFrame.of(read.points)
         read = _read(picture, frame, settings.second, detector)
         if frames_overlap(frame, FaceFrame.of(read.points)) > settings.agree:

@@ -21,7 +21,7 @@ class DetectSettings:
     sides: tuple[float, ...] = (0.75, 1.25, 2.125)
     start: float = 0.2
     sure: float = 0.4
-    most: int = 24
+    most: int = 12
     overlap: float = 0.5
     first: float = 1.9
     second: float = 1.6

@@ -77,15 +77,15 @@ class Detector:
         return model_id(KIND, self.tensors())
 
     @torch.inference_mode()
-    def search(self, window: np.ndarray) -> tuple[FaceCells, np.ndarray]:
-        """Look for faces in a window (H, W, 3) uint8 of any size, sides multiples of 32 pixels.
+    def search(self, window: np.ndarray) -> FaceCells:
+        """What is at every cell of a window (H, W, 3) uint8 of any size, sides multiples of 32 pixels."""
+        return face_cells(self.network.faces(self.network.coarse(_tensor(window[None]))[0]))
 
-        Returns what is at every cell, and probabilities of regions (H / 2, W / 2, R).
-        """
+    @torch.inference_mode()
+    def parse(self, window: np.ndarray) -> np.ndarray:
+        """Probabilities of regions (H / 2, W / 2, R) of such a window; the pixel j is at 2 j of the window."""
         features, levels = self.network.coarse(_tensor(window[None]))
-        grid = self.network.faces(features)
-        regions = self.network.parse(self.network.fine(features, levels), levels)
-        return face_cells(grid), _probabilities(regions)[0]
+        return _probabilities(self.network.parse(self.network.fine(features, levels), levels))[0]
 
     @torch.inference_mode()
     def read(self, windows: np.ndarray) -> Reading:

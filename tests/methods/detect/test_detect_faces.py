@@ -3,8 +3,8 @@ import numpy as np
 import pytest
 
 from caricli.methods.detect.detect_faces import _face, detect_faces
-from caricli.methods.detect.find_faces import Candidate, Glance, frames_overlap
-from caricli.methods.detect.parse_picture import parse_picture
+from caricli.methods.detect.find_faces import Candidate, frames_overlap
+from caricli.methods.detect.parse_picture import WindowRegions, parse_picture
 from caricli.methods.detect.read_faces import ReadFace
 from caricli.methods.detect.settings import DetectSettings
 from caricli.structures.detection import FaceFrame
@@ -67,7 +67,7 @@ def test_regions_lie_where_they_were_seen():
     chances[8:16, 4:12, Region.EYES] = 1
     scale = 0.5
     matrix = np.array([[scale, 0, 0], [0, scale, 0]])
-    regions = parse_picture((128, 128), Glance(matrix, chances, scale), [])
+    regions = parse_picture((128, 128), WindowRegions(chances, matrix), [])
     y, x = np.nonzero(regions == Region.EYES)
     # A pixel j of the map is at 2 j of the window, at 4 j of the picture.
     assert x.min() == pytest.approx(4 * 3.5, abs=1.5) and x.max() == pytest.approx(4 * 11.5, abs=1.5)

@@ -8,7 +8,7 @@ from caricli.methods.detect.settings import DetectSettings
 from caricli.structures.detection import FaceFrame, turn_axes
 from caricli.structures.landmarks import MIRRORED
 
-TWICE = DetectSettings(looks=2)
+TWICE = DetectSettings(looks=2, start=0)
 """Further looks of one that has learnt nothing go anywhere."""
 
 FRAME = FaceFrame(np.array([70.0, 60.0]), 60.0, 0.3)
