@@ -21,6 +21,7 @@ from pathlib import Path
 import igl
 import numpy as np
 from scipy.interpolate import RBFInterpolator
+from scipy.spatial import cKDTree
 
 from caricli.data.build_settings import EXPONENTS, BuildSettings
 from caricli.data.identities import random_identity
@@ -175,20 +176,20 @@ def depths(face):
     names = templates.names
     deltas = attachment.let_out(mesh, names, transfer_rig(templates, face))
     parts = attachment.animate(mesh, names, deltas)
-    points = np.concatenate([part.mesh.vertices for part in parts])
-    moves = np.concatenate([part.deltas for part in parts], axis=1)
-    ends = np.cumsum([len(part.mesh.vertices) for part in parts])[:-1]
     flesh = Flesh(mesh.faces)
-
-    def deep(amounts):
-        skin, own = (np.tensordot(amounts, way, 1) for way in (deltas, moves))
-        depth = flesh.depth(face + skin, points + own)
-        return np.array([100 * rows.max() / mesh.height for rows in np.split(depth, ends)])
-
-    rows = {"rest": deep(np.zeros(len(names)))}
+    reach = [Reach(mesh, flesh, part) for part in parts]
+    by_part = {part.name: {"rest": 100 * float(flesh.depth(face, part.mesh.vertices).max())} for part in parts}
     for name, amounts in zip(names, uses(names), strict=True):
-        rows[name] = np.max([deep(weight * amounts) for weight in WEIGHTS], axis=0)
-    by_part = {part.name: {name: float(row[k]) for name, row in rows.items()} for k, part in enumerate(parts)}
+        skin = np.tensordot(amounts, deltas, 1)
+        own = [np.tensordot(amounts, part.deltas, 1) for part in parts]
+        near = [one.asked(skin, way) for one, way in zip(reach, own, strict=True)]
+        starts = np.concatenate([part.mesh.vertices[ids] for part, ids in zip(parts, near, strict=True)])
+        ways = np.concatenate([way[ids] for way, ids in zip(own, near, strict=True)])
+        ends = np.cumsum([len(ids) for ids in near])[:-1]
+        depth = np.max([flesh.depth(face + a * skin, starts + a * ways) for a in WEIGHTS], axis=0)
+        for part, rows in zip(parts, np.split(depth, ends), strict=True):
+            by_part[part.name][name] = 100 * float(rows.max(initial=0.0))
+    by_part = {name: {key: value / mesh.height for key, value in rows.items()} for name, rows in by_part.items()}
     k = names.index("tongueOut")
     return by_part | {"seen": seen(mesh.with_vertices(face + deltas[k]), parts, k)}
 
@@ -205,6 +206,25 @@ def seen(mesh, parts, k):
     tongue = 1 + next(i for i, part in enumerate(parts) if part.name == "tongue")
     first = sum(len(one.faces) for one in meshes[:tongue])
     return float(100 * ((shown >= first) & (shown < first + len(meshes[tongue].faces))).mean())
+
+
+class Reach:
+    """Which points of a part skin can come over: those outside that it cannot reach on its way need no looking at."""
+
+    def __init__(self, mesh, flesh, part):
+        points = part.mesh.vertices
+        edges = mesh.vertices[mesh.faces] - mesh.vertices[np.roll(mesh.faces, 1, axis=1)]
+        self.edge = np.linalg.norm(edges, axis=-1).max()
+        self.to_part = cKDTree(points).query(mesh.vertices)[0]
+        free = np.sqrt(igl.point_mesh_squared_distance(points, mesh.vertices, flesh.faces)[0])
+        self.free = np.where(flesh.depth(mesh.vertices, points) > 0, 0.0, free)
+
+    def asked(self, skin, own):
+        """Ids of points that move as (W, 3) where the skin does as (V, 3), on straight ways."""
+        moved, ways = (np.linalg.norm(move, axis=1) for move in (skin, own))
+        # A triangle that comes to the part has a corner that is not farther than this.
+        close = self.to_part <= ways.max() + moved.max() + self.edge
+        return np.flatnonzero(self.free <= ways + moved[close].max(initial=0.0))
 
 
 class Flesh:

@@ -5,32 +5,32 @@ from functools import cached_property
 import igl
 import numpy as np
 
-FOLD = 3.0
-"""Times the depth that matters: so near to the skin another fold of it may cover a point."""
-
 
 class Hide:
     """A piece of skin, or all of it, closed over its rim towards one point."""
 
-    def __init__(self, faces: np.ndarray) -> None:
-        """faces: (F, 3) of the piece, vertex ids of the whole skin."""
+    def __init__(self, faces: np.ndarray, inwards: bool = False) -> None:
+        """faces: (F, 3) of the piece, vertex ids of the whole skin. inwards: whether it faces what it encloses."""
         self.ids, local = np.unique(faces, return_inverse=True)
         self.faces = local.reshape(-1, 3).astype(np.int64)
         edges = igl.boundary_facets(self.faces)[0]
         self.rim = np.unique(edges)
-        self.closed = np.concatenate(
-            [self.faces, np.column_stack([edges[:, ::-1], np.full(len(edges), len(self.ids))])]
-        )
+        fan = np.column_stack([edges[:, ::-1], np.full(len(edges), len(self.ids))])
+        closed = np.concatenate([self.faces, fan])
+        # What faces inwards is turned over, so that the winding number is one inside.
+        self.closed = closed[:, ::-1].copy() if inwards else closed
 
 
 class Flesh:
     """What a Hide encloses in the shape of one face."""
 
-    def __init__(self, hide: Hide, skin: np.ndarray, towards: np.ndarray | None = None) -> None:
+    def __init__(self, hide: Hide, skin: np.ndarray, towards: np.ndarray | None = None, doubt: float = 0.0) -> None:
         """skin: (S, 3) metres, of the vertices of the hide. towards: (3,) metres, the point that it is closed to, the
-        middle of its rim where none is given."""
+        middle of its rim where none is given. doubt: metres; so near to it another fold of it may cover a point than
+        what is nearest to that."""
         self.skin = np.ascontiguousarray(skin, float)
         self.hide = hide
+        self.doubt = doubt
         self.last = self.skin[hide.rim].mean(0) if towards is None else towards
 
     @cached_property
@@ -49,12 +49,19 @@ class Flesh:
     def _normals(self) -> np.ndarray:
         return igl.per_vertex_normals(self.skin, self.hide.faces)
 
+    def nearest(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Squared distances (N,) of points (N, 3) from the skin, the nearest faces (N,) and what is nearest (N, 3)."""
+        return self._tree.squared_distance(self.skin, self.hide.faces, np.ascontiguousarray(points))
+
+    def holds(self, points: np.ndarray) -> np.ndarray:
+        """(N,) whether points (N, 3) are in it."""
+        return self._enclosed.winding_number(np.ascontiguousarray(points)) > 0.5
+
     def room(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Distances (N,) of points (N, 3) from the skin, negative in the flesh, and unit ways (N, 3) out of it."""
-        points = np.ascontiguousarray(points)
-        squared, _, nearest = self._tree.squared_distance(self.skin, self.hide.faces, points)
+        squared, _, nearest = self.nearest(points)
         distance = np.sqrt(squared)
-        sign = np.where(self._enclosed.winding_number(points) > 0.5, -1.0, 1.0)
+        sign = np.where(self.holds(points), -1.0, 1.0)
         return sign * distance, sign[:, None] * (points - nearest) / np.maximum(distance, 1e-9)[:, None]
 
     def ways_out(self, points: np.ndarray, deeper: np.ndarray) -> np.ndarray:
@@ -62,15 +69,13 @@ class Flesh:
 
         Quicker than ``room`` where few points are.
         """
-        points = np.ascontiguousarray(points)
-        squared, face, nearest = self._tree.squared_distance(self.skin, self.hide.faces, points)
+        squared, face, nearest = self.nearest(points)
         corners = self.hide.faces[face]
         shares = igl.barycentric_coordinates(nearest, *(self.skin[corners[:, k]] for k in range(3)))
         normals = np.einsum("nk,nkc->nc", shares, self._normals[corners])
-        # The side of what is nearest is mostly right. Where it says inside the winding number decides, and near the
-        # skin, where what is nearest may be another fold than that which covers a point.
-        inside = ((normals * (points - nearest)).sum(1) < 0) | (squared < (FOLD * deeper.max()) ** 2)
+        # The side of what is nearest is mostly right; where it says inside, and in doubt, the winding number decides.
+        inside = ((normals * (points - nearest)).sum(1) < 0) | (squared < self.doubt**2)
         inside &= squared > deeper**2
         if inside.any():
-            inside[inside] = self._enclosed.winding_number(points[inside]) > 0.5
+            inside[inside] = self.holds(points[inside])
         return np.where(inside[:, None], nearest - points, 0.0)

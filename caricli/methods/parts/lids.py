@@ -26,6 +26,9 @@ OVER = 60
 STILL = 1e-3
 """of the height: how far an expression moves at least one of them against it, or it is not asked whether it does."""
 
+FOLD = 0.006
+"""Of the height: so near to the skin another fold of it may cover a lash than what is nearest, where lids move."""
+
 WAY = (0.25, 0.5, 0.75, 1.0)
 """Weights of expressions at which lashes are kept out of the skin."""
 
@@ -58,6 +61,7 @@ class Lids:
         shape = self.lashes.shortened(shape, size)
         skin = face.neutral[self.hide.ids]
         middle = face.neutral.mean(0)
+        fold = FOLD * size * self.lashes.height
         shape = self.lashes.bent({1.0: Flesh(self.hide, skin, middle)}, shape, shape, size)
         moved = self._moved(face.neutral, face.neutral + face.deltas, shape, False) - shape
         together = uses(face.names)
@@ -68,7 +72,7 @@ class Lids:
             against = changes[k, self.over] - (end - shape)[self.lashes.roots][:, None]
             near = np.linalg.norm(against, axis=-1).max(1) > STILL * size * self.lashes.height
             if near.any():
-                flesh = {weight: Flesh(self.hide, skin + weight * changes[k], middle) for weight in WAY}
+                flesh = {weight: Flesh(self.hide, skin + weight * changes[k], middle, fold) for weight in WAY}
                 moved[k] += self.lashes.bent(flesh, shape, end, size, near) - end
         return replace(self.part, mesh=self.part.mesh.with_vertices(shape), names=face.names, deltas=moved)
 

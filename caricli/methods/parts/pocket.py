@@ -2,10 +2,10 @@
 
 from dataclasses import dataclass
 
-import igl
 import numpy as np
 
 from caricli.geometry.triangle_normals import triangle_normals
+from caricli.methods.parts.flesh import Flesh, Hide
 from caricli.structures.arkit import uses
 from caricli.template.template import Template
 
@@ -26,26 +26,6 @@ class RoomSettings:
     smallest: float = 0.4
 
 
-class Bag:
-    """A part of the skin that is open like a bag, closed over its rim."""
-
-    def __init__(self, template: Template, member: np.ndarray) -> None:
-        """member: (V,) whether vertices belong to it."""
-        faces = template.faces[member[template.faces].all(1)]
-        self.ids, local = np.unique(faces, return_inverse=True)
-        self.faces = local.reshape(-1, 3).astype(np.int64)
-        edges = igl.boundary_facets(self.faces)[0]
-        self.rim = np.unique(edges)
-        fan = np.column_stack([edges[:, ::-1], np.full(len(edges), len(self.ids))])
-        # Its skin faces into it: turned over, the winding number is one inside.
-        self.closed = np.concatenate([self.faces, fan])[:, ::-1].copy()
-
-    def holds(self, skin: np.ndarray, points: np.ndarray) -> np.ndarray:
-        """(N,) whether points (N, 3) are in it. skin: (W, 3) of its vertices."""
-        closed = np.concatenate([skin, skin[self.rim].mean(0, keepdims=True)])
-        return igl.fast_winding_number(closed, self.closed, np.ascontiguousarray(points)) > 0.5
-
-
 class Pocket:
     """The wall of a mouth, closed behind the lips, and the same with the lips, closed before them."""
 
@@ -53,10 +33,10 @@ class Pocket:
         """wall: vertex ids of the region that lines the mouth."""
         member = np.zeros(len(template.vertices), bool)
         member[wall] = True
-        self.inner = Bag(template, member)
+        self.inner = _bag(template, member)
         self.ids = self.inner.ids
         member[template.annotation.regions.get("mouth", wall)] = True
-        self.lips = Bag(template, member)
+        self.lips = _bag(template, member)
         self.inside = np.searchsorted(self.lips.ids, self.ids)
         self.height = template.height
         self.spread = spread(np.asarray(template.vertices, float)[self.ids])
@@ -97,18 +77,13 @@ class Mouth:
 
     def __init__(self, pocket: Pocket, skin: np.ndarray) -> None:
         """skin: (W, 3) metres, of the wall and the lips."""
-        self.pocket = pocket
-        self.skin = skin
-        self.wall = skin[pocket.inside]
-        self.faces = pocket.inner.faces
-        self.tree = igl.AABB()
-        self.tree.init(self.wall, self.faces)
-        self.normals = triangle_normals(self.wall, self.faces)
+        self.inner = Flesh(pocket.inner, skin[pocket.inside])
+        self.lips = Flesh(pocket.lips, skin)
+        self.normals = triangle_normals(self.inner.skin, pocket.inner.faces)
 
     def room(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Distances (N,) of points (N, 3) from the wall, negative outside, and unit ways (N, 3) into the mouth."""
-        points = np.ascontiguousarray(points)
-        squared, face, nearest = self.tree.squared_distance(self.wall, self.faces, points)
+        squared, face, nearest = self.inner.nearest(points)
         distance = np.sqrt(squared)
         away = points - nearest
         # The side of the nearest face is quick and mostly right; where it says outside, winding numbers decide: behind
@@ -116,9 +91,9 @@ class Mouth:
         outside = (self.normals[face] * away).sum(1) < 0
         if outside.any():
             doubtful = points[outside]
-            in_mouth = self.pocket.inner.holds(self.wall, doubtful)
+            in_mouth = self.inner.holds(doubtful)
             if in_mouth.any():
-                in_mouth[in_mouth] = self.pocket.lips.holds(self.skin, doubtful[in_mouth])
+                in_mouth[in_mouth] = self.lips.holds(doubtful[in_mouth])
             outside[outside] = ~in_mouth
         sign = np.where(outside, -1.0, 1.0)
         return sign * distance, sign[:, None] * away / np.maximum(distance, 1e-9)[:, None]
@@ -164,6 +139,11 @@ def make_room(
         shift = shift + step[:3]
         scale = float(np.clip(scale + step[3], settings.smallest, 1.0))
     return scale, shift
+
+
+def _bag(template: Template, member: np.ndarray) -> Hide:
+    """The part of the skin whose vertices (V,) are members: open like a bag, and its skin faces into it."""
+    return Hide(template.faces[member[template.faces].all(1)], inwards=True)
 
 
 def spread(points: np.ndarray) -> float:
