@@ -21,7 +21,7 @@ from pathlib import Path
 ROOT = Path(__file__).parents[1]
 ASTRONAUT = ROOT / "examples" / "astronaut"
 TINY = "--set epochs=2 --set points=32 --set width=16 --set hidden=16 --set latent=8"
-SEER = "--set width=16 --set stem=8 --set depth=1 --set size=64 --set steps=40 --set batch=8 --set precision=float32"
+SEER = "--set width=16 --set stem=8 --set depth=1 --set size=64 --set steps=150 --set batch=16 --set precision=float32"
 
 # Every line is run in turn in one folder; what it writes goes into a folder of its own, or beside the others.
 COMMANDS = f"""
