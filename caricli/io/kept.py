@@ -38,9 +38,9 @@ def kept_arrays(
     if path is None:
         return make()
     with contextlib.suppress(CaricliError, OSError):
-        arrays = read_npz(path)
+        kept = read_npz(path)
         os.utime(path)
-        return arrays
+        return kept
     start = time.perf_counter()
     arrays = make()
     if time.perf_counter() - start > QUICK:
