@@ -136,11 +136,14 @@ class Bone:
         lips = part_more(face.names, face.deltas)
         deltas = face.deltas.copy()
         for k in np.flatnonzero([name in self.own for name in face.names]):
+            least = np.inf
             for parting in PARTINGS:
-                deltas[k] = face.deltas[k] + parting * lips
-                opened = Posed(face.neutral, (face.names[k],), deltas[k : k + 1])
+                opened = Posed(face.neutral, (face.names[k],), (face.deltas[k] + parting * lips)[None])
                 _, lack = self._way_out(opened, shape, self._moved(opened, shape, to_face)[0], mouths.height)
-                if lack <= FREE * PRESSED * mouths.height:
+                if lack < least:
+                    least = lack
+                    deltas[k] = opened.deltas[0]
+                if least <= FREE * PRESSED * mouths.height:
                     break
         return deltas
 
