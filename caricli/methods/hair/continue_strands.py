@@ -1,117 +1,179 @@
-"""Strands of hair continued around a head, from strips of what is seen."""
+"""Strands of hair continued around a head, from patches of what is seen."""
 
+from dataclasses import dataclass
+
+import cv2
 import numpy as np
+from scipy.ndimage import distance_transform_edt
 
-_WIDTHS = 20  # strips around the head
-_OVERLAP = 0.4  # of a strip, with the one before
-_SEEN = 0.5  # of a column: with less of it seen nothing is taken from there
-_CANDIDATES = 160  # places that a strip may be taken from
-_LIKELY = 1.1  # of the least difference: those with no more are drawn from, so that nothing repeats
+_SIDES = (0.2, 0.14, 0.1, 0.07, 0.05, 0.035)  # of the picture: patches, the largest of which there are enough
+_ENOUGH = 24  # patches
+_FULL = 0.7  # of a patch: with less of it seen it is none
+_BORDER = 0.003  # of the picture: so near to what is not seen no patch is taken
+_STEP = 0.6  # of a patch's side, from one to the next
+_UNEVEN = 0.3  # of a step, to and fro, so that patches do not lie in rings
+_PASSES = 2  # over all of them: a patch that is seen in part leaves holes
+_CANDIDATES = 80  # places that a patch may be taken from
+_LIKELY = 1.1  # of the least difference: those with no more are drawn from
+_USED = 0.5  # how much worse a patch is each time that it was taken, so that nothing repeats
+_FEATHER = 0.12  # of a patch's side, over which it fades into what was there
+_TONE = 0.3  # of a patch's side, over which it takes on the tone of what it joins
+_OWN = 0.1  # how much of its own tone it keeps, so that tones do not drift
+_COARSE = 16  # pixels, about the side of patches where they are compared
+
+
+@dataclass(frozen=True)
+class _Frame:
+    """A square in a picture whose strands run outwards from its middle: they run down in it.
+
+    radius: pixels from the middle. turn: radians. side: pixels.
+    """
+
+    radius: float
+    turn: float
+    side: int
+
+    def matrix(self, size: int) -> np.ndarray:
+        """(2, 3): from pixels of the square to those of the picture."""
+        out = np.array([np.sin(self.turn), np.cos(self.turn)])
+        along = np.array([out[1], -out[0]])
+        middle = (size - 1) / 2 + self.radius * out
+        return np.column_stack([along, out, middle - (self.side - 1) / 2 * (along + out)])
+
+    def cut(self, picture: np.ndarray) -> np.ndarray:
+        """What a picture (S, S, ...) shows there."""
+        flags = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
+        size = (self.side, self.side)
+        return cv2.warpAffine(picture, self.matrix(len(picture)), size, flags=flags, borderMode=cv2.BORDER_REPLICATE)
 
 
 def continue_strands(image: np.ndarray, seen: np.ndarray, generator: np.random.Generator) -> np.ndarray:
-    """Fill a picture that goes around, whose strands run down it, with strips of what is seen of it.
+    """Fill a picture whose strands run outwards from its middle with patches of what is seen of it.
 
-    Image quilting (Efros and Freeman 2001) in strips as high as the picture, so that every strand goes on from the
-    first row to the last: a strip is taken where it differs least from what it joins, and joined along the cut of least
-    difference.
+    Image quilting (Efros and Freeman 2001) with patches that turn with the strands: from what is seen outwards, a patch
+    is taken where it differs least from what it joins, and the less, the oftener it was taken.
 
-    image: (R, C, 3), column C - 1 beside column 0. seen: (R, C) bool. generator: of the choice among equals.
-    Returns (R, C, 3) float64, what is seen unchanged. All is its mean colour where too little is seen for a strip.
+    image: (S, S, 3) from 0 to 255. seen: (S, S) bool. generator: of the choice among equals.
+    Returns (S, S, 3) float32, what is seen unchanged. All else is its mean colour where too little is seen for a patch.
     """
-    image = image.astype(np.float64)
-    if not seen.any():
-        return image
-    whole = _complete_columns(image, seen)
-    source = seen.mean(0) >= _SEEN * seen.mean(0).max()
-    columns = image.shape[1]
-    width = max(columns // _WIDTHS, 4)
-    overlap = max(int(_OVERLAP * width), 2)
-    strips = _strips(whole, source, width, generator)
-    if source.all() or len(strips) == 0:
-        return whole
-    # The first column after something seen becomes the first of the picture.
-    first = int(np.flatnonzero(source & ~np.roll(source, -1))[0]) + 1
-    canvas = np.roll(whole, -first, axis=1)
-    given = np.roll(source, -first)
-    column = 0
-    while column < columns:
-        if given[column]:
-            column += 1
-            continue
-        start = column - overlap
-        place = np.arange(start, start + width) % columns
-        fixed = given[place]
-        chosen = _choose(strips, canvas[:, place], fixed, generator)
-        canvas[:, place] = _joined(canvas[:, place], chosen, fixed, overlap)
-        given[place] = True
-        column = max(start + width, column + 1)
-    filled = np.roll(canvas, first, axis=1)
-    filled[seen] = image[seen]
-    return filled
+    canvas = image.astype(np.float32)
+    if not seen.any() or seen.all():
+        return canvas
+    canvas[~seen] = canvas[seen].mean(0)
+    quilt = _Quilt(canvas, seen, generator)
+    if len(quilt.patches):
+        for frame in _PASSES * quilt.frames():
+            quilt.lay(frame)
+    quilt.canvas[seen] = image[seen]
+    return quilt.canvas
 
 
-def _complete_columns(image: np.ndarray, seen: np.ndarray) -> np.ndarray:
-    """The picture with every column going on, to and fro, above and below its longest run that is seen."""
-    rows = np.arange(len(image))
-    whole = image.copy()
-    for column in np.flatnonzero(seen.any(0)):
-        edges = np.flatnonzero(np.diff(np.concatenate([[0], seen[:, column], [0]]).astype(int)))
-        runs = edges.reshape(-1, 2)
-        start, end = runs[(runs[:, 1] - runs[:, 0]).argmax()]
-        length = end - start
-        along = np.mod(rows - start, 2 * length)
-        row = start + np.minimum(along, 2 * length - 1 - along)
-        whole[:, column] = np.where(seen[:, column, None], image[:, column], image[row, column])
-    return whole
+class _Quilt:
+    """A picture (S, S, 3) that is laid with patches; laid: (S, S) from 0 to 1, where it is."""
 
+    def __init__(self, canvas: np.ndarray, seen: np.ndarray, generator: np.random.Generator) -> None:
+        self.canvas = canvas
+        self.laid = seen.astype(np.float32)
+        self.generator = generator
+        # Along the border there is something of what hair ends at.
+        inside = cv2.distanceTransform(np.pad(seen, 1).astype(np.uint8), cv2.DIST_L2, 3)[1:-1, 1:-1]
+        self.seen = (inside > _BORDER * len(seen)).astype(np.float32)
+        self.far = distance_transform_edt(~seen)
+        self.side, patches = self._patches()
+        self.patches = patches[..., :3]
+        self.whole = patches[..., 3]
+        every = max(1, self.side // _COARSE)
+        self.coarse = np.s_[every // 2 :: every, every // 2 :: every]
+        whole = self.whole[:, *self.coarse]
+        whole = whole.reshape(len(patches), whole.shape[1] * whole.shape[2])
+        colours = self.patches[:, *self.coarse].reshape(len(patches), whole.shape[1], 3)
+        # What the squares of differences are made of, where a patch is seen.
+        self.parts = (
+            whole,
+            (whole[..., None] * colours).reshape(len(patches), 3 * whole.shape[1]),
+            whole * (colours**2).sum(-1),
+        )
+        self.uses = np.zeros(len(self.patches))
 
-def _strips(whole: np.ndarray, source: np.ndarray, width: int, generator: np.random.Generator) -> np.ndarray:
-    """(N, R, width, 3): strips of the picture all of whose columns are sources, and their mirror images."""
-    ends = np.lib.stride_tricks.sliding_window_view(np.concatenate([source, source[: width - 1]]), width).all(1)
-    starts = np.flatnonzero(ends)
-    if len(starts) > _CANDIDATES // 2:
-        starts = np.sort(generator.choice(starts, _CANDIDATES // 2, replace=False))
-    places = (starts[:, None] + np.arange(width)) % len(source)
-    strips = np.moveaxis(whole[:, places], 0, 1)
-    return np.concatenate([strips, strips[:, :, ::-1]]).astype(np.float32)
+    def _patches(self) -> tuple[int, np.ndarray]:
+        """Their side, and (N, side, side, 4) patches with how far they are seen, and their mirror images."""
+        size = len(self.canvas)
+        both = np.dstack([self.canvas, self.seen])
+        for share in _SIDES:
+            side = 2 * round(share * size / 2)
+            full = cv2.blur(self.seen, (side, side), borderType=cv2.BORDER_CONSTANT)
+            rows, columns = np.nonzero((full > _FULL) & (self.seen > 0))
+            if len(rows) >= _ENOUGH:
+                chosen = self.generator.choice(len(rows), min(_CANDIDATES, len(rows)), replace=False)
+                x, y = columns[chosen] - (size - 1) / 2, rows[chosen] - (size - 1) / 2
+                frames = [_Frame(*place, side) for place in zip(np.hypot(x, y), np.arctan2(x, y), strict=True)]
+                patches = np.stack([frame.cut(both) for frame in frames])
+                return side, np.concatenate([patches, patches[:, :, ::-1]])
+        return 2, np.zeros((0, 2, 2, 4), np.float32)
 
+    def frames(self) -> list[_Frame]:
+        """Frames that cover the disc, the nearest to what is seen first."""
+        size = len(self.canvas)
+        step = _STEP * self.side
+        frames = []
+        for radius in np.arange(0, size / 2 + step, step):
+            count = max(1, round(2 * np.pi * radius / step))
+            first = self.generator.uniform()
+            away = radius + step * self.generator.uniform(-_UNEVEN, _UNEVEN, count)
+            frames += [_Frame(r, 2 * np.pi * (first + n) / count, self.side) for n, r in enumerate(away)]
+        places = np.array([frame.matrix(size) @ [(self.side - 1) / 2, (self.side - 1) / 2, 1] for frame in frames])
+        column, row = np.clip(np.round(places).astype(int), 0, size - 1).T
+        away = self.far[row, column]
+        return [frames[each] for each in np.argsort(away, kind="stable")]
 
-def _choose(strips: np.ndarray, joined: np.ndarray, fixed: np.ndarray, generator: np.random.Generator) -> np.ndarray:
-    """One of the strips that differ least from what they join (R, width, 3), where this is fixed (width,)."""
-    if not fixed.any():
-        return strips[generator.integers(len(strips))]
-    differences = ((strips[:, :, fixed] - joined[:, fixed].astype(np.float32)) ** 2).mean((1, 2, 3))
-    likely = np.flatnonzero(differences <= _LIKELY**2 * differences.min())
-    return strips[generator.choice(likely)]
+    def lay(self, frame: _Frame) -> None:
+        """Choose a patch for a frame and lay it where nothing is."""
+        laid = frame.cut(self.laid)
+        if laid.min() > 0.99:
+            return
+        before = frame.cut(self.canvas)
+        chosen = self._choose(before, laid)
+        patch = self.patches[chosen]
+        whole = self.whole[chosen]
+        # The tone of what it joins, less with the distance.
+        spread = _TONE * self.side
+        joined = laid * whole
+        missing = cv2.GaussianBlur((before - patch) * joined[..., None], (0, 0), spread)
+        weight = cv2.GaussianBlur(joined, (0, 0), spread)
+        patch = np.clip(patch + missing / (weight + _OWN)[..., None], 0, 255)
+        inside = cv2.distanceTransform((laid > 0.5).astype(np.uint8), cv2.DIST_L2, 3)
+        alpha = np.clip(1 - inside / max(_FEATHER * self.side, 1), 0, 1).astype(np.float32)
+        alpha *= np.clip(2 * whole - 1, 0, 1)
+        self._paste(frame, np.dstack([patch * alpha[..., None], alpha]))
 
+    def _choose(self, before: np.ndarray, laid: np.ndarray) -> int:
+        given = laid[self.coarse].ravel()
+        colours = before[self.coarse].reshape(-1, 3)
+        whole, first, second = self.parts
+        squares = (
+            second @ given - 2 * first @ (given[:, None] * colours).ravel() + whole @ (given * (colours**2).sum(-1))
+        )
+        differences = np.maximum(squares, 0) / np.maximum(whole @ given, 1)
+        # One that fills little is hardly one.
+        fills = whole @ (1 - given) / max((1 - given).sum(), 1e-9)
+        costs = (differences + 1) * (1 + _USED * self.uses) / np.maximum(fills, 0.01) ** 2
+        likely = np.flatnonzero(costs <= _LIKELY**2 * costs.min())
+        chosen = int(self.generator.choice(likely))
+        self.uses[[chosen, (chosen + len(self.uses) // 2) % len(self.uses)]] += 1
+        return chosen
 
-def _joined(before: np.ndarray, strip: np.ndarray, fixed: np.ndarray, overlap: int) -> np.ndarray:
-    """A strip joined to what was there before (R, width, 3), on both sides where both are fixed (width,)."""
-    width = len(fixed)
-    result = strip.astype(np.float64)
-    keep = np.zeros(result.shape[:2])
-    left = overlap if fixed[:overlap].all() else 0
-    right = width - int(np.argmin(fixed[::-1])) if fixed[-1] and not fixed.all() else width
-    if left:
-        keep[:, :left] = _cut(((before - result) ** 2).sum(-1)[:, :left])
-    if right < width:
-        keep[:, right:] = _cut(((before - result) ** 2).sum(-1)[:, right:][:, ::-1])[:, ::-1]
-    if fixed.all():
-        return before
-    return keep[..., None] * before + (1 - keep[..., None]) * result
-
-
-def _cut(differences: np.ndarray) -> np.ndarray:
-    """(R, K) from 1 on the left to 0 on the right, of the cut of least difference from the top to the bottom."""
-    rows, columns = differences.shape
-    total = differences.copy()
-    for row in range(1, rows):
-        above = np.pad(total[row - 1], 1, constant_values=np.inf)
-        total[row] += np.minimum(np.minimum(above[:-2], above[1:-1]), above[2:])
-    path = np.zeros(rows, int)
-    path[-1] = total[-1].argmin()
-    for row in range(rows - 2, -1, -1):
-        low = max(path[row + 1] - 1, 0)
-        path[row] = low + total[row, low : path[row + 1] + 2].argmin()
-    return np.clip((path[:, None] - np.arange(columns)) / 2 + 0.5, 0, 1)
+    def _paste(self, frame: _Frame, painted: np.ndarray) -> None:
+        size = len(self.canvas)
+        matrix = frame.matrix(size)
+        reach = frame.side
+        middle = matrix @ [(frame.side - 1) / 2, (frame.side - 1) / 2, 1]
+        low = np.clip(np.floor(middle - reach).astype(int), 0, size)
+        high = np.clip(np.ceil(middle + reach).astype(int), 0, size)
+        if (high <= low).any():
+            return
+        matrix[:, 2] -= low
+        turned = cv2.warpAffine(painted, matrix, tuple(int(n) for n in high - low))
+        part = np.s_[low[1] : high[1], low[0] : high[0]]
+        alpha = turned[..., 3:]
+        self.canvas[part] = (1 - alpha) * self.canvas[part] + turned[..., :3]
+        self.laid[part] = np.maximum(self.laid[part], alpha[..., 0])

@@ -2,42 +2,51 @@ import numpy as np
 
 from caricli.methods.hair.continue_strands import continue_strands
 
-
-def striped():
-    """Strands of random colours that run down, seen in the first third."""
-    generator = np.random.default_rng(0)
-    image = np.repeat(generator.uniform(0, 255, (1, 120, 3)), 40, axis=0)
-    seen = np.zeros((40, 120), bool)
-    seen[5:35, :40] = True
-    return image, seen
+SIDE = 160
 
 
-def test_strands_go_on_from_top_to_bottom():
-    image, seen = striped()
+def rays():
+    """Strands that run outwards, dark and light in turns, seen in the lower third."""
+    y, x = np.mgrid[:SIDE, :SIDE] - (SIDE - 1) / 2
+    turns = np.arctan2(x, y)
+    image = np.repeat(130 + 90 * np.sign(np.sin(24 * turns))[..., None], 3, axis=2)
+    return image, (np.abs(turns) < 1.0) & (np.hypot(x, y) < SIDE / 2)
+
+
+def test_strands_run_outwards_all_around():
+    image, seen = rays()
     filled = continue_strands(image, seen, np.random.default_rng(1))
     np.testing.assert_allclose(filled[seen], image[seen])
-    # Every column is one strand, whose colour is among those that are seen, but where strips are joined.
-    plain = np.ptp(filled, axis=0).max(-1) < 1e-6
-    assert plain.mean() > 0.6
-    away = np.abs(filled[20, plain, None] - image[0, None, :40]).max(-1).min(1)
-    assert (away < 1e-4).mean() > 0.7
+    # Behind, a step along a strand changes less than one across.
+    y, x = np.mgrid[:SIDE, :SIDE] - (SIDE - 1) / 2
+    radius = np.hypot(x, y)
+    behind = ~seen & (radius > 0.2 * SIDE) & (radius < 0.45 * SIDE)
+    down, right = np.gradient(filled[..., 0])
+    along = np.abs(right * x + down * y)[behind] / radius[behind]
+    across = np.abs(right * y - down * x)[behind] / radius[behind]
+    assert filled[behind].std() > 45 and along.mean() < 0.6 * across.mean()
 
 
 def test_what_is_not_seen_never_enters():
-    image, seen = striped()
+    image, seen = rays()
     image[~seen] = 1e4
-    assert continue_strands(image, seen, np.random.default_rng(1)).max() <= 255
+    filled = continue_strands(image, seen, np.random.default_rng(1))
+    assert filled.max() <= 255
 
 
 def test_the_generator_decides():
-    _, seen = striped()
-    image = np.random.default_rng(0).normal(100, 5, (40, 120, 3))
+    _, seen = rays()
+    image = np.random.default_rng(0).normal(100, 5, (SIDE, SIDE, 3))
     first, again, other = (continue_strands(image, seen, np.random.default_rng(k)) for k in (1, 1, 2))
     np.testing.assert_array_equal(first, again)
     assert (first != other).any()
 
 
-def test_nothing_seen_and_all_seen():
-    image, seen = striped()
-    np.testing.assert_array_equal(continue_strands(image, ~seen & seen, np.random.default_rng(0)), image)
-    np.testing.assert_array_equal(continue_strands(image, seen | True, np.random.default_rng(0)), image)
+def test_nothing_seen_all_seen_and_too_little():
+    image, seen = rays()
+    generator = np.random.default_rng(0)
+    np.testing.assert_allclose(continue_strands(image, ~seen & seen, generator), image)
+    np.testing.assert_allclose(continue_strands(image, seen | True, generator), image)
+    few = np.zeros_like(seen)
+    few[80:82, 80:82] = True
+    np.testing.assert_allclose(continue_strands(image, few, generator)[~few], image[few].mean(), rtol=1e-5)
