@@ -1,5 +1,8 @@
 """Sparse symmetric systems with many right-hand sides."""
 
+import atexit
+from weakref import WeakSet
+
 import numpy as np
 import scipy.sparse as sp
 from cholespy import CholeskySolverD, MatrixType
@@ -8,12 +11,15 @@ from caricli.errors import NumericsError
 
 _BLOCK = 3  # columns solved at once: so many stay in the cache
 
+_factored: "WeakSet[Cholesky]" = WeakSet()
+
 
 class Cholesky:
     """A sparse symmetric positive definite matrix, factored once."""
 
     def __init__(self, matrix: sp.spmatrix) -> None:
         """matrix: (n, n) sparse. Raises NumericsError where it is not positive definite."""
+        self._matrix = matrix
         entries = matrix.tocoo()
         rows = entries.row.astype(np.int32)
         columns = entries.col.astype(np.int32)
@@ -21,6 +27,11 @@ class Cholesky:
             self._solver = CholeskySolverD(matrix.shape[0], rows, columns, entries.data, MatrixType.COO)
         except ValueError as error:
             raise NumericsError("a sparse system has no solution: does a part of the mesh hang on nothing?") from error
+        _factored.add(self)
+
+    def __reduce__(self) -> tuple[type["Cholesky"], tuple[sp.spmatrix]]:
+        """Another process factors it again."""
+        return Cholesky, (self._matrix,)
 
     def solve(self, right: np.ndarray) -> np.ndarray:
         """Solve for every column.
@@ -37,3 +48,10 @@ class Cholesky:
         if not np.isfinite(solution).all():
             raise NumericsError("a sparse system has no finite solution: are there degenerate triangles?")
         return solution
+
+
+@atexit.register
+def _forget() -> None:
+    """Free all factors before Python ends: those that are left then are reported on stderr as leaks."""
+    for each in list(_factored):
+        del each._solver

@@ -40,6 +40,7 @@ BARE = {
     "reconstruct-from-landmarks": "reads landmarks",
     "texture": "paints the face anew",
     "sample": "reads no face",
+    "detect": "reads pictures",
     "map-landmarks": "reads and writes landmarks",
     "dataset build": "reads no face",
     "dataset import": "a dataset holds shapes",

@@ -1,3 +1,7 @@
+import pickle
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 import scipy.sparse as sp
@@ -29,3 +33,18 @@ def test_no_answer_is_an_error():
 def test_a_matrix_that_is_not_positive_definite_is_refused():
     with pytest.raises(NumericsError, match="a sparse system has no solution"):
         Cholesky(sp.diags([1.0, -1.0, 1.0]))
+
+
+def test_another_process_gets_one_that_solves_alike():
+    right = np.arange(12.0).reshape(6, 2)
+    factor = Cholesky(system(6))
+    np.testing.assert_array_equal(pickle.loads(pickle.dumps(factor)).solve(right), factor.solve(right))
+
+
+def test_what_is_kept_until_the_end_is_no_leak():
+    script = (
+        "import builtins, scipy.sparse as sp; from caricli.geometry.cholesky import Cholesky; "
+        "builtins.kept = Cholesky(sp.identity(3))"
+    )
+    ended = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    assert ended.stderr == ""

@@ -73,7 +73,9 @@ def test_eyes_are_the_labels_of_a_parsed_picture(tmp_path):
     with pytest.raises(InputError, match="labels.png: expected the picture's size, 90 x 71, found 90 x 70"):
         load_eyes(path, (WIDTH, HEIGHT + 1))
     Image.fromarray(np.minimum(labels, 1)).save(path)
-    with pytest.raises(InputError, match="labels.png: expected pixels labelled eye_left or eye_right, found none"):
+    with pytest.raises(
+        InputError, match="labels.png: expected pixels labelled eye_left or eye_right or eyes, found none"
+    ):
         load_eyes(path, None)
 
 
