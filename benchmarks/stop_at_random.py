@@ -20,7 +20,17 @@ COMMANDS: dict[str, list] = {
     "rig": ["rig", "{face}", "--out", "{out}/a/rig.glb"],
     "edit-handle": ["edit-handle", "{face}", "--handle", "nose_tip=0,0,5%", "--out", "{out}/a/edited.obj"],
     "sample": ["sample", "--count", "3", "--out-dir", "{out}/a/samples"],
-    "dataset build": ["dataset", "build", "{out}/a/dataset", "--count", "12", "--workers", "2"],
+    "dataset build": [
+        "dataset",
+        "build",
+        "{out}/a/dataset",
+        "--identities",
+        "4",
+        "--expressions",
+        "2",
+        "--workers",
+        "2",
+    ],
 }
 
 

@@ -102,7 +102,7 @@ class Easel:
         poses = self.poses
         if away:
             chosen = chosen if generator.random() < scene.away else []
-            poses = replace(poses, around=180)
+            poses = replace(poses, around=180, farthest=poses.behind)
         elif kind < scene.none + scene.several:
             count = min(int(generator.integers(2, scene.most + 1)), len(sitters))
             chosen = generator.choice(len(sitters), count, replace=False).tolist()

@@ -10,7 +10,7 @@ class SitterSettings:
     bald, shaved: of hair: none, or painted on the scalp alone. thickness: of hair over the skull.
     fringe, sides, back: degrees from the whorl to where hair ends over the forehead, beside the face and behind.
     hat, glasses, dark, beard, wrinkled, lashes: chances; dark: of the glasses. beard_thickness: of a full beard.
-    twisted: chance that the mouth or an eye is pulled to one side.
+    twisted, grinning: chances that the mouth or an eye is pulled to one side, and that lips bare the teeth.
     """
 
     bald: float = 0.12
@@ -27,6 +27,7 @@ class SitterSettings:
     wrinkled: float = 0.55
     lashes: float = 0.6
     twisted: float = 0.3
+    grinning: float = 0.2
 
 
 @dataclass(frozen=True)
@@ -34,8 +35,8 @@ class PoseSettings:
     """How heads stand in pictures.
 
     yaw, pitch, roll: standard deviations, degrees; farthest: the most of yaw. turned: chance of a yaw from anywhere
-    within the most. around: degrees that are added to it; 180 show a head from behind. rolled: chance of a roll of up
-    to ``roll_far``.
+    within the most. around: degrees that are added to it; 180 show a head from behind. behind: the most of yaw then,
+    with which nothing of the face is seen. rolled: chance of a roll of up to ``roll_far``.
     perspective: share by which what is a head's height nearer is larger, at most.
     filled: longer side of the landmarks' box as a share of the picture's. close, small: chances of faces that go beyond
     the picture's edges, and of small ones; their shares. aside: how far its middle is off, of the picture's side;
@@ -48,6 +49,7 @@ class PoseSettings:
     farthest: float = 65
     turned: float = 0.2
     around: float = 0
+    behind: float = 35
     rolled: float = 0.12
     roll_far: float = 45
     perspective: float = 0.35

@@ -42,6 +42,12 @@ TWISTS = ("jawLeft", "jawRight", "mouthLeft", "mouthRight", "eyeBlinkLeft", "eye
           "browOuterUpRight", "mouthSmileLeft", "mouthSmileRight", "cheekPuff", "jawOpen", "eyeSquintLeft")  # fmt: skip
 """Actions that pull at a face beside its expression."""
 
+GRIN = {
+    "mouthSmileLeft": 0.6, "mouthSmileRight": 0.6, "mouthUpperUpLeft": 0.7, "mouthUpperUpRight": 0.7,
+    "mouthLowerDownLeft": 0.7, "mouthLowerDownRight": 0.7, "mouthStretchLeft": 0.3, "mouthStretchRight": 0.3,
+}  # fmt: skip
+"""Weights of actions that bare the teeth, at the most."""
+
 _SPHERE = ShellSettings(coarse=(40, 48))
 
 
@@ -84,8 +90,8 @@ class Wardrobe:
         """Dress a face (V, 3), metres, at random."""
         settings = self.settings
         appearance = random_appearance(generator)
-        if self.open_head and generator.random() < settings.twisted:
-            vertices = vertices + self._twist(vertices, generator)
+        if self.open_head:
+            vertices = vertices + self._mime(vertices, generator)
         head = self.template.with_vertices(vertices)
         worn, scalp = self._headwear(head, appearance, generator)
         skin = self._skin(head, replace(appearance, scalp=scalp), generator)
@@ -134,14 +140,21 @@ class Wardrobe:
         return {name: field * bare * front for name, field in
                 (("full", full), ("goatee", goatee), ("moustache", moustache))}  # fmt: skip
 
-    def _twist(self, vertices: np.ndarray, generator: np.random.Generator) -> np.ndarray:
+    def _mime(self, vertices: np.ndarray, generator: np.random.Generator) -> np.ndarray:
         """(V, 3) what a few actions of the usual head do, in the size of this one."""
         head = load_head()
+        weights = np.zeros(len(head.action_names))
+        if generator.random() < self.settings.twisted:
+            for name in generator.choice(TWISTS, int(generator.integers(1, 3)), replace=False):
+                weights[head.action_names.index(name)] += generator.uniform(0.15, 0.6)
+        if generator.random() < self.settings.grinning:
+            strength = generator.uniform(0.4, 1.0)
+            for name, weight in GRIN.items():
+                weights[head.action_names.index(name)] += strength * weight
+            weights[head.action_names.index("jawOpen")] += generator.uniform(0, 0.25)
         size = np.ptp(vertices[:, 1]) / np.ptp(self.template.vertices[:, 1])
-        chosen = generator.choice(len(TWISTS), int(generator.integers(1, 3)), replace=False)
-        weights = generator.uniform(0.15, 0.6, len(chosen))
-        deltas = head.actions[[head.action_names.index(TWISTS[k]) for k in chosen]]
-        return size * np.tensordot(weights, deltas, 1)
+        chosen = weights > 0
+        return size * np.tensordot(weights[chosen], head.actions[chosen], 1)
 
     def _skin(self, head: Template, appearance: Appearance, generator: np.random.Generator) -> Piece:
         colour = _linear(self.painter.draw(appearance))
