@@ -108,7 +108,7 @@ def _read_manifest(where: Path) -> dict[str, Any]:
         for key, kind in {"topology_id": str, "annotation": dict, "template": dict, "labels": dict}.items():
             take(manifest, key, kind)
         splits = take(manifest, "splits", dict)
-        if set(splits) != set(SPLITS) or not all(_are_people(people) for people in splits.values()):
+        if set(splits) != set(SPLITS) or not all(are_people(people) for people in splits.values()):
             raise InputError(f"splits: expected lists of people for {', '.join(SPLITS)}, found others")
         for shard in take(manifest, "shards", list):
             if not isinstance(shard, dict):
@@ -120,7 +120,8 @@ def _read_manifest(where: Path) -> dict[str, Any]:
     return manifest
 
 
-def _are_people(numbers: Any) -> bool:
+def are_people(numbers: Any) -> bool:
+    """Whether a JSON value is a list of people's numbers."""
     return isinstance(numbers, list) and all(type(number) is int and abs(number) < 2**62 for number in numbers)
 
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from caricli.data.dataset import SPLITS
+from caricli.data.dataset import SPLITS, are_people
 from caricli.errors import InputError, naming, shown
 from caricli.io.image import read_image
 from caricli.io.npz import read_npz, take_array, write_npz
@@ -173,7 +173,7 @@ def read_picture_set(folder: Path) -> PictureSet:
         media = tuple(map(str, take(manifest, "media", list)))
         splits = take(manifest, "splits", dict)
         entry = take(manifest, "truth", dict)
-        if len(media) != count or set(splits) != set(SPLITS) or not all(isinstance(s, list) for s in splits.values()):
+        if len(media) != count or set(splits) != set(SPLITS) or not all(map(are_people, splits.values())):
             raise InputError(f"expected a medium for each of {count} pictures and splits {', '.join(SPLITS)}")
     path = folder / TRUTH
     if sha256_file(path) != entry.get("sha256"):

@@ -1,3 +1,5 @@
+import json
+
 import numpy as np
 import pytest
 
@@ -72,6 +74,16 @@ def test_what_is_no_dataset_or_of_another_mesh_is_refused(refused, folder, tmp_p
     assert "dataset" in refused("dataset", "pictures", tmp_path / "none", tmp_path / "out")
     assert "dataset.json" in refused("dataset", "pictures", folder, tmp_path / "out")
     assert not (tmp_path / "out").exists()
+
+
+def test_splits_of_anything_but_people_are_refused(refused, folder, tmp_path):
+    copy = tmp_path / "copy"
+    copy.mkdir()
+    manifest = json.loads((folder / "pictures.json").read_text())
+    manifest["splits"]["train"] = [[1, 2], 3]
+    (copy / "pictures.json").write_text(json.dumps(manifest))
+    (copy / "truth.npz").write_bytes((folder / "truth.npz").read_bytes())
+    assert "splits train, validation, test" in refused("dataset", "show", copy)
 
 
 def test_damaged_truth_is_refused(refused, folder, tmp_path):
