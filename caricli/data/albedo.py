@@ -11,6 +11,7 @@ from caricli.data.appearance import Appearance, random_appearance
 from caricli.geometry.triangle_normals import triangle_normals
 from caricli.geometry.vertex_neighbours import vertex_neighbours
 from caricli.render.paint import mix, smooth_step
+from caricli.render.srgb import to_srgb
 from caricli.structures.landmarks import (
     BROW_LEFT,
     BROW_RIGHT,
@@ -144,7 +145,7 @@ class AlbedoPainter:
         if appearance.flat:
             grey = colour.mean(1, keepdims=True)
             colour = grey + SATURATION * (colour - grey)
-        return _srgb(colour)
+        return to_srgb(colour)
 
     def _with_mouth_and_shadow(self, colour: np.ndarray, appearance: Appearance, edge: float) -> np.ndarray:
         """Colours with lips, mouth cavity, lipstick and eye shadow. edge: width of a border."""
@@ -260,11 +261,6 @@ def _signed(points: np.ndarray, outline: np.ndarray) -> np.ndarray:
     """Distance (P,) of points (P, 2) to a closed outline (L, 2), negative inside."""
     distance = _along(points, np.concatenate([outline, outline[:1]]))[0]
     return np.where(points_in_poly(points, outline), -distance, distance)
-
-
-def _srgb(linear: np.ndarray) -> np.ndarray:
-    linear = np.clip(linear, 0, 1)
-    return np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
 
 
 def to_bytes(colour: np.ndarray) -> np.ndarray:

@@ -13,6 +13,7 @@ from caricli.render.rasterise import depth_range, mesh_arrays, wp_mesh
 from caricli.render.seen_vertices import seen_vertices
 from caricli.render.sky import DIRECTIONS, key_directions, light_received, sky_visibility
 from caricli.render.smooth_normals import smooth_normals
+from caricli.render.srgb import to_linear
 from caricli.render.warp_start import warp_start
 from caricli.structures import Material, Mesh, Pictures
 from caricli.structures.materials import FINISHES
@@ -114,7 +115,7 @@ def _scene(mesh: Mesh, normals: np.ndarray, light: np.ndarray, look: Look) -> tu
     points = mesh.vertices
     triangles = mesh.faces
     colours = np.broadcast_to(look.colour if look.vertex_colours is None else look.vertex_colours, points.shape)
-    carried: list[np.ndarray] = [_linear(np.asarray(colours, float)), light, np.zeros((len(points), 3))]
+    carried: list[np.ndarray] = [to_linear(np.asarray(colours, float) / 255), light, np.zeros((len(points), 3))]
     pictures = Pictures()
     if look.coat is not None:
         largest = max((radius for _, radius in look.eyeballs), default=0.0)
@@ -147,9 +148,3 @@ def _on_device(array: np.ndarray, dtype: type) -> Any:
     import warp as wp
 
     return wp.array(np.ascontiguousarray(array, np.float32), dtype=dtype, device="cpu")
-
-
-def _linear(srgb: np.ndarray) -> np.ndarray:
-    """From sRGB, 0 to 255, to linear light, 0 to 1."""
-    x = np.clip(srgb / 255, 0, 1)
-    return np.where(x <= 0.04045, x / 12.92, ((x + 0.055) / 1.055) ** 2.4)

@@ -10,11 +10,12 @@ from caricli.methods.pictures.background import random_background
 from caricli.methods.pictures.draw_sitter import Drawing, draw_sitter, random_strands
 from caricli.methods.pictures.held import hold_before
 from caricli.methods.pictures.light import Sky, random_sky
-from caricli.methods.pictures.media import MEDIA, to_srgb
+from caricli.methods.pictures.media import MEDIA
 from caricli.methods.pictures.pose import random_pose
 from caricli.methods.pictures.settings import PoseSettings, SceneSettings
 from caricli.methods.pictures.sitter import Sitter
 from caricli.render.sky import DIRECTIONS
+from caricli.render.srgb import to_srgb
 from caricli.structures.parsing import Region
 
 
@@ -85,7 +86,8 @@ class Easel:
     ) -> tuple[np.ndarray, np.ndarray]:
         """The picture (S, S, 3) uint8 and its Regions in the size that was asked for."""
         sides = (self.size, self.size)
-        exposed = cv2.resize(to_srgb(_exposed(image, region, generator)), sides, interpolation=cv2.INTER_AREA)
+        bright = to_srgb(_exposed(image, region, generator)).astype(np.float32)
+        exposed = cv2.resize(bright, sides, interpolation=cv2.INTER_AREA)
         labels = cv2.resize(region, sides, interpolation=cv2.INTER_NEAREST)
         drawn = MEDIA[medium][0](exposed, labels, generator)
         return np.round(255 * np.clip(drawn, 0, 1)).astype(np.uint8), labels

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from caricli.methods.pictures.piece import Piece, make_piece
+from caricli.methods.pictures.piece import Piece, make_piece, seen_from_both_sides
 from caricli.structures.landmarks import BROWS, EAR_LEFT, EAR_RIGHT, EYE_LEFT, EYE_RIGHT, EYES
 from caricli.structures.parsing import Region
 
@@ -13,7 +13,7 @@ SEGMENTS = 40
 def random_glasses(marks: np.ndarray, dark: bool, generator: np.random.Generator) -> list[Piece]:
     """Draw spectacles: rims of any shape, a bridge, arms to the ears, lenses where they are dark.
 
-    marks: (81, 3) metres, landmarks of the face. Returns Pieces, seen from both sides.
+    marks: (81, 3) metres, landmarks of the face. Returns the Pieces of them, seen from both sides.
     """
     right = marks[list(EYE_RIGHT)].mean(0)
     left = marks[list(EYE_LEFT)].mean(0)
@@ -72,5 +72,4 @@ def _disc(middle: np.ndarray, rim: np.ndarray, colour: np.ndarray) -> Piece:
 
 
 def _thin(vertices: np.ndarray, faces: np.ndarray, colour: np.ndarray) -> Piece:
-    piece = make_piece(vertices, faces, Region.GLASSES, colour, 0.3)
-    return Piece(**(vars(piece) | {"thin": True}))
+    return seen_from_both_sides(make_piece(vertices, faces, Region.GLASSES, colour, 0.3))

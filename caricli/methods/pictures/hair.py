@@ -1,10 +1,12 @@
 """Hair, hats and beards that people wear in pictures."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from caricli.methods.hair.head_sphere import HeadSphere
 from caricli.methods.pictures.background import random_colour
-from caricli.methods.pictures.piece import Piece, make_piece
+from caricli.methods.pictures.piece import Piece, make_piece, seen_from_both_sides
 from caricli.methods.pictures.settings import SitterSettings
 from caricli.render.paint import smooth_step
 from caricli.structures.parsing import Region
@@ -39,13 +41,8 @@ def random_wig(
     return _shell(sphere, total, edge, Region.HAIR, tone, generator.uniform(0.05, 0.3)), total - sphere.radii
 
 
-def random_hat(
-    sphere: HeadSphere, thickness: np.ndarray | float, generator: np.random.Generator
-) -> tuple[list[Piece], np.ndarray]:
-    """Draw a cap with a peak, a hat with a brim, or a beanie. thickness: of the hair below it, metres.
-
-    Returns Pieces, and the angles (C,) at which it ends.
-    """
+def random_hat(sphere: HeadSphere, thickness: np.ndarray | float, generator: np.random.Generator) -> list[Piece]:
+    """Draw a cap with a peak, a hat with a brim, or a beanie. thickness: of the hair below it, metres."""
     height = sphere.head.height
     front = np.radians(generator.uniform(48, 74))
     back = np.radians(generator.uniform(70, 108))
@@ -56,12 +53,12 @@ def random_hat(
     total = sphere.radii + np.minimum(thickness, 0.04 * height) + 0.02 * height + crown * up**2
     colour = random_colour(generator)
     shell = _shell(sphere, total, edge, Region.HAT, colour, 0.05)
-    pieces = [Piece(**(vars(shell) | {"strands": np.full((len(shell.vertices), 2), np.nan)}))]
+    pieces = [replace(shell, strands=np.full_like(shell.strands, np.nan))]
     if kind != "beanie":
         reach = height * generator.uniform(0.12, 0.4)
         ahead = np.clip(1.3 * _front(sphere), 0, 1) ** 0.5 if kind == "cap" else np.ones_like(_front(sphere))
         pieces.append(_brim(sphere, total, edge, reach * ahead, colour * generator.uniform(0.6, 1.0)))
-    return pieces, edge
+    return pieces
 
 
 def random_beard(
@@ -148,8 +145,7 @@ def _brim(sphere: HeadSphere, total: np.ndarray, edge: np.ndarray, reach: np.nda
     after = np.roll(ring, -1)
     quads = np.stack([ring, ring + count, after + count, after], 1)
     faces = np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
-    piece = make_piece(np.concatenate([inside, outside]), faces, Region.HAT, colour)
-    return Piece(**(vars(piece) | {"thin": True}))
+    return seen_from_both_sides(make_piece(np.concatenate([inside, outside]), faces, Region.HAT, colour))
 
 
 def _net(rows: int, columns: int) -> np.ndarray:

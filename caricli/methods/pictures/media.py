@@ -8,12 +8,6 @@ import numpy as np
 from caricli.methods.pictures.background import blob_noise
 
 
-def to_srgb(linear: np.ndarray) -> np.ndarray:
-    """sRGB from 0 to 1 of linear light."""
-    linear = np.clip(linear, 0, 1)
-    return np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055).astype(np.float32)
-
-
 def photograph(image: np.ndarray, region: np.ndarray, generator: np.random.Generator) -> np.ndarray:
     """A photograph: a little blur, grain, a vignette, a tone of its own."""
     size = len(image)

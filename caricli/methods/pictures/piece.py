@@ -1,7 +1,7 @@
 """One surface of a head that is drawn."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -14,7 +14,7 @@ class Piece:
 
     vertices: (W, 3) metres. faces: (F, 3), counter-clockwise from outside. region: (W,) Region.
     colours: (W, 3) linear light, unlit. gloss: (W,) strength of highlights. strands: (W, 2) where it is in a picture of
-    strands, across and along them, NaN where it has none. thin: whether its back is seen as well.
+    strands, across and along them, NaN where it has none. thin: (F,) bool, triangles whose backs are seen as well.
     """
 
     vertices: np.ndarray
@@ -23,20 +23,7 @@ class Piece:
     colours: np.ndarray
     gloss: np.ndarray
     strands: np.ndarray
-    thin: bool = False
-
-
-@dataclass(frozen=True, eq=False)
-class Pieces:
-    """Pieces as one mesh. thin: (F,) bool, triangles whose backs are seen as well."""
-
-    vertices: np.ndarray
-    faces: np.ndarray
-    region: np.ndarray
-    colours: np.ndarray
-    gloss: np.ndarray
-    strands: np.ndarray
-    thin: np.ndarray = field(repr=False)
+    thin: np.ndarray
 
 
 def make_piece(
@@ -56,18 +43,24 @@ def make_piece(
         np.broadcast_to(np.asarray(colour, float), (count, 3)),
         np.full(count, gloss),
         np.full((count, 2), np.nan) if strands is None else strands,
+        np.zeros(len(faces), bool),
     )
 
 
-def join_pieces(pieces: Sequence[Piece]) -> Pieces:
-    """Pieces one after the other."""
+def seen_from_both_sides(piece: Piece) -> Piece:
+    """The same, its back seen as well."""
+    return replace(piece, thin=np.ones(len(piece.faces), bool))
+
+
+def join_pieces(pieces: Sequence[Piece]) -> Piece:
+    """Pieces one after the other, as one."""
     starts = np.cumsum([0, *(len(piece.vertices) for piece in pieces)])
-    return Pieces(
+    return Piece(
         np.concatenate([piece.vertices for piece in pieces]),
         np.concatenate([piece.faces + start for piece, start in zip(pieces, starts, strict=False)]).astype(np.int32),
         np.concatenate([piece.region for piece in pieces]),
         np.concatenate([piece.colours for piece in pieces]),
         np.concatenate([piece.gloss for piece in pieces]),
         np.concatenate([piece.strands for piece in pieces]),
-        np.concatenate([np.full(len(piece.faces), piece.thin) for piece in pieces]),
+        np.concatenate([piece.thin for piece in pieces]),
     )

@@ -14,14 +14,14 @@ from caricli.methods.pictures.background import random_colour
 from caricli.methods.pictures.eyes import Eyes
 from caricli.methods.pictures.glasses import random_glasses
 from caricli.methods.pictures.hair import random_beard, random_hat, random_wig
-from caricli.methods.pictures.media import to_srgb
-from caricli.methods.pictures.piece import Piece, Pieces, join_pieces, make_piece
+from caricli.methods.pictures.piece import Piece, join_pieces, make_piece
 from caricli.methods.pictures.settings import SitterSettings
 from caricli.methods.pictures.wrinkles import WrinkleLines
 from caricli.render.paint import mix, smooth_step
 from caricli.render.place_eyeballs import place_eyeballs
 from caricli.render.sky import DIRECTIONS, sky_visibility
 from caricli.render.smooth_normals import smooth_normals
+from caricli.render.srgb import to_linear, to_srgb
 from caricli.structures import Material, Part
 from caricli.structures.landmarks import POINT_NAMES
 from caricli.structures.materials import FINISHES
@@ -55,13 +55,13 @@ _SPHERE = ShellSettings(coarse=(40, 48))
 class Sitter:
     """A head to draw, in its own frame, metres.
 
-    skin: Template in the shape of the face. pieces: Pieces of W vertices. normals: (W, 3). transfer: (W, D) how much of
+    skin: Template in the shape of the face. pieces: Piece of W vertices. normals: (W, 3). transfer: (W, D) how much of
     the light of DIRECTIONS reaches a vertex, cosine included. eyes: Eyes. albedo: (V, 3) sRGB from 0 to 1, unlit, of
     the skin's vertices.
     """
 
     skin: Template
-    pieces: Pieces
+    pieces: Piece
     normals: np.ndarray
     transfer: np.ndarray
     eyes: Eyes
@@ -157,7 +157,7 @@ class Wardrobe:
         return size * np.tensordot(weights[chosen], head.actions[chosen], 1)
 
     def _skin(self, head: Template, appearance: Appearance, generator: np.random.Generator) -> Piece:
-        colour = _linear(self.painter.draw(appearance))
+        colour = to_linear(self.painter.draw(appearance))
         if generator.random() < self.settings.wrinkled:
             colour = colour * self.wrinkles.draw(generator)[:, None] ** np.array([0.8, 1.0, 1.1])
         labels = self.regions.copy()
@@ -213,8 +213,7 @@ class Wardrobe:
             wig, thickness = random_wig(sphere, appearance.hair, generator, settings)
             pieces.append(wig)
         if hatted:
-            hat, _ = random_hat(sphere, thickness, generator)
-            pieces += hat
+            pieces += random_hat(sphere, thickness, generator)
         return pieces, float(shell or kind > settings.bald)
 
     def _beard(self, skin: Piece, appearance: Appearance, generator: np.random.Generator) -> list[Piece]:
@@ -230,7 +229,7 @@ class Wardrobe:
         beard = random_beard(coarse, normals, grown, tone, thickness)
         return [] if beard is None else [beard]
 
-    def _light_transfer(self, head: Template, pieces: Pieces, skin: int) -> tuple[np.ndarray, np.ndarray]:
+    def _light_transfer(self, head: Template, pieces: Piece, skin: int) -> tuple[np.ndarray, np.ndarray]:
         """Normals (W, 3) and transfer (W, D); between the vertices of the coarse skin shadows are interpolated."""
         count = len(head.vertices)
         vertices = np.concatenate([pieces.vertices[:count], pieces.vertices[skin:]])
@@ -257,8 +256,3 @@ def _part_piece(part: Part, white: np.ndarray) -> Piece:
         colours[used] = tone * white if material == Material.TEETH else tone
         regions[used] = REGIONS.get(Material(material), Region.SKIN)
     return make_piece(mesh.vertices, mesh.faces, regions, colours, 0.3)
-
-
-def _linear(srgb: np.ndarray) -> np.ndarray:
-    """sRGB from 0 to 1 as linear light."""
-    return np.where(srgb <= 0.04045, srgb / 12.92, ((srgb + 0.055) / 1.055) ** 2.4)
