@@ -15,7 +15,9 @@ class DetectSettings:
     when it is read, in the frame of its landmarks; looks: at a face, at most; agree: overlap of the frames of two of
     them, from which on there is no further one. parse: side of a face at which the picture's regions are read, in
     windows' sides. vague: spread of a landmark along its worse direction beyond which it counts as not known, of the
-    face's diagonal; margin: how far beyond the edge of the picture it may be, of the face's side.
+    face's diagonal; margin: how far beyond the edge of the picture it may be, of the face's side. A face is doubtful
+    below the score doubtful, with a spread of its landmarks above blurred, of its diagonal, and with less known ones
+    than fewest.
     """
 
     sides: tuple[float, ...] = (0.75, 1.25, 2.125)
@@ -30,6 +32,9 @@ class DetectSettings:
     parse: float = 0.375
     vague: float = 0.12
     margin: float = 0.01
+    doubtful: float = 0.7
+    blurred: float = 0.05
+    fewest: int = 60
 
     def sure_of(self, score: float) -> "DetectSettings":
         """The same with another score of a face; places are looked at from half of it on."""

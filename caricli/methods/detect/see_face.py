@@ -1,0 +1,56 @@
+"""The one face that a picture is taken for."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from caricli.errors import InputError
+from caricli.methods.detect.detect_faces import detect_faces
+from caricli.methods.detect.settings import DetectSettings
+from caricli.models.detector.model import Detector
+from caricli.structures import Landmarks
+from caricli.structures.detection import DetectedFace
+
+
+@dataclass(frozen=True, eq=False)
+class SeenFace:
+    """What a picture shows, where one face is what it is of.
+
+    face: DetectedFace, the largest. regions: (H, W) uint8 values of Region, of the whole picture. others: faces beside
+    it. doubt: why it may be wrong, a phrase, or None where nothing speaks against it.
+    """
+
+    face: DetectedFace
+    regions: np.ndarray
+    others: int = 0
+    doubt: str | None = None
+
+    @property
+    def landmarks(self) -> Landmarks:
+        """Its 81 Landmarks with spreads and visibility."""
+        return self.face.landmarks
+
+
+def see_face(picture: np.ndarray, detector: Detector, settings: DetectSettings | None = None) -> SeenFace:
+    """Find the largest face of a picture (H, W, 3) uint8.
+
+    Raises InputError where the picture shows no face.
+    """
+    settings = settings or DetectSettings()
+    detection = detect_faces(picture, detector, settings)
+    if not detection.faces:
+        raise InputError("expected a face, found none")
+    face = detection.faces[0]
+    return SeenFace(face, detection.regions, len(detection.faces) - 1, _doubt(face, settings))
+
+
+def _doubt(face: DetectedFace, settings: DetectSettings) -> str | None:
+    """What speaks against a face, or None."""
+    count = int(face.landmarks.known.sum())
+    reasons = {
+        f"its score is {face.score:.2f}": face.score < settings.doubtful,
+        f"its landmarks are to {100 * face.spread:.1f} % of its diagonal": face.spread > settings.blurred,
+        f"only {count} of its {len(face.landmarks.points)} landmarks can be seen": count < settings.fewest,
+    }
+    given = [reason for reason, holds in reasons.items() if holds]
+    return ", ".join(given) or None

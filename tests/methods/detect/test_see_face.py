@@ -1,0 +1,43 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from caricli.errors import InputError
+from caricli.methods.detect.detect_faces import detect_faces
+from caricli.methods.detect.see_face import see_face
+from caricli.methods.detect.settings import DetectSettings
+
+
+@pytest.fixture(scope="module")
+def shown(trained):
+    """A Detector, a picture in which it finds a face, and its Detection."""
+    detector, pictures = trained
+    picture = pictures.marked(12).pixels
+    return detector, picture, detect_faces(picture, detector)
+
+
+def test_the_largest_face_is_seen_with_the_regions_of_the_picture(shown):
+    detector, picture, detection = shown
+    seen = see_face(picture, detector)
+    np.testing.assert_array_equal(seen.landmarks.points, detection.faces[0].landmarks.points)
+    np.testing.assert_array_equal(seen.regions, detection.regions)
+    assert seen.others == len(detection.faces) - 1
+
+
+def test_what_speaks_against_a_face_is_said(shown):
+    detector, picture, detection = shown
+    face = detection.faces[0]
+    trusting = replace(DetectSettings(), doubtful=0, blurred=np.inf, fewest=0)
+    assert see_face(picture, detector, trusting).doubt is None
+    unsure = see_face(picture, detector, replace(trusting, doubtful=1)).doubt
+    assert unsure == f"its score is {face.score:.2f}"
+    both = see_face(picture, detector, replace(trusting, blurred=0, fewest=82)).doubt
+    count = face.landmarks.known.sum()
+    spread = f"its landmarks are to {100 * face.spread:.1f} % of its diagonal"
+    assert both == f"{spread}, only {count} of its 81 landmarks can be seen"
+
+
+def test_a_picture_without_a_face_is_refused(shown):
+    with pytest.raises(InputError, match="expected a face, found none"):
+        see_face(np.full((64, 64, 3), 128, np.uint8), shown[0], DetectSettings().sure_of(1))
