@@ -15,11 +15,20 @@ from caricli.store.detector import load_detector
 from caricli.store.training_run import MODEL, RunFolder
 
 
-def load_training(folder: Path, config: DetectorConfig, share: Share) -> DetectorTraining:
-    """A training on a folder of pictures. share: of this process. Raises InputError when it is no such folder."""
+def load_training(folder: Path, config: DetectorConfig, share: Share, start: Path | None) -> DetectorTraining:
+    """A training on a folder of pictures.
+
+    share: of this process. start: file of the detector with whose weights it begins, or None for random ones.
+    Raises InputError when it is no such folder or file.
+    """
     pictures = read_picture_set(folder)
     with naming(folder):
-        return DetectorTraining(SplitPictures(pictures, "train"), SplitPictures(pictures, "validation"), config, share)
+        unseen = SplitPictures(pictures, "validation")
+        training = DetectorTraining(SplitPictures(pictures, "train"), unseen, config, share)
+    if start is not None:
+        with naming(start):
+            training.start_from(load_detector(start).network)
+    return training
 
 
 class DetectorRun(RunFolder):

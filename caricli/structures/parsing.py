@@ -25,6 +25,9 @@ class Region(IntEnum):
     """Hands, microphones and what else is held before a face."""
 
 
+BEYOND = 255
+"""Stands in label maps for what lies beyond the picture: nothing is told of it."""
+
 REGION_COLOURS = (
     *((32, 32, 36), (232, 180, 148), (96, 60, 32), (250, 250, 250), (240, 150, 110), (214, 72, 88), (96, 16, 28)),
     *((255, 244, 200), (190, 120, 200), (120, 78, 40), (80, 120, 40), (40, 180, 220), (230, 160, 30)),

@@ -1,6 +1,7 @@
 from dataclasses import asdict
 
 import pytest
+import torch
 
 from caricli.errors import InputError
 from caricli.io.bundled import config_path
@@ -21,10 +22,10 @@ def pictures(head_template, tmp_path_factory):
     return write_drawn_set(tmp_path_factory.mktemp("drawn") / "set", mean_shape(head_template), 16, 0)
 
 
-def begin(pictures, folder, resume=False):
+def begin(pictures, folder, resume=False, start=None):
     config = read_config(config_path("detector/tiny.yaml"), DetectorConfig, SETTINGS)
     recipe = {"config": asdict(config), "inputs": {"pictures.json": "0" * 64}}
-    return DetectorRun(folder, recipe, Beginning(resume=resume)), load_training(pictures, config, ALL)
+    return DetectorRun(folder, recipe, Beginning(resume=resume)), load_training(pictures, config, ALL, start)
 
 
 def test_a_run_that_was_left_goes_on_to_the_same_bytes(pictures, tmp_path):
@@ -52,3 +53,16 @@ def test_without_a_detector_it_is_said_how_to_make_one(monkeypatch, tmp_path):
     monkeypatch.setattr("caricli.store.detector.asset_path", lambda name: tmp_path / name)
     with pytest.raises(InputError, match="caricli train detector"):
         load_detector()
+
+
+def test_a_training_begins_with_the_weights_of_another(pictures, tmp_path):
+    run, training = begin(pictures, tmp_path / "first")
+    list(run.follow(training))
+    first = load_detector(tmp_path / "first" / MODEL).network
+    _, further = begin(pictures, tmp_path / "further", start=tmp_path / "first" / MODEL)
+    for own in (further.network, further.average):
+        for name, value in own.state_dict().items():
+            assert not value.is_floating_point() or torch.equal(value, first.state_dict()[name]), name
+    config = read_config(config_path("detector/tiny.yaml"), DetectorConfig, [*SETTINGS, "width=8"])
+    with pytest.raises(InputError, match="expected a detector of DetectorSize"):
+        load_training(pictures, config, ALL, tmp_path / "first" / MODEL)

@@ -17,9 +17,12 @@ from caricli.io.provenance import provenance
 @out_option("RUN_DIR", "Write model, log, learning curve and the state to resume from into this folder.")
 @config_option
 @set_option
+@click.option(
+    "--start", type=PATH, metavar="FILE", help="Begin with the weights of this detector, to train it further."
+)
 @click.option("--resume", is_flag=True, help="Go on from the last checkpoint in RUN_DIR; begin where there is none.")
 @overwrite_option
-def command(pictures, out, config, overrides, resume, overwrite):
+def command(pictures, out, config, overrides, start, resume, overwrite):
     """Train the network that finds faces, their landmarks and regions, for `caricli detect`.
 
     The model of the best validation is in RUN_DIR/model.safetensors, with recipe and errors in model.json. Killed at
@@ -31,6 +34,7 @@ def command(pictures, out, config, overrides, resume, overwrite):
     Example:
       caricli train detector --pictures pictures --out run
       caricli train detector --pictures pictures --out run --resume
+      caricli train detector --pictures more --start run/model.safetensors --out further
     """
     from caricli.commands.shared.progress import progress_bar, training_bar
     from caricli.commands.shared.tables import detector_figures
@@ -41,9 +45,10 @@ def command(pictures, out, config, overrides, resume, overwrite):
 
     settings = read_config(config, DetectorConfig, overrides)
     with training_processes("cpu") as share:
-        recipe = provenance("train detector", [pictures / "pictures.json"], config=asdict(settings))
+        sources = [pictures / "pictures.json", *([] if start is None else [start])]
+        recipe = provenance("train detector", sources, config=asdict(settings))
         run = DetectorRun(out, recipe, Beginning(resume, overwrite, writes=share.process == 0))
-        training = load_training(pictures, settings, share)
+        training = load_training(pictures, settings, share, start)
         with training_bar(settings.epochs, quiet=not run.writes) as show:
             for line in run.follow(training):
                 show(line)

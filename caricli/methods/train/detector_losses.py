@@ -7,11 +7,11 @@ import torch
 from torch.nn import functional
 
 from caricli.methods.train.split_pictures import SEEN
-from caricli.methods.train.windows import BEYOND, LARGEST, SMALLEST
+from caricli.methods.train.windows import LARGEST, SMALLEST
 from caricli.models.detector.config import DetectorConfig
 from caricli.models.detector.networks import COARSE, FINE, HALF, REACH, FaceGrid, HeatMaps
 from caricli.structures.detection import FaceFrame, MarkedPicture
-from caricli.structures.parsing import Region
+from caricli.structures.parsing import BEYOND, Region
 
 HEAT = 1.1
 """Deviation of the blob that stands for a landmark, cells."""

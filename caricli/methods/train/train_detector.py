@@ -2,6 +2,7 @@
 
 import copy
 from collections.abc import Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from math import cos, pi
 from typing import Protocol
 
@@ -113,6 +114,13 @@ class DetectorTraining:
         self.optimiser.load_state_dict(state["optimiser"])
         self.epoch, self.best = state["counters"]
 
+    def start_from(self, network: DetectorNetwork) -> None:
+        """Begin with the weights of another network. Raises InputError when it is of another size."""
+        if network.size != self.network.size:
+            raise InputError(f"expected a detector of {self.network.size}, found one of {network.size}")
+        self.network.load_state_dict(network.state_dict())
+        self.average.load_state_dict(network.state_dict())
+
     def epochs(self) -> Iterator[EpochRecord]:
         """Train, and yield what came of it after every epoch. Raises NumericsError when the loss is not finite.
 
@@ -136,17 +144,22 @@ class DetectorTraining:
     def _train_epoch(self) -> tuple[float, float]:
         self.network.train()
         sums = torch.zeros(2)
-        for step in range(self.config.steps):
-            self._set_rate(self.epoch * self.config.steps + step)
-            sums += self._step(step)
+        with ThreadPoolExecutor(1) as drawer:
+            # The windows of the next step are drawn while this one is taken.
+            drawn = drawer.submit(self._draw, 0)
+            for step in range(self.config.steps):
+                windows, crops = drawn.result()
+                if step + 1 < self.config.steps:
+                    drawn = drawer.submit(self._draw, step + 1)
+                self._set_rate(self.epoch * self.config.steps + step)
+                sums += self._step(step, windows, crops)
         if self.share.count > 1:
             self._share_buffers()
         loss, error = (sums / self.config.steps).tolist()
         return loss, error
 
-    def _step(self, step: int) -> torch.Tensor:
-        """Go one step down. Returns loss and mean distance, of all processes together."""
-        windows, crops = self._draw(step)
+    def _step(self, step: int, windows: list[MarkedPicture], crops: int) -> torch.Tensor:
+        """Go one step down, on windows of ``_draw``. Returns loss and mean distance, of all processes together."""
         loss, distance = self._loss(windows, crops)
         figures = torch.stack([loss.detach(), distance]) / self.share.count
         self.optimiser.zero_grad()

@@ -4,12 +4,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from caricli.methods.train.distort_picture import DistortSettings, distort_picture
 from caricli.render.cut_window import cut_window
 from caricli.structures.detection import FaceFrame, MarkedPicture, turn_axes
 from caricli.structures.landmarks import MIRRORED
-
-BEYOND = 255
-"""Region of what lies beyond the picture: nothing is known of it."""
+from caricli.structures.parsing import BEYOND
 
 SMALLEST = 16.0
 LARGEST = 128.0
@@ -23,8 +22,9 @@ class WindowSettings:
     share: of the window's side to the face's, between; wide: the same of one in ``wide_part``. shift: deviation of the
     face's centre, of its side. turn: deviation of its roll, radians; upside_down: how many of the windows of any part
     are turned by any angle. stretch: deviation of what a linear map changes. bend: deviation of what a smooth one
-    moves, of the window's side, in ``bent`` of the windows. cut: how many pictures end within the face. whole: least
-    longer side of the whole picture in a window of any part, of the window's.
+    moves, of the window's side, in ``bent`` of the windows. distorted: in how many of them a
+    face is distorted; distort: how. cut: how many pictures end within the face. whole: least longer side of the whole
+    picture in a window of any part, of the window's.
     """
 
     share: tuple[float, float] = (1.35, 1.95)
@@ -36,6 +36,8 @@ class WindowSettings:
     stretch: float = 0.06
     bend: float = 0.02
     bent: float = 0.25
+    distorted: float = 0.6
+    distort: DistortSettings = DistortSettings()
     cut: float = 0.15
     whole: float = 0.7
 
@@ -49,6 +51,8 @@ def face_window(
     """
     order = [face, *(k for k in range(len(picture.landmarks)) if k != face)]
     picture = replace(picture, landmarks=picture.landmarks[order], visible=picture.visible[order])
+    if generator.random() < settings.distorted:
+        picture = distort_picture(picture, 0, settings.distort, generator)
     if generator.random() < settings.cut:
         picture = _cut(picture, generator)
     frame = FaceFrame.of(picture.landmarks[0])
@@ -69,7 +73,10 @@ def any_window(
     scale = smallest * np.exp(generator.uniform(0, 1.3))
     middle = generator.uniform(size=2) * [width, height]
     if len(picture.landmarks) and generator.random() < 0.7:
-        frame = FaceFrame.of(picture.landmarks[generator.integers(len(picture.landmarks))])
+        face = int(generator.integers(len(picture.landmarks)))
+        if generator.random() < settings.distorted:
+            picture = distort_picture(picture, face, settings.distort, generator)
+        frame = FaceFrame.of(picture.landmarks[face])
         range_of_sides = np.log(np.array([SMALLEST, LARGEST]) * size / 128)
         scale = max(smallest, np.exp(generator.uniform(*range_of_sides)) / frame.side)
         middle = frame.centre + generator.uniform(-0.5, 0.5, 2) * size / scale
