@@ -1,7 +1,10 @@
 """caricli refine: a face aligned exactly with its picture."""
 
 import time
+from dataclasses import dataclass
 from functools import partial
+from pathlib import Path
+from typing import Any
 
 import click
 
@@ -25,6 +28,7 @@ from caricli.errors import naming
 from caricli.io.provenance import provenance
 from caricli.io.strict_json import write_json
 from caricli.methods.reconstruct.settings import RefineSettings
+from caricli.structures import HeadChoice
 from caricli.structures.head_choice import WHOLE
 
 SIZE = 384
@@ -78,28 +82,57 @@ def command(face, landmarks, out, image, parsing, weight, laplacian, model, pts_
       caricli refine face.npz landmarks.json --image drawing.png --out refined.obj
       caricli refine face.npz landmarks.json --parsing labels.png --out refined.obj
     """
-    from caricli.methods.parts.whole_head import mesh_face
-    from caricli.methods.reconstruct.refine_face import refine_face
-    from caricli.methods.reconstruct.snap_eyes import snap_eyes
-    from caricli.store.face_files import write_face_files
-    from caricli.store.faces import load_seen_face
-    from caricli.store.pictures import load_eyes, load_marked_picture
-    from caricli.template.fine_mesh import fine_mesh
+    task = RefineTask(image, parsing, RefineSettings(weight, laplacian), model, pts_origin, head, levels, overwrite)
+    echo_result(task.run(face, landmarks, out))
 
-    inputs = (face, landmarks, image, parsing, model)
-    with staged_face(out, overwrite, inputs, "refining") as files:
-        seen, shape_model = load_seen_face(face, model)
-        template = shape_model.template
-        marks, pixels = load_marked_picture(landmarks, image, pts_origin)
-        points, snapped = snap_eyes(marks.points, load_eyes(parsing, marks.image_size))
-        start = time.perf_counter()
-        with naming(landmarks):
-            result = refine_face(seen, points, template, RefineSettings(weight, laplacian))
-        seconds = time.perf_counter() - start
-        about = {"model_id": shape_model.model_id, "weight": weight, "laplacian": laplacian, "snapped": snapped}
-        about |= {"subdivide": levels, "seconds": seconds} | result.figures()
-        shown = mesh_face(result.face, template, head, fine_mesh(result.face.mesh, levels))
-        write_face_files(files[0], files[1], result.face_of(shape_model), shown)
-        write_json(files[2], provenance("refine", inputs[:4], **about))
-        write_picture(files[3], partial(_sheet, seen, result, template, head, points, pixels))
-    echo_result(f"{out}: {result.describe()}")
+
+@dataclass(frozen=True)
+class RefineTask:
+    """What is done with a face and its landmarks.
+
+    image: path of the picture; parsing: of its label map; model: of the model of the mesh; each may be None.
+    settings: of the deformation. pts_origin: coordinate of the first pixel in .pts files. head: HeadChoice of the mesh,
+    or None for the skin. levels: how often its polygons are split. overwrite: whether files that exist are replaced.
+    """
+
+    image: Path | None = None
+    parsing: Path | None = None
+    settings: RefineSettings = RefineSettings()
+    model: Path | None = None
+    pts_origin: int = 1
+    head: HeadChoice | None = None
+    levels: int = 0
+    overwrite: bool = False
+
+    def run(self, face: Path, landmarks: Path, out: Path) -> str:
+        """Move a face onto its landmarks, write it, and say how near it came."""
+        from caricli.methods.parts.whole_head import mesh_face
+        from caricli.methods.reconstruct.refine_face import refine_face
+        from caricli.methods.reconstruct.snap_eyes import snap_eyes
+        from caricli.store.face_files import write_face_files
+        from caricli.store.faces import load_seen_face
+        from caricli.store.pictures import load_eyes, load_marked_picture
+        from caricli.template.fine_mesh import fine_mesh
+
+        inputs = (face, landmarks, self.image, self.parsing)
+        with staged_face(out, self.overwrite, (*inputs, self.model), "refining") as files:
+            seen, shape_model = load_seen_face(face, self.model)
+            template = shape_model.template
+            marks, pixels = load_marked_picture(landmarks, self.image, self.pts_origin)
+            points, snapped = snap_eyes(marks.points, load_eyes(self.parsing, marks.image_size))
+            start = time.perf_counter()
+            with naming(landmarks):
+                result = refine_face(seen, points, template, self.settings)
+            seconds = time.perf_counter() - start
+            about: dict[str, Any] = {
+                "model_id": shape_model.model_id,
+                "weight": self.settings.weight,
+                "snapped": snapped,
+            }
+            about |= {"laplacian": self.settings.laplacian, "subdivide": self.levels, "seconds": seconds}
+            about |= result.figures()
+            shown = mesh_face(result.face, template, self.head, fine_mesh(result.face.mesh, self.levels))
+            write_face_files(files[0], files[1], result.face_of(shape_model), shown)
+            write_json(files[2], provenance("refine", inputs, **about))
+            write_picture(files[3], partial(_sheet, seen, result, template, self.head, points, pixels))
+        return f"{out}: {result.describe()}"

@@ -1,9 +1,12 @@
 """caricli rig: a face that moves."""
 
+from dataclasses import dataclass
+from pathlib import Path
+
 import click
 
 from caricli.commands.shared.head_options import head_options
-from caricli.commands.shared.notes import echo_result
+from caricli.commands.shared.notes import echo_notes, echo_result
 from caricli.commands.shared.options import (
     PATH,
     WholeRange,
@@ -15,11 +18,13 @@ from caricli.commands.shared.picture import picture_files, picture_option
 from caricli.errors import naming
 from caricli.io.face import read_face
 from caricli.io.gltf.write_gltf import write_gltf
-from caricli.io.outputs import staged
+from caricli.io.outputs import final_name, staged
 from caricli.io.provenance import provenance
 from caricli.io.rig import write_rig
 from caricli.io.strict_json import write_json
 from caricli.io.usd import write_usd
+from caricli.structures import HeadChoice
+from caricli.structures.head_choice import WHOLE
 
 
 @click.command()
@@ -73,31 +78,56 @@ def command(face, out, templates, neutral, head, texture, sparse, usd, levels, s
       caricli rig textured/face.npz --bust --out bust.glb
       caricli rig scan.obj --templates expressions --out rig.glb
     """
-    from caricli.commands.shared.progress import progress_bar
-    from caricli.methods.rig.make_rig import RigSettings, make_rig
-    from caricli.methods.rig.rig_figures import describe_rig
-    from caricli.store.expression_templates import load_templates
-    from caricli.store.rig_sources import picture_paths
+    task = RigTask(templates, neutral, head, texture, sparse, usd, levels, seed, overwrite)
+    echo_result(task.run(face, out))
 
-    expressions, template_files = load_templates(templates)
-    given = read_face(face)
-    pictures = picture_paths(face, texture)
-    inputs = [face, *pictures.files, *template_files]
-    settings = RigSettings(levels, head, seed)
-    paths = [*_paths(out, usd), *picture_files(out.with_suffix(".png"))]
-    with staged(*paths, overwrite=overwrite, inputs=inputs) as files:
-        glb, npz, json, *others = files
-        images = pictures.load()
-        with naming(face), progress_bar("expressions"):
-            rest = _rest(given, neutral)
-            hair = given.with_vertices(rest.mesh.vertices).hair
-            result = make_rig(rest.mesh, expressions, settings, images, hair=hair)
-        write_gltf(glb, result.rig, sparse)
-        write_rig(npz, result.rig)
-        about = {"subdivide": levels, "sparse": sparse, "units": "m", "axes": "+y up, +z front"}
-        _report(json, others, result, rest, given, provenance("rig", inputs, seed, **about))
-    _advise(face, result, rest, neutral)
-    echo_result(f"{out}: {describe_rig(result)}, {rest.describe()}")
+
+@dataclass(frozen=True)
+class RigTask:
+    """What is done with a face.
+
+    templates: folder of expressions, or None for the head's. neutral: "auto" or "as-is". head: HeadChoice. texture:
+    path of the skin's picture, or None for the face's own. sparse, usd: what is written. levels: how often polygons are
+    split. seed: of the eyes' picture. overwrite: whether files that exist are replaced.
+    """
+
+    templates: Path | None = None
+    neutral: str = "auto"
+    head: HeadChoice = WHOLE
+    texture: Path | None = None
+    sparse: bool = False
+    usd: bool = False
+    levels: int = 0
+    seed: int = 0
+    overwrite: bool = False
+
+    def run(self, face: Path, out: Path) -> str:
+        """Rig a face, write it, and say what it does."""
+        from caricli.commands.shared.progress import progress_bar
+        from caricli.methods.rig.make_rig import RigSettings, make_rig
+        from caricli.methods.rig.rig_figures import describe_rig
+        from caricli.store.expression_templates import load_templates
+        from caricli.store.rig_sources import picture_paths
+
+        expressions, template_files = load_templates(self.templates)
+        given = read_face(face)
+        pictures = picture_paths(face, self.texture)
+        inputs = [face, *pictures.files, *template_files]
+        settings = RigSettings(self.levels, self.head, self.seed)
+        paths = [*_paths(out, self.usd), *picture_files(out.with_suffix(".png"))]
+        with staged(*paths, overwrite=self.overwrite, inputs=inputs) as files:
+            glb, npz, json, *others = files
+            images = pictures.load()
+            with naming(face), progress_bar("expressions"):
+                rest = _rest(given, self.neutral)
+                hair = given.with_vertices(rest.mesh.vertices).hair
+                result = make_rig(rest.mesh, expressions, settings, images, hair=hair)
+            write_gltf(glb, result.rig, self.sparse)
+            write_rig(npz, result.rig)
+            about = {"subdivide": self.levels, "sparse": self.sparse, "units": "m", "axes": "+y up, +z front"}
+            _report(json, others, result, rest, given, provenance("rig", inputs, self.seed, **about))
+        _advise(face, result, rest, self.neutral)
+        return f"{out}: {describe_rig(result)}, {rest.describe()}"
 
 
 def _paths(out, usd):
@@ -138,4 +168,4 @@ def _advise(face, result, rest, neutral):
             advice = "without --neutral as-is they are closed first"
         elif rest.shown is None:
             advice = "caricli blendshapes closes them with a --model and a --map of its mesh"
-        click.echo(f"{face}: its lips are apart, and stay so where no expression closes them; {advice}", err=True)
+        echo_notes(f"{final_name(face)}: its lips are apart, and stay so where no expression closes them; {advice}")

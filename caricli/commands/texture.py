@@ -1,6 +1,8 @@
 """caricli texture: the picture on the face."""
 
 import time
+from dataclasses import dataclass
+from pathlib import Path
 from typing import get_args
 
 import click
@@ -74,30 +76,49 @@ def command(face, image, out, mask, size, hair, head, flat, keep_light, model, s
       caricli texture face.npz photo.jpg --mask head.png --size 2048 --out textured
       caricli rig textured/face.npz --out rig.glb
     """
-    from caricli.commands.shared.progress import progress_bar
-    from caricli.methods.texture.paint_head import paint_head
-    from caricli.store.faces import load_seen_face, write_painted_head
-    from caricli.store.pictures import load_mask
+    settings = PaintSettings(size, flat, seed, hair, head, TextureSettings(keep_light=keep_light))
+    echo_result(TextureTask(mask, settings, model, overwrite).run(face, image, out))
 
-    inputs = (face, image, mask, model)
-    with staged_folder(out, overwrite=overwrite, inputs=inputs, marker=REPORT) as folder, progress_bar("painting"):
-        seen, shape_model = load_seen_face(face, model)
-        picture = read_image(image)
-        with naming(face):
-            seen.require_landmarks()
-        white = None if mask is None else load_mask(mask, (picture.shape[1], picture.shape[0]))
-        settings = PaintSettings(size, flat, seed, hair, head, TextureSettings(keep_light=keep_light))
-        start = time.perf_counter()
-        with naming(", ".join(str(path) for path in inputs[:3] if path)):
-            painted = paint_head(seen, shape_model.template, picture, white, settings)
-        seconds = time.perf_counter() - start
-        write_painted_head(folder, painted, seen)
-        about = {"project_uv": flat, "seconds": seconds, "model_id": shape_model.model_id, "head": painted.filled}
-        report = provenance("texture", inputs[:3], seed, **about, **painted.figures())
-        write_json(folder / REPORT, report)
-        for path in picture_files(folder / "sheet.png"):
-            write_png(path, _sheet(painted, head))
-    echo_result(f"{out}: {painted.describe()}")
+
+@dataclass(frozen=True)
+class TextureTask:
+    """What is done with a face and its picture.
+
+    mask: path of a picture that is white where the head is, or None to cut it out. settings: PaintSettings. model:
+    path of the model of the mesh, or None. overwrite: whether a folder that exists is replaced.
+    """
+
+    mask: Path | None = None
+    settings: PaintSettings = PaintSettings()
+    model: Path | None = None
+    overwrite: bool = False
+
+    def run(self, face: Path, image: Path, out: Path) -> str:
+        """Paint a face, write the head into a folder, and say how near it came."""
+        from caricli.commands.shared.progress import progress_bar
+        from caricli.methods.texture.paint_head import paint_head
+        from caricli.store.faces import load_seen_face, write_painted_head
+        from caricli.store.pictures import load_mask
+
+        inputs = (face, image, self.mask)
+        folders = staged_folder(out, overwrite=self.overwrite, inputs=(*inputs, self.model), marker=REPORT)
+        with folders as folder, progress_bar("painting"):
+            seen, shape_model = load_seen_face(face, self.model)
+            picture = read_image(image)
+            with naming(face):
+                seen.require_landmarks()
+            white = None if self.mask is None else load_mask(self.mask, (picture.shape[1], picture.shape[0]))
+            start = time.perf_counter()
+            with naming(", ".join(str(path) for path in inputs if path)):
+                painted = paint_head(seen, shape_model.template, picture, white, self.settings)
+            seconds = time.perf_counter() - start
+            write_painted_head(folder, painted, seen)
+            about = {"project_uv": self.settings.project_uv, "seconds": seconds, "head": painted.filled}
+            about |= {"model_id": shape_model.model_id} | painted.figures()
+            write_json(folder / REPORT, provenance("texture", inputs, self.settings.seed, **about))
+            for path in picture_files(folder / "sheet.png"):
+                write_png(path, _sheet(painted, self.settings.head))
+        return f"{out}: {painted.describe()}"
 
 
 def _sheet(painted, head):

@@ -113,7 +113,7 @@ def writing(path: str | Path) -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        raise OutputError(f"{shown(_final_name(path))}: cannot be written: {_reason(error)}") from error
+        raise OutputError(f"{shown(final_name(path))}: cannot be written: {_reason(error)}") from error
 
 
 def write_bytes(path: str | Path, data: bytes) -> None:
@@ -129,7 +129,8 @@ def _reason(error: OSError) -> str:
     return shown(error.strerror or error)
 
 
-def _final_name(path: str | Path) -> Path:
+def final_name(path: str | Path) -> Path:
+    """The path itself, or that of the output that a temporary path of ``staged`` becomes."""
     return Path(*(part for part in Path(path).parts if not part.startswith(_PREFIX)))
 
 
@@ -142,7 +143,7 @@ def _write_errors(paths: Sequence[str | Path]) -> Iterator[None]:
         named = isinstance(error.filename, str | os.PathLike) and _PREFIX in str(error.filename)
         if not named and error.errno not in _WRITE_ERRORS:
             raise
-        name = _final_name(str(error.filename)) if named else paths[0]
+        name = final_name(str(error.filename)) if named else paths[0]
         raise OutputError(f"{shown(name)}: cannot be written: {_reason(error)}") from error
     except CaricliError as error:
         if _PREFIX not in str(error):

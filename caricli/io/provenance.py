@@ -8,6 +8,7 @@ from typing import Any
 
 from caricli import __version__
 from caricli.io.files import opened
+from caricli.io.outputs import final_name
 
 
 def sha256_file(path: str | Path) -> str:
@@ -26,15 +27,21 @@ def provenance(
 
     command: its name. inputs: paths of files (of a dataset its dataset.json; None entries are skipped). seed: None
     where there is no randomness. more: further entries with JSON values.
-    Returns command, version, inputs (SHA-256 by path as given), seed where there is one, and more.
+    Returns command, version, inputs (SHA-256 by path as given; what is staged by where it will stand), seed where there
+    is one, and more.
     Raises InputError when an input cannot be read.
     """
     value: dict[str, Any] = {
         "command": command,
         "version": __version__,
-        # A path that is not UTF-8 has no JSON form.
-        "inputs": {os.fsencode(p).decode("utf-8", "replace"): sha256_file(Path(p)) for p in inputs if p is not None},
+        "inputs": {_text(p): sha256_file(Path(p)) for p in inputs if p is not None},
     }
     if seed is not None:
         value["seed"] = int(seed)
     return value | more
+
+
+def _text(path: Path | str) -> str:
+    """A path that is not UTF-8 has no JSON form."""
+    name = final_name(path) if isinstance(path, Path) else path
+    return os.fsencode(name).decode("utf-8", "replace")

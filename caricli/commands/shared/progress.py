@@ -4,19 +4,40 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from typing import TYPE_CHECKING
 
 import click
+
+if TYPE_CHECKING:
+    from rich.progress import Progress
+
+_shown: list["Progress"] = []
 
 
 @contextmanager
 def progress_bar(description: str) -> Iterator[Callable[[int, int], None]]:
     """Yield ``report(done, total)``: a bar with the time left on stderr where that is a terminal, else nothing.
 
-    Until it is called for the first time the bar only shows that something is being done.
+    Until it is called for the first time the bar only shows that something is being done. One inside of another is a
+    line below it.
     """
     if not sys.stderr.isatty():
         # What draws bars is slow to import.
         yield lambda done, total: None
+        return
+    with _shown_bars() as progress:
+        task = progress.add_task(description, total=None)
+        try:
+            yield lambda done, total: progress.update(task, completed=done, total=total)
+        finally:
+            progress.remove_task(task)
+
+
+@contextmanager
+def _shown_bars() -> Iterator["Progress"]:
+    """The bars that are shown, or new ones where none are."""
+    if _shown:
+        yield _shown[-1]
         return
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
@@ -24,8 +45,11 @@ def progress_bar(description: str) -> Iterator[Callable[[int, int], None]]:
     console = Console(stderr=True)
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
     with Progress(*columns, console=console, transient=True) as progress:
-        task = progress.add_task(description, total=None)
-        yield lambda done, total: progress.update(task, completed=done, total=total)
+        _shown.append(progress)
+        try:
+            yield progress
+        finally:
+            _shown.pop()
 
 
 @contextmanager
