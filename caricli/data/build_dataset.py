@@ -76,7 +76,8 @@ def build_dataset(
     template = load_head().template()
     writer = DatasetWriter(folder, template)
     collection = _Collection()
-    prior = None if settings.count is None else _train_prior(settings, template, workers)
+    by_parts = settings.count is not None and settings.levels > 1
+    prior = _train_prior(settings, template, workers) if by_parts else None
     with worker_pool(workers, partial(MeshSource, settings, prior)) as run:
         rows = _counted(_make_rows(run, settings), _mesh_count(settings), progress)
         while shard := list(islice(rows, SHARD_SIZE)):

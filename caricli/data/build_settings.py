@@ -46,7 +46,8 @@ DRAW = DrawSettings()
 class BuildSettings:
     """What to build: without count the full grid, with it that many random draws.
 
-    identities: people. expressions: the first ones of the table. levels: of exaggeration by curvature, none included.
+    identities: people. expressions: the first ones of the table. levels: of exaggeration by curvature, none included;
+    with one nothing is exaggerated, by parts neither.
     Raises InputError for sizes that cannot be built.
     """
 

@@ -100,7 +100,7 @@ class MeshSource:
         generator = self._generator(DatasetSeed.DRAW, number)
         kind = Exaggeration(int(generator.choice(len(DRAW.shares), p=DRAW.shares)))
         if self.settings.levels == 1:
-            kind = kind & ~Exaggeration.CURVATURE
+            kind = Exaggeration(0)
         strength = generator.uniform(*DRAW.strength)
         for _ in range(DRAW.tries):
             vertices, recipe = self._draw_once(generator, kind, strength)

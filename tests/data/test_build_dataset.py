@@ -12,6 +12,7 @@ from caricli.data import write_dataset as writing
 from caricli.data.build_dataset import build_dataset
 from caricli.data.build_settings import KINDS, BuildSettings
 from caricli.data.dataset import read_dataset
+from caricli.data.regular_face import regular_faces
 from caricli.errors import InputError, OutputError
 from caricli.geometry.flipped_triangles import flipped_triangles
 from caricli.io.outputs import staged_folder
@@ -107,6 +108,15 @@ def test_the_first_level_of_a_neutral_face_is_the_aligned_person(grid, head):
     scale, rotation, translation = similarity(neutral[face], data.template.vertices[face])
     aligned = scale * neutral @ rotation.T + translation
     np.testing.assert_allclose(data.vertices[row][face], aligned[face], atol=1e-5)
+
+
+def test_random_draws_of_one_level_are_regular_faces(tmp_path):
+    build_dataset(tmp_path, BuildSettings(count=4, identities=2, expressions=3, levels=1), 1)
+    data = read_dataset(tmp_path)
+    assert not data.factors["kind"].any() and (data.level == 1).all() and not data.factors["parts"].any()
+    again = regular_faces(data, np.arange(4))
+    face = data.template.region("face")
+    np.testing.assert_allclose(data.vertices[:, face], again[:, face], atol=1e-5)
 
 
 def test_the_manifest_is_written_last_and_its_hashes_are_right(grid, monkeypatch, tmp_path, barrel):

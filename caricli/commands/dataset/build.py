@@ -13,7 +13,11 @@ from caricli.io.outputs import staged_folder
 @click.option("--identities", type=WholeRange(1, 100_000), default=150, metavar="N", help="Make N people.")
 @click.option("--expressions", type=WholeRange(1, 25), default=25, metavar="N", help="Use N expressions.")
 @click.option(
-    "--levels", type=WholeRange(1, 4), default=4, metavar="N", help="Make N levels of exaggeration; 1 is none."
+    "--levels",
+    type=WholeRange(1, 4),
+    default=4,
+    metavar="N",
+    help="Make N levels of exaggeration; with 1 there is none.",
 )
 @click.option(
     "--albedo",
@@ -44,6 +48,7 @@ def command(out, count, identities, expressions, levels, albedos, albedo_size, s
     Example:
       caricli dataset build dataset --count 1409
       caricli dataset build grid --identities 150 --expressions 25 --levels 4
+      caricli dataset build regular --count 4000 --identities 800 --levels 1
     """
     from caricli.commands.shared.progress import progress_bar
     from caricli.data.build_dataset import build_dataset
