@@ -1,0 +1,1 @@
+"""Pictures made caricatures before a face is reconstructed from them: shape, and paint."""

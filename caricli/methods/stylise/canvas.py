@@ -1,0 +1,71 @@
+"""What painters are given."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+
+@dataclass(frozen=True, eq=False)
+class Canvas:
+    """A picture to be painted, and how large the face in it is.
+
+    image: (H, W, 3) float32 sRGB, 0 to 1. unit: pixels, a hundredth of the diagonal of the face's landmarks, in which
+    all that painters do is measured. care: (H, W) float32, 1 on the face, falling to 0 away from it. generator: of
+    strokes and grain.
+    """
+
+    image: np.ndarray
+    unit: float
+    care: np.ndarray
+    generator: np.random.Generator
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Height and width."""
+        height, width = self.care.shape
+        return height, width
+
+    @cached_property
+    def light(self) -> np.ndarray:
+        """(H, W) float32, how light pixels look, 0 to 1."""
+        return self.image @ np.array([0.299, 0.587, 0.114], np.float32)
+
+    def blurred(self, values: np.ndarray, units: float) -> np.ndarray:
+        """Values (H, W, ...) blurred by a Gaussian of so many units."""
+        import cv2
+
+        return cv2.GaussianBlur(values, (0, 0), max(units * self.unit, 0.3), borderType=cv2.BORDER_REFLECT)
+
+    def noise(self, units: float) -> np.ndarray:
+        """(H, W) float32, smooth noise of deviation near 1 with blobs of so many units."""
+        import cv2
+
+        height, width = self.shape
+        side = max(units * self.unit, 1.0)
+        cells = (int(np.ceil(height / side)) + 1, int(np.ceil(width / side)) + 1)
+        coarse = self.generator.normal(size=cells).astype(np.float32)
+        size = (max(width, round(cells[1] * side)), max(height, round(cells[0] * side)))
+        return cv2.resize(coarse, size, interpolation=cv2.INTER_CUBIC)[:height, :width]
+
+
+def to_bytes(image: np.ndarray) -> np.ndarray:
+    """Values from 0 to 1 as uint8."""
+    return np.round(255 * np.clip(image, 0, 1)).astype(np.uint8)
+
+
+def to_floats(levels: np.ndarray) -> np.ndarray:
+    """The reverse of ``to_bytes``."""
+    return levels.astype(np.float32) / 255
+
+
+def saturated(image: np.ndarray, amount: float) -> np.ndarray:
+    """Colours (H, W, 3) farther from grey: 1 leaves them."""
+    grey = image.mean(2, keepdims=True)
+    return np.clip(grey + amount * (image - grey), 0, 1)
+
+
+def step(values: np.ndarray, width: float) -> np.ndarray:
+    """0 below zero and 1 above, rising smoothly over a width."""
+    share = np.clip(values / width + 0.5, 0, 1)
+    return share * share * (3 - 2 * share)

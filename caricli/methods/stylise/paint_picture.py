@@ -1,0 +1,62 @@
+"""A picture painted."""
+
+from collections.abc import Callable
+
+import cv2
+import numpy as np
+
+from caricli.errors import InputError
+from caricli.methods.stylise.canvas import Canvas, to_bytes, to_floats
+from caricli.methods.stylise.draw_ink import draw_ink
+from caricli.methods.stylise.draw_pencil import draw_pencil
+from caricli.methods.stylise.paint_flat import paint_flat
+from caricli.methods.stylise.paint_oil import paint_oil
+from caricli.methods.stylise.paint_watercolour import paint_watercolour
+from caricli.structures import Landmarks
+
+LARGEST = 6.0
+"""Unit in pixels up to which painters paint; larger pictures are painted smaller and enlarged."""
+
+_NEAR = 0.25
+_FAR = 0.9
+"""Shares of the diagonal of the landmarks: how far around them painters take care, and from where on they do not."""
+
+PAINTERS: dict[str, Callable[[Canvas], np.ndarray]] = {
+    "oil": paint_oil,
+    "watercolour": paint_watercolour,
+    "ink": draw_ink,
+    "flat": paint_flat,
+    "pencil": draw_pencil,
+}
+"""By the STYLES that have one."""
+
+
+def paint_picture(image: np.ndarray, marks: Landmarks, style: str, generator: np.random.Generator) -> np.ndarray:
+    """Paint a picture; brushes, lines and grain are as large as its face tells.
+
+    image: (H, W, 3) uint8. marks: Landmarks of the face. style: of STYLES; "none" leaves the picture. generator: of
+    strokes and grain.
+    Returns (H, W, 3) uint8. Raises InputError for another style.
+    """
+    if style == "none":
+        return image
+    if style not in PAINTERS:
+        raise InputError(f"expected a style of {', '.join(PAINTERS)} or none, found {style}")
+    height, width = image.shape[:2]
+    unit = marks.diagonal / 100
+    scale = min(1.0, LARGEST / unit)
+    size = [max(1, round(length * scale)) for length in (width, height)]
+    smaller = image if scale == 1 else cv2.resize(image, size, interpolation=cv2.INTER_AREA)
+    points = marks.points[marks.known] * scale
+    canvas = Canvas(to_floats(smaller), unit * scale, _care(points, size, marks.diagonal * scale), generator)
+    painted = to_bytes(PAINTERS[style](canvas))
+    return painted if scale == 1 else cv2.resize(painted, (width, height), interpolation=cv2.INTER_CUBIC)
+
+
+def _care(points: np.ndarray, size: list[int], diagonal: float) -> np.ndarray:
+    """(H, W) float32, 1 near points (N, 2), 0 far from them."""
+    away = np.ones(size[::-1], np.uint8)
+    hull = cv2.convexHull(np.rint(points).astype(np.int32))
+    cv2.fillConvexPoly(away, hull, 0)
+    distance = cv2.distanceTransform(away, cv2.DIST_L2, 5) / diagonal if (away == 0).any() else np.full(size[::-1], 9.0)
+    return np.clip((_FAR - distance) / (_FAR - _NEAR), 0, 1).astype(np.float32)
