@@ -5,11 +5,13 @@ from dataclasses import astuple
 
 import click
 
+from caricli.commands.shared.face_outputs import note_source
 from caricli.commands.shared.head_options import head_options
 from caricli.commands.shared.notes import echo_result
 from caricli.commands.shared.options import (
     PATH,
     FiniteRange,
+    detector_option,
     model_option,
     out_option,
     overwrite_option,
@@ -27,7 +29,7 @@ DEFAULT_WEIGHTS = astuple(BlendshapeWeights())
 
 
 @click.command()
-@click.argument("source", type=PATH, metavar="FACE.npz|LANDMARKS")
+@click.argument("source", type=PATH, metavar="FACE.npz|PICTURE|LANDMARKS")
 @out_option("B.npz", "Write the blendshapes here; B.glb, .json and .png go beside it.", suffix=".npz")
 @click.option(
     "--expressions",
@@ -73,6 +75,7 @@ DEFAULT_WEIGHTS = astuple(BlendshapeWeights())
 @click.option(
     "--texture", type=PATH, metavar="IMAGE", help="Put this picture on the skin.  [default: the one that the face has]"
 )
+@detector_option
 @pts_origin_option
 @seed_option
 @picture_option
@@ -89,6 +92,7 @@ def command(
     templates,
     head,
     texture,
+    detector,
     pts_origin,
     seed,
     overwrite,
@@ -96,38 +100,40 @@ def command(
     """Make the expressions of a caricature, as blendshapes that keep who it is, from one picture of it.
 
     Its landmarks become those of a normal face, a normal face is fitted and does the expressions, and they are carried
-    back. FACE.npz is of `reconstruct-from-landmarks` or `refine`; LANDMARKS are reconstructed first. Every expression
-    starts from the neutral one, which the drawing need not show, and which is found with caution. FILE has a line
-    `neutral: {}` and others such as `smile: {mouthSmile: 0.7}`, of the 52 actions of ARKit. Use B.npz with `caricli
-    retarget` and `caricli animate`.
+    back. FACE.npz is of `reconstruct-from-landmarks` or `refine`; the face of a PICTURE, or of LANDMARKS, is
+    reconstructed first. The landmarks that were found in a PICTURE go to B-landmarks.json. Every expression starts from
+    the neutral one, which the drawing need not show, and which is found with caution. FILE has a line `neutral: {}` and
+    others such as `smile: {mouthSmile: 0.7}`, of the 52 actions of ARKit. Use B.npz with `caricli retarget` and
+    `caricli animate`.
 
     \b
     Example:
       caricli blendshapes face.npz --out blendshapes.npz
+      caricli blendshapes drawing.png --out blendshapes.npz
       caricli blendshapes landmarks.json --expressions moods.yaml --out moods.npz
       caricli blendshapes face.npz --method transfer --out rival.npz
     """
     from caricli.commands.shared.progress import progress_bar
-    from caricli.methods.expressions.build_blendshapes import build_blendshapes
     from caricli.methods.expressions.rig_blendshapes import report_blendshapes, rig_blendshapes
     from caricli.methods.rig.make_rig import RigSettings
     from caricli.store.expression_tools import ToolPaths, load_caricature, load_tools
+    from caricli.store.face_pictures import FaceReader, seen_files
 
     _check_usage(method, reconstruct, weights)
     settings = BlendshapeSettings(method, reconstruct, BlendshapeWeights(*weights))
-    paths = ToolPaths(expressions, map_path, model, templates)
-    tools, tool_files = load_tools(paths, latent=reconstruct == "latent")
-    face, pictures = load_caricature(source, tools, texture, pts_origin)
-    inputs = [source, *pictures.files, *tool_files]
-    images = pictures.load()
+    tools, tool_files = load_tools(ToolPaths(expressions, map_path, model, templates), latent=reconstruct == "latent")
+    caricature = load_caricature(source, tools, texture, FaceReader(detector, pts_origin))
+    face = caricature.face
+    images = caricature.worn.load()
+    inputs = [source, *caricature.worn.files, *tool_files]
     others = [*map(out.with_suffix, (".glb", ".json")), *picture_files(out.with_suffix(".png"))]
-    with staged(out, *others, overwrite=overwrite, inputs=inputs) as files:
+    given = {"overwrite": overwrite, "inputs": [*inputs, detector], "optional": seen_files(source, out)}
+    with staged(out, *others, **given) as files:
         with naming(source), progress_bar("expressions"):
-            start = time.perf_counter()
-            blendshapes = build_blendshapes(face, tools, settings)
-            seconds = time.perf_counter() - start
+            blendshapes, seconds = _build(face, tools, settings)
             result = rig_blendshapes(blendshapes, tools, RigSettings(head=head, seed=seed), images, face)
         about = {"method": method, "reconstruct": reconstruct, "weights": weights, "seconds": seconds}
+        about |= note_source(files[0], caricature.source, source)
         figures, line = report_blendshapes(face, blendshapes, tools, result)
         _write(files, face, result, provenance("blendshapes", inputs, seed, **about, **figures))
     echo_result(f"{out}: {line}")
@@ -139,6 +145,15 @@ def _check_usage(method, reconstruct, weights):
         raise click.UsageError("--reconstruct is for methods that follow landmarks, not for transfer.")
     if method != "full" and weights != DEFAULT_WEIGHTS:
         raise click.UsageError("--weights are those of --method full.")
+
+
+def _build(face, tools, settings):
+    """The Blendshapes of a Face, and the seconds that they took."""
+    from caricli.methods.expressions.build_blendshapes import build_blendshapes
+
+    start = time.perf_counter()
+    blendshapes = build_blendshapes(face, tools, settings)
+    return blendshapes, time.perf_counter() - start
 
 
 def _write(files, face, result, description):

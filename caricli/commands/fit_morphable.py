@@ -1,4 +1,4 @@
-"""caricli fit-morphable: 2D landmarks to a face of the morphable model."""
+"""caricli fit-morphable: a picture, or 2D landmarks, to a face of the morphable model."""
 
 from dataclasses import astuple
 from functools import partial
@@ -10,6 +10,7 @@ from caricli.commands.shared.options import (
     FACE_FILES,
     PATH,
     FiniteRange,
+    detector_option,
     image_option,
     model_option,
     out_folder_option,
@@ -23,7 +24,7 @@ from caricli.methods.reconstruct.settings import MorphableWeights
 
 
 @click.command()
-@click.argument("landmarks", nargs=-1, required=True, type=PATH, metavar="LANDMARKS...")
+@click.argument("landmarks", nargs=-1, required=True, type=PATH, metavar="PICTURE|LANDMARKS...")
 @out_option("FACE.obj", f"Write the face of one input here, {FACE_FILES}", required=False)
 @out_folder_option("Write the faces of many inputs into this folder, each under the name of its input.")
 @image_option
@@ -39,6 +40,7 @@ from caricli.methods.reconstruct.settings import MorphableWeights
     metavar="ID EXP",
     help="Hold identity and expression nearer to the mean face (larger) or to the landmarks (smaller).",
 )
+@detector_option
 @pts_origin_option
 @mesh_head_options
 @subdivide_option
@@ -46,27 +48,43 @@ from caricli.methods.reconstruct.settings import MorphableWeights
 @overwrite_option
 @click.pass_context
 def command(
-    ctx, landmarks, out, out_dir, image, model, expression_only, identity, weights, pts_origin, head, levels, overwrite
+    ctx,
+    landmarks,
+    out,
+    out_dir,
+    image,
+    model,
+    expression_only,
+    identity,
+    weights,
+    detector,
+    pts_origin,
+    head,
+    levels,
+    overwrite,
 ):
-    """Fit identity, expression and pose of a morphable model to 68 (iBUG) or 81 landmarks: JSON, .pts, text or NPY.
+    """Fit a morphable model to the face of a picture, or to 68 (iBUG) or 81 landmarks: JSON, .pts, text or NPY.
 
-    The face is regular: `reconstruct-from-landmarks` follows a caricature more closely. With several LANDMARKS --image
-    is a folder of pictures with the same names.
+    Identity, expression and pose are fitted. The face is regular: `reconstruct-from-landmarks` follows a caricature
+    more closely. The landmarks of a PICTURE are found, and written beside the result, FACE-landmarks.json. With several
+    LANDMARKS --image is a folder of pictures with the same names.
 
     \b
     Example:
+      caricli fit-morphable photo.jpg --out face.obj
       caricli fit-morphable landmarks.json --image drawing.png --out face.obj
       caricli fit-morphable smile.json --expression-only --identity face.npz --out smile.obj
     """
     from caricli.commands.shared.batch import run_batch
     from caricli.commands.shared.landmark_batch import FitTask, LandmarkFiles
     from caricli.methods.reconstruct.fit_morphable import fit_morphable
+    from caricli.store.face_pictures import FaceReader
     from caricli.store.faces import load_identity, load_worn_face
     from caricli.store.models import load_morphable
 
     if identity is not None and not expression_only:
         raise click.UsageError("--identity needs --expression-only.")
-    files = LandmarkFiles(landmarks, out, out_dir, image, pts_origin, overwrite)
+    files = LandmarkFiles(landmarks, out, out_dir, image, FaceReader(detector, pts_origin), overwrite)
     shape_model = load_morphable(model)
     kept, note = load_identity(identity, shape_model) if expression_only else (None, None)
     if note:

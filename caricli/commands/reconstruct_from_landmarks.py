@@ -1,4 +1,4 @@
-"""caricli reconstruct-from-landmarks: 2D landmarks to a 3D caricature."""
+"""caricli reconstruct-from-landmarks: a picture, or 2D landmarks, to a 3D caricature."""
 
 from functools import partial
 
@@ -9,6 +9,7 @@ from caricli.commands.shared.options import (
     FACE_FILES,
     PATH,
     FiniteRange,
+    detector_option,
     image_option,
     model_option,
     out_folder_option,
@@ -22,7 +23,7 @@ from caricli.methods.reconstruct.settings import METHODS
 
 
 @click.command()
-@click.argument("landmarks", nargs=-1, required=True, type=PATH, metavar="LANDMARKS...")
+@click.argument("landmarks", nargs=-1, required=True, type=PATH, metavar="PICTURE|LANDMARKS...")
 @out_option("FACE.obj", f"Write the face of one input here, {FACE_FILES}", required=False)
 @out_folder_option("Write the faces of many inputs into this folder, each under the name of its input.")
 @image_option
@@ -47,6 +48,7 @@ from caricli.methods.reconstruct.settings import METHODS
     help="Where 68 landmarks come with --image, find ears and forehead in it, which pull weakly (auto), or leave them "
     "as such a face has them (none).",
 )
+@detector_option
 @pts_origin_option
 @mesh_head_options
 @subdivide_option
@@ -54,24 +56,41 @@ from caricli.methods.reconstruct.settings import METHODS
 @overwrite_option
 @click.pass_context
 def command(
-    ctx, landmarks, out, out_dir, image, method, model, prior_weight, outline, pts_origin, head, levels, overwrite
+    ctx,
+    landmarks,
+    out,
+    out_dir,
+    image,
+    method,
+    model,
+    prior_weight,
+    outline,
+    detector,
+    pts_origin,
+    head,
+    levels,
+    overwrite,
 ):
-    """Reconstruct 3D caricatures from 68 (iBUG) or 81 landmarks: JSON, .pts, text or NPY.
+    """Reconstruct 3D caricatures from pictures, or from 68 (iBUG) or 81 landmarks: JSON, .pts, text or NPY.
 
-    With several LANDMARKS --image is a folder of pictures with the same names. In the picture that is written, green
-    circles are the given landmarks and what was found in the picture besides; red dots are the fitted landmarks.
+    In a PICTURE the largest face is found, and its landmarks are written beside the result, FACE-landmarks.json, to be
+    corrected and given in its place with --image. With several LANDMARKS --image is a folder of pictures with the same
+    names. In the picture that is written, green circles are the given landmarks and what was found in the picture
+    besides; red dots are the fitted landmarks.
 
     \b
     Example:
+      caricli reconstruct-from-landmarks drawing.png --out face.obj
       caricli reconstruct-from-landmarks landmarks.json --image drawing.png --out face.obj
       caricli reconstruct-from-landmarks marks/*.txt --image drawings --out-dir faces
     """
     from caricli.commands.shared.batch import run_batch
     from caricli.commands.shared.landmark_batch import FitTask, LandmarkFiles
     from caricli.methods.reconstruct.fit_landmarks import fit_landmarks, fitting_method
+    from caricli.store.face_pictures import FaceReader
     from caricli.store.models import DEFAULT_ELASTIC, DEFAULT_LATENT, load_model
 
-    files = LandmarkFiles(landmarks, out, out_dir, image, pts_origin, overwrite)
+    files = LandmarkFiles(landmarks, out, out_dir, image, FaceReader(detector, pts_origin), overwrite)
     shape_model = load_model(model, DEFAULT_LATENT if method == "latent" else DEFAULT_ELASTIC)
     method = method or fitting_method(shape_model)
     shape_model.prepare()

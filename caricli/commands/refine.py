@@ -8,13 +8,14 @@ from typing import Any
 
 import click
 
-from caricli.commands.shared.face_outputs import staged_face
+from caricli.commands.shared.face_outputs import note_source, staged_face
 from caricli.commands.shared.head_options import mesh_head_options
 from caricli.commands.shared.notes import echo_result
 from caricli.commands.shared.options import (
     FACE_FILES,
     PATH,
     FiniteRange,
+    detector_option,
     image_option,
     model_option,
     named_mesh,
@@ -46,7 +47,7 @@ def _sheet(seen, result, template, head, points, pixels):
 
 @click.command()
 @click.argument("face", type=PATH)
-@click.argument("landmarks", type=PATH)
+@click.argument("landmarks", type=PATH, metavar="PICTURE|LANDMARKS")
 @out_option("REFINED.obj", f"Write the face here, {FACE_FILES}", check=named_mesh)
 @image_option
 @click.option(
@@ -66,23 +67,29 @@ def _sheet(seen, result, template, head, points, pixels):
     help="Let neighbours count by the angles between them (cotangent), or all the same, as published (uniform).",
 )
 @model_option
+@detector_option
 @pts_origin_option
 @mesh_head_options
 @subdivide_option
 @picture_option
 @overwrite_option
-def command(face, landmarks, out, image, parsing, weight, laplacian, model, pts_origin, head, levels, overwrite):
+def command(
+    face, landmarks, out, image, parsing, weight, laplacian, model, detector, pts_origin, head, levels, overwrite
+):
     """Move a face (NPZ with a camera) exactly onto the landmarks of its picture by Laplacian deformation.
 
-    Depth and local shape stay as they are. In the picture that is written, green circles are the given landmarks and
-    red dots the fitted ones.
+    Depth and local shape stay as they are. In a PICTURE the landmarks are found; they are written beside the result,
+    REFINED-landmarks.json. In the picture that is written, green circles are the given landmarks and red dots the
+    fitted ones.
 
     \b
     Example:
+      caricli refine face.npz drawing.png --out refined.obj
       caricli refine face.npz landmarks.json --image drawing.png --out refined.obj
       caricli refine face.npz landmarks.json --parsing labels.png --out refined.obj
     """
-    task = RefineTask(image, parsing, RefineSettings(weight, laplacian), model, pts_origin, head, levels, overwrite)
+    settings = RefineSettings(weight, laplacian)
+    task = RefineTask(image, parsing, settings, model, pts_origin, head, levels, overwrite, detector)
     echo_result(task.run(face, landmarks, out))
 
 
@@ -93,6 +100,7 @@ class RefineTask:
     image: path of the picture; parsing: of its label map; model: of the model of the mesh; each may be None.
     settings: of the deformation. pts_origin: coordinate of the first pixel in .pts files. head: HeadChoice of the mesh,
     or None for the skin. levels: how often its polygons are split. overwrite: whether files that exist are replaced.
+    detector: path of what finds landmarks in a picture, or None for the bundled one.
     """
 
     image: Path | None = None
@@ -103,23 +111,27 @@ class RefineTask:
     head: HeadChoice | None = None
     levels: int = 0
     overwrite: bool = False
+    detector: Path | None = None
 
     def run(self, face: Path, landmarks: Path, out: Path) -> str:
-        """Move a face onto its landmarks, write it, and say how near it came."""
+        """Move a face onto its landmarks, or those of its picture, write it, and say how near it came."""
         from caricli.methods.parts.whole_head import mesh_face
         from caricli.methods.reconstruct.refine_face import refine_face
         from caricli.methods.reconstruct.snap_eyes import snap_eyes
         from caricli.store.face_files import write_face_files
+        from caricli.store.face_pictures import FaceReader, seen_files
         from caricli.store.faces import load_seen_face
-        from caricli.store.pictures import load_eyes, load_marked_picture
+        from caricli.store.pictures import load_eyes
         from caricli.template.fine_mesh import fine_mesh
 
         inputs = (face, landmarks, self.image, self.parsing)
-        with staged_face(out, self.overwrite, (*inputs, self.model), "refining") as files:
+        others = (self.model, self.detector)
+        with staged_face(out, self.overwrite, (*inputs, *others), "refining", seen_files(landmarks, out)) as files:
             seen, shape_model = load_seen_face(face, self.model)
             template = shape_model.template
-            marks, pixels = load_marked_picture(landmarks, self.image, self.pts_origin)
-            points, snapped = snap_eyes(marks.points, load_eyes(self.parsing, marks.image_size))
+            reader = FaceReader(self.detector, self.pts_origin)
+            picture = reader.read(landmarks, len(template.annotation.landmarks), self.image)
+            points, snapped = snap_eyes(picture.landmarks.points, load_eyes(self.parsing, picture))
             start = time.perf_counter()
             with naming(landmarks):
                 result = refine_face(seen, points, template, self.settings)
@@ -130,9 +142,9 @@ class RefineTask:
                 "snapped": snapped,
             }
             about |= {"laplacian": self.settings.laplacian, "subdivide": self.levels, "seconds": seconds}
-            about |= result.figures()
+            about |= note_source(files[0], picture, landmarks) | result.figures()
             shown = mesh_face(result.face, template, self.head, fine_mesh(result.face.mesh, self.levels))
             write_face_files(files[0], files[1], result.face_of(shape_model), shown)
             write_json(files[2], provenance("refine", inputs, **about))
-            write_picture(files[3], partial(_sheet, seen, result, template, self.head, points, pixels))
+            write_picture(files[3], partial(_sheet, seen, result, template, self.head, points, picture.pixels))
         return f"{out}: {result.describe()}"

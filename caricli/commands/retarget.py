@@ -2,13 +2,14 @@
 
 import click
 
-from caricli.commands.shared.face_outputs import staged_face
+from caricli.commands.shared.face_outputs import note_source, staged_face
 from caricli.commands.shared.head_options import made_head_options
 from caricli.commands.shared.notes import echo_result
 from caricli.commands.shared.options import (
     FACE_FILES,
     PATH,
     FiniteRange,
+    detector_option,
     face_files,
     model_option,
     named,
@@ -26,7 +27,7 @@ from caricli.io.strict_json import write_json
 
 @click.command()
 @click.argument("rig", type=PATH, metavar="B.npz")
-@click.argument("drivers", nargs=-1, required=True, type=PATH, metavar="NORMAL_FACE|LANDMARKS...")
+@click.argument("drivers", nargs=-1, required=True, type=PATH, metavar="NORMAL_FACE|PICTURE|LANDMARKS...")
 @out_option("FACE.obj", f"Write the face of one driver here, {FACE_FILES}", required=False)
 @out_folder_option("Write the faces of many drivers into this folder, each under the name of its driver.")
 @click.option(
@@ -48,47 +49,48 @@ from caricli.io.strict_json import write_json
 )
 @made_head_options
 @model_option
+@detector_option
 @pts_origin_option
 @picture_option
 @overwrite_option
 @click.pass_context
-def command(ctx, rig, drivers, out, out_dir, neutral, animation, fps, head, model, pts_origin, overwrite):
+def command(ctx, rig, drivers, out, out_dir, neutral, animation, fps, head, model, detector, pts_origin, overwrite):
     """Give a caricature the expressions of normal faces.
 
     B.npz is what `blendshapes` wrote. Drivers are meshes of the model's topology (NPZ, OBJ, PLY, GLB or glTF), or
-    landmarks. Weights from 0 to 1.5 explain what a driver does to a normal face, and are
-    applied to the caricature. All drivers are of one person and of one kind. Place and size do not matter. Weights of
-    meshes are exact with --neutral; without it, and from landmarks, who somebody is and what he does are told apart by
-    what is likely.
+    landmarks, or pictures, in which they are found; then they are written beside the result, FACE-landmarks.json.
+    Weights from 0 to 1.5 explain what a driver does to a normal face, and are applied to the caricature. All drivers
+    are of one person and of one kind. Place and size do not matter. Weights of meshes are exact with --neutral; without
+    it, and from landmarks, who somebody is and what he does are told apart by what is likely.
 
     \b
     Example:
       caricli retarget b.npz smile.obj --neutral calm.obj --out smiling.obj
-      caricli retarget b.npz photo.json --out face.obj
+      caricli retarget b.npz photo.jpg --out face.obj
       caricli retarget b.npz take/*.obj --neutral calm.obj --out-dir frames --animation take.glb --fps 30
     """
     from caricli.commands.shared.batch import named_jobs, run_batch
     from caricli.io.mesh import MESH_SUFFIXES
+    from caricli.store.face_pictures import FaceReader, seen_files
     from caricli.store.models import load_morphable
 
     jobs = named_jobs(drivers, "NORMAL_FACE", out, out_dir, *MESH_SUFFIXES)
     _check_usage(drivers, neutral, animation, [target for _, target in jobs])
-    given = {"overwrite": overwrite, "inputs": (rig, neutral, model, *drivers)}
+    given = {"overwrite": overwrite, "inputs": (rig, neutral, model, detector, *drivers)}
     _check_outputs(out, out_dir, animation, given)
     normal = load_morphable(model)
-    loaded, retargeting = _load(_load_rig(rig, normal, head), drivers, neutral, normal, pts_origin, bool(animation))
+    reader = FaceReader(detector, pts_origin)
+    loaded, retargeting = _load(_load_rig(rig, normal, head), drivers, neutral, normal, reader, bool(animation))
     about = {"model_id": normal.model_id, "drivers": len(loaded.faces)}
     if animation is not None:
-        with staged(*_film_files(animation), **given) as files:
-            _write_animation(
-                files, retargeting, fps, provenance("retarget", [rig, neutral, *drivers], **about, fps=fps)
-            )
-        echo_result(f"{shown(animation)}: {len(drivers)} frames at {fps:.4g} a second")
+        about_film = provenance("retarget", [rig, neutral, *drivers], **about, fps=fps)
+        _write_animation(animation, given, retargeting, fps, about_film)
 
     def retarget(path, target):
         row = loaded.row(path)
-        with staged_face(target, **given) as files:
-            _write(files, retargeting, row, provenance("retarget", [rig, path, neutral], **about))
+        with staged_face(target, **given, optional=seen_files(path, target)) as files:
+            more = about | note_source(files[0], loaded.sources.get(path), path)
+            _write(files, retargeting, row, provenance("retarget", [rig, path, neutral], **more))
         return f"{shown(target)}: {retargeting.describe(row)}"
 
     run_batch(ctx, jobs, retarget, "faces")
@@ -127,10 +129,11 @@ def _load_rig(path, normal, head):
         return choose_head(rig, head)
 
 
-def _load(driven, drivers, neutral, normal, pts_origin, whole):
+def _load(driven, drivers, neutral, normal, reader, whole):
     """The Drivers, and the Retargeting of those that could be read, or None.
 
-    driven: Rig. normal: MorphableModel. whole: whether a driver that cannot be read ends everything.
+    driven: Rig. normal: MorphableModel. reader: FaceReader. whole: whether a driver that cannot be read ends
+    everything.
     """
     from caricli.commands.shared.progress import progress_bar
     from caricli.methods.expressions.retarget_rig import retarget_rig
@@ -139,7 +142,7 @@ def _load(driven, drivers, neutral, normal, pts_origin, whole):
 
     calm = None if neutral is None else load_face(neutral, normal).vertices
     with progress_bar("reading") as progress:
-        loaded = load_drivers(drivers, normal, pts_origin, progress, whole)
+        loaded = load_drivers(drivers, normal, reader, progress, whole)
     return loaded, retarget_rig(list(loaded.faces.values()), driven, normal, calm) if loaded.faces else None
 
 
@@ -164,10 +167,11 @@ def _driver(retargeting, row):
     return whole_head(Face(driver), driver)
 
 
-def _write_animation(files, retargeting, fps, description):
-    """Write GLB and JSON of the rig moving through all drivers."""
+def _write_animation(path, given, retargeting, fps, description):
+    """Write GLB and JSON of the rig moving through all drivers, and say so. given: to ``staged``."""
     from caricli.io.gltf.write_gltf import write_gltf
 
-    glb, json_file = files
-    write_gltf(glb, retargeting.rig, animation=retargeting.animation(fps))
-    write_json(json_file, description | {"weights": retargeting.weights_by_name()})
+    with staged(*_film_files(path), **given) as (glb, json_file):
+        write_gltf(glb, retargeting.rig, animation=retargeting.animation(fps))
+        write_json(json_file, description | {"weights": retargeting.weights_by_name()})
+    echo_result(f"{shown(path)}: {description['drivers']} frames at {fps:.4g} a second")

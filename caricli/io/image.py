@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from caricli.errors import InputError, OutputError, shown
-from caricli.io.files import content_kind, read_bytes
+from caricli.io.files import content_kind, opened, read_bytes
 from caricli.io.outputs import writing
 from caricli.limits import MAX_IMAGE_BYTES, MAX_IMAGE_PIXELS
 
@@ -20,6 +20,16 @@ EFFORT = 3  # of PNG, from 0 to 9: the usual 6 saves a tenth of the bytes and ta
 _MOST_PACKED = 4  # that a head wears
 _packed: dict[str, bytes] = {}
 _FORMATS = ("PNG", "JPEG", "WEBP", "BMP", "TIFF", "GIF")
+_BEGINNINGS = (b"\x89PNG", b"\xff\xd8\xff", b"GIF8", b"BM", b"II*\0", b"MM\0*")
+_WEBP = slice(8, 12)
+
+
+def is_image_file(path: str | Path) -> bool:
+    """Whether a file begins as a picture that ``read_image`` reads does; one that cannot be read is none."""
+    head = b""
+    with suppress(InputError), opened(path, "a file") as stream:
+        head = stream.read(_WEBP.stop)
+    return head.startswith(_BEGINNINGS) or (head.startswith(b"RIFF") and head[_WEBP] == b"WEBP")
 
 
 def read_image(path: str | Path) -> np.ndarray:

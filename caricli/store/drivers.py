@@ -5,13 +5,14 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from caricli.errors import CaricliError, InputError, naming
-from caricli.io.landmarks import read_landmarks
 from caricli.io.mesh import is_mesh_file
 from caricli.io.rig import read_rig
 from caricli.methods.expressions.retarget_rig import Driver, DrivingMesh, fit_driver
 from caricli.models.morphable.model import MorphableModel
+from caricli.store.face_pictures import FaceReader
 from caricli.store.faces import load_face
 from caricli.structures import Rig
+from caricli.structures.detection import FacePicture
 
 
 def is_driving_mesh(path: Path) -> bool:
@@ -34,9 +35,10 @@ def load_driven_rig(path: Path, model: MorphableModel) -> Rig:
 
 @dataclass(frozen=True, eq=False)
 class Drivers:
-    """Drivers by path, and of those that cannot be read the failures by path."""
+    """Drivers by path, the FacePictures of those that are landmarks, and the failures of those that cannot be read."""
 
     faces: dict[Path, Driver] = field(default_factory=dict)
+    sources: dict[Path, FacePicture] = field(default_factory=dict)
     failures: dict[Path, CaricliError] = field(default_factory=dict)
 
     def row(self, path: Path) -> int:
@@ -49,30 +51,29 @@ class Drivers:
 def load_drivers(
     paths: Sequence[Path],
     model: MorphableModel,
-    pts_origin: int = 1,
+    reader: FaceReader = FaceReader(),  # noqa: B008 (frozen)
     progress: Callable[[int, int], object] = lambda done, total: None,
     whole: bool = False,
 ) -> Drivers:
-    """The Drivers of meshes of the model's topology or of landmarks, whose cameras are found.
+    """The Drivers of meshes of the model's topology, or of landmarks or pictures, whose cameras are found.
 
-    pts_origin: coordinate of the first pixel in .pts files. progress: called with how many are read, and of how many.
+    reader: FaceReader of landmarks and pictures. progress: called with how many are read, and of how many.
     whole: whether one that cannot be read ends everything.
     """
     drivers = Drivers()
     for number, path in enumerate(paths, 1):
         try:
-            drivers.faces[path] = _load_driver(path, model, pts_origin)
+            if is_driving_mesh(path):
+                drivers.faces[path] = DrivingMesh(load_face(path, model).vertices)
+            else:
+                count = len(model.template.annotation.landmarks)
+                picture = reader.read(path, count)
+                with naming(path):
+                    drivers.faces[path] = fit_driver(picture.landmarks, model)
+                drivers.sources[path] = picture
         except CaricliError as error:
             if whole:
                 raise
             drivers.failures[path] = error
         progress(number, len(paths))
     return drivers
-
-
-def _load_driver(path: Path, model: MorphableModel, pts_origin: int) -> Driver:
-    if is_driving_mesh(path):
-        return DrivingMesh(load_face(path, model).vertices)
-    landmarks = read_landmarks(path, pts_origin)
-    with naming(path):
-        return fit_driver(landmarks, model)

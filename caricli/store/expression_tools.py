@@ -6,17 +6,18 @@ from pathlib import Path
 
 from caricli.data.expressions import read_expressions, single_expressions
 from caricli.errors import InputError, naming, shown
-from caricli.io.landmarks import read_landmarks
 from caricli.io.mesh import is_mesh_file
 from caricli.methods.expressions.tools import ExpressionTools
 from caricli.methods.reconstruct.fit_landmarks import fit_landmarks
 from caricli.methods.rig.expression_templates import ExpressionTemplates
 from caricli.store.expression_templates import load_templates
+from caricli.store.face_pictures import FaceReader
 from caricli.store.faces import load_worn_face
 from caricli.store.landmark_maps import landmark_map_path, load_landmark_map
 from caricli.store.models import DEFAULT_LATENT, load_model, load_morphable
 from caricli.store.rig_sources import PicturePaths, picture_paths
 from caricli.structures import Face, Mesh
+from caricli.structures.detection import FacePicture
 from caricli.template.template import Template
 
 
@@ -70,25 +71,46 @@ def _on_template(actions: ExpressionTemplates, template: Template) -> Expression
     return replace(actions, mesh=template.with_vertices(unit * actions.neutral), deltas=unit * actions.deltas)
 
 
-def load_caricature(
-    source: Path, tools: ExpressionTools, texture: Path | None = None, pts_origin: int = 1
-) -> tuple[Face, PicturePaths]:
-    """A Face with the camera of its picture, and the pictures on it.
+@dataclass(frozen=True, eq=False)
+class Caricature:
+    """What expressions are to be of.
 
-    source: a face (NPZ), or landmarks, which are reconstructed. texture: the skin's picture, or None for the face's
-    own. pts_origin: coordinate of the first pixel in .pts files.
-    Raises InputError for a face without a camera or of another mesh than the tools'.
+    face: Face with the camera of its picture. worn: PicturePaths of what it wears. source: FacePicture that it was
+    reconstructed from, or None where it was there.
+    """
+
+    face: Face
+    worn: PicturePaths
+    source: FacePicture | None = None
+
+
+def load_caricature(
+    source: Path,
+    tools: ExpressionTools,
+    texture: Path | None = None,
+    reader: FaceReader = FaceReader(),  # noqa: B008 (frozen)
+) -> Caricature:
+    """A caricature that is there, or is reconstructed.
+
+    source: a face (NPZ), or landmarks or a picture, from which it is reconstructed. texture: the skin's picture, or
+    None for the face's own. reader: FaceReader of landmarks and pictures.
+    Raises InputError for a face without a camera or of another mesh than the tools', and a picture without a face.
     """
     morphable = tools.morphable
     if is_mesh_file(source):
-        raise InputError(f"{shown(source)}: expected FACE.npz or landmarks, found a mesh, which has no camera")
+        raise InputError(
+            f"{shown(source)}: expected FACE.npz, a picture or landmarks, found a mesh, which has no camera"
+        )
     if source.suffix.lower() == ".npz":
         face = load_worn_face(source, morphable)
         with naming(source):
             face.require_camera()
-        return face, picture_paths(source, texture)
+        return Caricature(face, picture_paths(source, texture))
     intrinsic = load_model()
     if intrinsic.template.topology_id != morphable.template.topology_id:
         raise InputError(f"{shown(source)}: expected a FACE.npz for a model of another mesh, found landmarks")
-    fit = fit_landmarks(read_landmarks(source, pts_origin).points, intrinsic)
-    return Face(morphable.template.with_vertices(fit.face.vertices), fit.face.camera), PicturePaths(texture)
+    count = len(intrinsic.template.annotation.landmarks)
+    picture = reader.read(source, count)
+    fit = fit_landmarks(picture.landmarks.points, intrinsic)
+    face = Face(morphable.template.with_vertices(fit.face.vertices), fit.face.camera)
+    return Caricature(face, PicturePaths(texture), picture)

@@ -6,10 +6,12 @@ from pathlib import Path
 import numpy as np
 
 from caricli.errors import InputError, naming, shown
-from caricli.io.image import read_image
+from caricli.io.image import is_image_file, read_image
 from caricli.io.landmarks import read_landmarks
 from caricli.io.parsing import read_parsing
 from caricli.structures import Landmarks
+from caricli.structures.detection import FacePicture
+from caricli.structures.parsing import Region
 
 PICTURES = (".png", ".jpg", ".jpeg", ".webp", ".bmp", ".tif", ".tiff", ".gif")
 
@@ -23,11 +25,14 @@ _WHITE = 127
 def find_picture(image: Path | None, path: Path, many: bool) -> Path | None:
     """The picture of a landmark file: the given one, or where there are many, that of its name in a folder.
 
-    image: path of a picture, or of a folder of pictures, or None. path: of the landmarks.
+    image: path of a picture, or of a folder of pictures, or None. path: of the landmarks; one that is a picture itself
+    has none in the folder.
     Raises InputError where many inputs share one picture, and where the folder has none of the name.
     """
     if image is None or not many:
         return image
+    if is_image_file(path):
+        return None
     if not image.is_dir():
         raise InputError(f"{image}: expected a folder of pictures, because results of many inputs were asked for")
     pictures = [image / f"{path.stem}{suffix}" for suffix in PICTURES if (image / f"{path.stem}{suffix}").is_file()]
@@ -56,14 +61,15 @@ def load_marked_picture(
         return replace(marks, image_size=size), picture
 
 
-def load_eyes(path: Path | None, size: tuple[int, int] | None) -> np.ndarray | None:
+def load_eyes(path: Path | None, picture: FacePicture) -> np.ndarray | None:
     """(H, W) bool: pixels that show an eye, by the labels of a parsed picture.
 
-    path: of the labels, or None for no such picture. size: (width, height) that it must have, or None for any.
-    Raises InputError for another size, and where no pixel is labelled so.
+    path: of the labels, or None for those that were seen together with the landmarks, where they were.
+    Raises InputError for another size than the picture's, and where no pixel of the file is labelled so.
     """
     if path is None:
-        return None
+        return None if picture.seen is None else picture.seen.regions == Region.EYES
+    size = picture.landmarks.image_size
     labels, legend = read_parsing(path)
     if size is not None and tuple(size) != labels.shape[::-1]:
         other = f"{labels.shape[1]} x {labels.shape[0]}"

@@ -2,9 +2,11 @@
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
+from caricli.errors import shown
 from caricli.structures.landmarks import COUNT, EYES, MOUTH, Landmarks
 
 
@@ -83,6 +85,56 @@ class Detection:
 
     faces: list[DetectedFace]
     regions: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class SeenFace:
+    """What a picture shows, where one face is what it is of.
+
+    face: DetectedFace, the largest. regions: (H, W) uint8 values of Region, of the whole picture. others: faces beside
+    it. doubt: why it may be wrong, a phrase, or None where nothing speaks against it.
+    """
+
+    face: DetectedFace
+    regions: np.ndarray
+    others: int = 0
+    doubt: str | None = None
+
+    @property
+    def landmarks(self) -> Landmarks:
+        """Its 81 Landmarks with spreads and visibility."""
+        return self.face.landmarks
+
+    def figures(self) -> dict[str, Any]:
+        """What reports say of it, as JSON."""
+        own = {"score": self.face.score, "spread": self.face.spread, "known": int(self.landmarks.known.sum())}
+        return own | {"other_faces": self.others, "doubt": self.doubt}
+
+
+@dataclass(frozen=True, eq=False)
+class FacePicture:
+    """The landmarks of a face, and the picture that they belong to.
+
+    landmarks: Landmarks. pixels: (H, W, 3) uint8, or None where there is no picture. seen: SeenFace that the landmarks
+    are of, or None where they were given.
+    """
+
+    landmarks: Landmarks
+    pixels: np.ndarray | None = None
+    seen: SeenFace | None = None
+
+    def figures(self) -> dict[str, Any]:
+        """What reports say of a face that was seen, as JSON."""
+        return {} if self.seen is None else {"detected": self.seen.figures()}
+
+    def note(self, name: object) -> str | None:
+        """What is worth knowing of a face that was seen in a picture of a name, or None."""
+        if self.seen is None:
+            return None
+        others = f"took the largest of {self.seen.others + 1} faces" if self.seen.others else None
+        doubt = f"the face is doubtful: {self.seen.doubt}" if self.seen.doubt else None
+        notes = "; ".join(note for note in (others, doubt) if note)
+        return f"{shown(name)}: {notes}" if notes else None
 
 
 @dataclass(frozen=True, eq=False)

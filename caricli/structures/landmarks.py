@@ -143,6 +143,11 @@ class Landmarks:
         """Diagonal of the known points' bounding box, pixels: what errors are measured against."""
         return float(np.linalg.norm(np.ptp(self.points[self.known], axis=0)))
 
+    def first(self, count: int) -> "Landmarks":
+        """The first 68 or 81 of them."""
+        shares = (None if values is None else values[:count] for values in (self.spreads, self.visibility))
+        return Landmarks(self.points[:count], self.image_size, *shares)
+
     def check_inside(self, size: tuple[int, int]) -> None:
         """Refuse landmarks far outside a picture of (width, height) pixels.
 

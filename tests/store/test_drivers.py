@@ -10,6 +10,7 @@ from caricli.io.mesh import MESH_SUFFIXES, write_mesh
 from caricli.io.rig import write_rig
 from caricli.methods.expressions.retarget_rig import DrivingLandmarks, DrivingMesh
 from caricli.store.drivers import is_driving_mesh, load_driven_rig, load_drivers
+from caricli.store.face_pictures import FaceReader
 from caricli.store.models import load_morphable
 from caricli.structures import Landmarks, Mesh, Rig
 
@@ -63,7 +64,8 @@ def test_other_files_do_not_drive_as_meshes():
 
 def test_the_first_pixel_of_pts_files_is_1_or_0(files, model):
     _, marks, _ = files
-    from_one, from_zero = (load_drivers([marks], model, origin).faces[marks].points for origin in (1, 0))
+    readers = (FaceReader(pts_origin=origin) for origin in (1, 0))
+    from_one, from_zero = (load_drivers([marks], model, reader).faces[marks].points for reader in readers)
     np.testing.assert_allclose(from_zero, from_one + 1)
 
 

@@ -63,7 +63,8 @@ def test_expressions_that_move_nothing_are_refused(tmp_path):
 def test_a_caricature_has_a_camera(tools, head_template, tmp_path):
     camera = Camera(1500.0, np.diag([1.0, -1, -1]), np.zeros(2))
     write_face(tmp_path / "seen.npz", Face(head_template, camera))
-    face, pictures = load_caricature(tmp_path / "seen.npz", tools)
+    caricature = load_caricature(tmp_path / "seen.npz", tools)
+    face, pictures = caricature.face, caricature.worn
     assert face.camera is not None and pictures == PicturePaths() and pictures.files == []
     write_face(tmp_path / "blind.npz", Face(head_template))
     with pytest.raises(InputError, match="blind.npz: expected a face with the camera"):

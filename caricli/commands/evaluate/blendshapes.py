@@ -106,9 +106,9 @@ def _evaluate(caricatures: list, given: str, seed: int, sheet: Any) -> Any:
 
 
 def _add_drawings(sheet: Any, drawings: dict) -> None:
-    """Add pairs of a Face and its pictures, by name, to a BlendshapeSheet."""
-    for name, (face, pictures) in drawings.items():
-        sheet.add_face(name, face, pictures.load())
+    """Add Caricatures, by name, to a BlendshapeSheet."""
+    for name, caricature in drawings.items():
+        sheet.add_face(name, caricature.face, caricature.worn.load())
 
 
 def _print(out: Path, tally: Any, note: str | None) -> None:

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from caricli.commands.shared.batch import named_jobs
-from caricli.commands.shared.face_outputs import staged_face
+from caricli.commands.shared.face_outputs import note_source, staged_face
 from caricli.commands.shared.picture import write_picture
 from caricli.io.mesh import MESH_SUFFIXES
 from caricli.io.provenance import provenance
@@ -20,8 +20,10 @@ from caricli.methods.faces.subdivide_face import finer_face, subdivide_face
 from caricli.methods.reconstruct.landmark_fit import LandmarkFit
 from caricli.models.shape_model import ShapeModel
 from caricli.store.face_files import write_face_files
-from caricli.store.pictures import find_picture, load_marked_picture
+from caricli.store.face_pictures import FaceReader, seen_files
+from caricli.store.pictures import find_picture
 from caricli.structures import Face, HeadChoice
+from caricli.structures.detection import FacePicture
 from caricli.structures.head_choice import WHOLE
 from caricli.template.fine_mesh import FineMesh, fine_mesh
 
@@ -30,15 +32,15 @@ from caricli.template.fine_mesh import FineMesh, fine_mesh
 class LandmarkFiles:
     """What is read and written, as it was typed.
 
-    landmarks: paths. out: of one result; out_dir: folder of many. image: path of the picture, or a folder of them.
-    pts_origin: coordinate of the first pixel in .pts files. overwrite: whether files that exist are replaced.
+    landmarks: paths of them, or of pictures. out: of one result; out_dir: folder of many. image: path of the picture of
+    landmarks, or a folder of them. reader: FaceReader of the paths. overwrite: whether files that exist are replaced.
     """
 
     landmarks: Sequence[Path]
     out: Path | None
     out_dir: Path | None
     image: Path | None
-    pts_origin: int
+    reader: FaceReader
     overwrite: bool
 
     def __post_init__(self) -> None:
@@ -47,7 +49,7 @@ class LandmarkFiles:
 
     def jobs(self) -> list[tuple[Path, Path]]:
         """Pairs of a landmark file and the mesh to write. Raises click.UsageError where one or many do not fit."""
-        return named_jobs(self.landmarks, "LANDMARKS", self.out, self.out_dir, *MESH_SUFFIXES)
+        return named_jobs(self.landmarks, "PICTURE|LANDMARKS", self.out, self.out_dir, *MESH_SUFFIXES)
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,24 +83,32 @@ class FitTask:
 
     def run(self, path: Path, target: Path) -> str:
         """Fit a face to a landmark file, write it, and say how near it came."""
-        picture = find_picture(self.files.image, path, many=self.files.out is None)
-        inputs = (*self.files.landmarks, *self.inputs, *self.sources, picture)
-        with staged_face(target, self.files.overwrite, inputs) as (mesh, npz, json, png):
-            marks, pixels = load_marked_picture(path, picture, self.files.pts_origin)
+        image = find_picture(self.files.image, path, many=self.files.out is None)
+        inputs = (*self.files.landmarks, *self.inputs, *self.sources, image, self.files.reader.path)
+        with staged_face(target, self.files.overwrite, inputs, optional=seen_files(path, target)) as files:
+            count = len(self.model.template.annotation.landmarks)
+            picture = self.files.reader.read(path, count, image)
             start = time.perf_counter()
-            fit = self.fit(marks.points, image=pixels) if self.looks else self.fit(marks.points)
+            fit = self._fitted(picture)
             seconds = time.perf_counter() - start
             face = fit.face if self.worn is None else fit.face.wearing(self.worn)
             finer = subdivide_face(face, self.model, self.fine)
             if self.latents is not None:
                 face = encode_face(face, self.latents)
+            mesh, npz, json, png = files
             write_face_files(mesh, npz, face, self._shown(face, finer))
             about = self.about | {"latent_model_id": face.model_id, "subdivide": self.levels}
-            report = provenance(self.command, [path, picture, *self.sources], **about)
+            about |= note_source(mesh, picture, path)
+            report = provenance(self.command, [path, image, *self.sources], **about)
             write_json(json, report | fit.figures() | {"seconds": seconds})
-            points = fit.shown(marks.points)
-            write_picture(png, partial(self._sheet, face, finer, points, pixels))
+            points = fit.shown(picture.landmarks.points)
+            write_picture(png, partial(self._sheet, face, finer, points, picture.pixels))
         return f"{target}: {fit.describe()}"
+
+    def _fitted(self, picture: FacePicture) -> LandmarkFit:
+        """The fit to a picture's landmarks."""
+        marks = picture.landmarks
+        return self.fit(marks.points, image=picture.pixels) if self.looks else self.fit(marks.points)
 
     def _shown(self, face: Face, finer: FineMesh) -> Face:
         """What the mesh file holds of a face: its skin, or the head that was chosen."""

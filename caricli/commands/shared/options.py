@@ -150,6 +150,13 @@ image_option = click.option(
     "--image", type=PATH, metavar="IMAGE", help="Show the result with this picture, to which the landmarks belong."
 )
 
+detector_option = click.option(
+    "--detector",
+    type=PATH,
+    metavar="FILE",
+    help="Find faces in pictures with this detector of `caricli train detector`.  [default: caricli's]",
+)
+
 pts_origin_option = click.option(
     "--pts-origin", type=WholeRange(0, 1), default=1, help="Count the pixels of .pts files from 0 or from 1."
 )

@@ -1,34 +1,12 @@
 """The one face that a picture is taken for."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from caricli.errors import InputError
 from caricli.methods.detect.detect_faces import detect_faces
 from caricli.methods.detect.settings import DetectSettings
 from caricli.models.detector.model import Detector
-from caricli.structures import Landmarks
-from caricli.structures.detection import DetectedFace
-
-
-@dataclass(frozen=True, eq=False)
-class SeenFace:
-    """What a picture shows, where one face is what it is of.
-
-    face: DetectedFace, the largest. regions: (H, W) uint8 values of Region, of the whole picture. others: faces beside
-    it. doubt: why it may be wrong, a phrase, or None where nothing speaks against it.
-    """
-
-    face: DetectedFace
-    regions: np.ndarray
-    others: int = 0
-    doubt: str | None = None
-
-    @property
-    def landmarks(self) -> Landmarks:
-        """Its 81 Landmarks with spreads and visibility."""
-        return self.face.landmarks
+from caricli.structures.detection import DetectedFace, SeenFace
 
 
 def see_face(picture: np.ndarray, detector: Detector, settings: DetectSettings | None = None) -> SeenFace:
