@@ -68,6 +68,7 @@ edit-semantic sampled/face-000.npz --label BigNose=2 --keep BigEar --steps 3 --o
 caricaturize sampled/face-000.npz --strength 1.5 --out caricature.obj
 caricaturize landmarks.json --from-landmarks --image astronaut.png --mode own --out own.obj
 rig textured/face.npz --out rig.glb --usd
+portrait pictures/astronaut.png --landmarks landmarks.json --size 256 --parts skin,eyes --out-dir heads
 rig head.obj --out sparse.glb --sparse --subdivide 1 --parts skin
 blendshapes textured/face.npz --expressions moods.yaml --out blendshapes.npz
 blendshapes landmarks.json --expressions moods.yaml --method initial --reconstruct latent --out initial.npz

@@ -18,6 +18,7 @@ from caricli.errors import CaricliError, UsageError
 
 # What is typed: (module in caricli.commands, or None for a group; section of the help; short help).
 COMMANDS = {
+    "portrait": ("portrait", "Reconstruct", "Make textured, rigged heads of pictures."),
     "detect": ("detect", "Reconstruct", "Find faces and landmarks in pictures."),
     "reconstruct-from-landmarks": (
         "reconstruct_from_landmarks",
@@ -164,11 +165,11 @@ class Caricli(LazyGroup):
 @click.option("--debug", is_flag=True, expose_value=False, help="Show the traceback of a failure.")
 @click.option("--json-errors", is_flag=True, expose_value=False, help="Report a failure as one JSON object on stderr.")
 def cli():
-    """Make 3D caricature and cartoon faces from landmarks, drawings and portraits.
+    """Make 3D caricature and cartoon faces from drawings, portraits and landmarks.
 
     \b
     Example:
-      caricli reconstruct-from-landmarks landmarks.json --image drawing.png --out face.obj
+      caricli portrait drawing.png --out-dir heads
     """
 
 

@@ -65,7 +65,7 @@ def test_a_head_to_turn_is_the_whole_glb_in_a_script(page):
     unpacked = gzip.decompress(base64.b64decode(json.loads(packed)))
     assert unpacked == (page.parent / "heads" / NAME / "rig.glb").read_bytes()
     beside = {path.name for path in (page.parent / "thumbnails" / "viewer").iterdir()}
-    assert beside == {"LICENSE", "README.md", "model-viewer-umd.min.js", "turntable.js"}
+    assert beside == {"LICENSE", "model-viewer-umd.min.js", "turntable.js"}
 
 
 @pytest.mark.skipif(CHROMIUM is None, reason="no Chromium is installed")

@@ -116,10 +116,10 @@ def test_portrait_goes_on_where_it_was_killed_and_past_a_bad_picture(snakemake, 
     assert len(rig.names) == 52 and rig.pictures.skin.shape == (128, 128, 3)
     page = (out / "index.html").read_text("utf-8")
     assert "1 of 2 finished" in page and "a &amp; &#x27;b&#x27; 1" in page
-    assert re.search(r'class="failed">reconstruct failed: [^<]*unmarked\.json: expected', page)
+    assert re.search(r'class="failed">detect failed: [^<]*unmarked\.png: expected', page)
     assert f"<td>{read_json(head / 'refined.json')['after']['all']:.3f}</td>" in page
     row = next(line for line in page.splitlines() if line.startswith('<tr><td><a href="#unmarked"'))
-    assert re.search(r'<td class="failed">reconstruct failed: ', row)
+    assert re.search(r'<td class="failed">detect failed: ', row)
     assert (out / "thumbnails" / good / "rig.js").is_file() and page.count('class="turn"') == 1
     shown = {f"heads/{good}/{name}" for name in ("rig.glb", "rig.png", "textured/face.obj")}
     assert shown < set(links_of(out / "index.html"))
@@ -161,7 +161,7 @@ def test_expressions_go_on_where_they_were_stopped_and_past_bad_files(snakemake,
     assert read_json(home / "expressions" / "astronaut.json")["weights"]["smile"] > 0.2
     page = (out / "index.html").read_text("utf-8")
     assert "2 of 6 expressions finished" in page and "a &amp; &#x27;b&#x27; 1" in page
-    assert re.search(r'unmarked</b><p class="failed">reconstruct failed: [^<]*unmarked\.json: expected', page)
+    assert re.search(r'unmarked</b><p class="failed">detect failed: [^<]*unmarked\.jpg: expected', page)
     assert re.search(r'bad<p class="failed">driver failed: [^<]*bad\.txt: expected', page)
     shown = {f"heads/{good}/{name}" for name in ("blendshapes.glb", "blendshapes.png", "expressions/open.obj")}
     assert shown < set(links_of(out / "index.html"))

@@ -8,7 +8,7 @@ import click
 import numpy as np
 
 from caricli.commands.shared.batch import named_jobs, run_batch
-from caricli.commands.shared.options import PATH, FiniteRange, out_folder_option, overwrite_option
+from caricli.commands.shared.options import PATH, FiniteRange, out_folder_option, out_option, overwrite_option
 from caricli.errors import InputError, shown
 from caricli.io.image import read_image, write_png
 from caricli.io.landmarks import write_landmarks
@@ -21,6 +21,7 @@ from caricli.methods.detect.settings import DetectSettings
 
 @click.command()
 @click.argument("pictures", nargs=-1, required=True, type=PATH, metavar="PICTURE...")
+@out_option("MARKS.json", "Write the landmarks of one picture here, and the rest beside it.", required=False)
 @out_folder_option("Write landmarks, regions and overlays into this folder, under the names of the pictures.")
 @click.option("--all", "everyone", is_flag=True, help="Write the landmarks of all faces, not of the largest alone.")
 @click.option(
@@ -31,7 +32,7 @@ from caricli.methods.detect.settings import DetectSettings
 )
 @overwrite_option
 @click.pass_context
-def command(ctx, pictures, out_dir, everyone, detector, score, overwrite):
+def command(ctx, pictures, out, out_dir, everyone, detector, score, overwrite):
     """Find faces in pictures: drawings, paintings, photographs; with their landmarks and what every pixel shows.
 
     Of head.png the 81 landmarks are written to head.json, with how sure each is, `null` where it cannot be known; the
@@ -42,10 +43,11 @@ def command(ctx, pictures, out_dir, everyone, detector, score, overwrite):
     Example:
       caricli detect drawing.png --out-dir marks
       caricli detect party.jpg --all --out-dir marks
+      caricli detect drawing.png --out heads/drawing/landmarks.json
     """
     from caricli.store.detector import load_detector
 
-    jobs = named_jobs(pictures, "PICTURE", None, out_dir, ".json")
+    jobs = named_jobs(pictures, "PICTURE", out, out_dir, ".json")
     task = DetectTask(load_detector(detector), detector, everyone, DetectSettings().sure_of(score), overwrite)
     run_batch(ctx, jobs, task.run, "pictures")
 
@@ -93,10 +95,12 @@ class DetectTask:
         from caricli.structures.parsing import Region
 
         about = provenance("detect", [source, self.path], detector=self.detector.model_id, score=self.settings.sure)
-        return legend(Region, **about, faces=[_described(face) for face in detection.faces])
+        return legend(Region, **about, faces=[_described(face, self.settings) for face in detection.faces])
 
 
-def _described(face: Any) -> dict:
+def _described(face: Any, settings: DetectSettings) -> dict:
+    from caricli.methods.detect.see_face import doubt_of
+
     frame = face.frame
     return {
         "score": face.score,
@@ -105,6 +109,7 @@ def _described(face: Any) -> dict:
         "roll": float(np.degrees(frame.roll)),
         "spread": face.spread,
         "known": int(face.landmarks.known.sum()),
+        "doubt": doubt_of(face, settings),
     }
 
 

@@ -94,6 +94,13 @@ def check_outputs(*paths: str | Path, overwrite: bool = False, inputs: Iterable[
         check_folder(_checked_file(path, overwrite, inputs).parent)
 
 
+def check_output_folder(
+    path: str | Path, overwrite: bool = False, inputs: Iterable[Path | None] = (), marker: str | None = None
+) -> None:
+    """Refuse at once what ``staged_folder`` would refuse, before work that is long. Raises OutputError."""
+    check_folder(_checked_folder(path, overwrite, inputs, marker).parent)
+
+
 def check_folder(path: str | Path) -> None:
     """Refuse at once a folder into which nothing can be written, or which cannot be made, before work that is long.
 

@@ -1,6 +1,6 @@
 """What workflows from pictures to heads share: what a folder holds, and the commands up to the texture.
 
-FOLDER, of the pictures and their landmarks, is set before this is included; None stands for the astronaut.
+FOLDER, of the pictures and the landmarks of some of them, is set before this is included; None stands for the astronaut.
 """
 
 import re
@@ -31,7 +31,7 @@ def by_stem(folder, kinds):
 
 
 if FOLDER is None:
-    PICTURES, MARKS = ({"astronaut": Path(f"pictures/astronaut.{kind}")} for kind in ("png", "json"))
+    PICTURES, MARKS = {"astronaut": Path("pictures/astronaut.png")}, {}
 else:
     PICTURES, MARKS = by_stem(FOLDER, PICTURE_KINDS), by_stem(FOLDER, MARK_KINDS)
 
@@ -46,14 +46,9 @@ def image(wildcards, input):
     return ["--image", input.picture] if input.picture else []
 
 
-def known_marks(wildcards):
-    """None where there are none: then the first command of that head fails, and not the whole workflow."""
-    return str(MARKS[wildcards.name]) if wildcards.name in MARKS else []
-
-
 def marks(wildcards):
-    """The landmarks of a head, or where they would be."""
-    return known_marks(wildcards) or str(PICTURES[wildcards.name].with_suffix(MARK_KINDS[0]))
+    """The landmarks of a head: those that were given, or those that are found."""
+    return str(MARKS[wildcards.name]) if wildcards.name in MARKS else f"heads/{wildcards.name}/landmarks.json"
 
 
 wildcard_constraints:
@@ -67,25 +62,33 @@ localrules:
 rule astronaut:
     output:
         "pictures/astronaut.png",
-        "pictures/astronaut.json",
     shell:
-        "python {EXAMPLE}/fetch_image.py {output[0]}\n"
-        "cp {EXAMPLE}/landmarks.json {output[1]}"
+        "python {EXAMPLE}/fetch_image.py {output[0]}"
+
+
+rule detect:
+    input:
+        picture=picture,
+    output:
+        multiext("heads/{name}/landmarks", ".json", "-regions.json", "-regions.png", "-overlay.png"),
+    log:
+        "heads/{name}/logs/detect.txt",
+    shell:
+        "caricli detect {input.picture:q} --out {output[0]:q} --overwrite 2> {log:q}"
 
 
 rule reconstruct:
     input:
         picture=picture,
-        marks=known_marks,
+        marks=marks,
     output:
         multiext("heads/{name}/face", ".obj", ".npz", ".json", ".png"),
     params:
-        marks=marks,
         image=image,
     log:
         "heads/{name}/logs/reconstruct.txt",
     shell:
-        "caricli reconstruct-from-landmarks {params.marks:q} {params.image:q} --out {output[0]:q} --overwrite"
+        "caricli reconstruct-from-landmarks {input.marks:q} {params.image:q} --out {output[0]:q} --overwrite"
         " 2> {log:q}"
 
 
@@ -93,18 +96,17 @@ rule refine:
     input:
         "heads/{name}/face.npz",
         picture=picture,
-        marks=known_marks,
+        marks=marks,
     output:
         multiext("heads/{name}/refined", ".obj", ".npz", ".json", ".png"),
     params:
-        marks=marks,
         image=image,
     log:
         "heads/{name}/logs/refine.txt",
     # One head after the other.
     priority: 1
     shell:
-        "caricli refine {input[0]:q} {params.marks:q} {params.image:q} --out {output[0]:q} --overwrite 2> {log:q}"
+        "caricli refine {input[0]:q} {input.marks:q} {params.image:q} --out {output[0]:q} --overwrite 2> {log:q}"
 
 
 rule texture:

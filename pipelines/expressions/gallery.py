@@ -9,14 +9,18 @@ import json
 import sys
 from pathlib import Path
 
+from caricli.io.page import PageFolder, SmallCopy
+
 sys.path.insert(0, str(Path(__file__).parents[1] / "common"))
 
-from page import failure, links, thumbnail, turntable, write_page
+from failures import failure
 
+HERE = PageFolder()
 SIZE = 384, 384  # as large as `retarget` draws them
 # Pictures in the first row of the sheets of blendshapes, retarget and fit-morphable.
 BLENDSHAPES, RETARGET, FIT = 9, 2, 5
 STEPS = {
+    "detect": "landmarks.json",
     "reconstruct": "face.npz",
     "refine": "refined.npz",
     "texture": "textured/face.npz",
@@ -59,35 +63,35 @@ def driver_cell(driver, picture, names):
         found = (Path("heads", name, "expressions", f"{driver}.png") for name in names)
         sheet = None if picture else next(filter(Path.is_file, found), None)
         source, cell = (sheet, (RETARGET, 0)) if sheet else (drawn, (FIT, 0))
-    shown = thumbnail(source, Path("thumbnails", "drivers", f"{driver}.jpg"), SIZE, driver, drawn, cell)
+    shown = HERE.thumbnail(SmallCopy(source, Path("drivers", f"{driver}.jpg"), SIZE, cell), driver, drawn)
     return f"<th>{html.escape(driver)}{driver_failure(driver)}{shown}</th>"
 
 
 def head_cells(name, picture):
     """The drawing, and the head with and without its own expression."""
-    head, small = Path("heads", name), Path("thumbnails", "heads", name)
-    source, cell = (picture, None) if picture else (head / "face.png", (FIT, 0))
-    drawing = thumbnail(source, small / "drawing.jpg", SIZE, "drawing", cell=cell)
+    head, small = Path("heads", name), Path("heads", name)
+    source, cell = (Path(picture), None) if picture else (head / "face.png", (FIT, 0))
+    drawing = HERE.thumbnail(SmallCopy(source, small / "drawing.jpg", SIZE, cell), "drawing")
     title = f"<b>{html.escape(name)}</b>{head_failure(name, picture)}"
-    turning = turntable(head / "blendshapes.glb", small / "blendshapes.js", name)
-    cells, sheet = [f"{title}{drawing}{turning}{links(head, LINKS)}"], head / "blendshapes.png"
+    turning = HERE.turntable(head / "blendshapes.glb", small / "blendshapes.js", name)
+    cells, sheet = [f"{title}{drawing}{turning}{HERE.links(head, LINKS)}"], head / "blendshapes.png"
     figures = sheet.with_suffix(".json")
     shown = 1 + len(json.loads(figures.read_text("utf-8"))["expressions"]) if figures.is_file() else BLENDSHAPES
     for k, caption in enumerate(("as drawn", "neutral")):
         cell = min(shown, BLENDSHAPES), k
-        cells.append(thumbnail(sheet, small / f"{caption}.jpg", SIZE, caption, sheet, cell))
+        cells.append(HERE.thumbnail(SmallCopy(sheet, small / f"{caption}.jpg", SIZE, cell), caption, sheet))
     return cells
 
 
 def expression_cell(name, picture, driver):
     """A head with the expression of a driver."""
     faces = Path("heads", name, "expressions")
-    sheet, small = faces / f"{driver}.png", Path("thumbnails", "heads", name, "expressions", f"{driver}.jpg")
-    shown = thumbnail(sheet, small, SIZE, driver, sheet, (RETARGET, 1))
+    sheet, small = faces / f"{driver}.png", Path("heads", name, "expressions", f"{driver}.jpg")
+    shown = HERE.thumbnail(SmallCopy(sheet, small, SIZE, (RETARGET, 1)), driver, sheet)
     if not (shown or head_failure(name, picture) or driver_failure(driver)):
         shown = failure([("retarget", sheet, faces / "logs" / f"{driver}.txt")])
     files = {kind.upper(): f"{driver}.{kind}" for kind in ("obj", "npz", "json")}
-    return shown + links(faces, files)
+    return shown + HERE.links(faces, files)
 
 
 def main(page, *given):
@@ -103,7 +107,7 @@ def main(page, *given):
     done = sum(Path("heads", name, "expressions", f"{driver}.obj").is_file() for name in drawings for driver in drivers)
     heads, rows = "".join(driver_cell(*driver, drawings) for driver in drivers.items()), "\n".join(rows)
     body = BODY.format(done=done, count=len(drawings) * len(drivers), drivers=heads, rows=rows)
-    write_page(page, "Expressions", body)
+    HERE.write(Path(page), "Expressions", body)
 
 
 if __name__ == "__main__":

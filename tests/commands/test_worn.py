@@ -37,6 +37,7 @@ WEARERS = {
 }
 # Commands that write no face of a face that they read, and why.
 BARE = {
+    "portrait": "reads pictures",
     "reconstruct-from-landmarks": "reads landmarks",
     "texture": "paints the face anew",
     "sample": "reads no face",

@@ -37,13 +37,20 @@ def _target(path: Path, out: Path | None, out_dir: Path | None, suffix: str) -> 
     return out_dir / f"{path.stem}{suffix}"
 
 
-def run_batch(ctx: click.Context, items: Sequence[tuple], work: Callable[..., str], description: str) -> None:
+def run_batch(
+    ctx: click.Context,
+    items: Sequence[tuple],
+    work: Callable[..., str],
+    description: str,
+    finish: Callable[[list[tuple[Path, CaricliError]]], None] | None = None,
+) -> None:
     """Do the work for every item and say what came of it; failures end as a table and exit code 1.
 
     items: tuples, the first entry the path that a failure is reported under. work: called with the entries of an item,
-    returns the line to print. description: of the progress. A single item fails as any command does.
+    returns the line to print. description: of the progress. finish: called at the end with the items that failed and
+    why. A single item fails as any command does.
     """
-    failures = []
+    failures: list[tuple[Path, CaricliError]] = []
     with progress_bar(description) as report:
         for number, item in enumerate(items):
             try:
@@ -53,6 +60,8 @@ def run_batch(ctx: click.Context, items: Sequence[tuple], work: Callable[..., st
                     raise
                 failures.append((item[0], error))
             report(number + 1, len(items))
+    if finish is not None:
+        finish(failures)
     for path, failure in failures:
         click.echo(f"caricli: failed: {path}: {failure}", err=True)
     if failures:

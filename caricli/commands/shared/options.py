@@ -192,6 +192,6 @@ def out_option(
     return click.option("-o", "--out", type=PATH, metavar=metavar, required=required, help=help, callback=check)
 
 
-def out_folder_option(help: str) -> Callable:
+def out_folder_option(help: str, required: bool = False) -> Callable:
     """Return the option `--out-dir`, a folder for the results of many inputs; it arrives as `out_dir`."""
-    return click.option("--out-dir", type=PATH, metavar="DIR", help=help)
+    return click.option("--out-dir", type=PATH, metavar="DIR", help=help, required=required)

@@ -19,10 +19,10 @@ def see_face(picture: np.ndarray, detector: Detector, settings: DetectSettings |
     if not detection.faces:
         raise InputError("expected a face, found none")
     face = detection.faces[0]
-    return SeenFace(face, detection.regions, len(detection.faces) - 1, _doubt(face, settings))
+    return SeenFace(face, detection.regions, len(detection.faces) - 1, doubt_of(face, settings))
 
 
-def _doubt(face: DetectedFace, settings: DetectSettings) -> str | None:
+def doubt_of(face: DetectedFace, settings: DetectSettings) -> str | None:
     """What speaks against a face, or None."""
     count = int(face.landmarks.known.sum())
     reasons = {

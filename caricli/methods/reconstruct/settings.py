@@ -3,6 +3,9 @@
 from dataclasses import dataclass
 
 METHODS = ("intrinsic", "latent")
+
+COARSE = ("elastic", "morphable")
+"""How a head may begin that is made of a picture."""
 """Ways to fit landmarks: elastically, or inside the model; the first is the default."""
 
 

@@ -1,0 +1,135 @@
+"""What is done with a picture until it is a head that moves: one command after the other, into one folder."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
+from pathlib import Path
+
+from caricli.commands.detect import DetectTask
+from caricli.commands.refine import RefineTask
+from caricli.commands.rig import RigTask
+from caricli.commands.shared.landmark_batch import FitTask, LandmarkFiles
+from caricli.commands.shared.notes import echo_notes
+from caricli.commands.shared.progress import progress_bar
+from caricli.commands.texture import TextureTask
+from caricli.errors import CaricliError, InputError, shown
+from caricli.io.landmarks import write_landmarks
+from caricli.io.outputs import staged_folder
+from caricli.io.provenance import provenance
+from caricli.io.strict_json import write_json
+from caricli.methods.detect.settings import DetectSettings
+from caricli.methods.texture.settings import PaintSettings
+from caricli.store.detector import load_detector
+from caricli.store.models import DEFAULT_LATENT, load_model, load_morphable
+from caricli.store.pictures import load_marked_picture
+from caricli.store.portrait_page import (
+    REPORT,
+    check_page,
+    describe_head,
+    doubt_of_head,
+    portrait_heads,
+    write_page,
+)
+from caricli.store.portraits import MARKS
+
+
+@dataclass(frozen=True)
+class PortraitFiles:
+    """What is read and written, as it was typed.
+
+    pictures: paths. out_dir: folder of the heads and their page. landmarks: path of landmarks, or of a folder of them,
+    or None. pts_origin: coordinate of the first pixel in .pts files. overwrite: whether what exists is replaced.
+    """
+
+    pictures: Sequence[Path]
+    out_dir: Path
+    landmarks: Path | None
+    pts_origin: int
+    overwrite: bool
+
+    def check(self) -> None:
+        """Refuse before the work what would be refused after it."""
+        if self.landmarks is not None and not self.landmarks.is_dir() and len(self.pictures) > 1:
+            raise InputError(f"{shown(self.landmarks)}: expected a folder of landmarks, as there are many pictures")
+        check_page(self.out_dir, self.overwrite, [*self.pictures, self.landmarks])
+
+    def marks(self, picture: Path) -> Path | None:
+        """The landmarks that were given for a picture."""
+        if self.landmarks is None or not self.landmarks.is_dir():
+            return self.landmarks
+        paths = (self.landmarks / f"{picture.stem}{suffix}" for suffix in MARKS)
+        return next((path for path in paths if path.is_file()), None)
+
+    def write_page(self, failures: Sequence[tuple[Path, CaricliError]]) -> None:
+        """Write the page of all heads, and of pictures that failed."""
+        heads = portrait_heads(self.out_dir, {path: str(error) for path, error in failures})
+        write_page(self.out_dir, heads, self.overwrite, [*self.pictures, self.landmarks])
+
+
+@dataclass(frozen=True, eq=False)
+class PortraitChain:
+    """What is done with every picture. coarse: one of COARSE. paint: how heads are painted."""
+
+    files: PortraitFiles
+    coarse: str
+    paint: PaintSettings
+
+    @cached_property
+    def finding(self) -> DetectTask:
+        """How faces are found."""
+        return DetectTask(load_detector(), None, False, DetectSettings(), False)
+
+    @cached_property
+    def fitting(self) -> FitTask:
+        """How faces are reconstructed."""
+        return _fit_task(self.coarse, self.files.out_dir)
+
+    def run(self, picture: Path, folder: Path) -> str:
+        """Make the head of a picture, in a folder of its own, and say what came of it."""
+        given = self.files.marks(picture)
+        folders = staged_folder(folder, self.files.overwrite, (picture, given), REPORT)
+        with folders as head, progress_bar(picture.name) as report:
+            steps = self._steps(picture, given, head)
+            for number, step in enumerate(steps):
+                report(number, len(steps))
+                step()
+            about = {"coarse": self.coarse, "doubt": doubt_of_head(head)}
+            write_json(head / REPORT, provenance("portrait", (picture, given), self.paint.seed, **about))
+            line = describe_head(head)
+        echo_notes(about["doubt"] and f"{shown(picture)}: doubtful: {about['doubt']}")
+        return f"{folder}: {line}"
+
+    def _steps(self, picture: Path, given: Path | None, head: Path) -> list[Callable[[], object]]:
+        """What is done one after the other, in the folder of the head."""
+        marks = head / "landmarks.json"
+        files = LandmarkFiles((marks,), head / "face.obj", None, picture, 1, False)
+        rigging = RigTask(head=self.paint.head, seed=self.paint.seed)
+        return [
+            partial(self.finding.run, picture, marks) if given is None else partial(self._take, picture, given, marks),
+            partial(replace(self.fitting, files=files).run, marks, head / "face.obj"),
+            partial(RefineTask(picture).run, head / "face.npz", marks, head / "refined.obj"),
+            partial(TextureTask(settings=self.paint).run, head / "refined.npz", picture, head / "textured"),
+            partial(rigging.run, head / "textured" / "face.npz", head / "rig.glb"),
+        ]
+
+    def _take(self, picture: Path, given: Path, marks: Path) -> None:
+        """Write the landmarks that were given."""
+        write_landmarks(marks, load_marked_picture(given, picture, self.files.pts_origin)[0])
+
+
+def _fit_task(coarse: str, folder: Path) -> FitTask:
+    """How faces are reconstructed. coarse: one of COARSE. folder: of all heads."""
+    from caricli.methods.reconstruct.fit_landmarks import fit_landmarks
+    from caricli.methods.reconstruct.fit_morphable import fit_morphable
+
+    files = LandmarkFiles((), None, folder, None, 1, False)
+    if coarse == "morphable":
+        regular = load_morphable()
+        fit = partial(fit_morphable, model=regular)
+        return FitTask("fit-morphable", files, regular, 0, fit, {"model_id": regular.model_id})
+    model = load_model()
+    model.prepare()
+    about = {"method": "intrinsic", "prior_weight": 1.0, "outline": "auto", "model_id": model.model_id}
+    fit = partial(fit_landmarks, model=model, method="intrinsic")
+    latents = load_model(kind=DEFAULT_LATENT)
+    return FitTask("reconstruct-from-landmarks", files, model, 0, fit, about, latents=latents, looks=True)

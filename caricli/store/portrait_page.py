@@ -1,0 +1,177 @@
+"""The page of heads that were made of pictures."""
+
+import html
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+from urllib.parse import quote
+
+from caricli.io.outputs import check_output_folder, check_outputs, staged, staged_folder
+from caricli.io.page import SMALL, VIEWER_FILE, PageFolder, SmallCopy
+from caricli.io.strict_json import read_json
+
+FILES = {
+    "detect": "landmarks.json",
+    "reconstruct": "face.npz",
+    "refine": "refined.npz",
+    "texture": "textured/face.npz",
+    "rig": "rig.glb",
+}
+"""What the steps write into the folder of a head, in their order."""
+
+REPORT = "portrait.json"
+"""What says that a folder is that of a head, and what it was made of."""
+
+_PAGE = "index.html"
+
+_SHEET = (1600, 1600)  # pixels: heads of it stay large enough to see
+_PICTURE = (1600, 480)
+_SHEETS = {
+    "found": "landmarks-overlay.png",
+    "fit": "refined.png",
+    "texture": "textured/sheet.png",
+    "expressions": "rig.png",
+}
+_LINKS = {"rig": "rig.glb", "head": "textured/face.glb", "OBJ": "textured/face.obj", "NPZ": "textured/face.npz"}
+_BODY = """\
+<p>{done} of {count} finished. Landmarks: how far those that were found may be off. NME: how far the head's are from
+them, before and after refine; both in percent of their bounding box's diagonal. Photometric error: mean difference
+between the picture and the textured head in its place, in percent of full scale.</p>
+<table>
+<tr><th>picture</th><th>landmarks</th><th>NME</th><th>refined</th><th>photometric</th><th></th></tr>
+{rows}
+</table>
+{sections}
+"""
+
+
+@dataclass(frozen=True)
+class PortraitHead:
+    """A head that was made of a picture, as far as it came.
+
+    name: of the picture. picture: its path. folder: of its files, in the home of the page. failed: why it is not
+    finished, or nothing.
+    """
+
+    name: str
+    picture: Path
+    folder: Path
+    failed: str = ""
+
+
+def portrait_heads(home: Path, failures: Mapping[Path, str]) -> list[PortraitHead]:
+    """The heads in a folder, of this run and of others, and those that failed now. failures: why, by the picture."""
+    heads = {path.parent.name: _finished(path) for path in home.glob(f"*/{REPORT}")}
+    heads |= {path.stem: PortraitHead(path.stem, path, Path(path.stem), text) for path, text in failures.items()}
+    return [heads[name] for name in sorted(heads, key=_natural)]
+
+
+def _finished(report: Path) -> PortraitHead:
+    picture = next(iter(read_json(report)["inputs"]))
+    return PortraitHead(report.parent.name, Path(picture), Path(report.parent.name))
+
+
+def _natural(name: str) -> list[tuple[bool, int, str]]:
+    """What names are ordered by: 2 comes before 10."""
+    parts = re.split(r"(\d+)", name.lower())
+    return [(not part.isdigit(), int(part) if part.isdigit() else 0, part) for part in parts]
+
+
+def check_page(home: Path, overwrite: bool, inputs: Iterable[Path | None]) -> None:
+    """Refuse at once what ``write_page`` would refuse. Raises OutputError."""
+    inputs = list(inputs)
+    check_outputs(home / _PAGE, overwrite=overwrite, inputs=inputs)
+    check_output_folder(home / SMALL, True, inputs, VIEWER_FILE)
+
+
+def write_page(home: Path, heads: list[PortraitHead], overwrite: bool, inputs: Iterable[Path | None]) -> None:
+    """Write index.html of heads into the folder that holds them, and what it shows. Raises OutputError."""
+    inputs = list(inputs)
+    with (
+        staged_folder(home / SMALL, True, inputs, VIEWER_FILE) as small,
+        staged(home / _PAGE, overwrite=overwrite, inputs=inputs) as (page,),
+    ):
+        write_portrait_page(page, PageFolder(home, small.parent), heads)
+
+
+def _found(folder: Path) -> dict[str, Any] | None:
+    """What is known of the face that was found, where one was looked for."""
+    regions = _read(folder / "landmarks-regions.json")
+    return regions["faces"][0] if regions else None
+
+
+def doubt_of_head(folder: Path) -> str | None:
+    """What speaks against the face that a head was made of, or None."""
+    face = _found(folder)
+    return face["doubt"] if face else None
+
+
+def describe_head(folder: Path) -> str:
+    """What is printed of a finished head."""
+    sure, _, refined, photometric = _figures(folder)
+    doubt = f"landmarks to {sure} %, " if sure else ""
+    return f"{doubt}NME {refined} %, photometric error {photometric} %, rig.glb with 52 expressions"
+
+
+def write_portrait_page(page: Path, where: PageFolder, heads: list[PortraitHead]) -> None:
+    """Write a page of heads with their errors, their sheets and a viewer. page: path. Raises OutputError."""
+    body = _BODY.format(
+        done=sum(not head.failed for head in heads),
+        count=len(heads),
+        rows="\n".join(_row(head, where) for head in heads),
+        sections="".join(_section(head, where) for head in heads),
+    )
+    where.write(page, "Portraits", body)
+
+
+def _figures(folder: Path) -> list[str]:
+    """What the table says of a head: how sure its landmarks are, NME before and after refine, photometric error;
+    percent, empty where unknown."""
+    face = _found(folder)
+    refined, textured = (_read(folder / name) for name in ("refined.json", "textured/face.json"))
+    return [
+        f"{100 * face['spread']:.1f}" if face else "",
+        f"{refined['before']['all']:.2f}" if refined else "",
+        f"{refined['after']['all']:.3f}" if refined else "",
+        f"{100 * textured['photometric_error']:.2f}" if textured else "",
+    ]
+
+
+def _read(path: Path) -> Any:
+    return read_json(path) if path.is_file() else None
+
+
+def _row(head: PortraitHead, where: PageFolder) -> str:
+    """Its line of the table."""
+    cells = "".join(f"<td>{cell}</td>" for cell in _figures(where.home / head.folder))
+    name = f'<a href="#{quote(head.name)}">{html.escape(head.name)}</a>'
+    return f"<tr><td>{name}</td>{cells}{_said(head, where, 'td')}</tr>"
+
+
+def _said(head: PortraitHead, where: PageFolder, tag: str) -> str:
+    """What failed or is doubtful, in a tag."""
+    doubt = doubt_of_head(where.home / head.folder)
+    kind = "doubt" if doubt and not head.failed else "failed"
+    text = head.failed or (f"doubtful: {doubt}" if doubt else "")
+    return f'<{tag} class="{kind}">{html.escape(text)}</{tag}>' if text or tag == "td" else ""
+
+
+def _section(head: PortraitHead, where: PageFolder) -> str:
+    """What there is of the head of one picture."""
+    small = Path(head.name)
+    shown = _figure(SmallCopy(head.picture, small / "picture.jpg", _PICTURE), "picture", where)
+    for caption, file in _SHEETS.items():
+        copy = SmallCopy(where.home / head.folder / file, small / f"{caption}.jpg", _SHEET)
+        shown += _figure(copy, caption, where, head.folder / file)
+    title = f'<h2 id="{quote(head.name)}">{html.escape(head.name)}</h2>\n{_said(head, where, "p")}'
+    turning = where.turntable(where.home / head.folder / FILES["rig"], small / "rig.js", head.name)
+    links = where.links(head.folder, _LINKS)
+    return f'{title}{turning}<div class="row">\n{shown}</div>\n<p>{links}</p>\n'
+
+
+def _figure(copy: SmallCopy, caption: str, where: PageFolder, link: Path | None = None) -> str:
+    """A small copy of a picture with its caption; nothing where it cannot be read."""
+    shown = where.thumbnail(copy, caption, link)
+    return f"<figure>{shown}<figcaption>{caption}</figcaption></figure>\n" if shown else ""

@@ -1,0 +1,131 @@
+"""Pictures to heads in one command: what is written, what is told, what is refused."""
+
+import json
+import re
+
+import numpy as np
+import pytest
+
+from caricli.data.texture_painter import draw_albedo
+from caricli.io.gltf.read_gltf import read_gltf
+from caricli.io.image import read_image, write_png
+from caricli.io.landmarks import read_landmarks, write_landmarks
+from caricli.io.strict_json import read_json
+from caricli.render.render_textured import render_textured
+from caricli.structures import Camera, Landmarks, Pictures, Rig
+from caricli.structures.detection import DetectedFace, Detection, FaceFrame
+
+CAMERA = Camera(1050.0, np.diag([1.0, -1, -1]), np.array([150.0, 290.0]))
+SIDE = 300
+QUICK = ("--size", 64, "--parts", "skin")
+
+
+@pytest.fixture(scope="module", autouse=True)
+def quick(quick_pictures):
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("caricli.commands.texture.SIZE", 48)
+        patch.setattr(
+            "caricli.commands.shared.portrait_chain.load_detector", lambda: type("None_", (), {"model_id": "none"})
+        )
+        yield
+
+
+@pytest.fixture(scope="module")
+def sitter(head, head_template):
+    """A picture of a head, and its 81 landmarks."""
+    vertices = head.evaluate(gender=0.3, age=0.6)
+    skin = draw_albedo(head_template, np.random.default_rng(3), "soft", 256)
+    mesh = head_template.with_vertices(vertices.astype(np.float32))
+    rig = Rig((), mesh, np.zeros((0, *vertices.shape), np.float32), pictures=Pictures(skin))
+    picture = render_textured(rig, CAMERA.place(vertices), SIDE, SIDE, paper=np.array([60.0, 90, 160]))
+    return picture, CAMERA.project(vertices[list(head_template.annotation.landmarks)])
+
+
+@pytest.fixture(scope="module")
+def heads(run, sitter, tmp_path_factory):
+    """What comes of a picture of a doubtful face, of one whose landmarks are given, and of a broken one."""
+    folder = tmp_path_factory.mktemp("portraits")
+    picture, points = sitter
+    for name in ("seen", "given"):
+        write_png(folder / f"{name}.png", picture)
+    (folder / "broken.png").write_bytes(b"no picture")
+    (folder / "marks").mkdir()
+    write_landmarks(folder / "marks" / "given.json", Landmarks(points[:68] + 1.0, (SIDE, SIDE)))
+
+    def detect(pixels, detector, settings):
+        spreads = np.tile(4 * np.eye(2), (81, 1, 1))
+        marks = Landmarks(points, (SIDE, SIDE), spreads, np.ones(81))
+        return Detection([DetectedFace(FaceFrame.of(points), 0.5, marks)], np.ones(pixels.shape[:2], np.uint8))
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("caricli.methods.detect.detect_faces.detect_faces", detect)
+        pictures = [folder / f"{name}.png" for name in ("seen", "broken", "given")]
+        result = run("portrait", *pictures, "--landmarks", folder / "marks", *QUICK, "--out-dir", folder / "heads")
+    return folder / "heads", result
+
+
+def test_every_head_holds_what_the_single_commands_write(heads):
+    out, result = heads
+    assert result.exit_code == 1, result.output
+    assert sorted(path.name for path in out.iterdir()) == ["given", "index.html", "seen", "thumbnails"]
+    names = {path.name for path in (out / "seen").iterdir()}
+    four = [f"{stem}.{end}" for stem in ("face", "refined") for end in ("obj", "npz", "json", "png")]
+    rig = [f"rig.{end}" for end in ("glb", "npz", "json", "png")]
+    found = ["landmarks.json", "landmarks-overlay.png", "landmarks-regions.json", "landmarks-regions.png"]
+    assert names == {*four, *rig, *found, "textured", "portrait.json"}
+    rigged = read_gltf(out / "seen" / "rig.glb")
+    assert len(rigged.names) == 52 and rigged.pictures.skin.shape == (64, 64, 3)
+    commands = {name: read_json(out / "seen" / f"{name}.json")["command"] for name in ("face", "refined", "rig")}
+    assert commands == {"face": "reconstruct-from-landmarks", "refined": "refine", "rig": "rig"}
+    assert read_json(out / "seen" / "refined.json")["after"]["all"] < 0.1
+
+
+def test_no_file_names_where_it_was_staged(heads):
+    out, _ = heads
+    for path in out.rglob("*.json"):
+        assert ".caricli-" not in path.read_text("utf-8"), path
+    assert str(out / "seen" / "face.npz") in read_json(out / "seen" / "refined.json")["inputs"]
+
+
+def test_given_landmarks_win(heads, sitter):
+    out, _ = heads
+    assert not (out / "given" / "landmarks-regions.png").exists()
+    marks = read_landmarks(out / "given" / "landmarks.json")
+    np.testing.assert_allclose(marks.points, sitter[1][:68] + 1.0, atol=1e-6)
+    found = read_landmarks(out / "seen" / "landmarks.json")
+    np.testing.assert_allclose(found.points, sitter[1], atol=1e-6)
+
+
+def test_doubts_and_failures_are_told(heads):
+    out, result = heads
+    assert re.search(r"seen\.png: doubtful: its score is 0\.50", result.stderr)
+    assert (
+        re.search(r"failed: .*broken\.png: .*broken\.png: expected a PNG", result.stderr) and "1 of 3" in result.stderr
+    )
+    assert result.stdout.count("52 expressions") == 2
+    page = (out / "index.html").read_text("utf-8")
+    assert "2 of 3 finished" in page and page.count('class="turn"') == 2
+    assert re.search(r'<td class="doubt">doubtful: its score is 0\.50', page)
+    assert re.search(r'<td class="failed">[^<]*broken\.png: expected', page)
+    for link in re.findall(r'(?:href|src)="([^"#]+)', page):
+        assert (out / link).is_file(), link
+    assert read_image(out / "thumbnails" / "seen" / "picture.jpg").shape == (SIDE, SIDE, 3)
+
+
+def test_nothing_is_replaced_without_overwrite(heads, refused, tmp_path):
+    out, _ = heads
+    told = refused("portrait", out.parent / "seen.png", "--out-dir", out)
+    assert "index.html exists; give --overwrite" in told
+    (tmp_path / "thumbnails").mkdir()
+    (tmp_path / "thumbnails" / "mine.txt").write_text("mine")
+    told = refused("portrait", out.parent / "seen.png", "--out-dir", tmp_path, "--overwrite")
+    assert "thumbnails: expected a folder with viewer/turntable.js to replace" in told
+
+
+def test_wrong_usage(refused, heads, tmp_path):
+    picture = heads[0].parent / "seen.png"
+    assert "--out-dir" in refused("portrait", picture, code=2)
+    marks = heads[0].parent / "marks" / "given.json"
+    told = refused("portrait", picture, heads[0].parent / "given.png", "--landmarks", marks, "--out-dir", tmp_path)
+    assert "expected a folder of landmarks" in told
+    assert json.loads((heads[0] / "seen" / "portrait.json").read_text())["coarse"] == "elastic"
