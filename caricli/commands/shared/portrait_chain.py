@@ -20,6 +20,7 @@ from caricli.io.strict_json import write_json
 from caricli.methods.detect.settings import DetectSettings
 from caricli.methods.texture.settings import PaintSettings
 from caricli.store.detector import load_detector
+from caricli.store.face_pictures import FaceReader
 from caricli.store.models import DEFAULT_LATENT, load_model, load_morphable
 from caricli.store.pictures import load_marked_picture
 from caricli.store.portrait_page import (
@@ -102,7 +103,7 @@ class PortraitChain:
     def _steps(self, picture: Path, given: Path | None, head: Path) -> list[Callable[[], object]]:
         """What is done one after the other, in the folder of the head."""
         marks = head / "landmarks.json"
-        files = LandmarkFiles((marks,), head / "face.obj", None, picture, 1, False)
+        files = LandmarkFiles((marks,), head / "face.obj", None, picture, FaceReader(), False)
         rigging = RigTask(head=self.paint.head, seed=self.paint.seed)
         return [
             partial(self.finding.run, picture, marks) if given is None else partial(self._take, picture, given, marks),
@@ -122,7 +123,7 @@ def _fit_task(coarse: str, folder: Path) -> FitTask:
     from caricli.methods.reconstruct.fit_landmarks import fit_landmarks
     from caricli.methods.reconstruct.fit_morphable import fit_morphable
 
-    files = LandmarkFiles((), None, folder, None, 1, False)
+    files = LandmarkFiles((), None, folder, None, FaceReader(), False)
     if coarse == "morphable":
         regular = load_morphable()
         fit = partial(fit_morphable, model=regular)
