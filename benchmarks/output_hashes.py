@@ -50,6 +50,11 @@ evaluate shape pca.safetensors kernel --data dataset --out shape.json
 evaluate ablation --data dataset --out ablation {TINY} --set array_hidden=8 --set code_steps=2 --set batch=4
 evaluate portrait --data dataset --out portrait --count 1 --pictures pictures
 evaluate blendshapes --data dataset --out expressions --count 1 --everyone
+stylise astronaut.png --landmarks landmarks.json --out oil.png
+stylise astronaut.png --landmarks landmarks.json --style watercolour --shape direction --out watercolour.png
+stylise astronaut.png --landmarks landmarks.json --style ink --shape own --strength 2 --out ink.png
+stylise astronaut.png --landmarks landmarks.json --style pencil --shape none --out pencil.png
+stylise astronaut.png --landmarks landmarks.json --style flat --strength 0 --out flat.png
 reconstruct-from-landmarks landmarks.json --image astronaut.png --out face.obj
 reconstruct-from-landmarks landmarks.json --method latent --prior-weight 2 --out latent.obj --subdivide 1
 reconstruct-from-landmarks landmarks.json --method latent --model deformable --out deformable.obj

@@ -20,6 +20,7 @@ from caricli.errors import CaricliError, UsageError
 COMMANDS = {
     "portrait": ("portrait", "Reconstruct", "Make textured, rigged heads of pictures."),
     "detect": ("detect", "Reconstruct", "Find faces and landmarks in pictures."),
+    "stylise": ("stylise", "Reconstruct", "Make a portrait a caricature, and paint it."),
     "reconstruct-from-landmarks": (
         "reconstruct_from_landmarks",
         "Reconstruct",

@@ -42,6 +42,7 @@ BARE = {
     "texture": "paints the face anew",
     "sample": "reads no face",
     "detect": "reads pictures",
+    "stylise": "reads and writes pictures",
     "map-landmarks": "reads and writes landmarks",
     "dataset build": "reads no face",
     "dataset import": "a dataset holds shapes",

@@ -1,0 +1,217 @@
+"""caricli stylise: portraits made caricatures and painted, before a face is reconstructed from them."""
+
+from dataclasses import asdict, dataclass
+from functools import cached_property, partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+import numpy as np
+
+from caricli.commands.shared.batch import named_jobs, run_batch
+from caricli.commands.shared.notes import echo_notes
+from caricli.commands.shared.options import (
+    PATH,
+    FiniteRange,
+    model_option,
+    out_folder_option,
+    out_option,
+    overwrite_option,
+    pts_origin_option,
+    seed_option,
+)
+from caricli.commands.shared.picture import picture_files, picture_option, write_picture
+from caricli.errors import naming, shown
+from caricli.io.image import read_image, write_png
+from caricli.io.landmarks import write_landmarks
+from caricli.io.outputs import staged
+from caricli.io.provenance import provenance
+from caricli.io.strict_json import write_json
+from caricli.methods.stylise.settings import SHAPES, STYLES, StyliseSettings
+from caricli.structures import Landmarks
+
+if TYPE_CHECKING:
+    from caricli.methods.stylise.exaggerate_portrait import ShapeTools
+    from caricli.methods.stylise.stylise_portrait import Stylised
+    from caricli.models.detector.model import Detector
+    from caricli.store.generators import LoadedGenerator
+
+USUAL = StyliseSettings()
+
+
+@click.command()
+@click.argument("portraits", nargs=-1, required=True, type=PATH, metavar="PORTRAIT...")
+@click.option(
+    "--style",
+    type=click.Choice(STYLES),
+    help=f"Paint the picture with this, or leave its pixels (none).  [default: {USUAL.style}]",
+)
+@click.option(
+    "--shape",
+    type=click.Choice(SHAPES),
+    default=USUAL.shape,
+    help="Go where the landmark map sees a caricature's landmarks (map), towards what caricatures have in common "
+    "(direction), away from the mean head (own), or nowhere (none).",
+)
+@click.option(
+    "--strength",
+    type=FiniteRange(0, 3),
+    default=USUAL.strength,
+    metavar="S",
+    help="Exaggerate so much: 0 changes nothing, 1 shows clearly, 2 is strong.",
+)
+@out_option("P.png", "Write the picture of one portrait here; its files go beside it.", required=False)
+@out_folder_option("Write the pictures of many portraits into this folder, under their names.")
+@click.option(
+    "--landmarks",
+    type=PATH,
+    metavar="FILE",
+    help="Take these 68 or 81 landmarks of the one PORTRAIT.  [default: found in it]",
+)
+@click.option(
+    "--generator",
+    metavar="COMMAND|FILE",
+    help="Paint with this in place of a style: a command with {input} and {output}, or a TorchScript file.",
+)
+@click.option(
+    "--timeout",
+    type=FiniteRange(0.1, 86400),
+    default=600.0,
+    metavar="SECONDS",
+    help="Wait so long for the command of --generator.",
+)
+@click.option(
+    "--detector", type=PATH, metavar="FILE", help="Use this detector of `caricli train detector`.  [default: caricli's]"
+)
+@model_option
+@pts_origin_option
+@seed_option
+@picture_option
+@overwrite_option
+@click.pass_context
+def command(
+    ctx, portraits, style, shape, strength, out, out_dir, landmarks, generator, timeout, detector, model, pts_origin,
+    seed, overwrite,
+):  # fmt: skip
+    """Make portraits caricatures: their shape, and what they are painted with.
+
+    The face is reconstructed and exaggerated, and the picture follows its mesh; hair and background give way smoothly.
+    Beside P.png go P.json, the landmarks of the face in it, exactly where its pixels went; P-report.json; and
+    P-sheet.png, with the portrait before and after. `caricli reconstruct-from-landmarks P.json --image P.png` goes on.
+
+    A command of --generator reads the PNG {input} and writes {output}. A TorchScript file maps a float32 tensor
+    (1, 3, H, W), sRGB from 0 to 1, to another. Both keep size and place; where yours moves the face, find it again with
+    `caricli detect`. A generator is a program and may do what you may: run only those that you trust.
+
+    \b
+    Example:
+      caricli stylise photo.jpg --style oil --out painted.png
+      caricli stylise photos/*.jpg --style ink --shape own --strength 2 --out-dir drawn
+      caricli stylise photo.jpg --generator "python toon.py {input} {output}" --out toon.png
+    """
+    from caricli.store.generators import load_generator
+    from caricli.store.shape_tools import load_shape_tools
+
+    if landmarks is not None and len(portraits) > 1:
+        raise click.UsageError("--landmarks are of one PORTRAIT; without them they are found in each.")
+    if generator is not None and style is not None:
+        raise click.UsageError("Give either --style or --generator.")
+    jobs = named_jobs(portraits, "PORTRAIT", out, out_dir, ".png")
+    settings = StyliseSettings(style or ("none" if generator else USUAL.style), shape, strength, seed)
+    painter = None if generator is None else load_generator(generator, timeout)
+    eyes = _Eyes(landmarks, pts_origin, detector)
+    task = _Task(eyes, load_shape_tools(settings, model), settings, painter, generator, (*portraits, model), overwrite)
+    run_batch(ctx, jobs, task.run, "portraits")
+
+
+@dataclass(frozen=True)
+class _Eyes:
+    """Where landmarks come from: a file, or the detector of a file, None for the bundled one."""
+
+    file: Path | None
+    pts_origin: int
+    detector_file: Path | None
+
+    @cached_property
+    def detector(self) -> "Detector":
+        """Loaded when the first face is looked for."""
+        from caricli.store.detector import load_detector
+
+        return load_detector(self.detector_file)
+
+    def look(self, source: Path, image: np.ndarray) -> tuple[Landmarks, str | None]:
+        """The landmarks of a picture (H, W, 3) uint8, and what speaks against them, or None."""
+        if self.file is not None:
+            from caricli.store.pictures import load_marked_picture
+
+            return load_marked_picture(self.file, source, self.pts_origin)[0], None
+        from caricli.methods.detect.see_face import see_face
+
+        with naming(source):
+            seen = see_face(image, self.detector)
+        doubt = None if seen.doubt is None else f"{shown(source)}: the face may be wrong: {seen.doubt}"
+        return seen.landmarks, doubt
+
+
+@dataclass(frozen=True, eq=False)
+class _Task:
+    """What is done with every portrait.
+
+    eyes: _Eyes. tools: ShapeTools, or None where none are needed. settings: StyliseSettings. painter: LoadedGenerator
+    and typed: how it was given, or None. inputs: files that are read. overwrite: whether files that exist are replaced.
+    """
+
+    eyes: _Eyes
+    tools: "ShapeTools | None"
+    settings: StyliseSettings
+    painter: "LoadedGenerator | None"
+    typed: str | None
+    inputs: tuple[Path | None, ...]
+    overwrite: bool
+
+    def run(self, source: Path, target: Path) -> str:
+        """Stylise a portrait, write it and what belongs to it, and say how far it went."""
+        from caricli.methods.stylise.stylise_portrait import stylise_portrait
+
+        paint = None if self.painter is None else self.painter.paint
+        marks_file, report_file = target.with_suffix(".json"), target.with_name(f"{target.stem}-report.json")
+        sheets = picture_files(target.with_name(f"{target.stem}-sheet.png"))
+        inputs = (*self.inputs, *self._sources(source))
+        with staged(target, marks_file, report_file, *sheets, overwrite=self.overwrite, inputs=inputs) as files:
+            image = read_image(source)
+            marks, note = self.eyes.look(source, image)
+            with naming(source):
+                stylised = stylise_portrait(image, marks, self.tools, self.settings, paint)
+            write_png(files[0], stylised.picture)
+            write_landmarks(files[1], stylised.landmarks)
+            write_json(files[2], self._report(source, stylised))
+            for sheet in files[3:]:
+                write_picture(sheet, partial(self._sheet, image, stylised))
+        echo_notes(note)
+        return f"{shown(target)}: {self._paint()}, landmarks moved by {stylised.moved:.2f} % of their diagonal"
+
+    def _sources(self, source: Path) -> list[Path | None]:
+        """Files that a picture comes from."""
+        return [source, self.eyes.file, None if self.painter is None else self.painter.file]
+
+    def _paint(self) -> str:
+        """What the picture is painted with, in a word."""
+        return "no paint" if self.painter is None and self.settings.style == "none" else self._painter()
+
+    def _painter(self) -> str:
+        return self.settings.style if self.painter is None else "generator"
+
+    def _report(self, source: Path, stylised: "Stylised") -> dict[str, Any]:
+        """What was done, so that it can be done again."""
+        about = {key: value for key, value in asdict(self.settings).items() if key != "seed"}
+        model = None if self.tools is None else self.tools.model.model_id
+        about |= {"generator": self.typed, "model_id": model, "moved": stylised.moved}
+        return provenance("stylise", self._sources(source), self.settings.seed, **about)
+
+    def _sheet(self, image: np.ndarray, stylised: "Stylised") -> np.ndarray:
+        """The picture of a portrait before and after."""
+        from caricli.render.stylise_sheet import stylise_sheet
+
+        shape = {} if self.tools is None else {f"{self.settings.shape} {self.settings.strength:g}": stylised.warped}
+        painted = {} if self._paint() == "no paint" else {self._painter(): stylised.picture}
+        return stylise_sheet({"given": image} | shape | painted, stylised.landmarks.points)
