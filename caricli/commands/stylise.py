@@ -1,7 +1,7 @@
 """caricli stylise: portraits made caricatures and painted, before a face is reconstructed from them."""
 
 from dataclasses import asdict, dataclass
-from functools import cached_property, partial
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,6 +13,7 @@ from caricli.commands.shared.notes import echo_notes
 from caricli.commands.shared.options import (
     PATH,
     FiniteRange,
+    detector_option,
     model_option,
     out_folder_option,
     out_option,
@@ -28,12 +29,13 @@ from caricli.io.outputs import staged
 from caricli.io.provenance import provenance
 from caricli.io.strict_json import write_json
 from caricli.methods.stylise.settings import SHAPES, STYLES, StyliseSettings
-from caricli.structures import Landmarks
+from caricli.structures.detection import FacePicture
+from caricli.structures.landmarks import SCHEMES
 
 if TYPE_CHECKING:
     from caricli.methods.stylise.exaggerate_portrait import ShapeTools
     from caricli.methods.stylise.stylise_portrait import Stylised
-    from caricli.models.detector.model import Detector
+    from caricli.store.face_pictures import FaceReader
     from caricli.store.generators import LoadedGenerator
 
 USUAL = StyliseSettings()
@@ -80,10 +82,8 @@ USUAL = StyliseSettings()
     metavar="SECONDS",
     help="Wait so long for the command of --generator.",
 )
-@click.option(
-    "--detector", type=PATH, metavar="FILE", help="Use this detector of `caricli train detector`.  [default: caricli's]"
-)
 @model_option
+@detector_option
 @pts_origin_option
 @seed_option
 @picture_option
@@ -109,6 +109,7 @@ def command(
       caricli stylise photos/*.jpg --style ink --shape own --strength 2 --out-dir drawn
       caricli stylise photo.jpg --generator "python toon.py {input} {output}" --out toon.png
     """
+    from caricli.store.face_pictures import FaceReader
     from caricli.store.generators import load_generator
     from caricli.store.shape_tools import load_shape_tools
 
@@ -119,49 +120,24 @@ def command(
     jobs = named_jobs(portraits, "PORTRAIT", out, out_dir, ".png")
     settings = StyliseSettings(style or ("none" if generator else USUAL.style), shape, strength, seed)
     painter = None if generator is None else load_generator(generator, timeout)
-    eyes = _Eyes(landmarks, pts_origin, detector)
-    task = _Task(eyes, load_shape_tools(settings, model), settings, painter, generator, (*portraits, model), overwrite)
+    tools = load_shape_tools(settings, model)
+    reader = FaceReader(detector, pts_origin)
+    inputs = (*portraits, landmarks, model, detector)
+    task = _Task(reader, landmarks, tools, settings, painter, generator, inputs, overwrite)
     run_batch(ctx, jobs, task.run, "portraits")
-
-
-@dataclass(frozen=True)
-class _Eyes:
-    """Where landmarks come from: a file, or the detector of a file, None for the bundled one."""
-
-    file: Path | None
-    pts_origin: int
-    detector_file: Path | None
-
-    @cached_property
-    def detector(self) -> "Detector":
-        """Loaded when the first face is looked for."""
-        from caricli.store.detector import load_detector
-
-        return load_detector(self.detector_file)
-
-    def look(self, source: Path, image: np.ndarray) -> tuple[Landmarks, str | None]:
-        """The landmarks of a picture (H, W, 3) uint8, and what speaks against them, or None."""
-        if self.file is not None:
-            from caricli.store.pictures import load_marked_picture
-
-            return load_marked_picture(self.file, source, self.pts_origin)[0], None
-        from caricli.methods.detect.see_face import see_face
-
-        with naming(source):
-            seen = see_face(image, self.detector)
-        doubt = None if seen.doubt is None else f"{shown(source)}: the face may be wrong: {seen.doubt}"
-        return seen.landmarks, doubt
 
 
 @dataclass(frozen=True, eq=False)
 class _Task:
     """What is done with every portrait.
 
-    eyes: _Eyes. tools: ShapeTools, or None where none are needed. settings: StyliseSettings. painter: LoadedGenerator
-    and typed: how it was given, or None. inputs: files that are read. overwrite: whether files that exist are replaced.
+    reader: FaceReader. marks: path of the landmarks, or None where they are found. tools: ShapeTools, or None where none
+    are needed. settings: StyliseSettings. painter: LoadedGenerator and typed: how it was given, or None. inputs: files
+    that are read. overwrite: whether files that exist are replaced.
     """
 
-    eyes: _Eyes
+    reader: "FaceReader"
+    marks: Path | None
     tools: "ShapeTools | None"
     settings: StyliseSettings
     painter: "LoadedGenerator | None"
@@ -178,21 +154,31 @@ class _Task:
         sheets = picture_files(target.with_name(f"{target.stem}-sheet.png"))
         inputs = (*self.inputs, *self._sources(source))
         with staged(target, marks_file, report_file, *sheets, overwrite=self.overwrite, inputs=inputs) as files:
-            image = read_image(source)
-            marks, note = self.eyes.look(source, image)
+            picture = self._read(source)
+            assert picture.pixels is not None
             with naming(source):
-                stylised = stylise_portrait(image, marks, self.tools, self.settings, paint)
+                stylised = stylise_portrait(picture.pixels, picture.landmarks, self.tools, self.settings, paint)
             write_png(files[0], stylised.picture)
             write_landmarks(files[1], stylised.landmarks)
-            write_json(files[2], self._report(source, stylised))
+            write_json(files[2], self._report(source, picture, stylised))
             for sheet in files[3:]:
-                write_picture(sheet, partial(self._sheet, image, stylised))
-        echo_notes(note)
+                write_picture(sheet, partial(self._sheet, picture.pixels, stylised))
+        echo_notes(picture.note(source))
         return f"{shown(target)}: {self._paint()}, landmarks moved by {stylised.moved:.2f} % of their diagonal"
+
+    def _read(self, source: Path) -> FacePicture:
+        """A portrait and the landmarks of its face, given or found."""
+        count = max(SCHEMES) if self.tools is None else len(self.tools.model.template.annotation.landmarks)
+        if self.marks is not None:
+            return self.reader.read(self.marks, count, source)
+        pixels = read_image(source)
+        with naming(source):
+            seen = self.reader.see(pixels)
+        return FacePicture(seen.landmarks.first(count), pixels, seen)
 
     def _sources(self, source: Path) -> list[Path | None]:
         """Files that a picture comes from."""
-        return [source, self.eyes.file, None if self.painter is None else self.painter.file]
+        return [source, self.marks, None if self.painter is None else self.painter.file]
 
     def _paint(self) -> str:
         """What the picture is painted with, in a word."""
@@ -201,11 +187,11 @@ class _Task:
     def _painter(self) -> str:
         return self.settings.style if self.painter is None else "generator"
 
-    def _report(self, source: Path, stylised: "Stylised") -> dict[str, Any]:
+    def _report(self, source: Path, picture: FacePicture, stylised: "Stylised") -> dict[str, Any]:
         """What was done, so that it can be done again."""
         about = {key: value for key, value in asdict(self.settings).items() if key != "seed"}
         model = None if self.tools is None else self.tools.model.model_id
-        about |= {"generator": self.typed, "model_id": model, "moved": stylised.moved}
+        about |= {"generator": self.typed, "model_id": model, "moved": stylised.moved} | picture.figures()
         return provenance("stylise", self._sources(source), self.settings.seed, **about)
 
     def _sheet(self, image: np.ndarray, stylised: "Stylised") -> np.ndarray:

@@ -6,8 +6,7 @@ import pytest
 
 from caricli.io.image import read_image, write_png
 from caricli.io.landmarks import read_landmarks
-from caricli.methods.detect.see_face import SeenFace
-from caricli.structures.detection import DetectedFace, FaceFrame
+from caricli.structures.detection import DetectedFace, FaceFrame, SeenFace
 from caricli.structures.landmarks import Landmarks
 
 FAILS = f"{sys.executable} -c 'import sys; sys.exit(5)' {{input}} {{output}}"
@@ -51,7 +50,7 @@ def test_landmarks_are_found_where_none_are_given(run, portrait, points, monkeyp
     typed = ("stylise", portrait, tmp_path / "other.png", "--shape", "none", "--style", "flat", "--no-picture")
     result = run(*typed, "--out-dir", tmp_path / "many")
     assert result.exit_code == 0, result.output
-    assert "photo.png: the face may be wrong: its score is 0.50" in result.stderr
+    assert "photo.png: the face is doubtful: its score is 0.50" in result.stderr
     files = sorted(path.name for path in (tmp_path / "many").iterdir())
     assert files == [f"{name}{end}" for name in ("other", "photo") for end in ("-report.json", ".json", ".png")]
     np.testing.assert_array_equal(read_landmarks(tmp_path / "many" / "photo.json").points, points)

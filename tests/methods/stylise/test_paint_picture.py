@@ -68,6 +68,7 @@ def test_large_pictures_are_painted_smaller_and_enlarged(drawn):
 
 
 def test_without_a_style_pixels_stay_and_another_is_refused(drawn):
-    assert painted(*drawn, "none") is drawn[0]
+    image, marks = drawn
+    assert painted(image, marks, "none") is image
     with pytest.raises(InputError, match="expected a style of oil, .* found crayon"):
-        painted(*drawn, "crayon")
+        painted(image, marks, "crayon")

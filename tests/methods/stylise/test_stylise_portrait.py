@@ -105,4 +105,4 @@ def test_a_generator_paints_in_place_of_a_style(portrait):
 
 def test_a_shape_whose_map_is_missing_is_refused(portrait, tools):
     with pytest.raises(InputError, match="expected a landmark map"):
-        stylise_portrait(*portrait, ShapeTools(tools.model), BARE)
+        stylise_portrait(portrait[0], portrait[1], ShapeTools(tools.model), BARE)
