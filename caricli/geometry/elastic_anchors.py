@@ -53,9 +53,12 @@ class ElasticAnchors:
         """The smoothest displacement field in which the points make their moves.
 
         points: (K,) vertex ids among the prepared ones. moves: (K, n) metres along n axes. strength: weight of the
-        points against the surface; large means exact. confidence: (K,) in (0, 1], relative weight of every point.
+        points against the surface; large means exact. confidence: (K,) in (0, 1], relative weight of every point,
+        or (K, n, n), symmetric and positive definite, of its directions.
         Returns (V, n) displacements.
         """
+        if confidence is not None and confidence.ndim > 1:
+            return self._move_along(points, moves, strength * confidence)
         chosen = np.array([self.rows[int(p)] for p in points])
         weight = strength * self.stiffness * (np.ones(len(chosen)) if confidence is None else confidence)
         count = len(chosen)
@@ -63,6 +66,20 @@ class ElasticAnchors:
         system[:count, :count] = self.compliance[np.ix_(chosen, chosen)] + np.diag(1 / weight)
         system[count, count] = 0.0
         solution = np.linalg.solve(system, np.vstack([moves, np.zeros((1, moves.shape[1]))]))
+        return self.responses[:, chosen] @ solution[:count] + solution[count]
+
+    def _move_along(self, points: np.ndarray, moves: np.ndarray, strength: np.ndarray) -> np.ndarray:
+        """``move`` with a strength (K, n, n) of its own for every point, by its directions."""
+        chosen = np.array([self.rows[int(p)] for p in points])
+        count, axes = moves.shape
+        identity = np.eye(axes)
+        system = np.zeros((count + 1, axes, count + 1, axes))
+        system[:count, :, :count] = np.einsum("kl,ab->kalb", self.compliance[np.ix_(chosen, chosen)], identity)
+        system[range(count), :, range(count)] += np.linalg.inv(self.stiffness * strength)
+        system[:count, :, count] = identity
+        system[count, :, :count] = identity[:, None]
+        right = np.vstack([moves, np.zeros((1, axes))]).ravel()
+        solution = np.linalg.solve(system.reshape(right.size, right.size), right).reshape(count + 1, axes)
         return self.responses[:, chosen] @ solution[:count] + solution[count]
 
 

@@ -134,3 +134,19 @@ def test_averages_stay_on_their_side_of_a_gap():
     assert averages[:64].sum() == pytest.approx(1.0)
     assert np.abs(averages[64:]).max() < 1e-12
     assert averages.argmax() == 27
+
+
+def test_confidence_has_directions(anchors):
+    confidence = np.array([1.0, 0.3, 0.8, 0.05, 1.0, 0.5])
+    moves = pulls(6)
+    same = anchors.move(POINTS, moves, 2.0, confidence[:, None, None] * np.eye(3))
+    np.testing.assert_allclose(same, anchors.move(POINTS, moves, 2.0, confidence), atol=1e-9)
+    # Each axis by itself, where the directions are the axes.
+    weights = np.random.default_rng(1).uniform(0.05, 1, (6, 3))
+    apart = anchors.move(POINTS, moves, 2.0, weights[:, None] * np.eye(3))
+    for k in range(3):
+        np.testing.assert_allclose(apart[:, k], anchors.move(POINTS, moves, 2.0, weights[:, k])[:, k], atol=1e-9)
+    # A turn of all turns the result.
+    turn = np.linalg.qr(np.random.default_rng(2).normal(size=(3, 3)))[0]
+    turned = anchors.move(POINTS, moves @ turn.T, 2.0, turn @ (weights[:, None] * np.eye(3)) @ turn.T)
+    np.testing.assert_allclose(turned, apart @ turn.T, atol=1e-9)

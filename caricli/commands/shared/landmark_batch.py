@@ -108,7 +108,8 @@ class FitTask:
     def _fitted(self, picture: FacePicture) -> LandmarkFit:
         """The fit to a picture's landmarks."""
         marks = picture.landmarks
-        return self.fit(marks.points, image=picture.pixels) if self.looks else self.fit(marks.points)
+        looked = {"image": picture.pixels} if self.looks else {}
+        return self.fit(marks.points, spreads=marks.spreads, **looked)
 
     def _shown(self, face: Face, finer: FineMesh) -> Face:
         """What the mesh file holds of a face: its skin, or the head that was chosen."""

@@ -41,7 +41,7 @@ Driver = DrivingMesh | DrivingLandmarks
 
 def fit_driver(landmarks: Landmarks, model: MorphableModel) -> DrivingLandmarks:
     """Find the camera that landmarks were seen with. Raises InputError, NumericsError."""
-    return DrivingLandmarks(landmarks.points, fit_morphable(landmarks.points, model))
+    return DrivingLandmarks(landmarks.points, fit_morphable(landmarks.points, model, spreads=landmarks.spreads))
 
 
 @dataclass(frozen=True, eq=False)

@@ -30,6 +30,7 @@ def fit_landmarks(
     method: str | None = None,
     prior_weight: float = 1.0,
     image: np.ndarray | None = None,
+    spreads: np.ndarray | None = None,
 ) -> LandmarkFit:
     """Fit a face elastically, or inside the model.
 
@@ -38,6 +39,7 @@ def fit_landmarks(
     points: (L, 2) pixels, y down, NaN where unknown. model: ShapeModel, for "intrinsic" an IntrinsicModel. method: of
     METHODS, or None for the one that the model allows, see ``fitting_method``. prior_weight: larger stays nearer to
     plausible faces, smaller nearer to the landmarks. image: (H, W, 3) uint8, the picture, or None to look at none.
+    spreads: (L, 2, 2) covariances of the points' errors, square pixels, or None where nothing is known of them.
     Returns LandmarkFit. Raises InputError, NumericsError.
     """
     look = None
@@ -47,7 +49,7 @@ def fit_landmarks(
 
         generator = np.random.default_rng(_SEED)
         look = partial(find_outline, template=model.template, points=points, image=image, generator=generator)
-    return _method(model, method or fitting_method(model), prior_weight)(points, look=look)
+    return _method(model, method or fitting_method(model), prior_weight)(points, look=look, spreads=spreads)
 
 
 def _method(model: ShapeModel, method: str, prior_weight: float) -> Callable[..., LandmarkFit]:

@@ -42,6 +42,7 @@ def fit_landmarks_intrinsic(
     model: IntrinsicModel,
     settings: IntrinsicSettings = IntrinsicSettings(),  # noqa: B008 (frozen)
     look: Callable[[Face], Outline] | None = None,
+    spreads: np.ndarray | None = None,
 ) -> LandmarkFit:
     """Fit the likeliest face of the model, whose surface then follows the landmarks elastically.
 
@@ -57,11 +58,12 @@ def fit_landmarks_intrinsic(
 
     points: (L, 2) pixels, y down, NaN where unknown. model: IntrinsicModel. settings: IntrinsicSettings. look: what is
     found in the picture besides 68 points around the likeliest face for these, corrected once; where there is anything,
-    the likeliest face for all of it follows in a few rounds more.
+    the likeliest face for all of it follows in a few rounds more. spreads: (L, 2, 2) covariances of the points' errors,
+    square pixels, or None: a landmark pulls by what it is sure of, in the direction in which it is.
     Returns LandmarkFit; what the latent cannot express is in its residual. Raises InputError, NumericsError.
     """
     template = model.template
-    observation = Observation(points, template)
+    observation = Observation(points, template, None, spreads)
     likeliest = _likeliest(observation, model, settings)
     outline = None
     if look is not None:
@@ -69,7 +71,7 @@ def fit_landmarks_intrinsic(
         seen = template.with_vertices(first.correct(first.shape(likeliest.latent)))
         outline = look(Face(seen, observation.in_pixels(first.camera)))
         if outline.found:
-            observation = Observation(points, template, outline)
+            observation = Observation(points, template, outline, spreads)
             likeliest = _likeliest(observation, model, settings, likeliest)
     surface = _Surface(observation, model, settings, likeliest)
     latent = likeliest.latent
@@ -81,7 +83,8 @@ def fit_landmarks_intrinsic(
     vertices = template.cavities.tuck(vertices)
     residual = template.gradients.features(vertices) - model.features(latent)
     face = Face(template.with_vertices(vertices), surface.camera, None, latent, residual, model.model_id)
-    return replace(observation.measure(face, model, likeliest.weights, settings), outline=outline)
+    weights = observation.shares(likeliest.weights, likeliest.noise)
+    return replace(observation.measure(face, model, weights, settings), outline=outline)
 
 
 class _Surface:
@@ -112,9 +115,11 @@ class _Surface:
         weights = self.likeliest.weights
         vertices = self.model.template.neck.lengthen(vertices)
         anchors = observation.anchors(vertices, self.camera.rotation)
-        self.camera = observation.camera(vertices, anchors, weights)
+        self.camera = observation.camera(vertices, anchors, observation.shares(weights, self.likeliest.noise))
         gaps = observation.gaps(vertices, self.camera, anchors)
-        pull = self.model.template.anchors.move(anchors[observation.ids], gaps, self.settings.strength, weights)
+        confidence = observation.confidence(self.settings.exact)
+        pulls = weights if confidence is None else weights[:, None, None] * confidence
+        pull = self.model.template.anchors.move(anchors[observation.ids], gaps, self.settings.strength, pulls)
         return vertices + pull @ self.camera.rotation[:2]
 
     def follow(self, vertices: np.ndarray, latent: np.ndarray) -> np.ndarray:
@@ -133,19 +138,22 @@ def _likeliest(
     latent = np.array(model.prior.mean) if first is None else first.latent
     rotation = None if first is None else first.camera.rotation
     weights = observation.trust
+    noise = _OUTLIERS.floor if first is None else first.noise
     for number in range(settings.rounds) if first is None else range(settings.rounds, settings.rounds + settings.again):
         shape = model.decode(latent)
-        camera, anchors = observation.settle(shape, weights, rotation)
+        camera, anchors = observation.settle(shape, observation.shares(weights, noise), rotation)
         rotation = camera.rotation
-        errors = observation.errors(shape, camera, anchors)
+        errors = observation.errors(shape, camera, anchors, noise)
         if number >= _OUTLIERS.first_round:
             weights = observation.weights(errors)
-        noise = max(settings.least, settings.misfit * np.sqrt(np.average(errors**2, weights=weights)))
+        spread = np.average(errors**2, weights=observation.shares(weights, noise))
+        noise = max(settings.least, settings.misfit * np.sqrt(spread))
         ids = anchors[observation.ids]
         scale = np.sqrt(weights)[:, None] / noise
         tangent = model.tangent[np.searchsorted(model.template.anchors.points, ids)]
-        rows = (camera_rows(shape[ids], tangent, camera) * scale[:, :, None]).reshape(2 * len(ids), -1)
-        gaps = ((observation.points - camera.project(shape[ids])) * scale).ravel()
+        rows = observation.whitened(camera_rows(shape[ids], tangent, camera) * scale[:, :, None], noise)
+        rows = rows.reshape(2 * len(ids), -1)
+        gaps = observation.whitened((observation.points - camera.project(shape[ids])) * scale, noise).ravel()
         # The camera may move along: a turn that explains the landmarks as well is no reason for another face.
         system = rows.T @ rows
         system[CAMERA:, CAMERA:] += np.eye(len(latent))

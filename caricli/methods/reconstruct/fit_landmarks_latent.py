@@ -24,6 +24,7 @@ def fit_landmarks_latent(
     model: ShapeModel,
     settings: LatentSettings = LatentSettings(),  # noqa: B008 (frozen)
     look: Callable[[Face], Outline] | None = None,
+    spreads: np.ndarray | None = None,
 ) -> LandmarkFit:
     """Fit a face that stays inside a shape model (deformable paper, equation 3 and supplement 5).
 
@@ -33,18 +34,19 @@ def fit_landmarks_latent(
 
     points: (L, 2) pixels, y down, NaN where unknown. model: any ShapeModel. settings: LatentSettings.
     look: what is found in the picture besides 68 points around a fit to these; where there is anything, another fit
-    follows.
+    follows. spreads: (L, 2, 2) covariances of the points' errors, square pixels, or None; they add to the noise.
     Returns LandmarkFit without a residual. Raises InputError, NumericsError.
     """
-    fit = _fit(points, model, settings, None)
+    fit = _fit(Observation(points, model.template, None, spreads), model, settings)
     if look is None:
         return fit
     outline = look(fit.face)
-    return replace(_fit(points, model, settings, outline) if outline.found else fit, outline=outline)
+    if outline.found:
+        fit = _fit(Observation(points, model.template, outline, spreads), model, settings)
+    return replace(fit, outline=outline)
 
 
-def _fit(points: np.ndarray, model: ShapeModel, settings: LatentSettings, outline: Outline | None) -> LandmarkFit:
-    observation = Observation(points, model.template, outline)
+def _fit(observation: Observation, model: ShapeModel, settings: LatentSettings) -> LandmarkFit:
     search = _Search(observation, model, settings.noise)
     damping = Damping(_DAMPING.start, _DAMPING.ease, _DAMPING.tighten)
     for number in range(settings.iterations):
@@ -54,7 +56,7 @@ def _fit(points: np.ndarray, model: ShapeModel, settings: LatentSettings, outlin
     latent = model.prior.colour(search.whitened)
     mesh = model.template.with_vertices(model.decode(latent))
     face = Face(mesh, search.camera, latent=latent, model_id=model.model_id)
-    return observation.measure(face, model, search.weights, settings)
+    return observation.measure(face, model, observation.shares(search.weights, settings.noise), settings)
 
 
 class _Search:
@@ -82,9 +84,11 @@ class _Search:
         if joint:
             self.anchors = self.observation.anchors(shape, self.camera.rotation)
         else:
-            self.camera, self.anchors = self.observation.settle(shape, self.weights, self.camera.rotation)
+            weights = self.observation.shares(self.weights, self.noise)
+            self.camera, self.anchors = self.observation.settle(shape, weights, self.camera.rotation)
         if robust:
-            self.weights = self.observation.weights(self.observation.errors(shape, self.camera, self.anchors))
+            errors = self.observation.errors(shape, self.camera, self.anchors, self.noise)
+            self.weights = self.observation.weights(errors)
 
     def descend(self, joint: bool, damping: Damping) -> None:
         """Take a step that lowers the cost, if one of a few does. joint: of camera and latent, else of the latent."""
@@ -106,7 +110,7 @@ class _Search:
 
     def cost(self, camera: Camera, whitened: np.ndarray) -> float:
         """What is minimised, for anchors and weights as they are."""
-        errors = self.observation.errors(self.shape(whitened), camera, self.anchors)
+        errors = self.observation.errors(self.shape(whitened), camera, self.anchors, self.noise)
         return (self.weights * errors**2).sum() / self.noise**2 + (whitened**2).sum()
 
     def normal_equations(self) -> tuple[np.ndarray, np.ndarray]:
@@ -116,8 +120,9 @@ class _Search:
         positions, jacobian = self.model.points_jacobian(latent, self.anchors[self.observation.ids])
         rows = camera_rows(positions, jacobian @ self.model.prior.factor, camera)
         scale = np.sqrt(self.weights)[:, None] / self.noise
-        residual = ((self.observation.points - camera.project(positions)) * scale).ravel()
-        rows = (rows * scale[:, :, None]).reshape(len(residual), -1)
+        gaps = (self.observation.points - camera.project(positions)) * scale
+        residual = self.observation.whitened(gaps, self.noise).ravel()
+        rows = self.observation.whitened(rows * scale[:, :, None], self.noise).reshape(len(residual), -1)
         system = rows.T @ rows
         right = rows.T @ residual
         system[CAMERA:, CAMERA:] += np.eye(len(self.whitened))

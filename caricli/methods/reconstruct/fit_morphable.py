@@ -16,6 +16,7 @@ def fit_morphable(
     model: MorphableModel,
     weights: MorphableWeights = MorphableWeights(),  # noqa: B008 (frozen)
     identity: np.ndarray | None = None,
+    spreads: np.ndarray | None = None,
 ) -> LandmarkFit:
     """Fit identity, expression and camera (equations 7 and 8, squared, with the regularisation of equation 6).
 
@@ -23,7 +24,8 @@ def fit_morphable(
     and the coefficients a and b by ``fit_landmarks_latent``; distances are shares of the landmarks' diagonal.
 
     points: (L, 2) pixels, y down, NaN where unknown. model: MorphableModel. weights: MorphableWeights. identity: (I,)
-    coefficients that stay as they are ("Adjust Exp"), or None to fit them too.
+    coefficients that stay as they are ("Adjust Exp"), or None to fit them too. spreads: (L, 2, 2) covariances of the
+    points' errors, square pixels, or None; they add to the noise.
     Returns LandmarkFit; its latent is the model's. Raises InputError, NumericsError.
     """
     who = model.identity / weights.identity**0.5
@@ -35,7 +37,7 @@ def fit_morphable(
         mean = mean + np.tensordot(identity, model.identity, 1)
         who = who[:0]
     space = MorphableModel(model.template, ShapeBases(mean, who, what, model.noise), model.albedo)
-    fit = fit_landmarks_latent(points, space)
+    fit = fit_landmarks_latent(points, space, spreads=spreads)
     prices = np.repeat((weights.identity, weights.expression), (len(who), len(what)))
     own = fit.face.require_latent() / np.sqrt(prices)
     latent = own if identity is None else np.concatenate([identity, own])

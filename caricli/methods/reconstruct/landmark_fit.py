@@ -85,13 +85,20 @@ class Observation:
 
     ids: (K,) numbers of the known landmarks. points: (K, 2) their places in those units. trust: (K,) from 0 to 1, how
     strongly they pull. given: (K,) bool, those that were given and not found. asked: how many landmarks files have.
-    count: L, of all landmarks, with those that can be found.
+    count: L, of all landmarks, with those that can be found. doubts: (K, 2, 2) covariances of the places, in square
+    units, or None where nothing is known of them.
     Cameras and errors of its methods are in those units too, but for ``in_pixels``.
     """
 
-    def __init__(self, points: np.ndarray, template: Template, outline: Outline | None = None) -> None:
+    def __init__(
+        self,
+        points: np.ndarray,
+        template: Template,
+        outline: Outline | None = None,
+        spreads: np.ndarray | None = None,
+    ) -> None:
         """points: (L, 2) pixels, y down, NaN where unknown. template: Template that they stand on. outline: what was
-        found besides the 68, which pulls weakly.
+        found besides the 68, which pulls weakly. spreads: (L, 2, 2) covariances of the points, square pixels, or None.
 
         Raises InputError for another number of landmarks, too few known ones, and all in one place.
         """
@@ -117,6 +124,35 @@ class Observation:
         if self.diagonal == 0:
             raise InputError("all landmarks lie in one place")
         self.points = (points[self.ids] - self.centre) / self.diagonal
+        self.doubts = None if spreads is None else self._own_doubts(spreads)
+
+    def _own_doubts(self, spreads: np.ndarray) -> np.ndarray:
+        """Of spreads (L, 2, 2) of the given landmarks those of the known ones; what was found has none."""
+        doubts = np.zeros((len(self.ids), 2, 2))
+        doubts[self.given] = spreads[self.ids[self.given]] / self.diagonal**2
+        return doubts
+
+    def confidence(self, noise: float) -> np.ndarray | None:
+        """(K, 2, 2) how much the places say, of what they would if they were exact; None where they are.
+
+        noise: how far a shape is expected from exact ones, of the diagonal.
+        """
+        if self.doubts is None:
+            return None
+        return np.linalg.inv(np.eye(2) + self.doubts / noise**2)
+
+    def shares(self, weights: np.ndarray, noise: float) -> np.ndarray:
+        """Weights (K,) lowered by the mean confidence of their landmarks."""
+        confidence = self.confidence(noise)
+        return weights if confidence is None else weights * np.trace(confidence, axis1=1, axis2=2) / 2
+
+    def whitened(self, values: np.ndarray, noise: float) -> np.ndarray:
+        """Values (K, 2, ...) across the picture as their doubts leave them: square sums count the confidence."""
+        confidence = self.confidence(noise)
+        if confidence is None:
+            return values
+        roots = np.linalg.cholesky(confidence).swapaxes(1, 2)
+        return np.einsum("kab,kb...->ka...", roots, values)
 
     def anchors(self, vertices: np.ndarray, rotation: np.ndarray) -> np.ndarray:
         """(L,) vertex ids of all landmarks for a posed shape (V, 3); the jaw slides to the outline."""
@@ -144,9 +180,12 @@ class Observation:
         """(K, 2) metres across the picture from the anchors of the known landmarks to these."""
         return (self.points - camera.project(vertices[anchors[self.ids]])) / camera.scale
 
-    def errors(self, vertices: np.ndarray, camera: Camera, anchors: np.ndarray) -> np.ndarray:
-        """(K,) distances of the known landmarks as shares of the diagonal."""
-        return np.linalg.norm(camera.project(vertices[anchors[self.ids]]) - self.points, axis=1)
+    def errors(
+        self, vertices: np.ndarray, camera: Camera, anchors: np.ndarray, noise: float | None = None
+    ) -> np.ndarray:
+        """(K,) distances of the known landmarks as shares of the diagonal, ``whitened`` where a noise is given."""
+        gaps = camera.project(vertices[anchors[self.ids]]) - self.points
+        return np.linalg.norm(gaps if noise is None else self.whitened(gaps, noise), axis=1)
 
     def weights(self, errors: np.ndarray) -> np.ndarray:
         """(K,) of the known landmarks, from their errors (K,): less than trust for given ones that are far off.

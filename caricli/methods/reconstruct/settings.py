@@ -23,6 +23,8 @@ class IntrinsicSettings:
     follow: of the likeliest latent against what a correction makes of the surface, in mean squares of its features.
     turns: of correction and latent after the rounds.
     corrections: of the surface at the end, each with the outline and the neck that the one before it left.
+    exact: spread of a landmark at which it pulls the surface half as strongly as an exact one, as a share of the
+    landmarks' diagonal.
     """
 
     strength: float = 10.0
@@ -34,6 +36,7 @@ class IntrinsicSettings:
     follow: float = 5e-5
     turns: int = 3
     corrections: int = 3
+    exact: float = 0.005
 
     @property
     def iterations(self) -> int:

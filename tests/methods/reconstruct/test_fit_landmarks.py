@@ -27,8 +27,8 @@ def method(request):
 def fit(method, intrinsic, kernel):
     """The fit of a method with the bundled model that it takes by default."""
     if method == "intrinsic":
-        return lambda points, *settings: fit_landmarks_intrinsic(points, intrinsic, *settings)
-    return lambda points, *settings: fit_landmarks_latent(points, kernel, *settings)
+        return lambda points, *settings, **more: fit_landmarks_intrinsic(points, intrinsic, *settings, **more)
+    return lambda points, *settings, **more: fit_landmarks_latent(points, kernel, *settings, **more)
 
 
 @pytest.fixture(scope="module")
@@ -339,3 +339,43 @@ def test_half_the_drawing_is_the_same_face(drawings, intrinsic, kernel):
         for model, method in ((intrinsic, fit_landmarks_intrinsic), (kernel, fit_landmarks_latent)):
             whole, half = (method(scale * points, model).face.vertices for scale in (1.0, 0.5))
             np.testing.assert_allclose(half, whole, atol=1e-6)
+
+
+def spreads(points, share):
+    """Round covariances (L, 2, 2) of a share of the landmarks' diagonal, of all or of each."""
+    deviation = np.broadcast_to(share, len(points)) * np.linalg.norm(np.ptp(points, axis=0))
+    return deviation[:, None, None] ** 2 * np.eye(2)
+
+
+def test_exact_landmarks_pull_as_those_without_spreads(fit, one, fitted):
+    exact = fit(one.points, spreads=spreads(one.points, 1e-9))
+    np.testing.assert_allclose(exact.face.vertices, fitted.face.vertices, atol=1e-6)
+    assert exact.nme == pytest.approx(fitted.nme, abs=1e-4)
+
+
+def test_a_vague_landmark_pulls_nothing(fit, one, fitted):
+    wrong = np.array(one.points)
+    wrong[[8, 30]] += 0.08 * np.linalg.norm(np.ptp(one.points, axis=0))
+    share = np.full(len(wrong), 1e-9)
+    share[[8, 30]] = 1e3
+    unknown = np.array(one.points)
+    unknown[[8, 30]] = np.nan
+    without = fit(unknown).face.vertices
+    vague = fit(wrong, spreads=spreads(one.points, share)).face.vertices
+    # The weights of outliers depend a little on how many there are.
+    moved = np.abs(fit(wrong).face.vertices - without).max()
+    assert np.abs(vague - without).max() < 0.05 * moved
+
+
+def test_errors_along_the_jaw_harm_less_where_they_are_expected(fit, one):
+    diagonal = np.linalg.norm(np.ptp(one.points, axis=0))
+    along = np.gradient(one.points[:17], axis=0)
+    along /= np.linalg.norm(along, axis=1, keepdims=True)
+    generator = np.random.default_rng(0)
+    wrong = np.array(one.points)
+    wrong[:17] += 0.06 * diagonal * generator.normal(size=(17, 1)) * along
+    doubts = spreads(one.points, 0.002)
+    doubts[:17] += (0.06 * diagonal) ** 2 * along[:, :, None] * along[:, None, :]
+    blind, told = (fit(wrong, spreads=given) for given in (None, doubts))
+    errors = [shape_error(result.face.vertices, one.vertices) for result in (blind, told)]
+    assert errors[1] < 0.95 * errors[0]
