@@ -131,9 +131,9 @@ def command(
 class _Task:
     """What is done with every portrait.
 
-    reader: FaceReader. marks: path of the landmarks, or None where they are found. tools: ShapeTools, or None where none
-    are needed. settings: StyliseSettings. painter: LoadedGenerator and typed: how it was given, or None. inputs: files
-    that are read. overwrite: whether files that exist are replaced.
+    reader: FaceReader. marks: path of the landmarks, or None where they are found. tools: ShapeTools, or None where
+    none are needed. settings: StyliseSettings. painter: LoadedGenerator and typed: how it was given, or None. inputs:
+    files that are read. overwrite: whether files that exist are replaced.
     """
 
     reader: "FaceReader"

@@ -18,11 +18,11 @@ class PencilSettings:
     """
 
     line: float = 0.9
-    depth: float = 0.12
+    depth: float = 0.075
     stroke: float = 14.0
     angle: float = 55.0
     shade: float = 0.9
-    dark: float = 0.93
+    dark: float = 0.88
     grain: float = 0.35
 
 
@@ -38,13 +38,14 @@ def draw_pencil(canvas: Canvas, settings: PencilSettings = PencilSettings()) -> 
     grain = settings.grain * grain / max(float(grain.std()), 1e-6)
     strokes = _strokes(canvas, settings.angle, settings.stroke)
     across = _strokes(canvas, settings.angle - 75, 0.7 * settings.stroke)
-    texture = strokes + step(pressure - 0.55, 0.4) * across
-    laid = np.clip(pressure * (1 + 0.55 * texture + grain), 0, 1)
+    texture = strokes + step(pressure - 0.5, 0.4) * across
+    # Light pressure catches on every other fibre, strong pressure on all.
+    laid = pressure ** np.exp(np.clip(-0.42 * texture - grain, -2, 2))
     ways = flow(canvas, 1.2)
     contour = lines(canvas, ways, settings.line, settings.depth)
-    contour = np.clip(contour * (0.85 + 0.6 * grain), 0, 1)
-    graphite = 1 - (1 - settings.shade * laid) * (1 - 0.8 * contour)
-    return _PAPER + graphite[..., None] * (_GRAPHITE - _PAPER)
+    contour = np.clip(contour * (0.9 + 0.5 * grain), 0, 1)
+    graphite = 1 - (1 - settings.shade * laid * (1 + 0.07 * (strokes + across))) * (1 - 0.8 * contour)
+    return _PAPER + np.clip(graphite, 0, 1)[..., None] * (_GRAPHITE - _PAPER)
 
 
 _PAPER = np.array([0.975, 0.965, 0.94], np.float32)

@@ -13,6 +13,7 @@ _THICK = 128  # of 255: the ground's paint
 _THINNEST = 0.5  # pixels, radius of a brush
 _SOFT = 0.35  # of its radius: how much a brush blurs what it sees
 _SLACK = 0.02  # difference of colours, of three channels together, that ends no stroke
+_APART = 1.25  # of its radius: between strokes of a brush
 _SHORTEST = 2  # steps that every stroke goes
 _BROAD = 3.0
 _NARROW = 1.2  # units over which the ways of coarse and of fine brushes are smoothed
@@ -80,7 +81,7 @@ class _Brush:
         miss: (H, W), how far the colours are off. least: miss from which on a stroke is needed.
         """
         height, width = miss.shape
-        side = max(self.radius, 1.0)
+        side = max(_APART * self.radius, 1.4)
         cells = np.stack(np.meshgrid(np.arange(0, width, side), np.arange(0, height, side)), -1).reshape(-1, 2)
         places = cells + side * generator.random(cells.shape)
         mean = cv2.blur(miss, [max(1, round(side))] * 2)

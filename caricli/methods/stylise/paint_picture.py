@@ -15,7 +15,13 @@ from caricli.methods.stylise.paint_watercolour import paint_watercolour
 from caricli.structures import Landmarks
 
 LARGEST = 6.0
-"""Unit in pixels up to which painters paint; larger pictures are painted smaller and enlarged."""
+"""Unit in pixels up to which painters paint; pictures of larger faces are painted smaller and enlarged."""
+
+SMALLEST = 2.2
+"""The same from which on they do; pictures of smaller faces are painted larger, where they are not large themselves."""
+
+_MOST = 2_500_000
+"""Pixels of what is painted larger than it is."""
 
 _NEAR = 0.25
 _FAR = 0.9
@@ -44,13 +50,20 @@ def paint_picture(image: np.ndarray, marks: Landmarks, style: str, generator: np
         raise InputError(f"expected a style of {', '.join(PAINTERS)} or none, found {style}")
     height, width = image.shape[:2]
     unit = marks.diagonal / 100
-    scale = min(1.0, LARGEST / unit)
+    larger = max(1.0, min(SMALLEST / unit, (_MOST / (width * height)) ** 0.5))
+    scale = min(larger, LARGEST / unit)
     size = [max(1, round(length * scale)) for length in (width, height)]
-    smaller = image if scale == 1 else cv2.resize(image, size, interpolation=cv2.INTER_AREA)
     points = marks.points[marks.known] * scale
-    canvas = Canvas(to_floats(smaller), unit * scale, _care(points, size, marks.diagonal * scale), generator)
-    painted = to_bytes(PAINTERS[style](canvas))
-    return painted if scale == 1 else cv2.resize(painted, (width, height), interpolation=cv2.INTER_CUBIC)
+    care = _care(points, size, marks.diagonal * scale)
+    canvas = Canvas(to_floats(_sized(image, size)), unit * scale, care, generator)
+    return _sized(to_bytes(PAINTERS[style](canvas)), [width, height])
+
+
+def _sized(image: np.ndarray, size: list[int]) -> np.ndarray:
+    """A picture (H, W, 3) uint8 in another size, width and height."""
+    if list(image.shape[1::-1]) == size:
+        return image
+    return cv2.resize(image, size, interpolation=cv2.INTER_AREA if size[0] < image.shape[1] else cv2.INTER_CUBIC)
 
 
 def _care(points: np.ndarray, size: list[int], diagonal: float) -> np.ndarray:

@@ -22,12 +22,12 @@ class WatercolourSettings:
     wash: float = 2.6
     fine: float = 1.0
     wobble: float = 0.7
-    thin: float = 0.72
-    saturation: float = 1.35
-    edge: float = 0.9
-    pool: float = 0.22
-    grain: float = 0.2
-    pencil: float = 0.55
+    thin: float = 0.62
+    saturation: float = 1.5
+    edge: float = 0.5
+    pool: float = 0.2
+    grain: float = 0.13
+    pencil: float = 0.5
 
 
 def paint_watercolour(
