@@ -10,8 +10,7 @@ VALIDATOR_STAMP := $(VALIDATOR)/node_modules/.package-lock.json
 .PHONY: demo test fast fuzz lint docs setup clean
 
 demo: setup examples/astronaut/astronaut.png
-	$(BIN)/caricli reconstruct-from-landmarks examples/astronaut/landmarks.json \
-		--image examples/astronaut/astronaut.png --out demo/astronaut.obj --overwrite
+	$(BIN)/caricli portrait examples/astronaut/astronaut.png --out-dir demo --overwrite
 
 # One numerical thread for each of the two test processes.
 test: setup $(VALIDATOR_STAMP)

@@ -24,11 +24,15 @@ FILES = {
 REPORT = "portrait.json"
 """What says that a folder is that of a head, and what it was made of."""
 
+SHEET = "sheet.png"
+"""Picture of the picture and its head."""
+
 _PAGE = "index.html"
 
 _SHEET = (1600, 1600)  # pixels: heads of it stay large enough to see
 _PICTURE = (1600, 480)
 _SHEETS = {
+    "head": SHEET,
     "found": "landmarks-overlay.png",
     "fit": "refined.png",
     "texture": "textured/sheet.png",

@@ -24,6 +24,7 @@ QUICK = ("--size", 64, "--parts", "skin")
 def quick(quick_pictures):
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("caricli.commands.texture.SIZE", 48)
+        patch.setattr("caricli.commands.shared.portrait_chain.SIZE", 64)
         patch.setattr(
             "caricli.commands.shared.portrait_chain.load_detector", lambda: type("None_", (), {"model_id": "none"})
         )
@@ -72,7 +73,7 @@ def test_every_head_holds_what_the_single_commands_write(heads):
     four = [f"{stem}.{end}" for stem in ("face", "refined") for end in ("obj", "npz", "json", "png")]
     rig = [f"rig.{end}" for end in ("glb", "npz", "json", "png")]
     found = ["landmarks.json", "landmarks-overlay.png", "landmarks-regions.json", "landmarks-regions.png"]
-    assert names == {*four, *rig, *found, "textured", "portrait.json"}
+    assert names == {*four, *rig, *found, "textured", "sheet.png", "portrait.json"}
     rigged = read_gltf(out / "seen" / "rig.glb")
     assert len(rigged.names) == 52 and rigged.pictures.skin.shape == (64, 64, 3)
     commands = {name: read_json(out / "seen" / f"{name}.json")["command"] for name in ("face", "refined", "rig")}
@@ -109,6 +110,7 @@ def test_doubts_and_failures_are_told(heads):
     assert re.search(r'<td class="failed">[^<]*broken\.png: expected', page)
     for link in re.findall(r'(?:href|src)="([^"#]+)', page):
         assert (out / link).is_file(), link
+    assert read_image(out / "seen" / "sheet.png").shape[1] > 6 * 64
     assert read_image(out / "thumbnails" / "seen" / "picture.jpg").shape == (SIDE, SIDE, 3)
 
 

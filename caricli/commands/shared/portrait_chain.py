@@ -13,7 +13,8 @@ from caricli.commands.shared.notes import echo_notes
 from caricli.commands.shared.progress import progress_bar
 from caricli.commands.texture import TextureTask
 from caricli.errors import CaricliError, InputError, shown
-from caricli.io.landmarks import write_landmarks
+from caricli.io.image import read_image, write_png
+from caricli.io.landmarks import read_landmarks, write_landmarks
 from caricli.io.outputs import staged_folder
 from caricli.io.provenance import provenance
 from caricli.io.strict_json import write_json
@@ -25,6 +26,7 @@ from caricli.store.models import DEFAULT_LATENT, load_model, load_morphable
 from caricli.store.pictures import load_marked_picture
 from caricli.store.portrait_page import (
     REPORT,
+    SHEET,
     check_page,
     describe_head,
     doubt_of_head,
@@ -32,6 +34,9 @@ from caricli.store.portrait_page import (
     write_page,
 )
 from caricli.store.portraits import MARKS
+from caricli.store.rig_sources import load_rig
+
+SIZE = 320
 
 
 @dataclass(frozen=True)
@@ -111,11 +116,20 @@ class PortraitChain:
             partial(RefineTask(picture).run, head / "face.npz", marks, head / "refined.obj"),
             partial(TextureTask(settings=self.paint).run, head / "refined.npz", picture, head / "textured"),
             partial(rigging.run, head / "textured" / "face.npz", head / "rig.glb"),
+            partial(_draw, picture, marks, head / "rig.npz"),
         ]
 
     def _take(self, picture: Path, given: Path, marks: Path) -> None:
         """Write the landmarks that were given."""
         write_landmarks(marks, load_marked_picture(given, picture, self.files.pts_origin)[0])
+
+
+def _draw(picture: Path, marks: Path, rig: Path) -> None:
+    """Draw the picture and its head."""
+    # What draws takes a while to start, and failures come first.
+    from caricli.render.head_sheet import head_sheet
+
+    write_png(rig.with_name(SHEET), head_sheet(read_image(picture), read_landmarks(marks).points, load_rig(rig), SIZE))
 
 
 def _fit_task(coarse: str, folder: Path) -> FitTask:
