@@ -13,11 +13,17 @@ from caricli.commands.shared.options import (
     seed_option,
 )
 from caricli.methods.reconstruct.settings import COARSE
+from caricli.methods.stylise.settings import STYLES
 
 
 @click.command()
 @click.argument("pictures", nargs=-1, required=True, type=PATH, metavar="PICTURE...")
 @out_folder_option("Write a folder for every picture into this one, under its name, and index.html.", required=True)
+@click.option(
+    "--style",
+    type=click.Choice(STYLES),
+    help="Make the picture a caricature first, as `stylise` does, painted with this, or not painted (none).",
+)
 @click.option(
     "--coarse",
     type=click.Choice(COARSE),
@@ -41,18 +47,19 @@ from caricli.methods.reconstruct.settings import COARSE
 @seed_option
 @overwrite_option
 @click.pass_context
-def command(ctx, pictures, out_dir, coarse, landmarks, size, head, pts_origin, seed, overwrite):
+def command(ctx, pictures, out_dir, style, coarse, landmarks, size, head, pts_origin, seed, overwrite):
     """Make textured, rigged heads of pictures: drawings, paintings, photographs.
 
     In every picture the largest face is found, reconstructed, moved exactly onto its landmarks, painted with the
     picture, brought to rest where it shows an expression, and given the 52 expressions of ARKit. Of drawing.png the
     folder drawing holds what the single commands write, to go on from there: landmarks.json of `detect`, face.obj of
-    `reconstruct-from-landmarks` or `fit-morphable`, refined.obj of `refine`, textured of `texture`, rig.glb of `rig`.
-    index.html shows all heads of the folder, to be turned in a browser.
+    `reconstruct-from-landmarks` or `fit-morphable`, refined.obj of `refine`, textured of `texture`, rig.glb of `rig`;
+    with --style also styled.png of `stylise`. index.html shows all heads of the folder, to be turned in a browser.
 
     \b
     Example:
       caricli portrait drawing.png --out-dir heads
+      caricli portrait photo.jpg --style watercolour --out-dir heads
       caricli portrait drawings/*.jpg --landmarks corrected --out-dir heads
     """
     from caricli.commands.shared.portrait_chain import PortraitChain, PortraitFiles
@@ -61,5 +68,5 @@ def command(ctx, pictures, out_dir, coarse, landmarks, size, head, pts_origin, s
     jobs = named_jobs(pictures, "PICTURE", None, out_dir, "")
     files = PortraitFiles(pictures, out_dir, landmarks, pts_origin, overwrite)
     files.check()
-    chain = PortraitChain(files, coarse, PaintSettings(size, seed=seed, head=head))
+    chain = PortraitChain(files, style, coarse, PaintSettings(size, seed=seed, head=head))
     run_batch(ctx, jobs, chain.run, "pictures", files.write_page)

@@ -123,12 +123,12 @@ def command(
     tools = load_shape_tools(settings, model)
     reader = FaceReader(detector, pts_origin)
     inputs = (*portraits, landmarks, model, detector)
-    task = _Task(reader, landmarks, tools, settings, painter, generator, inputs, overwrite)
+    task = StyliseTask(reader, landmarks, tools, settings, painter, generator, inputs, overwrite)
     run_batch(ctx, jobs, task.run, "portraits")
 
 
 @dataclass(frozen=True, eq=False)
-class _Task:
+class StyliseTask:
     """What is done with every portrait.
 
     reader: FaceReader. marks: path of the landmarks, or None where they are found. tools: ShapeTools, or None where

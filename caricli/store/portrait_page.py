@@ -33,6 +33,7 @@ _SHEET = (1600, 1600)  # pixels: heads of it stay large enough to see
 _PICTURE = (1600, 480)
 _SHEETS = {
     "head": SHEET,
+    "caricature": "styled-sheet.png",
     "found": "landmarks-overlay.png",
     "fit": "refined.png",
     "texture": "textured/sheet.png",
@@ -102,8 +103,8 @@ def write_page(home: Path, heads: list[PortraitHead], overwrite: bool, inputs: I
 
 def _found(folder: Path) -> dict[str, Any] | None:
     """What is known of the face that was found, where one was looked for."""
-    regions = _read(folder / "landmarks-regions.json")
-    return regions["faces"][0] if regions else None
+    regions, styled = (_read(folder / f"{name}.json") for name in ("landmarks-regions", "styled-report"))
+    return regions["faces"][0] if regions else styled.get("detected") if styled else None
 
 
 def doubt_of_head(folder: Path) -> str | None:

@@ -6,11 +6,13 @@ import re
 import numpy as np
 import pytest
 
+from caricli.commands.shared.portrait_chain import PortraitChain, PortraitFiles
 from caricli.data.texture_painter import draw_albedo
 from caricli.io.gltf.read_gltf import read_gltf
 from caricli.io.image import read_image, write_png
 from caricli.io.landmarks import read_landmarks, write_landmarks
 from caricli.io.strict_json import read_json
+from caricli.methods.texture.settings import PaintSettings
 from caricli.render.render_textured import render_textured
 from caricli.structures import Camera, Landmarks, Pictures, Rig
 from caricli.structures.detection import DetectedFace, Detection, FaceFrame
@@ -70,7 +72,8 @@ def test_every_head_holds_what_the_single_commands_write(heads):
     assert result.exit_code == 1, result.output
     assert sorted(path.name for path in out.iterdir()) == ["given", "index.html", "seen", "thumbnails"]
     names = {path.name for path in (out / "seen").iterdir()}
-    four = [f"{stem}.{end}" for stem in ("face", "refined") for end in ("obj", "npz", "json", "png")]
+    # The picture of the refinement shows the face before, too.
+    four = ["refined.png", *(f"{stem}.{end}" for stem in ("face", "refined") for end in ("obj", "npz", "json"))]
     rig = [f"rig.{end}" for end in ("glb", "npz", "json", "png")]
     found = ["landmarks.json", "landmarks-overlay.png", "landmarks-regions.json", "landmarks-regions.png"]
     assert names == {*four, *rig, *found, "textured", "sheet.png", "portrait.json"}
@@ -131,3 +134,18 @@ def test_wrong_usage(refused, heads, tmp_path):
     told = refused("portrait", picture, heads[0].parent / "given.png", "--landmarks", marks, "--out-dir", tmp_path)
     assert "expected a folder of landmarks" in told
     assert json.loads((heads[0] / "seen" / "portrait.json").read_text())["coarse"] == "elastic"
+
+
+def test_a_caricature_is_made_first_where_a_style_is_given(tmp_path):
+    files = PortraitFiles([tmp_path / "a.png"], tmp_path, None, 1, False)
+    chain = PortraitChain(files, "ink", "elastic", PaintSettings())
+    steps = chain._steps(tmp_path / "a.png", None, tmp_path / "a")
+    first, taken, fit, *_ = steps
+    assert chain.styling.settings.style == "ink" and first.args[1] == tmp_path / "a" / "styled.png"
+    assert taken.args == (
+        tmp_path / "a" / "styled.png",
+        tmp_path / "a" / "styled.json",
+        tmp_path / "a" / "landmarks.json",
+    )
+    assert fit.args[0].image == tmp_path / "a" / "styled.png" and fit.args[1] == taken.args[2]
+    assert len(steps) == 7

@@ -1,6 +1,7 @@
 """The picture that a command draws of its result, unless it is told not to."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import click
@@ -23,6 +24,18 @@ picture_option = click.option(
     callback=_keep,
     help="Draw a picture of the result, or save the time.",
 )
+
+
+@contextmanager
+def without_picture() -> Iterator[None]:
+    """Let what is called inside draw no picture."""
+    meta = click.get_current_context().meta
+    before = meta.get(_KEY, True)
+    meta[_KEY] = False
+    try:
+        yield
+    finally:
+        meta[_KEY] = before
 
 
 def picture_files(path: Path) -> list[Path]:

@@ -1,6 +1,6 @@
 """What is done with a picture until it is a head that moves: one command after the other, into one folder."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from pathlib import Path
@@ -10,7 +10,9 @@ from caricli.commands.refine import RefineTask
 from caricli.commands.rig import RigTask
 from caricli.commands.shared.landmark_batch import FitTask, LandmarkFiles
 from caricli.commands.shared.notes import echo_notes
+from caricli.commands.shared.picture import without_picture
 from caricli.commands.shared.progress import progress_bar
+from caricli.commands.stylise import StyliseTask
 from caricli.commands.texture import TextureTask
 from caricli.errors import CaricliError, InputError, shown
 from caricli.io.image import read_image, write_png
@@ -19,6 +21,7 @@ from caricli.io.outputs import staged_folder
 from caricli.io.provenance import provenance
 from caricli.io.strict_json import write_json
 from caricli.methods.detect.settings import DetectSettings
+from caricli.methods.stylise.settings import StyliseSettings
 from caricli.methods.texture.settings import PaintSettings
 from caricli.store.detector import load_detector
 from caricli.store.face_pictures import FaceReader
@@ -35,6 +38,7 @@ from caricli.store.portrait_page import (
 )
 from caricli.store.portraits import MARKS
 from caricli.store.rig_sources import load_rig
+from caricli.store.shape_tools import load_shape_tools
 
 SIZE = 320
 
@@ -74,9 +78,14 @@ class PortraitFiles:
 
 @dataclass(frozen=True, eq=False)
 class PortraitChain:
-    """What is done with every picture. coarse: one of COARSE. paint: how heads are painted."""
+    """What is done with every picture.
+
+    style: one of STYLES, for a caricature of it, or None for the picture as it is. coarse: one of COARSE. paint: how
+    heads are painted.
+    """
 
     files: PortraitFiles
+    style: str | None
     coarse: str
     paint: PaintSettings
 
@@ -84,6 +93,13 @@ class PortraitChain:
     def finding(self) -> DetectTask:
         """How faces are found."""
         return DetectTask(load_detector(), None, False, DetectSettings(), False)
+
+    @cached_property
+    def styling(self) -> StyliseTask:
+        """How pictures become caricatures."""
+        settings = StyliseSettings(self.style or "none", seed=self.paint.seed)
+        reader = FaceReader(pts_origin=self.files.pts_origin)
+        return StyliseTask(reader, None, load_shape_tools(settings), settings, None, None, (), False)
 
     @cached_property
     def fitting(self) -> FitTask:
@@ -99,25 +115,39 @@ class PortraitChain:
             for number, step in enumerate(steps):
                 report(number, len(steps))
                 step()
-            about = {"coarse": self.coarse, "doubt": doubt_of_head(head)}
+            about = {"style": self.style, "coarse": self.coarse, "doubt": doubt_of_head(head)}
             write_json(head / REPORT, provenance("portrait", (picture, given), self.paint.seed, **about))
             line = describe_head(head)
-        echo_notes(about["doubt"] and f"{shown(picture)}: doubtful: {about['doubt']}")
+        # A caricature's doubts were told when it was made.
+        if self.style is None and about["doubt"]:
+            echo_notes(f"{shown(picture)}: doubtful: {about['doubt']}")
         return f"{folder}: {line}"
 
-    def _steps(self, picture: Path, given: Path | None, head: Path) -> list[Callable[[], object]]:
+    def _steps(self, picture: Path, given: Path | None, head: Path) -> list[partial]:
         """What is done one after the other, in the folder of the head."""
         marks = head / "landmarks.json"
+        steps = []
+        if self.style is not None:
+            styled = head / "styled.png"
+            steps.append(partial(replace(self.styling, marks=given).run, picture, styled))
+            picture, given = styled, styled.with_suffix(".json")
         files = LandmarkFiles((marks,), head / "face.obj", None, picture, FaceReader(), False)
         rigging = RigTask(head=self.paint.head, seed=self.paint.seed)
         return [
+            *steps,
             partial(self.finding.run, picture, marks) if given is None else partial(self._take, picture, given, marks),
-            partial(replace(self.fitting, files=files).run, marks, head / "face.obj"),
+            partial(self._fit, files, marks),
             partial(RefineTask(picture).run, head / "face.npz", marks, head / "refined.obj"),
             partial(TextureTask(settings=self.paint).run, head / "refined.npz", picture, head / "textured"),
             partial(rigging.run, head / "textured" / "face.npz", head / "rig.glb"),
             partial(_draw, picture, marks, head / "rig.npz"),
         ]
+
+    def _fit(self, files: LandmarkFiles, marks: Path) -> None:
+        """Reconstruct a face; the picture of its refinement shows it, too."""
+        assert files.out is not None
+        with without_picture():
+            replace(self.fitting, files=files).run(marks, files.out)
 
     def _take(self, picture: Path, given: Path, marks: Path) -> None:
         """Write the landmarks that were given."""

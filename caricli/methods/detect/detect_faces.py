@@ -11,12 +11,15 @@ from caricli.models.detector.model import Detector
 from caricli.structures.detection import DetectedFace, Detection, FaceFrame
 from caricli.structures.landmarks import Landmarks
 
+_STEEP = 8  # so that faces whose landmarks are sure keep their score, and others lose it
+
 
 def detect_faces(picture: np.ndarray, detector: Detector, settings: DetectSettings | None = None) -> Detection:
     """Find all faces of a picture, read their landmarks, and say what every pixel shows.
 
     The picture is searched at several scales; each place that may hold a face is looked at in the frame that the search
-    gave, and in that of the landmarks that were seen there. A face is what search and last look are sure of.
+    gave, and in that of the landmarks that were seen there. A face is what search and last look are sure of, and whose
+    landmarks are somewhere.
     picture: (H, W, 3) uint8.
     """
     settings = settings or DetectSettings()
@@ -60,7 +63,13 @@ def _face(candidate: Candidate, read: ReadFace, size: tuple[int, int], settings:
         landmarks = Landmarks(points, size, spreads, np.clip(read.visible, 0, 1))
     except InputError:
         return None
-    return DetectedFace(frame, score, landmarks)
+    face = DetectedFace(frame, score, landmarks)
+    return face if score * _certainty(face.spread, settings) >= settings.sure else None
+
+
+def _certainty(spread: float, settings: DetectSettings) -> float:
+    """What a score counts for where landmarks have a spread: 1 for none, a half for the widest."""
+    return 1 / (1 + (spread / settings.widest) ** _STEEP)
 
 
 def _nearest_glance(glances: list[Glance], faces: list[DetectedFace], settings: DetectSettings) -> Glance:

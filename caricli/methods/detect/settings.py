@@ -14,7 +14,9 @@ class DetectSettings:
     second: share of the window's side to the face's when it is looked at first, in the frame that the search gave, and
     when it is read, in the frame of its landmarks; looks: at a face, at most; agree: overlap of the frames of two of
     them, from which on there is no further one. parse: side of a face at which the picture's regions are read, in
-    windows' sides. vague: spread of a landmark along its worse direction beyond which it counts as not known, of the
+    windows' sides. widest: spread of a face's landmarks, of its diagonal, at which its score
+    counts half, and less and less beyond; what only looks like a face from afar, a cat or a cup, has landmarks nowhere.
+    vague: spread of a landmark along its worse direction beyond which it counts as not known, of the
     face's diagonal; margin: how far beyond the edge of the picture it may be, of the face's side. A face is doubtful
     below the score doubtful, with a spread of its landmarks above blurred, of its diagonal, and with less known ones
     than fewest.
@@ -30,10 +32,11 @@ class DetectSettings:
     looks: int = 4
     agree: float = 0.9
     parse: float = 0.375
+    widest: float = 0.05
     vague: float = 0.12
     margin: float = 0.01
-    doubtful: float = 0.7
-    blurred: float = 0.05
+    doubtful: float = 0.55
+    blurred: float = 0.04
     fewest: int = 60
 
     def sure_of(self, score: float) -> "DetectSettings":
