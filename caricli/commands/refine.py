@@ -79,8 +79,8 @@ def command(
     """Move a face (NPZ with a camera) exactly onto the landmarks of its picture by Laplacian deformation.
 
     Depth and local shape stay as they are. In a PICTURE the landmarks are found; they are written beside the result,
-    REFINED-landmarks.json. In the picture that is written, green circles are the given landmarks and red dots the
-    fitted ones.
+    REFINED-landmarks.json. Landmarks with spreads are met as far as they are surer than the face. In the picture that
+    is written, green circles are the given landmarks and red dots the fitted ones.
 
     \b
     Example:
@@ -131,10 +131,11 @@ class RefineTask:
             template = shape_model.template
             reader = FaceReader(self.detector, self.pts_origin)
             picture = reader.read(landmarks, len(template.annotation.landmarks), self.image)
-            points, snapped = snap_eyes(picture.landmarks.points, load_eyes(self.parsing, picture))
+            marks = picture.landmarks
+            points, snapped = snap_eyes(marks.points, load_eyes(self.parsing, marks.image_size))
             start = time.perf_counter()
             with naming(landmarks):
-                result = refine_face(seen, points, template, self.settings)
+                result = refine_face(seen, points, template, self.settings, marks.spreads)
             seconds = time.perf_counter() - start
             about: dict[str, Any] = {
                 "model_id": shape_model.model_id,

@@ -12,6 +12,7 @@ from caricli.commands.shared.notes import echo_result
 from caricli.commands.shared.options import (
     PATH,
     WholeRange,
+    detector_option,
     model_option,
     out_option,
     overwrite_option,
@@ -39,7 +40,7 @@ SIZE = 320
     "--mask",
     type=PATH,
     metavar="MASK.png",
-    help="Take the head from this picture, white where it is.  [default: cut out by colours]",
+    help="Take the head from this picture, white where it is.  [default: found in the picture]",
 )
 @click.option(
     "--size",
@@ -59,16 +60,17 @@ SIZE = 320
 @click.option("--project-uv", "flat", is_flag=True, help="Use the picture itself as texture, as published, to compare.")
 @click.option("--keep-light", is_flag=True, help="Leave light and shade of the picture in the texture.")
 @model_option
+@detector_option
 @seed_option
 @picture_option
 @overwrite_option
-def command(face, image, out, mask, size, hair, head, flat, keep_light, model, seed, overwrite):
+def command(face, image, out, mask, size, hair, head, flat, keep_light, model, detector, seed, overwrite):
     """Paint a face (NPZ with a camera) with the picture that it was fitted to.
 
     What the picture does not show comes from the other side of the face, and else has the colour of its skin, of what
-    is seen of ears and neck, and of the hair; background never enters. The light of the picture is estimated and taken
-    out, so that the head can stand in any other; face.json says what it was. eyes.png is painted in the colours of the
-    eyes. `caricli rig` takes both pictures along.
+    is seen of ears and neck, and of the hair; background, glasses, hats and hands never enter. The light of the picture
+    is estimated and taken out, so that the head can stand in any other; face.json says what it was. eyes.png is painted
+    in the colours of the eyes. `caricli rig` takes both pictures along.
 
     \b
     Example:
@@ -77,7 +79,7 @@ def command(face, image, out, mask, size, hair, head, flat, keep_light, model, s
       caricli rig textured/face.npz --out rig.glb
     """
     settings = PaintSettings(size, flat, seed, hair, head, TextureSettings(keep_light=keep_light))
-    echo_result(TextureTask(mask, settings, model, overwrite).run(face, image, out))
+    echo_result(TextureTask(mask, settings, model, overwrite, detector).run(face, image, out))
 
 
 @dataclass(frozen=True)
@@ -85,32 +87,38 @@ class TextureTask:
     """What is done with a face and its picture.
 
     mask: path of a picture that is white where the head is, or None to cut it out. settings: PaintSettings. model:
-    path of the model of the mesh, or None. overwrite: whether a folder that exists is replaced.
+    path of the model of the mesh, or None. overwrite: whether a folder that exists is replaced. detector:
+    path of what says what the pixels show, or None for the bundled one; a mask goes without.
     """
 
     mask: Path | None = None
     settings: PaintSettings = PaintSettings()
     model: Path | None = None
     overwrite: bool = False
+    detector: Path | None = None
 
     def run(self, face: Path, image: Path, out: Path) -> str:
         """Paint a face, write the head into a folder, and say how near it came."""
         from caricli.commands.shared.progress import progress_bar
         from caricli.methods.texture.paint_head import paint_head
+        from caricli.store.face_pictures import FaceReader
         from caricli.store.faces import load_seen_face, write_painted_head
         from caricli.store.pictures import load_mask
 
         inputs = (face, image, self.mask)
-        folders = staged_folder(out, overwrite=self.overwrite, inputs=(*inputs, self.model), marker=REPORT)
+        folders = staged_folder(
+            out, overwrite=self.overwrite, inputs=(*inputs, self.model, self.detector), marker=REPORT
+        )
         with folders as folder, progress_bar("painting"):
             seen, shape_model = load_seen_face(face, self.model)
             picture = read_image(image)
             with naming(face):
-                seen.require_landmarks()
+                points = seen.require_landmarks()
             white = None if self.mask is None else load_mask(self.mask, (picture.shape[1], picture.shape[0]))
+            regions = FaceReader(self.detector).parse(picture, points) if white is None else None
             start = time.perf_counter()
             with naming(", ".join(str(path) for path in inputs if path)):
-                painted = paint_head(seen, shape_model.template, picture, white, self.settings)
+                painted = paint_head(seen, shape_model.template, picture, white, self.settings, regions)
             seconds = time.perf_counter() - start
             write_painted_head(folder, painted, seen)
             about = {"project_uv": self.settings.project_uv, "seconds": seconds, "head": painted.filled}

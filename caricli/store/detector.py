@@ -10,13 +10,18 @@ from caricli.models.detector.model import Detector, detector_from_checkpoint
 BUNDLED = "detector.safetensors"
 
 
+def has_detector() -> bool:
+    """Whether a detector comes with this version."""
+    return asset_path(BUNDLED).is_file()
+
+
 def load_detector(path: Path | None = None) -> Detector:
     """Load the detector of a file, or the bundled one.
 
     Raises InputError when it is no detector, damaged, or not there.
     """
     file = asset_path(BUNDLED) if path is None else path
-    if path is None and not file.is_file():
+    if path is None and not has_detector():
         raise InputError(
             "no trained detector comes with this version: `caricli dataset pictures` and `caricli train detector` make "
             "one, and --detector RUN/model.safetensors takes it"

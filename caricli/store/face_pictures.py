@@ -53,6 +53,19 @@ class FaceReader:
             seen = self.see(pixels)
         return FacePicture(seen.landmarks.first(count), pixels, seen)
 
+    def parse(self, pixels: np.ndarray, points: np.ndarray) -> np.ndarray | None:
+        """(H, W) uint8 values of Region, what a picture shows around the face that landmarks are of.
+
+        pixels: (H, W, 3) uint8. points: (L, 2). Returns None where no detector is given, and none comes along.
+        """
+        from caricli.store.detector import has_detector
+
+        if self.path is None and not has_detector():
+            return None
+        from caricli.methods.detect.parse_face import parse_face
+
+        return parse_face(pixels, points, self.detector).regions
+
     def see(self, pixels: np.ndarray) -> SeenFace:
         """The face of a picture (H, W, 3) uint8. Raises InputError where it shows none."""
         detector = self.detector

@@ -10,8 +10,6 @@ from caricli.io.image import is_image_file, read_image
 from caricli.io.landmarks import read_landmarks
 from caricli.io.parsing import read_parsing
 from caricli.structures import Landmarks
-from caricli.structures.detection import FacePicture
-from caricli.structures.parsing import Region
 
 PICTURES = (".png", ".jpg", ".jpeg", ".webp", ".bmp", ".tif", ".tiff", ".gif")
 
@@ -61,15 +59,14 @@ def load_marked_picture(
         return replace(marks, image_size=size), picture
 
 
-def load_eyes(path: Path | None, picture: FacePicture) -> np.ndarray | None:
+def load_eyes(path: Path | None, size: tuple[int, int] | None) -> np.ndarray | None:
     """(H, W) bool: pixels that show an eye, by the labels of a parsed picture.
 
-    path: of the labels, or None for those that were seen together with the landmarks, where they were.
-    Raises InputError for another size than the picture's, and where no pixel of the file is labelled so.
+    path: of the labels, or None for no such picture. size: (width, height) that it must have, or None for any.
+    Raises InputError for another size, and where no pixel is labelled so.
     """
     if path is None:
-        return None if picture.seen is None else picture.seen.regions == Region.EYES
-    size = picture.landmarks.image_size
+        return None
     labels, legend = read_parsing(path)
     if size is not None and tuple(size) != labels.shape[::-1]:
         other = f"{labels.shape[1]} x {labels.shape[0]}"

@@ -36,16 +36,17 @@ def look_at_face(picture: np.ndarray, frame: FaceFrame, detector: Detector, sett
     It ends where these frames agree, after ``settings.looks``, or where the first sees no face at all. Every look is at
     the window and its mirror image, whose means are taken; where they differ is doubt, too.
     """
-    read = _read(picture, frame, settings.first, detector)
+    read = read_face(picture, frame, settings.first, detector)
     for _ in range(settings.looks - 1 if read.score >= settings.start else 0):
         frame = FaceFrame.of(read.points)
-        read = _read(picture, frame, settings.second, detector)
+        read = read_face(picture, frame, settings.second, detector)
         if frames_overlap(frame, FaceFrame.of(read.points)) > settings.agree:
             break
     return read
 
 
-def _read(picture: np.ndarray, frame: FaceFrame, share: float, detector: Detector) -> ReadFace:
+def read_face(picture: np.ndarray, frame: FaceFrame, share: float, detector: Detector) -> ReadFace:
+    """Read the face in a frame of a picture (H, W, 3) uint8. share: of the window's side to the face's."""
     size = detector.size
     matrix = frame.matrix(size, share)
     window = cut_window(picture, matrix, (size, size))

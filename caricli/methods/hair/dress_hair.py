@@ -10,7 +10,9 @@ from caricli.errors import InputError
 from caricli.methods.hair.make_shell import make_shell, sink_skull
 from caricli.methods.hair.mask_hair import HairMask, mask_hair
 from caricli.methods.hair.paint_hair import paint_hair
+from caricli.methods.hair.parsed_hair import parsed_hair
 from caricli.methods.hair.snap_border import snap_border, union_share, visible_hair
+from caricli.methods.texture.mask_head import mesh_pixels
 from caricli.methods.texture.picture_view import PictureView, Sight
 from caricli.methods.texture.settings import PaintSettings
 from caricli.structures import Camera, Face, Hair
@@ -40,12 +42,19 @@ class DressedHair:
         return {"doubt": self.mask.doubt, "overlap": self.overlap}
 
 
-def dress_hair(face: Face, template: Template, image: np.ndarray, settings: PaintSettings) -> DressedHair | None:
+def dress_hair(
+    face: Face,
+    template: Template,
+    image: np.ndarray,
+    settings: PaintSettings,
+    regions: np.ndarray | None = None,
+) -> DressedHair | None:
     """Put the hair of a picture on a head.
 
     face: Face with camera and landmarks. template: of its topology. image: (H, W, 3) uint8. settings:
     PaintSettings; their hair is "shell", "auto" for none where it is doubtful which pixels show hair or the template
-    does not name ears and scalp, or "none".
+    does not name ears and scalp, or "none". regions: (H, W) values of Region, what the pixels show, or None to tell
+    hair by its colours.
     Returns DressedHair, or None. Raises InputError where a shell is asked for and there is no hair or no such name.
     """
     choice = settings.hair
@@ -55,7 +64,10 @@ def dress_hair(face: Face, template: Template, image: np.ndarray, settings: Pain
         if choice == "auto":
             return None
         raise InputError(f"expected an annotation with the region {missing[0]!r} for hair to stand on, found none")
-    mask = mask_hair(face, template, image)
+    if regions is None:
+        mask = mask_hair(face, template, image)
+    else:
+        mask = parsed_hair(face, regions, mesh_pixels(face, image))
     if choice == "auto" and not mask.trusted:
         return None
     if not mask.pixels.any():

@@ -63,13 +63,17 @@ def refine_face(
     points: np.ndarray,
     template: Template,
     settings: RefineSettings = RefineSettings(),  # noqa: B008 (frozen)
+    spreads: np.ndarray | None = None,
 ) -> Refinement:
     """Move the landmarks' vertices onto their landmarks in the picture, at their depth, and the surface along.
 
-    Jaw landmarks stand where the outline is. Mouth cavity and eye sockets stay behind the skin.
+    Jaw landmarks stand where the outline is. Mouth cavity and eye sockets stay behind the skin. A landmark with a
+    spread S is met by the share E (E + S)^-1 of the way, E the square of half of the landmarks' usual distance from the
+    face: as far as the landmark is surer than the face is.
 
     face: Face with the camera of the picture. points: (L, 2) pixels, NaN where unknown. template: Template of the
-    face's topology. settings: RefineSettings.
+    face's topology. settings: RefineSettings. spreads: (L, 2, 2) covariances of the points' errors, square pixels, or
+    None where they are to be met exactly.
     Returns Refinement. Raises InputError when the face has no camera, and when the landmarks are not of its picture or
     contradict each other.
     """
@@ -82,7 +86,7 @@ def refine_face(
             f"expected landmarks of the picture that the face was fitted to, found them {before['all']:.0f} % of their "
             "extent away on average"
         )
-    ids, places = target.places(face.vertices, own)
+    ids, places = target.places(face.vertices, own, spreads)
     vertices = _deformed(face, template, ids, places, settings)
     landmarks = camera.project(vertices[target.anchors])
     return Refinement(
@@ -145,14 +149,22 @@ class _Target:
         means = parts | {"all": distances}
         return {name: float(np.nanmean(part)) for name, part in means.items() if np.isfinite(part).any()}
 
-    def places(self, vertices: np.ndarray, own: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def places(
+        self, vertices: np.ndarray, own: np.ndarray, spreads: np.ndarray | None
+    ) -> tuple[np.ndarray, np.ndarray]:
         """Distinct vertices (K,) and where they are to be (K, 3), at the depth that they have.
 
-        own: (L, 2) pixels, where the face's landmarks are.
+        own: (L, 2) pixels, where the face's landmarks are. spreads: (L, 2, 2) square pixels, or None.
         Raises InputError for landmarks that contradict each other.
         """
         self._check_apart()
-        ids, pixels = self._distinct(self._meeting(own))
+        points = self._meeting(own)
+        if spreads is not None:
+            gaps = points - own
+            usual = np.nanmedian((gaps**2).sum(1)) / 2 + (self.settings.same * self.diagonal) ** 2
+            shares = usual * np.linalg.inv(usual * np.eye(2) + np.nan_to_num(spreads))
+            points = own + np.einsum("lab,lb->la", shares, gaps)
+        ids, pixels = self._distinct(points)
         return ids, self.camera.lift(pixels, vertices[ids])
 
     def _check_apart(self) -> None:

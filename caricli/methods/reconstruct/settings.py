@@ -36,7 +36,7 @@ class IntrinsicSettings:
     follow: float = 5e-5
     turns: int = 3
     corrections: int = 3
-    exact: float = 0.005
+    exact: float = 0.002
 
     @property
     def iterations(self) -> int:

@@ -13,6 +13,7 @@ from caricli.methods.rig.add_eyeballs import TEXTURE, add_eyeballs, fit_eyeballs
 from caricli.methods.rig.add_parts import add_parts, choose_parts
 from caricli.methods.texture.estimate_light import Light
 from caricli.methods.texture.mask_head import mask_head, mesh_pixels
+from caricli.methods.texture.parsed_head import ParsedHead, parsed_head
 from caricli.methods.texture.photometric_error import photometric_error
 from caricli.methods.texture.picture_view import Sight
 from caricli.methods.texture.project_picture import project_picture
@@ -70,24 +71,26 @@ def paint_head(
     image: np.ndarray,
     mask: np.ndarray | None = None,
     settings: PaintSettings = PaintSettings(),  # noqa: B008 (frozen)
+    regions: np.ndarray | None = None,
 ) -> Painted:
     """Paint a head with the picture that it was fitted to, its eyes in the colours that they have there.
 
     face: Face with camera and fitted landmarks. template: Template of its topology. image: (H, W, 3) uint8. mask:
-    (H, W) bool, the head in it; cut out by its colours where there is none. settings: PaintSettings.
+    (H, W) bool, the head in it, or None to find it. settings: PaintSettings. regions: (H, W) values of Region, by which
+    the head is found where there is no mask, and its hair, and glasses, hats and hands before it are kept off it; None
+    to tell them by colours, which also do where the regions show no head there.
     Returns Painted. Raises InputError when the template has no UVs and is to have a texture of its own, when the face
     has no camera or no landmarks, and when it is not where picture and mask show a head.
     """
     camera = face.require_camera()
     landmarks = face.require_landmarks()
-    if mask is None:
-        mask = mask_head(face, image)
-    elif not (mask & mesh_pixels(face, image)).any():
-        raise InputError("expected a mask that is white where the head is, found none there")
-    hair = dress_hair(face, template, image, settings)
+    parsed = None if regions is None or mask is not None else parsed_head(regions, mesh_pixels(face, image))
+    parts = _find_head(face, image, mask) if parsed is None else parsed
+    mask = parts.whole
+    hair = dress_hair(face, template, image, settings, None if parsed is None else regions)
     if hair is not None:
         face = hair.face
-    skin = mask if hair is None else bare_skin(mask, hair)
+    skin = parts.paint if hair is None else bare_skin(parts.paint, hair)
     head = template.with_vertices(face.vertices)
     if settings.project_uv:
         head = project_picture(head, camera, image)
@@ -113,3 +116,12 @@ def paint_head(
     whole = add_parts(replace(whole, pictures=pictures), [] if hair is None else [hair.hair.part])
     whole = choose_parts(whole, settings.head)
     return Painted(head, whole, error, seen, float(mask.mean()), light, hair)
+
+
+def _find_head(face: Face, image: np.ndarray, mask: np.ndarray | None) -> ParsedHead:
+    """The head in a picture by a mask, or else by its colours. Raises InputError where there is none."""
+    if mask is None:
+        mask = mask_head(face, image)
+    elif not (mask & mesh_pixels(face, image)).any():
+        raise InputError("expected a mask that is white where the head is, found none there")
+    return ParsedHead(mask, mask)

@@ -221,3 +221,16 @@ def test_one_vertex_cannot_be_in_two_places(pairs, template):
     points[60] = points[48] + [0, 0.05 * np.linalg.norm(np.ptp(points, axis=0))]
     with pytest.raises(InputError, match=f"expected one place for every vertex, found vertex {landmarks[48]} wanted"):
         refine_face(Face(template, pairs[0].camera), points, shared)
+
+
+def test_a_landmark_is_met_as_far_as_it_is_surer_than_the_face(pairs, refined, template):
+    truth = pairs[0]
+    face = Face(template, truth.camera)
+    exact, vague = (np.tile(size * np.eye(2), (len(truth.points), 1, 1)) for size in (1e-12, 1e12))
+    met = refine_face(face, truth.points, template, spreads=exact)
+    np.testing.assert_allclose(met.face.vertices, refined[0].face.vertices, atol=1e-6)
+    left = refine_face(face, truth.points, template, spreads=vague)
+    assert left.moved < 1e-5 and left.after["all"] == pytest.approx(left.before["all"], rel=1e-3)
+    mixed = np.where(np.isin(np.arange(len(truth.points)), PARTS["jaw"])[:, None, None], vague, exact)
+    part = refine_face(face, truth.points, template, spreads=mixed)
+    assert part.after["eyes"] < 0.1 * part.before["eyes"] and part.after["jaw"] > 0.5 * part.before["jaw"]

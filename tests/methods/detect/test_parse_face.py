@@ -1,0 +1,24 @@
+import numpy as np
+
+from caricli.methods.detect.parse_face import parse_face
+from caricli.structures.parsing import Region
+from tests.drawn_pictures import mean_shape
+
+
+def test_what_is_around_a_face_moves_with_it(trained):
+    detector, pictures = trained
+    picture = pictures.marked(12)
+    points = np.array(picture.landmarks[0])
+    points[[3, 40, 50]] = np.nan
+    parsed = parse_face(picture.pixels, points, detector)
+    assert parsed.regions.shape == picture.regions.shape and len(np.unique(parsed.regions)) > 1
+    wider = np.pad(picture.pixels, [(16, 16), (16, 16), (0, 0)], "edge")
+    moved = parse_face(wider, points + 16, detector)
+    assert (moved.regions[16:-16, 16:-16] == parsed.regions).mean() > 0.999
+    np.testing.assert_allclose(moved.read.points, parsed.read.points + 16, atol=1e-3)
+
+
+def test_landmarks_may_be_anywhere(trained, head_template):
+    points = 50 * mean_shape(head_template) + [500, -300]
+    regions = parse_face(np.full((40, 60, 3), 128, np.uint8), points, trained[0]).regions
+    assert regions.shape == (40, 60) and set(np.unique(regions)) <= {0, *map(int, Region)}

@@ -1,0 +1,49 @@
+import numpy as np
+import pytest
+
+from caricli.methods.texture.parsed_head import parsed_head
+from caricli.structures.parsing import Region
+
+
+@pytest.fixture
+def regions():
+    """A head with hair, glasses, a hat and a hand before it, and somebody else beside it."""
+    labels = np.zeros((60, 80), np.uint8)
+    labels[10:50, 10:40] = Region.SKIN
+    labels[6:16, 10:40] = Region.HAIR
+    labels[2:6, 10:40] = Region.HAT
+    labels[25:28, 12:38] = Region.GLASSES
+    labels[42:55, 5:20] = Region.OTHER
+    labels[50:60, 10:40] = Region.CLOTH
+    labels[10:50, 55:75] = Region.SKIN
+    return labels
+
+
+@pytest.fixture
+def pixels():
+    """What the mesh covers."""
+    mask = np.zeros((60, 80), bool)
+    mask[8:50, 10:40] = True
+    return mask
+
+
+def test_what_is_worn_or_held_is_of_the_head_but_no_paint(regions, pixels):
+    head = parsed_head(regions, pixels)
+    assert not (head.paint & ~head.whole).any()
+    for kind in (Region.GLASSES, Region.HAT):
+        assert head.whole[regions == kind].all() and not head.paint[regions == kind].any()
+    assert head.paint[regions == Region.HAIR].all()
+    held = regions == Region.OTHER
+    np.testing.assert_array_equal(head.whole[held], pixels[held])
+    assert not head.paint[held].any()
+    assert not head.whole[np.isin(regions, (Region.BACKGROUND, Region.CLOTH))].any()
+
+
+def test_other_people_are_other_heads(regions, pixels):
+    head = parsed_head(regions, pixels)
+    assert not head.whole[:, 50:].any() and head.whole[:, :50].any()
+
+
+def test_a_head_that_was_not_seen_is_none(regions, pixels):
+    assert parsed_head(regions, np.zeros_like(pixels)) is None
+    assert parsed_head(np.zeros_like(regions), pixels) is None
