@@ -49,7 +49,7 @@ def _filled(points: np.ndarray) -> np.ndarray:
     filled = np.array(points[:COUNT], np.float64)
     for part in (EYES, MOUTH, range(COUNT)):
         own = filled[list(part)]
-        given: np.ndarray = np.isfinite(own).all(axis=1)
+        given = np.isfinite(own[:, 0])
         if given.any():
             filled[list(part)] = np.where(given[:, None], own, own[given].mean(0))
     return filled
