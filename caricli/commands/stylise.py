@@ -52,8 +52,8 @@ USUAL = StyliseSettings()
     "--shape",
     type=click.Choice(SHAPES),
     default=USUAL.shape,
-    help="Go where the landmark map sees a caricature's landmarks (map), towards what caricatures have in common "
-    "(direction), away from the mean head (own), or nowhere (none).",
+    help="Go where the landmark map sees a caricature's landmarks, for faces that are none yet (map), towards what "
+    "caricatures have in common (direction), away from the mean head (own), or nowhere (none).",
 )
 @click.option(
     "--strength",

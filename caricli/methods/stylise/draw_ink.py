@@ -7,6 +7,9 @@ import numpy as np
 from caricli.methods.stylise.canvas import Canvas, step
 from caricli.methods.stylise.flow import flow, lines
 
+_PAPER = np.array([0.985, 0.97, 0.935], np.float32)
+_INK = np.array([0.07, 0.06, 0.09], np.float32)
+
 
 @dataclass(frozen=True)
 class InkSettings:
@@ -39,10 +42,6 @@ def draw_ink(canvas: Canvas, settings: InkSettings = InkSettings()) -> np.ndarra
         ink = np.maximum(ink, _hatching(canvas, tone, shade, angle, settings))
     ink = np.maximum(ink, step(settings.solid - tone, 0.05))
     return _PAPER + ink[..., None] * (_INK - _PAPER)
-
-
-_PAPER = np.array([0.985, 0.97, 0.935], np.float32)
-_INK = np.array([0.07, 0.06, 0.09], np.float32)
 
 
 def _hatching(canvas: Canvas, tone: np.ndarray, shade: float, angle: float, settings: InkSettings) -> np.ndarray:

@@ -7,6 +7,9 @@ import numpy as np
 from caricli.methods.stylise.canvas import Canvas, step
 from caricli.methods.stylise.flow import flow, lines, smeared
 
+_PAPER = np.array([0.975, 0.965, 0.94], np.float32)
+_GRAPHITE = np.array([0.15, 0.15, 0.17], np.float32)
+
 
 @dataclass(frozen=True)
 class PencilSettings:
@@ -46,10 +49,6 @@ def draw_pencil(canvas: Canvas, settings: PencilSettings = PencilSettings()) -> 
     contour = np.clip(contour * (0.9 + 0.5 * grain), 0, 1)
     graphite = 1 - (1 - settings.shade * laid * (1 + 0.07 * (strokes + across))) * (1 - 0.8 * contour)
     return _PAPER + np.clip(graphite, 0, 1)[..., None] * (_GRAPHITE - _PAPER)
-
-
-_PAPER = np.array([0.975, 0.965, 0.94], np.float32)
-_GRAPHITE = np.array([0.15, 0.15, 0.17], np.float32)
 
 
 def _strokes(canvas: Canvas, angle: float, length: float) -> np.ndarray:

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from caricli.errors import InputError
 from caricli.geometry.smooth_displacement import Borders, Samples, smooth_displacement
 from caricli.geometry.triangle_normals import triangle_normals
 from caricli.methods.stylise.picture_warp import PictureWarp
@@ -17,6 +18,9 @@ _FINER = 2
 
 _FEWEST = 6
 """Nodes of a grid in each direction."""
+
+_SMALLEST = 8
+"""Pixels of a picture each way that can give way."""
 
 _POCKETS = ("inner_mouth", "eye_socket_left", "eye_socket_right")
 """What lies behind the skin: teeth and eyes are not it, and go with the lips and lids around them."""
@@ -32,8 +36,10 @@ def mesh_warp(
     thin plate, which ends without a seam in the picture around, and folds nowhere (``smooth_displacement``).
     face: Face with the camera of the picture. vertices: (V, 3) metres, the shape that it is to have. template: Template
     of its topology. size: (width, height) pixels. settings: WarpSettings.
-    Returns PictureWarp. Raises NumericsError.
+    Returns PictureWarp. Raises InputError for a picture of few pixels, and NumericsError.
     """
+    if min(size) < _SMALLEST:
+        raise InputError(f"expected a picture of at least {_SMALLEST} pixels each way, found {size[0]} x {size[1]}")
     camera = face.require_camera()
     before, after = (camera.place(shape) for shape in (face.vertices, vertices))
     diagonal = float(np.linalg.norm(np.ptp(face.require_landmarks(), axis=0)))

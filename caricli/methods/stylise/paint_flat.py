@@ -8,6 +8,8 @@ import numpy as np
 from caricli.methods.stylise.canvas import Canvas, saturated, step, to_bytes, to_floats
 from caricli.methods.stylise.flow import flow, lines
 
+_INK = np.array([0.12, 0.08, 0.1], np.float32)
+
 
 @dataclass(frozen=True)
 class FlatSettings:
@@ -43,6 +45,3 @@ def paint_flat(canvas: Canvas, settings: FlatSettings = FlatSettings()) -> np.nd
     colours = saturated(np.clip(cv2.cvtColor(lab, cv2.COLOR_Lab2RGB), 0, 1), settings.saturation)
     ink = step(lines(canvas, flow(canvas, 1.5), settings.line, settings.depth) - 0.5, 0.5)[..., None]
     return colours + 0.9 * ink * (_INK - colours)
-
-
-_INK = np.array([0.12, 0.08, 0.1], np.float32)

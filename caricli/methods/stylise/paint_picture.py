@@ -20,8 +20,11 @@ LARGEST = 6.0
 SMALLEST = 2.2
 """The same from which on they do; pictures of smaller faces are painted larger, where they are not large themselves."""
 
-_MOST = 2_500_000
-"""Pixels of what is painted larger than it is."""
+_LARGER = 2_500_000
+"""Pixels that a picture has at most when it is painted larger than it is."""
+
+_MOST = 12_000_000
+"""Pixels that are painted at most; larger pictures are enlarged afterwards."""
 
 _NEAR = 0.25
 _FAR = 0.9
@@ -50,8 +53,8 @@ def paint_picture(image: np.ndarray, marks: Landmarks, style: str, generator: np
         raise InputError(f"expected a style of {', '.join(PAINTERS)} or none, found {style}")
     height, width = image.shape[:2]
     unit = marks.diagonal / 100
-    larger = max(1.0, min(SMALLEST / unit, (_MOST / (width * height)) ** 0.5))
-    scale = min(larger, LARGEST / unit)
+    larger, most = ((count / (width * height)) ** 0.5 for count in (_LARGER, _MOST))
+    scale = min(max(1.0, min(SMALLEST / unit, larger)), LARGEST / unit, most)
     size = [max(1, round(length * scale)) for length in (width, height)]
     points = marks.points[marks.known] * scale
     care = _care(points, size, marks.diagonal * scale)

@@ -8,6 +8,11 @@ import numpy as np
 from caricli.methods.stylise.canvas import Canvas, saturated, to_bytes, to_floats
 from caricli.methods.stylise.flow import flow, lines
 
+_LIGHT = 0.72
+_DEPTH = 0.12
+_PENCIL = (0.32, 0.26, 0.24)
+_SHEET = (1.0, 0.99, 0.965)
+
 
 @dataclass(frozen=True)
 class WatercolourSettings:
@@ -51,12 +56,6 @@ def paint_watercolour(
     drawing = settings.pencil * lines(canvas, flow(canvas, 1.2), 1.0, _DEPTH) * (0.4 + 0.6 * canvas.care)
     colours = colours * (1 - drawing[..., None] * (1 - np.array(_PENCIL, np.float32)))
     return np.clip(colours * np.array(_SHEET, np.float32), 0, 1)
-
-
-_LIGHT = 0.72
-_DEPTH = 0.12
-_PENCIL = (0.32, 0.26, 0.24)
-_SHEET = (1.0, 0.99, 0.965)
 
 
 def _wash(canvas: Canvas, units: float) -> np.ndarray:

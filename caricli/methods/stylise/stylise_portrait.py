@@ -48,7 +48,8 @@ def stylise_portrait(
     style, or None.
     Returns Stylised. Raises InputError, NumericsError.
     """
-    warped, landmarks = image, replace(marks, spreads=None, visibility=None)
+    warped = image
+    landmarks = replace(marks, spreads=None, visibility=None)
     if tools is not None and settings.shape != "none" and settings.strength > 0:
         fit = fit_landmarks(marks.points, tools.model)
         vertices = exaggerate_portrait(fit, tools, settings.shape, settings.strength)

@@ -1,3 +1,4 @@
+import cv2
 import numpy as np
 import pytest
 
@@ -37,3 +38,17 @@ def test_outside_of_its_window_nothing_moves(warp):
 def test_points_that_are_not_known_stay_so(warp):
     points = warp.points(np.array([[50.0, 50.0], [np.nan, np.nan]]))
     assert np.isfinite(points[0]).all() and np.isnan(points[1]).all()
+
+
+def test_where_pixels_are_many_the_displacement_is_the_same(monkeypatch):
+    """Fewer places than pixels, in bands of few rows: what comes out is what all of them give."""
+    rows, columns = np.mgrid[:9, :9] / 8
+    grid = 4 * np.stack([np.sin(np.pi * rows) * np.sin(np.pi * columns)] * 2, -1)
+    image = np.random.default_rng(0).integers(0, 256, (160, 200, 3), np.uint8)
+    image = cv2.GaussianBlur(image, (0, 0), 3)
+    exact = PictureWarp.of_grid(np.array([0, 0]), grid, (200, 160))
+    monkeypatch.setattr("caricli.methods.stylise.picture_warp._FINEST", 60)
+    monkeypatch.setattr("caricli.methods.stylise.picture_warp._BAND", 33)
+    coarse = PictureWarp.of_grid(np.array([0, 0]), grid, (200, 160))
+    assert coarse.moves.shape == (60, 60, 2)
+    assert np.abs(coarse.picture(image).astype(int) - exact.picture(image)).max() <= 1
