@@ -1,14 +1,14 @@
-"""What pixels show, told by the detector and by their colours, in pictures with truth; and what snapping eyes to it does.
+"""What pixels show by the detector and by their colours, in pictures with truth; and what snapping eyes to it does.
 
 Usage: python benchmarks/parsing.py PICTURES [COUNT [DETECTOR]]. PICTURES: a folder of `caricli dataset pictures`; its
 first COUNT (default: 40) pictures of test people with one face, of which at least 80 pixels and two fifths of the
 landmarks are seen, and which the detector finds to 15 % of its diagonal. DETECTOR: default the bundled one.
 
-Faces are fitted to the landmarks that were found. Of the pixels that texture paints skin with, by regions and by colours
-(GrabCut and mixtures of Gaussians): the share that shows no skin, and of all skin under the mesh the share that they
-have; intersection over union of the head under the mesh, and of hair; of hats the share that becomes hair. Eyes: errors
-of their landmarks, percent of the diagonal, as found, and snapped to the border of the eyes. Seconds are means of
-processor time. The last line is JSON.
+Faces are fitted to the landmarks that were found. Of the pixels that texture paints skin with, by regions and by
+colours (GrabCut and mixtures of Gaussians): "wrong", the share that shows no skin, and "seen", the share that they have
+of all skin under the mesh; intersection over union of the head under the mesh, and of hair; of hats the share that
+becomes hair. Eyes: errors of their landmarks, percent of the diagonal, as found, and snapped to the border of the eyes.
+Seconds are means of processor time. The last line is JSON.
 """
 
 import json
