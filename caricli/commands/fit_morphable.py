@@ -40,6 +40,9 @@ from caricli.methods.reconstruct.settings import MorphableWeights
     metavar="ID EXP",
     help="Hold identity and expression nearer to the mean face (larger) or to the landmarks (smaller).",
 )
+@click.option(
+    "--photometric", is_flag=True, help="Fit the colours of the picture, too: those of the skin, and the light on it."
+)
 @detector_option
 @pts_origin_option
 @mesh_head_options
@@ -57,6 +60,7 @@ def command(
     expression_only,
     identity,
     weights,
+    photometric,
     detector,
     pts_origin,
     head,
@@ -67,21 +71,26 @@ def command(
 
     Identity, expression and pose are fitted. The face is regular: `reconstruct-from-landmarks` follows a caricature
     more closely. The landmarks of a PICTURE are found, and written beside the result, FACE-landmarks.json. With several
-    LANDMARKS --image is a folder of pictures with the same names.
+    LANDMARKS --image is a folder of pictures with the same names. With --photometric the shape also follows the shading
+    of the skin, and the face wears its colours without the light.
 
     \b
     Example:
       caricli fit-morphable photo.jpg --out face.obj
+      caricli fit-morphable photo.jpg --photometric --out face.glb
       caricli fit-morphable landmarks.json --image drawing.png --out face.obj
       caricli fit-morphable smile.json --expression-only --identity face.npz --out smile.obj
     """
     from caricli.commands.shared.batch import run_batch
     from caricli.commands.shared.landmark_batch import FitTask, LandmarkFiles
-    from caricli.methods.reconstruct.fit_morphable import fit_morphable
     from caricli.store.face_pictures import FaceReader
     from caricli.store.faces import load_identity, load_worn_face
     from caricli.store.models import load_morphable
 
+    if photometric:
+        from caricli.methods.morphable.fit_photometric import fit_photometric as fitting
+    else:
+        from caricli.methods.reconstruct.fit_morphable import fit_morphable as fitting
     if identity is not None and not expression_only:
         raise click.UsageError("--identity needs --expression-only.")
     files = LandmarkFiles(landmarks, out, out_dir, image, FaceReader(detector, pts_origin), overwrite)
@@ -89,8 +98,10 @@ def command(
     kept, note = load_identity(identity, shape_model) if expression_only else (None, None)
     if note:
         click.echo(note, err=True)
-    fit = partial(fit_morphable, model=shape_model, weights=MorphableWeights(*weights), identity=kept)
+    fit = partial(fitting, model=shape_model, weights=MorphableWeights(*weights), identity=kept)
     about = {"model_id": shape_model.model_id, "weights": weights, "expression_only": expression_only}
-    worn = None if identity is None else load_worn_face(identity, shape_model)
-    task = FitTask("fit-morphable", files, shape_model, levels, fit, about, [model], [identity], worn, head)
+    about["photometric"] = photometric
+    worn = None if identity is None or photometric else load_worn_face(identity, shape_model)
+    sources = {"worn": worn, "head": head, "whole": photometric}
+    task = FitTask("fit-morphable", files, shape_model, levels, fit, about, [model], [identity], **sources)
     run_batch(ctx, files.jobs(), task.run, "faces")

@@ -46,12 +46,14 @@ def command(out_dir, count, spread, seed, model, head, levels, overwrite):
     """Draw random faces from a model's prior: face-000.obj and .npz and so on, sheet.png and sheet.json.
 
     Flipped triangles are turned back and eye sockets and mouth tucked behind the skin; a face that keeps more than
-    0.2 % flipped triangles is drawn again. The sheet shows the first 100 faces.
+    0.2 % flipped triangles is drawn again. Faces of a morphable model wear random colours of it. The sheet shows the
+    first 100 faces.
 
     \b
     Example:
       caricli sample --out-dir faces --count 20
       caricli sample --out-dir fine --count 3 --seed 7 --spread 0.8 --subdivide 2
+      caricli sample --out-dir people --model morphable
     """
     from caricli.commands.shared.progress import progress_bar
     from caricli.methods.faces.sample_faces import sample_faces

@@ -51,6 +51,12 @@ class Dataset:
         """(N,) bool: the meshes of a split."""
         return np.isin(self.identity, self.manifest["splits"][split])
 
+    @property
+    def regular(self) -> np.ndarray:
+        """(N,) bool: the meshes that are not exaggerated, neither by a level nor by changes of parts."""
+        changed = self.factors["kind"] > 0 if "kind" in self.factors else np.zeros(len(self.level), bool)
+        return (self.level == 1) & ~changed
+
 
 def split_identities(identities: Sequence[int], generator: np.random.Generator) -> dict[str, list[int]]:
     """Divide people into about 90 % training, 1 % validation and 9 % test, at least one each where possible.

@@ -16,3 +16,12 @@ def head_rotation(angles: np.ndarray) -> np.ndarray:
     """
     pitch, yaw, roll = rotation_matrices(np.diag(angles))
     return roll @ pitch @ yaw @ np.diag([1.0, -1.0, -1.0])
+
+
+def head_angles(rotation: np.ndarray) -> np.ndarray:
+    """The inverse of ``head_rotation``: pitch, yaw and roll (3,) in radians, the pitch at most a right angle."""
+    turned = rotation @ np.diag([1.0, -1.0, -1.0])
+    pitch = np.arcsin(np.clip(turned[2, 1], -1, 1))
+    yaw = np.arctan2(-turned[2, 0], turned[2, 2])
+    roll = np.arctan2(-turned[0, 1], turned[1, 1])
+    return np.array([pitch, yaw, roll])

@@ -2,9 +2,11 @@ import numpy as np
 import pytest
 
 from caricli.io.face import read_face
+from caricli.io.image import write_png
 from caricli.io.landmarks import write_landmarks
 from caricli.io.obj import read_obj
 from caricli.io.strict_json import read_json
+from caricli.store.faces import load_face
 from caricli.store.models import load_model
 from caricli.structures import Landmarks
 
@@ -63,6 +65,19 @@ def test_larger_weights_stay_nearer_to_the_mean(run, fitted, tmp_path):
     assert run(COMMAND, marks, "--out", tmp_path / "f.obj", "--weight", 60, 50).exit_code == 0
     report, before = read_json(tmp_path / "f.json"), read_json(folder / "face.json")
     assert report["prior_rms"] < 0.5 * before["prior_rms"] and report["nme"] > before["nme"]
+
+
+def test_colours_are_fitted_drawn_and_written(run, refused, fitted, tmp_path):
+    _, marks = fitted
+    photo = tmp_path / "photo.png"
+    write_png(photo, np.full((400, 400, 3), [200, 150, 120], np.uint8))
+    result = run(COMMAND, marks, "--image", photo, "--photometric", "--out", tmp_path / "f.glb", "--no-picture")
+    assert result.exit_code == 0 and "colours" in result.stdout, result.output
+    report, face = read_json(tmp_path / "f.json"), load_face(tmp_path / "f.npz", load_model(kind="morphable"))
+    assert len(report["coefficients"]) == 239 and report["photometric"]["after"] < report["photometric"]["before"]
+    # A picture of one colour is a face of about that colour.
+    assert np.abs(np.median(face.pictures.skin, (0, 1)) - [200, 150, 120]).max() < 60
+    assert "picture" in refused(COMMAND, marks, "--photometric", "--out", tmp_path / "none.obj")
 
 
 def test_a_bad_file_does_not_stop_the_others(run, fitted, tmp_path):

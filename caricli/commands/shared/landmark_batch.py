@@ -60,7 +60,8 @@ class FitTask:
     written for other tools are split. fit: of points (L, 2), and where it ``looks`` of the picture, called ``image``.
     about: what the JSON says of the run. inputs: files that the model is from; sources: others that results come from.
     worn: Face whose pictures the results wear, or None. head: HeadChoice, or None, as of FaceDrawing. latents:
-    ShapeModel of the same mesh, whose latent results get instead of that of ``model``, or None.
+    ShapeModel of the same mesh, whose latent results get instead of that of ``model``, or None. whole: whether the fit
+    is of a FacePicture instead.
     """
 
     command: str
@@ -75,6 +76,7 @@ class FitTask:
     head: HeadChoice | None = None
     latents: ShapeModel | None = None
     looks: bool = False
+    whole: bool = False
 
     @cached_property
     def fine(self) -> FineMesh:
@@ -107,6 +109,8 @@ class FitTask:
 
     def _fitted(self, picture: FacePicture) -> LandmarkFit:
         """The fit to a picture's landmarks."""
+        if self.whole:
+            return self.fit(picture)
         marks = picture.landmarks
         looked = {"image": picture.pixels} if self.looks else {}
         return self.fit(marks.points, spreads=marks.spreads, **looked)

@@ -140,7 +140,7 @@ def evaluate_portrait(portrait: Portrait, models: Mapping[str, Any], texture: in
     Raises InputError, NumericsError.
     """
     with naming(portrait.name):
-        reconstructions, refused = reconstruct_portrait(portrait.points, models)
+        reconstructions, refused = reconstruct_portrait(portrait, models)
         template = models["intrinsic"].template
         # One mask for all: with a mask of its own a bad fit would be compared where it is good.
         mask = portrait.mask

@@ -14,7 +14,8 @@ from caricli.render.place_eyeballs import place_eyeballs
 from caricli.render.shade import Look, shade
 from caricli.render.sky import sky_visibility
 from caricli.render.smooth_normals import smooth_normals
-from caricli.structures import Camera
+from caricli.structures import Camera, Landmarks
+from caricli.structures.detection import FacePicture
 from caricli.structures.landmarks import COUNT
 from caricli.template.fine_mesh import fine_mesh
 from caricli.template.template import Template
@@ -55,6 +56,12 @@ class Portrait:
     mask: np.ndarray | None = None
     truth: np.ndarray | None = None
     camera: Camera | None = None
+
+    @property
+    def picture(self) -> FacePicture:
+        """The picture with its landmarks, as fits take it."""
+        height, width = self.image.shape[:2]
+        return FacePicture(Landmarks(self.points, (width, height)), self.image)
 
 
 class PortraitStudio:

@@ -11,6 +11,7 @@ import numpy as np
 from caricli.errors import CaricliError
 from caricli.geometry.similarity import similarity
 from caricli.methods.evaluate.portrait_studio import Portrait
+from caricli.methods.morphable.fit_photometric import fit_photometric
 from caricli.methods.reconstruct.fit_landmarks import fit_landmarks
 from caricli.methods.reconstruct.fit_morphable import fit_morphable
 from caricli.methods.reconstruct.landmark_fit import LandmarkFit
@@ -20,7 +21,7 @@ from caricli.structures import Face
 from caricli.structures.landmarks import PARTS
 from caricli.template.template import Template
 
-COARSE = {"morphable": "morphable", "elastic": "intrinsic", "deformable": "deformable"}
+COARSE = {"morphable": "morphable", "photometric": "morphable", "elastic": "intrinsic", "deformable": "deformable"}
 """Coarse methods by name: the kind of their model."""
 
 REFINED = " + refine"
@@ -51,20 +52,22 @@ class Reconstruction:
 
 
 def reconstruct_portrait(
-    points: np.ndarray, models: Mapping[str, Any]
+    portrait: Portrait, models: Mapping[str, Any]
 ) -> tuple[dict[str, Reconstruction], dict[str, str]]:
     """Reconstruct a face by every one of METHODS.
 
-    "adjust exp" and "adjust id+exp" are equation 7, the former with the mean identity.
+    "photometric" are equations 3 to 6; "adjust exp" and "adjust id+exp" are equation 7, the former with the mean
+    identity. All others take the landmarks alone.
 
-    points: (L, 2) pixels, NaN where unknown. models: ShapeModels by kind.
+    models: ShapeModels by kind.
     Returns Reconstructions by METHODS, and of those that refused the landmarks what they said.
     Raises InputError, NumericsError.
     """
+    points = portrait.points
     reconstructions = {}
     refused = {}
     for name, kind in COARSE.items():
-        coarse = _timed(partial(_coarse, kind, points, models[kind]), models[kind].template)
+        coarse = _timed(partial(_coarse, name, portrait, models[kind]), models[kind].template)
         reconstructions[name] = coarse
         start = time.perf_counter()
         try:
@@ -81,11 +84,11 @@ def reconstruct_portrait(
     return reconstructions, refused
 
 
-def _coarse(kind: str, points: np.ndarray, model: Any) -> LandmarkFit:
-    """The fit of a model to landmarks (L, 2)."""
-    if kind == "morphable":
-        return fit_morphable(points, model)
-    return fit_landmarks(points, model)
+def _coarse(name: str, portrait: Portrait, model: Any) -> LandmarkFit:
+    """The fit of a model to a portrait by one of COARSE."""
+    if name == "photometric":
+        return fit_photometric(portrait.picture, model)
+    return fit_morphable(portrait.points, model) if name == "morphable" else fit_landmarks(portrait.points, model)
 
 
 def _timed(fitting: Callable[[], LandmarkFit], template: Template) -> Reconstruction:
@@ -116,11 +119,11 @@ def measure_portrait(reconstruction: Reconstruction, portrait: Portrait, templat
         "seconds": reconstruction.seconds,
     }
     if portrait.truth is not None:
-        figures["shape"] = _shape_error(reconstruction.face.vertices, portrait.truth, template)
+        figures["shape"] = shape_error(reconstruction.face.vertices, portrait.truth, template)
     return figures
 
 
-def _shape_error(vertices: np.ndarray, truth: np.ndarray, template: Template) -> float:
+def shape_error(vertices: np.ndarray, truth: np.ndarray, template: Template) -> float:
     """Mean distance (V, 3) of the face after alignment, in percent of the true head's height."""
     region = template.region("face")
     ours = vertices[region]

@@ -9,6 +9,8 @@ from caricli.errors import NumericsError
 from caricli.geometry.flipped_triangles import flipped_triangles
 from caricli.geometry.untangle import untangle
 from caricli.methods.faces.encode_face import EncodedFace, encode_face
+from caricli.methods.morphable.wear_colours import wear_colours
+from caricli.models.morphable.model import MorphableModel
 from caricli.models.shape_model import ShapeModel
 from caricli.structures import Face
 
@@ -49,7 +51,7 @@ def sample_faces(
     """Draw faces from a model's prior for as long as they are asked for.
 
     Flipped triangles are turned back and cavities tucked behind the skin; a face that keeps too many flipped ones is
-    rejected for another draw.
+    rejected for another draw. Faces of a morphable model wear colours of it.
 
     model: ShapeModel. generator: of the draws. spread: factor of the prior's standard deviation; smaller is nearer to
     the mean face. max_flipped: share of flipped triangles up to which a face is taken.
@@ -66,6 +68,9 @@ def sample_faces(
             rejected += 1
             continue
         face = Face(template.with_vertices(vertices), latent=latent, model_id=model.model_id)
+        if isinstance(model, MorphableModel):
+            colours = model.colours(spread * generator.normal(size=len(model.albedo.basis)))
+            face = wear_colours(face, colours)
         yield SampledFace(encode_face(face, model), before, after, rejected)
         rejected = 0
     raise NumericsError(

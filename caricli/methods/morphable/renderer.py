@@ -28,12 +28,13 @@ class Posed:
     """A batch of faces before the camera, differentiable by their coefficients.
 
     vertices: (B, V, 3) metres. rotation: (B, 3, 3) as Camera has it. placed: (B, V, 3) pixels and depth in pixels.
-    colours: (B, V, 3) lit sRGB from 0, 1 is white.
+    shade: (B, V) factors by which light changes sRGB. colours: (B, V, 3) lit sRGB from 0, 1 is white.
     """
 
     vertices: torch.Tensor
     rotation: torch.Tensor
     placed: torch.Tensor
+    shade: torch.Tensor
     colours: torch.Tensor
 
 
@@ -54,29 +55,32 @@ class Sight:
         return maps[self.picture, self.row, self.column]
 
 
-class MorphableRenderer:
-    """Draws coefficients (B, D) of a morphable model, laid out as ``layout`` says.
+class Patch:
+    """Part of the surface of a morphable model, drawn from coefficients (B, D) laid out as ``layout`` says.
 
-    Pixels are ``scale * rotation[:2] @ (p - middle) + place``, where the middle is the mean of the face's vertices;
-    colours ``albedo * light ** (1 / GAMMA)``, light the nine harmonics of the normals in the camera's axes. Which
-    triangle a pixel sees comes from ``rasterise`` and has no derivative; where in it the pixel is, has.
+    Pixels are ``scale * rotation[:2] @ (p - middle) + place``, where the middle is the mean of all vertices of the
+    face; colours ``albedo * light ** (1 / GAMMA)``, light the nine harmonics of the normals in the camera's axes.
     """
 
-    def __init__(self, model: MorphableModel, dtype: torch.dtype = torch.float32, device: Any = "cpu") -> None:
-        """model: MorphableModel. dtype, device: of all that comes out."""
-        self.model = model
+    def __init__(
+        self, model: MorphableModel, ids: np.ndarray, faces: np.ndarray, dtype: torch.dtype, device: Any = "cpu"
+    ) -> None:
+        """ids: (V,) vertices of the part. faces: (F, 3) numbers among them. dtype, device: of all that comes out."""
         self.layout = CoefficientLayout.of(model)
 
         def tensor(array: np.ndarray) -> torch.Tensor:
             return torch.as_tensor(array, dtype=dtype, device=device)
 
-        self.mean = tensor(model.mean)
-        self.basis = tensor(model.basis.reshape(len(model.basis), -1))
+        def rows(basis: np.ndarray) -> torch.Tensor:
+            return tensor(basis[:, ids].reshape(len(basis), -1))
+
+        self.mean = tensor(model.mean[ids])
+        self.basis = rows(model.basis)
         self.middle = tensor(model.mean.mean(0))
         self.middle_basis = tensor(model.basis.mean(1))
-        self.albedo_mean = tensor(model.albedo.mean)
-        self.albedo_basis = tensor(model.albedo.basis.reshape(len(model.albedo.basis), -1))
-        self.faces = torch.as_tensor(model.template.faces.astype(np.int64), device=device)
+        self.albedo_mean = tensor(model.albedo.mean[ids])
+        self.albedo_basis = rows(model.albedo.basis)
+        self.faces = torch.as_tensor(faces.astype(np.int64), device=device)
 
     def pose(self, coefficients: torch.Tensor) -> Posed:
         """Place and light the faces of coefficients (B, D)."""
@@ -90,7 +94,26 @@ class MorphableRenderer:
         placed = parts["pose"][..., 5, None, None] * turned + flat[:, None]
         albedo = self.albedo_mean + (parts["albedo"] @ self.albedo_basis).unflatten(-1, self.albedo_mean.shape)
         shade = light_factors(vertex_normals(turned, self.faces), parts["light"])
-        return Posed(vertices, rotation, placed, albedo * shade[..., None])
+        return Posed(vertices, rotation, placed, shade, albedo * shade[..., None])
+
+    def paint(self, posed: Posed, sight: Sight) -> torch.Tensor:
+        """(N, 3) sRGB colours of the pixels of a Sight, interpolated between the corners of their triangles.
+
+        Which triangle a pixel sees has no derivative; where in it the pixel is, has.
+        """
+        corners = self.faces[sight.face]
+        batch = sight.picture[:, None]
+        weights = barycentric(posed.placed[batch, corners][..., :2], torch.stack([sight.column, sight.row], -1))
+        return (weights[..., None] * posed.colours[batch, corners]).sum(1)
+
+
+class MorphableRenderer(Patch):
+    """The whole surface of a morphable model, and what pictures of it show."""
+
+    def __init__(self, model: MorphableModel, dtype: torch.dtype = torch.float32, device: Any = "cpu") -> None:
+        """model: MorphableModel. dtype, device: of all that comes out."""
+        super().__init__(model, np.arange(len(model.mean)), model.template.faces, dtype, device)
+        self.model = model
 
     def anchors(self, posed: Posed, count: int) -> torch.Tensor:
         """(B, count) int64 vertices that the first landmarks stand on, those of the jaw on the outline."""
@@ -117,13 +140,6 @@ class MorphableRenderer:
             pixels.append(np.stack([np.full(len(row), number), row, column, seen[row, column]]))
         columns = torch.as_tensor(np.concatenate(pixels, 1).astype(np.int64), device=posed.placed.device)
         return Sight(*columns)
-
-    def paint(self, posed: Posed, sight: Sight) -> torch.Tensor:
-        """(N, 3) sRGB colours of the pixels of a Sight, interpolated between the corners of their triangles."""
-        corners = self.faces[sight.face]
-        batch = sight.picture[:, None]
-        weights = barycentric(posed.placed[batch, corners][..., :2], torch.stack([sight.column, sight.row], -1))
-        return (weights[..., None] * posed.colours[batch, corners]).sum(1)
 
 
 def head_rotations(angles: torch.Tensor) -> torch.Tensor:

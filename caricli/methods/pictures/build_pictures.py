@@ -6,11 +6,11 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from caricli.data.dataset import Dataset
 from caricli.data.picture_set import PictureWriter, encode_labels, encode_picture
 from caricli.data.worker_pool import worker_pool
+from caricli.geometry.head_rotation import head_angles
 from caricli.methods.pictures.compose import Composition, Easel, Shown
 from caricli.methods.pictures.settings import PoseSettings, SceneSettings, SitterSettings
 from caricli.methods.pictures.sitter import Sitter, Wardrobe
@@ -158,10 +158,7 @@ def _finished(picture: Composition, rows: np.ndarray, codes: list[np.ndarray]) -
 
 
 def _row(face: Shown, code: np.ndarray) -> dict[str, Any]:
-    # Angles of `head_rotation`: it rolls what it pitched after it turned it.
-    turned = face.rotation @ np.diag([1.0, -1.0, -1.0])
-    angles = Rotation.from_matrix(turned).as_euler("ZXY")[[1, 2, 0]]
-    pose = np.concatenate([angles, face.translation, [face.scale]])
+    pose = np.concatenate([head_angles(face.rotation), face.translation, [face.scale]])
     return {
         "landmarks": face.points,
         "visible": face.visible,

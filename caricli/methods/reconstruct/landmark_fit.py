@@ -194,22 +194,35 @@ class Observation:
         """
         return self.trust * np.where(self.given, outlier_weights(errors, _OUTLIERS), 1)
 
+    def in_units(self, camera: Camera) -> Camera:
+        """The camera of the given picture in units of the diagonal."""
+        return Camera(camera.scale / self.diagonal, camera.rotation, (camera.translation - self.centre) / self.diagonal)
+
     def in_pixels(self, camera: Camera) -> Camera:
         """The same camera for the given picture."""
         translation = camera.translation * self.diagonal + self.centre
         return Camera(camera.scale * self.diagonal, camera.rotation, translation)
 
     def measure(
-        self, face: Face, model: ShapeModel, weights: np.ndarray, settings: IntrinsicSettings | LatentSettings
+        self,
+        face: Face,
+        model: ShapeModel,
+        weights: np.ndarray,
+        settings: IntrinsicSettings | LatentSettings,
+        seen_with: Camera | None = None,
     ) -> LandmarkFit:
         """The fit that a face is: last camera, landmarks and figures.
 
         face: Face with a latent and the camera that it was found with, in units of the diagonal. model: of the latent.
-        weights: (K,) of the known landmarks.
+        weights: (K,) of the known landmarks. seen_with: Camera in those units that is the last one, or None where the
+        landmarks tell it.
         Raises InputError for a face that is seen from behind.
         """
         latent = face.require_latent()
         camera, anchors = self.settle(face.vertices, weights, _rotation(face))
+        if seen_with is not None:
+            camera = seen_with
+            anchors = self.anchors(face.vertices, camera.rotation)
         if camera.rotation[2, 2] > 0:
             raise InputError(
                 "the landmarks show a face from behind: are they mirrored, upside down, or in another order?"

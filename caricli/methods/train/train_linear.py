@@ -8,6 +8,7 @@ from threadpoolctl import threadpool_limits
 
 from caricli.data.albedo import random_albedos
 from caricli.data.dataset import Dataset
+from caricli.errors import InputError
 from caricli.methods.evaluate.evaluate_shape import ShapeError, evaluate_splits, split_rows
 from caricli.methods.evaluate.measure_separation import measure_separation
 from caricli.methods.train.stages import Report, unwatched
@@ -59,14 +60,15 @@ def train_linear(
     """
     report(0, 2)
     rows = split_rows(data, "train", FEWEST)
-    shapes = data.vertices[rows]
     trained: ShapeModel
     if isinstance(config, MorphableConfig):
+        rows = rows if config.exaggerated else _regular_rows(data, rows)
+        shapes = data.vertices[rows]
         albedos = random_albedos(data.template, config.seed)
         people = MorphableShapes(shapes, data.identity[rows], data.expression[rows], albedos)
         trained = MorphableModel.train(data.template, people, config)
     else:
-        trained = cast(type[ComponentModel], model_class(kind)).train(data.template, shapes, config)
+        trained = cast(type[ComponentModel], model_class(kind)).train(data.template, data.vertices[rows], config)
     report(1, 2)
     checkpoint = model_to_checkpoint(trained, recipe)
     model = model_from_checkpoint(*checkpoint, f"the trained {kind} model")
@@ -76,11 +78,21 @@ def train_linear(
     return LinearTraining(checkpoint, model, errors, agreement)
 
 
+def _regular_rows(data: Dataset, rows: np.ndarray) -> np.ndarray:
+    """Those of some meshes that are not exaggerated. Raises InputError where there are too few."""
+    regular = rows[data.regular[rows]]
+    if len(regular) < FEWEST:
+        raise InputError(
+            f"the dataset's train split has {len(regular)} meshes that are not exaggerated, at least {FEWEST} are "
+            "needed; with --set exaggerated=true the others count, too"
+        )
+    return regular
+
+
 def _agreement(model: Any, data: Dataset) -> dict[str, dict]:
     """How well a morphable model tells who from what on test meshes, and on those that are not exaggerated."""
     groups = {"test": data.rows("test")}
-    if "kind" in data.factors:
-        groups["test_regular"] = groups["test"] & (data.factors["kind"] == 0)
+    groups["test_regular"] = groups["test"] & data.regular
     return {
         name: measure_separation(model, data.vertices[rows], data.identity[rows], data.expression[rows])
         for name, rows in groups.items()

@@ -1,9 +1,11 @@
+import shutil
+
 import numpy as np
 import pytest
 
 from caricli.data.dataset import read_dataset
 from caricli.io.bundled import config_path
-from caricli.io.strict_json import read_json
+from caricli.io.strict_json import read_json, write_json
 from caricli.store.models import load_model
 
 TINY = ("--config", config_path("morphable/tiny.yaml"))
@@ -21,14 +23,27 @@ def test_a_model_is_written_that_rebuilds_itself_with_a_report(trained, dataset)
     model, report, data = load_model(trained), read_json(trained.with_suffix(".json")), read_dataset(dataset)
     assert model.kind == "morphable" and report["model_id"] == model.model_id
     assert report["command"] == "train morphable" and report["config"]["identity"] == 6
-    # Two people with two levels, of two expressions each, are what is trained on.
-    assert len(model.identity) == 6 and 1 <= len(model.expression) <= 4 and len(model.albedo.basis) == 5
+    # Two people with two expressions each, as they are, are what is trained on.
+    assert 1 <= len(model.identity) < 4 and 1 <= len(model.expression) <= 4 and len(model.albedo.basis) == 5
     assert 0 < report["shape_error"]["train"]["percent"] < report["shape_error"]["test"]["percent"] < 10
     regular = report["agreement"]["test_regular"]
     assert regular["identity_of_an_expression"] is None or regular["identity_of_an_expression"] < 0.9
-    who, what = model.parts(model.encode(data.vertices[data.rows("train")].astype(float)))
-    neutral = data.expression[data.rows("train")] == 0
+    rows = data.rows("train") & (data.level == 1)
+    who, what = model.parts(model.encode(data.vertices[rows].astype(float)))
+    neutral = data.expression[rows] == 0
     assert np.abs(what[neutral]).mean() < 0.3 * np.abs(what[~neutral]).mean()
+
+
+def test_exaggerated_meshes_are_trained_with_where_they_are_asked_for(run, refused, trained, dataset, tmp_path):
+    out = tmp_path / "all.safetensors"
+    options = ("--data", dataset, *TINY, "--set", "exaggerated=true")
+    assert run("train", "morphable", "--out", out, *options).exit_code == 0
+    assert len(load_model(out).identity) == 6 > len(load_model(trained).identity)
+    copy = shutil.copytree(dataset, tmp_path / "copy")
+    splits = {"train": [0], "validation": [1], "test": [2, 3]}
+    write_json(copy / "dataset.json", read_json(copy / "dataset.json") | {"splits": splits})
+    said = refused("train", "morphable", "--data", copy, "--out", tmp_path / "m.safetensors")
+    assert "2 meshes that are not exaggerated, at least 3" in said
 
 
 def test_same_data_same_bytes(run, trained, dataset, tmp_path):

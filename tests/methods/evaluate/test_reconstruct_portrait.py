@@ -26,7 +26,7 @@ def models():
 
 
 def test_refining_beats_every_rival_at_the_landmarks(portrait, models):
-    fits, refused = reconstruct_portrait(portrait.points, models)
+    fits, refused = reconstruct_portrait(portrait, models)
     assert tuple(fits) == METHODS and not refused
     for name in COARSE:
         # The elastic fit may be as near as that by itself.
@@ -49,7 +49,7 @@ def test_a_refinement_that_is_refused_leaves_the_others(portrait, models, monkey
     middle = points[48:68].mean(0)
     points[[61, 62, 63, 65, 66, 67]] = 2 * middle - points[[61, 62, 63, 65, 66, 67]] + [0, 3]
     points[[61, 62, 63]] += [0, 0.1 * SIZE]
-    fits, refused = reconstruct_portrait(points, models)
+    fits, refused = reconstruct_portrait(replace(portrait, points=points), models)
     assert list(fits) == ["morphable", *ADJUSTED]
     assert list(refused) == ["morphable" + REFINED] and "crossed" in refused["morphable" + REFINED]
 

@@ -1,0 +1,26 @@
+"""Colours of the vertices on a face, as the picture that it wears."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from caricli.render.uv_map import pad_texture, uv_map
+from caricli.structures import Face, Pictures
+
+SIZE = 512
+"""Texels of the picture, width and height: the bundled head has a vertex for every few of them."""
+
+
+def wear_colours(face: Face, colours: np.ndarray, size: int = SIZE) -> Face:
+    """The face in colours that lie between those of its vertices; a face without UVs stays as it is.
+
+    colours: (V, 3) sRGB from 0 to 1. size: texels.
+    """
+    if face.mesh.uvs is None:
+        return face
+    triangle, weights = uv_map(face.mesh, size)
+    covered = triangle >= 0
+    shown = (weights[covered][..., None] * colours[face.faces[triangle[covered]]]).sum(1)
+    picture = np.zeros((size, size, 3), np.uint8)
+    picture[covered] = np.round(255 * np.clip(shown, 0, 1))
+    return replace(face, pictures=Pictures(skin=pad_texture(picture, covered)))
