@@ -9,17 +9,21 @@ from caricli.methods.detect.see_face import see_face
 from caricli.methods.detect.settings import DetectSettings
 
 
+# One that has learnt so little is sure of no landmark.
+UNSURE = DetectSettings(widest=1)
+
+
 @pytest.fixture(scope="module")
 def shown(trained):
     """A Detector, a picture in which it finds a face, and its Detection."""
     detector, pictures = trained
     picture = pictures.marked(12).pixels
-    return detector, picture, detect_faces(picture, detector)
+    return detector, picture, detect_faces(picture, detector, UNSURE)
 
 
 def test_the_largest_face_is_seen_with_the_regions_of_the_picture(shown):
     detector, picture, detection = shown
-    seen = see_face(picture, detector)
+    seen = see_face(picture, detector, UNSURE)
     np.testing.assert_array_equal(seen.landmarks.points, detection.faces[0].landmarks.points)
     np.testing.assert_array_equal(seen.regions, detection.regions)
     assert seen.others == len(detection.faces) - 1
@@ -28,7 +32,7 @@ def test_the_largest_face_is_seen_with_the_regions_of_the_picture(shown):
 def test_what_speaks_against_a_face_is_said(shown):
     detector, picture, detection = shown
     face = detection.faces[0]
-    trusting = replace(DetectSettings(), doubtful=0, blurred=np.inf, fewest=0)
+    trusting = replace(UNSURE, doubtful=0, blurred=np.inf, fewest=0)
     assert see_face(picture, detector, trusting).doubt is None
     unsure = see_face(picture, detector, replace(trusting, doubtful=1)).doubt
     assert unsure == f"its score is {face.score:.2f}"
