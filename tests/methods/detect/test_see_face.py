@@ -8,7 +8,6 @@ from caricli.methods.detect.detect_faces import detect_faces
 from caricli.methods.detect.see_face import see_face
 from caricli.methods.detect.settings import DetectSettings
 
-
 # One that has learnt so little is sure of no landmark.
 UNSURE = DetectSettings(widest=1)
 
