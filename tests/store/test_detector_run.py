@@ -1,10 +1,11 @@
 from dataclasses import asdict
+from pathlib import Path
 
 import pytest
 import torch
 
 from caricli.errors import InputError
-from caricli.io.bundled import config_path
+from caricli.io.bundled import asset_path, config_path
 from caricli.io.config import read_config
 from caricli.io.strict_json import read_json
 from caricli.methods.train.train_autodecoder import ALL
@@ -66,3 +67,12 @@ def test_a_training_begins_with_the_weights_of_another(pictures, tmp_path):
     config = read_config(config_path("detector/tiny.yaml"), DetectorConfig, [*SETTINGS, "width=8"])
     with pytest.raises(InputError, match="expected a detector of DetectorSize"):
         load_training(pictures, config, ALL, tmp_path / "first" / MODEL)
+
+
+def test_what_is_bundled_says_how_it_was_made_and_is_small():
+    file = asset_path("detector.safetensors")
+    assert file.stat().st_size < 6e6
+    report = read_json(asset_path("detector.json"))
+    detector = load_detector()
+    assert report["model_id"] == detector.model_id and report["config"] == detector.recipe["config"]
+    assert not any(Path(name).is_absolute() for name in detector.recipe["inputs"])

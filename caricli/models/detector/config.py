@@ -58,7 +58,7 @@ class DetectorConfig:
     width: int = 64
     depth: int = 2
     size: int = 128
-    epochs: int = 500
+    epochs: int = 300
     steps: int = 50
     batch: int = 32
     crops: float = 0.65

@@ -5,6 +5,8 @@ import pytest
 
 from caricli.data.picture_set import read_picture_set
 from caricli.geometry.head_rotation import head_rotation
+from caricli.methods.detect.detect_faces import detect_faces
+from caricli.store.detector import load_detector
 from caricli.structures.landmarks import EYE_LEFT, EYE_RIGHT, LIPS
 from caricli.structures.parsing import Region
 
@@ -61,6 +63,27 @@ def test_people_of_the_dataset_s_splits_never_meet(pictures):
     splits = [set(pictures.pictures_of(split).tolist()) for split in ("train", "validation", "test")]
     assert set.union(*splits) == set(range(COUNT))
     assert sum(map(len, splits)) == COUNT
+
+
+def test_the_bundled_detector_finds_their_faces(pictures):
+    detector = load_detector()
+    errors = []
+    missed = 0
+    for number in range(COUNT):
+        faces = detect_faces(pictures.picture(number), detector).faces
+        for row in pictures.faces(number):
+            truth = pictures.truth["landmarks"][row][:68]
+            if np.ptp(truth, axis=0).max() < 24 or pictures.truth["visible"][row].mean() < 0.6:
+                continue
+            apart = [np.linalg.norm(face.landmarks.points[:68] - truth, axis=1) for face in faces]
+            nearest = min((100 * np.nanmean(each) for each in apart), default=np.inf)
+            error = nearest / np.linalg.norm(np.ptp(truth, axis=0))
+            missed += error > 10
+            errors.append(error)
+    assert len(errors) > COUNT / 2
+    assert missed < 0.2 * len(errors)
+    # The mean shape in the true frame is 8 % off.
+    assert np.median(errors) < 5
 
 
 def test_a_sheet_shows_them(run, folder, tmp_path):
