@@ -1,13 +1,14 @@
 """Pictures that detectors are measured on: generated ones, and real ones with landmarks."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
 from caricli.data.picture_set import MANIFEST, PictureSet, read_picture_set
 from caricli.errors import InputError
+from caricli.geometry.space_jaw import space_jaw
 from caricli.io.provenance import sha256_file
 from caricli.methods.evaluate.evaluate_detector import UNKNOWN, JudgedPicture
 from caricli.methods.train.split_pictures import marked_picture
@@ -34,6 +35,9 @@ class JudgedPictures:
         truth = self.pictures.truth
         for number in self.numbers:
             marked = marked_picture(self.pictures, number)
+            # Detected jaws are spaced as people mark them.
+            points = np.array([space_jaw(face) for face in marked.landmarks]).reshape(marked.landmarks.shape)
+            marked = replace(marked, landmarks=points)
             rows = self.pictures.faces(number)
             # The head's front is the third axis; how far it points to the side is the sine of the yaw.
             yaws = np.degrees(np.arcsin(np.clip(truth["rotation"][rows][:, 0, 2], -1, 1)))

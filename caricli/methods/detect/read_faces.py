@@ -1,9 +1,10 @@
 """Landmarks of faces whose place is known roughly."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from caricli.geometry.space_jaw import space_jaw
 from caricli.methods.detect.find_faces import frames_overlap
 from caricli.methods.detect.settings import DetectSettings
 from caricli.models.detector.model import Detector
@@ -34,7 +35,8 @@ def look_at_face(picture: np.ndarray, frame: FaceFrame, detector: Detector, sett
     """Look at the face in a frame of a picture (H, W, 3) uint8, and then again in the frame of the landmarks just seen.
 
     It ends where these frames agree, after ``settings.looks``, or where the first sees no face at all. Every look is at
-    the window and its mirror image, whose means are taken; where they differ is doubt, too.
+    the window and its mirror image, whose means are taken; where they differ is doubt, too. The jaw's points are spaced
+    as people mark them.
     """
     read = read_face(picture, frame, settings.first, detector)
     for _ in range(settings.looks - 1 if read.score >= settings.start else 0):
@@ -42,7 +44,7 @@ def look_at_face(picture: np.ndarray, frame: FaceFrame, detector: Detector, sett
         read = read_face(picture, frame, settings.second, detector)
         if frames_overlap(frame, FaceFrame.of(read.points)) > settings.agree:
             break
-    return read
+    return replace(read, points=space_jaw(read.points)) if np.isfinite(read.points).all() else read
 
 
 def read_face(picture: np.ndarray, frame: FaceFrame, share: float, detector: Detector) -> ReadFace:

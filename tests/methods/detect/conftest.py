@@ -30,7 +30,7 @@ def untrained():
 
 @pytest.fixture(scope="session")
 def trained(head_template):
-    """A Detector that has seen simple drawn faces for seconds, undisguised, and pictures that it was not trained on."""
+    """A Detector that has seen simple drawn faces for seconds, undisguised and undistorted, and pictures that it was not trained on."""
     shape = mean_shape(head_template)
     unseen = DrawnPictures(shape, 20, 1)
     settings = ["epochs=1", "steps=150", "validate_every=1", "validation=4", "learning_rate=0.005", "crops=0.6"]
@@ -38,6 +38,7 @@ def trained(head_template):
     training = DetectorTraining(DrawnPictures(shape, 80, 0), unseen, config)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("caricli.methods.train.train_detector.disguise_window", as_it_is)
+        patch.setattr("caricli.methods.train.windows.distort_picture", lambda picture, *_: picture)
         list(training.epochs())
     return Detector(training.average, 64), unseen
 

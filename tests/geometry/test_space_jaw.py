@@ -1,0 +1,38 @@
+import numpy as np
+import pytest
+
+from caricli.geometry.space_jaw import space_jaw
+from tests.drawn_pictures import mean_shape
+
+
+def lengths(points):
+    return np.linalg.norm(np.diff(points, axis=0), axis=1)
+
+
+def test_points_of_the_jaw_stand_at_equal_distances_on_the_same_curve(head_template):
+    shape = mean_shape(head_template)
+    assert np.ptp(lengths(shape[:9])) > 0.5 * lengths(shape[:9]).mean()
+    spaced = space_jaw(shape)
+    np.testing.assert_allclose(spaced[[0, 8, 16]], shape[[0, 8, 16]], atol=1e-9)
+    np.testing.assert_array_equal(spaced[17:], shape[17:])
+    for side in (slice(0, 9), slice(8, 17)):
+        steps = lengths(spaced[side])
+        assert np.ptp(steps) < 0.08 * steps.mean()
+        # As near to the old line as its corners are round.
+        ends = np.stack([shape[side][:-1], shape[side][1:]], 1)
+        across = ends[:, 1] - ends[:, 0]
+        along = np.einsum("pld,ld->pl", spaced[side][:, None] - ends[:, 0], across) / (across**2).sum(1)
+        nearest = ends[:, 0] + np.clip(along, 0, 1)[..., None] * across
+        gaps = np.linalg.norm(spaced[side][:, None] - nearest, axis=2).min(1)
+        assert gaps.max() < 0.1 * steps.mean()
+
+
+def test_spacing_again_changes_next_to_nothing(head_template):
+    once = space_jaw(mean_shape(head_template))
+    assert np.abs(space_jaw(once) - once).max() < 0.02 * np.ptp(once, axis=0).max()
+
+
+@pytest.mark.parametrize("jaw", [np.zeros((17, 2)), np.repeat(np.arange(17.0)[:, None] // 2, 2, 1)])
+def test_points_that_fall_together_stay_finite(jaw):
+    points = np.concatenate([jaw, np.ones((51, 2))])
+    assert np.isfinite(space_jaw(points)).all()
