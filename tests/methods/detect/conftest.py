@@ -30,7 +30,7 @@ def untrained():
 
 @pytest.fixture(scope="session")
 def trained(head_template):
-    """A Detector that has seen simple drawn faces for seconds, undisguised and undistorted, and pictures that it was not trained on."""
+    """A Detector that has seen simple drawn faces as they are for seconds, and pictures that it was not trained on."""
     shape = mean_shape(head_template)
     unseen = DrawnPictures(shape, 20, 1)
     settings = ["epochs=1", "steps=150", "validate_every=1", "validation=4", "learning_rate=0.005", "crops=0.6"]
