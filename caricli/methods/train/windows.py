@@ -61,7 +61,7 @@ def face_window(
     frame = FaceFrame(centre, frame.side, frame.roll + settings.turn * generator.normal())
     matrix = frame.matrix(size, share)
     stretch = np.eye(2) + settings.stretch * generator.normal(size=(2, 2))
-    return _window(picture, _around_middle(stretch, size) @ np.vstack([matrix, [0, 0, 1]]), size, settings, generator)
+    return _window(picture, around_middle(stretch, size) @ np.vstack([matrix, [0, 0, 1]]), size, settings, generator)
 
 
 def any_window(
@@ -92,12 +92,20 @@ def _window(
     picture: MarkedPicture, matrix: np.ndarray, size: int, settings: WindowSettings, generator: np.random.Generator
 ) -> MarkedPicture:
     """The part of a picture that an affine map (2 or 3, 3) leads to; half of them are mirrored."""
+    matrix = mirrored(matrix[:2], size) if generator.random() < 0.5 else matrix[:2]
+    window = moved_window(picture, matrix, size)
+    return _bent(window, settings, generator) if generator.random() < settings.bent else window
+
+
+def mirrored(matrix: np.ndarray, size: int) -> np.ndarray:
+    """(2, 3) an affine map to a window of so many pixels, and then to its mirror image."""
+    return np.array([[-1, 0], [0, 1]]) @ matrix + [[0, 0, size - 1], [0, 0, 0]]
+
+
+def moved_window(picture: MarkedPicture, matrix: np.ndarray, size: int) -> MarkedPicture:
+    """The part of a picture that an affine map (2, 3) leads to; where it mirrors, landmarks change their names."""
     import cv2
 
-    mirrored = generator.random() < 0.5
-    matrix = matrix[:2]
-    if mirrored:
-        matrix = np.array([[-1, 0], [0, 1]]) @ matrix + [[0, 0, size - 1], [0, 0, 0]]
     pixels = cut_window(picture.pixels, matrix, (size, size))
     regions = cv2.warpAffine(
         picture.regions,
@@ -107,13 +115,12 @@ def _window(
         borderMode=cv2.BORDER_CONSTANT,
         borderValue=(BEYOND,),
     )
-    order = list(MIRRORED) if mirrored else slice(None)
+    order = list(MIRRORED) if np.linalg.det(matrix[:, :2]) < 0 else slice(None)
     points = (picture.landmarks @ matrix[:, :2].T + matrix[:, 2])[:, order]
-    window = MarkedPicture(pixels, regions, points, picture.visible[:, order])
-    return _bent(window, settings, generator) if generator.random() < settings.bent else window
+    return MarkedPicture(pixels, regions, points, picture.visible[:, order])
 
 
-def _around_middle(linear: np.ndarray, size: int) -> np.ndarray:
+def around_middle(linear: np.ndarray, size: int) -> np.ndarray:
     """(2, 3) a linear map (2, 2) that leaves the middle of a window in its place."""
     middle = np.full(2, (size - 1) / 2)
     return np.column_stack([linear, middle - linear @ middle])
@@ -121,22 +128,40 @@ def _around_middle(linear: np.ndarray, size: int) -> np.ndarray:
 
 def _bent(window: MarkedPicture, settings: WindowSettings, generator: np.random.Generator) -> MarkedPicture:
     """Move everything a little, smoothly."""
+    return bent_window(window, random_bend(len(window.regions), settings.bend, generator))
+
+
+def random_bend(size: int, bend: float, generator: np.random.Generator) -> np.ndarray:
+    """(S, S, 2) pixels to the places where a window of so many is taken from.
+
+    bend: standard deviation, of the window's side, at the knots of a smooth surface.
+    """
+    import cv2
+
+    knots = bend * size * generator.normal(size=(5, 5, 2))
+    return cv2.resize(knots.astype(np.float32), (size, size), interpolation=cv2.INTER_CUBIC)
+
+
+def bent_window(window: MarkedPicture, moved: np.ndarray) -> MarkedPicture:
+    """A window taken from elsewhere. moved: (S, S, 2) of ``random_bend``."""
     import cv2
 
     size = len(window.regions)
-    knots = settings.bend * size * generator.normal(size=(5, 5, 2))
-    moved = cv2.resize(knots.astype(np.float32), (size, size), interpolation=cv2.INTER_CUBIC)
     x, y = np.meshgrid(np.arange(size, dtype=np.float32), np.arange(size, dtype=np.float32))
     maps = (x + moved[..., 0], y + moved[..., 1])
     pixels = cv2.remap(window.pixels, *maps, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
     regions = cv2.remap(window.regions, *maps, cv2.INTER_NEAREST, borderMode=cv2.BORDER_REPLICATE)
-    points = window.landmarks
+    return replace(window, pixels=pixels, regions=regions, landmarks=bent_places(window.landmarks, moved))
+
+
+def bent_places(points: np.ndarray, moved: np.ndarray) -> np.ndarray:
+    """Where points (..., 2) of a window are in the bent one."""
     # What is at p comes from p + moved(p); two steps find where a point went.
     places = points
     for _ in range(2):
-        cells = np.clip(np.rint(places), 0, size - 1).astype(int)
+        cells = np.clip(np.rint(places), 0, len(moved) - 1).astype(int)
         places = points - moved[cells[..., 1], cells[..., 0]]
-    return replace(window, pixels=pixels, regions=regions, landmarks=places)
+    return places
 
 
 def _cut(picture: MarkedPicture, generator: np.random.Generator) -> MarkedPicture:

@@ -1,6 +1,6 @@
 """The detector as it is used: weights, the size of its windows, and how far its doubts are to be trusted."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields
 from typing import Any
 
@@ -11,7 +11,7 @@ from caricli.errors import InputError, naming, shown
 from caricli.models.checkpoint import model_id
 from caricli.models.detector.config import DetectorSize
 from caricli.models.detector.networks import COARSE, FINE, HALF, REACH, DetectorNetwork, FaceGrid
-from caricli.structures.checks import number_problem, refuse
+from caricli.models.network_weights import load_weights, network_weights, whole_number
 from caricli.structures.landmarks import SCHEMES
 from caricli.structures.parsing import Region
 
@@ -105,9 +105,8 @@ class Detector:
         )
 
     def tensors(self) -> dict[str, np.ndarray]:
-        """Arrays by name: weights in half precision, statistics of normalisation in single."""
-        arrays = {name: value.numpy() for name, value in _weights(self.network).items()}
-        return {name: value.astype(np.float16 if value.ndim > 1 else np.float32) for name, value in arrays.items()}
+        """Arrays by name, see ``network_weights``."""
+        return network_weights(self.network)
 
 
 def face_cells(grid: FaceGrid) -> FaceCells:
@@ -140,12 +139,12 @@ def detector_from_checkpoint(tensors: Mapping[str, np.ndarray], metadata: Mappin
             raise InputError(f"expected a detector of schema {SCHEMA!r}, found {shown(metadata.get('schema'), 60)!r}")
         if metadata.get("regions") != [region.name.lower() for region in Region]:
             raise InputError("expected a detector of the regions that caricli knows, found another")
-        size = _whole(metadata.get("size"), _SIDES, "size")
+        size = whole_number(metadata.get("size"), _SIDES, "size")
         trust = metadata.get("trust")
         if not isinstance(trust, float) or not TRUST[0] <= trust <= TRUST[1]:
             raise InputError(f"expected a trust from {TRUST[0]:g} to {TRUST[1]:g}, found {shown(trust, 60)!r}")
         network = _network(metadata.get("network"))
-        _load(network, tensors)
+        load_weights(network, tensors)
         return Detector(network, size, trust, metadata.get("recipe"))
 
 
@@ -154,35 +153,10 @@ def _network(about: Any) -> DetectorNetwork:
     if not isinstance(about, dict) or sorted(about) != sorted(names):
         raise InputError(f"expected a network of {', '.join(names)}, found {shown(about, 60)!r}")
     try:
-        size = DetectorSize(**{name: _whole(about[name], (1, 512), name) for name in names})
+        size = DetectorSize(**{name: whole_number(about[name], (1, 512), name) for name in names})
     except ValueError as error:
         raise InputError(str(error)) from error
     return DetectorNetwork(size, LANDMARKS, len(Region), torch.Generator())
-
-
-def _load(network: DetectorNetwork, tensors: Mapping[str, np.ndarray]) -> None:
-    """Put arrays into a network that they fit."""
-    own = _weights(network)
-    if sorted(own) != sorted(tensors):
-        odd = sorted(set(own) ^ set(tensors))[0]
-        raise InputError(f"expected the weights of such a network, found others ({shown(odd, 60)})")
-    for name, value in own.items():
-        array = tensors[name]
-        refuse(number_problem(name, array))
-        if array.shape != tuple(value.shape) or array.dtype.kind != "f":
-            raise InputError(f"{name}: expected {tuple(value.shape)}, found {array.dtype} {array.shape}")
-        value.copy_(torch.from_numpy(np.asarray(array, np.float32)))
-
-
-def _weights(network: DetectorNetwork) -> dict[str, torch.Tensor]:
-    """Its tensors by name, without counters."""
-    return {name: value for name, value in network.state_dict().items() if value.is_floating_point()}
-
-
-def _whole(value: Any, limits: Sequence[int], name: str) -> int:
-    if type(value) is not int or not limits[0] <= value <= limits[1]:
-        raise InputError(f"expected a {name} from {limits[0]} to {limits[1]}, found {shown(value, 60)!r}")
-    return value
 
 
 def _tensor(windows: np.ndarray) -> torch.Tensor:

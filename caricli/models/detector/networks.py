@@ -11,6 +11,7 @@ from torch import nn
 from torch.nn import functional
 
 from caricli.models.detector.config import DetectorSize
+from caricli.models.residual import Residual, start_convolutions, unit
 
 FINE = 4
 """Pixels a cell of the heat maps."""
@@ -69,18 +70,18 @@ class DetectorNetwork(nn.Module):
         first, second, third, fourth = size.widths
         self.size = size
         self.landmarks = landmarks
-        self.stem = _unit(3 * HALF**2, size.stem)
+        self.stem = unit(3 * HALF**2, size.stem)
         self.down = nn.ModuleList(
             [
-                nn.Sequential(_unit(size.stem, first, stride=2), Residual(first)),
-                nn.Sequential(_unit(first, second, stride=2), Residual(second)),
-                nn.Sequential(_unit(second, third, stride=2), *(Residual(third) for _ in range(size.depth))),
-                nn.Sequential(_unit(third, fourth, stride=2), *(Residual(fourth) for _ in range(size.depth))),
+                nn.Sequential(unit(size.stem, first, stride=2), Residual(first)),
+                nn.Sequential(unit(first, second, stride=2), Residual(second)),
+                nn.Sequential(unit(second, third, stride=2), *(Residual(third) for _ in range(size.depth))),
+                nn.Sequential(unit(third, fourth, stride=2), *(Residual(fourth) for _ in range(size.depth))),
             ]
         )
-        self.up = nn.ModuleList([_unit(b, a, kernel=1) for a, b in ((third, fourth), (second, third), (first, second))])
+        self.up = nn.ModuleList([unit(b, a, kernel=1) for a, b in ((third, fourth), (second, third), (first, second))])
         self.join = nn.ModuleList([Residual(width) for width in (third, second, first)])
-        self.near_face = _unit(third, first)
+        self.near_face = unit(third, first)
         self.face = nn.Conv2d(first, 6, 1)
         self.heat = nn.Conv2d(first, landmarks, 1)
         self.about = nn.Parameter(torch.empty(landmarks, first, 3))
@@ -132,25 +133,6 @@ class DetectorNetwork(nn.Module):
         return HeatMaps(logits, mean, total.log() + highest[:, :, 0, 0], covariance, about[..., 2])
 
 
-class Residual(nn.Module):
-    """Two convolutions that add to what goes in."""
-
-    def __init__(self, width: int) -> None:
-        super().__init__()
-        self.first = _unit(width, width)
-        self.second = nn.Conv2d(width, width, 3, padding=1, bias=False)
-        self.norm = nn.BatchNorm2d(width)
-
-    def forward(self, values: torch.Tensor) -> torch.Tensor:
-        """(B, C, H, W) to the same."""
-        return functional.relu(values + self.norm(self.second(self.first(values))))
-
-
-def _unit(inputs: int, outputs: int, kernel: int = 3, stride: int = 1) -> nn.Sequential:
-    convolution = nn.Conv2d(inputs, outputs, kernel, stride, kernel // 2, bias=False)
-    return nn.Sequential(convolution, nn.BatchNorm2d(outputs), nn.ReLU(inplace=True))
-
-
 def _twice(values: torch.Tensor) -> torch.Tensor:
     return functional.interpolate(values, scale_factor=2, mode="nearest")
 
@@ -186,15 +168,7 @@ def _calibrated(spread: torch.Tensor, about: torch.Tensor) -> torch.Tensor:
 
 def _start(network: DetectorNetwork, generator: torch.Generator) -> None:
     """Draw the initial weights."""
-    for module in network.modules():
-        if isinstance(module, nn.Conv2d):
-            # As processors like it best.
-            module.weight.data = module.weight.data.contiguous(memory_format=torch.channels_last)
-            nn.init.kaiming_normal_(module.weight, nonlinearity="relu", generator=generator)
-            if module.bias is not None:
-                nn.init.zeros_(module.bias)
-        if isinstance(module, Residual):
-            nn.init.zeros_(module.norm.weight)
+    start_convolutions(network, generator)
     last = (network.face, network.heat, network.regions, network.edges)
     for layer in last:
         nn.init.normal_(layer.weight, std=1e-2, generator=generator)

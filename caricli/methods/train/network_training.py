@@ -1,0 +1,172 @@
+"""What trainings of networks on windows of pictures have in common."""
+
+import copy
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from math import cos, pi
+from typing import Any
+
+import torch
+
+from caricli.errors import InputError, NumericsError
+from caricli.methods.train.require_like import adam_form, require_like
+from caricli.methods.train.train_autodecoder import EpochRecord, Share
+
+WARM_UP = 200
+"""Steps in which the learning rate rises, of a training at least ``WARM_UP_SHARE`` times as long."""
+
+WARM_UP_SHARE = 20
+"""At most one in so many steps is for warming up."""
+
+STEEPEST = 5.0
+"""Length to which gradients are cut."""
+
+
+class NetworkTraining(ABC):
+    """Training of a network in steps that can stop after any epoch and go on from ``state()`` as if it had not.
+
+    What is kept is the moving average of the weights. Every draw comes from (seed, epoch, step, window), so nothing but
+    weights, moments and counters has to be kept. With several processes each takes its share of every batch, and
+    gradients are summed; normalisation is over the share.
+    """
+
+    def __init__(self, make: Callable[[torch.Generator], Any], config: Any, share: Share) -> None:
+        """make: a network with random weights.
+
+        config: with ``epochs``, ``steps`` of one, ``learning_rate`` and ``weight_decay`` of AdamW, ``decay`` of the
+        average, ``validate_every`` and ``seed``.
+        """
+        self.config = config
+        self.share = share
+        self.epoch = 0
+        self.best = float("inf")
+        generator = torch.Generator().manual_seed(config.seed)
+        self.network = make(generator)
+        self.average = make(generator)
+        self.average.load_state_dict(self.network.state_dict())
+        learned = [parameter for parameter in self.network.parameters() if parameter.requires_grad]
+        self.optimiser = torch.optim.AdamW(
+            learned, lr=config.learning_rate, weight_decay=config.weight_decay, fused=True
+        )
+
+    @abstractmethod
+    def _draw(self, step: int) -> Any:
+        """This process's windows of a step."""
+
+    @abstractmethod
+    def _loss(self, drawn: Any) -> tuple[torch.Tensor, torch.Tensor]:
+        """The loss of windows, and an error that is logged beside it."""
+
+    @abstractmethod
+    def _validate(self) -> float:
+        """The error of the average on what it has not seen."""
+
+    @property
+    def ended(self) -> bool:
+        """Whether all epochs are done."""
+        return self.epoch >= self.config.epochs
+
+    def copied_average(self) -> Any:
+        """What is kept of the training, as a network of its own."""
+        return copy.deepcopy(self.average)
+
+    def state(self) -> dict:
+        """Everything that the rest of the training depends on, for torch.save."""
+        return {
+            "network": self.network.state_dict(),
+            "average": self.average.state_dict(),
+            "optimiser": self.optimiser.state_dict(),
+            "counters": [self.epoch, self.best],
+        }
+
+    def load_state(self, state: dict) -> None:
+        """Go on from a state that ``state()`` gave. Raises InputError when it is of another training."""
+        form = self.state() | {"optimiser": adam_form(self.optimiser, state.get("optimiser"))}
+        require_like({name: state.get(name) for name in form}, form)
+        self.network.load_state_dict(state["network"])
+        self.average.load_state_dict(state["average"])
+        self.optimiser.load_state_dict(state["optimiser"])
+        self.epoch, self.best = state["counters"]
+
+    def epochs(self) -> Iterator[EpochRecord]:
+        """Train, and yield what came of it after every epoch. Raises NumericsError when the loss is not finite."""
+        config = self.config
+        # Under deterministic algorithms PyTorch would fill all memory that it takes before it is written.
+        torch.utils.deterministic.fill_uninitialized_memory = False  # type: ignore[attr-defined]
+        while not self.ended:
+            loss, error = self._train_epoch()
+            self.epoch += 1
+            validation = None
+            best = False
+            if self.epoch % config.validate_every == 0 or self.ended:
+                validation = self._validate()
+                best = validation < self.best
+                self.best = min(validation, self.best)
+            yield EpochRecord(self.epoch, loss, error, validation, best)
+
+    def _train_epoch(self) -> tuple[float, float]:
+        self.network.train()
+        sums = torch.zeros(2)
+        with ThreadPoolExecutor(1) as drawer:
+            # The windows of the next step are drawn while this one is taken.
+            next_draw = drawer.submit(self._draw, 0)
+            for step in range(self.config.steps):
+                drawn = next_draw.result()
+                if step + 1 < self.config.steps:
+                    next_draw = drawer.submit(self._draw, step + 1)
+                self._set_rate(self.epoch * self.config.steps + step)
+                sums += self._step(step, drawn)
+        if self.share.count > 1:
+            self._share_buffers()
+        loss, error = (sums / self.config.steps).tolist()
+        return loss, error
+
+    def _step(self, step: int, drawn: Any) -> torch.Tensor:
+        """Go one step down, on windows of ``_draw``. Returns loss and error, of all processes together."""
+        loss, error = self._loss(drawn)
+        figures = torch.stack([loss.detach(), error]) / self.share.count
+        self.optimiser.zero_grad()
+        (loss / self.share.count).backward()
+        if self.share.count > 1:
+            for group in self.optimiser.param_groups:
+                for parameter in group["params"]:
+                    torch.distributed.all_reduce(parameter.grad)
+            torch.distributed.all_reduce(figures)
+        if not torch.isfinite(figures).all():
+            raise NumericsError(f"the loss of epoch {self.epoch + 1} is not finite: a smaller learning_rate may help")
+        torch.nn.utils.clip_grad_norm_(self.network.parameters(), STEEPEST)
+        self.optimiser.step()
+        self._follow(self.epoch * self.config.steps + step)
+        return figures
+
+    @torch.no_grad()
+    def _follow(self, step: int) -> None:
+        """Let the average follow the weights: of the first steps quickly, because it starts where they did."""
+        decay = min(self.config.decay, (1 + step) / (10 + step))
+        for own, value in zip(self.average.state_dict().values(), self.network.state_dict().values(), strict=True):
+            if own.is_floating_point():
+                own.lerp_(value, 1 - decay)
+            else:
+                own.copy_(value)
+
+    def _set_rate(self, step: int) -> None:
+        total = self.config.epochs * self.config.steps
+        factor = min(1.0, (step + 1) / min(WARM_UP, 1 + total // WARM_UP_SHARE))
+        for group in self.optimiser.param_groups:
+            group["lr"] = self.config.learning_rate * factor * 0.5 * (1 + cos(pi * step / total))
+
+    def _share_buffers(self) -> None:
+        """Let all processes have the same statistics of normalisation, their mean: that of the first is stored."""
+        for network in (self.network, self.average):
+            for buffer in network.buffers():
+                if buffer.is_floating_point():
+                    torch.distributed.all_reduce(buffer)
+                    buffer /= self.share.count
+
+
+def require_faces(training: Any, unseen: Any) -> None:
+    """Refuse pictures to train and to validate on of which one has no ``faces``. Raises InputError."""
+    for name, pictures in (("train", training), ("validate", unseen)):
+        if not len(pictures.faces):
+            raise InputError(f"expected pictures with faces to {name} on, found none")

@@ -1,0 +1,42 @@
+"""The weights of a network for pictures as a file holds them."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import torch
+
+from caricli.errors import InputError, shown
+from caricli.structures.checks import number_problem, refuse
+
+
+def network_weights(network: torch.nn.Module) -> dict[str, np.ndarray]:
+    """Arrays by name: weights in half precision, statistics of normalisation and other columns in single."""
+    arrays = {name: value.numpy() for name, value in _weights(network).items()}
+    return {name: value.astype(np.float16 if value.ndim > 1 else np.float32) for name, value in arrays.items()}
+
+
+def load_weights(network: torch.nn.Module, tensors: Mapping[str, np.ndarray]) -> None:
+    """Put arrays into a network that they fit. Raises InputError when they are those of another one."""
+    own = _weights(network)
+    if sorted(own) != sorted(tensors):
+        odd = sorted(set(own) ^ set(tensors))[0]
+        raise InputError(f"expected the weights of such a network, found others ({shown(odd, 60)})")
+    for name, value in own.items():
+        array = tensors[name]
+        refuse(number_problem(name, array))
+        if array.shape != tuple(value.shape) or array.dtype.kind != "f":
+            raise InputError(f"{name}: expected {tuple(value.shape)}, found {array.dtype} {array.shape}")
+        value.copy_(torch.from_numpy(np.asarray(array, np.float32)))
+
+
+def whole_number(value: Any, limits: Sequence[int], name: str) -> int:
+    """A whole number of a file's description. limits: least and greatest. Raises InputError for anything else."""
+    if type(value) is not int or not limits[0] <= value <= limits[1]:
+        raise InputError(f"expected a {name} from {limits[0]} to {limits[1]}, found {shown(value, 60)!r}")
+    return value
+
+
+def _weights(network: torch.nn.Module) -> dict[str, torch.Tensor]:
+    """Its tensors by name, without counters."""
+    return {name: value.detach() for name, value in network.state_dict().items() if value.is_floating_point()}

@@ -1,0 +1,52 @@
+"""The units that the networks for pictures are made of."""
+
+import torch
+from torch import nn
+from torch.nn import functional
+
+
+class Residual(nn.Module):
+    """Two convolutions that add to what goes in (He et al. 2016)."""
+
+    def __init__(self, width: int) -> None:
+        super().__init__()
+        self.first = unit(width, width)
+        self.second = nn.Conv2d(width, width, 3, padding=1, bias=False)
+        self.norm = nn.BatchNorm2d(width)
+
+    def forward(self, values: torch.Tensor) -> torch.Tensor:
+        """(B, C, H, W) to the same."""
+        return functional.relu(values + self.norm(self.second(self.first(values))))
+
+
+class Bottleneck(nn.Module):
+    """Three convolutions that add to what goes in, the middle one a quarter as wide, as of a ResNet-50."""
+
+    def __init__(self, width: int) -> None:
+        super().__init__()
+        self.first = nn.Sequential(unit(width, width // 4, kernel=1), unit(width // 4, width // 4))
+        self.second = nn.Conv2d(width // 4, width, 1, bias=False)
+        self.norm = nn.BatchNorm2d(width)
+
+    def forward(self, values: torch.Tensor) -> torch.Tensor:
+        """(B, C, H, W) to the same."""
+        return functional.relu(values + self.norm(self.second(self.first(values))))
+
+
+def unit(inputs: int, outputs: int, kernel: int = 3, stride: int = 1) -> nn.Sequential:
+    """A convolution, normalised and rectified."""
+    convolution = nn.Conv2d(inputs, outputs, kernel, stride, kernel // 2, bias=False)
+    return nn.Sequential(convolution, nn.BatchNorm2d(outputs), nn.ReLU(inplace=True))
+
+
+def start_convolutions(network: nn.Module, generator: torch.Generator) -> None:
+    """Draw the initial weights of all convolutions; what adds to something adds nothing at first."""
+    for module in network.modules():
+        if isinstance(module, nn.Conv2d):
+            # As processors like it best.
+            module.weight.data = module.weight.data.contiguous(memory_format=torch.channels_last)
+            nn.init.kaiming_normal_(module.weight, nonlinearity="relu", generator=generator)
+            if module.bias is not None:
+                nn.init.zeros_(module.bias)
+        if isinstance(module, Residual | Bottleneck):
+            nn.init.zeros_(module.norm.weight)
