@@ -104,7 +104,7 @@ def build_pictures(
     make = partial(PictureSource, dataset.template, model, settings.size, settings.seed)
     faces = 0
     with worker_pool(workers, make) as run:
-        for unit in run(PictureSource.draw, _tasks(dataset, settings)):
+        for unit in run(PictureSource.draw, drawing_tasks(dataset, settings)):
             for picture in unit:
                 rows = [face.pop("row") for face in picture.faces]
                 labels = [
@@ -133,7 +133,7 @@ def build_pictures(
     return {"pictures": writer.count, "faces": faces}
 
 
-def _tasks(dataset: Dataset, settings: PictureSettings) -> Iterator[Task]:
+def drawing_tasks(dataset: Dataset, settings: PictureSettings) -> Iterator[Task]:
     """Units of work; people of one split are together, so that no picture shows people of two."""
     scene = SceneSettings()
     generator = np.random.default_rng([settings.seed, PictureSeed.ORDER])

@@ -14,6 +14,7 @@ from caricli.methods.pictures.background import random_colour
 from caricli.methods.pictures.eyes import Eyes
 from caricli.methods.pictures.glasses import random_glasses
 from caricli.methods.pictures.hair import random_beard, random_hat, random_wig
+from caricli.methods.pictures.mime import is_usual_head, random_mime
 from caricli.methods.pictures.piece import Piece, join_pieces, make_piece
 from caricli.methods.pictures.settings import SitterSettings
 from caricli.methods.pictures.wrinkles import WrinkleLines
@@ -27,7 +28,6 @@ from caricli.structures.landmarks import POINT_NAMES
 from caricli.structures.materials import FINISHES
 from caricli.structures.parsing import Region
 from caricli.template.fine_mesh import fine_mesh
-from caricli.template.head import load_head
 from caricli.template.template import Template
 
 REGIONS = {
@@ -37,16 +37,6 @@ REGIONS = {
     Material.LASHES: Region.EYES,
 }
 """What parts of a head are in a label map."""
-
-TWISTS = ("jawLeft", "jawRight", "mouthLeft", "mouthRight", "eyeBlinkLeft", "eyeBlinkRight", "browDownLeft",
-          "browOuterUpRight", "mouthSmileLeft", "mouthSmileRight", "cheekPuff", "jawOpen", "eyeSquintLeft")  # fmt: skip
-"""Actions that pull at a face beside its expression."""
-
-GRIN = {
-    "mouthSmileLeft": 0.6, "mouthSmileRight": 0.6, "mouthUpperUpLeft": 0.7, "mouthUpperUpRight": 0.7,
-    "mouthLowerDownLeft": 0.7, "mouthLowerDownRight": 0.7, "mouthStretchLeft": 0.3, "mouthStretchRight": 0.3,
-}  # fmt: skip
-"""Weights of actions that bare the teeth, at the most."""
 
 _SPHERE = ShellSettings(coarse=(40, 48))
 
@@ -81,7 +71,7 @@ class Wardrobe:
         self.painter = AlbedoPainter(template, self.fine.weights, grain)
         self.wrinkles = WrinkleLines(self.painter)
         self.attachment = attachment_for(template)
-        self.open_head = self.attachment is not None and template.parts is None
+        self.open_head = is_usual_head(template)
         self.regions = self._skin_regions()
         self.beards = self._beards()
         self.stiff = template.mask("ear_left", "ear_right", "inner_mouth", "eye_socket_left", "eye_socket_right")
@@ -91,7 +81,8 @@ class Wardrobe:
         settings = self.settings
         appearance = random_appearance(generator)
         if self.open_head:
-            vertices = vertices + self._mime(vertices, generator)
+            chances = (settings.twisted, settings.grinning)
+            vertices = vertices + random_mime(vertices, self.template, chances, generator)
         head = self.template.with_vertices(vertices)
         worn, scalp = self._headwear(head, appearance, generator)
         skin = self._skin(head, replace(appearance, scalp=scalp), generator)
@@ -139,22 +130,6 @@ class Wardrobe:
         full = np.maximum(jaw, around)
         return {name: field * bare * front for name, field in
                 (("full", full), ("goatee", goatee), ("moustache", moustache))}  # fmt: skip
-
-    def _mime(self, vertices: np.ndarray, generator: np.random.Generator) -> np.ndarray:
-        """(V, 3) what a few actions of the usual head do, in the size of this one."""
-        head = load_head()
-        weights = np.zeros(len(head.action_names))
-        if generator.random() < self.settings.twisted:
-            for name in generator.choice(TWISTS, int(generator.integers(1, 3)), replace=False):
-                weights[head.action_names.index(name)] += generator.uniform(0.15, 0.6)
-        if generator.random() < self.settings.grinning:
-            strength = generator.uniform(0.4, 1.0)
-            for name, weight in GRIN.items():
-                weights[head.action_names.index(name)] += strength * weight
-            weights[head.action_names.index("jawOpen")] += generator.uniform(0, 0.25)
-        size = np.ptp(vertices[:, 1]) / np.ptp(self.template.vertices[:, 1])
-        chosen = weights > 0
-        return size * np.tensordot(weights[chosen], head.actions[chosen], 1)
 
     def _skin(self, head: Template, appearance: Appearance, generator: np.random.Generator) -> Piece:
         colour = to_linear(self.painter.draw(appearance))
