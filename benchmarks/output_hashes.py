@@ -22,6 +22,7 @@ ROOT = Path(__file__).parents[1]
 ASTRONAUT = ROOT / "examples" / "astronaut"
 TINY = "--set epochs=2 --set points=32 --set width=16 --set hidden=16 --set latent=8"
 SEER = "--set width=16 --set stem=8 --set depth=1 --set size=64 --set steps=150 --set batch=16 --set precision=float32"
+TELLER = "--set size=64 --set epochs=1 --set steps=8 --set rounds=2 --set batch=8 --set painted=2 --set unmarked=0"
 
 # Every line is run in turn in one folder; what it writes goes into a folder of its own, or beside the others.
 COMMANDS = f"""
@@ -59,6 +60,8 @@ reconstruct-from-landmarks landmarks.json --image astronaut.png --out face.obj
 reconstruct-from-landmarks landmarks.json --method latent --prior-weight 2 --out latent.obj --subdivide 1
 reconstruct-from-landmarks landmarks.json --method latent --model deformable --out deformable.obj
 fit-morphable landmarks.json --image astronaut.png --out regular.obj
+train coarse --data many --pictures portraits --detector seer/model.safetensors --out teller {TELLER}
+fit-coarse landmarks.json --image astronaut.png --network teller/model.safetensors --out told.obj
 fit-morphable landmarks.json --expression-only --identity regular.npz --out expression.obj
 refine face.npz landmarks.json --image astronaut.png --out refined.obj
 texture refined.npz astronaut.png --out textured --size 256

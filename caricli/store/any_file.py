@@ -25,6 +25,8 @@ from caricli.io.stl import read_stl
 from caricli.io.strict_json import read_json
 from caricli.methods.inspect.inspection import Acquaintances, Animated
 from caricli.models.checkpoint import model_from_checkpoint
+from caricli.models.coarse.model import SCHEMA as COARSE_SCHEMA
+from caricli.models.coarse.model import coarse_from_checkpoint
 from caricli.models.detector.model import SCHEMA as DETECTOR_SCHEMA
 from caricli.models.detector.model import detector_from_checkpoint
 from caricli.models.kinds import KINDS
@@ -50,12 +52,13 @@ _JSON: dict[str, Callable[[Path], Any]] = {
 _WEIGHTS: dict[Any, Callable[..., Any]] = {
     LANDMARK_MAP_SCHEMA: map_from_checkpoint,
     DETECTOR_SCHEMA: detector_from_checkpoint,
+    COARSE_SCHEMA: coarse_from_checkpoint,
 }
 
 
 def load_any(path: Path) -> Any:
     """What a file or folder holds, told by its content: one of the structures, a Dataset, a ShapeModel, a LandmarkMap,
-    a Detector, the dict of a report or of expressions, or the array of a picture.
+    a Detector, a CoarseModel, the dict of a report or of expressions, or the array of a picture.
 
     Raises InputError when it is none of them, or damaged.
     """

@@ -43,6 +43,9 @@ from caricli.io.track import read_weights, write_weights
 from caricli.io.training_state import read_state, write_state
 from caricli.methods.edit.handle_points import handle_points
 from caricli.models.checkpoint import model_to_checkpoint
+from caricli.models.coarse.config import CoarseSize
+from caricli.models.coarse.model import CoarseModel, coarse_to_checkpoint
+from caricli.models.coarse.networks import CoarseNetwork
 from caricli.models.deformable.config import DeformableConfig, NetworkSize
 from caricli.models.deformable.model import DeformableModel
 from caricli.models.deformable.networks import HyperSiren
@@ -59,6 +62,7 @@ from caricli.models.pca.model import PcaModel
 from caricli.models.prior import Prior
 from caricli.models.shape_model import ShapeModel
 from caricli.store.any_file import load_any
+from caricli.store.coarse import load_coarse
 from caricli.store.detector import load_detector
 from caricli.store.faces import load_latent_face
 from caricli.store.handles import load_handles
@@ -266,6 +270,12 @@ def _write_detector(path: Path) -> None:
     write_checkpoint(path, *detector_to_checkpoint(Detector(network, 64)))
 
 
+def _write_coarse(path: Path) -> None:
+    size = CoarseSize(4, (8, 8, 8, 8), (0, 0, 0, 0), False, 2, 4)
+    network = CoarseNetwork(size, 81, 20, torch.Generator().manual_seed(0))
+    write_checkpoint(path, *coarse_to_checkpoint(CoarseModel(network, 64, "none")))
+
+
 def _picture_of_eyes(path: Path) -> None:
     write_json(path.with_suffix(".json"), {"schema": "caricli.parsing/1", "labels": {"skin": 1}})
     _picture("PNG", "L")(path)
@@ -463,6 +473,7 @@ def _all() -> list[Reader]:
         Reader("directions.npz", read_directions, (lambda path: write_directions(path, _directions()),), mutate_arrays),
         Reader("model.safetensors", _use_model, _model_seeds(), mutate_tensors),
         Reader("detector.safetensors", load_detector, (_write_detector,), mutate_tensors),
+        Reader("coarse.safetensors", load_coarse, (_write_coarse,), mutate_tensors),
         Reader("map.safetensors", _map_marks, (_write_map,), mutate_tensors),
         Reader("any.safetensors", read_checkpoint, (_write_map,)),
         Reader("state.pt", read_state, (_state,), mutate_members),

@@ -13,6 +13,7 @@ from caricli.geometry.deformation_gradients import DeformationGradients
 from caricli.geometry.flipped_triangles import flipped_triangles
 from caricli.methods.inspect.inspection import Acquaintances, Animated, Inspection, MeshWords
 from caricli.methods.rig.check_rig import RigCheck, check_rig
+from caricli.models.coarse.model import CoarseModel
 from caricli.models.detector.model import Detector
 from caricli.models.landmark_map.model import LandmarkMap
 from caricli.structures import Cues, Directions, Face, Landmarks, Material, Mesh, Rig, Track
@@ -198,6 +199,15 @@ def _(value: Detector, around: Acquaintances) -> Inspection:
     weights = sum(parameter.numel() for parameter in value.network.parameters())
     summary = f"{weights / 1e6:.1f} million weights, for faces in windows of {value.size} pixels"
     return Inspection("detector", summary, (), {"weights": weights, "size": value.size, "model_id": value.model_id})
+
+
+@describe.register
+def _(value: CoarseModel, around: Acquaintances) -> Inspection:
+    weights = sum(parameter.numel() for parameter in value.network.parameters())
+    summary = f"{weights / 1e6:.1f} million weights, for faces in windows of {value.size} pixels"
+    lines = (f"coefficients: {value.network.outputs}, of {around.model_name(value.basis)}",)
+    figures = {"weights": weights, "size": value.size, "model_id": value.model_id, "basis": value.basis}
+    return Inspection("coarse network", summary, lines, figures)
 
 
 @describe.register

@@ -1,0 +1,1 @@
+"""The network from a picture to the coefficients of the morphable model."""

@@ -1,0 +1,115 @@
+"""Settings of the coarse network and of its training."""
+
+from dataclasses import dataclass
+
+from caricli.models.config import MAX_SEED, check_ranges
+
+_SIZES = {"stem": (4, 512), "kept": (1, 4096), "hidden": (1, 8192)}
+_RANGES = _SIZES | {
+    "size": (64, 512), "epochs": (1, 10**6), "steps": (1, 10**6), "batch": (2, 4096), "rounds": (1, 1000),
+    "painted": (0, 4096), "unmarked": (0, 4096), "learning_rate": (1e-9, 1), "weight_decay": (0, 10),
+    "decay": (0, 0.99999),
+    "shape_weight": (0, 1e6), "turn_weight": (0, 1e6), "albedo_weight": (0, 1e6), "coefficient_weight": (0, 1e6),
+    "energy_weight": (0, 1e6), "validation": (1, 10**5), "validate_every": (1, 10**6), "checkpoint_seconds": (0, 10**5),
+    "seed": (0, MAX_SEED),
+}  # fmt: skip
+_PRECISIONS = ("float32", "bfloat16")
+_STEP = 32
+"""Pixels that the network reduces to one: a window has a multiple of them."""
+
+_LEVELS = 4
+
+
+@dataclass(frozen=True)
+class CoarseSize:
+    """Size of the network.
+
+    stem: channels at half of the window's size. widths, blocks: channels and residual blocks at 1/4, 1/8, 1/16 and
+    1/32 of it. bottleneck: whether a block is one of three convolutions with a narrow middle instead of two. kept:
+    channels of the last level that go on, for each of 4 x 4 places. hidden: numbers between them and the coefficients.
+    landmarks: whether it is told the landmarks beside the picture.
+    Raises ValueError for impossible sizes.
+    """
+
+    stem: int = 16
+    widths: tuple[int, ...] = (64, 96, 128, 160)
+    blocks: tuple[int, ...] = (1, 1, 2, 2)
+    bottleneck: bool = False
+    kept: int = 48
+    hidden: int = 384
+    landmarks: bool = True
+
+    def __post_init__(self) -> None:
+        """Refuse impossible sizes."""
+        check_ranges(self, _SIZES)
+        for name, limits in (("widths", (4, 4096)), ("blocks", (0, 64))):
+            values = getattr(self, name)
+            if len(values) != _LEVELS or not all(limits[0] <= value <= limits[1] for value in values):
+                raise ValueError(f"{name} must be {_LEVELS} numbers from {limits[0]} to {limits[1]}, found {values}")
+
+
+@dataclass(frozen=True)
+class CoarseConfig:
+    """Settings of a coarse network's training.
+
+    With the defaults the network has 5.3 MB in half precision, and its encoder is that of the bundled detector, with
+    whose weights it begins.
+
+    stem, widths, blocks, bottleneck, kept, hidden, landmarks: see CoarseSize. size: of the windows, pixels; a multiple
+    of 32. epochs; steps: in an epoch; rounds: how often its windows are gone through: with more than one the encoder
+    stays as it is, and the rest costs little. batch: windows a step, of which ``unmarked`` are of pictures without
+    truth, where there are any, and ``painted`` are drawn for the photometric loss. learning_rate, weight_decay: of
+    AdamW, with a cosine schedule. decay: of the weights' moving average, a step. shape_weight: of the mean distance of
+    the vertices to the true ones, percent of the head's height. turn_weight: of the rotations' squared difference.
+    albedo_weight: of the mean difference of the colours, 1 is white. coefficient_weight: of the mean squared difference
+    of the face's coefficients. energy_weight: of equation 3, whose own weights are as published. precision: of the
+    convolutions. validation: faces measured at a validation. validate_every: epochs. checkpoint_seconds: between two
+    checkpoints.
+    Raises ValueError for impossible sizes.
+    """
+
+    stem: int = 16
+    widths: tuple[int, ...] = (64, 96, 128, 160)
+    blocks: tuple[int, ...] = (1, 1, 2, 2)
+    bottleneck: bool = False
+    kept: int = 48
+    hidden: int = 384
+    landmarks: bool = True
+    size: int = 128
+    epochs: int = 200
+    steps: int = 50
+    rounds: int = 1
+    batch: int = 32
+    painted: int = 6
+    unmarked: int = 8
+    learning_rate: float = 1e-3
+    weight_decay: float = 1e-2
+    decay: float = 0.998
+    shape_weight: float = 1.0
+    turn_weight: float = 5.0
+    albedo_weight: float = 2.0
+    coefficient_weight: float = 0.02
+    energy_weight: float = 1.0
+    precision: str = "bfloat16"
+    validation: int = 200
+    validate_every: int = 5
+    checkpoint_seconds: int = 60
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        """Refuse impossible sizes."""
+        check_ranges(self, _RANGES)
+        self.network()
+        if self.size % _STEP:
+            raise ValueError(f"size must be a multiple of {_STEP}, found {self.size}")
+        if self.steps % self.rounds:
+            raise ValueError(f"steps must be a multiple of rounds, {self.rounds}, found {self.steps}")
+        if self.painted + self.unmarked >= self.batch:
+            raise ValueError(f"painted and unmarked together must be less than batch, {self.batch}, found more")
+        if self.precision not in _PRECISIONS:
+            raise ValueError(f"precision must be {' or '.join(_PRECISIONS)}, found {self.precision!r}")
+
+    def network(self) -> CoarseSize:
+        """The CoarseSize."""
+        network = (self.stem, self.widths, self.blocks, self.bottleneck, self.kept, self.hidden, self.landmarks)
+        return CoarseSize(*network)

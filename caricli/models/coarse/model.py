@@ -1,0 +1,118 @@
+"""The coarse network as it is used: weights, and what its windows and its coefficients are."""
+
+from collections.abc import Mapping
+from dataclasses import asdict, fields
+from typing import Any
+
+import numpy as np
+import torch
+
+from caricli.errors import InputError, naming, shown
+from caricli.models.checkpoint import model_id
+from caricli.models.coarse.config import CoarseSize
+from caricli.models.coarse.networks import CoarseNetwork
+from caricli.models.network_weights import load_weights, network_weights, whole_number
+from caricli.structures.landmarks import SCHEMES
+
+SCHEMA = "caricli.coarse/1"
+KIND = "coarse"
+LANDMARKS = max(SCHEMES)
+"""Landmarks that it may be told."""
+
+SHARE = 1.6
+"""Of a window's side to that of the face in it."""
+
+_SIDES = (64, 512)
+_OUTPUTS = (16, 10**4)
+
+
+class CoarseModel:
+    """Tells the coefficients of the morphable model of a face in a window."""
+
+    def __init__(self, network: CoarseNetwork, size: int, basis: str, recipe: Any = None) -> None:
+        """network: weights. size: of its windows, pixels. basis: ``model_id`` of the morphable model whose coefficients
+        it tells. recipe: JSON value, how it was trained, or None.
+        """
+        self.network = network.eval()
+        self.size = size
+        self.basis = basis
+        self.recipe = recipe
+        for parameter in network.parameters():
+            parameter.requires_grad_(False)
+
+    @property
+    def model_id(self) -> str:
+        """SHA-256 of its weights."""
+        return model_id(KIND, self.tensors())
+
+    @property
+    def doubt(self) -> np.ndarray:
+        """(D,) how far coefficients usually are from the likeliest ones of true faces, root mean squares."""
+        return self.network.doubt.double().numpy()
+
+    @torch.inference_mode()
+    def read(self, windows: np.ndarray, points: np.ndarray) -> np.ndarray:
+        """Coefficients (B, D), pixels in those of the windows.
+
+        windows: (B, S, S, 3) uint8, S = ``size``. points: (B, 81, 2) their pixels, NaN where unknown.
+        """
+        pixels = torch.from_numpy(windows.astype(np.float32) / 255).permute(0, 3, 1, 2)
+        return self.network(pixels, torch.from_numpy(shares(points, self.size))).double().numpy()
+
+    def tensors(self) -> dict[str, np.ndarray]:
+        """Arrays by name, see ``network_weights``."""
+        return network_weights(self.network)
+
+
+def shares(points: np.ndarray, size: int) -> np.ndarray:
+    """Landmarks (..., 2) in pixels of a window of so many as shares of its side, float32."""
+    return ((points + 0.5) / size).astype(np.float32)
+
+
+def coarse_to_checkpoint(model: CoarseModel) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
+    """A model as (tensors, metadata), from which ``coarse_from_checkpoint`` rebuilds it."""
+    about = {"schema": SCHEMA, "network": asdict(model.network.size), "outputs": model.network.outputs}
+    return model.tensors(), about | {"size": model.size, "basis": model.basis, "recipe": model.recipe}
+
+
+def coarse_from_checkpoint(
+    tensors: Mapping[str, np.ndarray], metadata: Mapping[str, Any], where: object
+) -> CoarseModel:
+    """Rebuild a CoarseModel.
+
+    tensors, metadata: of ``coarse_to_checkpoint``, read from a file. where: its name, for messages.
+    Raises InputError when something is missing or does not fit.
+    """
+    with naming(where):
+        if metadata.get("schema") != SCHEMA:
+            raise InputError(
+                f"expected a coarse network of schema {SCHEMA!r}, found {shown(metadata.get('schema'), 60)!r}"
+            )
+        size = whole_number(metadata.get("size"), _SIDES, "size")
+        outputs = whole_number(metadata.get("outputs"), _OUTPUTS, "number of outputs")
+        basis = metadata.get("basis")
+        if not isinstance(basis, str):
+            raise InputError(f"expected the morphable model that it belongs to, found {shown(basis, 60)!r}")
+        network = CoarseNetwork(_size(metadata.get("network")), LANDMARKS, outputs, torch.Generator())
+        load_weights(network, tensors)
+        return CoarseModel(network, size, basis, metadata.get("recipe"))
+
+
+def _size(about: Any) -> CoarseSize:
+    names = [field.name for field in fields(CoarseSize)]
+    if not isinstance(about, dict) or sorted(about) != sorted(names):
+        raise InputError(f"expected a network of {', '.join(names)}, found {shown(about, 60)!r}")
+    values = dict(about)
+    for name in ("widths", "blocks"):
+        if not isinstance(values[name], list):
+            raise InputError(f"expected a list of {name}, found {shown(values[name], 60)!r}")
+        values[name] = tuple(whole_number(value, (0, 4096), name) for value in values[name])
+    for name in ("bottleneck", "landmarks"):
+        if type(values[name]) is not bool:
+            raise InputError(f"expected {name} true or false, found {shown(values[name], 60)!r}")
+    for name in ("stem", "kept", "hidden"):
+        values[name] = whole_number(values[name], (1, 8192), name)
+    try:
+        return CoarseSize(**values)
+    except ValueError as error:
+        raise InputError(str(error)) from error
