@@ -25,7 +25,7 @@ class WatercolourSettings:
     """
 
     wash: float = 2.6
-    fine: float = 1.0
+    fine: float = 0.6
     wobble: float = 0.7
     thin: float = 0.62
     saturation: float = 1.5
