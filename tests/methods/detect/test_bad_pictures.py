@@ -5,13 +5,18 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
+from PIL import Image
 from skimage import data
 
 import caricli
+from caricli.data.texture_painter import draw_albedo
 from caricli.errors import InputError
+from caricli.io.image import read_image
 from caricli.io.landmarks import read_landmarks
 from caricli.methods.detect.see_face import see_face
+from caricli.render.render_textured import render_textured
 from caricli.store.detector import load_detector
+from caricli.structures import Camera, Pictures, Rig
 
 ROOT = Path(caricli.__file__).parents[1]
 FAR = 8.0  # percent of the diagonal, from which on landmarks are another face's
@@ -123,3 +128,44 @@ def test_a_face_that_is_hard_to_see_is_never_confidently_wrong(name, detector, p
     pixels, points = HARD[name](*portrait)
     seen = seen_or_refused(pixels, detector)
     assert seen is None or seen.doubt or error(seen, points) < FAR
+
+
+def test_a_profile_is_never_confidently_wrong(detector, head, head_template):
+    vertices = head.evaluate(gender=0.3, age=0.6)
+    skin = draw_albedo(head_template, np.random.default_rng(3), "soft", 256)
+    mesh = head_template.with_vertices(vertices.astype(np.float32))
+    rig = Rig((), mesh, np.zeros((0, *vertices.shape), np.float32), pictures=Pictures(skin))
+    turn = np.radians(80)
+    aside = np.array([[np.cos(turn), 0, np.sin(turn)], [0, 1, 0], [-np.sin(turn), 0, np.cos(turn)]])
+    camera = Camera(1050.0, np.diag([1.0, -1, -1]) @ aside, np.array([150.0, 290.0]))
+    pixels = render_textured(rig, camera.place(vertices), 300, 300, paper=np.array([60.0, 90, 160]))
+    points = camera.project(vertices[list(head_template.annotation.landmarks[:68])])
+    seen = seen_or_refused(pixels, detector)
+    assert seen is None or seen.doubt or error(seen, points) < 2 * FAR
+
+
+def save_turned(picture, path):
+    orientation = Image.Exif()
+    orientation[0x0112] = 6
+    picture.rotate(90, expand=True).save(path, exif=orientation)
+
+
+KINDS = {
+    "cmyk.jpg": lambda picture, path: picture.convert("CMYK").save(path, quality=95),
+    "alpha.png": lambda picture, path: picture.convert("RGBA").save(path),
+    "turned.jpg": save_turned,
+    "film.gif": lambda picture, path: picture.save(path, save_all=True, append_images=[picture.convert("L")]),
+}
+
+
+@pytest.mark.parametrize("name", KINDS)
+def test_pictures_of_all_kinds_show_the_same_face(name, detector, portrait, tmp_path):
+    KINDS[name](Image.fromarray(portrait[0]), tmp_path / name)
+    assert error(see_face(read_image(tmp_path / name), detector), portrait[1]) < 4
+
+
+def test_sixteen_grey_bits_are_never_confidently_wrong(detector, portrait, tmp_path):
+    grey = np.asarray(Image.fromarray(portrait[0]).convert("L")).astype(np.uint16) * 257
+    Image.fromarray(grey).save(tmp_path / "sixteen.png")
+    seen = seen_or_refused(read_image(tmp_path / "sixteen.png"), detector)
+    assert seen is None or seen.doubt or error(seen, portrait[1]) < FAR

@@ -18,7 +18,7 @@ def test_faces_are_found_where_they_are_and_none_where_there_is_none(trained):
     for number in pictures.numbers:
         picture = pictures.marked(number)
         # One that has learnt so little sees faces smaller at every look.
-        faces = detect_faces(picture.pixels, detector, DetectSettings(looks=2, widest=1)).faces
+        faces = detect_faces(picture.pixels, detector, DetectSettings(looks=2, widest=np.inf)).faces
         assert faces == [] or len(picture.landmarks)
         assert [face.frame.side for face in faces] == sorted((face.frame.side for face in faces), reverse=True)
         frames = [FaceFrame.of(truth) for truth in picture.landmarks]
@@ -29,8 +29,8 @@ def test_faces_are_found_where_they_are_and_none_where_there_is_none(trained):
 def test_a_larger_picture_has_the_same_faces_and_regions(trained):
     detector, pictures = trained
     picture = pictures.marked(12)
-    found = detect_faces(picture.pixels, detector, DetectSettings(widest=1))
-    larger = detect_faces(cv2.resize(picture.pixels, (640, 640)), detector, DetectSettings(widest=1))
+    found = detect_faces(picture.pixels, detector, DetectSettings(widest=np.inf))
+    larger = detect_faces(cv2.resize(picture.pixels, (640, 640)), detector, DetectSettings(widest=np.inf))
     assert len(larger.faces) == len(found.faces) >= 1
     places = (larger.faces[0].landmarks.points + 0.5) / 4 - 0.5
     apart = np.linalg.norm(places - found.faces[0].landmarks.points, axis=1)

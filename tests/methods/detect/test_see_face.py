@@ -9,7 +9,7 @@ from caricli.methods.detect.see_face import see_face
 from caricli.methods.detect.settings import DetectSettings
 
 # One that has learnt so little is sure of no landmark.
-UNSURE = DetectSettings(widest=1)
+UNSURE = DetectSettings(widest=np.inf)
 
 
 @pytest.fixture(scope="module")
