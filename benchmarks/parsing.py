@@ -146,14 +146,15 @@ def main():
     pictures = read_picture_set(Path(sys.argv[1]))
     detector = load_detector(Path(sys.argv[3]) if len(sys.argv) > 3 else None)
     rows = list(measured(pictures, detector, int(sys.argv[2]) if len(sys.argv) > 2 else 40))
-    summary = {"pictures": len(rows), "detector": detector.model_id}
+    summary: dict[str, object] = {"pictures": len(rows), "detector": detector.model_id}
     for way in ("regions", "colours"):
-        keys = rows[0][way]
-        summary[way] = {key: float(np.nanmean([row[way][key] for row in rows])) for key in keys}
-        print(way, " ".join(f"{key} {value:.3f}" for key, value in summary[way].items()))
+        means = {key: float(np.nanmean([row[way][key] for row in rows])) for key in rows[0][way]}
+        print(way, " ".join(f"{key} {value:.3f}" for key, value in means.items()))
+        summary[way] = means
     eyes = np.array([row["eyes"] for row in rows])
-    summary["eyes"] = {"found": float(np.nanmean(eyes[:, 0])), "snapped": float(np.nanmean(eyes[:, 1]))}
-    print("eyes found {found:.3f} % snapped {snapped:.3f} %".format(**summary["eyes"]))
+    errors = {"found": float(np.nanmean(eyes[:, 0])), "snapped": float(np.nanmean(eyes[:, 1]))}
+    print("eyes found {found:.3f} % snapped {snapped:.3f} %".format(**errors))
+    summary["eyes"] = errors
     print(json.dumps(summary))
 
 

@@ -12,6 +12,7 @@ The last line is JSON.
 
 import json
 import sys
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -57,7 +58,7 @@ def error(vertices, true, region):
 def measured(pictures, people, half, detector):
     """Errors of both fits without spreads and with them, for each picture."""
     elastic = load_model()
-    regular = load_morphable(None)
+    ways = (partial(fit_landmarks, model=elastic), partial(fit_morphable, model=load_morphable()))
     region = elastic.template.region("face")
     truth = pictures.truth
     for row in np.flatnonzero(np.isin(truth["picture"], pictures.pictures_of("test"))):
@@ -67,11 +68,7 @@ def measured(pictures, people, half, detector):
             continue
         same = (people.identity == who) & (people.expression == truth["expression"][row])
         true = people.vertices[same & (people.level == truth["level"][row])][0].astype(float)
-        fits = [
-            fit(marks.points, model, spreads=spreads)
-            for fit, model in ((fit_landmarks, elastic), (fit_morphable, regular))
-            for spreads in (None, marks.spreads)
-        ]
+        fits = [fit(marks.points, spreads=spreads) for fit in ways for spreads in (None, marks.spreads)]
         yield [error(fit.face.vertices, true, region) for fit in fits]
 
 
