@@ -222,8 +222,8 @@ def new_coarse_network(config: CoarseConfig, model: MorphableModel, generator: t
     """A network with random weights that finds the model's mean from the front, in the middle of the window."""
     layout = CoefficientLayout.of(model)
     network = CoarseNetwork(config.network(), LANDMARKS, layout.size, generator)
-    for part in (network.stem, network.down):
-        part.requires_grad_(config.rounds == 1)
+    for encoder in (network.stem, network.down):
+        encoder.requires_grad_(config.rounds == 1)
     front = model.mean[:, :2] * [1, -1]
     marks = front[model.template.annotation.landmarks]
     matrix = FaceFrame.of(marks).matrix(config.size, SHARE)
