@@ -54,7 +54,7 @@ def _sitter(task, place, template, seed):
     generator = np.random.default_rng([seed, PictureSeed.SITTER, task.number, place])
     random_appearance(generator)
     vertices = task.vertices[place].astype(float)
-    return vertices + random_mime(vertices, template, tuple(CHANCES.values()), generator)
+    return vertices + random_mime(vertices, template, (CHANCES["twisted"], CHANCES["grinning"]), generator)
 
 
 def _posed(vertices, template, perspective, generator):
