@@ -56,7 +56,7 @@ def test_tables_figures_and_picture_are_written(evaluated):
             assert ("shape" in row) == (name == "rendered")
             assert ("photometric" in row) == (not method.startswith("adjust"))
             assert row["nme"]["all"] == pytest.approx(np.mean([face[method]["nme"]["all"] for face in faces]))
-            lines = [line for line in printed.splitlines() if line.split("│")[1:2] == [f" {method:19} "]]
+            lines = [line for line in printed.splitlines() if line.split("│")[1:2] == [f" {method:20} "]]
             assert len(lines) == 2 and any(f" {row['nme']['eyes']:.2f} " in line for line in lines)
         for method in COARSE:
             # The elastic fit may be as near as that by itself.
