@@ -18,7 +18,6 @@ from caricli.errors import CaricliError, InputError, shown
 from caricli.io.image import read_image, write_png
 from caricli.io.landmarks import read_landmarks, write_landmarks
 from caricli.io.outputs import staged_folder
-from caricli.io.parsing import read_parsing
 from caricli.io.provenance import provenance
 from caricli.io.strict_json import write_json
 from caricli.methods.detect.settings import DetectSettings
@@ -40,7 +39,6 @@ from caricli.store.portrait_page import (
 from caricli.store.portraits import MARKS
 from caricli.store.rig_sources import load_rig
 from caricli.store.shape_tools import load_shape_tools
-from caricli.structures.parsing import Region
 
 SIZE = 320
 
@@ -139,7 +137,7 @@ class PortraitChain:
             *steps,
             partial(self.finding.run, picture, marks) if given is None else partial(self._take, picture, given, marks),
             partial(self._fit, files, marks),
-            partial(_refine, picture, marks, head / "face.npz"),
+            partial(RefineTask(picture).run, head / "face.npz", marks, head / "refined.obj"),
             partial(TextureTask(settings=self.paint).run, head / "refined.npz", picture, head / "textured"),
             partial(rigging.run, head / "textured" / "face.npz", head / "rig.glb"),
             partial(_draw, picture, marks, head / "rig.npz"),
@@ -154,13 +152,6 @@ class PortraitChain:
     def _take(self, picture: Path, given: Path, marks: Path) -> None:
         """Write the landmarks that were given."""
         write_landmarks(marks, load_marked_picture(given, picture, self.files.pts_origin)[0])
-
-
-def _refine(picture: Path, marks: Path, face: Path) -> None:
-    """Move a face onto its landmarks, its eyes onto those that the label map shows, where it shows any."""
-    regions = marks.with_name(f"{marks.stem}-regions.png")
-    seen = regions.is_file() and bool((read_parsing(regions)[0] == Region.EYES).any())
-    RefineTask(picture, regions if seen else None).run(face, marks, face.with_name("refined.obj"))
 
 
 def _draw(picture: Path, marks: Path, rig: Path) -> None:

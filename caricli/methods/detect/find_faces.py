@@ -55,7 +55,7 @@ def find_faces(
         window = cut_window(picture, matrix, (size[0], size[1]))
         candidates += _peaks(detector.search(window), matrix, scale, settings.start)
         glances.append(Glance(matrix, window, scale / detector.size))
-    return without_doubles(candidates, settings.overlap)[: settings.most], glances
+    return without_doubles(candidates, settings.alike)[: settings.most], glances
 
 
 def _peaks(cells: FaceCells, matrix: np.ndarray, scale: float, start: float) -> list[Candidate]:
@@ -73,10 +73,10 @@ def _peaks(cells: FaceCells, matrix: np.ndarray, scale: float, start: float) -> 
 
 
 def without_doubles(candidates: list[Candidate], overlap: float) -> list[Candidate]:
-    """The best of those of which one has more than a share of the other, the best first."""
+    """The best of those whose frames overlap by more, the best first."""
     kept: list[Candidate] = []
     for candidate in sorted(candidates, key=lambda one: -one.score):
-        if all(common_share(candidate.frame, other.frame) <= overlap for other in kept):
+        if all(frames_overlap(candidate.frame, other.frame) <= overlap for other in kept):
             kept.append(candidate)
     return kept
 

@@ -24,10 +24,9 @@ class RetargetSettings:
     strongest: upper bound of a weight.
     noise: share of the template's height; how far a vertex is expected from where its neighbours place it.
     sparse: price of a weight: few expressions at a time are likelier than many, where both explain.
-    sparse_landmarks: the same price where there are landmarks alone: more of a strong expression is found in them, 0.6
-    instead of 0.5, at the same error of the face.
     weak: price of half the square of a weight, which makes the weights unique.
-    caution: how much dearer identity is where there are landmarks alone.
+    caution: how much dearer identity is where there are landmarks alone: cheaper, because faces are more than the few
+    that the model was trained with, and landmarks tell little enough of them.
     rounds: exchanges between identity and weights at most.
     settled: largest step, in the units of motions and identity, that ends them.
     """
@@ -35,9 +34,8 @@ class RetargetSettings:
     strongest: float = 1.5
     noise: float = 0.007
     sparse: float = 1.0
-    sparse_landmarks: float = 1.5
     weak: float = 1e-4
-    caution: float = 2.0
+    caution: float = 0.4
     rounds: int = 20
     settled: float = 1e-3
 
@@ -203,7 +201,7 @@ class _View:
         identity, deltas = ((fields @ seen).reshape(len(fields), -1) for fields in (space.identity, space.deltas))
         right = (self.points - self.camera.project(space.mean)) / unit
         rows = np.array(motions).transpose(0, 2, 1).reshape(6, -1)
-        return BoundedSystem(rows, identity, deltas, settings.sparse_landmarks, settings).reduced(right.ravel())
+        return BoundedSystem(rows, identity, deltas, settings.sparse, settings).reduced(right.ravel())
 
     def move(self, step: np.ndarray) -> None:
         """Turn the camera, log its scale and shift it."""

@@ -49,3 +49,5 @@ def test_of_doubles_the_best_stays():
     candidates = [Candidate(frame, score) for frame, score in zip(frames, (0.5, 0.8, 0.3), strict=True)]
     assert without_doubles(candidates, 0.5) == [candidates[1], candidates[2]]
     assert without_doubles(candidates, 0.9) == [candidates[1], candidates[0], candidates[2]]
+    within = Candidate(FaceFrame(np.array([52.0, 48.0]), 20.0, 0.0), 0.4)
+    assert without_doubles([*candidates, within], 0.5) == [candidates[1], within, candidates[2]]

@@ -149,10 +149,10 @@ def test_frames_of_one_person_share_the_neutral_face(model, deltas, people):
     seen = explain_landmarks(fits, pictures, deltas, model)
     lone = [explain_landmarks([f], [p], deltas, model).weights[0] for f, p in zip(fits, pictures, strict=True)]
     wrong = shift(seen.weights, truth, deltas)[0]
-    assert wrong < 0.7 * whole and wrong < shift(np.array(lone), truth, deltas)[0]
+    assert wrong < 0.5 * whole and wrong < shift(np.array(lone), truth, deltas)[0]
 
 
-def test_landmarks_tell_about_as_much_as_the_expression_that_was_fitted(model, deltas, people):
+def test_landmarks_tell_better_than_the_expression_that_was_fitted(model, deltas, people):
     _, truth, shapes = people
     flat = deltas.reshape(len(deltas), -1)
     direct, regressed = [], []
@@ -163,7 +163,7 @@ def test_landmarks_tell_about_as_much_as_the_expression_that_was_fitted(model, d
         made = np.tensordot(model.parts(fit.face.latent)[1], model.expression, 1)
         regressed.append(lsq_linear(flat.T, made.ravel(), (0, RetargetSettings.strongest)).x)
     better, worse = (shift(np.array(found), truth, deltas)[0] for found in (direct, regressed))
-    assert better < 1.15 * worse and better < 0.8 * shift(truth, truth, deltas)[1]
+    assert better < worse and better < 0.7 * shift(truth, truth, deltas)[1]
 
 
 def test_place_and_size_of_landmarks_do_not_matter_and_some_may_be_unknown(model, deltas, people):
