@@ -26,7 +26,7 @@ COMMANDS = {
         "Reconstruct",
         "Reconstruct a 3D caricature from 2D landmarks.",
     ),
-    "fit-coarse": ("fit_coarse", "Reconstruct", "Let a network see the morphable model's face in a picture."),
+    "fit-coarse": ("fit_coarse", "Reconstruct", "Let a network see a morphable face in a picture."),
     "fit-morphable": ("fit_morphable", "Reconstruct", "Fit the morphable model to 2D landmarks."),
     "refine": ("refine", "Reconstruct", "Move a face exactly onto its landmarks."),
     "texture": ("texture", "Reconstruct", "Paint a face on all sides with its picture."),

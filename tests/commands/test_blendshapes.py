@@ -174,7 +174,7 @@ def test_bad_faces_landmarks_and_maps_are_refused(run, refused, face, points, tm
     assert "--weights" in run("blendshapes", face, "--weights", -1, 0, 0, "--out", out).output
     assert "above 0" in refused("blendshapes", face, "--weights", 0, 0, 1, "--out", out)
     said = refused("blendshapes", face.with_suffix(".obj"), "--out", out)
-    assert "face.obj: expected FACE.npz or landmarks, found a mesh, which has no camera" in said
+    assert "face.obj: expected FACE.npz, a picture or landmarks, found a mesh, which has no camera" in said
     for more in (("--method", "transfer", "--reconstruct", "latent"), ("--method", "initial", "--weights", 1, 1, 1)):
         result = run("blendshapes", face, "--out", out, *more)
         assert result.exit_code == 2 and more[2] in result.stderr

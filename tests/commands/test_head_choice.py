@@ -41,14 +41,16 @@ DRESSERS = {
 }
 """Commands whose head is whole unless something is chosen."""
 
+OTHERS = ("texture", "portrait", "fit-coarse", "render", "animate", "retarget")
+
 
 def test_every_command_that_makes_a_head_is_here():
-    """`texture` has tests of its own; the others take a head that is there."""
+    """`texture` and `portrait` have tests of their own, `fit-coarse` fits as `fit-morphable`; others take heads."""
     modules = {name: module for name, (module, _, _) in COMMANDS.items() if module}
     commands = {name: importlib.import_module(f"caricli.commands.{path}").command for name, path in modules.items()}
     options = {name: {word for one in command.params for word in one.opts} for name, command in commands.items()}
     choosing = {name for name, words in options.items() if "--parts" in words}
-    assert choosing == {*MAKERS, *DRESSERS, "texture", "render", "animate", "retarget"}
+    assert choosing == {*MAKERS, *DRESSERS, *OTHERS}
     assert {name for name in choosing if "--teeth" not in options[name]} == {"animate", "retarget"}
     assert all("--bust" in options[name] for name in choosing)
 

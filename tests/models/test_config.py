@@ -6,6 +6,7 @@ from caricli.errors import InputError
 from caricli.io.bundled import config_path
 from caricli.io.config import read_config, read_yaml
 from caricli.models.ablation.config import AblationConfig
+from caricli.models.coarse.config import CoarseConfig
 from caricli.models.config import LinearConfig
 from caricli.models.detector.config import DetectorConfig
 from caricli.models.kernel.config import KernelConfig
@@ -14,7 +15,8 @@ from caricli.models.landmark_map.config import LandmarkMapConfig
 from caricli.models.morphable.config import MorphableConfig
 
 CONFIGS: dict[str, type] = {kind: config_class(kind) for kind in KINDS}
-CONFIGS |= {"ablation": AblationConfig, "detector": DetectorConfig, "landmark_map": LandmarkMapConfig}
+CONFIGS |= {"ablation": AblationConfig, "coarse": CoarseConfig, "detector": DetectorConfig}
+CONFIGS |= {"landmark_map": LandmarkMapConfig}
 FILES = sorted(config_path("").glob("*/*.yaml"))
 
 
