@@ -110,4 +110,6 @@ def main() -> None:
 
 
 if __name__ == "__main__":
+    # What a shell starts with `&` ignores SIGINT, and so would the commands.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     main()

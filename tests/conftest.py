@@ -1,8 +1,14 @@
 """Meshes that several folders of tests share."""
 
+import signal
+
 import numpy as np
 import pytest
 from scipy.spatial import ConvexHull
+
+# What a shell starts with `&` ignores SIGINT, and so would every command that a test stops by it.
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 @pytest.fixture(scope="session")
