@@ -6,7 +6,7 @@ import pytest
 from caricli.methods.detect.read_faces import look_at_face
 from caricli.methods.detect.settings import DetectSettings
 from caricli.structures.detection import FaceFrame, turn_axes
-from caricli.structures.landmarks import MIRRORED
+from caricli.structures.landmarks import JAW, MIRRORED
 
 TWICE = DetectSettings(looks=2, start=0)
 """Further looks of one that has learnt nothing go anywhere."""
@@ -54,5 +54,8 @@ def test_twice_as_large(picture, untrained, read):
     larger = picture.repeat(2, axis=0).repeat(2, axis=1)
     frame = FaceFrame(2 * FRAME.centre + 0.5, 120.0, 0.3)
     other = look_at_face(larger, frame, untrained, TWICE)
-    np.testing.assert_allclose((other.points - 0.5) / 2, read.points, atol=2.5)
+    apart = np.abs((other.points - 0.5) / 2 - read.points)
+    assert apart[JAW.stop :].max() < 1.5
+    # A jaw of one that has learnt nothing goes to and fro, which makes much of little where it is spaced anew.
+    assert apart[: JAW.stop].max() < 2.5
     assert np.median(other.spreads[:, 0, 0] / read.spreads[:, 0, 0]) == pytest.approx(4, rel=0.15)

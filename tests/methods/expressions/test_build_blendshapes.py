@@ -13,6 +13,7 @@ from caricli.methods.expressions.tools import ExpressionTools
 from caricli.methods.rig.head_expressions import head_expressions
 from caricli.methods.rig.measure_rig import curve_gap
 from caricli.models.landmark_map.model import DOMAINS, GENERATOR_WEIGHTS, Domain, LandmarkMap
+from caricli.store.landmark_maps import load_landmark_map
 from caricli.store.models import load_model
 from caricli.structures import Camera, Face
 from caricli.structures.landmarks import COUNT
@@ -43,9 +44,11 @@ def same():
 
 
 @pytest.fixture(scope="module")
-def tools(actions, same):
+def tools(actions):
     """Tools of the expressions, with a model whose latent can follow landmarks."""
-    return ExpressionTools(actions, EXPRESSIONS, load_model(kind="morphable"), same, load_model(kind="pca"))
+    return ExpressionTools(
+        actions, EXPRESSIONS, load_model(kind="morphable"), load_landmark_map(), load_model(kind="pca")
+    )
 
 
 @pytest.fixture(scope="module")
@@ -84,8 +87,7 @@ def test_every_method_comes_nearer_to_the_truth_than_a_face_that_keeps_still(bui
     still = np.linalg.norm(caricature - caricature[0], axis=2).mean(1) / np.ptp(caricature[0, :, 1])
     for name, made in built.items():
         assert errors(made, caricature)[1:].mean() < 0.85 * still[1:].mean(), name
-        # The regular model has to fit an exaggerated face here, because the map changes nothing.
-        assert errors(made, caricature)[0] < 0.0075, name
+        assert errors(made, caricature)[0] < 0.006, name
 
 
 def test_optimised_shapes_drift_less_and_show_no_less(built, caricature):
@@ -135,8 +137,8 @@ def test_the_size_of_the_face_does_not_matter(built, caricature, camera, face, t
     np.testing.assert_allclose(made.shapes, 3 * built[method].shapes, atol=1e-6)
 
 
-def test_landmarks_are_carried_by_the_map(built):
-    made = built["initial"]
+def test_landmarks_are_carried_by_the_map(caricature, face, tools, same, built):
+    made = build_blendshapes(face(caricature[0]), replace(tools, landmark_map=same), BlendshapeSettings("initial"))
     moved = made.fit.face.camera.project(made.normal[2][made.fit.anchors[:COUNT]])
     start = made.fit.face.camera.project(made.normal[0][made.fit.anchors[:COUNT]])
     np.testing.assert_allclose(made.landmarks[2] - made.landmarks[0], moved - start, atol=0.1)
@@ -149,7 +151,7 @@ def test_a_model_of_latents_can_follow_the_landmarks(caricature, face, tools):
     made = build_blendshapes(face(caricature[0]), tools, BlendshapeSettings("initial", "latent"))
     jaw = int(tools.morphable.template.annotation.landmarks[8])
     assert made.shapes[2, jaw, 1] < caricature[0, jaw, 1] - 0.003
-    assert np.isfinite(made.shapes).all() and np.abs(made.shapes[0] - caricature[0]).max() < 0.012
+    assert np.isfinite(made.shapes).all() and np.abs(made.shapes[0] - caricature[0]).max() < 0.01
 
 
 def test_a_triangle_without_area_is_refused(caricature, face, tools):

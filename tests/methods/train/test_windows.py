@@ -15,7 +15,16 @@ def picture(head_template):
 
 
 def eyes_are_where_they_are_marked(window, face):
-    """Whether the window shows eyes within a pixel of the middles of marked eyes that are in it and not tiny."""
+    """Whether what the window shows at the middle of marked eyes are eyes, where they are in it."""
+    middles = np.array([face[list(part)].mean(0) for part in (EYE_LEFT, EYE_RIGHT)])
+    cells = np.rint(middles).astype(int)
+    inside = ((cells >= 0) & (cells < len(window.regions))).all(1)
+    shown = window.regions[cells[inside, 1], cells[inside, 0]]
+    return np.isin(shown, (Region.EYES, BEYOND)).all()
+
+
+def eyes_are_near_their_marks(window, face):
+    """The same within a pixel, of eyes that are not tiny: distorted, marks' mean is not where their middle goes."""
     eyes = [face[list(part)] for part in (EYE_LEFT, EYE_RIGHT)]
     middles = np.array([eye.mean(0) for eye in eyes if np.ptp(eye, axis=0).min() > 2]).reshape(-1, 2)
     cells = np.rint(middles).astype(int)
@@ -24,12 +33,20 @@ def eyes_are_where_they_are_marked(window, face):
     return all(np.isin(shown, (Region.EYES, BEYOND)).any() for shown in around)
 
 
+@pytest.mark.parametrize(
+    ("settings", "are_kept"),
+    [
+        (WindowSettings(distorted=0), eyes_are_where_they_are_marked),
+        (WindowSettings(distorted=1), eyes_are_near_their_marks),
+    ],
+    ids=["as it is", "distorted"],
+)
 @pytest.mark.parametrize("seed", range(12))
-def test_marks_go_where_the_face_goes(picture, seed):
-    window = face_window(picture, seed % 2, 64, WindowSettings(), np.random.default_rng(seed))
+def test_marks_go_where_the_face_goes(picture, seed, settings, are_kept):
+    window = face_window(picture, seed % 2, 64, settings, np.random.default_rng(seed))
     assert window.pixels.shape == (64, 64, 3) and window.regions.shape == (64, 64)
     assert window.landmarks.shape == (2, 81, 2)
-    assert eyes_are_where_they_are_marked(window, window.landmarks[0])
+    assert are_kept(window, window.landmarks[0])
     # In the picture right is left of left; mirrored, too.
     down = window.landmarks[0][MOUTH].mean(0) - window.landmarks[0][list(EYE_RIGHT)].mean(0)
     across = window.landmarks[0][list(EYE_LEFT)].mean(0) - window.landmarks[0][list(EYE_RIGHT)].mean(0)
@@ -41,8 +58,10 @@ def test_marks_go_where_the_face_goes(picture, seed):
 
 @pytest.mark.parametrize("seed", range(8))
 def test_any_part_keeps_its_marks(picture, seed):
-    window = any_window(picture, 64, WindowSettings(), np.random.default_rng(seed))
+    window = any_window(picture, 128, WindowSettings(distorted=0), np.random.default_rng(seed))
     assert all(eyes_are_where_they_are_marked(window, face) for face in window.landmarks)
+    distorted = any_window(picture, 128, WindowSettings(distorted=1), np.random.default_rng(seed))
+    assert all(eyes_are_near_their_marks(distorted, face) for face in distorted.landmarks)
 
 
 def test_what_is_cut_off_is_not_visible(picture):
