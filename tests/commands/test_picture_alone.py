@@ -78,3 +78,25 @@ def test_a_picture_without_a_face_is_one_line_and_stops_no_other(run, refused, d
 def test_one_picture_has_no_other(refused, drawings, tmp_path):
     pair = (drawings / "face.png", "--image", drawings / "wall.png")
     assert "is a picture itself" in refused(COMMAND, *pair, "--out", tmp_path / "a.obj", code=2)
+
+
+@pytest.mark.usefixtures("quick_pictures")
+def test_expressions_and_drivers_begin_at_a_picture(run, drawings, tmp_path):
+    moods = tmp_path / "moods.yaml"
+    moods.write_text("neutral: {}\nopen: {jawOpen: 0.8}\n")
+    rig = tmp_path / "rig" / "b.npz"
+    result = run("blendshapes", drawings / "face.png", "--expressions", moods, "--no-picture", "--out", rig)
+    assert result.exit_code == 0, result.output
+    assert sorted(path.name for path in rig.parent.iterdir()) == ["b-landmarks.json", "b.glb", "b.json", "b.npz"]
+    assert read_json(rig.with_suffix(".json"))["detected"]["doubt"] == "its score is 0.50"
+    # The landmarks that were written drive as the picture does.
+    vertices = {}
+    for name, driver in (("picture", drawings / "face.png"), ("marks", rig.with_name("b-landmarks.json"))):
+        out = tmp_path / name / "face.obj"
+        result = run("retarget", rig, driver, "--no-picture", "--out", out)
+        assert result.exit_code == 0, result.output
+        vertices[name] = read_face(out.with_suffix(".npz")).vertices
+    assert (tmp_path / "picture" / "face-landmarks.json").is_file()
+    assert not (tmp_path / "marks" / "face-landmarks.json").exists()
+    assert read_json(tmp_path / "picture" / "face.json")["detected"]["doubt"] == "its score is 0.50"
+    np.testing.assert_array_equal(vertices["picture"], vertices["marks"])
