@@ -9,7 +9,7 @@ from caricli.data.dataset import SCHEMA as DATASET_SCHEMA
 from caricli.data.dataset import read_dataset
 from caricli.data.expressions import NEUTRAL, read_expressions
 from caricli.errors import InputError, shown
-from caricli.io import cues, directions, face, landmarks, rig, track
+from caricli.io import cues, directions, face, landmarks, rig, sketch, track
 from caricli.io.bundled import asset_path
 from caricli.io.checkpoint import read_checkpoint
 from caricli.io.files import content_kind, read_start
@@ -47,6 +47,7 @@ _NPZ = {face.SCHEMA: face.read_face, rig.SCHEMA: rig.read_rig, directions.SCHEMA
 _JSON: dict[str, Callable[[Path], Any]] = {
     landmarks.SCHEMA: landmarks.read_landmarks,
     track.SCHEMA: track.read_weights,
+    sketch.SCHEMA: sketch.read_sketch,
     DATASET_SCHEMA: lambda path: read_dataset(path.parent),
 }
 _WEIGHTS: dict[Any, Callable[..., Any]] = {

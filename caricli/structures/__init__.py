@@ -12,6 +12,7 @@ from caricli.structures.parts import Hair, Part
 from caricli.structures.pictures import Pictures
 from caricli.structures.rig import Rig
 from caricli.structures.seen_people import SeenPeople
+from caricli.structures.sketch import Sketch, Stroke, StrokeKind
 from caricli.structures.track import Animation, Track
 
 __all__ = [
@@ -29,5 +30,8 @@ __all__ = [
     "Pictures",
     "Rig",
     "SeenPeople",
+    "Sketch",
+    "Stroke",
+    "StrokeKind",
     "Track",
 ]

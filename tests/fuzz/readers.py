@@ -38,6 +38,7 @@ from caricli.io.npz import read_npz, write_npz
 from caricli.io.parsing import read_parsing
 from caricli.io.provenance import sha256_file
 from caricli.io.rig import read_rig, write_rig
+from caricli.io.sketch import read_sketch, write_sketch
 from caricli.io.strict_json import parse_json, read_json, write_json
 from caricli.io.track import read_weights, write_weights
 from caricli.io.training_state import read_state, write_state
@@ -80,6 +81,9 @@ from caricli.structures import (
     Part,
     Pictures,
     Rig,
+    Sketch,
+    Stroke,
+    StrokeKind,
     Track,
 )
 from caricli.structures.arkit import ARKIT_NAMES
@@ -229,6 +233,11 @@ def _pca() -> ShapeModel:
 
 def _load_face(path: Path) -> None:
     load_latent_face(path, _pca())
+
+
+def _sketch() -> Sketch:
+    bent = Stroke(np.array([[1.0, 2], [3, 4.5], [1, 2]]), StrokeKind.FEATURE, "nose", np.array([0, 0.5, 1]), 2.0)
+    return Sketch((bent, Stroke(np.array([[9.0, 9]]))), (64, 48))
 
 
 def _live_link(path: Path) -> None:
@@ -483,6 +492,7 @@ def _all() -> list[Reader]:
         Reader("marks.pts", read_landmarks, (lambda path: write_landmarks(path, MARKS),)),
         Reader("marks.txt", read_landmarks, (_text(_LINES),)),
         Reader("marks.npy", read_landmarks, (lambda path: write_landmarks(path, MARKS),)),
+        Reader("sketch.json", read_sketch, (lambda path: write_sketch(path, _sketch()),), mutate_json),
         Reader("track.json", read_weights, (lambda path: write_weights(path, _TRACK), _json(_OWN_WEIGHTS), _mediapipe),
                mutate_json),
         Reader("track.csv", read_weights, (_live_link,)),

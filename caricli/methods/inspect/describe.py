@@ -16,7 +16,7 @@ from caricli.methods.rig.check_rig import RigCheck, check_rig
 from caricli.models.coarse.model import CoarseModel
 from caricli.models.detector.model import Detector
 from caricli.models.landmark_map.model import LandmarkMap
-from caricli.structures import Cues, Directions, Face, Landmarks, Material, Mesh, Rig, Track
+from caricli.structures import Cues, Directions, Face, Landmarks, Material, Mesh, Rig, Sketch, Track
 from caricli.structures.arkit import ARKIT_NAMES
 from caricli.structures.landmarks import PARTS, SCHEMES
 from caricli.structures.materials import HEAD_PARTS
@@ -140,6 +140,20 @@ def _(value: Landmarks, around: Acquaintances) -> Inspection:
     values = {"scheme": SCHEMES[len(given)], "points": len(given), "missing": missing, "image_size": size}
     summary = f"{SCHEMES[len(given)]}, {given.sum()} of {len(given)} points known, {value.diagonal:.4g} pixels across"
     return Inspection("landmarks", summary, tuple(lines), values | {"diagonal": value.diagonal})
+
+
+@describe.register
+def _(value: Sketch, around: Acquaintances) -> Inspection:
+    kinds = Counter(str(stroke.kind) for stroke in value.strokes)
+    curves = [stroke.curve for stroke in value.strokes if stroke.curve is not None]
+    points = sum(len(stroke.points) for stroke in value.strokes)
+    length = sum(stroke.length for stroke in value.strokes)
+    width, height = value.size
+    lines = [f"strokes: {', '.join(f'{count} {kind}' for kind, count in kinds.items())}"] if kinds else []
+    lines += [f"curves: {_listed(curves)}"] if curves else []
+    summary = f"{len(value.strokes)} strokes of {length:.4g} pixels together, {width} x {height} pixels"
+    values = {"strokes": len(value.strokes), "points": points, "kinds": dict(kinds), "curves": curves}
+    return Inspection("sketch", summary, tuple(lines), values | {"length": length, "size": [width, height]})
 
 
 @describe.register

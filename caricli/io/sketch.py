@@ -1,0 +1,111 @@
+"""Sketches as JSON."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from caricli.errors import InputError, naming, shown
+from caricli.io.files import read_bytes
+from caricli.io.outputs import write_bytes
+from caricli.io.strict_json import format_json, parse_json, take, take_whole
+from caricli.limits import MAX_SKETCH_BYTES, MAX_SKETCH_SIDE, MAX_STROKES
+from caricli.structures.sketch import Sketch, Stroke, StrokeKind
+
+SCHEMA = "caricli.sketch/1"
+_KEYS = ("schema", "canvas", "strokes")
+_STROKE_KEYS = ("kind", "curve", "width", "points", "pressure")
+_DECIMALS = 4
+
+
+def read_sketch(path: str | Path) -> Sketch:
+    """Read a sketch from JSON (docs/formats.md). Raises InputError when it is malformed."""
+    value = parse_json(read_bytes(path, MAX_SKETCH_BYTES, "a sketch"), path)
+    with naming(path):
+        return sketch_from_json(value)
+
+
+def sketch_from_json(value: Any) -> Sketch:
+    """The Sketch of a JSON value. Raises InputError when it is malformed."""
+    if not isinstance(value, dict) or value.get("schema") != SCHEMA:
+        schema = value.get("schema") if isinstance(value, dict) else None
+        raise InputError(f"expected a sketch of the schema {SCHEMA!r}, found {_given(schema)}")
+    _refuse_others(value, _KEYS)
+    canvas = take(value, "canvas", dict)
+    _refuse_others(canvas, ("width", "height"))
+    size = (take_whole(canvas, "width", 1, MAX_SKETCH_SIDE), take_whole(canvas, "height", 1, MAX_SKETCH_SIDE))
+    entries = take(value, "strokes", list)
+    if len(entries) > MAX_STROKES:
+        raise InputError(f"strokes: expected at most {MAX_STROKES}, found {len(entries)}")
+    strokes = []
+    for number, entry in enumerate(entries):
+        with naming(f"stroke {number}"):
+            strokes.append(_stroke(entry))
+    return Sketch(tuple(strokes), size)
+
+
+def sketch_to_json(sketch: Sketch) -> dict[str, Any]:
+    """The JSON value of a sketch."""
+    width, height = sketch.size
+    return {
+        "schema": SCHEMA,
+        "canvas": {"width": int(width), "height": int(height)},
+        "strokes": [_entry(stroke) for stroke in sketch.strokes],
+    }
+
+
+def write_sketch(path: str | Path, sketch: Sketch) -> None:
+    """Write a sketch as JSON, a stroke a line. Raises OutputError when the file cannot be written."""
+    value = sketch_to_json(sketch)
+    lines = [format_json(entry, path, None).rstrip("\n") for entry in value.pop("strokes")]
+    head = format_json(value, path, None).rstrip("\n").removesuffix("}")
+    body = ",\n".join(lines)
+    write_bytes(path, f'{head}, "strokes": [\n{body}\n]}}\n'.encode())
+
+
+def _entry(stroke: Stroke) -> dict[str, Any]:
+    entry: dict[str, Any] = {"kind": str(stroke.kind)}
+    if stroke.curve is not None:
+        entry["curve"] = stroke.curve
+    if stroke.width is not None:
+        entry["width"] = round(float(stroke.width), _DECIMALS)
+    entry["points"] = stroke.points.round(_DECIMALS).tolist()
+    if stroke.pressure is not None:
+        entry["pressure"] = stroke.pressure.round(_DECIMALS).tolist()
+    return entry
+
+
+def _stroke(entry: Any) -> Stroke:
+    if not isinstance(entry, dict):
+        raise InputError(f"expected an object with kind and points, found {_given(entry)}")
+    _refuse_others(entry, _STROKE_KEYS)
+    kind = take(entry, "kind", str, StrokeKind.UNKNOWN.value)
+    if kind not in set(StrokeKind):
+        raise InputError(f"expected the kind {', '.join(StrokeKind)}, found {_given(kind)}")
+    points = _numbers(take(entry, "points", list), "points", 2)
+    pressure = _numbers(take(entry, "pressure", list), "pressure", 1) if "pressure" in entry else None
+    curve = take(entry, "curve", str) if "curve" in entry else None
+    width = entry.get("width")
+    if not (width is None or type(width) in (int, float)):
+        raise InputError(f"width: expected a number, found {_given(width)}")
+    return Stroke(points, StrokeKind(kind), curve, pressure, width)
+
+
+def _numbers(rows: list, key: str, columns: int) -> np.ndarray:
+    """(N, 2) or (N,) of a list of pairs or numbers."""
+    flat = rows if columns == 1 else [x for row in rows if isinstance(row, list) and len(row) == 2 for x in row]
+    if len(flat) != columns * len(rows) or not all(type(x) in (int, float) for x in flat):
+        expected = "numbers" if columns == 1 else "pairs of numbers [x, y]"
+        raise InputError(f"{key}: expected {expected}, found others")
+    return np.array(flat, np.float64).reshape((-1, 2) if columns == 2 else -1)
+
+
+def _refuse_others(entry: dict, keys: Sequence[str]) -> None:
+    others = set(entry) - set(keys)
+    if others:
+        raise InputError(f"expected {', '.join(keys[:-1])} and {keys[-1]}, found {shown(min(others), 60)!r}")
+
+
+def _given(value: Any) -> str:
+    return "none" if value is None else shown(repr(value), 60)

@@ -1,0 +1,1 @@
+"""Sketches of faces: lines drawn from a mesh, and read from pictures."""

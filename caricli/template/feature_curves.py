@@ -1,0 +1,63 @@
+"""The curves of a head that a sketch of it shows."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from caricli.structures.sketch import StrokeKind
+from caricli.template.annotation import Annotation, bundled_annotation
+
+SILHOUETTE = "silhouette"
+"""Name of the curve around the face as the front shows it."""
+
+AS_WRINKLES = ("mouth_upper", "mouth_lower", "eye_fold_left", "eye_fold_right")
+"""Curves that count as wrinkles: the outer contour of the lips (figure 3 of the sketch paper), and the fold of the lid,
+which artists draw where they want it, too."""
+
+
+@dataclass(frozen=True, eq=False)
+class FeatureCurve:
+    """A line on a head.
+
+    name: of the annotation. kind: StrokeKind of its stroke. vertices: (N,) ids along edges of the mesh; of a closed
+    curve the last is the first.
+    """
+
+    name: str
+    kind: StrokeKind
+    vertices: np.ndarray
+
+    @property
+    def closed(self) -> bool:
+        """Whether it ends where it begins."""
+        return bool(self.vertices[0] == self.vertices[-1])
+
+
+def feature_curves(annotation: Annotation) -> tuple[FeatureCurve, ...]:
+    """What a sketch shows of a head, the silhouette first: the curves that its annotation names.
+
+    annotation: of a template. An older annotation of the bundled head, which lacks some, is completed.
+    Returns FeatureCurves of at least two vertices each.
+    """
+    bundled = bundled_annotation()
+    note = bundled if _same_head(annotation, bundled) else annotation
+    closed = note.source.get("closed_curves", ())
+    curves = []
+    for name, ids in sorted(note.curves.items(), key=lambda item: item[0] != SILHOUETTE):
+        if len(ids) > 1:
+            vertices = np.append(ids, ids[0]) if name in closed and ids[0] != ids[-1] else ids
+            curves.append(FeatureCurve(name, _kind(name), vertices))
+    return tuple(curves)
+
+
+def _same_head(annotation: Annotation, other: Annotation) -> bool:
+    mirror = annotation.mirror
+    if mirror is None or other.mirror is None or not np.array_equal(mirror, other.mirror):
+        return False
+    return all(np.array_equal(ids, other.curves.get(name, ())) for name, ids in annotation.curves.items())
+
+
+def _kind(name: str) -> StrokeKind:
+    if name == SILHOUETTE:
+        return StrokeKind.SILHOUETTE
+    return StrokeKind.WRINKLE if name in AS_WRINKLES else StrokeKind.FEATURE
