@@ -30,24 +30,6 @@ class Rays:
     reach: float
 
 
-@wp.kernel
-def nearest_face(
-    rays: Rays,
-    width: int,
-    face: wp.array(dtype=wp.int32),
-    barycentric: wp.array(dtype=wp.vec3),
-    depth: wp.array(dtype=wp.float32),
-):
-    """First triangle that the ray through a pixel's centre meets."""
-    i = wp.tid()
-    origin = wp.vec3(float(i % width), float(i // width), rays.start)
-    hit = wp.mesh_query_ray(rays.mesh, origin, wp.vec3(0.0, 0.0, 1.0), rays.reach)
-    if hit.result:
-        face[i] = hit.face
-        barycentric[i] = wp.vec3(hit.u, hit.v, 1.0 - hit.u - hit.v)
-        depth[i] = rays.start + hit.t
-
-
 @wp.struct
 class Outside:
     """Where a ray meets a mesh from outside."""

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from caricli.errors import InputError
-from caricli.render.warp_start import warp_start
+from caricli.io.start_warp import start_warp
 
 
 @dataclass(frozen=True)
@@ -24,16 +24,13 @@ class Raster:
 
 
 def rasterise(vertices: np.ndarray, faces: np.ndarray, width: int, height: int) -> Raster:
-    """Find the nearest triangle at every pixel by a ray straight into the picture.
+    """Find the nearest triangle at the centre of every pixel.
 
     vertices: (V, 3), pixels, x right, y down, z into the picture (the smaller is the nearer); the centre of the
     top-left pixel is (0, 0). faces: (F, 3). Both sides of a triangle are seen. width, height: pixels.
     Returns a Raster.
     Raises InputError when a coordinate is not finite or an index is out of range.
     """
-    kernels = warp_start()
-    import warp as wp
-
     points, triangles = mesh_arrays(vertices, faces)
     raster = Raster(
         np.full((height, width), -1, np.int32),
@@ -41,19 +38,15 @@ def rasterise(vertices: np.ndarray, faces: np.ndarray, width: int, height: int) 
         np.full((height, width), np.inf, np.float32),
     )
     if len(triangles) and width and height:
-        mesh = wp_mesh(points, triangles)
-        rays = kernels.Rays()
-        rays.mesh = mesh.id
-        rays.start, rays.reach = depth_range(points)
-        flat: list[Any] = [
-            wp.array(a.reshape(s), dtype=t, device="cpu", copy=False)
-            for a, s, t in (
-                (raster.face, -1, wp.int32),
-                (raster.barycentric, (-1, 3), wp.vec3),
-                (raster.depth, -1, wp.float32),
-            )
-        ]
-        wp.launch(kernels.nearest_face, width * height, [rays, width], flat, device="cpu")
+        start_warp()
+        import warp as wp
+
+        from caricli.render.raster_kernel import draw_faces
+
+        given = [(points, wp.vec3), (triangles, wp.int32)]
+        drawn = [(raster.face, wp.int32), (raster.barycentric, wp.vec3), (raster.depth, wp.float32)]
+        arrays: list[Any] = [wp.array(array, dtype=kind, device="cpu", copy=False) for array, kind in given + drawn]
+        wp.launch(draw_faces, 1, arrays[:2], arrays[2:], device="cpu")
     return raster
 
 

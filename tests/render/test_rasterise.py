@@ -81,3 +81,22 @@ def test_refuses_coordinates_that_are_not_finite(bad):
 def test_refuses_faces_that_point_nowhere(faces):
     with pytest.raises(InputError, match="faces"):
         rasterise(np.eye(3), faces, 4, 4)
+
+
+def test_neighbours_leave_no_gap():
+    """A sheet of slivers, their corners on centres of pixels and beside them, covers every pixel."""
+    rng = np.random.default_rng(4)
+    places = np.stack(np.meshgrid(np.arange(0, 33, 4.0), np.arange(0, 25, 0.5), indexing="ij"), -1)
+    places[1:-1, 1:-1] += rng.uniform(-0.2, 0.2, places[1:-1, 1:-1].shape) * rng.integers(0, 2, (7, 48, 1))
+    vertices = np.concatenate([places.reshape(-1, 2) - 0.5, np.zeros((places[..., 0].size, 1))], 1)
+    ids = np.arange(places[..., 0].size).reshape(places.shape[:2])
+    corners = [ids[:-1, :-1], ids[1:, :-1], ids[1:, 1:], ids[:-1, 1:]]
+    faces = np.concatenate([np.stack([corners[k] for k in t], -1).reshape(-1, 3) for t in ((0, 1, 2), (0, 2, 3))])
+    raster = rasterise(vertices, faces, 32, 24)
+    assert (raster.face >= 0).all()
+    np.testing.assert_allclose(raster.barycentric.sum(-1), 1, atol=1e-6)
+    np.testing.assert_allclose(
+        np.einsum("hwk,hwkc->hwc", raster.barycentric, vertices[faces[raster.face]])[..., :2],
+        np.stack(np.meshgrid(np.arange(32), np.arange(24)), -1),
+        atol=1e-4,
+    )
