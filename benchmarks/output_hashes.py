@@ -44,6 +44,7 @@ train pca --data dataset --out pca.safetensors --set dimension=5
 train intrinsic --data dataset --out intrinsic.safetensors --set dimension=5
 train kernel --data dataset --out kernel.safetensors --set dimension=5 --set components=8
 train morphable --data dataset --out morphable.safetensors --set identity=3 --set expression=2 --set albedo=4
+train bilinear --data dataset --out bilinear.safetensors --set identity=4
 train landmark-map --data dataset --out map.safetensors --set dimension=4 --set epochs=1 --set views=2
 train deformable --data dataset --out run {TINY} --set validate_every=1
 train semantic --data big --out directions.npz --model pca --label BigNose --label Smile

@@ -45,6 +45,7 @@ COMMANDS = {
     "train pca": ("train.pca", "Models", "Train a linear model of vertex positions."),
     "train intrinsic": ("train.intrinsic", "Models", "Train a model of deformations, which does not tear."),
     "train kernel": ("train.kernel", "Models", "Train components that predict finer ones."),
+    "train bilinear": ("train.bilinear", "Models", "Train who somebody is times what the face does."),
     "train morphable": ("train.morphable", "Models", "Train linear bases of identity and expression."),
     "train deformable": ("train.deformable", "Models", "Train a network that is continuous over the surface."),
     "train semantic": ("train.semantic", "Models", "Find the directions of labels in a model's latents."),

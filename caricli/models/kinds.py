@@ -4,6 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from caricli.models.bilinear.config import BilinearConfig
 from caricli.models.config import TrainingConfig
 from caricli.models.deformable.config import DeformableConfig
 from caricli.models.intrinsic.config import IntrinsicConfig
@@ -56,12 +57,19 @@ def _morphable() -> "type[ShapeModel]":
     return MorphableModel
 
 
+def _bilinear() -> "type[ShapeModel]":
+    from caricli.models.bilinear.model import BilinearModel
+
+    return BilinearModel
+
+
 KINDS = {
     "pca": Kind(_pca, PcaConfig),
     "intrinsic": Kind(_intrinsic, IntrinsicConfig),
     "kernel": Kind(_kernel, KernelConfig),
     "deformable": Kind(_deformable, DeformableConfig),
     "morphable": Kind(_morphable, MorphableConfig),
+    "bilinear": Kind(_bilinear, BilinearConfig),
 }
 """Kinds by the names that checkpoints carry."""
 

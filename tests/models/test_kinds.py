@@ -14,7 +14,7 @@ def test_the_classes_of_a_kind_are_found_by_its_name(kind):
 
 def test_every_kind_has_tests(tested_kinds):
     """What every shape model must do, or a file of its own where a model is not trained on shapes alone."""
-    assert set(KINDS) == {*tested_kinds, "deformable", "morphable"}
+    assert set(KINDS) == {*tested_kinds, "deformable", "morphable", "bilinear"}
 
 
 @pytest.mark.parametrize("kind", KINDS)

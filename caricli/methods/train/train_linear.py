@@ -8,10 +8,13 @@ from threadpoolctl import threadpool_limits
 
 from caricli.data.albedo import random_albedos
 from caricli.data.dataset import Dataset
+from caricli.data.face_grid import face_grid
 from caricli.errors import InputError
 from caricli.methods.evaluate.evaluate_shape import ShapeError, evaluate_splits, split_rows
 from caricli.methods.evaluate.measure_separation import measure_separation
 from caricli.methods.train.stages import Report, unwatched
+from caricli.models.bilinear.config import BilinearConfig
+from caricli.models.bilinear.model import BilinearModel
 from caricli.models.checkpoint import model_from_checkpoint, model_to_checkpoint
 from caricli.models.config import TrainingConfig
 from caricli.models.kinds import model_class
@@ -54,21 +57,14 @@ def train_linear(
 
     The same bytes come out whatever the number of threads, as sums are made by one.
 
-    kind: of models/kinds.py, morphable or one whose class is a ComponentModel. recipe: JSON object, how it is trained,
-    for the checkpoint.
-    Raises InputError when there are too few meshes, NumericsError when all are the same.
+    kind: of models/kinds.py, bilinear, morphable or one whose class is a ComponentModel. recipe: JSON object, how it is
+    trained, for the checkpoint.
+    Raises InputError when there are too few meshes, or no full grid of them for a bilinear model; NumericsError when
+    all are the same.
     """
     report(0, 2)
     rows = split_rows(data, "train", FEWEST)
-    trained: ShapeModel
-    if isinstance(config, MorphableConfig):
-        rows = rows if config.exaggerated else _regular_rows(data, rows)
-        shapes = data.vertices[rows]
-        albedos = random_albedos(data.template, config.seed)
-        people = MorphableShapes(shapes, data.identity[rows], data.expression[rows], albedos)
-        trained = MorphableModel.train(data.template, people, config)
-    else:
-        trained = cast(type[ComponentModel], model_class(kind)).train(data.template, data.vertices[rows], config)
+    trained = _trained(kind, data, rows, config)
     report(1, 2)
     checkpoint = model_to_checkpoint(trained, recipe)
     model = model_from_checkpoint(*checkpoint, f"the trained {kind} model")
@@ -76,6 +72,18 @@ def train_linear(
     agreement = _agreement(model, data) if kind == "morphable" else None
     report(2, 2)
     return LinearTraining(checkpoint, model, errors, agreement)
+
+
+def _trained(kind: str, data: Dataset, rows: np.ndarray, config: TrainingConfig) -> ShapeModel:
+    """A model of a kind, trained on some of the meshes."""
+    if isinstance(config, BilinearConfig):
+        return BilinearModel.train(data.template, data.vertices[face_grid(data, rows).rows], config)
+    if isinstance(config, MorphableConfig):
+        rows = rows if config.exaggerated else _regular_rows(data, rows)
+        albedos = random_albedos(data.template, config.seed)
+        people = MorphableShapes(data.vertices[rows], data.identity[rows], data.expression[rows], albedos)
+        return MorphableModel.train(data.template, people, config)
+    return cast(type[ComponentModel], model_class(kind)).train(data.template, data.vertices[rows], config)
 
 
 def _regular_rows(data: Dataset, rows: np.ndarray) -> np.ndarray:

@@ -1,0 +1,1 @@
+"""Who somebody is times what the face does."""
