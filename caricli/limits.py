@@ -40,6 +40,8 @@ MAX_CHECKPOINT_BYTES = 2**31
 MAX_CHECKPOINT_HEADER_BYTES = 2**24
 
 MAX_SKETCH_BYTES = 2**25
+MAX_SVG_BYTES = 2**22
+"""Its paths are taken apart one by one."""
 MAX_SKETCH_POINTS = 200_000
 MAX_SKETCH_SIDE = 16_384
 """Pixels of a canvas, width or height."""

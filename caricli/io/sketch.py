@@ -1,4 +1,4 @@
-"""Sketches as JSON."""
+"""Sketches as JSON and SVG."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -10,6 +10,7 @@ from caricli.errors import InputError, naming, shown
 from caricli.io.files import read_bytes
 from caricli.io.outputs import write_bytes
 from caricli.io.strict_json import format_json, parse_json, take, take_whole
+from caricli.io.svg import is_svg, read_svg, write_svg
 from caricli.limits import MAX_SKETCH_BYTES, MAX_SKETCH_SIDE, MAX_STROKES
 from caricli.structures.sketch import Sketch, Stroke, StrokeKind
 
@@ -17,11 +18,16 @@ SCHEMA = "caricli.sketch/1"
 _KEYS = ("schema", "canvas", "strokes")
 _STROKE_KEYS = ("kind", "curve", "width", "points", "pressure")
 _DECIMALS = 4
+_START = 4096
+"""Bytes that tell the format."""
 
 
 def read_sketch(path: str | Path) -> Sketch:
-    """Read a sketch from JSON (docs/formats.md). Raises InputError when it is malformed."""
-    value = parse_json(read_bytes(path, MAX_SKETCH_BYTES, "a sketch"), path)
+    """Read a sketch from JSON (docs/formats.md) or SVG, told by the content. Raises InputError when it is malformed."""
+    data = read_bytes(path, MAX_SKETCH_BYTES, "a sketch")
+    if is_svg(data[:_START]):
+        return read_svg(path)
+    value = parse_json(data, path)
     with naming(path):
         return sketch_from_json(value)
 
@@ -56,7 +62,13 @@ def sketch_to_json(sketch: Sketch) -> dict[str, Any]:
 
 
 def write_sketch(path: str | Path, sketch: Sketch) -> None:
-    """Write a sketch as JSON, a stroke a line. Raises OutputError when the file cannot be written."""
+    """Write a sketch as SVG where the name ends in .svg, else as JSON, a stroke a line.
+
+    Raises OutputError when the file cannot be written.
+    """
+    if Path(path).suffix.lower() == ".svg":
+        write_svg(path, sketch)
+        return
     value = sketch_to_json(sketch)
     lines = [format_json(entry, path, None).rstrip("\n") for entry in value.pop("strokes")]
     head = format_json(value, path, None).rstrip("\n").removesuffix("}")

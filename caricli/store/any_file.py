@@ -23,6 +23,7 @@ from caricli.io.obj import read_obj
 from caricli.io.ply import read_ply
 from caricli.io.stl import read_stl
 from caricli.io.strict_json import read_json
+from caricli.io.svg import is_svg
 from caricli.methods.inspect.inspection import Acquaintances, Animated
 from caricli.models.checkpoint import model_from_checkpoint
 from caricli.models.coarse.model import SCHEMA as COARSE_SCHEMA
@@ -90,6 +91,8 @@ def _reader(start: bytes, path: Path) -> Callable[[Path], Any]:
     suffix = path.suffix.lower()
     if cues.is_cues(start):
         return cues.read_cues
+    if is_svg(start):
+        return sketch.read_sketch
     signatures: dict[bytes, Callable[[Path], Any]] = {
         b"PK": _read_arrays,
         b"glTF": _read_gltf,

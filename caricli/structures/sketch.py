@@ -26,6 +26,22 @@ class StrokeKind(StrEnum):
     UNKNOWN = "unknown"
 
 
+CURVES: dict[str, StrokeKind] = {
+    "silhouette": StrokeKind.SILHOUETTE,
+    **dict.fromkeys(
+        (
+            *("brow_left", "brow_right", "eye_upper_left", "eye_upper_right", "eye_lower_left", "eye_lower_right"),
+            *("nose", "nose_tip", "nose_bridge", "nostril_left", "nostril_right", "mouth_inner_upper"),
+            *("mouth_inner_lower", "ear_left", "ear_right"),
+        ),
+        StrokeKind.FEATURE,
+    ),
+    # The outer contour of the lips counts as a wrinkle in figure 3 of the sketch paper; so does the fold of a lid here.
+    **dict.fromkeys(("mouth_upper", "mouth_lower", "eye_fold_left", "eye_fold_right"), StrokeKind.WRINKLE),
+}
+"""Names of the curves of the bundled head, with the kinds of their strokes; left and right are the subject's."""
+
+
 @dataclass(frozen=True, eq=False)
 class Stroke:
     """One line of a sketch.

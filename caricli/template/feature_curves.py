@@ -4,15 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from caricli.structures.sketch import StrokeKind
+from caricli.structures.sketch import CURVES, StrokeKind
 from caricli.template.annotation import Annotation, bundled_annotation
 
 SILHOUETTE = "silhouette"
 """Name of the curve around the face as the front shows it."""
-
-AS_WRINKLES = ("mouth_upper", "mouth_lower", "eye_fold_left", "eye_fold_right")
-"""Curves that count as wrinkles: the outer contour of the lips (figure 3 of the sketch paper), and the fold of the lid,
-which artists draw where they want it, too."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,7 +42,7 @@ def feature_curves(annotation: Annotation) -> tuple[FeatureCurve, ...]:
     for name, ids in sorted(note.curves.items(), key=lambda item: item[0] != SILHOUETTE):
         if len(ids) > 1:
             vertices = np.append(ids, ids[0]) if name in closed and ids[0] != ids[-1] else ids
-            curves.append(FeatureCurve(name, _kind(name), vertices))
+            curves.append(FeatureCurve(name, CURVES.get(name, StrokeKind.FEATURE), vertices))
     return tuple(curves)
 
 
@@ -55,9 +51,3 @@ def _same_head(annotation: Annotation, other: Annotation) -> bool:
     if mirror is None or other.mirror is None or not np.array_equal(mirror, other.mirror):
         return False
     return all(np.array_equal(ids, other.curves.get(name, ())) for name, ids in annotation.curves.items())
-
-
-def _kind(name: str) -> StrokeKind:
-    if name == SILHOUETTE:
-        return StrokeKind.SILHOUETTE
-    return StrokeKind.WRINKLE if name in AS_WRINKLES else StrokeKind.FEATURE

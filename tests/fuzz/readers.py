@@ -240,6 +240,14 @@ def _sketch() -> Sketch:
     return Sketch((bent, Stroke(np.array([[9.0, 9]]))), (64, 48))
 
 
+SVG = (
+    '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 40 30"><style>.a{stroke:red}</style>'
+    '<g id="feature" transform="rotate(5) scale(.5)"><path id="nose" class="a" d="M1 2C3 4 5 6 7 8s1 1 2 2q1 2 3 4t1 1'
+    'a3 4 5 0 1 6 7h2v3z"/><circle id="c" r="3" stroke="red"/></g><use href="#c" x="3"/>'
+    '<polyline stroke="black" data-pressure="0 1" points="1,2 3,4"/><rect width="3" height="4"/></svg>'
+)
+
+
 def _live_link(path: Path) -> None:
     names = [name[0].upper() + name[1:] for name in ARKIT_NAMES]
     header = ["Timecode", "BlendShapeCount", *names, "HeadYaw", "HeadPitch", "HeadRoll"]
@@ -493,6 +501,7 @@ def _all() -> list[Reader]:
         Reader("marks.txt", read_landmarks, (_text(_LINES),)),
         Reader("marks.npy", read_landmarks, (lambda path: write_landmarks(path, MARKS),)),
         Reader("sketch.json", read_sketch, (lambda path: write_sketch(path, _sketch()),), mutate_json),
+        Reader("sketch.svg", read_sketch, (lambda path: write_sketch(path, _sketch()), _text(SVG))),
         Reader("track.json", read_weights, (lambda path: write_weights(path, _TRACK), _json(_OWN_WEIGHTS), _mediapipe),
                mutate_json),
         Reader("track.csv", read_weights, (_live_link,)),

@@ -1,0 +1,155 @@
+import numpy as np
+import pytest
+
+from caricli.errors import InputError
+from caricli.io.sketch import read_sketch, write_sketch
+from caricli.structures import Sketch, Stroke, StrokeKind
+
+HEAD = '<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink" '
+
+
+def read(folder, body, head='viewBox="0 0 300 400"', start=""):
+    path = folder / "s.svg"
+    path.write_text(f"{start}{HEAD}{head}>{body}</svg>", "utf-8")
+    return read_sketch(path)
+
+
+def points(folder, body, **options):
+    """The points in the units of the drawing, whose corner is the origin."""
+    (stroke,) = read(folder, body, **options).strokes
+    return stroke.points + 0.5
+
+
+def test_what_is_written_comes_back(tmp_path):
+    strokes = (
+        Stroke(np.array([[1.25, 2], [3, 4], [1.25, 2]]), StrokeKind.FEATURE, "nose", np.array([0, 0.5, 1]), 2.5),
+        Stroke(np.array([[-7.0, 300]]), StrokeKind.WRINKLE),
+        Stroke(np.array([[1.0, 2], [3, 4.125]]), StrokeKind.SILHOUETTE, 'my "own" <curve>'),
+        Stroke(np.array([[1.0, 2], [3, 4]])),
+    )
+    write_sketch(tmp_path / "s.svg", Sketch(strokes, (300, 256)))
+    back = read_sketch(tmp_path / "s.svg")
+    assert back.size == (300, 256)
+    for stroke, other in zip(strokes, back.strokes, strict=True):
+        assert np.allclose(stroke.points, other.points, atol=1e-4)
+        assert (stroke.kind, stroke.curve) == (other.kind, other.curve)
+    assert back.strokes[0].pressure.tolist() == [0, 0.5, 1] and back.strokes[0].width == 2.5
+
+
+def test_every_command_of_a_path(tmp_path):
+    line = points(tmp_path, '<path d="M10 20 h5 v6 l1,1 L 30 40 H 2 V 3 z"/>')
+    assert np.allclose(line, [[10, 20], [15, 20], [15, 26], [16, 27], [30, 40], [2, 40], [2, 3], [10, 20]])
+    curve = points(tmp_path, '<path d="M0 0 C 0 100 200 100 200 0 S 300 200 200 100"/>')
+    # The middle of a Bezier curve is an eighth of its ends and three eighths of its controls.
+    assert np.abs(curve - [100, 75]).sum(1).min() < 2 and np.allclose(curve[-1], [200, 100])
+    parabola = points(tmp_path, '<path d="M0 0 Q 50 100 100 0 T 200 0"/>')
+    first = parabola[parabola[:, 0] <= 100]
+    assert np.allclose(first[:, 1], first[:, 0] * (100 - first[:, 0]) / 50, atol=1e-6)
+    assert np.isclose(parabola[:, 1].min(), -50, atol=0.2)
+    arc = points(tmp_path, '<path d="M 100 50 A 50 50 0 0 1 50 100"/>')
+    assert np.allclose(np.linalg.norm(arc - 50, axis=1), 50)
+
+
+def test_parts_of_a_path_are_strokes(tmp_path):
+    sketch = read(tmp_path, '<path class="wrinkle" d="M1 2 L3 4 M5 6 L7 8 m1 1 l2 2"/>')
+    assert [len(stroke.points) for stroke in sketch.strokes] == [2, 2, 2]
+    assert {stroke.kind for stroke in sketch.strokes} == {StrokeKind.WRINKLE}
+
+
+def test_transforms_of_groups_are_composed(tmp_path):
+    body = (
+        '<g transform="translate(10 20)"><g transform="rotate(90)"><line x2="5" y2="0" transform="scale(2)"/></g></g>'
+    )
+    assert np.allclose(points(tmp_path, body), [[10, 20], [10, 30]])
+    used = '<defs><line id="a" x2="5"/></defs><use xlink:href="#a" x="100" y="7" transform="scale(2 3)"/>'
+    assert np.allclose(points(tmp_path, used), [[200, 21], [210, 21]])
+
+
+def test_a_view_box_is_the_canvas(tmp_path):
+    sketch = read(tmp_path, '<line x1="10" y1="20" x2="20" y2="40"/>', head='viewBox="10 20 10 20" width="3mm"')
+    assert sketch.size == (128, 256)
+    assert np.allclose(sketch.strokes[0].points + 0.5, [[0, 0], [128, 256]])
+    inches = read(tmp_path, '<line x2="96" y2="96"/>', head='width="4in" height="4in"')
+    assert inches.size == (384, 384)
+    nothing = read(tmp_path, '<line x1="1000" x2="1001" y2="1"/>', head="")
+    assert nothing.size == (256, 256) and (nothing.strokes[0].points > 0).all()
+
+
+def test_names_say_what_is_drawn(tmp_path):
+    body = (
+        '<g id="Features"><g class="feature"><path id="nose_bridge" d="M1 1 L2 2"/><path d="M1 1 L2 2"/></g></g>'
+        '<g id="wrinkle-2"><path d="M1 1 L2 2"/></g><path id="brow-left" d="M1 1 L2 2"/><path id="x" d="M1 1 L2 2"/>'
+        '<path id="silhouette" d="M1 1 L2 2"/><path data-name="mouth_x5F_upper" d="M1 1 L2 2"/>'
+    )
+    drawn = [(str(stroke.kind), stroke.curve) for stroke in read(tmp_path, body).strokes]
+    assert drawn == [
+        ("feature", "nose_bridge"), ("feature", None), ("wrinkle", None), ("feature", "brow_left"), ("unknown", None),
+        ("silhouette", "silhouette"), ("wrinkle", "mouth_upper"),
+    ]  # fmt: skip
+
+
+def test_backgrounds_and_what_is_hidden_are_left_out(tmp_path):
+    body = (
+        "<style>.b { fill:none; stroke: #000; stroke-width: 3px } .c{display:none}</style>"
+        '<rect width="300" height="400" fill="white"/><path class="b" d="M1 1 L2 2"/>'
+        '<g style="display:none"><line stroke="red" x2="4"/></g><line class="c" stroke="red" x2="4"/>'
+    )
+    (stroke,) = read(tmp_path, body).strokes
+    assert len(stroke.points) == 2 and stroke.width == 3
+
+
+def test_shapes_are_lines(tmp_path):
+    body = (
+        '<polygon points="1,2 3,4 5,6"/><rect x="1" y="2" width="3" height="4"/><circle cx="5" cy="6" r="2"/>'
+        '<ellipse rx="3" ry="5"/><text>words</text>'
+    )
+    strokes = read(tmp_path, body).strokes
+    assert len(strokes) == 4 and all(stroke.closed for stroke in strokes)
+    assert np.allclose(np.ptp(strokes[3].points, axis=0), [6, 10])
+
+
+def test_an_empty_drawing_is_an_empty_sketch(tmp_path):
+    assert read(tmp_path, "").strokes == ()
+
+
+BOMB = '<!DOCTYPE svg [<!ENTITY a "aaaa"><!ENTITY b "&a;&a;">]>'
+FILE = '<!DOCTYPE svg [<!ENTITY a SYSTEM "file:///etc/passwd">]>'
+
+
+@pytest.mark.parametrize(
+    ("body", "start", "message"),
+    [
+        ("<script>alert(1)</script>", "", "found a script"),
+        ("&b;", BOMB, "found entities"),
+        ("&a;", FILE, "found entities"),
+        ('<use href="http://example.org/a.svg#b"/>', "", "found a reference to 'http"),
+        ('<image xlink:href="../secret.png"/>', "", "found a reference to '../secret"),
+        ("<g>", "", "expected an SVG of lines, found"),
+        ('<path d="M 1 nonsense"/>', "", "expected a path"),
+        ('<path d="L 1 1"/>', "", "begins with a move"),
+        ('<path d="M 1e999 1 L 2 2"/>', "", "path with finite numbers"),
+        ('<line x2="1e8"/>', "", "expected finite coordinates"),
+        ('<g transform="matrix(1 2 3)"/>', "", "transform: expected one"),
+        ('<g transform="scale(1e400)"/>', "", "transform: expected one"),
+        ('<line x2="3" data-pressure="0.5 x"/>', "", "data-pressure: expected numbers"),
+        ('<line x2="3" data-pressure="0.5 0.5 1"/>', "", "pressure: expected the shape"),
+        ('<g id="a"><use href="#a"/><use href="#a"/></g>', "", "elements, 64 deep, found more"),
+        ("<g>" * 100 + "</g>" * 100, "", "elements, 64 deep, found more"),
+        ("<polyline points='" + "1,2 " * 250_000 + "'/>", "", "at most 200000 points"),
+    ],
+    ids=lambda value: value[:30],
+)
+def test_what_is_no_drawing_is_refused(tmp_path, body, start, message):
+    with pytest.raises(InputError, match=message) as refusal:
+        read(tmp_path, body, start=start)
+    assert "\n" not in str(refusal.value) and "s.svg" in str(refusal.value)
+    # An ordinary document type is none of these.
+    assert (
+        read(tmp_path, "<g/>", start='<?xml version="1.0"?><!DOCTYPE svg PUBLIC "-//W3C//DTD" "x.dtd">').strokes == ()
+    )
+
+
+def test_uses_that_multiply_end(tmp_path):
+    layers = "".join(f'<g id="a{k + 1}">' + f'<use href="#a{k}"/>' * 10 + "</g>" for k in range(8))
+    with pytest.raises(InputError, match="found more"):
+        read(tmp_path, f'<line id="a0" x2="1"/>{layers}')
