@@ -13,7 +13,8 @@ from caricli.methods.reconstruct.landmark_vertices import landmark_vertices
 from caricli.seeds import PictureSeed
 from caricli.structures.parsing import Region
 
-CHANCES = {"twisted": 0.5, "grinning": 0.5}
+MIMES = (0.5, 0.5, 0.3)
+CHANCES = dict(zip(("twisted", "grinning", "laughing"), MIMES, strict=True))
 SIZE = 96
 
 
@@ -54,7 +55,7 @@ def _sitter(task, place, template, seed):
     generator = np.random.default_rng([seed, PictureSeed.SITTER, task.number, place])
     random_appearance(generator)
     vertices = task.vertices[place].astype(float)
-    return vertices + random_mime(vertices, template, (CHANCES["twisted"], CHANCES["grinning"]), generator)
+    return vertices + random_mime(vertices, template, MIMES, generator)
 
 
 def _posed(vertices, template, perspective, generator):

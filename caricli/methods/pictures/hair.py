@@ -1,6 +1,6 @@
 """Hair, hats and beards that people wear in pictures."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -14,6 +14,39 @@ from caricli.structures.parsing import Region
 COLUMNS = 72
 ROWS = 22
 """Of quads of a shell, around the head and from the whorl to its edge."""
+
+
+@dataclass(frozen=True)
+class HatShape:
+    """Something worn on the head; angles are degrees from the whorl, lengths shares of the head's height.
+
+    front, sides, back: where it ends over the forehead, beside the face and behind, between. crown: how far it stands
+    above the head, between. brim: chance of one. walls: whether they are upright, below a flat top. falls: whether it
+    falls straight from where the head is widest. folds: whether it is uneven.
+    """
+
+    front: tuple[float, float] = (48, 74)
+    sides: tuple[float, float] = (62, 92)
+    back: tuple[float, float] = (70, 108)
+    crown: tuple[float, float] = (0.0, 0.1)
+    brim: float = 0.0
+    walls: bool = False
+    falls: bool = False
+    folds: bool = False
+
+
+HATS = {
+    "cap": HatShape(brim=1),
+    "hat": HatShape(crown=(0.1, 0.4), brim=1),
+    "beanie": HatShape(crown=(0.0, 0.25)),
+    "top hat": HatShape(crown=(0.05, 0.6), brim=0.7, walls=True),
+    "hood": HatShape((46, 66), (98, 140), (130, 152), (0.0, 0.12), falls=True, folds=True),
+    "turban": HatShape((50, 70), (66, 96), (80, 112), (0.05, 0.3), folds=True),
+}
+"""By name."""
+
+_WALLS = (0.15, 0.75)
+"""Heights on the unit sphere between which walls of a hat stand; above them is its top."""
 
 _UNDER = 0.01  # of the head's height: how far below the skin a shell ends
 _STRANDS = 3.0  # pictures of strands around a head
@@ -42,23 +75,54 @@ def random_wig(
 
 
 def random_hat(sphere: HeadSphere, thickness: np.ndarray | float, generator: np.random.Generator) -> list[Piece]:
-    """Draw a cap with a peak, a hat with a brim, or a beanie. thickness: of the hair below it, metres."""
+    """Draw something worn on the head, of one of HATS. thickness: of the hair below it, metres."""
     height = sphere.head.height
-    front = np.radians(generator.uniform(48, 74))
-    back = np.radians(generator.uniform(70, 108))
-    edge = front + (back - front) * _away(sphere.longitudes)
-    kind = generator.choice(["cap", "hat", "beanie"])
-    crown = height * (generator.uniform(0.1, 0.4) if kind == "hat" else generator.uniform(0.0, 0.1))
+    kind = str(generator.choice(list(HATS)))
+    shape = HATS[kind]
+    front, sides, back = (np.radians(generator.uniform(*limits)) for limits in (shape.front, shape.sides, shape.back))
+    edge = np.interp(_away(sphere.longitudes), [0, 0.2, 0.5, 1], [front, front + 0.1 * (sides - front), sides, back])
+    crown = height * generator.uniform(*shape.crown)
     up = np.clip(_ways(sphere)[..., 1], 0, 1)
-    total = sphere.radii + np.minimum(thickness, 0.04 * height) + 0.02 * height + crown * up**2
+    total = sphere.radii + thickness + 0.02 * height
+    total = _fall(sphere, total) if shape.falls else total
+    total = _walled(total, crown, up, generator) if shape.walls else total + crown * up**2
+    if shape.folds:
+        total = total * (1 + generator.uniform(0.01, 0.05) * _lumps(sphere, generator))
     colour = random_colour(generator)
     shell = _shell(sphere, total, edge, Region.HAT, colour, 0.05)
-    pieces = [replace(shell, strands=np.full_like(shell.strands, np.nan))]
-    if kind != "beanie":
+    colours = _trimmed(shell.colours, generator)
+    pieces = [replace(shell, strands=np.full_like(shell.strands, np.nan), colours=colours)]
+    if generator.random() < shape.brim:
         reach = height * generator.uniform(0.12, 0.4)
         ahead = np.clip(1.3 * _front(sphere), 0, 1) ** 0.5 if kind == "cap" else np.ones_like(_front(sphere))
         pieces.append(_brim(sphere, total, edge, reach * ahead, colour * generator.uniform(0.6, 1.0)))
     return pieces
+
+
+def _walled(total: np.ndarray, crown: float, up: np.ndarray, generator: np.random.Generator) -> np.ndarray:
+    """Radii of a hat with upright walls and a flat top that stands a crown, metres, above the head.
+
+    total: (R, C) radii without it. up: (R, C) height of unit vectors.
+    """
+    across = np.sqrt(np.maximum(1 - up**2, 1e-6))
+    low, high_up = _WALLS
+    wide = np.where((up > low) & (up < high_up), total * across, 0).max() * generator.uniform(0.9, 1.1)
+    high = (total * up).max() + crown
+    walls = np.minimum(wide / across, high / np.maximum(up, 1e-6))
+    return np.where(up > low, np.maximum(total, walls), total)
+
+
+def _trimmed(colours: np.ndarray, generator: np.random.Generator) -> np.ndarray:
+    """Colours (W, 3) of a shell plain, with a band around its edge, or striped."""
+    other = random_colour(generator)
+    rings = colours[1:].reshape(ROWS, COLUMNS, 3).copy()
+    kind = generator.random()
+    if kind < 0.35:
+        rings[ROWS - int(generator.integers(3, 8)) : ROWS] = other
+    elif kind < 0.5:
+        width = int(generator.choice([3, 6, 9, 12]))
+        rings[:, (np.arange(COLUMNS) // width) % 2 == 0] = other
+    return np.concatenate([colours[:1], rings.reshape(-1, 3)])
 
 
 def random_beard(

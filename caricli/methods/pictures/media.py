@@ -114,10 +114,10 @@ def halftone(image: np.ndarray, region: np.ndarray, generator: np.random.Generat
 
 
 MEDIA: dict[str, tuple[Callable[[np.ndarray, np.ndarray, np.random.Generator], np.ndarray], float]] = {
-    "photograph": (photograph, 0.26),
-    "painted": (painted, 0.24),
+    "photograph": (photograph, 0.22),
+    "painted": (painted, 0.23),
     "flat": (flat, 0.14),
-    "inked": (inked, 0.12),
+    "inked": (inked, 0.17),
     "pencil": (pencil, 0.12),
     "hatched": (hatched, 0.06),
     "halftone": (halftone, 0.06),
@@ -158,7 +158,7 @@ def _posterised(image: np.ndarray, levels: int, generator: np.random.Generator) 
 def _lines(image: np.ndarray, region: np.ndarray, generator: np.random.Generator) -> np.ndarray:
     """(S, S) 1 on paper, 0 on lines: along borders of regions and where light changes (Winnemöller et al. 2012)."""
     size = len(image)
-    width = generator.uniform(0.6, 1.3) * size / 256
+    width = generator.uniform(0.6, 2.0) * size / 256
     grey = np.clip(image, 0, 1).mean(2).astype(np.float32)
     inner = cv2.GaussianBlur(grey, (0, 0), width)
     outer = cv2.GaussianBlur(grey, (0, 0), 1.6 * width)

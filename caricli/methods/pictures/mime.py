@@ -3,6 +3,7 @@
 import numpy as np
 
 from caricli.methods.parts.attachment import attachment_for
+from caricli.structures.landmarks import MOUTH
 from caricli.template.head import load_head
 from caricli.template.template import Template
 
@@ -16,6 +17,22 @@ GRIN = {
 }  # fmt: skip
 """Weights of actions that bare the teeth, at the most."""
 
+LAUGH = {
+    "mouthSmileLeft": 0.8, "mouthSmileRight": 0.8, "mouthUpperUpLeft": 1.0, "mouthUpperUpRight": 1.0,
+    "mouthLowerDownLeft": 1.0, "mouthLowerDownRight": 1.0, "mouthStretchLeft": 0.6, "mouthStretchRight": 0.6,
+    "cheekSquintLeft": 0.5, "cheekSquintRight": 0.5, "jawOpen": 0.7,
+}  # fmt: skip
+"""Weights of actions that draw the lips far apart before the teeth, each at the most, and the strongest of all:"""
+
+LOUDEST = 1.5
+"""beyond 1 a face does more than people can, as in caricatures."""
+
+WIDEST = 0.6
+"""Share of its width that a laughing mouth is drawn wider by, at the most."""
+
+_REACH = 0.9
+"""How far from its middle the face follows, in widths of the mouth."""
+
 
 def is_usual_head(template: Template) -> bool:
     """Whether a template has the topology of the usual head and no parts of its own."""
@@ -23,15 +40,16 @@ def is_usual_head(template: Template) -> bool:
 
 
 def random_mime(
-    vertices: np.ndarray, template: Template, chances: tuple[float, float], generator: np.random.Generator
+    vertices: np.ndarray, template: Template, chances: tuple[float, float, float], generator: np.random.Generator
 ) -> np.ndarray:
     """(V, 3) metres: what a few actions of the usual head do to a face (V, 3), in its size.
 
-    chances: that the mouth or an eye is pulled to one side, and that lips bare the teeth.
+    chances: that the mouth or an eye is pulled to one side, that lips bare the teeth, and that somebody laughs aloud.
     """
-    twisted, grinning = chances
+    twisted, grinning, laughing = chances
     head = load_head()
     weights = np.zeros(len(head.action_names))
+    wider = 0.0
     if generator.random() < twisted:
         for name in generator.choice(TWISTS, int(generator.integers(1, 3)), replace=False):
             weights[head.action_names.index(name)] += generator.uniform(0.15, 0.6)
@@ -40,6 +58,26 @@ def random_mime(
         for name, weight in GRIN.items():
             weights[head.action_names.index(name)] += strength * weight
         weights[head.action_names.index("jawOpen")] += generator.uniform(0, 0.25)
+    if generator.random() < laughing:
+        strength = generator.uniform(0.6, LOUDEST)
+        shares = dict(zip(LAUGH, generator.uniform(0.3, 1.0, len(LAUGH)), strict=True))
+        # The jaw is as often closed as dropped; both sides of a mouth laugh nearly alike.
+        shares["jawOpen"] *= generator.random() < 0.5
+        for name, weight in LAUGH.items():
+            other = name.replace("Right", "Left")
+            share = 0.25 * shares[name] + 0.75 * shares[other]
+            weights[head.action_names.index(name)] += strength * weight * share
+        wider = max(generator.uniform(-WIDEST, WIDEST), 0)
     size = np.ptp(vertices[:, 1]) / np.ptp(template.vertices[:, 1])
     chosen = weights > 0
-    return size * np.tensordot(weights[chosen], head.actions[chosen], 1)
+    moved = size * np.tensordot(weights[chosen], head.actions[chosen], 1)
+    return moved + _widened(vertices + moved, template, wider)
+
+
+def _widened(vertices: np.ndarray, template: Template, wider: float) -> np.ndarray:
+    """(V, 3) metres: what a mouth that is wider by a share of its width does to a face, less and less around it."""
+    mouth = vertices[template.annotation.landmarks[list(MOUTH)]]
+    apart = vertices - mouth.mean(0)
+    reach = _REACH * np.ptp(mouth[:, 0])
+    follows = np.exp(-((np.linalg.norm(apart, axis=1) / reach) ** 2))
+    return np.stack([wider * follows * apart[:, 0], np.zeros(len(vertices)), np.zeros(len(vertices))], 1)

@@ -10,7 +10,9 @@ class SitterSettings:
     bald, shaved: of hair: none, or painted on the scalp alone. thickness: of hair over the skull.
     fringe, sides, back: degrees from the whorl to where hair ends over the forehead, beside the face and behind.
     hat, glasses, dark, beard, wrinkled, lashes: chances; dark: of the glasses. beard_thickness: of a full beard.
-    twisted, grinning: chances that the mouth or an eye is pulled to one side, and that lips bare the teeth.
+    twisted, grinning, laughing: chances that the mouth or an eye is pulled to one side, that lips bare the teeth, and
+    that they are drawn far apart, with the jaw closed or dropped. cartoon: chance of teeth as cartoons have them.
+    long_teeth: chance of teeth that are longer, up to ``longest`` times.
     """
 
     bald: float = 0.12
@@ -19,15 +21,19 @@ class SitterSettings:
     fringe: tuple[float, float] = (52, 100)
     sides: tuple[float, float] = (62, 150)
     back: tuple[float, float] = (95, 152)
-    hat: float = 0.12
-    glasses: float = 0.2
+    hat: float = 0.22
+    glasses: float = 0.24
     dark: float = 0.35
-    beard: float = 0.22
+    beard: float = 0.26
     beard_thickness: tuple[float, float] = (0.01, 0.07)
     wrinkled: float = 0.55
     lashes: float = 0.6
     twisted: float = 0.3
     grinning: float = 0.2
+    laughing: float = 0.25
+    cartoon: float = 0.35
+    long_teeth: float = 0.4
+    longest: float = 1.8
 
 
 @dataclass(frozen=True)

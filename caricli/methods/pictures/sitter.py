@@ -72,6 +72,7 @@ class Wardrobe:
         self.wrinkles = WrinkleLines(self.painter)
         self.attachment = attachment_for(template)
         self.open_head = is_usual_head(template)
+        self.cartoon = attachment_for(template, "cartoon") if self.open_head else None
         self.regions = self._skin_regions()
         self.beards = self._beards()
         self.stiff = template.mask("ear_left", "ear_right", "inner_mouth", "eye_socket_left", "eye_socket_right")
@@ -81,7 +82,7 @@ class Wardrobe:
         settings = self.settings
         appearance = random_appearance(generator)
         if self.open_head:
-            chances = (settings.twisted, settings.grinning)
+            chances = (settings.twisted, settings.grinning, settings.laughing)
             vertices = vertices + random_mime(vertices, self.template, chances, generator)
         head = self.template.with_vertices(vertices)
         worn, scalp = self._headwear(head, appearance, generator)
@@ -151,10 +152,13 @@ class Wardrobe:
         """Teeth, tongue, lashes, neck and shoulders, as far as the topology has them."""
         if self.attachment is None:
             return []
-        lashes = generator.random() < self.settings.lashes
-        parts = [part for part in self.attachment.attach(head) if lashes or part.name != "lashes"]
+        settings = self.settings
+        lashes = generator.random() < settings.lashes
+        cartoon = self.cartoon if generator.random() < settings.cartoon else None
+        parts = [part for part in (cartoon or self.attachment).attach(head) if lashes or part.name != "lashes"]
         white = generator.uniform([0.85, 0.8, 0.65], [1.05, 1.03, 1.0])
-        pieces = [_part_piece(part, white) for part in parts]
+        longer = generator.uniform(1, settings.longest) if generator.random() < settings.long_teeth else 1.0
+        pieces = [_lengthened(_part_piece(part, white), part.name, longer) for part in parts]
         return [*pieces, self._bust(head, skin, generator)] if self.open_head else pieces
 
     def _bust(self, head: Template, skin: Piece, generator: np.random.Generator) -> Piece:
@@ -217,6 +221,17 @@ class Wardrobe:
         seen = np.concatenate([self.fine.weights @ seen[:count], seen[count:]])
         cosines = np.maximum(normals @ DIRECTIONS.T, 0)
         return normals, (4 / len(DIRECTIONS) * seen * cosines).astype(np.float32)
+
+
+def _lengthened(piece: Piece, name: str, factor: float) -> Piece:
+    """A row of teeth longer by a factor, away from its jaw; any other part as it is."""
+    if name not in ("teeth_upper", "teeth_lower"):
+        return piece
+    heights = piece.vertices[:, 1]
+    root = heights.max() if name == "teeth_upper" else heights.min()
+    vertices = piece.vertices.copy()
+    vertices[:, 1] = root + factor * (heights - root)
+    return replace(piece, vertices=vertices)
 
 
 def _part_piece(part: Part, white: np.ndarray) -> Piece:

@@ -62,6 +62,7 @@ def sitter_shapes(pictures: PictureSet, dataset: Dataset) -> SitterShapes:
 
 
 _NAMES = ("person", "expression", "level")
+_MIMES = ("twisted", "grinning", "laughing")
 
 
 def _settings(manifest: dict[str, Any]) -> PictureSettings:
@@ -72,14 +73,14 @@ def _settings(manifest: dict[str, Any]) -> PictureSettings:
     return PictureSettings(**{name: value[name] for name in names})
 
 
-def _chances(manifest: dict[str, Any]) -> tuple[float, float]:
-    """Of ``random_mime``; the first pictures that were made had no grins."""
+def _chances(manifest: dict[str, Any]) -> tuple[float, float, float]:
+    """Of ``random_mime``; the first pictures that were made had no grins, and the next nobody who laughs."""
     value = manifest.get("sitter")
-    chances = [value.get(name, 0.0) if isinstance(value, dict) else None for name in ("twisted", "grinning")]
+    chances = [value.get(name, 0.0) if isinstance(value, dict) else None for name in _MIMES]
     numbers = [float(chance) for chance in chances if isinstance(chance, int | float)]
     if len(numbers) < len(chances):
         raise InputError("expected pictures with the chances of what their sitters do, found others")
-    return numbers[0], numbers[1]
+    return numbers[0], numbers[1], numbers[2]
 
 
 def _sitter(task: Task, dataset: Dataset, labels: list[int]) -> int:

@@ -3,16 +3,20 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from caricli.methods.hair.head_sphere import HeadSphere
+from caricli.methods.hair.settings import ShellSettings
 from caricli.methods.pictures.compose import Easel
 from caricli.methods.pictures.draw_sitter import draw_sitter, random_strands
+from caricli.methods.pictures.hair import HATS, random_hat
 from caricli.methods.pictures.light import Sky
+from caricli.methods.pictures.mime import random_mime
 from caricli.methods.pictures.pose import random_pose
 from caricli.methods.pictures.settings import PoseSettings, SceneSettings, SitterSettings
 from caricli.methods.pictures.sitter import Wardrobe
 from caricli.structures.parsing import Region
 from caricli.template.head import load_head
 
-PLAIN = SitterSettings(bald=1, shaved=0, hat=0, glasses=0, beard=0, wrinkled=0, twisted=0, grinning=0)
+PLAIN = SitterSettings(bald=1, shaved=0, hat=0, glasses=0, beard=0, wrinkled=0, twisted=0, grinning=0, laughing=0)
 STILL = PoseSettings(yaw=0, pitch=0, roll=0, turned=0, rolled=0, perspective=0, aside=0)
 EVEN = Sky(np.array([[0.0, 0.0, -1.0]]), np.zeros((1, 3)), np.ones(1), np.ones(3), np.ones(3))
 
@@ -74,6 +78,56 @@ def test_who_grins_bares_teeth(wardrobe):
     assert min(shown) > 20
     wardrobe.settings = PLAIN
     assert (_drawn(wardrobe)[1].region == Region.TEETH).sum() < min(shown)
+
+
+def test_who_laughs_opens_a_mouth_that_may_be_wider_than_people_have():
+    head = load_head().template()
+    lips = head.annotation.landmarks[48:68]
+    widths: list[float] = []
+    gaps: list[float] = []
+    for seed in range(12):
+        moved = random_mime(head.vertices, head, (0, 0, 1), np.random.default_rng(seed))
+        mouth = head.vertices[lips] + moved[lips]
+        widths.append(np.ptp(mouth[:, 0]) / np.ptp(head.vertices[lips, 0]))
+        gaps.append(_parted(mouth))
+        # The skull stays where it is.
+        assert np.abs(moved[head.annotation.regions["ear_left"]]).max() < 0.05 * np.ptp(head.vertices[:, 1])
+    assert max(widths) > 1.5 and min(widths) > 0.9
+    assert max(gaps) > 8 * _parted(head.vertices[lips]) and min(gaps) > _parted(head.vertices[lips])
+    assert not random_mime(head.vertices, head, (0, 0, 0), np.random.default_rng(0)).any()
+
+
+def _parted(mouth):
+    """Distance of the lips, metres."""
+    return np.linalg.norm(mouth[14] - mouth[18])
+
+
+def test_teeth_grow_from_their_jaws(wardrobe):
+    heights = {}
+    for factor in (1.0, 1.5):
+        wardrobe.settings = replace(PLAIN, cartoon=0, long_teeth=float(factor > 1), longest=factor, lashes=0)
+        generator = np.random.default_rng(3)
+        pieces = wardrobe.seat(wardrobe.template.vertices, generator).pieces
+        heights[factor] = pieces.vertices[pieces.region == Region.TEETH, 1]
+    usual, grown = heights[1.0], heights[1.5]
+    # One row is above the other: its upper end stays, as the lower one's lower end does.
+    assert np.ptp(grown) == pytest.approx(np.ptp(usual), rel=0.25)
+    assert np.median(np.abs(grown - usual)) > 1e-4
+
+
+@pytest.mark.parametrize("kind", HATS)
+def test_a_hat_leaves_the_face_free_and_covers_the_crown(kind, monkeypatch):
+    head = load_head().template()
+    sphere = HeadSphere(head, ShellSettings(coarse=(40, 48)))
+    monkeypatch.setattr("caricli.methods.pictures.hair.HATS", {kind: HATS[kind]})
+    for seed in range(4):
+        pieces = random_hat(sphere, 0.0, np.random.default_rng(seed))
+        shell = pieces[0]
+        assert np.isfinite(shell.vertices).all() and (shell.region == Region.HAT).all()
+        assert shell.vertices[:, 1].max() > head.vertices[:, 1].max()
+        eyes = head.vertices[head.annotation.landmarks[36:48]]
+        front = shell.vertices[shell.vertices[:, 2] > eyes[:, 2].mean()]
+        assert not len(front) or front[:, 1].min() > eyes[:, 1].max()
 
 
 def test_a_face_that_is_turned_hides_its_far_side(wardrobe):
