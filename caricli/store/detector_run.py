@@ -1,34 +1,45 @@
 """The training of a detector in its folder."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
 from caricli.data.picture_set import read_picture_set
 from caricli.errors import naming
 from caricli.methods.evaluate.evaluate_detector import DetectorTally, JudgedPicture, evaluate_detector
-from caricli.methods.train.split_pictures import SplitPictures
+from caricli.methods.train.split_pictures import JoinedPictures, SplitPictures
 from caricli.methods.train.train_autodecoder import Share
-from caricli.methods.train.train_detector import DetectorTraining
+from caricli.methods.train.train_detector import DetectorTraining, evenly
 from caricli.models.detector.config import DetectorConfig
 from caricli.models.detector.model import TRUST, Detector, detector_to_checkpoint
 from caricli.store.detector import load_detector
 from caricli.store.training_run import MODEL, RunFolder
 
 
-def load_training(folder: Path, config: DetectorConfig, share: Share, start: Path | None) -> DetectorTraining:
-    """A training on a folder of pictures.
+def load_training(
+    folders: Sequence[Path], config: DetectorConfig, share: Share, start: Path | None
+) -> DetectorTraining:
+    """A training on folders of pictures, together.
 
     share: of this process. start: file of the detector with whose weights it begins, or None for random ones.
     Raises InputError when it is no such folder or file.
     """
-    pictures = read_picture_set(folder)
-    with naming(folder):
-        unseen = SplitPictures(pictures, "validation")
-        training = DetectorTraining(SplitPictures(pictures, "train"), unseen, config, share)
+    training, unseen = (_joined(folders, split) for split in ("train", "validation"))
+    with naming(", ".join(map(str, folders))):
+        run = DetectorTraining(training, unseen, config, share)
     if start is not None:
         with naming(start):
-            training.start_from(load_detector(start).network)
-    return training
+            run.start_from(load_detector(start).network)
+    return run
+
+
+def _joined(folders: Sequence[Path], split: str) -> JoinedPictures:
+    """Pictures of one split of all folders."""
+    parts = []
+    for folder in folders:
+        pictures = read_picture_set(folder)
+        with naming(folder):
+            parts.append(SplitPictures(pictures, split))
+    return JoinedPictures(parts)
 
 
 class DetectorRun(RunFolder):
@@ -55,7 +66,7 @@ class DetectorRun(RunFolder):
         detector = load_detector(self.folder / MODEL)
         detector.trust = 1.0  # whatever an end that was stopped has written
         tally = DetectorTally()
-        numbers = training.unseen.numbers[: training.config.validation]
+        numbers = evenly(training.unseen.numbers, training.config.validation)
         pictures = (JudgedPicture(training.unseen.marked(number), str(number), "any") for number in numbers)
         for done, (judged, detection) in enumerate(evaluate_detector(detector, pictures), 1):
             tally.add(judged, detection)

@@ -12,7 +12,12 @@ from caricli.io.provenance import provenance
 
 @click.command()
 @click.option(
-    "--pictures", type=PATH, metavar="DIR", required=True, help="Train on this folder of `caricli dataset pictures`."
+    "--pictures",
+    type=PATH,
+    metavar="DIR",
+    multiple=True,
+    required=True,
+    help="Train on this folder of `caricli dataset pictures`; repeatable.",
 )
 @out_option("RUN_DIR", "Write model, log, learning curve and the state to resume from into this folder.")
 @config_option
@@ -34,7 +39,7 @@ def command(pictures, out, config, overrides, start, resume, overwrite):
     Example:
       caricli train detector --pictures pictures --out run
       caricli train detector --pictures pictures --out run --resume
-      caricli train detector --pictures more --start run/model.safetensors --out further
+      caricli train detector --pictures pictures --pictures more --start run/model.safetensors --out further
     """
     from caricli.commands.shared.progress import progress_bar, training_bar
     from caricli.commands.shared.tables import detector_figures
@@ -45,7 +50,7 @@ def command(pictures, out, config, overrides, start, resume, overwrite):
 
     settings = read_config(config, DetectorConfig, overrides)
     with training_processes("cpu") as share:
-        sources = [pictures / "pictures.json", *([] if start is None else [start])]
+        sources = [*(folder / "pictures.json" for folder in pictures), *([] if start is None else [start])]
         recipe = provenance("train detector", sources, config=asdict(settings))
         run = DetectorRun(out, recipe, Beginning(resume, overwrite, writes=share.process == 0))
         training = load_training(pictures, settings, share, start)

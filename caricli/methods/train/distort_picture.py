@@ -1,6 +1,7 @@
 """Pictures whose faces are drawn out and pressed together as caricaturists do it, more than meshes are exaggerated."""
 
 from dataclasses import dataclass, replace
+from functools import cache
 
 import numpy as np
 
@@ -12,6 +13,9 @@ _FAR = 4.0
 """Sides of a face, from its middle, up to which heights are told apart."""
 
 _STEP = 0.02
+_END = 1.2
+"""Sides of a face, from its middle, beyond which nothing is distorted."""
+
 _STRIDE = 4
 """Pixels between two places whose source is computed; between them it is interpolated."""
 
@@ -107,12 +111,12 @@ def distort_picture(
 def random_distortion(landmarks: np.ndarray, settings: DistortSettings, generator: np.random.Generator) -> Distortion:
     """Draw a distortion for the face of landmarks (L, 2), pixels, whose side stays as it is."""
     frame = FaceFrame.of(landmarks)
-    heights = np.arange(-_FAR, _FAR + _STEP / 2, _STEP)
-    slopes = np.exp(settings.heights * _smooth(heights, settings.knots, generator))
+    heights = _heights()
+    slopes = np.exp(settings.heights * _smooth(settings.knots, generator))
     stretched = np.cumsum(slopes) * _STEP
     stretched -= np.interp(0, heights, stretched)
-    widths = np.exp(settings.widths * _smooth(heights, settings.knots, generator))
-    aside = settings.aside * _smooth(heights, settings.knots, generator)
+    widths = np.exp(settings.widths * _smooth(settings.knots, generator))
+    aside = settings.aside * _smooth(settings.knots, generator)
     amount = generator.uniform(*settings.bulge) if generator.random() < settings.bulged else 0.0
     radius = generator.uniform(*settings.radius)
     radii = np.linspace(0, _FAR, 401)
@@ -124,15 +128,26 @@ def random_distortion(landmarks: np.ndarray, settings: DistortSettings, generato
     return replace(moved, scale=frame.side / FaceFrame.of(moved.places(landmarks)).side)
 
 
-def _smooth(heights: np.ndarray, knots: int, generator: np.random.Generator) -> np.ndarray:
-    """(T,) smooth noise of deviation 1 over a face, which goes to nothing beside it."""
+@cache
+def _heights() -> np.ndarray:
+    """(T,) heights over a face at which a distortion is told, sides of the face."""
+    return np.arange(-_FAR, _FAR + _STEP / 2, _STEP)
+
+
+@cache
+def _splines(knots: int) -> np.ndarray:
+    """(T, knots) cubic splines over the heights that are 1 at one knot and 0 at the others."""
     from scipy.interpolate import CubicSpline
 
-    places = np.linspace(-0.6, 0.6, knots)
-    values = generator.normal(size=knots)
-    ends = np.concatenate([[-1.2], places, [1.2]])
-    spline = CubicSpline(ends, np.concatenate([[0], values, [0]]), bc_type="clamped")
-    return np.where(np.abs(heights) < ends[-1], np.clip(spline(heights), -2.5, 2.5), 0)
+    ends = np.concatenate([[-_END], np.linspace(-0.6, 0.6, knots), [_END]])
+    values = np.pad(np.eye(knots), ((1, 1), (0, 0)))
+    splines = CubicSpline(ends, values, bc_type="clamped")(_heights())
+    return np.where(np.abs(_heights())[:, None] < _END, splines, 0)
+
+
+def _smooth(knots: int, generator: np.random.Generator) -> np.ndarray:
+    """(T,) smooth noise of deviation 1 over a face, which goes to nothing beside it."""
+    return np.clip(_splines(knots) @ generator.normal(size=knots), -2.5, 2.5)
 
 
 def _radial(points: np.ndarray, centre: np.ndarray, before: np.ndarray, after: np.ndarray) -> np.ndarray:

@@ -1,5 +1,6 @@
 """Pictures of a split, as trainings take them."""
 
+from bisect import bisect_right
 from collections.abc import Sequence
 
 import numpy as np
@@ -26,6 +27,25 @@ class SplitPictures:
     def marked(self, number: int) -> MarkedPicture:
         """A picture with its truth. Raises InputError when a file is missing or damaged."""
         return marked_picture(self.pictures, number)
+
+
+class JoinedPictures:
+    """Pictures of several SplitPictures, numbered on from one to the next."""
+
+    def __init__(self, parts: Sequence[SplitPictures]) -> None:
+        """parts: at least one."""
+        self.parts = parts
+        self.starts = np.cumsum([0, *(part.pictures.count for part in parts)]).tolist()
+        pairs = list(zip(self.starts, parts, strict=False))
+        self.numbers: Sequence[int] = [start + number for start, part in pairs for number in part.numbers]
+        self.faces: Sequence[tuple[int, int]] = [
+            (start + number, place) for start, part in pairs for number, place in part.faces
+        ]
+
+    def marked(self, number: int) -> MarkedPicture:
+        """A picture with its truth. Raises InputError when a file is missing or damaged."""
+        part = bisect_right(self.starts, number) - 1
+        return self.parts[part].marked(number - self.starts[part])
 
 
 def marked_picture(pictures: PictureSet, number: int) -> MarkedPicture:

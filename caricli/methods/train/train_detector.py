@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from functools import partial
-from typing import Protocol
+from typing import Protocol, TypeVar
 
 import numpy as np
 import torch
@@ -20,6 +20,8 @@ from caricli.seeds import TrainingSeed
 from caricli.structures.detection import FaceFrame, MarkedPicture
 from caricli.structures.landmarks import COUNT, SCHEMES
 from caricli.structures.parsing import Region
+
+T = TypeVar("T")
 
 LANDMARKS = max(SCHEMES)
 """How many the network finds."""
@@ -115,9 +117,8 @@ class DetectorTraining(NetworkTraining):
         """Mean distance of the average's landmarks on unseen faces, of iBUG, as a share of the faces' diagonals."""
         self.average.eval()
         size = self.config.size
-        chosen = self.unseen.faces[:: max(1, len(self.unseen.faces) // self.config.validation)]
         errors = []
-        for number, face in chosen[: self.config.validation]:
+        for number, face in evenly(self.unseen.faces, self.config.validation):
             picture = self.unseen.marked(number)
             truth = picture.landmarks[face][:COUNT]
             matrix = FaceFrame.of(truth).matrix(size, VALIDATION_SHARE)
@@ -128,6 +129,11 @@ class DetectorTraining(NetworkTraining):
             apart = np.linalg.norm((mean + 0.5) * FINE - 0.5 - places, axis=1)
             errors.append(apart.mean() / np.linalg.norm(np.ptp(places, axis=0)))
         return float(np.mean(errors))
+
+
+def evenly(items: Sequence[T], count: int) -> Sequence[T]:
+    """At most so many of some items, from all over them."""
+    return items[:: max(1, len(items) // count)][:count]
 
 
 def new_network(config: DetectorConfig, generator: torch.Generator) -> DetectorNetwork:

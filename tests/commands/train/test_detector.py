@@ -45,6 +45,18 @@ def test_two_processes_train_together_and_one_of_them_speaks(pictures, tmp_path)
     assert done.stderr.count("epoch 2 of 2") == 1 and done.stdout.count("faces found") == 1
 
 
+def test_it_trains_on_several_folders_together(run, trained, pictures, head_template, tmp_path):
+    more = write_drawn_set(tmp_path / "more", mean_shape(head_template), 8, 1)
+    result = run(
+        "train", "detector", "--pictures", pictures, "--pictures", more, "--start", trained / "model.safetensors",
+        "--out", tmp_path / "run", *SMALL,
+    )  # fmt: skip
+    assert result.exit_code == 0, result.output
+    report = json.loads((tmp_path / "run" / "model.json").read_text())
+    sources = [folder / "pictures.json" for folder in (pictures, more)]
+    assert list(report["inputs"]) == [*map(str, sources), str(trained / "model.safetensors")]
+
+
 def test_other_settings_are_refused_and_what_is_no_folder_of_pictures(refused, trained, pictures, tmp_path):
     told = refused("train", "detector", "--pictures", pictures, "--out", trained, *SMALL, "--resume", "--set=seed=3")
     assert "seed 0 there, 3 here" in told

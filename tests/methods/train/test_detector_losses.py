@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 import torch
 
-from caricli.methods.train.detector_losses import FaceTargets, face_loss, landmark_loss, region_loss
+from caricli.methods.train.detector_losses import FaceTargets, _apart, face_loss, landmark_loss, region_loss
 from caricli.models.detector.config import DetectorConfig
 from caricli.models.detector.model import _probabilities, face_cells
 from caricli.models.detector.networks import FaceGrid, HeatMaps
@@ -94,6 +94,22 @@ def test_honest_doubt_costs_less_than_any_other(faces):
         for spread in (0.1, 0.7, 10.0)
     }
     assert min(costs, key=costs.get) == 0.7
+
+
+def test_a_small_region_that_is_missed_costs_as_much_as_a_large_one():
+    """Of two regions of 4 and of 1020 cells, shown as one another."""
+    regions = np.zeros((1, 64, 64), np.uint8)
+    regions[:, :4, :4] = 12
+    truth = torch.from_numpy(regions[0, ::2, ::2].reshape(16, 2, 16, 2).transpose(0, 2, 1, 3).reshape(-1).astype(int))
+
+    def apart(told):
+        return float(_apart(torch.log_softmax(20 * torch.eye(16)[told], -1), truth))
+
+    assert apart(truth) < 1e-3
+    assert apart(torch.zeros_like(truth)) == pytest.approx(0.5, abs=0.01)
+    assert apart(torch.full_like(truth, 12)) == pytest.approx(1, abs=0.01)
+    beyond = truth.where(truth == 0, 255)
+    assert float(_apart(torch.log_softmax(20 * torch.eye(16)[torch.zeros_like(truth)], -1), beyond)) < 1e-3
 
 
 def test_regions_are_asked_for_where_they_are_read():
