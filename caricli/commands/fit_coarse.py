@@ -1,6 +1,6 @@
 """caricli fit-coarse: a picture to a face of the morphable model, by a network."""
 
-from functools import partial
+from dataclasses import replace
 
 import click
 
@@ -50,15 +50,10 @@ def command(ctx, pictures, out, out_dir, image, network, alone, model, detector,
       caricli fit-coarse landmarks.json --image drawing.png --out face.obj
     """
     from caricli.commands.shared.batch import run_batch
-    from caricli.commands.shared.landmark_batch import FitTask, LandmarkFiles
-    from caricli.methods.reconstruct.fit_coarse import fit_coarse
-    from caricli.store.coarse import load_coarse_pair
+    from caricli.commands.shared.fit_tasks import network_task
+    from caricli.commands.shared.landmark_batch import LandmarkFiles
     from caricli.store.face_pictures import FaceReader
 
     files = LandmarkFiles(pictures, out, out_dir, image, FaceReader(detector, pts_origin), overwrite)
-    teller, shape_model = load_coarse_pair(network, model)
-    fit = partial(fit_coarse, model=shape_model, network=teller, alone=alone)
-    about = {"model_id": shape_model.model_id, "network_id": teller.model_id, "alone": alone}
-    inputs = [model, network]
-    task = FitTask("fit-coarse", files, shape_model, levels, fit, about, inputs, head=head, looks=True)
+    task = replace(network_task(files, model, network, alone), levels=levels, head=head)
     run_batch(ctx, files.jobs(), task.run, "faces")

@@ -1,7 +1,6 @@
 """caricli fit-morphable: a picture, or 2D landmarks, to a face of the morphable model."""
 
-from dataclasses import astuple
-from functools import partial
+from dataclasses import astuple, replace
 
 import click
 
@@ -82,26 +81,12 @@ def command(
       caricli fit-morphable smile.json --expression-only --identity face.npz --out smile.obj
     """
     from caricli.commands.shared.batch import run_batch
-    from caricli.commands.shared.landmark_batch import FitTask, LandmarkFiles
+    from caricli.commands.shared.fit_tasks import morphable_task
+    from caricli.commands.shared.landmark_batch import LandmarkFiles
     from caricli.store.face_pictures import FaceReader
-    from caricli.store.faces import load_identity, load_worn_face
-    from caricli.store.models import load_morphable
 
-    if photometric:
-        from caricli.methods.morphable.fit_photometric import fit_photometric as fitting
-    else:
-        from caricli.methods.reconstruct.fit_morphable import fit_morphable as fitting
     if identity is not None and not expression_only:
         raise click.UsageError("--identity needs --expression-only.")
     files = LandmarkFiles(landmarks, out, out_dir, image, FaceReader(detector, pts_origin), overwrite)
-    shape_model = load_morphable(model)
-    kept, note = load_identity(identity, shape_model) if expression_only else (None, None)
-    if note:
-        click.echo(note, err=True)
-    fit = partial(fitting, model=shape_model, weights=MorphableWeights(*weights), identity=kept)
-    about = {"model_id": shape_model.model_id, "weights": weights, "expression_only": expression_only}
-    about["photometric"] = photometric
-    worn = None if identity is None or photometric else load_worn_face(identity, shape_model)
-    sources = {"worn": worn, "head": head, "whole": photometric}
-    task = FitTask("fit-morphable", files, shape_model, levels, fit, about, [model], [identity], **sources)
-    run_batch(ctx, files.jobs(), task.run, "faces")
+    task = morphable_task(files, model, MorphableWeights(*weights), expression_only, identity, photometric)
+    run_batch(ctx, files.jobs(), replace(task, levels=levels, head=head).run, "faces")

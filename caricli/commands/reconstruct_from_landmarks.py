@@ -1,6 +1,6 @@
 """caricli reconstruct-from-landmarks: a picture, or 2D landmarks, to a 3D caricature."""
 
-from functools import partial
+from dataclasses import replace
 
 import click
 
@@ -85,19 +85,10 @@ def command(
       caricli reconstruct-from-landmarks marks/*.txt --image drawings --out-dir faces
     """
     from caricli.commands.shared.batch import run_batch
-    from caricli.commands.shared.landmark_batch import FitTask, LandmarkFiles
-    from caricli.methods.reconstruct.fit_landmarks import fit_landmarks, fitting_method
+    from caricli.commands.shared.fit_tasks import elastic_task
+    from caricli.commands.shared.landmark_batch import LandmarkFiles
     from caricli.store.face_pictures import FaceReader
-    from caricli.store.models import DEFAULT_ELASTIC, DEFAULT_LATENT, load_model
 
     files = LandmarkFiles(landmarks, out, out_dir, image, FaceReader(detector, pts_origin), overwrite)
-    shape_model = load_model(model, DEFAULT_LATENT if method == "latent" else DEFAULT_ELASTIC)
-    method = method or fitting_method(shape_model)
-    shape_model.prepare()
-    # Edits go on in the model that is the best for them, unless another one was asked for.
-    latents = load_model(kind=DEFAULT_LATENT) if model is None and method == "intrinsic" else None
-    fit = partial(fit_landmarks, model=shape_model, method=method, prior_weight=prior_weight)
-    about = {"method": method, "prior_weight": prior_weight, "outline": outline, "model_id": shape_model.model_id}
-    sources = {"latents": latents, "looks": outline == "auto", "head": head}
-    task = FitTask("reconstruct-from-landmarks", files, shape_model, levels, fit, about, [model], **sources)
+    task = replace(elastic_task(files, model, method, prior_weight, outline), levels=levels, head=head)
     run_batch(ctx, files.jobs(), task.run, "faces")

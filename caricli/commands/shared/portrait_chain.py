@@ -8,6 +8,7 @@ from pathlib import Path
 from caricli.commands.detect import DetectTask
 from caricli.commands.refine import RefineTask
 from caricli.commands.rig import RigTask
+from caricli.commands.shared.fit_tasks import COARSE_TASKS
 from caricli.commands.shared.landmark_batch import FitTask, LandmarkFiles
 from caricli.commands.shared.notes import echo_notes
 from caricli.commands.shared.picture import without_picture
@@ -25,7 +26,6 @@ from caricli.methods.stylise.settings import StyliseSettings
 from caricli.methods.texture.settings import PaintSettings
 from caricli.store.detector import load_detector
 from caricli.store.face_pictures import FaceReader
-from caricli.store.models import DEFAULT_LATENT, load_model, load_morphable
 from caricli.store.pictures import load_marked_picture
 from caricli.store.portrait_page import (
     REPORT,
@@ -104,7 +104,8 @@ class PortraitChain:
     @cached_property
     def fitting(self) -> FitTask:
         """How faces are reconstructed."""
-        return _fit_task(self.coarse, self.files.out_dir)
+        files = LandmarkFiles((), None, self.files.out_dir, None, FaceReader(), False)
+        return COARSE_TASKS[self.coarse](files)
 
     def run(self, picture: Path, folder: Path) -> str:
         """Make the head of a picture, in a folder of its own, and say what came of it."""
@@ -160,21 +161,3 @@ def _draw(picture: Path, marks: Path, rig: Path) -> None:
     from caricli.render.head_sheet import head_sheet
 
     write_png(rig.with_name(SHEET), head_sheet(read_image(picture), read_landmarks(marks).points, load_rig(rig), SIZE))
-
-
-def _fit_task(coarse: str, folder: Path) -> FitTask:
-    """How faces are reconstructed. coarse: one of COARSE. folder: of all heads."""
-    from caricli.methods.reconstruct.fit_landmarks import fit_landmarks
-    from caricli.methods.reconstruct.fit_morphable import fit_morphable
-
-    files = LandmarkFiles((), None, folder, None, FaceReader(), False)
-    if coarse == "morphable":
-        regular = load_morphable()
-        fit = partial(fit_morphable, model=regular)
-        return FitTask("fit-morphable", files, regular, 0, fit, {"model_id": regular.model_id})
-    model = load_model()
-    model.prepare()
-    about = {"method": "intrinsic", "prior_weight": 1.0, "outline": "auto", "model_id": model.model_id}
-    fit = partial(fit_landmarks, model=model, method="intrinsic")
-    latents = load_model(kind=DEFAULT_LATENT)
-    return FitTask("reconstruct-from-landmarks", files, model, 0, fit, about, latents=latents, looks=True)

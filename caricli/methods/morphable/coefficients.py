@@ -3,6 +3,8 @@
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from caricli.models.morphable.model import MorphableModel
 
 LIGHT = 9
@@ -48,3 +50,18 @@ class CoefficientLayout:
         ends = (0, self.identity, self.shape, self.face, self.face + LIGHT, self.size)
         names = ("identity", "expression", "albedo", "light", "pose")
         return {name: coefficients[..., ends[k] : ends[k + 1]] for k, name in enumerate(names)}
+
+    def report(self, coefficients: np.ndarray) -> dict[str, np.ndarray]:
+        """Copies of the parts of (size,), as reports have them."""
+        return {name: part.copy() for name, part in self.parts(coefficients).items()}
+
+
+def turned_light(light: np.ndarray, angle: float) -> np.ndarray:
+    """The harmonics (9,) of a light that is turned clockwise, with the picture, by an angle in radians."""
+    one, x, y, z, xy, yz, zz, xz, squares = light
+    once = (np.cos(angle), np.sin(angle))
+    twice = (np.cos(2 * angle), np.sin(2 * angle))
+    x, y = once[0] * x - once[1] * y, once[1] * x + once[0] * y
+    xz, yz = once[0] * xz - once[1] * yz, once[1] * xz + once[0] * yz
+    squares, xy = twice[0] * squares - twice[1] * xy, twice[1] * squares + twice[0] * xy
+    return np.array([one, x, y, z, xy, yz, zz, xz, squares])

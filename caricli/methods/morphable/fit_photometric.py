@@ -25,11 +25,11 @@ _SETTINGS = PhotometricSettings()
 class PhotometricFit(LandmarkFit):
     """A LandmarkFit whose colours were fitted too.
 
-    coefficients: (D,), as ``CoefficientLayout`` has them, pose in pixels of the given picture. before, after: root mean
+    coefficients: by the names of CoefficientLayout, pose in pixels of the given picture. before, after: root mean
     square differences to the picture's colours, percent of full scale, over what is compared.
     """
 
-    coefficients: np.ndarray
+    coefficients: dict[str, np.ndarray]
     before: float
     after: float
 
@@ -104,5 +104,5 @@ def _finished(search: PhotometricSearch, observation: Observation, start: Landma
     colours = model.colours(search.layout.parts(search.x)["albedo"])
     own = {field.name: getattr(fit, field.name) for field in fields(LandmarkFit)}
     own["face"] = wear_colours(fit.face, colours)
-    after = search.difference()
-    return PhotometricFit(**own, coefficients=coefficients, before=100 * before, after=100 * after)
+    named = search.layout.report(coefficients)
+    return PhotometricFit(**own, coefficients=named, before=100 * before, after=100 * search.difference())

@@ -8,7 +8,7 @@ import numpy as np
 from caricli.errors import InputError
 from caricli.geometry.head_rotation import head_rotation
 from caricli.geometry.similarity import similarity
-from caricli.methods.morphable.coefficients import CoefficientLayout
+from caricli.methods.morphable.coefficients import CoefficientLayout, turned_light
 from caricli.methods.reconstruct.fit_landmarks_latent import fit_landmarks_latent
 from caricli.methods.reconstruct.landmark_fit import LandmarkFit, Observation
 from caricli.methods.reconstruct.settings import LatentSettings
@@ -16,7 +16,7 @@ from caricli.models.coarse.model import LANDMARKS, SHARE, CoarseModel
 from caricli.models.morphable.model import MorphableModel, ShapeBases
 from caricli.render.cut_window import cut_window
 from caricli.structures import Camera, Face
-from caricli.structures.detection import FaceFrame, turn_axes
+from caricli.structures.detection import FaceFrame
 from caricli.structures.landmarks import COUNT, FEWEST
 
 ALONE = LatentSettings(rounds=0, refinements=0)
@@ -27,8 +27,8 @@ ALONE = LatentSettings(rounds=0, refinements=0)
 class CoarseFit(LandmarkFit):
     """A LandmarkFit with the word of the network.
 
-    coefficients: by the names of CoefficientLayout, before the face was brought nearer to the landmarks; pitch, yaw and
-    roll, and the light's axes, are those of a window in which the face is upright, place and scale of the picture.
+    coefficients: by the names of CoefficientLayout, before the face was brought nearer to the landmarks; light and pose
+    are those of the given picture, as a PhotometricFit has them.
     """
 
     coefficients: dict[str, np.ndarray] | None = None
@@ -40,7 +40,7 @@ class CoarseFit(LandmarkFit):
 
 @dataclass(frozen=True, eq=False)
 class CoarseSight:
-    """What the network sees. coefficients: (D,), pixels those of the window. camera: Camera of the picture."""
+    """What the network sees. coefficients: (D,), light and pose of the picture. camera: Camera of the picture."""
 
     coefficients: np.ndarray
     camera: Camera
@@ -55,15 +55,15 @@ def see_coarse(points: np.ndarray, image: np.ndarray, network: CoarseModel, mode
     window = cut_window(image, matrix, (network.size, network.size))
     coefficients = network.read(window[None], (told @ matrix[:, :2].T + matrix[:, 2])[None])[0]
     layout = CoefficientLayout.of(model)
-    pose = layout.parts(coefficients)["pose"]
-    zoom = float(np.sqrt(np.linalg.det(matrix[:, :2])))
-    upright = np.eye(3)
-    upright[:2, :2] = turn_axes(frame.roll).T
-    rotation = upright @ head_rotation(pose[:3])
-    place = np.linalg.solve(matrix[:, :2], pose[3:5] - matrix[:, 2])
+    parts = layout.parts(coefficients)
+    parts["light"][:] = turned_light(parts["light"], frame.roll)
+    pose = parts["pose"]
+    pose[2] += frame.roll
+    pose[3:5] = np.linalg.solve(matrix[:, :2], pose[3:5] - matrix[:, 2])
+    pose[5] /= np.sqrt(np.linalg.det(matrix[:, :2]))
     middle = model.decode(coefficients[: layout.shape]).mean(0)
-    scale = pose[5] / zoom
-    return CoarseSight(coefficients, Camera(scale, rotation, place - scale * rotation[:2] @ middle))
+    rotation = head_rotation(pose[:3])
+    return CoarseSight(coefficients, Camera(float(pose[5]), rotation, pose[3:5] - pose[5] * rotation[:2] @ middle))
 
 
 def fit_coarse(
@@ -109,15 +109,10 @@ def _taken(observation: Observation, model: MorphableModel, latent: np.ndarray, 
 
 def _reported(fit: LandmarkFit, latent: np.ndarray, sight: CoarseSight, model: MorphableModel) -> CoarseFit:
     """The fit as one of the model, with what the network said."""
-    layout = CoefficientLayout.of(model)
-    values = {name: part.copy() for name, part in layout.parts(sight.coefficients).items()}
-    middle = model.decode(sight.coefficients[: layout.shape]).mean(0)
-    values["pose"][3:5] = sight.camera.project(middle)
-    values["pose"][5] = sight.camera.scale
     face = replace(fit.face, latent=latent, model_id=model.model_id)
     own = {each.name: getattr(fit, each.name) for each in fields(LandmarkFit)}
     own |= {"face": face, "prior_rms": float(model.prior.rms(latent))}
-    return CoarseFit(**own, coefficients=values)
+    return CoarseFit(**own, coefficients=CoefficientLayout.of(model).report(sight.coefficients))
 
 
 def _filled(points: np.ndarray, model: MorphableModel) -> np.ndarray:

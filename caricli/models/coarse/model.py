@@ -13,6 +13,7 @@ from caricli.models.coarse.config import CoarseSize
 from caricli.models.coarse.networks import CoarseNetwork
 from caricli.models.network_weights import load_weights, network_weights, whole_number
 from caricli.structures.landmarks import SCHEMES
+from caricli.structures.seen_people import SeenPeople
 
 SCHEMA = "caricli.coarse/1"
 KIND = "coarse"
@@ -44,6 +45,11 @@ class CoarseModel:
     def model_id(self) -> str:
         """SHA-256 of its weights."""
         return model_id(KIND, self.tensors())
+
+    @property
+    def seen(self) -> SeenPeople | None:
+        """Whom it was trained with; None where the recipe does not say. Raises InputError."""
+        return SeenPeople.of_recipe(self.recipe)
 
     @property
     def doubt(self) -> np.ndarray:

@@ -73,8 +73,8 @@ def test_colours_tell_more_of_the_shape_than_landmarks_alone(model, scene, fit, 
 def test_it_is_one_face_with_one_camera(model, scene, fit):
     np.testing.assert_allclose(model.decode(fit.face.latent), fit.face.vertices, atol=1e-9)
     camera = fit.face.camera
-    np.testing.assert_allclose(camera.project(fit.face.vertices.mean(0)), fit.coefficients[-3:-1], atol=1e-6)
-    assert camera.scale == fit.coefficients[-1] == pytest.approx(620, rel=0.05)
+    np.testing.assert_allclose(camera.project(fit.face.vertices.mean(0)), fit.coefficients["pose"][3:5], atol=1e-6)
+    assert camera.scale == fit.coefficients["pose"][5] == pytest.approx(620, rel=0.05)
     projected = camera.project(fit.face.vertices[fit.anchors])
     np.testing.assert_allclose(projected, fit.face.landmarks, atol=1e-9)
     assert fit.figures()["photometric"]["after"] == fit.after

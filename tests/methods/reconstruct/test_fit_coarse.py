@@ -3,7 +3,7 @@ import pytest
 import torch
 
 from caricli.errors import InputError
-from caricli.methods.morphable.coefficients import CoefficientLayout
+from caricli.methods.morphable.coefficients import CoefficientLayout, turned_light
 from caricli.methods.morphable.renderer import MorphableRenderer
 from caricli.methods.reconstruct.fit_coarse import fit_coarse, see_coarse
 from caricli.methods.reconstruct.fit_morphable import fit_morphable
@@ -27,6 +27,7 @@ def truth(model):
     layout = CoefficientLayout.of(model)
     x = np.zeros(layout.size)
     x[: layout.shape] = np.random.default_rng(0).normal(0, 0.7, layout.shape)
+    layout.parts(x)["light"][:] = np.random.default_rng(1).normal(size=9)
     layout.parts(x)["pose"][:] = [0.1, 0.25, -0.2, 105, 98, 400]
     renderer = MorphableRenderer(model, torch.float64)
     posed = renderer.pose(torch.from_numpy(x)[None])
@@ -39,7 +40,9 @@ def sure(model, value, points):
     network = new_coarse_network(config, model, torch.Generator().manual_seed(0))
     matrix = FaceFrame.of(points).matrix(64, SHARE)
     told = value.copy()
-    pose = CoefficientLayout.of(model).parts(told)["pose"]
+    parts = CoefficientLayout.of(model).parts(told)
+    parts["light"][:] = turned_light(parts["light"], -FaceFrame.of(points).roll)
+    pose = parts["pose"]
     scale = np.sqrt(np.linalg.det(matrix[:, :2]))
     pose[2] -= FaceFrame.of(points).roll
     pose[3:5] = matrix[:, :2] @ pose[3:5] + matrix[:, 2]
@@ -55,6 +58,7 @@ def error(model, latent, truth):
 def test_what_the_network_says_of_a_window_is_true_of_the_picture(model, truth):
     value, points = truth
     sight = see_coarse(points, IMAGE, sure(model, value, points), model)
+    np.testing.assert_allclose(sight.coefficients, value, atol=1e-4)
     vertices = model.decode(sight.coefficients[:144])
     landmarks = sight.camera.project(vertices[model.template.annotation.landmarks[17:68]])
     np.testing.assert_allclose(landmarks, points[17:], atol=0.1)
