@@ -60,6 +60,7 @@ stylise astronaut.png --landmarks landmarks.json --style flat --strength 0 --out
 reconstruct-from-landmarks landmarks.json --image astronaut.png --out face.obj
 reconstruct-from-landmarks landmarks.json --method latent --prior-weight 2 --out latent.obj --subdivide 1
 reconstruct-from-landmarks landmarks.json --method latent --model deformable --out deformable.obj
+reconstruct-from-sketch sketch.json --out drawn-face.obj
 fit-morphable landmarks.json --image astronaut.png --out regular.obj
 train coarse --data many --pictures portraits --detector seer/model.safetensors --out teller {TELLER}
 fit-coarse landmarks.json --image astronaut.png --network teller/model.safetensors --out told.obj
@@ -95,6 +96,13 @@ LEFT_OUT = {"inspect": "prints what is in a file and writes none"}
 MOODS = "neutral: {}\nsmile: {mouthSmile: 0.7}\nopen: {jawOpen: 0.8}\nblink: {eyeBlink: 1.0}\n"
 WEIGHTS = {"schema": "caricli.weights/1", "fps": 10, "names": ["jawOpen", "eyeBlinkLeft"], "head": [[0, 0, 0]] * 3,
            "weights": [[0.0, 0.0], [0.5, 0.3], [0.9, 1.0]]}  # fmt: skip
+SKETCH = {"schema": "caricli.sketch/1", "canvas": {"width": 256, "height": 256}, "strokes": [
+    {"kind": "silhouette", "curve": "silhouette", "points": [[64, 120], [70, 190], [128, 236], [186, 190], [192, 120]]},
+    {"kind": "feature", "curve": "brow_right", "points": [[82, 104], [96, 96], [112, 102]]},
+    {"kind": "feature", "curve": "brow_left", "points": [[144, 102], [160, 96], [174, 104]]},
+    {"kind": "feature", "curve": "nose", "points": [[110, 160], [128, 172], [146, 160]]},
+    {"kind": "feature", "curve": "mouth_inner_upper", "points": [[100, 196], [128, 190], [156, 196]]},
+]}  # fmt: skip
 _UNHASHED = {".pt"}
 _TIMES = {"seconds"}
 
@@ -159,6 +167,7 @@ def prepare(folder, environment):
     shutil.copy(folder / "landmarks.json", folder / "pictures" / "astronaut.json")
     (folder / "moods.yaml").write_text(MOODS)
     (folder / "weights.json").write_text(json.dumps(WEIGHTS))
+    (folder / "sketch.json").write_text(json.dumps(SKETCH))
     sizes = "dataset build big --count 90 --identities 30 --workers 2".split()
     subprocess.run([sys.executable, "-m", "caricli", *sizes], cwd=folder, env=environment, check=True)
 

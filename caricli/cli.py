@@ -26,6 +26,11 @@ COMMANDS = {
         "Reconstruct",
         "Reconstruct a 3D caricature from 2D landmarks.",
     ),
+    "reconstruct-from-sketch": (
+        "reconstruct_from_sketch",
+        "Reconstruct",
+        "Reconstruct a 3D face from a drawing of lines.",
+    ),
     "fit-coarse": ("fit_coarse", "Reconstruct", "Let a network see a morphable face in a picture."),
     "fit-morphable": ("fit_morphable", "Reconstruct", "Fit the morphable model to 2D landmarks."),
     "refine": ("refine", "Reconstruct", "Move a face exactly onto its landmarks."),

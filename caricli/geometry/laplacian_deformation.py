@@ -80,8 +80,12 @@ class LaplacianDeformation:
             moved = self._least(np.einsum("avb,vb->va", rotations, self.detail), targets)
         return moved
 
+    def influence(self) -> np.ndarray:
+        """(V, K) how far every vertex goes by one anchor's move of one, while the others stay and nothing turns."""
+        return self._least(np.zeros_like(self.responses), np.identity(len(self.anchors)))
+
     def _least(self, detail: np.ndarray, targets: np.ndarray) -> np.ndarray:
-        """Vertices (V, 3) of least energy for turned detail (V, 3)."""
+        """Vertices (V, n) of least energy for turned detail (V, n) and targets (K, n)."""
         pull = self.degrees * detail
         right = np.concatenate([self.weight * targets, self.responses.T @ pull])
         forces, places = np.split(np.linalg.solve(self.among, right), 2)

@@ -12,9 +12,12 @@ from caricli.io.image import read_image
 from caricli.io.mesh import read_mesh
 from caricli.io.obj import write_obj
 from caricli.io.rig import read_rig
+from caricli.io.sketch import write_sketch
 from caricli.io.strict_json import write_json
+from caricli.methods.sketch.draw_sketch import draw_sketch
 from caricli.store.models import load_model
 from caricli.structures import Camera, Face, Material, Mesh
+from caricli.template.feature_curves import feature_curves
 
 CAMERA = Camera(1400.0, np.diag([1.0, -1, -1]), np.array([200.0, 400.0]))
 SHIRT = {Material.BUST, Material.CLOTH}
@@ -30,6 +33,7 @@ MAKERS = {
     "refine": "refine {face} {marks} --no-picture --out {out}/new.glb",
     "fit-morphable": "fit-morphable {marks} --no-picture --out {out}/new.glb",
     "reconstruct-from-landmarks": "reconstruct-from-landmarks {marks} --no-picture --out {out}/new.glb",
+    "reconstruct-from-sketch": "reconstruct-from-sketch {sketch} --no-picture --out {out}/new.glb",
     "sample": "sample --count 1 --out-dir {out}",
     "interpolate": "interpolate {face} {face} --steps 2 --out-dir {out}",
 }
@@ -63,6 +67,9 @@ def files(head, head_template, small_pictures, tmp_path_factory):
     points = CAMERA.project(vertices[head_template.annotation.landmarks[:68]])
     write_face(folder / "face.npz", Face(Mesh(vertices, head_template.polygons), CAMERA, points))
     np.savetxt(folder / "marks.txt", points)
+    write_sketch(
+        folder / "sketch.json", draw_sketch(vertices, feature_curves(head_template.annotation), CAMERA, (400, 440))
+    )
     (folder / "moods.yaml").write_text("neutral: {}\nopen: {jawOpen: 0.8}\n")
     write_obj(folder / "driver.obj", load_model("morphable").template)
     weights = {"schema": "caricli.weights/1", "fps": 10, "names": ["open"], "weights": [[0.0], [1.0]]}

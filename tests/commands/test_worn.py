@@ -39,6 +39,7 @@ WEARERS = {
 BARE = {
     "portrait": "reads pictures",
     "reconstruct-from-landmarks": "reads landmarks",
+    "reconstruct-from-sketch": "reads sketches",
     "fit-coarse": "reads pictures",
     "texture": "paints the face anew",
     "sample": "reads no face",

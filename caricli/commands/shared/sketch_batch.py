@@ -1,0 +1,102 @@
+"""Faces of sketches, one after the other, each with its own files."""
+
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property, partial
+from pathlib import Path
+from typing import Any
+
+from caricli.commands.shared.batch import named_jobs
+from caricli.commands.shared.face_outputs import staged_face
+from caricli.commands.shared.picture import write_picture
+from caricli.errors import naming
+from caricli.io.image import read_image
+from caricli.io.mesh import MESH_SUFFIXES
+from caricli.io.provenance import provenance
+from caricli.io.sketch import read_sketch
+from caricli.io.strict_json import write_json
+from caricli.methods.faces.subdivide_face import subdivide_face
+from caricli.methods.parts.whole_head import mesh_face, whole_head
+from caricli.methods.sketch.fit_lines import model_coarse
+from caricli.methods.sketch.reconstruct_sketch import SketchReconstruction
+from caricli.models.shape_model import ShapeModel
+from caricli.store.face_files import write_face_files
+from caricli.store.models import DEFAULT_LATENT, load_model
+from caricli.store.pictures import find_picture
+from caricli.structures import HeadChoice
+from caricli.structures.head_choice import WHOLE
+from caricli.template.fine_mesh import FineMesh, fine_mesh
+
+
+@dataclass(frozen=True)
+class SketchTask:
+    """What is done with every sketch, as it was typed.
+
+    sketches: paths. out: of one result; out_dir: folder of many. image: path of the picture that a sketch was drawn
+    over, or of a folder of them. model_path: of the model, or None for the bundled one. head: HeadChoice of the mesh,
+    or None for the skin. levels: how often its polygons are split. follow: share of the way to the lines. overwrite:
+    whether files that exist are replaced.
+    """
+
+    sketches: Sequence[Path]
+    out: Path | None
+    out_dir: Path | None
+    image: Path | None
+    model_path: Path | None
+    head: HeadChoice | None
+    levels: int
+    follow: float
+    overwrite: bool
+
+    def __post_init__(self) -> None:
+        """Refuse wrong usage before anything is loaded."""
+        self.jobs  # noqa: B018 (raises)
+
+    @cached_property
+    def jobs(self) -> list[tuple[Path, Path]]:
+        """Pairs of a sketch and the mesh to write. Raises click.UsageError where one or many do not fit."""
+        return named_jobs(self.sketches, "SKETCH", self.out, self.out_dir, *MESH_SUFFIXES)
+
+    @cached_property
+    def model(self) -> ShapeModel:
+        """What faces are made of."""
+        return load_model(self.model_path, DEFAULT_LATENT)
+
+    @cached_property
+    def reconstruction(self) -> SketchReconstruction:
+        """From sketches to faces."""
+        return SketchReconstruction(self.model, partial(model_coarse, model=self.model))
+
+    @cached_property
+    def fine(self) -> FineMesh:
+        """The finer mesh of the model's template."""
+        return fine_mesh(self.model.template, self.levels)
+
+    def run(self, path: Path, target: Path) -> str:
+        """Make the face of a sketch, write it, and say how near its curves came to the lines."""
+        image = find_picture(self.image, path, many=self.out is None)
+        with staged_face(target, self.overwrite, (*self.sketches, self.model_path, image)) as files:
+            sketch = read_sketch(path)
+            reconstruction = self.reconstruction
+            start = time.perf_counter()
+            with naming(path):
+                fit = reconstruction.reconstruct(sketch, self.follow)
+            seconds = time.perf_counter() - start
+            template = self.model.template
+            finer = subdivide_face(fit.face, self.model, self.fine)
+            write_face_files(files[0], files[1], fit.face, mesh_face(fit.face, template, self.head, finer))
+            about: dict[str, Any] = {"model_id": self.model.model_id, "follow": self.follow, "subdivide": self.levels}
+            report = provenance("reconstruct-from-sketch", [path, image], **about)
+            write_json(files[2], report | fit.figures() | {"seconds": seconds})
+            pixels = None if image is None else read_image(image)
+
+            def sheet():
+                # What draws takes a while to start.
+                from caricli.render.sketch_sheet import sketch_sheet
+
+                head = whole_head(fit.face, template, self.head or WHOLE)
+                return sketch_sheet(fit.face, head, fit.sketch, fit.curves, pixels, fine=finer)
+
+            write_picture(files[3], sheet)
+        return f"{target}: {fit.describe()}"

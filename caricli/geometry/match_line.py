@@ -1,0 +1,161 @@
+"""Where the points of a line lie along another one that was drawn for it."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+_FINEST = 8
+"""Samples of a drawn line for each point that is looked for."""
+_SAMPLES = (64, 320)
+"""Of a line, least and most."""
+_SKIPPED = 1e-9
+"""Of a line's length: points nearer to each other are one."""
+
+
+@dataclass(frozen=True)
+class MatchSettings:
+    """What points lie where along a line.
+
+    place: weight of a point's distance to where it was, in lengths of the drawn line, squared. turn: weight of the
+    difference of directions, one minus their cosine. stretch: weight of steps that are longer or shorter than before.
+    left_out: cost of the part of the line that was not drawn, for each share of its length. widest: steps become at
+    most so many times longer, and as many times shorter.
+    """
+
+    place: float = 4.0
+    turn: float = 0.5
+    stretch: float = 0.1
+    left_out: float = 0.01
+    widest: float = 3.0
+
+
+def match_line(
+    points: np.ndarray,
+    drawn: np.ndarray,
+    whole: bool,
+    settings: MatchSettings = MatchSettings(),  # noqa: B008 (frozen)
+) -> np.ndarray:
+    """Places along a drawn line for the points of a line, in their order (dynamic time warping).
+
+    Minimises over monotone t ``sum_i a_i (place |q(t_i) - p_i|^2 + turn (1 - cos angle_i) + stretch (r_i - 1)^2)``, a_i
+    the share of the line's length that a point stands for, r_i by how much the step to it is stretched, lengths in
+    those of the drawn line. All of the drawn line is used. Points are compared after the affine map that takes a whole
+    line nearest to the drawn one, so that what is drawn larger or elsewhere counts as the same shape.
+
+    points: (K, 2) of the line, at least two. drawn: (N, 2), in the same direction, of some length. whole: whether all
+    of the line was drawn; else its ends may be left out.
+    Returns (K, 2), NaN for points that were left out.
+    """
+    steps = _steps(points)
+    length = _steps(drawn).sum()
+    samples = int(np.clip(_FINEST * len(points), *_SAMPLES))
+    line = resample(drawn, samples + 1)
+    if whole:
+        share = np.concatenate([[0], np.cumsum(steps)]) / max(steps.sum(), _SKIPPED)
+        there = line[np.rint(share * samples).astype(int)]
+        points = _affine(points, there)
+        steps = steps * (length / max(steps.sum(), _SKIPPED))
+    warp = _Warp(points / length, line / length, steps / length, settings)
+    rows = warp.whole() if whole else warp.part()
+    if rows is None:  # far longer than the line was expected to be
+        return match_line(points, drawn, True, settings)
+    return np.where((rows < 0)[:, None], np.nan, line[rows])
+
+
+def resample(line: np.ndarray, count: int) -> np.ndarray:
+    """Points (count, 2) at equal distances along a line (N, 2) of some length, its ends among them."""
+    places = np.concatenate([[0], np.cumsum(_steps(line))])
+    wanted = np.linspace(0, places[-1], count)
+    return np.stack([np.interp(wanted, places, column) for column in line.T], axis=1)
+
+
+def _steps(line: np.ndarray) -> np.ndarray:
+    return np.linalg.norm(np.diff(line, axis=0), axis=1)
+
+
+def _affine(points: np.ndarray, goals: np.ndarray) -> np.ndarray:
+    """Points (K, 2) after the affine map that takes them nearest to their goals (K, 2)."""
+    mean = points.mean(0)
+    centred = points - mean
+    # A straight line does not tell what happens across it: there nothing does.
+    ridge = 1e-3 * (centred**2).sum() * np.eye(2)
+    move = np.linalg.solve(centred.T @ centred + ridge, centred.T @ (goals - goals.mean(0) - centred))
+    return goals.mean(0) + centred + centred @ move
+
+
+def _directions(line: np.ndarray) -> np.ndarray:
+    """(K, 2) unit vectors along a line, at its points."""
+    along = np.gradient(line, axis=0)
+    return along / np.maximum(np.linalg.norm(along, axis=1, keepdims=True), _SKIPPED)
+
+
+class _Warp:
+    """Costs of points (K) at samples (M + 1) of a line, everything in lengths of this line."""
+
+    def __init__(self, points: np.ndarray, line: np.ndarray, steps: np.ndarray, settings: MatchSettings) -> None:
+        """steps: (K - 1,) between the points, as the line is expected to show them."""
+        self.settings = settings
+        self.steps = np.maximum(steps, _SKIPPED)
+        around = np.concatenate([[0], steps, [0]])
+        share = (around[1:] + around[:-1]) / 2
+        far = ((points[:, None] - line) ** 2).sum(-1)
+        turned = 1 - _directions(points) @ _directions(line).T
+        self.costs = share[:, None] * (settings.place * far + settings.turn * turned)
+        self.skips = settings.left_out * np.concatenate([[0], np.cumsum(steps)])
+        self.last = len(line) - 1
+
+    def whole(self) -> np.ndarray:
+        """(K,) samples, from the first to the last."""
+        start = np.full(self.last + 1, np.inf)
+        start[0] = self.costs[0, 0]
+        _, came = self._run(start, free=False)
+        return self._back(came, len(self.costs) - 1)
+
+    def part(self) -> np.ndarray | None:
+        """(K,) samples, -1 for points before the first sample and after the last; None where steps are too short."""
+        start = np.full(self.last + 1, np.inf)
+        start[0] = self.costs[0, 0]
+        totals, came = self._run(start, free=True)
+        ends = totals[:, self.last] + self.skips[-1] - self.skips
+        if not np.isfinite(ends).any():
+            return None
+        return self._back(came, int(np.argmin(ends)))
+
+    def _run(self, start: np.ndarray, free: bool) -> tuple[np.ndarray, np.ndarray]:
+        """Least costs (K, M + 1) of reaching a sample with a point, and from how many samples before, 0 at a start."""
+        totals = [start]
+        came = [np.zeros(self.last + 1, int)]
+        for k, step in enumerate(self.steps, 1):
+            low, high = self._window(step)
+            reach = np.arange(low, high + 1)
+            before = np.concatenate([np.full(high, np.inf), totals[-1]])
+            windows = np.lib.stride_tricks.sliding_window_view(before, high - low + 1)[: self.last + 1, ::-1]
+            stretch = self.settings.stretch * step * (reach / (self.last * step) - 1) ** 2
+            choices = windows + stretch
+            best = np.argmin(choices, axis=1)
+            total = np.take_along_axis(choices, best[:, None], 1)[:, 0] + self.costs[k]
+            back = reach[best]
+            if free and self.skips[k] + self.costs[k, 0] < total[0]:
+                total[0] = self.skips[k] + self.costs[k, 0]
+                back[0] = 0
+            totals.append(total)
+            came.append(back)
+        return np.array(totals), np.array(came)
+
+    def _window(self, step: float) -> tuple[int, int]:
+        """Least and most samples of a step."""
+        usual = step * self.last
+        low = max(1, int(usual / self.settings.widest))
+        return low, max(low + 1, int(np.ceil(usual * self.settings.widest)))
+
+    def _back(self, came: np.ndarray, point: int) -> np.ndarray:
+        """(K,) samples of a way that ends with a point at the last sample."""
+        rows = np.full(len(came), -1)
+        sample = self.last
+        while True:
+            rows[point] = sample
+            step = came[point, sample]
+            if step == 0 or point == 0:
+                return rows
+            sample -= step
+            point -= 1

@@ -1,0 +1,159 @@
+"""A sketch to a face: first one that is likely for it, then the lines are followed (sketch paper, section 5.1)."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from caricli.errors import InputError
+from caricli.geometry.flipped_triangles import flipped_triangles
+from caricli.geometry.line_distances import line_distances
+from caricli.geometry.match_line import resample
+from caricli.geometry.untangle import untangle
+from caricli.methods.faces.encode_face import encode_face
+from caricli.methods.sketch.fit_lines import Lines
+from caricli.methods.sketch.follow_lines import LineFollower
+from caricli.methods.sketch.line_handles import LineHandles, lines_by_curve
+from caricli.methods.sketch.settings import FollowSettings
+from caricli.models.shape_model import ShapeModel
+from caricli.structures import Face
+from caricli.structures.sketch import Sketch
+from caricli.template.feature_curves import feature_curves
+
+_SPACING = 0.004
+"""Of the canvas: between points at which lines are compared."""
+
+Coarse = Callable[[Sketch, Lines, LineHandles], Face]
+"""A face that is likely for a sketch, with camera and latent: of the sketch, its lines by curves, and the handles."""
+
+
+@dataclass(frozen=True, eq=False)
+class SketchFit:
+    """A face and how near its curves come to the lines of its sketch.
+
+    face: Face with camera, landmarks, latent and residual. sketch: Sketch with the names of the curves that its strokes
+    draw. curves: (M, 2) pixels by names: all curves of the face as its camera sees them. coarse, errors: percent of the
+    longer side of the canvas, mean distances of the drawn lines from the curves by their names, and "all", before they
+    were followed and after. worst: the same, the largest distance. flipped: share of triangles that are turned over.
+    prior_rms: root mean square of the whitened latent before lines were followed, about 1 for a typical face. share: of
+    the way to the lines.
+    """
+
+    face: Face
+    sketch: Sketch
+    curves: dict[str, np.ndarray]
+    coarse: dict[str, float]
+    errors: dict[str, float]
+    worst: float
+    flipped: float
+    prior_rms: float
+    share: float
+
+    def figures(self) -> dict[str, Any]:
+        """What reports say of it, as JSON."""
+        return {
+            "line_errors_before": self.coarse,
+            "line_errors": self.errors,
+            "worst_line_error": self.worst,
+            "flipped": self.flipped,
+            "prior_rms": self.prior_rms,
+            "strokes": [{"kind": str(stroke.kind), "curve": stroke.curve} for stroke in self.sketch.strokes],
+        }
+
+    def describe(self) -> str:
+        """What is printed of it."""
+        lines = f"lines {self.coarse['all']:.2f} to {self.errors['all']:.3f} % of the canvas away"
+        return f"{lines}, prior {self.prior_rms:.2f}, flipped {100 * self.flipped:.3f} %"
+
+
+class SketchReconstruction:
+    """From sketches to faces of one model; what does not depend on a sketch is solved once.
+
+    model: ShapeModel. handles: LineHandles of its template.
+    """
+
+    def __init__(self, model: ShapeModel, coarse: Coarse, settings: FollowSettings = FollowSettings()) -> None:  # noqa: B008 (frozen)
+        """coarse: gives the face that lines are followed from, in the topology of the model.
+
+        Raises InputError for a model whose annotation names no curves.
+        """
+        curves = feature_curves(model.template.annotation)
+        if not curves:
+            raise InputError("expected a model whose annotation names the curves that a sketch shows, found none")
+        self.model = model
+        self.handles = LineHandles(curves)
+        self.follower = LineFollower(model.template, self.handles, settings)
+        self._coarse = coarse
+        self._settings = settings
+
+    def reconstruct(self, sketch: Sketch, share: float = 1.0) -> SketchFit:
+        """The face of a sketch.
+
+        share: of the way from the likely face to the lines, 0 to 1. Raises InputError where nothing can be told.
+        """
+        named = _named(sketch, self.handles)
+        lines = lines_by_curve(named, [stroke.curve for stroke in named.strokes])
+        coarse = self._coarse(named, lines, self.handles)
+        camera = coarse.require_camera()
+        before = self._curves(coarse)
+        places = self.handles.places(lines, camera.project(coarse.vertices[self.handles.vertices]))
+        face = coarse.with_vertices(self._followed(coarse, places, share)) if share else coarse
+        landmarks = camera.project(face.vertices[self.model.template.annotation.landmarks])
+        after = self._curves(face)
+        distances = _distances(lines, after, max(sketch.size))
+        return SketchFit(
+            face=replace(encode_face(face, self.model), landmarks=landmarks),
+            sketch=named,
+            curves=after,
+            coarse=_means(_distances(lines, before, max(sketch.size))),
+            errors=_means(distances),
+            worst=max((float(each.max()) for each in distances.values()), default=0.0),
+            flipped=float(flipped_triangles(face.vertices, self.model.template.gradients).mean()),
+            prior_rms=float(self.model.prior.rms(coarse.require_latent())),
+            share=share,
+        )
+
+    def _followed(self, face: Face, places: np.ndarray, share: float) -> np.ndarray:
+        """Vertices (V, 3) of a face with its handles the share of the way to places (H, 2), sound, and with the pockets
+        behind the skin."""
+        template = self.model.template
+        camera = face.require_camera()
+        own = camera.project(face.vertices[self.handles.vertices])
+        places = own + share * (places - own)
+        moved = self.follower.follow(face.vertices, camera, places)
+        if np.abs(moved - face.vertices).max() < self._settings.still * template.height:
+            return moved
+        sound = untangle(moved, template.gradients)
+        if sound is not moved:
+            moved = self.follower.follow(sound, camera, places)
+        return template.cavities.tuck(moved)
+
+    def _curves(self, face: Face) -> dict[str, np.ndarray]:
+        camera = face.require_camera()
+        return {curve.name: camera.project(face.vertices[curve.vertices]) for curve in self.handles.curves}
+
+
+def _named(sketch: Sketch, handles: LineHandles) -> Sketch:
+    """The sketch with the names of curves that the head has."""
+    names = handles.rows
+    return sketch.with_strokes(
+        stroke if stroke.curve in names else replace(stroke, curve=None) for stroke in sketch.strokes
+    )
+
+
+def _distances(lines: Lines, curves: dict[str, np.ndarray], side: float) -> dict[str, np.ndarray]:
+    """Distances of points along lines from the curves that they draw, percent of the side of the canvas."""
+    return {name: 100 / side * line_distances(_dense(several, side), [curves[name]]) for name, several in lines.items()}
+
+
+def _dense(lines: Sequence[np.ndarray], side: float) -> np.ndarray:
+    """Points (N, 2) along lines."""
+    lengths = [np.linalg.norm(np.diff(line, axis=0), axis=1).sum() for line in lines]
+    counts = [max(2, int(length / (_SPACING * side))) for length in lengths]
+    return np.concatenate([resample(line, count) for line, count in zip(lines, counts, strict=True)])
+
+
+def _means(distances: dict[str, np.ndarray]) -> dict[str, float]:
+    everything = np.concatenate(list(distances.values())) if distances else np.zeros(1)
+    return {name: float(each.mean()) for name, each in distances.items()} | {"all": float(everything.mean())}

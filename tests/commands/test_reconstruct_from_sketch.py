@@ -1,0 +1,66 @@
+import numpy as np
+import pytest
+
+from caricli.io.face import read_face
+from caricli.io.image import read_image
+from caricli.io.mesh import read_mesh
+from caricli.io.sketch import write_sketch
+from caricli.io.strict_json import read_json
+from caricli.methods.sketch.draw_sketch import canvas_camera, draw_sketch
+from caricli.structures.sketch import Sketch, Stroke
+from caricli.template.feature_curves import feature_curves
+
+COMMAND = "reconstruct-from-sketch"
+
+
+@pytest.fixture(scope="module")
+def drawing(head, head_template, tmp_path_factory):
+    """A sketch file of somebody with an open mouth."""
+    curves = feature_curves(head_template.annotation)
+    vertices = head.evaluate(gender=0.8, age=0.4, actions={"jawOpen": 0.4})
+    path = tmp_path_factory.mktemp("drawing") / "anna.json"
+    write_sketch(path, draw_sketch(vertices, curves, canvas_camera(vertices, curves)))
+    return path
+
+
+def test_a_sketch_becomes_a_face_that_later_commands_take(run, drawing, tmp_path):
+    out = tmp_path / "face.obj"
+    result = run(COMMAND, drawing, "--out", out, "--model", "pca")
+    assert result.exit_code == 0, result.output
+    assert result.stdout.startswith(f"{out}: lines ")
+    face = read_face(out.with_suffix(".npz"))
+    assert face.camera is not None and face.latent.shape == (128,) and face.landmarks.shape == (81, 2)
+    np.testing.assert_allclose(read_mesh(out).vertices, face.vertices, atol=1e-6)
+    report = read_json(out.with_suffix(".json"))
+    assert report["line_errors"]["all"] < 0.1 < report["line_errors_before"]["all"] * 2
+    assert [stroke["curve"] for stroke in report["strokes"]].count("silhouette") == 1
+    assert read_image(out.with_suffix(".png")).shape[1] > 2000
+    edited = tmp_path / "edited.obj"
+    line = ("edit-handle", out.with_suffix(".npz"), "--handle", "nose_tip=0,0,1%", "--model", "pca", "--no-picture")
+    assert run(*line, "--out", edited).exit_code == 0
+
+
+def test_many_sketches_in_one_call(run, drawing, tmp_path):
+    bad = tmp_path / "empty.json"
+    write_sketch(bad, Sketch())
+    result = run(COMMAND, drawing, bad, "--out-dir", tmp_path / "faces", "--model", "pca", "--no-picture")
+    assert result.exit_code == 1
+    assert "1 of 2 failed" in result.stderr and "empty.json: expected lines" in result.stderr
+    assert sorted(path.name for path in (tmp_path / "faces").iterdir()) == ["anna.json", "anna.npz", "anna.obj"]
+
+
+def test_following_is_a_share(run, drawing, tmp_path):
+    result = run(COMMAND, drawing, "--out", tmp_path / "f.obj", "--follow", 1.5)
+    assert result.exit_code == 2 and "1.5" in result.stderr
+
+
+@pytest.mark.parametrize(
+    "strokes",
+    [[], [Stroke(np.full((1, 2), 99.0))], [Stroke(np.array([[-900.0, -900], [-800, -900]]), curve="brow_left")]],
+)
+def test_what_is_no_face_is_refused(refused, tmp_path, strokes):
+    path = tmp_path / "bad.json"
+    write_sketch(path, Sketch(strokes))
+    assert "bad.json: expected lines of the curves of a face" in refused(
+        COMMAND, path, "--out", tmp_path / "f.obj", "--model", "pca"
+    )

@@ -1,0 +1,41 @@
+import numpy as np
+import pytest
+
+from caricli.errors import InputError
+from caricli.methods.sketch.fit_lines import fit_lines, line_camera
+from caricli.methods.sketch.line_handles import lines_by_curve
+
+
+@pytest.fixture(scope="module")
+def lines(sketch):
+    return lines_by_curve(sketch, [stroke.curve for stroke in sketch.strokes])
+
+
+def test_the_camera_of_a_known_shape_comes_back(lines, handles, person, camera):
+    seen = line_camera(lines, handles, person[handles.vertices])
+    assert abs(seen.scale / camera.scale - 1) < 0.01
+    assert np.linalg.norm(seen.translation - camera.translation) < 2
+
+
+def test_the_fit_is_nearer_than_the_mean(lines, handles, model, person, camera):
+    """In pixels, because no line tells how large a head is."""
+    face = fit_lines(lines, handles, model)
+    mean = model.decode(model.prior.mean)
+
+    def error(vertices, scale):
+        there = [size * (each - each.mean(0)) for size, each in ((camera.scale, person), (scale, vertices))]
+        return np.linalg.norm(there[0] - there[1], axis=1).mean()
+
+    seen = face.require_camera()
+    before = error(mean, line_camera(lines, handles, mean[handles.vertices]).scale)
+    assert error(face.vertices, seen.scale) < 0.6 * before
+    own = seen.project(face.vertices[handles.vertices])
+    assert np.nanmean(np.linalg.norm(handles.places(lines, own) - own, axis=1)) < 0.01 * 256
+    assert model.prior.rms(face.latent) < 2
+
+
+def test_few_lines_are_refused(lines, handles, model):
+    with pytest.raises(InputError, match="expected lines of the curves of a face, found none"):
+        fit_lines({}, handles, model)
+    with pytest.raises(InputError, match="found brow_left"):
+        fit_lines({"brow_left": lines["brow_left"]}, handles, model)

@@ -1,0 +1,72 @@
+import numpy as np
+import pytest
+
+from caricli.methods.sketch.line_handles import lines_by_curve
+from caricli.structures.sketch import Sketch, Stroke
+
+
+def named(sketch):
+    return lines_by_curve(sketch, [stroke.curve for stroke in sketch.strokes])
+
+
+@pytest.fixture(scope="module")
+def own(person, handles, camera):
+    return camera.project(person[handles.vertices])
+
+
+def test_lines_of_the_curves_want_the_handles_where_they_are(sketch, handles, own):
+    places = handles.places(named(sketch), own)
+    gaps = np.linalg.norm(places - own, axis=1)
+    assert np.nanmean(gaps) < 0.3 and np.nanmax(gaps) < 2.5
+    assert np.isfinite(places).all(axis=1).mean() > 0.98
+
+
+def test_the_direction_of_a_stroke_does_not_count(sketch, handles, own):
+    backwards = sketch.with_strokes(stroke.moved(stroke.points[::-1]) for stroke in sketch.strokes)
+    places = [handles.places(named(each), own) for each in (sketch, backwards)]
+    assert np.nanmedian(np.linalg.norm(places[0] - places[1], axis=1)) < 0.3
+    assert np.nanmax(np.linalg.norm(places[0] - places[1], axis=1)) < 2
+
+
+def test_a_curve_in_two_strokes_keeps_its_gap(sketch, handles, own):
+    """Half of the lower lip is drawn from the left, half from the right, and the middle not at all."""
+    line = sketch.points_by_curve()["mouth_lower"]
+    count = len(line)
+    places = handles.places({"mouth_lower": [line[: count // 2 - 1], line[count // 2 + 2 :][::-1]]}, own)
+    rows = handles.rows["mouth_lower"]
+    met = np.isfinite(places[rows]).all(axis=1)
+    assert met[[0, -1]].all() and not met.all() and met.sum() >= count - 5
+    np.testing.assert_allclose(places[rows][met], line[met], atol=1.5)
+    assert np.isnan(np.delete(places, rows, axis=0)).all()
+
+
+def test_a_stroke_over_another_counts_half(sketch, handles, own):
+    line = sketch.points_by_curve()["brow_left"]
+    places = handles.places({"brow_left": [line, line + [0, 4]]}, own)
+    np.testing.assert_allclose(places[handles.rows["brow_left"]][1:-1], (line + [0, 2])[1:-1], atol=1.5)
+
+
+@pytest.mark.parametrize("shift", [0, 20])
+def test_a_closed_curve_may_begin_anywhere(sketch, handles, own, shift):
+    ring = sketch.points_by_curve()["silhouette"][:-1]
+    turned = np.roll(ring, shift, axis=0)
+    places = handles.places({"silhouette": [np.concatenate([turned, turned[:1]])]}, own)
+    gaps = np.linalg.norm(places - own, axis=1)[handles.rows["silhouette"]]
+    assert gaps.max() < 4 and gaps.mean() < 1
+
+
+def test_a_jaw_alone_is_part_of_the_silhouette(sketch, handles, own):
+    """The curve begins at the chin."""
+    ring = sketch.points_by_curve()["silhouette"][:-1]
+    jaw = np.r_[-16:0, 0:17]
+    places = handles.places({"silhouette": [ring[jaw]]}, own)
+    rows = handles.rows["silhouette"][:-1]
+    met = np.isfinite(places[rows]).all(axis=1)
+    assert met[jaw].mean() > 0.9 and met.sum() <= len(jaw) + 1
+    assert np.nanmean(np.linalg.norm(places - own, axis=1)) < 1
+
+
+def test_dots_are_no_lines():
+    sketch = Sketch((Stroke(np.full((3, 2), 9.0), curve="nose"), Stroke(np.array([[1.0, 1], [9, 9]]), curve="nose")))
+    assert [len(line) for line in lines_by_curve(sketch, ["nose", "nose"])["nose"]] == [2]
+    assert lines_by_curve(sketch, [None, None]) == {}

@@ -1,0 +1,55 @@
+from functools import partial
+
+import numpy as np
+import pytest
+
+from caricli.errors import InputError
+from caricli.methods.faces.encode_face import decode_face
+from caricli.methods.sketch.fit_lines import model_coarse
+from caricli.methods.sketch.reconstruct_sketch import SketchReconstruction
+from caricli.structures.sketch import Sketch, Stroke
+
+
+@pytest.fixture(scope="module")
+def reconstruction(model):
+    return SketchReconstruction(model, partial(model_coarse, model=model))
+
+
+def test_lines_are_followed_and_what_the_latent_cannot_say_is_kept(reconstruction, model, sketch):
+    fit = reconstruction.reconstruct(sketch)
+    assert fit.errors["all"] < 0.1 < 2 * fit.coarse["all"]
+    assert fit.flipped < 1e-3
+    assert set(fit.errors) == {curve.name for curve in reconstruction.handles.curves} | {"all"}
+    np.testing.assert_allclose(decode_face(fit.face, model, fit.face.shift).vertices, fit.face.vertices, atol=1e-6)
+    marks = fit.face.camera.project(fit.face.vertices[model.template.annotation.landmarks])
+    np.testing.assert_allclose(fit.face.landmarks, marks)
+
+
+def test_following_goes_as_far_as_it_is_asked(reconstruction, sketch):
+    fits = [reconstruction.reconstruct(sketch, share) for share in (0, 0.5)]
+    assert fits[0].errors == fits[0].coarse == fits[1].coarse
+    assert fits[1].errors["all"] < 0.7 * fits[1].coarse["all"]
+
+
+def test_a_redrawn_mouth_moves_the_mouth(reconstruction, sketch):
+    def wide(stroke):
+        if stroke.curve is None or not stroke.curve.startswith("mouth"):
+            return stroke
+        middle = stroke.points.mean(0)
+        return stroke.moved((stroke.points - middle) * [1.3, 1] + middle)
+
+    faces = [reconstruction.reconstruct(each).face for each in (sketch, sketch.with_strokes(map(wide, sketch.strokes)))]
+    corners = reconstruction.model.template.annotation.landmarks[[48, 54]]
+    widths = [np.ptp(face.camera.project(face.vertices[corners])[:, 0]) for face in faces]
+    assert widths[1] / widths[0] == pytest.approx(1.3, abs=0.03)
+
+
+def test_a_name_that_no_curve_has_is_no_line_of_it(reconstruction, sketch):
+    other = Stroke(np.array([[10.0, 10], [60, 60]]), curve="moustache")
+    fit = reconstruction.reconstruct(Sketch((*sketch.strokes, other)))
+    assert fit.sketch.strokes[-1].curve is None and "moustache" not in fit.errors
+
+
+def test_an_empty_canvas_is_refused(reconstruction):
+    with pytest.raises(InputError, match="expected lines of the curves of a face, found none"):
+        reconstruction.reconstruct(Sketch())
