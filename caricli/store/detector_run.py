@@ -6,7 +6,7 @@ from pathlib import Path
 from caricli.data.picture_set import read_picture_set
 from caricli.errors import naming
 from caricli.methods.evaluate.evaluate_detector import DetectorTally, JudgedPicture, evaluate_detector
-from caricli.methods.train.split_pictures import JoinedPictures, SplitPictures
+from caricli.methods.train.split_pictures import JoinedPictures, SplitPictures, evenly_jawed
 from caricli.methods.train.train_autodecoder import Share
 from caricli.methods.train.train_detector import DetectorTraining, evenly
 from caricli.models.detector.config import DetectorConfig
@@ -67,7 +67,9 @@ class DetectorRun(RunFolder):
         detector.trust = 1.0  # whatever an end that was stopped has written
         tally = DetectorTally()
         numbers = evenly(training.unseen.numbers, training.config.validation)
-        pictures = (JudgedPicture(training.unseen.marked(number), str(number), "any") for number in numbers)
+        pictures = (
+            JudgedPicture(evenly_jawed(training.unseen.marked(number)), str(number), "any") for number in numbers
+        )
         for done, (judged, detection) in enumerate(evaluate_detector(detector, pictures), 1):
             tally.add(judged, detection)
             progress(done, len(numbers))

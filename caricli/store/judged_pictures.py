@@ -1,17 +1,16 @@
 """Pictures that detectors are measured on: generated ones, and real ones with landmarks."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from caricli.data.picture_set import MANIFEST, PictureSet, read_picture_set
 from caricli.errors import InputError
-from caricli.geometry.space_jaw import space_jaw
 from caricli.io.provenance import sha256_file
 from caricli.methods.evaluate.evaluate_detector import UNKNOWN, JudgedPicture
-from caricli.methods.train.split_pictures import marked_picture
+from caricli.methods.train.split_pictures import evenly_jawed, marked_picture
 from caricli.models.detector.model import Detector
 from caricli.store.pictures import load_marked_picture
 from caricli.store.portraits import portrait_files
@@ -34,10 +33,7 @@ class JudgedPictures:
         """One after the other."""
         truth = self.pictures.truth
         for number in self.numbers:
-            marked = marked_picture(self.pictures, number)
-            # Detected jaws are spaced as people mark them.
-            points = np.array([space_jaw(face) for face in marked.landmarks]).reshape(marked.landmarks.shape)
-            marked = replace(marked, landmarks=points)
+            marked = evenly_jawed(marked_picture(self.pictures, number))
             rows = self.pictures.faces(number)
             # The head's front is the third axis; how far it points to the side is the sine of the yaw.
             yaws = np.degrees(np.arcsin(np.clip(truth["rotation"][rows][:, 0, 2], -1, 1)))

@@ -2,10 +2,12 @@
 
 from bisect import bisect_right
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from caricli.data.picture_set import PictureSet
+from caricli.geometry.space_jaw import space_jaw
 from caricli.structures.detection import MarkedPicture
 
 SEEN = 0.25
@@ -54,3 +56,9 @@ def marked_picture(pictures: PictureSet, number: int) -> MarkedPicture:
     points = pictures.truth["landmarks"][rows].astype(np.float64)
     visible = pictures.truth["visible"][rows].astype(bool)
     return MarkedPicture(pictures.picture(number), pictures.regions(number), points, visible)
+
+
+def evenly_jawed(picture: MarkedPicture) -> MarkedPicture:
+    """A picture whose jaws are marked at equal distances, as they are detected: where vertices lie cannot be seen."""
+    points = np.array([space_jaw(face) for face in picture.landmarks])
+    return replace(picture, landmarks=points.reshape(picture.landmarks.shape))

@@ -11,6 +11,7 @@ from caricli.errors import InputError
 from caricli.methods.train.detector_losses import FaceTargets, face_loss, landmark_loss, region_loss
 from caricli.methods.train.disguise_picture import disguise_window
 from caricli.methods.train.network_training import NetworkTraining, require_faces
+from caricli.methods.train.split_pictures import evenly_jawed
 from caricli.methods.train.train_autodecoder import ALL, Share
 from caricli.methods.train.windows import WindowSettings, any_window, face_window
 from caricli.models.detector.config import DetectorConfig
@@ -86,7 +87,7 @@ class DetectorTraining(NetworkTraining):
         size = self.config.size
         if of_face:
             number, face = self.training.faces[int(generator.integers(len(self.training.faces)))]
-            window = face_window(self.training.marked(number), face, size, settings, generator)
+            window = evenly_jawed(face_window(self.training.marked(number), face, size, settings, generator))
         else:
             number = self.training.numbers[int(generator.integers(len(self.training.numbers)))]
             window = any_window(self.training.marked(number), size, settings, generator)
@@ -119,7 +120,7 @@ class DetectorTraining(NetworkTraining):
         size = self.config.size
         errors = []
         for number, face in evenly(self.unseen.faces, self.config.validation):
-            picture = self.unseen.marked(number)
+            picture = evenly_jawed(self.unseen.marked(number))
             truth = picture.landmarks[face][:COUNT]
             matrix = FaceFrame.of(truth).matrix(size, VALIDATION_SHARE)
             pixels = cut_window(picture.pixels, matrix, (size, size)).astype(np.float32) / 255
