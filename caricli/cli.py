@@ -59,6 +59,7 @@ COMMANDS = {
         "Models",
         "Train a map between landmarks of normal faces and caricatures.",
     ),
+    "train sketch": ("train.sketch", "Models", "Train the network from sketches to faces."),
     "train coarse": ("train.coarse", "Models", "Train the network from pictures to faces of the morphable model."),
     "train detector": ("train.detector", "Models", "Train the network that finds faces in pictures."),
     "evaluate": (None, "Models", "Compare models and methods on a dataset."),

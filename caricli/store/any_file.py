@@ -33,6 +33,8 @@ from caricli.models.detector.model import detector_from_checkpoint
 from caricli.models.kinds import KINDS
 from caricli.models.landmark_map.model import SCHEMA as LANDMARK_MAP_SCHEMA
 from caricli.models.landmark_map.model import map_from_checkpoint
+from caricli.models.sketch.model import SCHEMA as SKETCH_NETWORK_SCHEMA
+from caricli.models.sketch.model import sketch_from_checkpoint
 from caricli.store.models import load_model
 from caricli.structures.arkit import ARKIT_NAMES
 
@@ -55,12 +57,13 @@ _WEIGHTS: dict[Any, Callable[..., Any]] = {
     LANDMARK_MAP_SCHEMA: map_from_checkpoint,
     DETECTOR_SCHEMA: detector_from_checkpoint,
     COARSE_SCHEMA: coarse_from_checkpoint,
+    SKETCH_NETWORK_SCHEMA: sketch_from_checkpoint,
 }
 
 
 def load_any(path: Path) -> Any:
     """What a file or folder holds, told by its content: one of the structures, a Dataset, a ShapeModel, a LandmarkMap,
-    a Detector, a CoarseModel, the dict of a report or of expressions, or the array of a picture.
+    a Detector, a CoarseModel, a SketchModel, the dict of a report or of expressions, or the array of a picture.
 
     Raises InputError when it is none of them, or damaged.
     """

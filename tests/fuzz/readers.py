@@ -62,6 +62,10 @@ from caricli.models.morphable.model import MorphableModel, ShapeBases
 from caricli.models.pca.model import PcaModel
 from caricli.models.prior import Prior
 from caricli.models.shape_model import ShapeModel
+from caricli.models.sketch.config import SketchSize
+from caricli.models.sketch.model import SketchModel, sketch_to_checkpoint
+from caricli.models.sketch.networks import SketchNetwork
+from caricli.models.sketch.window import POINTS
 from caricli.store.any_file import load_any
 from caricli.store.coarse import load_coarse
 from caricli.store.detector import load_detector
@@ -69,6 +73,7 @@ from caricli.store.faces import load_latent_face
 from caricli.store.handles import load_handles
 from caricli.store.landmark_maps import load_landmark_map
 from caricli.store.models import load_model
+from caricli.store.sketch_networks import load_sketch_network
 from caricli.structures import (
     Animation,
     Camera,
@@ -287,6 +292,11 @@ def _write_detector(path: Path) -> None:
     write_checkpoint(path, *detector_to_checkpoint(Detector(network, 64)))
 
 
+def _write_sketch_network(path: Path) -> None:
+    network = SketchNetwork(SketchSize(4, (4, 4, 4), (0, 0, 0), 4, 4), 2, POINTS, 3, torch.Generator().manual_seed(0))
+    write_checkpoint(path, *sketch_to_checkpoint(SketchModel(network, 64, ("nose", "silhouette"), "none")))
+
+
 def _write_coarse(path: Path) -> None:
     size = CoarseSize(4, (8, 8, 8, 8), (0, 0, 0, 0), False, 2, 4)
     network = CoarseNetwork(size, 81, 20, torch.Generator().manual_seed(0))
@@ -491,6 +501,7 @@ def _all() -> list[Reader]:
         Reader("model.safetensors", _use_model, _model_seeds(), mutate_tensors),
         Reader("detector.safetensors", load_detector, (_write_detector,), mutate_tensors),
         Reader("coarse.safetensors", load_coarse, (_write_coarse,), mutate_tensors),
+        Reader("sketch.safetensors", load_sketch_network, (_write_sketch_network,), mutate_tensors),
         Reader("map.safetensors", _map_marks, (_write_map,), mutate_tensors),
         Reader("any.safetensors", read_checkpoint, (_write_map,)),
         Reader("state.pt", read_state, (_state,), mutate_members),

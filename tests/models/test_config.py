@@ -13,10 +13,11 @@ from caricli.models.kernel.config import KernelConfig
 from caricli.models.kinds import KINDS, config_class
 from caricli.models.landmark_map.config import LandmarkMapConfig
 from caricli.models.morphable.config import MorphableConfig
+from caricli.models.sketch.config import SketchConfig
 
 CONFIGS: dict[str, type] = {kind: config_class(kind) for kind in KINDS}
 CONFIGS |= {"ablation": AblationConfig, "coarse": CoarseConfig, "detector": DetectorConfig}
-CONFIGS |= {"landmark_map": LandmarkMapConfig}
+CONFIGS |= {"landmark_map": LandmarkMapConfig, "sketch": SketchConfig}
 FILES = sorted(config_path("").glob("*/*.yaml"))
 
 
@@ -98,3 +99,9 @@ def test_the_bundled_settings_of_the_landmark_map_can_be_read(name):
 def test_impossible_settings_of_the_landmark_map_are_refused(setting):
     with pytest.raises(InputError, match=setting.split("=")[0]):
         read_config(None, LandmarkMapConfig, [setting])
+
+
+@pytest.mark.parametrize("setting", ["size=100", "widths=[8, 8]", "precision=half", "missing=1.5", "people=0"])
+def test_impossible_settings_of_the_sketch_network_are_refused(setting):
+    with pytest.raises(InputError, match=setting.split("=")[0]):
+        read_config(None, SketchConfig, [setting])

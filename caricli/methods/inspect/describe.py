@@ -16,6 +16,7 @@ from caricli.methods.rig.check_rig import RigCheck, check_rig
 from caricli.models.coarse.model import CoarseModel
 from caricli.models.detector.model import Detector
 from caricli.models.landmark_map.model import LandmarkMap
+from caricli.models.sketch.model import SketchModel
 from caricli.structures import Cues, Directions, Face, Landmarks, Material, Mesh, Rig, Sketch, Track
 from caricli.structures.arkit import ARKIT_NAMES
 from caricli.structures.landmarks import PARTS, SCHEMES
@@ -222,6 +223,15 @@ def _(value: CoarseModel, around: Acquaintances) -> Inspection:
     lines = (f"coefficients: {value.network.outputs}, of {around.model_name(value.basis)}",)
     figures = {"weights": weights, "size": value.size, "model_id": value.model_id, "basis": value.basis}
     return Inspection("coarse network", summary, lines, figures)
+
+
+@describe.register
+def _(value: SketchModel, around: Acquaintances) -> Inspection:
+    weights = sum(parameter.numel() for parameter in value.network.parameters())
+    summary = f"{weights / 1e6:.1f} million weights, for sketches in windows of {value.size} pixels"
+    lines = (f"latents: {value.network.dimension}, of {around.model_name(value.basis)}", ", ".join(value.curves))
+    figures = {"weights": weights, "size": value.size, "model_id": value.model_id, "basis": value.basis}
+    return Inspection("sketch network", summary, lines, figures | {"curves": list(value.curves)})
 
 
 @describe.register

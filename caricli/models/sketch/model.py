@@ -1,0 +1,139 @@
+"""The network that sees faces in sketches, as it is used."""
+
+from collections.abc import Mapping
+from dataclasses import asdict, fields
+from typing import Any
+
+import numpy as np
+import torch
+
+from caricli.errors import InputError, naming, shown
+from caricli.geometry.head_rotation import head_rotation
+from caricli.models.checkpoint import model_id
+from caricli.models.network_weights import load_weights, network_weights, whole_number
+from caricli.models.sketch.config import SketchSize
+from caricli.models.sketch.networks import CAMERA, SketchNetwork
+from caricli.models.sketch.window import POINTS, Window, curve_points, shown_strokes
+from caricli.render.rasterise_sketch import rasterise_sketch
+from caricli.structures import Camera
+from caricli.structures.sketch import NAME_LENGTH, Sketch
+
+SCHEMA = "caricli.sketch_network/1"
+KIND = "sketch"
+
+_SIDES = (64, 512)
+_OUTPUTS = (1, 10**4)
+_CURVES = 256
+
+
+class SketchModel:
+    """Tells the latent of the face of a sketch, and the camera that sees it as it is drawn."""
+
+    def __init__(
+        self, network: SketchNetwork, size: int, curves: tuple[str, ...], basis: str, recipe: Any = None
+    ) -> None:
+        """network: weights. size: of its windows, pixels. curves: K names of what it knows strokes by. basis:
+        ``model_id`` of the shape model whose latents it tells. recipe: JSON value, how it was trained, or None.
+        """
+        self.network = network.eval()
+        self.size = size
+        self.curves = curves
+        self.basis = basis
+        self.recipe = recipe
+        for parameter in network.parameters():
+            parameter.requires_grad_(False)
+
+    @property
+    def model_id(self) -> str:
+        """SHA-256 of its weights."""
+        return model_id(KIND, self.tensors())
+
+    def reconstruct(self, sketch: Sketch) -> tuple[np.ndarray, Camera]:
+        """The latent (D,) of the face of a sketch, and its camera, in pixels of the canvas.
+
+        Strokes whose names are curves of the model say where these are; all others are only seen, but for wrinkles,
+        which are not. Raises InputError where nothing is drawn.
+        """
+        strokes = shown_strokes(sketch, self.curves)
+        window = Window.around([stroke.points for stroke in strokes], max(sketch.size))
+        points = curve_points(strokes, window, self.curves, self.network.usual.double().numpy())
+        numbers = self.read(window_picture(sketch.with_strokes(strokes), window, self.size)[None], points[None])[0]
+        return numbers[:-CAMERA], window_camera(numbers[-CAMERA:], window)
+
+    @torch.inference_mode()
+    def read(self, windows: np.ndarray, points: np.ndarray) -> np.ndarray:
+        """Latents and cameras (B, D + 6) of windows (B, S, S) uint8 ink, and points (B, K, P, 2), NaN where unknown."""
+        ink = torch.from_numpy(windows.astype(np.float32) / 255)[:, None]
+        return self.network(ink, torch.from_numpy(points.astype(np.float32))).double().numpy()
+
+    def tensors(self) -> dict[str, np.ndarray]:
+        """Arrays by name, see ``network_weights``."""
+        return network_weights(self.network)
+
+
+def window_picture(sketch: Sketch, window: Window, size: int) -> np.ndarray:
+    """The strokes in a window as a picture (S, S) uint8, 255 where ink is."""
+    scale = (size - 1) / 2
+    moved = (stroke.moved(scale * (1 + window.inside(stroke.points))) for stroke in sketch.strokes)
+    return rasterise_sketch(Sketch(tuple(moved), (size, size)), size)
+
+
+def window_camera(numbers: np.ndarray, window: Window) -> Camera:
+    """The camera of six numbers, see ``CAMERA``, in pixels of the canvas."""
+    scale = float(np.exp(numbers[3])) * window.half
+    return Camera(scale, head_rotation(numbers[:3]), window.half * numbers[4:] + window.centre)
+
+
+def sketch_to_checkpoint(model: SketchModel) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
+    """A model as (tensors, metadata), from which ``sketch_from_checkpoint`` rebuilds it."""
+    about = {"schema": SCHEMA, "network": asdict(model.network.size), "dimension": model.network.dimension}
+    about |= {"size": model.size, "curves": list(model.curves), "basis": model.basis}
+    return model.tensors(), about | {"recipe": model.recipe}
+
+
+def sketch_from_checkpoint(
+    tensors: Mapping[str, np.ndarray], metadata: Mapping[str, Any], where: object
+) -> SketchModel:
+    """Rebuild a SketchModel.
+
+    tensors, metadata: of ``sketch_to_checkpoint``, read from a file. where: its name, for messages.
+    Raises InputError when something is missing or does not fit.
+    """
+    with naming(where):
+        if metadata.get("schema") != SCHEMA:
+            raise InputError(
+                f"expected a sketch network of schema {SCHEMA!r}, found {shown(metadata.get('schema'), 60)!r}"
+            )
+        size = whole_number(metadata.get("size"), _SIDES, "size")
+        dimension = whole_number(metadata.get("dimension"), _OUTPUTS, "dimension")
+        curves = _names(metadata.get("curves"))
+        basis = metadata.get("basis")
+        if not isinstance(basis, str):
+            raise InputError(f"expected the shape model that it belongs to, found {shown(basis, 60)!r}")
+        network = SketchNetwork(_size(metadata.get("network")), len(curves), POINTS, dimension, torch.Generator())
+        load_weights(network, tensors)
+        return SketchModel(network, size, curves, basis, metadata.get("recipe"))
+
+
+def _names(names: Any) -> tuple[str, ...]:
+    sound = isinstance(names, list) and 0 < len(names) <= _CURVES
+    if not sound or not all(isinstance(name, str) and 0 < len(name) <= NAME_LENGTH for name in names):
+        raise InputError(f"expected 1 to {_CURVES} names of curves, found {shown(names, 60)!r}")
+    return tuple(names)
+
+
+def _size(about: Any) -> SketchSize:
+    names = [field.name for field in fields(SketchSize)]
+    if not isinstance(about, dict) or sorted(about) != sorted(names):
+        raise InputError(f"expected a network of {', '.join(names)}, found {shown(about, 60)!r}")
+    values = dict(about)
+    for name in ("widths", "blocks"):
+        if not isinstance(values[name], list):
+            raise InputError(f"expected a list of {name}, found {shown(values[name], 60)!r}")
+        values[name] = tuple(whole_number(value, (0, 4096), name) for value in values[name])
+    for name in ("stem", "told", "hidden"):
+        values[name] = whole_number(values[name], (1, 8192), name)
+    try:
+        return SketchSize(**values)
+    except ValueError as error:
+        raise InputError(str(error)) from error

@@ -1,0 +1,49 @@
+"""The network that sees faces in sketches, as it comes with caricli, and users' own."""
+
+from pathlib import Path
+
+from caricli.errors import InputError, shown
+from caricli.io.bundled import asset_path
+from caricli.io.checkpoint import read_checkpoint
+from caricli.models.shape_model import ShapeModel
+from caricli.models.sketch.model import SketchModel, sketch_from_checkpoint
+from caricli.store.models import load_model
+
+BUNDLED = "sketch.safetensors"
+
+BASIS = "pca"
+"""Kind of the bundled model whose latents the bundled network tells."""
+
+
+def has_sketch_network() -> bool:
+    """Whether a sketch network comes with this version."""
+    return asset_path(BUNDLED).is_file()
+
+
+def load_sketch_network(path: Path | None = None) -> SketchModel:
+    """Load the sketch network of a file, or the bundled one.
+
+    Raises InputError when it is none, damaged, or not there.
+    """
+    if path is None and not has_sketch_network():
+        raise InputError(
+            "no trained sketch network comes with this version: `caricli train sketch` makes one, and --network "
+            "RUN/model.safetensors takes it"
+        )
+    file = asset_path(BUNDLED) if path is None else path
+    return sketch_from_checkpoint(*read_checkpoint(file), shown(file))
+
+
+def load_sketch_pair(path: Path | None = None, basis: Path | None = None) -> tuple[SketchModel, ShapeModel]:
+    """Load a sketch network, or the bundled one, and the shape model whose latents it tells.
+
+    basis: file or kind of the latter, or None for the bundled one. Raises InputError where they do not belong together.
+    """
+    network = load_sketch_network(path)
+    model = load_model(basis, BASIS)
+    if network.basis != model.model_id:
+        raise InputError(
+            f"{shown(path or BUNDLED)}: expected a network for the shape model {shown(model.model_id, 12)}, found one "
+            f"for {shown(network.basis, 12)}"
+        )
+    return network, model

@@ -1,0 +1,131 @@
+import json
+
+import numpy as np
+import pytest
+import torch
+
+from caricli.errors import InputError
+from caricli.models.sketch.config import SketchSize
+from caricli.models.sketch.model import SketchModel, sketch_from_checkpoint, sketch_to_checkpoint
+from caricli.models.sketch.networks import CAMERA, SketchNetwork
+from caricli.models.sketch.window import POINTS, Window, along, curve_points
+from caricli.structures.sketch import Sketch, Stroke, StrokeKind
+
+SMALL = SketchSize(8, (8, 12, 16), (0, 1, 1), 16, 24)
+CURVES = ("brow", "nose", "fold")
+LINE = np.stack([np.linspace(40, 90, 9), 30 + 10 * np.sin(np.linspace(0, 3, 9))], 1)
+
+
+@pytest.fixture(scope="module")
+def model():
+    generator = torch.Generator().manual_seed(0)
+    network = SketchNetwork(SMALL, len(CURVES), POINTS, 5, generator)
+    torch.nn.init.normal_(network.last.weight, std=0.1, generator=generator)
+    # A brow runs to the right, a nose down.
+    network.usual[0, :, 0] = torch.linspace(-0.5, 0.5, POINTS)
+    network.usual[1, :, 1] = torch.linspace(-0.5, 0.5, POINTS)
+    return SketchModel(network, 64, CURVES, "a" * 64, {"seed": 0})
+
+
+@pytest.fixture(scope="module")
+def sketch():
+    brow = Stroke(LINE, StrokeKind.FEATURE, "brow")
+    return Sketch((brow, Stroke(LINE[:, ::-1] + [0, 5]), Stroke(LINE + 60)), (200, 160))
+
+
+def test_along_agrees_with_interpolation_by_length():
+    generator = np.random.default_rng(0)
+    lines = generator.normal(size=(4, 7, 2))
+    shares = generator.uniform(0, 1, (4, 11))
+    for line, asked, found in zip(lines, shares, along(lines, shares), strict=True):
+        reached = np.append(0, np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1)))
+        expected = np.stack([np.interp(asked * reached[-1], reached, line[:, k]) for k in (0, 1)], 1)
+        np.testing.assert_allclose(found, expected, atol=1e-12)
+
+
+def test_along_goes_on_beyond_both_ends():
+    line = np.array([[[0.0, 0], [1, 0], [1, 3]]])
+    np.testing.assert_allclose(along(line, np.array([[-0.5, 1.5]])), [[[-2, 0], [1, 5]]], atol=1e-12)
+    np.testing.assert_array_equal(along(np.zeros((1, 3, 2)), np.array([[0.0, 1]])), np.zeros((1, 2, 2)))
+
+
+def test_a_curve_is_read_in_the_direction_in_which_it_usually_runs(model):
+    usual = model.network.usual.double().numpy()
+    window = Window(np.array([65.0, 30.0]), 30.0)
+    ways = [curve_points([Stroke(line, curve="brow")], window, CURVES, usual) for line in (LINE, LINE[::-1])]
+    np.testing.assert_allclose(ways[0], ways[1], atol=1e-12)
+    assert ways[0][0, 0, 0] < ways[0][0, -1, 0] and np.isnan(ways[0][1:]).all()
+
+
+def test_of_several_strokes_of_a_curve_the_longest_counts(model):
+    usual = model.network.usual.double().numpy()
+    window = Window(np.array([65.0, 30.0]), 30.0)
+    strokes = [Stroke(LINE[:3], curve="brow"), Stroke(LINE, curve="brow"), Stroke(LINE[3:5], curve="brow")]
+    alone = curve_points(strokes[1:2], window, CURVES, usual)
+    np.testing.assert_array_equal(curve_points(strokes, window, CURVES, usual), alone)
+
+
+def test_a_sketch_elsewhere_on_a_larger_canvas_is_the_same_face(model, sketch):
+    moved = Sketch(tuple(stroke.moved(3 * stroke.points + [70, 20]) for stroke in sketch.strokes), (700, 600))
+    latent, camera = model.reconstruct(sketch)
+    again, other = model.reconstruct(moved)
+    np.testing.assert_allclose(again, latent, atol=1e-5)
+    np.testing.assert_allclose(other.rotation, camera.rotation, atol=1e-5)
+    assert other.scale == pytest.approx(3 * camera.scale, rel=1e-4)
+    np.testing.assert_allclose(other.translation, 3 * camera.translation + [70, 20], atol=1e-2)
+
+
+def test_names_count_and_further_wrinkles_do_not(model, sketch):
+    latent, _ = model.reconstruct(sketch)
+    nameless = Sketch(tuple(Stroke(stroke.points) for stroke in sketch.strokes), sketch.size)
+    assert np.abs(model.reconstruct(nameless)[0] - latent).max() > 1e-3
+    creased = sketch.with_strokes([*sketch.strokes, Stroke(LINE + 20, StrokeKind.WRINKLE)])
+    np.testing.assert_array_equal(model.reconstruct(creased)[0], latent)
+    folded = sketch.with_strokes([*sketch.strokes, Stroke(LINE + 20, StrokeKind.WRINKLE, "fold")])
+    assert np.abs(model.reconstruct(folded)[0] - latent).max() > 1e-3
+
+
+@pytest.mark.parametrize("strokes", [(), (Stroke(LINE[:1]),), (Stroke(LINE, StrokeKind.WRINKLE),)])
+def test_a_sketch_without_lines_is_refused(model, strokes):
+    with pytest.raises(InputError, match="expected a sketch with lines"):
+        model.reconstruct(Sketch(strokes))
+
+
+def test_what_comes_out_is_in_the_units_of_start_and_step(model):
+    windows = np.random.default_rng(0).integers(0, 256, (2, 64, 64), np.uint8)
+    points = np.full((2, 3, POINTS, 2), np.nan)
+    before = model.read(windows, points)
+    assert before.shape == (2, 5 + CAMERA)
+    model.network.start.fill_(3.0)
+    model.network.step.fill_(2.0)
+    np.testing.assert_allclose(model.read(windows, points), 3 + 2 * before, rtol=1e-4, atol=1e-4)
+    model.network.start.fill_(0.0)
+    model.network.step.fill_(1.0)
+
+
+def test_a_checkpoint_rebuilds_it(model, sketch):
+    tensors, about = sketch_to_checkpoint(model)
+    again = sketch_from_checkpoint(tensors, json.loads(json.dumps(about)), "it")
+    assert (again.size, again.basis, again.recipe, again.curves) == (64, "a" * 64, {"seed": 0}, CURVES)
+    np.testing.assert_allclose(again.reconstruct(sketch)[0], model.reconstruct(sketch)[0], atol=0.02)
+    assert again.model_id == model.model_id
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"schema": "caricli.model/1"},
+        {"size": 63.5},
+        {"dimension": 0},
+        {"curves": []},
+        {"curves": ["nose", 3]},
+        {"basis": None},
+        {"network": {}},
+        {"network": {"stem": 8, "widths": [8, 12], "blocks": [0, 1, 1], "told": 16, "hidden": 24}},
+        {"curves": ["nose"]},
+    ],
+)
+def test_what_does_not_fit_is_refused(model, change):
+    tensors, about = sketch_to_checkpoint(model)
+    with pytest.raises(InputError, match="^it: "):
+        sketch_from_checkpoint(tensors, json.loads(json.dumps(about)) | change, "it")
