@@ -1,7 +1,9 @@
 """caricli texture: the picture on the face."""
 
 import time
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import get_args
 
@@ -101,6 +103,7 @@ class TextureTask:
         """Paint a face, write the head into a folder, and say how near it came."""
         from caricli.commands.shared.progress import progress_bar
         from caricli.methods.texture.paint_head import paint_head
+        from caricli.render.in_parallel import in_parallel
         from caricli.store.face_pictures import FaceReader
         from caricli.store.faces import load_seen_face, write_painted_head
         from caricli.store.pictures import load_mask
@@ -120,19 +123,20 @@ class TextureTask:
             with naming(", ".join(str(path) for path in inputs if path)):
                 painted = paint_head(seen, shape_model.template, picture, white, self.settings, regions)
             seconds = time.perf_counter() - start
-            write_painted_head(folder, painted, seen)
+            jobs: list[Callable[[], None]] = [partial(write_painted_head, folder, painted, seen)]
+            jobs += [partial(_draw_sheet, p, painted, self.settings.head) for p in picture_files(folder / "sheet.png")]
             about = {"project_uv": self.settings.project_uv, "seconds": seconds, "head": painted.filled}
             about |= {"model_id": shape_model.model_id} | painted.figures()
             write_json(folder / REPORT, provenance("texture", inputs, self.settings.seed, **about))
-            for path in picture_files(folder / "sheet.png"):
-                write_png(path, _sheet(painted, self.settings.head))
+            for _ in in_parallel(lambda job: job(), jobs):
+                pass
         return f"{out}: {painted.describe()}"
 
 
-def _sheet(painted, head):
-    """The picture of a Painted head before and after."""
+def _draw_sheet(path, painted, head):
+    """Write the picture of a Painted head before and after."""
     from caricli.methods.parts.whole_head import whole_head
     from caricli.render.texture_sheet import texture_sheet
     from caricli.structures import Face
 
-    return texture_sheet(whole_head(Face(painted.head), painted.head, head), painted.rig, SIZE)
+    write_png(path, texture_sheet(whole_head(Face(painted.head), painted.head, head), painted.rig, SIZE))

@@ -8,7 +8,7 @@ from caricli.render.nearest_pixel import nearest_pixel
 LAYERS = 48
 """Pixels from the border of the face on which the mean goes on."""
 
-_KERNEL = np.ones((3, 3), np.float32)
+_KERNEL = np.ones((3, 3), np.uint8)
 
 
 def diffuse_background(image: np.ndarray, mask: np.ndarray) -> np.ndarray:
@@ -21,16 +21,23 @@ def diffuse_background(image: np.ndarray, mask: np.ndarray) -> np.ndarray:
     """
     if not mask.any():
         return image.copy()
-    filled = mask.astype(np.float32)
-    colours = image.astype(np.float32) * mask[..., None]
+    # With an empty border, so that every pixel has eight neighbours; pixels by their number, of which layers are few.
+    filled = np.pad(mask, 1).astype(np.uint8)
+    colours = np.pad(image * mask[..., None], ((1, 1), (1, 1), (0, 0))).astype(np.float32)
+    inside = np.pad(np.ones_like(mask), 1).ravel()
+    flat = colours.reshape(-1, 3)
+    width = filled.shape[1]
+    around = np.array([row * width + column for row in (-1, 0, 1) for column in (-1, 0, 1)])
     for _ in range(LAYERS):
-        weight = cv2.filter2D(filled, -1, _KERNEL, borderType=cv2.BORDER_CONSTANT)
-        fresh = (filled == 0) & (weight > 0)
-        if not fresh.any():
+        grown = cv2.dilate(filled, _KERNEL)
+        fresh = np.flatnonzero((grown > filled).ravel() & inside)
+        if not len(fresh):
             break
-        total = cv2.filter2D(colours, -1, _KERNEL, borderType=cv2.BORDER_CONSTANT)
-        colours[fresh] = total[fresh] / weight[fresh][:, None]
-        filled[fresh] = 1.0
-    diffused = np.round(colours).astype(np.uint8)[nearest_pixel(filled > 0)]
+        beside = fresh[:, None] + around
+        weight = filled.ravel()[beside].sum(1, dtype=np.float32)
+        flat[fresh] = flat[beside].sum(1) / weight[:, None]
+        filled.ravel()[fresh] = 1
+    colours = colours[1:-1, 1:-1]
+    diffused = np.round(colours).astype(np.uint8)[nearest_pixel(filled[1:-1, 1:-1] > 0)]
     diffused[mask] = image[mask]
     return diffused

@@ -19,6 +19,7 @@ _USED = 0.5  # how much worse a patch is each time that it was taken, so that no
 _FEATHER = 0.12  # of a patch's side, over which it fades into what was there
 _TONE = 0.3  # of a patch's side, over which it takes on the tone of what it joins
 _OWN = 0.1  # how much of its own tone it keeps, so that tones do not drift
+_FEW = 4  # times that a patch is smaller where its tone is blurred
 _COARSE = 16  # pixels, about the side of patches where they are compared
 
 
@@ -138,9 +139,8 @@ class _Quilt:
         # The tone of what it joins, less with the distance.
         spread = _TONE * self.side
         joined = laid * whole
-        missing = cv2.GaussianBlur((before - patch) * joined[..., None], (0, 0), spread)
-        weight = cv2.GaussianBlur(joined, (0, 0), spread)
-        patch = np.clip(patch + missing / (weight + _OWN)[..., None], 0, 255)
+        lacks = _blurred(np.dstack([(before - patch) * joined[..., None], joined]), spread)
+        patch = np.clip(patch + lacks[..., :3] / (lacks[..., 3:] + _OWN), 0, 255)
         inside = cv2.distanceTransform((laid > 0.5).astype(np.uint8), cv2.DIST_L2, 3)
         alpha = np.clip(1 - inside / max(_FEATHER * self.side, 1), 0, 1).astype(np.float32)
         alpha *= np.clip(2 * whole - 1, 0, 1)
@@ -177,3 +177,9 @@ class _Quilt:
         alpha = turned[..., 3:]
         self.canvas[part] = (1 - alpha) * self.canvas[part] + turned[..., :3]
         self.laid[part] = np.maximum(self.laid[part], alpha[..., 0])
+
+
+def _blurred(values: np.ndarray, spread: float) -> np.ndarray:
+    """Values (S, S, 4), blurred by so many pixels; what is so smooth needs few of them."""
+    small = cv2.resize(values, None, fx=1 / _FEW, fy=1 / _FEW, interpolation=cv2.INTER_AREA)
+    return cv2.resize(cv2.GaussianBlur(small, (0, 0), spread / _FEW), values.shape[1::-1])

@@ -27,13 +27,12 @@ _SIZE = 1024  # texels of hair where none are asked for
 class DressedHair:
     """Hair and what is under it.
 
-    face: Face whose skull is under the hair. hair: Hair on it. picture: (S, S, 3) uint8, of the hair. mask: HairMask.
-    overlap: intersection over union of hair as the camera sees it and the mask.
+    face: Face whose skull is under the hair. hair: Hair on it. mask: HairMask. overlap: intersection over union of
+    hair as the camera sees it and the mask.
     """
 
     face: Face
     hair: Hair
-    picture: np.ndarray
     mask: HairMask
     overlap: float
 
@@ -75,10 +74,15 @@ def dress_hair(
     camera = face.require_camera()
     head = sink_skull(template.with_vertices(face.vertices), camera, mask)
     hair, head = snap_border(*make_shell(head, camera, mask), camera, mask)
-    view = PictureView(hair.shell, Sight(camera, image, mask.pixels), settings.texture)
-    picture = paint_hair(hair, view, settings.size or _SIZE, np.random.default_rng(settings.seed))
     sunk = replace(face, mesh=face.mesh.with_vertices(head.vertices), residual=None)
-    return DressedHair(sunk, hair, picture, mask, overlap(sunk, hair, camera, mask.pixels))
+    return DressedHair(sunk, hair, mask, overlap(sunk, hair, camera, mask.pixels))
+
+
+def hair_picture(dressed: DressedHair, image: np.ndarray, settings: PaintSettings) -> np.ndarray:
+    """(S, S, 3) uint8, the picture of the hair that a head is dressed in. image: (H, W, 3) uint8, what it is from."""
+    sight = Sight(dressed.face.require_camera(), image, dressed.mask.pixels)
+    view = PictureView(dressed.hair.shell, sight, settings.texture)
+    return paint_hair(dressed.hair, view, settings.size or _SIZE, np.random.default_rng(settings.seed))
 
 
 def overlap(face: Face, hair: Hair, camera: Camera, mask: np.ndarray) -> float:

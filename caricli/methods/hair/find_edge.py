@@ -1,6 +1,7 @@
 """Where hair ends on a head."""
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 
 _STEPS = 24  # rows that the edge may rise or fall from one column to the next
 
@@ -23,17 +24,14 @@ def find_edge(votes: np.ndarray, steady: float) -> np.ndarray:
     score[start] = gains[start, 0]
     came = np.zeros((columns, rows + 1), int)
     most = min(_STEPS, rows)
+    steps = np.arange(-most, most + 1)
+    costs = steady * np.abs(steps)
     for column in range(1, columns):
-        best = np.full(rows + 1, -np.inf)
-        for step in range(-most, most + 1):
-            moved = np.full(rows + 1, -np.inf)
-            low = max(step, 0)
-            high = rows + 1 + min(step, 0)
-            moved[low:high] = score[low - step : high - step] - steady * abs(step)
-            better = moved > best
-            best = np.where(better, moved, best)
-            came[column] = np.where(better, step, came[column])
-        score = best + gains[:, column]
+        # Of every row those that it can be reached from, in the order of steps.
+        around = sliding_window_view(np.pad(score, most, constant_values=-np.inf), len(steps))[:, ::-1] - costs
+        best = around.argmax(1)
+        came[column] = steps[best]
+        score = around[np.arange(rows + 1), best] + gains[:, column]
     last = score - steady * np.abs(np.arange(rows + 1) - start)
     edge = np.zeros(columns, int)
     edge[-1] = int(last.argmax())

@@ -2,7 +2,6 @@
 
 import cv2
 import numpy as np
-from scipy.ndimage import distance_transform_edt
 
 from caricli.methods.hair.fit_outline import Outline
 from caricli.methods.hair.mask_hair import HairMask
@@ -30,9 +29,8 @@ class HairView:
         self._depth = rasterise(camera.place(head.vertices), head.faces, columns, rows).depth
         self._close = _BEHIND * camera.scale * head.height
         bare = ~hair.pixels & (~hair.behind | outline.bald(hair.pixels.shape))
-        far = np.full(bare.shape, np.hypot(rows, columns))
-        signed = distance_transform_edt(~bare) - distance_transform_edt(bare) if bare.any() else far
-        self._to_bare = signed.astype(np.float32)
+        far = np.full(bare.shape, np.hypot(rows, columns), np.float32)
+        self._to_bare = _distance(~bare) - _distance(bare) if bare.any() else far
 
     def shows(self, points: np.ndarray) -> np.ndarray:
         """Whether points (..., 3) are in the picture and not behind the head."""
@@ -54,3 +52,8 @@ class HairView:
     def _nearest(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         depth = sample_pixels(self._depth, x.ravel(), y.ravel(), cv2.INTER_NEAREST, float("inf"))
         return depth.reshape(x.shape)
+
+
+def _distance(mask: np.ndarray) -> np.ndarray:
+    """(H, W) pixels from what a mask (H, W) bool is true of to where it is not."""
+    return cv2.distanceTransform(mask.astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)

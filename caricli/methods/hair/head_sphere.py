@@ -92,9 +92,10 @@ class HeadSphere:
         column, row = (np.clip(np.round(a).astype(int), 0, _FINE - 1) for a in (x, y))
         corners = faces[owner[row, column]]
         rays = self.directions(longitudes, angles)
-        edges = np.swapaxes(self.head.vertices[corners] - self.middle, 1, 2)
-        weights = np.linalg.solve(edges + 1e-12 * np.eye(3), rays[..., None])[..., 0]
-        weights = np.clip(weights / weights.sum(1, keepdims=True), 0, 1)
+        a, b, c = np.swapaxes(self.head.vertices[corners] - self.middle, 0, 1)
+        weights = np.stack([np.einsum("nc,nc->n", rays, np.cross(*edge)) for edge in ((b, c), (c, a), (a, b))], 1)
+        total = weights.sum(1, keepdims=True)
+        weights = np.clip(np.divide(weights, total, out=np.ones_like(weights), where=total != 0), 0, 1)
         return corners.astype(np.int32), weights / weights.sum(1, keepdims=True)
 
     def cover(self, vertices: np.ndarray, faces: np.ndarray, longitudes: np.ndarray, angles: np.ndarray) -> np.ndarray:

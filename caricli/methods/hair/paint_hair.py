@@ -24,9 +24,9 @@ def paint_hair(hair: Hair, view: PictureView, size: int, generator: np.random.Ge
     """
     look = _look(hair, view, size)
     side = min(size, _SIDE)
-    colours = cv2.resize(look.colours.astype(np.float32), (side, side), interpolation=cv2.INTER_AREA)
+    colours = cv2.resize(look.colours, (side, side), interpolation=cv2.INTER_AREA)
     trust = view.settings.trust
-    seen = cv2.resize(look.seen.astype(np.float32), (side, side), interpolation=cv2.INTER_AREA) > trust
+    seen = cv2.resize(look.seen, (side, side), interpolation=cv2.INTER_AREA) > trust
     seen &= _usual(colours, seen)
     elsewhere = cv2.resize(continue_strands(colours, seen, generator), (size, size), interpolation=cv2.INTER_CUBIC)
     # What is seen and unusual, as skin at the border, is not hair's.
@@ -42,18 +42,15 @@ def _look(hair: Hair, view: PictureView, size: int) -> SeenColours:
     face, weights = uv_map(shell, size)
     covered = face >= 0
     corners = shell.faces[face[covered]]
-    blend = weights[covered].astype(np.float64)
-    normals = smooth_normals(shell.vertices, shell.faces)
+    columns = np.column_stack([shell.vertices, smooth_normals(shell.vertices, shell.faces)]).astype(np.float32)
     ends = np.arange(0, corners.size + 1, 3)
-    mix = sp.csr_matrix((blend.ravel(), corners.ravel(), ends), (len(corners), len(normals)))
-    points = mix @ shell.vertices
-    normals = mix @ normals
-    looked = view.look(SurfacePoints(points, normals, np.zeros(len(points))))
-    colours = np.zeros((size, size, 3))
-    colours[covered] = looked.colours
-    seen = np.zeros((size, size))
-    seen[covered] = looked.seen
-    return SeenColours(pad_texture(colours, covered), pad_texture(seen, covered))
+    mix = sp.csr_matrix((weights[covered].ravel(), corners.ravel(), ends), (len(corners), len(columns)))
+    points = mix @ columns
+    looked = view.look(SurfacePoints(points[:, :3], points[:, 3:], np.zeros(len(points), np.float32)))
+    texels = np.zeros((size, size, 4), np.float32)
+    texels[covered] = np.column_stack([looked.colours, looked.seen])
+    texels = pad_texture(texels, covered)
+    return SeenColours(texels[..., :3], texels[..., 3])
 
 
 def _usual(colours: np.ndarray, seen: np.ndarray) -> np.ndarray:

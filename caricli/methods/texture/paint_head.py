@@ -1,12 +1,14 @@
 """A head with the colours of its picture: skin, eyes, and how near they come."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from caricli.errors import InputError
-from caricli.methods.hair.dress_hair import DressedHair, bare_skin, dress_hair
+from caricli.methods.hair.dress_hair import DressedHair, bare_skin, dress_hair, hair_picture
 from caricli.methods.parts.close_neck import neck_picture
 from caricli.methods.parts.face_parts import face_parts
 from caricli.methods.rig.add_eyeballs import TEXTURE, add_eyeballs, fit_eyeballs
@@ -18,9 +20,10 @@ from caricli.methods.texture.photometric_error import photometric_error
 from caricli.methods.texture.picture_view import Sight
 from caricli.methods.texture.project_picture import project_picture
 from caricli.methods.texture.settings import PaintSettings
-from caricli.methods.texture.texture_face import texture_face
+from caricli.methods.texture.texture_face import FaceTexture, texture_face
 from caricli.render.diffuse_background import diffuse_background
 from caricli.render.eye_colours import eye_colours
+from caricli.render.in_parallel import in_parallel
 from caricli.render.paint_eye import paint_eye
 from caricli.structures import Face, Pictures, Rig
 from caricli.template.template import Template
@@ -92,19 +95,15 @@ def paint_head(
         face = hair.face
     skin = parts.paint if hair is None else bare_skin(parts.paint, hair)
     head = template.with_vertices(face.vertices)
-    if settings.project_uv:
-        head = project_picture(head, camera, image)
-        texture = diffuse_background(image, mask)
-        seen = 1.0
-        light = None
-    elif head.uvs is None:
-        raise InputError("expected a model whose mesh has UVs, found none; --project-uv needs none")
-    else:
-        grain = np.random.default_rng(settings.seed)
-        painted = texture_face(head, Sight(camera, image, skin, mask), settings.size, settings.texture, grain)
-        texture = painted.image
-        seen = float(painted.seen[painted.covered].mean())
-        light = painted.light
+    sight = Sight(camera, image, skin, mask)
+    # Neither picture waits for the other.
+    jobs: list[Callable[[], Any]] = [partial(_paint_skin, head, sight, settings)]
+    if hair is not None:
+        jobs.append(partial(hair_picture, hair, image, settings))
+    (head, skin_texture), *hair_textures = in_parallel(lambda job: job(), jobs)
+    texture = skin_texture.image
+    light = skin_texture.light
+    seen = float(skin_texture.seen[skin_texture.covered].mean())
     still = np.zeros((0, *head.vertices.shape), np.float32)
     rig = Rig((), head.with_vertices(head.vertices.astype(np.float32)), still, pictures=Pictures(texture))
     generator = np.random.default_rng(settings.seed)
@@ -112,10 +111,23 @@ def paint_head(
     whole = add_eyeballs(rig, fit_eyeballs(head, head.annotation, still), generator, eyes)
     whole = add_parts(whole, face_parts(replace(face, hair=None), template, settings.head))
     error = photometric_error(rig, face, image, skin, light)
-    pictures = replace(whole.pictures, bust=neck_picture(head, texture), hair=None if hair is None else hair.picture)
+    pictures = replace(whole.pictures, bust=neck_picture(head, texture), hair=next(iter(hair_textures), None))
     whole = add_parts(replace(whole, pictures=pictures), [] if hair is None else [hair.hair.part])
     whole = choose_parts(whole, settings.head)
     return Painted(head, whole, error, seen, float(mask.mean()), light, hair)
+
+
+def _paint_skin(head: Template, sight: Sight, settings: PaintSettings) -> tuple[Template, FaceTexture]:
+    """The head with the UVs of its texture, and this. Raises InputError where there are no UVs, and none are made."""
+    if settings.project_uv:
+        everywhere = np.ones(sight.mask.shape, bool)
+        image = diffuse_background(sight.image, sight.mask if sight.whole is None else sight.whole)
+        projected = project_picture(head, sight.camera, sight.image)
+        return projected, FaceTexture(image, everywhere.astype(np.float32), everywhere, None)
+    if head.uvs is None:
+        raise InputError("expected a model whose mesh has UVs, found none; --project-uv needs none")
+    grain = np.random.default_rng(settings.seed)
+    return head, texture_face(head, sight, settings.size, settings.texture, grain)
 
 
 def _find_head(face: Face, image: np.ndarray, mask: np.ndarray | None) -> ParsedHead:

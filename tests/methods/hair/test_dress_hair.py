@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from caricli.errors import InputError
-from caricli.methods.hair.dress_hair import bare_skin, dress_hair
+from caricli.methods.hair.dress_hair import bare_skin, dress_hair, hair_picture
 from caricli.methods.texture.settings import PaintSettings
 from tests.methods.hair.conftest import BROWN
 
@@ -16,10 +16,11 @@ def dressed(sitter):
     return dress_hair(sitter.face, sitter.head, sitter.image, SMALL)
 
 
-def test_hair_has_the_colour_of_the_picture_on_all_sides(dressed):
+def test_hair_has_the_colour_of_the_picture_on_all_sides(dressed, sitter):
     assert dressed.overlap > 0.88 and set(dressed.figures()) == {"doubt", "overlap"}
-    assert dressed.picture.shape == (128, 128, 3)
-    away = np.abs(dressed.picture.astype(int) - BROWN)
+    picture = hair_picture(dressed, sitter.image, SMALL)
+    assert picture.shape == (128, 128, 3)
+    away = np.abs(picture.astype(int) - BROWN)
     assert away.mean() < 10 and np.quantile(away, 0.99) < 60
 
 
