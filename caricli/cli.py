@@ -76,10 +76,12 @@ COMMANDS = {
     "dataset build": ("dataset.build", "Data", "Generate caricatures from the open head model."),
     "dataset import": ("dataset.import_", "Data", "Import a folder of registered meshes."),
     "dataset pictures": ("dataset.pictures", "Data", "Draw pictures of the faces, with all that is known of them."),
+    "dataset sketches": ("dataset.sketches", "Data", "Draw sketches of the faces, as many hands would."),
     "dataset show": ("dataset.show", "Data", "Draw a contact sheet and print what is in it."),
     "template": (None, "Data", "Export the head that every face is made from."),
     "template export": ("template.export", "Data", "Write the head as a mesh."),
     "render": ("render", "Look", "Draw shaded pictures of faces."),
+    "sketch": ("sketch", "Look", "Draw a face as lines."),
     "inspect": ("inspect", "Look", "Say what a file holds, and whether it is whole."),
 }
 

@@ -50,8 +50,10 @@ BARE = {
     "dataset import": "a dataset holds shapes",
     "dataset show": "writes a picture",
     "dataset pictures": "draws people of a dataset",
+    "dataset sketches": "draws people of a dataset",
     "template export": "reads no face",
     "render": "writes a picture",
+    "sketch": "writes lines",
     "inspect": "writes nothing",
 } | {name: "reads and writes no face" for name in COMMANDS if name.startswith(("train ", "evaluate "))}
 

@@ -45,9 +45,14 @@ def canvas_camera(
     vertices: (V, 3) metres. curves: FeatureCurves. view: yaw and pitch of the head in degrees; a positive yaw looks to
     the right of the picture, a positive pitch down. side: pixels. fill: of the side, the longer side of their box.
     """
-    rotation = head_rotation(np.radians([view[1], -view[0], 0.0]))
     ids = np.unique(np.concatenate([curve.vertices for curve in curves]))
-    flat = vertices[ids] @ rotation[:2].T
+    return framing_camera(vertices[ids], view, side, fill)
+
+
+def framing_camera(points: np.ndarray, view: tuple[float, float], side: int, fill: float = FILL) -> Camera:
+    """The camera that sees points (N, 3) in the middle of a square canvas; the rest as in ``canvas_camera``."""
+    rotation = head_rotation(np.radians([view[1], -view[0], 0.0]))
+    flat = points @ rotation[:2].T
     scale = fill * side / max(np.ptp(flat, axis=0).max(), 1e-6)
     middle = (flat.min(0) + flat.max(0)) / 2
     return Camera(float(scale), rotation, (side - 1) / 2 - scale * middle)
