@@ -33,6 +33,7 @@ dataset build dataset --identities 4 --expressions 3 --levels 2 --seed 5 --worke
 dataset build drawn --count 6 --identities 5 --workers 2
 dataset show dataset -o show.png --faces 4 --size 48
 dataset pictures drawn drawings --count 6 --size 96 --workers 2
+dataset sketches drawn sketches --count 6 --workers 2
 dataset build many --count 60 --identities 30 --workers 2
 dataset pictures many portraits --count 60 --size 96 --workers 2
 train detector --pictures portraits --out seer {SEER} --set epochs=1 --set validate_every=1
@@ -89,6 +90,8 @@ retarget blendshapes.npz landmarks.json --out photographed.obj --animation drive
 animate rig.npz weights.json --out talk.glb --frames frames --format obj --smooth 1
 animate rig.npz weights.json --video talk.gif --size 64
 render face.npz head.obj -o sheet.png --size 96
+sketch face.npz --out sketch.svg
+sketch face.npz --out aside.png --view 40,0
 render face.npz -o overlay.png --image astronaut.png
 render face.npz -o turn.png --views turntable --frames 3 --size 64
 """.strip().splitlines()  # fmt: skip

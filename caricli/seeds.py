@@ -30,3 +30,10 @@ class PictureSeed(IntEnum):
     ORDER = 0
     SITTER = 1
     PICTURE = 2
+
+
+class SketchSeed(IntEnum):
+    """Streams of generated sketches, after their seed."""
+
+    ORDER = 0
+    SKETCH = 1

@@ -108,6 +108,15 @@ def png_bytes(image: np.ndarray) -> bytes:
     return _packed[key]
 
 
+def gray_png(image: np.ndarray) -> bytes:
+    """A picture (H, W) uint8 as a PNG."""
+    from PIL import Image
+
+    stream = io.BytesIO()
+    Image.fromarray(np.ascontiguousarray(image)).save(stream, "PNG", compress_level=EFFORT)
+    return stream.getvalue()
+
+
 def _rgb(image: Any, pillow: Any) -> np.ndarray:
     if image.mode.startswith("I") or image.mode == "F":
         # Pillow clips these to 255 on conversion instead of scaling them.

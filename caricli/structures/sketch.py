@@ -91,6 +91,10 @@ class Stroke:
         """The same stroke at other points (N, 2), as many as there are."""
         return replace(self, points=points)
 
+    def moved_to(self, points: np.ndarray) -> Self:
+        """The same stroke along other points (M, 2), without a pressure."""
+        return replace(self, points=points, pressure=None)
+
 
 @dataclass(frozen=True, eq=False)
 class Sketch:

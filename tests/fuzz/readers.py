@@ -21,6 +21,7 @@ from caricli.data.expressions import read_expressions
 from caricli.data.import_dataset import read_labels
 from caricli.data.mesh_names import read_mesh_name
 from caricli.data.picture_set import read_picture_set
+from caricli.data.sketch_set import SketchWriter, read_sketch_set
 from caricli.data.summarise_pictures import summarise_pictures
 from caricli.io.checkpoint import read_checkpoint, write_checkpoint
 from caricli.io.config import read_config
@@ -418,6 +419,33 @@ def _read_pictures(path: Path) -> None:
     summarise_pictures(read_picture_set(folder))
 
 
+def _sketches_bundle(path: Path) -> None:
+    """A shard of a folder of sketches, and its manifest as text."""
+    folder = path.with_name("drawn")
+    if not folder.exists():
+        writer = SketchWriter(folder, ("nose",))
+        truth = {"row": 1, "person": 0, "expression": 2, "level": 1, "scale": 2.0}
+        truth |= {"rotation": np.eye(3), "translation": np.ones(2)}
+        writer.add(_sketch(), b"", truth)
+        writer.finish({"side": 64, "splits": {"train": [0, 1], "validation": [2], "test": [3]}})
+    manifest = (folder / "sketches.json").read_text()
+    write_npz(path, read_npz(folder / "strokes-0000.npz") | {"manifest": np.array(manifest)})
+
+
+def _read_sketches(path: Path) -> None:
+    """Make the folder that a bundle stands for, its hash right, and read its strokes."""
+    arrays = read_npz(path)
+    folder = path.with_name("sketches")
+    folder.mkdir(exist_ok=True)
+    manifest = parse_json(str(arrays.pop("manifest", "{}")).encode(), "manifest")
+    write_npz(folder / "strokes-0000.npz", arrays)
+    for entry in manifest.get("shards", ()) if isinstance(manifest, dict) else ():
+        if isinstance(entry, dict):
+            entry["sha256"] = sha256_file(folder / "strokes-0000.npz")
+    write_json(folder / "sketches.json", manifest)
+    read_sketch_set(folder).sketches(0)
+
+
 def _entries(manifest: Any) -> list[dict]:
     values = list(manifest.values()) if isinstance(manifest, dict) else []
     shards = [value for value in values if isinstance(value, list)]
@@ -507,6 +535,7 @@ def _all() -> list[Reader]:
         Reader("state.pt", read_state, (_state,), mutate_members),
         Reader("dataset.npz", _read_bundle, (_dataset_bundle,), _mutate_bundle),
         Reader("pictures.npz", _read_pictures, (_pictures_bundle,), _mutate_bundle),
+        Reader("sketches.npz", _read_sketches, (_sketches_bundle,), _mutate_bundle),
         Reader("marks.json", read_landmarks, (lambda path: write_landmarks(path, MARKS),), mutate_json),
         Reader("marks.pts", read_landmarks, (lambda path: write_landmarks(path, MARKS),)),
         Reader("marks.txt", read_landmarks, (_text(_LINES),)),

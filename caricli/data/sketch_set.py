@@ -1,0 +1,196 @@
+"""A folder of sketches with all that is known of them."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from caricli.data.dataset import SPLITS, are_people
+from caricli.errors import InputError, naming, shown
+from caricli.io.npz import read_npz, take_array, write_npz
+from caricli.io.outputs import write_bytes
+from caricli.io.provenance import sha256_file
+from caricli.io.strict_json import read_json, take, take_whole, write_json
+from caricli.limits import MAX_SKETCH_SIDE, MAX_VERTICES
+from caricli.structures.checks import number_problem, refuse
+from caricli.structures.sketch import Sketch, Stroke, StrokeKind
+
+SCHEMA = "caricli.sketches/1"
+MANIFEST = "sketches.json"
+SHARD_SIZE = 512
+"""Sketches of one file of strokes."""
+
+KINDS = tuple(StrokeKind)
+
+TRUTH: dict[str, tuple[str, tuple[int, ...]]] = {
+    "row": ("iu", ()),
+    "person": ("iu", ()),
+    "expression": ("iu", ()),
+    "level": ("iu", ()),
+    "rotation": ("f", (3, 3)),
+    "scale": ("f", ()),
+    "translation": ("f", (2,)),
+}
+"""Columns of what is known of every sketch: kinds and shapes after the first axis."""
+
+
+@dataclass(frozen=True, eq=False)
+class SketchSet:
+    """Sketches, and the meshes that they are of.
+
+    folder: where they are. manifest: JSON object; its splits map SPLITS to people. side: pixels of every canvas.
+    truth: columns (N, ...) by the names of TRUTH: ``row`` of the dataset, ``person``, ``expression``, ``level``, and
+    the camera that the exact lines were seen with, before a hand bent them.
+    """
+
+    folder: Path
+    manifest: dict[str, Any]
+    side: int
+    truth: dict[str, np.ndarray]
+
+    def sketches(self, shard: int) -> list[Sketch]:
+        """All Sketches of a file of strokes. Raises InputError when it is missing or damaged."""
+        arrays = _checked(self.folder, self.manifest["shards"][shard])
+        with naming(self.folder / self.manifest["shards"][shard]["file"]):
+            return _unpacked(arrays, self.manifest["curves"], self.side)
+
+    def rows_of(self, split: str) -> np.ndarray:
+        """Numbers of the sketches of a split's people."""
+        return np.flatnonzero(np.isin(self.truth["person"], self.manifest["splits"][split]))
+
+
+def picture_name(number: int) -> str:
+    """The file of a sketch's picture in its folder."""
+    return f"pictures/{number:06d}.png"
+
+
+class SketchWriter:
+    """Writes sketches into an empty folder, the manifest last: without it the folder is none."""
+
+    def __init__(self, folder: Path, curves: Sequence[str]) -> None:
+        """folder: Path. curves: names of all that strokes may draw."""
+        self.folder = folder
+        self.curves = tuple(curves)
+        self.shards: list[dict[str, Any]] = []
+        self.count = 0
+        self.waiting: list[Sketch] = []
+        self.rows: list[Mapping[str, Any]] = []
+        (folder / "pictures").mkdir(parents=True)
+
+    def add(self, sketch: Sketch, picture: bytes, truth: Mapping[str, Any]) -> None:
+        """Write one sketch. picture: PNG. truth: values by the names of TRUTH."""
+        write_bytes(self.folder / picture_name(self.count), picture)
+        self.waiting.append(sketch)
+        self.rows.append(truth)
+        self.count += 1
+        if len(self.waiting) == SHARD_SIZE:
+            self._flush()
+
+    def _flush(self) -> None:
+        name = f"strokes-{len(self.shards):04d}.npz"
+        rows = self.rows[-len(self.waiting) :]
+        kinds = {"f": np.float64, "iu": np.int32}
+        truth = {key: np.array([row[key] for row in rows], kinds[kind]) for key, (kind, _) in TRUTH.items()}
+        write_npz(self.folder / name, _packed(self.waiting, self.curves) | truth)
+        self.shards.append({"file": name, "count": len(rows), "sha256": sha256_file(self.folder / name)})
+        self.waiting = []
+
+    def finish(self, manifest: Mapping[str, Any]) -> None:
+        """Write what is left and the manifest. manifest: its entries beside those that every folder of sketches has."""
+        if self.waiting:
+            self._flush()
+        value = {"schema": SCHEMA, "count": self.count, **manifest, "curves": self.curves, "shards": self.shards}
+        write_json(self.folder / MANIFEST, value)
+
+
+def read_sketch_set(folder: Path) -> SketchSet:
+    """Read a folder of sketches; strokes are read when they are asked for.
+
+    Raises InputError when a part is missing, damaged or does not fit the others.
+    """
+    folder = Path(folder)
+    where = folder / MANIFEST
+    if folder.is_dir() and not where.exists():
+        raise InputError(f"{folder}: no {MANIFEST} in this folder: not a folder of sketches, or its making was stopped")
+    manifest = read_json(where)
+    with naming(where):
+        schema = manifest.get("schema") if isinstance(manifest, dict) else None
+        if schema != SCHEMA:
+            raise InputError(f"expected schema {SCHEMA!r}, found {shown(schema, 60)!r}")
+        count = take_whole(manifest, "count", 1, MAX_VERTICES)
+        side = take_whole(manifest, "side", 1, MAX_SKETCH_SIDE)
+        splits = take(manifest, "splits", dict)
+        shards = take(manifest, "shards", list)
+        if set(splits) != set(SPLITS) or not all(map(are_people, splits.values())):
+            raise InputError(f"expected splits {', '.join(SPLITS)}, found others")
+        if not all(isinstance(name, str) for name in take(manifest, "curves", list)):
+            raise InputError("curves: expected names, found others")
+        if not all(isinstance(shard, dict) for shard in shards):
+            raise InputError("shards: expected objects with file, count and sha256, found others")
+        if sum(take_whole(shard, "count", 1, SHARD_SIZE) for shard in shards) != count:
+            raise InputError(f"expected {count} sketches in the shards, found others")
+    parts = []
+    for shard in shards:
+        arrays = _checked(folder, shard)
+        with naming(folder / shard["file"]):
+            columns = {
+                key: take_array(arrays, key, kind, (shard["count"], *form)) for key, (kind, form) in TRUTH.items()
+            }
+            refuse(*(number_problem(key, column) for key, column in columns.items()))
+            parts.append(columns)
+    truth = {key: np.concatenate([part[key] for part in parts]) for key in TRUTH}
+    return SketchSet(folder, manifest, side, truth)
+
+
+def _checked(folder: Path, shard: Mapping[str, Any]) -> dict[str, np.ndarray]:
+    """The arrays of a shard, whose bytes are those of the manifest."""
+    name = shard.get("file")
+    if not isinstance(name, str) or Path(name).name != name:
+        raise InputError(f"{folder / MANIFEST}: expected the name of a file in the folder, found {shown(name, 40)!r}")
+    if sha256_file(folder / name) != shard.get("sha256"):
+        raise InputError(f"{folder / name}: its SHA-256 is not the one in {MANIFEST}: the file was changed")
+    return read_npz(folder / name)
+
+
+def _packed(sketches: Sequence[Sketch], curves: Sequence[str]) -> dict[str, np.ndarray]:
+    strokes = [stroke for sketch in sketches for stroke in sketch.strokes]
+    flat = [np.ones(len(stroke.points)) if stroke.pressure is None else stroke.pressure for stroke in strokes]
+    return {
+        "strokes": np.array([len(sketch.strokes) for sketch in sketches], np.int32),
+        "lengths": np.array([len(stroke.points) for stroke in strokes], np.int32),
+        "kinds": np.array([KINDS.index(stroke.kind) for stroke in strokes], np.uint8),
+        "curves": np.array([-1 if s.curve is None else curves.index(s.curve) for s in strokes], np.int16),
+        "widths": np.array([0.0 if stroke.width is None else stroke.width for stroke in strokes], np.float32),
+        "points": np.concatenate([stroke.points for stroke in strokes]).astype(np.float32),
+        "pressure": np.rint(255 * np.concatenate(flat)).astype(np.uint8),
+    }
+
+
+def _unpacked(arrays: Mapping[str, np.ndarray], curves: Sequence[str], side: int) -> list[Sketch]:
+    counts = take_array(arrays, "strokes", "iu", (None,))
+    lengths = take_array(arrays, "lengths", "iu", (None,))
+    total = len(lengths)
+    kinds = take_array(arrays, "kinds", "iu", (total,))
+    numbers = take_array(arrays, "curves", "iu", (total,))
+    widths = take_array(arrays, "widths", "f", (total,))
+    if (counts < 1).any() or (lengths < 1).any() or counts.sum(dtype=np.int64) != total:
+        raise InputError("expected strokes and points for every sketch, found others")
+    points = take_array(arrays, "points", "f", (int(lengths.sum(dtype=np.int64)), 2))
+    pressure = take_array(arrays, "pressure", "iu", (len(points),))
+    if kinds.max() >= len(KINDS) or kinds.min() < 0 or numbers.max() >= len(curves) or numbers.min() < -1:
+        raise InputError("expected known kinds and curves, found others")
+    ends = np.cumsum(lengths, dtype=np.int64)
+    strokes = [
+        Stroke(
+            points[end - length : end],
+            KINDS[kind],
+            None if curve < 0 else curves[curve],
+            pressure[end - length : end] / 255,
+            float(width) or None,
+        )
+        for end, length, kind, curve, width in zip(ends, lengths, kinds, numbers, widths, strict=True)
+    ]
+    last = np.cumsum(counts, dtype=np.int64)
+    return [Sketch(tuple(strokes[end - count : end]), (side, side)) for end, count in zip(last, counts, strict=True)]
