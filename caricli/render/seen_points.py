@@ -1,5 +1,7 @@
 """Which points before or on a mesh a picture shows."""
 
+from typing import Any
+
 import numpy as np
 
 from caricli.io.start_warp import start_warp
@@ -24,7 +26,7 @@ def seen_points(points: np.ndarray, vertices: np.ndarray, faces: np.ndarray, tol
     mesh = wp_mesh(corners, triangles)
     start = min(depth_range(corners)[0], float(points[:, 2].min()) - 1)
     before = np.zeros(len(points), np.float32)
-    places = wp.array(np.ascontiguousarray(points, np.float32), dtype=wp.vec3, device="cpu")
-    into = wp.array(before, dtype=wp.float32, device="cpu", copy=False)
+    places: Any = wp.array(np.ascontiguousarray(points, np.float32), dtype=wp.vec3, device="cpu")
+    into: Any = wp.array(before, dtype=wp.float32, device="cpu", copy=False)
     wp.launch(point_kernels.depth_before, len(points), [mesh.id, start, places], [into], device="cpu")
     return before <= tolerance

@@ -41,6 +41,7 @@ from caricli.io.provenance import sha256_file
 from caricli.io.rig import read_rig, write_rig
 from caricli.io.sketch import read_sketch, write_sketch
 from caricli.io.strict_json import parse_json, read_json, write_json
+from caricli.io.svg import read_svg
 from caricli.io.track import read_weights, write_weights
 from caricli.io.training_state import read_state, write_state
 from caricli.methods.edit.handle_points import handle_points
@@ -424,7 +425,7 @@ def _sketches_bundle(path: Path) -> None:
     folder = path.with_name("drawn")
     if not folder.exists():
         writer = SketchWriter(folder, ("nose",))
-        truth = {"row": 1, "person": 0, "expression": 2, "level": 1, "scale": 2.0}
+        truth: dict[str, Any] = {"row": 1, "person": 0, "expression": 2, "level": 1, "scale": 2.0}
         truth |= {"rotation": np.eye(3), "translation": np.ones(2)}
         writer.add(_sketch(), b"", truth)
         writer.finish({"side": 64, "splits": {"train": [0, 1], "validation": [2], "test": [3]}})
@@ -541,7 +542,7 @@ def _all() -> list[Reader]:
         Reader("marks.txt", read_landmarks, (_text(_LINES),)),
         Reader("marks.npy", read_landmarks, (lambda path: write_landmarks(path, MARKS),)),
         Reader("sketch.json", read_sketch, (lambda path: write_sketch(path, _sketch()),), mutate_json),
-        Reader("sketch.svg", read_sketch, (lambda path: write_sketch(path, _sketch()), _text(SVG))),
+        Reader("sketch.svg", read_svg, (lambda path: write_sketch(path, _sketch()), _text(SVG))),
         Reader("track.json", read_weights, (lambda path: write_weights(path, _TRACK), _json(_OWN_WEIGHTS), _mediapipe),
                mutate_json),
         Reader("track.csv", read_weights, (_live_link,)),

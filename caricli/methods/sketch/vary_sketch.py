@@ -57,12 +57,14 @@ class HandSettings:
         chances = ("bare", "overshot", "gap", "doubled", "pressed")
         values = {name: strength * getattr(self, name) for name in amounts}
         values |= {name: min(strength * getattr(self, name), 1.0) for name in chances}
-        fill = sum(self.fill) / 2 + strength * (np.array(self.fill) - sum(self.fill) / 2)
+        middle = sum(self.fill) / 2
+        least, greatest = (float(np.clip(middle + strength * (share - middle), 0.4, 0.98)) for share in self.fill)
+        yaw, pitch, roll = (strength * angle for angle in self.view)
         return replace(
             self,
             **values,
-            view=tuple(strength * angle for angle in self.view),
-            fill=tuple(float(share) for share in np.clip(fill, 0.4, 0.98)),
+            view=(yaw, pitch, roll),
+            fill=(least, greatest),
             removed=tuple(min(strength * share, 0.8) for share in self.removed),
             width=self.width if strength else (1.0, 1.0),
         )
