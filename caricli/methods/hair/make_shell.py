@@ -244,9 +244,8 @@ def _mesh(surface: _Surface, view: HairView, settings: ShellSettings) -> Hair:
     left = sphere.sample(surface.left, around, angles)
     height = sphere.head.height
     for _ in range(_TURNS):
-        radii = (
-            skin + thickness * _taper(left, thickness, height, settings) + np.clip(left, -settings.under * height, 0)
-        )
+        # Beyond its end it goes so deep that moving brows do not uncover it.
+        radii = skin + thickness * _taper(left, thickness, height, settings) + np.clip(left, -settings.deep * height, 0)
         # What hides bare skin ends before it.
         points = sphere.points(around, angles, radii)
         left = np.where(view.shows(points), np.minimum(left, view.to_bare(points)), left)

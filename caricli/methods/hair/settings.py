@@ -69,7 +69,7 @@ class ShellSettings:
     calm: columns over which the hairline is blurred.
     slack: how far outside the mask the outline may be.
     rim: length over which a shell reaches its thickness at least; round_: the same for its thickness.
-    under: how far below the skin its edge ends.
+    under: how far below the skin its edge ends. deep: the same, at most, of what is between its edge and the last hair.
     below: radians below the edge down to which the picture says where hair ends.
     """
 
@@ -92,4 +92,5 @@ class ShellSettings:
     rim: float = 0.012
     round_: float = 1.2
     under: float = 0.006
+    deep: float = 0.03
     below: float = 0.15

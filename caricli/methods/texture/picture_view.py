@@ -160,7 +160,7 @@ class PictureView:
         """
         reach = max(self.settings.edge * self.camera.scale * self.height, 1.0)
         depth = cv2.distanceTransform(np.pad(whole, 1).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)[1:-1, 1:-1]
-        inside = np.clip(depth / reach - 0.5, 0, 1).astype(np.float32)
+        inside = (mask * np.clip(depth / reach - 0.5, 0, 1)).astype(np.float32)
         deep = mask & (inside == 1)
         rim = mask & ~deep
         if deep.any() and rim.any():

@@ -5,7 +5,9 @@ import pytest
 
 from caricli.geometry.triangle_normals import triangle_normals
 from caricli.methods.hair.dress_hair import overlap
+from caricli.methods.hair.head_sphere import HeadSphere
 from caricli.methods.hair.make_shell import make_shell, sink_skull
+from caricli.methods.hair.settings import ShellSettings
 from caricli.structures import Mesh
 from tests.methods.hair.conftest import CAMERA
 
@@ -36,6 +38,20 @@ def test_its_rim_is_on_the_skin(shell, sitter):
     # Over ears the skin that it stands on is beside it.
     assert np.quantile(away[-192:], 0.8) < 0.01 and np.median(away[:-192]) > 0.03
     np.testing.assert_allclose(shell.weights.sum(1), 1)
+
+
+def test_what_goes_on_below_the_hairline_is_deep_under_the_skin(sitter):
+    """So that brows that move do not uncover it."""
+    depths = []
+    for deep in (ShellSettings.under, ShellSettings.deep):
+        shell, head = make_shell(sitter.head, CAMERA, sitter.hair, ShellSettings(deep=deep))
+        sphere = HeadSphere(head, ShellSettings(), fine=True)
+        longitudes, angles, radii = sphere.seen_from(shell.shell.vertices[:-192])
+        depths.append((sphere.sample(sphere.radii, longitudes, angles) - radii) / head.height)
+    below = depths[0] > 0.9 * ShellSettings.under
+    above = depths[0] < 0
+    assert below.sum() > 300 and np.median(depths[1][below]) > 0.015
+    np.testing.assert_allclose(depths[1][above], depths[0][above], atol=1e-3)
 
 
 def test_it_has_a_place_of_its_own_in_the_picture(shell):

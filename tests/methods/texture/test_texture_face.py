@@ -300,6 +300,19 @@ def test_hair_before_the_skin_is_no_outline(scenes, face, template):
     assert middle.sum() > 300 and wrong[False] < 12 and wrong[True] > 3 * wrong[False], wrong
 
 
+def test_skin_under_hair_is_not_seen(scenes, face, template):
+    """A fringe over the forehead, left out of the mask: what goes on under it is the face, not stripes of its rim."""
+    scene = scenes[0]
+    mask = scene.mask.copy()
+    mask[: np.flatnonzero(mask.any(1))[0] + 60] = False
+    sight = Sight(scene.camera, scene.image, mask, scene.mask)
+    seen = texture_face(template.with_vertices(face), sight, SIZE, KEPT).seen
+    shown = photograph(face, template, np.uint8(255 * seen)[..., None].repeat(3, 2), scene.camera)
+    hair = binary_erosion(scene.mask & ~mask, iterations=6)
+    skin = binary_erosion(mask, iterations=12)
+    assert hair.sum() > 300 and shown[hair].mean() < 10 and shown[skin].mean() > 100
+
+
 def test_the_size_follows_the_picture(scenes, face, template):
     scene = scenes[0]
     head = template.with_vertices(face)
