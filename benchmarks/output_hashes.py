@@ -53,6 +53,7 @@ train deformable --data dataset --out run {TINY} --set validate_every=1
 train semantic --data big --out directions.npz --model pca --label BigNose --label Smile
 evaluate shape pca.safetensors kernel --data dataset --out shape.json
 evaluate ablation --data dataset --out ablation {TINY} --set array_hidden=8 --set code_steps=2 --set batch=4
+evaluate sketch --data dataset --network drawer/model.safetensors --model pca.safetensors --count 4 --out drawn-again
 evaluate portrait --data dataset --out portrait --count 1 --pictures pictures
 evaluate blendshapes --data dataset --out expressions --count 1 --everyone
 stylise astronaut.png --landmarks landmarks.json --out oil.png

@@ -72,6 +72,7 @@ COMMANDS = {
         "Compare expressions of caricatures with the true ones.",
     ),
     "evaluate detector": ("evaluate.detector", "Models", "Measure a detector on pictures whose truth is known."),
+    "evaluate sketch": ("evaluate.sketch", "Models", "Compare faces from sketches with the true ones."),
     "dataset": (None, "Data", "Build, import or look at a dataset of faces."),
     "dataset build": ("dataset.build", "Data", "Generate caricatures from the open head model."),
     "dataset import": ("dataset.import_", "Data", "Import a folder of registered meshes."),

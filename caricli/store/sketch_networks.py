@@ -5,7 +5,7 @@ from pathlib import Path
 from caricli.errors import InputError, shown
 from caricli.io.bundled import asset_path
 from caricli.io.checkpoint import read_checkpoint
-from caricli.models.shape_model import ShapeModel
+from caricli.models.linear_model import LinearModel
 from caricli.models.sketch.model import SketchModel, sketch_from_checkpoint
 from caricli.store.models import load_model
 
@@ -34,13 +34,24 @@ def load_sketch_network(path: Path | None = None) -> SketchModel:
     return sketch_from_checkpoint(*read_checkpoint(file), shown(file))
 
 
-def load_sketch_pair(path: Path | None = None, basis: Path | None = None) -> tuple[SketchModel, ShapeModel]:
-    """Load a sketch network, or the bundled one, and the shape model whose latents it tells.
+def load_sketch_basis(path: Path | None = None) -> LinearModel:
+    """Load a linear model whose latents networks can tell: a file or kind, or None for the bundled one.
+
+    Raises InputError when it is of another kind.
+    """
+    model = load_model(path, BASIS)
+    if not isinstance(model, LinearModel):
+        raise InputError(f"{shown(path)}: expected a linear model, as of `caricli train pca`, found {model.kind}")
+    return model
+
+
+def load_sketch_pair(path: Path | None = None, basis: Path | None = None) -> tuple[SketchModel, LinearModel]:
+    """Load a sketch network, or the bundled one, and the linear model whose latents it tells.
 
     basis: file or kind of the latter, or None for the bundled one. Raises InputError where they do not belong together.
     """
     network = load_sketch_network(path)
-    model = load_model(basis, BASIS)
+    model = load_sketch_basis(basis)
     if network.basis != model.model_id:
         raise InputError(
             f"{shown(path or BUNDLED)}: expected a network for the shape model {shown(model.model_id, 12)}, found one "

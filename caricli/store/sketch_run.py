@@ -5,12 +5,11 @@ from pathlib import Path
 
 from caricli.data.dataset import Dataset, read_dataset
 from caricli.data.unseen import seen_people
-from caricli.errors import InputError, shown
 from caricli.methods.train.train_sketch import SketchTraining
 from caricli.models.linear_model import LinearModel
 from caricli.models.sketch.model import SketchModel, sketch_to_checkpoint
-from caricli.store.models import check_topology, load_model
-from caricli.store.sketch_networks import BASIS, load_sketch_network
+from caricli.store.models import check_topology
+from caricli.store.sketch_networks import load_sketch_basis, load_sketch_network
 from caricli.store.training_run import MODEL, RunFolder
 from caricli.structures import SeenPeople
 
@@ -21,9 +20,7 @@ def load_sketch_ingredients(folders: Sequence[Path], basis: Path | None) -> tupl
     basis: file or kind of the model, or None for the bundled one.
     Raises InputError when one is missing, damaged or does not fit the others.
     """
-    model = load_model(basis, BASIS)
-    if not isinstance(model, LinearModel):
-        raise InputError(f"{shown(basis)}: expected a linear model, as of `caricli train pca`, found {model.kind}")
+    model = load_sketch_basis(basis)
     datasets = [read_dataset(folder) for folder in folders]
     for folder, data in zip(folders, datasets, strict=True):
         check_topology(model.template, data.template, folder)

@@ -1,0 +1,66 @@
+import numpy as np
+import pytest
+import torch
+
+from caricli.errors import InputError
+from caricli.methods.evaluate.evaluate_sketch import CONDITIONS, LEFT, SketchRivals, evaluate_sketch, unit
+from caricli.methods.evaluate.sketch_fit import SketchFit
+from caricli.methods.train.sketch_hand import Missing
+from caricli.models.pca.config import PcaConfig
+from caricli.models.pca.model import PcaModel
+from caricli.models.sketch.config import SketchSize
+from caricli.models.sketch.model import SketchModel
+from caricli.models.sketch.networks import SketchNetwork
+from caricli.models.sketch.window import POINTS
+from caricli.template.feature_curves import feature_curves
+
+
+@pytest.fixture(scope="module")
+def model(head_template, people):
+    return PcaModel.train(head_template, people, PcaConfig(6))
+
+
+@pytest.fixture(scope="module")
+def rivals(model):
+    """With a network that has learnt nothing, so that it tells the mean face."""
+    curves = feature_curves(model.template.annotation)
+    generator = torch.Generator().manual_seed(0)
+    network = SketchNetwork(SketchSize(4, (4, 4, 4), (0, 0, 0), 4, 4), len(curves), POINTS, 6, generator)
+    return SketchRivals.of(SketchModel(network, 64, tuple(curve.name for curve in curves), ""), model, curves)
+
+
+@pytest.mark.parametrize(("camera_given", "share"), [(True, 0.35), (False, 0.7)])
+def test_a_fit_finds_the_face_of_clean_lines(rivals, model, camera_given, share):
+    """Without the camera nothing tells a large head from a near one."""
+    latents = model.prior.sample(np.random.default_rng(0), 3)
+    shapes = model.decode(latents)
+    drawn = rivals.draw(shapes, 0.0, Missing(), [0])
+    fit = SketchFit(model, rivals.hand)
+    found = model.decode(rivals.fit(fit, drawn, 0.003, camera_given))
+    error = np.linalg.norm(found - shapes, axis=-1).mean()
+    assert error < share * np.linalg.norm(shapes - model.mean, axis=-1).mean()
+
+
+def test_a_fit_that_trusts_nothing_is_the_mean_face(rivals, model, people):
+    drawn = rivals.draw(people[:1], 1.0, Missing(), [0])
+    assert np.abs(SketchFit(model, rivals.hand).fit(drawn, 0, 1e6, True)).max() < 1e-6
+
+
+def test_all_methods_are_measured_under_all_conditions(rivals, model, people):
+    calls = []
+    figures = evaluate_sketch(rivals, people[:6], people[6:9], 3, lambda *call: calls.append(call))
+    again = evaluate_sketch(rivals, people[:6], people[6:9], 3)
+    assert figures.as_json() == again.as_json()
+    mean = unit(model.template) * np.linalg.norm(people[:6] - model.mean, axis=-1)
+    for method in ("mean face", "network", "network, strokes without names"):
+        assert figures.errors[method] == pytest.approx(dict.fromkeys(CONDITIONS, mean.mean()))
+    np.testing.assert_allclose(figures.maps["mean face"], mean.mean(0))
+    assert figures.left == pytest.approx(dict.fromkeys(LEFT, mean.mean()))
+    fits = figures.errors["fit of the linear model, camera known"]
+    assert fits["clean"] < fits["half"] and fits["clean"] < 0.8 * mean.mean()
+    assert calls[0] == (0, 9) and calls[-1] == (9, 9)
+
+
+def test_a_head_without_a_curve_of_the_network_is_refused(rivals, model):
+    with pytest.raises(InputError, match="silhouette"):
+        SketchRivals.of(rivals.network, model, rivals.hand.curves[1:])
