@@ -6,6 +6,7 @@ from caricli.errors import InputError, shown
 from caricli.io.bundled import asset_path
 from caricli.io.checkpoint import read_checkpoint
 from caricli.models.linear_model import LinearModel
+from caricli.models.shape_model import ShapeModel
 from caricli.models.sketch.model import SketchModel, sketch_from_checkpoint
 from caricli.store.models import load_model
 
@@ -45,13 +46,13 @@ def load_sketch_basis(path: Path | None = None) -> LinearModel:
     return model
 
 
-def load_sketch_pair(path: Path | None = None, basis: Path | None = None) -> tuple[SketchModel, LinearModel]:
-    """Load a sketch network, or the bundled one, and the linear model whose latents it tells.
+def load_sketch_pair(path: Path | None = None, basis: Path | None = None) -> tuple[SketchModel, ShapeModel]:
+    """Load a sketch network, or the bundled one, and the shape model whose latents it tells.
 
     basis: file or kind of the latter, or None for the bundled one. Raises InputError where they do not belong together.
     """
     network = load_sketch_network(path)
-    model = load_sketch_basis(basis)
+    model = load_model(basis, BASIS)
     if network.basis != model.model_id:
         raise InputError(
             f"{shown(path or BUNDLED)}: expected a network for the shape model {shown(model.model_id, 12)}, found one "

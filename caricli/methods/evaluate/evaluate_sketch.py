@@ -10,6 +10,7 @@ from caricli.methods.evaluate.sketch_fit import NOISES, SketchFit
 from caricli.methods.train.sketch_hand import DrawnLines, Missing, SketchHand
 from caricli.methods.train.stages import Report, unwatched
 from caricli.models.linear_model import LinearModel
+from caricli.models.shape_model import ShapeModel
 from caricli.models.sketch.model import SketchModel
 from caricli.models.sketch.networks import CAMERA
 from caricli.template.feature_curves import FeatureCurve
@@ -65,8 +66,13 @@ class SketchRivals:
     hand: SketchHand
 
     @classmethod
-    def of(cls, network: SketchModel, model: LinearModel, curves: tuple[FeatureCurve, ...]) -> "SketchRivals":
-        """curves: of the model's head. Raises InputError where one that the network knows is not among them."""
+    def of(cls, network: SketchModel, model: ShapeModel, curves: tuple[FeatureCurve, ...]) -> "SketchRivals":
+        """curves: of the model's head.
+
+        Raises InputError where the model is not linear, or a curve that the network knows is not among them.
+        """
+        if not isinstance(model, LinearModel):
+            raise InputError(f"expected a linear model, found {model.kind}")
         by_name = {curve.name: curve for curve in curves}
         lacking = [name for name in network.curves if name not in by_name]
         if lacking:
