@@ -4,13 +4,48 @@ from pathlib import Path
 
 import numpy as np
 
-from caricli.io.image import write_png
-from caricli.io.sketch import write_sketch
+from caricli.errors import InputError, naming
+from caricli.io.image import is_image_file, read_image, write_png
+from caricli.io.sketch import read_sketch, write_sketch
+from caricli.methods.sketch.clean_drawing import clean_drawing
 from caricli.render.rasterise_sketch import rasterise_sketch
 from caricli.structures.sketch import CANVAS, Sketch
 
 LINE = 1.4
 """Pixels of a canvas of CANVAS, the width of a line in a picture; larger canvases have wider ones."""
+
+
+_SHORTEST = 0.1
+"""Of the canvas's longer side: what all lines of a sketch are long together, at least."""
+_INSIDE = 0.5
+"""Share of the points that lie on the canvas, at least."""
+
+
+def load_sketch(path: Path) -> Sketch:
+    """The sketch of a file: JSON or SVG, or a picture of a drawing on paper.
+
+    Raises InputError when it is none, there is hardly a line, a curve is drawn twice, or most lies beside the canvas.
+    """
+    if is_image_file(path):
+        image = read_image(path)
+        with naming(path):
+            return clean_drawing(image)
+    sketch = read_sketch(path)
+    with naming(path):
+        length = sum(stroke.length for stroke in sketch.strokes)
+        if length < _SHORTEST * max(sketch.size):
+            raise InputError(
+                f"expected a sketch of lines, found {len(sketch.strokes)} strokes, {length:.3g} pixels long"
+            )
+        points = np.concatenate([stroke.points for stroke in sketch.strokes])
+        inside = ((points > -0.5) & (points < np.array(sketch.size) - 0.5)).all(1).mean()
+        if inside < _INSIDE:
+            canvas = f"{sketch.size[0]} x {sketch.size[1]}"
+            raise InputError(
+                f"expected lines on the canvas of {canvas} pixels, found {100 * inside:.0f} % of them there"
+            )
+        sketch.points_by_curve()
+    return sketch
 
 
 def write_drawing(path: Path, sketch: Sketch) -> None:

@@ -14,7 +14,6 @@ from caricli.errors import naming
 from caricli.io.image import read_image
 from caricli.io.mesh import MESH_SUFFIXES
 from caricli.io.provenance import provenance
-from caricli.io.sketch import read_sketch
 from caricli.io.strict_json import write_json
 from caricli.methods.faces.subdivide_face import subdivide_face
 from caricli.methods.parts.whole_head import mesh_face, whole_head
@@ -24,6 +23,7 @@ from caricli.models.shape_model import ShapeModel
 from caricli.store.face_files import write_face_files
 from caricli.store.models import DEFAULT_LATENT, load_model
 from caricli.store.pictures import find_picture
+from caricli.store.sketches import load_sketch
 from caricli.structures import HeadChoice
 from caricli.structures.head_choice import WHOLE
 from caricli.template.fine_mesh import FineMesh, fine_mesh
@@ -77,7 +77,7 @@ class SketchTask:
         """Make the face of a sketch, write it, and say how near its curves came to the lines."""
         image = find_picture(self.image, path, many=self.out is None)
         with staged_face(target, self.overwrite, (*self.sketches, self.model_path, image)) as files:
-            sketch = read_sketch(path)
+            sketch = load_sketch(path)
             reconstruction = self.reconstruction
             start = time.perf_counter()
             with naming(path):

@@ -1,0 +1,166 @@
+"""Drawings on paper, photographed or scanned, as clean lines."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from caricli.errors import InputError
+from caricli.methods.sketch.trace_lines import trace_lines
+from caricli.render.rasterise_sketch import rasterise_sketch
+from caricli.structures.sketch import CANVAS, Sketch, Stroke
+
+
+@dataclass(frozen=True)
+class PaperSettings:
+    """What is ink on paper. Lengths are shares of the longer side of the picture.
+
+    side: pixels that larger pictures are made smaller to. light: over how far light and paper change. grain: how many
+    times as dark as the paper's grain ink is at least. faint, ink: least darkness, of the paper's brightness, that
+    continues a line and that begins one. speck: of a line, what is shorter is dirt. thick: half the width of the widest
+    line. solid: share of the ink that may be wider. most: share of the paper that lines cover at most. table: how much
+    brighter the paper is than what lies around it, where it is told from it. fill: of the canvas, the longer side of
+    the drawing.
+    """
+
+    side: int = 1024
+    light: float = 0.09
+    grain: float = 3.5
+    faint: float = 0.05
+    ink: float = 0.11
+    speck: float = 0.012
+    thick: float = 0.014
+    solid: float = 0.35
+    most: float = 0.3
+    coarsest: float = 0.09
+    colours: float = 40.0
+    table: float = 1.35
+    fill: float = 0.86
+
+
+def clean_drawing(image: np.ndarray, settings: PaperSettings | None = None) -> Sketch:
+    """The lines of a drawing, in the middle of a canvas of CANVAS pixels; their kinds are not known.
+
+    Uneven light and the paper's grain are taken off, what lies around the paper is left out, and the ink that is left
+    is thinned to lines.
+
+    image: (H, W, 3) uint8, dark lines on bright paper, or bright ones on dark.
+    Raises InputError where there are no lines, or areas rather than lines, as in a photograph.
+    """
+    settings = settings or PaperSettings()
+    gray = _smaller(image, settings.side)
+    if _is_chalk(gray, settings):
+        gray = 1 - gray
+    ink = _ink(gray, settings)
+    longer = max(gray.shape)
+    _refuse_colours(image, ink, settings)
+    share = float(ink.mean())
+    if share > settings.most or _solid(ink, settings.thick * longer) > settings.solid:
+        raise InputError(f"expected a drawing of lines on paper, found areas: {100 * share:.0f} % of it are dark")
+    lines = [line for line in trace_lines(ink, settings.speck * longer) if len(line.points) > 1]
+    if sum(np.linalg.norm(np.diff(line.points, axis=0), axis=1).sum() for line in lines) < 0.1 * longer:
+        raise InputError("expected a drawing of lines on paper, found hardly any line")
+    points = np.concatenate([line.points for line in lines])
+    zoom = settings.fill * CANVAS / max(float(np.ptp(points, axis=0).max()), 1.0)
+    aside = (CANVAS - 1) / 2 - zoom * (points.min(0) + points.max(0)) / 2
+    strokes = tuple(Stroke(zoom * line.points + aside, width=max(zoom * line.width, 1.0)) for line in lines)
+    return Sketch(strokes)
+
+
+def binary_picture(sketch: Sketch, side: int = CANVAS) -> np.ndarray:
+    """(N, N) bool: where a sketch has ink, what the networks of the sketch paper see."""
+    return rasterise_sketch(sketch, side) > 127
+
+
+def _smaller(image: np.ndarray, side: int) -> np.ndarray:
+    """(H, W) brightness from 0 to 1, at most side pixels long."""
+    import cv2
+
+    gray = cv2.cvtColor(np.ascontiguousarray(image[..., :3]), cv2.COLOR_RGB2GRAY)
+    zoom = side / max(gray.shape)
+    if zoom < 1:
+        size = (max(round(gray.shape[1] * zoom), 1), max(round(gray.shape[0] * zoom), 1))
+        gray = cv2.resize(gray, size, interpolation=cv2.INTER_AREA)
+    return gray.astype(np.float32) / 255
+
+
+def _refuse_colours(image: np.ndarray, ink: np.ndarray, settings: PaperSettings) -> None:
+    """Refuse what is of many colours beside its lines: paper is of one, and lines are thin."""
+    import cv2
+
+    size = (min(image.shape[1], 128), min(image.shape[0], 128))
+    small = cv2.resize(np.ascontiguousarray(image[..., :3]), size, interpolation=cv2.INTER_AREA)
+    bare = cv2.resize(ink.astype(np.uint8), size, interpolation=cv2.INTER_AREA) == 0
+    lab = cv2.cvtColor(small, cv2.COLOR_RGB2LAB)[bare][:, 1:].astype(float)
+    # The middle nine tenths, so that what else lies on the table does not count.
+    if len(lab) and np.ptp(np.percentile(lab, (5, 95), axis=0), axis=0).max() > settings.colours:
+        raise InputError("expected a drawing of lines on paper, found a picture of many colours")
+
+
+def _is_chalk(gray: np.ndarray, settings: PaperSettings) -> bool:
+    """Whether what stands out from its surroundings is rather bright than dark."""
+    import cv2
+
+    rest = gray - cv2.GaussianBlur(gray, (0, 0), settings.light * max(gray.shape) / 3)
+    return bool((rest**3).mean() > 0.5 * max(float(rest.std()), 1e-6) ** 3)
+
+
+def _ink(gray: np.ndarray, settings: PaperSettings) -> np.ndarray:
+    """(H, W) bool: ink on the paper."""
+    import cv2
+    from skimage.filters import apply_hysteresis_threshold
+
+    longer = max(gray.shape)
+    paper = _paper(gray, settings)
+    soft = cv2.GaussianBlur(gray, (0, 0), max(longer / 1024, 0.5))
+    # The brightest nearby is paper, whatever was drawn on it; grain makes single pixels too bright, so after a blur.
+    reach = max(round(settings.light * longer), 3) | 1
+    around = cv2.dilate(soft, cv2.getStructuringElement(cv2.MORPH_RECT, (reach // 2 | 1, reach // 2 | 1)))
+    light = cv2.blur(around, (reach, reach))
+    dark = 1 - soft / np.maximum(light, 1e-3)
+    level = float(np.median(dark[paper])) if paper.any() else 0.0
+    spread = 1.4826 * float(np.median(np.abs(dark[paper] - level))) if paper.any() else 0.0
+    if spread > settings.coarsest:
+        raise InputError("expected a drawing of lines on paper, found areas or a pattern all over it")
+    low = max(settings.faint, settings.grain * spread) + level
+    high = max(settings.ink, 1.6 * settings.grain * spread) + level
+    return apply_hysteresis_threshold(dark, low, high) & paper
+
+
+def _paper(gray: np.ndarray, settings: PaperSettings) -> np.ndarray:
+    """(H, W) bool: the sheet, where it is told from a darker table, without its edge; else everything."""
+    import cv2
+
+    longer = max(gray.shape)
+    reach = max(round(settings.light * longer / 2), 3) | 1
+    # Lines on the paper vanish.
+    plain = cv2.morphologyEx(gray, cv2.MORPH_CLOSE, cv2.getStructuringElement(cv2.MORPH_RECT, (reach, reach)))
+    bytes_ = np.round(255 * plain).astype(np.uint8)
+    level, bright = cv2.threshold(bytes_, 0, 1, cv2.THRESH_BINARY + cv2.THRESH_OTSU)
+    count, labels, figures, _ = cv2.connectedComponentsWithStats(bright, connectivity=4)
+    everything = np.ones(gray.shape, bool)
+    if count < 2:
+        return everything
+    largest = 1 + int(np.argmax(figures[1:, cv2.CC_STAT_AREA]))
+    sheet = labels == largest
+    rest = plain[~sheet]
+    told = sheet.mean() > 0.2 and rest.size and np.median(plain[sheet]) > settings.table * np.median(rest)
+    # A shadow over the paper is no table: a table has an edge, where brightness falls within a few pixels.
+    edge = cv2.dilate(sheet.astype(np.uint8), np.ones((5, 5), np.uint8)).astype(bool) & ~sheet
+    near = cv2.erode(sheet.astype(np.uint8), np.ones((5, 5), np.uint8), borderValue=1) == 0
+    steep = edge.any() and np.median(plain[near & sheet]) - np.median(plain[edge]) > 0.08
+    if not (told and steep):
+        return everything
+    filled = cv2.morphologyEx(sheet.astype(np.uint8), cv2.MORPH_CLOSE, np.ones((reach, reach), np.uint8))
+    return cv2.erode(filled, np.ones((reach, reach), np.uint8), borderValue=0).astype(bool)
+
+
+def _solid(ink: np.ndarray, radius: float) -> float:
+    """Share of the ink that is further than a radius from paper."""
+    import cv2
+
+    if not ink.any():
+        return 0.0
+    inside = cv2.distanceTransform(np.pad(ink, 1).astype(np.uint8), cv2.DIST_L2, 3)[1:-1, 1:-1]
+    core = (inside > radius).astype(np.uint8)
+    wide = cv2.dilate(core, cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * int(radius) + 1,) * 2)).astype(bool)
+    return float((wide & ink).sum() / ink.sum())

@@ -1,0 +1,108 @@
+"""Drawings photographed on paper: what was drawn comes back, and what is no drawing is refused."""
+
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+import skimage
+from scipy.spatial import cKDTree
+
+from caricli.errors import InputError
+from caricli.io.image import read_image
+from caricli.methods.sketch.clean_drawing import binary_picture, clean_drawing
+from caricli.methods.sketch.draw_sketch import canvas_camera, draw_sketch
+from caricli.render.rasterise_sketch import rasterise_sketch
+from caricli.structures import StrokeKind
+from caricli.template.feature_curves import feature_curves
+
+SIDE = 700
+
+
+@pytest.fixture(scope="module")
+def sketch(head_template):
+    curves = feature_curves(head_template.annotation)
+    return draw_sketch(head_template.vertices, curves, canvas_camera(head_template.vertices, curves))
+
+
+def photograph(sketch, generator, darkness=0.7, width=3.0, table=None):
+    """Lines on paper with a lamp on one side, a shadow, grain, a soft lens, JPEG; on a table, or close up."""
+    ink = rasterise_sketch(sketch, SIDE, width) / 255
+    y, x = np.mgrid[:SIDE, :SIDE] / SIDE
+    spot = np.exp(-((x - generator.uniform()) ** 2 + (y - generator.uniform()) ** 2) / 0.05)
+    light = 0.85 - 0.35 * x + 0.1 * y - 0.25 * spot
+    picture = (light * (1 - darkness * ink))[..., None] * [1.0, 0.96, 0.88]
+    picture = cv2.GaussianBlur(picture, (0, 0), 0.8)
+    grain = generator.normal(0, 0.015, (SIDE, SIDE)) + cv2.GaussianBlur(
+        generator.normal(0, 0.04, (SIDE, SIDE)), (0, 0), 2
+    )
+    picture += grain[..., None]
+    if table is not None:
+        whole = np.full((SIDE + 200, SIDE + 240, 3), table) + generator.normal(0, 0.02, (SIDE + 200, SIDE + 240, 1))
+        whole[90 : 90 + SIDE, 130 : 130 + SIDE] = picture
+        picture = whole
+    pixels = (255 * np.clip(picture, 0, 1)).astype(np.uint8)
+    return cv2.imdecode(cv2.imencode(".jpg", pixels, [cv2.IMWRITE_JPEG_QUALITY, 75])[1], cv2.IMREAD_COLOR)
+
+
+def points_of(sketch):
+    """Points every pixel or so, in a common place and size."""
+    lines = [stroke.points for stroke in sketch.strokes]
+    dense = [np.linspace(a, b, 8) for line in lines for a, b in zip(line[:-1], line[1:], strict=True)]
+    points = np.concatenate(dense)
+    return 200 * (points - points.min(0)) / np.ptp(points, axis=0).max()
+
+
+PAPERS = {"ink": {}, "pencil": {"darkness": 0.4, "width": 2.0}, "table": {"table": 0.2}, "pen": {"width": 6.0}}
+
+
+@pytest.mark.parametrize("options", PAPERS.values(), ids=PAPERS.keys())
+def test_lines_come_back(sketch, options):
+    cleaned = clean_drawing(photograph(sketch, np.random.default_rng(1), **options))
+    drawn = points_of(sketch)
+    read = points_of(cleaned)
+    assert (cKDTree(read).query(drawn)[0] < 3).mean() > 0.93
+    assert (cKDTree(drawn).query(read)[0] < 3).mean() > 0.98
+    assert cleaned.size == (256, 256)
+    assert {stroke.kind for stroke in cleaned.strokes} == {StrokeKind.UNKNOWN}
+    picture = binary_picture(cleaned)
+    assert picture.shape == (256, 256) and picture.dtype == bool and 0.01 < picture.mean() < 0.2
+
+
+def test_chalk_on_a_blackboard(sketch):
+    board = 255 - photograph(sketch, np.random.default_rng(2))
+    assert (cKDTree(points_of(clean_drawing(board))).query(points_of(sketch))[0] < 3).mean() > 0.9
+
+
+def colours(generator):
+    """A picture of things in many colours, as a photograph."""
+    picture = np.full((SIDE, SIDE, 3), generator.integers(60, 220, 3), np.uint8)
+    for _ in range(40):
+        middle, axes = generator.integers(0, SIDE, 2), generator.integers(SIDE // 30, SIDE // 5, 2)
+        colour = generator.integers(0, 256, 3)
+        cv2.ellipse(picture, middle.tolist(), axes.tolist(), generator.uniform(0, 180), 0, 360, colour.tolist(), -1)
+    return cv2.GaussianBlur(picture, (0, 0), 1.5)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_photographs_are_refused(seed):
+    with pytest.raises(InputError, match="lines on paper, found (areas|a picture of many colours)"):
+        clean_drawing(colours(np.random.default_rng(seed)))
+
+
+@pytest.mark.parametrize("name", ["astronaut", "camera", "coffee", "gravel"])
+def test_well_known_photographs_are_refused(name):
+    picture = read_image(Path(skimage.__file__).parent / "data" / f"{name}.png")
+    with pytest.raises(InputError, match="expected a drawing of lines on paper"):
+        clean_drawing(picture)
+
+
+def test_pages_without_lines_are_refused():
+    generator = np.random.default_rng(3)
+    white = np.full((300, 300, 3), 255, np.uint8)
+    dot = white.copy()
+    cv2.circle(dot, (150, 150), 2, (0, 0, 0), -1)
+    grain = np.clip(200 + generator.normal(0, 5, (300, 300, 1)), 0, 255).astype(np.uint8).repeat(3, axis=2)
+    for page in (white, np.zeros_like(white), dot, grain, white[:1, :1]):
+        with pytest.raises(InputError, match="expected a drawing of lines on paper"):
+            clean_drawing(page)

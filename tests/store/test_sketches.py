@@ -1,0 +1,53 @@
+import numpy as np
+import pytest
+
+from caricli.errors import InputError
+from caricli.io.image import read_image, write_png
+from caricli.io.sketch import write_sketch
+from caricli.store.sketches import load_sketch, write_drawing
+from caricli.structures import Sketch, Stroke, StrokeKind
+
+ANGLES = np.linspace(0, 2 * np.pi, 80)
+RING = 127.5 + 80 * np.column_stack([np.cos(ANGLES), np.sin(ANGLES)])
+
+
+@pytest.mark.parametrize("name", ["s.json", "s.svg", "s.png"])
+def test_a_sketch_in_any_form(tmp_path, name):
+    write_drawing(tmp_path / name, Sketch((Stroke(RING, StrokeKind.SILHOUETTE),)))
+    (stroke,) = load_sketch(tmp_path / name).strokes
+    middle = stroke.points[:-1].mean(0)
+    radius = np.linalg.norm(stroke.points - middle, axis=1)
+    assert stroke.closed and radius.std() < 0.02 * radius.mean()
+    assert np.allclose(middle, 127.5, atol=1.5)
+
+
+def test_pictures_are_black_on_white(tmp_path):
+    write_drawing(tmp_path / "s.png", Sketch((Stroke(RING),)))
+    picture = read_image(tmp_path / "s.png")
+    assert picture.shape == (256, 256, 3) and picture[0, 0].tolist() == [255] * 3 and picture.min() < 60
+
+
+@pytest.mark.parametrize(
+    ("sketch", "message"),
+    [
+        (Sketch(), "found 0 strokes"),
+        (Sketch((Stroke(RING[:1]),)), "found 1 strokes, 0 pixels long"),
+        (Sketch((Stroke(RING + 1000),)), "found 0 % of them there"),
+        (Sketch((Stroke(RING, StrokeKind.FEATURE, "nose"),) * 2), "nose twice"),
+    ],
+    ids=["empty", "dot", "outside", "twice"],
+)
+@pytest.mark.parametrize("suffix", [".json", ".svg"])
+def test_what_draws_no_face_is_refused(tmp_path, sketch, message, suffix):
+    path = tmp_path / f"s{suffix}"
+    write_sketch(path, sketch)
+    with pytest.raises(InputError, match=message) as refusal:
+        load_sketch(path)
+    assert str(path) in str(refusal.value)
+
+
+def test_black_and_coloured_pictures_are_refused(tmp_path):
+    black = np.zeros((64, 64, 3), np.uint8)
+    write_png(tmp_path / "s.png", black)
+    with pytest.raises(InputError, match="expected a drawing of lines on paper"):
+        load_sketch(tmp_path / "s.png")
