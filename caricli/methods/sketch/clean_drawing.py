@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from caricli.errors import InputError
-from caricli.methods.sketch.trace_lines import trace_lines
+from caricli.methods.sketch.trace_lines import InkLine, trace_lines
 from caricli.render.rasterise_sketch import rasterise_sketch
 from caricli.structures.sketch import CANVAS, Sketch, Stroke
 
@@ -16,10 +16,11 @@ class PaperSettings:
 
     side: pixels that larger pictures are made smaller to. light: over how far light and paper change. grain: how many
     times as dark as the paper's grain ink is at least. faint, ink: least darkness, of the paper's brightness, that
-    continues a line and that begins one. speck: of a line, what is shorter is dirt. thick: half the width of the widest
-    line. solid: share of the ink that may be wider. most: share of the paper that lines cover at most. table: how much
-    brighter the paper is than what lies around it, where it is told from it. fill: of the canvas, the longer side of
-    the drawing.
+    continues a line and that begins one. pale: darkness of a line, of the usual one's, at least. speck: of a line, what
+    is shorter is dirt. thick: half the width of the widest line. solid: share of the ink that may be wider. most: share
+    of the paper that lines cover at most. coarsest: grain, of the paper's brightness, that paper has at most. colours:
+    how far, in steps of Lab, it may change its colour. table: how much brighter the paper is than what lies around it,
+    where it is told from it. fill: of the canvas, the longer side of the drawing.
     """
 
     side: int = 1024
@@ -27,6 +28,7 @@ class PaperSettings:
     grain: float = 3.5
     faint: float = 0.05
     ink: float = 0.11
+    pale: float = 0.35
     speck: float = 0.012
     thick: float = 0.014
     solid: float = 0.35
@@ -50,13 +52,13 @@ def clean_drawing(image: np.ndarray, settings: PaperSettings | None = None) -> S
     gray = _smaller(image, settings.side)
     if _is_chalk(gray, settings):
         gray = 1 - gray
-    ink = _ink(gray, settings)
+    ink, dark = _ink(gray, settings)
     longer = max(gray.shape)
     _refuse_colours(image, ink, settings)
     share = float(ink.mean())
     if share > settings.most or _solid(ink, settings.thick * longer) > settings.solid:
         raise InputError(f"expected a drawing of lines on paper, found areas: {100 * share:.0f} % of it are dark")
-    lines = [line for line in trace_lines(ink, settings.speck * longer) if len(line.points) > 1]
+    lines = _dark_lines(trace_lines(ink, settings.speck * longer), dark, settings.pale)
     if sum(np.linalg.norm(np.diff(line.points, axis=0), axis=1).sum() for line in lines) < 0.1 * longer:
         raise InputError("expected a drawing of lines on paper, found hardly any line")
     points = np.concatenate([line.points for line in lines])
@@ -104,8 +106,16 @@ def _is_chalk(gray: np.ndarray, settings: PaperSettings) -> bool:
     return bool((rest**3).mean() > 0.5 * max(float(rest.std()), 1e-6) ** 3)
 
 
-def _ink(gray: np.ndarray, settings: PaperSettings) -> np.ndarray:
-    """(H, W) bool: ink on the paper."""
+def _dark_lines(lines: list[InkLine], dark: np.ndarray, pale: float) -> list[InkLine]:
+    """Lines that are not much paler than the usual one: the others are shadows and folds of the paper."""
+    lines = [line for line in lines if len(line.points) > 1]
+    shades = [dark[tuple(line.points.round().astype(int).T[::-1])] for line in lines]
+    usual = float(np.median(np.concatenate([*shades, np.zeros(1)])))
+    return [line for line, own in zip(lines, shades, strict=True) if np.median(own) > pale * usual]
+
+
+def _ink(gray: np.ndarray, settings: PaperSettings) -> tuple[np.ndarray, np.ndarray]:
+    """(H, W) bool, ink on the paper, and (H, W), by how much darker than the paper everything is."""
     import cv2
     from skimage.filters import apply_hysteresis_threshold
 
@@ -123,7 +133,7 @@ def _ink(gray: np.ndarray, settings: PaperSettings) -> np.ndarray:
         raise InputError("expected a drawing of lines on paper, found areas or a pattern all over it")
     low = max(settings.faint, settings.grain * spread) + level
     high = max(settings.ink, 1.6 * settings.grain * spread) + level
-    return apply_hysteresis_threshold(dark, low, high) & paper
+    return apply_hysteresis_threshold(dark, low, high) & paper, dark
 
 
 def _paper(gray: np.ndarray, settings: PaperSettings) -> np.ndarray:
