@@ -22,6 +22,7 @@ class TrainingSeed(IntEnum):
     START = 3
     CODES = 4
     SURFACE = 5
+    DIM = 6
 
 
 class PictureSeed(IntEnum):

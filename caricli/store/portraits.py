@@ -1,11 +1,12 @@
 """What reconstructions of portraits are measured with: real pictures with landmarks, and the bundled models."""
 
 from pathlib import Path
+from typing import Any
 
 from caricli.errors import InputError, shown
 from caricli.methods.evaluate.portrait_studio import Portrait
-from caricli.methods.evaluate.reconstruct_portrait import COARSE
-from caricli.models.shape_model import ShapeModel
+from caricli.methods.evaluate.reconstruct_portrait import COARSE, NETWORK
+from caricli.store.coarse import load_coarse_pair
 from caricli.store.models import check_topology, load_model
 from caricli.store.pictures import PICTURES, load_marked_picture
 from caricli.template.template import Template
@@ -41,13 +42,13 @@ def load_portrait(picture: Path, marks: Path, pts_origin: int = 1) -> Portrait:
     return Portrait(picture.name, image, landmarks.points)
 
 
-def load_rivals(template: Template) -> dict[str, ShapeModel]:
-    """The bundled models that reconstruct portraits, by kind, prepared.
+def load_rivals(template: Template) -> dict[str, Any]:
+    """What reconstructs portraits: the bundled models by kind, prepared, and the bundled network by NETWORK.
 
     Raises InputError when they are not of the template's topology.
     """
-    models = {kind: load_model(kind=kind) for kind in COARSE.values()}
+    models: dict[str, Any] = {kind: load_model(kind=kind) for kind in COARSE.values()}
     for kind, model in models.items():
         check_topology(model.template, template, f"the bundled {kind} model")
         model.prepare()
-    return models
+    return models | {NETWORK: load_coarse_pair()[0]}

@@ -6,14 +6,18 @@ import re
 import numpy as np
 import pytest
 
+from caricli.commands.shared.fit_tasks import COARSE_TASKS
+from caricli.commands.shared.landmark_batch import LandmarkFiles
 from caricli.commands.shared.portrait_chain import PortraitChain, PortraitFiles
 from caricli.data.texture_painter import draw_albedo
 from caricli.io.gltf.read_gltf import read_gltf
 from caricli.io.image import read_image, write_png
 from caricli.io.landmarks import read_landmarks, write_landmarks
 from caricli.io.strict_json import read_json
+from caricli.methods.reconstruct.settings import COARSE
 from caricli.methods.texture.settings import PaintSettings
 from caricli.render.render_textured import render_textured
+from caricli.store.face_pictures import FaceReader
 from caricli.structures import Camera, Landmarks, Pictures, Rig
 from caricli.structures.detection import DetectedFace, Detection, FaceFrame
 
@@ -149,3 +153,24 @@ def test_a_caricature_is_made_first_where_a_style_is_given(tmp_path):
     )
     assert fit.args[0].image == tmp_path / "a" / "styled.png" and fit.args[1] == taken.args[2]
     assert len(steps) == 7
+
+
+@pytest.mark.parametrize(
+    ("coarse", "command"),
+    [("elastic", "reconstruct-from-landmarks"), ("network", "fit-coarse"), ("morphable", "fit-morphable")],
+)
+def test_heads_begin_as_they_are_told_to(sitter, tmp_path, coarse, command):
+    picture, points = sitter
+    write_png(tmp_path / "picture.png", picture)
+    write_landmarks(tmp_path / "landmarks.json", Landmarks(points, (SIDE, SIDE)))
+    files = PortraitFiles((), tmp_path, None, 1, False)
+    chain = PortraitChain(files, None, coarse, PaintSettings(64))
+    given = LandmarkFiles((), tmp_path / "face.obj", None, tmp_path / "picture.png", FaceReader(), False)
+    chain._fit(given, tmp_path / "landmarks.json")
+    report = read_json(tmp_path / "face.json")
+    assert report["command"] == command and report["nme"] < 5
+    assert ("coefficients" in report) == (coarse == "network")
+
+
+def test_every_beginning_is_offered():
+    assert set(COARSE_TASKS) == set(COARSE)

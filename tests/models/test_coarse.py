@@ -4,16 +4,17 @@ import torch
 
 from caricli.errors import InputError
 from caricli.models.coarse.config import CoarseConfig, CoarseSize
-from caricli.models.coarse.model import CoarseModel, coarse_from_checkpoint, coarse_to_checkpoint
-from caricli.models.coarse.networks import CoarseNetwork
+from caricli.models.coarse.model import CoarseModel, coarse_from_checkpoint, coarse_to_checkpoint, window_marks
+from caricli.models.coarse.networks import CoarseNetwork, WindowFeatures
 
-SMALL = CoarseSize(8, (16, 24, 32, 40), (1, 0, 1, 1), False, 8, 32)
+SMALL = CoarseSize(8, (16, 24, 32, 40), (1, 0, 1, 1), False, 8, 32, glance=2)
 
 
 def network(size=SMALL, seed=0):
     generator = torch.Generator().manual_seed(seed)
     own = CoarseNetwork(size, 81, 30, generator)
-    torch.nn.init.normal_(own.last.weight, std=0.1, generator=generator)
+    for layer in (own.last, own.told_last) if size.landmarks else (own.last,):
+        torch.nn.init.normal_(layer.weight, std=0.1, generator=generator)
     return own
 
 
@@ -41,8 +42,42 @@ def test_unknown_landmarks_say_nothing_and_known_ones_do(model, windows):
     pixels, points = windows
     nowhere = model.read(pixels, np.full_like(points, np.nan))
     assert np.isfinite(nowhere).all() and np.abs(nowhere - model.read(pixels, points)).max() > 0.1
-    blind = CoarseModel(network(CoarseSize(8, (16, 24, 32, 40), (1, 0, 1, 1), False, 8, 32, False)), 64, "")
+    blind = CoarseModel(network(CoarseSize(8, (16, 24, 32, 40), (1, 0, 1, 1), False, 8, 32, False, 0)), 64, "")
     np.testing.assert_array_equal(blind.read(pixels, points), blind.read(pixels, np.full_like(points, np.nan)))
+
+
+def test_doubts_count_and_what_is_seen_is_looked_for_at_the_landmarks(model, windows):
+    pixels, points = windows
+    spreads = np.tile(4 * np.eye(2), (2, 81, 1, 1))
+    sure = model.read(pixels, points, spreads)
+    assert np.abs(sure - model.read(pixels, points, 9 * spreads)).max() > 0.01
+    assert np.abs(sure - model.read(pixels, points)).max() > 0.01
+    own = model.network
+    size = pixels.shape[1]
+    ramp = torch.linspace(0, 1, size)[None, None, None].expand(1, 3, size, size)
+    marks = torch.from_numpy(window_marks(points[:1], None, size))
+    near = own.encode(ramp, marks).near
+    same = marks.clone()
+    same[..., 1] = (same[..., 1] + 1) / 3  # a picture that changes from left to right alone
+    inner = ((same > 0.2) & (same < 0.8) & (marks > 0.2) & (marks < 0.8))[0, :, :2].all(1)
+    assert inner.sum() > 10
+    torch.testing.assert_close(own.encode(ramp, same).near[0, inner], near[0, inner], atol=1e-4, rtol=1e-3)
+    same[..., 0] = same[..., 0].flip(1)
+    assert (own.encode(ramp, same).near - near)[0, inner].abs().max() > 0.01
+
+
+def test_without_pictures_landmarks_alone_tell(model, windows):
+    pixels, points = windows
+    marks = torch.from_numpy(window_marks(points, None, 64))
+    images = torch.from_numpy(pixels / np.float32(255)).permute(0, 3, 1, 2)
+    features = model.network.encode(images, marks)
+    both = model.network.tell(features, marks)
+    first = WindowFeatures(features.whole[:1], features.near[:1])
+    mixed = model.network.tell(first, marks)
+    torch.testing.assert_close(mixed[0], both[0])
+    none = WindowFeatures(features.whole[:0], features.near[:0])
+    torch.testing.assert_close(mixed[1], model.network.tell(none, marks)[1])
+    assert (mixed[1] - both[1]).abs().max() > 0.01
 
 
 def test_what_comes_out_is_in_the_units_of_start_and_step(windows):
@@ -59,7 +94,7 @@ def test_the_encoder_of_a_network_of_the_same_size_is_borrowed():
     for name, value in own.state_dict().items():
         source = network(seed=1 if name.startswith(("stem.", "down.")) else 0)
         assert torch.equal(source.state_dict()[name], value), name
-    assert not own.borrow(network(CoarseSize(8, (16, 24, 32, 48), (1, 0, 1, 1), False, 8, 32)).state_dict())
+    assert not own.borrow(network(CoarseSize(8, (16, 24, 32, 48), (1, 0, 1, 1), False, 8, 32, glance=2)).state_dict())
 
 
 def test_the_published_depth_is_fifty_layers():
@@ -101,6 +136,8 @@ def test_what_does_not_fit_is_refused(model, change, message):
         ({"steps": 10, "rounds": 3}, "multiple of rounds"),
         ({"batch": 8, "painted": 4, "unmarked": 4}, "less than batch"),
         ({"precision": "float8"}, "precision"),
+        ({"landmarks": False}, "glance must be 0"),
+        ({"landmarks": False, "glance": 0}, "imagined must be 0"),
         ({"widths": (1, 2)}, "widths must be 4 numbers"),
     ],
 )

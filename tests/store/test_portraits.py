@@ -3,6 +3,7 @@ import pytest
 
 from caricli.errors import InputError
 from caricli.io.image import write_png
+from caricli.methods.evaluate.reconstruct_portrait import NETWORK
 from caricli.store.portraits import load_portrait, load_rivals, portrait_files
 
 
@@ -51,6 +52,8 @@ def test_folders_without_portraits_are_refused(folder, tmp_path):
 
 
 def test_rivals_are_of_the_mesh_of_the_dataset(head_template):
-    assert {kind: model.kind for kind, model in load_rivals(head_template).items()} == {
+    rivals = load_rivals(head_template)
+    assert rivals.pop(NETWORK).basis == rivals["morphable"].model_id
+    assert {kind: model.kind for kind, model in rivals.items()} == {
         kind: kind for kind in ("morphable", "intrinsic", "deformable")
     }

@@ -121,7 +121,8 @@ def evaluate_portraits(
 ) -> Iterator[tuple[str, PortraitResult]]:
     """Evaluate sets of portraits, one after the other.
 
-    models: ShapeModels by kind. texture: texels, side of the textures. report: called with portraits done and all.
+    models: see ``reconstruct_portrait``. texture: texels, side of the textures. report: called with portraits done and
+    all.
     Yields the name of the set and the result. Raises InputError, NumericsError.
     """
     total = sum(map(len, sets.values()))
@@ -136,7 +137,7 @@ def evaluate_portraits(
 def evaluate_portrait(portrait: Portrait, models: Mapping[str, Any], texture: int) -> PortraitResult:
     """Reconstruct, refine and paint one portrait by every method, and measure it.
 
-    models: ShapeModels by kind. texture: texels, side of the textures.
+    models: see ``reconstruct_portrait``. texture: texels, side of the textures.
     Raises InputError, NumericsError.
     """
     with naming(portrait.name):

@@ -12,6 +12,7 @@ from caricli.errors import CaricliError
 from caricli.geometry.similarity import similarity
 from caricli.methods.evaluate.portrait_studio import Portrait
 from caricli.methods.morphable.fit_photometric import fit_photometric
+from caricli.methods.reconstruct.fit_coarse import fit_coarse
 from caricli.methods.reconstruct.fit_landmarks import fit_landmarks
 from caricli.methods.reconstruct.fit_morphable import fit_morphable
 from caricli.methods.reconstruct.landmark_fit import LandmarkFit
@@ -21,8 +22,17 @@ from caricli.structures import Face
 from caricli.structures.landmarks import PARTS
 from caricli.template.template import Template
 
-COARSE = {"morphable": "morphable", "photometric": "morphable", "elastic": "intrinsic", "deformable": "deformable"}
+COARSE = {
+    "morphable": "morphable",
+    "photometric": "morphable",
+    "network": "morphable",
+    "elastic": "intrinsic",
+    "deformable": "deformable",
+}
 """Coarse methods by name: the kind of their model."""
+
+NETWORK = "coarse network"
+"""By what the network of the method "network" goes among the models."""
 
 REFINED = " + refine"
 ADJUSTED = ("adjust exp", "adjust id+exp")
@@ -56,10 +66,11 @@ def reconstruct_portrait(
 ) -> tuple[dict[str, Reconstruction], dict[str, str]]:
     """Reconstruct a face by every one of METHODS.
 
-    "photometric" are equations 3 to 6; "adjust exp" and "adjust id+exp" are equation 7, the former with the mean
-    identity. All others take the landmarks alone.
+    "photometric" are equations 3 to 6; "network" is the CoarseModel trained with them, brought to the landmarks;
+    "adjust exp" and "adjust id+exp" are equation 7, the former with the mean identity. All others take the landmarks
+    alone.
 
-    models: ShapeModels by kind.
+    models: ShapeModels by kind, and the CoarseModel by NETWORK.
     Returns Reconstructions by METHODS, and of those that refused the landmarks what they said.
     Raises InputError, NumericsError.
     """
@@ -67,7 +78,7 @@ def reconstruct_portrait(
     reconstructions = {}
     refused = {}
     for name, kind in COARSE.items():
-        coarse = _timed(partial(_coarse, name, portrait, models[kind]), models[kind].template)
+        coarse = _timed(partial(_coarse, name, portrait, models), models[kind].template)
         reconstructions[name] = coarse
         start = time.perf_counter()
         try:
@@ -84,10 +95,13 @@ def reconstruct_portrait(
     return reconstructions, refused
 
 
-def _coarse(name: str, portrait: Portrait, model: Any) -> LandmarkFit:
-    """The fit of a model to a portrait by one of COARSE."""
+def _coarse(name: str, portrait: Portrait, models: Mapping[str, Any]) -> LandmarkFit:
+    """The fit to a portrait by one of COARSE."""
+    model = models[COARSE[name]]
     if name == "photometric":
         return fit_photometric(portrait.picture, model)
+    if name == "network":
+        return fit_coarse(portrait.points, model, models[NETWORK], portrait.image)
     return fit_morphable(portrait.points, model) if name == "morphable" else fit_landmarks(portrait.points, model)
 
 

@@ -46,21 +46,35 @@ class CoarseSight:
     camera: Camera
 
 
-def see_coarse(points: np.ndarray, image: np.ndarray, network: CoarseModel, model: MorphableModel) -> CoarseSight:
-    """Let the network look at the face of a picture (H, W, 3) uint8 that has landmarks (L, 2), NaN where unknown."""
+def see_coarse(
+    points: np.ndarray,
+    image: np.ndarray,
+    network: CoarseModel,
+    model: MorphableModel,
+    spreads: np.ndarray | None = None,
+) -> CoarseSight:
+    """Let the network look at the face of a picture (H, W, 3) uint8 that has landmarks (L, 2), NaN where unknown.
+
+    spreads: (L, 2, 2) covariances of their errors, square pixels, or None.
+    """
     told = np.full((LANDMARKS, 2), np.nan)
     told[: len(points)] = points
+    doubts = np.full((LANDMARKS, 2, 2), np.nan)
+    if spreads is not None:
+        doubts[: len(points)] = spreads
     frame = FaceFrame.of(_filled(points[:COUNT], model))
     matrix = frame.matrix(network.size, SHARE)
     window = cut_window(image, matrix, (network.size, network.size))
-    coefficients = network.read(window[None], (told @ matrix[:, :2].T + matrix[:, 2])[None])[0]
+    linear = matrix[:, :2]
+    marks = (told @ linear.T + matrix[:, 2], linear @ doubts @ linear.T)
+    coefficients = network.read(window[None], *(value[None] for value in marks))[0]
     layout = CoefficientLayout.of(model)
     parts = layout.parts(coefficients)
     parts["light"][:] = turned_light(parts["light"], frame.roll)
     pose = parts["pose"]
     pose[2] += frame.roll
-    pose[3:5] = np.linalg.solve(matrix[:, :2], pose[3:5] - matrix[:, 2])
-    pose[5] /= np.sqrt(np.linalg.det(matrix[:, :2]))
+    pose[3:5] = np.linalg.solve(linear, pose[3:5] - matrix[:, 2])
+    pose[5] /= np.sqrt(np.linalg.det(linear))
     middle = model.decode(coefficients[: layout.shape]).mean(0)
     rotation = head_rotation(pose[:3])
     return CoarseSight(coefficients, Camera(float(pose[5]), rotation, pose[3:5] - pose[5] * rotation[:2] @ middle))
@@ -87,7 +101,7 @@ def fit_coarse(
     """
     if image is None:
         raise InputError("expected a picture, found landmarks without one; --image takes theirs")
-    sight = see_coarse(points, image, network, model)
+    sight = see_coarse(points, image, network, model, spreads)
     layout = CoefficientLayout.of(model)
     start = sight.coefficients[: layout.shape]
     if alone:

@@ -3,10 +3,10 @@
 from dataclasses import dataclass
 
 METHODS = ("intrinsic", "latent")
-
-COARSE = ("elastic", "morphable")
-"""How a head may begin that is made of a picture."""
 """Ways to fit landmarks: elastically, or inside the model; the first is the default."""
+
+COARSE = ("elastic", "network", "morphable")
+"""How a head may begin that is made of a picture."""
 
 
 @dataclass(frozen=True)

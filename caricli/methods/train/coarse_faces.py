@@ -140,6 +140,12 @@ class TrueFaces:
         painter = vertex_painter(dataset.template)
         self.albedos = {place: painter.draw(sitters.appearances[place]).astype(np.float32) for place in sorted(used)}
 
+    def shapes(self) -> np.ndarray:
+        """(K, V, 3) float32 all of them, each once, in the place of a TrueFace."""
+        return np.stack(
+            [in_place(self.vertices[place], self.template, self.mean)[0] for place in sorted(self.vertices)]
+        )
+
     def study(self, number: int) -> StudiedFace:
         """One of the faces. Raises InputError when a file of its picture is missing or damaged."""
         picture, place = self.faces[number]
@@ -160,15 +166,17 @@ class CoarseWindowSettings:
 
     shift: deviation of the face's centre, of its side. size: of its logarithm. turn: of its roll, radians. stretch: of
     what a linear map changes; bend: of what a smooth one moves, of the window's side, in ``bent`` of the windows. Both
-    make other people of the few whose pictures there are.
+    make other people of the few whose pictures there are. disguised: how many of the windows whose colours need not
+    stay as they are have them changed.
     """
 
-    shift: float = 0.04
-    size: float = 0.06
-    turn: float = 0.08
-    stretch: float = 0.05
-    bend: float = 0.03
-    bent: float = 0.6
+    shift: float = 0.03
+    size: float = 0.04
+    turn: float = 0.05
+    stretch: float = 0.03
+    bend: float = 0.02
+    bent: float = 0.5
+    disguised: float = 0.5
 
 
 @dataclass(frozen=True, eq=False)
@@ -195,7 +203,7 @@ class WindowDrawer:
         self.settings = settings or CoarseWindowSettings()
 
     def draw(self, face: StudiedFace, plain: bool, generator: np.random.Generator) -> CoarseWindow:
-        """Cut a face out. plain: whether colours stay as they are, else they are changed and parts are covered."""
+        """Cut a face out. plain: whether colours stay as they are, else they may be changed and parts covered."""
         settings = self.settings
         matrix = self._matrix(face.frame, generator)
         window = moved_window(face.picture, matrix, self.size)
@@ -205,7 +213,7 @@ class WindowDrawer:
         moved = Moved(matrix, window.landmarks[0], bend)
         window = window if bend is None else bent_window(window, bend)
         truth = None if face.truth is None else face.truth.moved(moved, self.template, self.mean)
-        if plain:
+        if plain or generator.random() >= settings.disguised:
             window = replace(window, pixels=window.pixels.astype(np.float32) / 255)
         else:
             window = disguise_window(window, generator)

@@ -1,7 +1,7 @@
 """A coarse network, trained with the energy of the portrait paper and with what is true of rendered pictures."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 
 import numpy as np
@@ -12,23 +12,33 @@ from caricli.methods.evaluate.reconstruct_portrait import shape_error
 from caricli.methods.morphable.coefficients import CoefficientLayout
 from caricli.methods.morphable.energy import Observed
 from caricli.methods.morphable.renderer import MorphableRenderer
-from caricli.methods.train.coarse_faces import CoarseWindow, FaceSource, StudiedFace, WindowDrawer
+from caricli.methods.train.coarse_faces import (
+    CoarseWindow,
+    FaceSource,
+    StudiedFace,
+    TrueFace,
+    TrueFaces,
+    WindowDrawer,
+)
 from caricli.methods.train.coarse_losses import ThinFace, Truth, truth_loss, window_energy
 from caricli.methods.train.network_training import NetworkTraining, require_faces
+from caricli.methods.train.told_landmarks import (
+    FACE_REGIONS,
+    FaceMixer,
+    ImaginedFace,
+    Seer,
+    cut_landmarks,
+    hand_marked,
+)
 from caricli.methods.train.train_autodecoder import ALL, Share
 from caricli.methods.train.windows import moved_window
 from caricli.models.coarse.config import CoarseConfig
-from caricli.models.coarse.model import LANDMARKS, SHARE, shares
-from caricli.models.coarse.networks import CoarseNetwork
+from caricli.models.coarse.model import LANDMARKS, SHARE, shares, window_marks
+from caricli.models.coarse.networks import CoarseNetwork, WindowFeatures
 from caricli.models.detector.model import Detector
-from caricli.models.detector.networks import FINE, HALF
 from caricli.models.morphable.model import MorphableModel
 from caricli.seeds import TrainingSeed
 from caricli.structures.detection import FaceFrame
-from caricli.structures.parsing import Region
-
-FACE_REGIONS = (Region.SKIN, Region.BROWS, Region.NOSE, Region.LIPS)
-"""What of a picture the model's colours can explain: it has no eyeballs and no teeth, and wears nothing."""
 
 LIGHT = (2.5, 0.0, 0.0, -0.8, *[0.0] * 5)
 """Harmonics of the light that the network begins with: from before the face."""
@@ -38,22 +48,22 @@ LIGHT = (2.5, 0.0, 0.0, -0.8, *[0.0] * 5)
 class Sources:
     """Faces to train on, with their truth; faces without it, or None; and faces to validate with."""
 
-    true: FaceSource
+    true: TrueFaces
     unmarked: FaceSource | None
     unseen: FaceSource
 
 
 @dataclass(frozen=True, eq=False)
 class Seen:
-    """What losses take of B windows, of which the first U are without truth and the first N are painted.
+    """What losses take of B windows, of which the first U are without truth and the first N are painted, and I faces.
 
-    pixels: (B, 3, S, S), and features: (B, C, h, w) what a frozen encoder makes of them; one of both is empty. told:
-    (B, L, 2) landmarks that the detector sees, shares of the side. observed: images and confidence of the first N,
-    landmarks of all. anchors: (B - U, L) vertices that the true landmarks stand on. truth: Truth of B - U.
+    pixels: (B, 3, S, S) where the encoder learns; else features: what it makes of them. told: (B + I, L, 5) what the
+    network is told of landmarks. observed: images and confidence of the first N, landmarks of all. anchors: (B - U + I,
+    L) vertices that the true landmarks stand on. truth: Truth of B - U + I.
     """
 
     pixels: torch.Tensor
-    features: torch.Tensor
+    features: WindowFeatures | None
     told: torch.Tensor
     observed: Observed
     anchors: torch.Tensor
@@ -62,10 +72,20 @@ class Seen:
 
 @dataclass(eq=False)
 class Batch:
-    """Windows of a step; and from when they were looked at, what is seen of them instead."""
+    """Windows of a step; and from when they were looked at, what is seen of them instead.
 
-    windows: list[CoarseWindow]
+    number: its own in the epoch. times: how often it was gone through. marked: of every window landmarks (L, 2) as
+    somebody marked them, or None. there: (L,) which of them are known. imagined: faces with the errors of a window's
+    landmarks, by its number.
+    """
+
+    number: int
+    windows: list[CoarseWindow] = field(default_factory=list)
+    marked: list[np.ndarray | None] = field(default_factory=list)
+    there: list[np.ndarray] = field(default_factory=list)
+    imagined: list[tuple[int, ImaginedFace]] = field(default_factory=list)
     seen: Seen | None = None
+    times: int = 0
 
 
 class CoarseTraining(NetworkTraining):
@@ -76,8 +96,10 @@ class CoarseTraining(NetworkTraining):
     under what the detector's parser says, and of a part of the latter, under the true label map. Both are left as they
     are, and the others are disguised. What is known of rendered faces counts besides: the mean distance of the
     vertices, the rotation, the colours of the vertices, and the coefficients that are the likeliest for them. The
-    landmarks that the network is told are those that the detector sees in the very window. With several rounds the
-    windows of an epoch are gone through so often, and the encoder stays as it is.
+    landmarks that the network is told are those that the detector sees in the very window, or such as somebody marks.
+    Besides there are faces that are in no picture, mixed of those that are: of these the network is told landmarks
+    alone, with the errors of a window's. With several rounds the windows of an epoch are gone through so often, and the
+    encoder stays as it is.
     Errors are distances of vertices as a share of the head's height, in validation of the face and after alignment.
     """
 
@@ -94,44 +116,55 @@ class CoarseTraining(NetworkTraining):
         super().__init__(partial(new_coarse_network, config, model), config, share)
         self.sources = sources
         self.model = model
-        self.detector = detector.network.eval()
+        self.seer = Seer(detector)
         self.renderer = MorphableRenderer(model)
         self.thin = ThinFace(self.renderer)
         self.drawer = WindowDrawer(model, config.size)
+        self.mixer = FaceMixer(sources.true.shapes(), model.template, self.drawer.mean)
         self.kept: dict[int, Batch] = {}
-        self.network.borrow(self.detector.state_dict())
+        self.network.borrow(self.seer.network.state_dict())
         self.average.load_state_dict(self.network.state_dict())
 
     def _draw(self, step: int) -> "Batch":
         """This process's windows of a step: those without truth, those to be painted, and the others."""
         config = self.config
-        number = step % (config.steps // config.rounds)
-        if number < step:
-            return self.kept[number]
+        number_of_batch = step % (config.steps // config.rounds)
+        if number_of_batch < step:
+            return self.kept[number_of_batch]
         unmarked = 0 if self.sources.unmarked is None else config.unmarked
-        windows = []
+        batch = Batch(number_of_batch)
         for row in range(self.share.process, config.batch, self.share.count):
             generator = np.random.default_rng([config.seed, TrainingSeed.STEP, self.epoch, step, row])
-            source = self.sources.unmarked if row < unmarked else self.sources.true
+            source: FaceSource | None = self.sources.unmarked if row < unmarked else self.sources.true
             assert source is not None
             face = source.study(int(generator.integers(len(source.faces))))
             plain = row < unmarked + config.painted
-            windows.append(self.drawer.draw(face, plain, generator))
-        batch = Batch(windows)
+            window = self.drawer.draw(face, plain, generator)
+            points = window.picture.landmarks[0]
+            batch.windows.append(window)
+            batch.marked.append(None if row < unmarked else hand_marked(points, config.size, generator))
+            batch.there.append(cut_landmarks(points, generator))
+        true = [number for number, window in enumerate(batch.windows) if window.truth is not None]
+        for row in range(self.share.process, config.imagined, self.share.count):
+            generator = np.random.default_rng([config.seed, TrainingSeed.STEP, self.epoch, step, config.batch + row])
+            number = true[int(generator.integers(len(true)))]
+            batch.imagined.append((number, self.mixer.draw(batch.windows[number], generator)))
         if config.rounds > 1:
-            self.kept[number] = batch
+            self.kept[number_of_batch] = batch
         return batch
 
     def _loss(self, drawn: "Batch") -> tuple[torch.Tensor, torch.Tensor]:
         """The loss of windows, and the mean distance of the vertices of those with truth."""
         config = self.config
         if drawn.seen is None:
-            drawn.seen = self._look(drawn.windows)
+            drawn.seen = self._look(drawn)
             drawn.windows = []
+            drawn.imagined = []
         seen = drawn.seen
         with torch.autocast("cpu", torch.bfloat16, enabled=config.precision == "bfloat16"):
-            features = self.network.encode(seen.pixels) if config.rounds == 1 else seen.features
-            coefficients = self.network.tell(features, seen.told)
+            features = seen.features or self.network.encode(seen.pixels, seen.told[: len(seen.pixels)])
+            coefficients = self.network.tell(self._dimmed(features, drawn), seen.told)
+        drawn.times += 1
         unmarked = len(coefficients) - len(seen.truth.vertices)
         anchors = seen.anchors
         if unmarked:
@@ -142,38 +175,56 @@ class CoarseTraining(NetworkTraining):
         share = 1 - unmarked / len(coefficients)
         return config.energy_weight * energy + share * loss, distance
 
-    @torch.no_grad()
-    def _look(self, windows: list[CoarseWindow]) -> "Seen":
-        """What losses take of windows."""
-        pixels = torch.from_numpy(np.stack([window.picture.pixels for window in windows])).permute(0, 3, 1, 2)
-        true = [window.truth for window in windows if window.truth is not None]
-        unmarked = len(windows) - len(true)
-        painted = sum(window.plain for window in windows)
-        with torch.autocast("cpu", torch.bfloat16, enabled=self.config.precision == "bfloat16"):
-            points, parsed = self._seen(pixels, unmarked)
-            features = self.average.eval().encode(pixels) if self.config.rounds > 1 else pixels[:0]
-        regions = np.stack([window.picture.regions for window in windows[unmarked:painted]])
-        observed = Observed(
-            pixels[:painted].permute(0, 2, 3, 1),
-            torch.cat([parsed, torch.from_numpy(np.isin(regions, FACE_REGIONS)).float()]),
-            torch.from_numpy(np.concatenate([window.picture.landmarks for window in windows])).float(),
-        )
-        anchors = torch.from_numpy(np.stack([face.anchors for face in true]))
-        kept = pixels if self.config.rounds == 1 else pixels[:0]
-        return Seen(kept, features, points, observed, anchors, self.thin.truth(true))
+    def _dimmed(self, features: WindowFeatures, batch: "Batch") -> WindowFeatures:
+        """Features without some of the landmarks and some of the places, the others larger for it."""
+        config = self.config
+        seed = [config.seed, TrainingSeed.DIM, self.epoch, batch.number, batch.times, self.share.process]
+        generator = np.random.default_rng(seed)
+
+        def kept(*shape: int) -> torch.Tensor:
+            return torch.from_numpy((generator.random(shape) >= config.unseen) / np.float32(1 - config.unseen))
+
+        whole = features.whole * kept(len(features.whole), 1, *features.whole.shape[2:])
+        return WindowFeatures(whole, features.near * kept(*features.near.shape[:2], 1))
 
     @torch.no_grad()
-    def _seen(self, pixels: torch.Tensor, parsed: int) -> tuple[torch.Tensor, torch.Tensor]:
-        """What the detector sees in windows: landmarks as shares of the side, and in the first how surely skin is."""
-        features, levels = self.detector.coarse(pixels)
-        fine = self.detector.fine(features, levels)
-        points = (self.detector.read(fine).mean + 0.5) * FINE / pixels.shape[-1]
-        if not parsed:  # of no window PyTorch makes another shape
-            return points, pixels.new_zeros(0, *pixels.shape[2:])
-        first = [level[:parsed] for level in levels]
-        chances = torch.softmax(self.detector.parse(fine[:parsed], first), -1)[..., list(FACE_REGIONS)].sum(-1)
-        confidence = torch.nn.functional.pixel_shuffle(chances.permute(0, 3, 1, 2), FINE // HALF)
-        return points, torch.nn.functional.interpolate(confidence, scale_factor=HALF)[:, 0]
+    def _look(self, batch: "Batch") -> "Seen":
+        """What losses take of a Batch."""
+        windows = batch.windows
+        pixels = torch.from_numpy(np.stack([window.picture.pixels for window in windows])).permute(0, 3, 1, 2)
+        unmarked = sum(window.truth is None for window in windows)
+        painted = sum(window.plain for window in windows)
+        with torch.autocast("cpu", torch.bfloat16, enabled=self.config.precision == "bfloat16"):
+            marks, parsed = self.seer.see(pixels, unmarked)
+            told, truths, points = self._told(batch, marks)
+            features = None
+            if self.config.rounds > 1:
+                features = self.average.eval().encode(pixels, told[: len(windows)])
+                pixels = pixels[:0]
+        images = np.stack([window.picture.pixels for window in windows[:painted]])
+        regions = np.stack([window.picture.regions for window in windows[unmarked:painted]])
+        skin = torch.cat([parsed, torch.from_numpy(np.isin(regions, FACE_REGIONS)).float()])
+        observed = Observed(torch.from_numpy(images), skin, torch.from_numpy(points).float())
+        anchors = torch.from_numpy(np.stack([face.anchors for face in truths]))
+        return Seen(pixels, features, told, observed, anchors, self.thin.truth(truths))
+
+    def _told(self, batch: "Batch", marks: torch.Tensor) -> tuple[torch.Tensor, list[TrueFace], np.ndarray]:
+        """What is told of landmarks (B + I, L, 5), where a detector says (B, L, 5); the truth, and landmarks."""
+        size = self.config.size
+        told = marks.clone()
+        for row, marked in enumerate(batch.marked):
+            if marked is not None:
+                told[row] = torch.from_numpy(window_marks(marked, None, size))
+            told[row, torch.from_numpy(~batch.there[row])] = torch.nan
+        points = [window.picture.landmarks[0] for window in batch.windows]
+        truths = [window.truth for window in batch.windows if window.truth is not None]
+        imagined = []
+        for number, face in batch.imagined:
+            slip = torch.from_numpy(shares(face.points, size) - shares(points[number], size))
+            imagined.append(told[number] + torch.cat([slip, torch.zeros(len(slip), told.shape[-1] - 2)], -1))
+            points.append(face.points)
+            truths.append(face.truth)
+        return torch.stack([*told, *imagined]), truths, np.stack(points)
 
     def _validate(self) -> float:
         """Mean distance of unseen faces to the true ones after alignment, as a share of their heads' height."""
@@ -207,7 +258,7 @@ class CoarseTraining(NetworkTraining):
         """Identity and expression (I + E,) that a network sees in a face, in the frame that it has in its picture."""
         window = moved_window(face.picture, face.frame.matrix(self.config.size, SHARE), self.config.size)
         pixels = torch.from_numpy(window.pixels.astype(np.float32) / 255).permute(2, 0, 1)[None]
-        coefficients = network(pixels, self._seen(pixels, 0)[0])
+        coefficients = network(pixels, self.seer.see(pixels)[0])
         return coefficients[0, : self.renderer.layout.shape].double().numpy()
 
     def _unseen(self) -> Iterator[StudiedFace]:

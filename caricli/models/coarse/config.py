@@ -1,14 +1,14 @@
 """Settings of the coarse network and of its training."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 from caricli.models.config import MAX_SEED, check_ranges
 
-_SIZES = {"stem": (4, 512), "kept": (1, 4096), "hidden": (1, 8192)}
+_SIZES = {"stem": (4, 512), "kept": (1, 4096), "hidden": (1, 8192), "glance": (0, 256)}
 _RANGES = _SIZES | {
     "size": (64, 512), "epochs": (1, 10**6), "steps": (1, 10**6), "batch": (2, 4096), "rounds": (1, 1000),
-    "painted": (0, 4096), "unmarked": (0, 4096), "learning_rate": (1e-9, 1), "weight_decay": (0, 10),
-    "decay": (0, 0.99999),
+    "painted": (0, 4096), "unmarked": (0, 4096), "imagined": (0, 4096), "unseen": (0, 0.9),
+    "learning_rate": (1e-9, 1), "weight_decay": (0, 10), "decay": (0, 0.99999),
     "shape_weight": (0, 1e6), "turn_weight": (0, 1e6), "albedo_weight": (0, 1e6), "coefficient_weight": (0, 1e6),
     "energy_weight": (0, 1e6), "validation": (1, 10**5), "validate_every": (1, 10**6), "checkpoint_seconds": (0, 10**5),
     "seed": (0, MAX_SEED),
@@ -27,7 +27,8 @@ class CoarseSize:
     stem: channels at half of the window's size. widths, blocks: channels and residual blocks at 1/4, 1/8, 1/16 and
     1/32 of it. bottleneck: whether a block is one of three convolutions with a narrow middle instead of two. kept:
     channels of the last level that go on, for each of 4 x 4 places. hidden: numbers between them and the coefficients.
-    landmarks: whether it is told the landmarks beside the picture.
+    landmarks: whether it is told the landmarks beside the picture. glance: numbers of what it sees at each of them, at
+    1/8 of the window's size.
     Raises ValueError for impossible sizes.
     """
 
@@ -38,10 +39,13 @@ class CoarseSize:
     kept: int = 48
     hidden: int = 384
     landmarks: bool = True
+    glance: int = 8
 
     def __post_init__(self) -> None:
         """Refuse impossible sizes."""
         check_ranges(self, _SIZES)
+        if self.glance and not self.landmarks:
+            raise ValueError("glance must be 0 where the network is not told the landmarks")
         for name, limits in (("widths", (4, 4096)), ("blocks", (0, 64))):
             values = getattr(self, name)
             if len(values) != _LEVELS or not all(limits[0] <= value <= limits[1] for value in values):
@@ -52,19 +56,20 @@ class CoarseSize:
 class CoarseConfig:
     """Settings of a coarse network's training.
 
-    With the defaults the network has 5.3 MB in half precision, and its encoder is that of the bundled detector, with
+    With the defaults the network has SIZE MB in half precision, and its encoder is that of the bundled detector, with
     whose weights it begins.
 
-    stem, widths, blocks, bottleneck, kept, hidden, landmarks: see CoarseSize. size: of the windows, pixels; a multiple
-    of 32. epochs; steps: in an epoch; rounds: how often its windows are gone through: with more than one the encoder
-    stays as it is, and the rest costs little. batch: windows a step, of which ``unmarked`` are of pictures without
-    truth, where there are any, and ``painted`` are drawn for the photometric loss. learning_rate, weight_decay: of
-    AdamW, with a cosine schedule. decay: of the weights' moving average, a step. shape_weight: of the mean distance of
-    the vertices to the true ones, percent of the head's height. turn_weight: of the rotations' squared difference.
-    albedo_weight: of the mean difference of the colours, 1 is white. coefficient_weight: of the mean squared difference
-    of the face's coefficients. energy_weight: of equation 3, whose own weights are as published. precision: of the
-    convolutions. validation: faces measured at a validation. validate_every: epochs. checkpoint_seconds: between two
-    checkpoints.
+    stem, widths, blocks, bottleneck, kept, hidden, landmarks, glance: see CoarseSize. size: of the windows, pixels; a
+    multiple of 32. epochs; steps: in an epoch; rounds: how often its windows are gone through: with more than one the
+    encoder stays as it is, and the rest costs little. batch: windows a step, of which ``unmarked`` are of pictures
+    without truth, where there are any, and ``painted`` are drawn for the photometric loss. imagined: faces a step that
+    are in no picture, mixed of those that are, whose landmarks alone are told. unseen: share of what is seen, at
+    landmarks and of the whole, that is left out at a step. learning_rate, weight_decay: of AdamW, with a cosine
+    schedule. decay: of the weights' moving average, a step. shape_weight: of the mean distance of the vertices to the
+    true ones, percent of the head's height. turn_weight: of the rotations' squared difference. albedo_weight: of the
+    mean difference of the colours, 1 is white. coefficient_weight: of the mean squared difference of the face's
+    coefficients. energy_weight: of equation 3, whose own weights are as published. precision: of the convolutions.
+    validation: faces measured at a validation. validate_every: epochs. checkpoint_seconds: between two checkpoints.
     Raises ValueError for impossible sizes.
     """
 
@@ -75,6 +80,7 @@ class CoarseConfig:
     kept: int = 48
     hidden: int = 384
     landmarks: bool = True
+    glance: int = 8
     size: int = 128
     epochs: int = 200
     steps: int = 50
@@ -82,6 +88,8 @@ class CoarseConfig:
     batch: int = 32
     painted: int = 6
     unmarked: int = 8
+    imagined: int = 32
+    unseen: float = 0.3
     learning_rate: float = 1e-3
     weight_decay: float = 1e-2
     decay: float = 0.998
@@ -100,6 +108,8 @@ class CoarseConfig:
         """Refuse impossible sizes."""
         check_ranges(self, _RANGES)
         self.network()
+        if self.imagined and not self.landmarks:
+            raise ValueError("imagined must be 0 where the network is not told the landmarks")
         if self.size % _STEP:
             raise ValueError(f"size must be a multiple of {_STEP}, found {self.size}")
         if self.steps % self.rounds:
@@ -111,5 +121,4 @@ class CoarseConfig:
 
     def network(self) -> CoarseSize:
         """The CoarseSize."""
-        network = (self.stem, self.widths, self.blocks, self.bottleneck, self.kept, self.hidden, self.landmarks)
-        return CoarseSize(*network)
+        return CoarseSize(**{each.name: getattr(self, each.name) for each in fields(CoarseSize)})

@@ -57,13 +57,15 @@ class CoarseModel:
         return self.network.doubt.double().numpy()
 
     @torch.inference_mode()
-    def read(self, windows: np.ndarray, points: np.ndarray) -> np.ndarray:
+    def read(self, windows: np.ndarray, points: np.ndarray, spreads: np.ndarray | None = None) -> np.ndarray:
         """Coefficients (B, D), pixels in those of the windows.
 
-        windows: (B, S, S, 3) uint8, S = ``size``. points: (B, 81, 2) their pixels, NaN where unknown.
+        windows: (B, S, S, 3) uint8, S = ``size``. points: (B, 81, 2) their pixels, NaN where unknown. spreads: (B, 81,
+        2, 2) covariances of their errors, square pixels, or None.
         """
         pixels = torch.from_numpy(windows.astype(np.float32) / 255).permute(0, 3, 1, 2)
-        return self.network(pixels, torch.from_numpy(shares(points, self.size))).double().numpy()
+        marks = torch.from_numpy(window_marks(points, spreads, self.size))
+        return self.network(pixels, marks).double().numpy()
 
     def tensors(self) -> dict[str, np.ndarray]:
         """Arrays by name, see ``network_weights``."""
@@ -73,6 +75,17 @@ class CoarseModel:
 def shares(points: np.ndarray, size: int) -> np.ndarray:
     """Landmarks (..., 2) in pixels of a window of so many as shares of its side, float32."""
     return ((points + 0.5) / size).astype(np.float32)
+
+
+def window_marks(points: np.ndarray, spreads: np.ndarray | None, size: int) -> np.ndarray:
+    """(..., 5) float32 what a CoarseNetwork is told of landmarks (..., 2) in pixels of a window of so many.
+
+    spreads: (..., 2, 2) square pixels, or None.
+    """
+    doubts = np.full((*points.shape[:-1], 3), np.nan)
+    if spreads is not None:
+        doubts = np.stack([spreads[..., 0, 0], spreads[..., 1, 1], spreads[..., 0, 1]], -1) / size**2
+    return np.concatenate([shares(points, size), doubts], -1).astype(np.float32)
 
 
 def coarse_to_checkpoint(model: CoarseModel) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
@@ -116,8 +129,8 @@ def _size(about: Any) -> CoarseSize:
     for name in ("bottleneck", "landmarks"):
         if type(values[name]) is not bool:
             raise InputError(f"expected {name} true or false, found {shown(values[name], 60)!r}")
-    for name in ("stem", "kept", "hidden"):
-        values[name] = whole_number(values[name], (1, 8192), name)
+    for name in ("stem", "kept", "hidden", "glance"):
+        values[name] = whole_number(values[name], (0, 8192), name)
     try:
         return CoarseSize(**values)
     except ValueError as error:

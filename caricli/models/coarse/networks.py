@@ -1,10 +1,11 @@
 """The coarse network: a residual network from a picture to the coefficients of the morphable model.
 
 Portrait paper, section 3.1.2 and 4.1. Beside the picture it may be told where the landmarks are, which a detector has
-seen in it.
+seen in it, and how sure of them it is; then it looks at the picture there, too.
 """
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 
 import torch
 from torch import nn
@@ -19,12 +20,36 @@ CELLS = 4
 SPREAD = 0.06
 """Of a window's side: how far landmarks are from their usual places, so that numbers of about one come in."""
 
+DOUBT = 0.02
+"""Of a window's side: the usual standard deviation of a landmark's error."""
+
+_LEAST = 0.1
+"""Of the usual one, what is added to a standard deviation before its logarithm is taken."""
+
+_GLANCE = 1
+"""Level of the encoder at which it looks at landmarks."""
+
+TOLD = 5
+"""Numbers of a landmark: place x and y, shares of the window's side, and their variances and covariance."""
+
+
+@dataclass(frozen=True, eq=False)
+class WindowFeatures:
+    """What an encoder makes of B windows.
+
+    whole: (B, C, 4, 4) of the last level. near: (B, L, C') of a finer one at landmarks, or (B, 0, C').
+    """
+
+    whole: torch.Tensor
+    near: torch.Tensor
+
 
 class CoarseNetwork(nn.Module):
     """Windows (B, 3, S, S), sRGB from 0 to 1, with landmarks to coefficients (B, D).
 
     The last layer's numbers are multiplied by ``step`` and added to ``start``, buffers (D,), so that angles, pixels and
     standard deviations all are of the order of one in it; landmarks come in as distances to ``usual``, a buffer (L, 2).
+    What landmarks tell, and what the picture does beside them, are added.
     ``doubt``, a buffer (D,), is how far they usually are from true ones.
     """
 
@@ -47,33 +72,49 @@ class CoarseNetwork(nn.Module):
             for before, width, count in levels
         )
         self.gather = unit(size.widths[-1], size.kept, kernel=1)
-        told = 3 * landmarks if size.landmarks else 0
-        self.hidden = nn.Linear(size.kept * CELLS**2 + told, size.hidden)
-        self.last = nn.Linear(size.hidden + told, outputs)
+        told = (TOLD + 2) * landmarks if size.landmarks else 0
+        self.hidden = nn.Linear(size.kept * CELLS**2 + size.glance * landmarks + told, size.hidden)
+        self.last = nn.Linear(size.hidden, outputs)
+        if told:
+            self.told_hidden = nn.Linear(told, size.hidden)
+            self.told_last = nn.Linear(size.hidden + told, outputs)
+        if size.glance:
+            self.near = nn.Parameter(torch.empty(landmarks, size.widths[_GLANCE], size.glance))
         self.register_buffer("start", torch.zeros(outputs))
         self.register_buffer("step", torch.ones(outputs))
         self.register_buffer("usual", torch.zeros(landmarks, 2))
         self.register_buffer("doubt", torch.ones(outputs))
         self._draw_weights(generator)
 
-    def forward(self, windows: torch.Tensor, points: torch.Tensor) -> torch.Tensor:
-        """windows: (B, 3, S, S). points: (B, L, 2) shares of the window's side, NaN where unknown. Returns (B, D)."""
-        return self.tell(self.encode(windows), points)
+    def forward(self, windows: torch.Tensor, marks: torch.Tensor) -> torch.Tensor:
+        """windows: (B, 3, S, S). marks: (B, L, 5) see TOLD, NaN where unknown. Returns (B, D)."""
+        return self.tell(self.encode(windows, marks), marks)
 
-    def encode(self, windows: torch.Tensor) -> torch.Tensor:
-        """Windows (B, 3, S, S) to features (B, C, S / 32, S / 32)."""
+    def encode(self, windows: torch.Tensor, marks: torch.Tensor) -> WindowFeatures:
+        """What is to be seen in windows (B, 3, S, S), and in them at landmarks (B, L, 5)."""
         values = self.stem(functional.pixel_unshuffle(2 * windows - 1, 2))
-        for level in self.down:
+        near = values.new_zeros(len(values), 0, 1)
+        for number, level in enumerate(self.down):
             values = level(values)
-        return values
+            if number == _GLANCE and self.size.glance:
+                near = self._at_landmarks(values, marks)
+        return WindowFeatures(functional.adaptive_avg_pool2d(values, CELLS), near)
 
-    def tell(self, features: torch.Tensor, points: torch.Tensor) -> torch.Tensor:
-        """Features and landmarks to coefficients (B, D)."""
-        values = functional.adaptive_avg_pool2d(self.gather(features), CELLS).flatten(1).float()
+    def tell(self, features: WindowFeatures, marks: torch.Tensor) -> torch.Tensor:
+        """Coefficients (B, D) of B landmarks (B, L, 5), of which the first N <= B have features."""
+        count = len(features.whole)
+        values = self.gather(features.whole).flatten(1).float()
         with torch.autocast(values.device.type, enabled=False):
-            told = self._told(points) if self.size.landmarks else values[:, :0]
-            hidden = functional.relu(self.hidden(torch.cat([values, told], 1)))
-            return self.start + self.step * self.last(torch.cat([hidden, told], 1))
+            told = self._told(marks) if self.size.landmarks else values.new_zeros(len(marks), 0)
+            near = features.near.float().flatten(1)
+            if self.size.glance:
+                near = torch.einsum("blc,lck->blk", features.near.float(), self.near).relu().flatten(1)
+            seen = self.last(functional.relu(self.hidden(torch.cat([values, near, told[:count]], 1))))
+            numbers = functional.pad(seen, (0, 0, 0, len(marks) - count))
+            if self.size.landmarks:
+                hidden = functional.relu(self.told_hidden(told))
+                numbers = numbers + self.told_last(torch.cat([hidden, told], 1))
+            return self.start + self.step * numbers
 
     def borrow(self, weights: Mapping[str, torch.Tensor]) -> bool:
         """Take over the encoder of another network, if it has one of the same size. Returns whether it has."""
@@ -84,15 +125,33 @@ class CoarseNetwork(nn.Module):
                 value.copy_(weights[name])
         return fits
 
-    def _told(self, points: torch.Tensor) -> torch.Tensor:
-        """(B, 3 L) what it is told of landmarks: distances to their usual places, and whether they are known."""
-        there = points.isfinite().all(-1, keepdim=True)
-        gaps = torch.where(there, (points - self.usual) / SPREAD, torch.zeros_like(points))
-        return torch.cat([gaps, there.float()], -1).flatten(1)
+    def _told(self, marks: torch.Tensor) -> torch.Tensor:
+        """(B, 7 L) numbers of about one: distances to usual places, how sure they are, and whether both are known."""
+        there = marks[..., :2].isfinite().all(-1, keepdim=True)
+        sure = marks.isfinite().all(-1, keepdim=True)
+        gaps = (marks[..., :2] - self.usual) / SPREAD
+        deviations = marks[..., 2:4].clamp(min=0).sqrt()
+        widths = torch.log(deviations / DOUBT + _LEAST)
+        slant = marks[..., 4:] / (deviations.prod(-1, keepdim=True) + (_LEAST * DOUBT) ** 2)
+        nothing = marks.new_zeros(())
+        doubts = torch.where(sure, torch.cat([widths, slant], -1), nothing)
+        return torch.cat([torch.where(there, gaps, nothing), doubts, there.float(), sure.float()], -1).flatten(1)
+
+    def _at_landmarks(self, values: torch.Tensor, marks: torch.Tensor) -> torch.Tensor:
+        """(B, L, C) features (B, C, h, w) at landmarks, at their usual places where they are not known."""
+        places = torch.where(marks[..., :2].isfinite(), marks[..., :2], self.usual)
+        grid = (2 * places - 1)[:, :, None].to(values.dtype)
+        near = functional.grid_sample(values, grid, padding_mode="border", align_corners=False)
+        return near[..., 0].mT
 
     def _draw_weights(self, generator: torch.Generator) -> None:
         start_convolutions(self, generator)
-        nn.init.kaiming_normal_(self.hidden.weight, nonlinearity="relu", generator=generator)
-        nn.init.zeros_(self.hidden.bias)
-        nn.init.zeros_(self.last.weight)
-        nn.init.zeros_(self.last.bias)
+        if self.size.glance:
+            nn.init.normal_(self.near, std=self.near.shape[1] ** -0.5, generator=generator)
+        for name, layer in self.named_children():
+            if isinstance(layer, nn.Linear) and name.endswith("hidden"):
+                nn.init.kaiming_normal_(layer.weight, nonlinearity="relu", generator=generator)
+                nn.init.zeros_(layer.bias)
+            elif isinstance(layer, nn.Linear):
+                nn.init.zeros_(layer.weight)
+                nn.init.zeros_(layer.bias)

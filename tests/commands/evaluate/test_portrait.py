@@ -7,7 +7,7 @@ from caricli.io.image import read_image, write_png
 from caricli.io.landmarks import write_landmarks
 from caricli.io.strict_json import read_json, write_json
 from caricli.methods.evaluate.portrait_studio import PortraitStudio
-from caricli.methods.evaluate.reconstruct_portrait import COARSE, METHODS, REFINED
+from caricli.methods.evaluate.reconstruct_portrait import COARSE, METHODS, NETWORK, REFINED
 from caricli.structures import Landmarks
 
 COMMAND = "evaluate", "portrait"
@@ -46,7 +46,7 @@ def test_tables_figures_and_picture_are_written(evaluated):
     assert sorted(path.name for path in out.iterdir()) == ["portrait.json", "portrait.png"]
     found = read_json(out / "portrait.json")
     assert found["command"] == "evaluate portrait" and found["seed"] == 0 and found["noise"] == 0.3
-    assert len(found["inputs"]) == 3 and found["models"].keys() == set(COARSE.values())
+    assert len(found["inputs"]) == 3 and found["models"].keys() == {*COARSE.values(), NETWORK}
     assert len(found["faces"]["rendered"]) == 2 and list(found["faces"]["pictures"]) == ["one.png"]
     assert "2 rendered" in printed and "1 pictures" in printed
     for name, rivals in found["means"].items():

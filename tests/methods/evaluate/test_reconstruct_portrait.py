@@ -19,10 +19,10 @@ from tests.methods.evaluate.conftest import SIZE
 
 
 @pytest.fixture(scope="module")
-def models():
-    from caricli.store.models import load_model
+def models(head_template):
+    from caricli.store.portraits import load_rivals
 
-    return {kind: load_model(kind=kind) for kind in COARSE.values()}
+    return load_rivals(head_template)
 
 
 def test_refining_beats_every_rival_at_the_landmarks(portrait, models):

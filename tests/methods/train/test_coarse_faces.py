@@ -68,7 +68,7 @@ def test_windows_that_are_only_turned_and_mirrored_show_the_same_person(model, f
 
 
 def test_a_plain_window_has_the_colours_of_the_picture(model, faces):
-    drawer = WindowDrawer(model, 64)
+    drawer = WindowDrawer(model, 64, CoarseWindowSettings(disguised=1.0))
     face = faces.study(0)
     plain, disguised = (drawer.draw(face, plain, np.random.default_rng(3)) for plain in (True, False))
     np.testing.assert_array_equal(plain.picture.landmarks, disguised.picture.landmarks)

@@ -1,0 +1,85 @@
+"""What the coarse network tells of a face beyond its detected landmarks: 3D errors beside those of fits.
+
+Usage: python benchmarks/coarse.py DATASET PICTURES [COUNT [NETWORK]]. The faces are COUNT (default: 100) of those of
+PICTURES (of `dataset pictures DATASET`) that are of test people, whom neither detector nor network was trained with,
+drawn in all media, poses, lights and distances of that command; their landmarks are read by the bundled detector from
+their true frames, as `detect` reads faces that it found. Compared are the mean face of the morphable model, its fit to
+these landmarks and their spreads (`fit-morphable`), the network's word (`fit-coarse --alone`), that word brought to the
+landmarks (`fit-coarse`), and two bounds: the fit to the true landmarks, and the model's best. Errors are mean
+distances of the face's vertices after alignment in percent of the head's height. The interval is that of the change of
+the mean, from 10,000 draws of the faces with replacement. The last line is JSON.
+"""
+
+import json
+import sys
+from pathlib import Path
+
+import numpy as np
+from threadpoolctl import threadpool_limits
+
+from caricli.data.dataset import read_dataset
+from caricli.data.picture_set import read_picture_set
+from caricli.methods.detect.read_faces import look_at_face
+from caricli.methods.detect.settings import DetectSettings
+from caricli.methods.evaluate.reconstruct_portrait import shape_error
+from caricli.methods.reconstruct.fit_coarse import fit_coarse
+from caricli.methods.reconstruct.fit_morphable import fit_morphable
+from caricli.methods.train.coarse_faces import TrueFaces
+from caricli.store.coarse import load_coarse_pair
+from caricli.store.detector import load_detector
+
+DRAWS = 10_000
+"""Of the faces, for the interval."""
+
+
+@threadpool_limits.wrap(limits=1)
+def main(dataset, pictures, count=100, network=None):
+    """Print means as they grow, the comparison and the JSON line."""
+    teller, model = load_coarse_pair(None if network is None else Path(network))
+    detector = load_detector()
+    faces = TrueFaces(read_picture_set(Path(pictures)), read_dataset(Path(dataset)), model, "test")
+    chosen = np.random.default_rng(0).permutation(len(faces.faces))[: int(count)]
+    errors = []
+    for done, number in enumerate(chosen, 1):
+        errors.append(measure(faces.study(int(number)), model, teller, detector))
+        if done % 10 == 0 or done == len(chosen):
+            print(done, ", ".join(f"{name} {np.mean([e[name] for e in errors]):.3f}" for name in errors[0]), flush=True)
+    columns = {name: np.array([own[name] for own in errors]) for name in errors[0]}
+    changes = {name: compare(columns["fit"], columns[name]) for name in ("network", "network and landmarks")}
+    for name, own in changes.items():
+        low, high = (f"{100 * each:.1f}" for each in own["interval"])
+        print(f"{name}: {100 * own['change']:.1f} % ({low} to {high}) of the fit's, lower on {own['lower']}")
+    means = {name: float(column.mean()) for name, column in columns.items()}
+    print(json.dumps({"faces": len(errors), "errors": means, "changes": changes}))
+
+
+def measure(face, model, teller, detector):
+    """Errors by name, and the NME of the detector's landmarks, of a StudiedFace."""
+    image = face.picture.pixels
+    true = face.picture.landmarks[0]
+    read = look_at_face(image, face.frame, detector, DetectSettings())
+    shapes = {
+        "mean face": model.mean,
+        "fit": fit_morphable(read.points, model, spreads=read.spreads).face.vertices,
+        "network": fit_coarse(read.points, model, teller, image, alone=True, spreads=read.spreads).face.vertices,
+        "network and landmarks": fit_coarse(read.points, model, teller, image, spreads=read.spreads).face.vertices,
+        "fit to true landmarks": fit_morphable(true, model).face.vertices,
+        "the model's best": model.decode(model.encode(face.truth.vertices.astype(float))),
+    }
+    vertices = face.truth.vertices.astype(float)
+    errors = {name: shape_error(shape, vertices, model.template) for name, shape in shapes.items()}
+    gaps = np.linalg.norm(read.points - true, axis=1)[:68].mean()
+    return errors | {"landmarks": float(100 * gaps / np.linalg.norm(np.ptp(true[:68], axis=0)))}
+
+
+def compare(before, after):
+    """How the mean error changes, as a share, with its interval, and on how many of the faces it is lower."""
+    draws = np.random.default_rng(0).integers(len(before), size=(DRAWS, len(before)))
+    shares = after[draws].mean(1) / before[draws].mean(1) - 1
+    change = float(after.mean() / before.mean() - 1)
+    interval = np.quantile(shares, [0.025, 0.975]).tolist()
+    return {"change": change, "interval": interval, "lower": int((after < before).sum())}
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])
