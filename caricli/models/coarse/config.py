@@ -56,7 +56,7 @@ class CoarseSize:
 class CoarseConfig:
     """Settings of a coarse network's training.
 
-    With the defaults the network has SIZE MB in half precision, and its encoder is that of the bundled detector, with
+    With the defaults the network has 7.0 MB in half precision, and its encoder is that of the bundled detector, with
     whose weights it begins.
 
     stem, widths, blocks, bottleneck, kept, hidden, landmarks, glance: see CoarseSize. size: of the windows, pixels; a
