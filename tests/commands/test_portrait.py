@@ -3,6 +3,7 @@
 import json
 import re
 
+import click
 import numpy as np
 import pytest
 
@@ -166,7 +167,8 @@ def test_heads_begin_as_they_are_told_to(sitter, tmp_path, coarse, command):
     files = PortraitFiles((), tmp_path, None, 1, False)
     chain = PortraitChain(files, None, coarse, PaintSettings(64))
     given = LandmarkFiles((), tmp_path / "face.obj", None, tmp_path / "picture.png", FaceReader(), False)
-    chain._fit(given, tmp_path / "landmarks.json")
+    with click.Context(click.Command("portrait")):
+        chain._fit(given, tmp_path / "landmarks.json")
     report = read_json(tmp_path / "face.json")
     assert report["command"] == command and report["nme"] < 5
     assert ("coefficients" in report) == (coarse == "network")
