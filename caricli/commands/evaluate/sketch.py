@@ -108,4 +108,4 @@ def _strokes(figures: Any, curves: int) -> np.ndarray:
 
     left = sorted(figures.left)
     lines = {"network": ([round(curves * share) for share in left], [figures.left[share] for share in left])}
-    return plot_curves({"strokes left out": lines}, "strokes left", "mm, face 200 mm high, with noise")
+    return plot_curves({"as strokes are left out": lines}, "strokes left", "mm, face 200 mm high, with noise")
