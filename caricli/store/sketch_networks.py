@@ -35,7 +35,7 @@ def load_sketch_network(path: Path | None = None) -> SketchModel:
     return sketch_from_checkpoint(*read_checkpoint(file), shown(file))
 
 
-def load_sketch_basis(path: Path | None = None) -> LinearModel:
+def load_sketch_basis(path: str | Path | None = None) -> LinearModel:
     """Load a linear model whose latents networks can tell: a file or kind, or None for the bundled one.
 
     Raises InputError when it is of another kind.
