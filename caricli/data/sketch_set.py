@@ -13,7 +13,7 @@ from caricli.io.npz import read_npz, take_array, write_npz
 from caricli.io.outputs import write_bytes
 from caricli.io.provenance import sha256_file
 from caricli.io.strict_json import read_json, take, take_whole, write_json
-from caricli.limits import MAX_SKETCH_SIDE, MAX_VERTICES
+from caricli.limits import MAX_SKETCH_POINTS, MAX_SKETCH_SIDE, MAX_VERTICES
 from caricli.structures.checks import number_problem, refuse
 from caricli.structures.sketch import Sketch, Stroke, StrokeKind
 
@@ -169,19 +169,21 @@ def _packed(sketches: Sequence[Sketch], curves: Sequence[str]) -> dict[str, np.n
 
 
 def _unpacked(arrays: Mapping[str, np.ndarray], curves: Sequence[str], side: int) -> list[Sketch]:
-    counts = take_array(arrays, "strokes", "iu", (None,))
-    lengths = take_array(arrays, "lengths", "iu", (None,))
+    # Numbers without a sign would become fractions as soon as they meet others.
+    counts = take_array(arrays, "strokes", "iu", (None,)).astype(np.int64)
+    lengths = take_array(arrays, "lengths", "iu", (None,)).astype(np.int64)
     total = len(lengths)
-    kinds = take_array(arrays, "kinds", "iu", (total,))
-    numbers = take_array(arrays, "curves", "iu", (total,))
+    kinds = take_array(arrays, "kinds", "iu", (total,)).astype(np.int64)
+    numbers = take_array(arrays, "curves", "iu", (total,)).astype(np.int64)
     widths = take_array(arrays, "widths", "f", (total,))
-    if (counts < 1).any() or (lengths < 1).any() or counts.sum(dtype=np.int64) != total:
+    sizes = np.concatenate([counts, lengths])
+    if not ((sizes >= 1) & (sizes <= MAX_SKETCH_POINTS)).all() or counts.sum() != total:
         raise InputError("expected strokes and points for every sketch, found others")
-    points = take_array(arrays, "points", "f", (int(lengths.sum(dtype=np.int64)), 2))
+    points = take_array(arrays, "points", "f", (int(lengths.sum()), 2))
     pressure = take_array(arrays, "pressure", "iu", (len(points),))
     if kinds.max() >= len(KINDS) or kinds.min() < 0 or numbers.max() >= len(curves) or numbers.min() < -1:
         raise InputError("expected known kinds and curves, found others")
-    ends = np.cumsum(lengths, dtype=np.int64)
+    ends = np.cumsum(lengths)
     strokes = [
         Stroke(
             points[end - length : end],
@@ -192,5 +194,5 @@ def _unpacked(arrays: Mapping[str, np.ndarray], curves: Sequence[str], side: int
         )
         for end, length, kind, curve, width in zip(ends, lengths, kinds, numbers, widths, strict=True)
     ]
-    last = np.cumsum(counts, dtype=np.int64)
+    last = np.cumsum(counts)
     return [Sketch(tuple(strokes[end - count : end]), (side, side)) for end, count in zip(last, counts, strict=True)]

@@ -440,7 +440,8 @@ def _read_sketches(path: Path) -> None:
     folder.mkdir(exist_ok=True)
     manifest = parse_json(str(arrays.pop("manifest", "{}")).encode(), "manifest")
     write_npz(folder / "strokes-0000.npz", arrays)
-    for entry in manifest.get("shards", ()) if isinstance(manifest, dict) else ():
+    shards = manifest.get("shards") if isinstance(manifest, dict) else None
+    for entry in shards if isinstance(shards, list) else []:
         if isinstance(entry, dict):
             entry["sha256"] = sha256_file(folder / "strokes-0000.npz")
     write_json(folder / "sketches.json", manifest)
