@@ -14,6 +14,7 @@ from caricli.commands.shared.options import (
     subdivide_option,
 )
 from caricli.commands.shared.picture import picture_option
+from caricli.methods.sketch.settings import COARSE
 
 
 @click.command()
@@ -28,6 +29,15 @@ from caricli.commands.shared.picture import picture_option
     help="Go this share of the way from the face that is likely for the lines to the lines themselves.",
 )
 @click.option(
+    "--coarse",
+    type=click.Choice(COARSE),
+    help="Begin with the face that a network sees, or that a shape model allows for the lines.  [default: network, "
+    "where there is one]",
+)
+@click.option(
+    "--network", type=PATH, metavar="FILE", help="Use this network of `caricli train sketch`.  [default: caricli's]"
+)
+@click.option(
     "--image", type=PATH, metavar="IMAGE", help="Show the result with the picture over which the sketch was drawn."
 )
 @model_option
@@ -36,13 +46,13 @@ from caricli.commands.shared.picture import picture_option
 @picture_option
 @overwrite_option
 @click.pass_context
-def command(ctx, sketches, out, out_dir, follow, image, model, head, levels, overwrite):
+def command(ctx, sketches, out, out_dir, follow, coarse, network, image, model, head, levels, overwrite):
     """Reconstruct 3D faces from sketches: lines of a face from the front.
 
     The likeliest face for the lines comes first; then its curves are moved onto the lines, at the depth that they have,
-    and the surface goes along. Strokes that name their curve are taken by this name. With several SKETCHes --image is a
-    folder of pictures with the same names. In the picture that is written, silhouette, features and wrinkles are red,
-    blue and black, and the curves of the face are orange.
+    and the surface goes along. Strokes that do not name their curve find it; what draws none is a wrinkle. With several
+    SKETCHes --image is a folder of pictures with the same names. In the picture that is written, silhouette, features
+    and wrinkles are red, blue and black, and the curves of the face are orange.
 
     \b
     Example:
@@ -53,5 +63,5 @@ def command(ctx, sketches, out, out_dir, follow, image, model, head, levels, ove
     from caricli.commands.shared.batch import run_batch
     from caricli.commands.shared.sketch_batch import SketchTask
 
-    task = SketchTask(sketches, out, out_dir, image, model, head, levels, follow, overwrite)
+    task = SketchTask(sketches, out, out_dir, image, coarse, network, model, head, levels, follow, overwrite)
     run_batch(ctx, task.jobs, task.run, "faces")

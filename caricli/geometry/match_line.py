@@ -123,24 +123,24 @@ class _Warp:
 
     def _run(self, start: np.ndarray, free: bool) -> tuple[np.ndarray, np.ndarray]:
         """Least costs (K, M + 1) of reaching a sample with a point, and from how many samples before, 0 at a start."""
-        totals = [start]
-        came = [np.zeros(self.last + 1, int)]
-        for k, step in enumerate(self.steps, 1):
+        totals = np.empty_like(self.costs)
+        came = np.zeros(self.costs.shape, int)
+        totals[0] = start
+        samples = np.arange(self.last + 1)
+        for k, step in enumerate(self.steps.tolist(), 1):
             low, high = self._window(step)
             reach = np.arange(low, high + 1)
-            before = np.concatenate([np.full(high, np.inf), totals[-1]])
-            windows = np.lib.stride_tricks.sliding_window_view(before, high - low + 1)[: self.last + 1, ::-1]
+            padded = np.full(self.last + 1 + high, np.inf)
+            padded[high:] = totals[k - 1]
             stretch = self.settings.stretch * step * (reach / (self.last * step) - 1) ** 2
-            choices = windows + stretch
-            best = np.argmin(choices, axis=1)
-            total = np.take_along_axis(choices, best[:, None], 1)[:, 0] + self.costs[k]
-            back = reach[best]
-            if free and self.skips[k] + self.costs[k, 0] < total[0]:
-                total[0] = self.skips[k] + self.costs[k, 0]
-                back[0] = 0
-            totals.append(total)
-            came.append(back)
-        return np.array(totals), np.array(came)
+            choices = padded[samples[:, None] + (high - reach)] + stretch
+            best = choices.argmin(1)
+            totals[k] = choices[samples, best] + self.costs[k]
+            came[k] = best + low
+            if free and self.skips[k] + self.costs[k, 0] < totals[k, 0]:
+                totals[k, 0] = self.skips[k] + self.costs[k, 0]
+                came[k, 0] = 0
+        return totals, came
 
     def _window(self, step: float) -> tuple[int, int]:
         """Least and most samples of a step."""

@@ -45,7 +45,7 @@ def test_many_sketches_in_one_call(run, drawing, tmp_path):
     write_sketch(bad, Sketch())
     result = run(COMMAND, drawing, bad, "--out-dir", tmp_path / "faces", "--model", "pca", "--no-picture")
     assert result.exit_code == 1
-    assert "1 of 2 failed" in result.stderr and "empty.json: expected lines" in result.stderr
+    assert "1 of 2 failed" in result.stderr and "empty.json: expected a sketch" in result.stderr
     assert sorted(path.name for path in (tmp_path / "faces").iterdir()) == ["anna.json", "anna.npz", "anna.obj"]
 
 
@@ -55,12 +55,16 @@ def test_following_is_a_share(run, drawing, tmp_path):
 
 
 @pytest.mark.parametrize(
-    "strokes",
-    [[], [Stroke(np.full((1, 2), 99.0))], [Stroke(np.array([[-900.0, -900], [-800, -900]]), curve="brow_left")]],
+    ("strokes", "message"),
+    [
+        ([], "a sketch of lines, found 0 strokes"),
+        ([Stroke(np.full((1, 2), 99.0))], "a sketch of lines, found 1 strokes"),
+        ([Stroke(np.array([[-900.0, -900], [-800, -900]]), curve="brow_left")], "lines on the canvas"),
+        ([Stroke(np.array([[20.0, 20], [60, 24]]), curve="brow_left")], "lines of the curves of a face"),
+    ],
 )
-def test_what_is_no_face_is_refused(refused, tmp_path, strokes):
+def test_what_is_no_face_is_refused(refused, tmp_path, strokes, message):
     path = tmp_path / "bad.json"
-    write_sketch(path, Sketch(strokes))
-    assert "bad.json: expected lines of the curves of a face" in refused(
-        COMMAND, path, "--out", tmp_path / "f.obj", "--model", "pca"
-    )
+    write_sketch(path, Sketch(tuple(strokes)))
+    line = refused(COMMAND, path, "--out", tmp_path / "f.obj", "--model", "pca")
+    assert f"bad.json: expected {message}" in line

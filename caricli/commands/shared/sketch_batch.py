@@ -23,6 +23,7 @@ from caricli.models.shape_model import ShapeModel
 from caricli.store.face_files import write_face_files
 from caricli.store.models import DEFAULT_LATENT, load_model
 from caricli.store.pictures import find_picture
+from caricli.store.sketch_networks import has_sketch_network
 from caricli.store.sketches import load_sketch
 from caricli.structures import HeadChoice
 from caricli.structures.head_choice import WHOLE
@@ -34,15 +35,18 @@ class SketchTask:
     """What is done with every sketch, as it was typed.
 
     sketches: paths. out: of one result; out_dir: folder of many. image: path of the picture that a sketch was drawn
-    over, or of a folder of them. model_path: of the model, or None for the bundled one. head: HeadChoice of the mesh,
-    or None for the skin. levels: how often its polygons are split. follow: share of the way to the lines. overwrite:
-    whether files that exist are replaced.
+    over, or of a folder of them. coarse: of COARSE, or None for the network where there is one. network: path of it,
+    or None for the bundled one. model_path: of the shape model, or None for the bundled one. head: HeadChoice of the
+    mesh, or None for the skin. levels: how often its polygons are split. follow: share of the way to the lines.
+    overwrite: whether files that exist are replaced.
     """
 
     sketches: Sequence[Path]
     out: Path | None
     out_dir: Path | None
     image: Path | None
+    coarse: str | None
+    network: Path | None
     model_path: Path | None
     head: HeadChoice | None
     levels: int
@@ -59,14 +63,23 @@ class SketchTask:
         return named_jobs(self.sketches, "SKETCH", self.out, self.out_dir, *MESH_SUFFIXES)
 
     @cached_property
+    def reconstruction(self) -> SketchReconstruction:
+        """From sketches to faces. Raises InputError where a network was asked for and there is none."""
+        sees = self.coarse == "network" if self.coarse else self.network is not None or has_sketch_network()
+        if not sees:
+            model = load_model(self.model_path, DEFAULT_LATENT)
+            return SketchReconstruction(model, partial(model_coarse, model=model), "model")
+        # PyTorch takes a while to start.
+        from caricli.methods.sketch.network_coarse import network_coarse
+        from caricli.store.sketch_networks import load_sketch_pair
+
+        network, model = load_sketch_pair(self.network, self.model_path)
+        return SketchReconstruction(model, partial(network_coarse, network=network, model=model), "network")
+
+    @property
     def model(self) -> ShapeModel:
         """What faces are made of."""
-        return load_model(self.model_path, DEFAULT_LATENT)
-
-    @cached_property
-    def reconstruction(self) -> SketchReconstruction:
-        """From sketches to faces."""
-        return SketchReconstruction(self.model, partial(model_coarse, model=self.model))
+        return self.reconstruction.model
 
     @cached_property
     def fine(self) -> FineMesh:
@@ -76,7 +89,8 @@ class SketchTask:
     def run(self, path: Path, target: Path) -> str:
         """Make the face of a sketch, write it, and say how near its curves came to the lines."""
         image = find_picture(self.image, path, many=self.out is None)
-        with staged_face(target, self.overwrite, (*self.sketches, self.model_path, image)) as files:
+        inputs = (*self.sketches, self.network, self.model_path, image)
+        with staged_face(target, self.overwrite, inputs) as files:
             sketch = load_sketch(path)
             reconstruction = self.reconstruction
             start = time.perf_counter()
@@ -87,7 +101,8 @@ class SketchTask:
             finer = subdivide_face(fit.face, self.model, self.fine)
             write_face_files(files[0], files[1], fit.face, mesh_face(fit.face, template, self.head, finer))
             about: dict[str, Any] = {"model_id": self.model.model_id, "follow": self.follow, "subdivide": self.levels}
-            report = provenance("reconstruct-from-sketch", [path, image], **about)
+            about["coarse"] = reconstruction.name
+            report = provenance("reconstruct-from-sketch", [path, image, self.network], **about)
             write_json(files[2], report | fit.figures() | {"seconds": seconds})
             pixels = None if image is None else read_image(image)
 

@@ -9,13 +9,16 @@ from caricli.errors import InputError
 from caricli.geometry.rotation_vectors import rotation_vectors
 from caricli.methods.reconstruct.camera_rows import CAMERA, camera_rows, moved_camera
 from caricli.methods.sketch.line_handles import LineHandles
-from caricli.methods.sketch.settings import LineFitSettings
+from caricli.methods.sketch.settings import CORNERED, LineFitSettings
 from caricli.models.shape_model import ShapeModel
 from caricli.structures import Camera, Face
 from caricli.structures.sketch import Sketch
 
 FEWEST = 8
 """Vertices on lines that tell a camera, at least."""
+
+_ENOUGH = 3
+"""Curves between corners that tell where a face is."""
 
 TURN = slice(0, 3)
 FRONT = np.diag([1.0, -1.0, -1.0])
@@ -106,12 +109,16 @@ def _normal_equations(
 
 
 def _front(lines: Lines, handles: LineHandles, points: np.ndarray) -> Camera:
-    """The camera from the front that gives the curves of all lines the box of these."""
-    rows = [handles.rows[name] for name in lines if name in handles.rows]
-    if not rows:
+    """The camera from the front that gives the curves of all lines the box of these.
+
+    Curves between corners are drawn whole; of a silhouette perhaps the jaw alone, so that it counts where it has to.
+    """
+    whole = [name for name in lines if name in handles.rows and name.startswith(CORNERED)]
+    names = whole if len(whole) >= _ENOUGH else [name for name in lines if name in handles.rows]
+    if not names:
         raise InputError(f"expected lines of the curves of a face, found {_told(lines)}")
-    flat = points[np.concatenate(rows)] @ FRONT[:2].T
-    drawn = np.concatenate([line for several in lines.values() for line in several])
+    flat = points[np.concatenate([handles.rows[name] for name in names])] @ FRONT[:2].T
+    drawn = np.concatenate([line for name in names for line in lines[name]])
     scale = np.linalg.norm(np.ptp(drawn, axis=0)) / np.linalg.norm(np.ptp(flat, axis=0))
     middles = [(values.min(0) + values.max(0)) / 2 for values in (drawn, flat)]
     return Camera(float(scale), FRONT, middles[0] - scale * middles[1])

@@ -4,15 +4,17 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from caricli.geometry.match_line import match_line, resample
+from caricli.geometry.match_line import MatchSettings, match_line, resample
 from caricli.methods.sketch.settings import CORNERED
 from caricli.structures.sketch import Sketch
 from caricli.template.feature_curves import FeatureCurve
 
 _SAMPLES = 24
 """Points of a line by which its direction is told."""
-_GAP = 0.2
+_GAP = 0.1
 """Of a line's length: ends of a closed line may be so far apart."""
+_EVEN = MatchSettings(stretch=1.0, turn=0.1)
+"""Of a part of an outline: where the vertices of a jaw lie cannot be seen; people mark them at equal distances."""
 _SHORTEST = 1e-3
 """Of the canvas: what is shorter is a dot."""
 
@@ -28,6 +30,11 @@ class LineHandles:
         self.curves = curves
         self.vertices = np.unique(np.concatenate([curve.vertices for curve in curves]))
         self.rows = {curve.name: np.searchsorted(self.vertices, curve.vertices) for curve in curves}
+
+    def rows_of(self, start: str) -> np.ndarray:
+        """(N,) handles of the curves whose names begin so."""
+        rows = [rows for name, rows in self.rows.items() if name.startswith(start)]
+        return np.unique(np.concatenate(rows)) if rows else np.zeros(0, int)
 
     def places(self, drawn: Mapping[str, Sequence[np.ndarray]], own: np.ndarray) -> np.ndarray:
         """Where lines want the handles: on the lines that were drawn for their curves.
@@ -52,13 +59,13 @@ class LineHandles:
             return sums / counts[:, None]
 
 
-def lines_by_curve(sketch: Sketch, names: Sequence[str | None]) -> dict[str, list[np.ndarray]]:
-    """Lines (N, 2) of a sketch by the curves that they draw. names: of every stroke its curve, or None."""
+def lines_by_curve(sketch: Sketch) -> dict[str, list[np.ndarray]]:
+    """Lines (N, 2) of a sketch by the curves that its strokes name; dots are none."""
     least = _SHORTEST * max(sketch.size)
     drawn: dict[str, list[np.ndarray]] = {}
-    for stroke, name in zip(sketch.strokes, names, strict=True):
-        if name is not None and stroke.length > least:
-            drawn.setdefault(name, []).append(stroke.points)
+    for stroke in sketch.strokes:
+        if stroke.curve is not None and stroke.length > least:
+            drawn.setdefault(stroke.curve, []).append(stroke.points)
     return drawn
 
 
@@ -79,7 +86,7 @@ def _match(curve: FeatureCurve, own: np.ndarray, line: np.ndarray, alone: bool) 
     shift = (middle + len(ring) // 2) % len(ring)
     order = np.roll(np.arange(len(ring)), -shift)
     places = np.full((len(own), 2), np.nan)
-    places[order] = match_line(ring[order], _same_way(ring[order], line), whole=False)
+    places[order] = match_line(ring[order], _same_way(ring[order], line), False, _EVEN)
     places[-1] = places[0]
     return places
 

@@ -15,7 +15,8 @@ from caricli.methods.faces.encode_face import encode_face
 from caricli.methods.sketch.fit_lines import Lines
 from caricli.methods.sketch.follow_lines import LineFollower
 from caricli.methods.sketch.line_handles import LineHandles, lines_by_curve
-from caricli.methods.sketch.settings import FollowSettings
+from caricli.methods.sketch.name_strokes import name_strokes
+from caricli.methods.sketch.settings import COARSE, FollowSettings
 from caricli.models.shape_model import ShapeModel
 from caricli.structures import Face
 from caricli.structures.sketch import Sketch
@@ -70,11 +71,17 @@ class SketchFit:
 class SketchReconstruction:
     """From sketches to faces of one model; what does not depend on a sketch is solved once.
 
-    model: ShapeModel. handles: LineHandles of its template.
+    model: ShapeModel. handles: LineHandles of its template. name: of COARSE, how a face begins.
     """
 
-    def __init__(self, model: ShapeModel, coarse: Coarse, settings: FollowSettings = FollowSettings()) -> None:  # noqa: B008 (frozen)
-        """coarse: gives the face that lines are followed from, in the topology of the model.
+    def __init__(
+        self,
+        model: ShapeModel,
+        coarse: Coarse,
+        name: str = COARSE[1],
+        settings: FollowSettings = FollowSettings(),  # noqa: B008 (frozen)
+    ) -> None:
+        """coarse: gives the face that lines are followed from, in the topology of the model. name: of COARSE.
 
         Raises InputError for a model whose annotation names no curves.
         """
@@ -84,6 +91,7 @@ class SketchReconstruction:
         self.model = model
         self.handles = LineHandles(curves)
         self.follower = LineFollower(model.template, self.handles, settings)
+        self.name = name
         self._coarse = coarse
         self._settings = settings
 
@@ -92,8 +100,8 @@ class SketchReconstruction:
 
         share: of the way from the likely face to the lines, 0 to 1. Raises InputError where nothing can be told.
         """
-        named = _named(sketch, self.handles)
-        lines = lines_by_curve(named, [stroke.curve for stroke in named.strokes])
+        named = name_strokes(sketch, self.handles, self.model)
+        lines = lines_by_curve(named)
         coarse = self._coarse(named, lines, self.handles)
         camera = coarse.require_camera()
         before = self._curves(coarse)
@@ -132,14 +140,6 @@ class SketchReconstruction:
     def _curves(self, face: Face) -> dict[str, np.ndarray]:
         camera = face.require_camera()
         return {curve.name: camera.project(face.vertices[curve.vertices]) for curve in self.handles.curves}
-
-
-def _named(sketch: Sketch, handles: LineHandles) -> Sketch:
-    """The sketch with the names of curves that the head has."""
-    names = handles.rows
-    return sketch.with_strokes(
-        stroke if stroke.curve in names else replace(stroke, curve=None) for stroke in sketch.strokes
-    )
 
 
 def _distances(lines: Lines, curves: dict[str, np.ndarray], side: float) -> dict[str, np.ndarray]:

@@ -8,7 +8,7 @@ from caricli.methods.sketch.line_handles import lines_by_curve
 
 @pytest.fixture(scope="module")
 def lines(sketch):
-    return lines_by_curve(sketch, [stroke.curve for stroke in sketch.strokes])
+    return lines_by_curve(sketch)
 
 
 def test_the_camera_of_a_known_shape_comes_back(lines, handles, person, camera):

@@ -5,17 +5,13 @@ from caricli.methods.sketch.line_handles import lines_by_curve
 from caricli.structures.sketch import Sketch, Stroke
 
 
-def named(sketch):
-    return lines_by_curve(sketch, [stroke.curve for stroke in sketch.strokes])
-
-
 @pytest.fixture(scope="module")
 def own(person, handles, camera):
     return camera.project(person[handles.vertices])
 
 
 def test_lines_of_the_curves_want_the_handles_where_they_are(sketch, handles, own):
-    places = handles.places(named(sketch), own)
+    places = handles.places(lines_by_curve(sketch), own)
     gaps = np.linalg.norm(places - own, axis=1)
     assert np.nanmean(gaps) < 0.3 and np.nanmax(gaps) < 2.5
     assert np.isfinite(places).all(axis=1).mean() > 0.98
@@ -23,7 +19,7 @@ def test_lines_of_the_curves_want_the_handles_where_they_are(sketch, handles, ow
 
 def test_the_direction_of_a_stroke_does_not_count(sketch, handles, own):
     backwards = sketch.with_strokes(stroke.moved(stroke.points[::-1]) for stroke in sketch.strokes)
-    places = [handles.places(named(each), own) for each in (sketch, backwards)]
+    places = [handles.places(lines_by_curve(each), own) for each in (sketch, backwards)]
     assert np.nanmedian(np.linalg.norm(places[0] - places[1], axis=1)) < 0.3
     assert np.nanmax(np.linalg.norm(places[0] - places[1], axis=1)) < 2
 
@@ -68,5 +64,4 @@ def test_a_jaw_alone_is_part_of_the_silhouette(sketch, handles, own):
 
 def test_dots_are_no_lines():
     sketch = Sketch((Stroke(np.full((3, 2), 9.0), curve="nose"), Stroke(np.array([[1.0, 1], [9, 9]]), curve="nose")))
-    assert [len(line) for line in lines_by_curve(sketch, ["nose", "nose"])["nose"]] == [2]
-    assert lines_by_curve(sketch, [None, None]) == {}
+    assert [len(line) for line in lines_by_curve(sketch)["nose"]] == [2]

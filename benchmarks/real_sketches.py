@@ -1,0 +1,144 @@
+"""Sketches whose lines no renderer of ours drew: how near the landmarks of the faces of them come.
+
+The lines are the landmarks of real drawings, joined to smooth strokes. The folder has a picture N.jpg and a file N.txt
+of 68 landmarks for every drawing, as the public data of Wu et al. (2018) has them. Errors are mean distances of the
+projected landmarks from the given ones in percent of the diagonal of these (NME), without following the lines and with.
+"""
+
+import argparse
+import json
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+
+from caricli.geometry.cubic_spline import CubicSpline
+from caricli.io.image import read_image, write_png
+from caricli.io.landmarks import read_landmarks
+from caricli.methods.parts.whole_head import whole_head
+from caricli.methods.sketch.fit_lines import model_coarse
+from caricli.methods.sketch.reconstruct_sketch import SketchReconstruction
+from caricli.render.sketch_sheet import sketch_sheet
+from caricli.store.models import DEFAULT_LATENT, load_model
+from caricli.structures.landmarks import (
+    BRIDGE,
+    BROW_LEFT,
+    BROW_RIGHT,
+    JAW,
+    LOWER_LID,
+    LOWER_LIP,
+    LOWER_LIP_INSIDE,
+    NOSTRILS,
+    UPPER_LID,
+    UPPER_LIP,
+    UPPER_LIP_INSIDE,
+)
+from caricli.structures.sketch import Sketch, Stroke, StrokeKind
+
+LINES = {
+    "silhouette": JAW, "brow_right": BROW_RIGHT, "brow_left": BROW_LEFT, "nose_bridge": BRIDGE, "nose": NOSTRILS,
+    "eye_upper_left": UPPER_LID["left"], "eye_lower_left": LOWER_LID["left"],
+    "eye_upper_right": UPPER_LID["right"], "eye_lower_right": LOWER_LID["right"],
+    "mouth_upper": UPPER_LIP, "mouth_lower": LOWER_LIP,
+    "mouth_inner_upper": UPPER_LIP_INSIDE, "mouth_inner_lower": LOWER_LIP_INSIDE,
+}  # fmt: skip
+"""Landmarks of iBUG-68 along the curves of a head."""
+
+POINTS = 48
+
+
+def smooth_line(points):
+    """Points (48, 2) of the spline through landmarks (N, 2), N at least 4, by the lengths between them."""
+    steps = np.maximum(np.linalg.norm(np.diff(points, axis=0), axis=1), 1e-3)
+    knots = np.concatenate([[0], np.cumsum(steps)])
+    return CubicSpline(knots, points)(np.linspace(0, knots[-1], POINTS))
+
+
+def landmark_sketch(points, size, named):
+    """The Sketch of 68 landmarks (68, 2); without names its strokes are of no kind, every second one backwards."""
+    strokes = [
+        Stroke(
+            smooth_line(points[list(ids)]),
+            StrokeKind.SILHOUETTE if name == "silhouette" else StrokeKind.FEATURE,
+            name,
+        )
+        for name, ids in LINES.items()
+    ]
+    if not named:
+        strokes = [
+            replace(stroke.moved(stroke.points[:: -1 if k % 2 else 1]), kind=StrokeKind.UNKNOWN, curve=None)
+            for k, stroke in enumerate(strokes)
+        ]
+    return Sketch(tuple(strokes), size)
+
+
+def nme(landmarks, points):
+    """Mean distance in percent of the diagonal of the points (68, 2)."""
+    diagonal = np.linalg.norm(np.ptp(points, axis=0))
+    return 100 * float(np.linalg.norm(landmarks[:68] - points, axis=1).mean() / diagonal)
+
+
+def reconstruction_of(options):
+    """The SketchReconstruction that was asked for."""
+    if options.coarse == "network":
+        from caricli.methods.sketch.network_coarse import network_coarse
+        from caricli.store.sketch_networks import load_sketch_pair
+
+        network, model = load_sketch_pair(options.network)
+        return SketchReconstruction(model, partial(network_coarse, network=network, model=model), "network")
+    model = load_model(options.model, DEFAULT_LATENT)
+    return SketchReconstruction(model, partial(model_coarse, model=model))
+
+
+def main():
+    """Reconstruct all drawings of the folder and write what came of them."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--data", type=Path, required=True, help="folder of N.jpg and N.txt")
+    parser.add_argument("--out", type=Path, required=True, help="JSON of the errors")
+    parser.add_argument("--sheets", type=Path, help="a folder for a picture of every face")
+    parser.add_argument("--coarse", choices=["network", "model"], default="model")
+    parser.add_argument("--network", type=Path)
+    parser.add_argument("--model", type=Path)
+    parser.add_argument("--kinds", nargs="+", default=["named", "nameless"])
+    options = parser.parse_args()
+    reconstruction = reconstruction_of(options)
+    rows = {}
+    for path in sorted(options.data.glob("*.txt")):
+        image = read_image(path.with_suffix(".jpg"))
+        points = read_landmarks(path).points
+        size = (image.shape[1], image.shape[0])
+        rows[path.stem] = {}
+        for kind in options.kinds:
+            sketch = landmark_sketch(points, size, kind == "named")
+            fits = {share: reconstruction.reconstruct(sketch, share) for share in (0.0, 1.0)}
+            right = [a == b.curve for a, b in zip(LINES, fits[1.0].sketch.strokes, strict=False)]
+            rows[path.stem][kind] = {
+                "nme": nme(fits[0.0].face.landmarks, points),
+                "nme_followed": nme(fits[1.0].face.landmarks, points),
+                "line_error": fits[1.0].errors["all"],
+                "flipped": fits[1.0].flipped,
+                "rightly_named": float(np.mean(right)),
+            }
+            print(path.stem, kind, rows[path.stem][kind], flush=True)
+            if options.sheets and kind == "named":
+                options.sheets.mkdir(exist_ok=True)
+                fit = fits[1.0]
+                head = whole_head(fit.face, reconstruction.model.template)
+                sheet = sketch_sheet(fit.face, head, fit.sketch, fit.curves, image)
+                write_png(options.sheets / f"{path.stem}.png", sheet)
+    means = {
+        kind: {key: float(np.mean([row[kind][key] for row in rows.values()])) for key in row_keys(rows)}
+        for kind in options.kinds
+    }
+    options.out.write_text(json.dumps({"coarse": options.coarse, "means": means, "drawings": rows}, indent=1) + "\n")
+    print(json.dumps(means, indent=1))
+
+
+def row_keys(rows):
+    """Names of the figures of a drawing."""
+    return list(next(iter(next(iter(rows.values())).values())))
+
+
+if __name__ == "__main__":
+    main()

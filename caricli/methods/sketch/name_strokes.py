@@ -1,0 +1,167 @@
+"""Which curve of a face every stroke of a sketch draws."""
+
+from contextlib import suppress
+from dataclasses import replace
+
+import numpy as np
+from scipy.optimize import linear_sum_assignment
+
+from caricli.errors import InputError
+from caricli.methods.sketch.fit_lines import FRONT, fit_lines, line_camera
+from caricli.methods.sketch.line_handles import LineHandles, lines_by_curve
+from caricli.methods.sketch.settings import LineFitSettings, NamingSettings
+from caricli.methods.sketch.stroke_candidates import Candidate, candidates_at, split_ring, stroke_costs
+from caricli.models.shape_model import ShapeModel
+from caricli.structures.sketch import Sketch, Stroke, StrokeKind
+
+_MOST = 256
+"""Strokes that are looked at, the longest."""
+_SHORTEST = 0.01
+"""Of the canvas: what is shorter draws no curve."""
+_QUICK = LineFitSettings(rounds=3)
+_RARE = 0.01
+"""Share of points at either side that may be far outside a face."""
+
+
+def name_strokes(
+    sketch: Sketch,
+    handles: LineHandles,
+    model: ShapeModel,
+    settings: NamingSettings = NamingSettings(),  # noqa: B008 (frozen)
+) -> Sketch:
+    """Find the curve of every stroke that does not name one.
+
+    The curves of the mean face are laid over the sketch, once for every box that this may be of; strokes and curves are
+    then assigned to each other for the least sum of costs (the Hungarian method), a stroke that is dear everywhere to
+    none; camera and latent of the model follow the strokes so named, and all again. The cost is the mean distance of
+    the stroke from the curve, and, counting less, of the curve from the stroke, and their difference in direction. Then
+    strokes continue curves that others have drawn in part. Of a closed stroke that is both lids, or both lips, two are
+    made. Names that are given stay; wrinkles without a name stay without.
+
+    sketch: Sketch. handles: LineHandles of the model's template. model: any ShapeModel. settings: NamingSettings.
+    Returns the Sketch with names; strokes of no curve stay as they were.
+    """
+    sketch = _with_own_names(sketch, handles)
+    if not _nameless(sketch):
+        return sketch
+    mean = model.decode_points(model.prior.mean, handles.vertices)
+    namings = [_Naming(sketch, handles, own, settings) for own in _laid_over(sketch, handles, mean)]
+    best = min(namings, key=lambda each: each.cost)
+    for _ in range(settings.rounds):
+        named = best.named()
+        try:
+            face = fit_lines(lines_by_curve(named), handles, model, _QUICK)
+        except InputError:
+            break
+        own = face.require_camera().project(face.vertices[handles.vertices])
+        best = _Naming(sketch, handles, own, settings)
+    return best.named()
+
+
+def _with_own_names(sketch: Sketch, handles: LineHandles) -> Sketch:
+    """The sketch without names that the head has no curve of."""
+    rows = handles.rows
+    return sketch.with_strokes(s if s.curve in rows else replace(s, curve=None) for s in sketch.strokes)
+
+
+def _nameless(sketch: Sketch) -> list[int]:
+    """Numbers of the strokes that may draw a curve which they do not name, the longest ones."""
+    least = _SHORTEST * max(sketch.size)
+    lengths = {
+        number: stroke.length
+        for number, stroke in enumerate(sketch.strokes)
+        if stroke.curve is None and stroke.kind != StrokeKind.WRINKLE and stroke.length > least
+    }
+    return sorted(sorted(lengths, key=lambda number: -lengths[number])[:_MOST])
+
+
+def _laid_over(sketch: Sketch, handles: LineHandles, mean: np.ndarray) -> list[np.ndarray]:
+    """(H, 2) pixels of the handles of a face (H, 3) for every box that a sketch may be of: a head with ears, one
+    without, and a face without a crown; where enough strokes have names, for the camera that these tell."""
+    with suppress(InputError):
+        return [line_camera(lines_by_curve(sketch), handles, mean).project(mean)]
+    flat = mean @ FRONT[:2].T
+    rows = {part: handles.rows_of(part) for part in ("ear", "brow")}
+    head = np.delete(flat, rows["ear"], axis=0)
+    boxes = [flat, head]
+    if len(rows["brow"]):
+        boxes.append(head[head[:, 1] >= flat[rows["brow"], 1].min()])
+    drawn = np.concatenate([sketch.strokes[number].points for number in _nameless(sketch)])
+    low, high = np.quantile(drawn, [_RARE, 1 - _RARE], axis=0)
+    laid = []
+    for box in boxes:
+        scale = (high - low) / np.ptp(box, axis=0)  # heads of caricatures are broad, or long
+        laid.append(scale * (flat - (box.min(0) + box.max(0)) / 2) + (low + high) / 2)
+    return laid
+
+
+class _Naming:
+    """What the strokes of a sketch draw of a face that lies somewhere. cost: sum over those that do not name it."""
+
+    def __init__(self, sketch: Sketch, handles: LineHandles, own: np.ndarray, settings: NamingSettings) -> None:
+        """own: (H, 2) pixels of the handles."""
+        self.sketch = sketch
+        self.settings = settings
+        self.candidates = candidates_at(handles, own)
+        self.numbers = _nameless(sketch)
+        strokes = [sketch.strokes[number] for number in self.numbers]
+        unit = float(np.linalg.norm(np.ptp(own, axis=0)))
+        self.costs = stroke_costs(strokes, self.candidates, unit, settings)
+        taken = {stroke.curve for stroke in sketch.strokes}
+        self.blocked = np.array([not taken.isdisjoint(each.names) for each in self.candidates])
+        self.chosen: dict[int, Candidate] = {}
+        self.cost = self._assign()
+        self._continue([stroke.length for stroke in strokes])
+
+    def named(self) -> Sketch:
+        """The sketch with the names, and with two strokes for every one that is a loop."""
+        strokes: list[Stroke] = []
+        for number, stroke in enumerate(self.sketch.strokes):
+            candidate = self.chosen.get(number)
+            if candidate is None:
+                strokes.append(stroke)
+            elif candidate.loop:
+                strokes += split_ring(stroke, candidate)
+            else:
+                strokes.append(replace(stroke, curve=candidate.names[0], kind=candidate.kind))
+        return self.sketch.with_strokes(strokes)
+
+    def _assign(self) -> float:
+        """Give every stroke one candidate or none, loops first; returns the sum of the costs."""
+        loops = np.array([each.loop for each in self.candidates])
+        pairs, total = self._pairs(self.blocked)
+        rings = {name for _, c in pairs for name in self.candidates[c].names if loops[c]}
+        if rings:
+            halves = np.array([not each.loop and each.names[0] in rings for each in self.candidates])
+            pairs, total = self._pairs(self.blocked | halves)
+        for s, c in pairs:
+            self.chosen[self.numbers[s]] = self.candidates[c]
+        return total
+
+    def _pairs(self, blocked: np.ndarray) -> tuple[list[tuple[int, int]], float]:
+        """Strokes and candidates of the least sum of costs. blocked: (C,) bool."""
+        dearest = self.settings.dearest
+        costs = np.where(blocked, np.inf, self.costs.whole)
+        count = len(costs)
+        table = np.concatenate([np.minimum(costs, 10 * dearest), np.full((count, count), dearest)], axis=1)
+        rows, columns = linear_sum_assignment(table)
+        pairs = [(s, c) for s, c in zip(rows.tolist(), columns.tolist(), strict=True) if c < costs.shape[1]]
+        return [(s, c) for s, c in pairs if costs[s, c] < dearest], float(table[rows, columns].sum())
+
+    def _continue(self, lengths: list[float]) -> None:
+        """Let strokes that are left continue what others draw, the longest first."""
+        drawn = np.zeros((len(self.candidates), self.candidates[0].line.shape[0]), bool)
+        for s, number in enumerate(self.numbers):
+            if number in self.chosen:
+                c = self.candidates.index(self.chosen[number])
+                drawn[c, self.costs.nearest[s, c]] = True
+        for s in sorted(range(len(self.numbers)), key=lambda s: -lengths[s]):
+            if self.numbers[s] in self.chosen:
+                continue
+            covered = np.take_along_axis(drawn, self.costs.nearest[s], 1).mean(1)
+            free = (covered < self.settings.covered) & drawn.any(1) & ~self.blocked
+            costs = np.where(free, self.costs.part[s], np.inf)
+            c = int(costs.argmin())
+            if costs[c] < self.settings.piece:
+                self.chosen[self.numbers[s]] = self.candidates[c]
+                drawn[c, self.costs.nearest[s, c]] = True

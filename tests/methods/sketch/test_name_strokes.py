@@ -1,0 +1,68 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from caricli.methods.sketch.name_strokes import name_strokes
+from caricli.structures.sketch import Sketch, Stroke, StrokeKind
+
+
+def nameless(stroke):
+    return replace(stroke, curve=None, kind=StrokeKind.UNKNOWN)
+
+
+def curves_of(sketch):
+    return [stroke.curve for stroke in sketch.strokes]
+
+
+@pytest.fixture(scope="module")
+def anonymous(sketch):
+    """Without names, every second stroke backwards, on another part of a larger canvas."""
+    strokes = [nameless(stroke) for stroke in sketch.strokes]
+    turned = [s.moved(1.5 * (s.points[::-1] if k % 2 else s.points) + [90, 20]) for k, s in enumerate(strokes)]
+    return Sketch(tuple(turned), (512, 448))
+
+
+def test_strokes_find_their_curves(anonymous, sketch, handles, model):
+    named = name_strokes(anonymous, handles, model)
+    right = [a == b for a, b in zip(curves_of(named), curves_of(sketch), strict=True)]
+    assert np.mean(right) > 0.9
+    assert named.strokes[0].kind == StrokeKind.SILHOUETTE
+    assert all(a.points is b.points for a, b in zip(named.strokes, anonymous.strokes, strict=True))
+
+
+def test_names_that_are_given_stay_and_others_are_none(sketch, handles, model):
+    brow = replace(sketch.strokes[curves_of(sketch).index("brow_left")], curve="brow_right")
+    wrinkle = Stroke(np.array([[60.0, 60], [90, 62]]), StrokeKind.WRINKLE)
+    strange = Stroke(np.array([[60.0, 60], [90, 62]]), StrokeKind.WRINKLE, "moustache")
+    named = name_strokes(Sketch((*sketch.strokes[:1], brow, wrinkle, strange)), handles, model)
+    assert curves_of(named) == ["silhouette", "brow_right", None, None]
+
+
+def test_closed_eyes_and_lips_become_two_strokes(sketch, handles, model):
+    lines = sketch.points_by_curve()
+    pairs = [("eye_upper_left", "eye_lower_left"), ("mouth_upper", "mouth_lower")]
+    rings = [Stroke(np.concatenate([lines[a], lines[b][::-1]])[5:]) for a, b in pairs]
+    rings = [ring.moved(np.concatenate([ring.points[:-1], ring.points[:1]])) for ring in rings]
+    others = [s for s in sketch.strokes if s.curve not in {name for pair in pairs for name in pair}]
+    named = name_strokes(Sketch((*others, *rings)), handles, model)
+    assert curves_of(named)[len(others) :] == [name for pair in pairs for name in pair]
+    halves = {stroke.curve: stroke.points for stroke in named.strokes}
+    for upper, lower in pairs:
+        assert halves[upper].mean(0)[1] < halves[lower].mean(0)[1]
+        assert np.linalg.norm(halves[upper][[0, -1]] - halves[lower][[-1, 0]], axis=1).max() < 1e-9 or (
+            np.linalg.norm(halves[upper][[0, -1]] - halves[lower][[0, -1]], axis=1).max() < 1e-9
+        )
+
+
+def test_a_curve_in_two_strokes_is_one(sketch, handles, model):
+    line = sketch.points_by_curve()["silhouette"]
+    halves = [Stroke(line[:32]), Stroke(line[34:])]
+    others = [stroke for stroke in sketch.strokes if stroke.curve != "silhouette"]
+    named = name_strokes(Sketch((*others, *halves)), handles, model)
+    assert curves_of(named)[-2:] == ["silhouette", "silhouette"]
+
+
+def test_what_lies_elsewhere_draws_nothing(sketch, handles, model):
+    far = Stroke(np.array([[5.0, 5], [5, 12], [3, 20]]))
+    assert curves_of(name_strokes(Sketch((*sketch.strokes, far)), handles, model))[-1] is None
