@@ -54,14 +54,15 @@ def timed(work, *arguments):
     return result, time.process_time() - start
 
 
-def by_regions(face, image, detector):
+def by_regions(face, image, detector, template):
     """Head, skin and hair by the detector, and seconds."""
     parsed, seconds = timed(parse_face, image, face.landmarks, detector)
     pixels = mesh_pixels(face, image)
     head = parsed_head(parsed.regions, pixels)
     if head is None:
         return None
-    hair = parsed_hair(face, parsed.regions, pixels).pixels
+    hair = parsed_hair(face, parsed.regions, pixels, image) or mask_hair(face, template, image)
+    hair = hair.pixels
     return head.whole, head.paint & ~around(hair, face), hair, seconds
 
 
@@ -126,7 +127,10 @@ def measured(pictures, detector, count):
             if np.nanmean(np.linalg.norm(marks.points - true, axis=1)) > FARTHEST * diagonal:
                 continue
             face = fit_landmarks(marks.points, model, spreads=marks.spreads).face
-            answers = {"regions": by_regions(face, image, detector), "colours": by_colours(face, image, model.template)}
+            answers = {
+                "regions": by_regions(face, image, detector, model.template),
+                "colours": by_colours(face, image, model.template),
+            }
         except CaricliError as error:
             print(f"{number}: {error}", file=sys.stderr)
             continue

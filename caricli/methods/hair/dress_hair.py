@@ -53,7 +53,7 @@ def dress_hair(
     face: Face with camera and landmarks. template: of its topology. image: (H, W, 3) uint8. settings:
     PaintSettings; their hair is "shell", "auto" for none where it is doubtful which pixels show hair or the template
     does not name ears and scalp, or "none". regions: (H, W) values of Region, what the pixels show, or None to tell
-    hair by its colours.
+    hair by its colours, which also do where these contradict the regions.
     Returns DressedHair, or None. Raises InputError where a shell is asked for and there is no hair or no such name.
     """
     choice = settings.hair
@@ -63,10 +63,8 @@ def dress_hair(
         if choice == "auto":
             return None
         raise InputError(f"expected an annotation with the region {missing[0]!r} for hair to stand on, found none")
-    if regions is None:
-        mask = mask_hair(face, template, image)
-    else:
-        mask = parsed_hair(face, regions, mesh_pixels(face, image))
+    parsed = None if regions is None else parsed_hair(face, regions, mesh_pixels(face, image), image)
+    mask = mask_hair(face, template, image) if parsed is None else parsed
     if choice == "auto" and not mask.trusted:
         return None
     if not mask.pixels.any():

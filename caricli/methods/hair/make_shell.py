@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.ndimage import gaussian_filter1d
+from scipy.ndimage import binary_dilation, binary_opening, gaussian_filter, gaussian_filter1d, label
 
 from caricli.geometry.vertex_neighbours import vertex_neighbours
 from caricli.methods.hair.find_edge import find_edge
@@ -26,7 +26,9 @@ _TOGETHER = 0.3  # how much the scales of a skull differ, beside the fit of its 
 _GRAZING = 0.1  # cosine down to which skin that turns away from the camera says whether there is hair
 _GAP = 2  # least thicknesses of hair by which a skull is drawn in behind the outline
 _SAMPLES = 8  # of the way across the outline
+_NAPE = 0.04  # of the head's height: how much lower than at the sides hair ends behind
 _RAMP = 4  # vertices over which a skull that is lowered leads down
+_GAPS = 2  # quads: what no wider gap joins is apart
 _TURNS = 4  # of bending a shell away from bare skin that it hides
 _ROUNDS = 2  # of surface and hairline in turns
 
@@ -110,11 +112,11 @@ def make_shell(
         total = fine.radii + np.maximum(fine.sample(thickness, longitudes, angles), settings.least * head.height)
         edge = _edge(fine, view, total, settings)
     total = meet_outline(fine, camera, outline, angles < edge, total)
-    left, _ = _left(fine, view, edge, total)
+    left, _ = _left(fine, view, edge, total, settings)
     head = lower_skull(head, fine, np.where(left > 0, total - settings.least * head.height, np.inf))
     fine = HeadSphere(head, settings, fine=True)
     view = HairView(head, camera, hair, outline)
-    left, seen = _left(fine, view, edge, total)
+    left, seen = _left(fine, view, edge, total, settings)
     # Seen skin says itself where hair ends, down to some way below the edge.
     row = np.clip(np.searchsorted(fine.angles, edge), 0, len(fine.angles) - 1)
     lower = edge + settings.below * seen[row, np.arange(len(edge))]
@@ -140,7 +142,9 @@ def lower_skull(head: Template, sphere: HeadSphere, most: np.ndarray) -> Templat
     return head.with_vertices(sphere.middle + kept[:, None] * (head.vertices - sphere.middle))
 
 
-def _left(sphere: HeadSphere, view: HairView, ends: np.ndarray, total: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _left(
+    sphere: HeadSphere, view: HairView, ends: np.ndarray, total: np.ndarray, settings: ShellSettings
+) -> tuple[np.ndarray, np.ndarray]:
     """(R, C) metres, how far it is to where hair ends, below zero beyond; and (R, C) from 0 to 1, how far that is seen.
 
     It is the distance to (C,) angles; but where skin is seen that to what is bare in the picture, and where hair would
@@ -152,7 +156,8 @@ def _left(sphere: HeadSphere, view: HairView, ends: np.ndarray, total: np.ndarra
     outer = sphere.points(longitudes, angles, total)
     usual = (ends - angles) * total
     usual = np.where(view.shows(outer), np.minimum(usual, view.to_bare(outer)), usual)
-    return seen * view.to_bare(skin) + (1 - seen) * usual, seen
+    left = seen * view.to_bare(skin) + (1 - seen) * usual
+    return _without_islands(left, settings.rim * sphere.head.height), seen
 
 
 def _taper(left: np.ndarray, thickness: np.ndarray, height: float, settings: ShellSettings) -> np.ndarray:
@@ -181,7 +186,11 @@ def _edge(sphere: HeadSphere, view: HairView, total: np.ndarray, settings: Shell
         rows = find_edge(np.where(deep, votes + hidden, -1), settings.steady)
         edge = rows * (sphere.angles[1] - sphere.angles[0])
         usual = _as_long(sphere, points, rows, seen, usual)
-    return gaussian_filter1d(edge, settings.calm, mode="wrap")
+    # What nobody sees has no corners.
+    sight = seen[np.clip(rows, 0, len(seen) - 1), np.arange(len(rows))]
+    sight = gaussian_filter1d(sight, settings.soft / 2, mode="wrap")
+    shown, hidden = (gaussian_filter1d(edge, width, mode="wrap") for width in (settings.calm, settings.soft))
+    return sight * shown + (1 - sight) * hidden
 
 
 def _inside(view: HairView, points: np.ndarray, slack: np.ndarray) -> np.ndarray:
@@ -207,7 +216,9 @@ def _as_long(
     if not sure.any():
         return usual
     behind = points[..., 2] < sphere.middle[2]
-    return np.where(behind & (points[..., 1] > np.median(ends[sure])), 1.0, usual)
+    # Lower in the middle, as hair grows at the nape.
+    lower = _NAPE * sphere.head.height * np.clip(-np.cos(sphere.longitudes), 0, 1) ** 2
+    return np.where(behind & (points[..., 1] > np.median(ends[sure]) - lower), 1.0, usual)
 
 
 def _facing(points: np.ndarray, camera: Camera) -> np.ndarray:
@@ -248,7 +259,9 @@ def _mesh(surface: _Surface, view: HairView, settings: ShellSettings) -> Hair:
         radii = skin + thickness * _taper(left, thickness, height, settings) + np.clip(left, -settings.deep * height, 0)
         # What hides bare skin ends before it.
         points = sphere.points(around, angles, radii)
-        left = np.where(view.shows(points), np.minimum(left, view.to_bare(points)), left)
+        left = np.where((left > 0) & view.shows(points), np.minimum(left, view.to_bare(points)), left)
+        left = _without_islands(left, settings.rim * height)
+        left = gaussian_filter(left, settings.even, mode=("nearest", "wrap"))
     radii[-1] = skin[-1] - settings.under * height
     top = sphere.sample(surface.total, np.zeros(1), np.zeros(1))
     points = np.concatenate(
@@ -262,6 +275,23 @@ def _mesh(surface: _Surface, view: HairView, settings: ShellSettings) -> Hair:
     quads = _quads(settings.rows, columns)
     uvs = unrolled_to_uv(turn, np.append(0, np.repeat(share, columns)))
     return Hair(Mesh(points, quads, uvs, quads), roots, weights)
+
+
+def _without_islands(left: np.ndarray, rim: float) -> np.ndarray:
+    """How far it is to where hair ends, (R, C) metres, and a rim where this is below zero with hair all around.
+
+    There is no such thing on a head: the picture shows skin before the hair behind it, at a grazing angle. Gaps of a
+    few places in what is around count for nothing.
+    """
+    bare = left <= 0
+    bare[-1] = True
+    around = np.pad(bare, ((0, 0), (_GAPS, _GAPS)), mode="wrap")
+    wide = binary_opening(np.pad(around, ((0, 2 * _GAPS), (0, 0)), mode="edge"), iterations=_GAPS)
+    parts, _ = label(wide)
+    beyond = np.isin(parts, np.unique(parts[-1][wide[-1]])) & wide
+    # What was lost at its border comes back, what hangs on it by a thin bridge does not.
+    beyond = binary_dilation(beyond, iterations=2 * _GAPS)[: len(bare), _GAPS : _GAPS + bare.shape[1]]
+    return np.where(bare & ~beyond, rim, left)
 
 
 def unrolled_to_uv(longitudes: np.ndarray, shares: np.ndarray) -> np.ndarray:

@@ -24,6 +24,7 @@ class MaskSettings:
     least: share of the face's area that hair fills at least. speckle: of it, smaller parts of the mask are dropped.
     bridge: parts that nothing wider than this joins do not hang together.
     doubt: from 0 to 1; with more the mask is not trusted.
+    beyond, within: how far outside and inside the border of what a network takes for hair colours decide.
     """
 
     side: int = 300
@@ -51,6 +52,8 @@ class MaskSettings:
     speckle: float = 0.02
     bridge: float = 0.03
     doubt: float = 0.4
+    beyond: float = 0.1
+    within: float = 0.06
 
 
 @dataclass(frozen=True)
@@ -66,7 +69,8 @@ class ShellSettings:
     bins: directions in which the outline is compared. rounds: of surface and outline in turns.
     hidden: how much a place that the picture does not show counts for the hairline, beside one that it shows.
     steady: how much the hairline's ups and downs count.
-    calm: columns over which the hairline is blurred.
+    calm: columns over which the hairline is blurred; soft: the same where the picture does not show it.
+    even: rows and columns over which distances to it are blurred, so that it is no saw.
     slack: how far outside the mask the outline may be.
     rim: length over which a shell reaches its thickness at least; round_: the same for its thickness.
     under: how far below the skin its edge ends. deep: the same, at most, of what is between its edge and the last hair.
@@ -88,6 +92,8 @@ class ShellSettings:
     hidden: float = 0.15
     steady: float = 0.4
     calm: float = 0.8
+    soft: float = 8.0
+    even: tuple[float, float] = (0.5, 0.8)
     slack: float = 0.03
     rim: float = 0.012
     round_: float = 1.2

@@ -51,7 +51,9 @@ def snap_border(
     for width in _WIDTHS:
         points = _moved(hair.shell, sphere, camera, _field(shown, mask.pixels, camera.scale * head.height, width))
         inner = hair.shell.faces[above[hair.shell.faces].all(1)]
-        head = lower_skull(head, sphere, sphere.cover(points, inner, *np.meshgrid(sphere.longitudes, sphere.angles)))
+        most = sphere.cover(points, inner, *np.meshgrid(sphere.longitudes, sphere.angles))
+        # Triangles of the skull are larger than those of hair: without a gap they come through between their corners.
+        head = lower_skull(head, sphere, most - settings.least * head.height)
         hair = replace(hair, shell=hair.shell.with_vertices(_buried(points, ~above, head, sphere, settings)))
         shown = visible_hair(head, hair, camera, mask.pixels.shape)
         best = max(best, (union_share(shown, mask.pixels), hair, head), key=itemgetter(0))

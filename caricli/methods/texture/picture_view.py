@@ -20,12 +20,14 @@ class SurfacePoints:
     """Points of a surface.
 
     places: (N, 3) metres. normals: (N, 3) of any length. pockets: (N,) from 0 to 1, how far they are in the mouth or an
-    eye socket: nobody looks there from the side.
+    eye socket: nobody looks there from the side. hidden: (N,) from 0 to 1, how far they are not what the picture shows
+    there, or that for all.
     """
 
     places: np.ndarray
     normals: np.ndarray
     pockets: np.ndarray
+    hidden: np.ndarray | float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,7 +119,8 @@ class PictureView:
         # A surface at an angle is behind itself by the width of a pixel.
         allowed = settings.behind * self.camera.scale * self.height / np.clip(cosine, 0.2, 1)
         facing = np.clip((cosine - settings.grazing) / (settings.facing - settings.grazing), 0, 1) ** 2
-        return SeenColours(colours, np.maximum(facing, points.pockets) * inside * (behind < allowed))
+        shown = np.maximum(facing, points.pockets) * (1 - points.hidden)
+        return SeenColours(colours, shown * inside * (behind < allowed))
 
     def sharpen(self, colours: np.ndarray, trust: np.ndarray, places: np.ndarray, owner: np.ndarray) -> np.ndarray:
         """Colours (N, 3) of texels with which a rendering comes nearer to the picture.

@@ -9,6 +9,7 @@ import scipy.sparse as sp
 from caricli.methods.texture.estimate_light import Light, estimate_light
 from caricli.methods.texture.fill_unseen import FEATURES, fill_unseen, skin_weights
 from caricli.methods.texture.grow_grain import grow_grain
+from caricli.methods.texture.mouth_wall import MOUTH, mouth_wall
 from caricli.methods.texture.picture_view import PictureView, SeenColours, Sight, SurfacePoints, likeness
 from caricli.methods.texture.settings import TextureSettings
 from caricli.render.smooth_normals import smooth_normals
@@ -45,8 +46,8 @@ def texture_face(
     A texel takes the colour at its projection as far as it is seen, not at a grazing angle, and not where an outline
     may be; where it is not, that of its mirror image, if this is; the rest is filled over the surface from what is
     seen. What is hardly seen takes its own colour as far as this is like what fills it. Background never enters: it is
-    replaced by diffused colours of the face first. What a rendering blurs of this is then given back to the texels that
-    are seen.
+    replaced by diffused colours of the face first; nor do teeth enter the wall of the mouth, which is dark red. What a
+    rendering blurs of this is then given back to the texels that are seen.
 
     head: Template with UVs, in the shape of the face. sight: Sight of it. size: texels, width and height; where there
     is none, the power of two, within limits, with which texels of what is seen are one to two pixels wide, by their
@@ -57,7 +58,7 @@ def texture_face(
     view = PictureView(head, sight, settings)
     texels = _Texels(head, size or view.size())
     normals = smooth_normals(head.vertices, head.faces)
-    vertices = SurfacePoints(head.vertices, normals, head.mask(*CAVITIES).astype(np.float64))
+    vertices = SurfacePoints(head.vertices, normals, head.mask(*CAVITIES).astype(np.float64), mouth_wall(head))
     usual = view.look(vertices)
     light = None
     if not settings.keep_light:
@@ -104,7 +105,9 @@ def _fill(
     if mirror is not None:
         usual = usual.completed(SeenColours(usual.colours[mirror], usual.seen[mirror]), settings.mirrored)
     glimpse = np.clip(vertices.seen / settings.glimpse, 0, 1)[:, None]
-    filled = texels.mix @ (glimpse * vertices.colours + (1 - glimpse) * fill_unseen(head, usual)).astype(np.float32)
+    wall = mouth_wall(head)[:, None]
+    bare = glimpse * vertices.colours + (1 - glimpse) * fill_unseen(head, usual)
+    filled = texels.mix @ ((1 - wall) * bare + wall * MOUTH).astype(np.float32)
     like = likeness(hardly.colours, filled, settings.other) * np.clip(hardly.seen / settings.glimpse, 0, 1)
     return like[:, None] * hardly.colours + (1 - like[:, None]) * filled
 
@@ -136,9 +139,9 @@ class _Texels:
 
     def points(self, vertices: SurfacePoints, shade: np.ndarray) -> tuple[SurfacePoints, np.ndarray]:
         """Points and shade (N, 3), of what they are at the vertices."""
-        columns = np.column_stack([vertices.places, vertices.normals, vertices.pockets, shade]).astype(np.float32)
-        values = self.mix @ columns
-        return SurfacePoints(values[:, :3], values[:, 3:6], values[:, 6]), values[:, 7:]
+        columns = [vertices.places, vertices.normals, vertices.pockets, vertices.hidden, shade]
+        values = self.mix @ np.column_stack(columns).astype(np.float32)
+        return SurfacePoints(values[:, :3], values[:, 3:6], values[:, 6], values[:, 7]), values[:, 8:]
 
     def regions(self, head: Template) -> np.ndarray:
         """(S, S) int, 2 on the scalp, 1 on other plain skin, 0 elsewhere."""

@@ -8,6 +8,7 @@ from caricli.methods.hair.dress_hair import overlap
 from caricli.methods.hair.head_sphere import HeadSphere
 from caricli.methods.hair.make_shell import make_shell, sink_skull
 from caricli.methods.hair.settings import ShellSettings
+from caricli.methods.hair.snap_border import visible_hair
 from caricli.structures import Mesh
 from tests.methods.hair.conftest import CAMERA
 
@@ -80,3 +81,14 @@ def test_a_skull_that_stands_out_is_drawn_in(sitter):
     assert isinstance(sunk, Mesh)
     untouched = sink_skull(sitter.head, CAMERA, sitter.hair)
     assert np.abs(untouched.vertices - sitter.head.vertices).max() < 0.01 * sitter.head.height
+
+
+def test_hair_has_no_holes(sitter):
+    """Skin that the mask shows in the middle of hair, as where a picture and a head differ at a grazing angle."""
+    rows, columns = np.nonzero(sitter.hair.pixels)
+    middle = columns[rows < np.quantile(rows, 0.3)].mean()
+    away = np.indices(sitter.hair.pixels.shape) - np.reshape([rows.min() + 28, middle], (2, 1, 1))
+    hole = (np.hypot(*away) < 9) & sitter.hair.pixels
+    assert hole.sum() > 200
+    hair, head = make_shell(sitter.head, CAMERA, replace(sitter.hair, pixels=sitter.hair.pixels & ~hole))
+    assert visible_hair(head, hair, CAMERA, hole.shape)[hole].mean() > 0.9

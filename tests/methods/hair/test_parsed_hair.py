@@ -27,14 +27,24 @@ def labels(*boxes):
     return regions
 
 
+def painted(regions):
+    """A picture in the colours of regions, with some grain."""
+    colours = {Region.HAIR: (60, 40, 30), Region.SKIN: (220, 170, 140), Region.HAT: (30, 60, 160)}
+    image = np.full((*regions.shape, 3), (170, 200, 210))
+    for region, colour in colours.items():
+        image[regions == region] = colour
+    grain = np.random.default_rng(1).normal(0, 3, regions.shape)[..., None]
+    return np.clip(image + grain, 0, 255).astype(np.uint8)
+
+
 def test_hair_hangs_on_the_head(face, pixels):
     hair = (Region.HAIR, (5, 25), (15, 65))
     regions = labels(
         hair, (Region.SKIN, (25, 70), (15, 65)), (Region.HAIR, (5, 25), (80, 90)), (Region.HAIR, (60, 62), (40, 42))
     )
-    mask = parsed_hair(face, regions, pixels)
+    mask = parsed_hair(face, regions, pixels, painted(regions))
     np.testing.assert_array_equal(mask.pixels, labels(hair) > 0)
-    np.testing.assert_array_equal(mask.behind, regions == Region.BACKGROUND)
+    assert mask.behind[regions == Region.BACKGROUND].all() and not mask.behind[regions == Region.SKIN].any()
     assert mask.trusted and mask.doubt == 0
 
 
@@ -42,11 +52,30 @@ def test_a_hat_is_no_hair_and_makes_it_doubtful(face, pixels):
     regions = labels(
         (Region.HAT, (5, 30), (15, 65)), (Region.SKIN, (30, 70), (15, 65)), (Region.HAIR, (30, 40), (15, 25))
     )
-    mask = parsed_hair(face, regions, pixels)
+    mask = parsed_hair(face, regions, pixels, painted(regions))
     assert not mask.pixels[regions == Region.HAT].any() and mask.pixels.sum() == 100
     assert mask.doubt > 0.5 and not mask.trusted
 
 
 def test_a_bald_head_has_none(face, pixels):
-    mask = parsed_hair(face, labels((Region.SKIN, (15, 70), (15, 65))), pixels)
+    regions = labels((Region.SKIN, (15, 70), (15, 65)))
+    mask = parsed_hair(face, regions, pixels, painted(regions))
     assert not mask.pixels.any() and not mask.trusted
+
+
+def test_hair_ends_where_the_picture_says(face, pixels):
+    """Regions are a few pixels too small on one side, and too large on the other."""
+    skin = (Region.SKIN, (25, 70), (15, 65))
+    true = labels((Region.HAIR, (5, 25), (15, 65)), skin)
+    coarse = labels((Region.HAIR, (5, 25), (18, 68)), skin)
+    mask = parsed_hair(face, coarse, pixels, painted(true))
+    wrong = (mask.pixels != (true == Region.HAIR)).sum()
+    assert wrong < 0.2 * (coarse != true).sum()
+    assert mask.behind[6:24, 66:68].all() and not mask.behind[6:24, 16:64].any()
+
+
+def test_hair_that_has_no_colour_of_its_own_is_doubted(face, pixels):
+    """A strip that is half of the wall, half of the skin."""
+    skin = (Region.SKIN, (25, 70), (15, 65))
+    strip = labels(skin, (Region.HAIR, (22, 28), (15, 65)))
+    assert parsed_hair(face, strip, pixels, painted(labels(skin))) is None

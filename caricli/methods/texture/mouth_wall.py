@@ -1,0 +1,24 @@
+"""The wall of the mouth, before which teeth stand."""
+
+import numpy as np
+
+from caricli.geometry.vertex_neighbours import vertex_neighbours
+from caricli.structures import Material
+from caricli.structures.materials import FINISHES
+from caricli.template.template import Template
+
+MOUTH = 0.5 * np.array(FINISHES[Material.GUMS].colour)
+"""sRGB of the wall: as gums, in their shadow."""
+
+_RINGS = 3  # of vertices, over which the colour of the lips goes over into it
+
+
+def mouth_wall(head: Template) -> np.ndarray:
+    """(V,) from 0 at the lips to 1 behind them, how far vertices are of the wall of the mouth."""
+    _, mean = vertex_neighbours(head.faces, len(head.vertices))
+    inside = head.mask("inner_mouth").astype(float)
+    rings = []
+    for _ in range(_RINGS):
+        inside = (mean @ inside > 1 - 1e-9).astype(float)
+        rings.append(inside)
+    return np.mean(rings, axis=0)
