@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from caricli.geometry.match_line import MatchSettings, match_line, resample
+from caricli.geometry.match_line import match_line, resample
 from caricli.methods.sketch.settings import CORNERED
 from caricli.structures.sketch import Sketch
 from caricli.template.feature_curves import FeatureCurve
@@ -13,8 +13,6 @@ _SAMPLES = 24
 """Points of a line by which its direction is told."""
 _GAP = 0.1
 """Of a line's length: ends of a closed line may be so far apart."""
-_EVEN = MatchSettings(stretch=1.0, turn=0.1)
-"""Of a part of an outline: where the vertices of a jaw lie cannot be seen; people mark them at equal distances."""
 _SHORTEST = 1e-3
 """Of the canvas: what is shorter is a dot."""
 
@@ -86,7 +84,7 @@ def _match(curve: FeatureCurve, own: np.ndarray, line: np.ndarray, alone: bool) 
     shift = (middle + len(ring) // 2) % len(ring)
     order = np.roll(np.arange(len(ring)), -shift)
     places = np.full((len(own), 2), np.nan)
-    places[order] = match_line(ring[order], _same_way(ring[order], line), False, _EVEN)
+    places[order] = match_line(ring[order], _same_way(ring[order], line), whole=False)
     places[-1] = places[0]
     return places
 
