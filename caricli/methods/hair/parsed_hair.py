@@ -1,5 +1,6 @@
 """The hair of a head in a parsed picture."""
 
+import cv2
 import numpy as np
 from scipy.ndimage import label
 
@@ -31,7 +32,8 @@ def parsed_hair(
     Returns HairMask, whose doubt is the hats' share of hats and hair; or None where by its colours most of what is said
     to be hair is none, or hair goes on far beyond: then this is rather the wall behind it.
     """
-    area = float(np.ptp(face.require_landmarks()[:COUNT], axis=0).max()) ** 2
+    points = face.require_landmarks()[:COUNT]
+    area = float(np.ptp(points, axis=0).max()) ** 2
     hair = regions == Region.HAIR
     parts, _ = label(hair)
     sizes = np.bincount(parts.ravel())
@@ -48,5 +50,6 @@ def parsed_hair(
         own = cut & ~np.isin(regions, _NEVER)
     # What colours take from the hair is what is next to it.
     beside = regions if hair.all() else regions[nearest_pixel(~hair)]
-    enough = own.sum() >= settings.least * area
+    enclosed = cv2.contourArea(cv2.convexHull(points[np.isfinite(points).all(1)].astype(np.float32)))
+    enough = own.sum() >= settings.least * enclosed
     return HairMask(own, np.isin(beside, _AROUND) & ~own, doubt, bool(enough and doubt <= settings.doubt))
