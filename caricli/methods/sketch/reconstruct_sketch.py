@@ -38,7 +38,7 @@ class SketchFit:
     longer side of the canvas, mean distances of the drawn lines from the curves by their names, and "all", before they
     were followed and after. worst: the same, the largest distance. flipped: share of triangles that are turned over.
     prior_rms: root mean square of the whitened latent before lines were followed, about 1 for a typical face. share: of
-    the way to the lines.
+    the way to the lines. asked: the share that was asked for, more than ``share`` where that would tear the surface.
     """
 
     face: Face
@@ -50,6 +50,7 @@ class SketchFit:
     flipped: float
     prior_rms: float
     share: float
+    asked: float
 
     def figures(self) -> dict[str, Any]:
         """What reports say of it, as JSON."""
@@ -58,6 +59,7 @@ class SketchFit:
             "line_errors": self.errors,
             "worst_line_error": self.worst,
             "flipped": self.flipped,
+            "followed": self.share,
             "prior_rms": self.prior_rms,
             "strokes": [{"kind": str(stroke.kind), "curve": stroke.curve} for stroke in self.sketch.strokes],
         }
@@ -65,7 +67,10 @@ class SketchFit:
     def describe(self) -> str:
         """What is printed of it."""
         lines = f"lines {self.coarse['all']:.2f} to {self.errors['all']:.3f} % of the canvas away"
-        return f"{lines}, prior {self.prior_rms:.2f}, flipped {100 * self.flipped:.3f} %"
+        told = f"{lines}, prior {self.prior_rms:.2f}, flipped {100 * self.flipped:.3f} %"
+        if self.share == self.asked:
+            return told
+        return f"{told}; doubtful: followed for {100 * self.share:.3g} % of the way, farther the surface would tear"
 
 
 class SketchReconstruction:
@@ -106,7 +111,7 @@ class SketchReconstruction:
         camera = coarse.require_camera()
         before = self._curves(coarse)
         places = self.handles.places(lines, camera.project(coarse.vertices[self.handles.vertices]))
-        face = coarse.with_vertices(self._followed(coarse, places, share)) if share else coarse
+        face, followed = self._sound(coarse, places, share)
         landmarks = camera.project(face.vertices[self.model.template.annotation.landmarks])
         after = self._curves(face)
         distances = _distances(lines, after, max(sketch.size))
@@ -117,10 +122,28 @@ class SketchReconstruction:
             coarse=_means(_distances(lines, before, max(sketch.size))),
             errors=_means(distances),
             worst=max((float(each.max()) for each in distances.values()), default=0.0),
-            flipped=float(flipped_triangles(face.vertices, self.model.template.gradients).mean()),
+            flipped=self._flipped(face),
             prior_rms=float(self.model.prior.rms(coarse.require_latent())),
-            share=share,
+            share=followed,
+            asked=share,
         )
+
+    def _sound(self, coarse: Face, places: np.ndarray, share: float) -> tuple[Face, float]:
+        """A face with its handles as far of the way to places (H, 2) as its surface allows, and how far that is.
+
+        Raises InputError where even the coarse face is torn.
+        """
+        for step in self._settings.steps:
+            followed = step * share
+            face = coarse.with_vertices(self._followed(coarse, places, followed)) if followed else coarse
+            flipped = self._flipped(face)
+            if flipped <= self._settings.torn:
+                return face, followed
+        torn = f"{100 * flipped:.1f} % of its triangles turned over"
+        raise InputError(f"expected lines that a face could show, found the likeliest one torn: {torn}")
+
+    def _flipped(self, face: Face) -> float:
+        return float(flipped_triangles(face.vertices, self.model.template.gradients).mean())
 
     def _followed(self, face: Face, places: np.ndarray, share: float) -> np.ndarray:
         """Vertices (V, 3) of a face with its handles the share of the way to places (H, 2), sound, and with the pockets

@@ -50,8 +50,11 @@ class FollowSettings:
     """How a surface follows lines.
 
     weight: of a vertex on a line against the shape of the surface around it. still: share of the template's height
-    below which nothing has moved: the rounding of a solve.
+    below which nothing has moved: the rounding of a solve. torn: share of triangles that may be turned over; lines that
+    turn over more are followed less far. steps: how far, of what was asked for, one after the other.
     """
 
     weight: float = 3.0
     still: float = 1e-6
+    torn: float = 0.005
+    steps: tuple[float, ...] = (1.0, 0.5, 0.25, 0.0)

@@ -3,7 +3,8 @@
 import numpy as np
 
 from caricli.geometry.vertex_neighbours import vertex_neighbours
-from caricli.structures import Material
+from caricli.render.rasterise import rasterise
+from caricli.structures import Camera, Material
 from caricli.structures.materials import FINISHES
 from caricli.template.template import Template
 
@@ -22,3 +23,10 @@ def mouth_wall(head: Template) -> np.ndarray:
         inside = (mean @ inside > 1 - 1e-9).astype(float)
         rings.append(inside)
     return np.mean(rings, axis=0)
+
+
+def wall_pixels(head: Template, camera: Camera, size: tuple[int, int]) -> np.ndarray:
+    """(H, W) bool, where a picture of a head shows the wall of its mouth. size: (W, H) of the picture, pixels."""
+    raster = rasterise(camera.place(head.vertices), head.faces, *size)
+    of_wall = mouth_wall(head)[head.faces].any(axis=1)
+    return (raster.face >= 0) & of_wall[raster.face]

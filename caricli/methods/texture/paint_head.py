@@ -15,6 +15,7 @@ from caricli.methods.rig.add_eyeballs import TEXTURE, add_eyeballs, fit_eyeballs
 from caricli.methods.rig.add_parts import add_parts, choose_parts
 from caricli.methods.texture.estimate_light import Light
 from caricli.methods.texture.mask_head import mask_head, mesh_pixels
+from caricli.methods.texture.mouth_wall import wall_pixels
 from caricli.methods.texture.parsed_head import ParsedHead, parsed_head
 from caricli.methods.texture.photometric_error import photometric_error
 from caricli.methods.texture.picture_view import Sight
@@ -35,7 +36,7 @@ class Painted:
 
     head: Template in the shape of the face, with the UVs of its texture.
     rig: Rig of the whole head, without expressions; the vertices of the face come first.
-    error: photometric error, of full scale.
+    error: photometric error of the skin but for the wall of the mouth, which teeth hide; of full scale.
     seen: share of the surface that the picture shows.
     filled: share of the picture that the head fills.
     light: Light that was taken out of the picture, or None where it was kept; the error is measured in it.
@@ -110,7 +111,8 @@ def paint_head(
     eyes = paint_eye(TEXTURE, generator, *eye_colours(image, landmarks))
     whole = add_eyeballs(rig, fit_eyeballs(head, head.annotation, still), generator, eyes)
     whole = add_parts(whole, face_parts(replace(face, hair=None), template, settings.head))
-    error = photometric_error(rig, face, image, skin, light)
+    wall = wall_pixels(head, camera, (image.shape[1], image.shape[0]))
+    error = photometric_error(rig, face, image, skin & ~wall, light)
     pictures = replace(whole.pictures, bust=neck_picture(head, texture), hair=next(iter(hair_textures), None))
     whole = add_parts(replace(whole, pictures=pictures), [] if hair is None else [hair.hair.part])
     whole = choose_parts(whole, settings.head)

@@ -7,6 +7,7 @@ from caricli.errors import InputError
 from caricli.methods.faces.encode_face import decode_face
 from caricli.methods.sketch.fit_lines import model_coarse
 from caricli.methods.sketch.reconstruct_sketch import SketchReconstruction
+from caricli.methods.sketch.settings import FollowSettings
 from caricli.structures.sketch import Sketch, Stroke
 
 
@@ -53,3 +54,25 @@ def test_a_name_that_no_curve_has_is_no_line_of_it(reconstruction, sketch):
 def test_an_empty_canvas_is_refused(reconstruction):
     with pytest.raises(InputError, match="expected lines of the curves of a face, found none"):
         reconstruction.reconstruct(Sketch())
+
+
+def test_lines_that_would_tear_the_surface_are_followed_less_far(model, sketch):
+    def fallen(stroke):
+        if stroke.curve is None or not stroke.curve.startswith("brow"):
+            return stroke
+        return stroke.moved(stroke.points + [0, 100])
+
+    careful = SketchReconstruction(model, partial(model_coarse, model=model), settings=FollowSettings(torn=0.002))
+    fit = careful.reconstruct(sketch.with_strokes(map(fallen, sketch.strokes)))
+    assert 0 < fit.share < fit.asked == 1 and fit.flipped <= 0.002
+    assert "the surface would tear" in fit.describe() and fit.figures()["followed"] == fit.share
+
+
+def test_lines_whose_likeliest_face_is_torn_are_refused(model, sketch):
+    def torn(*_):
+        face = model_coarse(*_, model=model)
+        generator = np.random.default_rng(1)
+        return face.with_vertices(face.vertices + generator.normal(0, 0.01, face.vertices.shape))
+
+    with pytest.raises(InputError, match="expected lines that a face could show, found the likeliest one torn"):
+        SketchReconstruction(model, torn).reconstruct(sketch, 0.0)

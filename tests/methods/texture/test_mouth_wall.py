@@ -1,6 +1,9 @@
 from dataclasses import replace
 
-from caricli.methods.texture.mouth_wall import mouth_wall
+import numpy as np
+
+from caricli.methods.texture.mouth_wall import mouth_wall, wall_pixels
+from caricli.structures import Camera
 
 
 def test_it_begins_behind_the_lips(head_template):
@@ -15,3 +18,17 @@ def test_a_head_without_a_mouth_has_none(head_template):
     regions = {name: ids for name, ids in head_template.annotation.regions.items() if name != "inner_mouth"}
     head = replace(head_template, annotation=replace(head_template.annotation, regions=regions))
     assert not mouth_wall(head).any()
+
+
+def test_it_is_seen_where_the_mouth_is_open(head, head_template):
+    camera = Camera(1000.0, np.diag([1.0, -1, -1]), np.array([150.0, 200.0]))
+    shut, wide = (
+        wall_pixels(head_template.with_vertices(head.evaluate(actions=actions)), camera, (300, 400))
+        for actions in ({}, {"jawOpen": 1.0})
+    )
+    assert shut.shape == (400, 300) and shut.sum() < 0.2 * wide.sum()
+    lips = camera.project(head.evaluate(actions={"jawOpen": 1.0})[head_template.annotation.landmarks[60:68]])
+    rows, columns = wide.nonzero()
+    assert len(rows) > 100
+    assert lips[:, 0].min() - 1 <= columns.min() and columns.max() <= lips[:, 0].max() + 1
+    assert lips[:, 1].min() - 1 <= rows.min() and rows.max() <= lips[:, 1].max() + 1
