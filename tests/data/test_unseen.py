@@ -10,11 +10,12 @@ from caricli.data.import_dataset import import_dataset
 from caricli.data.unseen import fingerprints, seen_people, unseen_data
 from caricli.errors import InputError
 from caricli.io.obj import read_obj, write_obj
-from caricli.models.kinds import KINDS
 from caricli.store.directions import load_directions
 from caricli.store.landmark_maps import load_landmark_map
 from caricli.store.models import load_model
 from caricli.structures import SeenPeople
+
+LATENT = ("kernel", "intrinsic", "pca", "deformable")
 
 
 @pytest.fixture(scope="module")
@@ -103,8 +104,8 @@ def test_a_model_that_names_nobody_is_named(eight):
 def test_the_bundled_models_name_the_people_of_their_recipe(build):
     """Seed 0 is everybody's default, and theirs."""
     defaults = everybody(build(6, 0))
-    seen = [load_model(kind=kind).seen for kind in KINDS] + [load_landmark_map().seen]
-    seen += [load_directions(load_model(kind=kind)).seen for kind in ("kernel", "intrinsic", "pca", "deformable")]
+    seen = [load_model(kind=kind).seen for kind in ("morphable", *LATENT)] + [load_landmark_map().seen]
+    seen += [load_directions(load_model(kind=kind)).seen for kind in LATENT]
     for people in seen:
         assert isinstance(people, SeenPeople) and len(people.train) == 720 and len(people.validation) == 8
         share = np.mean([bool(marks & people.train) for marks in defaults.values()])

@@ -12,6 +12,7 @@ MOUTH = 0.5 * np.array(FINISHES[Material.GUMS].colour)
 """sRGB of the wall: as gums, in their shadow."""
 
 _RINGS = 3  # of vertices, over which the colour of the lips goes over into it
+_GREY = 0.5  # of 255, largest difference between channels of a head without colour
 
 
 def mouth_wall(head: Template) -> np.ndarray:
@@ -23,6 +24,13 @@ def mouth_wall(head: Template) -> np.ndarray:
         inside = (mean @ inside > 1 - 1e-9).astype(float)
         rings.append(inside)
     return np.mean(rings, axis=0)
+
+
+def wall_colour(colours: np.ndarray) -> np.ndarray:
+    """sRGB (3,) of the wall in a head of colours (N, 3): MOUTH, and grey of their mean where these are grey."""
+    if np.ptp(colours, axis=1).max() < _GREY:
+        return np.full(3, MOUTH.mean())
+    return MOUTH
 
 
 def wall_pixels(head: Template, camera: Camera, size: tuple[int, int]) -> np.ndarray:

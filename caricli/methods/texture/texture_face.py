@@ -9,7 +9,7 @@ import scipy.sparse as sp
 from caricli.methods.texture.estimate_light import Light, estimate_light
 from caricli.methods.texture.fill_unseen import FEATURES, fill_unseen, skin_weights
 from caricli.methods.texture.grow_grain import grow_grain
-from caricli.methods.texture.mouth_wall import MOUTH, mouth_wall
+from caricli.methods.texture.mouth_wall import mouth_wall, wall_colour
 from caricli.methods.texture.picture_view import PictureView, SeenColours, Sight, SurfacePoints, likeness
 from caricli.methods.texture.settings import TextureSettings
 from caricli.render.smooth_normals import smooth_normals
@@ -107,7 +107,7 @@ def _fill(
     glimpse = np.clip(vertices.seen / settings.glimpse, 0, 1)[:, None]
     wall = mouth_wall(head)[:, None]
     bare = glimpse * vertices.colours + (1 - glimpse) * fill_unseen(head, usual)
-    filled = texels.mix @ ((1 - wall) * bare + wall * MOUTH).astype(np.float32)
+    filled = texels.mix @ ((1 - wall) * bare + wall * wall_colour(vertices.colours)).astype(np.float32)
     like = likeness(hardly.colours, filled, settings.other) * np.clip(hardly.seen / settings.glimpse, 0, 1)
     return like[:, None] * hardly.colours + (1 - like[:, None]) * filled
 
