@@ -131,16 +131,20 @@ class SketchReconstruction:
     def _sound(self, coarse: Face, places: np.ndarray, share: float) -> tuple[Face, float]:
         """A face with its handles as far of the way to places (H, 2) as its surface allows, and how far that is.
 
-        Raises InputError where even the coarse face is torn.
+        Raises InputError where even the coarse face stays torn.
         """
         for step in self._settings.steps:
             followed = step * share
-            face = coarse.with_vertices(self._followed(coarse, places, followed)) if followed else coarse
+            moved = self._followed(coarse, places, followed) if followed else self._untangled(coarse.vertices)
+            face = coarse.with_vertices(moved)
             flipped = self._flipped(face)
             if flipped <= self._settings.torn:
                 return face, followed
         torn = f"{100 * flipped:.1f} % of its triangles turned over"
         raise InputError(f"expected lines that a face could show, found the likeliest one torn: {torn}")
+
+    def _untangled(self, vertices: np.ndarray) -> np.ndarray:
+        return untangle(vertices, self.model.template.gradients)
 
     def _flipped(self, face: Face) -> float:
         return float(flipped_triangles(face.vertices, self.model.template.gradients).mean())
@@ -155,7 +159,7 @@ class SketchReconstruction:
         moved = self.follower.follow(face.vertices, camera, places)
         if np.abs(moved - face.vertices).max() < self._settings.still * template.height:
             return moved
-        sound = untangle(moved, template.gradients)
+        sound = self._untangled(moved)
         if sound is not moved:
             moved = self.follower.follow(sound, camera, places)
         return template.cavities.tuck(moved)
