@@ -35,7 +35,7 @@ from caricli.methods.sketch.settings import COARSE
     "where there is one]",
 )
 @click.option(
-    "--network", type=PATH, metavar="FILE", help="Use this network of `caricli train sketch`.  [default: caricli's]"
+    "--network", type=PATH, metavar="FILE", help="Use this network of `caricli train sketch`; none comes along."
 )
 @click.option(
     "--image", type=PATH, metavar="IMAGE", help="Show the result with the picture over which the sketch was drawn."

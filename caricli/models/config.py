@@ -7,6 +7,7 @@ from typing import Any, ClassVar, Protocol
 MAX_SEED = 2**32 - 1
 MAX_DIMENSION = 4096
 """Largest latent: far above what shapes can fill."""
+_PRECISIONS = ("float32", "bfloat16")
 
 
 class TrainingConfig(Protocol):
@@ -41,3 +42,14 @@ def check_ranges(config: object, ranges: Mapping[str, tuple[float, float]]) -> N
         value = getattr(config, name)
         if not low <= value <= high:
             raise ValueError(f"{name} must be from {low:g} to {high:g}, found {value}")
+
+
+def check_windows(size: int, step: int, precision: str) -> None:
+    """Refuse windows that a network cannot take.
+
+    size: pixels. step: pixels that the network reduces to one. precision: of its convolutions. Raises ValueError.
+    """
+    if size % step:
+        raise ValueError(f"size must be a multiple of {step}, found {size}")
+    if precision not in _PRECISIONS:
+        raise ValueError(f"precision must be {' or '.join(_PRECISIONS)}, found {precision!r}")

@@ -37,6 +37,12 @@ def whole_number(value: Any, limits: Sequence[int], name: str) -> int:
     return value
 
 
+def check_schema(metadata: Mapping[str, Any], schema: str, kind: str) -> None:
+    """Refuse a file's description of another schema. kind: what the file should hold. Raises InputError."""
+    if metadata.get("schema") != schema:
+        raise InputError(f"expected a {kind} of schema {schema!r}, found {shown(metadata.get('schema'), 60)!r}")
+
+
 def _weights(network: torch.nn.Module) -> dict[str, torch.Tensor]:
     """Its tensors by name, without counters."""
     return {name: value.detach() for name, value in network.state_dict().items() if value.is_floating_point()}

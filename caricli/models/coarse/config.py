@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, fields
 
-from caricli.models.config import MAX_SEED, check_ranges
+from caricli.models.config import MAX_SEED, check_ranges, check_windows
 
 _SIZES = {"stem": (4, 512), "kept": (1, 4096), "hidden": (1, 8192), "glance": (0, 256)}
 _RANGES = _SIZES | {
@@ -13,7 +13,6 @@ _RANGES = _SIZES | {
     "energy_weight": (0, 1e6), "validation": (1, 10**5), "validate_every": (1, 10**6), "checkpoint_seconds": (0, 10**5),
     "seed": (0, MAX_SEED),
 }  # fmt: skip
-_PRECISIONS = ("float32", "bfloat16")
 _STEP = 32
 """Pixels that the network reduces to one: a window has a multiple of them."""
 
@@ -110,14 +109,11 @@ class CoarseConfig:
         self.network()
         if self.imagined and not self.landmarks:
             raise ValueError("imagined must be 0 where the network is not told the landmarks")
-        if self.size % _STEP:
-            raise ValueError(f"size must be a multiple of {_STEP}, found {self.size}")
+        check_windows(self.size, _STEP, self.precision)
         if self.steps % self.rounds:
             raise ValueError(f"steps must be a multiple of rounds, {self.rounds}, found {self.steps}")
         if self.painted + self.unmarked >= self.batch:
             raise ValueError(f"painted and unmarked together must be less than batch, {self.batch}, found more")
-        if self.precision not in _PRECISIONS:
-            raise ValueError(f"precision must be {' or '.join(_PRECISIONS)}, found {self.precision!r}")
 
     def network(self) -> CoarseSize:
         """The CoarseSize."""

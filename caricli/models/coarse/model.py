@@ -11,7 +11,7 @@ from caricli.errors import InputError, naming, shown
 from caricli.models.checkpoint import model_id
 from caricli.models.coarse.config import CoarseSize
 from caricli.models.coarse.networks import CoarseNetwork
-from caricli.models.network_weights import load_weights, network_weights, whole_number
+from caricli.models.network_weights import check_schema, load_weights, network_weights, whole_number
 from caricli.structures.landmarks import SCHEMES
 from caricli.structures.seen_people import SeenPeople
 
@@ -103,10 +103,7 @@ def coarse_from_checkpoint(
     Raises InputError when something is missing or does not fit.
     """
     with naming(where):
-        if metadata.get("schema") != SCHEMA:
-            raise InputError(
-                f"expected a coarse network of schema {SCHEMA!r}, found {shown(metadata.get('schema'), 60)!r}"
-            )
+        check_schema(metadata, SCHEMA, "coarse network")
         size = whole_number(metadata.get("size"), _SIDES, "size")
         outputs = whole_number(metadata.get("outputs"), _OUTPUTS, "number of outputs")
         basis = metadata.get("basis")

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from caricli.models.config import MAX_SEED, check_ranges
+from caricli.models.config import MAX_SEED, check_ranges, check_windows
 
 _RANGES = {
     "stem": (4, 512), "width": (8, 512), "depth": (1, 16), "size": (64, 512), "epochs": (1, 10**6), "steps": (1, 10**6),
@@ -11,7 +11,6 @@ _RANGES = {
     "parsing_weight": (0, 1e6), "face_weight": (0, 1e6), "validation": (1, 10**5), "validate_every": (1, 10**6),
     "checkpoint_seconds": (0, 10**5), "seed": (0, MAX_SEED),
 }  # fmt: skip
-_PRECISIONS = ("float32", "bfloat16")
 _STEP = 32
 """Pixels that the network reduces to one: a window has a multiple of them."""
 
@@ -80,10 +79,7 @@ class DetectorConfig:
     def __post_init__(self) -> None:
         """Refuse impossible sizes."""
         check_ranges(self, _RANGES)
-        if self.size % _STEP:
-            raise ValueError(f"size must be a multiple of {_STEP}, found {self.size}")
-        if self.precision not in _PRECISIONS:
-            raise ValueError(f"precision must be {' or '.join(_PRECISIONS)}, found {self.precision!r}")
+        check_windows(self.size, _STEP, self.precision)
 
     def network(self) -> DetectorSize:
         """The DetectorSize."""

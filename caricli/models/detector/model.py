@@ -11,7 +11,7 @@ from caricli.errors import InputError, naming, shown
 from caricli.models.checkpoint import model_id
 from caricli.models.detector.config import DetectorSize
 from caricli.models.detector.networks import COARSE, FINE, HALF, REACH, DetectorNetwork, FaceGrid
-from caricli.models.network_weights import load_weights, network_weights, whole_number
+from caricli.models.network_weights import check_schema, load_weights, network_weights, whole_number
 from caricli.structures.landmarks import SCHEMES
 from caricli.structures.parsing import Region
 
@@ -135,8 +135,7 @@ def detector_from_checkpoint(tensors: Mapping[str, np.ndarray], metadata: Mappin
     Raises InputError when something is missing or does not fit.
     """
     with naming(where):
-        if metadata.get("schema") != SCHEMA:
-            raise InputError(f"expected a detector of schema {SCHEMA!r}, found {shown(metadata.get('schema'), 60)!r}")
+        check_schema(metadata, SCHEMA, "detector")
         if metadata.get("regions") != [region.name.lower() for region in Region]:
             raise InputError("expected a detector of the regions that caricli knows, found another")
         size = whole_number(metadata.get("size"), _SIDES, "size")

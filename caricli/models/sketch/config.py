@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from caricli.models.config import MAX_SEED, check_ranges
+from caricli.models.config import MAX_SEED, check_ranges, check_windows
 
 _SIZES = {"stem": (4, 512), "hidden": (1, 8192), "told": (1, 8192)}
 _RANGES = _SIZES | {
@@ -11,7 +11,6 @@ _RANGES = _SIZES | {
     "weight_decay": (0, 10), "decay": (0, 0.99999), "camera_weight": (0, 1e6), "validation": (1, 10**5),
     "validate_every": (1, 10**6), "checkpoint_seconds": (0, 10**5), "seed": (0, MAX_SEED),
 }  # fmt: skip
-_PRECISIONS = ("float32", "bfloat16")
 _STEP = 32
 """Pixels that the network reduces to one: a window has a multiple of them."""
 
@@ -87,10 +86,7 @@ class SketchConfig:
         """Refuse impossible sizes."""
         check_ranges(self, _RANGES)
         self.network()
-        if self.size % _STEP:
-            raise ValueError(f"size must be a multiple of {_STEP}, found {self.size}")
-        if self.precision not in _PRECISIONS:
-            raise ValueError(f"precision must be {' or '.join(_PRECISIONS)}, found {self.precision!r}")
+        check_windows(self.size, _STEP, self.precision)
 
     def network(self) -> SketchSize:
         """The SketchSize."""

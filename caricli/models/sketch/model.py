@@ -10,7 +10,7 @@ import torch
 from caricli.errors import InputError, naming, shown
 from caricli.geometry.head_rotation import head_rotation
 from caricli.models.checkpoint import model_id
-from caricli.models.network_weights import load_weights, network_weights, whole_number
+from caricli.models.network_weights import check_schema, load_weights, network_weights, whole_number
 from caricli.models.sketch.config import SketchSize
 from caricli.models.sketch.networks import CAMERA, SketchNetwork
 from caricli.models.sketch.window import POINTS, Window, curve_points, shown_strokes
@@ -100,10 +100,7 @@ def sketch_from_checkpoint(
     Raises InputError when something is missing or does not fit.
     """
     with naming(where):
-        if metadata.get("schema") != SCHEMA:
-            raise InputError(
-                f"expected a sketch network of schema {SCHEMA!r}, found {shown(metadata.get('schema'), 60)!r}"
-            )
+        check_schema(metadata, SCHEMA, "sketch network")
         size = whole_number(metadata.get("size"), _SIDES, "size")
         dimension = whole_number(metadata.get("dimension"), _OUTPUTS, "dimension")
         curves = _names(metadata.get("curves"))
