@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import get_args
 
 import click
+import numpy as np
 
 from caricli.commands.shared.head_options import head_options
 from caricli.commands.shared.notes import echo_result
@@ -21,7 +22,7 @@ from caricli.commands.shared.options import (
     seed_option,
 )
 from caricli.commands.shared.picture import picture_files, picture_option
-from caricli.errors import naming
+from caricli.errors import UsageError, naming
 from caricli.io.image import read_image, write_png
 from caricli.io.outputs import staged_folder
 from caricli.io.provenance import provenance
@@ -45,6 +46,13 @@ SIZE = 320
     help="Take the head from this picture, white where it is.  [default: found in the picture]",
 )
 @click.option(
+    "--parsing",
+    type=PATH,
+    metavar="LABELS.png",
+    help="Take head, hair and what is before them from this label map, as `caricli detect` writes it.  [default: seen by "
+    "the detector]",
+)
+@click.option(
     "--size",
     type=WholeRange(64, 4096),
     metavar="PIXELS",
@@ -66,7 +74,7 @@ SIZE = 320
 @seed_option
 @picture_option
 @overwrite_option
-def command(face, image, out, mask, size, hair, head, flat, keep_light, model, detector, seed, overwrite):
+def command(face, image, out, mask, parsing, size, hair, head, flat, keep_light, model, detector, seed, overwrite):
     """Paint a face (NPZ with a camera) with the picture that it was fitted to.
 
     What the picture does not show comes from the other side of the face, and else has the colour of its skin, of what
@@ -78,10 +86,13 @@ def command(face, image, out, mask, size, hair, head, flat, keep_light, model, d
     Example:
       caricli texture refined.npz drawing.png --out textured
       caricli texture face.npz photo.jpg --mask head.png --size 2048 --out textured
+      caricli texture face.npz drawing.png --parsing drawing-regions.png --out textured
       caricli rig textured/face.npz --out rig.glb
     """
     settings = PaintSettings(size, flat, seed, hair, head, TextureSettings(keep_light=keep_light))
-    echo_result(TextureTask(mask, settings, model, overwrite, detector).run(face, image, out))
+    if mask and parsing:
+        raise UsageError("--mask and --parsing both say where the head is: give one of them")
+    echo_result(TextureTask(mask, settings, model, overwrite, detector, parsing).run(face, image, out))
 
 
 @dataclass(frozen=True)
@@ -90,7 +101,8 @@ class TextureTask:
 
     mask: path of a picture that is white where the head is, or None to cut it out. settings: PaintSettings. model:
     path of the model of the mesh, or None. overwrite: whether a folder that exists is replaced. detector:
-    path of what says what the pixels show, or None for the bundled one; a mask goes without.
+    path of what says what the pixels show, or None for the bundled one; a mask goes without. parsing: path of a label
+    map that says it in its place, or None.
     """
 
     mask: Path | None = None
@@ -98,17 +110,17 @@ class TextureTask:
     model: Path | None = None
     overwrite: bool = False
     detector: Path | None = None
+    parsing: Path | None = None
 
     def run(self, face: Path, image: Path, out: Path) -> str:
         """Paint a face, write the head into a folder, and say how near it came."""
         from caricli.commands.shared.progress import progress_bar
         from caricli.methods.texture.paint_head import paint_head
         from caricli.render.in_parallel import in_parallel
-        from caricli.store.face_pictures import FaceReader
         from caricli.store.faces import load_seen_face, write_painted_head
         from caricli.store.pictures import load_mask
 
-        inputs = (face, image, self.mask)
+        inputs = (face, image, self.mask, self.parsing)
         folders = staged_folder(
             out, overwrite=self.overwrite, inputs=(*inputs, self.model, self.detector), marker=REPORT
         )
@@ -118,7 +130,7 @@ class TextureTask:
             with naming(face):
                 points = seen.require_landmarks()
             white = None if self.mask is None else load_mask(self.mask, (picture.shape[1], picture.shape[0]))
-            regions = FaceReader(self.detector).parse(picture, points) if white is None else None
+            regions = self._regions(picture, points) if white is None else None
             start = time.perf_counter()
             with naming(", ".join(str(path) for path in inputs if path)):
                 painted = paint_head(seen, shape_model.template, picture, white, self.settings, regions)
@@ -131,6 +143,15 @@ class TextureTask:
             for _ in in_parallel(lambda job: job(), jobs):
                 pass
         return f"{out}: {painted.describe()}"
+
+    def _regions(self, picture: np.ndarray, points: np.ndarray) -> np.ndarray | None:
+        """(H, W) values of Region of a picture with a face at points (L, 2), or None where nothing tells them."""
+        from caricli.store.face_pictures import FaceReader
+        from caricli.store.pictures import load_regions
+
+        if self.parsing is None:
+            return FaceReader(self.detector).parse(picture, points)
+        return load_regions(self.parsing, (picture.shape[1], picture.shape[0]))
 
 
 def _draw_sheet(path, painted, head):

@@ -10,11 +10,23 @@ from caricli.io.image import is_image_file, read_image
 from caricli.io.landmarks import read_landmarks
 from caricli.io.parsing import read_parsing
 from caricli.structures import Landmarks
+from caricli.structures.parsing import Region
 
 PICTURES = (".png", ".jpg", ".jpeg", ".webp", ".bmp", ".tif", ".tiff", ".gif")
 
 _EYE_LABELS = ("eye_left", "eye_right", "eyes")
 """Labels of a parsed picture that show an eye."""
+
+_ELSEWHERE = {
+    "eye_glasses": Region.GLASSES,
+    "earring": Region.OTHER,
+    "necklace": Region.OTHER,
+    **{f"eye_{side}": Region.EYES for side in ("left", "right")},
+    **{f"brow_{side}": Region.BROWS for side in ("left", "right")},
+    **{f"ear_{side}": Region.EARS for side in ("left", "right")},
+    **{f"{side}_lip": Region.LIPS for side in ("upper", "lower")},
+}
+"""What the labels are here that CelebAMask-HQ calls otherwise."""
 
 _WHITE = 127
 """Grey above which a pixel of a mask is white."""
@@ -68,9 +80,7 @@ def load_eyes(path: Path | None, size: tuple[int, int] | None) -> np.ndarray | N
     if path is None:
         return None
     labels, legend = read_parsing(path)
-    if size is not None and tuple(size) != labels.shape[::-1]:
-        other = f"{labels.shape[1]} x {labels.shape[0]}"
-        raise InputError(f"{shown(path)}: expected the picture's size, {size[0]} x {size[1]}, found {other}")
+    _check_size(path, labels, size)
     eyes = np.isin(labels, [legend[name] for name in _EYE_LABELS if name in legend])
     if not eyes.any():
         raise InputError(f"{shown(path)}: expected pixels labelled {' or '.join(_EYE_LABELS)}, found none")
@@ -83,7 +93,35 @@ def load_mask(path: Path, size: tuple[int, int]) -> np.ndarray:
     path: of the mask. size: (width, height) of the picture that it is of. Raises InputError for another size.
     """
     mask = read_image(path)
-    if size != (mask.shape[1], mask.shape[0]):
-        other = f"{mask.shape[1]} x {mask.shape[0]}"
-        raise InputError(f"{shown(path)}: expected the picture's size, {size[0]} x {size[1]}, found {other}")
+    _check_size(path, mask, size)
     return mask.mean(2) > _WHITE
+
+
+def load_regions(path: Path, size: tuple[int, int]) -> np.ndarray:
+    """(H, W) uint8 values of Region: what a picture shows, by its label map.
+
+    path: of the labels. size: (width, height) of the picture that they are of.
+    Raises InputError for another size, for a label whose number or name says nothing here, and where none is skin.
+    """
+    labels, legend = read_parsing(path)
+    _check_size(path, labels, size)
+    regions = np.full(256, -1)
+    for name, number in legend.items():
+        region = _ELSEWHERE.get(name, Region.__members__.get(name.upper()))
+        if region is None and (labels == number).any():
+            raise InputError(f"{shown(path)}: expected labels such as hair or skin, found {shown(name)!r}")
+        regions[number] = -1 if region is None else region
+    unnamed = labels[regions[labels] < 0]
+    if len(unnamed):
+        raise InputError(f"{shown(path)}: expected numbers that the legend names, found {unnamed[0]}")
+    shown_there = regions[labels].astype(np.uint8)
+    if not (shown_there == Region.SKIN).any():
+        raise InputError(f"{shown(path)}: expected pixels labelled skin, found none")
+    return shown_there
+
+
+def _check_size(path: Path, pixels: np.ndarray, size: tuple[int, int] | None) -> None:
+    """Raise InputError where a picture beside another has not its size (width, height); None is any."""
+    if size is not None and tuple(size) != (pixels.shape[1], pixels.shape[0]):
+        other = f"{pixels.shape[1]} x {pixels.shape[0]}"
+        raise InputError(f"{shown(path)}: expected the picture's size, {size[0]} x {size[1]}, found {other}")

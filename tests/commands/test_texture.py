@@ -13,8 +13,9 @@ from caricli.io.face import read_face, write_face
 from caricli.io.gltf.read_gltf import read_gltf
 from caricli.io.image import read_image, write_png
 from caricli.io.obj import read_obj, write_obj
+from caricli.io.parsing import write_parsing
 from caricli.io.rig import read_rig
-from caricli.io.strict_json import read_json
+from caricli.io.strict_json import read_json, write_json
 from caricli.methods.texture.settings import TextureSettings
 from caricli.render.rasterise import rasterise
 from caricli.render.render_textured import render_textured
@@ -265,6 +266,42 @@ def test_masks_that_do_not_fit(refused, scene, tmp_path):
         write_png(path, image)
         said = refused(COMMAND, face, photo, flag, path, "--out", tmp_path / "out")
         assert f"{path}: {words}" in said and not (tmp_path / "out").exists()
+
+
+def write_labels(path, labels, names=None):
+    """A label map, with a legend where its labels have names."""
+    write_parsing(path, labels)
+    if names is not None:
+        write_json(path.with_suffix(".json"), {"schema": "caricli.parsing/1", "labels": names})
+    return path
+
+
+def test_a_label_map_stands_in_for_the_detector(run, scene, tmp_path, monkeypatch):
+    monkeypatch.setattr("caricli.store.face_pictures.FaceReader.parse", None)  # calling it would fail
+    face, photo, _, mask = inputs(scene)
+    head = read_image(mask)[..., 0] > 0
+    labels = write_labels(tmp_path / "labels.png", head.astype(np.uint8))
+    result = run(COMMAND, face, photo, "--parsing", labels, "--size", 64, "--out", tmp_path / "out")
+    assert result.exit_code == 0, result.output
+    report = read_json(tmp_path / "out" / "face.json")
+    assert report["head"] == pytest.approx(head.mean(), rel=0.05) and report["hair"] is None
+
+
+def test_label_maps_that_do_not_fit(refused, scene, tmp_path):
+    face, photo, flag, mask = inputs(scene)
+    head = (read_image(mask)[..., 0] > 0).astype(np.uint8)
+    cases = {
+        "small": (head[:-1], None, "expected the picture's size, 300 x 300, found 300 x 299"),
+        "number": (50 * head, None, "expected numbers that the legend names, found 50"),
+        "name": (head, {"wall": 0, "antler": 1}, "expected labels such as hair or skin, found 'wall'"),
+        "bald": (13 * head, None, "expected pixels labelled skin, found none"),
+    }
+    for name, (labels, names, words) in cases.items():
+        path = write_labels(tmp_path / f"{name}.png", labels, names)
+        said = refused(COMMAND, face, photo, "--parsing", path, "--out", tmp_path / "out")
+        assert f"{path}: {words}" in said and not (tmp_path / "out").exists()
+    said = refused(COMMAND, face, photo, flag, mask, "--parsing", path, "--out", tmp_path / "out", code=2)
+    assert "--mask and --parsing both say where the head is" in said
 
 
 def test_another_picture(refused, scene, tmp_path):
