@@ -49,8 +49,8 @@ SIZE = 320
     "--parsing",
     type=PATH,
     metavar="LABELS.png",
-    help="Take head, hair and what is before them from this label map, as `caricli detect` writes it.  [default: seen by "
-    "the detector]",
+    help="Take head, hair and what is before them from this label map, as `caricli detect` writes it.  [default: seen "
+    "by the detector]",
 )
 @click.option(
     "--size",
