@@ -18,10 +18,10 @@ UNLIKE = wp.constant(0.2)  # linear light between neighbouring pixels: from ther
 
 @wp.struct
 class Rays:
-    """Where rays begin and end.
+    """Where rays from a surface begin and end.
 
     mesh: what they meet.
-    start: depth at which rays into a picture begin, or how far above a surface those from its vertices do.
+    start: how far above the surface.
     reach: length.
     """
 
@@ -69,17 +69,6 @@ def outside_hit(mesh: wp.uint64, origin: wp.vec3, way: wp.vec3, reach: float):
             return outside
         travelled += 1.0e-5 * reach
     return outside
-
-
-@wp.kernel
-def outside_face(rays: Rays, columns: int, step: wp.vec2, face: wp.array(dtype=wp.int32)):
-    """The triangle that a coarse grid of rays into a picture sees from outside."""
-    i = wp.tid()
-    x = (float(i % columns) + 0.5) * step[0] - 0.5
-    y = (float(i // columns) + 0.5) * step[1] - 0.5
-    hit = outside_hit(rays.mesh, wp.vec3(x, y, rays.start), wp.vec3(0.0, 0.0, 1.0), rays.reach)
-    if hit.found == 1:
-        face[i] = hit.face
 
 
 @wp.kernel
