@@ -3,20 +3,27 @@
 import cv2
 import numpy as np
 
+from caricli.methods.hair.colour_mixture import ColourMixture
 from caricli.methods.hair.settings import MaskSettings
 
-_ROUNDS = 4  # of GrabCut
+_COMPONENTS = 5  # Gaussians of the colours of hair, and of what is around it
+_ROUNDS = 2  # of colours and probabilities in turns
+_AROUND = 2  # times as far as colours are asked, they are learnt
+_FEWEST = 50  # pixels that a colour model takes
 
 
 def cut_hair(image: np.ndarray, hair: np.ndarray, size: float, settings: MaskSettings) -> np.ndarray:
-    """Cut hair out by its colours (GrabCut), starting from a mask whose border is a few pixels off.
+    """Tell by its colours where hair ends, starting from a mask whose border is a few pixels off.
 
-    image: (H, W, 3) uint8. hair: (H, W) bool, some of it. size: pixels, of the face. settings: how far around the
-    border pixels are asked, and how fine.
-    Returns (H, W) bool; what was given where it leaves nothing to compare with.
+    A pixel's odds are those of its colour, by mixtures of Gaussians of what is hair and what is around it, up to a
+    bound, times those of its place, which grow with the distance from the mask's border: so dark hair before a dark
+    wall ends where the mask does. A guided filter (He et al. 2013) makes neighbours agree.
+
+    image: (H, W, 3) uint8. hair: (H, W) bool, some of it. size: pixels, of the face. settings: MaskSettings.
+    Returns (H, W) from 0 to 1, how probably each pixel shows hair; what was given where there is too little to compare.
     """
     rows, columns = np.nonzero(hair)
-    around = int(2 * settings.beyond * size) + 2
+    around = int(_AROUND * settings.beyond * size) + 2
     part = np.s_[
         max(rows.min() - around, 0) : rows.max() + around + 1,
         max(columns.min() - around, 0) : columns.max() + around + 1,
@@ -24,23 +31,34 @@ def cut_hair(image: np.ndarray, hair: np.ndarray, size: float, settings: MaskSet
     picture = image[part]
     zoom = min(1.0, settings.side / max(picture.shape[:2]))
     small = cv2.resize(picture, None, fx=zoom, fy=zoom, interpolation=cv2.INTER_AREA) if zoom < 1 else picture
-    given = cv2.resize(hair[part].astype(np.uint8), small.shape[1::-1], interpolation=cv2.INTER_NEAREST)
-    labels = np.where(cv2.dilate(given, _disc(settings.beyond * zoom * size)) > 0, cv2.GC_PR_BGD, cv2.GC_BGD)
-    labels[given > 0] = cv2.GC_PR_FGD
-    labels[cv2.erode(given, _disc(settings.within * zoom * size)) > 0] = cv2.GC_FGD
-    labels = labels.astype(np.uint8)
-    if not given.any() or not (labels == cv2.GC_BGD).any():
-        return hair
-    cv2.setRNGSeed(0)
-    background, foreground = np.zeros((2, 1, 65))
-    nowhere = (0, 0, 0, 0)  # a rectangle is not read where labels are given
-    cv2.grabCut(np.ascontiguousarray(small[..., ::-1]), labels, nowhere, background, foreground, _ROUNDS)
-    cut = np.isin(labels, (cv2.GC_FGD, cv2.GC_PR_FGD)).astype(np.uint8)
-    whole = np.zeros_like(hair)
-    whole[part] = cv2.resize(cut, picture.shape[1::-1], interpolation=cv2.INTER_LINEAR) > 0
+    given = cv2.resize(hair[part].astype(np.uint8), small.shape[1::-1], interpolation=cv2.INTER_AREA) > 0
+    probable = _probabilities(small, given, zoom * size, settings)
+    whole = np.zeros(hair.shape, np.float32)
+    whole[part] = cv2.resize(probable, picture.shape[1::-1], interpolation=cv2.INTER_LINEAR)
     return whole
 
 
-def _disc(radius: float) -> np.ndarray:
-    reach = max(round(radius), 1)
-    return cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * reach + 1, 2 * reach + 1))
+def _probabilities(picture: np.ndarray, hair: np.ndarray, size: float, settings: MaskSettings) -> np.ndarray:
+    """(H, W) from 0 to 1, how probably a pixel shows hair, by its colour and a mask (H, W) whose face has a size."""
+    inside = cv2.distanceTransform(hair.astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_5)
+    outside = cv2.distanceTransform((~hair).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_5)
+    away = (inside - outside) / size
+    smooth = cv2.GaussianBlur(picture, (0, 0), max(0.5, 0.004 * size))
+    lab = cv2.cvtColor(smooth, cv2.COLOR_RGB2LAB).astype(np.float32)
+    generator = np.random.RandomState(0)
+    near = away > -_AROUND * settings.beyond
+    probable: np.ndarray = hair.astype(np.float32)
+    for _ in range(_ROUNDS):
+        scores = []
+        for pixels in (probable > 0.5, (probable <= 0.5) & near):
+            colours = lab[pixels]
+            if len(colours) < _FEWEST:
+                return hair.astype(np.float32)
+            chosen = generator.permutation(len(colours))[: settings.samples]
+            scores.append(ColourMixture(colours[chosen], _COMPONENTS, settings.spread).log_likelihoods(lab))
+        odds = np.clip(scores[0] - scores[1], -settings.colour, settings.colour) + settings.place * away
+        chances = (1 / (1 + np.exp(-np.clip(odds, -30, 30)))).astype(np.float32)
+        radius = max(2, int(settings.nearby * size))
+        probable = cv2.ximgproc.guidedFilter(picture, chances, radius, (255 * settings.alike) ** 2)
+        probable = np.where(np.abs(away) > settings.beyond, hair, np.clip(probable, 0, 1)).astype(np.float32)
+    return probable

@@ -6,6 +6,7 @@ from scipy.ndimage import label
 
 from caricli.methods.hair.cut_hair import cut_hair
 from caricli.methods.hair.mask_hair import HairMask
+from caricli.methods.hair.picture_zones import facial_features
 from caricli.methods.hair.settings import MaskSettings
 from caricli.render.nearest_pixel import nearest_pixel
 from caricli.structures import Face
@@ -23,33 +24,47 @@ def parsed_hair(
     image: np.ndarray,
     settings: MaskSettings = MaskSettings(),  # noqa: B008 (frozen)
 ) -> HairMask | None:
-    """The hair that hangs on a head; hats are none, and where they hide much of it, it is doubtful.
+    """The hair that hangs on a head; hats are none, and where there are hats beside much of it, it is doubtful.
 
-    Regions are coarse: near their border colours say what is hair.
+    Regions are coarse: near their border colours say what is hair. Brows, eyes and lips stay what they are.
 
     face: Face with landmarks. regions: (H, W) values of Region. pixels: (H, W) bool, those that the face's mesh covers.
     image: (H, W, 3) uint8.
-    Returns HairMask, whose doubt is the hats' share of hats and hair; or None where by its colours most of what is said
-    to be hair is none, or hair goes on far beyond: then this is rather the wall behind it.
+    Returns HairMask, whose doubt is one minus the expected intersection over union with what is hair, by its colours,
+    times the share that hair has of hats and hair; or None where colours alone leave so much doubt that it is not to be
+    trusted.
     """
     points = face.require_landmarks()[:COUNT]
-    area = float(np.ptp(points, axis=0).max()) ** 2
+    size = float(np.ptp(points, axis=0).max())
     hair = regions == Region.HAIR
-    parts, _ = label(hair)
-    sizes = np.bincount(parts.ravel())
-    on_head = np.zeros(len(sizes), bool)
-    on_head[np.unique(parts[pixels & hair])] = True
-    own = (on_head & (sizes > settings.speckle * area))[parts] & hair
-    hats = ((regions == Region.HAT) & pixels).sum()
+    own = _on_head(hair, pixels, settings.crumb * size**2)
+    hats = (_on_head(np.isin(regions, (Region.HAT, Region.HAIR)), pixels) & (regions == Region.HAT)).sum()
     doubt = float(hats / max(hats + own.sum(), 1))
     if doubt <= settings.doubt and own.any():
-        size = float(np.sqrt(area))
-        cut = cut_hair(image, own, size, settings)
-        if (cut & own).sum() < (1 - settings.doubt) * (cut | own).sum():
+        probable = cut_hair(image, own, size, settings)
+        features = facial_features(points, size, own.shape, settings) & ~own
+        cut = (probable > 0.5) & ~np.isin(regions, _NEVER) & ~features
+        own = _on_head(cut, pixels, settings.crumb * size**2)
+        certainty = _certainty(own, probable)
+        if certainty < 1 - settings.doubt:
             return None
-        own = cut & ~np.isin(regions, _NEVER)
+        doubt = 1 - (1 - doubt) * certainty
     # What colours take from the hair is what is next to it.
     beside = regions if hair.all() else regions[nearest_pixel(~hair)]
     enclosed = cv2.contourArea(cv2.convexHull(points[np.isfinite(points).all(1)].astype(np.float32)))
     enough = own.sum() >= settings.least * enclosed
     return HairMask(own, np.isin(beside, _AROUND) & ~own, doubt, bool(enough and doubt <= settings.doubt))
+
+
+def _on_head(mask: np.ndarray, pixels: np.ndarray, least: float = 0.0) -> np.ndarray:
+    """(H, W) bool: the parts of a mask (H, W) that have more than so many pixels and some of those of the head."""
+    parts, _ = label(mask)
+    kept = np.bincount(parts.ravel()) > least
+    kept &= np.bincount(parts[pixels & mask], minlength=len(kept)) > 0
+    kept[0] = False
+    return kept[parts]
+
+
+def _certainty(mask: np.ndarray, probable: np.ndarray) -> float:
+    """Expected intersection over union of a mask and what has probabilities (H, W)."""
+    return float(np.minimum(mask, probable).sum() / max(np.maximum(mask, probable).sum(), 1e-9))

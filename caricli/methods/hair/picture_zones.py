@@ -32,8 +32,8 @@ class PictureZones:
         self._cut(face, image, settings)
         points = self.points
         rows, columns = np.mgrid[: self.shape[0], : self.shape[1]]
-        self.enclosed = self._inside(points[list(OUTLINE)])
-        self.features = self._features(settings)
+        self.enclosed = _inside(points[list(OUTLINE)], self.shape)
+        self.features = facial_features(points, self.size, self.shape, settings)
         self.inner = (distance_transform_edt(self.enclosed) > settings.core * self.size) & ~self.features
         self.brows = points[17:27, 1].mean()
         placed = self.zoom * (face.require_camera().place(face.vertices) - [*self.corner, 0])
@@ -81,20 +81,6 @@ class PictureZones:
         self.size = zoom * size
         self.points = zoom * (points - start)
 
-    def _inside(self, points: np.ndarray) -> np.ndarray:
-        mask = np.zeros(self.shape, np.uint8)
-        cv2.fillPoly(mask, [np.round(points).astype(np.int32)], 1)
-        return mask > 0
-
-    def _features(self, settings: MaskSettings) -> np.ndarray:
-        mask = np.zeros(self.shape, np.uint8)
-        for part in _BROWS:
-            line = np.round(self.points[list(part)]).astype(np.int32)
-            cv2.polylines(mask, [line], False, 1, max(1, int(_BROW_WIDTH * self.size)))
-        enclosed = np.any([self._inside(self.points[list(part)]) for part in _FEATURES], axis=0)
-        mask = (mask > 0) | enclosed
-        return distance_transform_edt(~mask) < settings.features * self.size if mask.any() else mask
-
     def _ears(self, ear: np.ndarray, rows: np.ndarray, settings: MaskSettings) -> np.ndarray:
         level = (rows > self.brows) & (rows < self.points[list(_EAR_ENDS), 1].mean())
         if not ear.any():
@@ -116,6 +102,30 @@ class PictureZones:
         behind = np.where(self.far, 0.995, behind)
         chances = np.stack([skin, hair, behind], -1)
         return np.log(np.maximum(chances / chances.sum(-1, keepdims=True), 1e-5))
+
+
+def facial_features(points: np.ndarray, size: float, shape: tuple[int, int], settings: MaskSettings) -> np.ndarray:
+    """(H, W) bool: brows, eyes and lips of landmarks, with a margin; whatever their colours, they are not hair.
+
+    points: (68, 2) pixels, NaN where unknown. size: pixels, of the face. shape: H and W.
+    """
+    mask = np.zeros(shape, np.uint8)
+    for part in _BROWS:
+        line = np.round(_finite(points[list(part)])).astype(np.int32)
+        cv2.polylines(mask, [line], False, 1, max(1, int(_BROW_WIDTH * size)))
+    enclosed = np.any([_inside(points[list(part)], shape) for part in _FEATURES], axis=0)
+    mask = (mask > 0) | enclosed
+    return distance_transform_edt(~mask) < settings.features * size if mask.any() else mask
+
+
+def _inside(points: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
+    mask = np.zeros(shape, np.uint8)
+    cv2.fillPoly(mask, [np.round(_finite(points)).astype(np.int32)], 1)
+    return mask > 0
+
+
+def _finite(points: np.ndarray) -> np.ndarray:
+    return points[np.isfinite(points).all(1)]
 
 
 def _falling(values: np.ndarray, middle: float, width: float) -> np.ndarray:

@@ -24,7 +24,10 @@ class MaskSettings:
     least: share of the face's area that hair fills at least. speckle: of it, smaller parts of the mask are dropped.
     bridge: parts that nothing wider than this joins do not hang together.
     doubt: from 0 to 1; with more the mask is not trusted.
-    beyond, within: how far outside and inside the border of what a network takes for hair colours decide.
+    beyond: how far from the border of what a network takes for hair colours are asked. colour: natural logarithm of the
+    odds that a colour counts at most there; place: the same of the distance, per face's size. nearby, alike: radius and
+    smoothness of the filter there. crumb: of the squared size, smaller parts of what a network takes for hair are
+    dropped.
     """
 
     side: int = 300
@@ -53,7 +56,11 @@ class MaskSettings:
     bridge: float = 0.03
     doubt: float = 0.4
     beyond: float = 0.1
-    within: float = 0.06
+    colour: float = 4.0
+    place: float = 40.0
+    nearby: float = 0.02
+    alike: float = 0.02
+    crumb: float = 0.005
 
 
 @dataclass(frozen=True)

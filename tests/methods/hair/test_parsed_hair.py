@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -45,7 +47,7 @@ def test_hair_hangs_on_the_head(face, pixels):
     mask = parsed_hair(face, regions, pixels, painted(regions))
     np.testing.assert_array_equal(mask.pixels, labels(hair) > 0)
     assert mask.behind[regions == Region.BACKGROUND].all() and not mask.behind[regions == Region.SKIN].any()
-    assert mask.trusted and mask.doubt == 0
+    assert mask.trusted and mask.doubt < 0.02
 
 
 def test_a_hat_is_no_hair_and_makes_it_doubtful(face, pixels):
@@ -55,6 +57,35 @@ def test_a_hat_is_no_hair_and_makes_it_doubtful(face, pixels):
     mask = parsed_hair(face, regions, pixels, painted(regions))
     assert not mask.pixels[regions == Region.HAT].any() and mask.pixels.sum() == 100
     assert mask.doubt > 0.5 and not mask.trusted
+
+
+def test_a_wall_that_passes_for_hat_and_hair_is_doubtful(face, pixels):
+    """They are beside the head, next to each other."""
+    regions = labels(
+        *((Region.HAT, (0, 30), (0, 12)), (Region.HAT, (0, 30), (68, 90)), (Region.HAIR, (0, 17), (12, 68))),
+        (Region.SKIN, (17, 70), (15, 65)),
+    )
+    mask = parsed_hair(face, regions, pixels, painted(regions))
+    assert mask.doubt > 0.5 and not mask.trusted
+
+
+def test_hair_before_a_wall_of_its_colour_ends_where_the_regions_say(face, pixels):
+    regions = labels((Region.HAIR, (5, 25), (15, 65)), (Region.SKIN, (25, 70), (15, 65)))
+    image = painted(np.where(regions == Region.BACKGROUND, Region.HAIR, regions))
+    mask = parsed_hair(face, regions, pixels, image)
+    wrong = mask.pixels != (regions == Region.HAIR)
+    assert mask.trusted and wrong.sum() < 0.1 * (regions == Region.HAIR).sum()
+    assert not wrong[24:].any()
+
+
+def test_brows_next_to_hair_are_none(face, pixels):
+    """Brows in the colour of the hair that they touch."""
+    points = face.landmarks.copy()
+    points[17:27] = np.column_stack([np.linspace(28, 52, 10), np.full(10, 27)])
+    regions = labels((Region.HAIR, (5, 25), (15, 65)), (Region.SKIN, (25, 70), (15, 65)))
+    image = painted(np.where(labels((Region.HAIR, (25, 29), (28, 52))) > 0, Region.HAIR, regions))
+    mask = parsed_hair(replace(face, landmarks=points), regions, pixels, image)
+    assert mask.pixels[6:24, 17:63].all() and not mask.pixels[26:28, 30:38].any()
 
 
 def test_a_bald_head_has_none(face, pixels):
