@@ -58,7 +58,7 @@ def by_regions(face, image, detector, template):
     """Head, skin and hair by the detector, and seconds."""
     parsed, seconds = timed(parse_face, image, face.landmarks, detector)
     pixels = mesh_pixels(face, image)
-    head = parsed_head(parsed.regions, pixels)
+    head = parsed_head(parsed.regions, pixels, image)
     if head is None:
         return None
     hair = parsed_hair(face, parsed.regions, pixels, image) or mask_hair(face, template, image)

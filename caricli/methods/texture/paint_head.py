@@ -88,7 +88,7 @@ def paint_head(
     """
     camera = face.require_camera()
     landmarks = face.require_landmarks()
-    parsed = None if regions is None or mask is not None else parsed_head(regions, mesh_pixels(face, image))
+    parsed = None if regions is None or mask is not None else parsed_head(regions, mesh_pixels(face, image), image)
     parts = _find_head(face, image, mask) if parsed is None else parsed
     mask = parts.whole
     hair = dress_hair(face, template, image, settings, None if parsed is None else regions)

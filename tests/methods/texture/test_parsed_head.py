@@ -20,6 +20,12 @@ def regions():
 
 
 @pytest.fixture
+def image():
+    """Of skin all over."""
+    return np.full((60, 80, 3), (205, 150, 120), np.uint8)
+
+
+@pytest.fixture
 def pixels():
     """What the mesh covers."""
     mask = np.zeros((60, 80), bool)
@@ -27,8 +33,8 @@ def pixels():
     return mask
 
 
-def test_what_is_worn_or_held_is_of_the_head_but_no_paint(regions, pixels):
-    head = parsed_head(regions, pixels)
+def test_what_is_worn_or_held_is_of_the_head_but_no_paint(regions, pixels, image):
+    head = parsed_head(regions, pixels, image)
     assert not (head.paint & ~head.whole).any()
     for kind in (Region.GLASSES, Region.HAT):
         assert head.whole[regions == kind].all() and not head.paint[regions == kind].any()
@@ -39,11 +45,21 @@ def test_what_is_worn_or_held_is_of_the_head_but_no_paint(regions, pixels):
     assert not head.whole[np.isin(regions, (Region.BACKGROUND, Region.CLOTH))].any()
 
 
-def test_other_people_are_other_heads(regions, pixels):
-    head = parsed_head(regions, pixels)
+def test_other_people_are_other_heads(regions, pixels, image):
+    head = parsed_head(regions, pixels, image)
     assert not head.whole[:, 50:].any() and head.whole[:, :50].any()
 
 
-def test_a_head_that_was_not_seen_is_none(regions, pixels):
-    assert parsed_head(regions, np.zeros_like(pixels)) is None
-    assert parsed_head(np.zeros_like(regions), pixels) is None
+def test_a_head_that_was_not_seen_is_none(regions, pixels, image):
+    assert parsed_head(regions, np.zeros_like(pixels), image) is None
+    assert parsed_head(np.zeros_like(regions), pixels, image) is None
+
+
+def test_a_collar_that_was_taken_for_neck_is_no_paint(regions, pixels, image):
+    regions[42:50, 22:40] = Region.NECK
+    image[42:50, 22:32] = (110, 80, 60)  # in shadow, as the skin's own
+    image[20:24, 15:35] = (110, 80, 60)
+    image[42:50, 32:40] = (190, 20, 30)
+    head = parsed_head(regions, pixels, image)
+    assert head.paint[42:50, 22:32].all() and not head.paint[42:50, 32:40].any()
+    assert head.whole[42:50, 22:40].all()
