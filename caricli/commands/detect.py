@@ -23,7 +23,7 @@ from caricli.methods.detect.settings import DetectSettings
 @click.argument("pictures", nargs=-1, required=True, type=PATH, metavar="PICTURE...")
 @out_option("MARKS.json", "Write the landmarks of one picture here, and the rest beside it.", required=False)
 @out_folder_option("Write landmarks, regions and overlays into this folder, under the names of the pictures.")
-@click.option("--all", "everyone", is_flag=True, help="Write the landmarks of all faces, not of the largest alone.")
+@click.option("--all", "everyone", is_flag=True, help="Write the landmarks of all faces, not of one alone.")
 @click.option(
     "--detector", type=PATH, metavar="FILE", help="Use this detector of `caricli train detector`.  [default: caricli's]"
 )
@@ -37,7 +37,8 @@ def command(ctx, pictures, out, out_dir, everyone, detector, score, overwrite):
 
     Of head.png the 81 landmarks are written to head.json, with how sure each is, `null` where it cannot be known; the
     label map to head-regions.png, with its legend and the faces' scores beside it as JSON; and head-overlay.png shows
-    both. With --all the second largest face is head-2.json.
+    both. The face is the largest that nothing speaks against, or the largest; with --all the second largest is
+    head-2.json.
 
     \b
     Example:
@@ -69,13 +70,14 @@ class DetectTask:
     def run(self, source: Path, target: Path) -> str:
         """Find the faces of a picture, write them, and say what they are."""
         from caricli.methods.detect.detect_faces import detect_faces
+        from caricli.methods.detect.see_face import main_face
         from caricli.render.detection_sheet import detection_sheet
 
         picture = read_image(source)
         detection = detect_faces(picture, self.detector, self.settings)
         if not detection.faces:
             raise InputError(f"{shown(source)}: expected a face, found none")
-        faces = detection.faces if self.everyone else detection.faces[:1]
+        faces = detection.faces if self.everyone else [main_face(detection.faces, self.settings)]
         marks = [target, *(target.with_name(f"{target.stem}-{k}.json") for k in range(2, len(faces) + 1))]
         regions, report, overlay = (
             target.with_name(f"{target.stem}-{end}") for end in ("regions.png", "regions.json", "overlay.png")
@@ -88,7 +90,7 @@ class DetectTask:
             write_parsing(labels, detection.regions)
             write_json(about, self._report(source, detection))
             write_png(sheet, detection_sheet(picture, replace(detection, faces=faces)))
-        return f"{shown(target)}: {_summary(faces, len(detection.faces))}"
+        return f"{shown(target)}: {_summary(faces, detection.faces)}"
 
     def _report(self, source: Path, detection: Any) -> dict:
         """The legend of the label map, and what is known of the faces."""
@@ -113,12 +115,13 @@ def _described(face: Any, settings: DetectSettings) -> dict:
     }
 
 
-def _summary(faces: list, count: int) -> str:
-    """One line."""
+def _summary(faces: list, every: list) -> str:
+    """One line. faces: those that are written. every: those that were found, the largest first."""
     face = faces[0]
     side = f"{face.frame.side:.0f} pixels"
     doubt = f"score {face.score:.2f}, landmarks to {100 * face.spread:.1f} % of its diagonal"
     if len(faces) > 1:
         return f"{len(faces)} faces, the largest of {side}, {doubt}"
-    others = "" if count == 1 else f", the largest of {count}"
+    rank = "the largest" if face is every[0] else "the largest sure one"
+    others = "" if len(every) == 1 else f", {rank} of {len(every)}"
     return f"a face of {side}{others}, {doubt}"

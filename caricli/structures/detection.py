@@ -91,8 +91,8 @@ class Detection:
 class SeenFace:
     """What a picture shows, where one face is what it is of.
 
-    face: DetectedFace, the largest. regions: (H, W) uint8 values of Region, of the whole picture. others: faces beside
-    it. doubt: why it may be wrong, a phrase, or None where nothing speaks against it.
+    face: DetectedFace, the largest without doubt, or the largest. regions: (H, W) uint8 values of Region, of the whole
+    picture. others: faces beside it. doubt: why it may be wrong, a phrase, or None where nothing speaks against it.
     """
 
     face: DetectedFace
@@ -131,7 +131,8 @@ class FacePicture:
         """What is worth knowing of a face that was seen in a picture of a name, or None."""
         if self.seen is None:
             return None
-        others = f"took the largest of {self.seen.others + 1} faces" if self.seen.others else None
+        rank = "the largest" if self.seen.doubt else "the largest sure one"
+        others = f"took {rank} of {self.seen.others + 1} faces" if self.seen.others else None
         doubt = f"the face is doubtful: {self.seen.doubt}" if self.seen.doubt else None
         notes = "; ".join(note for note in (others, doubt) if note)
         return f"{shown(name)}: {notes}" if notes else None

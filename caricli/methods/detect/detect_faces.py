@@ -3,8 +3,8 @@
 import numpy as np
 
 from caricli.errors import InputError
-from caricli.methods.detect.find_faces import Candidate, Glance, common_share, find_faces
-from caricli.methods.detect.parse_picture import WindowRegions, parse_picture
+from caricli.methods.detect.find_faces import Candidate, common_share, find_faces
+from caricli.methods.detect.parse_picture import WindowRegions, mean_regions, parse_picture
 from caricli.methods.detect.read_faces import ReadFace, look_at_face
 from caricli.methods.detect.settings import DetectSettings
 from caricli.models.detector.model import Detector
@@ -19,7 +19,8 @@ def detect_faces(picture: np.ndarray, detector: Detector, settings: DetectSettin
 
     The picture is searched at several scales; each place that may hold a face is looked at in the frame that the search
     gave, and in that of the landmarks that were seen there. A face is what search and last look are sure of, and whose
-    landmarks are somewhere.
+    landmarks are somewhere. Of regions the mean of what all scales show counts, and where a face is that of it and the
+    last look.
     picture: (H, W, 3) uint8.
     """
     settings = settings or DetectSettings()
@@ -35,9 +36,8 @@ def detect_faces(picture: np.ndarray, detector: Detector, settings: DetectSettin
                 pairs.append((face, read))
     pairs.sort(key=lambda pair: -pair[0].frame.side)
     faces = [face for face, _ in pairs]
-    glance = _nearest_glance(glances, faces, settings)
-    whole = WindowRegions(detector.parse(glance.window), glance.matrix)
-    own = [WindowRegions(read.regions, read.matrix) for _, read in pairs]
+    whole = mean_regions(glances)
+    own = [mean_regions([whole, WindowRegions(read.regions, read.matrix)]) for _, read in pairs]
     regions = parse_picture(picture.shape[:2], whole, own)
     return Detection(faces, regions)
 
@@ -70,10 +70,3 @@ def _face(candidate: Candidate, read: ReadFace, size: tuple[int, int], settings:
 def _certainty(spread: float, settings: DetectSettings) -> float:
     """What a score counts for where landmarks have a spread: 1 for none, a half for the widest."""
     return 1 / (1 + (spread / settings.widest) ** _STEEP)
-
-
-def _nearest_glance(glances: list[Glance], faces: list[DetectedFace], settings: DetectSettings) -> Glance:
-    """The picture at the scale at which its largest face is nearest to the size at which regions are read."""
-    if not faces:
-        return glances[0]
-    return min(glances, key=lambda glance: abs(np.log(faces[0].frame.side * glance.scale / settings.parse)))

@@ -5,6 +5,7 @@ from math import ceil
 
 import numpy as np
 
+from caricli.methods.detect.parse_picture import WindowRegions
 from caricli.methods.detect.settings import DetectSettings
 from caricli.models.detector.model import Detector, FaceCells
 from caricli.render.cut_window import cut_window
@@ -18,19 +19,6 @@ _MULTIPLE = 32
 
 
 @dataclass(frozen=True, eq=False)
-class Glance:
-    """A whole picture at one scale.
-
-    matrix: (2, 3) map from the picture's pixels to the window's. window: (H, W, 3) uint8. scale: of windows as the
-    detector was trained on a pixel of the picture.
-    """
-
-    matrix: np.ndarray
-    window: np.ndarray
-    scale: float
-
-
-@dataclass(frozen=True, eq=False)
 class Candidate:
     """Where a face may be: FaceFrame in the picture, and score from 0 to 1."""
 
@@ -40,10 +28,10 @@ class Candidate:
 
 def find_faces(
     picture: np.ndarray, detector: Detector, settings: DetectSettings
-) -> tuple[list[Candidate], list[Glance]]:
+) -> tuple[list[Candidate], list[WindowRegions]]:
     """Search a picture (H, W, 3) uint8 at several scales.
 
-    Returns where faces may be, the best first and each once, and the picture as it was seen at every scale.
+    Returns where faces may be, the best first and each once, and what the picture shows by every scale.
     """
     candidates: list[Candidate] = []
     glances = []
@@ -53,8 +41,9 @@ def find_faces(
         shift = [(size[k] - scale * picture.shape[1 - k]) / 2 + (scale - 1) / 2 for k in range(2)]
         matrix = np.array([[scale, 0, shift[0]], [0, scale, shift[1]]])
         window = cut_window(picture, matrix, (size[0], size[1]))
-        candidates += _peaks(detector.search(window), matrix, scale, settings.start)
-        glances.append(Glance(matrix, window, scale / detector.size))
+        cells, chances = detector.search(window)
+        candidates += _peaks(cells, matrix, scale, settings.start)
+        glances.append(WindowRegions(chances, matrix))
     return without_doubles(candidates, settings.alike)[: settings.most], glances
 
 

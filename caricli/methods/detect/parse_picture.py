@@ -35,6 +35,32 @@ def parse_picture(shape: tuple[int, int], whole: WindowRegions, faces: list[Wind
     return regions
 
 
+def mean_regions(windows: list[WindowRegions]) -> WindowRegions:
+    """What windows show in the mean, in the pixels of the last."""
+    return WindowRegions(np.mean([_seen_in(window, windows[-1]) for window in windows], axis=0), windows[-1].matrix)
+
+
+def _seen_in(window: WindowRegions, other: WindowRegions) -> np.ndarray:
+    """Probabilities of a window at the pixels of the map of another; beyond its edges it goes on as it ends."""
+    import cv2
+
+    if window is other:
+        return window.chances
+    back = np.linalg.inv(np.vstack([other.matrix / HALF, [0, 0, 1]]))
+    height, width = other.chances.shape[:2]
+    layers = [
+        cv2.warpAffine(
+            np.ascontiguousarray(layer, np.float32),
+            window.matrix / HALF @ back,
+            (width, height),
+            flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP,
+            borderMode=cv2.BORDER_REPLICATE,
+        )
+        for layer in np.moveaxis(window.chances, 2, 0)
+    ]
+    return np.stack(layers, -1)
+
+
 def _lay(regions: np.ndarray, window: WindowRegions, edge: int) -> None:
     """Write the likeliest regions of a window over regions (H, W).
 

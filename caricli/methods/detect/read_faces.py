@@ -30,16 +30,24 @@ class ReadFace:
     matrix: np.ndarray
     regions: np.ndarray
 
+    @property
+    def spread(self) -> float:
+        """How far its landmarks may be off: root mean square of their spreads, a share of the diagonal of all."""
+        return float(
+            np.sqrt(np.trace(self.spreads, axis1=1, axis2=2).mean()) / np.linalg.norm(np.ptp(self.points, axis=0))
+        )
+
 
 def look_at_face(picture: np.ndarray, frame: FaceFrame, detector: Detector, settings: DetectSettings) -> ReadFace:
     """Look at the face in a frame of a picture (H, W, 3) uint8, and then again in the frame of the landmarks just seen.
 
-    It ends where these frames agree, after ``settings.looks``, or where the first sees no face at all. Every look is at
-    the window and its mirror image, whose means are taken; where they differ is doubt, too. The jaw's points are spaced
-    as people mark them.
+    It ends where these frames agree, after ``settings.looks``, or where the first sees no face at all, or landmarks
+    twice as wide as a face may have them. Every look is at the window and its mirror image, whose means are taken;
+    where they differ is doubt, too. The jaw's points are spaced as people mark them.
     """
     read = read_face(picture, frame, settings.first, detector)
-    for _ in range(settings.looks - 1 if read.score >= settings.start else 0):
+    hopeful = read.score >= settings.start and read.spread <= 2 * settings.widest
+    for _ in range(settings.looks - 1 if hopeful else 0):
         frame = FaceFrame.of(read.points)
         read = read_face(picture, frame, settings.second, detector)
         if frames_overlap(frame, FaceFrame.of(read.points)) > settings.agree:

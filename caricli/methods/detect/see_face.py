@@ -10,7 +10,7 @@ from caricli.structures.detection import DetectedFace, SeenFace
 
 
 def see_face(picture: np.ndarray, detector: Detector, settings: DetectSettings | None = None) -> SeenFace:
-    """Find the largest face of a picture (H, W, 3) uint8.
+    """Find the face that a picture (H, W, 3) uint8 is of, see ``main_face``.
 
     Raises InputError where the picture shows no face.
     """
@@ -18,8 +18,13 @@ def see_face(picture: np.ndarray, detector: Detector, settings: DetectSettings |
     detection = detect_faces(picture, detector, settings)
     if not detection.faces:
         raise InputError("expected a face, found none")
-    face = detection.faces[0]
+    face = main_face(detection.faces, settings)
     return SeenFace(face, detection.regions, len(detection.faces) - 1, doubt_of(face, settings))
+
+
+def main_face(faces: list[DetectedFace], settings: DetectSettings) -> DetectedFace:
+    """Of faces, the largest first: the largest that nothing speaks against, or the largest."""
+    return next((face for face in faces if doubt_of(face, settings) is None), faces[0])
 
 
 def doubt_of(face: DetectedFace, settings: DetectSettings) -> str | None:

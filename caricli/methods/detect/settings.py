@@ -14,7 +14,7 @@ class DetectSettings:
     lie in what is taken for a larger one. overlap: share of a face that another one has, above which they are one.
     first, second: share of the window's side to the face's when it is looked at first, in the frame that the search
     gave, and when it is read, in the frame of its landmarks; looks: at a face, at most; agree: overlap of the frames of
-    two of them, from which on there is no further one. parse: side of a face at which the picture's regions are read,
+    two of them, from which on there is no further one. parse: side of a face at which what is around it is read,
     in windows' sides. widest: spread of a face's landmarks, of its diagonal, at which its score counts half, and less
     and less beyond; what only looks like a face from afar, a cat or a cup, has landmarks nowhere. vague: spread of a
     landmark along its worse direction beyond which it counts as not known, of the face's diagonal; margin: how far
@@ -23,7 +23,7 @@ class DetectSettings:
     """
 
     sides: tuple[float, ...] = (0.75, 1.25, 2.125)
-    start: float = 0.2
+    start: float = 0.25
     sure: float = 0.4
     most: int = 12
     alike: float = 0.4
@@ -41,5 +41,5 @@ class DetectSettings:
     fewest: int = 60
 
     def sure_of(self, score: float) -> "DetectSettings":
-        """The same with another score of a face; places are looked at from half of it on."""
-        return replace(self, sure=score, start=min(self.start, score / 2))
+        """The same with another score of a face; places that are less sure are not looked at."""
+        return replace(self, sure=score, start=min(self.start, score))

@@ -77,9 +77,14 @@ class Detector:
         return model_id(KIND, self.tensors())
 
     @torch.inference_mode()
-    def search(self, window: np.ndarray) -> FaceCells:
-        """What is at every cell of a window (H, W, 3) uint8 of any size, sides multiples of 32 pixels."""
-        return face_cells(self.network.faces(self.network.coarse(_tensor(window[None]))[0]))
+    def search(self, window: np.ndarray) -> tuple[FaceCells, np.ndarray]:
+        """What is at every cell of a window (H, W, 3) uint8 of any size, sides multiples of 32 pixels.
+
+        Also returns what ``parse`` does.
+        """
+        features, levels = self.network.coarse(_tensor(window[None]))
+        cells = face_cells(self.network.faces(features))
+        return cells, _probabilities(self.network.parse(self.network.fine(features, levels), levels))[0]
 
     @torch.inference_mode()
     def parse(self, window: np.ndarray) -> np.ndarray:

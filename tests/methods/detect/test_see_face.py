@@ -5,8 +5,11 @@ import pytest
 
 from caricli.errors import InputError
 from caricli.methods.detect.detect_faces import detect_faces
-from caricli.methods.detect.see_face import see_face
+from caricli.methods.detect.see_face import main_face, see_face
 from caricli.methods.detect.settings import DetectSettings
+from caricli.structures.detection import DetectedFace, FaceFrame
+from caricli.structures.landmarks import Landmarks
+from tests.drawn_pictures import mean_shape
 
 # One that has learnt so little is sure of no landmark.
 UNSURE = DetectSettings(widest=np.inf)
@@ -39,6 +42,18 @@ def test_what_speaks_against_a_face_is_said(shown):
     count = face.landmarks.known.sum()
     spread = f"its landmarks are to {100 * face.spread:.1f} % of its diagonal"
     assert both == f"{spread}, only {count} of its 81 landmarks can be seen"
+
+
+def test_a_smaller_face_that_is_sure_goes_before_a_larger_one_that_is_not(head_template):
+    def face(score, side):
+        points = side * mean_shape(head_template) + side
+        landmarks = Landmarks(points, (500, 500), np.tile(np.eye(2), (81, 1, 1)))
+        return DetectedFace(FaceFrame.of(points), score, landmarks)
+
+    larger, smaller = face(0.5, 150), face(0.9, 80)
+    assert main_face([larger, smaller], DetectSettings()) is smaller
+    assert main_face([larger, smaller], DetectSettings(doubtful=0.4)) is larger
+    assert main_face([larger, smaller], DetectSettings(doubtful=0.95)) is larger
 
 
 def test_a_picture_without_a_face_is_refused(shown):
