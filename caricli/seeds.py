@@ -23,6 +23,8 @@ class TrainingSeed(IntEnum):
     CODES = 4
     SURFACE = 5
     DIM = 6
+    HELD = 7
+    EXTRA = 8
 
 
 class PictureSeed(IntEnum):

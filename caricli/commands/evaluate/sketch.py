@@ -4,81 +4,110 @@ from pathlib import Path
 from typing import Any
 
 import click
-import numpy as np
 
 from caricli.commands.shared.notes import echo_notes, echo_result
 from caricli.commands.shared.options import PATH, WholeRange, data_option, out_option, overwrite_option, seed_option
-from caricli.errors import naming, shown
+from caricli.errors import InputError, naming, shown
 from caricli.io.image import write_png
 from caricli.io.outputs import staged_folder
 from caricli.io.provenance import provenance
 from caricli.io.strict_json import write_json
 
 OTHERS = 60
-"""Faces of the validation split on which the noise of the fits is chosen, at most."""
+"""Faces on which the noise of the fits is chosen, at most."""
+
+SHOWN = 8
+"""Faces of the gallery."""
 
 
 @click.command()
 @data_option
-@click.option("--network", type=PATH, metavar="FILE", help="Measure this network.  [default: caricli's]")
-@click.option("--model", type=PATH, metavar="MODEL", help="The model whose latents it tells.  [default: pca]")
-@out_option("DIR", "Write sketch.json, errors.png and strokes.png into this folder.")
+@click.option(
+    "--network",
+    "networks",
+    type=PATH,
+    metavar="FILE",
+    multiple=True,
+    help="Measure this network, and, repeated, others beside it.  [default: caricli's]",
+)
+@click.option(
+    "--model",
+    "models",
+    type=PATH,
+    metavar="MODEL",
+    multiple=True,
+    help="A model whose latents networks tell; repeat it.  [default: pca]",
+)
+@click.option(
+    "--trained",
+    type=PATH,
+    metavar="DATASET",
+    help="Also measure those faces of people of this dataset that the trainings held out.",
+)
+@out_option("DIR", "Write sketch.json, errors.png, strokes.png and gallery.png into this folder.")
 @click.option("--count", type=WholeRange(1, 10**6), default=500, metavar="N", help="Measure at most N faces.")
 @click.option(
     "--everyone",
     is_flag=True,
-    help="Take all people that network and model were not trained with, but for the validation split.",
+    help="Take all people that networks and models were not trained with, but for the validation split.",
 )
 @seed_option
 @overwrite_option
-def command(dataset, network, model, out, count, everyone, seed, overwrite):
-    """Compare faces that a network sees in sketches with the true ones, beside a fit of the linear model to the lines.
+def command(dataset, networks, models, trained, out, count, everyone, seed, overwrite):
+    """Compare faces that networks see in sketches with the true ones, beside fits of a linear model to the lines.
 
     Sketches are drawn of the dataset's test people: clean; with the noise of view and hand; and with noise and without
     half of the strokes. Errors are mean distances of vertices in mm where the face is 200 mm high, without alignment
     (sketch paper, table 2). How much the fits trust the lines is chosen on people of the validation split. errors.png
-    shows where errors are, strokes.png how they grow as strokes are left out.
+    shows where errors are, strokes.png how they grow as strokes are left out, gallery.png sketches, what the first
+    network makes of them, and the true faces. Published networks draw heads at their size, others fill the picture.
 
     \b
     Example:
       caricli evaluate sketch --data people --out figures
       caricli evaluate sketch --data people --network run/model.safetensors --everyone --out figures
     """
-    from caricli.commands.shared.tables import print_table
-    from caricli.methods.evaluate.evaluate_sketch import CONDITIONS, rows
+    from caricli.methods.evaluate.evaluate_sketch import TENTH, UNSEEN
     from caricli.render.error_maps import error_maps
     from caricli.store.datasets import dataset_files
 
-    inputs = [*dataset_files(dataset), network, model]
+    inputs = [*dataset_files(dataset), *networks, *models, *(dataset_files(trained) if trained else [])]
     with staged_folder(out, overwrite=overwrite, inputs=(dataset, *inputs), marker="sketch.json") as folder:
-        rivals, unseen = _rivals(dataset, network, model, everyone)
-        figures, faces = _evaluate(rivals, unseen.data, count, seed)
-        recipe = provenance("evaluate sketch", [dataset / "dataset.json", network, model], seed)
-        write_json(folder / "sketch.json", recipe | unseen.figures | {"faces": faces} | figures.as_json())
-        write_png(folder / "errors.png", error_maps(rivals.model.template, figures.maps))
-        write_png(folder / "strokes.png", _strokes(figures, len(rivals.network.curves)))
+        rivals, unseen = _rivals(dataset, networks, models, everyone)
+        tables, counts, gallery = _evaluate(rivals, unseen.data, trained, count, seed)
+        recipe = provenance("evaluate sketch", [dataset / "dataset.json", *networks, *models], seed)
+        own = tables[UNSEEN].as_json() | ({TENTH.replace(" ", "_"): tables[TENTH].as_json()} if trained else {})
+        write_json(folder / "sketch.json", recipe | unseen.figures | counts | own)
+        write_png(folder / "errors.png", error_maps(rivals.model.template, tables[UNSEEN].maps))
+        write_png(folder / "strokes.png", _strokes(tables[UNSEEN], len(rivals.hand.curves)))
+        write_png(folder / "gallery.png", gallery)
     echo_notes(unseen.note)
-    print_table(("mm", *CONDITIONS), rows(figures.errors), f"{faces} faces of {unseen.test} people")
-    echo_result(f"{shown(out)}: {figures.errors['network']['noise']:.2f} mm with noise")
+    _print(tables, counts, unseen.test)
+    echo_result(f"{shown(out)}: {next(iter(tables[UNSEEN].errors.values()))['noise']:.2f} mm with noise")
 
 
-def _rivals(dataset: Path, network: Path | None, model: Path | None, everyone: bool) -> tuple[Any, Any]:
+def _rivals(dataset: Path, networks: tuple[Path, ...], models: tuple[Path, ...], everyone: bool) -> tuple[Any, Any]:
     """SketchRivals, and the UnseenData of a dataset."""
     from caricli.data.dataset import read_dataset
     from caricli.data.unseen import unseen_data
-    from caricli.methods.evaluate.evaluate_sketch import SketchRivals
+    from caricli.methods.evaluate.evaluate_sketch import SketchRival, SketchRivals
+    from caricli.models.linear_model import LinearModel
     from caricli.store.models import check_topology
-    from caricli.store.sketch_networks import load_sketch_pair
+    from caricli.store.sketch_networks import load_sketch_basis, load_sketch_networks
     from caricli.structures import SeenPeople
-    from caricli.template.feature_curves import feature_curves
 
     data = read_dataset(dataset)
-    own, basis = load_sketch_pair(network, model)
-    check_topology(basis.template, data.template, "the model of the network")
-    seen = {"the network": SeenPeople.of_recipe(own.recipe), "its model": basis.seen}
+    pairs = load_sketch_networks(networks, models)
+    seen: dict[str, Any] = {}
+    for number, (network, basis) in enumerate(pairs, 1):
+        check_topology(basis.template, data.template, "the model of the network")
+        name = "the network" if len(pairs) == 1 else f"network {number}"
+        seen |= {name: SeenPeople.of_recipe(network.recipe), f"{name}'s model": basis.seen}
     with naming(dataset):
         unseen = unseen_data(_with_everyone(data) if everyone else data, seen)
-    return SketchRivals.of(own, basis, feature_curves(basis.template.annotation)), unseen
+    linear = [basis for _, basis in pairs if isinstance(basis, LinearModel)]
+    rivals = [SketchRival.of(network, basis) for network, basis in pairs]
+    return SketchRivals.of(rivals, linear[0] if linear else load_sketch_basis()), unseen
 
 
 def _with_everyone(data: Any) -> Any:
@@ -90,22 +119,59 @@ def _with_everyone(data: Any) -> Any:
     return replace(data, manifest=data.manifest | {"splits": both})
 
 
-def _evaluate(rivals: Any, data: Any, count: int, seed: int) -> tuple[Any, int]:
-    """SketchFigures, and of how many faces."""
+def _evaluate(rivals: Any, data: Any, trained: Path | None, count: int, seed: int) -> tuple[dict, dict, Any]:
+    """SketchFigures by protocol, how many faces of each, and the gallery's picture."""
     from caricli.commands.shared.progress import progress_bar
     from caricli.methods.evaluate.evaluate_shape import split_rows
-    from caricli.methods.evaluate.evaluate_sketch import evaluate_sketch
+    from caricli.methods.evaluate.evaluate_sketch import TENTH, UNSEEN, DrawnHeads, evaluate_sketch
+    from caricli.render.sketch_gallery import sketch_gallery
 
-    tested = data.vertices[split_rows(data, "test", 1, count)].astype(np.float64)
-    others = data.vertices[split_rows(data, "validation", 0, min(count, OTHERS))].astype(np.float64)
+    rows = {UNSEEN: (data, split_rows(data, "test", 1, count), split_rows(data, "validation", 0, min(count, OTHERS)))}
+    if trained is not None:
+        rows[TENTH] = _held_out(rivals, trained, count)
+    tables = {}
+    faces = {}
     with progress_bar("measuring") as report:
-        return evaluate_sketch(rivals, tested, others, seed, report), len(tested)
+        for protocol, (source, tested, others) in rows.items():
+            heads = DrawnHeads.of(source.vertices[tested], rivals, report)
+            tables[protocol] = evaluate_sketch(rivals, heads, source.vertices[others].astype(float), seed, report)
+            faces["faces" if protocol == UNSEEN else "faces_held_out"] = len(tested)
+            if protocol == UNSEEN:
+                gallery = sketch_gallery(rivals.model.template, *rivals.first.shown(heads.some(SHOWN), seed))
+    return tables, faces, gallery
 
 
-def _strokes(figures: Any, curves: int) -> np.ndarray:
+def _held_out(rivals: Any, trained: Path, count: int) -> tuple[Any, Any, Any]:
+    """A dataset, numbers of the faces of it that all trainings held out, and of those that these validated with."""
+    from caricli.data.dataset import read_dataset
+    from caricli.data.held_out import held_out
+
+    settings = {rival.network.held_out for rival in rivals.networks.values()}
+    if len(settings) != 1 or not (held := next(iter(settings))) or not held[0]:
+        raise InputError(f"--trained: expected networks whose trainings held the same faces out, found {settings}")
+    data = read_dataset(trained)
+    parts = held_out(data, *held)
+    if not len(parts["test"]):
+        raise InputError(f"{trained}: expected faces that the trainings held out, found none")
+    return data, parts["test"][:: -(-len(parts["test"]) // count)], parts["validation"][:OTHERS]
+
+
+def _print(tables: dict, counts: dict, people: int) -> None:
+    from caricli.commands.shared.tables import print_table
+    from caricli.methods.evaluate.evaluate_sketch import CONDITIONS, TENTH, UNSEEN, rows
+
+    print_table(("mm", *CONDITIONS), rows(tables[UNSEEN].errors), f"{counts['faces']} faces of {people} people")
+    if TENTH in tables:
+        title = f"{counts['faces_held_out']} faces of people who were trained with, a random tenth"
+        print_table(("mm", *CONDITIONS), rows(tables[TENTH].errors), title)
+
+
+def _strokes(figures: Any, curves: int) -> Any:
     """The errors over the strokes that are left, as a picture."""
     from caricli.render.plot_curves import plot_curves
 
-    left = sorted(figures.left)
-    lines = {"network": ([round(curves * share) for share in left], [figures.left[share] for share in left])}
+    lines = {}
+    for name, own in figures.left.items():
+        left = sorted(own)
+        lines[name] = ([round(curves * share) for share in left], [own[share] for share in left])
     return plot_curves({"as strokes are left out": lines}, "strokes left", "mm, face 200 mm high, with noise")

@@ -35,28 +35,33 @@ def command(datasets, out, model, config, overrides, resume, overwrite):
     Under torchrun every process takes its share of each batch. People of the validation and test splits are not trained
     with.
 
+    --set variant=pixel_shape, pixel, pixel_plain, shape or pixel_single trains a network of DeepSketch2Face as
+    published instead: on a full grid, towards the u and v of a --model of `caricli train bilinear`. configs/sketch has
+    published.yaml for two cores, and paper.yaml.
+
     \b
     Example:
       caricli train sketch --data grid --out run
       caricli train sketch --data grid --data people --out run --resume
+      caricli train sketch --data grid --model bilinear.safetensors --config published.yaml --out pixel_shape
     """
-    from caricli.commands.shared.progress import training_bar
+    from caricli.commands.shared.progress import progress_bar, training_bar
     from caricli.methods.train.processes import training_processes
-    from caricli.methods.train.train_sketch import SketchTraining
     from caricli.models.sketch.config import SketchConfig
-    from caricli.store.sketch_run import SketchRun, everybody, load_sketch_ingredients
+    from caricli.store.sketch_run import SketchRun, everybody, load_sketch_ingredients, sketch_training
     from caricli.store.training_run import MODEL, Beginning
 
     settings = read_config(config, SketchConfig, overrides)
     with training_processes("cpu") as share:
-        people, basis = load_sketch_ingredients(datasets, model)
+        people, basis = load_sketch_ingredients(datasets, model, settings)
         sources = [*(folder / "dataset.json" for folder in datasets), model]
         recipe = provenance("train sketch", sources, config=asdict(settings)) | everybody(people).as_recipe()
         run = SketchRun(out, recipe, Beginning(resume, overwrite, writes=share.process == 0))
-        training = SketchTraining(people, basis, settings, share)
+        with progress_bar("wrinkles") as report:
+            training = sketch_training(people, basis, settings, share, report)
         with training_bar(settings.epochs, quiet=not run.writes) as show:
             for line in run.follow(training):
                 show(line)
         if run.writes:
             figures = run.finish(training)
-            echo_result(f"{out / MODEL}: {figures['millimetres']:.2f} mm from people of no training")
+            echo_result(f"{out / MODEL}: {figures['millimetres']:.2f} mm from faces of no training")

@@ -79,7 +79,8 @@ class SketchArtist:
             strokes = draw_curves(vertices, self.curves, camera)
         else:
             strokes = (*self._outline(vertices, camera, size), *self._seen_curves(vertices, camera))
-        return Sketch((*strokes, *(self._wrinkles(vertices, camera, strokes) if wrinkles else ())), size)
+        further = [stroke for _, stroke in self._wrinkles(vertices, camera, strokes)] if wrinkles else []
+        return Sketch((*strokes, *further), size)
 
     def _outline(self, vertices: np.ndarray, camera: Camera, size: tuple[int, int]) -> list[Stroke]:
         neck = self.template.mask("neck", "ear_left", "ear_right", "inner_mouth")
@@ -101,7 +102,15 @@ class SketchArtist:
                 strokes.append(Stroke(points[start:end, :2], curve.kind, name))
         return strokes
 
-    def _wrinkles(self, vertices: np.ndarray, camera: Camera, strokes: tuple[Stroke, ...]) -> list[Stroke]:
+    def wrinkle_lines(self, vertices: np.ndarray, camera: Camera, count: int) -> list[np.ndarray]:
+        """The strongest wrinkle lines (N, 3) on the surface, metres, ``count`` at most; arguments as of ``draw``."""
+        strokes = draw_curves(vertices, self.curves, camera)
+        return [points for points, _ in self._wrinkles(vertices, camera, strokes)[:count]]
+
+    def _wrinkles(
+        self, vertices: np.ndarray, camera: Camera, strokes: tuple[Stroke, ...]
+    ) -> list[tuple[np.ndarray, Stroke]]:
+        """Wrinkles beside strokes, each as points (N, 3) of the surface and as it is drawn."""
         unit = float(np.ptp(vertices[:, 1])) * camera.scale
         shortest = self.settings.contours.shortest * unit
         near = {
@@ -110,16 +119,16 @@ class SketchArtist:
             StrokeKind.WRINKLE: self.settings.near * unit,
         }
         trees = [(cKDTree(_sampled(stroke.points, shortest / 4)), near[stroke.kind]) for stroke in strokes]
-        wrinkles: list[Stroke] = []
+        wrinkles: list[tuple[np.ndarray, Stroke]] = []
         for line in self.finder.lines(vertices, camera):
             points = camera.project(line.points)
             free = np.ones(len(points), bool)
             for tree, distance in trees:
                 free &= tree.query(points, distance_upper_bound=distance)[0] > distance
-            pieces = [Stroke(_smoothed(points[a:b]), StrokeKind.WRINKLE) for a, b in runs(free)]
-            long = [piece for piece in pieces if piece.length > shortest]
+            pieces = [(line.points[a:b], Stroke(_smoothed(points[a:b]), StrokeKind.WRINKLE)) for a, b in runs(free)]
+            long = [(there, piece) for there, piece in pieces if piece.length > shortest]
             wrinkles += long
-            trees += [(cKDTree(piece.points), near[StrokeKind.WRINKLE]) for piece in long]
+            trees += [(cKDTree(piece.points), near[StrokeKind.WRINKLE]) for _, piece in long]
             if len(wrinkles) >= self.settings.most:
                 break
         return wrinkles[: self.settings.most]

@@ -67,6 +67,11 @@ class NetworkTraining(ABC):
         """Whether all epochs are done."""
         return self.epoch >= self.config.epochs
 
+    @property
+    def validates(self) -> bool:
+        """Whether the network is far enough to be validated."""
+        return True
+
     def copied_average(self) -> Any:
         """What is kept of the training, as a network of its own."""
         return copy.deepcopy(self.average)
@@ -99,7 +104,7 @@ class NetworkTraining(ABC):
             self.epoch += 1
             validation = None
             best = False
-            if self.epoch % config.validate_every == 0 or self.ended:
+            if self.validates and (self.epoch % config.validate_every == 0 or self.ended):
                 validation = self._validate()
                 best = validation < self.best
                 self.best = min(validation, self.best)
@@ -151,10 +156,13 @@ class NetworkTraining(ABC):
                 own.copy_(value)
 
     def _set_rate(self, step: int) -> None:
-        total = self.config.epochs * self.config.steps
+        self._schedule(step, self.config.epochs * self.config.steps, self.config.learning_rate)
+
+    def _schedule(self, step: int, total: int, rate: float) -> None:
+        """Set the learning rate of a step of ``total``, ``rate`` at most: it rises shortly and falls as a cosine."""
         factor = min(1.0, (step + 1) / min(WARM_UP, 1 + total // WARM_UP_SHARE))
         for group in self.optimiser.param_groups:
-            group["lr"] = self.config.learning_rate * factor * 0.5 * (1 + cos(pi * step / total))
+            group["lr"] = rate * factor * 0.5 * (1 + cos(pi * step / total))
 
     def _share_buffers(self) -> None:
         """Let all processes have the same statistics of normalisation, their mean: that of the first is stored."""

@@ -7,6 +7,7 @@ from typing import Self
 import numpy as np
 
 from caricli.data.dataset import Dataset
+from caricli.data.held_out import held_out
 from caricli.errors import InputError
 from caricli.models.linear_model import LinearModel
 from caricli.models.morphable.separate import NO_EXPRESSION
@@ -19,67 +20,82 @@ _BATCH = 256
 class SketchFaces:
     """Latents of faces, divided into who and what.
 
-    latents: (N, D). offsets: (N, D) what the expression adds to the face at rest.
+    latents: (N, D). offsets: (N, D) what the expression adds to the face at rest. group: (N,) numbers from 0, equal for
+    faces that are exaggerated alike. rests: for every group (P, D), the faces at rest of everybody in it.
     """
 
     latents: np.ndarray
     offsets: np.ndarray
+    group: np.ndarray
+    rests: tuple[np.ndarray, ...]
 
     @classmethod
-    def of(cls, datasets: Sequence[Dataset], model: LinearModel, split: str = "train") -> Self:
-        """The faces of a split.
+    def of(cls, datasets: Sequence[Dataset], model: LinearModel, held: float = 0.0, seed: int = 0) -> Self:
+        """The faces of the training split, but for those that are held out.
 
         Where somebody is there at rest with the same exaggeration, the expression is the difference from that face;
         else it is what it is of others on average.
 
-        model: LinearModel of the datasets' topology. Raises InputError where there are no faces.
+        model: LinearModel of the datasets' topology. held, seed: see ``held_out``.
+        Raises InputError where there are no faces.
         """
         latents = []
         who = []
         expressions = []
         for number, data in enumerate(datasets):
-            rows = np.flatnonzero(data.rows(split))
+            rows = held_out(data, held, seed)["train"]
             latents += [model.encode(data.vertices[part].astype(float)) for part in _parts(rows)]
             kinds = data.factors.get("kind", np.zeros(len(data.level), int))[rows]
             parts = kinds >= 2  # who is exaggerated by parts is there once
             alone = np.where(parts, 1 + np.arange(len(rows)), 0)
             column = np.full(len(rows), number)
-            who.append(np.stack([column, data.identity[rows], data.level[rows], alone], 1))
+            who.append(np.stack([column, data.identity[rows], data.level[rows], alone, kinds * parts], 1))
             expressions.append(data.expression[rows])
         if not latents:
-            raise InputError(f"expected a dataset with faces of the {split} split, found none")
-        own = np.concatenate(latents)
-        return cls(own, _offsets(own, np.concatenate(who), np.concatenate(expressions)))
+            raise InputError("expected a dataset with faces of the train split, found none")
+        return cls.divided(np.concatenate(latents), np.concatenate(who), np.concatenate(expressions))
+
+    @classmethod
+    def divided(cls, latents: np.ndarray, who: np.ndarray, expressions: np.ndarray) -> Self:
+        """Latents (N, D) of people (N, 5): dataset, number, level, a number where one is there but once, and kind."""
+        _, first, person = np.unique(who[:, :4], axis=0, return_index=True, return_inverse=True)
+        person = person.ravel()
+        offsets = _offsets(latents, person, expressions)
+        group = np.unique(who[:, [2, 4]], axis=0, return_inverse=True)[1].ravel()
+        rest = (latents - offsets)[first]
+        rests = tuple(rest[group[first] == number] for number in range(group.max() + 1))
+        return cls(latents, offsets, group, rests)
 
     def draw(self, count: int, generator: np.random.Generator, mixed: float, people: int) -> np.ndarray:
         """Latents (count, D) of random faces.
 
-        mixed: share of those that are of nobody: up to ``people`` faces at rest are mixed at random, and moved away
-        from the mean by as much as mixing brought them nearer, or less; then another's expression is added.
+        mixed: share of those that are of nobody: up to ``people`` faces at rest that are exaggerated alike are mixed at
+        random, and moved away from their mean by as much as mixing brought them nearer, or less; then the expression of
+        one with that exaggeration is added.
         """
         rows = generator.integers(len(self.latents), size=count)
-        rest = self.latents - self.offsets
-        chosen = generator.integers(len(rest), size=(count, people))
+        chosen = generator.random((count, people))
         shares = generator.exponential(size=chosen.shape) * (
             np.arange(people) < generator.integers(1, people + 1, (count, 1))
         )
         shares /= shares.sum(1, keepdims=True)
-        mean = rest.mean(0)
-        nearer = 1 / np.linalg.norm(shares, axis=1)
-        away = 1 + generator.random(count) * (nearer - 1)
-        mixture = mean + away[:, None] * (np.einsum("np,npd->nd", shares, rest[chosen]) - mean)
+        away = 1 + generator.random(count) * (1 / np.linalg.norm(shares, axis=1) - 1)
         of_nobody = generator.random(count) < mixed
-        return np.where(of_nobody[:, None], mixture + self.offsets[rows], self.latents[rows])
+        faces = self.latents[rows]
+        for number, rest in enumerate(self.rests):
+            own = of_nobody & (self.group[rows] == number)
+            mixture = np.einsum("np,npd->nd", shares[own], rest[(chosen[own] * len(rest)).astype(int)])
+            mean = rest.mean(0)
+            faces[own] = mean + away[own, None] * (mixture - mean) + self.offsets[rows[own]]
+        return faces
 
 
 def _parts(rows: np.ndarray) -> list[np.ndarray]:
     return [rows[start : start + _BATCH] for start in range(0, len(rows), _BATCH)]
 
 
-def _offsets(latents: np.ndarray, who: np.ndarray, expressions: np.ndarray) -> np.ndarray:
-    """What expressions add, (N, D). who: (N, C), equal rows are of one person with one exaggeration."""
-    _, person = np.unique(who, axis=0, return_inverse=True)
-    person = person.ravel()
+def _offsets(latents: np.ndarray, person: np.ndarray, expressions: np.ndarray) -> np.ndarray:
+    """What expressions add, (N, D). person: (N,), equal numbers are of one person with one exaggeration."""
     at_rest = np.full(person.max() + 1, -1)
     resting = np.flatnonzero(expressions == NO_EXPRESSION)
     at_rest[person[resting]] = resting

@@ -1,13 +1,14 @@
 """Sketches by the batch, as hands draw them: fast enough to draw them anew in every step of a training."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from caricli.geometry.head_rotation import head_rotation
+from caricli.methods.sketch.fit_lines import FRONT
 from caricli.models.sketch.networks import CAMERA
-from caricli.models.sketch.window import FILL, POINTS, along
+from caricli.models.sketch.window import CANVAS_FILL, FILL, POINTS, along
 from caricli.template.feature_curves import FeatureCurve
 
 LINE = 31
@@ -48,6 +49,24 @@ class HandSettings:
 
 
 @dataclass(frozen=True, eq=False)
+class Canvas:
+    """Where windows are on heads that stand where heads usually do, as on a canvas whose camera is known.
+
+    centre: (2,) metres, from the front, y down. scale: of a metre, half of the window's side is 1.
+    """
+
+    centre: np.ndarray
+    scale: float
+
+    @classmethod
+    def of(cls, mean: np.ndarray, curves: Sequence[FeatureCurve]) -> "Canvas":
+        """The canvas that the curves of a mean head (V, 3) fill but for a margin, in which larger heads have room."""
+        flat = mean[np.concatenate([curve.vertices for curve in curves])] @ FRONT[:2].T
+        low, high = flat.min(0), flat.max(0)
+        return cls((low + high) / 2, float(CANVAS_FILL / ((high - low).max() / 2)))
+
+
+@dataclass(frozen=True, eq=False)
 class SketchBatch:
     """Drawn sketches.
 
@@ -58,6 +77,14 @@ class SketchBatch:
     windows: np.ndarray
     points: np.ndarray
     cameras: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class Wrinkles:
+    """Wrinkle lines on the surfaces of heads: lines (B, W, LINE, 3) metres, of which ``there`` (B, W) bool exist."""
+
+    lines: np.ndarray
+    there: np.ndarray
 
 
 @dataclass(frozen=True)
@@ -76,8 +103,15 @@ class Missing:
 class SketchHand:
     """Draws the curves of heads."""
 
-    def __init__(self, curves: Sequence[FeatureCurve], size: int, settings: HandSettings = HandSettings()) -> None:  # noqa: B008 (frozen)
-        """curves: FeatureCurves. size: of the windows, pixels."""
+    def __init__(
+        self,
+        curves: Sequence[FeatureCurve],
+        size: int,
+        canvas: Canvas | None = None,
+        settings: HandSettings = HandSettings(),  # noqa: B008 (frozen)
+    ) -> None:
+        """curves: FeatureCurves. size: of the windows, pixels. canvas: Canvas, or None for windows around strokes."""
+        self.canvas = canvas
         self.curves = tuple(curves)
         self.ids = np.unique(np.concatenate([curve.vertices for curve in curves]))
         self.size = size
@@ -85,12 +119,17 @@ class SketchHand:
         self._places = [np.searchsorted(self.ids, curve.vertices) for curve in curves]
 
     def draw(
-        self, positions: np.ndarray, strength: np.ndarray, missing: Missing, generator: np.random.Generator
+        self,
+        positions: np.ndarray,
+        strength: np.ndarray,
+        missing: Missing,
+        generator: np.random.Generator,
+        wrinkles: "Wrinkles | None" = None,
     ) -> "DrawnLines":
         """Lines of heads.
 
         positions: (B, I, 3) metres, of the vertices ``ids``. strength: (B,) of all that hands do, 1 as the settings
-        have it. missing: Missing.
+        have it. missing: Missing. wrinkles: of the same heads, or None for none.
         """
         own = self.settings
         count = len(positions)
@@ -102,10 +141,7 @@ class SketchHand:
         ends[:, closed] *= own.closed
         lines = np.stack([self._line(flat, k, ends[:, k]) for k in range(len(self.curves))], 1)
         there = present(lines, missing, generator)
-        low = np.where(there[..., None, None], lines, np.inf).min((1, 2))
-        high = np.where(there[..., None, None], lines, -np.inf).max((1, 2))
-        middle = (low + high) / 2
-        scale = FILL / ((high - low).max(1) / 2)
+        scale, middle = self._windows(lines, there)
         scale *= np.exp(strength * own.scale * generator.normal(size=count))
         shift = strength[:, None] * own.shift * generator.normal(size=(count, 2)) - scale[:, None] * middle
         cameras = np.concatenate([angles, np.log(scale)[:, None], shift], 1)
@@ -119,15 +155,38 @@ class SketchHand:
         second[again] += full[again] * _moves(placed[again], own, generator) / 2
         ink = np.where(generator.random(count) < strength * own.faint, generator.uniform(0.4, 1, count), 1)
         width = 1 + (generator.random(count) < strength * own.thick)
-        return DrawnLines(moved, second, there, named, again, ink, width, cameras)
+        drawn = DrawnLines(moved, second, there, named, again, ink, width, cameras)
+        if wrinkles is None:
+            return drawn
+        creases = scale[:, None, None, None] * (wrinkles.lines @ rotations.swapaxes(1, 2)[:, None])
+        creases += shift[:, None, None]
+        left = generator.random(wrinkles.there.shape) < there.mean(1, keepdims=True)
+        bent = creases + full * _moves(creases, own, generator)
+        return replace(drawn, creases=bent, creased=wrinkles.there & left)
 
-    def batch(self, drawn: "DrawnLines", rows: slice = slice(None)) -> SketchBatch:  # noqa: B008 (frozen)
-        """Some rows of drawn lines as the network sees them."""
+    def batch(
+        self,
+        drawn: "DrawnLines",
+        rows: slice = slice(None),  # noqa: B008 (frozen)
+        pictures: bool = True,
+    ) -> SketchBatch:
+        """Some rows of drawn lines as the network sees them; windows are empty where it needs no pictures."""
         points = drawn.lines[rows, :, :: (LINE - 1) // (POINTS - 1)].astype(np.float32)
         hidden = ~(drawn.there & drawn.named[:, None])[rows]
         points[hidden] = np.nan
         numbers = range(len(drawn.lines))[rows]
-        return SketchBatch(np.stack([self._picture(drawn, k) for k in numbers]), points, drawn.cameras[rows])
+        windows = np.zeros((len(numbers), self.size, self.size), np.uint8)
+        for own, number in zip(windows, numbers if pictures else (), strict=pictures):
+            own[:] = self._picture(drawn, number)
+        return SketchBatch(windows, points, drawn.cameras[rows])
+
+    def _windows(self, lines: np.ndarray, there: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Scales (B,) and middles (B, 2) of windows of lines (B, K, N, 2), of which ``there`` (B, K) are drawn."""
+        if self.canvas is not None:
+            return np.full(len(lines), self.canvas.scale), np.tile(self.canvas.centre, (len(lines), 1))
+        low = np.where(there[..., None, None], lines, np.inf).min((1, 2))
+        high = np.where(there[..., None, None], lines, -np.inf).max((1, 2))
+        return FILL / ((high - low).max(1) / 2), (low + high) / 2
 
     def _line(self, flat: np.ndarray, number: int, ends: np.ndarray) -> np.ndarray:
         """A curve (B, LINE, 2) of flat heads, from one share of its length to another, (B, 2) beyond its ends."""
@@ -139,8 +198,11 @@ class SketchHand:
 
         ink = np.zeros((self.size, self.size), np.uint8)
         shade = int(round(255 * drawn.ink[row]))
-        for lines in (drawn.lines, drawn.second)[: 1 + drawn.again[row]]:
+        for number, lines in enumerate((drawn.lines, drawn.second)[: 1 + drawn.again[row]]):
             pixels = (self.size - 1) / 2 * (1 + np.clip(lines[row][drawn.there[row]], -3, 3))
+            if not number and drawn.creases is not None and drawn.creased is not None:
+                bent = (self.size - 1) / 2 * (1 + np.clip(drawn.creases[row][drawn.creased[row]], -3, 3))
+                pixels = np.concatenate([pixels, bent])
             fixed = np.rint(pixels * (1 << _BITS)).astype(np.int32)
             cv2.polylines(ink, list(fixed), False, shade, int(drawn.width[row]), cv2.LINE_AA, _BITS)
         return ink
@@ -151,7 +213,8 @@ class DrawnLines:
     """Lines in windows, before they are pictures.
 
     lines, second: (B, K, LINE, 2) of the window, drawn first and again. there: (B, K) bool. named, again: (B,) bool.
-    ink: (B,) 0 to 1. width: (B,) pixels. cameras: (B, 6).
+    ink: (B,) 0 to 1. width: (B,) pixels. cameras: (B, 6). creases: (B, W, LINE, 2) wrinkle lines, of which ``creased``
+    (B, W) are drawn; None where wrinkles are not.
     """
 
     lines: np.ndarray
@@ -162,6 +225,8 @@ class DrawnLines:
     ink: np.ndarray
     width: np.ndarray
     cameras: np.ndarray
+    creases: np.ndarray | None = None
+    creased: np.ndarray | None = None
 
 
 def present(lines: np.ndarray, missing: Missing, generator: np.random.Generator) -> np.ndarray:

@@ -13,8 +13,9 @@ from caricli.methods.train.network_training import NetworkTraining
 from caricli.methods.train.sketch_faces import SketchFaces
 from caricli.methods.train.sketch_hand import Missing, SketchBatch, SketchHand
 from caricli.methods.train.train_autodecoder import ALL, Share
+from caricli.models.bilinear.model import BilinearModel
 from caricli.models.linear_model import LinearModel
-from caricli.models.sketch.config import SketchConfig
+from caricli.models.sketch.config import SketchConfig, SketchSize
 from caricli.models.sketch.networks import CAMERA, SketchNetwork
 from caricli.models.sketch.window import POINTS
 from caricli.seeds import TrainingSeed
@@ -44,7 +45,7 @@ class SketchTraining(NetworkTraining):
         """
         self.model = model
         self.curves = named_curves(model)
-        self.faces = SketchFaces.of(datasets, model)
+        self.faces = SketchFaces.of(datasets, model, config.held, config.seed)
         self.unseen = _unseen(datasets, config.validation)
         self.hand = SketchHand(self.curves, config.size)
         super().__init__(partial(new_network, config, len(self.curves), len(model.basis)), config, share)
@@ -113,7 +114,7 @@ class SketchTraining(NetworkTraining):
             return network(windows, torch.from_numpy(batch.points)).float()
 
 
-def named_curves(model: LinearModel) -> tuple[FeatureCurve, ...]:
+def named_curves(model: LinearModel | BilinearModel) -> tuple[FeatureCurve, ...]:
     """The curves of a model's head. Raises InputError where its annotation names none."""
     curves = feature_curves(model.template.annotation)
     if not curves:
@@ -123,7 +124,9 @@ def named_curves(model: LinearModel) -> tuple[FeatureCurve, ...]:
 
 def new_network(config: SketchConfig, curves: int, dimension: int, generator: torch.Generator) -> SketchNetwork:
     """A network with random weights."""
-    return SketchNetwork(config.network(), curves, POINTS, dimension, generator)
+    size = config.network()
+    assert isinstance(size, SketchSize)
+    return SketchNetwork(size, curves, POINTS, dimension, generator)
 
 
 def _unseen(datasets: Sequence[Dataset], count: int) -> np.ndarray:

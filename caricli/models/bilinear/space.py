@@ -84,12 +84,13 @@ class BilinearSpace:
         by_w = np.einsum("mie,ni->nme", self.core[:, :, 1:], u, optimize=True)
         return np.concatenate([by_u, by_w], -1)
 
-    def encode(self, rows: np.ndarray, weights: np.ndarray | None = None) -> np.ndarray:
+    def encode(self, rows: np.ndarray, weights: np.ndarray | None = None, rounds: int = _ROUNDS) -> np.ndarray:
         """The likeliest codes of rows: ``|weights (row - decode(z))|^2 + noise^2 |whitened z|^2`` at its smallest.
 
         Levenberg-Marquardt steps from the mean code, for all rows at once.
 
-        rows: (N, M). weights: (N, M) from 0, which is not known, to 1; all 1 by default.
+        rows: (N, M). weights: (N, M) from 0, which is not known, to 1; all 1 by default. rounds: steps at most; after
+        few, codes are on their way.
         Returns (N, D).
         """
         codes = np.tile(self.prior.mean, (len(rows), 1))
@@ -97,7 +98,7 @@ class BilinearSpace:
         weights = np.ones((1, 1)) if weights is None else weights
         gaps, costs = self._costs(codes, rows, weights)
         active = np.arange(len(rows))
-        for _ in range(_ROUNDS):
+        for _ in range(rounds):
             if not len(active):
                 break
             own = weights if len(weights) == 1 else weights[active]
@@ -106,11 +107,11 @@ class BilinearSpace:
             trial_gaps, trial_costs = self._costs(trial, rows[active], own)
             gained = costs[active] - trial_costs
             better = gained > 0
-            settled = np.abs(gained) < _SETTLED * costs[active] + 1e-300
+            still = np.abs(gained) < _SETTLED * costs[active] + 1e-300
             moved = active[better]
             codes[moved], gaps[moved], costs[moved] = trial[better], trial_gaps[better], trial_costs[better]
             damping[active] *= np.where(better, 1 / _DAMPING[1], _DAMPING[1])
-            active = active[~settled]
+            active = active[~still]
         return codes
 
     def _costs(self, codes: np.ndarray, rows: np.ndarray, weights: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -11,9 +11,10 @@ from caricli.errors import InputError, naming, shown
 from caricli.geometry.head_rotation import head_rotation
 from caricli.models.checkpoint import model_id
 from caricli.models.network_weights import check_schema, load_weights, network_weights, whole_number
-from caricli.models.sketch.config import SketchSize
+from caricli.models.sketch.config import PublishedSize, SketchSize
 from caricli.models.sketch.networks import CAMERA, SketchNetwork
-from caricli.models.sketch.window import POINTS, Window, curve_points, shown_strokes
+from caricli.models.sketch.published import PublishedNetwork
+from caricli.models.sketch.window import CANVAS_FILL, FILL, POINTS, Window, curve_points, shown_strokes
 from caricli.render.rasterise_sketch import rasterise_sketch
 from caricli.structures import Camera
 from caricli.structures.sketch import NAME_LENGTH, Sketch
@@ -30,7 +31,12 @@ class SketchModel:
     """Tells the latent of the face of a sketch, and the camera that sees it as it is drawn."""
 
     def __init__(
-        self, network: SketchNetwork, size: int, curves: tuple[str, ...], basis: str, recipe: Any = None
+        self,
+        network: SketchNetwork | PublishedNetwork,
+        size: int,
+        curves: tuple[str, ...],
+        basis: str,
+        recipe: Any = None,
     ) -> None:
         """network: weights. size: of its windows, pixels. curves: K names of what it knows strokes by. basis:
         ``model_id`` of the shape model whose latents it tells. recipe: JSON value, how it was trained, or None.
@@ -44,6 +50,33 @@ class SketchModel:
             parameter.requires_grad_(False)
 
     @property
+    def label(self) -> str:
+        """What tables call it."""
+        return self.network.variant.label if isinstance(self.network, PublishedNetwork) else "network"
+
+    @property
+    def held_out(self) -> tuple[float, int] | None:
+        """The share of faces that its training held out, and the seed of their choice; None where nothing is said."""
+        config = self.recipe.get("config") if isinstance(self.recipe, dict) else None
+        if not isinstance(config, dict):
+            return None
+        share = config.get("held")
+        seed = config.get("seed")
+        if not isinstance(share, int | float) or not isinstance(seed, int) or not 0 <= share <= 1 or seed < 0:
+            return None
+        return share, seed
+
+    @property
+    def on_canvas(self) -> bool:
+        """Whether it expects heads to stand where heads usually do, as published networks do, at their usual size."""
+        return isinstance(self.network, PublishedNetwork)
+
+    @property
+    def wrinkled(self) -> bool:
+        """Whether it looks at wrinkle lines."""
+        return isinstance(self.network, PublishedNetwork) and self.network.variant.wrinkles
+
+    @property
     def model_id(self) -> str:
         """SHA-256 of its weights."""
         return model_id(KIND, self.tensors())
@@ -51,11 +84,16 @@ class SketchModel:
     def reconstruct(self, sketch: Sketch) -> tuple[np.ndarray, Camera]:
         """The latent (D,) of the face of a sketch, and its camera, in pixels of the canvas.
 
-        Strokes whose names are curves of the model say where these are; all others are only seen, but for wrinkles,
-        which are not. Raises InputError where nothing is drawn.
+        Strokes whose names are curves of the model say where these are; all others are only seen, wrinkles by networks
+        that look at them. Raises InputError where nothing is drawn.
         """
         strokes = shown_strokes(sketch, self.curves)
         window = Window.around([stroke.points for stroke in strokes], max(sketch.size))
+        if self.on_canvas:
+            # How large the head is meant to be nothing tells.
+            window = Window(window.centre, window.half * FILL / CANVAS_FILL)
+        if self.wrinkled:
+            strokes = list(sketch.strokes)
         points = curve_points(strokes, window, self.curves, self.network.usual.double().numpy())
         numbers = self.read(window_picture(sketch.with_strokes(strokes), window, self.size)[None], points[None])[0]
         return numbers[:-CAMERA], window_camera(numbers[-CAMERA:], window)
@@ -107,7 +145,7 @@ def sketch_from_checkpoint(
         basis = metadata.get("basis")
         if not isinstance(basis, str):
             raise InputError(f"expected the shape model that it belongs to, found {shown(basis, 60)!r}")
-        network = SketchNetwork(_size(metadata.get("network")), len(curves), POINTS, dimension, torch.Generator())
+        network = _network(metadata.get("network"), size, dimension, len(curves))
         load_weights(network, tensors)
         return SketchModel(network, size, curves, basis, metadata.get("recipe"))
 
@@ -119,18 +157,34 @@ def _names(names: Any) -> tuple[str, ...]:
     return tuple(names)
 
 
-def _size(about: Any) -> SketchSize:
-    names = [field.name for field in fields(SketchSize)]
+def _network(about: Any, size: int, dimension: int, curves: int) -> SketchNetwork | PublishedNetwork:
+    """A network without weights. about: of the file."""
+    generator = torch.Generator()
+    if not isinstance(about, dict) or "variant" not in about:
+        own = _sized(about, SketchSize, ("widths", "blocks"), ("stem", "told", "hidden"))
+        return SketchNetwork(own, curves, POINTS, dimension, generator)
+    numbers = ("hidden", "branch", "told", "identity", "expression")
+    published = _sized(about, PublishedSize, ("widths",), numbers)
+    if type(published.local) is not bool or dimension != published.identity + published.expression - 1:
+        raise InputError(f"expected a published network of {dimension} numbers, found {shown(about, 60)!r}")
+    return PublishedNetwork(published, curves, POINTS, size, generator)
+
+
+def _sized(about: Any, kind: type, lists: tuple[str, ...], numbers: tuple[str, ...]) -> Any:
+    """A size of its description. Raises InputError where that does not fit."""
+    names = [field.name for field in fields(kind)]
     if not isinstance(about, dict) or sorted(about) != sorted(names):
         raise InputError(f"expected a network of {', '.join(names)}, found {shown(about, 60)!r}")
     values = dict(about)
-    for name in ("widths", "blocks"):
+    for name in lists:
         if not isinstance(values[name], list):
             raise InputError(f"expected a list of {name}, found {shown(values[name], 60)!r}")
         values[name] = tuple(whole_number(value, (0, 4096), name) for value in values[name])
-    for name in ("stem", "told", "hidden"):
+    for name in numbers:
         values[name] = whole_number(values[name], (1, 8192), name)
+    if "variant" in values and not isinstance(values["variant"], str):
+        raise InputError(f"expected the name of a variant, found {shown(values['variant'], 60)!r}")
     try:
-        return SketchSize(**values)
+        return kind(**values)
     except ValueError as error:
         raise InputError(str(error)) from error

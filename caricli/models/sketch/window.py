@@ -11,6 +11,9 @@ from caricli.structures.sketch import Sketch, Stroke, StrokeKind
 FILL = 0.86
 """Of a window's half side: the reach of the strokes from its middle."""
 
+CANVAS_FILL = 0.72
+"""The same of the mean head's curves where the window is a canvas, on which larger heads have room."""
+
 POINTS = 16
 """Along every curve, its ends included."""
 

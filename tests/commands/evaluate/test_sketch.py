@@ -34,7 +34,7 @@ def test_people_of_no_training_are_measured(run, dataset, models, network, tmp_p
     assert report["faces"] == 4 and report["test_people"] == {"unseen": 1, "of": 1}
     errors = report["millimetres"]
     assert errors["network"]["noise"] == pytest.approx(errors["mean face"]["noise"], rel=1e-3)
-    for name in ("errors", "strokes"):
+    for name in ("errors", "strokes", "gallery"):
         assert read_image(tmp_path / "out" / f"{name}.png").std() > 0
 
 
@@ -48,4 +48,9 @@ def test_nobody_is_measured_whom_the_model_was_trained_with(run, dataset, models
 
 def test_a_network_of_another_model_is_refused(refused, dataset, network, tmp_path):
     said = refused("evaluate", "sketch", "--data", dataset, "--network", network, "--out", tmp_path / "out")
-    assert "for the shape model" in said and not (tmp_path / "out").exists()
+    assert "with the shape model" in said and not (tmp_path / "out").exists()
+
+
+def test_held_out_faces_need_a_training_that_held_them_out(refused, dataset, models, network, tmp_path):
+    options = ("--data", dataset, "--network", network, "--model", models["pca"], "--out", tmp_path / "out")
+    assert "held the same faces out" in refused("evaluate", "sketch", *options, "--trained", dataset)

@@ -55,6 +55,47 @@ def test_more_data_and_resuming_end_where_the_whole_does(run, trained, dataset, 
     assert run("train", "sketch", *twice).exit_code == 0
 
 
+PUBLISHED = ("--config", config_path("sketch/tiny_published.yaml"), "--set", "steps=2", "--set", "held=0.4")
+
+
+@pytest.fixture(scope="module")
+def published(run, dataset, tmp_path_factory):
+    """A published network, and the bilinear model whose u and v it tells."""
+    folder = tmp_path_factory.mktemp("published")
+    model = folder / "bilinear.safetensors"
+    small = ("--set", "identity=4", "--set", "expression=2")
+    assert run("train", "bilinear", "--data", dataset, "--out", model, *small).exit_code == 0
+    result = run("train", "sketch", "--data", dataset, "--model", model, "--out", folder / "run", *PUBLISHED)
+    assert result.exit_code == 0, result.output
+    return folder / "run" / "model.safetensors", model
+
+
+def test_a_published_network_is_told_by_its_variant(run, published):
+    told = run("inspect", published[0])
+    assert "sketch network" in told.stdout
+    network, basis = load_sketch_pair(*published)
+    assert network.label == "PixelShapeCNN" and network.held_out == (0.4, 0)
+    assert len(network.curves) == len(feature_curves(basis.template.annotation))
+
+
+def test_a_published_network_is_measured_under_both_protocols(run, published, dataset, tmp_path):
+    network, model = published
+    options = ("--data", dataset, "--trained", dataset, "--network", network, "--model", model)
+    result = run("evaluate", "sketch", *options, "--count", 2, "--out", tmp_path / "out")
+    assert result.exit_code == 0, result.output
+    assert "a random tenth" in result.stdout and result.stdout.count("PixelShapeCNN") == 2
+    report = json.loads((tmp_path / "out" / "sketch.json").read_text())
+    assert set(report["millimetres"]) == set(report["random_tenth"]["millimetres"]) >= {"PixelShapeCNN", "mean face"}
+    assert report["faces"] == report["faces_held_out"] == 2
+
+
+def test_a_published_network_needs_a_bilinear_model(refused, dataset, models, tmp_path):
+    options = ("--data", dataset, "--out", tmp_path / "run", *PUBLISHED)
+    assert "no --model" in refused("train", "sketch", *options)
+    assert "train bilinear" in refused("train", "sketch", *options, "--model", models["pca"])
+    assert "classify" in refused("train", "sketch", *options, "--set", "classify=4", code=2)
+
+
 def test_bad_input_is_one_line(refused, dataset, models, tmp_path):
     out = tmp_path / "run"
     assert "linear model" in refused("train", "sketch", "--data", dataset, "--model", models["kernel"], "--out", out)
