@@ -1,8 +1,9 @@
 """Sketches whose lines no renderer of ours drew: how near the landmarks of the faces of them come.
 
-The lines are the landmarks of real drawings, joined to smooth strokes. The folder has a picture N.jpg and a file N.txt
-of 68 landmarks for every drawing, as the public data of Wu et al. (2018) has them. Errors are mean distances of the
-projected landmarks from the given ones in percent of the diagonal of these (NME), without following the lines and with.
+The lines are the landmarks of real drawings: as polylines, and joined to smooth strokes, with names and without. The
+folder has a picture N.jpg and a file N.txt of 68 landmarks for every drawing, as the public data of Wu et al. (2018)
+have them. Errors are mean distances of the projected landmarks from the given ones in percent of the diagonal of these
+(NME), without following the lines and with.
 """
 
 import argparse
@@ -17,9 +18,10 @@ from caricli.geometry.cubic_spline import CubicSpline
 from caricli.io.image import read_image, write_png
 from caricli.io.landmarks import read_landmarks
 from caricli.methods.parts.whole_head import whole_head
-from caricli.methods.sketch.fit_lines import model_coarse
+from caricli.methods.sketch.model_coarse import model_coarse
 from caricli.methods.sketch.reconstruct_sketch import SketchReconstruction
 from caricli.render.sketch_sheet import sketch_sheet
+from caricli.store.landmark_encoders import elastic_encoder
 from caricli.store.models import DEFAULT_LATENT, load_model
 from caricli.structures.landmarks import (
     BRIDGE,
@@ -47,6 +49,9 @@ LINES = {
 
 POINTS = 48
 
+KINDS = ("polylines", "named", "nameless")
+"""How landmarks become lines."""
+
 
 def smooth_line(points):
     """Points (48, 2) of the spline through landmarks (N, 2), N at least 4, by the lengths between them."""
@@ -55,17 +60,22 @@ def smooth_line(points):
     return CubicSpline(knots, points)(np.linspace(0, knots[-1], POINTS))
 
 
-def landmark_sketch(points, size, named):
-    """The Sketch of 68 landmarks (68, 2); without names its strokes are of no kind, every second one backwards."""
+def landmark_sketch(points, size, kind):
+    """The Sketch of 68 landmarks (68, 2).
+
+    kind: of KINDS: "polylines" has them as the points of its strokes, the others are smooth; "nameless" strokes say not
+    what they draw, and every second one goes backwards.
+    """
+    line = np.asarray if kind == "polylines" else smooth_line
     strokes = [
         Stroke(
-            smooth_line(points[list(ids)]),
+            line(points[list(ids)]),
             StrokeKind.SILHOUETTE if name == "silhouette" else StrokeKind.FEATURE,
             name,
         )
         for name, ids in LINES.items()
     ]
-    if not named:
+    if kind == "nameless":
         strokes = [
             replace(stroke.moved(stroke.points[:: -1 if k % 2 else 1]), kind=StrokeKind.UNKNOWN, curve=None)
             for k, stroke in enumerate(strokes)
@@ -88,7 +98,7 @@ def reconstruction_of(options):
         network, model = load_sketch_pair(options.network)
         return SketchReconstruction(model, partial(network_coarse, network=network, model=model), "network")
     model = load_model(options.model, DEFAULT_LATENT)
-    return SketchReconstruction(model, partial(model_coarse, model=model))
+    return SketchReconstruction(model, partial(model_coarse, encoder=elastic_encoder(model)))
 
 
 def main():
@@ -100,7 +110,7 @@ def main():
     parser.add_argument("--coarse", choices=["network", "model"], default="model")
     parser.add_argument("--network", type=Path)
     parser.add_argument("--model", type=Path)
-    parser.add_argument("--kinds", nargs="+", default=["named", "nameless"])
+    parser.add_argument("--kinds", nargs="+", choices=KINDS, default=KINDS)
     options = parser.parse_args()
     reconstruction = reconstruction_of(options)
     rows = {}
@@ -110,7 +120,7 @@ def main():
         size = (image.shape[1], image.shape[0])
         rows[path.stem] = {}
         for kind in options.kinds:
-            sketch = landmark_sketch(points, size, kind == "named")
+            sketch = landmark_sketch(points, size, kind)
             fits = {share: reconstruction.reconstruct(sketch, share) for share in (0.0, 1.0)}
             right = [a == b.curve for a, b in zip(LINES, fits[1.0].sketch.strokes, strict=False)]
             rows[path.stem][kind] = {
@@ -121,12 +131,12 @@ def main():
                 "rightly_named": float(np.mean(right)),
             }
             print(path.stem, kind, rows[path.stem][kind], flush=True)
-            if options.sheets and kind == "named":
+            if options.sheets:
                 options.sheets.mkdir(exist_ok=True)
                 fit = fits[1.0]
                 head = whole_head(fit.face, reconstruction.model.template)
                 sheet = sketch_sheet(fit.face, head, fit.sketch, fit.curves, image)
-                write_png(options.sheets / f"{path.stem}.png", sheet)
+                write_png(options.sheets / f"{path.stem}-{kind}.png", sheet)
     means = {
         kind: {key: float(np.mean([row[kind][key] for row in rows.values()])) for key in row_keys(rows)}
         for kind in options.kinds

@@ -8,11 +8,10 @@ import numpy as np
 
 from caricli.errors import shown
 from caricli.methods.faces.encode_face import EncodedFace
-from caricli.methods.faces.encode_landmarks import landmark_encoder
 from caricli.models.shape_model import ShapeModel
 from caricli.render.crop_portrait import crop_portrait
 from caricli.store.faces import load_latent_face
-from caricli.store.models import load_model
+from caricli.store.landmark_encoders import elastic_encoder
 from caricli.store.pictures import load_marked_picture
 
 
@@ -45,7 +44,7 @@ def landmark_loader(model: ShapeModel, pts_origin: int, size: int) -> FaceLoader
     model: ShapeModel of the latents. pts_origin: coordinate of the first pixel in .pts files. size: pixels, side of a
     portrait.
     """
-    encoder = landmark_encoder(model, model if model.kind == "intrinsic" else load_model())
+    encoder = elastic_encoder(model)
 
     def load(path: Path, image: Path | None) -> RegularFace:
         marks, picture = load_marked_picture(path, image, pts_origin)

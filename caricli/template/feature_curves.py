@@ -1,9 +1,10 @@
 """The curves of a head that a sketch of it shows."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
+from caricli.structures.landmarks import COUNT
 from caricli.structures.sketch import CURVES, StrokeKind
 from caricli.template.annotation import Annotation, bundled_annotation
 
@@ -16,12 +17,14 @@ class FeatureCurve:
     """A line on a head.
 
     name: of the annotation. kind: StrokeKind of its stroke. vertices: (N,) ids along edges of the mesh; of a closed
-    curve the last is the first.
+    curve the last is the first. marks: (M,) numbers along the curve of those that iBUG's landmarks stand on, in their
+    order along it; of the silhouette from ear to ear.
     """
 
     name: str
     kind: StrokeKind
     vertices: np.ndarray
+    marks: np.ndarray = field(default_factory=lambda: np.zeros(0, int))
 
     @property
     def closed(self) -> bool:
@@ -42,8 +45,18 @@ def feature_curves(annotation: Annotation) -> tuple[FeatureCurve, ...]:
     for name, ids in sorted(note.curves.items(), key=lambda item: item[0] != SILHOUETTE):
         if len(ids) > 1:
             vertices = np.append(ids, ids[0]) if name in closed and ids[0] != ids[-1] else ids
-            curves.append(FeatureCurve(name, CURVES.get(name, StrokeKind.FEATURE), vertices))
+            marks = np.flatnonzero(np.isin(ids, note.landmarks[:COUNT]))
+            if ids[0] == vertices[-1]:
+                marks = _around(marks, len(vertices) - 1)
+            curves.append(FeatureCurve(name, CURVES.get(name, StrokeKind.FEATURE), vertices, marks))
     return tuple(curves)
+
+
+def _around(marks: np.ndarray, count: int) -> np.ndarray:
+    """Marks (M,) of a ring of count vertices, the first behind the widest gap."""
+    if len(marks) < 2:
+        return marks
+    return np.roll(marks, -1 - int(np.diff(marks, append=marks[0] + count).argmax()))
 
 
 def _same_head(annotation: Annotation, other: Annotation) -> bool:

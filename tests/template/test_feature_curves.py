@@ -48,3 +48,11 @@ def test_another_head_has_the_curves_that_it_names():
     curves = feature_curves(parse_annotation(value | {"closed_curves": ["silhouette"]}, 68, "a.json"))
     assert [curve.name for curve in curves] == ["silhouette", "scar"]
     assert curves[0].vertices.tolist() == [3, 4, 5, 3]
+
+
+def test_landmarks_stand_on_the_curves_in_their_order():
+    note = bundled_annotation()
+    curves = {curve.name: curve for curve in feature_curves(note)}
+    assert note.landmarks[:17].tolist() == curves["silhouette"].vertices[curves["silhouette"].marks].tolist()
+    for name, numbers in {"nose": range(31, 36), "eye_upper_left": range(42, 46), "nose_tip": ()}.items():
+        assert set(curves[name].vertices[curves[name].marks]) == set(note.landmarks[list(numbers)])

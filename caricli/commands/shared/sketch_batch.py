@@ -17,10 +17,11 @@ from caricli.io.provenance import provenance
 from caricli.io.strict_json import write_json
 from caricli.methods.faces.subdivide_face import subdivide_face
 from caricli.methods.parts.whole_head import mesh_face, whole_head
-from caricli.methods.sketch.fit_lines import model_coarse
+from caricli.methods.sketch.model_coarse import model_coarse
 from caricli.methods.sketch.reconstruct_sketch import SketchReconstruction
 from caricli.models.shape_model import ShapeModel
 from caricli.store.face_files import write_face_files
+from caricli.store.landmark_encoders import elastic_encoder
 from caricli.store.models import DEFAULT_LATENT, load_model
 from caricli.store.pictures import find_picture
 from caricli.store.sketch_networks import has_sketch_network
@@ -68,7 +69,7 @@ class SketchTask:
         sees = self.coarse == "network" if self.coarse else self.network is not None or has_sketch_network()
         if not sees:
             model = load_model(self.model_path, DEFAULT_LATENT)
-            return SketchReconstruction(model, partial(model_coarse, model=model), "model")
+            return SketchReconstruction(model, partial(model_coarse, encoder=elastic_encoder(model)), "model")
         # PyTorch takes a while to start.
         from caricli.methods.sketch.network_coarse import network_coarse
         from caricli.store.sketch_networks import load_sketch_pair

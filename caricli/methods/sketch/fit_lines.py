@@ -1,4 +1,4 @@
-"""The likeliest face of a model for lines: the rival of the networks (sketch paper, section 6.3)."""
+"""The likeliest face of a model for lines."""
 
 from collections.abc import Mapping, Sequence
 
@@ -12,7 +12,6 @@ from caricli.methods.sketch.line_handles import LineHandles
 from caricli.methods.sketch.settings import CORNERED, LineFitSettings
 from caricli.models.shape_model import ShapeModel
 from caricli.structures import Camera, Face
-from caricli.structures.sketch import Sketch
 
 FEWEST = 8
 """Vertices on lines that tell a camera, at least."""
@@ -59,11 +58,6 @@ def fit_lines(
     mesh = model.template.with_vertices(model.decode(latent))
     camera = line_camera(lines, handles, mesh.vertices[handles.vertices], settings, camera)
     return Face(mesh, camera, latent=latent, model_id=model.model_id)
-
-
-def model_coarse(sketch: Sketch, lines: Lines, handles: LineHandles, model: ShapeModel) -> Face:
-    """``fit_lines`` as a Coarse, which is given the sketch as well."""
-    return fit_lines(lines, handles, model)
 
 
 def line_camera(

@@ -51,15 +51,33 @@ def test_a_closed_curve_may_begin_anywhere(sketch, handles, own, shift):
     assert gaps.max() < 4 and gaps.mean() < 1
 
 
-def test_a_jaw_alone_is_part_of_the_silhouette(sketch, handles, own):
+def test_part_of_a_jaw_is_part_of_the_silhouette(sketch, handles, own):
     """The curve begins at the chin."""
     ring = sketch.points_by_curve()["silhouette"][:-1]
-    jaw = np.r_[-16:0, 0:17]
+    jaw = np.r_[-12:0, 0:13]
     places = handles.places({"silhouette": [ring[jaw]]}, own)
     rows = handles.rows["silhouette"][:-1]
     met = np.isfinite(places[rows]).all(axis=1)
     assert met[jaw].mean() > 0.9 and met.sum() <= len(jaw) + 1
     assert np.nanmean(np.linalg.norm(places - own, axis=1)) < 1
+
+
+def test_a_polyline_of_landmarks_is_met_at_its_points(handles, own, model):
+    """The jaw's are not at equal distances here, and the vertices lie elsewhere along the line."""
+    landmarks = model.template.annotation.landmarks
+    rows = np.searchsorted(handles.vertices, landmarks[:17])
+    line = own[rows] + np.random.default_rng(0).normal(0, 2, (17, 2))
+    for drawn in (line, line[::-1]):
+        np.testing.assert_allclose(handles.places({"silhouette": [drawn]}, own)[rows], line)
+
+
+def test_landmarks_of_a_jaw_alone_stand_at_equal_distances(handles, own, model):
+    rows = np.searchsorted(handles.vertices, model.template.annotation.landmarks[:17])
+    jaw = own[handles.rows["silhouette"]][np.r_[49:66, 0:18]]
+    places = handles.places({"silhouette": [1.2 * jaw]}, own)[rows]
+    steps = np.linalg.norm(np.diff(places, axis=0), axis=1)
+    assert np.ptp(steps) < 0.1 * steps.mean()
+    np.testing.assert_allclose(places[[0, -1]], 1.2 * jaw[[0, -1]])
 
 
 def test_dots_are_no_lines():

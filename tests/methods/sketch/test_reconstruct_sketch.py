@@ -5,15 +5,22 @@ import pytest
 
 from caricli.errors import InputError
 from caricli.methods.faces.encode_face import decode_face
-from caricli.methods.sketch.fit_lines import model_coarse
+from caricli.methods.faces.encode_landmarks import landmark_encoder
+from caricli.methods.sketch.model_coarse import model_coarse
 from caricli.methods.sketch.reconstruct_sketch import SketchReconstruction
 from caricli.methods.sketch.settings import FollowSettings
+from caricli.store.models import load_model
 from caricli.structures.sketch import Sketch, Stroke
 
 
 @pytest.fixture(scope="module")
-def reconstruction(model):
-    return SketchReconstruction(model, partial(model_coarse, model=model))
+def coarse(model):
+    return partial(model_coarse, encoder=landmark_encoder(model, load_model()))
+
+
+@pytest.fixture(scope="module")
+def reconstruction(model, coarse):
+    return SketchReconstruction(model, coarse)
 
 
 def test_lines_are_followed_and_what_the_latent_cannot_say_is_kept(reconstruction, model, sketch):
@@ -56,21 +63,21 @@ def test_an_empty_canvas_is_refused(reconstruction):
         reconstruction.reconstruct(Sketch())
 
 
-def test_lines_that_would_tear_the_surface_are_followed_less_far(model, sketch):
+def test_lines_that_would_tear_the_surface_are_followed_less_far(model, coarse, sketch):
     def fallen(stroke):
         if stroke.curve is None or not stroke.curve.startswith("brow"):
             return stroke
         return stroke.moved(stroke.points + [0, 100])
 
-    careful = SketchReconstruction(model, partial(model_coarse, model=model), settings=FollowSettings(torn=0.002))
+    careful = SketchReconstruction(model, coarse, settings=FollowSettings(torn=0.001))
     fit = careful.reconstruct(sketch.with_strokes(map(fallen, sketch.strokes)))
-    assert 0 < fit.share < fit.asked == 1 and fit.flipped <= 0.002
+    assert 0 < fit.share < fit.asked == 1 and fit.flipped <= 0.001
     assert "the surface would tear" in fit.describe() and fit.figures()["followed"] == fit.share
 
 
-def test_lines_whose_likeliest_face_is_torn_are_refused(model, sketch):
+def test_lines_whose_likeliest_face_is_torn_are_refused(model, coarse, sketch):
     def torn(*_):
-        face = model_coarse(*_, model=model)
+        face = coarse(*_)
         generator = np.random.default_rng(1)
         return face.with_vertices(face.vertices + generator.normal(0, 0.1, face.vertices.shape))
 

@@ -1,0 +1,132 @@
+"""Where the points of a curve lie along a line that was drawn for it."""
+
+import numpy as np
+
+from caricli.geometry.match_line import match_line, resample
+from caricli.methods.sketch.settings import CORNERED
+from caricli.template.feature_curves import FeatureCurve
+
+_SAMPLES = 24
+"""Points of a line by which its direction is told."""
+_GAP = 0.1
+"""Of a line's length: ends of a closed line may be so far apart."""
+_NEAR = 1 / 8
+"""Of the points between the first and the last landmark: as near a line ends to these that goes from one to the other."""
+_ALIKE = 0.25
+"""Of a line's size: what is left of the distance from a curve without place and size, where it draws all of it."""
+
+
+def match_curve(curve: FeatureCurve, own: np.ndarray, line: np.ndarray, alone: bool) -> np.ndarray:
+    """Places of a curve's points along a line, in pixels.
+
+    A line with as many points as there are landmarks on the curve is a row of landmarks. On a line that looks like the
+    curve from the first to the last landmark, more than like all of it, as a jaw from ear to ear, landmarks stand at
+    equal distances, as they are marked by hand (iBUG; Sagonas et al. 2013); what lies between landmarks stays at its
+    share of the way. All else is warped (``match_line``).
+
+    own: (K, 2) of the curve. line: (N, 2), in any direction, of some length. alone: whether no other line was drawn
+    for the curve.
+    Returns (K, 2), NaN for points beyond the ends of the line.
+    """
+    if not curve.closed:
+        return _along(own, curve.marks, line, alone, curve.name.startswith(CORNERED))
+    length = np.linalg.norm(np.diff(line, axis=0), axis=1).sum()
+    if np.linalg.norm(line[0] - line[-1]) < _GAP * length:
+        return match_line(own, _ring_from(own, line), whole=True)
+    # Open it where nothing was drawn: opposite of the middle of the line.
+    ring = own[:-1]
+    nearest = _nearest(ring, resample(line, _SAMPLES))
+    middle = nearest[len(nearest) // 2]
+    shift = (middle + len(ring) // 2) % len(ring)
+    order = np.roll(np.arange(len(ring)), -shift)
+    marks = (curve.marks - shift) % len(ring)
+    places = np.full((len(own), 2), np.nan)
+    places[order] = _along(ring[order], marks if (np.diff(marks) > 0).all() else marks[:0], line, alone, False)
+    places[-1] = places[0]
+    return places
+
+
+def _along(own: np.ndarray, marks: np.ndarray, line: np.ndarray, alone: bool, cornered: bool) -> np.ndarray:
+    """``match_curve`` for a curve that is open. marks: (M,) landmarks on it. cornered: drawn from end to end."""
+    line = _same_way(own, line)
+    if alone and len(line) == len(marks) > 2:
+        return _between(own, marks, line, _shares(line))
+    places = match_line(own, line, alone and cornered)
+    if alone and len(marks) > 2 and not cornered and _draws(own, marks, line, places):
+        return _between(own, marks, line, np.linspace(0, 1, len(marks)))
+    return places
+
+
+def _draws(own: np.ndarray, marks: np.ndarray, line: np.ndarray, places: np.ndarray) -> bool:
+    """Whether a line goes from the first to the last landmark of a curve: its ends, which are places (K, 2) of the
+    curve already, are near to them, and its shape is more of that part than of the whole."""
+    met = np.flatnonzero(np.isfinite(places).all(axis=1))
+    between = slice(marks[0], marks[-1] + 1)
+    if np.abs(met[[0, -1]] - marks[[0, -1]]).max() > _NEAR * (marks[-1] - marks[0]):
+        return False
+    unlike = [_unlike(part, line) for part in (own[between], own)]
+    return unlike[0] < min(_ALIKE, unlike[1])
+
+
+def _unlike(points: np.ndarray, line: np.ndarray) -> float:
+    """What is left of the distance between two lines without place and size, of the size."""
+    shapes = [resample(each, _SAMPLES) for each in (points, line)]
+    centred = [shape - shape.mean(0) for shape in shapes]
+    sizes = [float(np.sqrt((shape**2).sum())) for shape in centred]
+    return float(np.linalg.norm(centred[0] / sizes[0] - centred[1] / sizes[1]))
+
+
+def _between(own: np.ndarray, marks: np.ndarray, line: np.ndarray, shares: np.ndarray) -> np.ndarray:
+    """(K, 2) places of points own (K, 2) along a line on which those of marks (M,) stand at shares (M,) of its length;
+    NaN for those before the first and after the last."""
+    places = np.full(own.shape, np.nan)
+    first, last = int(marks[0]), int(marks[-1])
+    along = np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(own, axis=0), axis=1))])
+    wanted = np.interp(along[first : last + 1], along[marks], shares)
+    drawn = _shares(line)
+    places[first : last + 1] = np.stack([np.interp(wanted, drawn, column) for column in line.T], axis=1)
+    return places
+
+
+def _shares(line: np.ndarray) -> np.ndarray:
+    """(N,) of a line's length up to its points, 0 to 1."""
+    along = np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))])
+    return along / along[-1]
+
+
+def _nearest(points: np.ndarray, line: np.ndarray) -> np.ndarray:
+    """(N,) of the points the numbers that are nearest to those of a line (N, 2)."""
+    return np.argmin(((points - line[:, None]) ** 2).sum(-1), axis=1)
+
+
+def _same_way(own: np.ndarray, line: np.ndarray) -> np.ndarray:
+    """A line in the direction of points own (K, 2)."""
+    dense = resample(own, 4 * _SAMPLES)
+    ways = [resample(way, _SAMPLES) for way in (line, line[::-1])]
+    # Pieces are told by where they lie, all else by how they would meet.
+    trend = np.sign(np.diff(_nearest(dense, ways[0]))).sum()
+    ends = resample(own, _SAMPLES)
+    centred = ends - ends.mean(0)
+    along = (centred * (ways[0] - ways[0].mean(0))).sum() - (centred * (ways[1] - ways[1].mean(0))).sum()
+    backwards = trend < 0 if abs(trend) > _SAMPLES // 2 else along < 0
+    return line[::-1] if backwards else line
+
+
+def _ring_from(own: np.ndarray, line: np.ndarray) -> np.ndarray:
+    """A closed line in the direction of a closed curve own (K, 2), from where this begins."""
+    ring = line if (line[0] == line[-1]).all() else np.concatenate([line, line[:1]])
+    if _area(ring) * _area(own) < 0:
+        ring = ring[::-1]
+    dense = resample(ring, 16 * _SAMPLES)[:-1]
+    low = own.min(0)
+    size = np.maximum(np.ptp(own, axis=0), 1e-9)
+    start = dense.min(0) + (own[0] - low) / size * np.ptp(dense, axis=0)
+    first = int(_nearest(dense, start[None])[0])
+    turned = np.roll(dense, -first, axis=0)
+    return np.concatenate([turned, turned[:1]])
+
+
+def _area(ring: np.ndarray) -> float:
+    """Twice the signed area within a closed line (N, 2)."""
+    a, b = ring[:-1], ring[1:]
+    return float((a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]).sum())
