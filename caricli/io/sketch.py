@@ -25,7 +25,8 @@ _START = 4096
 def read_sketch(path: str | Path) -> Sketch:
     """Read a sketch from JSON (docs/formats.md) or SVG, told by the content. Raises InputError when it is malformed."""
     data = read_bytes(path, MAX_SKETCH_BYTES, "a sketch")
-    if is_svg(data[:_START]):
+    # A damaged SVG is one still.
+    if is_svg(data[:_START]) or Path(path).suffix.lower() == ".svg":
         return read_svg(path)
     value = parse_json(data, path)
     with naming(path):

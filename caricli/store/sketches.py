@@ -24,7 +24,7 @@ _INSIDE = 0.5
 def load_sketch(path: Path) -> Sketch:
     """The sketch of a file: JSON or SVG, or a picture of a drawing on paper.
 
-    Raises InputError when it is none, there is hardly a line, a curve is drawn twice, or most lies beside the canvas.
+    Raises InputError when it is none, there is hardly a line, or most lies beside the canvas.
     """
     if is_image_file(path):
         image = read_image(path)
@@ -44,7 +44,6 @@ def load_sketch(path: Path) -> Sketch:
             raise InputError(
                 f"expected lines on the canvas of {canvas} pixels, found {100 * inside:.0f} % of them there"
             )
-        sketch.points_by_curve()
     return sketch
 
 

@@ -19,6 +19,9 @@ FEWEST = 8
 _ENOUGH = 3
 """Curves between corners that tell where a face is."""
 
+_LARGEST = 3.0
+"""Radians, and logarithms of the scale: a step as large as this leads nowhere."""
+
 TURN = slice(0, 3)
 FRONT = np.diag([1.0, -1.0, -1.0])
 
@@ -52,7 +55,7 @@ def fit_lines(
         system[CAMERA:, CAMERA:] += np.eye(len(whitened))
         right[CAMERA:] -= whitened
         step = np.linalg.solve(system, right)
-        camera = moved_camera(camera, step[:CAMERA])
+        camera = _stepped(camera, step[:CAMERA])
         whitened = whitened + step[CAMERA:]
     latent = model.prior.colour(whitened)
     mesh = model.template.with_vertices(model.decode(latent))
@@ -79,7 +82,8 @@ def line_camera(
         if np.isfinite(places).all(axis=1).sum() < FEWEST:
             raise InputError(f"expected lines of the curves of a face, found {_told(lines)}")
         for _ in range(2):
-            camera = moved_camera(camera, np.linalg.solve(*_normal_equations(camera, points, places, none, settings)))
+            step = np.linalg.solve(*_normal_equations(camera, points, places, none, settings))
+            camera = _stepped(camera, step)
     return camera
 
 
@@ -100,6 +104,13 @@ def _normal_equations(
     system[TURN, TURN] += np.eye(3) / view**2
     right[TURN] -= rotation_vectors((camera.rotation @ FRONT.T)[None])[0] / view**2
     return system, right
+
+
+def _stepped(camera: Camera, step: np.ndarray) -> Camera:
+    """``moved_camera``. Raises InputError for a step that leads nowhere."""
+    if np.abs(step[: CAMERA - 2]).max() > _LARGEST:
+        raise InputError("expected lines that a face could show, found none that have lines like these")
+    return moved_camera(camera, step)
 
 
 def _front(lines: Lines, handles: LineHandles, points: np.ndarray) -> Camera:

@@ -11,7 +11,7 @@ _SAMPLES = 24
 _GAP = 0.1
 """Of a line's length: ends of a closed line may be so far apart."""
 _NEAR = 1 / 8
-"""Of the points between the first and the last landmark: as near a line ends to these that goes from one to the other."""
+"""Of the points from the first landmark to the last: as near to these a line ends that goes from one to the other."""
 _ALIKE = 0.25
 """Of a line's size: what is left of the distance from a curve without place and size, where it draws all of it."""
 

@@ -58,6 +58,15 @@ def name_strokes(
     return best.named()
 
 
+def unsure_share(sketch: Sketch, named: Sketch, handles: LineHandles) -> float:
+    """Share of the strokes without a curve's name, and no wrinkles, that found none, 0 to 1. named: see above."""
+    counts = [
+        sum(stroke.curve is None and stroke.kind != StrokeKind.WRINKLE for stroke in each.strokes)
+        for each in (_with_own_names(sketch, handles), named)
+    ]
+    return counts[1] / counts[0] if counts[0] else 0.0
+
+
 def _with_own_names(sketch: Sketch, handles: LineHandles) -> Sketch:
     """The sketch without names that the head has no curve of."""
     rows = handles.rows

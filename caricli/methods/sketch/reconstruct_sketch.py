@@ -15,7 +15,7 @@ from caricli.methods.faces.encode_face import encode_face
 from caricli.methods.sketch.fit_lines import Lines
 from caricli.methods.sketch.follow_lines import LineFollower
 from caricli.methods.sketch.line_handles import LineHandles, lines_by_curve
-from caricli.methods.sketch.name_strokes import name_strokes
+from caricli.methods.sketch.name_strokes import name_strokes, unsure_share
 from caricli.methods.sketch.settings import COARSE, FollowSettings
 from caricli.models.shape_model import ShapeModel
 from caricli.structures import Face
@@ -24,6 +24,8 @@ from caricli.template.feature_curves import feature_curves
 
 _SPACING = 0.004
 """Of the canvas: between points at which lines are compared."""
+_UNSURE = 0.5
+"""Share of strokes from which on it is said that they draw no face."""
 
 Coarse = Callable[[Sketch, Lines, LineHandles], Face]
 """A face that is likely for a sketch, with camera and latent: of the sketch, its lines by curves, and the handles."""
@@ -39,6 +41,7 @@ class SketchFit:
     were followed and after. worst: the same, the largest distance. flipped: share of triangles that are turned over.
     prior_rms: root mean square of the whitened latent before lines were followed, about 1 for a typical face. share: of
     the way to the lines. asked: the share that was asked for, more than ``share`` where that would tear the surface.
+    unsure: share of the strokes that do not say what they draw and seem to draw no line of a face.
     """
 
     face: Face
@@ -51,6 +54,7 @@ class SketchFit:
     prior_rms: float
     share: float
     asked: float
+    unsure: float
 
     def figures(self) -> dict[str, Any]:
         """What reports say of it, as JSON."""
@@ -61,16 +65,19 @@ class SketchFit:
             "flipped": self.flipped,
             "followed": self.share,
             "prior_rms": self.prior_rms,
+            "unsure": self.unsure,
             "strokes": [{"kind": str(stroke.kind), "curve": stroke.curve} for stroke in self.sketch.strokes],
         }
 
     def describe(self) -> str:
         """What is printed of it."""
         lines = f"lines {self.coarse['all']:.2f} to {self.errors['all']:.3f} % of the canvas away"
-        told = f"{lines}, prior {self.prior_rms:.2f}, flipped {100 * self.flipped:.3f} %"
-        if self.share == self.asked:
-            return told
-        return f"{told}; doubtful: followed for {100 * self.share:.3g} % of the way, farther the surface would tear"
+        told = [f"{lines}, prior {self.prior_rms:.2f}, flipped {100 * self.flipped:.3f} %"]
+        if self.unsure > _UNSURE:
+            told.append(f"doubtful: {100 * self.unsure:.0f} % of the strokes without a name are no lines of a face")
+        if self.share != self.asked:
+            told.append(f"doubtful: followed for {100 * self.share:.3g} % of the way, farther the surface would tear")
+        return "; ".join(told)
 
 
 class SketchReconstruction:
@@ -126,6 +133,7 @@ class SketchReconstruction:
             prior_rms=float(self.model.prior.rms(coarse.require_latent())),
             share=followed,
             asked=share,
+            unsure=unsure_share(sketch, named, self.handles),
         )
 
     def _sound(self, coarse: Face, places: np.ndarray, share: float) -> tuple[Face, float]:

@@ -42,6 +42,12 @@ def test_a_stroke_over_another_counts_half(sketch, handles, own):
     np.testing.assert_allclose(places[handles.rows["brow_left"]][1:-1], (line + [0, 2])[1:-1], atol=1.5)
 
 
+def test_a_closed_stroke_that_comes_twice_counts_once(sketch, handles, own):
+    ring = sketch.points_by_curve()["silhouette"]
+    once, twice = (handles.places({"silhouette": [ring] * count}, own) for count in (1, 2))
+    np.testing.assert_allclose(once, twice)
+
+
 @pytest.mark.parametrize("shift", [0, 20])
 def test_a_closed_curve_may_begin_anywhere(sketch, handles, own, shift):
     ring = sketch.points_by_curve()["silhouette"][:-1]

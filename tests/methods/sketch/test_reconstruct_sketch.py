@@ -85,3 +85,31 @@ def test_lines_whose_likeliest_face_is_torn_are_refused(model, coarse, sketch):
         SketchReconstruction(model, torn, settings=FollowSettings(torn=0.0)).reconstruct(sketch, 0.0)
     # Within what is allowed it is smoothed until it is sound.
     assert SketchReconstruction(model, torn).reconstruct(sketch, 0.0).flipped <= FollowSettings().torn
+
+
+def _arc(x, y, wide, high, turns=(0, 1)):
+    angles = np.linspace(2 * np.pi * turns[0], 2 * np.pi * turns[1], 40)
+    return np.column_stack([x + wide * np.cos(angles), y + high * np.sin(angles)])
+
+
+def test_a_cat_is_doubtful_and_whole(reconstruction, sketch):
+    lines = [
+        *(_arc(128, 140, 80, 70), _arc(98, 125, 14, 18), _arc(158, 125, 14, 18), _arc(98, 125, 3, 14)),
+        *(_arc(158, 125, 3, 14), _arc(118, 170, 10, 8, (0, 0.5)), _arc(138, 170, 10, 8, (0, 0.5))),
+        *(np.array(ear, float) for ear in ([[60, 105], [50, 30], [105, 75]], [[150, 75], [205, 30], [196, 105]])),
+        np.array([[118.0, 155], [138, 155], [128, 165], [118, 155]]),
+        *(np.array([[128 + side * 28, 165 + 4 * k], [128 + side * 88, 160 + 14.0 * k]])
+          for side in (-1, 1) for k in (-1, 0, 1)),
+    ]  # fmt: skip
+    fit = reconstruction.reconstruct(Sketch(tuple(map(Stroke, lines))))
+    assert fit.unsure > 0.5 and "% of the strokes without a name are no lines of a face" in fit.describe()
+    assert np.isfinite(fit.face.vertices).all() and fit.flipped <= FollowSettings().torn
+    assert fit.figures()["unsure"] == fit.unsure
+    assert reconstruction.reconstruct(sketch).unsure == 0
+
+
+def test_scribble_is_refused(reconstruction):
+    generator = np.random.default_rng(3)
+    walks = (generator.normal(0, 8, (30, 2)).cumsum(0) + generator.uniform(60, 200, 2) for _ in range(12))
+    with pytest.raises(InputError, match="expected lines"):
+        reconstruction.reconstruct(Sketch(tuple(map(Stroke, walks))))
