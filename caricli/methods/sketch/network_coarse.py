@@ -1,10 +1,8 @@
 """The face of a network, to follow lines from."""
 
-from contextlib import suppress
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from caricli.errors import InputError
 from caricli.methods.sketch.fit_lines import Lines, line_camera
 from caricli.methods.sketch.line_handles import LineHandles
 from caricli.methods.sketch.see_sketch import see_sketch
@@ -19,13 +17,12 @@ if TYPE_CHECKING:
 def network_coarse(
     sketch: Sketch, lines: Lines, handles: LineHandles, network: "SketchModel", model: ShapeModel
 ) -> Face:
-    """What ``see_sketch`` gives, seen by the camera that the lines tell, or by the network's where they are few.
+    """What ``see_sketch`` gives, seen by the camera that the lines tell.
 
     sketch: Sketch. lines: of it, by curves. handles: LineHandles of the model's template. network: SketchModel.
-    model: ShapeModel whose latents it tells. Raises InputError where nothing is drawn.
+    model: ShapeModel whose latents it tells. Raises InputError where the lines are not enough to tell a face: a network sees one in
+    anything.
     """
     face = see_sketch(sketch, network, model)
-    with suppress(InputError):
-        points = face.vertices[handles.vertices]
-        return replace(face, camera=line_camera(lines, handles, points, start=face.require_camera()))
-    return face
+    points = face.vertices[handles.vertices]
+    return replace(face, camera=line_camera(lines, handles, points, start=face.require_camera()))

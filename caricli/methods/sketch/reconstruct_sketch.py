@@ -56,6 +56,11 @@ class SketchFit:
     asked: float
     unsure: float
 
+    @property
+    def strange(self) -> bool:
+        """Whether the likeliest face is so far from the lines that it is doubtful whether they show one."""
+        return self.coarse["all"] > FollowSettings().strange
+
     def figures(self) -> dict[str, Any]:
         """What reports say of it, as JSON."""
         return {
@@ -64,6 +69,7 @@ class SketchFit:
             "worst_line_error": self.worst,
             "flipped": self.flipped,
             "followed": self.share,
+            "strange": self.strange,
             "prior_rms": self.prior_rms,
             "unsure": self.unsure,
             "strokes": [{"kind": str(stroke.kind), "curve": stroke.curve} for stroke in self.sketch.strokes],
@@ -73,6 +79,8 @@ class SketchFit:
         """What is printed of it."""
         lines = f"lines {self.coarse['all']:.2f} to {self.errors['all']:.3f} % of the canvas away"
         told = [f"{lines}, prior {self.prior_rms:.2f}, flipped {100 * self.flipped:.3f} %"]
+        if self.strange:
+            told.append(f"doubtful: lines {self.coarse['all']:.1f} % of the canvas from any face are not what a face shows")
         if self.unsure > _UNSURE:
             told.append(f"doubtful: {100 * self.unsure:.0f} % of the strokes without a name are no lines of a face")
         if self.share != self.asked:

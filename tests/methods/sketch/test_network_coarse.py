@@ -1,14 +1,18 @@
+from functools import partial
+
 import numpy as np
 import pytest
 import torch
 
+from caricli.errors import InputError
 from caricli.methods.sketch.line_handles import lines_by_curve
 from caricli.methods.sketch.network_coarse import network_coarse
+from caricli.methods.sketch.reconstruct_sketch import SketchReconstruction
 from caricli.models.sketch.config import SketchSize
 from caricli.models.sketch.model import SketchModel
 from caricli.models.sketch.networks import SketchNetwork
 from caricli.models.sketch.window import POINTS
-from caricli.structures.sketch import Sketch
+from caricli.structures.sketch import Sketch, Stroke
 
 
 @pytest.fixture(scope="module")
@@ -32,7 +36,32 @@ def test_the_network_says_the_shape_and_the_lines_the_camera(network, sketch, ha
     assert np.nanmean(np.abs(gaps[0])) < np.nanmean(np.abs(gaps[1]))
 
 
-def test_where_no_line_is_named_the_camera_is_the_networks(network, sketch, handles, model):
+def test_what_draws_no_curve_is_no_face(network, sketch, handles, model):
     bare = Sketch(sketch.strokes[:1], sketch.size)
-    face = network_coarse(bare, {}, handles, network, model)
-    assert face.require_camera().scale == network.reconstruct(bare)[1].scale
+    with pytest.raises(InputError, match="lines of the curves of a face"):
+        network_coarse(bare, {}, handles, network, model)
+
+
+def test_a_short_line_is_no_face(network, sketch, handles, model):
+    brow = Stroke(np.array([[20.0, 20], [60, 24]]), curve="brow_left")
+    lines = {"brow_left": [brow.points]}
+    with pytest.raises(InputError, match="lines of the curves of a face"):
+        network_coarse(Sketch((brow,)), lines, handles, network, model)
+
+
+def test_lines_far_from_any_face_are_doubted(network, handles, model):
+    """A cat: a round head with pointed ears, round eyes, a small nose and whiskers."""
+
+    def ring(centre, radii, turn=2 * np.pi):
+        angles = np.linspace(0, turn, 40)
+        return np.array(centre) + np.stack([np.cos(angles), np.sin(angles)], 1) * radii
+
+    lines = [ring((128, 140), (80, 70)), ring((98, 125), (16, 12)), ring((158, 125), (16, 12))]
+    lines += [ring((114, 166), (14, 10), np.pi), ring((142, 166), (14, 10), np.pi)]
+    lines += [np.array(ear, float) for ear in ([(60, 100), (55, 30), (100, 75)], [(196, 100), (201, 30), (156, 75)])]
+    lines.append(np.array([(120.0, 150), (136, 150), (128, 160), (120, 150)]))
+    for row in (150, 164, 178):
+        lines += [np.array([(90.0, 160), (30, row)]), np.array([(166.0, 160), (226, row)])]
+    coarse = partial(network_coarse, network=network, model=model)
+    fit = SketchReconstruction(model, coarse).reconstruct(Sketch(tuple(map(Stroke, lines)), (256, 256)))
+    assert fit.strange and "from any face" in fit.describe() and fit.figures()["strange"]
