@@ -20,8 +20,8 @@ def network_coarse(
     """What ``see_sketch`` gives, seen by the camera that the lines tell.
 
     sketch: Sketch. lines: of it, by curves. handles: LineHandles of the model's template. network: SketchModel.
-    model: ShapeModel whose latents it tells. Raises InputError where the lines are not enough to tell a face: a network sees one in
-    anything.
+    model: ShapeModel whose latents it tells. Raises InputError where the lines are not enough to tell a face:
+    a network sees one in anything.
     """
     face = see_sketch(sketch, network, model)
     points = face.vertices[handles.vertices]

@@ -80,7 +80,7 @@ class SketchFit:
         lines = f"lines {self.coarse['all']:.2f} to {self.errors['all']:.3f} % of the canvas away"
         told = [f"{lines}, prior {self.prior_rms:.2f}, flipped {100 * self.flipped:.3f} %"]
         if self.strange:
-            told.append(f"doubtful: lines {self.coarse['all']:.1f} % of the canvas from any face are not what a face shows")
+            told.append("doubtful: so far from any face lines are of something else")
         if self.unsure > _UNSURE:
             told.append(f"doubtful: {100 * self.unsure:.0f} % of the strokes without a name are no lines of a face")
         if self.share != self.asked:

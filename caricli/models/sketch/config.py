@@ -132,7 +132,7 @@ class SketchConfig:
     branch: int = 1024
     local: bool = False
     size: int = 128
-    epochs: int = 100
+    epochs: int = 80
     steps: int = 50
     batch: int = 64
     mixed: float = 0.5

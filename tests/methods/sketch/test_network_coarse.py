@@ -64,4 +64,4 @@ def test_lines_far_from_any_face_are_doubted(network, handles, model):
         lines += [np.array([(90.0, 160), (30, row)]), np.array([(166.0, 160), (226, row)])]
     coarse = partial(network_coarse, network=network, model=model)
     fit = SketchReconstruction(model, coarse).reconstruct(Sketch(tuple(map(Stroke, lines)), (256, 256)))
-    assert fit.strange and "from any face" in fit.describe() and fit.figures()["strange"]
+    assert fit.strange and "far from any face" in fit.describe() and fit.figures()["strange"]
