@@ -95,6 +95,19 @@ def test_deformable_goes_on_where_it_was_killed(snakemake, tmp_path):
         assert read_face(out / "astronaut" / f"{kind}.npz").model_id == identity
 
 
+def test_sketch_goes_from_nothing_to_its_page(snakemake, tmp_path):
+    out = tmp_path / "out"
+    ended(snakemake("sketch"))
+    assert "Nothing to be done" in ended(snakemake("sketch"))
+    page = (out / "index.html").read_text("utf-8")
+    assert {"drawn/face.obj", "drawn/lines.png", "evaluation/gallery.png"} < set(links_of(out / "index.html"))
+    report = read_json(out / "evaluation" / "sketch.json")
+    for errors in report["millimetres"].values():
+        assert f"<td>{errors['noise']:.2f}</td>" in page
+    assert read_json(out / "drawn" / "face.json")["coarse"] == "network"
+    assert read_json(out / "sketches" / "sketches.json")["schema"] == "caricli.sketches/1"
+
+
 def test_portrait_goes_on_where_it_was_killed_and_past_a_bad_picture(snakemake, tmp_path):
     pictures, out, good = tmp_path / "pictures", tmp_path / "out", "a & 'b' 1"
     pictures.mkdir()

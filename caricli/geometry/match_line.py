@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.lib.stride_tricks import as_strided
 
 _FINEST = 8
 """Samples of a drawn line for each point that is looked for."""
@@ -106,41 +107,38 @@ class _Warp:
 
     def whole(self) -> np.ndarray:
         """(K,) samples, from the first to the last."""
-        start = np.full(self.last + 1, np.inf)
-        start[0] = self.costs[0, 0]
-        _, came = self._run(start, free=False)
-        return self._back(came, len(self.costs) - 1)
+        totals, begins = self._run(free=False)
+        return self._back(totals, begins, len(self.costs) - 1)
 
     def part(self) -> np.ndarray | None:
         """(K,) samples, -1 for points before the first sample and after the last; None where steps are too short."""
-        start = np.full(self.last + 1, np.inf)
-        start[0] = self.costs[0, 0]
-        totals, came = self._run(start, free=True)
+        totals, begins = self._run(free=True)
         ends = totals[:, self.last] + self.skips[-1] - self.skips
         if not np.isfinite(ends).any():
             return None
-        return self._back(came, int(np.argmin(ends)))
+        return self._back(totals, begins, int(np.argmin(ends)))
 
-    def _run(self, start: np.ndarray, free: bool) -> tuple[np.ndarray, np.ndarray]:
-        """Least costs (K, M + 1) of reaching a sample with a point, and from how many samples before, 0 at a start."""
-        totals = np.empty_like(self.costs)
-        came = np.zeros(self.costs.shape, int)
-        totals[0] = start
-        samples = np.arange(self.last + 1)
+    def _run(self, free: bool) -> tuple[np.ndarray, np.ndarray]:
+        """Least costs (K, M + 1) of reaching a sample with a point, and (K,) whether the way to the first begins there.
+
+        free: whether points may be left out before.
+        """
+        totals = np.full(self.costs.shape, np.inf)
+        totals[0, 0] = self.costs[0, 0]
+        begins = np.arange(len(totals)) == 0
+        room = self._window(self.steps.max())[1]
+        before = np.full(room + self.last + 1, np.inf)
         for k, step in enumerate(self.steps.tolist(), 1):
+            before[room:] = totals[k - 1]
             low, high = self._window(step)
-            reach = np.arange(low, high + 1)
-            padded = np.full(self.last + 1 + high, np.inf)
-            padded[high:] = totals[k - 1]
-            stretch = self.settings.stretch * step * (reach / (self.last * step) - 1) ** 2
-            choices = padded[samples[:, None] + (high - reach)] + stretch
-            best = choices.argmin(1)
-            totals[k] = choices[samples, best] + self.costs[k]
-            came[k] = best + low
+            # In row r of this view stand the costs of r + low samples before.
+            shape = (high - low + 1, self.last + 1)
+            choices = as_strided(before[room - low :], shape, (-before.itemsize, before.itemsize), writeable=False)
+            totals[k] = (choices + self._stretch(step, low, high)[:, None]).min(0) + self.costs[k]
             if free and self.skips[k] + self.costs[k, 0] < totals[k, 0]:
                 totals[k, 0] = self.skips[k] + self.costs[k, 0]
-                came[k, 0] = 0
-        return totals, came
+                begins[k] = True
+        return totals, begins
 
     def _window(self, step: float) -> tuple[int, int]:
         """Least and most samples of a step."""
@@ -148,14 +146,21 @@ class _Warp:
         low = max(1, int(usual / self.settings.widest))
         return low, max(low + 1, int(np.ceil(usual * self.settings.widest)))
 
-    def _back(self, came: np.ndarray, point: int) -> np.ndarray:
+    def _stretch(self, step: float, low: int, high: int) -> np.ndarray:
+        """Costs of from low to high samples for a step."""
+        return self.settings.stretch * step * (np.arange(low, high + 1) / (self.last * step) - 1) ** 2
+
+    def _back(self, totals: np.ndarray, begins: np.ndarray, point: int) -> np.ndarray:
         """(K,) samples of a way that ends with a point at the last sample."""
-        rows = np.full(len(came), -1)
+        rows = np.full(len(totals), -1)
         sample = self.last
         while True:
             rows[point] = sample
-            step = came[point, sample]
-            if step == 0 or point == 0:
+            if sample == 0 and begins[point]:
                 return rows
-            sample -= step
             point -= 1
+            step = float(self.steps[point])
+            low, high = self._window(step)
+            high = min(high, sample)
+            choices = totals[point, sample - high : sample - low + 1][::-1] + self._stretch(step, low, high)
+            sample -= low + int(choices.argmin())

@@ -1,43 +1,12 @@
 """Write the page of the workflow's results, in the folder that holds them: gallery.py index.html KIND..."""
 
-import html
 import json
 import sys
 from pathlib import Path
 
-PAGE = """\
-<!doctype html>
-<html lang="en">
-<meta charset="utf-8">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<title>Deformable 3D caricatures</title>
-<style>
-  body {{ max-width: 75rem; margin: 2rem auto; padding: 0 1rem; font: 1rem/1.5 system-ui, sans-serif; color: #222 }}
-  img {{ max-width: 100% }}
-  figure {{ margin: 1rem 0 2rem }}
-  figcaption {{ color: #666 }}
-  table {{ border-collapse: collapse }}
-  th, td {{ padding: 0.2rem 0.8rem; border-bottom: 1px solid #ddd; text-align: right }}
-  th:first-child, td:first-child {{ text-align: left }}
-</style>
-<h1>Deformable 3D caricatures</h1>
-<p>{meshes} generated meshes; errors are mean distances of vertices in percent of the head's height.</p>
-{sections}
-</html>
-"""
+sys.path.insert(0, str(Path(__file__).parents[1] / "common"))
 
-
-def table(heading, rows):
-    """A table with a heading row."""
-    lines = ["".join(f"<th>{html.escape(cell)}</th>" for cell in heading)]
-    lines += ["".join(f"<td>{html.escape(cell)}</td>" for cell in row) for row in rows]
-    return "<table>\n" + "\n".join(f"<tr>{line}</tr>" for line in lines) + "\n</table>\n"
-
-
-def figure(path, caption, more=""):
-    """A picture that is a link to itself, with a caption that may go on in HTML."""
-    picture = f'<a href="{path}"><img src="{path}" alt="{caption}"></a>'
-    return f"<figure>{picture}<figcaption>{caption}{more}</figcaption></figure>\n"
+from plain_page import figure, table, write_page
 
 
 def errors(folder):
@@ -77,8 +46,9 @@ def main(page, *kinds):
     parts = {"Shape errors": errors(folder), "Ablation": ablation(folder)} | {kind: pictures(kind) for kind in kinds}
     if "deformable" in kinds:
         parts["deformable"] = figure("training/loss.png", "training") + parts["deformable"]
-    sections = "".join(f"<h2>{heading}</h2>\n{part}" for heading, part in parts.items())
-    page.write_text(PAGE.format(meshes=sum(shard["count"] for shard in shards), sections=sections), encoding="utf-8")
+    meshes = sum(shard["count"] for shard in shards)
+    about = f"{meshes} generated meshes; errors are mean distances of vertices in percent of the head's height."
+    write_page(page, "Deformable 3D caricatures", about, parts)
 
 
 if __name__ == "__main__":
