@@ -16,9 +16,6 @@ from caricli.structures.parsing import BEYOND, Region
 HEAT = 1.1
 """Deviation of the blob that stands for a landmark, cells."""
 
-HIDDEN = 0.5
-"""Weight of a landmark that cannot be seen, beside one that can."""
-
 TAILS = 4.0
 """Degrees of freedom of the errors of landmarks: few are large (Student's t)."""
 
@@ -121,8 +118,7 @@ def landmark_loss(
     whether it is visible, which counts outside, too.
     """
     within = ((points > -0.5) & (points < size - 0.5)).all(-1)
-    weights = within * torch.where(visible, 1.0, HIDDEN)
-    weights = weights / weights.sum().clamp_min(1)
+    weights = within / within.sum().clamp_min(1)
     places = (points + 0.5) / FINE - 0.5
     entropy = maps.log_sum - _blob_logits(maps.logits, places)
     distance = functional.smooth_l1_loss(maps.mean, places, reduction="none", beta=0.3).sum(-1)

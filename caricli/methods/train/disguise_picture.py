@@ -15,7 +15,7 @@ def disguise_window(window: MarkedPicture, generator: np.random.Generator) -> Ma
 
     Returns a window with pixels (H, W, 3) float32 from 0 to 1.
     """
-    if generator.random() < 0.25:
+    if generator.random() < 0.15:
         window = _covered(window, generator)
     image = window.pixels.astype(np.float32) / 255
     for chance, change in _CHANGES:

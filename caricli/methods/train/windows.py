@@ -31,14 +31,14 @@ class WindowSettings:
     wide: tuple[float, float] = (1.95, 3.0)
     wide_part: float = 0.15
     shift: float = 0.08
-    turn: float = 0.2
+    turn: float = 0.15
     upside_down: float = 0.15
     stretch: float = 0.06
     bend: float = 0.02
-    bent: float = 0.25
-    distorted: float = 0.6
+    bent: float = 0.1
+    distorted: float = 0.4
     distort: DistortSettings = DistortSettings()
-    cut: float = 0.15
+    cut: float = 0.1
     whole: float = 0.7
 
 

@@ -1,6 +1,7 @@
 """Detectors and pictures for all tests of detection."""
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -9,6 +10,7 @@ import torch
 from caricli.io.bundled import config_path
 from caricli.io.config import read_config
 from caricli.methods.train.train_detector import DetectorTraining
+from caricli.methods.train.windows import WindowSettings
 from caricli.models.detector.config import DetectorConfig, DetectorSize
 from caricli.models.detector.model import Detector
 from caricli.models.detector.networks import DetectorNetwork
@@ -40,6 +42,8 @@ def trained(head_template):
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("caricli.methods.train.train_detector.disguise_window", as_it_is)
         patch.setattr("caricli.methods.train.windows.distort_picture", lambda picture, *_: picture)
+        varied = partial(WindowSettings, turn=0.2, bent=0.25, cut=0.15)  # there are so few pictures
+        patch.setattr("caricli.methods.train.train_detector.WindowSettings", varied)
         list(training.epochs())
     return Detector(training.average, 64), unseen
 
