@@ -10,6 +10,7 @@ from caricli.geometry.weighted_similarities import weighted_similarities
 from caricli.methods.parts.clear_way import Bends, clear_way
 from caricli.methods.parts.flesh import Flesh, Hide
 from caricli.methods.parts.follow import follow_weights
+from caricli.methods.parts.guides import Guides
 from caricli.methods.parts.let_out import PARTINGS, far_enough, part_more, tongue_bends
 from caricli.methods.parts.pocket import Mouth, Mouths, make_room
 from caricli.structures import Material, Part
@@ -44,6 +45,9 @@ GIVEN_WAY = 3
 
 FREE = 1.0
 """Times PRESSED, what the worst point of a tongue may lack of that distance where lips are parted far enough."""
+
+AROUND = 0.02
+"""Of the head's height: how far points are from the one that tells whether the wall may be near them."""
 
 _FIRM = 80
 """Points of what does not give way that are looked at."""
@@ -116,6 +120,7 @@ class Bone:
         # Gums and tongue give way where teeth do not.
         firm = teeth[teeth >= 0] if len(teeth) else np.arange(len(self.shape))
         self.firm = firm[:: max(len(firm) // _FIRM, 1)]
+        self.guides = Guides(self.shape, AROUND * template.height)
 
     def place(self, face: Posed, mouths: Mouths | None) -> Part:
         """The part in a face. mouths: of the same face, None where the wall of its mouth is not told."""
@@ -167,13 +172,20 @@ class Bone:
 
     def _settled(self, mouth: Mouth, shape: np.ndarray, height: float) -> np.ndarray:
         """The part (W, 3) as a whole brought into a mouth, and what gives way pressed into it."""
-        firm = shape[self.firm]
-        settled = shape
-        if mouth.room(firm)[0].min() < PRESSED * height:
+        near = self._near(mouth, shape, PRESSED * height)
+        if mouth.room(shape[np.intersect1d(near, self.firm)])[0].min(initial=np.inf) < PRESSED * height:
+            firm = shape[self.firm]
             scale, shift = make_room(mouth, firm, KEPT * height)
             centre = firm.mean(0)
-            settled = centre + scale * (shape - centre) + shift
-        return settled + mouth.pushes(settled, PRESSED * height)
+            shape = centre + scale * (shape - centre) + shift
+            near = self._near(mouth, shape, PRESSED * height)
+        settled = shape.copy()
+        settled[near] += mouth.pushes(shape[near], PRESSED * height)
+        return settled
+
+    def _near(self, mouth: Mouth, shape: np.ndarray, margin: float) -> np.ndarray:
+        """Ids of those of the part (W, 3) that may be nearer than so many metres to the wall of a mouth."""
+        return self.guides.near(shape, margin, lambda guides: mouth.room(guides)[0])
 
     def _kept_in(
         self, mouths: Mouths, shape: np.ndarray, distance: np.ndarray, moved: np.ndarray, k: int

@@ -10,7 +10,7 @@ ROUNDS = 40
 """Times that rooms are asked, at most."""
 
 START = 0.1
-"""Of their least, what bounded amounts are first."""
+"""Of their least, what bounded amounts are first: where bounds are met the solver's steps are too small to go on."""
 
 
 class Room(Protocol):
@@ -64,8 +64,8 @@ def clear_way(
     from scipy.optimize import least_squares
 
     bounded = np.isfinite(bends.low)
-    # Where bounds are met the solver begins with steps too small to go on.
-    start = np.where(bounded, START * bends.low, bends.wish)
+    # Not as is wished: bent far, points begin behind a wall, and the nearest way out is to its wrong side.
+    start = np.where(bounded, START * bends.low, 0.0)
     last = [start, *lacks(start)]
 
     def asked(amounts: np.ndarray) -> list[np.ndarray]:

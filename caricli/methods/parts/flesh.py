@@ -5,6 +5,8 @@ from functools import cached_property
 import igl
 import numpy as np
 
+from caricli.geometry.triangle_normals import triangle_normals
+
 
 class Hide:
     """A piece of skin, or all of it, closed over its rim towards one point."""
@@ -19,6 +21,14 @@ class Hide:
         closed = np.concatenate([self.faces, fan])
         # What faces inwards is turned over, so that the winding number is one inside.
         self.closed = closed[:, ::-1].copy() if inwards else closed
+
+    def behind(self, skin: np.ndarray, far: float) -> np.ndarray:
+        """(3,) metres, a point so far behind the middle of its rim, on the side that its skin (S, 3) turns away from.
+
+        Closed to a point in the head, a piece may be closed before what lies deep in it.
+        """
+        ahead = triangle_normals(skin, self.faces).sum(0)
+        return skin[self.rim].mean(0) - far * ahead / np.linalg.norm(ahead)
 
 
 class Flesh:

@@ -29,6 +29,9 @@ STILL = 1e-3
 FOLD = 0.006
 """Of the height: so near to the skin another fold of it may cover a lash than what is nearest, where lids move."""
 
+BEHIND = 4.0
+"""Of the height: how far behind that skin it is closed, so that nothing of what closes it is before an eye."""
+
 WAY = (0.25, 0.5, 0.75, 1.0)
 """Weights of expressions at which lashes are kept out of the skin."""
 
@@ -41,6 +44,7 @@ class Lids:
         self.part = part
         self.shape = np.asarray(part.mesh.vertices, float)
         self.template = np.asarray(template.vertices, float)
+        self.spread = spread(self.template)
         labels = component_labels(part.mesh.faces, len(self.shape))
         lids = np.flatnonzero(
             template.mask("eyes_left", "eyes_right") & ~template.mask("eye_socket_left", "eye_socket_right")
@@ -56,13 +60,21 @@ class Lids:
 
     def place(self, face: Posed) -> Part:
         """The lashes of a face."""
-        size = spread(face.neutral) / spread(self.template)
+        size = spread(face.neutral) / self.spread
         shape = self._moved(self.template, face.neutral[None], self.shape, True)[0]
         shape = self.lashes.shortened(shape, size)
         skin = face.neutral[self.hide.ids]
-        middle = face.neutral.mean(0)
+        behind = self.hide.behind(skin, BEHIND * size * self.lashes.height)
+        shape = self.lashes.bent({1.0: Flesh(self.hide, skin, behind)}, shape, shape, size)
+        deltas = self._moves(face, shape, behind) if face.names else np.zeros((0, *shape.shape))
+        return replace(self.part, mesh=self.part.mesh.with_vertices(shape), names=face.names, deltas=deltas)
+
+    def _moves(self, face: Posed, shape: np.ndarray, behind: np.ndarray) -> np.ndarray:
+        """(K, W, 3) metres, what expressions do to lashes (W, 3) of a face. behind: (3,) metres, what the skin
+        around them is closed to."""
+        size = spread(face.neutral) / self.spread
         fold = FOLD * size * self.lashes.height
-        shape = self.lashes.bent({1.0: Flesh(self.hide, skin, middle)}, shape, shape, size)
+        skin = face.neutral[self.hide.ids]
         moved = self._moved(face.neutral, face.neutral + face.deltas, shape, False) - shape
         together = uses(face.names)
         changes = np.tensordot(together, face.deltas[:, self.hide.ids], 1)
@@ -72,9 +84,9 @@ class Lids:
             against = changes[k, self.over] - (end - shape)[self.lashes.roots][:, None]
             near = np.linalg.norm(against, axis=-1).max(1) > STILL * size * self.lashes.height
             if near.any():
-                flesh = {weight: Flesh(self.hide, skin + weight * changes[k], middle, fold) for weight in WAY}
+                flesh = {weight: Flesh(self.hide, skin + weight * changes[k], behind, fold) for weight in WAY}
                 moved[k] += self.lashes.bent(flesh, shape, end, size, near) - end
-        return replace(self.part, mesh=self.part.mesh.with_vertices(shape), names=face.names, deltas=moved)
+        return moved
 
     def _moved(self, before: np.ndarray, after: np.ndarray, shape: np.ndarray, scaling: bool) -> np.ndarray:
         scale, rotation, shift = weighted_similarities(before[self.ids], after[:, self.ids], self.weights, scaling)

@@ -126,16 +126,22 @@ def make_room(
     shift = np.zeros(3)
     touched = np.zeros(len(points), bool)
     ways = np.zeros_like(points)
+    last = points.copy()
+    distance = np.full(len(points), -np.inf)
     for _ in range(settings.rounds):
-        push = mouth.pushes(centre + scale * away + shift, margin)
-        length = np.linalg.norm(push, axis=1)
-        pushed = length > 0
+        now = centre + scale * away + shift
+        # What was farther from the wall than it has moved since need not be looked at.
+        near = distance - np.linalg.norm(now - last, axis=1) < margin
+        last[near] = now[near]
+        distance[near], way = mouth.room(now[near])
+        pushed = near & (distance < margin)
         if not pushed.any():
             break
-        ways[pushed] = push[pushed] / length[pushed, None]
+        ways[pushed] = way[pushed[near]]
         touched |= pushed
         rows = np.column_stack([ways, (ways * away).sum(1)])[touched]
-        step = np.linalg.solve(rows.T @ rows + damping, rows.T @ length[touched])
+        lack = np.where(pushed, margin - distance, 0.0)[touched]
+        step = np.linalg.solve(rows.T @ rows + damping, rows.T @ lack)
         shift = shift + step[:3]
         scale = float(np.clip(scale + step[3], settings.smallest, 1.0))
     return scale, shift

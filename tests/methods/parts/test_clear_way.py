@@ -13,6 +13,14 @@ class Floor:
         return points[:, 1] - self.height, np.tile([0.0, 1.0, 0.0], (len(points), 1))
 
 
+class Lip:
+    """Two centimetres thick, below height zero."""
+
+    def room(self, points):
+        above = points[:, 1] + 0.01
+        return np.abs(above) - 0.01, np.sign(above)[:, None] * [0.0, 1.0, 0.0]
+
+
 POINTS = np.column_stack([np.zeros(5), np.linspace(0, 0.02, 5), np.zeros(5)])
 AHEAD = np.tile([0.0, 0.0, 0.05], (5, 1))
 
@@ -38,3 +46,9 @@ def test_what_bounds_forbid_is_said_to_lack():
     amounts, lack = clear_way({1.0: Floor(0.01)}, POINTS, AHEAD, down, 0.001)
     assert -0.004 <= amounts[0] < -0.0035
     assert abs(lack - (0.011 + amounts[0])) < 1e-9
+
+
+def test_a_way_that_is_wished_through_a_wall_stays_before_it():
+    rooms = {0.25: Lip(), 0.5: Lip(), 1.0: Lip()}
+    amounts, lack = clear_way(rooms, POINTS + [0.0, 0.002, 0.0], AHEAD, lift(wish=-0.03), 0.001)
+    assert -0.003 < amounts[0] < 0.001 and lack < 0.001

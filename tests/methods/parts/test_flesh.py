@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 
 from caricli.methods.parts.flesh import Flesh, Hide
+from caricli.template.head import load_head
 
 
 @pytest.fixture(scope="module")
@@ -40,3 +41,19 @@ def test_ways_out_are_those_of_what_is_deep_enough(balls):
     ways = flesh.ways_out(points, np.full(len(points), 0.05 * radius))
     assert not ways[17:].any()
     np.testing.assert_allclose(np.linalg.norm(points[:17] + ways[:17], axis=1), radius, atol=0.02 * radius)
+
+
+def test_skin_around_deep_eyes_closed_behind_encloses_what_all_of_it_does():
+    template = load_head().template()
+    usual = np.asarray(template.vertices, float)
+    eye = usual[template.region("eyes_left")].mean(0)
+    deep = usual - 0.03 * np.exp(-0.5 * (((usual - eye) / [0.03, 0.02, 0.03]) ** 2).sum(1))[:, None] * [0, 0, 1]
+    around = np.linalg.norm((usual - eye)[:, :2], axis=1) < 0.05
+    hide = Hide(template.faces[(around & (usual[:, 2] > eye[2] - 0.05))[template.faces].all(1)])
+    skin = deep[hide.ids]
+    near = deep[np.linalg.norm(usual - eye, axis=1) < 0.02]
+    points = np.concatenate([near + [0, 0, z] for z in (0.006, 0.003, -0.003, -0.006)])
+    truth = Flesh(Hide(template.faces), deep).holds(points)
+    assert 0.2 < truth.mean() < 0.8
+    np.testing.assert_array_equal(Flesh(hide, skin, hide.behind(skin, 1.0)).holds(points), truth)
+    assert (Flesh(hide, skin, deep.mean(0)).holds(points) != truth).any()
