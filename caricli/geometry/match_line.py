@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.lib.stride_tricks import as_strided
 
 _FINEST = 8
 """Samples of a drawn line for each point that is looked for."""
@@ -65,13 +64,14 @@ def match_line(
 
 def resample(line: np.ndarray, count: int) -> np.ndarray:
     """Points (count, 2) at equal distances along a line (N, 2) of some length, its ends among them."""
-    places = np.concatenate([[0], np.cumsum(_steps(line))])
-    wanted = np.linspace(0, places[-1], count)
+    places = np.zeros(len(line))
+    np.cumsum(_steps(line), out=places[1:])
+    wanted = np.arange(count) * (places[-1] / (count - 1))
     return np.stack([np.interp(wanted, places, column) for column in line.T], axis=1)
 
 
 def _steps(line: np.ndarray) -> np.ndarray:
-    return np.linalg.norm(np.diff(line, axis=0), axis=1)
+    return np.hypot(*(line[1:] - line[:-1]).T)
 
 
 def _affine(points: np.ndarray, goals: np.ndarray) -> np.ndarray:
@@ -104,6 +104,14 @@ class _Warp:
         self.costs = share[:, None] * (settings.place * far + settings.turn * turned)
         self.skips = settings.left_out * np.concatenate([[0], np.cumsum(steps)])
         self.last = len(line) - 1
+        usual = self.steps * self.last
+        least = np.maximum(np.floor(usual / settings.widest), 1).astype(int)
+        most = np.maximum(np.minimum(np.ceil(usual * settings.widest).astype(int), self.last), least + 1)
+        # Least and most samples of every step.
+        self.windows = list(zip(least.tolist(), most.tolist(), strict=True))
+        reach = least[:, None] + np.arange((most - least).max() + 1)
+        # (K - 1, N) what a step costs with so many samples, from the least on.
+        self.stretches = settings.stretch * self.steps[:, None] * (reach / usual[:, None] - 1) ** 2
 
     def whole(self) -> np.ndarray:
         """(K,) samples, from the first to the last."""
@@ -126,29 +134,19 @@ class _Warp:
         totals = np.full(self.costs.shape, np.inf)
         totals[0, 0] = self.costs[0, 0]
         begins = np.arange(len(totals)) == 0
-        room = self._window(self.steps.max())[1]
+        room = max(high for _, high in self.windows)
         before = np.full(room + self.last + 1, np.inf)
-        for k, step in enumerate(self.steps.tolist(), 1):
+        size = before.itemsize
+        for k, (low, high) in enumerate(self.windows, 1):
             before[room:] = totals[k - 1]
-            low, high = self._window(step)
             # In row r of this view stand the costs of r + low samples before.
             shape = (high - low + 1, self.last + 1)
-            choices = as_strided(before[room - low :], shape, (-before.itemsize, before.itemsize), writeable=False)
-            totals[k] = (choices + self._stretch(step, low, high)[:, None]).min(0) + self.costs[k]
+            choices = np.ndarray(shape, float, before, (room - low) * size, (-size, size))
+            totals[k] = (choices + self.stretches[k - 1, : len(choices), None]).min(0) + self.costs[k]
             if free and self.skips[k] + self.costs[k, 0] < totals[k, 0]:
                 totals[k, 0] = self.skips[k] + self.costs[k, 0]
                 begins[k] = True
         return totals, begins
-
-    def _window(self, step: float) -> tuple[int, int]:
-        """Least and most samples of a step."""
-        usual = step * self.last
-        low = max(1, int(usual / self.settings.widest))
-        return low, max(low + 1, int(np.ceil(usual * self.settings.widest)))
-
-    def _stretch(self, step: float, low: int, high: int) -> np.ndarray:
-        """Costs of from low to high samples for a step."""
-        return self.settings.stretch * step * (np.arange(low, high + 1) / (self.last * step) - 1) ** 2
 
     def _back(self, totals: np.ndarray, begins: np.ndarray, point: int) -> np.ndarray:
         """(K,) samples of a way that ends with a point at the last sample."""
@@ -159,8 +157,6 @@ class _Warp:
             if sample == 0 and begins[point]:
                 return rows
             point -= 1
-            step = float(self.steps[point])
-            low, high = self._window(step)
-            high = min(high, sample)
-            choices = totals[point, sample - high : sample - low + 1][::-1] + self._stretch(step, low, high)
-            sample -= low + int(choices.argmin())
+            low, high = self.windows[point]
+            choices = totals[point, max(sample - high, 0) : sample - low + 1][::-1]
+            sample -= low + int((choices + self.stretches[point, : len(choices)]).argmin())

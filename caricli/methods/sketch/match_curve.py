@@ -101,13 +101,12 @@ def _nearest(points: np.ndarray, line: np.ndarray) -> np.ndarray:
 
 def _same_way(own: np.ndarray, line: np.ndarray) -> np.ndarray:
     """A line in the direction of points own (K, 2)."""
-    dense = resample(own, 4 * _SAMPLES)
-    ways = [resample(way, _SAMPLES) for way in (line, line[::-1])]
+    dense = resample(own, 4 * _SAMPLES - 3)
+    way = resample(line, _SAMPLES)
     # Pieces are told by where they lie, all else by how they would meet.
-    trend = np.sign(np.diff(_nearest(dense, ways[0]))).sum()
-    ends = resample(own, _SAMPLES)
-    centred = ends - ends.mean(0)
-    along = (centred * (ways[0] - ways[0].mean(0))).sum() - (centred * (ways[1] - ways[1].mean(0))).sum()
+    trend = np.sign(np.diff(_nearest(dense, way))).sum()
+    centred = dense[::4] - dense[::4].mean(0)
+    along = (centred * (way - way.mean(0))).sum() - (centred * (way[::-1] - way.mean(0))).sum()
     backwards = trend < 0 if abs(trend) > _SAMPLES // 2 else along < 0
     return line[::-1] if backwards else line
 
