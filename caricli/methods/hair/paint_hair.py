@@ -12,6 +12,8 @@ from caricli.structures import Hair
 
 _STRANGE = 3.5  # of the median distance from the median colour
 _NEVER_STRANGE = 6.0  # CIELAB
+_SPECK = 7  # texels of those in which strands are continued: what is seen in less of them is not shown
+_SOFT = 1.5  # of the same, over which what is seen goes over into continued strands
 _SIDE = 384  # texels, at most, in which strands are continued
 
 
@@ -27,13 +29,21 @@ def paint_hair(hair: Hair, view: PictureView, size: int, generator: np.random.Ge
     colours = cv2.resize(look.colours, (side, side), interpolation=cv2.INTER_AREA)
     trust = view.settings.trust
     seen = cv2.resize(look.seen, (side, side), interpolation=cv2.INTER_AREA) > trust
-    seen &= _usual(colours, seen)
+    seen = _inner(seen & _usual(colours, seen))
     elsewhere = cv2.resize(continue_strands(colours, seen, generator), (size, size), interpolation=cv2.INTER_CUBIC)
     # What is seen and unusual, as skin at the border, is not hair's.
-    usual = cv2.resize(seen.astype(np.float32), (size, size), interpolation=cv2.INTER_LINEAR)
-    share = np.clip(np.minimum(look.seen / trust, 2 * usual), 0, 1)[..., None]
+    usual = cv2.GaussianBlur(seen.astype(np.float32), (0, 0), _SOFT)
+    usual = cv2.resize(usual, (size, size), interpolation=cv2.INTER_LINEAR)
+    share = np.clip(np.minimum(look.seen / trust, 2 * usual - 1), 0, 1)[..., None]
     share = share * share * (3 - 2 * share)
     return np.clip(np.round(share * look.colours + (1 - share) * elsewhere), 0, 255).astype(np.uint8)
+
+
+def _inner(seen: np.ndarray) -> np.ndarray:
+    """What is seen (R, C) without its border, where colours are mixed with what is beside hair, and without specks."""
+    disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (_SPECK, _SPECK))
+    inner = cv2.morphologyEx(cv2.erode(seen.astype(np.uint8), np.ones((3, 3), np.uint8)), cv2.MORPH_OPEN, disc) > 0
+    return inner if inner.any() else seen
 
 
 def _look(hair: Hair, view: PictureView, size: int) -> SeenColours:

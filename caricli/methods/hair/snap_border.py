@@ -18,7 +18,10 @@ from caricli.render.sample_texture import sample_pixels
 from caricli.structures import Camera, Hair, Mesh
 from caricli.template.template import Template
 
-_WIDTHS = (0.015, 0.01, 0.01, 0.01)
+_WIDTHS = (0.015, 0.01, 0.006, 0.004)
+_TRIM = 2  # round from which on what stands before bare skin goes under it
+_BEFORE = 0.004  # of the head's height: so far from the mask hair is not before bare skin
+_BESIDE = 0.02  # the same of the background, where borders move
 _REACH = 0.06  # of the head's height: borders farther apart than this are not of the same place
 _FADING = 0.05  # of what a straight border weighs: less of it near moves less
 _BACK = (-0.6, -0.2)  # cosines between surface and view, from which on and with which it moves along
@@ -46,17 +49,21 @@ def snap_border(
     sphere = HeadSphere(head, settings, fine=True)
     longitudes, angles, radii = sphere.seen_from(hair.shell.vertices)
     above = radii > sphere.sample(sphere.radii, longitudes, angles)
-    shown = visible_hair(head, hair, camera, mask.pixels.shape)
-    best = (union_share(shown, mask.pixels), hair, head)
-    for width in _WIDTHS:
-        points = _moved(hair.shell, sphere, camera, _field(shown, mask.pixels, camera.scale * head.height, width))
-        inner = hair.shell.faces[above[hair.shell.faces].all(1)]
+    over = np.zeros_like(above)
+    seen = _seen_faces(head, hair, camera, mask.pixels.shape)
+    best = (union_share(seen >= 0, mask.pixels), hair, head)
+    for number, width in enumerate(_WIDTHS):
+        if number == _TRIM:
+            over = _over(seen, hair, camera, mask, head.height)
+        points = _moved(hair.shell, sphere, camera, _field(seen >= 0, mask.pixels, camera.scale * head.height, width))
+        inner = hair.shell.faces[(above & ~over)[hair.shell.faces].all(1)]
         most = sphere.cover(points, inner, *np.meshgrid(sphere.longitudes, sphere.angles))
         # Triangles of the skull are larger than those of hair: without a gap they come through between their corners.
         head = lower_skull(head, sphere, most - settings.least * head.height)
-        hair = replace(hair, shell=hair.shell.with_vertices(_buried(points, ~above, head, sphere, settings)))
-        shown = visible_hair(head, hair, camera, mask.pixels.shape)
-        best = max(best, (union_share(shown, mask.pixels), hair, head), key=itemgetter(0))
+        depths = np.where(over, settings.deep, np.where(above, -np.inf, settings.under))
+        hair = replace(hair, shell=hair.shell.with_vertices(_buried(points, depths, head, settings)))
+        seen = _seen_faces(head, hair, camera, mask.pixels.shape)
+        best = max(best, (union_share(seen >= 0, mask.pixels), hair, head), key=itemgetter(0))
     return best[1:]
 
 
@@ -65,23 +72,41 @@ def union_share(first: np.ndarray, second: np.ndarray) -> float:
     return float((first & second).sum() / max((first | second).sum(), 1))
 
 
-def _buried(
-    points: np.ndarray, below: np.ndarray, head: Template, sphere: HeadSphere, settings: ShellSettings
-) -> np.ndarray:
-    """Points (N, 3), those of them that are below the skin (N,) still so where the skin was lowered."""
-    longitudes, angles, radii = sphere.seen_from(points[below])
+def _buried(points: np.ndarray, depths: np.ndarray, head: Template, settings: ShellSettings) -> np.ndarray:
+    """Points (N, 3), each at least so deep below the skin (N,), shares of the head's height, or -inf for anywhere."""
+    below = np.isfinite(depths)
     skin = HeadSphere(head, settings, fine=True)
-    deepest = skin.sample(skin.radii, longitudes, angles) - settings.under * head.height
+    longitudes, angles, radii = skin.seen_from(points[below])
+    deepest = skin.sample(skin.radii, longitudes, angles) - depths[below] * head.height
     buried = points.copy()
     buried[below] = skin.points(longitudes, angles, np.minimum(radii, deepest))
     return buried
 
 
+def _over(seen: np.ndarray, hair: Hair, camera: Camera, mask: HairMask, height: float) -> np.ndarray:
+    """(N,) bool: vertices of hair that are seen where the mask has none.
+
+    seen: (H, W) of `_seen_faces`. height: metres, of the head.
+    """
+    away = cv2.distanceTransform((~mask.pixels).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
+    outside = away > np.where(mask.behind, _BESIDE, _BEFORE) * camera.scale * height
+    corners = np.unique(hair.shell.faces[np.unique(seen[outside & (seen >= 0)])])
+    x, y = camera.project(hair.shell.vertices[corners]).T
+    over = np.zeros(len(hair.shell.vertices), bool)
+    over[corners] = sample_pixels(outside.astype(np.float32), x, y, border=0.0) > 0.5
+    return over
+
+
 def visible_hair(head: Mesh, hair: Hair, camera: Camera, shape: tuple[int, int]) -> np.ndarray:
     """(H, W) bool: the pixels of a picture of a shape where hair is in front of the head."""
+    return _seen_faces(head, hair, camera, shape) >= 0
+
+
+def _seen_faces(head: Mesh, hair: Hair, camera: Camera, shape: tuple[int, int]) -> np.ndarray:
+    """(H, W): which triangle of hair is in front in each pixel of a picture of a shape, below zero for none."""
     both = join_meshes([head, hair.shell])
     raster = rasterise(camera.place(both.vertices), both.faces, shape[1], shape[0])
-    return raster.face >= len(head.faces)
+    return raster.face - len(head.faces)
 
 
 def _field(shown: np.ndarray, wanted: np.ndarray, height: float, width: float) -> np.ndarray:

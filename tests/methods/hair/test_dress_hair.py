@@ -1,5 +1,6 @@
 from dataclasses import replace
 
+import cv2
 import numpy as np
 import pytest
 
@@ -22,6 +23,14 @@ def test_hair_has_the_colour_of_the_picture_on_all_sides(dressed, sitter):
     assert picture.shape == (128, 128, 3)
     away = np.abs(picture.astype(int) - BROWN)
     assert away.mean() < 10 and np.quantile(away, 0.99) < 60
+
+
+def test_what_is_beside_hair_does_not_colour_its_edge(dressed, sitter):
+    """A light rim along the border of the mask."""
+    inner = cv2.erode(dressed.mask.pixels.astype(np.uint8), np.ones((5, 5), np.uint8)) > 0
+    image = np.where(inner[..., None], sitter.image, (250, 220, 60)).astype(np.uint8)
+    picture = hair_picture(dressed, image, replace(SMALL, size=384))
+    assert (picture[..., 0] > 150).mean() < 1e-3
 
 
 def test_the_skin_under_it_is_left_to_be_filled(dressed, sitter):

@@ -5,8 +5,9 @@ import pytest
 
 from caricli.methods.hair.dress_hair import overlap
 from caricli.methods.hair.make_shell import make_shell
-from caricli.methods.hair.snap_border import snap_border
-from tests.methods.hair.conftest import CAMERA
+from caricli.methods.hair.snap_border import snap_border, visible_hair
+from caricli.render.rasterise import rasterise
+from tests.methods.hair.conftest import CAMERA, SIDE
 
 
 @pytest.fixture(scope="module")
@@ -41,3 +42,17 @@ def test_the_skull_is_lowered_where_hair_is_pressed_on_it(shell, sitter):
     hair, head = snap_border(shell, sitter.head, CAMERA, replace(sitter.hair, pixels=low))
     assert CAMERA.project(head.vertices)[:, 1].min() > CAMERA.project(sitter.head.vertices)[:, 1].min() + 2
     assert overlap(replace(sitter.face, mesh=head), hair, CAMERA, low) > overlap(sitter.face, shell, CAMERA, low) + 0.05
+
+
+def test_hair_before_bare_skin_goes_under_it(shell, sitter):
+    """A side of the mask without hair, wider than borders move."""
+    columns = np.nonzero(sitter.hair.pixels.any(0))[0]
+    side = np.arange(sitter.hair.pixels.shape[1]) < columns[0] + 0.3 * np.ptp(columns)
+    short = replace(sitter.hair, pixels=sitter.hair.pixels & ~side)
+    hair, head = snap_border(shell, sitter.head, CAMERA, short)
+    skin = rasterise(CAMERA.place(sitter.head.vertices), sitter.head.faces, SIDE, SIDE).face >= 0
+    bare = sitter.hair.pixels & side & skin
+    before = visible_hair(sitter.head, shell, CAMERA, bare.shape)
+    after = visible_hair(head, hair, CAMERA, bare.shape)
+    assert before[bare].mean() > 0.8 and after[bare].mean() < 0.25
+    assert after[short.pixels].mean() > 0.93
