@@ -102,7 +102,16 @@ def test_a_sketch_elsewhere_on_a_larger_canvas_is_the_same_face(told):
 
 
 @pytest.mark.parametrize(
-    "change", [{"variant": "oval"}, {"variant": 3}, {"widths": [4, 6]}, {"local": 1}, {"identity": 5}, {"told": 0}]
+    "change",
+    [
+        {"variant": "oval"},
+        {"variant": 3},
+        {"widths": [4, 6]},
+        {"local": 1},
+        {"identity": 5},
+        {"told": 0},
+        {"widths": [4, 6, 6, 6, 9999]},
+    ],
 )
 def test_what_does_not_fit_is_refused(told, change):
     tensors, about = sketch_to_checkpoint(SketchModel(told, 64, CURVES, "a" * 64))

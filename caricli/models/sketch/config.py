@@ -20,6 +20,8 @@ _STEP = 32
 
 _LEVELS = 3
 _CONVOLUTIONS = 5
+_WIDEST = 512
+"""Channels of a published network: a file must not ask for more memory than there is."""
 
 
 @dataclass(frozen=True)
@@ -93,9 +95,10 @@ class PublishedSize:
         """Refuse impossible sizes."""
         if self.variant not in PUBLISHED:
             raise ValueError(f"variant must be one of {', '.join([MODERN, *PUBLISHED])}, found {self.variant!r}")
-        check_ranges(self, {name: (1, 8192) for name in ("hidden", "branch", "told", "identity", "expression")})
-        if len(self.widths) != _CONVOLUTIONS or not all(1 <= width <= 4096 for width in self.widths):
-            raise ValueError(f"widths must be {_CONVOLUTIONS} numbers from 1 to 4096, found {self.widths}")
+        sizes: dict[str, tuple[float, float]] = {name: (1, 4096) for name in ("hidden", "branch", "told")}
+        check_ranges(self, sizes | {"identity": (1, 256), "expression": (1, 64)})
+        if len(self.widths) != _CONVOLUTIONS or not all(1 <= width <= _WIDEST for width in self.widths):
+            raise ValueError(f"widths must be {_CONVOLUTIONS} numbers from 1 to {_WIDEST}, found {self.widths}")
 
 
 @dataclass(frozen=True)
