@@ -1,9 +1,9 @@
 """Sketches whose lines no renderer of ours drew: how near the landmarks of the faces of them come.
 
-The lines are the landmarks of real drawings: as polylines, and joined to smooth strokes, with names and without. The
-folder has a picture N.jpg and a file N.txt of 68 landmarks for every drawing, as the public data of Wu et al. (2018)
-have them. Errors are mean distances of the projected landmarks from the given ones in percent of the diagonal of these
-(NME), without following the lines and with.
+The lines are the landmarks of real drawings: as polylines, and joined to smooth strokes, with names and without; and the
+edges of the drawings. The folder has a picture N.jpg and a file N.txt of 68 landmarks for every drawing, as the public
+data of Wu et al. (2018) have them. Errors are mean distances of the projected landmarks from the given ones in percent
+of the diagonal of these (NME), without following the lines and with.
 """
 
 import argparse
@@ -13,13 +13,18 @@ from functools import partial
 from pathlib import Path
 
 import numpy as np
+from skimage.color import rgb2gray
+from skimage.filters import gaussian
+from skimage.transform import resize
 
+from caricli.errors import InputError
 from caricli.geometry.cubic_spline import CubicSpline
 from caricli.io.image import read_image, write_png
 from caricli.io.landmarks import read_landmarks
 from caricli.methods.parts.whole_head import whole_head
 from caricli.methods.sketch.model_coarse import model_coarse
 from caricli.methods.sketch.reconstruct_sketch import SketchReconstruction
+from caricli.methods.sketch.trace_lines import trace_lines
 from caricli.render.sketch_sheet import sketch_sheet
 from caricli.store.landmark_encoders import elastic_encoder
 from caricli.store.models import DEFAULT_LATENT, load_model
@@ -49,8 +54,11 @@ LINES = {
 
 POINTS = 48
 
-KINDS = ("polylines", "named", "nameless")
-"""How landmarks become lines."""
+KINDS = ("polylines", "named", "nameless", "edges")
+"""How landmarks become lines; "edges" are those of the picture, which know of no landmarks."""
+
+SIDE = 512
+"""Pixels of the longer side of a picture whose edges are found."""
 
 
 def smooth_line(points):
@@ -81,6 +89,15 @@ def landmark_sketch(points, size, kind):
             for k, stroke in enumerate(strokes)
         ]
     return Sketch(tuple(strokes), size)
+
+
+def edge_sketch(image):
+    """The dark lines of a picture: a difference of Gaussians (2 and 3.2 of 512 pixels), thinned, the longest ones."""
+    height, width = image.shape[:2]
+    zoom = SIDE / max(height, width)
+    gray = resize(rgb2gray(image), (round(height * zoom), round(width * zoom)), anti_aliasing=True)
+    lines = trace_lines(gaussian(gray, 3.2) - gaussian(gray, 2.0) > 0.015, 0.03 * SIDE)[:100]
+    return Sketch(tuple(Stroke((line.points + 0.5) / zoom - 0.5) for line in lines), (width, height))
 
 
 def nme(landmarks, points):
@@ -120,14 +137,19 @@ def main():
         size = (image.shape[1], image.shape[0])
         rows[path.stem] = {}
         for kind in options.kinds:
-            sketch = landmark_sketch(points, size, kind)
-            fits = {share: reconstruction.reconstruct(sketch, share) for share in (0.0, 1.0)}
+            sketch = edge_sketch(image) if kind == "edges" else landmark_sketch(points, size, kind)
+            try:
+                fits = {share: reconstruction.reconstruct(sketch, share) for share in (0.0, 1.0)}
+            except InputError as error:
+                print(path.stem, kind, "refused:", error, flush=True)
+                continue
             right = [a == b.curve for a, b in zip(LINES, fits[1.0].sketch.strokes, strict=False)]
             rows[path.stem][kind] = {
                 "nme": nme(fits[0.0].face.landmarks, points),
                 "nme_followed": nme(fits[1.0].face.landmarks, points),
                 "line_error": fits[1.0].errors["all"],
                 "flipped": fits[1.0].flipped,
+                "unsure": fits[1.0].unsure,
                 "rightly_named": float(np.mean(right)),
             }
             print(path.stem, kind, rows[path.stem][kind], flush=True)
@@ -137,17 +159,16 @@ def main():
                 head = whole_head(fit.face, reconstruction.model.template)
                 sheet = sketch_sheet(fit.face, head, fit.sketch, fit.curves, image)
                 write_png(options.sheets / f"{path.stem}-{kind}.png", sheet)
-    means = {
-        kind: {key: float(np.mean([row[kind][key] for row in rows.values()])) for key in row_keys(rows)}
-        for kind in options.kinds
-    }
+    means = {kind: mean_figures([row[kind] for row in rows.values() if kind in row]) for kind in options.kinds}
     options.out.write_text(json.dumps({"coarse": options.coarse, "means": means, "drawings": rows}, indent=1) + "\n")
     print(json.dumps(means, indent=1))
 
 
-def row_keys(rows):
-    """Names of the figures of a drawing."""
-    return list(next(iter(next(iter(rows.values())).values())))
+def mean_figures(rows):
+    """Means of the figures of drawings, and how many they are."""
+    return {"drawings": len(rows)} | {
+        key: float(np.mean([row[key] for row in rows])) for key in (rows[0] if rows else ())
+    }
 
 
 if __name__ == "__main__":
