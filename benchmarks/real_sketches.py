@@ -1,6 +1,6 @@
 """Sketches whose lines no renderer of ours drew: how near the landmarks of the faces of them come.
 
-The lines are the landmarks of real drawings: as polylines, and joined to smooth strokes, with names and without; and the
+The lines are the landmarks of real drawings, as polylines and joined to smooth strokes, with names and without; and the
 edges of the drawings. The folder has a picture N.jpg and a file N.txt of 68 landmarks for every drawing, as the public
 data of Wu et al. (2018) have them. Errors are mean distances of the projected landmarks from the given ones in percent
 of the diagonal of these (NME), without following the lines and with.

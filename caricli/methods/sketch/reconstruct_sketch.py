@@ -177,7 +177,8 @@ class SketchReconstruction:
             return moved
         sound = self._untangled(moved)
         if sound is not moved:
-            moved = self.follower.follow(sound, camera, places)
+            # What this turns over again is repaired for good: lines may then be missed by a little.
+            moved = self._untangled(self.follower.follow(sound, camera, places))
         return template.cavities.tuck(moved)
 
     def _curves(self, face: Face) -> dict[str, np.ndarray]:
