@@ -32,7 +32,7 @@ def parsed_hair(
     image: (H, W, 3) uint8.
     Returns HairMask, whose doubt is one minus the expected intersection over union with what is hair, by its colours,
     times the share that hair has of hats and hair; or None where colours alone leave so much doubt that it is not to be
-    trusted.
+    trusted, or little of it is before the head: then this is rather the wall behind it.
     """
     points = face.require_landmarks()[:COUNT]
     size = float(np.ptp(points, axis=0).max())
@@ -46,7 +46,7 @@ def parsed_hair(
         cut = (probable > 0.5) & ~np.isin(regions, _NEVER) & ~features
         own = _on_head(cut, pixels, settings.crumb * size**2)
         certainty = _certainty(own, probable)
-        if certainty < 1 - settings.doubt:
+        if certainty < 1 - settings.doubt or (own & pixels).sum() < settings.over * own.sum():
             return None
         doubt = 1 - (1 - doubt) * certainty
     # What colours take from the hair is what is next to it.

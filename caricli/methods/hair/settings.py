@@ -27,7 +27,7 @@ class MaskSettings:
     beyond: how far from the border of what a network takes for hair colours are asked. colour: natural logarithm of the
     odds that a colour counts at most there; place: the same of the distance, per face's size. nearby, alike: radius and
     smoothness of the filter there. crumb: of the squared size, smaller parts of what a network takes for hair are
-    dropped.
+    dropped. over: the least share of hair that is before the head; on generated heads there is at least 0.32.
     """
 
     side: int = 300
@@ -61,6 +61,7 @@ class MaskSettings:
     nearby: float = 0.02
     alike: float = 0.02
     crumb: float = 0.005
+    over: float = 0.25
 
 
 @dataclass(frozen=True)

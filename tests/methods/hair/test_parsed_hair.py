@@ -69,6 +69,11 @@ def test_a_wall_that_passes_for_hat_and_hair_is_doubtful(face, pixels):
     assert mask.doubt > 0.5 and not mask.trusted
 
 
+def test_a_wall_above_a_bald_head_is_not_its_hair(face, pixels):
+    regions = labels((Region.HAIR, (0, 17), (5, 75)), (Region.SKIN, (17, 70), (15, 65)))
+    assert parsed_hair(face, regions, pixels, painted(regions)) is None
+
+
 def test_hair_before_a_wall_of_its_colour_ends_where_the_regions_say(face, pixels):
     regions = labels((Region.HAIR, (5, 25), (15, 65)), (Region.SKIN, (25, 70), (15, 65)))
     image = painted(np.where(regions == Region.BACKGROUND, Region.HAIR, regions))
