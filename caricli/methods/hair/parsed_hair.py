@@ -15,6 +15,7 @@ from caricli.structures.parsing import Region
 
 _AROUND = (Region.BACKGROUND, Region.CLOTH)
 _NEVER = (Region.EYES, Region.NOSE, Region.LIPS, Region.MOUTH, Region.TEETH, Region.GLASSES, Region.HAT)
+_CERTAIN = 0.4  # probabilities that are farther from a half
 
 
 def parsed_hair(
@@ -66,5 +67,6 @@ def _on_head(mask: np.ndarray, pixels: np.ndarray, least: float = 0.0) -> np.nda
 
 
 def _certainty(mask: np.ndarray, probable: np.ndarray) -> float:
-    """Expected intersection over union of a mask and what has probabilities (H, W)."""
+    """Expected intersection over union of a mask and what has probabilities (H, W); nine to one is certain."""
+    probable = np.where(np.abs(probable - 0.5) > _CERTAIN, probable > 0.5, probable)
     return float(np.minimum(mask, probable).sum() / max(np.maximum(mask, probable).sum(), 1e-9))

@@ -47,7 +47,7 @@ def test_hair_hangs_on_the_head(face, pixels):
     mask = parsed_hair(face, regions, pixels, painted(regions))
     np.testing.assert_array_equal(mask.pixels, labels(hair) > 0)
     assert mask.behind[regions == Region.BACKGROUND].all() and not mask.behind[regions == Region.SKIN].any()
-    assert mask.trusted and mask.doubt < 0.02
+    assert mask.trusted and mask.doubt == 0
 
 
 def test_a_hat_is_no_hair_and_makes_it_doubtful(face, pixels):
