@@ -101,7 +101,7 @@ def load_regions(path: Path, size: tuple[int, int]) -> np.ndarray:
     """(H, W) uint8 values of Region: what a picture shows, by its label map.
 
     path: of the labels. size: (width, height) of the picture that they are of.
-    Raises InputError for another size, for a label whose number or name says nothing here, and where none is skin.
+    Raises InputError for another size, for a label whose number or name says nothing here, and where all is background.
     """
     labels, legend = read_parsing(path)
     _check_size(path, labels, size)
@@ -115,8 +115,8 @@ def load_regions(path: Path, size: tuple[int, int]) -> np.ndarray:
     if len(unnamed):
         raise InputError(f"{shown(path)}: expected numbers that the legend names, found {unnamed[0]}")
     shown_there = regions[labels].astype(np.uint8)
-    if not (shown_there == Region.SKIN).any():
-        raise InputError(f"{shown(path)}: expected pixels labelled skin, found none")
+    if not shown_there.any():
+        raise InputError(f"{shown(path)}: expected pixels that show a head, found background alone")
     return shown_there
 
 

@@ -294,7 +294,7 @@ def test_label_maps_that_do_not_fit(refused, scene, tmp_path):
         "small": (head[:-1], None, "expected the picture's size, 300 x 300, found 300 x 299"),
         "number": (50 * head, None, "expected numbers that the legend names, found 50"),
         "name": (head, {"wall": 0, "antler": 1}, "expected labels such as hair or skin, found 'wall'"),
-        "bald": (13 * head, None, "expected pixels labelled skin, found none"),
+        "empty": (0 * head, None, "expected pixels that show a head, found background alone"),
     }
     for name, (labels, names, words) in cases.items():
         path = write_labels(tmp_path / f"{name}.png", labels, names)

@@ -133,13 +133,14 @@ class PortraitChain:
             steps.append(partial(replace(self.styling, marks=given).run, picture, styled))
             picture, given = styled, styled.with_suffix(".json")
         files = LandmarkFiles((marks,), head / "face.obj", None, picture, FaceReader(), False)
+        painting = TextureTask(settings=self.paint, parsing=None if given else head / "landmarks-regions.png")
         rigging = RigTask(head=self.paint.head, seed=self.paint.seed)
         return [
             *steps,
             partial(self.finding.run, picture, marks) if given is None else partial(self._take, picture, given, marks),
             partial(self._fit, files, marks),
             partial(RefineTask(picture).run, head / "face.npz", marks, head / "refined.obj"),
-            partial(TextureTask(settings=self.paint).run, head / "refined.npz", picture, head / "textured"),
+            partial(painting.run, head / "refined.npz", picture, head / "textured"),
             partial(rigging.run, head / "textured" / "face.npz", head / "rig.glb"),
             partial(_draw, picture, marks, head / "rig.npz"),
         ]

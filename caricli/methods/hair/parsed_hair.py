@@ -14,7 +14,8 @@ from caricli.structures.landmarks import COUNT
 from caricli.structures.parsing import Region
 
 _AROUND = (Region.BACKGROUND, Region.CLOTH)
-_NEVER = (Region.EYES, Region.NOSE, Region.LIPS, Region.MOUTH, Region.TEETH, Region.GLASSES, Region.HAT)
+_NEVER = (Region.EYES, Region.NOSE, Region.LIPS, Region.MOUTH, Region.TEETH, Region.GLASSES)
+_SPECKS = 0.1  # of hats and hair: with less of a hat than that among it, colours tell hair there, too
 _CERTAIN = 0.4  # probabilities that are farther from a half
 
 
@@ -44,7 +45,8 @@ def parsed_hair(
     if doubt <= settings.doubt and own.any():
         probable = cut_hair(image, own, size, settings)
         features = facial_features(points, size, own.shape, settings) & ~own
-        cut = (probable > 0.5) & ~np.isin(regions, _NEVER) & ~features
+        other = np.isin(regions, _NEVER) | ((regions == Region.HAT) & (doubt > _SPECKS))
+        cut = (probable > 0.5) & ~other & ~features
         own = _on_head(cut, pixels, settings.crumb * size**2)
         certainty = _certainty(own, probable)
         if certainty < 1 - settings.doubt or (own & pixels).sum() < settings.over * own.sum():

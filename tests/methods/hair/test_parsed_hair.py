@@ -59,6 +59,16 @@ def test_a_hat_is_no_hair_and_makes_it_doubtful(face, pixels):
     assert mask.doubt > 0.5 and not mask.trusted
 
 
+def test_a_speck_of_a_hat_in_the_colour_of_the_hair_is_hair(face, pixels):
+    regions = labels((Region.HAIR, (5, 25), (15, 65)), (Region.SKIN, (25, 70), (15, 65)))
+    image = painted(regions)
+    speck = labels((Region.HAT, (12, 16), (61, 65))) > 0
+    regions[speck] = Region.HAT
+    assert parsed_hair(face, regions, pixels, image).pixels[speck].all()
+    regions[5:12] = np.where(regions[5:12] == Region.HAIR, Region.HAT, regions[5:12])
+    assert not parsed_hair(face, regions, pixels, image).pixels[speck].any()
+
+
 def test_a_wall_that_passes_for_hat_and_hair_is_doubtful(face, pixels):
     """They are beside the head, next to each other."""
     regions = labels(
