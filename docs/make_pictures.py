@@ -1,7 +1,7 @@
 """Run the commands of docs/gallery.md in a folder and draw its pictures again: make_pictures.py FOLDER [SECTION...].
 
 A section is chosen by a command in its heading, such as `sample`; it takes what the sections before it left in FOLDER,
-`photo.png` of `portrait` first of all. Without any, all are run, which takes hours.
+what `portrait` makes first of all. Without any, all are run, which takes hours.
 """
 
 import os
