@@ -22,11 +22,12 @@ class Stopped(SystemExit):
 
 
 class _Request:
-    """What the process was asked for: the first signal that came, and how many `held` are open."""
+    """What the process was asked for: the first signal that came, and how many `held` and `raising` are open."""
 
     def __init__(self) -> None:
         self.number: int | None = None
         self.holds = 0
+        self.raises = 0
 
 
 _request = _Request()
@@ -50,6 +51,7 @@ def raising() -> Iterator[None]:
     previous = {number: signal.signal(number, handler) for number, handler in handlers.items()}
     hook = sys.unraisablehook
     sys.unraisablehook = _quiet
+    _request.raises += 1
     try:
         yield
     except BaseException as error:
@@ -57,6 +59,8 @@ def raising() -> Iterator[None]:
             raise
         raise Stopped(_request.number) from error
     finally:
+        # First: an alarm that is on its way would set the clock again, and Python ends without a handler for it.
+        _request.raises -= 1
         signal.setitimer(signal.ITIMER_REAL, 0)
         sys.unraisablehook = hook
         # After a stop the process ends, and a second signal must not change how.
@@ -95,7 +99,7 @@ def _handler_of(owner: int) -> Callable[[int, FrameType | None], None]:
 
 
 def _ask_again(_: int, frame: FrameType | None) -> None:
-    if _request.number is None:
+    if _request.number is None or not _request.raises:
         return
     signal.setitimer(signal.ITIMER_REAL, ASK_AGAIN)
     if not _request.holds and not _is_importing(frame):

@@ -90,6 +90,14 @@ def test_what_cleans_up_is_not_interrupted():
     assert cleaned == ["all"]
 
 
+def test_an_alarm_that_comes_too_late_sets_no_clock():
+    with pytest.raises(signals.Stopped), signals.raising():
+        ask()
+        threading.Event().wait(30)
+    signal.raise_signal(signal.SIGALRM)
+    assert signal.getitimer(signal.ITIMER_REAL) == (0.0, 0.0)
+
+
 def test_without_a_signal_nothing_changes():
     before = [signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM, signal.SIGALRM)]
     hook = sys.unraisablehook

@@ -158,7 +158,8 @@ def _read_gltf(path: Path) -> Any:
 
 def _read_weights_of_model(path: Path) -> Any:
     tensors, metadata = read_checkpoint(path)
-    rebuild = _WEIGHTS.get(metadata.get("schema"), model_from_checkpoint)
+    schema = metadata.get("schema")
+    rebuild = _WEIGHTS.get(schema, model_from_checkpoint) if isinstance(schema, str) else model_from_checkpoint
     return rebuild(tensors, metadata, shown(path))
 
 

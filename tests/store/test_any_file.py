@@ -3,6 +3,7 @@ import pytest
 
 from caricli.errors import InputError
 from caricli.io.bundled import asset_path
+from caricli.io.checkpoint import write_checkpoint
 from caricli.io.face import write_face
 from caricli.io.gltf.write_gltf import write_gltf
 from caricli.io.image import write_png
@@ -149,3 +150,11 @@ def test_bundled_models_are_known():
     around = load_acquaintances()
     assert {"pca", "kernel", "morphable"} <= set(around.models.values())
     assert around.head.topology_id == load_any(asset_path("pca.safetensors")).template.topology_id
+
+
+def test_weights_of_no_schema_are_refused(tmp_path):
+    for number, schema in enumerate([{}, [1], 3, None]):
+        path = tmp_path / f"{number}.safetensors"
+        write_checkpoint(path, {"a": np.zeros(1, np.float32)}, {"schema": schema})
+        with pytest.raises(InputError, match="expected a model of schema"):
+            load_any(path)
