@@ -33,8 +33,8 @@ def parsed_hair(
     face: Face with landmarks. regions: (H, W) values of Region. pixels: (H, W) bool, those that the face's mesh covers.
     image: (H, W, 3) uint8.
     Returns HairMask, whose doubt is one minus the expected intersection over union with what is hair, by its colours,
-    times the share that hair has of hats and hair; or None where colours alone leave so much doubt that it is not to be
-    trusted, or little of it is before the head: then this is rather the wall behind it.
+    times the share that hair has of hats and hair; or None where the network is unsure, or little of it is before the
+    head: then this is rather the wall behind it.
     """
     points = face.require_landmarks()[:COUNT]
     size = float(np.ptp(points, axis=0).max())
@@ -48,10 +48,9 @@ def parsed_hair(
         other = np.isin(regions, _NEVER) | ((regions == Region.HAT) & (doubt > _SPECKS))
         cut = (probable > 0.5) & ~other & ~features
         own = _on_head(cut, pixels, settings.crumb * size**2)
-        certainty = _certainty(own, probable)
-        if certainty < 1 - settings.doubt or (own & pixels).sum() < settings.over * own.sum():
+        doubt = 1 - (1 - doubt) * _certainty(own, probable)
+        if doubt > settings.unsure or (own & pixels).sum() < settings.over * own.sum():
             return None
-        doubt = 1 - (1 - doubt) * certainty
     # What colours take from the hair is what is next to it.
     beside = regions if hair.all() else regions[nearest_pixel(~hair)]
     enclosed = cv2.contourArea(cv2.convexHull(points[np.isfinite(points).all(1)].astype(np.float32)))

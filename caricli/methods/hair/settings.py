@@ -23,7 +23,8 @@ class MaskSettings:
     apart: the most that edges on the way from a class to a pixel count against it.
     least: share of the face's area that hair fills at least. speckle: of it, smaller parts of the mask are dropped.
     bridge: parts that nothing wider than this joins do not hang together.
-    doubt: from 0 to 1; with more the mask is not trusted.
+    doubt: from 0 to 1; with more the mask is not trusted. unsure: the same of what a network takes for hair; with more
+    colours alone decide.
     beyond: how far from the border of what a network takes for hair colours are asked. colour: natural logarithm of the
     odds that a colour counts at most there; place: the same of the distance, per face's size. nearby, alike: radius and
     smoothness of the filter there. crumb: of the squared size, smaller parts of what a network takes for hair are
@@ -55,6 +56,7 @@ class MaskSettings:
     speckle: float = 0.02
     bridge: float = 0.03
     doubt: float = 0.4
+    unsure: float = 0.3
     beyond: float = 0.1
     colour: float = 4.0
     place: float = 40.0

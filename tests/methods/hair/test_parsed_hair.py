@@ -65,7 +65,7 @@ def test_a_speck_of_a_hat_in_the_colour_of_the_hair_is_hair(face, pixels):
     speck = labels((Region.HAT, (12, 16), (61, 65))) > 0
     regions[speck] = Region.HAT
     assert parsed_hair(face, regions, pixels, image).pixels[speck].all()
-    regions[5:12] = np.where(regions[5:12] == Region.HAIR, Region.HAT, regions[5:12])
+    regions[5:8] = np.where(regions[5:8] == Region.HAIR, Region.HAT, regions[5:8])
     assert not parsed_hair(face, regions, pixels, image).pixels[speck].any()
 
 
