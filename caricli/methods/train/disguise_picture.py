@@ -123,7 +123,7 @@ def _pencilled(image: np.ndarray, generator: np.random.Generator) -> np.ndarray:
 
 
 def _drawn(image: np.ndarray, generator: np.random.Generator) -> np.ndarray:
-    return _lined(image, generator) if generator.random() < 0.75 else _pencilled(image, generator)
+    return _lined(image, generator) if generator.random() < 0.65 else _pencilled(image, generator)
 
 
 def _noisy(image: np.ndarray, generator: np.random.Generator) -> np.ndarray:
@@ -169,7 +169,7 @@ _CHANGES: list[tuple[float, Callable[[np.ndarray, np.random.Generator], np.ndarr
     (0.3, _saturated),
     (0.18, _monochrome),
     (0.9, _lit),
-    (0.35, _drawn),
+    (0.45, _drawn),
     (0.3, _noisy),
     (0.2, _shrunk),
     (0.15, _compressed),

@@ -1,12 +1,26 @@
 """Pictures whose faces are drawn out and pressed together as caricaturists do it, more than meshes are exaggerated."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
 
+from caricli.methods.train.scale_part import PartScale
 from caricli.structures.detection import FaceFrame, MarkedPicture, turn_axes
-from caricli.structures.landmarks import EYE_LEFT, EYE_RIGHT, JAW, MOUTH, NOSE
+from caricli.structures.landmarks import (
+    BROW_LEFT,
+    BROW_RIGHT,
+    BROWS,
+    EAR_LEFT,
+    EAR_RIGHT,
+    EYE_LEFT,
+    EYE_RIGHT,
+    EYES,
+    FOREHEAD,
+    LIPS,
+    NOSE,
+)
 from caricli.structures.parsing import BEYOND
 
 _FAR = 4.0
@@ -16,11 +30,27 @@ _STEP = 0.02
 _END = 1.2
 """Sides of a face, from its middle, beyond which nothing is distorted."""
 
+_SMALLEST = 0.06
+"""Half of a part's height or width, sides of the face, at the least."""
+
 _STRIDE = 4
 """Pixels between two places whose source is computed; between them it is interpolated."""
 
-_BULGES = (MOUTH, NOSE, EYE_RIGHT, EYE_LEFT, JAW)
-"""Parts of a face that may be made larger or smaller alone."""
+_CHIN = (*range(5, 12), 57)
+_SCALED = (
+    (LIPS,),
+    (NOSE,),
+    (_CHIN,),
+    ((*range(2, 15), *LIPS),),
+    (EYE_RIGHT, EYE_LEFT),
+    ((*EYE_RIGHT, *BROW_RIGHT), (*EYE_LEFT, *BROW_LEFT)),
+    ((*BROWS, *FOREHEAD),),
+    ((*EYES, *BROWS, *FOREHEAD),),
+    (EAR_RIGHT, EAR_LEFT),
+)
+"""Parts of a face that may be scaled, each with its pieces on the right and the left: mouth, nose, chin, lower half,
+eyes without and with brows, forehead without and with eyes, ears.
+"""
 
 
 @dataclass(frozen=True)
@@ -28,17 +58,22 @@ class DistortSettings:
     """How faces are distorted; lengths are shares of the face's side.
 
     heights, widths: deviations of the logarithms of what heights and widths are multiplied by. aside: deviation of what
-    heights are moved aside by. knots: heights over a face that are told apart. bulged: chance that a part alone is made
-    larger or smaller; bulge: by which share at its middle, between; radius: of what is, between.
+    heights are moved aside by. knots: heights over a face that are told apart. scaled: share of the parts that are
+    scaled. factor: by what, between; uneven: deviation of the logarithm of what its width and its height differ by;
+    askew: of what is drawn for each of both sides; extremes: of all together. anchor: how far from a part's middle the
+    point is that stays in its place, at most, of half of its width and height.
     """
 
-    heights: float = 0.3
-    widths: float = 0.2
+    heights: float = 0.22
+    widths: float = 0.15
     aside: float = 0.03
     knots: int = 5
-    bulged: float = 0.6
-    bulge: tuple[float, float] = (-0.3, 0.8)
-    radius: tuple[float, float] = (0.25, 0.6)
+    scaled: float = 0.3
+    factor: tuple[float, float] = (0.65, 1.7)
+    uneven: float = 0.25
+    extremes: tuple[float, float] = (0.6, 1.9)
+    askew: float = 0.05
+    anchor: float = 0.7
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,11 +81,11 @@ class Distortion:
     """A smooth map of the plane without folds that can be gone both ways.
 
     Within the frame of a face heights are stretched and pressed together, each height is made wider or narrower and
-    moved aside, then a disc is magnified, and all is scaled.
+    moved aside, then parts are scaled one after the other, and at last all is.
 
     frame: FaceFrame. heights, stretched: (T,) heights before and after, sides of the face from its middle. widths,
-    aside: (T,) factor of the width and what is added, at ``heights``. centre: (2,) of the disc. radii, magnified: (R,)
-    distances from it before and after. scale: of all.
+    aside: (T,) factor of the width and what is added, at ``heights``. parts: PartScales in sides of the face. scale: of
+    all.
     """
 
     frame: FaceFrame
@@ -58,9 +93,7 @@ class Distortion:
     stretched: np.ndarray
     widths: np.ndarray
     aside: np.ndarray
-    centre: np.ndarray
-    radii: np.ndarray
-    magnified: np.ndarray
+    parts: tuple[PartScale, ...] = ()
     scale: float = 1.0
 
     def places(self, points: np.ndarray) -> np.ndarray:
@@ -68,12 +101,16 @@ class Distortion:
         across, down = self._local(points)
         wide = across * np.interp(down, self.heights, self.widths) + np.interp(down, self.heights, self.aside)
         local = np.stack([wide, np.interp(down, self.heights, self.stretched)], -1)
-        return self._global(self.scale * _radial(local, self.centre, self.radii, self.magnified))
+        for part in self.parts:
+            local = part.places(local)
+        return self._global(self.scale * local)
 
     def sources(self, points: np.ndarray) -> np.ndarray:
         """Where what is afterwards at points (..., 2), pixels, came from."""
         local = np.stack(self._local(points), -1) / self.scale
-        wide, stretched = np.moveaxis(_radial(local, self.centre, self.magnified, self.radii), -1, 0)
+        for part in reversed(self.parts):
+            local = part.sources(local)
+        wide, stretched = np.moveaxis(local, -1, 0)
         down = np.interp(stretched, self.stretched, self.heights)
         across = (wide - np.interp(down, self.heights, self.aside)) / np.interp(down, self.heights, self.widths)
         return self._global(np.stack([across, down], -1))
@@ -117,15 +154,34 @@ def random_distortion(landmarks: np.ndarray, settings: DistortSettings, generato
     stretched -= np.interp(0, heights, stretched)
     widths = np.exp(settings.widths * _smooth(settings.knots, generator))
     aside = settings.aside * _smooth(settings.knots, generator)
-    amount = generator.uniform(*settings.bulge) if generator.random() < settings.bulged else 0.0
-    radius = generator.uniform(*settings.radius)
-    radii = np.linspace(0, _FAR, 401)
-    magnified = radii * (1 + amount * np.maximum(0, 1 - (radii / radius) ** 2) ** 2)
-    still = Distortion(frame, heights, stretched, widths, aside, np.zeros(2), radii, radii)
-    part = landmarks[list(_BULGES[generator.integers(len(_BULGES))])].mean(0)
-    centre = np.stack(still._local(still.places(part)))
-    moved = replace(still, centre=centre, magnified=magnified)
-    return replace(moved, scale=frame.side / FaceFrame.of(moved.places(landmarks)).side)
+    distortion = Distortion(frame, heights, stretched, widths, aside)
+    places = np.stack(distortion._local(distortion.places(landmarks)), -1)
+    scales = []
+    for part in generator.permutation(len(_SCALED))[: generator.binomial(len(_SCALED), settings.scaled)]:
+        for scale in _scales(places, _SCALED[part], settings, generator):
+            scales.append(scale)
+            places = scale.places(places)
+    side = FaceFrame.of(distortion._global(places)).side
+    return replace(distortion, parts=tuple(scales), scale=frame.side / side)
+
+
+def _scales(
+    places: np.ndarray, part: tuple[Sequence[int], ...], settings: DistortSettings, generator: np.random.Generator
+) -> list[PartScale]:
+    """How the pieces of a part are scaled. places: (L, 2) landmarks in sides of the face."""
+    alike = generator.uniform(*np.log(settings.factor))
+    uneven = settings.uneven * generator.normal() * np.array([0.5, -0.5])
+    anchor = generator.uniform(-settings.anchor, settings.anchor, 2)
+    scales = []
+    for side, piece in enumerate(part):
+        low = places[list(piece)].min(0)
+        high = places[list(piece)].max(0)
+        radii = np.maximum((high - low) / 2, _SMALLEST)
+        logarithms = alike + uneven + settings.askew * generator.normal(size=2)
+        factors = np.clip(np.exp(logarithms), *settings.extremes)
+        outwards = np.array([-1 if side else 1, 1])
+        scales.append(PartScale((low + high) / 2 + outwards * anchor * radii, radii * factors, factors))
+    return scales
 
 
 @cache
@@ -148,10 +204,3 @@ def _splines(knots: int) -> np.ndarray:
 def _smooth(knots: int, generator: np.random.Generator) -> np.ndarray:
     """(T,) smooth noise of deviation 1 over a face, which goes to nothing beside it."""
     return np.clip(_splines(knots) @ generator.normal(size=knots), -2.5, 2.5)
-
-
-def _radial(points: np.ndarray, centre: np.ndarray, before: np.ndarray, after: np.ndarray) -> np.ndarray:
-    """Points (..., 2) whose distance from a centre changes from ``before`` to ``after``."""
-    apart = points - centre
-    distance = np.linalg.norm(apart, axis=-1, keepdims=True)
-    return centre + apart * np.interp(distance, before, after) / np.maximum(distance, 1e-9)

@@ -36,7 +36,7 @@ class WindowSettings:
     stretch: float = 0.06
     bend: float = 0.02
     bent: float = 0.1
-    distorted: float = 0.4
+    distorted: float = 0.5
     distort: DistortSettings = DistortSettings()
     cut: float = 0.1
     whole: float = 0.7

@@ -3,6 +3,7 @@ import pytest
 
 from caricli.methods.train.distort_picture import DistortSettings, distort_picture, random_distortion
 from caricli.structures.detection import FaceFrame, MarkedPicture
+from caricli.structures.landmarks import EYE_RIGHT, LIPS, NOSE
 from caricli.structures.parsing import BEYOND, Region
 from tests.drawn_pictures import mean_shape
 
@@ -46,6 +47,21 @@ def test_it_goes_there_and_back_without_folds(landmarks):
         moved.append(np.linalg.norm(distortion.places(landmarks) - landmarks, axis=1).mean() / sides)
     # As much as caricatures differ from one another: the mean shape is 7 to 10 % off.
     assert 0.04 < np.mean(moved) < 0.15
+
+
+def test_parts_change_their_share_of_the_face(landmarks):
+    settings = DistortSettings(heights=0, widths=0, aside=0)
+    for part in (LIPS, NOSE, EYE_RIGHT):
+        own = list(part)
+        before = np.ptp(landmarks[own], axis=0)
+        factors = []
+        for seed in range(60):
+            after = random_distortion(landmarks, settings, np.random.default_rng(seed)).places(landmarks)
+            factors.append(np.ptp(after[own], axis=0) / before)
+        across, down = np.transpose(factors)
+        assert min(across) < 0.8 and max(across) > 1.3
+        assert min(down) < 0.8 and max(down) > 1.3
+        assert np.std(np.log(across / down)) > 0.1
 
 
 def test_landmarks_and_regions_stay_on_what_they_mark(picture):
