@@ -136,7 +136,7 @@ class TextureTask:
                 painted = paint_head(seen, shape_model.template, picture, white, self.settings, regions)
             seconds = time.perf_counter() - start
             jobs: list[Callable[[], None]] = [partial(write_painted_head, folder, painted, seen)]
-            jobs += [partial(_draw_sheet, p, painted, self.settings.head) for p in picture_files(folder / "sheet.png")]
+            jobs += [partial(_draw_sheet, p, picture, points, painted) for p in picture_files(folder / "sheet.png")]
             about = {"project_uv": self.settings.project_uv, "seconds": seconds, "head": painted.filled}
             about |= {"model_id": shape_model.model_id} | painted.figures()
             write_json(folder / REPORT, provenance("texture", inputs, self.settings.seed, **about))
@@ -154,10 +154,8 @@ class TextureTask:
         return load_regions(self.parsing, (picture.shape[1], picture.shape[0]))
 
 
-def _draw_sheet(path, painted, head):
-    """Write the picture of a Painted head before and after."""
-    from caricli.methods.parts.whole_head import whole_head
+def _draw_sheet(path, picture, points, painted):
+    """Write a picture with landmarks (L, 2), and the Painted head beside it."""
     from caricli.render.texture_sheet import texture_sheet
-    from caricli.structures import Face
 
-    write_png(path, texture_sheet(whole_head(Face(painted.head), painted.head, head), painted.rig, SIZE))
+    write_png(path, texture_sheet(picture, points, painted.rig, SIZE))

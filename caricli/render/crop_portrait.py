@@ -3,6 +3,8 @@
 import numpy as np
 from PIL import Image
 
+from caricli.render.backdrop import PAPER
+
 _HALF = 0.8
 """Half the side of the square, of the larger extent of the landmarks: with all of the head around them."""
 
@@ -11,7 +13,7 @@ def crop_portrait(picture: np.ndarray, points: np.ndarray, size: int) -> np.ndar
     """The square around landmarks.
 
     picture: (H, W, 3) uint8. points: (L, 2) pixels, NaN where unknown. size: pixels, side of the result.
-    Returns (size, size, 3) uint8, black beyond the picture.
+    Returns (size, size, 3) uint8, paper beyond the picture.
     """
     low = np.nanmin(points, axis=0)
     high = np.nanmax(points, axis=0)
@@ -19,4 +21,5 @@ def crop_portrait(picture: np.ndarray, points: np.ndarray, size: int) -> np.ndar
     half = _HALF * (high - low).max()
     box = (*(middle - half), *(middle + half))
     image = Image.fromarray(picture)
-    return np.asarray(image.transform((size, size), Image.Transform.EXTENT, box, Image.Resampling.BICUBIC))
+    extent = Image.Transform.EXTENT
+    return np.asarray(image.transform((size, size), extent, box, Image.Resampling.BICUBIC, fillcolor=PAPER))

@@ -1,5 +1,6 @@
 import numpy as np
 
+from caricli.render.backdrop import PAPER
 from caricli.render.crop_portrait import crop_portrait
 
 
@@ -15,6 +16,6 @@ def test_the_square_around_the_landmarks():
     assert np.abs(np.argwhere(white).mean(0) - 31.5).max() < 1
 
 
-def test_beyond_the_picture_it_is_black():
+def test_beyond_the_picture_it_is_paper():
     portrait = crop_portrait(np.full((50, 50, 3), 200, np.uint8), np.array([[0.0, 0], [20, 20]]), 32)
-    assert portrait[0, 0].tolist() == [0, 0, 0] and portrait[-1, -1].tolist() == [200, 200, 200]
+    assert portrait[0, 0].tolist() == [*PAPER] and portrait[-1, -1].tolist() == [200, 200, 200]
