@@ -113,25 +113,34 @@ def exaggerated(skin, truth, exponent):
 
 
 def distances(skin, truth):
-    """Percent of the height, by part: what the base mesh's own vertices miss; of lashes their roots."""
+    """Percent of the height, by part: what the base mesh's own vertices miss, before and after parts make room for the
+    wall of the mouth, through which true ones go; of lashes what their roots miss."""
     head = load_head()
     attachment = open_head_attachment()
     height = np.ptp(skin[:, 1])
+    stands = {part.name: part.mesh.vertices for part in attachment.attach(head.template().with_vertices(skin))}
     missed = {}
     for hold in attachment.holds:
         name = hold.part.name
         if isinstance(hold, Lids):
             strips = head.parts["lashes"]
             hairs = lash_hairs(strips.mesh())
-            lashes = next(part for part in attachment.attach(head.template().with_vertices(skin)) if part.name == name)
             aims = hairs.mesh.vertices + hairs.weights @ (truth[name] - strips.evaluate())
             roots = rooted(hairs.mesh)
-            missed["lashes' roots"] = centres(lashes.mesh.vertices - aims, roots)
+            missed["lashes' roots"] = centres(stands[name] - aims, roots)
         else:
             scales, rotation, shift = axis_similarity(hold.frames.points, hold.weights @ skin[hold.around], UNEVEN)
             points = hold.frames.points * scales @ rotation.T + shift
             missed[name] = np.linalg.norm(points - truth[name], axis=1).mean()
+            carried = affine(hold.part.mesh.vertices, stands[name], hold.frames.points)
+            missed[f"{name} with room"] = np.linalg.norm(carried - truth[name], axis=1).mean()
     return {name: 100 * float(value / height) for name, value in missed.items()}
+
+
+def affine(before, after, points):
+    """Points (N, 3) carried by the affine map that is nearest to what takes (W, 3) before to (W, 3) after."""
+    taken = np.linalg.lstsq(np.column_stack([before, np.ones(len(before))]), after, rcond=None)[0]
+    return np.column_stack([points, np.ones(len(points))]) @ taken
 
 
 def rooted(mesh):

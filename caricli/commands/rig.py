@@ -120,8 +120,7 @@ class RigTask:
             images = pictures.load()
             with naming(face), progress_bar("expressions"):
                 rest = _rest(given, self.neutral)
-                hair = given.with_vertices(rest.mesh.vertices).hair
-                result = make_rig(rest.mesh, expressions, settings, images, hair=hair)
+                result = make_rig(rest.mesh, expressions, settings, images, given=given)
             write_gltf(glb, result.rig, self.sparse)
             write_rig(npz, result.rig)
             about = {"subdivide": self.levels, "sparse": self.sparse, "units": "m", "axes": "+y up, +z front"}

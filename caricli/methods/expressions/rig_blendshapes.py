@@ -20,12 +20,12 @@ def rig_blendshapes(
 ) -> RigResult:
     """The rig of a caricature's expressions, each of which starts from the neutral one.
 
-    worn: Face whose polygons, UVs and hair it has; without one the polygons and UVs of the model.
+    worn: Face of the caricature, whose polygons, UVs and hair it has; without one the polygons and UVs of the model.
     Raises NumericsError for triangles without area.
     """
     neutral = blendshapes.shapes[0]
     face = (worn or Face(tools.morphable.template)).posed(neutral)
-    result = make_rig(face.mesh, tools.acting, settings, pictures, blendshapes.shapes[1:] - neutral, face.hair)
+    result = make_rig(face.mesh, tools.acting, settings, pictures, blendshapes.shapes[1:] - neutral, worn)
     normal_deltas = (blendshapes.normal[1:] - blendshapes.normal[0]).astype(np.float32)
     return replace(result, rig=replace(result.rig, normal_deltas=normal_deltas))
 

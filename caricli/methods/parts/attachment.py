@@ -54,13 +54,16 @@ class Attachment:
         """The parts of a face, without expressions. mesh: Mesh of its skin, metres, in the template's topology."""
         return self.animate(mesh, (), np.zeros((0, *mesh.vertices.shape)))
 
-    def animate(self, mesh: Mesh, names: Sequence[str], deltas: np.ndarray) -> tuple[Part, ...]:
+    def animate(
+        self, mesh: Mesh, names: Sequence[str], deltas: np.ndarray, given: np.ndarray | None = None
+    ) -> tuple[Part, ...]:
         """The parts of a face with expressions.
 
         mesh: Mesh of its skin, metres, in the template's topology. names: K. deltas: (K, V, 3) metres, what the
-        expressions do to the skin.
+        expressions do to the skin. given: (V, 3) metres, the face with the expression that this neutral one was found
+        from, whose lips may have shown teeth; or None.
         """
-        face = Posed(np.asarray(mesh.vertices, float), tuple(names), np.asarray(deltas, float))
+        face = Posed(np.asarray(mesh.vertices, float), tuple(names), np.asarray(deltas, float), given)
         mouths = self._mouths(face)
         return tuple(hold.place(face) if isinstance(hold, Lids) else hold.place(face, mouths) for hold in self.holds)
 

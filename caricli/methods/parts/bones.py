@@ -11,6 +11,7 @@ from caricli.methods.parts.clear_way import Bends, clear_way
 from caricli.methods.parts.flesh import Flesh, Hide
 from caricli.methods.parts.follow import follow_weights
 from caricli.methods.parts.guides import Guides
+from caricli.methods.parts.incisors import Incisors, incisors_of
 from caricli.methods.parts.let_out import PARTINGS, far_enough, part_more, tongue_bends
 from caricli.methods.parts.pocket import Mouth, Mouths, make_room
 from caricli.structures import Material, Part
@@ -66,16 +67,18 @@ _POINTS = 80
 class Posed:
     """The skin of a face and its expressions.
 
-    neutral: (V, 3) metres. names: K. deltas: (K, V, 3) metres.
+    neutral: (V, 3) metres. names: K. deltas: (K, V, 3) metres. given: (V, 3) metres, the face with the expression that
+    the neutral one was found from, or None.
     """
 
     neutral: np.ndarray
     names: tuple[str, ...]
     deltas: np.ndarray
+    given: np.ndarray | None = None
 
     def only(self, k: int) -> "Posed":
         """With expression k alone."""
-        return Posed(self.neutral, self.names[k : k + 1], self.deltas[k : k + 1])
+        return replace(self, names=self.names[k : k + 1], deltas=self.deltas[k : k + 1])
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,6 +114,7 @@ class Bone:
         self.jaw = jaw
         self.hide = Hide(template.faces)
         self.lips = _lips(template)
+        self.incisors = incisors_of(template, part)
         self.around = surroundings(template, part)
         anchors = np.asarray(template.vertices, float)[self.around]
         skin, moved = frames.examples
@@ -154,10 +158,28 @@ class Bone:
 
     def _at_rest(self, face: Posed, mouths: Mouths | None) -> tuple[np.ndarray, np.ndarray]:
         """The part (W, 3) without expression, and what (3, 3) takes it there."""
-        scales, rotation, shift = axis_similarity(self.frames.points, self.weights @ face.neutral[self.around], UNEVEN)
+        shape, to_face = self._follow(face.neutral)
+        if mouths is None:
+            return shape, to_face
+        if self.incisors is not None:
+            up = to_face[:, 1] / np.linalg.norm(to_face[:, 1])
+            shape = shape + self._shown(self.incisors, face, shape, up, mouths.height) * up
+        return self._settled(mouths.rest, shape, mouths.height), to_face
+
+    def _follow(self, skin: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The part (W, 3) where the skin (V, 3) around it says, and what (3, 3) takes it there."""
+        scales, rotation, shift = axis_similarity(self.frames.points, self.weights @ skin[self.around], UNEVEN)
         to_face = rotation * scales
-        shape = self.shape @ to_face.T + shift
-        return (shape if mouths is None else self._settled(mouths.rest, shape, mouths.height)), to_face
+        return self.shape @ to_face.T + shift, to_face
+
+    def _shown(self, incisors: Incisors, face: Posed, shape: np.ndarray, up: np.ndarray, height: float) -> float:
+        """Metres, at most 0, by which the upper teeth (W, 3) go up (3,) so that lips show them as they do."""
+        highest = incisors.highest(face.neutral, shape, up, height)
+        if face.given is not None:
+            given, _ = self._follow(face.given)
+            end = min(incisors.edge(given, up), incisors.highest(face.given, given, up, height))
+            highest = min(highest, max(end, incisors.lowest(face.neutral, up, height)))
+        return min(highest - incisors.edge(shape, up), 0.0)
 
     def _moved(self, face: Posed, shape: np.ndarray, to_face: np.ndarray) -> np.ndarray:
         """(K, W, 3) what expressions do to the part by the jaw and by themselves."""

@@ -21,12 +21,13 @@ def face_parts(
     choice: HeadChoice = WHOLE,
     names: Sequence[str] = (),
     deltas: np.ndarray | None = None,
+    given: np.ndarray | None = None,
 ) -> list[Part]:
     """The parts of a head on a face, what closes its neck, and the hair that it has.
 
     face: Face. template: of its topology; where it is a Template that knows parts, or has the topology of the open
     head, these are attached. choice: HeadChoice. names, deltas: K expressions and (K, V, 3) metres, what they do to
-    the face.
+    the face. given: (V, 3) metres, the face with the expression that this neutral one was found from; or None.
     Returns Parts, the hair last. Raises InputError where shoulders are chosen and it has not the open head's topology,
     and where other teeth than usual are chosen for a template that brings its own.
     """
@@ -34,7 +35,7 @@ def face_parts(
     if isinstance(template, Template) and template.topology_id == face.mesh.topology_id:
         moves = np.zeros((0, *face.vertices.shape)) if deltas is None else deltas
         attachment = attachment_for(template, choice.teeth) if _ATTACHED & {*choice.parts} else None
-        parts = [] if attachment is None else [*attachment.animate(face.mesh, names, moves)]
+        parts = [] if attachment is None else [*attachment.animate(face.mesh, names, moves, given)]
         close = add_shoulders if choice.shoulders else close_neck
         neck = close(template, face.vertices, names, moves)
         parts += [] if neck is None else [neck]

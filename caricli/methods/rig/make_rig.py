@@ -13,7 +13,7 @@ from caricli.methods.rig.expression_templates import ExpressionTemplates
 from caricli.methods.rig.head_expressions import open_head_expressions
 from caricli.methods.rig.measure_rig import RigMeasures, measure_rig
 from caricli.methods.rig.transfer_rig import transfer_rig
-from caricli.structures import Face, Hair, HeadChoice, Mesh, Part, Pictures, Rig
+from caricli.structures import Face, HeadChoice, Mesh, Part, Pictures, Rig
 from caricli.structures.head_choice import WHOLE
 from caricli.template.fine_mesh import FineMesh, fine_mesh
 
@@ -63,14 +63,15 @@ def make_rig(
     settings: RigSettings = RigSettings(),  # noqa: B008 (frozen)
     pictures: Pictures = Pictures(),  # noqa: B008 (frozen)
     deltas: np.ndarray | None = None,
-    hair: Hair | None = None,
+    given: Face | None = None,
 ) -> RigResult:
     """Give a neutral face expressions, put eyes, teeth and what else belongs to a head into it, split its polygons.
 
     mesh: Mesh of the face, metres, of the templates' topology. templates: ExpressionTemplates; None for the 52 of ARKit
     on the open head, whose topology the bundled models have. deltas: (K, V, 3) metres, what their expressions do to the
     face; None for deformation transfer, lids and lips meeting as they do on the templates. A tongue that is put in may
-    part the lips farther than they. hair: that of the face.
+    part the lips farther than they. given: Face that the neutral one was found from, whose hair it wears, and whose
+    laugh tells how far its teeth show.
     Raises InputError for another topology, NumericsError for triangles without area.
     """
     templates = templates or open_head_expressions()
@@ -85,6 +86,8 @@ def make_rig(
     shape = fine.mesh.with_vertices((fine.weights @ mesh.vertices).astype(np.float32))
     rig = Rig(templates.names, shape, finer.astype(np.float32), pictures=replace(pictures, eyes=None))
     rig = add_eyeballs(rig, eyeballs, np.random.default_rng(settings.seed), pictures.eyes)
-    dress = partial(face_parts, template=templates.mesh, choice=settings.head)
+    hair = None if given is None else given.with_vertices(mesh.vertices).hair
+    laugh = None if given is None else given.vertices
+    dress = partial(face_parts, template=templates.mesh, choice=settings.head, given=laugh)
     rig = add_parts(rig, dress(Face(mesh, hair=hair), names=rig.names, deltas=deltas))
     return RigResult(rig, measures, eyeballs, fine, dress)

@@ -51,7 +51,7 @@ def test_a_rig_is_expressions_eyes_and_picture(templates, face, deltas):
 
 
 def test_a_whole_head_has_teeth_tongue_lashes_and_the_hair_of_the_face(templates, face, deltas, cap):
-    result = make_rig(face, templates, deltas=deltas, hair=cap)
+    result = make_rig(face, templates, deltas=deltas, given=Face(face, hair=cap))
     rig = result.rig
     assert set(rig.materials) == {*Material} - {Material.CLOTH}
     ends = {material: np.unique(rig.faces[rig.triangle_materials == material]) for material in Material}

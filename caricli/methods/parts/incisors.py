@@ -1,0 +1,62 @@
+"""How far the upper teeth show below the lip."""
+
+import numpy as np
+
+from caricli.structures import Material, Part
+from caricli.template.template import Template
+
+SHOWN = 0.6
+"""Of an open mouth's height, what the upper teeth fill at least, and"""
+CROWN = 0.75
+"""of their own height, what shows of them at most."""
+
+BEHIND = 0.01
+"""Of the head's height, how much higher than the lip's rim they end at most."""
+
+LAUGHED = 0.012
+"""Of the head's height, how much lower than it they end at most where lips meet that were open in a laugh."""
+
+_MIDDLE = 0.25
+"""Of the width of the arch, how far incisors are from its middle."""
+
+
+class Incisors:
+    """The middle teeth of an upper arch, and the lips before them.
+
+    A wall of the mouth that a laugh draws up takes the teeth along that stand by it, as none of a skull do: these are
+    hidden then, where a drawing shows them.
+    """
+
+    def __init__(self, template: Template, part: Part) -> None:
+        """part: with teeth, on the skull. The template has curves for the inner rims of both lips."""
+        curves = template.annotation.curves
+        self.lips = [int(curves[name][len(curves[name]) // 2]) for name in ("mouth_inner_upper", "mouth_inner_lower")]
+        teeth = np.unique(part.mesh.polygons[part.materials == Material.TEETH])
+        teeth = teeth[teeth >= 0]
+        points = np.asarray(part.mesh.vertices, float)[teeth]
+        aside = np.abs(points[:, 0] - (points[:, 0].min() + points[:, 0].max()) / 2)
+        middle = aside < _MIDDLE * np.ptp(points[:, 0])
+        depth = points[:, 2]
+        self.front = teeth[middle & (depth > np.median(depth[middle]))]
+
+    def edge(self, shape: np.ndarray, up: np.ndarray) -> float:
+        """Where the teeth of a part (W, 3) end, metres along the way up (3,), of unit length."""
+        return float((shape[self.front] @ up).min())
+
+    def highest(self, skin: np.ndarray, shape: np.ndarray, up: np.ndarray, height: float) -> float:
+        """Where the teeth of a part (W, 3) may end at most in a face (V, 3) of some height, metres upwards."""
+        upper, lower = skin[self.lips] @ up
+        shown = min(SHOWN * max(upper - lower, 0), CROWN * float(np.ptp(shape[self.front] @ up)))
+        return float(upper - shown + max(BEHIND * height - shown, 0))
+
+    def lowest(self, skin: np.ndarray, up: np.ndarray, height: float) -> float:
+        """Where teeth that showed in a laugh may end at least in a face (V, 3) of some height, metres upwards."""
+        return float(skin[self.lips[0]] @ up - LAUGHED * height)
+
+
+def incisors_of(template: Template, part: Part) -> Incisors | None:
+    """The Incisors of a part, None where it is not of the upper teeth or the template does not tell its lips."""
+    curves = template.annotation.curves
+    told = "mouth_inner_upper" in curves and "mouth_inner_lower" in curves
+    has_teeth = bool((part.materials == Material.TEETH).any())
+    return Incisors(template, part) if told and has_teeth and part.hangs_on == "skull" else None
