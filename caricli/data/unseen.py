@@ -1,7 +1,7 @@
 """Tests with people whom no model has seen: the same seed gives the same people to every dataset."""
 
 import hashlib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -57,6 +57,16 @@ def fingerprints(data: Dataset, split: str) -> dict[int, frozenset[str]]:
 def seen_people(data: Dataset) -> SeenPeople:
     """Whom a training on a Dataset sees."""
     return SeenPeople(*(frozenset().union(*fingerprints(data, split).values()) for split in ("train", "validation")))
+
+
+def everybody(datasets: Sequence[Dataset]) -> SeenPeople:
+    """Whom a training on datasets sees."""
+    people = [seen_people(data) for data in datasets]
+    parts = (
+        frozenset().union(*(each.train for each in people)),
+        frozenset().union(*(each.validation for each in people)),
+    )
+    return SeenPeople(*parts)
 
 
 def unseen_data(data: Dataset, seen: Mapping[str, SeenPeople | None], everyone: bool = False) -> UnseenData:

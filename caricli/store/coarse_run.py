@@ -8,14 +8,14 @@ from pathlib import Path
 import numpy as np
 import torch
 
-from caricli.data.dataset import read_dataset
+from caricli.data.dataset import Dataset, read_dataset
 from caricli.data.picture_set import MANIFEST, read_picture_set
-from caricli.data.unseen import seen_people
+from caricli.data.unseen import everybody
 from caricli.errors import CaricliError, InputError, naming, shown
 from caricli.io.image import read_image
 from caricli.io.provenance import sha256_file
 from caricli.methods.detect.see_face import see_face
-from caricli.methods.train.coarse_faces import StudiedFace, TrueFaces
+from caricli.methods.train.coarse_faces import JoinedFaces, StudiedFace, TrueFaces
 from caricli.methods.train.train_coarse import CoarseTraining, Sources
 from caricli.models.coarse.model import LANDMARKS, CoarseModel, coarse_to_checkpoint
 from caricli.models.detector.model import Detector
@@ -69,9 +69,8 @@ class PictureFolders:
             if not folder.is_dir():
                 raise InputError(f"{shown(folder)}: expected a folder of pictures, found none")
         marked = [folder for folder in folders if is_picture_set(folder)]
-        if len(marked) != 1:
-            count = len(marked) or "none"
-            raise InputError(f"expected one folder of `caricli dataset pictures` among --pictures, found {count}")
+        if not marked:
+            raise InputError("expected a folder of `caricli dataset pictures` among --pictures, found none")
         return cls(marked, [folder for folder in folders if folder not in marked])
 
     @property
@@ -121,29 +120,47 @@ class Ingredients:
 
 
 def load_ingredients(
-    data: Path,
+    data: Sequence[Path],
     folders: Sequence[Path],
     model: Path | None,
     detector: Path | None,
     progress: Callable[[int, int], object] = lambda done, total: None,
 ) -> Ingredients:
-    """Load a dataset, pictures of its people, and any others, with their faces.
+    """Load datasets, pictures of their people, and any others, with their faces.
 
-    folders: see PictureFolders. model, detector: files, or None for the bundled ones. progress: as of ``see_faces``.
+    data: one dataset, or one for each folder with truth, in their order. folders: see PictureFolders. model, detector:
+    files, or None for the bundled ones. progress: as of ``see_faces``.
     Raises InputError when a part is missing, damaged or does not fit the others.
     """
     pictures = PictureFolders.of(folders)
-    dataset = read_dataset(data)
+    pairs = list(zip(pictures.marked, _datasets(data, len(pictures.marked)), strict=True))
     morphable = load_morphable(model)
     sight = load_detector(detector)
     inputs = pictures.inputs() | {"morphable model": morphable.model_id, "detector": sight.model_id}
-    marked = read_picture_set(pictures.marked[0])
-    with naming(pictures.marked[0]):
-        train, validation = (TrueFaces(marked, dataset, morphable, split) for split in ("train", "validation"))
+    train, validation = (
+        JoinedFaces([_faces(folder, people, morphable, split) for folder, people in pairs])
+        for split in ("train", "validation")
+    )
     seen = see_faces(pictures.files, sight, progress)
     sources = Sources(train, seen if seen.faces else None, validation)
     about = {"unmarked": {"faces": len(seen.faces), "without": len(seen.unseen)}}
-    return Ingredients(sources, morphable, sight, inputs, seen_people(dataset).as_recipe() | about)
+    return Ingredients(
+        sources, morphable, sight, inputs, everybody([people for _, people in pairs]).as_recipe() | about
+    )
+
+
+def _datasets(folders: Sequence[Path], count: int) -> list[Dataset]:
+    """A dataset for each of so many folders of pictures."""
+    if len(folders) not in (1, count):
+        raise InputError(f"expected one --data, or {count}, one for each folder of pictures, found {len(folders)}")
+    datasets = [read_dataset(folder) for folder in folders]
+    return datasets if len(datasets) == count else datasets * count
+
+
+def _faces(folder: Path, dataset: Dataset, model: MorphableModel, split: str) -> TrueFaces:
+    """The faces of a folder of pictures of a dataset's people."""
+    with naming(folder):
+        return TrueFaces(read_picture_set(folder), dataset, model, split)
 
 
 class CoarseRun(RunFolder):

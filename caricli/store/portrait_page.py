@@ -104,7 +104,11 @@ def write_page(home: Path, heads: list[PortraitHead], overwrite: bool, inputs: I
 def _found(folder: Path) -> dict[str, Any] | None:
     """What is known of the face that was found, where one was looked for."""
     regions, styled = (_read(folder / f"{name}.json") for name in ("landmarks-regions", "styled-report"))
-    return regions["faces"][0] if regions else styled.get("detected") if styled else None
+    if not regions:
+        return styled.get("detected") if styled else None
+    # The largest that nothing speaks against, or the largest: that is the face whose landmarks `detect` wrote.
+    faces = regions["faces"]
+    return next((face for face in faces if face["doubt"] is None), faces[0])
 
 
 def doubt_of_head(folder: Path) -> str | None:

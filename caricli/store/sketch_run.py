@@ -4,7 +4,6 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from caricli.data.dataset import Dataset, read_dataset
-from caricli.data.unseen import seen_people
 from caricli.methods.train.stages import Report
 from caricli.methods.train.train_autodecoder import Share
 from caricli.methods.train.train_published import PublishedTraining
@@ -16,7 +15,6 @@ from caricli.models.sketch.model import SketchModel, sketch_to_checkpoint
 from caricli.store.models import check_topology
 from caricli.store.sketch_networks import load_bilinear, load_sketch_basis, load_sketch_network
 from caricli.store.training_run import MODEL, RunFolder
-from caricli.structures import SeenPeople
 
 
 def load_sketch_ingredients(
@@ -42,16 +40,6 @@ def sketch_training(
     if isinstance(model, BilinearModel):
         return PublishedTraining(datasets, model, config, share, report)
     return SketchTraining(datasets, model, config, share)
-
-
-def everybody(datasets: Sequence[Dataset]) -> SeenPeople:
-    """Whom a training on datasets sees."""
-    people = [seen_people(data) for data in datasets]
-    parts = (
-        frozenset().union(*(each.train for each in people)),
-        frozenset().union(*(each.validation for each in people)),
-    )
-    return SeenPeople(*parts)
 
 
 class SketchRun(RunFolder):

@@ -10,7 +10,7 @@ from caricli.io.bundled import config_path
 from caricli.io.config import read_config
 from caricli.io.image import write_png
 from caricli.io.strict_json import read_json
-from caricli.methods.train.coarse_faces import TrueFaces
+from caricli.methods.train.coarse_faces import JoinedFaces, TrueFaces
 from caricli.methods.train.train_coarse import CoarseTraining, Sources
 from caricli.models.coarse.config import CoarseConfig
 from caricli.models.detector.config import DetectorSize
@@ -43,7 +43,9 @@ def begin(pictures, detector, folder, resume=False):
     recipe = {"config": asdict(config), "inputs": {"pictures.json": "0" * 64}}
     model = load_morphable()
     marked = read_picture_set(pictures[0])
-    training, unseen = (TrueFaces(marked, pictures[1], model, split) for split in ("train", "validation"))
+    training, unseen = (
+        JoinedFaces([TrueFaces(marked, pictures[1], model, split)]) for split in ("train", "validation")
+    )
     run = CoarseRun(folder, recipe, Beginning(resume=resume))
     return run, CoarseTraining(Sources(training, None, unseen), model, detector, config)
 

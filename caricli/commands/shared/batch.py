@@ -7,7 +7,7 @@ import click
 
 from caricli.commands.shared.notes import echo_result
 from caricli.commands.shared.progress import progress_bar
-from caricli.errors import CaricliError
+from caricli.errors import CaricliError, shown
 
 
 def named_jobs(
@@ -63,7 +63,13 @@ def run_batch(
     if finish is not None:
         finish(failures)
     for path, failure in failures:
-        click.echo(f"caricli: failed: {path}: {failure}", err=True)
+        click.echo(f"caricli: failed: {_named(path, failure)}", err=True)
     if failures:
         click.echo(f"caricli: {len(failures)} of {len(items)} failed", err=True)
         ctx.exit(1)
+
+
+def _named(path: Path, failure: CaricliError) -> str:
+    """What failed and why, the path named once: messages about the file itself begin with it."""
+    text = str(failure)
+    return text if text.startswith((f"{path}: ", f"{shown(path)}: ")) else f"{path}: {text}"

@@ -8,7 +8,6 @@ from caricli.commands.shared.notes import echo_result
 from caricli.commands.shared.options import (
     PATH,
     config_option,
-    data_option,
     model_option,
     out_option,
     overwrite_option,
@@ -19,15 +18,24 @@ from caricli.io.provenance import provenance
 
 
 @click.command()
-@data_option
+@click.option(
+    "--data",
+    "datasets",
+    type=PATH,
+    metavar="DATASET",
+    required=True,
+    multiple=True,
+    help="Use the dataset in this folder; and, repeated, one for each folder of `caricli dataset pictures`, in their "
+    "order.",
+)
 @click.option(
     "--pictures",
     type=PATH,
     metavar="DIR",
     required=True,
     multiple=True,
-    help="Train on this folder of `caricli dataset pictures`, made of the dataset; and, repeated, on folders of any "
-    "pictures with faces.",
+    help="Train on this folder of `caricli dataset pictures`, made of the dataset; and, repeated, on further ones, and "
+    "on folders of any pictures with faces.",
 )
 @out_option("RUN_DIR", "Write model, log, learning curve and the state to resume from into this folder.")
 @model_option
@@ -36,7 +44,7 @@ from caricli.io.provenance import provenance
 @set_option
 @click.option("--resume", is_flag=True, help="Go on from the last checkpoint in RUN_DIR; begin where there is none.")
 @overwrite_option
-def command(dataset, pictures, out, model, detector, config, overrides, resume, overwrite):
+def command(datasets, pictures, out, model, detector, config, overrides, resume, overwrite):
     """Train the network from a picture to identity, expression, colours, light and pose, for `caricli fit-coarse`.
 
     It learns to draw the pictures again (portrait paper, equations 3 to 6), and from rendered pictures what is true of
@@ -48,6 +56,7 @@ def command(dataset, pictures, out, model, detector, config, overrides, resume, 
     Example:
       caricli train coarse --data people --pictures pictures --out run
       caricli train coarse --data people --pictures pictures --pictures drawings --out run --resume
+      caricli train coarse --data people --pictures pictures --data others --pictures their-pictures --out run
     """
     from caricli.commands.shared.progress import progress_bar, training_bar
     from caricli.methods.train.processes import training_processes
@@ -59,8 +68,9 @@ def command(dataset, pictures, out, model, detector, config, overrides, resume, 
     settings = read_config(config, CoarseConfig, overrides)
     with training_processes("cpu") as share:
         with progress_bar("looking for faces") as progress:
-            given = load_ingredients(dataset, pictures, model, detector, progress)
-        recipe = provenance("train coarse", [dataset / "dataset.json", model, detector], config=asdict(settings))
+            given = load_ingredients(datasets, pictures, model, detector, progress)
+        sources = [*(folder / "dataset.json" for folder in datasets), model, detector]
+        recipe = provenance("train coarse", sources, config=asdict(settings))
         recipe |= given.recipe | {"inputs": recipe["inputs"] | given.inputs}
         run = CoarseRun(out, recipe, Beginning(resume, overwrite, writes=share.process == 0))
         training = CoarseTraining(given.sources, given.model, given.detector, settings, share)

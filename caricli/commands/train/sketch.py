@@ -46,9 +46,10 @@ def command(datasets, out, model, config, overrides, resume, overwrite):
       caricli train sketch --data grid --model bilinear.safetensors --config published.yaml --out pixel_shape
     """
     from caricli.commands.shared.progress import progress_bar, training_bar
+    from caricli.data.unseen import everybody
     from caricli.methods.train.processes import training_processes
     from caricli.models.sketch.config import SketchConfig
-    from caricli.store.sketch_run import SketchRun, everybody, load_sketch_ingredients, sketch_training
+    from caricli.store.sketch_run import SketchRun, load_sketch_ingredients, sketch_training
     from caricli.store.training_run import MODEL, Beginning
 
     settings = read_config(config, SketchConfig, overrides)

@@ -160,6 +160,24 @@ class TrueFaces:
         return StudiedFace(own, FaceFrame.of(own.landmarks[0]), truth)
 
 
+class JoinedFaces:
+    """Faces of several TrueFaces, numbered on from one to the next."""
+
+    def __init__(self, parts: Sequence[TrueFaces]) -> None:
+        """parts: at least one, all of one morphable model."""
+        self.parts = parts
+        self.faces = [(part, number) for part in parts for number in range(len(part.faces))]
+
+    def shapes(self) -> np.ndarray:
+        """(K, V, 3) float32 all of them, see TrueFaces."""
+        return np.concatenate([part.shapes() for part in self.parts])
+
+    def study(self, number: int) -> StudiedFace:
+        """One of the faces. Raises InputError when a file of its picture is missing or damaged."""
+        part, place = self.faces[number]
+        return part.study(place)
+
+
 @dataclass(frozen=True)
 class CoarseWindowSettings:
     """How windows around faces are drawn: as near to the frame of the landmarks as a detector comes.

@@ -15,9 +15,9 @@ from caricli.methods.morphable.renderer import MorphableRenderer
 from caricli.methods.train.coarse_faces import (
     CoarseWindow,
     FaceSource,
+    JoinedFaces,
     StudiedFace,
     TrueFace,
-    TrueFaces,
     WindowDrawer,
 )
 from caricli.methods.train.coarse_losses import ThinFace, Truth, truth_loss, window_energy
@@ -48,7 +48,7 @@ LIGHT = (2.5, 0.0, 0.0, -0.8, *[0.0] * 5)
 class Sources:
     """Faces to train on, with their truth; faces without it, or None; and faces to validate with."""
 
-    true: TrueFaces
+    true: JoinedFaces
     unmarked: FaceSource | None
     unseen: FaceSource
 

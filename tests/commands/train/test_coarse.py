@@ -60,7 +60,12 @@ def test_what_it_writes(run, trained, dataset, pictures):
 
 def test_other_pictures_are_refused(refused, dataset, detector, tmp_path):
     options = ("--data", dataset, "--detector", detector, "--out", tmp_path / "run", *SMALL)
-    assert "expected one folder" in refused("train", "coarse", "--pictures", tmp_path, *options)
+    assert "expected a folder of `caricli dataset" in refused("train", "coarse", "--pictures", tmp_path, *options)
+
+
+def test_as_many_datasets_as_folders_of_pictures(refused, dataset, pictures, detector, tmp_path):
+    options = ("--pictures", pictures, "--detector", detector, "--out", tmp_path / "run", *SMALL)
+    assert "expected one --data, or 1," in refused("train", "coarse", "--data", dataset, "--data", dataset, *options)
 
 
 def test_a_face_that_the_network_tells(run, refused, trained, points, tmp_path):

@@ -4,7 +4,7 @@ import pytest
 from caricli.data.picture_set import read_picture_set
 from caricli.errors import InputError
 from caricli.methods.evaluate.reconstruct_portrait import shape_error
-from caricli.methods.train.coarse_faces import CoarseWindowSettings, TrueFaces, WindowDrawer
+from caricli.methods.train.coarse_faces import CoarseWindowSettings, JoinedFaces, TrueFaces, WindowDrawer
 from caricli.store.models import load_morphable
 from tests.posed_pictures import small_dataset, write_posed_set
 
@@ -74,6 +74,14 @@ def test_a_plain_window_has_the_colours_of_the_picture(model, faces):
     np.testing.assert_array_equal(plain.picture.landmarks, disguised.picture.landmarks)
     assert plain.plain and not disguised.plain
     assert np.abs(plain.picture.pixels - disguised.picture.pixels).mean() > 0.01
+
+
+def test_joined_faces_are_numbered_on_from_one_source_to_the_next(faces):
+    joined = JoinedFaces([faces, faces])
+    count = len(faces.faces)
+    assert len(joined.faces) == 2 * count and len(joined.shapes()) == 2 * len(faces.shapes())
+    for number, own in ((1, 1), (count + 2, 2)):
+        np.testing.assert_array_equal(joined.study(number).truth.vertices, faces.study(own).truth.vertices)
 
 
 def test_pictures_of_another_topology_are_refused(model, dataset, faces):

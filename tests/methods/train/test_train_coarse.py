@@ -8,7 +8,7 @@ from caricli.data.picture_set import read_picture_set
 from caricli.errors import InputError
 from caricli.io.bundled import config_path
 from caricli.io.config import read_config
-from caricli.methods.train.coarse_faces import StudiedFace, TrueFaces
+from caricli.methods.train.coarse_faces import JoinedFaces, StudiedFace, TrueFaces
 from caricli.methods.train.train_autodecoder import ALL, Share
 from caricli.methods.train.train_coarse import CoarseTraining, Sources, new_coarse_network
 from caricli.models.coarse.config import CoarseConfig
@@ -48,7 +48,7 @@ def detector():
 def sources(model, people, tmp_path_factory):
     dataset = small_dataset(model.template, people[:6])
     pictures = read_picture_set(write_posed_set(tmp_path_factory.mktemp("posed") / "set", dataset, 72, 4))
-    training, unseen = (TrueFaces(pictures, dataset, model, split) for split in ("train", "validation"))
+    training, unseen = (JoinedFaces([TrueFaces(pictures, dataset, model, split)]) for split in ("train", "validation"))
     return Sources(training, Unmarked(training), unseen)
 
 
