@@ -54,8 +54,11 @@ LINES = {
 
 POINTS = 48
 
-KINDS = ("polylines", "named", "nameless", "edges")
+KINDS = ("polylines", "curves", "named", "nameless", "edges")
 """How landmarks become lines; "edges" are those of the picture, which know of no landmarks."""
+
+PIECES = 8
+"""Points to a piece of a curve between two landmarks."""
 
 SIDE = 512
 """Pixels of the longer side of a picture whose edges are found."""
@@ -68,13 +71,24 @@ def smooth_line(points):
     return CubicSpline(knots, points)(np.linspace(0, knots[-1], POINTS))
 
 
+def curved_line(points):
+    """Points (8 N - 7, 2) of the curve of Catmull and Rom through landmarks (N, 2), as drawing programs have it."""
+    ends = 2 * points[[0, -1]] - points[[1, -2]]
+    before, start, end, after = (np.vstack([ends[:1], points, ends[1:]])[k : len(points) - 1 + k] for k in range(4))
+    t = np.linspace(0, 1, PIECES, endpoint=False)[:, None, None]
+    bend = (2 * before - 5 * start + 4 * end - after) + t * (3 * (start - end) + after - before)
+    pieces = start + t / 2 * (end - before + t * bend)
+    return np.vstack([pieces.transpose(1, 0, 2).reshape(-1, 2), points[-1:]])
+
+
 def landmark_sketch(points, size, kind):
     """The Sketch of 68 landmarks (68, 2).
 
-    kind: of KINDS: "polylines" has them as the points of its strokes, the others are smooth; "nameless" strokes say not
-    what they draw, and every second one goes backwards.
+    kind: of KINDS: "polylines" has them as the points of its strokes, "curves" between every two of them eight points,
+    the others are smooth, their points as dense everywhere; "nameless" strokes say not what they draw, and every second
+    one goes backwards.
     """
-    line = np.asarray if kind == "polylines" else smooth_line
+    line = {"polylines": np.asarray, "curves": curved_line}.get(kind, smooth_line)
     strokes = [
         Stroke(
             line(points[list(ids)]),

@@ -55,7 +55,8 @@ def match_line(
         there = line[np.rint(share * samples).astype(int)]
         points = _affine(points, there)
         steps = steps * (length / max(steps.sum(), _SKIPPED))
-    warp = _Warp(points / length, line / length, steps / length, settings)
+    origin = line[0]
+    warp = _Warp((points - origin) / length, (line - origin) / length, steps / length, settings)
     rows = warp.whole() if whole else warp.part()
     if rows is None:  # far longer than the line was expected to be
         return match_line(points, drawn, True, settings)
@@ -86,8 +87,11 @@ def _affine(points: np.ndarray, goals: np.ndarray) -> np.ndarray:
 
 def _directions(line: np.ndarray) -> np.ndarray:
     """(K, 2) unit vectors along a line, at its points."""
-    along = np.gradient(line, axis=0)
-    return along / np.maximum(np.linalg.norm(along, axis=1, keepdims=True), _SKIPPED)
+    along = np.empty_like(line)
+    along[1:-1] = (line[2:] - line[:-2]) / 2
+    along[0] = line[1] - line[0]
+    along[-1] = line[-1] - line[-2]
+    return along / np.maximum(np.hypot(along[:, 0], along[:, 1]), _SKIPPED)[:, None]
 
 
 class _Warp:
@@ -99,9 +103,11 @@ class _Warp:
         self.steps = np.maximum(steps, _SKIPPED)
         around = np.concatenate([[0], steps, [0]])
         share = (around[1:] + around[:-1]) / 2
-        far = ((points[:, None] - line) ** 2).sum(-1)
-        turned = 1 - _directions(points) @ _directions(line).T
-        self.costs = share[:, None] * (settings.place * far + settings.turn * turned)
+        # Squared distances and cosines of angles in one product.
+        place, turn = settings.place, settings.turn
+        both = np.hstack([2 * place * points, turn * _directions(points)]) @ np.hstack([line, _directions(line)]).T
+        alone = place * ((points**2).sum(1)[:, None] + (line**2).sum(1)) + turn
+        self.costs = (share[:, None] * (alone - both)).astype(np.float32)
         self.skips = settings.left_out * np.concatenate([[0], np.cumsum(steps)])
         self.last = len(line) - 1
         usual = self.steps * self.last
@@ -111,7 +117,8 @@ class _Warp:
         self.windows = list(zip(least.tolist(), most.tolist(), strict=True))
         reach = least[:, None] + np.arange((most - least).max() + 1)
         # (K - 1, N) what a step costs with so many samples, from the least on.
-        self.stretches = settings.stretch * self.steps[:, None] * (reach / usual[:, None] - 1) ** 2
+        stretches = settings.stretch * self.steps[:, None] * (reach / usual[:, None] - 1) ** 2
+        self.stretches = stretches.astype(np.float32)
 
     def whole(self) -> np.ndarray:
         """(K,) samples, from the first to the last."""
@@ -131,17 +138,17 @@ class _Warp:
 
         free: whether points may be left out before.
         """
-        totals = np.full(self.costs.shape, np.inf)
+        totals = np.full_like(self.costs, np.inf)
         totals[0, 0] = self.costs[0, 0]
         begins = np.arange(len(totals)) == 0
         room = max(high for _, high in self.windows)
-        before = np.full(room + self.last + 1, np.inf)
+        before = np.full(room + self.last + 1, np.inf, np.float32)
         size = before.itemsize
         for k, (low, high) in enumerate(self.windows, 1):
             before[room:] = totals[k - 1]
             # In row r of this view stand the costs of r + low samples before.
             shape = (high - low + 1, self.last + 1)
-            choices = np.ndarray(shape, float, before, (room - low) * size, (-size, size))
+            choices = np.ndarray(shape, np.float32, before, (room - low) * size, (-size, size))
             totals[k] = (choices + self.stretches[k - 1, : len(choices), None]).min(0) + self.costs[k]
             if free and self.skips[k] + self.costs[k, 0] < totals[k, 0]:
                 totals[k, 0] = self.skips[k] + self.costs[k, 0]

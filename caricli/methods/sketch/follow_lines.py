@@ -6,8 +6,7 @@ from scipy.linalg import cho_factor, cho_solve
 from caricli.geometry.laplacian_deformation import LaplacianDeformation
 from caricli.methods.sketch.line_handles import LineHandles
 from caricli.methods.sketch.settings import FollowSettings
-from caricli.structures import Camera
-from caricli.template.template import Template
+from caricli.structures import Camera, Mesh
 
 
 class LineFollower:
@@ -18,13 +17,14 @@ class LineFollower:
     alone would do is solved for once. Handles of which nothing was drawn go where no force is on them.
     """
 
-    def __init__(self, template: Template, handles: LineHandles, settings: FollowSettings = FollowSettings()) -> None:  # noqa: B008 (frozen)
-        """template: of the faces. handles: LineHandles of it. Raises NumericsError for triangles without area."""
+    def __init__(self, rest: Mesh, handles: LineHandles, settings: FollowSettings = FollowSettings()) -> None:  # noqa: B008 (frozen)
+        """rest: a template. handles: LineHandles of it. Raises NumericsError for triangles without area."""
         self.handles = handles
-        system = LaplacianDeformation(template.vertices, template.faces, handles.vertices, settings.weight)
-        self.influence = system.influence()
-        forces = np.identity(len(handles.vertices)) - self.influence[handles.vertices]
+        influence = LaplacianDeformation(rest.vertices, rest.faces, handles.vertices, settings.weight).influence()
+        forces = np.identity(len(handles.vertices)) - influence[handles.vertices]
         self.forces = (forces + forces.T) / 2
+        # All of it is read for every face: in single precision that takes half the time.
+        self.influence = influence.astype(np.float32)
 
     def follow(self, vertices: np.ndarray, camera: Camera, places: np.ndarray, share: float = 1.0) -> np.ndarray:
         """Vertices (V, 3) with the handles at their places in the picture, at the depth that they have.
@@ -42,4 +42,8 @@ class LineFollower:
             free = ~met
             factor = cho_factor(self.forces[np.ix_(free, free)])
             moves[free] = -cho_solve(factor, self.forces[np.ix_(free, met)] @ moves[met])
-        return vertices + self.influence @ moves
+        # Nothing moves in depth, and what all handles have in common moves all vertices.
+        plane = camera.rotation[:2]
+        across = moves @ plane.T
+        common = across.mean(0)
+        return vertices + (common + self.influence @ (across - common).astype(np.float32)) @ plane

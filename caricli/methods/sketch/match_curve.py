@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from caricli.geometry.line_nodes import line_nodes
 from caricli.geometry.match_line import match_line, resample
 from caricli.methods.sketch.settings import CORNERED
 from caricli.template.feature_curves import FeatureCurve
@@ -14,22 +15,24 @@ _NEAR = 1 / 8
 """Of the points from the first landmark to the last: as near to these a line ends that goes from one to the other."""
 _ALIKE = 0.25
 """Of a line's size: what is left of the distance from a curve without place and size, where it draws all of it."""
+_OTHER = 0.06
+"""The same, from which on its shape does not tell what of the curve is where."""
 
 
 def match_curve(curve: FeatureCurve, own: np.ndarray, line: np.ndarray, alone: bool) -> np.ndarray:
     """Places of a curve's points along a line, in pixels.
 
-    A line with as many points as there are landmarks on the curve is a row of landmarks. On a line that looks like the
-    curve from the first to the last landmark, more than like all of it, as a jaw from ear to ear, landmarks stand at
-    equal distances, as they are marked by hand (iBUG; Sagonas et al. 2013); what lies between landmarks stays at its
-    share of the way. All else is warped (``match_line``).
+    A line that was drawn through as many points as there are landmarks on the curve (``line_nodes``) has the landmarks
+    there. On a jaw from ear to ear, and on lips, lids and brows of another shape than the curve's, they stand at equal
+    distances, as they are marked by hand (iBUG; Sagonas et al. 2013); what lies between landmarks stays at its share
+    of the way. All else is warped (``match_line``).
 
     own: (K, 2) of the curve. line: (N, 2), in any direction, of some length. alone: whether no other line was drawn
     for the curve.
     Returns (K, 2), NaN for points beyond the ends of the line.
     """
     if not curve.closed:
-        return _along(own, curve.marks, line, alone, curve.name.startswith(CORNERED))
+        return _along(curve, own, curve.marks, line, alone)
     length = np.linalg.norm(np.diff(line, axis=0), axis=1).sum()
     if np.linalg.norm(line[0] - line[-1]) < _GAP * length:
         return match_line(own, _ring_from(own, line), whole=True)
@@ -41,31 +44,40 @@ def match_curve(curve: FeatureCurve, own: np.ndarray, line: np.ndarray, alone: b
     order = np.roll(np.arange(len(ring)), -shift)
     marks = (curve.marks - shift) % len(ring)
     places = np.full((len(own), 2), np.nan)
-    places[order] = _along(ring[order], marks if (np.diff(marks) > 0).all() else marks[:0], line, alone, False)
+    marks = marks if (np.diff(marks) > 0).all() else marks[:0]
+    places[order] = _along(curve, ring[order], marks, line, alone)
     places[-1] = places[0]
     return places
 
 
-def _along(own: np.ndarray, marks: np.ndarray, line: np.ndarray, alone: bool, cornered: bool) -> np.ndarray:
-    """``match_curve`` for a curve that is open. marks: (M,) landmarks on it. cornered: drawn from end to end."""
+def _along(curve: FeatureCurve, own: np.ndarray, marks: np.ndarray, line: np.ndarray, alone: bool) -> np.ndarray:
+    """``match_curve`` for points own (K, 2) of an open curve or one that is cut open. marks: (M,) landmarks on it."""
+    cornered = curve.name.startswith(CORNERED)
     line = _same_way(own, line)
-    if alone and len(line) == len(marks) > 2:
-        return _between(own, marks, line, _shares(line))
-    places = match_line(own, line, alone and cornered)
-    if alone and len(marks) > 2 and not cornered and _draws(own, marks, line, places):
-        return _between(own, marks, line, np.linspace(0, 1, len(marks)))
-    return places
+    if not alone or len(marks) < 3:
+        return match_line(own, line, alone and cornered)
+    nodes = line_nodes(line, len(marks))
+    if nodes is not None:
+        return _between(own, marks, line, np.interp(nodes, np.arange(len(line)), _shares(line)))
+    even = np.linspace(0, 1, len(marks))
+    if cornered and _unlike(own, line) > _OTHER:
+        return _between(own, marks, line, even)
+    places = match_line(own, line, cornered)
+    if cornered or not (_ends_near(marks, places) or (not curve.closed and _part(own, marks, line))):
+        return places
+    return _between(own, marks, line, even)
 
 
-def _draws(own: np.ndarray, marks: np.ndarray, line: np.ndarray, places: np.ndarray) -> bool:
-    """Whether a line goes from the first to the last landmark of a curve: its ends, which are places (K, 2) of the
-    curve already, are near to them, and its shape is more of that part than of the whole."""
+def _ends_near(marks: np.ndarray, places: np.ndarray) -> bool:
+    """Whether what is found on a line, places (K, 2), begins and ends near the first and the last landmark."""
     met = np.flatnonzero(np.isfinite(places).all(axis=1))
-    between = slice(marks[0], marks[-1] + 1)
-    if np.abs(met[[0, -1]] - marks[[0, -1]]).max() > _NEAR * (marks[-1] - marks[0]):
-        return False
-    unlike = [_unlike(part, line) for part in (own[between], own)]
-    return unlike[0] < min(_ALIKE, unlike[1])
+    return bool(np.abs(met[[0, -1]] - marks[[0, -1]]).max() <= _NEAR * (marks[-1] - marks[0]))
+
+
+def _part(own: np.ndarray, marks: np.ndarray, line: np.ndarray) -> bool:
+    """Whether a line's shape is far more that from the first to the last landmark than that of the whole curve."""
+    part = _unlike(own[marks[0] : marks[-1] + 1], line)
+    return part < min(_ALIKE, _unlike(own, line) / 2)
 
 
 def _unlike(points: np.ndarray, line: np.ndarray) -> float:

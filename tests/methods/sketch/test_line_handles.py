@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 
+from caricli.geometry.match_line import resample
 from caricli.methods.sketch.line_handles import lines_by_curve
 from caricli.structures.sketch import Sketch, Stroke
 
@@ -84,6 +85,31 @@ def test_landmarks_of_a_jaw_alone_stand_at_equal_distances(handles, own, model):
     steps = np.linalg.norm(np.diff(places, axis=0), axis=1)
     assert np.ptp(steps) < 0.1 * steps.mean()
     np.testing.assert_allclose(places[[0, -1]], 1.2 * jaw[[0, -1]])
+
+
+@pytest.mark.parametrize("bend", [0.0, 8.0])
+def test_landmarks_of_lips_of_another_shape_stand_at_equal_distances(handles, own, bend):
+    """A line of the own shape is met where it was, as far as it may be moved and scaled."""
+    curve = next(curve for curve in handles.curves if curve.name == "mouth_lower")
+    rows = handles.rows[curve.name]
+    lip = own[rows]
+    share = (lip[:, :1] - lip[0, 0]) / (lip[-1, 0] - lip[0, 0])
+    drawn = 1.3 * lip + bend * np.sin(2 * np.pi * share) * [0, 1]
+    places = handles.places({curve.name: [resample(drawn, 60)]}, own)[rows]
+    np.testing.assert_allclose(places[[0, -1]], drawn[[0, -1]])
+    if bend:
+        steps = np.linalg.norm(np.diff(places[curve.marks], axis=0), axis=1)
+        assert np.ptp(steps) < 0.1 * steps.mean()
+    else:
+        assert np.abs(places - drawn).max() < 2
+
+
+def test_a_curve_through_landmarks_is_met_at_them(handles, own, model):
+    """As drawing programs have it: as many points between any two of them."""
+    rows = np.searchsorted(handles.vertices, model.template.annotation.landmarks[48:55])
+    lip = own[rows] + np.random.default_rng(0).normal(0, 2, (7, 2))
+    line = np.vstack([resample(lip[k : k + 2], 6)[:-1] for k in range(6)] + [lip[-1:]])
+    np.testing.assert_allclose(handles.places({"mouth_upper": [line]}, own)[rows], lip)
 
 
 def test_dots_are_no_lines():
