@@ -11,10 +11,13 @@ from caricli.errors import InputError
 from caricli.methods.reconstruct.fit_landmarks_intrinsic import fit_landmarks_intrinsic
 from caricli.methods.reconstruct.fit_landmarks_latent import fit_landmarks_latent
 from caricli.methods.reconstruct.landmark_fit import LandmarkFit
-from caricli.methods.reconstruct.outline import can_find_outline
+from caricli.methods.reconstruct.outline import Outline, can_find_outline
 from caricli.methods.reconstruct.settings import METHODS, IntrinsicSettings, LatentSettings
 from caricli.models.intrinsic.model import IntrinsicModel
 from caricli.models.shape_model import ShapeModel
+from caricli.structures import Face
+from caricli.structures.landmarks import COUNT
+from caricli.template.template import Template
 
 _SEED = 0  # of the search in the picture: the same picture gives the same face
 
@@ -34,7 +37,8 @@ def fit_landmarks(
 ) -> LandmarkFit:
     """Fit a face elastically, or inside the model.
 
-    Where 68 landmarks come with a picture, ears and forehead that are seen there pull weakly (``find_outline``).
+    Where 68 landmarks come with a picture, ears and forehead that are seen there pull weakly (``find_outline``); where
+    further ones were detected, ears that stand out there count beside them.
 
     points: (L, 2) pixels, y down, NaN where unknown. model: ShapeModel, for "intrinsic" an IntrinsicModel. method: of
     METHODS, or None for the one that the model allows, see ``fitting_method``. prior_weight: larger stays nearer to
@@ -43,13 +47,18 @@ def fit_landmarks(
     Returns LandmarkFit. Raises InputError, NumericsError.
     """
     look = None
-    if image is not None and can_find_outline(points, model.template):
-        # OpenCV takes a while to start, and most fits have no picture.
-        from caricli.methods.reconstruct.find_outline import find_outline
-
-        generator = np.random.default_rng(_SEED)
-        look = partial(find_outline, template=model.template, points=points, image=image, generator=generator)
+    if image is not None and can_find_outline(points, model.template, spreads):
+        look = partial(_look, template=model.template, points=points, image=image)
     return _method(model, method or fitting_method(model), prior_weight)(points, look=look, spreads=spreads)
+
+
+def _look(face: Face, template: Template, points: np.ndarray, image: np.ndarray) -> Outline:
+    """What is found in a picture around a face that fits landmarks (L, 2)."""
+    # OpenCV takes a while to start, and most fits have no picture.
+    from caricli.methods.reconstruct.find_outline import find_outline
+
+    outline = find_outline(face, template, points[:COUNT], image, np.random.default_rng(_SEED))
+    return outline if len(points) == COUNT else outline.sure_ears
 
 
 def _method(model: ShapeModel, method: str, prior_weight: float) -> Callable[..., LandmarkFit]:

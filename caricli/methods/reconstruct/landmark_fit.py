@@ -13,7 +13,7 @@ from caricli.methods.reconstruct.outline import Outline
 from caricli.methods.reconstruct.settings import IntrinsicSettings, LatentSettings, OutlierSettings
 from caricli.models.shape_model import ShapeModel
 from caricli.structures import Camera, Face
-from caricli.structures.landmarks import FEWEST, PARTS
+from caricli.structures.landmarks import COUNT, FEWEST, PARTS
 from caricli.template.template import Template
 
 _OUTLIERS = OutlierSettings()
@@ -73,7 +73,7 @@ class LandmarkFit:
 
     def shown(self, points: np.ndarray) -> np.ndarray:
         """Given landmarks (L, 2) with those that were found in the picture."""
-        return points if self.outline is None else np.concatenate([points, self.outline.points])
+        return points if self.outline is None or len(points) > COUNT else self.outline.after(points)
 
     def describe(self) -> str:
         """What is printed of it."""
@@ -98,7 +98,8 @@ class Observation:
         spreads: np.ndarray | None = None,
     ) -> None:
         """points: (L, 2) pixels, y down, NaN where unknown. template: Template that they stand on. outline: what was
-        found besides the 68, which pulls weakly. spreads: (L, 2, 2) covariances of the points, square pixels, or None.
+        found besides the 68, which pulls weakly, or besides detected landmarks, which have spreads. spreads: (L, 2, 2)
+        covariances of the points, square pixels, or None.
 
         Raises InputError for another number of landmarks, too few known ones, and all in one place.
         """
@@ -109,9 +110,12 @@ class Observation:
         self.template = template
         self.asked = len(points)
         confidence = np.ones(len(points))
-        if outline is not None:
-            points = np.concatenate([points, np.where(outline.confidence[:, None] > 0, outline.points, np.nan)])
+        if outline is not None and len(points) == COUNT:
+            points = outline.after(points)
             confidence = np.concatenate([confidence, _FOUND * outline.confidence])
+        elif outline is not None:
+            assert spreads is not None
+            points, spreads = outline.joined(points, spreads)
         self.count = len(points)
         self.ids = np.flatnonzero(np.isfinite(points).all(axis=1))
         if len(self.ids) < FEWEST:

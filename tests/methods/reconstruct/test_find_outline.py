@@ -132,6 +132,42 @@ def test_given_ears_pull_as_before(frontal, intrinsic):
     assert np.array_equal(looked.face.vertices, alone.face.vertices)
 
 
+def test_ears_that_stand_out_count_beside_detected_ones(frontal, intrinsic):
+    truth, image, _, _ = frontal
+    spreads = np.tile(400.0 * np.eye(2), (81, 1, 1))
+    detected = np.array(truth.points)
+    detected[EARS] += (truth.points[30] - truth.points[EARS]) * 0.15
+    alone = fit_landmarks(detected, intrinsic, spreads=spreads)
+    looked = fit_landmarks(detected, intrinsic, image=image, spreads=spreads)
+    assert ear_errors(looked.face, truth, intrinsic).mean() < 0.7 * ear_errors(alone.face, truth, intrinsic).mean()
+    assert looked.face.landmarks.shape == (81, 2) and np.array_equal(looked.shown(detected), detected)
+    assert set(looked.figures()["found_landmarks"]) == set(EXTRA_NAMES[3:9])
+    empty = np.full_like(image, 90)
+    same = fit_landmarks(detected, intrinsic, image=empty, spreads=spreads)
+    assert np.array_equal(same.face.vertices, alone.face.vertices)
+
+
+def test_what_is_found_and_what_is_detected_count_as_they_are_sure():
+    confidence = np.array([0.9, 0.9, 0.9, 0.2, 0.1, 0.1, 0.2, 0.05, 0.0, 0, 0, 0, 0])
+    points = np.random.default_rng(0).uniform(0, 400, (81, 2))
+    own = 0.025 * np.linalg.norm(np.ptp(points[:68], axis=0))
+    places = np.where(confidence[:, None] > 0, points[68:] + own, np.nan)
+    sure = Outline(places, confidence).sure_ears
+    assert np.flatnonzero(sure.confidence).tolist() == [3, 4, 5]
+    spreads = np.tile(own**2 * np.eye(2), (81, 1, 1))
+    spreads[71] /= 10
+    points[73] = spreads[73] = np.nan
+    moved, doubts = sure.joined(points, spreads)
+    np.testing.assert_allclose(moved[71], points[71] + own / 11)
+    np.testing.assert_allclose(moved[72], points[72] + own / 2)
+    np.testing.assert_allclose(moved[73], places[5])
+    np.testing.assert_allclose(doubts[71:74], np.eye(2) * own**2 * np.array([1 / 11, 0.5, 1])[:, None, None])
+    rest = np.delete(np.arange(81), [71, 72, 73])
+    assert np.array_equal(moved[rest], points[rest]) and np.array_equal(doubts[rest], spreads[rest])
+    far, _ = Outline(places + 10 * own, confidence).sure_ears.joined(points, spreads)
+    assert np.array_equal(far, points, equal_nan=True)
+
+
 def test_confidence_is_how_strongly_ears_pull(frontal, intrinsic):
     truth, _, usual, _ = frontal
     reached = []
@@ -155,6 +191,7 @@ def test_where_nothing_can_be_found(frontal, intrinsic):
     template = intrinsic.template
     assert can_find_outline(points, template)
     assert not can_find_outline(truth.points, template)
+    assert can_find_outline(truth.points, template, np.tile(np.eye(2), (81, 1, 1)))
     assert not can_find_outline(np.where(np.arange(68)[:, None] == 3, np.nan, points), template)
     note = template.annotation
     bare = replace(note, curves={name: line for name, line in note.curves.items() if name != "ear_left"})
