@@ -122,14 +122,17 @@ def nme(landmarks, points):
 
 def reconstruction_of(options):
     """The SketchReconstruction that was asked for."""
+    model = load_model(options.model, DEFAULT_LATENT)
+    encoder = elastic_encoder(model)
     if options.coarse == "network":
         from caricli.methods.sketch.network_coarse import network_coarse
+        from caricli.methods.sketch.see_sketch import see_sketch
         from caricli.store.sketch_networks import load_sketch_pair
 
-        network, model = load_sketch_pair(options.network)
-        return SketchReconstruction(model, partial(network_coarse, network=network, model=model), "network")
-    model = load_model(options.model, DEFAULT_LATENT)
-    return SketchReconstruction(model, partial(model_coarse, encoder=elastic_encoder(model)))
+        network, basis = load_sketch_pair(options.network)
+        see = partial(see_sketch, network=network, basis=basis)
+        return SketchReconstruction(model, partial(network_coarse, see=see, encoder=encoder), "network")
+    return SketchReconstruction(model, partial(model_coarse, encoder=encoder))
 
 
 def main():

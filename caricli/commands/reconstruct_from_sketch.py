@@ -31,12 +31,9 @@ from caricli.methods.sketch.settings import COARSE
 @click.option(
     "--coarse",
     type=click.Choice(COARSE),
-    help="Begin with the face that a network sees, or that a shape model allows for the lines.  [default: network, "
-    "where there is one]",
+    help="Begin with the face that a network sees, or that a shape model allows for the lines.  [default: network]",
 )
-@click.option(
-    "--network", type=PATH, metavar="FILE", help="Use this network of `caricli train sketch`; none comes along."
-)
+@click.option("--network", type=PATH, metavar="FILE", help="Use this network of `caricli train sketch`.")
 @click.option(
     "--image", type=PATH, metavar="IMAGE", help="Show the result with the picture over which the sketch was drawn."
 )
@@ -49,10 +46,11 @@ from caricli.methods.sketch.settings import COARSE
 def command(ctx, sketches, out, out_dir, follow, coarse, network, image, model, head, levels, overwrite):
     """Reconstruct 3D faces from sketches: lines of a face from the front.
 
-    The likeliest face for the lines comes first; then its curves are moved onto the lines, at the depth that they have,
-    and the surface goes along. Strokes that do not name their curve find it; what draws none is a wrinkle. With several
-    SKETCHes --image is a folder of pictures with the same names. In the picture that is written, silhouette, features
-    and wrinkles are red, blue and black, and the curves of the face are orange.
+    The likeliest face for the lines comes first: what a network sees, or an elastic one for lines that no usual face
+    has. Then its curves are moved onto the lines, at the depth that they have, and the surface goes along. Strokes that
+    do not name their curve find it; what draws none is a wrinkle. With several SKETCHes --image is a folder of pictures
+    with the same names. In the picture that is written, silhouette, features and wrinkles are red, blue and black, and
+    the curves of the face are orange.
 
     \b
     Example:

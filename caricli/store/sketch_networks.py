@@ -18,21 +18,11 @@ BASIS = "pca"
 """Kind of the bundled model whose latents the bundled network tells."""
 
 
-def has_sketch_network() -> bool:
-    """Whether a sketch network comes with this version."""
-    return asset_path(BUNDLED).is_file()
-
-
 def load_sketch_network(path: Path | None = None) -> SketchModel:
     """Load the sketch network of a file, or the bundled one.
 
     Raises InputError when it is none, damaged, or not there.
     """
-    if path is None and not has_sketch_network():
-        raise InputError(
-            "no trained sketch network comes with this version: `caricli train sketch` makes one, and --network "
-            "RUN/model.safetensors takes it"
-        )
     file = asset_path(BUNDLED) if path is None else path
     return sketch_from_checkpoint(*read_checkpoint(file), shown(file))
 

@@ -295,7 +295,8 @@ def _write_detector(path: Path) -> None:
 
 
 def _write_sketch_network(path: Path) -> None:
-    network = SketchNetwork(SketchSize(4, (4, 4, 4), (0, 0, 0), 4, 4), 2, POINTS, 3, torch.Generator().manual_seed(0))
+    size = SketchSize(4, (4, 4, 4), (0, 0, 0), 4, 4, 4)
+    network = SketchNetwork(size, 2, POINTS, 3, torch.Generator().manual_seed(0))
     write_checkpoint(path, *sketch_to_checkpoint(SketchModel(network, 64, ("nose", "silhouette"), "none")))
 
 

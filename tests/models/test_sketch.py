@@ -11,16 +11,27 @@ from caricli.models.sketch.networks import CAMERA, SketchNetwork
 from caricli.models.sketch.window import POINTS, Window, along, curve_points
 from caricli.structures.sketch import Sketch, Stroke, StrokeKind
 
-SMALL = SketchSize(8, (8, 12, 16), (0, 1, 1), 16, 24)
+SMALL = SketchSize(8, (8, 12, 16), (0, 1, 1), 16, 24, 6)
 CURVES = ("brow", "nose", "fold")
 LINE = np.stack([np.linspace(40, 90, 9), 30 + 10 * np.sin(np.linspace(0, 3, 9))], 1)
+
+
+def lines(count):
+    """(count, K, P, 2) curves that differ in four ways, all seen from a distance of its own, and drawn unsteadily."""
+    generator = np.random.default_rng(5)
+    ways = np.random.default_rng(6).normal(size=(4, len(CURVES), POINTS, 2))
+    along = np.linspace(-0.5, 0.5, POINTS)[:, None] * [1, 0.3] + np.array([[[0, 0.4]], [[0, 0]], [[0, -0.4]]])
+    bent = along + 0.05 * np.tensordot(generator.normal(size=(count, 4)), ways, 1)
+    return bent + 0.002 * generator.normal(size=bent.shape)
 
 
 @pytest.fixture(scope="module")
 def model():
     generator = torch.Generator().manual_seed(0)
     network = SketchNetwork(SMALL, len(CURVES), POINTS, 5, generator)
-    torch.nn.init.normal_(network.last.weight, std=0.1, generator=generator)
+    for layer in (network.last, network.plain, network.more):
+        torch.nn.init.normal_(layer.weight, std=0.1, generator=generator)
+    network.lines.learn(lines(40), np.ones((40, len(CURVES)), bool))
     # A brow runs to the right, a nose down.
     network.usual[0, :, 0] = torch.linspace(-0.5, 0.5, POINTS)
     network.usual[1, :, 1] = torch.linspace(-0.5, 0.5, POINTS)
@@ -121,7 +132,7 @@ def test_a_checkpoint_rebuilds_it(model, sketch):
         {"curves": ["nose", 3]},
         {"basis": None},
         {"network": {}},
-        {"network": {"stem": 8, "widths": [8, 12], "blocks": [0, 1, 1], "told": 16, "hidden": 24}},
+        {"network": {"stem": 8, "widths": [8, 12], "blocks": [0, 1, 1], "told": 16, "hidden": 24, "components": 6}},
         {"curves": ["nose"]},
     ],
 )

@@ -1,14 +1,14 @@
 import pytest
 
 from caricli.errors import InputError
-from caricli.store.sketch_networks import has_sketch_network, load_sketch_basis, load_sketch_network
+from caricli.store.sketch_networks import load_sketch_basis, load_sketch_pair
+from caricli.template.feature_curves import feature_curves
 
 
-def test_without_a_bundled_network_it_is_said_how_to_make_one(monkeypatch):
-    monkeypatch.setattr("caricli.store.sketch_networks.BUNDLED", "none.safetensors")
-    assert not has_sketch_network()
-    with pytest.raises(InputError, match="caricli train sketch"):
-        load_sketch_network()
+def test_the_bundled_network_knows_the_bundled_model():
+    network, basis = load_sketch_pair()
+    assert network.basis == basis.model_id and network.label == "network"
+    assert network.curves == tuple(curve.name for curve in feature_curves(basis.template.annotation))
 
 
 def test_a_basis_is_linear():

@@ -10,7 +10,7 @@ from typing import Any
 from caricli.commands.shared.batch import named_jobs
 from caricli.commands.shared.face_outputs import staged_face
 from caricli.commands.shared.picture import write_picture
-from caricli.errors import naming
+from caricli.errors import InputError, naming
 from caricli.io.image import read_image
 from caricli.io.mesh import MESH_SUFFIXES
 from caricli.io.provenance import provenance
@@ -19,12 +19,12 @@ from caricli.methods.faces.subdivide_face import subdivide_face
 from caricli.methods.parts.whole_head import mesh_face, whole_head
 from caricli.methods.sketch.model_coarse import model_coarse
 from caricli.methods.sketch.reconstruct_sketch import SketchReconstruction
+from caricli.methods.sketch.settings import COARSE
 from caricli.models.shape_model import ShapeModel
 from caricli.store.face_files import write_face_files
 from caricli.store.landmark_encoders import elastic_encoder
 from caricli.store.models import DEFAULT_LATENT, load_model
 from caricli.store.pictures import find_picture
-from caricli.store.sketch_networks import has_sketch_network
 from caricli.store.sketches import load_sketch
 from caricli.structures import HeadChoice
 from caricli.structures.head_choice import WHOLE
@@ -36,9 +36,9 @@ class SketchTask:
     """What is done with every sketch, as it was typed.
 
     sketches: paths. out: of one result; out_dir: folder of many. image: path of the picture that a sketch was drawn
-    over, or of a folder of them. coarse: of COARSE, or None for the network where there is one. network: path of it,
-    or None for the bundled one. model_path: of the shape model, or None for the bundled one. head: HeadChoice of the
-    mesh, or None for the skin. levels: how often its polygons are split. follow: share of the way to the lines.
+    over, or of a folder of them. coarse: of COARSE, or None for the network where it knows the mesh. network: path of
+    it, or None for the bundled one. model_path: of the shape model, or None for the bundled one. head: HeadChoice of
+    the mesh, or None for the skin. levels: how often its polygons are split. follow: share of the way to the lines.
     overwrite: whether files that exist are replaced.
     """
 
@@ -65,17 +65,27 @@ class SketchTask:
 
     @cached_property
     def reconstruction(self) -> SketchReconstruction:
-        """From sketches to faces. Raises InputError where a network was asked for and there is none."""
-        sees = self.coarse == "network" if self.coarse else self.network is not None or has_sketch_network()
-        if not sees:
-            model = load_model(self.model_path, DEFAULT_LATENT)
-            return SketchReconstruction(model, partial(model_coarse, encoder=elastic_encoder(model)), "model")
+        """From sketches to faces. Raises InputError where a network was asked for that does not know the mesh."""
+        model = load_model(self.model_path, DEFAULT_LATENT)
+        encoder = elastic_encoder(model)
+        plain = SketchReconstruction(model, partial(model_coarse, encoder=encoder), COARSE[1])
+        if self.coarse == COARSE[1]:
+            return plain
         # PyTorch takes a while to start.
         from caricli.methods.sketch.network_coarse import network_coarse
-        from caricli.store.sketch_networks import load_sketch_pair
+        from caricli.methods.sketch.see_sketch import see_sketch
+        from caricli.store.sketch_networks import load_sketch_networks
 
-        network, model = load_sketch_pair(self.network, self.model_path)
-        return SketchReconstruction(model, partial(network_coarse, network=network, model=model), "network")
+        given = ([path] if path else [] for path in (self.network, self.model_path))
+        network, basis = load_sketch_networks(*given)[0]
+        if basis.template.topology_id != model.template.topology_id:
+            if not self.coarse and not self.network:
+                return plain
+            raise InputError(
+                "the network: expected --model of the mesh whose faces it tells, found one of another mesh"
+            )
+        see = partial(see_sketch, network=network, basis=basis)
+        return SketchReconstruction(model, partial(network_coarse, see=see, encoder=encoder), COARSE[0])
 
     @property
     def model(self) -> ShapeModel:

@@ -7,7 +7,7 @@ import numpy as np
 
 from caricli.errors import InputError, shown
 from caricli.methods.evaluate.sketch_fit import NOISES, SketchFit
-from caricli.methods.train.sketch_hand import Canvas, DrawnLines, Missing, SketchHand
+from caricli.methods.train.sketch_hand import CALM, Canvas, DrawnLines, HandSettings, Missing, SketchHand, Wrinkles
 from caricli.methods.train.stages import Report, unwatched
 from caricli.methods.train.wrinkle_book import WrinkleBook
 from caricli.models.linear_model import LinearModel
@@ -20,13 +20,24 @@ from caricli.template.template import Template
 FACE_HEIGHT = 200.0
 """Millimetres that the face region of the mean head is high (sketch paper, section 6.3)."""
 
+
+@dataclass(frozen=True)
+class Drawing:
+    """How sketches are drawn. strength: of what hands do. missing: Missing. hand: HandSettings."""
+
+    strength: float = 1.0
+    missing: Missing = Missing()
+    hand: HandSettings = HandSettings()
+
+
 CONDITIONS = {
-    "clean": (0.0, Missing()),
-    "noise": (1.0, Missing()),
-    "half": (1.0, Missing(1.0, 0.5)),
+    "clean": Drawing(0.0),
+    "noise": Drawing(),
+    "half": Drawing(missing=Missing(1.0, 0.5)),
+    "calm": Drawing(hand=CALM),
 }
-"""How sketches are drawn: strength of what hands do, and what is missing; half: with noise, without half of the
-strokes."""
+"""Half: with noise, without half of the strokes; calm: with the noise of view, scale and place, but lines of a calm
+hand."""
 
 LEFT = (1.0, 0.75, 0.5, 0.35, 0.2, 0.1)
 """Shares of strokes that are left, of the curve over them; with noise."""
@@ -82,12 +93,12 @@ class SketchRival:
         canvas = Canvas.of(model.decode(model.prior.mean), curves) if network.on_canvas else None
         return cls(network, model, SketchHand(curves, network.size, canvas))
 
-    def draw(self, heads: "DrawnHeads", strength: float, missing: Missing, seed: list[int]) -> DrawnLines:
+    def draw(self, heads: "DrawnHeads", drawing: Drawing, seed: list[int]) -> DrawnLines:
         """Sketches of heads; the same seed draws the same for all networks."""
         generator = np.random.default_rng(seed)
         positions = heads.vertices[:, self.hand.ids]
         wrinkles = heads.book.of_rows(np.arange(len(positions))) if self.network.wrinkled and heads.book else None
-        return self.hand.draw(positions, np.full(len(positions), strength), missing, generator, wrinkles)
+        return _drawn(self.hand, positions, drawing, generator, wrinkles)
 
     def see(self, drawn: DrawnLines) -> np.ndarray:
         """What the network makes of sketches: vertices (N, V, 3)."""
@@ -96,7 +107,7 @@ class SketchRival:
 
     def shown(self, heads: "DrawnHeads", seed: int) -> tuple[np.ndarray, list[tuple[np.ndarray, np.ndarray]]]:
         """Sketches of heads with noise, (N, S, S) uint8 ink, and vertices that the network sees beside true ones."""
-        drawn = self.draw(heads, 1.0, Missing(), [seed, 300])
+        drawn = self.draw(heads, Drawing(), [seed, 300])
         return self.hand.batch(drawn).windows, list(zip(self.see(drawn), heads.vertices, strict=True))
 
 
@@ -134,10 +145,9 @@ class SketchRivals:
         """Whether a network looks at wrinkles."""
         return any(rival.network.wrinkled for rival in self.networks.values())
 
-    def draw(self, vertices: np.ndarray, strength: float, missing: Missing, seed: list[int]) -> DrawnLines:
+    def draw(self, vertices: np.ndarray, drawing: Drawing, seed: list[int]) -> DrawnLines:
         """Sketches of faces (N, V, 3) for the fits."""
-        generator = np.random.default_rng(seed)
-        return self.hand.draw(vertices[:, self.hand.ids], np.full(len(vertices), strength), missing, generator)
+        return _drawn(self.hand, vertices[:, self.hand.ids], drawing, np.random.default_rng(seed))
 
     def fitted(self, drawn: DrawnLines, noise: float, camera_given: bool) -> np.ndarray:
         """What the fit makes of them: vertices (N, V, 3)."""
@@ -192,7 +202,7 @@ def evaluate_sketch(
     for done, share in enumerate(LEFT, len(CONDITIONS)):
         report(done, total)
         for method, rival in rivals.networks.items():
-            drawn = rival.draw(tested, 1.0, Missing(1.0, 1 - share), [seed, 200 + done])
+            drawn = rival.draw(tested, Drawing(missing=Missing(1.0, 1 - share)), [seed, 200 + done])
             apart = _apart(rivals.model.template, rival.see(drawn), tested.vertices)
             figures.left.setdefault(method, {})[share] = float(apart.mean())
     report(total, total)
@@ -203,9 +213,8 @@ def _seen(
     rivals: SketchRivals, tested: DrawnHeads, condition: str, seed: list[int]
 ) -> Iterator[tuple[str, np.ndarray]]:
     """Every network's name and what it makes of the sketches of a condition: vertices."""
-    strength, missing = CONDITIONS[condition]
     for method, rival in rivals.networks.items():
-        drawn = rival.draw(tested, strength, missing, seed)
+        drawn = rival.draw(tested, CONDITIONS[condition], seed)
         yield method, rival.see(drawn)
         if not rival.network.on_canvas:
             yield f"{method}{UNNAMED}", rival.see(replace(drawn, named=np.zeros(len(drawn.named), bool)))
@@ -215,9 +224,9 @@ def _fits(
     rivals: SketchRivals, tested: np.ndarray, others: np.ndarray, condition: str, seed: list[int]
 ) -> Iterator[tuple[str, np.ndarray, float]]:
     """Every fit's name, vertices, and the noise with which the fits of other faces are nearest to them."""
-    strength, missing = CONDITIONS[condition]
-    drawn = rivals.draw(tested, strength, missing, seed)
-    tries = rivals.draw(others, strength, missing, [seed[0], 100 + seed[1]]) if len(others) else None
+    drawing = CONDITIONS[condition]
+    drawn = rivals.draw(tested, drawing, seed)
+    tries = rivals.draw(others, drawing, [seed[0], 100 + seed[1]]) if len(others) else None
     for method, given in ((KNOWN, True), (FREE, False)):
         noise = NOISES[len(NOISES) // 2]
         if tries is not None:
@@ -226,6 +235,18 @@ def _fits(
             ]
             noise = NOISES[int(np.argmin(errors))]
         yield method, rivals.fitted(drawn, noise, given), noise
+
+
+def _drawn(
+    hand: SketchHand,
+    positions: np.ndarray,
+    drawing: Drawing,
+    generator: np.random.Generator,
+    wrinkles: Wrinkles | None = None,
+) -> DrawnLines:
+    """Lines of heads, see SketchHand.draw."""
+    own = SketchHand(hand.curves, hand.size, hand.canvas, drawing.hand)
+    return own.draw(positions, np.full(len(positions), drawing.strength), drawing.missing, generator, wrinkles)
 
 
 def _note(

@@ -26,19 +26,32 @@ def model_coarse(sketch: Sketch, lines: Lines, handles: LineHandles, encoder: La
     """
     model = encoder.model
     face = fit_lines(lines, handles, model)
-    own = face.require_camera().project(face.vertices[handles.vertices])
-    if _misfit(handles.places(lines, own), own) <= IntrinsicSettings.least:
+    if misfit(face, lines, handles) <= IntrinsicSettings.least:
         return face
+    return elastic_face(lines, handles, encoder) or face
+
+
+def elastic_face(lines: Lines, handles: LineHandles, encoder: LandmarkEncoder) -> Face | None:
+    """The elastic fit's face for lines by curves, over which the mean face is laid; None where they tell too little.
+
+    handles: LineHandles of the model's template. encoder: LandmarkEncoder of the model. Returns Face with camera and
+    latent.
+    """
+    model = encoder.model
     mean = model.decode_points(model.prior.mean, handles.vertices)
-    places = handles.places(lines, line_camera(lines, handles, mean).project(mean))
     # Lines that hold few landmarks tell of no other face.
     with suppress(InputError, NumericsError):
+        places = handles.places(lines, line_camera(lines, handles, mean).project(mean))
         return encoder.encode(_landmarks(places, handles, model.template.annotation.landmarks))[0]
-    return face
+    return None
 
 
-def _misfit(places: np.ndarray, own: np.ndarray) -> float:
-    """Root mean square of the distances of handles (H, 2) from their places (H, 2), of the diagonal of these."""
+def misfit(face: Face, lines: Lines, handles: LineHandles) -> float:
+    """Root mean square of the distances of a face's handles, which its camera sees, from their places along lines, as a
+    share of the diagonal of these places.
+    """
+    own = face.require_camera().project(face.vertices[handles.vertices])
+    places = handles.places(lines, own)
     met = np.isfinite(places).all(axis=1)
     if not met.any():
         return 0.0

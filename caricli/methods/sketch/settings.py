@@ -8,6 +8,10 @@ COARSE = ("network", "model")
 CORNERED = ("brow", "eye_upper", "eye_lower", "eye_fold", "mouth")
 """What the names of curves begin with whose ends everybody draws; others fade out where an artist likes."""
 
+UNUSUAL = 0.02
+"""Of the diagonal of the lines: root mean square of their distances from the face that a network sees, from which on it
+is none that networks know. Of 100 sketches that unsteady hands drew of people of validation splits 98 are nearer."""
+
 
 @dataclass(frozen=True)
 class LineFitSettings:

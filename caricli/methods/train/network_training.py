@@ -136,6 +136,8 @@ class NetworkTraining(ABC):
         if self.share.count > 1:
             for group in self.optimiser.param_groups:
                 for parameter in group["params"]:
+                    if parameter.grad is None:  # this process had nothing for it
+                        parameter.grad = torch.zeros_like(parameter)
                     torch.distributed.all_reduce(parameter.grad)
             torch.distributed.all_reduce(figures)
         if not torch.isfinite(figures).all():

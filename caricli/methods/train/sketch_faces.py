@@ -21,13 +21,16 @@ class SketchFaces:
     """Latents of faces, divided into who and what.
 
     latents: (N, D). offsets: (N, D) what the expression adds to the face at rest. group: (N,) numbers from 0, equal for
-    faces that are exaggerated alike. rests: for every group (P, D), the faces at rest of everybody in it.
+    faces that are exaggerated alike. rests: for every group (P, D), the faces at rest of everybody in it. likely: (N,)
+    ascending to 1, the chance of a face or one before it: of a group all expressions are equally likely, whatever faces
+    of people there are who show but one.
     """
 
     latents: np.ndarray
     offsets: np.ndarray
     group: np.ndarray
     rests: tuple[np.ndarray, ...]
+    likely: np.ndarray
 
     @classmethod
     def of(cls, datasets: Sequence[Dataset], model: LinearModel, held: float = 0.0, seed: int = 0) -> Self:
@@ -64,22 +67,22 @@ class SketchFaces:
         group = np.unique(who[:, [2, 4]], axis=0, return_inverse=True)[1].ravel()
         rest = (latents - offsets)[first]
         rests = tuple(rest[group[first] == number] for number in range(group.max() + 1))
-        return cls(latents, offsets, group, rests)
+        return cls(latents, offsets, group, rests, _even(group, expressions))
 
     def draw(self, count: int, generator: np.random.Generator, mixed: float, people: int) -> np.ndarray:
         """Latents (count, D) of random faces.
 
         mixed: share of those that are of nobody: up to ``people`` faces at rest that are exaggerated alike are mixed at
-        random, and moved away from their mean by as much as mixing brought them nearer, or less; then the expression of
-        one with that exaggeration is added.
+        random, and moved away from their mean by as much as mixing brought them nearer; then the expression of one with
+        that exaggeration is added.
         """
-        rows = generator.integers(len(self.latents), size=count)
+        rows = np.searchsorted(self.likely, generator.random(count), side="right").clip(max=len(self.latents) - 1)
         chosen = generator.random((count, people))
         shares = generator.exponential(size=chosen.shape) * (
             np.arange(people) < generator.integers(1, people + 1, (count, 1))
         )
         shares /= shares.sum(1, keepdims=True)
-        away = 1 + generator.random(count) * (1 / np.linalg.norm(shares, axis=1) - 1)
+        away = 1 / np.linalg.norm(shares, axis=1)
         of_nobody = generator.random(count) < mixed
         faces = self.latents[rows]
         for number, rest in enumerate(self.rests):
@@ -92,6 +95,13 @@ class SketchFaces:
 
 def _parts(rows: np.ndarray) -> list[np.ndarray]:
     return [rows[start : start + _BATCH] for start in range(0, len(rows), _BATCH)]
+
+
+def _even(group: np.ndarray, expressions: np.ndarray) -> np.ndarray:
+    """See SketchFaces.likely."""
+    both, alike, counts = np.unique(np.stack([group, expressions]), axis=1, return_inverse=True, return_counts=True)
+    chances = np.bincount(group)[group] / np.bincount(both[0])[group] / counts[alike.ravel()]
+    return np.cumsum(chances) / chances.sum()
 
 
 def _offsets(latents: np.ndarray, person: np.ndarray, expressions: np.ndarray) -> np.ndarray:

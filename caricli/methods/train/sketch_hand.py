@@ -48,6 +48,10 @@ class HandSettings:
     thick: float = 0.3
 
 
+CALM = HandSettings(stretch=0, warp=0.006, offset=0, turn=0, size=0, ends=0, doubled=0, faint=0, thick=0)
+"""A hand that bends and shakes lines, but moves no stroke by itself."""
+
+
 @dataclass(frozen=True, eq=False)
 class Canvas:
     """Where windows are on heads that stand where heads usually do, as on a canvas whose camera is known.
@@ -169,15 +173,20 @@ class SketchHand:
         drawn: "DrawnLines",
         rows: slice = slice(None),  # noqa: B008 (frozen)
         pictures: bool = True,
+        nameless: bool = False,
     ) -> SketchBatch:
-        """Some rows of drawn lines as the network sees them; windows are empty where it needs no pictures."""
+        """Some rows of drawn lines as the network sees them.
+
+        pictures: whether windows are drawn. nameless: only those of sketches whose strokes have no names.
+        """
         points = drawn.lines[rows, :, :: (LINE - 1) // (POINTS - 1)].astype(np.float32)
         hidden = ~(drawn.there & drawn.named[:, None])[rows]
         points[hidden] = np.nan
         numbers = range(len(drawn.lines))[rows]
         windows = np.zeros((len(numbers), self.size, self.size), np.uint8)
-        for own, number in zip(windows, numbers if pictures else (), strict=pictures):
-            own[:] = self._picture(drawn, number)
+        for own, number in zip(windows, numbers, strict=True):
+            if pictures and not (nameless and drawn.named[number]):
+                own[:] = self._picture(drawn, number)
         return SketchBatch(windows, points, drawn.cameras[rows])
 
     def _windows(self, lines: np.ndarray, there: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

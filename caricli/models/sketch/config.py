@@ -6,7 +6,7 @@ from caricli.models.config import MAX_SEED, check_ranges, check_windows
 
 MODERN = "modern"
 
-_SIZES = {"stem": (4, 512), "hidden": (1, 8192), "told": (1, 8192)}
+_SIZES = {"stem": (4, 512), "hidden": (1, 8192), "told": (1, 8192), "components": (1, 512)}
 _RANGES = _SIZES | {
     "size": (64, 512), "epochs": (1, 10**6), "steps": (1, 10**6), "batch": (2, 4096), "mixed": (0, 1),
     "people": (1, 64), "missing": (0, 1), "unnamed": (0, 1), "strength": (0, 10), "learning_rate": (1e-9, 1),
@@ -29,15 +29,17 @@ class SketchSize:
     """Size of the network.
 
     stem: channels at a quarter of the window's size. widths, blocks: channels and residual blocks at 1/8, 1/16 and 1/32
-    of it. told: width of the two layers for points along strokes. hidden: numbers between what is seen and the latent.
+    of it. hidden: numbers between what is seen and the latent. told: width of the two layers for points along strokes.
+    components: numbers that these come in as.
     Raises ValueError for impossible sizes.
     """
 
     stem: int = 32
     widths: tuple[int, ...] = (64, 96, 128)
     blocks: tuple[int, ...] = (0, 1, 1)
-    told: int = 384
+    told: int = 512
     hidden: int = 512
+    components: int = 160
 
     def __post_init__(self) -> None:
         """Refuse impossible sizes."""
@@ -105,19 +107,18 @@ class PublishedSize:
 class SketchConfig:
     """Settings of a sketch network's training.
 
-    With the defaults the network has 5.3 MB in half precision. What only one kind of network has, others leave out.
+    With the defaults the network has SIZE_MB in half precision. What only one kind of network has, others leave out.
 
-    variant: "modern", or a name in PUBLISHED. stem, widths, blocks, told, hidden: see SketchSize; branch, local: see
-    PublishedSize. size: of the windows, pixels; a multiple of 32. epochs; steps:
-    in an epoch. batch: sketches a step. mixed: share of them that are of nobody, mixtures of ``people`` at most with
-    the expression of one face. missing: share of the sketches that lack strokes, up to all but a few. unnamed: share of
-    which only the picture is given. strength: of the noise of hand and view on average, 1 as ``HandSettings`` has it;
-    every sketch has its own, from none to twice as much. learning_rate, weight_decay: of AdamW, with a cosine schedule.
-    decay: of the weights' moving average, a step. camera_weight: of the squared error of the camera beside the mean
-    distance of the vertices, percent of the head's height. precision: of the convolutions. validation: sketches
-    measured at a validation. validate_every: epochs. held: share of the faces of people who
-    are trained with that are left out, to test with (sketch paper, section 4.4). checkpoint_seconds: between two
-    checkpoints.
+    variant: "modern", or a name in PUBLISHED. stem, widths, blocks, told, hidden, components: see SketchSize; branch,
+    local: see PublishedSize. size: of the windows, pixels; a multiple of 32. epochs; steps: in an epoch. batch:
+    sketches a step. mixed: share of them that are of nobody, mixtures of ``people`` at most with one's expression.
+    missing: share of the sketches that lack strokes, up to all but a few. unnamed: share of which only the picture is
+    given. strength: of the noise of hand and view on average, 1 as ``HandSettings`` has it; every sketch has its own,
+    from none to twice as much. learning_rate, weight_decay: of AdamW, with a cosine schedule. decay: of the weights'
+    moving average, a step. camera_weight: of the error of the camera beside the mean distance of the vertices, percent
+    of the head's height. precision: of the convolutions. validation: sketches measured at a validation. validate_every:
+    epochs. held: share of the faces of people who are trained with that are left out, to test with (sketch paper,
+    section 4.4). checkpoint_seconds: between two checkpoints.
 
     Of published networks alone: classify, regress: epochs of the first two steps of the training, in which people and
     expressions are told apart, and u and v are learnt with the convolutions as they are; the others are for the
@@ -130,26 +131,27 @@ class SketchConfig:
     stem: int = 32
     widths: tuple[int, ...] = (64, 96, 128)
     blocks: tuple[int, ...] = (0, 1, 1)
-    told: int = 384
+    told: int = 512
     hidden: int = 512
+    components: int = 160
     branch: int = 1024
     local: bool = False
     size: int = 128
-    epochs: int = 80
-    steps: int = 50
-    batch: int = 64
-    mixed: float = 0.5
-    people: int = 5
-    missing: float = 0.5
-    unnamed: float = 0.2
-    strength: float = 1.0
-    learning_rate: float = 2e-3
-    weight_decay: float = 1e-2
+    epochs: int = 60
+    steps: int = 100
+    batch: int = 256
+    mixed: float = 0.9
+    people: int = 12
+    missing: float = 0.4
+    unnamed: float = 0.1
+    strength: float = 0.75
+    learning_rate: float = 1e-3
+    weight_decay: float = 1e-3
     decay: float = 0.998
     camera_weight: float = 0.05
     precision: str = "bfloat16"
     validation: int = 200
-    validate_every: int = 5
+    validate_every: int = 3
     held: float = 0.1
     classify: int = 0
     regress: int = 0
@@ -175,6 +177,6 @@ class SketchConfig:
     def network(self, identity: int = 50, expression: int = 16) -> SketchSize | PublishedSize:
         """The size. identity, expression: numbers of u and of v, of published networks."""
         if self.variant == MODERN:
-            return SketchSize(self.stem, self.widths, self.blocks, self.told, self.hidden)
+            return SketchSize(self.stem, self.widths, self.blocks, self.told, self.hidden, self.components)
         sizes = (self.hidden, self.branch, self.told, self.local, identity, expression)
         return PublishedSize(self.variant, self.widths, *sizes)

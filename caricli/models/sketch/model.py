@@ -161,7 +161,7 @@ def _network(about: Any, size: int, dimension: int, curves: int) -> SketchNetwor
     """A network without weights. about: of the file."""
     generator = torch.Generator()
     if not isinstance(about, dict) or "variant" not in about:
-        own = _sized(about, SketchSize, ("widths", "blocks"), ("stem", "told", "hidden"))
+        own = _sized(about, SketchSize, ("widths", "blocks"), ("stem", "told", "hidden", "components"))
         return SketchNetwork(own, curves, POINTS, dimension, generator)
     numbers = ("hidden", "branch", "told", "identity", "expression")
     published = _sized(about, PublishedSize, ("widths",), numbers)

@@ -18,7 +18,7 @@ def network(models, tmp_path_factory):
     """The file of a network for the small pca model that has learnt nothing."""
     model = load_model(models["pca"])
     names = tuple(curve.name for curve in feature_curves(model.template.annotation))
-    size = SketchSize(4, (4, 4, 4), (0, 0, 0), 4, 4)
+    size = SketchSize(4, (4, 4, 4), (0, 0, 0), 4, 4, 4)
     own = SketchNetwork(size, len(names), POINTS, len(model.prior.mean), torch.Generator().manual_seed(0))
     path = tmp_path_factory.mktemp("network") / "n.safetensors"
     write_checkpoint(path, *sketch_to_checkpoint(SketchModel(own, 64, names, model.model_id)))

@@ -12,7 +12,6 @@ from caricli.methods.evaluate.evaluate_sketch import (
     evaluate_sketch,
     unit,
 )
-from caricli.methods.train.sketch_hand import Missing
 from caricli.models.pca.config import PcaConfig
 from caricli.models.pca.model import PcaModel
 from caricli.models.sketch.config import SketchSize
@@ -32,7 +31,7 @@ def rivals(model):
     """With a network that has learnt nothing, so that it tells the mean face."""
     curves = feature_curves(model.template.annotation)
     generator = torch.Generator().manual_seed(0)
-    network = SketchNetwork(SketchSize(4, (4, 4, 4), (0, 0, 0), 4, 4), len(curves), POINTS, 6, generator)
+    network = SketchNetwork(SketchSize(4, (4, 4, 4), (0, 0, 0), 4, 4, 4), len(curves), POINTS, 6, generator)
     own = SketchModel(network, 64, tuple(curve.name for curve in curves), "")
     return SketchRivals.of([SketchRival.of(own, model)], model)
 
@@ -42,14 +41,14 @@ def test_a_fit_finds_the_face_of_clean_lines(rivals, model, camera_given, share)
     """Without the camera nothing tells a large head from a near one."""
     latents = model.prior.sample(np.random.default_rng(0), 3)
     shapes = model.decode(latents)
-    drawn = rivals.draw(shapes, 0.0, Missing(), [0])
+    drawn = rivals.draw(shapes, CONDITIONS["clean"], [0])
     found = rivals.fitted(drawn, 0.003, camera_given)
     error = np.linalg.norm(found - shapes, axis=-1).mean()
     assert error < share * np.linalg.norm(shapes - model.mean, axis=-1).mean()
 
 
 def test_a_fit_that_trusts_nothing_is_the_mean_face(rivals, model, people):
-    drawn = rivals.draw(people[:1], 1.0, Missing(), [0])
+    drawn = rivals.draw(people[:1], CONDITIONS["noise"], [0])
     assert np.abs(rivals.fit.fit(drawn, 0, 1e6, True)).max() < 1e-6
 
 
@@ -67,7 +66,7 @@ def test_all_methods_are_measured_under_all_conditions(rivals, model, people):
     assert figures.left["network"] == pytest.approx(dict.fromkeys(LEFT, mean.mean()))
     fits = figures.errors["fit of the linear model, camera known"]
     assert fits["clean"] < fits["half"] and fits["clean"] < 0.8 * mean.mean()
-    assert calls[0] == (0, 9) and calls[-1] == (9, 9)
+    assert calls[0] == (0, 10) and calls[-1] == (10, 10)
 
 
 def test_networks_of_one_name_are_told_apart(rivals, model):

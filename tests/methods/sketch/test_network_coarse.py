@@ -1,3 +1,4 @@
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -5,13 +6,17 @@ import pytest
 import torch
 
 from caricli.errors import InputError
+from caricli.methods.faces.encode_landmarks import landmark_encoder
 from caricli.methods.sketch.line_handles import lines_by_curve
+from caricli.methods.sketch.model_coarse import misfit
 from caricli.methods.sketch.network_coarse import network_coarse
 from caricli.methods.sketch.reconstruct_sketch import SketchReconstruction
+from caricli.methods.sketch.see_sketch import see_sketch
 from caricli.models.sketch.config import SketchSize
 from caricli.models.sketch.model import SketchModel
 from caricli.models.sketch.networks import SketchNetwork
-from caricli.models.sketch.window import POINTS
+from caricli.models.sketch.window import POINTS, along
+from caricli.store.models import load_model
 from caricli.structures.sketch import Sketch, Stroke
 
 
@@ -19,15 +24,29 @@ from caricli.structures.sketch import Sketch, Stroke
 def network(model, handles):
     """One that has learnt nothing: its latent is zero, the mean face, and its camera nearly right."""
     names = tuple(curve.name for curve in handles.curves)
-    size = SketchSize(8, (8, 12, 16), (0, 1, 1), 16, 24)
+    size = SketchSize(8, (8, 12, 16), (0, 1, 1), 16, 24, 6)
     made = SketchNetwork(size, len(names), POINTS, 128, torch.Generator().manual_seed(0))
     made.start[-3] = np.log(7.0)
+    usual = made.lines.usual
+    for row, curve in enumerate(handles.curves):
+        line = 7.0 * model.mean[curve.vertices, :2] * [1, -1]
+        usual[row] = torch.from_numpy(along(line[None], np.linspace(0, 1, POINTS)[None])[0])
     return SketchModel(made, 64, names, model.model_id)
 
 
-def test_the_network_says_the_shape_and_the_lines_the_camera(network, sketch, handles, model):
+@pytest.fixture(scope="module")
+def see(network, model):
+    return partial(see_sketch, network=network, basis=model)
+
+
+@pytest.fixture(scope="module")
+def encoder(model):
+    return landmark_encoder(model, load_model())
+
+
+def test_the_network_says_the_shape_and_the_lines_the_camera(network, see, sketch, handles, model, encoder):
     lines = lines_by_curve(sketch)
-    face = network_coarse(sketch, lines, handles, network, model)
+    face = network_coarse(sketch, lines, handles, see, encoder)
     latent, camera = network.reconstruct(sketch)
     np.testing.assert_allclose(face.vertices, model.decode(latent))
     assert face.model_id == model.model_id
@@ -36,20 +55,44 @@ def test_the_network_says_the_shape_and_the_lines_the_camera(network, sketch, ha
     assert np.nanmean(np.abs(gaps[0])) < np.nanmean(np.abs(gaps[1]))
 
 
-def test_what_draws_no_curve_is_no_face(network, sketch, handles, model):
+def test_a_face_in_the_terms_of_another_model_keeps_its_shape(see, sketch, handles):
+    own = load_model(kind="kernel")
+    lines = lines_by_curve(sketch)
+    face = network_coarse(sketch, lines, handles, see, landmark_encoder(own, load_model()))
+    np.testing.assert_array_equal(face.vertices, see(sketch).vertices)
+    assert face.model_id == own.model_id
+    np.testing.assert_allclose(own.decode(face.require_latent()), face.vertices, atol=0.004)
+
+
+def test_lines_that_the_network_has_no_face_for_are_met_by_an_elastic_one(see, sketch, handles, encoder):
+    """The nose is drawn half as long again, the jaw twice as far below the mouth on one side."""
+
+    def bent(line):
+        x, y = (line - 128).T
+        return 128 + np.column_stack([x + 0.004 * x * y, y + 0.006 * x * np.maximum(y, 0)])
+
+    drawn = sketch.with_strokes([stroke.moved(bent(stroke.points)) for stroke in sketch.strokes])
+    lines = lines_by_curve(drawn)
+    face = network_coarse(drawn, lines, handles, see, encoder)
+    seen = replace(see(drawn), camera=face.camera)
+    assert misfit(face, lines, handles) < 0.5 * misfit(seen, lines, handles)
+    assert face.model_id == encoder.model.model_id
+
+
+def test_what_draws_no_curve_is_no_face(see, sketch, handles, encoder):
     bare = Sketch(sketch.strokes[:1], sketch.size)
     with pytest.raises(InputError, match="lines of the curves of a face"):
-        network_coarse(bare, {}, handles, network, model)
+        network_coarse(bare, {}, handles, see, encoder)
 
 
-def test_a_short_line_is_no_face(network, sketch, handles, model):
+def test_a_short_line_is_no_face(see, sketch, handles, encoder):
     brow = Stroke(np.array([[20.0, 20], [60, 24]]), curve="brow_left")
     lines = {"brow_left": [brow.points]}
     with pytest.raises(InputError, match="lines of the curves of a face"):
-        network_coarse(Sketch((brow,)), lines, handles, network, model)
+        network_coarse(Sketch((brow,)), lines, handles, see, encoder)
 
 
-def test_lines_far_from_any_face_are_doubted(network, handles, model):
+def test_lines_far_from_any_face_are_doubted(see, model, encoder):
     """A cat: a round head with pointed ears, round eyes, a small nose and whiskers."""
 
     def ring(centre, radii, turn=2 * np.pi):
@@ -62,6 +105,6 @@ def test_lines_far_from_any_face_are_doubted(network, handles, model):
     lines.append(np.array([(120.0, 150), (136, 150), (128, 160), (120, 150)]))
     for row in (150, 164, 178):
         lines += [np.array([(90.0, 160), (30, row)]), np.array([(166.0, 160), (226, row)])]
-    coarse = partial(network_coarse, network=network, model=model)
+    coarse = partial(network_coarse, see=see, encoder=encoder)
     fit = SketchReconstruction(model, coarse).reconstruct(Sketch(tuple(map(Stroke, lines)), (256, 256)))
     assert fit.strange and "far from any face" in fit.describe() and fit.figures()["strange"]

@@ -131,12 +131,22 @@ def test_mixtures_are_of_nobody_and_vary_as_people_do(data, model):
     assert 0.6 < spreads[0] / spreads[1] < 1.4
 
 
-def test_it_learns_whose_face_it_is(data, model):
-    training = begin(data, model, "epochs=6", "steps=20", "unnamed=0", "missing=0")
-    start = training._validate()
+def test_it_learns_from_pictures_whose_face_it_is(data, model):
+    training = begin(data, model, "epochs=6", "steps=20", "unnamed=1", "missing=0")
+    batch, latents = training._draw(0)
+    assert batch.windows.any((1, 2)).all() and np.isnan(batch.points).all()
+    usual = np.linalg.norm(model.decode(latents) - model.decode(latents.mean(0)), axis=-1).mean()
     records = list(training.epochs())
     assert records[-1].loss < 0.7 * records[0].loss
-    assert records[-1].train_error < 0.7 * start
+    assert records[-1].train_error < 0.7 * usual
+
+
+def test_what_lines_tell_linearly_it_knows_from_the_start(data, model):
+    training = begin(data, model, "epochs=6", "steps=20", "unnamed=0", "missing=0")
+    drawn = training._draw(0)
+    assert not drawn[0].windows.any() and np.isfinite(drawn[0].points).all()
+    usual = np.linalg.norm(model.decode(drawn[1]) - model.decode(drawn[1].mean(0)), axis=-1).mean()
+    assert float(training._loss(drawn)[1].detach()) < 0.35 * usual
 
 
 def test_left_after_any_epoch_it_goes_on_to_the_same_bytes(data, model):
