@@ -107,7 +107,7 @@ class PublishedSize:
 class SketchConfig:
     """Settings of a sketch network's training.
 
-    With the defaults the network has SIZE_MB in half precision. What only one kind of network has, others leave out.
+    With the defaults the network has 4.7 MB in half precision. What only one kind of network has, others leave out.
 
     variant: "modern", or a name in PUBLISHED. stem, widths, blocks, told, hidden, components: see SketchSize; branch,
     local: see PublishedSize. size: of the windows, pixels; a multiple of 32. epochs; steps: in an epoch. batch:
