@@ -10,6 +10,7 @@ from caricli.methods.hair.find_edge import find_edge
 from caricli.methods.hair.fit_outline import Outline, fit_outline, meet_outline
 from caricli.methods.hair.hair_view import HairView
 from caricli.methods.hair.head_sphere import HeadSphere
+from caricli.methods.hair.hidden_hairline import around_ears, hidden_reach, without_corners
 from caricli.methods.hair.mask_hair import HairMask
 from caricli.methods.hair.settings import ShellSettings
 from caricli.render.sample_texture import sample_pixels
@@ -24,6 +25,7 @@ _FACING = 0.2  # cosine between skin and view from which on it is seen as it is
 _SMALLEST = 0.3  # of a radius: no skull is smaller
 _TOGETHER = 0.3  # how much the scales of a skull differ, beside the fit of its outline
 _GRAZING = 0.1  # cosine down to which skin that turns away from the camera says whether there is hair
+_SOFT = 3  # places over which thick ends, where the picture shows them, go over into thin ones
 _GAP = 2  # least thicknesses of hair by which a skull is drawn in behind the outline
 _SAMPLES = 8  # of the way across the outline
 _NAPE = 0.04  # of the head's height: how much lower than at the sides hair ends behind
@@ -112,15 +114,13 @@ def make_shell(
         total = fine.radii + np.maximum(fine.sample(thickness, longitudes, angles), settings.least * head.height)
         edge = _edge(fine, view, total, settings)
     total = meet_outline(fine, camera, outline, angles < edge, total)
-    left, _ = _left(fine, view, edge, total, settings)
+    left, _, _ = _left(fine, view, edge, total, settings)
     head = lower_skull(head, fine, np.where(left > 0, total - settings.least * head.height, np.inf))
     fine = HeadSphere(head, settings, fine=True)
     view = HairView(head, camera, hair, outline)
-    left, seen = _left(fine, view, edge, total, settings)
+    left, free, hidden = _left(fine, view, edge, total, settings)
     # Seen skin says itself where hair ends, down to some way below the edge.
-    row = np.clip(np.searchsorted(fine.angles, edge), 0, len(fine.angles) - 1)
-    lower = edge + settings.below * seen[row, np.arange(len(edge))]
-    return _mesh(_Surface(fine, total, left, lower), view, settings), head
+    return _mesh(_Surface(fine, total, left, free, hidden, edge + settings.below), view, settings), head
 
 
 def lower_skull(head: Template, sphere: HeadSphere, most: np.ndarray) -> Template:
@@ -144,26 +144,39 @@ def lower_skull(head: Template, sphere: HeadSphere, most: np.ndarray) -> Templat
 
 def _left(
     sphere: HeadSphere, view: HairView, ends: np.ndarray, total: np.ndarray, settings: ShellSettings
-) -> tuple[np.ndarray, np.ndarray]:
-    """(R, C) metres, how far it is to where hair ends, below zero beyond; and (R, C) from 0 to 1, how far that is seen.
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """(R, C) metres, how far it is to where hair ends, below zero beyond; (R, C) metres to bare ears; and (R, C) from 0
+    to 1, how far the picture shows neither the skin there nor the hair on it.
 
-    It is the distance to (C,) angles; but where skin is seen that to what is bare in the picture, and where hair would
-    be seen in front of the head not more than that.
+    It is the distance to (C,) angles and to bare ears; but where skin is seen that to what is bare in the picture, and
+    where hair would be seen in front of the head not more than that.
     """
     longitudes, angles = np.meshgrid(sphere.longitudes, sphere.angles)
     skin = sphere.points(longitudes, angles, sphere.radii)
     seen = view.shows(skin) * np.clip(1 + _facing(skin, view.camera) / _GRAZING, 0, 1)
     outer = sphere.points(longitudes, angles, total)
-    usual = (ends - angles) * total
-    usual = np.where(view.shows(outer), np.minimum(usual, view.to_bare(outer)), usual)
+    shown = view.shows(outer)
+    free = around_ears(sphere, view, settings)
+    bare = view.to_bare(outer)
+    usual = np.where(shown, np.minimum((ends - angles) * total, bare), hidden_reach(sphere, ends, settings))
+    # Hair that the picture shows over or beside an ear is there.
+    usual = np.where(shown & (bare > 0), usual, np.minimum(usual, free))
     left = seen * view.to_bare(skin) + (1 - seen) * usual
-    return _without_islands(left, settings.rim * sphere.head.height), seen
+    # Where an ear is hollow, too, nothing of what is under the skin may be seen.
+    left = np.where((left < 0) & (free < 0), np.minimum(left, free), left)
+    return _without_islands(left, settings.rim * sphere.head.height), free, 1 - np.maximum(seen, shown)
 
 
-def _taper(left: np.ndarray, thickness: np.ndarray, height: float, settings: ShellSettings) -> np.ndarray:
-    """How much of its thickness a shell has at a distance from its edge, metres: a quarter of an ellipse."""
-    length = np.maximum(settings.round_ * thickness, settings.rim * height)
-    return np.sqrt(np.clip(1 - (1 - np.clip(left / length, 0, 1)) ** 2, 0, 1))
+def _taper(
+    left: np.ndarray, thickness: np.ndarray, hidden: np.ndarray, height: float, settings: ShellSettings
+) -> np.ndarray:
+    """How much of its thickness a shell has at a distance from its edge, metres: a quarter of an ellipse, and where it
+    is hidden a flat arc that leads into the skin, as short hair at a nape does."""
+    share, flat = (
+        np.clip(left / np.maximum(times * thickness, settings.rim * height), 0, 1)
+        for times in (settings.round_, settings.thin)
+    )
+    return (1 - hidden) * np.sqrt(share * (2 - share)) + hidden * flat * (2 - flat)
 
 
 def _edge(sphere: HeadSphere, view: HairView, total: np.ndarray, settings: ShellSettings) -> np.ndarray:
@@ -190,7 +203,7 @@ def _edge(sphere: HeadSphere, view: HairView, total: np.ndarray, settings: Shell
     sight = seen[np.clip(rows, 0, len(seen) - 1), np.arange(len(rows))]
     sight = gaussian_filter1d(sight, settings.soft / 2, mode="wrap")
     shown, hidden = (gaussian_filter1d(edge, width, mode="wrap") for width in (settings.calm, settings.soft))
-    return sight * shown + (1 - sight) * hidden
+    return sight * shown + (1 - sight) * without_corners(sphere, hidden, settings)
 
 
 def _inside(view: HairView, points: np.ndarray, slack: np.ndarray) -> np.ndarray:
@@ -232,12 +245,14 @@ def _facing(points: np.ndarray, camera: Camera) -> np.ndarray:
 
 @dataclass(frozen=True, eq=False)
 class _Surface:
-    """sphere: HeadSphere. total, left: (R, C) metres, how far out hair is, and how far from its end. ends: (C,) angles
-    down to which a shell goes."""
+    """sphere: HeadSphere. total, left, free: (R, C) metres, how far out hair is, and how far from its end and from bare
+    ears. hidden: (R, C) from 0 to 1, how far no picture shows it. ends: (C,) angles down to which a shell goes."""
 
     sphere: HeadSphere
     total: np.ndarray
     left: np.ndarray
+    free: np.ndarray
+    hidden: np.ndarray
     ends: np.ndarray
 
 
@@ -253,16 +268,21 @@ def _mesh(surface: _Surface, view: HairView, settings: ShellSettings) -> Hair:
     skin = sphere.sample(sphere.radii, around, angles)
     thickness = sphere.sample(surface.total, around, angles) - skin
     left = sphere.sample(surface.left, around, angles)
+    # The outline, where hidden and shown hair meet, keeps its thickness.
+    hidden = np.clip(2 * gaussian_filter(surface.hidden, _SOFT, mode=("nearest", "wrap")) - 1, 0, 1)
+    hidden = sphere.sample(hidden, around, angles)
     height = sphere.head.height
     for _ in range(_TURNS):
         # Beyond its end it goes so deep that moving brows do not uncover it.
-        radii = skin + thickness * _taper(left, thickness, height, settings) + np.clip(left, -settings.deep * height, 0)
+        radii = skin + thickness * _taper(left, thickness, hidden, height, settings)
+        radii += np.clip(left, -settings.deep * height, 0)
         # What hides bare skin ends before it.
         points = sphere.points(around, angles, radii)
         left = np.where((left > 0) & view.shows(points), np.minimum(left, view.to_bare(points)), left)
         left = _without_islands(left, settings.rim * height)
         left = gaussian_filter(left, settings.even, mode=("nearest", "wrap"))
-    radii[-1] = skin[-1] - settings.under * height
+    rim = skin[-1] - settings.under * height
+    radii[-1] = np.where(sphere.sample(surface.free, around[-1], angles[-1]) < 0, np.minimum(radii[-1], rim), rim)
     top = sphere.sample(surface.total, np.zeros(1), np.zeros(1))
     points = np.concatenate(
         [

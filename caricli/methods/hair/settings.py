@@ -82,9 +82,12 @@ class ShellSettings:
     calm: columns over which the hairline is blurred; soft: the same where the picture does not show it.
     even: rows and columns over which distances to it are blurred, so that it is no saw.
     slack: how far outside the mask the outline may be.
-    rim: length over which a shell reaches its thickness at least; round_: the same for its thickness.
+    rim: length over which a shell reaches its thickness at least; round_: the same for its thickness; thin: the same
+    where nothing is seen of it.
+    slope: radians that the hairline falls at most for each around the head, where it is not seen.
+    clear: how far hair ends before a bare ear. tuft: how far the hairline goes up and down, where it is not seen.
     under: how far below the skin its edge ends. deep: the same, at most, of what is between its edge and the last hair.
-    below: radians below the edge down to which the picture says where hair ends.
+    below: radians below the edge down to which a shell goes on under the skin, so that seen skin says where hair ends.
     """
 
     columns: int = 192
@@ -107,6 +110,10 @@ class ShellSettings:
     slack: float = 0.03
     rim: float = 0.012
     round_: float = 1.2
+    thin: float = 3.0
+    slope: float = 2.0
+    clear: float = 0.02
+    tuft: float = 0.01
     under: float = 0.006
-    deep: float = 0.03
+    deep: float = 0.06
     below: float = 0.15

@@ -1,0 +1,49 @@
+"""Where hair ends that no picture shows: around ears, behind them, and at the nape."""
+
+import numpy as np
+from scipy.spatial import KDTree
+
+from caricli.methods.hair.hair_view import HairView
+from caricli.methods.hair.head_sphere import HeadSphere
+from caricli.methods.hair.settings import ShellSettings
+from caricli.render.sample_texture import sample_pixels
+
+_TUFTS = ((37, 0.3), (23, 1.7), (53, 2.9))  # half of how many there are around the head, and where they begin
+_HOLLOW = 4  # times as far under the skin as it is inside the clearance: ears are hollow
+_AROUND = 0.5  # radians beyond which an ear is far
+
+
+def without_corners(sphere: HeadSphere, edge: np.ndarray, settings: ShellSettings) -> np.ndarray:
+    """(C,) angles where hair ends, which fall nowhere more steeply than a slope: behind ears it goes down in an arc.
+
+    edge: (C,) radians from the whorl, of every longitude of the sphere.
+    """
+    apart = np.abs(sphere.longitudes[:, None] - sphere.longitudes)
+    apart = np.minimum(apart, 2 * np.pi - apart) * np.sin(edge)
+    lowest: np.ndarray = (edge + settings.slope * apart).min(1)
+    return lowest
+
+
+def hidden_reach(sphere: HeadSphere, ends: np.ndarray, settings: ShellSettings) -> np.ndarray:
+    """(R, C) metres along the skin to where hair ends at angles (C,), in tufts, below zero beyond."""
+    turn = sphere.longitudes[1] - sphere.longitudes[0]
+    rise = (np.roll(ends, -1) - np.roll(ends, 1)) / (2 * turn) / np.sin(ends)
+    tufts = np.mean([np.abs(np.sin(count * sphere.longitudes / 2 + start)) for count, start in _TUFTS], axis=0)
+    lower = settings.tuft * sphere.head.height * (1 - 2 * tufts)
+    return (ends - sphere.angles[:, None]) * sphere.radii / np.sqrt(1 + rise**2) + lower
+
+
+def around_ears(sphere: HeadSphere, view: HairView, settings: ShellSettings) -> np.ndarray:
+    """(R, C) metres to where hair is clear of an ear, below zero nearer. Of ears that are under the hair of the
+    picture, and beyond its border, nothing needs to be clear."""
+    ears = sphere.head.vertices[sphere.head.mask("ear_left", "ear_right")]
+    x, y = view.camera.project(ears).T
+    bare = ears[sample_pixels(view.hair.pixels.astype(np.float32), x, y, border=1.0) < 0.5]
+    if not len(bare):
+        return np.full(sphere.radii.shape, sphere.head.height)
+    longitudes, angles, _ = sphere.seen_from(bare)
+    places = sphere.directions(*np.meshgrid(sphere.longitudes, sphere.angles))
+    tree = KDTree(sphere.directions(longitudes, angles))
+    away = np.minimum(tree.query(places, distance_upper_bound=_AROUND)[0], _AROUND) * sphere.radii
+    free = away - settings.clear * sphere.head.height
+    return np.where(free < 0, _HOLLOW * free, free)

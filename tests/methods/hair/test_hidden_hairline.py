@@ -1,0 +1,75 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.spatial import KDTree
+
+from caricli.methods.hair.head_sphere import HeadSphere
+from caricli.methods.hair.hidden_hairline import hidden_reach, without_corners
+from caricli.methods.hair.make_shell import make_shell
+from caricli.methods.hair.settings import ShellSettings
+from tests.methods.hair.conftest import CAMERA
+
+SETTINGS = ShellSettings()
+
+
+@pytest.fixture(scope="module")
+def sphere(sitter):
+    return HeadSphere(sitter.head, SETTINGS)
+
+
+def above_skin(shell, head):
+    """Metres that the vertices of a shell are above the skin, by directions from the middle of a head."""
+    fine = HeadSphere(head, SETTINGS, fine=True)
+    longitudes, angles, radii = fine.seen_from(shell.shell.vertices)
+    return radii - fine.sample(fine.radii, longitudes, angles), fine.directions(longitudes, angles)
+
+
+def test_bare_ears_stay_free(sitter):
+    """And those that the picture shows under hair do not."""
+    picture = np.ones_like(sitter.hair.pixels)
+    for hair, free in ((sitter.hair, True), (replace(sitter.hair, pixels=picture, behind=~picture), False)):
+        shell, head = make_shell(sitter.head, CAMERA, hair)
+        above, ways = above_skin(shell, head)
+        sphere = HeadSphere(head, SETTINGS)
+        ears = head.vertices[head.mask("ear_left", "ear_right")]
+        x, y = CAMERA.project(ears).T.round().astype(int)
+        ears = ears[~sitter.hair.pixels[y, x]]
+        assert len(ears) > 100
+        longitudes, angles, _ = sphere.seen_from(ears)
+        near = KDTree(sphere.directions(longitudes, angles)).query(ways)[0] * 0.08 < SETTINGS.clear / 2 * head.height
+        assert near.sum() > 50
+        assert (above[near].max() < 0) == free
+
+
+def test_it_thins_towards_the_nape(sitter):
+    shell, head = make_shell(sitter.head, CAMERA, sitter.hair)
+    above = above_skin(shell, head)[0][1:].reshape(SETTINGS.rows, SETTINGS.columns)
+    nape = above[:, SETTINGS.columns // 2]
+    rows = np.flatnonzero(nape > 0)[-10:]
+    ends = nape[rows]
+    assert (np.diff(ends) < 0).all() and ends[-1] < 0.25 * ends[0]
+    last = [np.flatnonzero(column > 0)[-1] for column in above.T[80:112]]
+    assert len(set(last)) > 1
+
+
+def test_no_corner_is_left(sphere):
+    count = len(sphere.longitudes)
+    edge = np.where(np.abs(sphere.longitudes - np.pi) < 1, 2.1, 1.2)
+    calm = without_corners(sphere, edge, SETTINGS)
+    turn = 2 * np.pi / count
+    assert (calm <= edge).all()
+    assert np.abs(np.diff(calm)).max() <= 1.01 * SETTINGS.slope * turn
+    assert calm[count // 2] == pytest.approx(2.1)
+    np.testing.assert_allclose(without_corners(sphere, np.full(count, 1.5), SETTINGS), 1.5)
+
+
+def test_reach_is_measured_across_the_hairline(sphere):
+    plain = replace(SETTINGS, tuft=0.0)
+    level = hidden_reach(sphere, np.full(len(sphere.longitudes), 2.0), plain)
+    assert (level[sphere.angles < 2.0] > 0).all() and (level[sphere.angles > 2.0] < 0).all()
+    steep = 1.6 + 0.4 * np.sin(3 * sphere.longitudes)
+    reach = hidden_reach(sphere, steep, plain)
+    along = (steep - sphere.angles[:, None]) * sphere.radii
+    assert (np.abs(reach) <= np.abs(along) + 1e-12).all()
+    assert np.abs(reach).sum() < 0.9 * np.abs(along).sum()
