@@ -9,6 +9,9 @@ from caricli.methods.sketch.trace_lines import InkLine, trace_lines
 from caricli.render.rasterise_sketch import rasterise_sketch
 from caricli.structures.sketch import CANVAS, Sketch, Stroke
 
+_EDGE = 0.04
+"""Of full brightness: a change within five pixels from which on something else begins."""
+
 
 @dataclass(frozen=True)
 class PaperSettings:
@@ -160,8 +163,21 @@ def _paper(gray: np.ndarray, settings: PaperSettings) -> np.ndarray:
     steep = edge.any() and np.median(plain[near & sheet]) - np.median(plain[edge]) > 0.08
     if not (told and steep):
         return everything
+    sheet = _grown(sheet, plain)
     filled = cv2.morphologyEx(sheet.astype(np.uint8), cv2.MORPH_CLOSE, np.ones((reach, reach), np.uint8))
     return cv2.erode(filled, np.ones((reach, reach), np.uint8), borderValue=0).astype(bool)
+
+
+def _grown(sheet: np.ndarray, plain: np.ndarray) -> np.ndarray:
+    """(H, W) bool: a sheet, and what it shades off into without an edge: its far side stands in less light."""
+    import cv2
+
+    even = cv2.morphologyEx(plain, cv2.MORPH_GRADIENT, np.ones((5, 5), np.uint8)) < _EDGE
+    _, labels = cv2.connectedComponents(even.astype(np.uint8), connectivity=4)
+    around = np.bincount(labels[sheet & even], minlength=1)
+    if around[1:].sum() == 0:
+        return sheet
+    return sheet | (labels == 1 + int(around[1:].argmax()))
 
 
 def _solid(ink: np.ndarray, radius: float) -> float:

@@ -2,6 +2,7 @@
 
 from contextlib import suppress
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
 from scipy.optimize import linear_sum_assignment
@@ -9,10 +10,11 @@ from scipy.optimize import linear_sum_assignment
 from caricli.errors import InputError
 from caricli.methods.sketch.fit_lines import FRONT, fit_lines, line_camera
 from caricli.methods.sketch.line_handles import LineHandles, lines_by_curve
-from caricli.methods.sketch.settings import LineFitSettings, NamingSettings
+from caricli.methods.sketch.settings import SELDOM, LineFitSettings, NamingSettings
 from caricli.methods.sketch.stroke_candidates import Candidate, candidates_at, split_ring, stroke_costs
 from caricli.models.shape_model import ShapeModel
 from caricli.structures.sketch import Sketch, Stroke, StrokeKind
+from caricli.template.feature_curves import SILHOUETTE
 
 _MOST = 256
 """Strokes that are looked at, the longest."""
@@ -45,7 +47,10 @@ def name_strokes(
     if not _nameless(sketch):
         return sketch
     mean = model.decode_points(model.prior.mean, handles.vertices)
-    namings = [_Naming(sketch, handles, own, settings) for own in _laid_over(sketch, handles, mean)]
+    laid = _laid_over(sketch, handles, mean)
+    # One size for all, so that costs compare.
+    unit = float(np.median([np.linalg.norm(np.ptp(own, axis=0)) for own in laid]))
+    namings = [_Naming(sketch, handles, own, unit, settings) for own in laid]
     best = min(namings, key=lambda each: each.cost)
     for _ in range(settings.rounds):
         named = best.named()
@@ -54,7 +59,10 @@ def name_strokes(
         except InputError:
             break
         own = face.require_camera().project(face.vertices[handles.vertices])
-        best = _Naming(sketch, handles, own, settings)
+        again = _Naming(sketch, handles, own, unit, settings)
+        if again.cost > best.cost:
+            break
+        best = again
     return best.named()
 
 
@@ -85,39 +93,59 @@ def _nameless(sketch: Sketch) -> list[int]:
 
 
 def _laid_over(sketch: Sketch, handles: LineHandles, mean: np.ndarray) -> list[np.ndarray]:
-    """(H, 2) pixels of the handles of a face (H, 3) for every box that a sketch may be of: a head with ears, one
-    without, and a face without a crown; where enough strokes have names, for the camera that these tell."""
+    """(H, 2) pixels of the handles of a face (H, 3) for what a sketch may be of: a head with ears, one without, and a
+    face without a crown; and with an outline, or a jaw, as large as the largest stroke, and features where all others
+    are, with ears and without: jaws of caricatures have any size. Where enough strokes have names, only for the camera
+    that these tell."""
     with suppress(InputError):
         return [line_camera(lines_by_curve(sketch), handles, mean).project(mean)]
     flat = mean @ FRONT[:2].T
-    rows = {part: handles.rows_of(part) for part in ("ear", "brow")}
-    head = np.delete(flat, rows["ear"], axis=0)
-    boxes = [flat, head]
-    if len(rows["brow"]):
-        boxes.append(head[head[:, 1] >= flat[rows["brow"], 1].min()])
-    drawn = np.concatenate([sketch.strokes[number].points for number in _nameless(sketch)])
-    low, high = np.quantile(drawn, [_RARE, 1 - _RARE], axis=0)
-    laid = []
-    for box in boxes:
-        scale = (high - low) / np.ptp(box, axis=0)  # heads of caricatures are broad, or long
-        laid.append(scale * (flat - (box.min(0) + box.max(0)) / 2) + (low + high) / 2)
+    every = np.arange(len(flat))
+    head = np.setdiff1d(every, handles.rows_of("ear"))
+    outline = handles.rows_of(SILHOUETTE)
+    boxes = [every, head]
+    outlines = [outline]
+    brows = handles.rows_of("brow")
+    if len(brows):
+        below = flat[:, 1] >= flat[brows, 1].min()
+        boxes.append(head[below[head]])
+        outlines.append(outline[below[outline]])
+    strokes = [sketch.strokes[number].points for number in _nameless(sketch)]
+    strokes.sort(key=lambda points: float(np.linalg.norm(np.ptp(points, axis=0))))
+    laid = [_over(flat, box, strokes) for box in boxes]
+    for features, part in product((every, head), outlines):
+        if len(strokes) > 1 and len(part):
+            inside = np.setdiff1d(features, outline)
+            placed = _over(flat, part, strokes[-1:])
+            placed[inside] = _over(flat, inside, strokes[:-1])[inside]
+            laid.append(placed)
     return laid
+
+
+def _over(flat: np.ndarray, rows: np.ndarray, strokes: list[np.ndarray]) -> np.ndarray:
+    """Points (H, 2) moved and scaled along each axis so that the box of those of rows is that of strokes."""
+    low, high = np.quantile(np.concatenate(strokes), [_RARE, 1 - _RARE], axis=0)
+    box = flat[rows]
+    scale = (high - low) / np.ptp(box, axis=0)  # heads of caricatures are broad, or long
+    return scale * (flat - (box.min(0) + box.max(0)) / 2) + (low + high) / 2
 
 
 class _Naming:
     """What the strokes of a sketch draw of a face that lies somewhere. cost: sum over those that do not name it."""
 
-    def __init__(self, sketch: Sketch, handles: LineHandles, own: np.ndarray, settings: NamingSettings) -> None:
-        """own: (H, 2) pixels of the handles."""
+    def __init__(
+        self, sketch: Sketch, handles: LineHandles, own: np.ndarray, unit: float, settings: NamingSettings
+    ) -> None:
+        """own: (H, 2) pixels of the handles. unit: pixels, diagonal of a face."""
         self.sketch = sketch
         self.settings = settings
         self.candidates = candidates_at(handles, own)
         self.numbers = _nameless(sketch)
         strokes = [sketch.strokes[number] for number in self.numbers]
-        unit = float(np.linalg.norm(np.ptp(own, axis=0)))
         self.costs = stroke_costs(strokes, self.candidates, unit, settings)
         taken = {stroke.curve for stroke in sketch.strokes}
         self.blocked = np.array([not taken.isdisjoint(each.names) for each in self.candidates])
+        self.seldom = settings.seldom * np.array([each.names[0].startswith(SELDOM) for each in self.candidates])
         self.chosen: dict[int, Candidate] = {}
         self.cost = self._assign()
         self._continue([stroke.length for stroke in strokes])
@@ -150,7 +178,7 @@ class _Naming:
     def _pairs(self, blocked: np.ndarray) -> tuple[list[tuple[int, int]], float]:
         """Strokes and candidates of the least sum of costs. blocked: (C,) bool."""
         dearest = self.settings.dearest
-        costs = np.where(blocked, np.inf, self.costs.whole)
+        costs = np.where(blocked, np.inf, self.costs.whole + self.seldom)
         count = len(costs)
         table = np.concatenate([np.minimum(costs, 10 * dearest), np.full((count, count), dearest)], axis=1)
         rows, columns = linear_sum_assignment(table)

@@ -26,6 +26,8 @@ _SPACING = 0.004
 """Of the canvas: between points at which lines are compared."""
 _UNSURE = 0.5
 """Share of strokes from which on it is said that they draw no face."""
+_FEWEST = 5
+"""Curves that tell a face among strokes which mostly draw none."""
 
 Coarse = Callable[[Sketch, Lines, LineHandles], Face]
 """A face that is likely for a sketch, with camera and latent: of the sketch, its lines by curves, and the handles."""
@@ -121,12 +123,19 @@ class SketchReconstruction:
         share: of the way from the likely face to the lines, 0 to 1. Raises InputError where nothing can be told.
         """
         named = name_strokes(sketch, self.handles, self.model)
+        unsure = unsure_share(sketch, named, self.handles)
         lines = lines_by_curve(named)
+        if unsure > _UNSURE and len(lines) < _FEWEST:
+            raise InputError(
+                f"expected lines of a face, found {len(sketch.strokes)} of which {len(lines)} could be some"
+            )
         coarse = self._coarse(named, lines, self.handles)
         camera = coarse.require_camera()
         before = self._curves(coarse)
         places = self.handles.places(lines, camera.project(coarse.vertices[self.handles.vertices]))
         face, followed = self._sound(coarse, places, share)
+        if unsure > _UNSURE and share and not followed:
+            raise InputError("expected lines of a face, found most of them none of it and the others tearing it apart")
         landmarks = camera.project(face.vertices[self.model.template.annotation.landmarks])
         after = self._curves(face)
         distances = _distances(lines, after, max(sketch.size))
@@ -141,7 +150,7 @@ class SketchReconstruction:
             prior_rms=float(self.model.prior.rms(coarse.require_latent())),
             share=followed,
             asked=share,
-            unsure=unsure_share(sketch, named, self.handles),
+            unsure=unsure,
         )
 
     def _sound(self, coarse: Face, places: np.ndarray, share: float) -> tuple[Face, float]:

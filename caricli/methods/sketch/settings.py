@@ -5,6 +5,9 @@ from dataclasses import dataclass
 COARSE = ("network", "model")
 """How the face of a sketch begins; the first is the default."""
 
+SELDOM = ("eye_fold", "nose_tip", "nostril")
+"""What the names of curves begin with that are drawn beside others, the lids and the wings of the nose, if at all."""
+
 CORNERED = ("brow", "eye_upper", "eye_lower", "eye_fold", "mouth")
 """What the names of curves begin with whose ends everybody draws; others fade out where an artist likes."""
 
@@ -36,7 +39,7 @@ class NamingSettings:
     from the curve. shape: of what is left of the distance without a common shift. missing: distance from which on a
     part of a curve just was not drawn. dearest: cost above which a stroke draws no curve. piece: the same for one that
     continues a curve. covered: share of a stroke that may lie along what was drawn already when it continues a curve.
-    rounds: of a face that follows the names, and names.
+    seldom: cost of a curve that is drawn beside others, if at all. rounds: of a face that follows the names, and names.
     """
 
     turn: float = 0.1
@@ -46,6 +49,7 @@ class NamingSettings:
     dearest: float = 0.15
     piece: float = 0.05
     covered: float = 0.3
+    seldom: float = 0.03
     rounds: int = 2
 
 

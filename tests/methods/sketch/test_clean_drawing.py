@@ -25,12 +25,12 @@ def sketch(head_template):
     return draw_sketch(head_template.vertices, curves, canvas_camera(head_template.vertices, curves))
 
 
-def photograph(sketch, generator, darkness=0.7, width=3.0, table=None):
+def photograph(sketch, generator, darkness=0.7, width=3.0, table=None, fall=0.35):
     """Lines on paper with a lamp on one side, a shadow, grain, a soft lens, JPEG; on a table, or close up."""
     ink = rasterise_sketch(sketch, SIDE, width) / 255
     y, x = np.mgrid[:SIDE, :SIDE] / SIDE
     spot = np.exp(-((x - generator.uniform()) ** 2 + (y - generator.uniform()) ** 2) / 0.05)
-    light = 0.85 - 0.35 * x + 0.1 * y - 0.25 * spot
+    light = 0.85 - fall * x + 0.1 * y - 0.25 * spot
     picture = (light * (1 - darkness * ink))[..., None] * [1.0, 0.96, 0.88]
     picture = cv2.GaussianBlur(picture, (0, 0), 0.8)
     grain = generator.normal(0, 0.015, (SIDE, SIDE)) + cv2.GaussianBlur(
@@ -53,7 +53,13 @@ def points_of(sketch):
     return 200 * (points - points.min(0)) / np.ptp(points, axis=0).max()
 
 
-PAPERS = {"ink": {}, "pencil": {"darkness": 0.4, "width": 2.0}, "table": {"table": 0.2}, "pen": {"width": 6.0}}
+PAPERS = {
+    "ink": {},
+    "pencil": {"darkness": 0.4, "width": 2.0},
+    "table": {"table": 0.2},
+    "lamp": {"table": 0.1, "fall": 0.6},
+    "pen": {"width": 6.0},
+}
 
 
 @pytest.mark.parametrize("options", PAPERS.values(), ids=PAPERS.keys())

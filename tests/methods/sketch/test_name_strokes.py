@@ -31,6 +31,22 @@ def test_strokes_find_their_curves(anonymous, sketch, handles, model):
     assert all(a.points is b.points for a, b in zip(named.strokes, anonymous.strokes, strict=True))
 
 
+def test_strokes_of_a_head_with_a_huge_jaw_find_their_curves(sketch, handles, model):
+    """Of landmarks alone, as on real caricatures: no crown, no ears."""
+    strokes = []
+    for stroke in sketch.strokes:
+        if stroke.curve == "silhouette":
+            jaw = stroke.points[np.r_[49:66, 0:18]]
+            strokes.append(replace(nameless(stroke), points=(jaw - jaw[0]) * [1, 2.2] + jaw[0]))
+        elif not stroke.curve.startswith(("ear", "eye_fold", "nostril", "nose_tip")):
+            strokes.append(nameless(stroke))
+    expected = [
+        curve for curve in curves_of(sketch) if not curve.startswith(("ear", "eye_fold", "nostril", "nose_tip"))
+    ]
+    named = name_strokes(Sketch(tuple(strokes), (256, 400)), handles, model)
+    assert curves_of(named) == expected
+
+
 def test_names_that_are_given_stay_and_others_are_none(sketch, handles, model):
     brow = replace(sketch.strokes[curves_of(sketch).index("brow_left")], curve="brow_right")
     wrinkle = Stroke(np.array([[60.0, 60], [90, 62]]), StrokeKind.WRINKLE)
