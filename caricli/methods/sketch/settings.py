@@ -11,9 +11,10 @@ SELDOM = ("eye_fold", "nose_tip", "nostril")
 CORNERED = ("brow", "eye_upper", "eye_lower", "eye_fold", "mouth")
 """What the names of curves begin with whose ends everybody draws; others fade out where an artist likes."""
 
-UNUSUAL = 0.02
+UNUSUAL = 0.03
 """Of the diagonal of the lines: root mean square of their distances from the face that a network sees, from which on it
-is none that networks know. Of 100 sketches that unsteady hands drew of people of validation splits 98 are nearer."""
+is none that networks know. Of 100 sketches that unsteady hands drew of people of validation splits 98 are nearer; of
+those above 0.02 what the network sees is 5.4 mm off, elastic faces 8.1."""
 
 
 @dataclass(frozen=True)
