@@ -22,6 +22,9 @@ _FARTHEST = 10.0
 """Mean squared distance of an ear's landmarks from detected ones, in their common covariances, from which on what was
 found is another thing."""
 
+_SMALLEST = 80.0
+"""Pixels, of the diagonal of detected landmarks, below which a picture is too coarse to know better."""
+
 
 @dataclass(frozen=True, eq=False)
 class Outline:
@@ -59,8 +62,7 @@ class Outline:
         Of two places with covariances S and T the mean by S^-1 and T^-1 is taken, whose covariance is (S^-1 + T^-1)^-1.
         An ear that is too far from the detected one says nothing.
         """
-        diagonal = np.linalg.norm(np.ptp(points[:COUNT][np.isfinite(points[:COUNT]).all(1)], axis=0))
-        deviation = np.eye(2) * (_DEVIATION * diagonal) ** 2
+        deviation = np.eye(2) * (_DEVIATION * _extent(points)) ** 2
         moved = np.array(points)
         doubts = np.array(spreads)
         for numbers in SIDES.values():
@@ -98,4 +100,11 @@ def can_find_outline(points: np.ndarray, template: Template, spreads: np.ndarray
         and note.has_extra
         and all(len(note.curves.get(name, ())) > 2 for name in curves)
         and bool(np.isfinite(points[list(OUTLINE)]).all())
+        and (len(points) == COUNT or _extent(points) >= _SMALLEST)
     )
+
+
+def _extent(points: np.ndarray) -> float:
+    """Diagonal of the known ones of the first 68 landmarks, pixels."""
+    first = points[:COUNT]
+    return float(np.linalg.norm(np.ptp(first[np.isfinite(first).all(1)], axis=0)))

@@ -191,7 +191,9 @@ def test_where_nothing_can_be_found(frontal, intrinsic):
     template = intrinsic.template
     assert can_find_outline(points, template)
     assert not can_find_outline(truth.points, template)
-    assert can_find_outline(truth.points, template, np.tile(np.eye(2), (81, 1, 1)))
+    spreads = np.tile(np.eye(2), (81, 1, 1))
+    assert can_find_outline(truth.points, template, spreads)
+    assert not can_find_outline(truth.points / 20, template, spreads)
     assert not can_find_outline(np.where(np.arange(68)[:, None] == 3, np.nan, points), template)
     note = template.annotation
     bare = replace(note, curves={name: line for name, line in note.curves.items() if name != "ear_left"})
