@@ -26,8 +26,6 @@ _SPACING = 0.004
 """Of the canvas: between points at which lines are compared."""
 _UNSURE = 0.5
 """Share of strokes from which on it is said that they draw no face."""
-_FEWEST = 5
-"""Curves that tell a face among strokes which mostly draw none."""
 
 Coarse = Callable[[Sketch, Lines, LineHandles], Face]
 """A face that is likely for a sketch, with camera and latent: of the sketch, its lines by curves, and the handles."""
@@ -125,16 +123,14 @@ class SketchReconstruction:
         named = name_strokes(sketch, self.handles, self.model)
         unsure = unsure_share(sketch, named, self.handles)
         lines = lines_by_curve(named)
-        if unsure > _UNSURE and len(lines) < _FEWEST:
-            raise InputError(
-                f"expected lines of a face, found {len(sketch.strokes)} of which {len(lines)} could be some"
-            )
         coarse = self._coarse(named, lines, self.handles)
         camera = coarse.require_camera()
         before = self._curves(coarse)
         places = self.handles.places(lines, camera.project(coarse.vertices[self.handles.vertices]))
         face, followed = self._sound(coarse, places, share)
-        if unsure > _UNSURE and share and not followed:
+        likely = _means(_distances(lines, before, max(sketch.size)))
+        # What is far from its lines is doubted as such; the rest of a scribble may lie near to a face by chance.
+        if unsure > _UNSURE and share and not followed and likely["all"] <= self._settings.strange:
             raise InputError("expected lines of a face, found most of them none of it and the others tearing it apart")
         landmarks = camera.project(face.vertices[self.model.template.annotation.landmarks])
         after = self._curves(face)
@@ -143,7 +139,7 @@ class SketchReconstruction:
             face=replace(encode_face(face, self.model), landmarks=landmarks),
             sketch=named,
             curves=after,
-            coarse=_means(_distances(lines, before, max(sketch.size))),
+            coarse=likely,
             errors=_means(distances),
             worst=max((float(each.max()) for each in distances.values()), default=0.0),
             flipped=self._flipped(face),
