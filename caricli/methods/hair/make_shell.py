@@ -114,13 +114,15 @@ def make_shell(
         total = fine.radii + np.maximum(fine.sample(thickness, longitudes, angles), settings.least * head.height)
         edge = _edge(fine, view, total, settings)
     total = meet_outline(fine, camera, outline, angles < edge, total)
-    left, _, _ = _left(fine, view, edge, total, settings)
+    left, *_ = _left(fine, view, edge, total, settings)
     head = lower_skull(head, fine, np.where(left > 0, total - settings.least * head.height, np.inf))
     fine = HeadSphere(head, settings, fine=True)
     view = HairView(head, camera, hair, outline)
-    left, free, hidden = _left(fine, view, edge, total, settings)
+    left, free, hidden, seen = _left(fine, view, edge, total, settings)
     # Seen skin says itself where hair ends, down to some way below the edge.
-    return _mesh(_Surface(fine, total, left, free, hidden, edge + settings.below), view, settings), head
+    row = np.clip(np.searchsorted(fine.angles, edge), 0, len(fine.angles) - 1)
+    lower = edge + settings.below * seen[row, np.arange(len(edge))]
+    return _mesh(_Surface(fine, total, left, free, hidden, lower), view, settings), head
 
 
 def lower_skull(head: Template, sphere: HeadSphere, most: np.ndarray) -> Template:
@@ -144,9 +146,9 @@ def lower_skull(head: Template, sphere: HeadSphere, most: np.ndarray) -> Templat
 
 def _left(
     sphere: HeadSphere, view: HairView, ends: np.ndarray, total: np.ndarray, settings: ShellSettings
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """(R, C) metres, how far it is to where hair ends, below zero beyond; (R, C) metres to bare ears; and (R, C) from 0
-    to 1, how far the picture shows neither the skin there nor the hair on it.
+    to 1, how far the picture shows neither the skin there nor the hair on it, and how far it shows the skin.
 
     It is the distance to (C,) angles and to bare ears; but where skin is seen that to what is bare in the picture, and
     where hair would be seen in front of the head not more than that.
@@ -164,7 +166,7 @@ def _left(
     left = seen * view.to_bare(skin) + (1 - seen) * usual
     # Where an ear is hollow, too, nothing of what is under the skin may be seen.
     left = np.where((left < 0) & (free < 0), np.minimum(left, free), left)
-    return _without_islands(left, settings.rim * sphere.head.height), free, 1 - np.maximum(seen, shown)
+    return _without_islands(left, settings.rim * sphere.head.height), free, 1 - np.maximum(seen, shown), seen
 
 
 def _taper(
