@@ -87,7 +87,7 @@ class ShellSettings:
     slope: radians that the hairline falls at most for each around the head, where it is not seen.
     clear: how far hair ends before a bare ear. tuft: how far the hairline goes up and down, where it is not seen.
     under: how far below the skin its edge ends. deep: the same, at most, of what is between its edge and the last hair.
-    below: radians below the edge down to which a shell goes on under the skin, so that seen skin says where hair ends.
+    below: radians below the edge down to which the picture says where hair ends.
     """
 
     columns: int = 192
