@@ -54,7 +54,7 @@ class FaceReader:
         return FacePicture(seen.landmarks.first(count), pixels, seen)
 
     def parse(self, pixels: np.ndarray, points: np.ndarray) -> np.ndarray | None:
-        """(H, W) uint8 values of Region, what a picture shows around the face that landmarks are of.
+        """(H, W) uint8 values of Region, what a picture shows whose face has landmarks.
 
         pixels: (H, W, 3) uint8. points: (L, 2). Returns None where no detector is given, and none comes along.
         """
@@ -62,9 +62,9 @@ class FaceReader:
 
         if self.path is None and not has_detector():
             return None
-        from caricli.methods.detect.parse_face import parse_face
+        from caricli.methods.detect.parse_face import parse_around
 
-        return parse_face(pixels, points, self.detector).regions
+        return parse_around(pixels, points, self.detector)
 
     def see(self, pixels: np.ndarray) -> SeenFace:
         """The face of a picture (H, W, 3) uint8. Raises InputError where it shows none."""

@@ -4,6 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from caricli.methods.detect.detect_faces import detect_faces
+from caricli.methods.detect.find_faces import frames_overlap
 from caricli.methods.detect.parse_picture import WindowRegions, parse_picture
 from caricli.methods.detect.read_faces import ReadFace, read_face
 from caricli.methods.detect.settings import DetectSettings
@@ -15,6 +17,9 @@ from caricli.structures.landmarks import COUNT, EYES, MOUTH
 _WIDE = 2
 """Windows' sides of the one in which a head and its surroundings are parsed."""
 
+_SAME = 0.5
+"""Overlap of the frames of landmarks and of a face that is found, from which on these are of one face."""
+
 
 @dataclass(frozen=True, eq=False)
 class ParsedFace:
@@ -25,6 +30,23 @@ class ParsedFace:
 
     read: ReadFace
     regions: np.ndarray
+
+
+def parse_around(
+    picture: np.ndarray, points: np.ndarray, detector: Detector, settings: DetectSettings | None = None
+) -> np.ndarray:
+    """Say what a picture shows whose face has landmarks.
+
+    Where this face is found in the picture, it is what its detection says, a mean of looks at several scales; else what
+    is read around the landmarks alone.
+    picture: (H, W, 3) uint8. points: (L, 2) pixels, NaN where unknown.
+    Returns (H, W) uint8 values of Region.
+    """
+    detection = detect_faces(picture, detector, settings)
+    frame = FaceFrame.of(_filled(points))
+    if any(frames_overlap(frame, face.frame) >= _SAME for face in detection.faces):
+        return detection.regions
+    return parse_face(picture, points, detector, settings).regions
 
 
 def parse_face(
