@@ -181,6 +181,11 @@ set_option = click.option(
 )
 
 
+def datasets_option(help: str) -> Callable:
+    """Return the option `--data` for one dataset or more; they arrive as `datasets`."""
+    return click.option("--data", "datasets", type=PATH, metavar="DATASET", required=True, multiple=True, help=help)
+
+
 def out_option(
     metavar: str, help: str, required: bool = True, suffix: str | None = None, check: Callable | None = None
 ) -> Callable:

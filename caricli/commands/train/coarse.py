@@ -8,6 +8,7 @@ from caricli.commands.shared.notes import echo_result
 from caricli.commands.shared.options import (
     PATH,
     config_option,
+    datasets_option,
     model_option,
     out_option,
     overwrite_option,
@@ -18,15 +19,8 @@ from caricli.io.provenance import provenance
 
 
 @click.command()
-@click.option(
-    "--data",
-    "datasets",
-    type=PATH,
-    metavar="DATASET",
-    required=True,
-    multiple=True,
-    help="Use the dataset in this folder; and, repeated, one for each folder of `caricli dataset pictures`, in their "
-    "order.",
+@datasets_option(
+    "Use the dataset in this folder; and, repeated, one for each folder of `caricli dataset pictures`, in their order."
 )
 @click.option(
     "--pictures",

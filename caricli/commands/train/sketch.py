@@ -5,21 +5,20 @@ from dataclasses import asdict
 import click
 
 from caricli.commands.shared.notes import echo_result
-from caricli.commands.shared.options import PATH, config_option, model_option, out_option, overwrite_option, set_option
+from caricli.commands.shared.options import (
+    config_option,
+    datasets_option,
+    model_option,
+    out_option,
+    overwrite_option,
+    set_option,
+)
 from caricli.io.config import read_config
 from caricli.io.provenance import provenance
 
 
 @click.command()
-@click.option(
-    "--data",
-    "datasets",
-    type=PATH,
-    metavar="DATASET",
-    required=True,
-    multiple=True,
-    help="Draw the faces of the dataset in this folder, and, repeated, of further ones.",
-)
+@datasets_option("Draw the faces of the dataset in this folder, and, repeated, of further ones.")
 @out_option("RUN_DIR", "Write model, log, learning curve and the state to resume from into this folder.")
 @model_option
 @config_option

@@ -3,27 +3,16 @@ import pytest
 
 from caricli.methods.parts.attachment import open_head_attachment
 from caricli.methods.parts.incisors import BEHIND, CROWN, LAUGHED, SHOWN, incisors_of
-from caricli.template.head import load_head
 
 NONE = np.zeros((0, 4200, 3))
 
 
 @pytest.fixture(scope="module")
-def head():
-    return load_head()
-
-
-@pytest.fixture(scope="module")
-def template(head):
-    return head.template()
-
-
-@pytest.fixture(scope="module")
-def laughing(head, template):
+def laughing(head, head_template):
     """A face whose upper lip is drawn up, and whose jaw is open."""
     names = list(head.action_names)
     ways = {"jawOpen": 0.5, "mouthUpperUpLeft": 1.0, "mouthUpperUpRight": 1.0}
-    return template.vertices + sum(weight * head.actions[names.index(name)] for name, weight in ways.items())
+    return head_template.vertices + sum(weight * head.actions[names.index(name)] for name, weight in ways.items())
 
 
 def upper_teeth(template, vertices, given=None):
@@ -35,29 +24,29 @@ def upper_teeth(template, vertices, given=None):
     return upper - incisors.edge(part.mesh.vertices, np.array([0.0, 1, 0])), upper - lower, crown
 
 
-def test_an_open_mouth_shows_the_upper_teeth(template, laughing):
-    shown, opening, crown = upper_teeth(template, laughing)
+def test_an_open_mouth_shows_the_upper_teeth(head_template, laughing):
+    shown, opening, crown = upper_teeth(head_template, laughing)
     assert opening > 0.01 and shown > 0.95 * min(SHOWN * opening, CROWN * crown)
 
 
-def test_behind_closed_lips_they_are_where_the_skull_has_them(template):
-    shown, _, _ = upper_teeth(template, template.vertices)
-    assert -BEHIND * template.height <= shown < 0
+def test_behind_closed_lips_they_are_where_the_skull_has_them(head_template):
+    shown, _, _ = upper_teeth(head_template, head_template.vertices)
+    assert -BEHIND * head_template.height <= shown < 0
 
 
-def test_those_that_a_laugh_drew_up_come_down_when_the_lips_close(template):
+def test_those_that_a_laugh_drew_up_come_down_when_the_lips_close(head_template):
     """A neutral face in which they were too high, and which was found from a face that showed them."""
-    high = template.vertices.copy()
-    wall = template.annotation.regions["inner_mouth"]
-    lips = np.concatenate([template.annotation.curves[f"mouth_inner_{side}"] for side in ("upper", "lower")])
-    high[np.setdiff1d(wall, lips), 1] += 0.03 * template.height
-    hidden, opening, _ = upper_teeth(template, high)
+    high = head_template.vertices.copy()
+    wall = head_template.annotation.regions["inner_mouth"]
+    lips = np.concatenate([head_template.annotation.curves[f"mouth_inner_{side}"] for side in ("upper", "lower")])
+    high[np.setdiff1d(wall, lips), 1] += 0.03 * head_template.height
+    hidden, opening, _ = upper_teeth(head_template, high)
     laugh = high.copy()
-    laugh[template.annotation.curves["mouth_inner_lower"], 1] -= 0.05 * template.height
-    shown, _, _ = upper_teeth(template, high, laugh)
-    assert hidden < shown <= (LAUGHED + 0.002) * template.height and opening < 0.002 * template.height
+    laugh[head_template.annotation.curves["mouth_inner_lower"], 1] -= 0.05 * head_template.height
+    shown, _, _ = upper_teeth(head_template, high, laugh)
+    assert hidden < shown <= (LAUGHED + 0.002) * head_template.height and opening < 0.002 * head_template.height
 
 
-def test_a_row_without_teeth_has_no_incisors(template):
+def test_a_row_without_teeth_has_no_incisors(head_template):
     lower = next(hold.part for hold in open_head_attachment().holds if hold.part.name == "teeth_lower")
-    assert incisors_of(template, lower) is None
+    assert incisors_of(head_template, lower) is None
