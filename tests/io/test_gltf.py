@@ -56,6 +56,11 @@ def haired(rig, moved=0.0):
     )
 
 
+def toothed(rig):
+    """The rig whose eyes are teeth."""
+    return replace(rig, materials=np.where(rig.materials == Material.EYE, Material.TEETH, rig.materials))
+
+
 def grid(side, names=("bump",)):
     """A square of side x side vertices and quads, with a bump."""
     row, column = (a.ravel() for a in np.mgrid[: side - 1, : side - 1])
@@ -113,6 +118,7 @@ def kinds(full, head, subdivided):
         "animated": (full, {"animation": turning}),
         "animated sparse": (full, {"animation": turning, "sparse": True}),
         "one frame, no rotation": (full, {"animation": Animation([0.0], turning.weights[:1])}),
+        "teeth": (toothed(full), {}),
         "hair": (haired(full), {}),
         "hair, sparse, animated": (haired(full), {"sparse": True, "animation": turning}),
         "hair that keeps still": (still(haired(full)), {}),
@@ -213,6 +219,19 @@ def values(gltf, index):
 
 def sources(gltf, primitive):
     return values(gltf, primitive.attributes._SOURCE_VERTEX)[:, 0].astype(int)
+
+
+def test_less_light_comes_to_teeth_the_farther_back_they_are(full_rig, tmp_path):
+    write_gltf(tmp_path / "a.glb", toothed(full_rig))
+    gltf = pygltflib.GLTF2().load(str(tmp_path / "a.glb"))
+    skin, teeth = gltf.meshes[0].primitives
+    assert skin.attributes.COLOR_0 is None
+    light = values(gltf, teeth.attributes.COLOR_0)
+    np.testing.assert_array_equal(light, light[:, :1].repeat(3, axis=1))
+    from_the_back = light[np.argsort(values(gltf, teeth.attributes.POSITION)[:, 2]), 0]
+    assert (np.diff(from_the_back) >= 0).all()
+    assert from_the_back[0] == pytest.approx(0.1)
+    assert from_the_back[-1] == 1
 
 
 @pytest.mark.parametrize("sparse", [False, True])

@@ -19,12 +19,17 @@ _FOR_INDICES = 34963
 _LINEAR = 9729
 _LINEAR_MIPMAP_LINEAR = 9987
 
+_INSIDE = (Material.TEETH, Material.GUMS, Material.TONGUE)
+_THROAT = 0.1
+"""Share of the light that comes to the backmost of what is inside the mouth, of that before its foremost."""
+
 
 def write_gltf(path: str | Path, rig: Rig, sparse: bool = False, animation: Animation | None = None) -> None:
     """Write a rig: metres, +y up, +z front; the same rig gives the same bytes.
 
     One node with one mesh; one primitive for every material; morph targets of positions and normals, their names in
-    ``mesh.extras.targetNames``; targets that move nothing share their zeros. Hair that keeps still is a node of its own
+    ``mesh.extras.targetNames``; targets that move nothing share their zeros. Teeth and tongue have colours of vertices
+    (`mouth_light`). Hair that keeps still is a node of its own
     below the head's. Vertices are split where the UVs have a seam, and `SOURCE_VERTEX` leads back; those of no polygon
     stand at the end of the first primitive.
     path: a GLB, or, where it ends in .gltf, one text with all inside. sparse: whether of a target only the vertices
@@ -71,6 +76,20 @@ def shading_normals(rig: Rig) -> tuple[np.ndarray, np.ndarray]:
     for k, delta in enumerate(rig.deltas):
         added[k] = normals(neutral + delta) - still
     return still.astype(np.float32), added
+
+
+def mouth_light(rig: Rig) -> np.ndarray:
+    """(V,) float32 share of the light that comes to vertices of teeth, gums and tongue, others 1.
+
+    It falls off from front to back: most viewers let light through cheeks, and show the throat as bright as lips.
+    """
+    inside = np.unique(rig.faces[np.isin(rig.triangle_materials, _INSIDE)])
+    light = np.ones(len(rig.neutral), np.float32)
+    if len(inside):
+        front = rig.neutral[inside, 2]
+        depth = (front.max() - front) / max(np.ptp(front), np.finfo(float).tiny)
+        light[inside] = _THROAT + (1 - _THROAT) * (1 - depth) ** 2
+    return light
 
 
 class _Buffer:
@@ -160,6 +179,7 @@ def _primitives(rig: Rig, sparse: bool, buffer: _Buffer) -> list[dict]:
     corners = rig.mesh.uv_faces if rig.mesh.uvs is not None else np.zeros_like(triangles)
     neutral = np.asarray(rig.neutral, np.float32)
     normals, normal_deltas = shading_normals(rig)
+    light = mouth_light(rig)
     keys = triangles.astype(np.int64) * len(uvs) + corners
     loose = np.setdiff1d(np.arange(len(neutral)), triangles) * len(uvs)
     apart = _hair_apart(rig)
@@ -177,6 +197,8 @@ def _primitives(rig: Rig, sparse: bool, buffer: _Buffer) -> list[dict]:
             # glTF counts v from the top.
             flipped = np.stack([uvs[corner, 0], 1 - uvs[corner, 1]], axis=1).astype(np.float32)
             attributes["TEXCOORD_0"] = buffer.accessor(flipped, _FOR_VERTICES)
+        if material in _INSIDE:
+            attributes["COLOR_0"] = buffer.accessor(np.repeat(light[source, None], 3, axis=1), _FOR_VERTICES)
         indices = indices.ravel().astype(_index_dtype(len(source)))
         primitive = {"attributes": attributes, "indices": buffer.accessor(indices, _FOR_INDICES), "material": number}
         deltas = np.asarray(rig.deltas, np.float32)[:, source]
