@@ -9,12 +9,14 @@ from caricli.geometry.head_rotation import head_rotation
 from caricli.methods.pictures.build_pictures import PictureSettings, drawing_tasks
 from caricli.methods.pictures.mime import random_mime
 from caricli.methods.pictures.pose import Pose
+from caricli.methods.pictures.settings import SitterSettings
 from caricli.methods.reconstruct.landmark_vertices import landmark_vertices
 from caricli.seeds import PictureSeed
 from caricli.structures.parsing import Region
 
-MIMES = (0.5, 0.5, 0.3)
-CHANCES = dict(zip(("twisted", "grinning", "laughing"), MIMES, strict=True))
+MIMES = SitterSettings(twisted=0.5, grinning=0.5, laughing=0.3, loudest=1.5, widest=0.6, wide=0)
+CHANCES = {"twisted": MIMES.twisted, "grinning": MIMES.grinning, "laughing": MIMES.laughing}
+"""As much as the manifests of earlier pictures tell of them."""
 SIZE = 96
 
 

@@ -3,6 +3,7 @@
 import numpy as np
 
 from caricli.methods.parts.attachment import attachment_for
+from caricli.methods.pictures.settings import SitterSettings
 from caricli.structures.landmarks import MOUTH
 from caricli.template.head import load_head
 from caricli.template.template import Template
@@ -22,13 +23,7 @@ LAUGH = {
     "mouthLowerDownLeft": 1.0, "mouthLowerDownRight": 1.0, "mouthStretchLeft": 0.6, "mouthStretchRight": 0.6,
     "cheekSquintLeft": 0.5, "cheekSquintRight": 0.5, "jawOpen": 0.7,
 }  # fmt: skip
-"""Weights of actions that draw the lips far apart before the teeth, each at the most, and the strongest of all:"""
-
-LOUDEST = 1.5
-"""beyond 1 a face does more than people can, as in caricatures."""
-
-WIDEST = 0.6
-"""Share of its width that a laughing mouth is drawn wider by, at the most."""
+"""Weights of actions that draw the lips far apart before the teeth, each at the most, before the loudest laugh."""
 
 _REACH = 0.9
 """How far from its middle the face follows, in widths of the mouth."""
@@ -40,26 +35,25 @@ def is_usual_head(template: Template) -> bool:
 
 
 def random_mime(
-    vertices: np.ndarray, template: Template, chances: tuple[float, float, float], generator: np.random.Generator
+    vertices: np.ndarray, template: Template, settings: SitterSettings, generator: np.random.Generator
 ) -> np.ndarray:
     """(V, 3) metres: what a few actions of the usual head do to a face (V, 3), in its size.
 
-    chances: that the mouth or an eye is pulled to one side, that lips bare the teeth, and that somebody laughs aloud.
+    settings: how often people twist their faces, grin and laugh, and how loud and wide.
     """
-    twisted, grinning, laughing = chances
     head = load_head()
     weights = np.zeros(len(head.action_names))
     wider = 0.0
-    if generator.random() < twisted:
+    if generator.random() < settings.twisted:
         for name in generator.choice(TWISTS, int(generator.integers(1, 3)), replace=False):
             weights[head.action_names.index(name)] += generator.uniform(0.15, 0.6)
-    if generator.random() < grinning:
+    if generator.random() < settings.grinning:
         strength = generator.uniform(0.4, 1.0)
         for name, weight in GRIN.items():
             weights[head.action_names.index(name)] += strength * weight
         weights[head.action_names.index("jawOpen")] += generator.uniform(0, 0.25)
-    if generator.random() < laughing:
-        strength = generator.uniform(0.6, LOUDEST)
+    if generator.random() < settings.laughing:
+        strength = generator.uniform(0.6, settings.loudest)
         shares = dict(zip(LAUGH, generator.uniform(0.3, 1.0, len(LAUGH)), strict=True))
         # The jaw is as often closed as dropped; both sides of a mouth laugh nearly alike.
         shares["jawOpen"] *= generator.random() < 0.5
@@ -67,7 +61,9 @@ def random_mime(
             other = name.replace("Right", "Left")
             share = 0.25 * shares[name] + 0.75 * shares[other]
             weights[head.action_names.index(name)] += strength * weight * share
-        wider = max(generator.uniform(-WIDEST, WIDEST), 0)
+        wider = max(generator.uniform(-settings.widest, settings.widest), 0)
+    if generator.random() < settings.wide:
+        wider = max(wider, generator.uniform(0, settings.widest))
     size = np.ptp(vertices[:, 1]) / np.ptp(template.vertices[:, 1])
     chosen = weights > 0
     moved = size * np.tensordot(weights[chosen], head.actions[chosen], 1)

@@ -11,7 +11,9 @@ class SitterSettings:
     fringe, sides, back: degrees from the whorl to where hair ends over the forehead, beside the face and behind.
     hat, glasses, dark, beard, wrinkled, lashes: chances; dark: of the glasses. beard_thickness: of a full beard.
     twisted, grinning, laughing: chances that the mouth or an eye is pulled to one side, that lips bare the teeth, and
-    that they are drawn far apart, with the jaw closed or dropped. cartoon: chance of teeth as cartoons have them.
+    that they are drawn far apart, with the jaw closed or dropped. loudest: the strongest of such laughs; beyond 1 a
+    face does more than people can, as in caricatures. widest: share of its width that half of the laughing mouths are
+    drawn wider by, at the most; wide: chance that any is. cartoon: chance of teeth as cartoons have them.
     long_teeth: chance of teeth that are longer, up to ``longest`` times.
     """
 
@@ -30,7 +32,10 @@ class SitterSettings:
     lashes: float = 0.6
     twisted: float = 0.3
     grinning: float = 0.2
-    laughing: float = 0.25
+    laughing: float = 0.5
+    loudest: float = 2.4
+    widest: float = 1.1
+    wide: float = 0.3
     cartoon: float = 0.35
     long_teeth: float = 0.4
     longest: float = 1.8

@@ -82,8 +82,7 @@ class Wardrobe:
         settings = self.settings
         appearance = random_appearance(generator)
         if self.open_head:
-            chances = (settings.twisted, settings.grinning, settings.laughing)
-            vertices = vertices + random_mime(vertices, self.template, chances, generator)
+            vertices = vertices + random_mime(vertices, self.template, settings, generator)
         head = self.template.with_vertices(vertices)
         worn, scalp = self._headwear(head, appearance, generator)
         skin = self._skin(head, replace(appearance, scalp=scalp), generator)

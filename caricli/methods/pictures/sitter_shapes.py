@@ -1,6 +1,6 @@
 """The shapes of those who sat for pictures: what no folder of pictures stores, but its seed and its dataset repeat."""
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
@@ -12,6 +12,7 @@ from caricli.errors import InputError
 from caricli.methods.pictures.build_pictures import PictureSettings, Task, drawing_tasks
 from caricli.methods.pictures.mime import is_usual_head, random_mime
 from caricli.methods.pictures.pose import Pose
+from caricli.methods.pictures.settings import SitterSettings
 from caricli.seeds import PictureSeed
 from caricli.structures.landmarks import COUNT, JAW
 
@@ -40,7 +41,7 @@ def sitter_shapes(pictures: PictureSet, dataset: Dataset) -> SitterShapes:
     """
     truth = pictures.truth
     settings = _settings(pictures.manifest)
-    chances = _chances(pictures.manifest)
+    mimes = _mimes(pictures.manifest)
     usual = is_usual_head(dataset.template)
     shapes: list[np.ndarray] = []
     appearances: list[Appearance] = []
@@ -54,7 +55,7 @@ def sitter_shapes(pictures: PictureSet, dataset: Dataset) -> SitterShapes:
         for place, vertices in enumerate(task.vertices.astype(float)):
             generator = np.random.default_rng([settings.seed, PictureSeed.SITTER, task.number, place])
             appearances.append(random_appearance(generator))
-            moved = random_mime(vertices, dataset.template, chances, generator) if usual else 0
+            moved = random_mime(vertices, dataset.template, mimes, generator) if usual else 0
             shapes.append((vertices + moved).astype(np.float32))
     result = SitterShapes(np.stack(shapes), appearances, places)
     _check(result, pictures, dataset)
@@ -62,7 +63,8 @@ def sitter_shapes(pictures: PictureSet, dataset: Dataset) -> SitterShapes:
 
 
 _NAMES = ("person", "expression", "level")
-_MIMES = ("twisted", "grinning", "laughing")
+_MIMES = {"twisted": 0.0, "grinning": 0.0, "laughing": 0.0, "loudest": 1.5, "widest": 0.6, "wide": 0.0}
+"""What sitters did in pictures that do not tell it: the first ones did not grin, and the next did not laugh."""
 
 
 def _settings(manifest: dict[str, Any]) -> PictureSettings:
@@ -73,14 +75,13 @@ def _settings(manifest: dict[str, Any]) -> PictureSettings:
     return PictureSettings(**{name: value[name] for name in names})
 
 
-def _chances(manifest: dict[str, Any]) -> tuple[float, float, float]:
-    """Of ``random_mime``; the first pictures that were made had no grins, and the next nobody who laughs."""
+def _mimes(manifest: dict[str, Any]) -> SitterSettings:
     value = manifest.get("sitter")
-    chances = [value.get(name, 0.0) if isinstance(value, dict) else None for name in _MIMES]
-    numbers = [float(chance) for chance in chances if isinstance(chance, int | float)]
-    if len(numbers) < len(chances):
+    own: dict[str, Any] = value if isinstance(value, dict) else dict.fromkeys(_MIMES)
+    numbers = {name: own.get(name, usual) for name, usual in _MIMES.items()}
+    if not all(isinstance(number, int | float) for number in numbers.values()):
         raise InputError("expected pictures with the chances of what their sitters do, found others")
-    return numbers[0], numbers[1], numbers[2]
+    return replace(SitterSettings(), **numbers)
 
 
 def _sitter(task: Task, dataset: Dataset, labels: list[int]) -> int:

@@ -16,7 +16,9 @@ from caricli.methods.pictures.sitter import Wardrobe
 from caricli.structures.parsing import Region
 from caricli.template.head import load_head
 
-PLAIN = SitterSettings(bald=1, shaved=0, hat=0, glasses=0, beard=0, wrinkled=0, twisted=0, grinning=0, laughing=0)
+PLAIN = SitterSettings(
+    bald=1, shaved=0, hat=0, glasses=0, beard=0, wrinkled=0, twisted=0, grinning=0, laughing=0, wide=0
+)
 STILL = PoseSettings(yaw=0, pitch=0, roll=0, turned=0, rolled=0, perspective=0, aside=0)
 EVEN = Sky(np.array([[0.0, 0.0, -1.0]]), np.zeros((1, 3)), np.ones(1), np.ones(3), np.ones(3))
 
@@ -86,7 +88,7 @@ def test_who_laughs_opens_a_mouth_that_may_be_wider_than_people_have():
     widths: list[float] = []
     gaps: list[float] = []
     for seed in range(12):
-        moved = random_mime(head.vertices, head, (0, 0, 1), np.random.default_rng(seed))
+        moved = random_mime(head.vertices, head, replace(PLAIN, laughing=1), np.random.default_rng(seed))
         mouth = head.vertices[lips] + moved[lips]
         widths.append(np.ptp(mouth[:, 0]) / np.ptp(head.vertices[lips, 0]))
         gaps.append(_parted(mouth))
@@ -94,7 +96,17 @@ def test_who_laughs_opens_a_mouth_that_may_be_wider_than_people_have():
         assert np.abs(moved[head.annotation.regions["ear_left"]]).max() < 0.05 * np.ptp(head.vertices[:, 1])
     assert max(widths) > 1.5 and min(widths) > 0.9
     assert max(gaps) > 8 * _parted(head.vertices[lips]) and min(gaps) > _parted(head.vertices[lips])
-    assert not random_mime(head.vertices, head, (0, 0, 0), np.random.default_rng(0)).any()
+    assert not random_mime(head.vertices, head, PLAIN, np.random.default_rng(0)).any()
+
+
+def test_a_closed_mouth_may_be_wide():
+    head = load_head().template()
+    lips = head.annotation.landmarks[48:68]
+    settings = replace(PLAIN, wide=1, widest=1.2)
+    moved = [random_mime(head.vertices, head, settings, np.random.default_rng(seed)) for seed in range(12)]
+    widths = [np.ptp((head.vertices + own)[lips, 0]) / np.ptp(head.vertices[lips, 0]) for own in moved]
+    assert max(widths) > 1.8 and min(widths) > 1
+    assert all(_parted((head.vertices + own)[lips]) < 1.05 * _parted(head.vertices[lips]) for own in moved)
 
 
 def _parted(mouth):
