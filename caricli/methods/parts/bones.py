@@ -13,7 +13,8 @@ from caricli.methods.parts.follow import follow_weights
 from caricli.methods.parts.guides import Guides
 from caricli.methods.parts.incisors import Incisors, incisors_of
 from caricli.methods.parts.let_out import PARTINGS, far_enough, part_more, tongue_bends
-from caricli.methods.parts.pocket import Mouth, Mouths, make_room
+from caricli.methods.parts.make_room import make_room, room_moves
+from caricli.methods.parts.pocket import Mouth, Mouths
 from caricli.structures import Material, Part
 from caricli.template.template import Template
 
@@ -32,7 +33,7 @@ STILL = 1e-4
 
 PRESSED = 0.001
 """Of the head's height: nothing comes nearer to the wall of the mouth than this, and"""
-KEPT = 0.003
+KEPT = 0.0015
 """teeth that would are moved as far from it."""
 
 WAY = (0.25, 0.5, 0.75, 1.0)
@@ -103,7 +104,7 @@ def plain_frames(part: Part) -> Frames:
 class Bone:
     """A part that stands by what surrounds it, and that expressions move as rigidly as they move the jaw.
 
-    It is turned and scaled along its width, height and depth, never bent.
+    It is turned and scaled along its width, height and depth, and bent only to make room for the wall of the mouth.
     """
 
     def __init__(self, template: Template, part: Part, frames: Frames, jaw: "Jaw | None") -> None:
@@ -124,6 +125,7 @@ class Bone:
         # Gums and tongue give way where teeth do not.
         firm = teeth[teeth >= 0] if len(teeth) else np.arange(len(self.shape))
         self.firm = firm[:: max(len(firm) // _FIRM, 1)]
+        self.moves = room_moves(self.shape, self.firm)
         self.guides = Guides(self.shape, AROUND * template.height)
 
     def place(self, face: Posed, mouths: Mouths | None) -> Part:
@@ -164,7 +166,7 @@ class Bone:
         if self.incisors is not None:
             up = to_face[:, 1] / np.linalg.norm(to_face[:, 1])
             shape = shape + self._shown(self.incisors, face, shape, up, mouths.height) * up
-        return self._settled(mouths.rest, shape, mouths.height), to_face
+        return self._settled(mouths.rest, shape, to_face, mouths.height), to_face
 
     def _follow(self, skin: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """The part (W, 3) where the skin (V, 3) around it says, and what (3, 3) takes it there."""
@@ -192,14 +194,13 @@ class Bone:
                 moved[k] += self.own[name] @ to_face.T
         return moved
 
-    def _settled(self, mouth: Mouth, shape: np.ndarray, height: float) -> np.ndarray:
-        """The part (W, 3) as a whole brought into a mouth, and what gives way pressed into it."""
+    def _settled(self, mouth: Mouth, shape: np.ndarray, to_face: np.ndarray, height: float) -> np.ndarray:
+        """The part (W, 3) brought into a mouth, and what gives way pressed into it. to_face: (3, 3), what turned it."""
         near = self._near(mouth, shape, PRESSED * height)
         if mouth.room(shape[np.intersect1d(near, self.firm)])[0].min(initial=np.inf) < PRESSED * height:
-            firm = shape[self.firm]
-            scale, shift = make_room(mouth, firm, KEPT * height)
-            centre = firm.mean(0)
-            shape = centre + scale * (shape - centre) + shift
+            moves = self.moves @ to_face.T
+            amounts = make_room(mouth, shape[self.firm], moves[self.firm], KEPT * height)
+            shape = shape + moves.transpose(0, 2, 1) @ amounts
             near = self._near(mouth, shape, PRESSED * height)
         settled = shape.copy()
         settled[near] += mouth.pushes(shape[near], PRESSED * height)

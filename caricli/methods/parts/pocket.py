@@ -1,6 +1,4 @@
-"""The inside of a mouth, and how a part is brought into it."""
-
-from dataclasses import dataclass
+"""The inside of a mouth."""
 
 import numpy as np
 
@@ -8,22 +6,6 @@ from caricli.geometry.triangle_normals import triangle_normals
 from caricli.methods.parts.flesh import Flesh, Hide
 from caricli.structures.arkit import uses
 from caricli.template.template import Template
-
-
-@dataclass(frozen=True)
-class RoomSettings:
-    """How parts make room for the wall of the mouth.
-
-    margin: share of the head's height that they keep from it. rounds: moves, at most. hold: weight against a move, to
-    one point that is pushed as far. shrink: the same against a change of size by the whole. smallest: of a part's size,
-    what shrinking leaves.
-    """
-
-    margin: float = 0.003
-    rounds: int = 8
-    hold: float = 0.03
-    shrink: float = 0.3
-    smallest: float = 0.4
 
 
 class Pocket:
@@ -102,49 +84,6 @@ class Mouth:
         """(N, 3) the way of points (N, 3) into the mouth, zero for those that are, margin metres from its wall."""
         distance, ways = self.room(points)
         return np.maximum(margin - distance, 0)[:, None] * ways
-
-
-def make_room(
-    mouth: Mouth,
-    points: np.ndarray,
-    margin: float,
-    settings: RoomSettings = RoomSettings(),  # noqa: B008 (frozen)
-) -> tuple[float, np.ndarray]:
-    """A scale and a move that bring points into a mouth, as little as can be.
-
-    Every round minimises ``sum |change of the point along its push - push|^2`` with weights against moves and changes
-    of size; what was pushed before holds its ground while others are.
-
-    points: (N, 3) of a part. margin: metres that they keep from the wall.
-    Returns s and t (3,): points go to ``centre + s (points - centre) + t``, with the centre their mean.
-    """
-    centre = points.mean(0)
-    away = points - centre
-    size = np.sqrt((away**2).sum(1).mean())
-    damping = np.diag([settings.hold] * 3 + [settings.shrink * size**2])
-    scale = 1.0
-    shift = np.zeros(3)
-    touched = np.zeros(len(points), bool)
-    ways = np.zeros_like(points)
-    last = points.copy()
-    distance = np.full(len(points), -np.inf)
-    for _ in range(settings.rounds):
-        now = centre + scale * away + shift
-        # What was farther from the wall than it has moved since need not be looked at.
-        near = distance - np.linalg.norm(now - last, axis=1) < margin
-        last[near] = now[near]
-        distance[near], way = mouth.room(now[near])
-        pushed = near & (distance < margin)
-        if not pushed.any():
-            break
-        ways[pushed] = way[pushed[near]]
-        touched |= pushed
-        rows = np.column_stack([ways, (ways * away).sum(1)])[touched]
-        lack = np.where(pushed, margin - distance, 0.0)[touched]
-        step = np.linalg.solve(rows.T @ rows + damping, rows.T @ lack)
-        shift = shift + step[:3]
-        scale = float(np.clip(scale + step[3], settings.smallest, 1.0))
-    return scale, shift
 
 
 def _bag(template: Template, member: np.ndarray) -> Hide:
