@@ -13,6 +13,7 @@ from caricli.render.rasterise import rasterise
 from caricli.structures import Camera
 
 _BORDER = 2  # pixels: a mask that ends at the picture's border says nothing
+_ARC = 0.25  # of a turn: so much of an outline, at most, goes on round beyond the picture
 _SECTORS = 60  # directions in each of which one point of a surface is outermost; a coarse grid has one in each
 _TURNS = 3  # of meeting the outline
 _STEEP = 8  # power of the share of the way to the outline with which what is inside follows
@@ -123,7 +124,21 @@ def _farthest(mask: np.ndarray, behind: np.ndarray, centre: np.ndarray, bins: in
     # What reaches the picture's border goes on beyond it.
     whole = inside[:, 0] & (x[:, 0] >= _BORDER) & (y[:, 0] >= _BORDER)
     whole &= (x[:, 0] < width - _BORDER) & (y[:, 0] < height - _BORDER)
-    return np.where(np.isfinite(farthest) & whole & against[:, 1:].all(1), farthest, np.nan)
+    radii = np.where(np.isfinite(farthest) & whole & against[:, 1:].all(1), farthest, np.nan)
+    return _rounded(radii, np.isfinite(farthest) & ~whole)
+
+
+def _rounded(radii: np.ndarray, cut: np.ndarray) -> np.ndarray:
+    """Radii (B,) with an arc between both ends of what the picture's border cuts off (B,) bool, where this is short."""
+    bins = len(radii)
+    given = np.flatnonzero(np.isfinite(radii))
+    if len(given) < 2:
+        return radii
+    place = np.searchsorted(given, np.arange(bins))
+    before = given[place - 1] - bins * (place == 0)
+    after = given[place % len(given)] + bins * (place == len(given))
+    short = cut & (after - before <= _ARC * bins)
+    return np.where(short, np.interp(np.arange(bins), given, radii[given], period=bins), radii)
 
 
 def fit_outline(

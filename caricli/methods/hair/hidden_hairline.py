@@ -1,6 +1,7 @@
 """Where hair ends that no picture shows: around ears, behind them, and at the nape."""
 
 import numpy as np
+from scipy.ndimage import gaussian_filter
 from scipy.spatial import KDTree
 
 from caricli.methods.hair.hair_view import HairView
@@ -10,6 +11,9 @@ from caricli.render.sample_texture import sample_pixels
 
 _TUFTS = ((37, 0.3), (23, 1.7), (53, 2.9))  # half of how many there are around the head, and where they begin
 _HOLLOW = 4  # times as far under the skin as it is inside the clearance: ears are hollow
+_EVERY = 3  # rows and columns of a map: so far apart the way to the usual hairline is measured
+_ROUND = 2.0  # rows and columns over which its corners are rounded
+_NAPE = 0.04  # of the head's height: how much lower than at the sides hair ends behind
 _AROUND = 0.5  # radians beyond which an ear is far
 
 
@@ -24,13 +28,42 @@ def without_corners(sphere: HeadSphere, edge: np.ndarray, settings: ShellSetting
     return lowest
 
 
+def reach_inside(sphere: HeadSphere, inside: np.ndarray) -> np.ndarray:
+    """(R, C) metres through the air to where places (R, C) bool of the skin end, below zero beyond."""
+    around, down = np.meshgrid(sphere.longitudes, sphere.angles)
+    points = sphere.points(around, down, sphere.radii)
+    places = points[_EVERY // 2 :: _EVERY, ::_EVERY]
+    inwards, outwards = (KDTree(points[side]).query(places)[0] for side in (~inside, inside))
+    return sphere.sample(inwards - outwards, around, down)
+
+
+def usual_reach(sphere: HeadSphere, settings: ShellSettings) -> np.ndarray:
+    """(R, C) metres along the skin to where hair usually ends, in tufts, below zero beyond.
+
+    That is the border of the scalp, from the temples down before the ears, around these and behind them to the nape,
+    which is lower in the middle. It says nothing of how far hair is clear of ears.
+    """
+    reach = gaussian_filter(reach_inside(sphere, sphere.region("scalp") > 0.5), _ROUND, mode=("nearest", "wrap"))
+    return reach + lower_nape(sphere) + _tufts(sphere, settings)
+
+
+def lower_nape(sphere: HeadSphere) -> np.ndarray:
+    """(C,) metres that hair ends lower behind than at the sides."""
+    return _NAPE * sphere.head.height * np.clip(-np.cos(sphere.longitudes), 0, 1) ** 2
+
+
+def _tufts(sphere: HeadSphere, settings: ShellSettings) -> np.ndarray:
+    """(C,) metres that hair ends lower in tufts."""
+    tufts = np.mean([np.abs(np.sin(count * sphere.longitudes / 2 + start)) for count, start in _TUFTS], axis=0)
+    return settings.tuft * sphere.head.height * (1 - 2 * tufts)
+
+
 def hidden_reach(sphere: HeadSphere, ends: np.ndarray, settings: ShellSettings) -> np.ndarray:
     """(R, C) metres along the skin to where hair ends at angles (C,), in tufts, below zero beyond."""
     turn = sphere.longitudes[1] - sphere.longitudes[0]
     rise = (np.roll(ends, -1) - np.roll(ends, 1)) / (2 * turn) / np.sin(ends)
-    tufts = np.mean([np.abs(np.sin(count * sphere.longitudes / 2 + start)) for count, start in _TUFTS], axis=0)
-    lower = settings.tuft * sphere.head.height * (1 - 2 * tufts)
-    return (ends - sphere.angles[:, None]) * sphere.radii / np.sqrt(1 + rise**2) + lower
+    along = (ends - sphere.angles[:, None]) * sphere.radii
+    return along / np.sqrt(1 + rise**2) + _tufts(sphere, settings)
 
 
 def around_ears(sphere: HeadSphere, view: HairView, settings: ShellSettings) -> np.ndarray:

@@ -10,7 +10,13 @@ from caricli.methods.hair.find_edge import find_edge
 from caricli.methods.hair.fit_outline import Outline, fit_outline, meet_outline
 from caricli.methods.hair.hair_view import HairView
 from caricli.methods.hair.head_sphere import HeadSphere
-from caricli.methods.hair.hidden_hairline import around_ears, hidden_reach, without_corners
+from caricli.methods.hair.hidden_hairline import (
+    around_ears,
+    hidden_reach,
+    lower_nape,
+    usual_reach,
+    without_corners,
+)
 from caricli.methods.hair.mask_hair import HairMask
 from caricli.methods.hair.settings import ShellSettings
 from caricli.render.sample_texture import sample_pixels
@@ -28,7 +34,6 @@ _GRAZING = 0.1  # cosine down to which skin that turns away from the camera says
 _SOFT = 3  # places over which thick ends, where the picture shows them, go over into thin ones
 _GAP = 2  # least thicknesses of hair by which a skull is drawn in behind the outline
 _SAMPLES = 8  # of the way across the outline
-_NAPE = 0.04  # of the head's height: how much lower than at the sides hair ends behind
 _RAMP = 4  # vertices over which a skull that is lowered leads down
 _GAPS = 2  # quads: what no wider gap joins is apart
 _TURNS = 4  # of bending a shell away from bare skin that it hides
@@ -122,6 +127,7 @@ def make_shell(
     # Seen skin says itself where hair ends, down to some way below the edge.
     row = np.clip(np.searchsorted(fine.angles, edge), 0, len(fine.angles) - 1)
     lower = edge + settings.below * seen[row, np.arange(len(edge))]
+    lower = np.maximum(lower, np.pi / len(left) * (np.cumprod(left > 0, axis=0).sum(0) + 0.5))
     return _mesh(_Surface(fine, total, left, free, hidden, lower), view, settings), head
 
 
@@ -163,6 +169,8 @@ def _left(
     usual = np.where(shown, np.minimum((ends - angles) * total, bare), hidden_reach(sphere, ends, settings))
     # Hair that the picture shows over or beside an ear is there.
     usual = np.where(shown & (bare > 0), usual, np.minimum(usual, free))
+    # What is short where it is seen is as long as usual behind.
+    usual = np.maximum(usual, np.minimum(usual_reach(sphere, settings), free))
     left = seen * view.to_bare(skin) + (1 - seen) * usual
     # Where an ear is hollow, too, nothing of what is under the skin may be seen.
     left = np.where((left < 0) & (free < 0), np.minimum(left, free), left)
@@ -231,9 +239,7 @@ def _as_long(
     if not sure.any():
         return usual
     behind = points[..., 2] < sphere.middle[2]
-    # Lower in the middle, as hair grows at the nape.
-    lower = _NAPE * sphere.head.height * np.clip(-np.cos(sphere.longitudes), 0, 1) ** 2
-    return np.where(behind & (points[..., 1] > np.median(ends[sure]) - lower), 1.0, usual)
+    return np.where(behind & (points[..., 1] > np.median(ends[sure]) - lower_nape(sphere)), 1.0, usual)
 
 
 def _facing(points: np.ndarray, camera: Camera) -> np.ndarray:

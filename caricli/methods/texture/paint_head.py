@@ -9,6 +9,7 @@ import numpy as np
 
 from caricli.errors import InputError
 from caricli.methods.hair.dress_hair import DressedHair, bare_skin, dress_hair, hair_picture
+from caricli.methods.hair.shade_scalp import shade_scalp
 from caricli.methods.parts.close_neck import neck_picture
 from caricli.methods.parts.face_parts import face_parts
 from caricli.methods.rig.add_eyeballs import TEXTURE, add_eyeballs, fit_eyeballs
@@ -103,6 +104,8 @@ def paint_head(
         jobs.append(partial(hair_picture, hair, image, settings))
     (head, skin_texture), *hair_textures = in_parallel(lambda job: job(), jobs)
     texture = skin_texture.image
+    if hair is not None:
+        texture = shade_scalp(head, skin_texture, hair.hair, hair_textures[0], np.random.default_rng(settings.seed))
     light = skin_texture.light
     seen = float(skin_texture.seen[skin_texture.covered].mean())
     still = np.zeros((0, *head.vertices.shape), np.float32)

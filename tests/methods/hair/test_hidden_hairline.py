@@ -5,7 +5,7 @@ import pytest
 from scipy.spatial import KDTree
 
 from caricli.methods.hair.head_sphere import HeadSphere
-from caricli.methods.hair.hidden_hairline import hidden_reach, without_corners
+from caricli.methods.hair.hidden_hairline import hidden_reach, reach_inside, usual_reach, without_corners
 from caricli.methods.hair.make_shell import make_shell
 from caricli.methods.hair.settings import ShellSettings
 from tests.methods.hair.conftest import CAMERA
@@ -73,3 +73,33 @@ def test_reach_is_measured_across_the_hairline(sphere):
     along = (steep - sphere.angles[:, None]) * sphere.radii
     assert (np.abs(reach) <= np.abs(along) + 1e-12).all()
     assert np.abs(reach).sum() < 0.9 * np.abs(along).sum()
+
+
+def test_reach_inside_is_the_way_to_the_border(sphere):
+    cap = np.broadcast_to(sphere.angles[:, None] < 1.2, sphere.radii.shape)
+    reach = reach_inside(sphere, cap)
+    turn = sphere.angles[1] - sphere.angles[0]
+    clear = np.abs(sphere.angles - 1.2) > 3 * turn
+    assert ((reach > 0) == cap)[clear].all()
+    assert (np.diff(reach, axis=0)[20:30] < 0).all()
+
+
+def test_hair_usually_goes_round_the_ears_to_the_nape(sphere):
+    reach = usual_reach(sphere, SETTINGS)
+    marks = sphere.head.vertices[sphere.head.annotation.landmarks]
+    crown, brow, nose = marks.mean(0) + [0, 0.2, -0.1], marks[19], marks[30]
+    nape = sphere.middle + [0, -0.02, -0.1]
+    behind = sphere.middle + [0.08, 0, -0.05]
+    places = np.stack([crown, nape, behind, brow, nose])
+    longitudes, angles, _ = sphere.seen_from(places)
+    assert ((sphere.sample(reach, longitudes, angles) > 0) == [True, True, True, False, False]).all()
+
+
+def test_what_is_hidden_grows_to_the_usual_hairline(sitter):
+    shell, head = make_shell(sitter.head, CAMERA, sitter.hair)
+    above, ways = above_skin(shell, head)
+    fine = HeadSphere(head, SETTINGS, fine=True)
+    longitudes, angles, _ = fine.seen_from(fine.middle + ways)
+    deep = fine.sample(usual_reach(fine, SETTINGS), longitudes, angles) > 0.03 * head.height
+    behind = ways @ CAMERA.rotation[2] > 0.5
+    assert (above[deep & behind] > 0).mean() > 0.98

@@ -1,0 +1,55 @@
+import numpy as np
+import pytest
+
+from caricli.methods.hair.dress_hair import dress_hair
+from caricli.methods.hair.shade_scalp import shade_scalp
+from caricli.methods.texture.settings import PaintSettings
+from caricli.methods.texture.texture_face import FaceTexture
+from caricli.render.uv_map import uv_map
+from tests.methods.hair.conftest import BROWN, SKIN
+
+SIZE = 192
+
+
+@pytest.fixture(scope="module")
+def scalp(sitter):
+    """What is painted on a head of one colour of which nothing or all is seen, and where regions are in it."""
+    dressed = dress_hair(sitter.face, sitter.head, sitter.image, PaintSettings(SIZE))
+    head = sitter.head.with_vertices(dressed.face.vertices)
+    face, _ = uv_map(head, SIZE)
+    plain = np.full((SIZE, SIZE, 3), SKIN, np.uint8)
+    brown = np.full((SIZE, SIZE, 3), BROWN, np.uint8)
+
+    def painted(seen):
+        texture = FaceTexture(plain, np.full((SIZE, SIZE), seen, np.float32), face >= 0, None)
+        return shade_scalp(head, texture, dressed.hair, brown, np.random.default_rng(0))
+
+    def where(*names):
+        return (face >= 0) & head.mask(*names)[head.faces].all(1)[face]
+
+    return painted, where
+
+
+def test_skin_under_hair_has_its_colour(scalp):
+    painted, where = scalp
+    away = np.abs(painted(0.0).astype(int) - BROWN).max(-1)
+    assert np.median(away[where("scalp")]) <= 1 and (away[where("scalp")] < 60).mean() > 0.8
+
+
+def test_a_face_and_its_ears_stay_as_they_are(scalp):
+    painted, where = scalp
+    others = where("ear_left", "ear_right") | where("nose", "mouth", "chin")
+    assert others.sum() > 1000 and (painted(0.0)[others] == SKIN).all()
+
+
+def test_it_fades_out_and_stays_nearer_where_skin_is_seen(scalp):
+    painted, _ = scalp
+    share = [np.abs(painted(seen).astype(float) - SKIN).max(-1) / 140 for seen in (0.0, 1.0)]
+    between = (share[0] > 0.1) & (share[0] < 0.9)
+    assert between.mean() > 0.005
+    assert share[1].sum() < 0.97 * share[0].sum()
+
+
+def test_the_seed_decides_its_grain(scalp):
+    painted, _ = scalp
+    np.testing.assert_array_equal(painted(0.0), painted(0.0))
