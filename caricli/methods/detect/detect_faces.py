@@ -1,5 +1,7 @@
 """Faces of a picture, with their landmarks, and its regions."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from caricli.errors import InputError
@@ -7,6 +9,7 @@ from caricli.methods.detect.find_faces import Candidate, common_share, find_face
 from caricli.methods.detect.parse_picture import WindowRegions, mean_regions, parse_picture
 from caricli.methods.detect.read_faces import ReadFace, look_at_face
 from caricli.methods.detect.settings import DetectSettings
+from caricli.methods.detect.snap_openings import snap_openings
 from caricli.models.detector.model import Detector
 from caricli.structures.detection import DetectedFace, Detection, FaceFrame
 from caricli.structures.landmarks import Landmarks
@@ -39,7 +42,12 @@ def detect_faces(picture: np.ndarray, detector: Detector, settings: DetectSettin
     whole = mean_regions(glances)
     own = [mean_regions([whole, WindowRegions(read.regions, read.matrix)]) for _, read in pairs]
     regions = parse_picture(picture.shape[:2], whole, own)
-    return Detection(faces, regions)
+    return Detection([_snapped(face, picture, regions) for face in faces], regions)
+
+
+def _snapped(face: DetectedFace, picture: np.ndarray, regions: np.ndarray) -> DetectedFace:
+    """A face with its lips and lids where the picture shows them."""
+    return replace(face, landmarks=snap_openings(picture, regions, face.landmarks))
 
 
 def _is_new(frame: FaceFrame, pairs: list[tuple[DetectedFace, ReadFace]], settings: DetectSettings) -> bool:

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from caricli.errors import InputError
+from caricli.methods.detect.cut_openings import cut_openings
 from caricli.methods.hair.dress_hair import DressedHair, bare_skin, dress_hair, hair_picture
 from caricli.methods.hair.shade_scalp import shade_scalp
 from caricli.methods.parts.close_neck import neck_picture
@@ -96,6 +97,8 @@ def paint_head(
     if hair is not None:
         face = hair.face
     skin = parts.paint if hair is None else bare_skin(parts.paint, hair)
+    if parsed is not None and regions is not None:
+        skin = skin & ~cut_openings(image, regions, landmarks)
     head = template.with_vertices(face.vertices)
     sight = Sight(camera, image, skin, mask)
     # Neither picture waits for the other.

@@ -1,0 +1,180 @@
+"""Eyes, teeth and the inside of the mouth in a picture: what is seen between lids and lips, and is no skin."""
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from caricli.methods.hair.colour_mixture import ColourMixture
+from caricli.render.cut_window import cut_window
+from caricli.structures.detection import FaceFrame
+from caricli.structures.parsing import Region
+
+_KEPT = (
+    *(Region.BACKGROUND, Region.BROWS, Region.NOSE, Region.EARS, Region.HAIR, Region.GLASSES, Region.HAT),
+    Region.OTHER,
+)
+_INSIDE = (Region.MOUTH, Region.TEETH)
+
+
+@dataclass(frozen=True)
+class OpeningSettings:
+    """How openings are told from the skin around them. Lengths are shares of the side of the face's frame.
+
+    side: pixels, of the window that is looked at; share: its side, of the face's.
+    beyond: how far from the border of what a network takes for an opening colours are asked. around: as many times as
+    far colours of skin are learnt. components: Gaussians of the colours of an opening, and of what is around it;
+    spread: added to their variances, of CIELAB. samples: pixels that these are fitted to; fewest: with less there is
+    nothing to compare. rounds: of colours and pixels in turns. colour: natural logarithm of the odds that a colour
+    counts at most; place: the same of the distance from the border, per side. radius, smoothness: of the filter that
+    makes neighbours agree, pixels and shares of full scale. part: share of the largest piece of lips that another has
+    to have to be one. steps: of so far, that a mouth may be wider than its regions. margin: pixels of the window,
+    around an opening, where its colours are mixed with the skin's.
+    """
+
+    side: int = 256
+    share: float = 1.25
+    beyond: float = 0.06
+    around: float = 2.0
+    components: tuple[int, int] = (4, 6)
+    spread: float = 25.0
+    samples: int = 3000
+    fewest: int = 30
+    rounds: int = 2
+    colour: float = 5.0
+    place: float = 80.0
+    radius: int = 2
+    smoothness: float = 0.05
+    part: float = 0.2
+    steps: int = 6
+    gain: float = 1.03
+    margin: int = 2
+
+
+_SETTINGS = OpeningSettings()
+_UNIT = _SETTINGS.side / _SETTINGS.share
+
+
+@dataclass(frozen=True, eq=False)
+class FaceWindow:
+    """A face, upright and always as large.
+
+    matrix: (2, 3) map to it from the picture's pixels. picture: (S, S, 3) uint8. labels: (S, S) values of Region.
+    """
+
+    matrix: np.ndarray
+    picture: np.ndarray
+    labels: np.ndarray
+
+    @staticmethod
+    def of(image: np.ndarray, regions: np.ndarray, points: np.ndarray) -> "FaceWindow":
+        """The window of a picture (H, W, 3) uint8 with regions (H, W), by landmarks (68 or 81, 2) pixels."""
+        matrix = FaceFrame.of(points).matrix(_SETTINGS.side, _SETTINGS.share)
+        size = (_SETTINGS.side, _SETTINGS.side)
+        labels = cv2.warpAffine(regions, matrix, size, flags=cv2.INTER_NEAREST, borderMode=cv2.BORDER_REPLICATE)
+        return FaceWindow(matrix, cut_window(image, matrix, size), labels)
+
+    @property
+    def labelled_mouth(self) -> np.ndarray:
+        """(S, S) bool: what is labelled so, and what has lips or a mouth above and below it."""
+        inside = np.isin(self.labels, _INSIDE)
+        own = inside | (self.labels == Region.LIPS)
+        count, parts, figures, _ = cv2.connectedComponentsWithStats(own.astype(np.uint8))
+        if count == 1:
+            return inside
+        areas = figures[1:, cv2.CC_STAT_AREA]
+        large = np.isin(parts, 1 + np.flatnonzero(areas >= _SETTINGS.part * areas.max()))
+        above = np.logical_or.accumulate(large, axis=0)
+        below = np.logical_or.accumulate(large[::-1], axis=0)[::-1]
+        return inside | (above & below & ~large)
+
+    def eyes(self) -> np.ndarray:
+        """(S, S) bool: the eyes, each with what it surrounds."""
+        filled = self._grown(self.labels == Region.EYES).astype(np.uint8)
+        pieces, _ = cv2.findContours(filled, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
+        for piece in pieces:
+            cv2.fillConvexPoly(filled, cv2.convexHull(piece), 1)
+        return filled > 0
+
+    def mouth(self, seed: np.ndarray) -> np.ndarray:
+        """(S, S) bool: the inside of the mouth of which a seed (S, S) bool is a part."""
+        for _ in range(_SETTINGS.steps):
+            grown = seed | self._grown(seed)
+            if grown.sum() < _SETTINGS.gain * seed.sum():
+                return grown
+            seed = grown
+        return seed
+
+    def _grown(self, seed: np.ndarray) -> np.ndarray:
+        """(S, S) bool: what an opening is of which a seed (S, S) bool is a part, by the colours around it."""
+        rows, columns = np.nonzero(seed)
+        if len(rows) < _SETTINGS.fewest:
+            return seed
+        reach = int(_SETTINGS.around * _SETTINGS.beyond * _UNIT) + 2
+        part = np.s_[
+            max(rows.min() - reach, 0) : rows.max() + reach + 1,
+            max(columns.min() - reach, 0) : columns.max() + reach + 1,
+        ]
+        kept = np.isin(self.labels[part], _KEPT) & ~seed[part]
+        grown = seed.copy()
+        grown[part] = _alike(np.ascontiguousarray(self.picture[part]), seed[part], kept)
+        return grown
+
+
+def cut_openings(image: np.ndarray, regions: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """Find the pixels that show eyes, teeth or the inside of a mouth, by regions and by colours around them.
+
+    Regions are coarse, and of an unusual eye or grin often only a part: what is near to them, hangs together with them
+    and looks as they do rather than as what is farther off belongs to them. So does what stands between lips, and what
+    the rest of an eye surrounds.
+
+    image: (H, W, 3) uint8. regions: (H, W) values of Region. points: (68 or 81, 2) pixels, landmarks of the face, all
+    known. Returns (H, W) bool.
+    """
+    window = FaceWindow.of(image, regions, points)
+    opening = window.eyes() | window.mouth(window.labelled_mouth)
+    around = np.ones((2 * _SETTINGS.margin + 1,) * 2, np.uint8)
+    sure = cv2.dilate(opening.astype(np.uint8), around).astype(np.float32)
+    way = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
+    there = cv2.warpAffine(sure, window.matrix, image.shape[1::-1], flags=way)
+    return (there > 0.5) | np.isin(regions, (Region.EYES, *_INSIDE))
+
+
+def _alike(picture: np.ndarray, seed: np.ndarray, kept: np.ndarray) -> np.ndarray:
+    """(h, w) bool: what looks as a seed does, near to it, in a picture (h, w, 3) uint8, but for what is kept.
+
+    Odds are those of mixtures of Gaussians of the colours of the seed and of what is farther off, up to a bound, times
+    those of the place; a guided filter (He et al. 2013) makes neighbours agree.
+    """
+    settings = _SETTINGS
+    away = (_depth(seed) - _depth(~seed)) / _UNIT
+    near = away > -settings.around * settings.beyond
+    lab = cv2.cvtColor(cv2.GaussianBlur(picture, (0, 0), 0.8), cv2.COLOR_RGB2LAB).astype(np.float32)
+    opening = seed
+    # What is next to the seed may be of it, and says nothing of what is around it at first.
+    rest = away < -settings.beyond
+    for _ in range(settings.rounds):
+        pixels = (opening, rest & near)
+        if min(int(own.sum()) for own in pixels) < settings.fewest:
+            return seed
+        scores = [_likelihoods(lab, own, k) for own, k in zip(pixels, settings.components, strict=True)]
+        odds = np.clip(scores[0] - scores[1], -settings.colour, settings.colour) + settings.place * away
+        chances = (1 / (1 + np.exp(-np.clip(odds, -30, 30)))).astype(np.float32)
+        chances = cv2.ximgproc.guidedFilter(picture, chances, settings.radius, (255 * settings.smoothness) ** 2)
+        opening = np.where(np.abs(away) > settings.beyond, seed, chances > 0.5) & ~kept
+        _, parts = cv2.connectedComponents(opening.astype(np.uint8))
+        opening &= np.isin(parts, parts[seed & opening])
+        rest = ~opening
+    return opening
+
+
+def _likelihoods(lab: np.ndarray, pixels: np.ndarray, count: int) -> np.ndarray:
+    """(h, w) how likely colours (h, w, 3) are among pixels (h, w) bool of them."""
+    colours = lab[pixels]
+    chosen = np.linspace(0, len(colours) - 1, min(len(colours), _SETTINGS.samples)).astype(int)
+    return ColourMixture(colours[chosen], count, _SETTINGS.spread).log_likelihoods(lab)
+
+
+def _depth(mask: np.ndarray) -> np.ndarray:
+    """Pixels to the border of a mask, within it."""
+    return cv2.distanceTransform(mask.astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_5)

@@ -1,0 +1,32 @@
+import numpy as np
+import pytest
+
+from caricli.methods.detect.cut_openings import cut_openings
+from caricli.structures.parsing import Region
+from tests.grinning_face import GrinningFace
+
+
+@pytest.fixture(scope="module")
+def face(head_template):
+    return GrinningFace(head_template)
+
+
+def test_what_looks_as_a_part_of_an_eye_and_what_stands_between_lips_is_no_skin(face):
+    openings = cut_openings(face.image, face.regions, face.marks.points)
+    told = np.isin(face.regions, (Region.EYES, Region.MOUTH, Region.TEETH))
+    assert told[face.eyes].mean() < 0.5 and not told[face.mouth].any()
+    assert openings[face.eyes].mean() > 0.95 and openings[face.mouth].mean() > 0.95
+    others = openings & ~face.eyes & ~face.mouth
+    assert others.sum() < 0.5 * (face.eyes | face.mouth).sum(), "their margins"
+
+
+def test_a_shut_mouth_has_no_opening(face):
+    regions = np.where(face.mouth, Region.LIPS, face.regions).astype(np.uint8)
+    openings = cut_openings(face.image, regions, face.marks.points)
+    rows = np.nonzero(face.mouth)[0]
+    assert not openings[rows.min() : rows.max()].any()
+
+
+def test_without_eyes_and_mouth_there_is_nothing(face):
+    skin = np.full_like(face.regions, Region.SKIN)
+    assert not cut_openings(face.image, skin, face.marks.points).any()

@@ -1,0 +1,53 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from caricli.methods.detect.snap_openings import snap_openings
+from caricli.structures.landmarks import EYES, LIPS_INSIDE, MOUTH
+from caricli.structures.parsing import Region
+from tests.grinning_face import GrinningFace
+
+MOVED = [*EYES, *MOUTH]
+
+
+@pytest.fixture(scope="module")
+def face(head_template):
+    return GrinningFace(head_template)
+
+
+def _errors(marks, truth, part):
+    return np.linalg.norm(marks.points[list(part)] - truth[list(part)], axis=1).mean()
+
+
+@pytest.mark.parametrize("part", [EYES, MOUTH, LIPS_INSIDE])
+def test_lips_and_lids_go_to_where_the_picture_shows_them(face, part):
+    snapped = snap_openings(face.image, face.regions, face.marks)
+    assert _errors(snapped, face.truth, part) < 0.5 * _errors(face.marks, face.truth, part)
+    others = np.setdiff1d(np.arange(81), MOVED)
+    np.testing.assert_array_equal(snapped.points[others], face.marks.points[others])
+
+
+def test_they_are_surer_then_and_what_was_sure_stays(face):
+    snapped = snap_openings(face.image, face.regions, face.marks)
+    before, after = (np.trace(marks.spreads[MOVED], axis1=1, axis2=2) for marks in (face.marks, snapped))
+    assert (after <= before).all() and (after < before).mean() > 0.9
+    sure = replace(face.marks, spreads=1e-4 * face.marks.spreads)
+    np.testing.assert_allclose(snap_openings(face.image, face.regions, sure).points, sure.points, atol=0.1)
+
+
+def test_landmarks_that_the_picture_bears_out_stay(face):
+    regions = face.regions.copy()
+    regions[face.mouth] = Region.TEETH
+    regions[face.eyes] = Region.EYES
+    right = replace(face.marks, points=face.truth)
+    assert snap_openings(face.image, regions, right) is right
+
+
+def test_marked_landmarks_and_faces_in_part_stay(face):
+    marked = replace(face.marks, spreads=None)
+    assert snap_openings(face.image, face.regions, marked) is marked
+    points = face.marks.points.copy()
+    points[3] = np.nan
+    part = replace(face.marks, points=points)
+    assert snap_openings(face.image, face.regions, part) is part
