@@ -33,7 +33,7 @@ class DetectSettings:
     looks: int = 4
     agree: float = 0.9
     parse: float = 0.375
-    widest: float = 0.07
+    widest: float = 0.065
     vague: float = 0.12
     margin: float = 0.01
     doubtful: float = 0.55

@@ -35,7 +35,7 @@ def trained(head_template):
     """A Detector that has seen simple drawn faces as they are for seconds, and pictures that it was not trained on."""
     shape = mean_shape(head_template)
     unseen = DrawnPictures(shape, 20, 1)
-    settings = ["epochs=1", "steps=150", "validate_every=1", "validation=4", "learning_rate=0.005", "crops=0.6"]
+    settings = ["epochs=1", "steps=300", "validate_every=1", "validation=4", "learning_rate=0.005", "crops=0.6"]
     settings += ["parsing_weight=0.7"]  # in so few steps faces must not come after regions
     config = read_config(config_path("detector/tiny.yaml"), DetectorConfig, settings)
     training = DetectorTraining(DrawnPictures(shape, 80, 0), unseen, config)
