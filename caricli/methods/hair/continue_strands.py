@@ -19,6 +19,8 @@ _USED = 0.5  # how much worse a patch is each time that it was taken, so that no
 _FEATHER = 0.12  # of a patch's side, over which it fades into what was there
 _TONE = 0.3  # of a patch's side, over which it takes on the tone of what it joins
 _OWN = 0.1  # how much of its own tone it keeps, so that tones do not drift
+_BLOTCH = 0.015  # of the picture: what is as dark or light over more than this is a shadow or a light
+_EVEN = 0.7  # of how far these are from the mean tone, that is taken out of patches
 _FEW = 4  # times that a patch is smaller where its tone is blurred
 _COARSE = 16  # pixels, about the side of patches where they are compared
 
@@ -80,7 +82,7 @@ class _Quilt:
         inside = cv2.distanceTransform(np.pad(seen, 1).astype(np.uint8), cv2.DIST_L2, 3)[1:-1, 1:-1]
         self.seen = (inside > _BORDER * len(seen)).astype(np.float32)
         self.far = distance_transform_edt(~seen)
-        self.side, patches = self._patches()
+        self.side, patches = self._patches(_even(canvas, self.seen))
         self.patches = patches[..., :3]
         self.whole = patches[..., 3]
         every = max(1, self.side // _COARSE)
@@ -96,10 +98,10 @@ class _Quilt:
         )
         self.uses = np.zeros(len(self.patches))
 
-    def _patches(self) -> tuple[int, np.ndarray]:
-        """Their side, and (N, side, side, 4) patches with how far they are seen, and their mirror images."""
-        size = len(self.canvas)
-        both = np.dstack([self.canvas, self.seen])
+    def _patches(self, picture: np.ndarray) -> tuple[int, np.ndarray]:
+        """Their side, and (N, side, side, 4) patches of a picture, mirrored ones too, with how far they are seen."""
+        size = len(picture)
+        both = np.dstack([picture, self.seen])
         for share in _SIDES:
             side = 2 * round(share * size / 2)
             full = cv2.blur(self.seen, (side, side), borderType=cv2.BORDER_CONSTANT)
@@ -177,6 +179,17 @@ class _Quilt:
         alpha = turned[..., 3:]
         self.canvas[part] = (1 - alpha) * self.canvas[part] + turned[..., :3]
         self.laid[part] = np.maximum(self.laid[part], alpha[..., 0])
+
+
+def _even(picture: np.ndarray, seen: np.ndarray) -> np.ndarray:
+    """A picture (S, S, 3) whose light and dark places, where it is seen (S, S), are nearer to its mean.
+
+    A shadow that is taken with a patch is a blotch wherever the patch is laid.
+    """
+    tones = _blurred(np.dstack([picture * seen[..., None], seen]), _BLOTCH * len(picture))
+    tones = tones[..., :3] / np.maximum(tones[..., 3:], 1e-3)
+    mean = picture[seen > 0].mean(0) if seen.any() else 0
+    return np.where(seen[..., None] > 0, np.clip(picture - _EVEN * (tones - mean), 0, 255), picture).astype(np.float32)
 
 
 def _blurred(values: np.ndarray, spread: float) -> np.ndarray:

@@ -7,7 +7,7 @@ from caricli.methods.hair.hidden_hairline import reach_inside, usual_reach
 from caricli.methods.hair.make_shell import unrolled_to_uv
 from caricli.methods.hair.settings import ShellSettings
 from caricli.methods.texture.texture_face import FaceTexture
-from caricli.render.paint import smooth_step
+from caricli.render.paint import mix, smooth_step
 from caricli.render.sample_texture import sample_texture
 from caricli.render.uv_map import pad_texture, uv_map
 from caricli.structures import Hair, Mesh
@@ -55,13 +55,12 @@ def shade_scalp(
     skin = ~head.mask("ear_left", "ear_right")[part.faces[face[rows, columns]]]
     share = np.maximum(beside, _THIN * cropped) * smooth_step((weights[rows, columns] * skin).sum(1), *_EAR)
     grain = generator.normal(0, _GRAIN, len(share))
-    share = np.clip(share + 4 * grain * share * (1 - share), 0, 1)[:, None]
+    share = np.clip(share + 4 * grain * share * (1 - share), 0, 1)
     ends = _ends(hair, sphere, settings, longitudes)
     colours = sample_texture(picture, unrolled_to_uv(longitudes, _mirrored(angles / ends)))
-    shaded = texture.image.astype(np.float32)
-    shaded[rows, columns] += share * (colours - shaded[rows, columns])
-    shaded = np.where((face >= 0)[..., None] | ~texture.covered[..., None], shaded, texture.image)
-    return pad_texture(np.round(shaded).astype(np.uint8), texture.covered)
+    shaded = texture.image.copy()
+    shaded[rows, columns] = np.round(mix(shaded[rows, columns], colours, share))
+    return pad_texture(shaded, texture.covered)
 
 
 def _near(head: Template, sphere: HeadSphere, places: np.ndarray) -> Mesh:

@@ -1,3 +1,4 @@
+import cv2
 import numpy as np
 
 from caricli.methods.hair.continue_strands import continue_strands
@@ -50,3 +51,18 @@ def test_nothing_seen_all_seen_and_too_little():
     few = np.zeros_like(seen)
     few[80:82, 80:82] = True
     np.testing.assert_allclose(continue_strands(image, few, generator)[~few], image[few].mean(), rtol=1e-5)
+
+
+def test_shadows_are_no_blotches_elsewhere():
+    rows, columns = np.mgrid[:192, :192]
+    grain = np.random.default_rng(0).normal(0, 10, (192, 192, 1))
+    dark = np.hypot((rows - 20) % 40 - 20, (columns - 20) % 40 - 20) < 9
+    image = np.clip(np.where(dark[..., None], 60, 150) + grain + np.zeros(3), 0, 255)
+    seen = rows < 100
+    filled = continue_strands(image, seen, np.random.default_rng(0))
+    np.testing.assert_array_equal(filled[seen], image[seen].astype(np.float32))
+    spread = [
+        cv2.blur(picture, (9, 9))[rows][:, 10:-10].std()
+        for picture, rows in ((image, slice(90)), (filled, slice(120, 192)))
+    ]
+    assert spread[1] < 0.5 * spread[0]
