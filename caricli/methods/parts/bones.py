@@ -13,7 +13,7 @@ from caricli.methods.parts.follow import follow_weights
 from caricli.methods.parts.guides import Guides
 from caricli.methods.parts.incisors import Incisors, incisors_of
 from caricli.methods.parts.let_out import PARTINGS, far_enough, part_more, tongue_bends
-from caricli.methods.parts.make_room import make_room, room_moves
+from caricli.methods.parts.make_room import RoomSettings, make_room, room_moves
 from caricli.methods.parts.pocket import Mouth, Mouths
 from caricli.structures import Material, Part
 from caricli.template.template import Template
@@ -32,9 +32,10 @@ STILL = 1e-4
 
 
 PRESSED = 0.001
-"""Of the head's height: nothing comes nearer to the wall of the mouth than this, and"""
-KEPT = 0.0015
-"""teeth that would are moved as far from it."""
+"""Of the head's height: nothing comes nearer to the wall of the mouth than this."""
+
+UPPER = RoomSettings(margin=0.003, bent=10.0)
+"""Of upper teeth, which show most: a lip's rim, which is not of the wall, rolls in over those that it bends forward."""
 
 WAY = (0.25, 0.5, 0.75, 1.0)
 """Weights of expressions at which parts are kept out of the skin."""
@@ -125,6 +126,7 @@ class Bone:
         # Gums and tongue give way where teeth do not.
         firm = teeth[teeth >= 0] if len(teeth) else np.arange(len(self.shape))
         self.firm = firm[:: max(len(firm) // _FIRM, 1)]
+        self.room = RoomSettings() if self.incisors is None else UPPER
         self.moves = room_moves(self.shape, self.firm)
         self.guides = Guides(self.shape, AROUND * template.height)
 
@@ -199,7 +201,7 @@ class Bone:
         near = self._near(mouth, shape, PRESSED * height)
         if mouth.room(shape[np.intersect1d(near, self.firm)])[0].min(initial=np.inf) < PRESSED * height:
             moves = self.moves @ to_face.T
-            amounts = make_room(mouth, shape[self.firm], moves[self.firm], KEPT * height)
+            amounts = make_room(mouth, shape[self.firm], moves[self.firm], self.room.margin * height, self.room)
             shape = shape + moves.transpose(0, 2, 1) @ amounts
             near = self._near(mouth, shape, PRESSED * height)
         settled = shape.copy()
@@ -227,7 +229,7 @@ class Bone:
         touched = [wall.room(shape[firm] + amount * way[firm])[0].min(initial=np.inf) for amount, wall in walls.items()]
         if min(touched, default=np.inf) < PRESSED * mouths.height:
             points, ways = shape[self.firm], way[self.firm]
-            more += clear_way(walls, points, ways, _shifts(len(points)), KEPT * mouths.height)[0]
+            more += clear_way(walls, points, ways, _shifts(len(points)), self.room.margin * mouths.height)[0]
             near = np.flatnonzero(free - np.linalg.norm(more, axis=1) < PRESSED * mouths.height)
         for _ in range(GIVEN_WAY):
             pressed = np.zeros(len(near), bool)

@@ -14,10 +14,12 @@ _WHOLE = 7
 class RoomSettings:
     """How parts make room for the wall of the mouth.
 
-    rounds: times that the mouth is asked, at most. hold: weight against moves of all points, to one point that lacks
-    as much. bent: how much more bends weigh. enough: share of the margin; steps that are shorter are the last.
+    margin: share of the head's height that they keep from it. rounds: times that the mouth is asked, at most. hold:
+    weight against moves of all points, to one point that lacks as much. bent: how much more bends weigh. enough: share
+    of the margin; steps that are shorter are the last.
     """
 
+    margin: float = 0.0015
     rounds: int = 15
     hold: float = 0.5
     bent: float = 0.5
