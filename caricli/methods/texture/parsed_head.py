@@ -19,6 +19,7 @@ _BARE = (Region.SKIN, Region.NOSE)
 _COLOURS = 500  # of bare skin, to compare a neck's with
 _SEVERAL = 15  # of them a neck has to be like: highlights on skin are white, too
 _UNLIKE = 12.0  # in CIELAB: what is no nearer to so many is a collar
+_AROUND = 0.006  # of the mesh's height in the picture: border of a collar, and least half of a neck's breadth
 _LEAST = 0.2  # of what the mesh covers: with less skin and hair in it, this head was not seen
 
 
@@ -37,7 +38,7 @@ class ParsedHead:
 def parsed_head(regions: np.ndarray, pixels: np.ndarray, image: np.ndarray) -> ParsedHead | None:
     """Find the head that a mesh covers.
 
-    A collar is easily taken for neck; it is told by its colours.
+    A collar is easily taken for neck; it is told by its colours, and what is beyond it is no neck either.
     regions: (H, W) values of Region. pixels: (H, W) bool, those that the mesh covers. image: (H, W, 3) uint8.
     Returns ParsedHead, or None where it was not seen: there is little skin and hair among these pixels, or none.
     """
@@ -47,7 +48,25 @@ def parsed_head(regions: np.ndarray, pixels: np.ndarray, image: np.ndarray) -> P
     parts, _ = label(head)
     # Other people in the picture do not hang together with this head.
     whole = head & np.isin(parts, np.unique(parts[pixels & head]))
-    return ParsedHead(whole, whole & np.isin(regions, _PAINT) & ~_collar(regions, whole & pixels, image))
+    own = whole & pixels
+    around = round(_AROUND * np.ptp(np.flatnonzero(pixels.any(1))))
+    collar = _collar(regions, own, image)
+    if collar.any():
+        collar = own & (regions == Region.NECK) & ~_bare_neck(regions, own & ~collar, collar, around)
+    return ParsedHead(whole, whole & np.isin(regions, _PAINT) & ~collar)
+
+
+def _bare_neck(regions: np.ndarray, head: np.ndarray, collar: np.ndarray, around: int) -> np.ndarray:
+    """(H, W) bool: what of the neck of a head (H, W) bool hangs together with its skin, away from a collar (H, W) bool.
+
+    around: pixels, of its border that is a mixture, and of what is too thin to hang together.
+    """
+    disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * around + 1, 2 * around + 1))
+    neck = head & (regions == Region.NECK) & (cv2.dilate(collar.astype(np.uint8), disc) == 0)
+    neck = cv2.morphologyEx(neck.astype(np.uint8), cv2.MORPH_OPEN, disc) > 0
+    bare = head & np.isin(regions, _BARE)
+    parts, _ = label(neck | (cv2.dilate(bare.astype(np.uint8), disc) > 0))
+    return neck & np.isin(parts, np.unique(parts[bare]))
 
 
 def _collar(regions: np.ndarray, head: np.ndarray, image: np.ndarray) -> np.ndarray:

@@ -63,3 +63,14 @@ def test_a_collar_that_was_taken_for_neck_is_no_paint(regions, pixels, image):
     head = parsed_head(regions, pixels, image)
     assert head.paint[42:50, 22:32].all() and not head.paint[42:50, 32:40].any()
     assert head.whole[42:50, 22:40].all()
+
+
+def test_what_is_beyond_a_collar_is_no_neck(image):
+    labels = np.zeros((400, 200), np.uint8)
+    labels[20:300, 50:150] = Region.SKIN
+    labels[300:400, 50:150] = Region.NECK
+    picture = np.full((400, 200, 3), image[0, 0], np.uint8)
+    picture[330:345, 50:150] = 250  # a shirt, and below it a jacket of the skin's colour
+    head = parsed_head(labels, labels > 0, picture)
+    assert head.paint[300:327, 55:145].all() and not head.paint[329:].any()
+    assert head.whole[300:, 50:150].all()
