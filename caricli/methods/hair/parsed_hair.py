@@ -26,15 +26,15 @@ def parsed_hair(
     image: np.ndarray,
     settings: MaskSettings = MaskSettings(),  # noqa: B008 (frozen)
 ) -> HairMask | None:
-    """The hair that hangs on a head; hats are none, and where there are hats beside much of it, it is doubtful.
+    """The hair that hangs on a head; a few pixels of hats among it are none.
 
     Regions are coarse: near their border colours say what is hair. Brows, eyes and lips stay what they are.
 
     face: Face with landmarks. regions: (H, W) values of Region. pixels: (H, W) bool, those that the face's mesh covers.
     image: (H, W, 3) uint8.
     Returns HairMask, whose doubt is one minus the expected intersection over union with what is hair, by its colours,
-    times the share that hair has of hats and hair; or None where the network is unsure, or little of it is before the
-    head: then this is rather the wall behind it.
+    times the share that hair has of hats and hair; or None where the network is unsure, takes much of it for a hat, or
+    little of it is before the head: then this is rather the wall behind it.
     """
     points = face.require_landmarks()[:COUNT]
     size = float(np.ptp(points, axis=0).max())
@@ -42,7 +42,9 @@ def parsed_hair(
     own = _on_head(hair, pixels, settings.crumb * size**2)
     hats = (_on_head(np.isin(regions, (Region.HAT, Region.HAIR)), pixels) & (regions == Region.HAT)).sum()
     doubt = float(hats / max(hats + own.sum(), 1))
-    if doubt <= settings.doubt and own.any():
+    if doubt > settings.doubt:
+        return None
+    if own.any():
         probable = cut_hair(image, own, size, settings)
         features = facial_features(points, size, own.shape, settings) & ~own
         other = np.isin(regions, _NEVER) | ((regions == Region.HAT) & (doubt > _SPECKS))
