@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
+from caricli.methods.hair.colour_border import agreeing_chances, depth_inside
 from caricli.methods.hair.colour_mixture import ColourMixture
 from caricli.render.cut_window import cut_window
 from caricli.structures.detection import FaceFrame
@@ -147,7 +148,7 @@ def _alike(picture: np.ndarray, seed: np.ndarray, kept: np.ndarray) -> np.ndarra
     those of the place; a guided filter (He et al. 2013) makes neighbours agree.
     """
     settings = _SETTINGS
-    away = (_depth(seed) - _depth(~seed)) / _UNIT
+    away = depth_inside(seed) / _UNIT
     near = away > -settings.around * settings.beyond
     lab = cv2.cvtColor(cv2.GaussianBlur(picture, (0, 0), 0.8), cv2.COLOR_RGB2LAB).astype(np.float32)
     opening = seed
@@ -159,8 +160,7 @@ def _alike(picture: np.ndarray, seed: np.ndarray, kept: np.ndarray) -> np.ndarra
             return seed
         scores = [_likelihoods(lab, own, k) for own, k in zip(pixels, settings.components, strict=True)]
         odds = np.clip(scores[0] - scores[1], -settings.colour, settings.colour) + settings.place * away
-        chances = (1 / (1 + np.exp(-np.clip(odds, -30, 30)))).astype(np.float32)
-        chances = cv2.ximgproc.guidedFilter(picture, chances, settings.radius, (255 * settings.smoothness) ** 2)
+        chances = agreeing_chances(picture, odds, settings.radius, settings.smoothness)
         opening = np.where(np.abs(away) > settings.beyond, seed, chances > 0.5) & ~kept
         _, parts = cv2.connectedComponents(opening.astype(np.uint8))
         opening &= np.isin(parts, parts[seed & opening])
@@ -173,8 +173,3 @@ def _likelihoods(lab: np.ndarray, pixels: np.ndarray, count: int) -> np.ndarray:
     colours = lab[pixels]
     chosen = np.linspace(0, len(colours) - 1, min(len(colours), _SETTINGS.samples)).astype(int)
     return ColourMixture(colours[chosen], count, _SETTINGS.spread).log_likelihoods(lab)
-
-
-def _depth(mask: np.ndarray) -> np.ndarray:
-    """Pixels to the border of a mask, within it."""
-    return cv2.distanceTransform(mask.astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_5)

@@ -6,6 +6,7 @@ import cv2
 import numpy as np
 
 from caricli.methods.detect.cut_openings import FaceWindow
+from caricli.render.inside_polygon import inside_polygon
 from caricli.structures.landmarks import COUNT, EYE_LEFT, EYE_RIGHT, LIPS_INSIDE, MOUTH, Landmarks
 from caricli.structures.parsing import Region
 
@@ -81,7 +82,7 @@ def _snapped_eyes(window: FaceWindow, points: np.ndarray) -> np.ndarray:
     _, parts = cv2.connectedComponents(window.eyes().astype(np.uint8))
     places = points.copy()
     for eye in (list(EYE_RIGHT), list(EYE_LEFT)):
-        told = _filled(points[eye], parts.shape)
+        told = inside_polygon(points[eye], parts.shape)
         own = np.bincount(parts[told & (parts > 0)], minlength=1)
         shown = parts == own.argmax()
         held = own.max() / max(told.sum(), 1)
@@ -106,7 +107,7 @@ def _away_from_middle(points: np.ndarray, shown: np.ndarray) -> np.ndarray:
 def _open_mouth(window: FaceWindow, points: np.ndarray) -> np.ndarray | None:
     """(S, S) bool, the mouth in a window with landmarks (68, 2), where it shows a larger one than they do."""
     seed = _largest(window.labelled_mouth)
-    told = _filled(points[list(LIPS_INSIDE)], seed.shape)
+    told = inside_polygon(points[list(LIPS_INSIDE)], seed.shape)
     common = (seed & told).sum() / max((seed | told).sum(), 1)
     wide = points[64, 0] - points[60, 0] > _SETTINGS.narrowest * len(seed)
     if not wide or common > _SETTINGS.agree or seed.sum() < _SETTINGS.least * max(told.sum(), 1):
@@ -118,13 +119,6 @@ def _largest(mask: np.ndarray) -> np.ndarray:
     """The largest piece of a mask (S, S) bool."""
     count, parts, figures, _ = cv2.connectedComponentsWithStats(mask.astype(np.uint8))
     return mask if count == 1 else parts == 1 + figures[1:, cv2.CC_STAT_AREA].argmax()
-
-
-def _filled(points: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
-    """(S, S) bool: what points (K, 2) enclose."""
-    mask = np.zeros(shape, np.uint8)
-    cv2.fillPoly(mask, [np.round(points).astype(np.int32)], 1)
-    return mask > 0
 
 
 def _on_border(points: np.ndarray, mouth: np.ndarray, lips: np.ndarray) -> np.ndarray:

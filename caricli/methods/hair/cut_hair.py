@@ -3,6 +3,7 @@
 import cv2
 import numpy as np
 
+from caricli.methods.hair.colour_border import agreeing_chances, depth_inside
 from caricli.methods.hair.colour_mixture import ColourMixture
 from caricli.methods.hair.settings import MaskSettings
 
@@ -40,9 +41,7 @@ def cut_hair(image: np.ndarray, hair: np.ndarray, size: float, settings: MaskSet
 
 def _probabilities(picture: np.ndarray, hair: np.ndarray, size: float, settings: MaskSettings) -> np.ndarray:
     """(H, W) from 0 to 1, how probably a pixel shows hair, by its colour and a mask (H, W) whose face has a size."""
-    inside = cv2.distanceTransform(hair.astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_5)
-    outside = cv2.distanceTransform((~hair).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_5)
-    away = (inside - outside) / size
+    away = depth_inside(hair) / size
     smooth = cv2.GaussianBlur(picture, (0, 0), max(0.5, 0.004 * size))
     lab = cv2.cvtColor(smooth, cv2.COLOR_RGB2LAB).astype(np.float32)
     generator = np.random.RandomState(0)
@@ -57,8 +56,6 @@ def _probabilities(picture: np.ndarray, hair: np.ndarray, size: float, settings:
             chosen = generator.permutation(len(colours))[: settings.samples]
             scores.append(ColourMixture(colours[chosen], _COMPONENTS, settings.spread).log_likelihoods(lab))
         odds = np.clip(scores[0] - scores[1], -settings.colour, settings.colour) + settings.place * away
-        chances = (1 / (1 + np.exp(-np.clip(odds, -30, 30)))).astype(np.float32)
-        radius = max(2, int(settings.nearby * size))
-        probable = cv2.ximgproc.guidedFilter(picture, chances, radius, (255 * settings.alike) ** 2)
+        probable = agreeing_chances(picture, odds, max(2, int(settings.nearby * size)), settings.alike)
         probable = np.where(np.abs(away) > settings.beyond, hair, np.clip(probable, 0, 1)).astype(np.float32)
     return probable

@@ -5,6 +5,7 @@ import numpy as np
 from scipy.ndimage import distance_transform_edt
 
 from caricli.methods.hair.settings import MaskSettings
+from caricli.render.inside_polygon import inside_polygon
 from caricli.render.rasterise import rasterise
 from caricli.structures import Face
 from caricli.structures.landmarks import OUTLINE
@@ -32,7 +33,7 @@ class PictureZones:
         self._cut(face, image, settings)
         points = self.points
         rows, columns = np.mgrid[: self.shape[0], : self.shape[1]]
-        self.enclosed = _inside(points[list(OUTLINE)], self.shape)
+        self.enclosed = inside_polygon(_finite(points[list(OUTLINE)]), self.shape)
         self.features = facial_features(points, self.size, self.shape, settings)
         self.inner = (distance_transform_edt(self.enclosed) > settings.core * self.size) & ~self.features
         self.brows = points[17:27, 1].mean()
@@ -113,15 +114,9 @@ def facial_features(points: np.ndarray, size: float, shape: tuple[int, int], set
     for part in _BROWS:
         line = np.round(_finite(points[list(part)])).astype(np.int32)
         cv2.polylines(mask, [line], False, 1, max(1, int(_BROW_WIDTH * size)))
-    enclosed = np.any([_inside(points[list(part)], shape) for part in _FEATURES], axis=0)
+    enclosed = np.any([inside_polygon(_finite(points[list(part)]), shape) for part in _FEATURES], axis=0)
     mask = (mask > 0) | enclosed
     return distance_transform_edt(~mask) < settings.features * size if mask.any() else mask
-
-
-def _inside(points: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
-    mask = np.zeros(shape, np.uint8)
-    cv2.fillPoly(mask, [np.round(_finite(points)).astype(np.int32)], 1)
-    return mask > 0
 
 
 def _finite(points: np.ndarray) -> np.ndarray:

@@ -8,6 +8,7 @@ import numpy as np
 from caricli.errors import InputError
 from caricli.methods.reconstruct.settings import EvidenceSettings
 from caricli.render.covered_pixels import covered_pixels
+from caricli.render.inside_polygon import inside_polygon
 from caricli.structures import Face
 from caricli.structures.landmarks import BROW_LEFT, BROW_RIGHT, EYE_LEFT, EYE_RIGHT, JAW, LIPS, OUTLINE
 
@@ -63,7 +64,7 @@ def picture_evidence(face: Face, points: np.ndarray, image: np.ndarray) -> Pictu
     placed = (face.require_camera().place(face.vertices) + [0.5, 0.5, 0]) * [*zoom, scale]
     placed[:, :2] -= corner * zoom + 0.5
     covered = covered_pixels(placed, face.faces, *lab.shape[1::-1])
-    inside = _filled(lab.shape[:2], marks[list(OUTLINE)])
+    inside = inside_polygon(marks[list(OUTLINE)], lab.shape[:2])
     skin = _skin_odds(lab, _bare_skin(inside, marks), ~(inside | _grown(covered, 1)))
     gradient = _gradient(lab)
     jaw = np.zeros(inside.shape, np.uint8)
@@ -85,13 +86,6 @@ def _window(points: np.ndarray, image: np.ndarray) -> tuple[np.ndarray, np.ndarr
     return first.astype(float), np.ascontiguousarray(image[first[1] : last[1], first[0] : last[0]])
 
 
-def _filled(shape: tuple[int, ...], outline: np.ndarray) -> np.ndarray:
-    """(H, W) bool: inside a polygon (N, 2)."""
-    mask = np.zeros(shape, np.uint8)
-    cv2.fillPoly(mask, [np.rint(outline).astype(np.int32)], 1)
-    return mask > 0
-
-
 def _grown(mask: np.ndarray, pixels: int) -> np.ndarray:
     return cv2.dilate(mask.astype(np.uint8), np.ones((2 * pixels + 1, 2 * pixels + 1), np.uint8)) > 0
 
@@ -103,7 +97,7 @@ def _bare_skin(inside: np.ndarray, marks: np.ndarray) -> np.ndarray:
         feature = marks[[k for k in numbers if np.isfinite(marks[k]).all()]]
         if len(feature) > 1:
             hull = cv2.convexHull(np.rint(feature).astype(np.int32))[:, 0]
-            bare &= ~_grown(_filled(inside.shape, hull), _SETTINGS.margin)
+            bare &= ~_grown(inside_polygon(hull, inside.shape), _SETTINGS.margin)
     return bare
 
 
