@@ -20,13 +20,21 @@ class Sheet:
     """A surface to be flattened.
 
     vertices: (V, 3). faces: (F, 3), none without area. sizes: (V,) lengths in the plane for a length on the surface.
-    weights: (F,) how much a triangle counts, for its area.
+    weights: (F,) how much a triangle counts, for its area. shapes: (F, 3, 3) corners of the triangles where these are
+    not of the shapes that the vertices give them; None where all are.
     """
 
     vertices: np.ndarray
     faces: np.ndarray
     sizes: np.ndarray
     weights: np.ndarray
+    shapes: np.ndarray | None = None
+
+    def inverse_edges(self) -> np.ndarray:
+        """(F, 2, 2) as `inverse_edges` has them, of the triangles of the right sizes."""
+        corners = self.vertices[self.faces] if self.shapes is None else self.shapes
+        inverse = inverse_edges(corners.reshape(-1, 3), np.arange(self.faces.size).reshape(-1, 3))
+        return inverse / self.sizes[self.faces].mean(1)[:, None, None]
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,11 +84,9 @@ class _Problem:
 
     def __init__(self, sheet: Sheet, side: np.ndarray, limits: Limits | None) -> None:
         faces = sheet.faces
-        sizes = sheet.sizes[faces].mean(1)
-        raw = inverse_edges(sheet.vertices, faces)
-        areas = sizes**2 / np.linalg.det(raw)
         self.faces = faces
-        self.inverse = raw / sizes[:, None, None]
+        self.inverse = sheet.inverse_edges()
+        areas = 1 / np.linalg.det(self.inverse)
         self.weights = sheet.weights * areas / (sheet.weights * areas).sum()
         self.side = side
         self.lines = np.zeros((0, 3)) if limits is None else limits.lines

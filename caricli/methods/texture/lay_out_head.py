@@ -7,6 +7,7 @@ import numpy as np
 from caricli.geometry.embed_disc import embed_disc
 from caricli.geometry.fill_holes import fill_holes
 from caricli.geometry.flatten import Limits, Sheet, flatten
+from caricli.geometry.turn_upright import turn_upright
 from caricli.geometry.vertex_neighbours import vertex_neighbours
 from caricli.structures import Mesh
 from caricli.structures.mesh import triangle_fans
@@ -202,22 +203,14 @@ def _flat(
     weights = np.append(sheet.weights, np.full(len(faces) - len(sheet.faces), _MEMBRANE))
     closed = Sheet(vertices, faces, sizes, weights)
     radius = np.linalg.norm(vertices[loop] - vertices[loop].mean(0), axis=1).mean() * np.mean(sheet.sizes)
-    places = _upright(radius * embed_disc(vertices, faces, loop), vertices)
-    places = _upright(flatten(closed, places), vertices)
+    places = turn_upright(radius * embed_disc(vertices, faces, loop), vertices)
+    places = turn_upright(flatten(closed, places), vertices)
     places += (0, -places[:, 1].min()) if middle is None else middle
     lines = np.reshape(limits, (-1, 3))
     lines = lines / np.linalg.norm(lines[:, :2], axis=1, keepdims=True)
     for strength in _STRENGTHS if len(lines) else ():
         places = flatten(closed, places, Limits(lines, strength))
     return places[:count]
-
-
-def _upright(places: np.ndarray, vertices: np.ndarray) -> np.ndarray:
-    """Places (V, 2) around their middle, turned so that up in the picture is up on the head."""
-    places = places - places.mean(0)
-    x, y = (vertices[:, 1] - vertices[:, 1].mean()) @ places
-    turn = np.array([[y, -x], [x, y]]) / np.hypot(x, y)
-    return places @ turn.T
 
 
 def _with_corners(head: Template, corners: np.ndarray) -> Mesh:

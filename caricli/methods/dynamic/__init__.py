@@ -1,0 +1,1 @@
+"""Textures that follow the expression."""
