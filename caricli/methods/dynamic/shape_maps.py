@@ -1,0 +1,191 @@
+"""What the shapes of a person say of the paint: maps in the chart of the face, of one expression and of another."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import igl
+import numpy as np
+import scipy.sparse as sp
+
+from caricli.errors import InputError
+from caricli.geometry.similarity import similarity
+from caricli.geometry.triangle_normals import triangle_normals
+from caricli.methods.dynamic.chart_pictures import ChartGrid
+from caricli.render.sky import DIRECTIONS, sky_visibility
+
+CHANNELS = (
+    *("displacement_x", "displacement_y", "displacement_z"),
+    *("source_normal_x", "source_normal_y", "source_normal_z", "source_curvature", "source_area"),
+    *("source_openness", "source_gap", "target_normal_x", "target_normal_y", "target_normal_z"),
+    *("target_curvature", "target_area", "target_openness", "target_gap"),
+)
+"""Of `shape_maps`, in their order."""
+
+PART = 0.25
+"""Of the neutral face's width: the displacement and the gap between lips that are 1."""
+
+BENT = 10.0
+"""Change of mean normal curvature, for one over the neutral face's width, whose map is tanh 1."""
+
+_WAYS = DIRECTIONS[::3]
+_OWN = 7  # channels of one shape
+_GAP = 6  # which of them is the gap
+_ABOVE = 0.5  # of the chart's height
+_ROUNDS = 4  # of fits that count less what moves
+_STILL = 0.001  # of the face's width: what moves less counts alike
+_FINER = 4  # points for each along a lip
+_SMALL = 1e-12
+
+
+@dataclass(frozen=True, eq=False)
+class ShapeFields:
+    """What one shape says at the vertices of the chart.
+
+    places: (N, 3) in the frame of the person's neutral face, for its width. values: (N, 7) normal, change of curvature,
+    change of area, openness and gap between the lips, each from -1 to 1.
+    """
+
+    places: np.ndarray
+    values: np.ndarray
+
+
+class PersonShapes:
+    """A person's neutral face, against which the person's other shapes are seen.
+
+    The frame is that in which the neutral face lies as its chart does: turning and moving what is given changes
+    nothing. A shape is first laid on the neutral face by a rigid fit that counts most where it is as that one.
+    """
+
+    def __init__(self, grid: ChartGrid, neutral: np.ndarray) -> None:
+        """grid: ChartGrid. neutral: (V, 3) metres. Raises InputError where it is not of the chart's mesh."""
+        self.grid = grid
+        chart = grid.chart
+        self.skin = chart.faces[~chart.membrane]
+        count = len(chart.vertices)
+        entries = (self.skin.ravel(), np.repeat(np.arange(len(self.skin)), 3))
+        self.around = sp.csr_matrix((np.ones(self.skin.size), entries), (count, len(self.skin)))
+        edges = np.concatenate([self.skin[:, [0, 1]], self.skin[:, [1, 2]], self.skin[:, [2, 0]]])
+        self.edges = np.unique(np.sort(edges, axis=1), axis=0)
+        own = self._own(neutral)
+        flat = np.column_stack([chart.uvs, np.zeros(count)])
+        _, turn, _ = similarity(own, flat)
+        turned = (own - own.mean(0)) @ turn.T
+        self.width = float(np.ptp(turned[:, 0]))
+        self.neutral = turned / self.width
+        self.calm = self._raw(self.neutral)
+
+    def fields(self, vertices: np.ndarray) -> ShapeFields:
+        """What a shape (V, 3), metres, of the same person says."""
+        places = self._laid(self._own(vertices) / self.width)
+        normals, curvature, areas = self._raw(places)
+        _, calm_curvature, calm_areas = self.calm
+        bent = np.tanh((curvature - calm_curvature) / BENT)
+        grown = np.tanh(np.log(np.maximum(areas, _SMALL) / np.maximum(calm_areas, _SMALL)))
+        columns = [normals, bent, grown, 2 * self._openness(places, normals) - 1, self._gap(places) / PART]
+        return ShapeFields(places, np.column_stack(columns).astype(np.float32))
+
+    def maps(self, source: ShapeFields, target: ShapeFields) -> np.ndarray:
+        """(S, S, 17) float32, the CHANNELS of two shapes, as `shape_maps` gives them."""
+        displacement = (target.places - source.places) / PART
+        maps = self.grid.bake_own(np.column_stack([displacement, source.values, target.values]))
+        maps[~self.grid.mouth, 3 + _GAP :: _OWN] = 0
+        return maps
+
+    def attention(self, source: ShapeFields, target: ShapeFields, reach: float = 0.03) -> np.ndarray:
+        """(S, S) float32 from 0 to 1, as `displacement_attention` gives it."""
+        moved = np.linalg.norm(target.places - source.places, axis=1)
+        parted = PART * (target.values[:, _GAP] - source.values[:, _GAP])
+        baked = self.grid.bake_own(np.column_stack([moved, parted]))
+        change = np.where(self.grid.mouth, np.maximum(baked[..., 0], np.abs(baked[..., 1])), baked[..., 0])
+        return 1 - np.exp(-change / np.float32(reach))
+
+    def _own(self, vertices: np.ndarray) -> np.ndarray:
+        """(N, 3) those of the chart."""
+        if vertices.ndim != 2 or vertices.shape[1] != 3 or len(vertices) <= self.grid.chart.vertices.max():
+            raise InputError(f"expected vertices of the mesh that the chart was made of, found {vertices.shape}")
+        return np.asarray(vertices, float)[self.grid.chart.vertices]
+
+    def _laid(self, places: np.ndarray) -> np.ndarray:
+        """Places (N, 3) on the neutral face."""
+        # The jaw moves most; what is above it is where the fit starts.
+        weights = (self.grid.chart.uvs[:, 1:] > _ABOVE) + _SMALL
+        laid = places
+        for _ in range(_ROUNDS):
+            total = weights.sum()
+            middle = (weights * places).sum(0) / total
+            there = (weights * self.neutral).sum(0) / total
+            root = np.sqrt(weights)
+            u, _, vt = np.linalg.svd((root * (self.neutral - there)).T @ (root * (places - middle)))
+            turn = (u * [1, 1, np.sign(np.linalg.det(u @ vt))]) @ vt
+            laid = (places - middle) @ turn.T + there
+            away = np.linalg.norm(laid - self.neutral, axis=1, keepdims=True)
+            weights = 1 / (away + _STILL) ** 2
+        return laid
+
+    def _raw(self, places: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Normals (N, 3), curvatures (N,), convex ones above 0, and areas (N,) of the surface around the vertices."""
+        crosses = triangle_normals(places, self.skin)
+        sums = self.around @ crosses
+        normals = sums / np.maximum(np.linalg.norm(sums, axis=1, keepdims=True), _SMALL)
+        first, second = self.edges.T
+        along = places[first] - places[second]
+        turned = ((normals[first] - normals[second]) * along).sum(1)
+        lengths = (along**2).sum(1)
+        ends = self.edges.T.ravel()
+        bent, spread = (np.bincount(ends, np.tile(each, 2), len(places)) for each in (turned, lengths))
+        return normals, bent / np.maximum(spread, _SMALL), self.around @ np.linalg.norm(crosses, axis=1)
+
+    def _openness(self, places: np.ndarray, normals: np.ndarray) -> np.ndarray:
+        """(N,) from 0 to 1, how much of the light from all sides reaches the vertices."""
+        facing = np.maximum(normals @ _WAYS.T, 0)
+        seen = sky_visibility(places, self.skin, normals, directions=_WAYS)
+        return (facing * seen).sum(1) / np.maximum(facing.sum(1), _SMALL)
+
+    @cached_property
+    def _lips(self) -> tuple[np.ndarray, np.ndarray]:
+        """Rows of the chart along the two lips, from corner to corner; none where there is no membrane."""
+        chart = self.grid.chart
+        if not chart.membrane.any():
+            return np.zeros(0, int), np.zeros(0, int)
+        loop = np.asarray(igl.boundary_loop_all(np.asarray(chart.faces[chart.membrane], np.int64))[0])
+        loop = np.roll(loop, -int(chart.uvs[loop, 0].argmin()))
+        turn = int(chart.uvs[loop, 0].argmax())
+        return loop[: turn + 1], np.append(loop[turn:], loop[0])
+
+    def _gap(self, places: np.ndarray) -> np.ndarray:
+        """(N,) how far vertices of one lip are from the other, for the face's width; zero elsewhere."""
+        gaps = np.zeros(len(places))
+        for line, other in (self._lips, self._lips[::-1]):
+            steps = np.arange(_FINER * len(other)) / _FINER
+            finer = np.stack([np.interp(steps, np.arange(len(other)), column) for column in places[other].T], axis=1)
+            gaps[line] = np.linalg.norm(places[line, None] - finer[None], axis=2).min(1, initial=np.inf)
+        return gaps
+
+
+def shape_maps(grid: ChartGrid, neutral: np.ndarray, source: np.ndarray, target: np.ndarray) -> np.ndarray:
+    """Maps of two shapes of a person in the chart: what a network sees in the place of codes of expressions.
+
+    grid: ChartGrid. neutral, source, target: (V, 3) metres, each in whatever place. For many pairs of a person
+    `PersonShapes` keeps what belongs to one shape.
+    Returns (S, S, 17) float32, the CHANNELS: displacement from source to target, and of both their normals, how
+    curvature and (as logarithm) area differ from the neutral face's, openness to light from all sides, and on the
+    membrane the gap between the lips. Lengths are in quarters of the neutral face's width; all is about -1 to 1, zero
+    where nothing is covered. Raises InputError where the shapes are not of the chart's mesh.
+    """
+    person = PersonShapes(grid, neutral)
+    return person.maps(person.fields(source), person.fields(target))
+
+
+def displacement_attention(
+    grid: ChartGrid, neutral: np.ndarray, source: np.ndarray, target: np.ndarray, reach: float = 0.03
+) -> np.ndarray:
+    """Where the paint changes, told from where the surface moves (expressions paper, section 3.3.2).
+
+    ``1 - exp(-moved / reach)``; between the lips what their gap changes counts as moved, too.
+
+    grid, neutral, source, target: as for `shape_maps`. reach: displacement for the neutral face's width that makes it
+    0.63.
+    Returns (S, S) float32 from 0 to 1.
+    """
+    person = PersonShapes(grid, neutral)
+    return person.attention(person.fields(source), person.fields(target), reach)
