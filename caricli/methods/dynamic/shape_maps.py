@@ -1,7 +1,9 @@
 """What the shapes of a person say of the paint: maps in the chart of the face, of one expression and of another."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any, Self
 
 import igl
 import numpy as np
@@ -41,12 +43,21 @@ _SMALL = 1e-12
 class ShapeFields:
     """What one shape says at the vertices of the chart.
 
-    places: (N, 3) in the frame of the person's neutral face, for its width. values: (N, 7) normal, change of curvature,
+    places: (..., N, 3) in the frame of the person's neutral face, for its width. values: (..., N, 7) normal, change of curvature,
     change of area, openness and gap between the lips, each from -1 to 1.
     """
 
     places: np.ndarray
     values: np.ndarray
+
+    @classmethod
+    def stacked(cls, shapes: "Sequence[ShapeFields]") -> Self:
+        """Of several shapes, those of each along a new first axis."""
+        return cls(np.stack([shape.places for shape in shapes]), np.stack([shape.values for shape in shapes]))
+
+    def __getitem__(self, rows: Any) -> Self:
+        """Of some of the shapes that are stacked, as of arrays."""
+        return type(self)(self.places[rows], self.values[rows])
 
 
 class PersonShapes:
@@ -83,21 +94,6 @@ class PersonShapes:
         grown = np.tanh(np.log(np.maximum(areas, _SMALL) / np.maximum(calm_areas, _SMALL)))
         columns = [normals, bent, grown, 2 * self._openness(places, normals) - 1, self._gap(places) / PART]
         return ShapeFields(places, np.column_stack(columns).astype(np.float32))
-
-    def maps(self, source: ShapeFields, target: ShapeFields) -> np.ndarray:
-        """(S, S, 17) float32, the CHANNELS of two shapes, as `shape_maps` gives them."""
-        displacement = (target.places - source.places) / PART
-        maps = self.grid.bake_own(np.column_stack([displacement, source.values, target.values]))
-        maps[~self.grid.mouth, 3 + _GAP :: _OWN] = 0
-        return maps
-
-    def attention(self, source: ShapeFields, target: ShapeFields, reach: float = 0.03) -> np.ndarray:
-        """(S, S) float32 from 0 to 1, as `displacement_attention` gives it."""
-        moved = np.linalg.norm(target.places - source.places, axis=1)
-        parted = PART * (target.values[:, _GAP] - source.values[:, _GAP])
-        baked = self.grid.bake_own(np.column_stack([moved, parted]))
-        change = np.where(self.grid.mouth, np.maximum(baked[..., 0], np.abs(baked[..., 1])), baked[..., 0])
-        return 1 - np.exp(-change / np.float32(reach))
 
     def _own(self, vertices: np.ndarray) -> np.ndarray:
         """(N, 3) those of the chart."""
@@ -162,6 +158,31 @@ class PersonShapes:
         return gaps
 
 
+def pair_maps(grid: ChartGrid, source: ShapeFields, target: ShapeFields) -> np.ndarray:
+    """(..., S, S, 17) float32, the maps of ``shape_maps``, of pairs of shapes."""
+    displacement = (target.places - source.places) / PART
+    maps = _baked(grid, np.concatenate([displacement, source.values, target.values], axis=-1))
+    maps[..., ~grid.mouth, 3 + _GAP :: _OWN] = 0
+    return maps
+
+
+def pair_attention(grid: ChartGrid, source: ShapeFields, target: ShapeFields, reach: float = 0.03) -> np.ndarray:
+    """(..., S, S) float32, as ``displacement_attention``, of pairs of shapes."""
+    moved = np.linalg.norm(target.places - source.places, axis=-1)
+    parted = PART * (target.values[..., _GAP] - source.values[..., _GAP])
+    baked = _baked(grid, np.stack([moved, parted], axis=-1))
+    change = np.where(grid.mouth, np.maximum(baked[..., 0], np.abs(baked[..., 1])), baked[..., 0])
+    return 1 - np.exp(-change / np.float32(reach))
+
+
+def _baked(grid: ChartGrid, values: np.ndarray) -> np.ndarray:
+    """Values (..., N, C) of the chart's vertices at the texels, (..., S, S, C) float32."""
+    columns = values.reshape(-1, *values.shape[-2:]).transpose(1, 0, 2)
+    baked = grid.bake_own(columns.reshape(len(columns), -1))
+    texels = baked.reshape(grid.size, grid.size, -1, values.shape[-1]).transpose(2, 0, 1, 3)
+    return texels.reshape(*values.shape[:-2], grid.size, grid.size, values.shape[-1])
+
+
 def shape_maps(grid: ChartGrid, neutral: np.ndarray, source: np.ndarray, target: np.ndarray) -> np.ndarray:
     """Maps of two shapes of a person in the chart: what a network sees in the place of codes of expressions.
 
@@ -173,7 +194,7 @@ def shape_maps(grid: ChartGrid, neutral: np.ndarray, source: np.ndarray, target:
     where nothing is covered. Raises InputError where the shapes are not of the chart's mesh.
     """
     person = PersonShapes(grid, neutral)
-    return person.maps(person.fields(source), person.fields(target))
+    return pair_maps(grid, person.fields(source), person.fields(target))
 
 
 def displacement_attention(
@@ -188,4 +209,4 @@ def displacement_attention(
     Returns (S, S) float32 from 0 to 1.
     """
     person = PersonShapes(grid, neutral)
-    return person.attention(person.fields(source), person.fields(target), reach)
+    return pair_attention(grid, person.fields(source), person.fields(target), reach)
