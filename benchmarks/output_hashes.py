@@ -24,6 +24,7 @@ TINY = "--set epochs=2 --set points=32 --set width=16 --set hidden=16 --set late
 SEER = "--set width=16 --set stem=8 --set depth=1 --set size=64 --set steps=150 --set batch=16 --set precision=float32"
 DRAWER = "--set size=64 --set epochs=1 --set steps=4 --set batch=8 --set validate_every=1"
 TELLER = "--set size=64 --set epochs=1 --set steps=8 --set rounds=2 --set batch=8 --set painted=2 --set unmarked=0"
+STYLER = "--set width=4 --set pictures=4 --set validation=2 --set epochs=1 --set steps=4 --set validate_every=1"
 
 # Every line is run in turn in one folder; what it writes goes into a folder of its own, or beside the others.
 COMMANDS = f"""
@@ -48,6 +49,7 @@ train kernel --data dataset --out kernel.safetensors --set dimension=5 --set com
 train morphable --data dataset --out morphable.safetensors --set identity=3 --set expression=2 --set albedo=4
 train bilinear --data dataset --out bilinear.safetensors --set identity=4
 train sketch --data dataset --model pca.safetensors --out drawer {DRAWER}
+train style --out styler {STYLER}
 train landmark-map --data dataset --out map.safetensors --set dimension=4 --set epochs=1 --set views=2
 train deformable --data dataset --out run {TINY} --set validate_every=1
 train semantic --data big --out directions.npz --model pca --label BigNose --label Smile

@@ -61,6 +61,7 @@ COMMANDS = {
     ),
     "train sketch": ("train.sketch", "Models", "Train the network from sketches to faces."),
     "train coarse": ("train.coarse", "Models", "Train the network from pictures to faces of the morphable model."),
+    "train style": ("train.style", "Models", "Train the network that gives textures the style of drawings."),
     "train detector": ("train.detector", "Models", "Train the network that finds faces in pictures."),
     "evaluate": (None, "Models", "Compare models and methods on a dataset."),
     "evaluate shape": ("evaluate.shape", "Models", "Compare the shape errors of models."),

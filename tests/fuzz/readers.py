@@ -68,6 +68,8 @@ from caricli.models.sketch.config import SketchSize
 from caricli.models.sketch.model import SketchModel, sketch_to_checkpoint
 from caricli.models.sketch.networks import SketchNetwork
 from caricli.models.sketch.window import POINTS
+from caricli.models.style.model import StyleModel, style_to_checkpoint
+from caricli.models.style.networks import StyleNetwork
 from caricli.store.any_file import load_any
 from caricli.store.coarse import load_coarse
 from caricli.store.detector import load_detector
@@ -76,6 +78,7 @@ from caricli.store.handles import load_handles
 from caricli.store.landmark_maps import load_landmark_map
 from caricli.store.models import load_model
 from caricli.store.sketch_networks import load_sketch_network
+from caricli.store.styles import load_style
 from caricli.structures import (
     Animation,
     Camera,
@@ -298,6 +301,11 @@ def _write_sketch_network(path: Path) -> None:
     size = SketchSize(4, (4, 4, 4), (0, 0, 0), 4, 4, 4)
     network = SketchNetwork(size, 2, POINTS, 3, torch.Generator().manual_seed(0))
     write_checkpoint(path, *sketch_to_checkpoint(SketchModel(network, 64, ("nose", "silhouette"), "none")))
+
+
+def _write_style(path: Path) -> None:
+    network = StyleNetwork(4, 2, torch.Generator().manual_seed(0))
+    write_checkpoint(path, *style_to_checkpoint(StyleModel(network, ("oil", "pencil"))))
 
 
 def _write_coarse(path: Path) -> None:
@@ -533,6 +541,7 @@ def _all() -> list[Reader]:
         Reader("detector.safetensors", load_detector, (_write_detector,), mutate_tensors),
         Reader("coarse.safetensors", load_coarse, (_write_coarse,), mutate_tensors),
         Reader("sketch.safetensors", load_sketch_network, (_write_sketch_network,), mutate_tensors),
+        Reader("style.safetensors", load_style, (_write_style,), mutate_tensors),
         Reader("map.safetensors", _map_marks, (_write_map,), mutate_tensors),
         Reader("any.safetensors", read_checkpoint, (_write_map,)),
         Reader("state.pt", read_state, (_state,), mutate_members),

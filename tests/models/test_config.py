@@ -14,10 +14,11 @@ from caricli.models.kinds import KINDS, config_class
 from caricli.models.landmark_map.config import LandmarkMapConfig
 from caricli.models.morphable.config import MorphableConfig
 from caricli.models.sketch.config import SketchConfig
+from caricli.models.style.config import StyleConfig
 
 CONFIGS: dict[str, type] = {kind: config_class(kind) for kind in KINDS}
 CONFIGS |= {"ablation": AblationConfig, "coarse": CoarseConfig, "detector": DetectorConfig}
-CONFIGS |= {"landmark_map": LandmarkMapConfig, "sketch": SketchConfig}
+CONFIGS |= {"landmark_map": LandmarkMapConfig, "sketch": SketchConfig, "style": StyleConfig}
 FILES = sorted(config_path("").glob("*/*.yaml"))
 
 
@@ -105,3 +106,9 @@ def test_impossible_settings_of_the_landmark_map_are_refused(setting):
 def test_impossible_settings_of_the_sketch_network_are_refused(setting):
     with pytest.raises(InputError, match=setting.split("=")[0]):
         read_config(None, SketchConfig, [setting])
+
+
+@pytest.mark.parametrize("setting", ["width=2", "encoder=vgg", "size=30", "pictures=0", "precision=half", "batch=1"])
+def test_impossible_settings_of_the_style_network_are_refused(setting):
+    with pytest.raises(InputError, match=setting.split("=")[0]):
+        read_config(None, StyleConfig, [setting])

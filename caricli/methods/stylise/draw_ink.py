@@ -17,7 +17,7 @@ class InkSettings:
 
     line: width of contours, and depth: contrast, 0 to 1, from which on they are black. gap: between hatching lines, and
     closest: the same in pixels, at least. shades: lightness below which lines go in one more direction, and angles:
-    these, degrees. solid: lightness below which all is black.
+    these, degrees. bend: how far light bends lines, gaps. solid: lightness below which all is black.
     """
 
     line: float = 1.1
@@ -26,6 +26,7 @@ class InkSettings:
     closest: float = 3.5
     shades: tuple[float, ...] = (0.68, 0.42, 0.26)
     angles: tuple[float, ...] = (52.0, -28.0, 5.0)
+    bend: float = 5.0
     solid: float = 0.11
 
 
@@ -50,7 +51,7 @@ def _hatching(canvas: Canvas, tone: np.ndarray, shade: float, angle: float, sett
     rows, columns = np.mgrid[: canvas.shape[0], : canvas.shape[1]].astype(np.float32)
     turn = np.radians(angle)
     # Light bends them, so that they lie on the form; the hand is a little unsteady.
-    bend = 5.0 * canvas.blurred(tone, 6) + 0.25 * canvas.noise(14)
+    bend = settings.bend * canvas.blurred(tone, 6) + 0.25 * canvas.noise(14)
     phase = (columns * np.sin(turn) + rows * np.cos(turn)) / gap + bend
     ridge = 2 * np.abs(phase % 1 - 0.5)
     width = np.clip((shade - tone) / shade, 0, 1) * 0.75 + 0.06 * canvas.noise(2.5)

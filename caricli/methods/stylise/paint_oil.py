@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
+from scipy.special import ndtr
 
 from caricli.methods.stylise.canvas import Canvas, saturated, to_bytes, to_floats
 from caricli.methods.stylise.flow import flow, smeared
@@ -58,8 +59,8 @@ def paint_oil(canvas: Canvas, settings: OilSettings = OilSettings()) -> np.ndarr
         brush = _Brush(canvas.blurred(canvas.image, _SOFT * units), ways, max(units * canvas.unit, _THINNEST))
         miss = np.abs(to_floats(paint[..., :3]) - brush.wanted).mean(2) if number else np.ones(canvas.shape, np.float32)
         allowed = units >= settings.fine * (1 - canvas.care)
-        starts = brush.starts(miss * allowed / calm, settings.miss, canvas.generator)
-        brush.draw(paint, starts, settings, canvas.generator)
+        starts, chance = brush.starts(miss * allowed / calm, settings.miss, canvas.generator)
+        brush.draw(paint, starts, chance, settings)
         if brush.radius == _THINNEST:
             break
     colours = saturated(to_floats(paint[..., :3]), settings.saturation)
@@ -75,29 +76,29 @@ class _Brush:
     ways: np.ndarray
     radius: float
 
-    def starts(self, miss: np.ndarray, least: float, generator: np.random.Generator) -> np.ndarray:
+    def starts(self, miss: np.ndarray, least: float, generator: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
         """(N, 2) pixels where strokes begin, in the order of painting: in every square of a brush where it is needed.
 
         miss: (H, W), how far the colours are off. least: miss from which on a stroke is needed.
+        Also returns chance (N, 5), normal, of the strokes. Both are drawn for all squares, so that what the picture
+        shows in one place changes no stroke in another.
         """
         height, width = miss.shape
         side = max(_APART * self.radius, 1.4)
         cells = np.stack(np.meshgrid(np.arange(0, width, side), np.arange(0, height, side)), -1).reshape(-1, 2)
-        places = cells + side * generator.random(cells.shape)
+        places = generator.permutation(cells + side * generator.random(cells.shape))
+        chance = generator.normal(size=(len(places), 5))
         mean = cv2.blur(miss, [max(1, round(side))] * 2)
         x, y = np.minimum(places, [width - 1, height - 1]).astype(int).T
-        places = places[mean[y, x] > least]
-        return generator.permutation(places)
+        needed = mean[y, x] > least
+        return places[needed], chance[needed]
 
-    def draw(
-        self, paint: np.ndarray, starts: np.ndarray, settings: OilSettings, generator: np.random.Generator
-    ) -> None:
-        """Draw strokes from ``starts`` onto paint (H, W, 4) uint8."""
+    def draw(self, paint: np.ndarray, starts: np.ndarray, chance: np.ndarray, settings: OilSettings) -> None:
+        """Draw strokes from ``starts`` onto paint (H, W, 4) uint8. chance: of ``starts``, too."""
         colours = self._at(self.wanted, starts)
         ways, lengths = self._ways(starts, colours, self._at(to_floats(paint[..., :3]), starts), settings.steps)
-        colours = colours + generator.normal(0, settings.jitter, (len(starts), 1))
-        colours = to_bytes(colours + generator.normal(0, settings.jitter / 2, colours.shape))
-        heights = generator.integers(0, 256, len(starts))
+        colours = to_bytes(colours + settings.jitter * (chance[:, :1] + chance[:, 1:4] / 2))
+        heights = (256 * ndtr(chance[:, 4])).astype(int)
         pixels = np.rint(ways * 2**_SHIFT).astype(np.int32)
         width = max(1, round(2 * self.radius))
         rows = zip(pixels, lengths.tolist(), np.column_stack([colours, heights]).tolist(), strict=True)

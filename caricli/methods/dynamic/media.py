@@ -1,0 +1,85 @@
+"""Media that textures are painted in, stroke by stroke the same for every picture of a person."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+
+import cv2
+import numpy as np
+
+from caricli.methods.pictures.media import MEDIA
+from caricli.methods.stylise.canvas import Canvas, to_bytes, to_floats
+from caricli.methods.stylise.draw_ink import InkSettings, draw_ink
+from caricli.methods.stylise.draw_pencil import PencilSettings, draw_pencil
+from caricli.methods.stylise.paint_oil import OilSettings, paint_oil
+from caricli.methods.stylise.paint_picture import PAINTERS
+
+NEAR_PAINTERS: dict[str, Callable[[Canvas], np.ndarray]] = PAINTERS | {
+    "oil": partial(paint_oil, settings=OilSettings(brushes=(2.0, 1.0, 0.5, 0.3), steps=4)),
+    "ink": partial(draw_ink, settings=InkSettings(bend=0.0)),
+    "pencil": partial(draw_pencil, settings=PencilSettings(stroke=7.0, shade=0.6, grain=0.25)),
+}
+"""The painters of ``caricli stylise``, such that strokes depend on nothing far from them, and leave the face."""
+
+OF_PICTURES = {
+    "painted": "painted",
+    "outlined": "inked",
+    "hatched": "hatched",
+    "pencilled": "pencil",
+    "posterised": "flat",
+    "printed": "halftone",
+    "photographed": "photograph",
+}
+"""The media of generated pictures, under names that no painter has."""
+
+NAMES = (*NEAR_PAINTERS, *OF_PICTURES)
+
+UNITS = {"pencil": (1.0, 2.0), "ink": (1.5, 3.5)}
+USUAL = (2.0, 4.5)
+"""Least and greatest units of painters, pixels of a picture of ``PAINTED``; a hundredth of its face is about 2.5."""
+
+PAINTED = 256
+"""Side, pixels, in which pictures are painted at least, so that strokes may be finer than texels."""
+
+
+@dataclass(frozen=True)
+class Medium:
+    """One medium with all that is random in it.
+
+    name: of NAMES. unit: size of strokes, pixels of a picture whose shorter side is PAINTED. seed: of strokes and
+    grain.
+    """
+
+    name: str
+    unit: float
+    seed: int
+
+    def paint(self, picture: np.ndarray) -> np.ndarray:
+        """Paint a picture (H, W, 3) uint8. Strokes and grain are where they are in every other picture of this size.
+
+        Returns an array like it.
+        """
+        height, width = picture.shape[:2]
+        scale = max(1, -(-PAINTED // min(height, width)))
+        large = cv2.resize(picture, (scale * width, scale * height), interpolation=cv2.INTER_CUBIC)
+        painted = to_bytes(self._painted(to_floats(large), min(large.shape[:2]) / PAINTED))
+        return cv2.resize(painted, (width, height), interpolation=cv2.INTER_AREA)
+
+    def _painted(self, image: np.ndarray, scale: float) -> np.ndarray:
+        """Values from 0 to 1 (H, W, 3) painted. scale: of the unit."""
+        generator = np.random.default_rng(self.seed)
+        height, width = image.shape[:2]
+        if self.name in NEAR_PAINTERS:
+            care = np.ones((height, width), np.float32)
+            return NEAR_PAINTERS[self.name](Canvas(image, self.unit * scale, care, generator))
+        side = max(height, width)
+        square = cv2.copyMakeBorder(image, 0, side - height, 0, side - width, cv2.BORDER_REPLICATE)
+        paint = MEDIA[OF_PICTURES[self.name]][0]
+        return paint(square, np.zeros((side, side), np.uint8), generator)[:height, :width]
+
+
+def random_medium(generator: np.random.Generator, name: str | None = None) -> Medium:
+    """Draw a Medium, of any name or of one."""
+    chosen = str(generator.choice(NAMES)) if name is None else name
+    unit = float(np.exp(generator.uniform(*np.log(UNITS.get(chosen, USUAL)))))
+    return Medium(chosen, unit, int(generator.integers(2**32)))

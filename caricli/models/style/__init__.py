@@ -1,0 +1,1 @@
+"""The network that lends a picture the look of another one."""

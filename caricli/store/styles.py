@@ -1,0 +1,81 @@
+"""The style network that comes with caricli, users' own, and the drawings that styles are taken from."""
+
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+from caricli.errors import CaricliError, InputError, shown
+from caricli.io.bundled import asset_path
+from caricli.io.checkpoint import read_checkpoint
+from caricli.io.image import read_image
+from caricli.methods.dynamic.styles import StyleBook, drawn_faces
+from caricli.models.style.model import StyleModel, style_from_checkpoint
+from caricli.store.pictures import PICTURES
+from caricli.template.head import load_head
+
+BUNDLED = "style.safetensors"
+
+LARGEST = 512
+"""Shorter side, pixels, that drawings keep at most."""
+
+GENERATED = 64
+"""Style pictures that are generated where no drawings are given."""
+
+
+def load_style(path: Path | None = None) -> StyleModel:
+    """Load the style network of a file, or the bundled one.
+
+    Raises InputError when it is none, damaged, or not there.
+    """
+    file = asset_path(BUNDLED) if path is None else path
+    if path is None and not file.is_file():
+        raise InputError("no trained style network comes with this version: `caricli train style` makes one")
+    return style_from_checkpoint(*read_checkpoint(file), shown(file))
+
+
+def load_style_drawings(folder: Path) -> tuple[dict[Path, np.ndarray], list[str]]:
+    """The pictures of a folder (H, W, 3) uint8 by path, smaller where they are large, and what is wrong with others.
+
+    Raises InputError when it is no folder, or no picture of it can be read.
+    """
+    if not folder.is_dir():
+        raise InputError(f"{shown(folder)}: expected a folder of drawings, found none")
+    pictures = {}
+    notes = []
+    for path in sorted(path for path in folder.iterdir() if path.suffix.lower() in PICTURES):
+        try:
+            pictures[path] = _smaller(read_image(path))
+        except CaricliError as error:
+            notes.append(f"left out: {error}")
+    if not pictures:
+        raise InputError(f"{shown(folder)}: expected a folder of drawings, found no picture in it that can be read")
+    return pictures, notes
+
+
+def load_style_book(
+    folder: Path | None = None, network: Path | None = None, seed: int = 0
+) -> tuple[StyleBook, list[str]]:
+    """A StyleBook, and what is wrong with drawings that are left out.
+
+    folder: of drawings, or None for generated ones. network: file, or None for the bundled one; where none comes along
+    and no folder is given, styles are media alone. seed: of generated drawings.
+    Raises InputError as ``load_style`` and ``load_style_drawings`` do.
+    """
+    if folder is None and network is None and not asset_path(BUNDLED).is_file():
+        return StyleBook(), []
+    model = load_style(network)
+    if folder is None:
+        return StyleBook(model, drawn_faces(load_head().template(), GENERATED, seed)), []
+    pictures, notes = load_style_drawings(folder)
+    return StyleBook(model, list(pictures.values())), notes
+
+
+def _smaller(picture: np.ndarray) -> np.ndarray:
+    """A picture whose shorter side is LARGEST at most."""
+    height, width = picture.shape[:2]
+    scale = LARGEST / min(height, width)
+    if scale >= 1:
+        return picture
+    size = (max(LARGEST, round(scale * width)), max(LARGEST, round(scale * height)))
+    return cv2.resize(picture, size, interpolation=cv2.INTER_AREA)

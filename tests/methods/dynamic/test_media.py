@@ -1,0 +1,54 @@
+import numpy as np
+import pytest
+
+from caricli.data.appearance import random_appearance
+from caricli.methods.dynamic.lit_faces import LitFaces
+from caricli.methods.dynamic.media import NAMES, random_medium
+from caricli.methods.pictures.light import random_sky
+
+
+@pytest.fixture(scope="module")
+def faces(head_template):
+    return LitFaces(head_template, 96)
+
+
+@pytest.fixture(scope="module")
+def face(faces):
+    generator = np.random.default_rng(3)
+    return faces.draw(random_appearance(generator, "soft"), random_sky(generator))
+
+
+def test_a_face_fills_its_picture_in_light_of_its_own(faces):
+    appearance = random_appearance(np.random.default_rng(1), "soft")
+    skies = [random_sky(np.random.default_rng(seed)) for seed in (1, 2)]
+    pictures = [faces.draw(appearance, sky) for sky in skies]
+    assert faces.painter.covered.mean() > 0.6
+    np.testing.assert_array_equal(pictures[0], faces.draw(appearance, skies[0]))
+    assert np.abs(pictures[0].astype(int) - pictures[1]).mean() > 3
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_same_medium_gives_the_same_bytes_and_changes_the_picture(face, name):
+    medium = random_medium(np.random.default_rng(4), name)
+    painted = medium.paint(face)
+    assert painted.shape == face.shape and painted.dtype == np.uint8 and medium.name == name
+    np.testing.assert_array_equal(painted, medium.paint(face.copy()))
+    assert np.abs(painted.astype(int) - face).mean() > 1
+    other = random_medium(np.random.default_rng(5), name).paint(face)
+    assert (other != painted).any()
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_away_from_a_changed_mouth_all_strokes_stay(face, name):
+    smiling = face.copy()
+    smiling[62:74, 36:60] = (60, 8, 10)
+    for seed in range(3):
+        medium = random_medium(np.random.default_rng(seed), name)
+        off = np.abs(medium.paint(face).astype(int) - medium.paint(smiling)).max(2)
+        assert off[:30].mean() < 0.5 and off[:30].max() <= 8
+        assert off[62:74, 36:60].mean() > 2
+
+
+def test_pictures_need_not_be_square(face):
+    for name in NAMES:
+        assert random_medium(np.random.default_rng(0), name).paint(face[:50]).shape == (50, 96, 3)

@@ -1,0 +1,30 @@
+import numpy as np
+import pytest
+
+from caricli.errors import InputError
+from caricli.io.image import write_png
+from caricli.store.styles import load_style_book, load_style_drawings
+
+
+def test_one_broken_drawing_is_left_out_and_told(tmp_path):
+    write_png(tmp_path / "a.png", np.full((40, 900, 3), 7, np.uint8))
+    write_png(tmp_path / "b.png", np.full((1200, 1024, 3), 9, np.uint8))
+    (tmp_path / "broken.png").write_bytes(b"\x89PNG\r\n\x1a\nnothing")
+    (tmp_path / "notes.txt").write_text("no picture")
+    pictures, notes = load_style_drawings(tmp_path)
+    assert [path.name for path in pictures] == ["a.png", "b.png"]
+    assert [picture.shape for picture in pictures.values()] == [(40, 900, 3), (600, 512, 3)]
+    assert len(notes) == 1 and "broken.png" in notes[0] and notes[0].startswith("left out: ")
+
+
+def test_none_that_can_be_read_is_an_error(tmp_path):
+    with pytest.raises(InputError, match="expected a folder of drawings, found none"):
+        load_style_drawings(tmp_path / "nowhere")
+    (tmp_path / "broken.png").write_bytes(b"\x89PNG")
+    with pytest.raises(InputError, match="no picture in it that can be read"):
+        load_style_drawings(tmp_path)
+
+
+def test_a_book_needs_no_drawings():
+    book, notes = load_style_book()
+    assert notes == [] and book.draw(np.random.default_rng(0)).paint(np.full((32, 32, 3), 99, np.uint8)).shape[2] == 3
