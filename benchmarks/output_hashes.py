@@ -35,6 +35,7 @@ dataset build drawn --count 6 --identities 5 --workers 2
 dataset show dataset -o show.png --faces 4 --size 48
 dataset pictures drawn drawings --count 6 --size 96 --workers 2
 dataset sketches drawn sketches --count 6 --workers 2
+dataset textures drawn textures --count 3 --expressions 3 --size 48 --workers 2
 dataset build many --count 60 --identities 30 --workers 2
 dataset pictures many portraits --count 60 --size 96 --workers 2
 train detector --pictures portraits --out seer {SEER} --set epochs=1 --set validate_every=1

@@ -80,6 +80,7 @@ COMMANDS = {
     "dataset pictures": ("dataset.pictures", "Data", "Draw pictures of the faces, with all that is known of them."),
     "dataset sketches": ("dataset.sketches", "Data", "Draw sketches of the faces, as many hands would."),
     "dataset show": ("dataset.show", "Data", "Draw a contact sheet and print what is in it."),
+    "dataset textures": ("dataset.textures", "Data", "Take textures of the faces with many expressions."),
     "template": (None, "Data", "Export the head that every face is made from."),
     "template export": ("template.export", "Data", "Write the head as a mesh."),
     "render": ("render", "Look", "Draw shaded pictures of faces."),

@@ -40,3 +40,10 @@ class SketchSeed(IntEnum):
 
     ORDER = 0
     SKETCH = 1
+
+
+class TextureSeed(IntEnum):
+    """Streams of generated textures, after their seed."""
+
+    ORDER = 0
+    PERSON = 1

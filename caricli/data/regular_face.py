@@ -51,11 +51,16 @@ def regular_faces(data: Dataset, rows: np.ndarray, expression: int | None = None
     actions = list(named_expressions(head.action_names).values())
     shapes = []
     for row in rows:
-        identity = _identity(data, row)
-        person = align_person(identity, head.evaluate(**vars(identity)), data.template)
+        person = person_of(data, row, head)
         number = data.expression[row] if expression is None else expression
         shapes.append(regular_face(person, actions[number], head))
     return np.array(shapes)
+
+
+def person_of(data: Dataset, row: int, head: Head) -> Person:
+    """The Person whose face a mesh of a generated Dataset is. row: number of the mesh."""
+    identity = _identity(data, row)
+    return align_person(identity, head.evaluate(**vars(identity)), data.template)
 
 
 def has_partners(data: Dataset) -> bool:

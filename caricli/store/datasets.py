@@ -13,3 +13,10 @@ def is_picture_set(folder: Path) -> bool:
     from caricli.data.picture_set import MANIFEST
 
     return (folder / MANIFEST).exists()
+
+
+def is_texture_set(folder: Path) -> bool:
+    """Whether a folder is one of textures with expressions."""
+    from caricli.data.texture_set import MANIFEST
+
+    return (folder / MANIFEST).exists()

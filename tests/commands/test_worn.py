@@ -51,6 +51,7 @@ BARE = {
     "dataset show": "writes a picture",
     "dataset pictures": "draws people of a dataset",
     "dataset sketches": "draws people of a dataset",
+    "dataset textures": "draws people of a dataset",
     "template export": "reads no face",
     "render": "writes a picture",
     "sketch": "writes lines",

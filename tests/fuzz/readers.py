@@ -23,6 +23,8 @@ from caricli.data.mesh_names import read_mesh_name
 from caricli.data.picture_set import read_picture_set
 from caricli.data.sketch_set import SketchWriter, read_sketch_set
 from caricli.data.summarise_pictures import summarise_pictures
+from caricli.data.summarise_textures import summarise_textures
+from caricli.data.texture_set import ActedTextures, TextureWriter, read_texture_set
 from caricli.io.checkpoint import read_checkpoint, write_checkpoint
 from caricli.io.config import read_config
 from caricli.io.cues import read_cues
@@ -457,6 +459,37 @@ def _read_sketches(path: Path) -> None:
     read_sketch_set(folder).sketches(0)
 
 
+def _textures_bundle(path: Path) -> None:
+    """A shard of a folder of textures, and its manifest as text."""
+    folder = path.with_name("acted")
+    if not folder.exists():
+        folder.mkdir()
+        writer = TextureWriter(folder)
+        shapes = np.zeros((2, 4, 3), np.float32)
+        pictures = np.zeros((2, 3, 3, 3), np.uint8)
+        weights = np.zeros((2, len(ARKIT_NAMES)), np.float32)
+        writer.add(ActedTextures(pictures, pictures[..., 0] > 0, weights, shapes, shapes[0], 1, 2, "train", 0.5))
+        splits = {"train": [0, 1], "validation": [2], "test": [3]}
+        writer.finish({"size": 3, "expressions": 2, "splits": splits})
+    manifest = (folder / "textures.json").read_text()
+    write_npz(path, read_npz(folder / "shard-0000.npz") | {"manifest": np.array(manifest)})
+
+
+def _read_textures(path: Path) -> None:
+    """Make the folder that a bundle stands for, its hash right, and read and describe it."""
+    arrays = read_npz(path)
+    folder = path.with_name("textures")
+    folder.mkdir(exist_ok=True)
+    manifest = parse_json(str(arrays.pop("manifest", "{}")).encode(), "manifest")
+    write_npz(folder / "shard-0000.npz", arrays)
+    shards = manifest.get("shards") if isinstance(manifest, dict) else None
+    for entry in shards if isinstance(shards, list) else []:
+        if isinstance(entry, dict):
+            entry["sha256"] = sha256_file(folder / "shard-0000.npz")
+    write_json(folder / "textures.json", manifest)
+    summarise_textures(read_texture_set(folder))
+
+
 def _entries(manifest: Any) -> list[dict]:
     values = list(manifest.values()) if isinstance(manifest, dict) else []
     shards = [value for value in values if isinstance(value, list)]
@@ -548,6 +581,7 @@ def _all() -> list[Reader]:
         Reader("dataset.npz", _read_bundle, (_dataset_bundle,), _mutate_bundle),
         Reader("pictures.npz", _read_pictures, (_pictures_bundle,), _mutate_bundle),
         Reader("sketches.npz", _read_sketches, (_sketches_bundle,), _mutate_bundle),
+        Reader("textures.npz", _read_textures, (_textures_bundle,), _mutate_bundle),
         Reader("marks.json", read_landmarks, (lambda path: write_landmarks(path, MARKS),), mutate_json),
         Reader("marks.pts", read_landmarks, (lambda path: write_landmarks(path, MARKS),)),
         Reader("marks.txt", read_landmarks, (_text(_LINES),)),

@@ -19,21 +19,21 @@ from caricli.io.outputs import staged
 @seed_option
 @overwrite_option
 def command(dataset, out, faces, size, seed, overwrite):
-    """Print what is in a dataset of meshes, or of pictures, and draw a part of it.
+    """Print what is in a dataset of meshes, of pictures or of textures, and draw a part of it.
 
     Of meshes it prints counts, flipped triangles and how many principal components explain 99 % of the variance; for
     comparison, the deformable paper counts 178 for 3DCaricShop and 52 for FaceWarehouse. Of pictures it draws each
-    beside its label map and landmarks, those that are hidden in red.
+    beside its label map and landmarks, those that are hidden in red; of textures it draws a row for every person.
 
     \b
     Example:
       caricli dataset show dataset -o sheet.png
       caricli dataset show pictures -o sheet.png --faces 24
     """
-    from caricli.store.datasets import dataset_files, is_picture_set
+    from caricli.store.datasets import dataset_files, is_picture_set, is_texture_set
 
     generator = np.random.default_rng(seed)
-    summary = _pictures if is_picture_set(dataset) else _meshes
+    summary = _pictures if is_picture_set(dataset) else _textures if is_texture_set(dataset) else _meshes
     lines, draw = summary(dataset, faces, size, generator)
     if out is not None:
         with staged(out, overwrite=overwrite, inputs=dataset_files(dataset)) as (temporary,):
@@ -61,3 +61,14 @@ def _pictures(folder, count, size, generator):
 
     pictures = read_picture_set(folder)
     return summarise_pictures(pictures), lambda: picture_sheet(chosen_pictures(pictures, count, generator))
+
+
+def _textures(folder, count, size, generator):
+    """The same of a dataset of textures."""
+    from caricli.data.summarise_textures import chosen_textures, summarise_textures
+    from caricli.data.texture_set import read_texture_set
+    from caricli.render.contact_sheet import contact_sheet
+
+    textures = read_texture_set(folder)
+    lines = summarise_textures(textures)
+    return lines, lambda: contact_sheet(list(chosen_textures(textures, count, generator)), columns=1)

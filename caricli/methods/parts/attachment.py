@@ -1,6 +1,7 @@
 """Teeth, tongue and lashes put into a face and moved with its expressions."""
 
 from collections.abc import Mapping, Sequence
+from copy import copy
 from dataclasses import replace
 from functools import cache, lru_cache
 
@@ -49,6 +50,12 @@ class Attachment:
             else:
                 own = (frames or {}).get(part.name) or plain_frames(part)
                 self.holds.append(Bone(template, part, own, jaw if part.hangs_on == "jaw" else None))
+
+    def without_lashes(self) -> "Attachment":
+        """The same without what hangs on the lids."""
+        other = copy(self)
+        other.holds = [hold for hold in self.holds if not isinstance(hold, Lids)]
+        return other
 
     def attach(self, mesh: Mesh) -> tuple[Part, ...]:
         """The parts of a face, without expressions. mesh: Mesh of its skin, metres, in the template's topology."""

@@ -10,6 +10,7 @@ from caricli.methods.pictures.light import Sky
 from caricli.methods.pictures.pose import Pose
 from caricli.methods.pictures.sitter import Sitter
 from caricli.methods.reconstruct.landmark_vertices import landmark_vertices
+from caricli.methods.texture.estimate_light import harmonics
 from caricli.render.rasterise import rasterise
 from caricli.render.sky import DIRECTIONS
 from caricli.structures.parsing import Region
@@ -45,7 +46,8 @@ def draw_sitter(
     """
     pieces = sitter.pieces
     placed = pose.place(pieces.vertices)
-    faces = pieces.faces[_seen_from_outside(placed, pieces.faces) | pieces.thin]
+    shown = np.flatnonzero(_seen_from_outside(placed, pieces.faces) | pieces.thin)
+    faces = pieces.faces[shown]
     raster = rasterise(placed, faces, size, size)
     covered = raster.face >= 0
     triangles = faces[raster.face[covered]]
@@ -54,10 +56,26 @@ def draw_sitter(
     light = _light(sitter, pose, sky, generator)
     brightness = _brightness(pieces.strands, triangles, weights, strands)
     canvas.colours[covered] = brightness[:, None] * np.einsum("nk,nkc->nc", weights, light[triangles])
+    if sitter.creases is not None:
+        canvas.colours[covered] *= _folds(sitter, pose, sky, shown[raster.face[covered]], weights)
     canvas.region[covered] = pieces.region[triangles[np.arange(len(triangles)), weights.argmax(1)]]
     draw_eyes(canvas, sitter.eyes, pose, sky, generator)
     points, visible = _landmarks(sitter, pose, canvas)
     return Drawing(canvas.colours, canvas.region, points, visible, pose)
+
+
+def _folds(sitter: Sitter, pose: Pose, sky: Sky, triangles: np.ndarray, weights: np.ndarray) -> np.ndarray:
+    """(N, 3) by how much folds change the light from triangles (N,), at weights (N, 3) of their corners."""
+    assert sitter.creases is not None
+    factors = np.ones((len(triangles), 3), np.float32)
+    skin = triangles < len(sitter.creases.ground.faces)
+    corners = sitter.normals[sitter.pieces.faces[triangles[skin]]]
+    normals = np.einsum("nk,nkc->nc", weights[skin], corners)
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-9)
+    radiance = sky.radiance(DIRECTIONS @ pose.rotation.T)
+    light = 4 * np.pi / len(DIRECTIONS) * harmonics(DIRECTIONS).T @ radiance
+    factors[skin] = sitter.creases.brightness(triangles[skin], weights[skin], normals, light)
+    return factors
 
 
 def _seen_from_outside(placed: np.ndarray, faces: np.ndarray) -> np.ndarray:

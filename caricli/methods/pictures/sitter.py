@@ -6,6 +6,7 @@ import numpy as np
 
 from caricli.data.albedo import AlbedoPainter
 from caricli.data.appearance import Appearance, random_appearance
+from caricli.methods.creases.creased_skin import CreasedSkin
 from caricli.methods.hair.head_sphere import HeadSphere
 from caricli.methods.hair.settings import ShellSettings
 from caricli.methods.parts.attachment import attachment_for
@@ -47,7 +48,7 @@ class Sitter:
 
     skin: Template in the shape of the face. pieces: Piece of W vertices. normals: (W, 3). transfer: (W, D) how much of
     the light of DIRECTIONS reaches a vertex, cosine included. eyes: Eyes. albedo: (V, 3) sRGB from 0 to 1, unlit, of
-    the skin's vertices.
+    the skin's vertices. creases: CreasedSkin of the first of the pieces, or None.
     """
 
     skin: Template
@@ -56,6 +57,16 @@ class Sitter:
     transfer: np.ndarray
     eyes: Eyes
     albedo: np.ndarray
+    creases: CreasedSkin | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Shadows:
+    """What of the sky a head sees. visibility: (V, D), of the coarse skin's vertices. changing: (V,) bool, those for
+    which an expression changes it."""
+
+    visibility: np.ndarray
+    changing: np.ndarray
 
 
 class Wardrobe:
@@ -92,7 +103,7 @@ class Wardrobe:
         if len(marks) > POINT_NAMES["chin"] and generator.random() < settings.glasses:
             pieces += random_glasses(marks, generator.random() < settings.dark, generator)
         together = join_pieces(pieces)
-        normals, transfer = self._light_transfer(head, together, len(skin.vertices))
+        normals, transfer = self.light_transfer(head, together, len(skin.vertices))
         iris = generator.random(3) ** 2 * generator.uniform(0.1, 0.6)
         eyes = Eyes(place_eyeballs(head, self.template.annotation), iris, float(generator.uniform(0.34, 0.62)))
         return Sitter(head, together, normals, transfer, eyes, to_srgb(skin.colours[: len(vertices)]))
@@ -157,7 +168,7 @@ class Wardrobe:
         parts = [part for part in (cartoon or self.attachment).attach(head) if lashes or part.name != "lashes"]
         white = generator.uniform([0.85, 0.8, 0.65], [1.05, 1.03, 1.0])
         longer = generator.uniform(1, settings.longest) if generator.random() < settings.long_teeth else 1.0
-        pieces = [_lengthened(_part_piece(part, white), part.name, longer) for part in parts]
+        pieces = [_lengthened(part_piece(part, white), part.name, longer) for part in parts]
         return [*pieces, self._bust(head, skin, generator)] if self.open_head else pieces
 
     def _bust(self, head: Template, skin: Piece, generator: np.random.Generator) -> Piece:
@@ -207,19 +218,36 @@ class Wardrobe:
         beard = random_beard(coarse, normals, grown, tone, thickness)
         return [] if beard is None else [beard]
 
-    def _light_transfer(self, head: Template, pieces: Piece, skin: int) -> tuple[np.ndarray, np.ndarray]:
-        """Normals (W, 3) and transfer (W, D); between the vertices of the coarse skin shadows are interpolated."""
+    def light_transfer(
+        self, head: Template, pieces: Piece, skin: int, usual: Shadows | None = None
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Normals (W, 3) and transfer (W, D); between the vertices of the coarse skin shadows are interpolated.
+
+        skin: vertices of the fine skin. usual: Shadows on the same head with another expression, to be quicker.
+        """
         count = len(head.vertices)
         vertices = np.concatenate([pieces.vertices[:count], pieces.vertices[skin:]])
         others = pieces.faces[(pieces.faces >= skin).all(1)] - (skin - count)
         faces = np.concatenate([head.faces, others])
         coarse = smooth_normals(vertices, faces)
-        seen = sky_visibility(vertices, faces, coarse)
+        seen = _visibility(vertices, faces, coarse, usual)
         normals = np.concatenate([self.fine.weights @ coarse[:count], coarse[count:]])
         normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-9)
         seen = np.concatenate([self.fine.weights @ seen[:count], seen[count:]])
         cosines = np.maximum(normals @ DIRECTIONS.T, 0)
         return normals, (4 / len(DIRECTIONS) * seen * cosines).astype(np.float32)
+
+
+def _visibility(vertices: np.ndarray, faces: np.ndarray, normals: np.ndarray, usual: Shadows | None) -> np.ndarray:
+    """(W, D) of ``sky_visibility``; with usual Shadows only what changes looks around, and what faces the front."""
+    if usual is None:
+        return sky_visibility(vertices, faces, normals)
+    count = len(usual.visibility)
+    ids = np.flatnonzero(np.concatenate([usual.changing, normals[count:, 2] > 0]))
+    seen = np.ones((len(vertices), len(DIRECTIONS)), np.float32)
+    seen[:count] = usual.visibility
+    seen[ids] = sky_visibility(vertices, faces, normals, ids)
+    return seen
 
 
 def _lengthened(piece: Piece, name: str, factor: float) -> Piece:
@@ -233,7 +261,7 @@ def _lengthened(piece: Piece, name: str, factor: float) -> Piece:
     return replace(piece, vertices=vertices)
 
 
-def _part_piece(part: Part, white: np.ndarray) -> Piece:
+def part_piece(part: Part, white: np.ndarray) -> Piece:
     """A part of a head in its plain colours; teeth in that of the person."""
     mesh = part.mesh
     colours = np.zeros((len(mesh.vertices), 3))

@@ -40,6 +40,7 @@ def texture_face(
     size: int | None = None,
     settings: TextureSettings = TextureSettings(),  # noqa: B008 (frozen)
     generator: np.random.Generator | None = None,
+    like: FaceTexture | None = None,
 ) -> FaceTexture:
     """Paint a face with its picture where the picture shows it, and plausibly elsewhere.
 
@@ -52,7 +53,8 @@ def texture_face(
     head: Template with UVs, in the shape of the face. sight: Sight of it. size: texels, width and height; where there
     is none, the power of two, within limits, with which texels of what is seen are one to two pixels wide, by their
     median. settings: TextureSettings. generator: of the grain of the skin that is not seen (`grow_grain`); without one
-    it is smooth.
+    it is smooth. like: FaceTexture of the same face in the same light, which is taken out of this one too; None to find
+    the light.
     Returns FaceTexture.
     """
     view = PictureView(head, sight, settings)
@@ -60,8 +62,8 @@ def texture_face(
     normals = smooth_normals(head.vertices, head.faces)
     vertices = SurfacePoints(head.vertices, normals, head.mask(*CAVITIES).astype(np.float64), mouth_wall(head))
     usual = view.look(vertices)
-    light = None
-    if not settings.keep_light:
+    light = None if like is None else like.light
+    if like is None and not settings.keep_light:
         weights = skin_weights(head, usual.seen)
         light = estimate_light(usual.colours, normals, head.vertices, weights, -sight.camera.rotation[2])
     shade = np.ones_like(normals) if light is None else light.shade(normals)

@@ -1,0 +1,1 @@
+"""What skin does with an expression: folds, and their colours."""
