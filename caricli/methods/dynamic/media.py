@@ -54,24 +54,28 @@ class Medium:
     unit: float
     seed: int
 
-    def paint(self, picture: np.ndarray) -> np.ndarray:
+    def paint(self, picture: np.ndarray, guide: np.ndarray | None = None) -> np.ndarray:
         """Paint a picture (H, W, 3) uint8. Strokes and grain are where they are in every other picture of this size.
 
+        guide: picture of the same size whose ways strokes go, so that they go alike in several pictures; or None for
+        the picture's own.
         Returns an array like it.
         """
         height, width = picture.shape[:2]
         scale = max(1, -(-PAINTED // min(height, width)))
-        large = cv2.resize(picture, (scale * width, scale * height), interpolation=cv2.INTER_CUBIC)
-        painted = to_bytes(self._painted(to_floats(large), min(large.shape[:2]) / PAINTED))
-        return cv2.resize(painted, (width, height), interpolation=cv2.INTER_AREA)
+        larger = (scale * width, scale * height)
+        both = (picture, picture if guide is None else guide)
+        image, ways = (to_floats(cv2.resize(one, larger, interpolation=cv2.INTER_CUBIC)) for one in both)
+        return cv2.resize(to_bytes(self._painted(image, ways)), (width, height), interpolation=cv2.INTER_AREA)
 
-    def _painted(self, image: np.ndarray, scale: float) -> np.ndarray:
-        """Values from 0 to 1 (H, W, 3) painted. scale: of the unit."""
+    def _painted(self, image: np.ndarray, guide: np.ndarray) -> np.ndarray:
+        """Values from 0 to 1 (H, W, 3) painted along the ways of others."""
         generator = np.random.default_rng(self.seed)
         height, width = image.shape[:2]
         if self.name in NEAR_PAINTERS:
             care = np.ones((height, width), np.float32)
-            return NEAR_PAINTERS[self.name](Canvas(image, self.unit * scale, care, generator))
+            unit = self.unit * min(height, width) / PAINTED
+            return NEAR_PAINTERS[self.name](Canvas(image, unit, care, generator, guide))
         side = max(height, width)
         square = cv2.copyMakeBorder(image, 0, side - height, 0, side - width, cv2.BORDER_REPLICATE)
         paint = MEDIA[OF_PICTURES[self.name]][0]

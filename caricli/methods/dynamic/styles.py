@@ -48,15 +48,16 @@ class Style:
         return self.way.name if isinstance(self.way, Medium) else "drawing"
 
     def paint(self, pictures: np.ndarray) -> np.ndarray:
-        """Paint the textures of one person (..., H, W, 3) uint8: one, or those of all expressions.
+        """Paint the textures of one person (..., H, W, 3) uint8: those of all expressions together.
 
-        Where two of them are equal, and near it, they still are. Texels that show nothing should be continued from
+        Where two of them are equal, and around it, they still are; strokes of all go the ways of their mean. Texels that show nothing should be continued from
         their neighbours before, as by ``pad_texture``. The same pictures give the same bytes.
         Returns an array like them.
         """
         rows = pictures.reshape(-1, *pictures.shape[-3:])
         if isinstance(self.way, Medium):
-            painted = np.stack([self.way.paint(picture) for picture in rows])
+            guide = np.round(rows.mean(0)).astype(np.uint8)
+            painted = np.stack([self.way.paint(picture, guide) for picture in rows])
         else:
             painted = self.way.model.lend(rows, self.way.look, self.way.strength, self.way.seed)
         return painted.reshape(pictures.shape)

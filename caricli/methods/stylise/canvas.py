@@ -5,6 +5,8 @@ from functools import cached_property
 
 import numpy as np
 
+_LIGHT = np.array([0.299, 0.587, 0.114], np.float32)
+
 
 @dataclass(frozen=True, eq=False)
 class Canvas:
@@ -12,13 +14,14 @@ class Canvas:
 
     image: (H, W, 3) float32 sRGB, 0 to 1. unit: pixels, a hundredth of the diagonal of the face's landmarks, in which
     all that painters do is measured. care: (H, W) float32, 1 on the face, falling to 0 away from it. generator: of
-    strokes and grain.
+    strokes and grain. guide: (H, W, 3) as the image, the picture that strokes follow, where it is another.
     """
 
     image: np.ndarray
     unit: float
     care: np.ndarray
     generator: np.random.Generator
+    guide: np.ndarray | None = None
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -29,7 +32,12 @@ class Canvas:
     @cached_property
     def light(self) -> np.ndarray:
         """(H, W) float32, how light pixels look, 0 to 1."""
-        return self.image @ np.array([0.299, 0.587, 0.114], np.float32)
+        return self.image @ _LIGHT
+
+    @cached_property
+    def guiding_light(self) -> np.ndarray:
+        """(H, W) float32, the same of what strokes follow."""
+        return self.light if self.guide is None else self.guide @ _LIGHT
 
     def blurred(self, values: np.ndarray, units: float) -> np.ndarray:
         """Values (H, W, ...) blurred by a Gaussian of so many units."""

@@ -16,7 +16,7 @@ def flow(canvas: Canvas, units: float) -> np.ndarray:
     """
     import cv2
 
-    light = canvas.blurred(canvas.light, 0.5)
+    light = canvas.blurred(canvas.guiding_light, 0.5)
     across, down = cv2.Scharr(light, cv2.CV_32F, 1, 0), cv2.Scharr(light, cv2.CV_32F, 0, 1)
     tensor = np.dstack([across * across, across * down, down * down])
     tensor = canvas.blurred(tensor, units) + _FAINT * canvas.blurred(tensor, _FAR * units)
