@@ -33,6 +33,9 @@ from caricli.template.chart import face_chart
 from caricli.template.head import load_head
 from caricli.template.template import Template
 
+_UNPAINTED = (Region.EYES, Region.MOUTH, Region.TEETH, Region.HAIR, Region.HAT, Region.GLASSES)
+"""What a texture of the skin is not taken from."""
+
 
 @dataclass(frozen=True)
 class ActSettings:
@@ -41,8 +44,8 @@ class ActSettings:
     side: pixels of a picture. filled: of it, by the face, least and most. unwrapped: texels, side of the texture of the
     whole head that the chart is cut from. bright: linear light of the skin, least and most. youngest: age on the head's
     scale with which skin is young; own: share of the skin's age that only chance decides. seen: from 0 to 1, from
-    where on a texel is said to be seen. edge: pixels around eyes and open lips that are mixed with these. texture:
-    TextureSettings; a picture so much finer than the chart needs little sharpening. pose: PoseSettings.
+    where on a texel is said to be seen. edge: pixels around hair, eyes and open lips that are mixed with these.
+    texture: TextureSettings; a picture so much finer than the chart needs little sharpening. pose: PoseSettings.
     """
 
     side: int = 320
@@ -108,7 +111,7 @@ class TextureSource:
         shapes = np.stack([self._shape(role, act) for act in acts])
         old = (role.person.identity.age - settings.youngest) / (1 - settings.youngest)
         age = float(np.clip((1 - settings.own) * old + settings.own * generator.random(), 0, 1))
-        actor = self.stage.engage(age, generator)
+        actor = self.stage.engage(shapes[0], age, generator)
         sitters = self.stage.perform(actor, shapes[0], shapes, acts)
         studio = self._studio(sitters[0], generator)
         textures = list(self._textures(sitters, studio))
@@ -166,9 +169,9 @@ class TextureSource:
     def _sight(self, camera: Camera, image: np.ndarray, regions: np.ndarray) -> Sight:
         """What the camera saw of the head; regions (H, W) are true, so that openings need not be looked for."""
         whole = regions != Region.BACKGROUND
-        openings = np.isin(regions, (Region.EYES, Region.MOUTH, Region.TEETH)).astype(np.uint8)
+        others = np.isin(regions, _UNPAINTED).astype(np.uint8)
         around = np.ones((2 * self.settings.edge + 1,) * 2, np.uint8)
-        return Sight(camera, image, whole & (cv2.dilate(openings, around) == 0), whole)
+        return Sight(camera, image, whole & (cv2.dilate(others, around) == 0), whole)
 
     def _charted(self, texture: FaceTexture, face: Face, image: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """The picture (S, S, 3) uint8 of the chart, and what of it (S, S) bool was seen."""

@@ -13,6 +13,7 @@ from caricli.methods.creases.flushed_skin import FlushedSkin
 from caricli.methods.creases.relief import ReliefMaker
 from caricli.methods.pictures.eyes import Eyes
 from caricli.methods.pictures.piece import Piece, join_pieces, make_piece
+from caricli.methods.pictures.settings import SitterSettings
 from caricli.methods.pictures.sitter import Shadows, Sitter, Wardrobe, part_piece
 from caricli.render.place_eyeballs import place_eyeballs
 from caricli.render.sky import sky_visibility
@@ -20,7 +21,11 @@ from caricli.render.smooth_normals import smooth_normals
 from caricli.render.srgb import to_linear, to_srgb
 from caricli.structures import Part
 from caricli.structures.landmarks import COUNT, POINT_NAMES
+from caricli.structures.parsing import Region
 from caricli.template.template import Template
+
+_WORN = SitterSettings(bald=0.4, shaved=0.1, hat=0.06, beard=0.15)
+"""How often people wear hair and hats: seldom enough that most foreheads are seen."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,7 +33,7 @@ class Actor:
     """How one person looks, whatever the expression.
 
     appearance: Appearance. pattern: CreasePattern. colours: (P, 3) linear, of the fine skin. gloss: of the skin. iris:
-    (3,) linear. reach: radians, of the iris. white: (3,) factors of the teeth.
+    (3,) linear. reach: radians, of the iris. white: (3,) factors of the teeth. worn: hair and hat. seed: of the beard.
     """
 
     appearance: Appearance
@@ -38,6 +43,8 @@ class Actor:
     iris: np.ndarray
     reach: float
     white: np.ndarray
+    worn: list[Piece]
+    seed: int
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,7 +61,7 @@ class Stage:
     def __init__(self, template: Template) -> None:
         """template: of the faces, with lips, brows and a face's landmarks."""
         self.template = template
-        self.wardrobe = Wardrobe(template)
+        self.wardrobe = Wardrobe(template, _WORN)
         attachment = self.wardrobe.attachment
         self.attachment = None if attachment is None else attachment.without_lashes()
         self.changing = template.mask("lips", "inner_mouth", "eyes_left", "eyes_right")
@@ -66,9 +73,11 @@ class Stage:
         self.ground = CreaseGround(self.wardrobe.fine, painter.places, front)
         self.flushed = FlushedSkin(painter)
 
-    def engage(self, age: float, generator: np.random.Generator) -> Actor:
-        """Draw an Actor. age: of the skin, 0 to 1."""
+    def engage(self, neutral: np.ndarray, age: float, generator: np.random.Generator) -> Actor:
+        """Draw an Actor. neutral: (V, 3) metres. age: of the skin, 0 to 1."""
         appearance = random_appearance(generator)
+        worn, scalp = self.wardrobe.headwear(self.template.with_vertices(neutral), appearance, generator)
+        appearance = replace(appearance, scalp=scalp)
         return Actor(
             appearance,
             random_pattern(self.marks, age, generator),
@@ -77,6 +86,8 @@ class Stage:
             generator.random(3) ** 2 * generator.uniform(0.1, 0.6),
             float(generator.uniform(0.34, 0.62)),
             generator.uniform([0.85, 0.8, 0.65], [1.05, 1.03, 1.0]),
+            worn,
+            int(generator.integers(2**32)),
         )
 
     def perform(
@@ -90,14 +101,19 @@ class Stage:
         parts: Sequence[Part] = ()
         if self.attachment is not None:
             parts = self.attachment.animate(self.template.with_vertices(neutral), names, shapes - neutral)
-        whole = self.template.with_vertices(neutral)
-        normals = smooth_normals(neutral, whole.faces)
-        shadows = Shadows(sky_visibility(neutral, whole.faces, normals), self.changing)
+        shadows = Shadows(self._sky(actor, neutral), self.changing, sum(len(part.mesh.vertices) for part in parts))
         maker = ReliefMaker(actor.pattern)
         return [
             self._sitter(actor, [_moved(part, k) for part in parts], Act(shape, weights[k]), maker, shadows)
             for k, shape in enumerate(shapes)
         ]
+
+    def _sky(self, actor: Actor, neutral: np.ndarray) -> np.ndarray:
+        """(V, D) what of the sky the skin sees past what is worn."""
+        bare = make_piece(neutral, self.template.faces, Region.SKIN, np.zeros(3))
+        whole = join_pieces([bare, *actor.worn])
+        normals = smooth_normals(whole.vertices, whole.faces)
+        return sky_visibility(whole.vertices, whole.faces, normals, np.arange(len(neutral)))
 
     def _sitter(self, actor: Actor, parts: list[Part], act: Act, maker: ReliefMaker, shadows: Shadows) -> Sitter:
         wardrobe = self.wardrobe
@@ -105,8 +121,9 @@ class Stage:
         vertices = wardrobe.fine.weights @ act.shape
         colours = actor.colours * self.flushed.factors(act.weights, actor.pattern.flush)
         skin = make_piece(vertices, wardrobe.fine.mesh.faces, wardrobe.regions, colours, actor.gloss)
-        pieces: list[Piece] = [skin, *(part_piece(part, actor.white) for part in parts)]
-        together = join_pieces(pieces)
+        pieces = [skin, *(part_piece(part, actor.white) for part in parts)]
+        beard = wardrobe.beard(skin, actor.appearance, np.random.default_rng(actor.seed))
+        together = join_pieces([*pieces, *actor.worn, *beard])
         normals, transfer = wardrobe.light_transfer(head, together, len(vertices), shadows)
         eyes = Eyes(place_eyeballs(head, self.template.annotation), actor.iris, actor.reach)
         creases = CreasedSkin.of(self.ground, maker.relief(act.weights), vertices, self.unit)

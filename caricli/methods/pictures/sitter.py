@@ -63,10 +63,11 @@ class Sitter:
 @dataclass(frozen=True, eq=False)
 class Shadows:
     """What of the sky a head sees. visibility: (V, D), of the coarse skin's vertices. changing: (V,) bool, those for
-    which an expression changes it."""
+    which an expression changes it. parts: vertices in the mouth, after the skin; all further ones see all of it."""
 
     visibility: np.ndarray
     changing: np.ndarray
+    parts: int
 
 
 class Wardrobe:
@@ -95,10 +96,10 @@ class Wardrobe:
         if self.open_head:
             vertices = vertices + random_mime(vertices, self.template, settings, generator)
         head = self.template.with_vertices(vertices)
-        worn, scalp = self._headwear(head, appearance, generator)
+        worn, scalp = self.headwear(head, appearance, generator)
         skin = self._skin(head, replace(appearance, scalp=scalp), generator)
         pieces = [skin, *self._parts(head, skin, generator), *worn]
-        pieces += self._beard(skin, appearance, generator)
+        pieces += self.beard(skin, appearance, generator)
         marks = vertices[self.template.annotation.landmarks]
         if len(marks) > POINT_NAMES["chin"] and generator.random() < settings.glasses:
             pieces += random_glasses(marks, generator.random() < settings.dark, generator)
@@ -183,7 +184,7 @@ class Wardrobe:
         colour = mix(np.broadcast_to(tone, mesh.vertices.shape), random_colour(generator), cloth.astype(float))
         return make_piece(mesh.vertices, mesh.faces, np.where(cloth, Region.CLOTH, Region.NECK), colour)
 
-    def _headwear(
+    def headwear(
         self, head: Template, appearance: Appearance, generator: np.random.Generator
     ) -> tuple[list[Piece], float]:
         """Hair and hat, and how much of the scalp is painted with hair."""
@@ -205,7 +206,8 @@ class Wardrobe:
             pieces += random_hat(sphere, thickness, generator)
         return pieces, float(shell or kind > settings.bald)
 
-    def _beard(self, skin: Piece, appearance: Appearance, generator: np.random.Generator) -> list[Piece]:
+    def beard(self, skin: Piece, appearance: Appearance, generator: np.random.Generator) -> list[Piece]:
+        """A beard on the skin, or none."""
         settings = self.settings
         if generator.random() >= settings.beard:
             return []
@@ -243,7 +245,7 @@ def _visibility(vertices: np.ndarray, faces: np.ndarray, normals: np.ndarray, us
     if usual is None:
         return sky_visibility(vertices, faces, normals)
     count = len(usual.visibility)
-    ids = np.flatnonzero(np.concatenate([usual.changing, normals[count:, 2] > 0]))
+    ids = np.flatnonzero(np.concatenate([usual.changing, normals[count : count + usual.parts, 2] > 0]))
     seen = np.ones((len(vertices), len(DIRECTIONS)), np.float32)
     seen[:count] = usual.visibility
     seen[ids] = sky_visibility(vertices, faces, normals, ids)
