@@ -89,6 +89,15 @@ def test_the_face_meets_its_landmarks_and_keeps_its_parts(own):
     assert (apart < 2 * usual + 0.003).all()
 
 
+def test_its_face_has_a_chart_of_its_own(own):
+    folder = own[0] / "textured"
+    face = read_face(folder / "face-arap.npz")
+    corners = face.mesh.uvs[face.mesh.uv_faces]
+    assert (np.linalg.det(corners[:, 1:] - corners[:, :1]) > 0).all()
+    assert len(face.vertices) < len(read_face(folder / "face.npz").vertices) / 2
+    assert face.pictures.skin.std() > 10
+
+
 def test_a_pulled_point_arrives(own):
     figures = read_json(own[0] / "nose.json")
     assert figures["handles"][0]["reached"] > 0.95 and figures["energy_elsewhere"] < 0.6

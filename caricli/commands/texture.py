@@ -31,6 +31,7 @@ from caricli.methods.texture.settings import Hair, PaintSettings, TextureSetting
 
 REPORT = "face.json"
 SIZE = 320
+UVS = ("head", "arap")
 
 
 @click.command()
@@ -66,6 +67,14 @@ SIZE = 320
     help="Make a shell of the hair in the picture, or leave it as paint on the head; auto makes one unless it is "
     "doubtful what is hair.",
 )
+@click.option(
+    "--uv",
+    type=click.Choice(UVS),
+    default="head",
+    show_default=True,
+    help="arap: write the face by itself, too, laid out as rigidly as possible in a picture of its own, with what is "
+    "between the lips: texture-arap.png and face-arap.obj, .mtl and .npz.",
+)
 @head_options
 @click.option("--project-uv", "flat", is_flag=True, help="Use the picture itself as texture, as published, to compare.")
 @click.option("--keep-light", is_flag=True, help="Leave light and shade of the picture in the texture.")
@@ -74,7 +83,7 @@ SIZE = 320
 @seed_option
 @picture_option
 @overwrite_option
-def command(face, image, out, mask, parsing, size, hair, head, flat, keep_light, model, detector, seed, overwrite):
+def command(face, image, out, mask, parsing, size, hair, uv, head, flat, keep_light, model, detector, seed, overwrite):
     """Paint a face (NPZ with a camera) with the picture that it was fitted to.
 
     What the picture does not show comes from the other side of the face, and else has the colour of its skin, of what
@@ -87,12 +96,13 @@ def command(face, image, out, mask, parsing, size, hair, head, flat, keep_light,
       caricli texture refined.npz drawing.png --out textured
       caricli texture face.npz photo.jpg --mask head.png --size 2048 --out textured
       caricli texture face.npz drawing.png --parsing drawing-regions.png --out textured
+      caricli texture face.npz drawing.png --uv arap --out textured
       caricli rig textured/face.npz --out rig.glb
     """
     settings = PaintSettings(size, flat, seed, hair, head, TextureSettings(keep_light=keep_light))
     if mask and parsing:
         raise UsageError("--mask and --parsing both say where the head is: give one of them")
-    echo_result(TextureTask(mask, settings, model, overwrite, detector, parsing).run(face, image, out))
+    echo_result(TextureTask(mask, settings, model, overwrite, detector, parsing, uv == "arap").run(face, image, out))
 
 
 @dataclass(frozen=True)
@@ -102,7 +112,7 @@ class TextureTask:
     mask: path of a picture that is white where the head is, or None to cut it out. settings: PaintSettings. model:
     path of the model of the mesh, or None. overwrite: whether a folder that exists is replaced. detector:
     path of what says what the pixels show, or None for the bundled one; a mask goes without. parsing: path of a label
-    map that says it in its place, or None.
+    map that says it in its place, or None. chart: whether the face is written in the chart, too.
     """
 
     mask: Path | None = None
@@ -111,14 +121,17 @@ class TextureTask:
     overwrite: bool = False
     detector: Path | None = None
     parsing: Path | None = None
+    chart: bool = False
 
     def run(self, face: Path, image: Path, out: Path) -> str:
         """Paint a face, write the head into a folder, and say how near it came."""
         from caricli.commands.shared.progress import progress_bar
+        from caricli.methods.dynamic.face_in_chart import face_in_chart
         from caricli.methods.texture.paint_head import paint_head
         from caricli.render.in_parallel import in_parallel
-        from caricli.store.faces import load_seen_face, write_painted_head
+        from caricli.store.faces import load_seen_face, write_charted_face, write_painted_head
         from caricli.store.pictures import load_mask
+        from caricli.template.chart import face_chart
 
         inputs = (face, image, self.mask, self.parsing)
         folders = staged_folder(
@@ -131,11 +144,16 @@ class TextureTask:
                 points = seen.require_landmarks()
             white = None if self.mask is None else load_mask(self.mask, (picture.shape[1], picture.shape[0]))
             regions = self._regions(picture, points) if white is None else None
+            with naming(self.model or face):
+                chart = face_chart(shape_model.template) if self.chart else None
             start = time.perf_counter()
             with naming(", ".join(str(path) for path in inputs if path)):
                 painted = paint_head(seen, shape_model.template, picture, white, self.settings, regions)
             seconds = time.perf_counter() - start
             jobs: list[Callable[[], None]] = [partial(write_painted_head, folder, painted, seen)]
+            if chart is not None:
+                charted = face_in_chart(painted, seen, picture, chart)
+                jobs.append(partial(write_charted_face, folder, charted))
             jobs += [partial(_draw_sheet, p, picture, points, painted) for p in picture_files(folder / "sheet.png")]
             about = {"project_uv": self.settings.project_uv, "seconds": seconds, "head": painted.filled}
             about |= {"model_id": shape_model.model_id} | painted.figures()

@@ -21,10 +21,15 @@ from caricli.store.rig_sources import EYES_FILE, load_pictures
 from caricli.structures import Face, Mesh, Pictures
 
 if TYPE_CHECKING:
+    from caricli.methods.dynamic.face_in_chart import ChartedFace
     from caricli.methods.texture.paint_head import Painted
 
 FILES = {"skin": "texture.png", "eyes": EYES_FILE, "hair": "hair.png", "bust": "bust.png"}
 """Name of the picture of the skin beside its OBJ."""
+
+CHARTED = "face-arap"
+CHARTED_PICTURE = "texture-arap.png"
+"""Stem of the files of a face in the chart, and its picture beside them."""
 
 _SMALLEST = 0.2
 _LARGEST = 5.0
@@ -147,6 +152,17 @@ def write_painted_head(folder: Path, painted: "Painted", face: Face) -> None:
     face = replace(face, hair=None) if dressed is None else replace(dressed.face, hair=dressed.hair)
     write_face(folder / "face.npz", replace(face, mesh=mesh, pictures=painted.pictures, materials=None), names)
     write_gltf(folder / "face.glb", rig)
+
+
+def write_charted_face(folder: Path, charted: "ChartedFace") -> None:
+    """Write the face by itself, in the chart: texture-arap.png and face-arap.obj, .mtl and .npz in a folder.
+
+    Raises OutputError when a file cannot be written.
+    """
+    write_png(folder / CHARTED_PICTURE, charted.picture)
+    write_obj(folder / f"{CHARTED}.obj", charted.mesh, CHARTED_PICTURE)
+    worn = Face(charted.mesh, pictures=Pictures(charted.picture))
+    write_face(folder / f"{CHARTED}.npz", worn, PictureNames(CHARTED_PICTURE))
 
 
 def _trimmed(mesh: Mesh) -> Mesh:

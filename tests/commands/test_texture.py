@@ -9,6 +9,7 @@ import trimesh
 from PIL import Image
 
 from caricli.data.texture_painter import draw_albedo
+from caricli.io.checkpoint import write_checkpoint
 from caricli.io.face import read_face, write_face
 from caricli.io.gltf.read_gltf import read_gltf
 from caricli.io.image import read_image, write_png
@@ -16,11 +17,16 @@ from caricli.io.obj import read_obj, write_obj
 from caricli.io.parsing import write_parsing
 from caricli.io.rig import read_rig
 from caricli.io.strict_json import read_json, write_json
+from caricli.methods.dynamic.chart_pictures import ChartGrid, texture_to_chart
 from caricli.methods.texture.settings import TextureSettings
+from caricli.models.checkpoint import model_to_checkpoint
+from caricli.models.pca.model import PcaModel
 from caricli.render.rasterise import rasterise
 from caricli.render.render_textured import render_textured
 from caricli.store.rig_sources import PicturePaths, picture_paths
 from caricli.structures import Camera, Face, Material, Pictures, Rig
+from caricli.template.annotation import parse_annotation
+from caricli.template.chart import face_chart
 
 COMMAND = "texture"
 NAMES = [
@@ -172,6 +178,37 @@ def test_the_same_input_gives_the_same_bytes(run, scene, quick, tmp_path):
     for name in NAMES:
         if name != "face.json":
             assert (quick / name).read_bytes() == (tmp_path / "out" / name).read_bytes(), name
+
+
+def test_the_face_in_a_chart_of_its_own(run, scene, quick, tmp_path, head_template):
+    out = tmp_path / "out"
+    result = run(COMMAND, *inputs(scene), *QUICK, "--uv", "arap", "--out", out)
+    assert result.exit_code == 0, result.output
+    charted = {"face-arap.mtl", "face-arap.npz", "face-arap.obj", "texture-arap.png"}
+    assert {path.name for path in out.iterdir()} == {*NAMES, *charted}
+    for name in ("texture.png", "face.obj", "face.npz"):
+        assert (out / name).read_bytes() == (quick / name).read_bytes()
+    face = read_face(out / "face-arap.npz")
+    picture = read_image(out / "texture-arap.png")
+    chart = face_chart(head_template)
+    np.testing.assert_array_equal(face.pictures.skin, picture)
+    np.testing.assert_allclose(face.vertices, read_face(out / "face.npz").vertices[chart.vertices], atol=1e-6)
+    assert read_obj(out / "face-arap.obj").same_layout(face.mesh)
+    # The same texel of both pictures shows the same place of the face.
+    grid = ChartGrid(chart, len(picture))
+    skin = grid.covered & ~grid.mouth
+    expected = texture_to_chart(read_image(out / "texture.png"), head_template, grid)
+    np.testing.assert_array_equal(picture[skin], expected[skin])
+
+
+def test_a_chart_needs_the_region_of_the_face(refused, scene, tmp_path, head_template):
+    note = {"ibug68": head_template.annotation.landmarks[:68].tolist()}
+    own = replace(head_template, annotation=parse_annotation(note, len(head_template.vertices), "own"))
+    basis = np.random.default_rng(1).normal(0, 0.004, (4, len(own.vertices), 3))
+    path = tmp_path / "own.safetensors"
+    write_checkpoint(path, *model_to_checkpoint(PcaModel(own, own.vertices, basis), {}))
+    said = refused(COMMAND, *inputs(scene), *QUICK, "--uv", "arap", "--model", path, "--out", tmp_path / "out")
+    assert f"{path}: a chart of the face needs 'regions.face'" in said and not (tmp_path / "out").exists()
 
 
 def test_without_a_mask_the_head_is_cut_out(run, scene, tmp_path):
