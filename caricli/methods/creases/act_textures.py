@@ -43,7 +43,8 @@ class ActSettings:
 
     side: pixels of a picture. filled: of it, by the face, least and most. unwrapped: texels, side of the texture of the
     whole head that the chart is cut from. bright: linear light of the skin, least and most. youngest: age on the head's
-    scale with which skin is young; own: share of the skin's age that only chance decides. seen: from 0 to 1, from
+    scale with which skin is young; own: share of the skin's age that only chance decides; spread: factor of its
+    difference from the mean, so that many are quite young or quite old. seen: from 0 to 1, from
     where on a texel is said to be seen. edge: pixels around hair, eyes and open lips that are mixed with these.
     texture: TextureSettings; a picture so much finer than the chart needs little sharpening. pose: PoseSettings.
     """
@@ -54,6 +55,7 @@ class ActSettings:
     bright: tuple[float, float] = (0.3, 0.9)
     youngest: float = 0.6
     own: float = 0.5
+    spread: float = 1.6
     seen: float = 0.5
     edge: int = 1
     texture: TextureSettings = TextureSettings(rounds=2)
@@ -110,7 +112,8 @@ class TextureSource:
         acts = random_acts(self.named, role.count, generator)
         shapes = np.stack([self._shape(role, act) for act in acts])
         old = (role.person.identity.age - settings.youngest) / (1 - settings.youngest)
-        age = float(np.clip((1 - settings.own) * old + settings.own * generator.random(), 0, 1))
+        mixed = (1 - settings.own) * old + settings.own * generator.random()
+        age = float(np.clip(0.5 + settings.spread * (mixed - 0.5), 0, 1))
         actor = self.stage.engage(shapes[0], age, generator)
         sitters = self.stage.perform(actor, shapes[0], shapes, acts)
         studio = self._studio(sitters[0], generator)

@@ -4,11 +4,21 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from caricli.data.expressions import expand_sides
+from caricli.structures.arkit import ARKIT_NAMES
+
 _LOUD = (0.45, 1.1)
 _BLENDED = 0.4
 _UNEVEN = 0.25
 """How strong expressions are of their full weight, least and most, chance that two are blended, and how much one side
 differs."""
+
+_ADDED = 0.25
+_MORE = (
+    *("mouthRollUpper", "mouthRollLower", "mouthShrugLower", "mouthShrugUpper", "mouthPress", "mouthDimple"),
+    *("mouthStretch", "mouthFunnel", "noseSneer", "cheekSquint", "eyeBlink", "browInnerUp", "browOuterUp"),
+)
+"""Chance that one of these actions is added, of both sides, of which expressions hardly have some."""
 
 
 def random_acts(
@@ -32,6 +42,9 @@ def random_acts(
                 name: (1 - share) * act.get(name, 0) + share * second.get(name, 0)
                 for name in dict.fromkeys([*act, *second])
             }
+        if generator.random() < _ADDED:
+            own = expand_sides({str(generator.choice(_MORE)): float(generator.uniform(0.3, 0.9))}, ARKIT_NAMES)
+            act = act | {name: max(value, act.get(name, 0)) for name, value in own.items()}
         tilt = generator.normal(0, _UNEVEN / 2)
         acts.append({name: float(np.clip(value * _side(name, tilt), 0, 1)) for name, value in act.items()})
     return acts
