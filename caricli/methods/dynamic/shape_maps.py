@@ -43,8 +43,8 @@ _SMALL = 1e-12
 class ShapeFields:
     """What one shape says at the vertices of the chart.
 
-    places: (..., N, 3) in the frame of the person's neutral face, for its width. values: (..., N, 7) normal, change of curvature,
-    change of area, openness and gap between the lips, each from -1 to 1.
+    places: (..., N, 3) in the frame of the person's neutral face, for its width. values: (..., N, 7) normal, change
+    of curvature, change of area, openness and gap between the lips, each from -1 to 1.
     """
 
     places: np.ndarray
