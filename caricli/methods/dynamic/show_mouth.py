@@ -12,6 +12,8 @@ _APART = (1.0, 3.0)
 def show_mouth(texture: np.ndarray, picture: np.ndarray, face: Face, grid: ChartGrid) -> np.ndarray:
     """Put what a picture shows between the lips into a texture of the chart, as far as they are apart there.
 
+    Where they are not, nobody sees what the chart has between them: it gets one colour, that of the inner lips, lest a
+    network learn what chance has left there.
     texture: (S, S, 3) uint8, as of ``texture_to_chart``, where between the lips their colours go over into each other.
     picture: (H, W, 3) uint8. face: Face with the camera that it is seen by. grid: ChartGrid of its mesh.
     Returns (S, S, 3) uint8. Raises InputError where the face has no camera or is of another mesh.
@@ -23,4 +25,5 @@ def show_mouth(texture: np.ndarray, picture: np.ndarray, face: Face, grid: Chart
     low = np.where(inside, places, np.inf).min(0)
     gaps = np.where(grid.mouth.any(0), np.linalg.norm(np.where(np.isfinite(high), high - low, 0), axis=1), 0)
     share = np.clip((gaps - _APART[0]) / (_APART[1] - _APART[0]), 0, 1)[None, :, None] * inside
-    return np.round((1 - share) * texture + share * there).astype(np.uint8)
+    shut = np.where(inside, np.median(texture[grid.mouth], axis=0) if inside.any() else 0, texture)
+    return np.round((1 - share) * shut + share * there).astype(np.uint8)
