@@ -10,6 +10,8 @@ MAX_CORNERS = 16_000_000
 MAX_POLYGON_CORNERS = 64
 MAX_SHAPES = 1024
 """Largest number of expressions of one rig."""
+MAX_MOODS = 64
+"""Largest number of moods of one rig."""
 MAX_COORDINATE = 1e6
 """Largest magnitude of a coordinate: beyond it single precision no longer holds a face."""
 MAX_NUMBER = 1e9

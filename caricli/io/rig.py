@@ -8,7 +8,7 @@ from caricli.errors import InputError, naming, shown
 from caricli.io.face import AXES, UNITS
 from caricli.io.mesh_arrays import MESH_DTYPES, mesh_from_arrays, mesh_to_arrays
 from caricli.io.npz import read_npz, take_texts, write_npz
-from caricli.structures import Pictures, Rig
+from caricli.structures import Mood, Pictures, Rig
 
 SCHEMA = "caricli.rig/1"
 
@@ -23,6 +23,8 @@ _STORED = {
     "materials": np.int32,
     **dict.fromkeys(_TEXTURES, np.uint8),
     "normal_deltas": np.float32,
+    "moods": np.str_,
+    "mood_textures": np.uint8,
 }
 _REQUIRED = ("names", "neutral", "deltas", "faces")
 _LOOKS = ("materials", "normal_deltas")
@@ -54,6 +56,9 @@ def write_rig(path: str | Path, rig: Rig) -> None:
     values: dict = {"names": rig.names, "neutral": rig.neutral, "deltas": rig.deltas} | mesh_to_arrays(rig.mesh)
     values |= {key: getattr(rig, key) for key in _LOOKS}
     values |= dict(zip(_TEXTURES, rig.pictures, strict=True))
+    if rig.moods:
+        values["moods"] = [mood.name for mood in rig.moods]
+        values["mood_textures"] = np.stack([mood.skin for mood in rig.moods])
     arrays = {key: np.array(text) for key, text in _TEXTS.items()}
     for key, stored in _STORED.items():
         if values.get(key) is not None:
@@ -80,4 +85,11 @@ def _rig(values: dict) -> Rig:
     mesh = mesh_from_arrays(values, "neutral")
     pictures = Pictures(**{name: values.get(key) for key, name in _TEXTURES.items()})
     looks = {key: values.get(key) for key in _LOOKS}
-    return Rig(tuple(names.tolist()), mesh, values["deltas"], pictures=pictures, **looks)
+    moods = _moods(values.get("moods", np.zeros(0, np.str_)), values.get("mood_textures", np.zeros(0, np.uint8)))
+    return Rig(tuple(names.tolist()), mesh, values["deltas"], pictures=pictures, moods=moods, **looks)
+
+
+def _moods(names: np.ndarray, textures: np.ndarray) -> tuple[Mood, ...]:
+    if names.ndim != 1 or textures.shape[:1] != names.shape:
+        raise InputError(f"moods: expected a name for every picture, found {names.shape} and {textures.shape}")
+    return tuple(Mood(name, texture) for name, texture in zip(names.tolist(), textures, strict=True))

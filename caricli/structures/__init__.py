@@ -9,7 +9,7 @@ from caricli.structures.landmarks import Landmarks
 from caricli.structures.materials import Material
 from caricli.structures.mesh import Mesh
 from caricli.structures.parts import Hair, Part
-from caricli.structures.pictures import Pictures
+from caricli.structures.pictures import Mood, Pictures
 from caricli.structures.rig import Rig
 from caricli.structures.seen_people import SeenPeople
 from caricli.structures.sketch import Sketch, Stroke, StrokeKind
@@ -27,6 +27,7 @@ __all__ = [
     "Material",
     "Mesh",
     "Part",
+    "Mood",
     "Pictures",
     "Rig",
     "SeenPeople",

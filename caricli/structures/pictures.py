@@ -5,6 +5,7 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
+from caricli.errors import shown
 from caricli.structures.checks import refuse
 from caricli.structures.materials import Material
 
@@ -61,6 +62,24 @@ class Pictures:
         else that of the nearer.
         """
         return Pictures(*(_mixed(*pair, weight) for pair in zip(self, other, strict=True)))
+
+
+@dataclass(frozen=True, eq=False)
+class Mood:
+    """The skin in an expression: a picture that stands in for the usual one.
+
+    name: not empty. skin: (H, W, 3) uint8 sRGB, the top row first, on the same UVs.
+    Raises InputError when the picture has another shape or type, or there is no name.
+    """
+
+    name: str
+    skin: np.ndarray
+
+    def __post_init__(self) -> None:
+        """Check both."""
+        if not isinstance(self.name, str) or not self.name:
+            refuse("moods: expected a name for every picture, found none")
+        refuse(picture_problem(f"mood {shown(self.name, 60)}", np.asarray(self.skin)))
 
 
 def picture_problem(key: str, image: np.ndarray) -> str | None:

@@ -5,13 +5,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from caricli.errors import InputError, shown
-from caricli.limits import MAX_SHAPES
+from caricli.limits import MAX_MOODS, MAX_SHAPES
 from caricli.structures.arkit import start_delta
 from caricli.structures.checks import coordinate_problem, refuse
 from caricli.structures.face import Face
 from caricli.structures.materials import Material, material_problem
 from caricli.structures.mesh import Mesh
-from caricli.structures.pictures import Pictures
+from caricli.structures.pictures import Mood, Pictures
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,6 +25,7 @@ class Rig:
     pictures: Pictures that it wears, on the UVs of the mesh.
     normal_deltas: (K, N, 3) float32, metres, what the same expressions do to a normal face of N vertices (expressions
     paper, equation 19); or None.
+    moods: pictures of the skin in expressions, by distinct names, as large as that of the pictures.
     Raises InputError when the parts do not fit each other or hold what is not finite.
     """
 
@@ -34,6 +35,7 @@ class Rig:
     materials: np.ndarray | None = None
     pictures: Pictures = Pictures()  # noqa: RUF009 (frozen)
     normal_deltas: np.ndarray | None = None
+    moods: tuple[Mood, ...] = ()
 
     def __post_init__(self) -> None:
         """Check that the parts fit each other."""
@@ -41,7 +43,7 @@ class Rig:
         sound = isinstance(names, tuple) and all(isinstance(name, str) and name for name in names)
         if not sound or len(names) > MAX_SHAPES or len(set(names)) < len(names):
             refuse(f"names: expected at most {MAX_SHAPES} distinct names, found {shown(names, 60)}")
-        refuse(self._delta_problem(), material_problem(self.materials, len(self.mesh.polygons)))
+        refuse(self._delta_problem(), material_problem(self.materials, len(self.mesh.polygons)), self._mood_problem())
 
     @property
     def neutral(self) -> np.ndarray:
@@ -84,6 +86,15 @@ class Rig:
     def shape_in_use(self, k: int) -> np.ndarray:
         """(V, 3) vertices with expression k at full weight, on top of the expression that it is meant for."""
         return self.neutral + start_delta(self.names, self.deltas, k) + self.deltas[k]
+
+    def _mood_problem(self) -> str | None:
+        names = [mood.name for mood in self.moods]
+        if len(names) > MAX_MOODS or len(set(names)) < len(names):
+            return f"moods: expected at most {MAX_MOODS} of distinct names, found {shown(names, 60)}"
+        usual = self.pictures.skin
+        size = None if usual is None else usual.shape
+        others = [mood.skin.shape for mood in self.moods if mood.skin.shape != size]
+        return f"moods: expected pictures of the skin's shape {size}, found {others[0]}" if others else None
 
     def _delta_problem(self) -> str | None:
         deltas = np.asarray(self.deltas)

@@ -17,7 +17,7 @@ from caricli.errors import InputError, OutputError
 from caricli.io.gltf.read_gltf import read_gltf, read_gltf_mesh
 from caricli.io.gltf.write_gltf import shading_normals, write_gltf
 from caricli.io.rig import read_rig, write_rig
-from caricli.structures import Animation, Material, Mesh, Pictures, Rig
+from caricli.structures import Animation, Material, Mesh, Mood, Pictures, Rig
 from caricli.structures.arkit import ARKIT_NAMES
 
 VALIDATOR = Path(caricli.__file__).parents[1] / "tests" / "gltf_validator"
@@ -59,6 +59,12 @@ def haired(rig, moved=0.0):
 def toothed(rig):
     """The rig whose eyes are teeth."""
     return replace(rig, materials=np.where(rig.materials == Material.EYE, Material.TEETH, rig.materials))
+
+
+def moody(rig):
+    """The rig with two moods."""
+    skin = rig.pictures.skin
+    return replace(rig, moods=(Mood("sad", skin // 2), Mood("ü 微笑", 255 - skin)))
 
 
 def grid(side, names=("bump",)):
@@ -120,6 +126,10 @@ def kinds(full, head, subdivided):
         "one frame, no rotation": (full, {"animation": Animation([0.0], turning.weights[:1])}),
         "teeth": (toothed(full), {}),
         "hair": (haired(full), {}),
+        "moods": (moody(full), {}),
+        "moods, hair, teeth, sparse": (moody(toothed(haired(full))), {"sparse": True}),
+        "moods without UVs": (replace(moody(full), mesh=Mesh(full.neutral, full.mesh.polygons)), {}),
+        "moods without skin": (replace(moody(full), materials=np.full_like(full.materials, Material.EYE)), {}),
         "hair, sparse, animated": (haired(full), {"sparse": True, "animation": turning}),
         "hair that keeps still": (still(haired(full)), {}),
         "hair that moves": (haired(full, 0.01), {}),
@@ -672,6 +682,59 @@ def test_a_picture_that_cannot_be_read_is_left_out(full_rig, tmp_path):
     back = read_gltf(tmp_path / "b.glb")
     assert back.pictures.skin is None
     np.testing.assert_array_equal(back.pictures.eyes, full_rig.pictures.eyes)
+
+
+def test_moods_are_variants_of_the_skins_material_and_come_back(full_rig, tmp_path):
+    rig = moody(haired(full_rig))
+    write_gltf(tmp_path / "a.glb", rig)
+    document, _ = taken_apart(tmp_path / "a.glb")
+    assert document["extensionsUsed"] == ["KHR_materials_variants"] and "extensionsRequired" not in document
+    variants = document["extensions"]["KHR_materials_variants"]["variants"]
+    assert [variant["name"] for variant in variants] == ["sad", "ü 微笑"]
+    skins = [p for p in document["meshes"][0]["primitives"] if "extensions" in p]
+    assert len(skins) == 1 and document["materials"][skins[0]["material"]]["name"] == "skin"
+    mappings = skins[0]["extensions"]["KHR_materials_variants"]["mappings"]
+    named = [document["materials"][mapping["material"]]["name"] for mapping in mappings]
+    assert named == ["skin sad", "skin ü 微笑"] and [mapping["variants"] for mapping in mappings] == [[0], [1]]
+    back = read_gltf(tmp_path / "a.glb")
+    assert back.pictures.same(rig.pictures)
+    for mood, expected in zip(back.moods, rig.moods, strict=True):
+        assert mood.name == expected.name
+        np.testing.assert_array_equal(mood.skin, expected.skin)
+
+
+def test_without_moods_nothing_is_said_of_variants(full_rig, tmp_path):
+    write_gltf(tmp_path / "a.glb", full_rig)
+    document, _ = taken_apart(tmp_path / "a.glb")
+    assert "extensions" not in document and read_gltf(tmp_path / "a.glb").moods == ()
+
+
+@pytest.mark.parametrize(
+    ("change", "left"),
+    [
+        (lambda variants, mappings: variants[0].pop("name"), ["ü 微笑"]),
+        (lambda variants, mappings: variants[0].update(name="ü 微笑"), ["ü 微笑"]),
+        (lambda variants, mappings: mappings.pop(), ["sad"]),
+        (lambda variants, mappings: mappings[0].update(variants=[0, 1]), ["sad", "ü 微笑"]),
+        (lambda variants, mappings: mappings[1].update(variants=[7, -1, "x", 1]), ["sad", "ü 微笑"]),
+        (lambda variants, mappings: mappings[1].update(variants=7), "expected list"),
+        (lambda variants, mappings: mappings[1].update(material=99), "expected the number of one of"),
+        (lambda variants, mappings: mappings.append(3), "expected the number of one of"),
+        (lambda variants, mappings: mappings.extend(99 * mappings), "at most 64 variants"),
+    ],
+)
+def test_variants_of_other_programs(change, left, full_rig, tmp_path):
+    write_gltf(tmp_path / "a.glb", moody(full_rig))
+    document, binary = taken_apart(tmp_path / "a.glb")
+    (skin,) = [p for p in document["meshes"][0]["primitives"] if "extensions" in p]
+    mappings = skin["extensions"]["KHR_materials_variants"]["mappings"]
+    change(document["extensions"]["KHR_materials_variants"]["variants"], mappings)
+    put_together(tmp_path / "b.glb", document, binary)
+    if isinstance(left, str):
+        with pytest.raises(InputError, match=left):
+            read_gltf(tmp_path / "b.glb")
+    else:
+        assert [mood.name for mood in read_gltf(tmp_path / "b.glb").moods] == left
 
 
 def leaves(value, path=()):

@@ -6,7 +6,7 @@ import pytest
 from caricli.errors import InputError
 from caricli.io.npz import read_npz, write_npz
 from caricli.io.rig import read_rig, write_rig
-from caricli.structures import Mesh, Rig
+from caricli.structures import Mesh, Mood, Rig
 
 
 @pytest.fixture
@@ -42,7 +42,37 @@ def test_what_is_none_is_absent(full_rig, tmp_path):
     assert set(read_npz(tmp_path / "a.npz")) == {"schema", "units", "axes", "names", "neutral", "deltas", "faces"}
     back = read_rig(tmp_path / "a.npz")
     held = [field.name for field in dataclasses.fields(Rig) if getattr(back, field.name) is not None]
-    assert held == ["names", "mesh", "deltas", "pictures"] and back.mesh.is_plain and not back.pictures
+    assert held == ["names", "mesh", "deltas", "pictures", "moods"] and back.mesh.is_plain
+    assert not back.pictures and back.moods == ()
+
+
+def test_moods_come_back(full_rig, tmp_path):
+    moods = (Mood("sad", full_rig.pictures.skin // 2), Mood("wütend", 255 - full_rig.pictures.skin))
+    write_rig(tmp_path / "a.npz", dataclasses.replace(full_rig, moods=moods))
+    back = read_rig(tmp_path / "a.npz")
+    assert [mood.name for mood in back.moods] == ["sad", "wütend"]
+    for mood, expected in zip(back.moods, moods, strict=True):
+        np.testing.assert_array_equal(mood.skin, expected.skin)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"moods": np.array(["a"])}, "a name for every picture"),
+        ({"moods": np.array([["a", "b"]])}, "a name for every picture"),
+        ({"moods": np.array(["a", "a"])}, "distinct names"),
+        ({"moods": np.array(["a", ""])}, "a name for every picture, found none"),
+        ({"mood_textures": np.zeros((2, 4, 4, 3), np.uint8)}, "the skin's shape"),
+        ({"mood_textures": np.zeros((2, 4), np.uint8)}, "expected .H,W,3. uint8"),
+        ({"mood_textures": np.zeros((2, 4, 4, 3))}, "expected uint8"),
+    ],
+)
+def test_moods_that_do_not_fit(change, words, full_rig, tmp_path):
+    moods = (Mood("sad", full_rig.pictures.skin), Mood("happy", full_rig.pictures.skin))
+    write_rig(tmp_path / "a.npz", dataclasses.replace(full_rig, moods=moods))
+    write_npz(tmp_path / "b.npz", dict(read_npz(tmp_path / "a.npz")) | change)
+    with pytest.raises(InputError, match=words):
+        read_rig(tmp_path / "b.npz")
 
 
 def test_a_head_that_keeps_still(full_rig, tmp_path):

@@ -4,6 +4,7 @@ import tempfile
 from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +14,7 @@ from caricli.io.gltf.container import read_container
 from caricli.io.gltf.document import Document
 from caricli.io.gltf.format import SOURCE_VERTEX
 from caricli.io.gltf.scene import node_placements
+from caricli.io.gltf.variants import read_variants
 from caricli.io.image import read_image
 from caricli.io.outputs import write_bytes
 from caricli.io.strict_json import take, take_whole
@@ -34,7 +36,9 @@ def read_gltf(path: str | Path) -> Rig:
     Vertices with the same `SOURCE_VERTEX` become one again, those of the meshes below its node, such as hair, among
     them. Transforms of nodes are left aside: the neutral and its
     displacements stay in the mesh's own frame, as they are stored. Of the materials the base colour's picture is read,
-    where it is embedded; the one named "eyes" is that of the eyes. Skins, animations and weights are left aside.
+    where it is embedded; the one named "eyes" is that of the eyes.
+    Variants of the skin's material, with pictures as large as its own, are moods. Skins, animations and weights are
+    left aside.
     path: a GLB file, or a .gltf, without external files.
     Returns a Rig of triangles; polygons only beside UVs or materials.
     Raises InputError when it is malformed, compressed, has no mesh or is beyond the caps.
@@ -259,6 +263,10 @@ def _looks(document: Document, primitives: list[dict], surface: _Surface) -> dic
         if name is not None and image is not None:
             pictures[name] = image
     looks: dict = {"pictures": Pictures(**pictures)}
+    if "skin" in pictures:
+        skin = primitives[kinds.index(Material.SKIN)]
+        moods = read_variants(document, skin, partial(_image, document))
+        looks["moods"] = tuple(mood for mood in moods if mood.skin.shape == pictures["skin"].shape)
     if any(kind != Material.SKIN for kind in kinds):
         looks["materials"] = np.repeat(kinds, [len(part) for part in surface.triangles]).astype(np.int32)
     return looks

@@ -9,6 +9,7 @@ from caricli import __version__
 from caricli.errors import OutputError, shown
 from caricli.io.gltf.container import write_container
 from caricli.io.gltf.format import DTYPES, SOURCE_VERTEX, TYPES, VERSION
+from caricli.io.gltf.variants import add_variants
 from caricli.io.image import png_bytes
 from caricli.structures import Animation, Rig
 from caricli.structures.materials import FINISHES, Material
@@ -30,8 +31,8 @@ def write_gltf(path: str | Path, rig: Rig, sparse: bool = False, animation: Anim
     One node with one mesh; one primitive for every material; morph targets of positions and normals, their names in
     ``mesh.extras.targetNames``; targets that move nothing share their zeros. Teeth and tongue have colours of vertices
     (`mouth_light`). Hair that keeps still is a node of its own
-    below the head's. Vertices are split where the UVs have a seam, and `SOURCE_VERTEX` leads back; those of no polygon
-    stand at the end of the first primitive.
+    below the head's. Moods are variants of the skin's material (`add_variants`). Vertices are split where the UVs have
+    a seam, and `SOURCE_VERTEX` leads back; those of no polygon stand at the end of the first primitive.
     path: a GLB, or, where it ends in .gltf, one text with all inside. sparse: whether of a target only the vertices
     that move are stored. animation: weights of the rig's shapes over time, or None.
     Raises OutputError when the animation does not fit the rig, the file would be larger than what is read, or it
@@ -41,13 +42,16 @@ def write_gltf(path: str | Path, rig: Rig, sparse: bool = False, animation: Anim
         count = np.shape(animation.weights)[1]
         raise OutputError(f"{shown(path)}: expected weights of the rig's {len(rig.names)} expressions, found {count}")
     buffer = _Buffer()
-    document: dict[str, object] = {
+    document: dict = {
         "asset": {"version": f"{VERSION}.0", "generator": f"caricli {__version__}"},
         "scene": 0,
         "scenes": [{"nodes": [0]}],
         **_nodes(rig, _primitives(rig, sparse, buffer)),
         **_materials(rig, buffer),
     }
+    if rig.moods and rig.mesh.uvs is not None and (rig.triangle_materials == Material.SKIN).any():
+        # The skin is the first of the materials, and of the primitives.
+        add_variants(document, document["meshes"][0]["primitives"][0], rig.moods, buffer.view)
     if animation is not None and (rig.names or animation.rotations is not None):
         document["animations"] = [_animation(animation, buffer)]
     document |= {"accessors": buffer.accessors, "bufferViews": buffer.views}
