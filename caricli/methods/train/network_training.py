@@ -78,20 +78,21 @@ class NetworkTraining(ABC):
 
     def state(self) -> dict:
         """Everything that the rest of the training depends on, for torch.save."""
-        return {
-            "network": self.network.state_dict(),
-            "average": self.average.state_dict(),
-            "optimiser": self.optimiser.state_dict(),
-            "counters": [self.epoch, self.best],
-        }
+        states = {name: part.state_dict() for name, part in self._parts().items()}
+        return states | {"counters": [self.epoch, self.best]}
+
+    def _parts(self) -> dict[str, Any]:
+        """Networks and optimisers whose state is kept, by name."""
+        return {"network": self.network, "average": self.average, "optimiser": self.optimiser}
 
     def load_state(self, state: dict) -> None:
         """Go on from a state that ``state()`` gave. Raises InputError when it is of another training."""
-        form = self.state() | {"optimiser": adam_form(self.optimiser, state.get("optimiser"))}
+        own = self._parts()
+        adams = {name: part for name, part in own.items() if isinstance(part, torch.optim.Optimizer)}
+        form = self.state() | {name: adam_form(adam, state.get(name)) for name, adam in adams.items()}
         require_like({name: state.get(name) for name in form}, form)
-        self.network.load_state_dict(state["network"])
-        self.average.load_state_dict(state["average"])
-        self.optimiser.load_state_dict(state["optimiser"])
+        for name, part in own.items():
+            part.load_state_dict(state[name])
         self.epoch, self.best = state["counters"]
 
     def epochs(self) -> Iterator[EpochRecord]:
@@ -131,21 +132,26 @@ class NetworkTraining(ABC):
         """Go one step down, on windows of ``_draw``. Returns loss and error, of all processes together."""
         loss, error = self._loss(drawn)
         figures = torch.stack([loss.detach(), error]) / self.share.count
-        self.optimiser.zero_grad()
-        (loss / self.share.count).backward()
         if self.share.count > 1:
-            for group in self.optimiser.param_groups:
-                for parameter in group["params"]:
-                    if parameter.grad is None:  # this process had nothing for it
-                        parameter.grad = torch.zeros_like(parameter)
-                    torch.distributed.all_reduce(parameter.grad)
             torch.distributed.all_reduce(figures)
         if not torch.isfinite(figures).all():
             raise NumericsError(f"the loss of epoch {self.epoch + 1} is not finite: a smaller learning_rate may help")
-        torch.nn.utils.clip_grad_norm_(self.network.parameters(), STEEPEST)
-        self.optimiser.step()
+        self._descend(self.optimiser, loss)
         self._follow(self.epoch * self.config.steps + step)
         return figures
+
+    def _descend(self, optimiser: torch.optim.Optimizer, loss: torch.Tensor) -> None:
+        """Go one step of an optimiser down a loss, of which every process has its share."""
+        optimiser.zero_grad()
+        (loss / self.share.count).backward()
+        parameters = [parameter for group in optimiser.param_groups for parameter in group["params"]]
+        if self.share.count > 1:
+            for parameter in parameters:
+                if parameter.grad is None:  # this process had nothing for it
+                    parameter.grad = torch.zeros_like(parameter)
+                torch.distributed.all_reduce(parameter.grad)
+        torch.nn.utils.clip_grad_norm_(parameters, STEEPEST)
+        optimiser.step()
 
     @torch.no_grad()
     def _follow(self, step: int) -> None:

@@ -1,0 +1,114 @@
+"""Textures made for other expressions, beside the true ones (expressions paper, sections 4.2.2 and 4.3)."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+import torch
+
+from caricli.methods.dynamic.shape_maps import CHANNELS
+from caricli.methods.train.stages import Report, unwatched
+from caricli.methods.train.texture_losses import TextureBatch
+from caricli.methods.train.texture_pairs import TexturePairs
+
+KEPT = "kept"
+"""The texture as it is: what every painter is measured against."""
+
+ATTENTION = 0.3
+"""Share of the face's texels, those that move most, where change is due."""
+
+OPENED = 0.1
+"""Gap between the lips, in quarters of the face's width, from which a mouth is open."""
+
+SOURCE_GAP = CHANNELS.index("source_gap")
+TARGET_GAP = CHANNELS.index("target_gap")
+
+_BATCH = 16
+_DRAWS = 2000
+"""Of a bootstrap over people."""
+
+Painter = Callable[[TextureBatch], torch.Tensor]
+"""A batch to textures (B, 3, S, S) of its targets."""
+
+
+@dataclass(frozen=True, eq=False)
+class TextureTally:
+    """Sums of differences from the true textures, by painter and region, and person.
+
+    sums: arrays (P,) by painter and region. counts: arrays (P,) of texels by region.
+    """
+
+    people: int
+    sums: dict[str, dict[str, np.ndarray]] = field(default_factory=dict)
+    counts: dict[str, np.ndarray] = field(default_factory=dict)
+
+    def add(self, batch: TextureBatch, mouth: np.ndarray, pictures: Mapping[str, torch.Tensor]) -> None:
+        """Count what painters made of a batch. mouth: (S, S) bool. pictures: (B, 3, S, S) by painter."""
+        people = batch.people.numpy()
+        for region, mask in regions(batch, torch.from_numpy(mouth)).items():
+            self._sum(self.counts, region, people, mask.sum((1, 2)))
+            for painter, picture in pictures.items():
+                away = (picture - batch.target).abs().mean(1)
+                self._sum(self.sums.setdefault(painter, {}), region, people, (away * mask).sum((1, 2)))
+
+    def _sum(self, table: dict[str, np.ndarray], region: str, people: np.ndarray, values: torch.Tensor) -> None:
+        total = table.setdefault(region, np.zeros(self.people))
+        np.add.at(total, people, values.double().numpy())
+
+    def figures(self, seed: int = 0) -> dict[str, dict[str, dict[str, float]]]:
+        """By painter and region: ``error``, mean difference of sRGB from 0 to 1; ``percent`` of that of the kept
+        texture; and ``low`` and ``high``, 95 % of what it is when people are drawn anew (bootstrap).
+
+        seed: of the draws.
+        """
+        drawn = np.random.default_rng(seed).integers(self.people, size=(_DRAWS, self.people))
+        return {
+            painter: {region: self._figure(painter, region, drawn) for region in self.counts} for painter in self.sums
+        }
+
+    def _figure(self, painter: str, region: str, drawn: np.ndarray) -> dict[str, float]:
+        own = self.sums[painter][region]
+        kept = self.sums[KEPT][region]
+        percents = 100 * own[drawn].sum(1) / np.maximum(kept[drawn].sum(1), 1e-12)
+        low, high = np.percentile(percents, [2.5, 97.5])
+        error = own.sum() / max(self.counts[region].sum(), 1)
+        percent = 100 * own.sum() / max(kept.sum(), 1e-12)
+        return {"error": float(error), "percent": float(percent), "low": float(low), "high": float(high)}
+
+
+def regions(batch: TextureBatch, mouth: torch.Tensor) -> dict[str, torch.Tensor]:
+    """Masks (B, S, S) of a batch's regions.
+
+    attention: the texels of the skin that move most; outside: the rest of it; mouth: what is between the lips where the
+    target opens them; opens: that of mouths that were closed. What a picture did not show does not count.
+
+    mouth: (S, S) bool, where the chart has what is between the lips.
+    """
+    skin = batch.seen[:, 0] & ~mouth
+    moved = torch.where(skin, batch.moved[:, 0], -1.0).flatten(1)
+    count = (ATTENTION * skin.flatten(1).sum(1)).long()
+    least = moved.sort(1, descending=True).values.gather(1, count[:, None])
+    attention = skin & (moved > least).view_as(skin)
+    gaps = torch.where(mouth, batch.forth[:, [SOURCE_GAP, TARGET_GAP]], 0)
+    was_open, is_open = (gaps.flatten(2).amax(2) > OPENED).T[:, :, None, None]
+    mouth = batch.seen[:, 0] & mouth & is_open
+    return {"attention": attention, "outside": skin & ~attention, "mouth": mouth, "opens": mouth & ~was_open}
+
+
+@torch.no_grad()
+def evaluate_texture(
+    painters: Mapping[str, Painter], pairs: TexturePairs, count: int, seed: int = 0, report: Report = unwatched
+) -> TextureTally:
+    """Let painters paint the same pairs of people, and measure them.
+
+    painters: by name; the texture kept as it is joins them. pairs: of people of no training. count: pairs. seed: of
+    their choice. report: called with pairs done and all.
+    """
+    tally = TextureTally(pairs.count)
+    generator = np.random.default_rng(seed)
+    for start in range(0, count, _BATCH):
+        batch = pairs.draw(min(_BATCH, count - start), generator, paired=True)
+        pictures = {KEPT: batch.source} | {name: painter(batch) for name, painter in painters.items()}
+        tally.add(batch, pairs.grid.mouth, pictures)
+        report(min(start + _BATCH, count), count)
+    return tally

@@ -1,0 +1,137 @@
+"""Pairs of expressions of the same people, drawn for the texture network."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+import torch
+
+from caricli.data.texture_set import ActedTextures
+from caricli.errors import InputError
+from caricli.methods.dynamic.chart_pictures import ChartGrid
+from caricli.methods.dynamic.shape_maps import PersonShapes, ShapeFields, pair_attention, pair_maps
+from caricli.methods.dynamic.styles import StyleBook
+from caricli.methods.train.stages import Report, unwatched
+from caricli.methods.train.texture_losses import TextureBatch
+from caricli.models.texture.config import TextureConfig
+from caricli.models.texture.networks import OPEN
+from caricli.seeds import TrainingSeed
+
+UNSEEN = 0.2
+"""Weight of a texel that one of the pictures did not show."""
+
+BRIGHT = (0.8, 1.2)
+"""Range of what the three colours of a pair are multiplied by."""
+
+
+@dataclass(frozen=True, eq=False)
+class PaintedPeople:
+    """P people with E expressions each, in L looks, in a chart of S texels.
+
+    pictures: (P, L, E, S, S, 3) uint8 sRGB, the own look first. seen: (P, E, S, S) bool, what pictures truly showed.
+    codes: (P, E, 52) ARKit weights. shapes: ShapeFields of (P, E) shapes.
+    """
+
+    pictures: np.ndarray
+    seen: np.ndarray
+    codes: np.ndarray
+    shapes: ShapeFields
+
+
+class TexturePairs:
+    """Draws batches of pairs of PaintedPeople."""
+
+    def __init__(self, people: PaintedPeople, grid: ChartGrid, config: TextureConfig) -> None:
+        """grid: ChartGrid of the pictures. config: ``plain``, ``mouth`` and ``relative``."""
+        self.people = people
+        self.grid = grid
+        self.config = config
+
+    @property
+    def topology_id(self) -> str:
+        """Of the people's meshes."""
+        return self.grid.chart.topology_id
+
+    @property
+    def count(self) -> int:
+        """People."""
+        return len(self.people.pictures)
+
+    def draw(self, count: int, generator: np.random.Generator, paired: bool) -> TextureBatch:
+        """Pairs of different expressions of random people in random looks; without pairs targets are of others."""
+        pictures = self.people.pictures
+        looks, expressions = pictures.shape[1:3]
+        person = generator.integers(self.count, size=count)
+        look = np.where(generator.random(count) < self.config.plain, 0, generator.integers(looks, size=count))
+        source = generator.integers(expressions, size=count)
+        target = (source + generator.integers(1, expressions, count)) % expressions
+        bright = generator.uniform(*BRIGHT, (count, 1, 1, 3))
+        other = person if paired else generator.permutation(person)
+        shapes = [self.people.shapes[person, each] for each in (source, target)]
+        seen = self.people.seen[person, source] & self.people.seen[other, target] & self.grid.covered
+        moved = pair_attention(self.grid, *shapes)
+        return TextureBatch(
+            _channels_first(_brightened(pictures[person, look, source], bright)),
+            _channels_first(_brightened(pictures[other, look, target], bright)),
+            _channels_first(pair_maps(self.grid, shapes[0], shapes[1])),
+            _channels_first(pair_maps(self.grid, shapes[1], shapes[0])),
+            torch.from_numpy(self.people.codes[person, source]),
+            torch.from_numpy(self.people.codes[person, target]),
+            torch.from_numpy(OPEN + (1 - OPEN) * moved if self.config.relative else moved)[:, None],
+            torch.from_numpy(self._weight(seen))[:, None],
+            torch.from_numpy(seen)[:, None],
+            torch.from_numpy(person),
+            paired,
+        )
+
+    def _weight(self, seen: np.ndarray) -> np.ndarray:
+        """(B, S, S) how much texels count. seen: (B, S, S)."""
+        part = np.where(self.grid.mouth, self.config.mouth, 1.0) * self.grid.covered
+        return ((UNSEEN + (1 - UNSEEN) * seen) * part / part.mean()).astype(np.float32)
+
+
+def painted_people(
+    people: Sequence[ActedTextures],
+    grid: ChartGrid,
+    config: TextureConfig,
+    styles: StyleBook | None = None,
+    report: Report = unwatched,
+) -> PaintedPeople:
+    """Paint people in ``config.looks`` styles beside their own look, and see their shapes in the chart.
+
+    styles: StyleBook that looks are drawn from; None for the own look alone. report: called with people done and all.
+    Raises InputError where there is nobody, or pictures are smaller than the grid's.
+    """
+    if not people:
+        raise InputError("expected people with textures, found none")
+    looks = []
+    seen = []
+    shapes = []
+    for number, one in enumerate(people):
+        generator = np.random.default_rng([config.seed, TrainingSeed.SURFACE, number])
+        own = np.stack([_fitted(picture, grid.size) for picture in one.pictures])
+        drawn = [] if styles is None else [styles.draw(generator) for _ in range(config.looks)]
+        looks.append(np.stack([own, *(style.paint(own) for style in drawn)]))
+        seen.append(np.stack([_fitted(255 * mask.astype(np.uint8), grid.size) > 127 for mask in one.seen]))
+        person = PersonShapes(grid, one.neutral)
+        shapes.append(ShapeFields.stacked([person.fields(vertices) for vertices in one.vertices]))
+        report(number + 1, len(people))
+    codes = np.stack([one.weights for one in people])
+    return PaintedPeople(np.stack(looks), np.stack(seen), codes, ShapeFields.stacked(shapes))
+
+
+def _fitted(picture: np.ndarray, size: int) -> np.ndarray:
+    """A square picture at a smaller size."""
+    if len(picture) < size:
+        raise InputError(f"expected textures of at least {size} texels, found {len(picture)}: a smaller size may help")
+    return cv2.resize(picture, (size, size), interpolation=cv2.INTER_AREA)
+
+
+def _brightened(pictures: np.ndarray, bright: np.ndarray) -> np.ndarray:
+    """Pictures (B, S, S, 3) uint8 as numbers from 0 to 1, their colours multiplied by (B, 1, 1, 3)."""
+    return np.minimum(pictures / 255 * bright, 1).astype(np.float32)
+
+
+def _channels_first(pictures: np.ndarray) -> torch.Tensor:
+    return torch.from_numpy(pictures).permute(0, 3, 1, 2)

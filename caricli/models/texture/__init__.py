@@ -1,0 +1,1 @@
+"""Textures that follow the expression (expressions paper, section 3.3)."""

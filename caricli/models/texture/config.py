@@ -1,0 +1,109 @@
+"""Settings of the texture network and of its training."""
+
+from dataclasses import dataclass
+
+from caricli.models.config import MAX_SEED, check_ranges, check_windows
+
+_SIZES = {"width": (4, 512), "narrow": (4, 512)}
+_RANGES = _SIZES | {
+    "size": (32, 512), "epochs": (1, 10**6), "steps": (1, 10**6), "batch": (2, 4096), "looks": (0, 64),
+    "plain": (0, 1), "unpaired": (0, 1), "learning_rate": (1e-9, 1), "critic_rate": (1e-9, 1), "weight_decay": (0, 10),
+    "decay": (0, 0.99999), "judge_every": (1, 10**6), "critic_width": (4, 512), "penalty": (0, 1e6),
+    "attention_weight": (0, 1e6), "colour_weight": (0, 1e6), "cycle_weight": (0, 1e6), "adversarial_weight": (0, 1e6),
+    "expression_weight": (0, 1e6), "mouth": (1, 1e3), "validation": (1, 10**5), "validate_every": (1, 10**6),
+    "checkpoint_seconds": (0, 10**5), "seed": (0, MAX_SEED),
+}  # fmt: skip
+_STEP = 32
+"""Texels that the network reduces to one: a chart has a multiple of them."""
+
+
+@dataclass(frozen=True)
+class TextureSize:
+    """Form of the generator.
+
+    width, narrow: channels at half of the chart's size of the branches for colour and for attention; below it there are
+    3/2, 2 and 2 times as many. maps: whether it is told the shapes of the person with both expressions, as maps in the
+    chart. codes: whether it is told the weights of both expressions. attention: whether there is that branch; without
+    it the colours hold everywhere. relative: whether colours are a gain and an offset on those that are there, in place
+    of colours.
+    Raises ValueError for impossible sizes.
+    """
+
+    width: int = 32
+    narrow: int = 12
+    maps: bool = True
+    codes: bool = True
+    attention: bool = True
+    relative: bool = True
+
+    def __post_init__(self) -> None:
+        """Refuse impossible sizes."""
+        check_ranges(self, _SIZES)
+        if not (self.maps or self.codes):
+            raise ValueError("maps or codes must be true: else nothing tells the expression")
+
+
+@dataclass(frozen=True)
+class TextureConfig:
+    """Settings of a texture network's training.
+
+    With the defaults the network has 1.3 MB in half precision.
+
+    width, narrow, maps, codes, attention, relative: see TextureSize. size: of the chart, texels; a multiple of 32.
+    epochs; steps: in an epoch; batch: pairs of expressions a step. looks: styles that every person is painted in beside
+    the own one. plain: share of the pairs in the own look. unpaired: share of the epochs, the last ones, that are
+    trained without pairs, by cycles. learning_rate, critic_rate, weight_decay: of AdamW, with a cosine schedule. decay:
+    of the weights' moving average, a step. judge_every: one of so many steps has the critic, whose gradients of
+    gradients cost most. critic_width: its channels at half of the chart's size. penalty: of its gradients.
+    attention_weight, colour_weight, cycle_weight, adversarial_weight, expression_weight: of the losses (section 4.1).
+    mouth: by how much an opened mouth counts more than skin. precision: of the convolutions. validation: pairs measured
+    at a validation. validate_every: epochs. checkpoint_seconds: between two checkpoints.
+    Raises ValueError for impossible sizes.
+    """
+
+    width: int = 32
+    narrow: int = 12
+    maps: bool = True
+    codes: bool = True
+    attention: bool = True
+    relative: bool = True
+    size: int = 96
+    epochs: int = 120
+    steps: int = 100
+    batch: int = 24
+    looks: int = 3
+    plain: float = 0.3
+    unpaired: float = 0.1
+    learning_rate: float = 1e-3
+    critic_rate: float = 2e-4
+    weight_decay: float = 1e-4
+    decay: float = 0.995
+    judge_every: int = 4
+    critic_width: int = 24
+    penalty: float = 10.0
+    attention_weight: float = 10.0
+    colour_weight: float = 10.0
+    cycle_weight: float = 10.0
+    adversarial_weight: float = 0.02
+    expression_weight: float = 1.0
+    mouth: float = 8.0
+    precision: str = "float32"
+    validation: int = 200
+    validate_every: int = 5
+    checkpoint_seconds: int = 60
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        """Refuse impossible sizes."""
+        check_ranges(self, _RANGES)
+        check_windows(self.size, _STEP, self.precision)
+        self.network()
+
+    def network(self) -> TextureSize:
+        """The TextureSize."""
+        return TextureSize(self.width, self.narrow, self.maps, self.codes, self.attention, self.relative)
+
+    @property
+    def paired_epochs(self) -> int:
+        """Epochs that are trained on pairs."""
+        return max(1, round(self.epochs * (1 - self.unpaired)))

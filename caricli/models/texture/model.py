@@ -1,0 +1,110 @@
+"""The texture network as it is used: weights, the size of its chart, and the topology whose chart it is."""
+
+from collections.abc import Mapping
+from dataclasses import asdict, fields
+from typing import Any
+
+import numpy as np
+import torch
+
+from caricli.errors import InputError, naming, shown
+from caricli.models.checkpoint import model_id
+from caricli.models.network_weights import check_schema, load_weights, network_weights, whole_number
+from caricli.models.texture.config import TextureSize
+from caricli.models.texture.networks import Change, TextureNetwork
+from caricli.structures.arkit import ARKIT_NAMES
+from caricli.structures.texture_change import TextureChange
+
+SCHEMA = "caricli.texture_network/1"
+KIND = "texture"
+
+_SIDES = (32, 512)
+_WIDTHS = (4, 512)
+_TOPOLOGY = 64
+"""Characters of a topology's id."""
+
+
+class TextureModel:
+    """Tells what an expression does to a texture in the chart of a topology."""
+
+    def __init__(self, network: TextureNetwork, size: int, topology_id: str, recipe: Any = None) -> None:
+        """network: weights. size: of the chart, texels. topology_id: of the mesh whose chart it knows.
+
+        recipe: JSON value, how it was trained, or None.
+        """
+        self.network = network.eval()
+        self.size = size
+        self.topology_id = topology_id
+        self.recipe = recipe
+        for parameter in network.parameters():
+            parameter.requires_grad_(False)
+
+    @property
+    def model_id(self) -> str:
+        """SHA-256 of its weights."""
+        return model_id(KIND, self.tensors())
+
+    @torch.inference_mode()
+    def change(self, picture: np.ndarray, maps: np.ndarray, source: np.ndarray, target: np.ndarray) -> TextureChange:
+        """What the step from one expression to another does to a texture.
+
+        picture: (S, S, 3) uint8 sRGB, in the chart. maps: (S, S, 17) of ``shape_maps``. source, target: (52,) ARKit
+        weights of what the texture shows, and of what it is to show.
+        """
+        codes = torch.from_numpy(np.concatenate([source, target]).astype(np.float32))[None]
+        return _numpy(self.network(_tensor(picture / 255.0), _tensor(maps), codes))
+
+    def tensors(self) -> dict[str, np.ndarray]:
+        """Arrays by name, see ``network_weights``."""
+        return network_weights(self.network)
+
+
+def texture_to_checkpoint(model: TextureModel) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
+    """A model as (tensors, metadata), from which ``texture_from_checkpoint`` rebuilds it."""
+    about = {"schema": SCHEMA, "network": asdict(model.network.size), "size": model.size}
+    about |= {"topology_id": model.topology_id, "expressions": list(ARKIT_NAMES), "recipe": model.recipe}
+    return model.tensors(), about
+
+
+def texture_from_checkpoint(
+    tensors: Mapping[str, np.ndarray], metadata: Mapping[str, Any], where: object
+) -> TextureModel:
+    """Rebuild a TextureModel.
+
+    tensors, metadata: of ``texture_to_checkpoint``, read from a file. where: its name, for messages.
+    Raises InputError when something is missing or does not fit.
+    """
+    with naming(where):
+        check_schema(metadata, SCHEMA, "texture network")
+        if metadata.get("expressions") != list(ARKIT_NAMES):
+            raise InputError("expected a texture network of ARKit's 52 expressions, found one of others")
+        topology_id = metadata.get("topology_id")
+        if not isinstance(topology_id, str) or len(topology_id) != _TOPOLOGY:
+            raise InputError(f"expected the id of a topology, found {shown(topology_id, 60)!r}")
+        size = whole_number(metadata.get("size"), _SIDES, "size")
+        network = TextureNetwork(_size(metadata.get("network")), torch.Generator())
+        load_weights(network, tensors)
+        return TextureModel(network, size, topology_id, metadata.get("recipe"))
+
+
+def _size(about: Any) -> TextureSize:
+    names = [field.name for field in fields(TextureSize)]
+    if not isinstance(about, dict) or sorted(about) != sorted(names):
+        raise InputError(f"expected a network of {', '.join(names)}, found {shown(about, 60)!r}")
+    flags = {name: about[name] for name in names if name not in ("width", "narrow")}
+    if not all(isinstance(value, bool) for value in flags.values()):
+        raise InputError(f"expected {', '.join(flags)} to be true or false, found others")
+    widths = {name: whole_number(about[name], _WIDTHS, name) for name in ("width", "narrow")}
+    try:
+        return TextureSize(**widths, **flags)
+    except ValueError as error:
+        raise InputError(str(error)) from error
+
+
+def _tensor(picture: np.ndarray) -> torch.Tensor:
+    return torch.from_numpy(np.ascontiguousarray(picture, np.float32)).permute(2, 0, 1)[None]
+
+
+def _numpy(change: Change) -> TextureChange:
+    gain = change.gain[0].permute(1, 2, 0).numpy()
+    return TextureChange(change.attention[0, 0].numpy(), gain, change.offset[0].permute(1, 2, 0).numpy())

@@ -1,0 +1,145 @@
+"""The generator of two branches and its critic (expressions paper, section 3.3.1).
+
+Attention is told by the expressions alone, as shapes or as codes, and the colours by them and the texture. Attention
+says here where to change, so that equation 12 reads T' = (1 - A) T + A C.
+"""
+
+from dataclasses import dataclass
+
+import torch
+from torch import nn
+from torch.nn import functional
+
+from caricli.models.residual import Residual, start_convolutions, unit
+from caricli.models.texture.config import TextureSize
+
+CODES = 104
+"""Weights of ARKit's 52 actions in the source and in the target."""
+
+MAPS = 17
+"""Channels of the maps of both shapes."""
+
+OPEN = 0.2
+"""Attention where nothing moves, of colours that change what is there: shading changes there, too."""
+
+_PLACE = 2
+"""Channels that say where a texel is: the chart is the same for everybody."""
+
+_HALF = 2
+_LEVELS = 4
+_SLOPE = 0.2
+
+
+@dataclass(frozen=True, eq=False)
+class Change:
+    """What becomes of a texture at every texel: T' = T + A (G T + O), sRGB from 0 to 1.
+
+    attention: A, (B, 1, S, S) 0 to 1. gain: G, (B, 3, S, S). offset: O, (B, 3, S, S). Colours C in place of a gain are
+    G = -1, O = C.
+    """
+
+    attention: torch.Tensor
+    gain: torch.Tensor
+    offset: torch.Tensor
+
+    def paint(self, pictures: torch.Tensor) -> torch.Tensor:
+        """Textures (B, 3, S, S) as they become (equation 12)."""
+        return pictures + self.attention * (self.gain * pictures + self.offset)
+
+
+class TextureNetwork(nn.Module):
+    """Textures in the chart, and both expressions, to a Change."""
+
+    def __init__(self, size: TextureSize, generator: torch.Generator) -> None:
+        """generator: of the initial weights."""
+        super().__init__()
+        told = MAPS * size.maps
+        codes = CODES * size.codes
+        self.size = size
+        self.colour = Branch(3 + _PLACE + told, 6 if size.relative else 3, size.width, codes)
+        self.where = Branch(_PLACE + told, 1, size.narrow, codes) if size.attention else None
+        start_convolutions(self, generator)
+        for branch in (self.colour, self.where):
+            if branch is not None:
+                branch.begin(generator)
+
+    def forward(self, pictures: torch.Tensor, maps: torch.Tensor, codes: torch.Tensor) -> Change:
+        """pictures: (B, 3, S, S) sRGB from 0 to 1. maps: (B, 17, S, S). codes: (B, 104)."""
+        told = torch.cat([_places(pictures), maps[:, : MAPS * self.size.maps]], 1)
+        given = codes[:, : CODES * self.size.codes]
+        values = self.colour(torch.cat([2 * pictures - 1, told], 1), given)
+        gain = values[:, :3] if self.size.relative else torch.full_like(pictures, -1)
+        offset = values[:, 3:] if self.size.relative else torch.sigmoid(values)
+        if self.where is None:
+            return Change(torch.ones_like(pictures[:, :1]), gain, offset)
+        attention = torch.sigmoid(self.where(told, given))
+        return Change(OPEN + (1 - OPEN) * attention if self.size.relative else attention, gain, offset)
+
+
+class Branch(nn.Module):
+    """A U-Net from half of the chart's size down to a sixteenth, told the codes on every level."""
+
+    def __init__(self, inputs: int, outputs: int, width: int, codes: int) -> None:
+        """inputs, outputs: channels. width: at half of the chart's size. codes: how many numbers."""
+        super().__init__()
+        widths = (width, width * 3 // 2, 2 * width, 2 * width)
+        self.stem = unit(inputs * _HALF**2, width)
+        self.told = nn.ModuleList(nn.Linear(codes, each) for each in widths) if codes else None
+        self.down = nn.ModuleList(unit(a, b, stride=2) for a, b in zip(widths[:-1], widths[1:], strict=True))
+        self.same = nn.ModuleList(Residual(each) for each in widths)
+        self.up = nn.ModuleList(unit(b, a, kernel=1) for a, b in zip(widths[-2::-1], widths[:0:-1], strict=True))
+        self.join = nn.ModuleList(Residual(each) for each in widths[-2::-1])
+        self.last = nn.Conv2d(width, outputs * _HALF**2, 3, padding=1)
+
+    def begin(self, generator: torch.Generator) -> None:
+        """Draw the weights that tell the codes; what comes out is nothing at first."""
+        for layer in self.told or ():
+            nn.init.normal_(layer.weight, std=0.1, generator=generator)
+            nn.init.zeros_(layer.bias)
+        nn.init.zeros_(self.last.weight)
+
+    def forward(self, fields: torch.Tensor, codes: torch.Tensor) -> torch.Tensor:
+        """Fields (B, inputs, S, S) and codes (B, K) to (B, outputs, S, S)."""
+        values = functional.pixel_unshuffle(fields, _HALF).contiguous(memory_format=torch.channels_last)
+        levels: list[torch.Tensor] = []
+        values = self.stem(values)
+        for level in range(_LEVELS):
+            if level:
+                values = self.down[level - 1](levels[-1])
+            if self.told is not None:
+                values = values + self.told[level](codes)[:, :, None, None]
+            levels.append(self.same[level](values))
+        values = levels.pop()
+        for up, join in zip(self.up, self.join, strict=True):
+            values = join(levels.pop() + functional.interpolate(up(values), scale_factor=2, mode="nearest"))
+        return functional.pixel_shuffle(self.last(values), _HALF).float()
+
+
+class TextureCritic(nn.Module):
+    """Textures to how real each patch looks, and to their expression."""
+
+    def __init__(self, width: int, size: int, generator: torch.Generator) -> None:
+        """width: channels at half of the chart's size. size: of the chart, texels."""
+        super().__init__()
+        widths = (3, width, 2 * width, 4 * width)
+        self.down = nn.ModuleList(nn.Conv2d(a, b, 4, 2, 1) for a, b in zip(widths[:-1], widths[1:], strict=True))
+        self.patch = nn.Conv2d(widths[-1], 1, 3, padding=1)
+        self.far = nn.Conv2d(widths[-1], widths[-1], 4, 2, 1)
+        self.expression = nn.Linear(widths[-1] * (size // 16) ** 2, CODES // 2)
+        start_convolutions(self, generator)
+        nn.init.normal_(self.expression.weight, std=0.01, generator=generator)
+        nn.init.zeros_(self.expression.bias)
+
+    def forward(self, pictures: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]:
+        """Pictures (B, 3, S, S), sRGB from 0 to 1, to scores (B, S / 8, S / 8) and weights (B, 52)."""
+        values = 2 * pictures - 1
+        for layer in self.down:
+            values = functional.leaky_relu(layer(values), _SLOPE)
+        far = functional.leaky_relu(self.far(values), _SLOPE)
+        return self.patch(values)[:, 0], self.expression(far.flatten(1))
+
+
+def _places(pictures: torch.Tensor) -> torch.Tensor:
+    """(B, 2, S, S) from -1 to 1: how far right and down every texel of pictures (B, 3, S, S) is."""
+    side = torch.linspace(-1, 1, pictures.shape[-1], dtype=pictures.dtype, device=pictures.device)
+    return torch.stack(torch.meshgrid(side, side, indexing="xy")).expand(len(pictures), -1, -1, -1)
