@@ -13,7 +13,7 @@ ACTIONS = ("jawOpen", "mouthSmileLeft", "browInnerUp")
 
 
 def acted_people(head, size=32):
-    """Eight people: skin of one colour, darker where the surface moves, and a mouth that is red as far as it is open."""
+    """Eight people: skin of one colour, darker where it moves, and a mouth that is red as far as it is open."""
     grid = ChartGrid(face_chart(head.template()), size)
     generator = np.random.default_rng(0)
     splits = {person: split for split, people in SPLITS.items() for person in people}

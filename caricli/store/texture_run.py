@@ -4,17 +4,23 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+
 from caricli.data.texture_set import MANIFEST, ActedTextures, read_texture_set
-from caricli.errors import naming
+from caricli.errors import InputError, naming
 from caricli.methods.dynamic.chart_pictures import ChartGrid
 from caricli.methods.dynamic.styles import StyleBook
+from caricli.methods.evaluate.evaluate_texture import Judge, Painter, TextureChoice, TextureTally, evaluate_texture
+from caricli.methods.evaluate.paint_sheet import paint_sheet
+from caricli.methods.evaluate.texture_rivals import linear_painter, network_painter, train_reader
 from caricli.methods.train.stages import Report
 from caricli.methods.train.texture_pairs import TexturePairs, painted_people
 from caricli.methods.train.train_autodecoder import Share
 from caricli.methods.train.train_texture import TextureTraining
 from caricli.models.texture.config import TextureConfig
 from caricli.models.texture.model import TextureModel, texture_to_checkpoint
-from caricli.store.texture_networks import load_texture_network
+from caricli.store.pictures import PICTURES
+from caricli.store.texture_networks import BUNDLED, load_texture_network
 from caricli.store.training_run import MODEL, RunFolder
 from caricli.template.chart import face_chart
 from caricli.template.head import load_head
@@ -36,9 +42,11 @@ class TextureIngredients:
         return TextureTraining(self.pairs, self.unseen, config, share, self.drawings)
 
 
-def texture_sources(folders: Sequence[Path], drawings: Path | None) -> list[Path]:
-    """Files that say what is in folders of textures."""
-    return [folder / MANIFEST for folder in (*folders, *([] if drawings is None else [drawings]))]
+def texture_sources(folders: Sequence[Path], drawings: Path | None, styles: Path | None) -> list[Path]:
+    """Files that a training is made of: what says what is in folders of textures, and style pictures."""
+    sets = [*folders, *([] if drawings is None else [drawings])]
+    pictures = [] if styles is None or not styles.is_dir() else sorted(styles.iterdir())
+    return [*(folder / MANIFEST for folder in sets), *(path for path in pictures if path.suffix.lower() in PICTURES)]
 
 
 def load_texture_ingredients(
@@ -99,3 +107,50 @@ class TextureRun(RunFolder):
         figures = {"percent_of_kept": 100 * training.best}
         self.report({"model_id": model.model_id, "validation": figures})
         return figures
+
+
+@dataclass(frozen=True, eq=False)
+class TextureTest:
+    """What textures of other expressions are measured with.
+
+    painters: by name. judge: that reads expressions. pairs: of people of no training.
+    """
+
+    painters: dict[str, Painter]
+    judge: Judge
+    pairs: TexturePairs
+
+    def run(self, count: int, seed: int, report: Report) -> TextureTally:
+        """Let all paint ``count`` pairs."""
+        return evaluate_texture(self.painters, self.judge, self.pairs, TextureChoice(count, seed), report)
+
+    def sheet(self, rows: int, seed: int) -> np.ndarray:
+        """A picture (H, W, 3) uint8: source, target, and what painters make of it, of so many pairs."""
+        return paint_sheet(self.painters, self.pairs.draw(rows, np.random.default_rng(seed), paired=True))
+
+
+def load_texture_test(
+    networks: Sequence[Path], folder: Path, styles: StyleBook, seed: int, report: Report
+) -> TextureTest:
+    """Networks, or the bundled one where none is given, and the test people of a folder of textures.
+
+    styles: StyleBook that people are painted from, beside their own look. seed: of the looks, and of what learns.
+    report: called with people done and all. Raises InputError where a network is of another size than the others, or
+    nobody is there to test or to learn with.
+    """
+    models = {str(path): load_texture_network(path) for path in networks} or {BUNDLED: load_texture_network()}
+    sizes = {model.size for model in models.values()}
+    if len(sizes) > 1:
+        raise InputError(f"expected networks for charts of one size, found {', '.join(map(str, sorted(sizes)))}")
+    config = TextureConfig(size=sizes.pop(), seed=seed)
+    textures = read_texture_set(folder)
+    grid = ChartGrid(face_chart(load_head().template()), config.size)
+    with naming(folder):
+        people = [list(textures.people(split)) for split in ("train", "test")]
+        total = len(people[0]) + len(people[1])
+        own = TexturePairs(painted_people(people[0], grid, config, styles, lambda n, _: report(n, total)), grid, config)
+        done = len(people[0])
+        looks = painted_people(people[1], grid, config, styles, lambda n, _: report(done + n, total))
+    painters = {name: network_painter(model) for name, model in models.items()}
+    painters["linear"] = linear_painter(own, seed)
+    return TextureTest(painters, train_reader(own, seed), TexturePairs(looks, grid, config))

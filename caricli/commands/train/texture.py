@@ -4,7 +4,7 @@ from dataclasses import asdict
 
 import click
 
-from caricli.commands.shared.notes import echo_result
+from caricli.commands.shared.notes import echo_notes, echo_result
 from caricli.commands.shared.options import PATH, config_option, out_option, overwrite_option, set_option
 from caricli.io.config import read_config
 from caricli.io.provenance import provenance
@@ -53,15 +53,19 @@ def command(folders, out, styles, drawings, config, overrides, resume, overwrite
     from caricli.commands.shared.progress import progress_bar, training_bar
     from caricli.methods.train.processes import training_processes
     from caricli.models.texture.config import TextureConfig
-    from caricli.store.texture_run import TextureRun, load_texture_ingredients
+    from caricli.store.styles import load_style_book
+    from caricli.store.texture_run import TextureRun, load_texture_ingredients, texture_sources
     from caricli.store.training_run import MODEL, Beginning
 
     settings = read_config(config, TextureConfig, overrides)
     with training_processes("cpu") as share:
-        with progress_bar("painting") as report:
-            ingredients = load_texture_ingredients(folders, styles, drawings, settings, report)
-        recipe = provenance("train texture", ingredients.sources, config=asdict(settings))
+        book, notes = load_style_book(styles, None, settings.seed)
+        sources = texture_sources(folders, drawings, styles)
+        recipe = provenance("train texture", sources, config=asdict(settings))
         run = TextureRun(out, recipe, Beginning(resume, overwrite, writes=share.process == 0))
+        echo_notes(*(f"caricli: {note}" for note in notes if run.writes))
+        with progress_bar("painting") as report:
+            ingredients = load_texture_ingredients(folders, drawings, settings, book, report)
         training = ingredients.training(settings, share)
         with training_bar(settings.epochs, quiet=not run.writes) as show:
             for line in run.follow(training):

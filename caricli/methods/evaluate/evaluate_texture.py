@@ -27,20 +27,36 @@ _BATCH = 16
 _DRAWS = 2000
 """Of a bootstrap over people."""
 
+TRUE = "true"
+"""The textures that are to be painted."""
+
+Judge = Callable[[torch.Tensor], torch.Tensor]
+"""Textures (B, 3, S, S) to the weights (B, 52) that are read in them."""
+
 Painter = Callable[[TextureBatch], torch.Tensor]
 """A batch to textures (B, 3, S, S) of its targets."""
+
+
+@dataclass(frozen=True)
+class TextureChoice:
+    """count: pairs. seed: of their choice."""
+
+    count: int = 400
+    seed: int = 0
 
 
 @dataclass(frozen=True, eq=False)
 class TextureTally:
     """Sums of differences from the true textures, by painter and region, and person.
 
-    sums: arrays (P,) by painter and region. counts: arrays (P,) of texels by region.
+    sums: arrays (P,) by painter and region. counts: arrays (P,) of texels by region. read: by painter, and of the true
+    textures, squared errors of the weights that a judge reads in them.
     """
 
     people: int
     sums: dict[str, dict[str, np.ndarray]] = field(default_factory=dict)
     counts: dict[str, np.ndarray] = field(default_factory=dict)
+    read: dict[str, list[float]] = field(default_factory=dict)
 
     def add(self, batch: TextureBatch, mouth: np.ndarray, pictures: Mapping[str, torch.Tensor]) -> None:
         """Count what painters made of a batch. mouth: (S, S) bool. pictures: (B, 3, S, S) by painter."""
@@ -50,6 +66,17 @@ class TextureTally:
             for painter, picture in pictures.items():
                 away = (picture - batch.target).abs().mean(1)
                 self._sum(self.sums.setdefault(painter, {}), region, people, (away * mask).sum((1, 2)))
+
+    def judge(self, batch: TextureBatch, judge: Judge, pictures: Mapping[str, torch.Tensor]) -> None:
+        """Read the expressions of what painters made of a batch, and of the true textures."""
+        for painter, picture in {**pictures, TRUE: batch.target}.items():
+            away = (judge(picture) - batch.target_code).square().mean(1)
+            self.read.setdefault(painter, []).extend(away.tolist())
+
+    @property
+    def reading(self) -> dict[str, float]:
+        """Root mean square error of the weights that are read, by painter, and of the true textures."""
+        return {painter: float(np.sqrt(np.mean(values))) for painter, values in self.read.items()}
 
     def _sum(self, table: dict[str, np.ndarray], region: str, people: np.ndarray, values: torch.Tensor) -> None:
         total = table.setdefault(region, np.zeros(self.people))
@@ -97,18 +124,23 @@ def regions(batch: TextureBatch, mouth: torch.Tensor) -> dict[str, torch.Tensor]
 
 @torch.no_grad()
 def evaluate_texture(
-    painters: Mapping[str, Painter], pairs: TexturePairs, count: int, seed: int = 0, report: Report = unwatched
+    painters: Mapping[str, Painter],
+    judge: Judge,
+    pairs: TexturePairs,
+    settings: TextureChoice,
+    report: Report = unwatched,
 ) -> TextureTally:
     """Let painters paint the same pairs of people, and measure them.
 
-    painters: by name; the texture kept as it is joins them. pairs: of people of no training. count: pairs. seed: of
-    their choice. report: called with pairs done and all.
+    painters: by name; the texture kept as it is joins them. judge: that reads expressions. pairs: of people of no
+    training. settings: TextureChoice. report: called with pairs done and all.
     """
     tally = TextureTally(pairs.count)
-    generator = np.random.default_rng(seed)
-    for start in range(0, count, _BATCH):
-        batch = pairs.draw(min(_BATCH, count - start), generator, paired=True)
+    generator = np.random.default_rng(settings.seed)
+    for start in range(0, settings.count, _BATCH):
+        batch = pairs.draw(min(_BATCH, settings.count - start), generator, paired=True)
         pictures = {KEPT: batch.source} | {name: painter(batch) for name, painter in painters.items()}
         tally.add(batch, pairs.grid.mouth, pictures)
-        report(min(start + _BATCH, count), count)
+        tally.judge(batch, judge, pictures)
+        report(min(start + _BATCH, settings.count), settings.count)
     return tally

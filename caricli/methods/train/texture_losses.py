@@ -80,7 +80,7 @@ def gradient_penalty(
 
 def patch_score(scores: torch.Tensor, weight: torch.Tensor) -> torch.Tensor:
     """(B,) mean of patches' scores (B, h, w), each by the weight (B, 1, S, S) of its texels."""
-    counts = functional.adaptive_avg_pool2d(weight, scores.shape[-2:])[:, 0]
+    counts = functional.avg_pool2d(weight, weight.shape[-1] // scores.shape[-1])[:, 0]
     return (scores * counts).mean((1, 2))
 
 
@@ -102,9 +102,7 @@ def critic_loss(
     return judged + config.expression_weight * expression
 
 
-def fooling_loss(
-    critic: TextureCritic, batch: TextureBatch, fake: torch.Tensor, config: TextureConfig
-) -> torch.Tensor:
+def fooling_loss(critic: TextureCritic, batch: TextureBatch, fake: torch.Tensor, config: TextureConfig) -> torch.Tensor:
     """What the generator minimises of equations 16 and 17. fake: (B, 3, S, S)."""
     scores, codes = critic(fake)
     expression = (codes - batch.target_code).square().mean()

@@ -70,7 +70,7 @@ class TexturePairs:
         other = person if paired else generator.permutation(person)
         shapes = [self.people.shapes[person, each] for each in (source, target)]
         seen = self.people.seen[person, source] & self.people.seen[other, target] & self.grid.covered
-        moved = pair_attention(self.grid, *shapes)
+        moved = pair_attention(self.grid, shapes[0], shapes[1])
         return TextureBatch(
             _channels_first(_brightened(pictures[person, look, source], bright)),
             _channels_first(_brightened(pictures[other, look, target], bright)),

@@ -96,7 +96,7 @@ def _size(about: Any) -> TextureSize:
         raise InputError(f"expected {', '.join(flags)} to be true or false, found others")
     widths = {name: whole_number(about[name], _WIDTHS, name) for name in ("width", "narrow")}
     try:
-        return TextureSize(**widths, **flags)
+        return TextureSize(**widths | flags)
     except ValueError as error:
         raise InputError(str(error)) from error
 

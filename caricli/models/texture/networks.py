@@ -84,7 +84,7 @@ class Branch(nn.Module):
         super().__init__()
         widths = (width, width * 3 // 2, 2 * width, 2 * width)
         self.stem = unit(inputs * _HALF**2, width)
-        self.told = nn.ModuleList(nn.Linear(codes, each) for each in widths) if codes else None
+        self.told = nn.ModuleList(nn.Linear(codes, each) for each in widths if codes)
         self.down = nn.ModuleList(unit(a, b, stride=2) for a, b in zip(widths[:-1], widths[1:], strict=True))
         self.same = nn.ModuleList(Residual(each) for each in widths)
         self.up = nn.ModuleList(unit(b, a, kernel=1) for a, b in zip(widths[-2::-1], widths[:0:-1], strict=True))
@@ -93,9 +93,8 @@ class Branch(nn.Module):
 
     def begin(self, generator: torch.Generator) -> None:
         """Draw the weights that tell the codes; what comes out is nothing at first."""
-        for layer in self.told or ():
-            nn.init.normal_(layer.weight, std=0.1, generator=generator)
-            nn.init.zeros_(layer.bias)
+        for name, value in self.told.named_parameters():
+            nn.init.normal_(value, std=0.0 if name.endswith("bias") else 0.1, generator=generator)
         nn.init.zeros_(self.last.weight)
 
     def forward(self, fields: torch.Tensor, codes: torch.Tensor) -> torch.Tensor:
@@ -106,7 +105,7 @@ class Branch(nn.Module):
         for level in range(_LEVELS):
             if level:
                 values = self.down[level - 1](levels[-1])
-            if self.told is not None:
+            if self.told:
                 values = values + self.told[level](codes)[:, :, None, None]
             levels.append(self.same[level](values))
         values = levels.pop()

@@ -1,0 +1,87 @@
+"""What textures of other expressions are made by, besides the network, and read by."""
+
+import numpy as np
+import torch
+from torch import nn
+from torch.nn import functional
+
+from caricli.methods.evaluate.evaluate_texture import Painter
+from caricli.methods.train.texture_losses import TextureBatch
+from caricli.methods.train.texture_pairs import TexturePairs
+from caricli.models.residual import start_convolutions, unit
+from caricli.models.texture.model import TextureModel
+
+_PAIRS = 60
+"""Batches that what is linear is fitted to."""
+
+_BATCH = 32
+_RIDGE = 1.0
+"""Of the fit, in variances of weights."""
+
+_STEPS = 400
+"""Of the reader's training."""
+
+_RATE = 2e-3
+
+
+def network_painter(model: TextureModel) -> Painter:
+    """What a network makes of a batch."""
+
+    def paint(batch: TextureBatch) -> torch.Tensor:
+        return batch.change(model.network).paint(batch.source).clamp(0, 1)
+
+    return paint
+
+
+def linear_painter(pairs: TexturePairs, seed: int) -> Painter:
+    """The mean change of two expressions: that which is linear in the difference of their codes, fitted to pairs."""
+    generator = np.random.default_rng(seed)
+    steps = []
+    changes = []
+    for _ in range(_PAIRS):
+        batch = pairs.draw(_BATCH, generator, paired=True)
+        steps.append(batch.target_code - batch.source_code)
+        changes.append((batch.target - batch.source).flatten(1))
+    step = torch.cat(steps)
+    table = torch.linalg.solve(step.T @ step + _RIDGE * torch.eye(step.shape[1]), step.T @ torch.cat(changes))
+
+    def paint(batch: TextureBatch) -> torch.Tensor:
+        change = (batch.target_code - batch.source_code) @ table
+        return (batch.source + change.view_as(batch.source)).clamp(0, 1)
+
+    return paint
+
+
+class ExpressionReader(nn.Module):
+    """Tells the weights of ARKit's actions from a texture: a judge that no painter was trained against."""
+
+    def __init__(self, actions: int, generator: torch.Generator) -> None:
+        """actions: how many weights. generator: of the initial weights."""
+        super().__init__()
+        widths = (3, 24, 32, 48, 64)
+        self.down = nn.Sequential(*(unit(a, b, stride=2) for a, b in zip(widths[:-1], widths[1:], strict=True)))
+        self.last = nn.LazyLinear(actions)
+        start_convolutions(self, generator)
+
+    def forward(self, pictures: torch.Tensor) -> torch.Tensor:
+        """Pictures (B, 3, S, S), sRGB from 0 to 1, to weights (B, A)."""
+        return self.last(self.down(2 * pictures - 1).flatten(1))
+
+
+def train_reader(pairs: TexturePairs, seed: int) -> ExpressionReader:
+    """Train an ExpressionReader on true textures."""
+    generator = np.random.default_rng(seed)
+    start = torch.Generator().manual_seed(seed)
+    batch = pairs.draw(_BATCH, generator, paired=True)
+    reader = ExpressionReader(batch.target_code.shape[1], start)
+    reader(batch.target)
+    nn.init.normal_(reader.last.weight, std=0.01, generator=start)
+    nn.init.zeros_(reader.last.bias)
+    optimiser = torch.optim.AdamW(reader.parameters(), lr=_RATE)
+    for step in range(_STEPS):
+        batch = pairs.draw(_BATCH, generator, paired=True)
+        optimiser.zero_grad()
+        functional.mse_loss(reader(batch.target), batch.target_code).backward()
+        optimiser.param_groups[0]["lr"] = _RATE * (1 - step / _STEPS)
+        optimiser.step()
+    return reader.eval()
