@@ -72,6 +72,9 @@ from caricli.models.sketch.networks import SketchNetwork
 from caricli.models.sketch.window import POINTS
 from caricli.models.style.model import StyleModel, style_to_checkpoint
 from caricli.models.style.networks import StyleNetwork
+from caricli.models.texture.config import TextureSize
+from caricli.models.texture.model import TextureModel, texture_to_checkpoint
+from caricli.models.texture.networks import TextureNetwork
 from caricli.store.any_file import load_any
 from caricli.store.coarse import load_coarse
 from caricli.store.detector import load_detector
@@ -81,6 +84,7 @@ from caricli.store.landmark_maps import load_landmark_map
 from caricli.store.models import load_model
 from caricli.store.sketch_networks import load_sketch_network
 from caricli.store.styles import load_style
+from caricli.store.texture_networks import load_texture_network
 from caricli.structures import (
     Animation,
     Camera,
@@ -303,6 +307,11 @@ def _write_sketch_network(path: Path) -> None:
     size = SketchSize(4, (4, 4, 4), (0, 0, 0), 4, 4, 4)
     network = SketchNetwork(size, 2, POINTS, 3, torch.Generator().manual_seed(0))
     write_checkpoint(path, *sketch_to_checkpoint(SketchModel(network, 64, ("nose", "silhouette"), "none")))
+
+
+def _write_texture_network(path: Path) -> None:
+    network = TextureNetwork(TextureSize(4, 4), torch.Generator().manual_seed(0))
+    write_checkpoint(path, *texture_to_checkpoint(TextureModel(network, 32, "0" * 64)))
 
 
 def _write_style(path: Path) -> None:
@@ -574,6 +583,7 @@ def _all() -> list[Reader]:
         Reader("detector.safetensors", load_detector, (_write_detector,), mutate_tensors),
         Reader("coarse.safetensors", load_coarse, (_write_coarse,), mutate_tensors),
         Reader("sketch.safetensors", load_sketch_network, (_write_sketch_network,), mutate_tensors),
+        Reader("texture.safetensors", load_texture_network, (_write_texture_network,), mutate_tensors),
         Reader("style.safetensors", load_style, (_write_style,), mutate_tensors),
         Reader("map.safetensors", _map_marks, (_write_map,), mutate_tensors),
         Reader("any.safetensors", read_checkpoint, (_write_map,)),

@@ -15,10 +15,12 @@ from caricli.models.landmark_map.config import LandmarkMapConfig
 from caricli.models.morphable.config import MorphableConfig
 from caricli.models.sketch.config import SketchConfig
 from caricli.models.style.config import StyleConfig
+from caricli.models.texture.config import TextureConfig
 
 CONFIGS: dict[str, type] = {kind: config_class(kind) for kind in KINDS}
 CONFIGS |= {"ablation": AblationConfig, "coarse": CoarseConfig, "detector": DetectorConfig}
 CONFIGS |= {"landmark_map": LandmarkMapConfig, "sketch": SketchConfig, "style": StyleConfig}
+CONFIGS |= {"texture": TextureConfig}
 FILES = sorted(config_path("").glob("*/*.yaml"))
 
 

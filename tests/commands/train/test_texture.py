@@ -1,0 +1,71 @@
+import json
+
+import pytest
+
+from caricli.io.bundled import config_path
+from caricli.io.image import read_image
+from tests.acted_textures import write_acted_set
+
+SETTINGS = ("epochs=2", "steps=2", "validate_every=1", "validation=6")
+SMALL = ("--config", config_path("texture/tiny.yaml"), *(f"--set={text}" for text in SETTINGS))
+
+
+@pytest.fixture(scope="module")
+def textures(head, tmp_path_factory):
+    return write_acted_set(tmp_path_factory.mktemp("acted") / "set", head)
+
+
+@pytest.fixture(scope="module")
+def trained(run, textures, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("trained") / "run"
+    result = run("train", "texture", "--data", textures, "--out", folder, *SMALL)
+    assert result.exit_code == 0, result.output
+    assert "epoch 2 of 2" in result.stderr and "of the texture kept" in result.stdout
+    return folder
+
+
+def test_what_it_writes(trained, textures):
+    report = json.loads((trained / "model.json").read_text())
+    assert report["command"] == "train texture" and report["config"]["epochs"] == 2
+    assert list(report["inputs"]) == [str(textures / "textures.json")]
+    assert report["validation"]["percent_of_kept"] > 0
+    assert read_image(trained / "loss.png").std() > 0
+    assert len((trained / "log.jsonl").read_text().splitlines()) == 2
+
+
+def test_it_goes_on_to_the_same_bytes(run, trained, textures, tmp_path):
+    folder = tmp_path / "run"
+    first = run("train", "texture", "--data", textures, "--out", folder, *SMALL, "--resume")
+    again = run("train", "texture", "--data", textures, "--out", folder, *SMALL, "--resume")
+    assert first.exit_code == again.exit_code == 0
+    assert (folder / "model.safetensors").read_bytes() == (trained / "model.safetensors").read_bytes()
+
+
+def test_drawings_train_the_unpaired_part(run, textures, head, tmp_path):
+    other = write_acted_set(tmp_path / "other", head)
+    result = run("train", "texture", "--data", textures, "--drawings", other, "--out", tmp_path / "run", *SMALL)
+    assert result.exit_code == 0, result.output
+    assert len(json.loads((tmp_path / "run" / "model.json").read_text())["inputs"]) == 2
+
+
+def test_it_is_measured(run, trained, textures, tmp_path):
+    network = trained / "model.safetensors"
+    result = run("evaluate", "texture", network, "--data", textures, "--out", tmp_path / "out", "--count", "8")
+    assert result.exit_code == 0, result.output
+    report = json.loads((tmp_path / "out" / "texture.json").read_text())
+    assert set(report["painters"]) == {"kept", "linear", str(network)}
+    assert report["people"] == 2 and set(report["reading"]) == {"kept", "linear", "true", str(network)}
+    for region in ("attention", "outside", "mouth"):
+        figure = report["painters"]["kept"][region]
+        assert figure["percent"] == figure["low"] == figure["high"] == 100
+    assert read_image(tmp_path / "out" / "texture.png").shape == (8 * 32, 4 * 32, 3)
+
+
+def test_what_is_no_folder_of_textures_is_refused(refused, trained, textures, tmp_path):
+    def told(folder, out, *more):
+        return refused("train", "texture", "--data", folder, "--out", out, *SMALL, *more)
+
+    assert "textures.json" in told(tmp_path, tmp_path / "run")
+    assert "--overwrite to begin anew" in told(textures, trained)
+    assert "expected a folder of drawings" in told(textures, tmp_path / "run", "--styles", tmp_path / "none")
+    assert "at least 64 texels, found 32" in told(textures, tmp_path / "large", "--set", "size=64")
