@@ -23,6 +23,7 @@ ASTRONAUT = ROOT / "examples" / "astronaut"
 TINY = "--set epochs=2 --set points=32 --set width=16 --set hidden=16 --set latent=8"
 SEER = "--set width=16 --set stem=8 --set depth=1 --set size=64 --set steps=150 --set batch=16 --set precision=float32"
 DRAWER = "--set size=64 --set epochs=1 --set steps=4 --set batch=8 --set validate_every=1"
+REPAINTER = "--set size=32 --set epochs=1 --set steps=4 --set batch=8 --set looks=1 --set validate_every=1"
 TELLER = "--set size=64 --set epochs=1 --set steps=8 --set rounds=2 --set batch=8 --set painted=2 --set unmarked=0"
 STYLER = "--set width=4 --set pictures=4 --set validation=2 --set epochs=1 --set steps=4 --set validate_every=1"
 
@@ -35,7 +36,7 @@ dataset build drawn --count 6 --identities 5 --workers 2
 dataset show dataset -o show.png --faces 4 --size 48
 dataset pictures drawn drawings --count 6 --size 96 --workers 2
 dataset sketches drawn sketches --count 6 --workers 2
-dataset textures drawn textures --count 3 --expressions 3 --size 48 --workers 2
+dataset textures drawn textures --count 5 --expressions 3 --size 48 --workers 2
 dataset build many --count 60 --identities 30 --workers 2
 dataset pictures many portraits --count 60 --size 96 --workers 2
 train detector --pictures portraits --out seer {SEER} --set epochs=1 --set validate_every=1
@@ -51,6 +52,8 @@ train morphable --data dataset --out morphable.safetensors --set identity=3 --se
 train bilinear --data dataset --out bilinear.safetensors --set identity=4
 train sketch --data dataset --model pca.safetensors --out drawer {DRAWER}
 train style --out styler {STYLER}
+train texture --data textures --out repainter {REPAINTER}
+evaluate texture repainter/model.safetensors --data textures --count 4 --out repainted
 train landmark-map --data dataset --out map.safetensors --set dimension=4 --set epochs=1 --set views=2
 train deformable --data dataset --out run {TINY} --set validate_every=1
 train semantic --data big --out directions.npz --model pca --label BigNose --label Smile
