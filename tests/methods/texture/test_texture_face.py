@@ -5,6 +5,7 @@ import pytest
 from scipy.ndimage import binary_erosion
 
 from caricli.geometry.rotation_vectors import rotation_matrices
+from caricli.methods.texture.estimate_light import Light
 from caricli.methods.texture.mouth_wall import MOUTH, mouth_wall
 from caricli.methods.texture.picture_view import Sight
 from caricli.methods.texture.settings import TextureSettings
@@ -352,3 +353,19 @@ def test_teeth_are_not_painted_on_the_wall_behind_them(head, template):
     assert ((image == 255).all(-1) & mask).sum() > 100
     texture = texture_face(template.with_vertices(shape), Sight(camera, image, mask), SIZE, KEPT).image[covered]
     assert np.abs(texture[share == 1] - MOUTH).max() < 2
+
+
+def test_light_of_another_texture_is_taken_out_too(scenes, face, template):
+    scene = scenes[0]
+    head = template.with_vertices(face)
+    sight = Sight(scene.camera, scene.image, scene.mask)
+    kept = texture_face(head, sight, SIZE, KEPT)
+    # Light from the left of the picture, twice as bright as from its right.
+    light = Light(np.array([[3.0] * 3, [-1.5] * 3, *[[0.0] * 3] * 7]), np.tile([[0.3], [2.5]], 3), 1.0)
+    unlit = texture_face(head, sight, SIZE, like=replace(kept, light=light))
+    assert unlit.light is light
+    same = texture_face(head, sight, SIZE, like=kept)
+    np.testing.assert_array_equal(same.image, kept.image)
+    whole = kept.covered & (kept.seen > 0.9) & (unlit.seen > 0.9)
+    ratio = (unlit.image[whole] / np.maximum(kept.image[whole].astype(float), 1)).mean(1)
+    assert np.quantile(ratio, 0.95) > 1.15 * np.quantile(ratio, 0.05)
