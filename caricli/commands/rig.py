@@ -1,6 +1,7 @@
 """caricli rig: a face that moves."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import click
@@ -18,13 +19,25 @@ from caricli.commands.shared.picture import picture_files, picture_option
 from caricli.errors import naming
 from caricli.io.face import read_face
 from caricli.io.gltf.write_gltf import write_gltf
+from caricli.io.image import read_image
 from caricli.io.outputs import final_name, staged
 from caricli.io.provenance import provenance
 from caricli.io.rig import write_rig
 from caricli.io.strict_json import write_json
 from caricli.io.usd import write_usd
-from caricli.structures import HeadChoice
+from caricli.structures import HeadChoice, Mood
 from caricli.structures.head_choice import WHOLE
+
+
+def _moods(ctx, param, texts):
+    """Paths of pictures by the names of moods."""
+    moods = {}
+    for text in texts:
+        name, _, path = text.partition("=")
+        if not name or not path or name in moods:
+            raise click.BadParameter(f"expected NAME=IMAGE with another name each time, found {text!r}.")
+        moods[name] = Path(path)
+    return moods
 
 
 @click.command()
@@ -46,6 +59,15 @@ from caricli.structures.head_choice import WHOLE
 @click.option(
     "--texture", type=PATH, metavar="IMAGE", help="Put this picture on the skin.  [default: the one that the face has]"
 )
+@click.option(
+    "--mood",
+    "moods",
+    multiple=True,
+    callback=_moods,
+    metavar="NAME=IMAGE",
+    help="Let the skin change to this picture, as large as its own, in the GLB a variant of its material; repeat for "
+    "more.",
+)
 @click.option("--sparse", is_flag=True, help="Store only what moves, for a smaller GLB that fewer programs read.")
 @click.option(
     "--usd", is_flag=True, help="Write RIG.usdz too, with blend shapes and pictures; this needs caricli[usd]."
@@ -61,7 +83,7 @@ from caricli.structures.head_choice import WHOLE
 @seed_option
 @picture_option
 @overwrite_option
-def command(face, out, templates, neutral, head, texture, sparse, usd, levels, seed, overwrite):
+def command(face, out, templates, neutral, head, texture, moods, sparse, usd, levels, seed, overwrite):
     """Give a face (NPZ, OBJ, PLY, GLB or glTF) the 52 expressions of ARKit by deformation transfer.
 
     Expressions start from the neutral face. Of one that laughs it is found first, as `blendshapes` finds it, with its
@@ -76,9 +98,10 @@ def command(face, out, templates, neutral, head, texture, sparse, usd, levels, s
       caricli rig sculpted.obj --neutral as-is --out sculpted.glb
       caricli rig face.obj --subdivide 1 --sparse --out fine.glb
       caricli rig textured/face.npz --bust --out bust.glb
+      caricli rig textured/face.npz --mood sad=sad.png --mood angry=angry.png --out moods.glb
       caricli rig scan.obj --templates expressions --out rig.glb
     """
-    task = RigTask(templates, neutral, head, texture, sparse, usd, levels, seed, overwrite)
+    task = RigTask(templates, neutral, head, texture, sparse, usd, levels, seed, overwrite, moods)
     echo_result(task.run(face, out))
 
 
@@ -88,7 +111,8 @@ class RigTask:
 
     templates: folder of expressions, or None for the head's. neutral: "auto" or "as-is". head: HeadChoice. texture:
     path of the skin's picture, or None for the face's own. sparse, usd: what is written. levels: how often polygons are
-    split. seed: of the eyes' picture. overwrite: whether files that exist are replaced.
+    split. seed: of the eyes' picture. overwrite: whether files that exist are replaced. moods: pictures of the skin
+    by name.
     """
 
     templates: Path | None = None
@@ -100,6 +124,7 @@ class RigTask:
     levels: int = 0
     seed: int = 0
     overwrite: bool = False
+    moods: Mapping[str, Path] = field(default_factory=dict)
 
     def run(self, face: Path, out: Path) -> str:
         """Rig a face, write it, and say what it does."""
@@ -112,20 +137,24 @@ class RigTask:
         expressions, template_files = load_templates(self.templates)
         given = read_face(face)
         pictures = picture_paths(face, self.texture)
-        inputs = [face, *pictures.files, *template_files]
+        inputs = [face, *pictures.files, *self.moods.values(), *template_files]
         settings = RigSettings(self.levels, self.head, self.seed)
         paths = [*_paths(out, self.usd), *picture_files(out.with_suffix(".png"))]
         with staged(*paths, overwrite=self.overwrite, inputs=inputs) as files:
             glb, npz, json, *others = files
             images = pictures.load()
+            moods = tuple(Mood(name, read_image(path)) for name, path in self.moods.items())
             with naming(face), progress_bar("expressions"):
                 rest = _rest(given, self.neutral)
                 result = make_rig(rest.mesh, expressions, settings, images, given=given)
+                result = replace(result, rig=replace(result.rig, moods=moods))
             write_gltf(glb, result.rig, self.sparse)
             write_rig(npz, result.rig)
             about = {"subdivide": self.levels, "sparse": self.sparse, "units": "m", "axes": "+y up, +z front"}
             _report(json, others, result, rest, given, provenance("rig", inputs, self.seed, **about))
         _advise(face, result, rest, self.neutral)
+        if self.usd and moods:
+            echo_notes(f"{final_name(out.with_suffix('.usdz'))}: has the usual picture alone; moods are in GLB and NPZ")
         return f"{out}: {describe_rig(result)}, {rest.describe()}"
 
 

@@ -92,9 +92,10 @@ class Rig:
         if len(names) > MAX_MOODS or len(set(names)) < len(names):
             return f"moods: expected at most {MAX_MOODS} of distinct names, found {shown(names, 60)}"
         usual = self.pictures.skin
-        size = None if usual is None else usual.shape
-        others = [mood.skin.shape for mood in self.moods if mood.skin.shape != size]
-        return f"moods: expected pictures of the skin's shape {size}, found {others[0]}" if others else None
+        if usual is None:
+            return "moods: expected a picture of the skin beside them, found none" if self.moods else None
+        others = [mood.skin.shape for mood in self.moods if mood.skin.shape != usual.shape]
+        return f"moods: expected pictures of the skin's shape {usual.shape}, found {others[0]}" if others else None
 
     def _delta_problem(self) -> str | None:
         deltas = np.asarray(self.deltas)

@@ -179,6 +179,27 @@ def test_a_picture_of_choice_and_that_beside_an_npz(run, scans, target, egg, tmp
         np.testing.assert_array_equal(read_gltf(tmp_path / "rig.glb").pictures.skin, np.full((4, 4, 3), value))
 
 
+def test_moods_are_pictures_by_name(run, refused, scans, target, tmp_path):
+    for name, value in (("own", 40), ("sad", 20), ("angry", 90)):
+        write_png(tmp_path / f"{name}.png", np.full((4, 4, 3), value, np.uint8))
+    write_png(tmp_path / "large.png", np.full((8, 8, 3), 5, np.uint8))
+    given = ("rig", target, "--templates", scans, "--out", tmp_path / "rig.glb")
+    sad = ("--mood", f"sad={tmp_path / 'sad.png'}")
+    worn = (*given, "--texture", tmp_path / "own.png", *sad)
+    result = run(*worn, "--mood", f"very angry={tmp_path / 'angry.png'}")
+    assert result.exit_code == 0, result.output
+    for rig in (read_gltf(tmp_path / "rig.glb"), read_rig(tmp_path / "rig.npz")):
+        assert [mood.name for mood in rig.moods] == ["sad", "very angry"]
+        assert [int(mood.skin.mean()) for mood in rig.moods] == [20, 90] and rig.pictures.skin.mean() == 40
+    assert "sad.png" in str(read_json(tmp_path / "rig.json")["inputs"])
+    again = ("--overwrite",)
+    assert "a picture of the skin beside them" in refused(*given, *sad, *again)
+    assert "the skin's shape" in refused(*worn, "--mood", f"big={tmp_path / 'large.png'}", *again)
+    for text in ("sad", "=a.png", "sad="):
+        assert "expected NAME=IMAGE" in run(*worn, "--mood", text, *again).stderr
+    assert "expected NAME=IMAGE" in run(*worn, *sad, *again).stderr
+
+
 def test_usd_beside_it(run, scans, target, tmp_path):
     pytest.importorskip("pxr")
     assert run("rig", target, "--templates", scans, "--usd", "--out", tmp_path / "rig.glb").exit_code == 0

@@ -94,6 +94,7 @@ from caricli.structures import (
     Landmarks,
     Material,
     Mesh,
+    Mood,
     Part,
     Pictures,
     Rig,
@@ -211,7 +212,8 @@ def _rig() -> Rig:
     deltas = _RANDOM.normal(0, 0.01, (2, len(MESH.vertices), 3)).astype(np.float32)
     skin = Mesh(MESH.vertices.astype(np.float32), MESH.polygons, MESH.uvs, MESH.uv_polygons)
     materials = np.array([Material.EYE, *[Material.SKIN] * (len(MESH.polygons) - 1)], np.int32)
-    return Rig(("jawOpen", "b"), skin, deltas, materials, Pictures(PICTURE, PICTURE, PICTURE), deltas[:, :5])
+    moods = (Mood("sad", PICTURE), Mood("b", PICTURE))
+    return Rig(("jawOpen", "b"), skin, deltas, materials, Pictures(PICTURE, PICTURE, PICTURE), deltas[:, :5], moods)
 
 
 def _directions() -> Directions:
