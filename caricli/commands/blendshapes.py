@@ -1,7 +1,7 @@
 """caricli blendshapes: the expressions of a caricature from one picture of it."""
 
 import time
-from dataclasses import astuple
+from dataclasses import astuple, replace
 
 import click
 
@@ -75,6 +75,18 @@ DEFAULT_WEIGHTS = astuple(BlendshapeWeights())
 @click.option(
     "--texture", type=PATH, metavar="IMAGE", help="Put this picture on the skin.  [default: the one that the face has]"
 )
+@click.option(
+    "--dynamic-texture",
+    is_flag=True,
+    help="Paint the skin as expressions show it: those of --expressions, or else eight moods.",
+)
+@click.option(
+    "--texture-network",
+    "network",
+    type=PATH,
+    metavar="FILE",
+    help="Paint them by this network of `caricli train texture`.  [default: bundled]",
+)
 @detector_option
 @pts_origin_option
 @seed_option
@@ -92,6 +104,8 @@ def command(
     templates,
     head,
     texture,
+    dynamic_texture,
+    network,
     detector,
     pts_origin,
     seed,
@@ -103,7 +117,8 @@ def command(
     back. FACE.npz is of `reconstruct-from-landmarks` or `refine`; the face of a PICTURE, or of LANDMARKS, is
     reconstructed first. The landmarks that were found in a PICTURE go to B-landmarks.json. Every expression starts from
     the neutral one, which the drawing need not show, and which is found with caution. FILE has a line `neutral: {}` and
-    others such as `smile: {mouthSmile: 0.7}`, of the 52 actions of ARKit. Use B.npz with `caricli retarget` and
+    others such as `smile: {mouthSmile: 0.7}`, of the 52 actions of ARKit. With --dynamic-texture B.npz and B.glb have a
+    picture of the skin for every mood, in B.glb a variant of its material (KHR_materials_variants). Use B.npz with `caricli retarget` and
     `caricli animate`.
 
     \b
@@ -118,20 +133,25 @@ def command(
     from caricli.methods.rig.make_rig import RigSettings
     from caricli.store.expression_tools import ToolPaths, load_caricature, load_tools
     from caricli.store.face_pictures import FaceReader, seen_files
+    from caricli.store.texture_networks import paint_moods
 
     _check_usage(method, reconstruct, weights)
+    if network and not dynamic_texture:
+        raise click.UsageError("--texture-network is for --dynamic-texture.")
     settings = BlendshapeSettings(method, reconstruct, BlendshapeWeights(*weights))
     tools, tool_files = load_tools(ToolPaths(expressions, map_path, model, templates), latent=reconstruct == "latent")
     caricature = load_caricature(source, tools, texture, FaceReader(detector, pts_origin))
     face = caricature.face
     images = caricature.worn.load()
-    inputs = [source, *caricature.worn.files, *tool_files]
+    inputs = [source, *caricature.worn.files, *tool_files, *([network] if network else [])]
     others = [*map(out.with_suffix, (".glb", ".json")), *picture_files(out.with_suffix(".png"))]
     given = {"overwrite": overwrite, "inputs": [*inputs, detector], "optional": seen_files(source, out)}
     with staged(out, *others, **given) as files:
         with naming(source), progress_bar("expressions"):
             blendshapes, seconds = _build(face, tools, settings)
             result = rig_blendshapes(blendshapes, tools, RigSettings(head=head, seed=seed), images, face)
+            if dynamic_texture:
+                result = paint_moods(result, replace(face, pictures=images), tools, network)
         about = {"method": method, "reconstruct": reconstruct, "weights": weights, "seconds": seconds}
         about |= note_source(files[0], caricature.source, source)
         figures, line = report_blendshapes(face, blendshapes, tools, result)

@@ -1,11 +1,17 @@
 """The texture network that comes with caricli, and users' own."""
 
+from dataclasses import replace
 from pathlib import Path
 
+from caricli.data.expressions import named_expressions
 from caricli.errors import InputError, shown
 from caricli.io.bundled import asset_path
 from caricli.io.checkpoint import read_checkpoint
+from caricli.methods.dynamic.rig_moods import USUAL_MOODS, MoodPainter
+from caricli.methods.expressions.tools import ExpressionTools
+from caricli.methods.rig.make_rig import RigResult
 from caricli.models.texture.model import TextureModel, texture_from_checkpoint
+from caricli.structures import Face
 
 BUNDLED = "texture.safetensors"
 
@@ -27,3 +33,19 @@ def load_texture_network(path: Path | None = None) -> TextureModel:
             "texture` make one"
         )
     return texture_from_checkpoint(*read_checkpoint(file), shown(file))
+
+
+def paint_moods(result: RigResult, worn: Face, tools: ExpressionTools, network: Path | None = None) -> RigResult:
+    """The rig of a face's expressions with pictures of its skin: of every expression, or, where these are ARKit's
+    single actions, of ``USUAL_MOODS``.
+
+    worn: Face as its picture shows it. tools: ExpressionTools that made the rig. network: file, or None for the bundled
+    one. Raises InputError as ``MoodPainter`` and ``load_texture_network`` do.
+    """
+    rig = result.rig
+    painter = MoodPainter(rig, worn, tools.expressions, tools.morphable.template, load_texture_network(network))
+    moods = {name: {name: 1.0} for name in rig.names}
+    if all(tools.expressions[name] == {name: 1.0} for name in rig.names):
+        usual = named_expressions(rig.names)
+        moods = {name: usual[name] for name in USUAL_MOODS}
+    return replace(result, rig=replace(rig, moods=painter.moods(moods)))

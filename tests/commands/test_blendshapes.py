@@ -2,15 +2,20 @@ import json
 
 import numpy as np
 import pytest
+import torch
 
+from caricli.io.checkpoint import write_checkpoint
 from caricli.io.face import read_face, write_face
 from caricli.io.gltf.read_gltf import read_gltf
-from caricli.io.image import read_image
+from caricli.io.image import read_image, write_png
 from caricli.io.landmarks import write_landmarks
 from caricli.io.npz import read_npz, write_npz
 from caricli.io.rig import read_rig
 from caricli.io.strict_json import read_json
 from caricli.methods.rig.measure_rig import curve_gap
+from caricli.models.texture.config import TextureSize
+from caricli.models.texture.model import TextureModel, texture_to_checkpoint
+from caricli.models.texture.networks import TextureNetwork
 from caricli.structures import Face, Landmarks, Material
 from caricli.structures.arkit import ARKIT_NAMES
 
@@ -130,6 +135,24 @@ def test_weights_are_those_of_equation_11(run, face, moods, tmp_path):
         assert result.exit_code == 0, result.output
         sizes[name] = np.abs(read_rig(out).deltas[:, :4200]).sum()
     assert sizes["smooth"] < 0.5 * sizes["usual"]
+
+
+def test_its_skin_changes_with_its_moods(run, refused, face, moods, head_template, tmp_path):
+    network = TextureNetwork(TextureSize(4, 4), torch.Generator().manual_seed(0))
+    network.colour.last.bias.data[12:] = 0.2
+    model = TextureModel(network, 32, head_template.topology_id)
+    write_checkpoint(tmp_path / "network.safetensors", *texture_to_checkpoint(model))
+    write_png(tmp_path / "skin.png", np.full((64, 64, 3), 90, np.uint8))
+    usual = ("blendshapes", face, "--expressions", moods, "--parts", "skin", "--dynamic-texture")
+    chosen = ("--texture-network", tmp_path / "network.safetensors")
+    result = run(*usual, *chosen, "--texture", tmp_path / "skin.png", "--out", tmp_path / "b.npz")
+    assert result.exit_code == 0, result.output
+    rig = read_rig(tmp_path / "b.npz")
+    assert [mood.name for mood in rig.moods] == ["smile", "open"]
+    assert all((mood.skin != rig.pictures.skin).any() for mood in rig.moods)
+    assert [mood.name for mood in read_gltf(tmp_path / "b.glb").moods] == ["smile", "open"]
+    assert "a picture on its skin" in refused(*usual, *chosen, "--out", tmp_path / "bare.npz")
+    refused("blendshapes", face, *chosen, "--out", tmp_path / "none.npz", code=2)
 
 
 def test_it_can_be_animated_and_retargeted(run, blended, face, landmarks, tmp_path):
