@@ -50,8 +50,9 @@ class Style:
     def paint(self, pictures: np.ndarray) -> np.ndarray:
         """Paint the textures of one person (..., H, W, 3) uint8: those of all expressions together.
 
-        Where two of them are equal, and around it, they still are; strokes of all go the ways of their mean. Texels that show nothing should be continued from
-        their neighbours before, as by ``pad_texture``. The same pictures give the same bytes.
+        Where two of them are equal, and around it, they still are; strokes of all go the ways of their mean. Texels
+        that show nothing should be continued from their neighbours before, as by ``pad_texture``. The same pictures
+        give the same bytes.
         Returns an array like them.
         """
         rows = pictures.reshape(-1, *pictures.shape[-3:])
