@@ -35,6 +35,8 @@ from caricli.models.landmark_map.model import SCHEMA as LANDMARK_MAP_SCHEMA
 from caricli.models.landmark_map.model import map_from_checkpoint
 from caricli.models.sketch.model import SCHEMA as SKETCH_NETWORK_SCHEMA
 from caricli.models.sketch.model import sketch_from_checkpoint
+from caricli.models.style.model import SCHEMA as STYLE_SCHEMA
+from caricli.models.style.model import style_from_checkpoint
 from caricli.store.models import load_model
 from caricli.structures.arkit import ARKIT_NAMES
 
@@ -58,12 +60,14 @@ _WEIGHTS: dict[Any, Callable[..., Any]] = {
     DETECTOR_SCHEMA: detector_from_checkpoint,
     COARSE_SCHEMA: coarse_from_checkpoint,
     SKETCH_NETWORK_SCHEMA: sketch_from_checkpoint,
+    STYLE_SCHEMA: style_from_checkpoint,
 }
 
 
 def load_any(path: Path) -> Any:
     """What a file or folder holds, told by its content: one of the structures, a Dataset, a ShapeModel, a LandmarkMap,
-    a Detector, a CoarseModel, a SketchModel, the dict of a report or of expressions, or the array of a picture.
+    a Detector, a CoarseModel, a SketchModel, a StyleModel, the dict of a report or of expressions, or the array of a
+    picture.
 
     Raises InputError when it is none of them, or damaged.
     """

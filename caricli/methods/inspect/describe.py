@@ -17,6 +17,7 @@ from caricli.models.coarse.model import CoarseModel
 from caricli.models.detector.model import Detector
 from caricli.models.landmark_map.model import LandmarkMap
 from caricli.models.sketch.model import SketchModel
+from caricli.models.style.model import StyleModel
 from caricli.structures import Cues, Directions, Face, Landmarks, Material, Mesh, Rig, Sketch, Track
 from caricli.structures.arkit import ARKIT_NAMES
 from caricli.structures.landmarks import PARTS, SCHEMES
@@ -232,6 +233,13 @@ def _(value: SketchModel, around: Acquaintances) -> Inspection:
     lines = (f"latents: {value.network.dimension}, of {around.model_name(value.basis)}", ", ".join(value.curves))
     figures = {"weights": weights, "size": value.size, "model_id": value.model_id, "basis": value.basis}
     return Inspection("sketch network", summary, lines, figures | {"curves": list(value.curves)})
+
+
+@describe.register
+def _(value: StyleModel, around: Acquaintances) -> Inspection:
+    weights = sum(parameter.numel() for parameter in value.network.parameters())
+    figures = {"weights": weights, "model_id": value.model_id, "media": list(value.media)}
+    return Inspection("style network", f"{weights / 1e6:.1f} million weights", (", ".join(value.media),), figures)
 
 
 @describe.register

@@ -16,6 +16,9 @@ from caricli.models.style.networks import Statistics, StyleNetwork, renormalised
 
 SCHEMA = "caricli.style/1"
 KIND = "style"
+STEEPEST = 2.5
+"""How many times as strong as it was a feature may vary: smooth skin would otherwise become all blotches."""
+
 _WIDTHS = (4, 256)
 _MEDIA = (1, 100)
 
@@ -61,7 +64,8 @@ class StyleModel:
         lent = []
         for features, wanted in zip(self.network.encoder(values), look.levels, strict=True):
             mean, deviation = (value.mean(0, keepdim=True) for value in statistics(features))
-            whole = renormalised(features, (mean, deviation), wanted)
+            steady = torch.maximum(deviation, wanted[1] / STEEPEST)
+            whole = renormalised(features, (mean, steady), wanted)
             lent.append(features + strength * (whole - features))
         noise = torch.randn(1, 1, *values.shape[2:], generator=torch.Generator().manual_seed(seed))
         painted = self.network.decoder(lent, noise.expand(len(values), -1, -1, -1))

@@ -37,6 +37,11 @@ def test_what_it_writes(trained, drawings):
     assert len((trained / "log.jsonl").read_text().splitlines()) == 3
 
 
+def test_inspect_knows_it(run, trained):
+    result = run("inspect", trained / "model.safetensors")
+    assert result.exit_code == 0 and "style network" in result.stdout and "watercolour" in result.stdout
+
+
 def test_its_network_lends_the_styles_of_a_folder(trained, drawings):
     book, notes = load_style_book(drawings, trained / "model.safetensors")
     assert len(notes) == 1
