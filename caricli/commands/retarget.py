@@ -1,5 +1,10 @@
 """caricli retarget: a caricature that does what a normal face does."""
 
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING
+
 import click
 
 from caricli.commands.shared.face_outputs import note_source, staged_face
@@ -18,11 +23,16 @@ from caricli.commands.shared.options import (
     overwrite_option,
     pts_origin_option,
 )
-from caricli.commands.shared.picture import picture_option, write_picture
+from caricli.commands.shared.picture import no_picture_option, write_picture
+from caricli.commands.shared.redrawing import PicturePaths, Redrawing, film_files
 from caricli.errors import naming, shown
 from caricli.io.outputs import check_folder, check_outputs, staged
 from caricli.io.provenance import provenance
 from caricli.io.strict_json import write_json
+
+if TYPE_CHECKING:
+    from caricli.methods.expressions.retarget_rig import Retargeting
+    from caricli.store.drivers import Drivers
 
 
 @click.command()
@@ -41,20 +51,58 @@ from caricli.io.strict_json import write_json
     help="Write the rig moving through all drivers in their order; ANIM.json goes beside it.",
 )
 @click.option(
+    "--picture",
+    type=PATH,
+    metavar="DRAWING",
+    help="Draw this picture, to which the face was fitted, again with the new expressions: --out takes a .png, and no "
+    "faces are written.",
+)
+@click.option(
+    "--parsing",
+    type=PATH,
+    metavar="LABELS.png",
+    help="Take what is before the head in --picture from this label map, as `caricli detect` writes it.  [default: "
+    "seen by the detector]",
+)
+@click.option(
+    "--film",
+    type=PATH,
+    metavar="FILM.mp4",
+    callback=named(".mp4", ".gif"),
+    help="Write --picture with all drivers in their order as a film, MP4 or GIF; FILM.json goes beside it.",
+)
+@click.option(
     "--fps",
     type=FiniteRange(0, 240, min_open=True),
     default=25,
     metavar="N",
-    help="Show N drivers a second in the animation.",
+    help="Show N drivers a second in animation and film.",
 )
 @made_head_options
 @model_option
 @detector_option
 @pts_origin_option
-@picture_option
+@no_picture_option
 @overwrite_option
 @click.pass_context
-def command(ctx, rig, drivers, out, out_dir, neutral, animation, fps, head, model, detector, pts_origin, overwrite):
+def command(
+    ctx,
+    rig,
+    drivers,
+    out,
+    out_dir,
+    neutral,
+    animation,
+    picture,
+    parsing,
+    film,
+    fps,
+    head,
+    model,
+    detector,
+    pts_origin,
+    overwrite,
+):
     """Give a caricature the expressions of normal faces.
 
     B.npz is what `blendshapes` wrote. Drivers are meshes of the model's topology (NPZ, OBJ, PLY, GLB or glTF), or
@@ -63,60 +111,94 @@ def command(ctx, rig, drivers, out, out_dir, neutral, animation, fps, head, mode
     are of one person and of one kind. Place and size do not matter. Weights of meshes are exact with --neutral; without
     it, and from landmarks, who somebody is and what he does are told apart by what is likely.
 
+    With --picture the drawing itself takes the expressions: what it shows of the face moves, with its own colours; what
+    it hides comes from the texture, teeth from the head; what the face uncovers is filled, and hair, glasses and hands
+    before it stay. B.npz is then of a face with a camera, best one that `caricli texture` painted.
+
     \b
     Example:
       caricli retarget b.npz smile.obj --neutral calm.obj --out smiling.obj
       caricli retarget b.npz photo.jpg --out face.obj
       caricli retarget b.npz take/*.obj --neutral calm.obj --out-dir frames --animation take.glb --fps 30
+      caricli retarget b.npz smile.obj --picture drawing.png --out smiling.png
+      caricli retarget b.npz take/*.obj --picture drawing.png --film take.mp4
     """
-    from caricli.commands.shared.batch import named_jobs, run_batch
-    from caricli.io.mesh import MESH_SUFFIXES
-    from caricli.store.face_pictures import FaceReader, seen_files
+    from caricli.commands.shared.batch import run_batch
+    from caricli.store.face_pictures import FaceReader
     from caricli.store.models import load_morphable
 
-    jobs = named_jobs(drivers, "NORMAL_FACE", out, out_dir, *MESH_SUFFIXES)
-    _check_usage(drivers, neutral, animation, [target for _, target in jobs])
-    given = {"overwrite": overwrite, "inputs": (rig, neutral, model, detector, *drivers)}
-    _check_outputs(out, out_dir, animation, given)
+    paths = RetargetPaths(rig, drivers, neutral, out, out_dir, animation, PicturePaths(picture, parsing, film))
+    jobs = paths.jobs()
+    given = {"overwrite": overwrite, "inputs": (*paths.inputs, model, detector)}
+    paths.check_outputs(given)
     normal = load_morphable(model)
     reader = FaceReader(detector, pts_origin)
-    loaded, retargeting = _load(_load_rig(rig, normal, head), drivers, neutral, normal, reader, bool(animation))
-    about = {"model_id": normal.model_id, "drivers": len(loaded.faces)}
-    if animation is not None:
-        about_film = provenance("retarget", [rig, neutral, *drivers], **about, fps=fps)
-        _write_animation(animation, given, retargeting, fps, about_film)
-
-    def retarget(path, target):
-        row = loaded.row(path)
-        with staged_face(target, **given, optional=seen_files(path, target)) as files:
-            more = about | note_source(files[0], loaded.sources.get(path), path)
-            _write(files, retargeting, row, provenance("retarget", [rig, path, neutral], **more))
-        return f"{shown(target)}: {retargeting.describe(row)}"
-
-    run_batch(ctx, jobs, retarget, "faces")
+    loaded, retargeting = _load(_load_rig(rig, normal, head), paths, normal, reader)
+    results = _Results(paths, given, loaded, retargeting, {"model_id": normal.model_id, "drivers": len(loaded.faces)})
+    redrawing = None if picture is None else Redrawing(paths.again, retargeting, reader)
+    results.write_moving(redrawing, fps)
+    if redrawing is None:
+        run_batch(ctx, jobs, results.write_face, "faces")
+    else:
+        run_batch(ctx, jobs, partial(results.write_picture, redrawing), "pictures")
 
 
-def _check_usage(drivers, neutral, animation, targets):
-    """Refuse a mixture of drivers, a neutral face beside landmarks, and an animation with the name of a face."""
-    from caricli.store.drivers import is_driving_mesh
+@dataclass(frozen=True)
+class RetargetPaths:
+    """What is read and written.
 
-    meshes = [is_driving_mesh(path) for path in drivers]
-    if any(meshes) != all(meshes) or (neutral is not None and not meshes[0]):
-        raise click.UsageError("Give either meshes, with or without --neutral, or landmarks without it.")
-    if animation is not None and animation.with_suffix(".json") in [path.with_suffix(".json") for path in targets]:
-        raise click.UsageError("--animation needs a name that no face has.")
+    rig, drivers, neutral, out, out_dir, animation: as the options. again: PicturePaths of what is drawn again.
+    """
 
+    rig: Path
+    drivers: tuple[Path, ...]
+    neutral: Path | None
+    out: Path | None
+    out_dir: Path | None
+    animation: Path | None
+    again: PicturePaths
 
-def _film_files(animation):
-    return [animation, animation.with_suffix(".json")]
+    @property
+    def inputs(self) -> list[Path | None]:
+        """What is read."""
+        return [self.rig, self.neutral, *self.drivers, self.again.picture, self.again.parsing]
 
+    @property
+    def moving(self) -> list[Path]:
+        """Animation and film, as far as they are wanted."""
+        return [path for path in (self.animation, self.again.film) if path is not None]
 
-def _check_outputs(out, out_dir, animation, given):
-    """Refuse what cannot be written before the drivers are read, which takes its time."""
-    check_outputs(*([] if out is None else face_files(out)), **given)
-    check_outputs(*([] if animation is None else _film_files(animation)), **given)
-    if out_dir is not None:
-        check_folder(out_dir)
+    def jobs(self) -> list[tuple[Path, Path]]:
+        """Drivers, each with the mesh or the picture to write of it.
+
+        Raises UsageError for a mixture of drivers, a neutral face beside landmarks, options of a picture without one,
+        and names that two results have.
+        """
+        from caricli.commands.shared.batch import named_jobs
+        from caricli.io.mesh import MESH_SUFFIXES
+        from caricli.store.drivers import is_driving_mesh
+
+        suffixes = MESH_SUFFIXES if self.again.picture is None else (".png",)
+        alone = self.again.film is not None and self.out is None and self.out_dir is None
+        jobs = [] if alone else named_jobs(self.drivers, "NORMAL_FACE", self.out, self.out_dir, *suffixes)
+        if self.again.picture is None and (self.again.film or self.again.parsing):
+            raise click.UsageError("--film and --parsing are for --picture.")
+        meshes = [is_driving_mesh(path) for path in self.drivers]
+        if any(meshes) != all(meshes) or (self.neutral is not None and not meshes[0]):
+            raise click.UsageError("Give either meshes, with or without --neutral, or landmarks without it.")
+        reports = [path.with_suffix(".json") for path in (*(target for _, target in jobs), *self.moving)]
+        if len(set(reports)) < len(reports):
+            raise click.UsageError("--animation and --film need names that no other result has.")
+        return jobs
+
+    def check_outputs(self, given):
+        """Refuse what cannot be written before the drivers are read, which takes its time. given: to ``staged``."""
+        for path in self.moving:
+            check_outputs(*film_files(path), **given)
+        if self.out is not None:
+            check_outputs(*(face_files(self.out) if self.again.picture is None else film_files(self.out)), **given)
+        if self.out_dir is not None:
+            check_folder(self.out_dir)
 
 
 def _load_rig(path, normal, head):
@@ -129,33 +211,84 @@ def _load_rig(path, normal, head):
         return choose_head(rig, head)
 
 
-def _load(driven, drivers, neutral, normal, reader, whole):
+def _load(driven, paths, normal, reader):
     """The Drivers, and the Retargeting of those that could be read, or None.
 
-    driven: Rig. normal: MorphableModel. reader: FaceReader. whole: whether a driver that cannot be read ends
-    everything.
+    driven: Rig. paths: RetargetPaths. normal: MorphableModel. reader: FaceReader.
     """
     from caricli.commands.shared.progress import progress_bar
     from caricli.methods.expressions.retarget_rig import retarget_rig
     from caricli.store.drivers import load_drivers
     from caricli.store.faces import load_face
 
-    calm = None if neutral is None else load_face(neutral, normal).vertices
+    if paths.again.picture is not None:
+        with naming(paths.rig):
+            driven.require_depiction()
+    calm = None if paths.neutral is None else load_face(paths.neutral, normal).vertices
     with progress_bar("reading") as progress:
-        loaded = load_drivers(drivers, normal, reader, progress, whole)
+        # One driver that cannot be read ends what moves through all of them.
+        loaded = load_drivers(paths.drivers, normal, reader, progress, bool(paths.moving))
     return loaded, retarget_rig(list(loaded.faces.values()), driven, normal, calm) if loaded.faces else None
 
 
-def _write(files, retargeting, row, description):
-    """Write OBJ, NPZ, JSON and picture of a caricature with the expression of one driver."""
-    from caricli.render.driver_sheet import driver_sheet
-    from caricli.store.face_files import write_face_files
+@dataclass(frozen=True, eq=False)
+class _Results:
+    """What is written of a Retargeting.
 
-    obj_file, npz_file, json_file, png_file = files
-    face = retargeting.caricature(row)
-    write_face_files(obj_file, npz_file, face)
-    write_json(json_file, description | retargeting.figures(row))
-    write_picture(png_file, lambda: driver_sheet(_driver(retargeting, row), retargeting.rig, face.vertices))
+    paths: RetargetPaths. given: to ``staged``. loaded: Drivers. about: what all reports say.
+    """
+
+    paths: RetargetPaths
+    given: dict
+    loaded: "Drivers"
+    retargeting: "Retargeting"
+    about: dict
+
+    def write_face(self, path, target):
+        """Write the files of a caricature with the expression of one driver, and say what it is."""
+        from caricli.render.driver_sheet import driver_sheet
+        from caricli.store.face_files import write_face_files
+        from caricli.store.face_pictures import seen_files
+
+        row = self.loaded.row(path)
+        with staged_face(target, **self.given, optional=seen_files(path, target)) as (obj, npz, json, png):
+            face = self.retargeting.caricature(row)
+            write_face_files(obj, npz, face)
+            write_json(json, self._description(path, obj) | self.retargeting.figures(row))
+            write_picture(
+                png, lambda: driver_sheet(_driver(self.retargeting, row), self.retargeting.rig, face.vertices)
+            )
+        return f"{shown(target)}: {self.retargeting.describe(row)}"
+
+    def write_picture(self, redrawing, path, target):
+        """Write the picture that is drawn again with the expression of one driver, and say what it is."""
+        from caricli.store.face_pictures import seen_files
+
+        row = self.loaded.row(path)
+        with staged(*film_files(target), **self.given, optional=seen_files(path, target)) as (png, json):
+            redrawing.write(png, json, row, self._description(path, png))
+        return f"{shown(target)}: {self.retargeting.describe(row)}"
+
+    def write_moving(self, redrawing, fps):
+        """Write the animation of the rig and the film of the picture, where they are wanted, and say so."""
+        from caricli.io.gltf.write_gltf import write_gltf
+
+        about = self.about | {"weights": self.retargeting.weights_by_name()} if self.paths.moving else {}
+        for path in self.paths.moving:
+            with staged(*film_files(path), **self.given) as (moving, json):
+                if path == self.paths.animation:
+                    write_gltf(moving, self.retargeting.rig, animation=self.retargeting.animation(fps))
+                else:
+                    redrawing.write_film(moving, fps)
+                write_json(json, provenance("retarget", self.paths.inputs, **about, fps=fps))
+            echo_result(f"{shown(path)}: {self.about['drivers']} frames at {fps:.4g} a second")
+
+    def _description(self, path, out):
+        """What a report says of a driver; its landmarks are written beside a file."""
+        more = note_source(out, self.loaded.sources.get(path), path)
+        again = self.paths.again
+        inputs = [self.paths.rig, path, self.paths.neutral, again.picture, again.parsing]
+        return provenance("retarget", inputs, **self.about, **more)
 
 
 def _driver(retargeting, row):
@@ -165,13 +298,3 @@ def _driver(retargeting, row):
 
     driver = retargeting.driver(row)
     return whole_head(Face(driver), driver)
-
-
-def _write_animation(path, given, retargeting, fps, description):
-    """Write GLB and JSON of the rig moving through all drivers, and say so. given: to ``staged``."""
-    from caricli.io.gltf.write_gltf import write_gltf
-
-    with staged(*_film_files(path), **given) as (glb, json_file):
-        write_gltf(glb, retargeting.rig, animation=retargeting.animation(fps))
-        write_json(json_file, description | {"weights": retargeting.weights_by_name()})
-    echo_result(f"{shown(path)}: {description['drivers']} frames at {fps:.4g} a second")

@@ -8,12 +8,13 @@ from caricli.errors import InputError, naming, shown
 from caricli.io.face import AXES, UNITS
 from caricli.io.mesh_arrays import MESH_DTYPES, mesh_from_arrays, mesh_to_arrays
 from caricli.io.npz import read_npz, take_texts, write_npz
-from caricli.structures import Mood, Pictures, Rig
+from caricli.structures import Camera, Depiction, Mood, Pictures, Rig
 
 SCHEMA = "caricli.rig/1"
 
 _TEXTS = {"schema": SCHEMA, "units": UNITS, "axes": AXES}
 _TEXTURES = {"texture": "skin", "eye_texture": "eyes", "hair_texture": "hair", "bust_texture": "bust"}
+_CAMERA = ("camera_scale", "camera_rotation", "camera_translation")
 # In the order in which they are written.
 _STORED = {
     "names": np.str_,
@@ -25,6 +26,9 @@ _STORED = {
     "normal_deltas": np.float32,
     "moods": np.str_,
     "mood_textures": np.uint8,
+    **dict.fromkeys(_CAMERA, np.float64),
+    "depicted": np.float32,
+    "landmarks": np.float64,
 }
 _REQUIRED = ("names", "neutral", "deltas", "faces")
 _LOOKS = ("materials", "normal_deltas")
@@ -55,7 +59,7 @@ def write_rig(path: str | Path, rig: Rig) -> None:
     """
     values: dict = {"names": rig.names, "neutral": rig.neutral, "deltas": rig.deltas} | mesh_to_arrays(rig.mesh)
     values |= {key: getattr(rig, key) for key in _LOOKS}
-    values |= dict(zip(_TEXTURES, rig.pictures, strict=True))
+    values |= dict(zip(_TEXTURES, rig.pictures, strict=True)) | _depiction_arrays(rig.depiction)
     if rig.moods:
         values["moods"] = [mood.name for mood in rig.moods]
         values["mood_textures"] = np.stack([mood.skin for mood in rig.moods])
@@ -84,12 +88,33 @@ def _rig(values: dict) -> Rig:
         raise InputError(f"names: expected a list of names, found {names.shape}")
     mesh = mesh_from_arrays(values, "neutral")
     pictures = Pictures(**{name: values.get(key) for key, name in _TEXTURES.items()})
-    looks = {key: values.get(key) for key in _LOOKS}
+    looks: dict = {key: values.get(key) for key in _LOOKS}
     moods = _moods(values.get("moods", np.zeros(0, np.str_)), values.get("mood_textures", np.zeros(0, np.uint8)))
-    return Rig(tuple(names.tolist()), mesh, values["deltas"], pictures=pictures, moods=moods, **looks)
+    looks |= {"moods": moods, "depiction": _depiction(values)}
+    return Rig(tuple(names.tolist()), mesh, values["deltas"], pictures=pictures, **looks)
 
 
 def _moods(names: np.ndarray, textures: np.ndarray) -> tuple[Mood, ...]:
     if names.ndim != 1 or textures.shape[:1] != names.shape:
         raise InputError(f"moods: expected a name for every picture, found {names.shape} and {textures.shape}")
     return tuple(Mood(name, texture) for name, texture in zip(names.tolist(), textures, strict=True))
+
+
+def _depiction_arrays(depiction: Depiction | None) -> dict[str, np.ndarray | float | None]:
+    if depiction is None:
+        return {}
+    camera = depiction.camera
+    values: dict = dict(zip(_CAMERA, [camera.scale, camera.rotation, camera.translation], strict=True))
+    return values | {"depicted": depiction.vertices, "landmarks": depiction.landmarks}
+
+
+def _depiction(values: dict) -> Depiction | None:
+    """The Depiction of values by key, or None. Raises InputError for half of one."""
+    expected = (*_CAMERA, "depicted")
+    given = [key for key in (*expected, "landmarks") if key in values]
+    if not given:
+        return None
+    if any(key not in values for key in expected):
+        raise InputError(f"camera: expected {', '.join(expected)}, found only {', '.join(given)}")
+    camera = Camera(*(values[key] for key in _CAMERA))
+    return Depiction(camera, values["depicted"], values.get("landmarks"))

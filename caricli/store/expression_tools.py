@@ -112,5 +112,5 @@ def load_caricature(
     count = len(intrinsic.template.annotation.landmarks)
     picture = reader.read(source, count)
     fit = fit_landmarks(picture.landmarks.points, intrinsic, spreads=picture.landmarks.spreads)
-    face = Face(morphable.template.with_vertices(fit.face.vertices), fit.face.camera)
+    face = Face(morphable.template.with_vertices(fit.face.vertices), fit.face.camera, fit.face.landmarks)
     return Caricature(face, PicturePaths(texture), picture)

@@ -2,6 +2,7 @@
 
 from caricli.structures.camera import Camera
 from caricli.structures.cues import Cues
+from caricli.structures.depiction import Depiction
 from caricli.structures.directions import Directions
 from caricli.structures.face import Face
 from caricli.structures.head_choice import HeadChoice
@@ -19,6 +20,7 @@ __all__ = [
     "Animation",
     "Camera",
     "Cues",
+    "Depiction",
     "Directions",
     "Face",
     "Hair",

@@ -8,6 +8,7 @@ from caricli.errors import InputError, shown
 from caricli.limits import MAX_MOODS, MAX_SHAPES
 from caricli.structures.arkit import start_delta
 from caricli.structures.checks import coordinate_problem, refuse
+from caricli.structures.depiction import Depiction
 from caricli.structures.face import Face
 from caricli.structures.materials import Material, material_problem
 from caricli.structures.mesh import Mesh
@@ -26,6 +27,7 @@ class Rig:
     normal_deltas: (K, N, 3) float32, metres, what the same expressions do to a normal face of N vertices (expressions
     paper, equation 19); or None.
     moods: pictures of the skin in expressions, by distinct names, as large as that of the pictures.
+    depiction: Depiction of it in the picture that it was fitted to, or None.
     Raises InputError when the parts do not fit each other or hold what is not finite.
     """
 
@@ -36,6 +38,7 @@ class Rig:
     pictures: Pictures = Pictures()  # noqa: RUF009 (frozen)
     normal_deltas: np.ndarray | None = None
     moods: tuple[Mood, ...] = ()
+    depiction: Depiction | None = None
 
     def __post_init__(self) -> None:
         """Check that the parts fit each other."""
@@ -44,6 +47,8 @@ class Rig:
         if not sound or len(names) > MAX_SHAPES or len(set(names)) < len(names):
             refuse(f"names: expected at most {MAX_SHAPES} distinct names, found {shown(names, 60)}")
         refuse(self._delta_problem(), material_problem(self.materials, len(self.mesh.polygons)), self._mood_problem())
+        if self.depiction is not None and np.shape(self.depiction.vertices) != self.neutral.shape:
+            refuse(f"depicted: expected {self.neutral.shape} as neutral, found {np.shape(self.depiction.vertices)}")
 
     @property
     def neutral(self) -> np.ndarray:
@@ -82,6 +87,15 @@ class Rig:
                 "caricli blendshapes writes one"
             )
         return self.normal_deltas
+
+    def require_depiction(self) -> Depiction:
+        """How its picture shows it. Raises InputError for a rig without the camera of its picture."""
+        if self.depiction is None:
+            raise InputError(
+                "expected a rig with the camera of its picture, found none; make it with caricli blendshapes, from a "
+                "face NPZ that has one or from the picture"
+            )
+        return self.depiction
 
     def shape_in_use(self, k: int) -> np.ndarray:
         """(V, 3) vertices with expression k at full weight, on top of the expression that it is meant for."""

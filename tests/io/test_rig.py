@@ -6,7 +6,7 @@ import pytest
 from caricli.errors import InputError
 from caricli.io.npz import read_npz, write_npz
 from caricli.io.rig import read_rig, write_rig
-from caricli.structures import Mesh, Mood, Rig
+from caricli.structures import Camera, Depiction, Mesh, Mood, Rig
 
 
 @pytest.fixture
@@ -162,3 +162,32 @@ def test_wider_numbers_that_fit_are_read(full_rig, tmp_path):
     back = read_rig(tmp_path / "b.npz")
     assert (back.faces.dtype, back.deltas.dtype) == (np.int32, np.float32)
     np.testing.assert_array_equal(back.deltas, full_rig.deltas)
+
+
+def test_how_a_picture_shows_it_comes_back(full_rig, tmp_path):
+    camera = Camera(640.0, np.diag([1.0, -1.0, -1.0]), np.array([200.0, 180.5]))
+    marks = np.random.default_rng(2).uniform(0, 300, (81, 2))
+    shown = Depiction(camera, full_rig.neutral + np.float32(0.01), marks)
+    write_rig(tmp_path / "a.npz", dataclasses.replace(full_rig, depiction=shown))
+    back = read_rig(tmp_path / "a.npz").depiction
+    assert back.camera.scale == 640 and back.vertices.dtype == np.float32
+    np.testing.assert_array_equal(back.camera.translation, camera.translation)
+    np.testing.assert_array_equal(back.camera.rotation, camera.rotation)
+    np.testing.assert_array_equal(back.vertices, shown.vertices)
+    np.testing.assert_array_equal(back.landmarks, marks)
+
+
+def test_half_of_a_camera_is_refused(full_rig, tmp_path):
+    camera = Camera(640.0, np.diag([1.0, -1.0, -1.0]), np.zeros(2))
+    write_rig(tmp_path / "a.npz", dataclasses.replace(full_rig, depiction=Depiction(camera, full_rig.neutral)))
+    whole = read_npz(tmp_path / "a.npz")
+    for change, message in [
+        ({"depicted": None}, "found only camera_scale"),
+        ({"camera_scale": None}, "found only camera_rotation"),
+        ({"depicted": whole["depicted"][1:]}, "depicted: expected"),
+        ({"landmarks": np.zeros((5, 2))}, "landmarks: expected"),
+        ({"camera_rotation": 2 * whole["camera_rotation"]}, "camera_rotation"),
+    ]:
+        write_npz(tmp_path / "b.npz", {k: v for k, v in (whole | change).items() if v is not None})
+        with pytest.raises(InputError, match=message):
+            read_rig(tmp_path / "b.npz")

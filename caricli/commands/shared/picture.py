@@ -25,6 +25,18 @@ picture_option = click.option(
     help="Draw a picture of the result, or save the time.",
 )
 
+no_picture_option = click.option(
+    "--no-picture",
+    "picture_of_result",
+    flag_value=False,
+    type=bool,
+    default=True,
+    expose_value=False,
+    callback=_keep,
+    help="Draw no picture of the result, which saves the time.",
+)
+"""The same for commands that take a picture."""
+
 
 @contextmanager
 def without_picture() -> Iterator[None]:

@@ -8,7 +8,7 @@ from caricli.methods.expressions.build_blendshapes import Blendshapes
 from caricli.methods.expressions.measure_blendshapes import BlendshapeMeasures, measure_blendshapes
 from caricli.methods.expressions.tools import ExpressionTools
 from caricli.methods.rig.make_rig import RigResult, RigSettings, make_rig
-from caricli.structures import Face, Pictures
+from caricli.structures import Depiction, Face, Pictures
 
 
 def rig_blendshapes(
@@ -20,14 +20,18 @@ def rig_blendshapes(
 ) -> RigResult:
     """The rig of a caricature's expressions, each of which starts from the neutral one.
 
-    worn: Face of the caricature, whose polygons, UVs and hair it has; without one the polygons and UVs of the model.
+    worn: Face of the caricature, whose polygons, UVs and hair it has, and whose camera shows it in its picture; without
+    one the polygons and UVs of the model.
     Raises NumericsError for triangles without area.
     """
     neutral = blendshapes.shapes[0]
     face = (worn or Face(tools.morphable.template)).posed(neutral)
     result = make_rig(face.mesh, tools.acting, settings, pictures, blendshapes.shapes[1:] - neutral, worn)
     normal_deltas = (blendshapes.normal[1:] - blendshapes.normal[0]).astype(np.float32)
-    return replace(result, rig=replace(result.rig, normal_deltas=normal_deltas))
+    depiction = None
+    if worn is not None and worn.camera is not None:
+        depiction = Depiction(worn.camera, result.shaped(worn).astype(np.float32), worn.landmarks)
+    return replace(result, rig=replace(result.rig, normal_deltas=normal_deltas, depiction=depiction))
 
 
 def report_blendshapes(

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from caricli.geometry.join_meshes import join_meshes
-from caricli.structures import HeadChoice, Material, Mesh, Part, Rig
+from caricli.structures import Depiction, HeadChoice, Material, Mesh, Part, Rig
 
 _STILL = 1e-6
 """Metres: what moves no farther does not move, but for rounding."""
@@ -31,6 +31,7 @@ def add_parts(rig: Rig, parts: Sequence[Part]) -> Rig:
         mesh=Mesh(joined.vertices.astype(np.float32), joined.polygons[order], joined.uvs, uv_polygons),
         deltas=np.concatenate([rig.deltas, *(_deltas(part, rig.names) for part in parts)], axis=1, dtype=np.float32),
         materials=materials[order].astype(np.int32),
+        depiction=_with_more(rig.depiction, [part.mesh.vertices for part in parts]),
     )
 
 
@@ -53,7 +54,15 @@ def choose_parts(rig: Rig, choice: HeadChoice) -> Rig:
         mesh=Mesh(mesh.vertices[left], number[mesh.polygons[kept]], mesh.uvs, uv_polygons),
         deltas=rig.deltas[:, left],
         materials=rig.materials[kept],
+        depiction=rig.depiction and replace(rig.depiction, vertices=rig.depiction.vertices[left]),
     )
+
+
+def _with_more(depiction: Depiction | None, more: Sequence[np.ndarray]) -> Depiction | None:
+    """A Depiction with further vertices (W, 3) each, or None where there is none."""
+    if depiction is None:
+        return None
+    return replace(depiction, vertices=np.concatenate([depiction.vertices, *more], dtype=np.float32))
 
 
 def _deltas(part: Part, names: Sequence[str]) -> np.ndarray:

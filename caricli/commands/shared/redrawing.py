@@ -1,0 +1,86 @@
+"""The picture of a face drawn again, as commands do it."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from caricli.commands.shared.notes import echo_notes
+from caricli.commands.shared.progress import progress_bar
+from caricli.errors import shown
+from caricli.io.image import write_png
+from caricli.io.strict_json import write_json
+
+if TYPE_CHECKING:
+    from caricli.methods.expressions.retarget_rig import Retargeting
+    from caricli.methods.redraw.original import Original
+    from caricli.store.face_pictures import FaceReader
+
+
+@dataclass(frozen=True)
+class PicturePaths:
+    """What is drawn again. picture: path, or None for nothing. parsing: path of its label map, or None to let the
+    detector see. film: path of the film to write, or None.
+    """
+
+    picture: Path | None
+    parsing: Path | None = None
+    film: Path | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Redrawing:
+    """A picture that is drawn again with the expressions of a Retargeting.
+
+    paths: PicturePaths. retargeting: Retargeting of a rig that has a camera. reader: FaceReader that sees what is in
+    the picture where no label map says it.
+    """
+
+    paths: PicturePaths
+    retargeting: "Retargeting"
+    reader: "FaceReader"
+
+    @cached_property
+    def original(self) -> "Original":
+        """The Original; what it does not tell is said once, on stderr."""
+        from caricli.store.originals import load_original
+
+        picture = self.paths.picture
+        assert picture is not None
+        retargeting = self.retargeting
+        original = load_original(retargeting.rig, retargeting.template, picture, self.paths.parsing, self.reader)
+        echo_notes(*(f"{shown(picture)}: {note}" for note in original.unknown()))
+        return original
+
+    def draw(self, row: int) -> np.ndarray:
+        """(H, W, 3) uint8, the picture with the expression of one driver."""
+        from caricli.methods.redraw.redraw_picture import redraw_picture
+
+        return redraw_picture(self.original, self.retargeting.caricature(row).vertices)
+
+    def write(self, png: Path, json: Path, row: int, description: dict[str, Any]) -> None:
+        """Write PNG and JSON of one driver. Raises OutputError."""
+        write_png(png, self.draw(row))
+        figures = {"unknown": self.original.unknown(), "parsed": self.original.regions is not None}
+        write_json(json, description | figures | self.retargeting.figures(row))
+
+    def write_film(self, film: Path, fps: float) -> None:
+        """Write all drivers in their order as a film. Raises OutputError."""
+        from caricli.io.video import write_video
+
+        count = len(self.retargeting.explanation.weights)
+        with progress_bar("drawing") as report:
+            write_video(film, self._frames(count, report), fps)
+
+    def _frames(self, count: int, report: Callable[[int, int], object]) -> Iterator[np.ndarray]:
+        for row in range(count):
+            yield self.draw(row)
+            report(row + 1, count)
+
+
+def film_files(path: Path) -> list[Path]:
+    """A film, an animation or a picture, and its JSON."""
+    return [path, path.with_suffix(".json")]

@@ -1,0 +1,1 @@
+"""Pictures drawn again with another expression."""

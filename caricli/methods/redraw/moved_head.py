@@ -1,0 +1,209 @@
+"""A head that has moved in its picture: where the old picture showed each point of it."""
+
+from functools import cached_property
+
+import cv2
+import numpy as np
+
+from caricli.methods.redraw.openings import drawn_anew
+from caricli.methods.redraw.original import Original, blurred
+from caricli.methods.redraw.smooth_step import smooth_step
+from caricli.methods.redraw.spread_colours import spread_colours
+from caricli.methods.texture.estimate_light import GAMMA
+from caricli.render.rasterise import rasterise
+from caricli.render.sky import DIRECTIONS, light_received, sky_visibility
+from caricli.render.smooth_normals import smooth_normals
+from caricli.structures import Material
+
+_NEAR = 0.012  # of the head's height: what is so little behind the surface is on it
+_FINE = 0.6  # pixels, softness of lashes
+_THICK = 1.6
+_LEVEL = 1e-3
+
+
+class MovedHead:
+    """Another shape of the head of an Original, sample by sample.
+
+    view: View of it. source: (H, W, 2) float32 pixels of the old picture where what the samples show now was then,
+    their own beside the head; what is in the mouth follows the lips, because drawn teeth are seldom where the head's
+    are. shift: (H, W, 2) of the source from the samples.
+    """
+
+    def __init__(self, original: Original, vertices: np.ndarray) -> None:
+        """vertices: (W, 3) metres."""
+        self.original = original
+        self.vertices = vertices
+        self.view = original.see(original.depiction.camera.place(vertices.astype(float)))
+        places = original.window.places
+        self._before = self.view.carried(original.placed)
+        shift = np.where(self.view.covered[..., None], self._before[..., :2] - places, 0)
+        lips = (self.view.covered & ~self.view.inside).astype(np.float32)
+        self.shift = np.where(self.view.inside[..., None], spread_colours(shift, lips), shift).astype(np.float32)
+        self.source = places + self.shift
+
+    @cached_property
+    def shown(self) -> np.ndarray:
+        """(H, W) float32 from 0 to 1: how far the old picture shows what the samples show now."""
+        original = self.original
+        hidden = self.look(original.hidden)
+        stained = self.look(self.stain) * np.isinf(self.view.away)
+        beyond = self.look(cv2.dilate(original.beyond, np.ones((3, 3), np.uint8))) * (1 - self._edge)
+        shown = self._bared * (1 - hidden) * (1 - stained) * (1 - self.between) * (1 - beyond)
+        return np.where(self.view.inside, 1 - self._anew, shown).astype(np.float32)
+
+    @cached_property
+    def solid(self) -> np.ndarray:
+        """(H, W) float32 from 0 to 1: how far samples show the head; no mesh ends just where a drawing does."""
+        return self.view.covered * (1 - self._edge * self.look(self.original.beyond))
+
+    @cached_property
+    def _edge(self) -> np.ndarray:
+        """(H, W) float32 from 0 to 1: how near samples on the head are to its border before what is behind it."""
+        reach = self.original.settings.band * self.original.size * self.original.window.fine
+        inside = self.view.covered.astype(np.uint8)
+        depth = cv2.distanceTransform(inside, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
+        return smooth_step(1.5 * (1 - depth / reach)) * inside
+
+    @cached_property
+    def between(self) -> np.ndarray:
+        """(H, W) float32 from 0 to 1: how far the old picture shows, where skin was, what is between lips or lids."""
+        eyes = self.view.carried(np.sum([*self.original.eyes.values()], axis=0)[:, None])[..., 0] > 0.5
+        return self._anew * self.look(self.original.openings) * (self.view.covered & ~self.view.inside & ~eyes)
+
+    @cached_property
+    def lids(self) -> np.ndarray:
+        """(H, W) float32 from 0 to 1: how far samples show lids and what is around them."""
+        template = self.original.template
+        lids = np.zeros((len(self.vertices), 1))
+        lids[: len(template.vertices), 0] = template.mask("eyes_left", "eyes_right")
+        return self.view.carried(lids)[..., 0]
+
+    @cached_property
+    def lashes(self) -> np.ndarray:
+        """(H, W) float32 from 0 to 1: how far samples show lashes of an eye that has closed."""
+        original = self.original
+        faces = original.rig.faces[original.rig.triangle_materials == Material.LASHES]
+        if not len(faces):
+            return np.zeros(self.view.face.shape, np.float32)
+        lashes = rasterise(original.window.samples(self.view.placed), faces, *original.window.size).depth
+        before = (lashes < self.view.depth + _NEAR * original.size).astype(np.float32)
+        # Hairs are finer than samples.
+        line = np.minimum(_THICK * blurred(before, _FINE * original.window.fine), 1)
+        return line * self._anew * (self.lids > 0)
+
+    @cached_property
+    def _anew(self) -> np.ndarray:
+        return self.view.carried(drawn_anew(self.original, self.view)[:, None])[..., 0]
+
+    @cached_property
+    def _bared(self) -> np.ndarray:
+        """(H, W) float32 from 0 to 1: how far samples were before all others, and not turned away."""
+        original = self.original
+        settings = original.settings
+        behind = self._before[..., 2] - self.look(original.nearest)
+        new = np.abs(_areas(self.view.placed, original.faces))
+        # Of what was turned away in the old picture there is no more than a sliver.
+        share = _areas(original.placed, original.faces) / np.maximum(new, _LEVEL)
+        share = np.clip((share - settings.narrow) / (settings.wide - settings.narrow), 0, 1)
+        corners = original.faces.ravel()
+        counts = np.bincount(corners, minlength=len(self.vertices))
+        share = np.bincount(corners, np.repeat(share, 3), len(self.vertices)) / np.maximum(counts, 1)
+        turned = smooth_step(self.view.carried(share[:, None])[..., 0])
+        return smooth_step(2 - behind / (_NEAR * original.size)) * turned * self.view.covered
+
+    @cached_property
+    def forward(self) -> np.ndarray:
+        """(H, W, 2) float32: by how many pixels what the old picture shows at the samples has moved."""
+        return self.original.view.carried(self.view.placed[:, :2] - self.original.placed[:, :2])
+
+    @cached_property
+    def strip(self) -> np.ndarray:
+        """(H, W) float32 from 0 to 1: how far samples are beside an outline of the head, and go with it."""
+        reach = self.original.settings.band * self.original.size
+        return smooth_step(1.3 * (1 - self.view.away / reach))
+
+    @cached_property
+    def strip_source(self) -> np.ndarray:
+        """(H, W, 2) float32 pixels of the old picture that show samples of the strip."""
+        return self.original.window.places + self._outline_shift
+
+    @cached_property
+    def _outline_shift(self) -> np.ndarray:
+        """(H, W, 2) float32: the shift of the outline that is nearest, without what makes neighbours differ."""
+        spread = 0.3 * self.original.settings.band * self.original.size * self.original.window.fine
+        strip = (self.strip > 0).astype(np.float32)
+        shift = blurred(self.shift[self.view.outline] * strip[..., None], spread)
+        return shift / np.maximum(blurred(strip, spread), _LEVEL)[..., None]
+
+    @cached_property
+    def motion(self) -> np.ndarray:
+        """(H, W) float32 pixels: how far what samples show, or showed, or what is beside it, has moved."""
+        own = np.maximum(np.linalg.norm(self.shift, axis=2), np.linalg.norm(self.forward, axis=2))
+        beside = np.linalg.norm(self._outline_shift, axis=2) * (self.strip > 0)
+        return np.maximum(own, np.maximum(beside, self._left * (self._stained > 0)))
+
+    @cached_property
+    def stain(self) -> np.ndarray:
+        """(H, W) float32 from 0 to 1: how far the old picture shows, at its samples, an outline that moved away."""
+        return self._stained * smooth_step(self._left - 0.5)
+
+    @cached_property
+    def _left(self) -> np.ndarray:
+        """(H, W) pixels by which the outline that is nearest in the old picture has moved."""
+        return np.linalg.norm(self.forward[self.original.view.outline], axis=2)
+
+    @cached_property
+    def _stained(self) -> np.ndarray:
+        """(H, W) float32 from 0 to 1: how far the old picture's samples may show what is beside an outline."""
+        reach = self.original.settings.stain * self.original.size
+        return smooth_step(1.5 * (1 - self.original.view.away / reach))
+
+    def look(self, samples: np.ndarray, source: np.ndarray | None = None) -> np.ndarray:
+        """What samples (H, W, ...) of the old picture are at pixels of it (H, W, 2), or at the source."""
+        window = self.original.window
+        at = (self.source if source is None else source) - np.array([window.left, window.top], np.float32)
+        return _taken(samples, (at + 0.5) * window.fine - 0.5, cv2.INTER_LINEAR)
+
+    def picture(self, source: np.ndarray) -> np.ndarray:
+        """(H, W, 3) float32 colours of the old picture at pixels of it (H, W, 2)."""
+        return np.clip(_taken(self.original.picture.astype(np.float32), source, cv2.INTER_CUBIC), 0, 255)
+
+    @cached_property
+    def light_ratio(self) -> np.ndarray:
+        """(H, W, 3) float32 factors of sRGB by which what moved is brighter than the old picture shows it."""
+        light = self.original.light
+        if light is None:
+            return np.ones((1, 1, 3), np.float32)
+        faces = self.original.faces
+        before = light.shade(smooth_normals(self.original.depiction.vertices, faces))
+        after = light.shade(smooth_normals(self.vertices, faces))
+        ratio = self.view.carried(np.clip(after / before, *self.original.settings.light))
+        return np.where(self.view.covered[..., None], ratio, 1)
+
+    @cached_property
+    def shade(self) -> np.ndarray:
+        """(H, W, 3) float32 factors of sRGB by which what is drawn anew is lit; a mouth is dark in its depth."""
+        faces = self.original.faces
+        normals = smooth_normals(self.vertices, faces)
+        light = self.original.light
+        shade = np.ones_like(normals) if light is None else light.shade(normals)
+        inside = np.flatnonzero(self.original.wall > 0)
+        sky = sky_visibility(self.vertices, faces, normals, inside)
+        wall = self.original.wall[inside, None]
+        share = light_received(sky, normals[inside], DIRECTIONS, [None])[:, :1]
+        deep = self.original.deep[inside, None]
+        shade[inside] *= 1 - wall + wall * (deep + (1 - deep) * share) ** (1 / GAMMA)
+        return self.view.carried(shade)
+
+
+def _taken(image: np.ndarray, at: np.ndarray, interpolation: int) -> np.ndarray:
+    x, y = np.moveaxis(at.astype(np.float32), 2, 0)
+    return cv2.remap(image, x, y, interpolation, borderMode=cv2.BORDER_REPLICATE)
+
+
+def _areas(placed: np.ndarray, faces: np.ndarray) -> np.ndarray:
+    """(F,) twice the areas of triangles in the picture, below zero where they are turned away from the camera."""
+    corners = placed[faces, :2]
+    one = corners[:, 1] - corners[:, 0]
+    two = corners[:, 2] - corners[:, 0]
+    return one[:, 1] * two[:, 0] - one[:, 0] * two[:, 1]

@@ -1,0 +1,249 @@
+"""A picture that a head was fitted to: what it shows of the head, and what is before and behind it."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import cv2
+import numpy as np
+
+from caricli.errors import InputError
+from caricli.methods.detect.cut_openings import cut_openings
+from caricli.methods.redraw.settings import RedrawSettings
+from caricli.methods.redraw.view import View, Window
+from caricli.methods.texture.estimate_light import Light, estimate_light
+from caricli.methods.texture.fill_unseen import skin_weights
+from caricli.methods.texture.mouth_wall import mouth_wall
+from caricli.methods.texture.picture_view import PictureView, Sight, SurfacePoints
+from caricli.methods.texture.settings import TextureSettings
+from caricli.render.smooth_normals import smooth_normals
+from caricli.structures import Depiction, Material, Rig
+from caricli.structures.landmarks import EYE_LEFT, EYE_RIGHT, LIPS
+from caricli.structures.parsing import Region
+from caricli.template.template import Template
+
+_DRAWN = (Material.SKIN, Material.EYE, Material.TEETH, Material.GUMS, Material.TONGUE, Material.BUST)
+_HEAD = (
+    *(Region.SKIN, Region.BROWS, Region.EYES, Region.NOSE, Region.LIPS, Region.MOUTH, Region.TEETH, Region.EARS),
+    *(Region.BEARD, Region.NECK),
+)
+_HELD = (Region.GLASSES, Region.HAT, Region.OTHER)
+_LAID = (Region.HAIR, Region.CLOTH)
+_OPENINGS = (Region.EYES, Region.MOUTH, Region.TEETH)
+_OPEN_MOUTH = 2e-3  # of the square of the head's height
+_SHUT_EYE = 3e-4
+_CROSS = cv2.getStructuringElement(cv2.MORPH_CROSS, (3, 3))
+_LEAST = 0.6  # of the head, and of its pixels
+_FAR = 1e6
+_MARGIN = 0.35  # of the head's height: no expression reaches farther beyond the head
+
+
+@dataclass(frozen=True, eq=False)
+class Original:
+    """A picture with a head in it.
+
+    rig: Rig of the head, with its Depiction. template: Template of its skin, whose vertices come first. picture:
+    (H, W, 3) uint8. regions: (H, W) values of Region, or None where nothing tells them: all that the head covers is
+    the head then. settings: RedrawSettings.
+    Raises InputError when the rig has no camera, or the head is outside of the picture.
+    """
+
+    rig: Rig
+    template: Template
+    picture: np.ndarray
+    regions: np.ndarray | None = None
+    settings: RedrawSettings = RedrawSettings()  # noqa: RUF009 (frozen)
+
+    def __post_init__(self) -> None:
+        """Check that the head is in the picture."""
+        height, width = self.picture.shape[:2]
+        inside = (self.placed[:, :2] > 0).all(1) & (self.placed[:, :2] < [width, height]).all(1)
+        pixels = self.window.means(self.view.covered.astype(np.float32)) > 0.5
+        seen = None if self.regions is None else np.isin(self.window.cut(self.regions), (*_HEAD, *_HELD, Region.HAIR))
+        if inside.mean() < _LEAST or (seen is not None and (seen & pixels).sum() < _LEAST * pixels.sum()):
+            raise InputError("expected the picture that the face was fitted to, in its size, found no head where it is")
+
+    @cached_property
+    def depiction(self) -> Depiction:
+        """Of the rig."""
+        return self.rig.require_depiction()
+
+    @cached_property
+    def kept(self) -> np.ndarray:
+        """(F,) bool: the triangles that are drawn; hair and lashes are in the picture."""
+        return np.isin(self.rig.triangle_materials, _DRAWN)
+
+    @cached_property
+    def faces(self) -> np.ndarray:
+        """(G, 3) the triangles that are drawn."""
+        return self.rig.faces[self.kept]
+
+    @cached_property
+    def size(self) -> float:
+        """Pixels, height of the head in the picture."""
+        return self.depiction.camera.scale * self.template.with_vertices(self.skin).height
+
+    @property
+    def skin(self) -> np.ndarray:
+        """(N, 3) the vertices of the skin, metres."""
+        return self.depiction.vertices[: len(self.template.vertices)].astype(float)
+
+    @cached_property
+    def placed(self) -> np.ndarray:
+        """(W, 3) pixels and depth of the vertices."""
+        return self.depiction.camera.place(self.depiction.vertices.astype(float))
+
+    @cached_property
+    def window(self) -> Window:
+        """Where expressions reach."""
+        margin = _MARGIN * self.size
+        height, width = self.picture.shape[:2]
+        drawn = self.placed[np.unique(self.faces), :2]
+        left, top = np.clip(np.floor(drawn.min(0) - margin), 0, [width - 1, height - 1]).astype(int)
+        right, bottom = np.clip(np.ceil(drawn.max(0) + margin), 1, [width, height]).astype(int)
+        across = max(right - left, 1)
+        down = max(bottom - top, 1)
+        fine = int(np.clip(self.settings.largest // max(across, down), 1, self.settings.fine))
+        return Window(int(left), int(top), int(across), int(down), fine)
+
+    @cached_property
+    def view(self) -> View:
+        """The head as the picture shows it."""
+        return self.see(self.placed)
+
+    def see(self, placed: np.ndarray) -> View:
+        """The head with its vertices at other pixels and depths (W, 3)."""
+        return View(placed, self.faces, self.window, self.settings.jump * self.size, self.wall)
+
+    @cached_property
+    def depth(self) -> np.ndarray:
+        """(H, W) float32 pixels, depth of the head at the samples, far behind it beside it."""
+        return np.where(self.view.covered, self.view.depth, np.float32(_FAR))
+
+    @cached_property
+    def nearest(self) -> np.ndarray:
+        """(H, W) float32 depth of the head at the samples; along edges that of what is farther off."""
+        return cv2.dilate(self.depth, np.ones((3, 3), np.uint8))
+
+    def of_regions(self, *regions: Region) -> np.ndarray:
+        """(H, W) float32 from 0 to 1: how far samples show some regions, with soft borders."""
+        if self.regions is None:
+            return np.zeros(self.view.face.shape, np.float32)
+        shown = self.window.sampled(np.isin(self.regions, regions).astype(np.float32))
+        return blurred(shown, self.settings.soft * self.window.fine)
+
+    @cached_property
+    def head(self) -> np.ndarray:
+        """(H, W) float32 from 0 to 1: how far samples show the head, without hair and what is before it."""
+        if self.regions is None:
+            return self.view.covered.astype(np.float32)
+        return self.of_regions(*_HEAD)
+
+    @cached_property
+    def openings(self) -> np.ndarray:
+        """(H, W) float32 from 0 to 1: how far samples show what is between lips or lids."""
+        landmarks = self.depiction.landmarks
+        if self.regions is None or landmarks is None:
+            return np.zeros(self.view.face.shape, np.float32)
+        openings = cut_openings(self.picture, self.regions, landmarks) | np.isin(self.regions, _OPENINGS)
+        # Their borders are mixtures.
+        shown = self.window.sampled(cv2.dilate(openings.astype(np.uint8), _CROSS).astype(np.float32))
+        return blurred(shown, self.settings.soft * self.window.fine)
+
+    @cached_property
+    def held(self) -> np.ndarray:
+        """(H, W) float32 from 0 to 1: glasses, hats and hands before the head."""
+        return self.of_regions(*_HELD) * self._before
+
+    @cached_property
+    def laid(self) -> np.ndarray:
+        """(H, W) float32 from 0 to 1: hair and clothes before the head; what is nearer than it covers them, too."""
+        return self.of_regions(*_LAID) * self._before
+
+    @cached_property
+    def hidden(self) -> np.ndarray:
+        """(H, W) float32 from 0 to 1: how far samples show, or may show, what is before the head."""
+        # Borders are mixtures.
+        around = np.ones((2 * self.window.fine + 1, 2 * self.window.fine + 1), np.uint8)
+        return cv2.dilate(np.maximum(self.held, self.laid), around)
+
+    @cached_property
+    def beyond(self) -> np.ndarray:
+        """(H, W) float32 from 0 to 1: how far samples show what is behind the head."""
+        if self.regions is None:
+            return 1 - self.view.covered.astype(np.float32)
+        return self.of_regions(Region.BACKGROUND)
+
+    @cached_property
+    def _before(self) -> np.ndarray:
+        return self.view.covered.astype(np.float32)
+
+    @cached_property
+    def wall(self) -> np.ndarray:
+        """(W,) from 0 to 1: how far vertices are in the mouth, all of teeth, gums and tongue."""
+        wall = np.zeros(len(self.rig.neutral))
+        inside = (Material.TEETH, Material.GUMS, Material.TONGUE)
+        wall[np.unique(self.rig.faces[np.isin(self.rig.triangle_materials, inside)])] = 1
+        wall[: len(self.template.vertices)] = mouth_wall(self.template)
+        return wall
+
+    @cached_property
+    def deep(self) -> np.ndarray:
+        """(W,) share of the light that reaches vertices where nothing of it does, in the depth of a mouth."""
+        deep = np.full(len(self.rig.neutral), self.settings.deep)
+        deep[np.unique(self.rig.faces[self.rig.triangle_materials == Material.TEETH])] = self.settings.teeth
+        return deep
+
+    @cached_property
+    def eyes(self) -> dict[str, np.ndarray]:
+        """Of the left and the right eye, by the names of their lids, (W,) 1 at their vertices."""
+        eyes = np.zeros(len(self.rig.neutral))
+        eyes[np.unique(self.rig.faces[self.rig.triangle_materials == Material.EYE])] = 1
+        left = self.rig.neutral[:, 0] > 0
+        return {"eyes_left": eyes * left, "eyes_right": eyes * ~left}
+
+    @cached_property
+    def open_mouth(self) -> float:
+        """Samples that show what is in the mouth, by the label map."""
+        landmarks = self.depiction.landmarks
+        if self.regions is None or landmarks is None:
+            return 0.0
+        away = [
+            np.linalg.norm(self.window.places - landmarks[list(part)].mean(0).astype(np.float32), axis=2)
+            for part in (LIPS, EYE_LEFT, EYE_RIGHT)
+        ]
+        return float(((self.openings > 0.5) & (away[0] < np.minimum(*away[1:]))).sum())
+
+    def unknown(self) -> list[str]:
+        """What the picture does not tell, for messages."""
+        area = (self.size * self.window.fine) ** 2
+        notes = []
+        if self.rig.pictures.skin is None:
+            notes.append(
+                "the face has no texture (caricli texture): what the picture hides takes the colours beside it"
+            )
+        if max(self.open_mouth, float(self.view.inside.sum())) > _OPEN_MOUTH * area:
+            notes.append("the picture shows the mouth open: how lips look that close, it does not tell")
+        if any((self.view.carried(eye[:, None]) > 0.5).sum() < _SHUT_EYE * area for eye in self.eyes.values()):
+            notes.append("the picture shows an eye shut: how it looks when it opens is made up")
+        return notes
+
+    @cached_property
+    def light(self) -> Light | None:
+        """The light in the picture, or None where the skin tells none."""
+        head = self.template.with_vertices(self.skin)
+        if head.uvs is None:
+            return None
+        camera = self.depiction.camera
+        mask = self.window.means(self.head) > 0.5
+        whole = np.zeros(self.picture.shape[:2], bool)
+        self.window.cut(whole)[:] = mask
+        view = PictureView(head, Sight(camera, self.picture, whole), TextureSettings())
+        normals = smooth_normals(head.vertices, head.faces)
+        seen = view.look(SurfacePoints(head.vertices, normals, np.zeros(len(normals)), mouth_wall(head)))
+        weights = skin_weights(head, seen.seen)
+        return estimate_light(seen.colours, normals, head.vertices, weights, -camera.rotation[2])
+
+
+def blurred(samples: np.ndarray, spread: float) -> np.ndarray:
+    """Means of samples (H, W, ...) with Gaussian weights. spread: their standard deviation, in samples."""
+    return cv2.GaussianBlur(samples, (0, 0), spread)

@@ -1,0 +1,113 @@
+"""A picture with another expression of the head in it (expressions paper, section 4.4 and figure 7)."""
+
+import numpy as np
+
+from caricli.methods.redraw.fill_behind import fill_behind
+from caricli.methods.redraw.moved_head import MovedHead
+from caricli.methods.redraw.original import Original
+from caricli.methods.redraw.smooth_step import smooth_step
+from caricli.methods.redraw.spread_colours import spread_colours
+from caricli.methods.texture.picture_view import likeness
+from caricli.methods.texture.settings import TextureSettings
+from caricli.render.sample_texture import sample_texture
+from caricli.structures import Material, Pictures
+from caricli.structures.materials import FINISHES
+
+_GREY = 8.0  # of 255, added to colours before they are divided
+_CHANGE = (0.25, 4.0)  # of colours by another texture
+
+
+def redraw_picture(original: Original, vertices: np.ndarray, pictures: Pictures | None = None) -> np.ndarray:
+    """Draw a picture again with the head in another shape.
+
+    Where the old picture showed a point of the head, the point keeps its colour, as much brighter or darker as it is
+    turned to the light that is estimated, and changed as what the head wears has changed; elsewhere it takes the
+    texture's, in that light, with what the old picture differs from it around. What is in the mouth stretches with the
+    lips or is drawn anew.
+
+    original: Original. vertices: (W, 3) metres, of its rig. pictures: what the head wears in this expression, in
+    pictures of any size, or None for what it wears in the rig.
+    Returns (H, W, 3) uint8, which is the old picture wherever nothing moved.
+    """
+    settings = original.settings
+    head = MovedHead(original, vertices)
+    motion = head.motion
+    if motion.max() <= settings.still:
+        return original.picture.copy()
+    new = _composed(original, head, _painted(original, head, pictures))
+    moved = smooth_step((motion - settings.still) / (settings.moved - settings.still))
+    window = original.window
+    share = window.means(moved)[..., None]
+    drawn = window.means(new * moved[..., None]) + (1 - share) * window.cut(original.picture)
+    image = original.picture.copy()
+    window.cut(image)[share[..., 0] > 0] = np.rint(np.clip(drawn[share[..., 0] > 0], 0, 255))
+    return image
+
+
+def _painted(original: Original, head: MovedHead, pictures: Pictures | None) -> np.ndarray:
+    """(H, W, 3) float32 colours of the head: of the old picture where it showed this, else of what the head wears."""
+    worn = before = _worn(original, head, original.rig.pictures)
+    old = head.picture(head.source) * head.light_ratio
+    if pictures is not None:
+        worn = _worn(original, head, pictures)
+        old *= np.clip((worn + _GREY) / (before + _GREY), *_CHANGE)
+    lit = worn * head.shade
+    seen = head.shown
+    eyes = _materials(original, head) == Material.EYE
+    # In a mouth a colour says nothing of what is beside it.
+    colours = np.where(head.view.inside[..., None], lit + seen[..., None] * (old - lit), 0)
+    for part in (eyes, head.view.covered & ~eyes & ~head.view.inside):
+        more = spread_colours(np.where(part[..., None], old - lit, 0), part * seen)
+        colours += part[..., None] * (lit + more)
+    return _closed(head, old, np.clip(colours, 0, 255))
+
+
+def _closed(head: MovedHead, old: np.ndarray, painted: np.ndarray) -> np.ndarray:
+    """Painted colours (H, W, 3) with skin of the lids' surroundings, old colours (H, W, 3), and lashes on lids that
+    have closed: an eye that is drawn large is on them in the texture, too.
+    """
+    lids = head.between * head.lids
+    if not lids.any():
+        return painted
+    skin = head.shown * head.lids
+    usual = np.median(old[skin > 0.9], axis=0) if (skin > 0.9).any() else painted[lids > 0].mean(0)
+    like = likeness(old.reshape(-1, 3), usual, TextureSettings.other).reshape(skin.shape).astype(np.float32)
+    plain = spread_colours(old.astype(np.float32), skin * like**2)
+    painted = painted + lids[..., None] * (plain - painted)
+    return painted + head.lashes[..., None] * (np.array(FINISHES[Material.LASHES].colour) - painted)
+
+
+def _composed(original: Original, head: MovedHead, painted: np.ndarray) -> np.ndarray:
+    """(H, W, 3) float32: the painted head before what is behind it, and behind what is before it."""
+    old = original.window.sampled(original.picture).astype(np.float32)
+    behind = fill_behind(original, head)
+    back = behind + head.solid[..., None] * (painted - behind)
+    # The strip beside an outline goes with it.
+    strip = head.strip * head.look(original.head, head.strip_source)
+    strip = strip * (1 - head.look(original.hidden, head.strip_source))
+    new = back + strip[..., None] * (head.picture(head.strip_source) - back)
+    nearer = smooth_step((original.depth - head.view.depth) / head.view.jump - 0.5)
+    before = np.maximum(original.held, original.laid * (1 - nearer))[..., None]
+    return new + before * (old - new)
+
+
+def _materials(original: Original, head: MovedHead) -> np.ndarray:
+    """(H, W) int: the Material of every sample, -1 beside the head."""
+    materials = original.rig.triangle_materials[original.kept]
+    return np.where(head.view.covered, materials[head.view.face], -1)
+
+
+def _worn(original: Original, head: MovedHead, pictures: Pictures) -> np.ndarray:
+    """(H, W, 3) float32 colours of what a head wears at the samples, without light."""
+    mesh = original.rig.mesh
+    materials = _materials(original, head)
+    colours = np.zeros((*materials.shape, 3), np.float32)
+    for material in np.unique(materials[head.view.covered]):
+        own = materials == material
+        picture = pictures.of(material)
+        if picture is None or mesh.uvs is None:
+            colours[own] = FINISHES[Material(material)].colour
+        else:
+            corners = mesh.uvs[mesh.uv_faces[original.kept][head.view.face[own]]]
+            colours[own] = sample_texture(picture, np.einsum("nk,nkc->nc", head.view.weights[own], corners))
+    return colours

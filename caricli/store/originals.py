@@ -1,0 +1,31 @@
+"""Pictures that are drawn again, by path."""
+
+from pathlib import Path
+
+from caricli.errors import naming
+from caricli.io.image import read_image
+from caricli.methods.redraw.original import Original
+from caricli.store.face_pictures import FaceReader
+from caricli.store.pictures import load_regions
+from caricli.structures import Rig
+from caricli.template.template import Template
+
+
+def load_original(
+    rig: Rig, template: Template, path: Path, parsing: Path | None = None, reader: FaceReader | None = None
+) -> Original:
+    """The Original of a rig's picture.
+
+    template: of the rig's skin. path: of the picture. parsing: of its label map, or None to let the detector of a
+    FaceReader see what is before the head.
+    Raises InputError when the rig has no camera, and where the picture shows no head where this sees one.
+    """
+    landmarks = rig.require_depiction().landmarks
+    picture = read_image(path)
+    regions = None
+    if parsing is not None:
+        regions = load_regions(parsing, (picture.shape[1], picture.shape[0]))
+    elif landmarks is not None:
+        regions = (reader or FaceReader()).parse(picture, landmarks)
+    with naming(path):
+        return Original(rig, template, picture, regions)

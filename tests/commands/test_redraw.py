@@ -1,0 +1,104 @@
+"""`caricli retarget --picture`: pictures and films that are drawn again."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from caricli.io.image import read_image, write_png
+from caricli.io.obj import write_obj
+from caricli.io.parsing import legend, write_parsing
+from caricli.io.rig import read_rig, write_rig
+from caricli.io.strict_json import read_json, write_json
+from caricli.structures import Depiction, Mesh
+from caricli.structures.parsing import Region
+from tests.methods.redraw.conftest import CAMERA, stage  # noqa: F401
+
+COMMAND = "retarget"
+WEIGHTS = ({}, {"jawOpen": 0.8}, {"mouthSmileLeft": 1.0, "mouthSmileRight": 1.0})
+
+
+@pytest.fixture(scope="module")
+def sitting(stage, head, tmp_path_factory):  # noqa: F811
+    """Rig NPZ, picture, label map, and three OBJ of a normal face: calm, its mouth open, smiling."""
+    folder = tmp_path_factory.mktemp("sitting")
+    names = ("jawOpen", "mouthSmileLeft", "mouthSmileRight")
+    rows = [stage.rig.names.index(name) for name in names]
+    normal = head.actions[[head.action_names.index(name) for name in names]].astype(np.float32)
+    depiction = Depiction(CAMERA, stage.rig.neutral)
+    rig = replace(stage.rig, names=names, deltas=stage.rig.deltas[rows], normal_deltas=normal, depiction=depiction)
+    write_rig(folder / "b.npz", rig)
+    write_png(folder / "drawing.png", stage.picture(stage.rig.neutral))
+    write_parsing(folder / "labels.png", stage.regions(stage.rig.neutral))
+    write_json(folder / "labels.json", legend(Region))
+    for number, weights in enumerate(WEIGHTS):
+        shape = head.evaluate() + sum(w * head.actions[head.action_names.index(name)] for name, w in weights.items())
+        write_obj(folder / f"driver-{number}.obj", Mesh(shape, head.polygons, head.uvs, head.uv_polygons))
+    return folder
+
+
+def arguments(folder, *numbers):
+    drivers = [folder / f"driver-{number}.obj" for number in numbers]
+    given = ["--neutral", folder / "driver-0.obj", "--picture", folder / "drawing.png"]
+    return [COMMAND, folder / "b.npz", *drivers, *given, "--parsing", folder / "labels.png"]
+
+
+def test_a_picture_and_its_report(run, sitting, tmp_path):
+    out = tmp_path / "open.png"
+    result = run(*arguments(sitting, 1), "--out", out)
+    assert result.exit_code == 0, result.output
+    assert result.stdout.startswith(f"{out}: jawOpen 0.8")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["open.json", "open.png"]
+    old = read_image(sitting / "drawing.png")
+    new = read_image(out)
+    assert new.shape == old.shape and (new != old).any()
+    np.testing.assert_array_equal(new[:80], old[:80])
+    report = read_json(tmp_path / "open.json")
+    assert report["unknown"] == [] and report["parsed"] and str(sitting / "drawing.png") in report["inputs"]
+
+
+def test_a_calm_driver_leaves_the_picture(run, sitting, tmp_path):
+    assert run(*arguments(sitting, 0), "--out", tmp_path / "calm.png").exit_code == 0
+    np.testing.assert_array_equal(read_image(tmp_path / "calm.png"), read_image(sitting / "drawing.png"))
+
+
+def test_a_take_gives_pictures_and_a_film(run, sitting, tmp_path):
+    film = tmp_path / "take.mp4"
+    result = run(*arguments(sitting, 0, 1, 2), "--out-dir", tmp_path / "frames", "--film", film, "--fps", 5)
+    assert result.exit_code == 0, result.output
+    assert f"{film}: 3 frames at 5 a second" in result.stdout and film.stat().st_size > 1000
+    assert len([*(tmp_path / "frames").glob("*.png")]) == 3
+    report = read_json(film.with_suffix(".json"))
+    np.testing.assert_allclose(report["weights"]["jawOpen"], [0, 0.8, 0], atol=0.02)
+    assert run(*arguments(sitting, 0, 1), "--film", tmp_path / "alone.gif").exit_code == 0
+
+
+def test_bad_input_is_one_line_and_leaves_nothing(refused, sitting, tmp_path):
+    place = tmp_path / "out"
+    out = ["--out", place / "a.png"]
+    bare = tmp_path / "bare.npz"
+    write_rig(bare, replace(read_rig(sitting / "b.npz"), depiction=None))
+    small = tmp_path / "small.png"
+    write_png(small, read_image(sitting / "drawing.png")[::3, ::3].copy())
+    command, rig, driver, *others = arguments(sitting, 1)
+    assert "camera" in refused(command, bare, driver, *others, *out)
+    given = [command, rig, driver, "--neutral", sitting / "driver-0.obj"]
+    assert "no head" in refused(*given, "--picture", small, *out)
+    labels = ["--parsing", sitting / "labels.png"]
+    assert "size" in refused(*given, "--picture", small, *labels, *out)
+    assert not place.exists()
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (["--film", "a.mp4"], "--picture"),
+        (["--parsing", "a.png", "--out", "a.obj"], "--picture"),
+        (["--picture", "d.png", "--out", "a.obj"], ".png"),
+        (["--picture", "d.png", "--out", "a.png", "--film", "a.mp4"], "names"),
+        (["--picture", "d.png", "--film", "a.avi"], ".mp4"),
+    ],
+)
+def test_wrong_usage(run, sitting, options, said):
+    result = run(COMMAND, sitting / "b.npz", sitting / "driver-1.obj", *options)
+    assert result.exit_code == 2 and said in result.stderr

@@ -1,0 +1,110 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from caricli.errors import InputError
+from caricli.methods.redraw.redraw_picture import redraw_picture
+from caricli.structures import Material, Pictures
+from caricli.structures.materials import FINISHES
+from caricli.structures.parsing import Region
+from tests.methods.redraw.conftest import WALL
+
+OPEN = {"jawOpen": 0.8}
+
+
+def error(image, truth, where):
+    return np.abs(image.astype(float) - truth)[where].mean()
+
+
+def test_a_head_that_keeps_still_leaves_the_picture_as_it_is(stage):
+    original = stage.original(stage.shape())
+    again = redraw_picture(original, stage.rig.neutral)
+    np.testing.assert_array_equal(again, original.picture)
+    assert again is not original.picture
+
+
+@pytest.mark.parametrize("weights", [OPEN, {"mouthSmileLeft": 1, "browInnerUp": 1}, {"eyeBlinkLeft": 1}])
+def test_it_comes_near_a_picture_of_the_expression(stage, weights):
+    original = stage.original(stage.shape())
+    truth = stage.picture(stage.shape(**weights))
+    again = redraw_picture(original, stage.shape(**weights))
+    moved = (truth != original.picture).any(2) & ~stage.mouth(stage.shape(**weights))
+    assert error(again, truth, moved) < 0.5 * error(original.picture, truth, moved)
+    changed = (again != original.picture).any(2)
+    rows = np.flatnonzero(moved.any(1))
+    # Nothing changes far from what has moved.
+    assert not changed[: max(rows[0] - 8, 0)].any() and not changed[rows[-1] + 8 :].any()
+
+
+def test_what_the_chin_uncovers_is_filled(stage):
+    original = stage.original(stage.shape(jawOpen=1.0, jawLeft=1.0))
+    truth = stage.picture(stage.rig.neutral)
+    bare = (truth == WALL).all(2) & (original.picture != WALL).any(2)
+    assert bare.sum() > 20
+    again = redraw_picture(original, stage.rig.neutral)
+    assert error(again, truth, bare) < 0.4 * error(original.picture, truth, bare)
+
+
+def test_what_is_held_before_the_mouth_stays(stage):
+    picture = stage.picture(stage.rig.neutral)
+    regions = stage.regions(stage.rig.neutral)
+    hand = np.s_[150:175, 85:115]
+    picture[hand] = (20, 200, 60)
+    regions[hand] = Region.OTHER
+    original = stage.original(stage.shape(), picture=picture, regions=regions)
+    again = redraw_picture(original, stage.shape(**OPEN))
+    inner = np.s_[152:173, 87:113]
+    np.testing.assert_array_equal(again[inner], picture[inner])
+    assert (again[178:] != picture[178:]).any()
+    # Nothing of the hand goes along with the chin.
+    green = (again[..., 1].astype(int) - again[..., 0] > 60) & (again[..., 1] > again[..., 2])
+    green[148:177, 83:117] = False
+    assert green.sum() < 5
+
+
+def test_teeth_show_where_the_mouth_opens(stage):
+    original = stage.original(stage.shape())
+    again = redraw_picture(original, stage.shape(**OPEN)).astype(int)
+    mouth = stage.mouth(stage.shape(**OPEN))
+    teeth = mouth & (stage.picture(stage.shape(**OPEN)) == FINISHES[Material.TEETH].colour).all(2)
+    assert teeth.sum() > 10
+    # Brighter than the dark around them, and without the red of lips.
+    assert np.median(again[teeth].mean(1)) > 1.5 * np.median(again[mouth & ~teeth].mean(1))
+    assert np.median(again[teeth][:, 0] - again[teeth][:, 1]) < 25
+
+
+def test_another_texture_changes_what_moves(stage):
+    original = stage.original(stage.shape())
+    same = redraw_picture(original, stage.shape(**OPEN), stage.rig.pictures)
+    np.testing.assert_array_equal(same, redraw_picture(original, stage.shape(**OPEN)))
+    skin = stage.rig.pictures.skin
+    darker = redraw_picture(original, stage.shape(**OPEN), replace(stage.rig.pictures, skin=skin // 2))
+    changed = (same != original.picture).any(2)
+    assert darker[changed].mean() < 0.8 * same[changed].mean()
+
+
+def test_a_head_without_texture_is_drawn_and_says_so(stage):
+    bare = replace(stage, rig=replace(stage.rig, pictures=Pictures()))
+    picture = stage.picture(stage.rig.neutral)
+    original = bare.original(stage.shape(), picture=picture)
+    assert "no texture" in original.unknown()[0]
+    truth = stage.picture(stage.shape(**OPEN))
+    again = redraw_picture(original, stage.shape(**OPEN))
+    moved = (truth != picture).any(2) & ~stage.mouth(stage.shape(**OPEN))
+    assert error(again, truth, moved) < 0.6 * error(picture, truth, moved)
+
+
+def test_what_a_picture_does_not_tell(stage):
+    assert stage.original(stage.shape()).unknown() == []
+    assert "mouth open" in stage.original(stage.shape(jawOpen=1.0)).unknown()[0]
+    assert "eye shut" in stage.original(stage.shape(eyeBlinkLeft=1.0)).unknown()[0]
+
+
+def test_other_pictures_are_refused(stage):
+    with pytest.raises(InputError, match="found no head"):
+        stage.original(stage.shape(), picture=np.zeros((60, 60, 3), np.uint8), regions=None)
+    with pytest.raises(InputError, match="found no head"):
+        stage.original(stage.shape(), regions=np.zeros((200, 200), np.uint8))
+    with pytest.raises(InputError, match="camera"):
+        replace(stage.original(stage.shape()), rig=stage.rig)
