@@ -35,7 +35,7 @@ PRESSED = 0.001
 """Of the head's height: nothing comes nearer to the wall of the mouth than this."""
 
 UPPER = RoomSettings(margin=0.003, bent=10.0)
-"""Of upper teeth, which show most: a lip's rim, which is not of the wall, rolls in over those that it bends forward."""
+"""Of upper teeth, which show most: the rim of a lip that rolls in pushes those that are bent forward."""
 
 WAY = (0.25, 0.5, 0.75, 1.0)
 """Weights of expressions at which parts are kept out of the skin."""

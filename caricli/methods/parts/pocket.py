@@ -1,27 +1,33 @@
 """The inside of a mouth."""
 
 import numpy as np
+from scipy.spatial import KDTree
 
 from caricli.geometry.triangle_normals import triangle_normals
 from caricli.methods.parts.flesh import Flesh, Hide
 from caricli.structures.arkit import uses
 from caricli.template.template import Template
 
+RIM = 0.016
+"""Of the head's height: how far from the wall the rims of lips go, which roll in over teeth."""
+
 
 class Pocket:
-    """The wall of a mouth, closed behind the lips, and the same with the lips, closed before them."""
+    """The wall of a mouth, closed behind the lips; the same with their rims, and with all of them."""
 
     def __init__(self, template: Template, wall: np.ndarray) -> None:
         """wall: vertex ids of the region that lines the mouth."""
-        member = np.zeros(len(template.vertices), bool)
-        member[wall] = True
-        self.inner = _bag(template, member)
+        vertices = np.asarray(template.vertices, float)
+        lips = template.annotation.regions.get("mouth", wall)
+        near = KDTree(vertices[wall]).query(vertices[lips])[0] <= RIM * template.height
+        self.inner = _bag(template, [wall])
         self.ids = self.inner.ids
-        member[template.annotation.regions.get("mouth", wall)] = True
-        self.lips = _bag(template, member)
+        self.rimmed = _bag(template, [wall, lips[near]])
+        self.lips = _bag(template, [wall, lips])
+        self.to_rim = np.searchsorted(self.lips.ids, self.rimmed.ids)
         self.inside = np.searchsorted(self.lips.ids, self.ids)
         self.height = template.height
-        self.spread = spread(np.asarray(template.vertices, float)[self.ids])
+        self.spread = spread(vertices[self.ids])
 
 
 class Mouths:
@@ -62,6 +68,7 @@ class Mouth:
         self.inner = Flesh(pocket.inner, skin[pocket.inside])
         self.lips = Flesh(pocket.lips, skin)
         self.normals = triangle_normals(self.inner.skin, pocket.inner.faces)
+        self.rimmed = Flesh(pocket.rimmed, skin[pocket.to_rim])
 
     def room(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Distances (N,) of points (N, 3) from the wall, negative outside, and unit ways (N, 3) into the mouth."""
@@ -81,13 +88,32 @@ class Mouth:
         return sign * distance, sign[:, None] * away / np.maximum(distance, 1e-9)[:, None]
 
     def pushes(self, points: np.ndarray, margin: float) -> np.ndarray:
-        """(N, 3) the way of points (N, 3) into the mouth, zero for those that are, margin metres from its wall."""
+        """(N, 3) the way of points (N, 3) into the mouth, zero for those that are, margin metres from its wall.
+
+        What keeps so far from the wall may still be in the rim of a lip that rolls in: it goes the way out of that.
+        """
         distance, ways = self.room(points)
-        return np.maximum(margin - distance, 0)[:, None] * ways
+        pushes = np.maximum(margin - distance, 0)[:, None] * ways
+        clear = distance >= margin
+        pushes[clear] = self._out_of_rims(points[clear])
+        return pushes
+
+    def _out_of_rims(self, points: np.ndarray) -> np.ndarray:
+        """(N, 3) the way out of lips' rims, zero for points (N, 3) that are in none."""
+        _, face, nearest = self.rimmed.nearest(points)
+        ways = nearest - points
+        normals = triangle_normals(self.rimmed.skin, self.rimmed.hide.faces)
+        within = (normals[face] * ways).sum(1) > 0
+        # The side of the nearest face is mostly right; where it says within, the winding number decides.
+        if within.any():
+            within[within] = ~self.lips.holds(points[within])
+        return np.where(within[:, None], ways, 0.0)
 
 
-def _bag(template: Template, member: np.ndarray) -> Hide:
-    """The part of the skin whose vertices (V,) are members: open like a bag, and its skin faces into it."""
+def _bag(template: Template, regions: list[np.ndarray]) -> Hide:
+    """The part of the skin that regions of vertex ids cover: open like a bag, and its skin faces into it."""
+    member = np.zeros(len(template.vertices), bool)
+    member[np.concatenate(regions)] = True
     return Hide(template.faces[member[template.faces].all(1)], inwards=True)
 
 
