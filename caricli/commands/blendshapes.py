@@ -118,8 +118,8 @@ def command(
     reconstructed first. The landmarks that were found in a PICTURE go to B-landmarks.json. Every expression starts from
     the neutral one, which the drawing need not show, and which is found with caution. FILE has a line `neutral: {}` and
     others such as `smile: {mouthSmile: 0.7}`, of the 52 actions of ARKit. With --dynamic-texture B.npz and B.glb have a
-    picture of the skin for every mood, in B.glb a variant of its material (KHR_materials_variants). Use B.npz with `caricli retarget` and
-    `caricli animate`.
+    picture of the skin for every mood, in B.glb a variant of its material (KHR_materials_variants). Use B.npz with
+    `caricli retarget` and `caricli animate`.
 
     \b
     Example:
