@@ -142,7 +142,7 @@ def load_texture_test(
     sizes = {model.size for model in models.values()}
     if len(sizes) > 1:
         raise InputError(f"expected networks for charts of one size, found {', '.join(map(str, sorted(sizes)))}")
-    config = TextureConfig(size=sizes.pop(), seed=seed)
+    config = TextureConfig(size=sizes.pop(), seed=seed, mirrored=0)
     textures = read_texture_set(folder)
     grid = ChartGrid(face_chart(load_head().template()), config.size)
     with naming(folder):

@@ -1,7 +1,7 @@
 """Pairs of expressions of the same people, drawn for the texture network."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
@@ -10,13 +10,20 @@ import torch
 from caricli.data.texture_set import ActedTextures
 from caricli.errors import InputError
 from caricli.methods.dynamic.chart_pictures import ChartGrid
-from caricli.methods.dynamic.shape_maps import PersonShapes, ShapeFields, pair_attention, pair_maps
+from caricli.methods.dynamic.shape_maps import CHANNELS, PersonShapes, ShapeFields, pair_attention, pair_maps
 from caricli.methods.dynamic.styles import StyleBook
 from caricli.methods.train.stages import Report, unwatched
 from caricli.methods.train.texture_losses import TextureBatch
 from caricli.models.texture.config import TextureConfig
 from caricli.models.texture.networks import OPEN
 from caricli.seeds import TrainingSeed
+from caricli.structures.arkit import ARKIT_NAMES
+
+MIRRORED_ACTIONS = [
+    ARKIT_NAMES.index(name.replace("Left", "Right") if "Left" in name else name.replace("Right", "Left"))
+    for name in ARKIT_NAMES
+]
+"""Which action each of ARKit's is in a mirror."""
 
 UNSEEN = 0.2
 """Weight of a texel that one of the pictures did not show."""
@@ -71,7 +78,7 @@ class TexturePairs:
         shapes = [self.people.shapes[person, each] for each in (source, target)]
         seen = self.people.seen[person, source] & self.people.seen[other, target] & self.grid.covered
         moved = pair_attention(self.grid, shapes[0], shapes[1])
-        return TextureBatch(
+        batch = TextureBatch(
             _channels_first(_brightened(pictures[person, look, source], bright)),
             _channels_first(_brightened(pictures[other, look, target], bright)),
             _channels_first(pair_maps(self.grid, shapes[0], shapes[1])),
@@ -84,6 +91,7 @@ class TexturePairs:
             torch.from_numpy(person),
             paired,
         )
+        return mirrored(batch, torch.from_numpy(generator.random(count) < self.config.mirrored))
 
     def _weight(self, seen: np.ndarray) -> np.ndarray:
         """(B, S, S) how much texels count. seen: (B, S, S)."""
@@ -119,6 +127,33 @@ def painted_people(
         report(number + 1, len(people))
     codes = np.stack([one.weights for one in people])
     return PaintedPeople(np.stack(looks), np.stack(seen), codes, ShapeFields.stacked(shapes))
+
+
+def mirrored(batch: TextureBatch, which: torch.Tensor) -> TextureBatch:
+    """Some people of a batch, which (B,) bool says, as a mirror shows them: the chart is symmetric."""
+    sides = torch.tensor([-1.0 if name.endswith("_x") else 1.0 for name in CHANNELS])[:, None, None]
+
+    def turned(values: torch.Tensor) -> torch.Tensor:
+        return torch.where(which[:, None, None, None], values.flip(-1), values)
+
+    def turned_maps(values: torch.Tensor) -> torch.Tensor:
+        return torch.where(which[:, None, None, None], values.flip(-1) * sides, values)
+
+    def swapped(codes: torch.Tensor) -> torch.Tensor:
+        return torch.where(which[:, None], codes[:, MIRRORED_ACTIONS], codes)
+
+    return replace(
+        batch,
+        source=turned(batch.source),
+        target=turned(batch.target),
+        forth=turned_maps(batch.forth),
+        back=turned_maps(batch.back),
+        source_code=swapped(batch.source_code),
+        target_code=swapped(batch.target_code),
+        moved=turned(batch.moved),
+        weight=turned(batch.weight),
+        seen=turned(batch.seen),
+    )
 
 
 def _fitted(picture: np.ndarray, size: int) -> np.ndarray:

@@ -1,4 +1,5 @@
 import copy
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,11 +11,12 @@ from caricli.io.config import read_config
 from caricli.methods.dynamic.chart_pictures import ChartGrid
 from caricli.methods.dynamic.shape_maps import displacement_attention, shape_maps
 from caricli.methods.dynamic.styles import StyleBook
-from caricli.methods.train.texture_pairs import BRIGHT, UNSEEN, TexturePairs, painted_people
+from caricli.methods.train.texture_pairs import BRIGHT, UNSEEN, TexturePairs, mirrored, painted_people
 from caricli.methods.train.train_autodecoder import ALL, Share
 from caricli.methods.train.train_texture import TextureTraining
 from caricli.models.texture.config import TextureConfig
 from caricli.models.texture.networks import OPEN
+from caricli.structures.arkit import ARKIT_NAMES
 from caricli.template.chart import face_chart
 from tests.acted_textures import acted_people
 
@@ -76,6 +78,27 @@ def test_maps_and_attention_are_those_of_the_shapes(pairs, people, grid):
         np.testing.assert_allclose(batch.back[row], back, atol=1e-5)
         moved = displacement_attention(grid, person.neutral, *shapes)
         np.testing.assert_allclose(batch.moved[row, 0], OPEN + (1 - OPEN) * moved, atol=1e-5)
+
+
+def test_a_mirror_shows_the_mirrored_expression(people, grid, head):
+    def pair(name):
+        neutral = head.evaluate()
+        shape = head.evaluate(actions={name: 1.0})
+        weights = np.zeros((2, 52), np.float32)
+        weights[1, ARKIT_NAMES.index(name)] = 1
+        one = replace(people[0], weights=weights, vertices=np.stack([neutral, shape]), pictures=people[0].pictures[:2])
+        own = TexturePairs(painted_people([replace(one, seen=one.seen[:2])], grid, config()), grid, config())
+        batch = own.draw(8, np.random.default_rng(0), paired=True)
+        return batch.rows(np.flatnonzero(batch.target_code.any(1).numpy()))
+
+    left = pair("mouthSmileLeft")
+    right = pair("mouthSmileRight")
+    seen = mirrored(left, torch.ones(len(left.people), dtype=torch.bool))
+    torch.testing.assert_close(seen.target_code, right.target_code)
+    np.testing.assert_allclose(seen.moved, right.moved, atol=0.06)
+    assert (seen.forth - right.forth).abs().mean() < 0.5 * (left.forth - right.forth).abs().mean()
+    same = mirrored(left, torch.zeros(len(left.people), dtype=torch.bool))
+    torch.testing.assert_close(same.forth, left.forth)
 
 
 def test_without_pairs_targets_are_anybodys(pairs):
