@@ -133,11 +133,8 @@ def command(
     from caricli.methods.rig.make_rig import RigSettings
     from caricli.store.expression_tools import ToolPaths, load_caricature, load_tools
     from caricli.store.face_pictures import FaceReader, seen_files
-    from caricli.store.texture_networks import paint_moods
 
-    _check_usage(method, reconstruct, weights)
-    if network and not dynamic_texture:
-        raise click.UsageError("--texture-network is for --dynamic-texture.")
+    _check_usage(method, reconstruct, weights, idle=bool(network) and not dynamic_texture)
     settings = BlendshapeSettings(method, reconstruct, BlendshapeWeights(*weights))
     tools, tool_files = load_tools(ToolPaths(expressions, map_path, model, templates), latent=reconstruct == "latent")
     caricature = load_caricature(source, tools, texture, FaceReader(detector, pts_origin))
@@ -150,8 +147,7 @@ def command(
         with naming(source), progress_bar("expressions"):
             blendshapes, seconds = _build(face, tools, settings)
             result = rig_blendshapes(blendshapes, tools, RigSettings(head=head, seed=seed), images, face)
-            if dynamic_texture:
-                result = paint_moods(result, replace(face, pictures=images), tools, network)
+            result = _painted(result, replace(face, pictures=images), tools, network) if dynamic_texture else result
         about = {"method": method, "reconstruct": reconstruct, "weights": weights, "seconds": seconds}
         about |= note_source(files[0], caricature.source, source)
         figures, line = report_blendshapes(face, blendshapes, tools, result)
@@ -159,8 +155,10 @@ def command(
     echo_result(f"{out}: {line}")
 
 
-def _check_usage(method, reconstruct, weights):
-    """Refuse options that the method does not use."""
+def _check_usage(method, reconstruct, weights, idle):
+    """Refuse options that the method does not use. idle: whether a texture network is given that nothing uses."""
+    if idle:
+        raise click.UsageError("--texture-network is for --dynamic-texture.")
     if method == "transfer" and reconstruct != "intrinsic":
         raise click.UsageError("--reconstruct is for methods that follow landmarks, not for transfer.")
     if method != "full" and weights != DEFAULT_WEIGHTS:
@@ -174,6 +172,13 @@ def _build(face, tools, settings):
     start = time.perf_counter()
     blendshapes = build_blendshapes(face, tools, settings)
     return blendshapes, time.perf_counter() - start
+
+
+def _painted(result, worn, tools, network):
+    """A RigResult with pictures of the skin in moods. worn: Face with its pictures."""
+    from caricli.store.texture_networks import paint_moods
+
+    return paint_moods(result, worn, tools, network)
 
 
 def _write(files, face, result, description):
