@@ -203,7 +203,7 @@ class Original:
 
     @cached_property
     def open_mouth(self) -> float:
-        """Samples that show what is in the mouth, by the label map."""
+        """Samples of the head that show what is in the mouth, by the label map."""
         landmarks = self.depiction.landmarks
         if self.regions is None or landmarks is None:
             return 0.0
@@ -211,7 +211,9 @@ class Original:
             np.linalg.norm(self.window.places - landmarks[list(part)].mean(0).astype(np.float32), axis=2)
             for part in (LIPS, EYE_LEFT, EYE_RIGHT)
         ]
-        return float(((self.openings > 0.5) & (away[0] < np.minimum(*away[1:]))).sum())
+        # Far from the head, a label map may see mouths in anything.
+        shown = self.view.covered & (self.openings > 0.5) & (away[0] < np.minimum(*away[1:]))
+        return float(shown.sum())
 
     def unknown(self) -> list[str]:
         """What the picture does not tell, for messages."""
