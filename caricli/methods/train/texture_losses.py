@@ -36,7 +36,7 @@ class TextureBatch:
     people: torch.Tensor
     paired: bool
 
-    def rows(self, rows: slice) -> Self:
+    def rows(self, rows: slice | torch.Tensor) -> Self:
         """Some of the people."""
         parts = {field.name: getattr(self, field.name) for field in fields(self)}
         return replace(self, **{name: part[rows] for name, part in parts.items() if name != "paired"})

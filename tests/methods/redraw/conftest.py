@@ -11,9 +11,10 @@ from caricli.methods.redraw.original import Original
 from caricli.methods.rig.make_rig import make_rig
 from caricli.render.rasterise import rasterise
 from caricli.render.render_textured import render_textured
-from caricli.structures import Camera, Depiction, Material, Pictures
+from caricli.structures import Camera, Depiction, Material, Pictures, Rig
 from caricli.structures.materials import FINISHES
 from caricli.structures.parsing import Region
+from caricli.template.template import Template
 
 SIDE = 200
 WALL = np.array([90.0, 140, 200])
@@ -24,8 +25,8 @@ CAMERA = Camera(700.0, np.diag([1.0, -1.0, -1.0]), np.array([100.0, 190.0]))
 class Stage:
     """A rig, and pictures of what it does. template: Template of its skin."""
 
-    rig: object
-    template: object
+    rig: Rig
+    template: Template
 
     def shape(self, **weights):
         """(W, 3) vertices of expressions by name."""

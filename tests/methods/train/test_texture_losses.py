@@ -26,12 +26,14 @@ def random(*shape, seed=0):
 
 @pytest.fixture
 def batch():
-    pictures = [random(3, 3, SIDE, SIDE, seed=seed) for seed in (0, 1)]
-    maps = [random(3, MAPS, SIDE, SIDE, seed=seed) - 0.5 for seed in (2, 3)]
-    codes = [random(3, CODES // 2, seed=seed) for seed in (4, 5)]
-    fields = [random(3, 1, SIDE, SIDE, seed=seed) for seed in (6, 7)]
+    source, target = (random(3, 3, SIDE, SIDE, seed=seed) for seed in (0, 1))
+    forth, back = (random(3, MAPS, SIDE, SIDE, seed=seed) - 0.5 for seed in (2, 3))
+    codes = random(2, 3, CODES // 2, seed=4)
+    moved, weight = (random(3, 1, SIDE, SIDE, seed=seed) for seed in (6, 7))
     seen = torch.ones(3, 1, SIDE, SIDE, dtype=torch.bool)
-    return TextureBatch(*pictures, *maps, *codes, *fields, seen, torch.arange(3), paired=True)
+    return TextureBatch(
+        source, target, forth, back, codes[0], codes[1], moved, weight, seen, torch.arange(3), paired=True
+    )  # fmt: skip
 
 
 def network(**settings):
@@ -65,7 +67,9 @@ def test_the_gradient_penalty_is_that_of_differences():
 def test_the_gradient_penalty_of_a_plane_is_known_and_teaches():
     slope = torch.full((3, 4, 4), 0.5, requires_grad=True)
     pictures = [random(2, 3, 4, 4, seed=seed) for seed in (1, 2)]
-    penalty = gradient_penalty(lambda values: (values * slope).sum((1, 2, 3)), *pictures, torch.tensor([0.5, 0.1]))
+    penalty = gradient_penalty(
+        lambda values: (values * slope).sum((1, 2, 3)), pictures[0], pictures[1], torch.tensor([0.5, 0.1])
+    )
     length = 0.5 * 48**0.5
     assert penalty.item() == pytest.approx((length - 1) ** 2, rel=1e-5)
     penalty.backward()

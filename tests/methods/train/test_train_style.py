@@ -20,7 +20,9 @@ def pairs(head_template):
 
 
 def begin(pairs, *overrides, share=ALL, drawings=()):
-    return StyleTraining(*pairs, drawings, read_config(config_path("style/tiny.yaml"), StyleConfig, overrides), share)
+    training, unseen = pairs
+    config = read_config(config_path("style/tiny.yaml"), StyleConfig, overrides)
+    return StyleTraining(training, unseen, drawings, config, share)
 
 
 def test_pairs_show_the_same_people(pairs):

@@ -44,7 +44,8 @@ def pairs(people, grid):
 
 
 def begin(pairs, *overrides, share=ALL):
-    return TextureTraining(*pairs, config(*overrides), share)
+    training, unseen = pairs
+    return TextureTraining(training, unseen, config(*overrides), share)
 
 
 def test_pairs_are_of_one_person_in_one_look_and_light(pairs, people):
@@ -89,7 +90,7 @@ def test_a_mirror_shows_the_mirrored_expression(people, grid, head):
         one = replace(people[0], weights=weights, vertices=np.stack([neutral, shape]), pictures=people[0].pictures[:2])
         own = TexturePairs(painted_people([replace(one, seen=one.seen[:2])], grid, config()), grid, config())
         batch = own.draw(8, np.random.default_rng(0), paired=True)
-        return batch.rows(np.flatnonzero(batch.target_code.any(1).numpy()))
+        return batch.rows(batch.target_code.any(1))
 
     left = pair("mouthSmileLeft")
     right = pair("mouthSmileRight")
