@@ -7,9 +7,9 @@ import numpy as np
 
 from caricli.methods.redraw.openings import drawn_anew
 from caricli.methods.redraw.original import Original, blurred
-from caricli.methods.redraw.smooth_step import smooth_step
 from caricli.methods.redraw.spread_colours import spread_colours
 from caricli.methods.texture.estimate_light import GAMMA
+from caricli.render.paint import smooth_step
 from caricli.render.rasterise import rasterise
 from caricli.render.sky import DIRECTIONS, light_received, sky_visibility
 from caricli.render.smooth_normals import smooth_normals
@@ -62,7 +62,7 @@ class MovedHead:
         reach = self.original.settings.band * self.original.size * self.original.window.fine
         inside = self.view.covered.astype(np.uint8)
         depth = cv2.distanceTransform(inside, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
-        return smooth_step(1.5 * (1 - depth / reach)) * inside
+        return smooth_step(depth, reach, reach / 3) * inside
 
     @cached_property
     def between(self) -> np.ndarray:
@@ -108,8 +108,9 @@ class MovedHead:
         corners = original.faces.ravel()
         counts = np.bincount(corners, minlength=len(self.vertices))
         share = np.bincount(corners, np.repeat(share, 3), len(self.vertices)) / np.maximum(counts, 1)
-        turned = smooth_step(self.view.carried(share[:, None])[..., 0])
-        return smooth_step(2 - behind / (_NEAR * original.size)) * turned * self.view.covered
+        turned = smooth_step(self.view.carried(share[:, None])[..., 0], 0, 1)
+        near = _NEAR * original.size
+        return smooth_step(behind, 2 * near, near) * turned * self.view.covered
 
     @cached_property
     def forward(self) -> np.ndarray:
@@ -120,7 +121,7 @@ class MovedHead:
     def strip(self) -> np.ndarray:
         """(H, W) float32 from 0 to 1: how far samples are beside an outline of the head, and go with it."""
         reach = self.original.settings.band * self.original.size
-        return smooth_step(1.3 * (1 - self.view.away / reach))
+        return smooth_step(self.view.away, reach, 0.23 * reach)
 
     @cached_property
     def strip_source(self) -> np.ndarray:
@@ -145,7 +146,7 @@ class MovedHead:
     @cached_property
     def stain(self) -> np.ndarray:
         """(H, W) float32 from 0 to 1: how far the old picture shows, at its samples, an outline that moved away."""
-        return self._stained * smooth_step(self._left - 0.5)
+        return self._stained * smooth_step(self._left, 0.5, 1.5)
 
     @cached_property
     def _left(self) -> np.ndarray:
@@ -156,7 +157,7 @@ class MovedHead:
     def _stained(self) -> np.ndarray:
         """(H, W) float32 from 0 to 1: how far the old picture's samples may show what is beside an outline."""
         reach = self.original.settings.stain * self.original.size
-        return smooth_step(1.5 * (1 - self.original.view.away / reach))
+        return smooth_step(self.original.view.away, reach, reach / 3)
 
     def look(self, samples: np.ndarray, source: np.ndarray | None = None) -> np.ndarray:
         """What samples (H, W, ...) of the old picture are at pixels of it (H, W, 2), or at the source."""

@@ -3,8 +3,8 @@
 import numpy as np
 
 from caricli.methods.redraw.original import Original
-from caricli.methods.redraw.smooth_step import smooth_step
 from caricli.methods.redraw.view import View
+from caricli.render.paint import smooth_step
 
 _CLOSED = 1.6e-3
 """Of the square of the head's height: an opening of so little area is closed."""
@@ -23,13 +23,13 @@ def drawn_anew(original: Original, view: View) -> np.ndarray:
     anew = np.zeros(len(original.rig.neutral))
     now, before = _areas(original, view, original.wall)
     # A drawn mouth may be open where the fitted one is hardly so: then it stretches.
-    share = max(_step(now / max(before, original.open_mouth), _OPENS), _step(now / before, _CLOSES))
+    share = max(smooth_step(now / max(before, original.open_mouth), *_OPENS), smooth_step(now / before, *_CLOSES))
     anew[original.wall > 0] = share
     anew[: len(original.template.vertices)][original.template.mask("mouth", "lips", "inner_mouth")] = share
     for name, eye in original.eyes.items():
         now, before = _areas(original, view, eye)
         lids = np.flatnonzero(original.template.mask(name))
-        anew[lids] = np.maximum(anew[lids], _step(now / before, _CLOSES))
+        anew[lids] = np.maximum(anew[lids], smooth_step(now / before, *_CLOSES))
     return anew
 
 
@@ -37,7 +37,3 @@ def _areas(original: Original, view: View, inside: np.ndarray) -> list[float]:
     """Samples of an opening now and in the old picture, a few more. inside: (W,) 1 at vertices that it shows."""
     closed = _CLOSED * (original.size * view.window.fine) ** 2
     return [float((seen.carried(inside[:, None]) > 0.5).sum()) + closed for seen in (view, original.view)]
-
-
-def _step(growth: float, limits: tuple[float, float]) -> float:
-    return float(smooth_step(np.array((growth - limits[0]) / (limits[1] - limits[0]))))

@@ -5,10 +5,10 @@ import numpy as np
 from caricli.methods.redraw.fill_behind import fill_behind
 from caricli.methods.redraw.moved_head import MovedHead
 from caricli.methods.redraw.original import Original
-from caricli.methods.redraw.smooth_step import smooth_step
 from caricli.methods.redraw.spread_colours import spread_colours
 from caricli.methods.texture.picture_view import likeness
 from caricli.methods.texture.settings import TextureSettings
+from caricli.render.paint import smooth_step
 from caricli.render.sample_texture import sample_texture
 from caricli.structures import Material, Pictures
 from caricli.structures.materials import FINISHES
@@ -35,7 +35,7 @@ def redraw_picture(original: Original, vertices: np.ndarray, pictures: Pictures 
     if motion.max() <= settings.still:
         return original.picture.copy()
     new = _composed(original, head, _painted(original, head, pictures))
-    moved = smooth_step((motion - settings.still) / (settings.moved - settings.still))
+    moved = smooth_step(motion, settings.still, settings.moved)
     window = original.window
     share = window.means(moved)[..., None]
     drawn = window.means(new * moved[..., None]) + (1 - share) * window.cut(original.picture)
@@ -86,7 +86,7 @@ def _composed(original: Original, head: MovedHead, painted: np.ndarray) -> np.nd
     strip = head.strip * head.look(original.head, head.strip_source)
     strip = strip * (1 - head.look(original.hidden, head.strip_source))
     new = back + strip[..., None] * (head.picture(head.strip_source) - back)
-    nearer = smooth_step((original.depth - head.view.depth) / head.view.jump - 0.5)
+    nearer = smooth_step((original.depth - head.view.depth) / head.view.jump, 0.5, 1.5)
     before = np.maximum(original.held, original.laid * (1 - nearer))[..., None]
     return new + before * (old - new)
 
