@@ -122,7 +122,7 @@ def test_it_keeps_what_the_face_wears(run, painted, rig, tmp_path, name):
 def draws(name):
     """Whether a command can be told not to draw."""
     module = importlib.import_module(f"caricli.commands.{COMMANDS[name][0]}")
-    return any("--no-picture" in parameter.secondary_opts for parameter in module.command.params)
+    return any("--no-picture" in (*option.opts, *option.secondary_opts) for option in module.command.params)
 
 
 def test_what_draws_a_picture_of_a_face_need_not():

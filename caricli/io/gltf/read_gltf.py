@@ -14,7 +14,7 @@ from caricli.io.gltf.container import read_container
 from caricli.io.gltf.document import Document
 from caricli.io.gltf.format import SOURCE_VERTEX
 from caricli.io.gltf.scene import node_placements
-from caricli.io.gltf.variants import read_variants
+from caricli.io.gltf.variants import moods_of
 from caricli.io.image import read_image
 from caricli.io.outputs import write_bytes
 from caricli.io.strict_json import take, take_whole
@@ -265,7 +265,7 @@ def _looks(document: Document, primitives: list[dict], surface: _Surface) -> dic
     looks: dict = {"pictures": Pictures(**pictures)}
     if "skin" in pictures:
         skin = primitives[kinds.index(Material.SKIN)]
-        moods = read_variants(document, skin, partial(_image, document))
+        moods = moods_of(document, skin, partial(_image, document))
         looks["moods"] = tuple(mood for mood in moods if mood.skin.shape == pictures["skin"].shape)
     if any(kind != Material.SKIN for kind in kinds):
         looks["materials"] = np.repeat(kinds, [len(part) for part in surface.triangles]).astype(np.int32)

@@ -34,7 +34,7 @@ def add_variants(document: dict, skin: dict, moods: tuple[Mood, ...], view: Call
     document["extensions"] = {EXTENSION: {"variants": [{"name": mood.name} for mood in moods]}}
 
 
-def read_variants(document: Document, skin: dict, image: Callable[[dict], np.ndarray | None]) -> tuple[Mood, ...]:
+def moods_of(document: Document, skin: dict, image: Callable[[dict], np.ndarray | None]) -> tuple[Mood, ...]:
     """The moods of a rig, in the order of the document's variants; what says none is left aside.
 
     skin: the primitive of the skin. image: the picture (H, W, 3) of a material, None where none can be read.
