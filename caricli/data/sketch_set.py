@@ -7,13 +7,13 @@ from typing import Any
 
 import numpy as np
 
-from caricli.data.dataset import SPLITS, are_people
-from caricli.errors import InputError, naming, shown
-from caricli.io.npz import read_npz, take_array, write_npz
+from caricli.data.shards import ShardForm
+from caricli.errors import InputError, naming
+from caricli.io.npz import take_array, write_npz
 from caricli.io.outputs import write_bytes
 from caricli.io.provenance import sha256_file
-from caricli.io.strict_json import read_json, take, take_whole, write_json
-from caricli.limits import MAX_SKETCH_POINTS, MAX_SKETCH_SIDE, MAX_VERTICES
+from caricli.io.strict_json import take, take_whole, write_json
+from caricli.limits import MAX_SKETCH_POINTS, MAX_SKETCH_SIDE
 from caricli.structures.checks import number_problem, refuse
 from caricli.structures.sketch import Sketch, Stroke, StrokeKind
 
@@ -21,6 +21,8 @@ SCHEMA = "caricli.sketches/1"
 MANIFEST = "sketches.json"
 SHARD_SIZE = 512
 """Sketches of one file of strokes."""
+
+FORM = ShardForm(MANIFEST, SCHEMA, "sketches", "sketches", SHARD_SIZE)
 
 KINDS = tuple(StrokeKind)
 
@@ -52,7 +54,7 @@ class SketchSet:
 
     def sketches(self, shard: int) -> list[Sketch]:
         """All Sketches of a file of strokes. Raises InputError when it is missing or damaged."""
-        arrays = _checked(self.folder, self.manifest["shards"][shard])
+        arrays = FORM.load_shard(self.folder, self.manifest["shards"][shard])
         with naming(self.folder / self.manifest["shards"][shard]["file"]):
             return _unpacked(arrays, self.manifest["curves"], self.side)
 
@@ -111,29 +113,14 @@ def read_sketch_set(folder: Path) -> SketchSet:
     Raises InputError when a part is missing, damaged or does not fit the others.
     """
     folder = Path(folder)
-    where = folder / MANIFEST
-    if folder.is_dir() and not where.exists():
-        raise InputError(f"{folder}: no {MANIFEST} in this folder: not a folder of sketches, or its making was stopped")
-    manifest = read_json(where)
-    with naming(where):
-        schema = manifest.get("schema") if isinstance(manifest, dict) else None
-        if schema != SCHEMA:
-            raise InputError(f"expected schema {SCHEMA!r}, found {shown(schema, 60)!r}")
-        count = take_whole(manifest, "count", 1, MAX_VERTICES)
+    manifest = FORM.load_manifest(folder)
+    with naming(folder / MANIFEST):
         side = take_whole(manifest, "side", 1, MAX_SKETCH_SIDE)
-        splits = take(manifest, "splits", dict)
-        shards = take(manifest, "shards", list)
-        if set(splits) != set(SPLITS) or not all(map(are_people, splits.values())):
-            raise InputError(f"expected splits {', '.join(SPLITS)}, found others")
         if not all(isinstance(name, str) for name in take(manifest, "curves", list)):
             raise InputError("curves: expected names, found others")
-        if not all(isinstance(shard, dict) for shard in shards):
-            raise InputError("shards: expected objects with file, count and sha256, found others")
-        if sum(take_whole(shard, "count", 1, SHARD_SIZE) for shard in shards) != count:
-            raise InputError(f"expected {count} sketches in the shards, found others")
     parts = []
-    for shard in shards:
-        arrays = _checked(folder, shard)
+    for shard in manifest["shards"]:
+        arrays = FORM.load_shard(folder, shard)
         with naming(folder / shard["file"]):
             columns = {
                 key: take_array(arrays, key, kind, (shard["count"], *form)) for key, (kind, form) in TRUTH.items()
@@ -142,16 +129,6 @@ def read_sketch_set(folder: Path) -> SketchSet:
             parts.append(columns)
     truth = {key: np.concatenate([part[key] for part in parts]) for key in TRUTH}
     return SketchSet(folder, manifest, side, truth)
-
-
-def _checked(folder: Path, shard: Mapping[str, Any]) -> dict[str, np.ndarray]:
-    """The arrays of a shard, whose bytes are those of the manifest."""
-    name = shard.get("file")
-    if not isinstance(name, str) or Path(name).name != name:
-        raise InputError(f"{folder / MANIFEST}: expected the name of a file in the folder, found {shown(name, 40)!r}")
-    if sha256_file(folder / name) != shard.get("sha256"):
-        raise InputError(f"{folder / name}: its SHA-256 is not the one in {MANIFEST}: the file was changed")
-    return read_npz(folder / name)
 
 
 def _packed(sketches: Sequence[Sketch], curves: Sequence[str]) -> dict[str, np.ndarray]:

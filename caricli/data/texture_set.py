@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from caricli.data.dataset import SPLITS, are_people
-from caricli.errors import InputError, naming, shown
-from caricli.io.npz import read_npz, take_array, write_npz
+from caricli.data.dataset import SPLITS
+from caricli.data.shards import ShardForm
+from caricli.errors import InputError, naming
+from caricli.io.npz import take_array, write_npz
 from caricli.io.provenance import sha256_file
-from caricli.io.strict_json import read_json, take, take_whole, write_json
-from caricli.limits import MAX_VERTICES
+from caricli.io.strict_json import take_whole, write_json
 from caricli.structures.arkit import ARKIT_NAMES
 from caricli.structures.checks import number_problem, refuse
 
@@ -20,6 +20,8 @@ SCHEMA = "caricli.textures/1"
 MANIFEST = "textures.json"
 SHARD_SIZE = 8
 """People of one file."""
+
+FORM = ShardForm(MANIFEST, SCHEMA, "textures", "people", SHARD_SIZE)
 
 MAX_SIDE = 1024
 MAX_SHOWN = 100
@@ -81,14 +83,9 @@ class TextureSet:
     def shard(self, number: int) -> list[ActedTextures]:
         """All people of a file. Raises InputError where it is missing or damaged."""
         entry = self.manifest["shards"][number]
-        name = entry.get("file")
-        if not isinstance(name, str) or Path(name).name != name:
-            raise InputError(f"{self.folder / MANIFEST}: expected the name of a file, found {shown(name, 40)!r}")
-        path = self.folder / name
-        if sha256_file(path) != entry.get("sha256"):
-            raise InputError(f"{path}: its SHA-256 is not the one in {MANIFEST}: the file was changed")
-        with naming(path):
-            columns = self._checked(read_npz(path), entry["count"])
+        arrays = FORM.load_shard(self.folder, entry)
+        with naming(self.folder / entry["file"]):
+            columns = self._checked(arrays, entry["count"])
             splits = {person: name for name in SPLITS for person in self.manifest["splits"][name]}
             rows = [{name: column[k] for name, column in columns.items()} for k in range(entry["count"])]
             return [
@@ -160,25 +157,10 @@ def read_texture_set(folder: Path) -> TextureSet:
     Raises InputError when a part is missing, damaged or does not fit the others.
     """
     folder = Path(folder)
-    where = folder / MANIFEST
-    if folder.is_dir() and not where.exists():
-        raise InputError(f"{folder}: no {MANIFEST} in this folder: not a folder of textures, or its making was stopped")
-    manifest = read_json(where)
-    with naming(where):
-        schema = manifest.get("schema") if isinstance(manifest, dict) else None
-        if schema != SCHEMA:
-            raise InputError(f"expected schema {SCHEMA!r}, found {shown(schema, 60)!r}")
-        count = take_whole(manifest, "count", 1, MAX_VERTICES)
+    manifest = FORM.load_manifest(folder)
+    with naming(folder / MANIFEST):
         size = take_whole(manifest, "size", 1, MAX_SIDE)
         expressions = take_whole(manifest, "expressions", 1, MAX_SHOWN)
-        splits = take(manifest, "splits", dict)
-        shards = take(manifest, "shards", list)
-        if set(splits) != set(SPLITS) or not all(map(are_people, splits.values())):
-            raise InputError(f"expected splits {', '.join(SPLITS)}, found others")
         if manifest.get("actions") != list(ARKIT_NAMES):
             raise InputError("actions: expected those of ARKit in their usual order, found others")
-        if not all(isinstance(shard, dict) for shard in shards):
-            raise InputError("shards: expected objects with file, count and sha256, found others")
-        if sum(take_whole(shard, "count", 1, SHARD_SIZE) for shard in shards) != count:
-            raise InputError(f"expected {count} people in the shards, found others")
-    return TextureSet(folder, manifest, count, size, expressions)
+    return TextureSet(folder, manifest, manifest["count"], size, expressions)
