@@ -9,6 +9,7 @@ from scipy.optimize import lsq_linear
 from caricli.errors import InputError
 from caricli.methods.dynamic.chart_pictures import ChartGrid, texture_to_chart
 from caricli.methods.dynamic.dress_texture import ChangedTexture
+from caricli.methods.dynamic.mouth_parts import MouthParts
 from caricli.methods.dynamic.shape_maps import PersonShapes, pair_maps
 from caricli.models.texture.model import TextureModel
 from caricli.structures import Face, Mood, Rig
@@ -57,16 +58,19 @@ class MoodPainter:
         self.neutral = np.asarray(rig.neutral[:count], float)
         self.deltas = np.asarray(rig.deltas[:, :count], float)
         self.codes = np.array([[actions[name].get(action, 0.0) for action in ARKIT_NAMES] for name in rig.names])
-        self.person = PersonShapes(self.grid, self.neutral)
-        self.shown = self.person.fields(worn.vertices[:count])
-        self.code = self._shown_weights(worn.vertices[:count]) @ self.codes
+        self.person = PersonShapes(
+            self.grid, self.neutral, MouthParts.in_face(template.with_vertices(self.neutral), self.deltas)
+        )
+        weights = self._shown_weights(worn.vertices[:count])
+        self.shown = self.person.fields(worn.vertices[:count], weights)
+        self.code = weights @ self.codes
         fine = texture_to_chart(picture, template, ChartGrid(self.grid.chart, _FINER * model.size))
         self.own = cv2.resize(fine, (model.size, model.size), interpolation=cv2.INTER_AREA)
         self.texture = ChangedTexture(picture, template, self.grid)
 
     def paint(self, weights: np.ndarray) -> np.ndarray:
         """(H, H, 3) uint8, the skin's picture with expressions (K,) of the rig."""
-        target = self.person.fields(self.neutral + np.tensordot(weights, self.deltas, 1))
+        target = self.person.fields(self.neutral + np.tensordot(weights, self.deltas, 1), weights)
         maps = pair_maps(self.grid, self.shown, target)
         return self.texture.paint(self.model.change(self.own, maps, self.code, weights @ self.codes))
 

@@ -1,7 +1,7 @@
 """What the shapes of a person say of the paint: maps in the chart of the face, of one expression and of another."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import Any, Self
 
@@ -13,6 +13,7 @@ from caricli.errors import InputError
 from caricli.geometry.similarity import similarity
 from caricli.geometry.triangle_normals import triangle_normals
 from caricli.methods.dynamic.chart_pictures import ChartGrid
+from caricli.methods.dynamic.mouth_parts import MouthParts, look_inside
 from caricli.render.sky import DIRECTIONS, sky_visibility
 
 CHANNELS = (
@@ -20,6 +21,7 @@ CHANNELS = (
     *("source_normal_x", "source_normal_y", "source_normal_z", "source_curvature", "source_area"),
     *("source_openness", "source_gap", "target_normal_x", "target_normal_y", "target_normal_z"),
     *("target_curvature", "target_area", "target_openness", "target_gap"),
+    *("source_teeth", "source_flesh", "source_depth", "target_teeth", "target_flesh", "target_depth"),
 )
 """Of `shape_maps`, in their order."""
 
@@ -44,20 +46,23 @@ class ShapeFields:
     """What one shape says at the vertices of the chart.
 
     places: (..., N, 3) in the frame of the person's neutral face, for its width. values: (..., N, 7) normal, change
-    of curvature, change of area, openness and gap between the lips, each from -1 to 1.
+    of curvature, change of area, openness and gap between the lips, each from -1 to 1. inside: (..., M, 3) at the M
+    texels between the lips, from 0 to 1, how much of what is seen behind them is teeth, and gums or tongue, and how far
+    behind it is.
     """
 
     places: np.ndarray
     values: np.ndarray
+    inside: np.ndarray
 
     @classmethod
     def stacked(cls, shapes: "Sequence[ShapeFields]") -> Self:
         """Of several shapes, those of each along a new first axis."""
-        return cls(np.stack([shape.places for shape in shapes]), np.stack([shape.values for shape in shapes]))
+        return cls(*(np.stack([getattr(shape, field.name) for shape in shapes]) for field in fields(cls)))
 
     def __getitem__(self, rows: Any) -> Self:
         """Of some of the shapes that are stacked, as of arrays."""
-        return type(self)(self.places[rows], self.values[rows])
+        return type(self)(self.places[rows], self.values[rows], self.inside[rows])
 
 
 class PersonShapes:
@@ -67,9 +72,13 @@ class PersonShapes:
     nothing. A shape is first laid on the neutral face by a rigid fit that counts most where it is as that one.
     """
 
-    def __init__(self, grid: ChartGrid, neutral: np.ndarray) -> None:
-        """grid: ChartGrid. neutral: (V, 3) metres. Raises InputError where it is not of the chart's mesh."""
+    def __init__(self, grid: ChartGrid, neutral: np.ndarray, mouth: MouthParts | None = None) -> None:
+        """grid: ChartGrid. neutral: (V, 3) metres. mouth: what is inside it, or None where that is not told.
+
+        Raises InputError where the face is not of the chart's mesh.
+        """
         self.grid = grid
+        self.mouth = mouth
         chart = grid.chart
         self.skin = chart.faces[~chart.membrane]
         count = len(chart.vertices)
@@ -85,15 +94,26 @@ class PersonShapes:
         self.neutral = turned / self.width
         self.calm = self._raw(self.neutral)
 
-    def fields(self, vertices: np.ndarray) -> ShapeFields:
-        """What a shape (V, 3), metres, of the same person says."""
-        places = self._laid(self._own(vertices) / self.width)
+    def fields(self, vertices: np.ndarray, weights: np.ndarray | None = None) -> ShapeFields:
+        """What a shape (V, 3), metres, of the same person says.
+
+        weights: (K,) of the mouth's expressions that move what is in it, None for none of them.
+        """
+        own = self._own(vertices) / self.width
+        turn, shift = self._way(own)
+        places = own @ turn.T + shift
         normals, curvature, areas = self._raw(places)
         _, calm_curvature, calm_areas = self.calm
         bent = np.tanh((curvature - calm_curvature) / BENT)
         grown = np.tanh(np.log(np.maximum(areas, _SMALL) / np.maximum(calm_areas, _SMALL)))
         columns = [normals, bent, grown, 2 * self._openness(places, normals) - 1, self._gap(places) / PART]
-        return ShapeFields(places, np.column_stack(columns).astype(np.float32))
+        inside = np.zeros((int(self.grid.mouth.sum()), 3), np.float32)
+        if self.mouth is not None:
+            moved = self.mouth.vertices if weights is None else self.mouth.moved(weights)
+            between = self.grid.bake_own(places)[self.grid.mouth]
+            inside = look_inside(self.mouth, moved / self.width @ turn.T + shift, between)
+            inside[:, 2] = np.tanh(inside[:, 2] / PART)
+        return ShapeFields(places, np.column_stack(columns).astype(np.float32), inside)
 
     def _own(self, vertices: np.ndarray) -> np.ndarray:
         """(N, 3) those of the chart."""
@@ -101,11 +121,10 @@ class PersonShapes:
             raise InputError(f"expected vertices of the mesh that the chart was made of, found {vertices.shape}")
         return np.asarray(vertices, float)[self.grid.chart.vertices]
 
-    def _laid(self, places: np.ndarray) -> np.ndarray:
-        """Places (N, 3) on the neutral face."""
+    def _way(self, places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """How places (N, 3) come to lie on the neutral face: a rotation (3, 3) and a shift (3,)."""
         # The jaw moves most; what is above it is where the fit starts.
         weights = (self.grid.chart.uvs[:, 1:] > _ABOVE) + _SMALL
-        laid = places
         for _ in range(_ROUNDS):
             total = weights.sum()
             middle = (weights * places).sum(0) / total
@@ -113,10 +132,10 @@ class PersonShapes:
             root = np.sqrt(weights)
             u, _, vt = np.linalg.svd((root * (self.neutral - there)).T @ (root * (places - middle)))
             turn = (u * [1, 1, np.sign(np.linalg.det(u @ vt))]) @ vt
-            laid = (places - middle) @ turn.T + there
-            away = np.linalg.norm(laid - self.neutral, axis=1, keepdims=True)
+            shift = there - middle @ turn.T
+            away = np.linalg.norm(places @ turn.T + shift - self.neutral, axis=1, keepdims=True)
             weights = 1 / (away + _STILL) ** 2
-        return laid
+        return turn, shift
 
     def _raw(self, places: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Normals (N, 3), curvatures (N,), convex ones above 0, and areas (N,) of the surface around the vertices."""
@@ -159,11 +178,13 @@ class PersonShapes:
 
 
 def pair_maps(grid: ChartGrid, source: ShapeFields, target: ShapeFields) -> np.ndarray:
-    """(..., S, S, 17) float32, the maps of ``shape_maps``, of pairs of shapes."""
+    """(..., S, S, 23) float32, the maps of ``shape_maps``, of pairs of shapes."""
     displacement = (target.places - source.places) / PART
-    maps = _baked(grid, np.concatenate([displacement, source.values, target.values], axis=-1))
-    maps[..., ~grid.mouth, 3 + _GAP :: _OWN] = 0
-    return maps
+    skin = _baked(grid, np.concatenate([displacement, source.values, target.values], axis=-1))
+    skin[..., ~grid.mouth, 3 + _GAP :: _OWN] = 0
+    mouth = np.zeros((*skin.shape[:-1], 2 * source.inside.shape[-1]), np.float32)
+    mouth[..., grid.mouth, :] = np.concatenate([source.inside, target.inside], axis=-1)
+    return np.concatenate([skin, mouth], axis=-1)
 
 
 def pair_attention(grid: ChartGrid, source: ShapeFields, target: ShapeFields, reach: float = 0.03) -> np.ndarray:
@@ -188,9 +209,9 @@ def shape_maps(grid: ChartGrid, neutral: np.ndarray, source: np.ndarray, target:
 
     grid: ChartGrid. neutral, source, target: (V, 3) metres, each in whatever place. For many pairs of a person
     `PersonShapes` keeps what belongs to one shape.
-    Returns (S, S, 17) float32, the CHANNELS: displacement from source to target, and of both their normals, how
+    Returns (S, S, 23) float32, the CHANNELS: displacement from source to target, and of both their normals, how
     curvature and (as logarithm) area differ from the neutral face's, openness to light from all sides, and on the
-    membrane the gap between the lips. Lengths are in quarters of the neutral face's width; all is about -1 to 1, zero
+    membrane the gap between the lips; and what lies behind it, which `PersonShapes` is told. Lengths are in quarters of the neutral face's width; all is about -1 to 1, zero
     where nothing is covered. Raises InputError where the shapes are not of the chart's mesh.
     """
     person = PersonShapes(grid, neutral)

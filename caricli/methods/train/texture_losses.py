@@ -18,7 +18,7 @@ _FLAT = 1e-12
 class TextureBatch:
     """Textures of B people with one expression, and what they are to show.
 
-    source, target: (B, 3, S, S) sRGB from 0 to 1; without pairs the target is of somebody else. forth, back: (B, 17, S,
+    source, target: (B, 3, S, S) sRGB from 0 to 1; without pairs the target is of somebody else. forth, back: (B, 23, S,
     S) maps from source to target, and back. source_code, target_code: (B, 52) ARKit weights. moved: (B, 1, S, S) true
     attention. weight: (B, 1, S, S) how much a texel counts; its mean is about one. seen: (B, 1, S, S) bool, what
     both pictures showed. people: (B,) their numbers. paired: whether the target is the same person in the same look.

@@ -10,6 +10,7 @@ import torch
 from caricli.data.texture_set import ActedTextures
 from caricli.errors import InputError
 from caricli.methods.dynamic.chart_pictures import ChartGrid
+from caricli.methods.dynamic.mouth_parts import MouthParts
 from caricli.methods.dynamic.shape_maps import CHANNELS, PersonShapes, ShapeFields, pair_attention, pair_maps
 from caricli.methods.dynamic.styles import StyleBook
 from caricli.methods.train.stages import Report, unwatched
@@ -18,6 +19,8 @@ from caricli.models.texture.config import TextureConfig
 from caricli.models.texture.networks import OPEN
 from caricli.seeds import TrainingSeed
 from caricli.structures.arkit import ARKIT_NAMES
+from caricli.template.head import load_head
+from caricli.template.template import Template
 
 MIRRORED_ACTIONS = [
     ARKIT_NAMES.index(name.replace("Left", "Right") if "Left" in name else name.replace("Right", "Left"))
@@ -113,6 +116,7 @@ def painted_people(
     """
     if not people:
         raise InputError("expected people with textures, found none")
+    head = load_head().template()
     looks = []
     seen = []
     shapes = []
@@ -122,8 +126,7 @@ def painted_people(
         drawn = [] if styles is None else [styles.draw(generator) for _ in range(config.looks)]
         looks.append(np.stack([own, *(style.paint(own) for style in drawn)]))
         seen.append(np.stack([_fitted(255 * mask.astype(np.uint8), grid.size) > 127 for mask in one.seen]))
-        person = PersonShapes(grid, one.neutral)
-        shapes.append(ShapeFields.stacked([person.fields(vertices) for vertices in one.vertices]))
+        shapes.append(_shapes(one, grid, head))
         report(number + 1, len(people))
     codes = np.stack([one.weights for one in people])
     return PaintedPeople(np.stack(looks), np.stack(seen), codes, ShapeFields.stacked(shapes))
@@ -154,6 +157,15 @@ def mirrored(batch: TextureBatch, which: torch.Tensor) -> TextureBatch:
         weight=turned(batch.weight),
         seen=turned(batch.seen),
     )
+
+
+def _shapes(person: ActedTextures, grid: ChartGrid, head: Template) -> ShapeFields:
+    """Of all expressions. head: Template of the open head, whose topology people of a dataset have."""
+    neutral = np.asarray(person.neutral, float)
+    mouth = MouthParts.in_face(head.with_vertices(neutral), person.vertices - neutral)
+    shapes = PersonShapes(grid, neutral, mouth)
+    rows = np.eye(len(person.vertices))
+    return ShapeFields.stacked([shapes.fields(one, row) for one, row in zip(person.vertices, rows, strict=True)])
 
 
 def _fitted(picture: np.ndarray, size: int) -> np.ndarray:

@@ -48,7 +48,7 @@ class TextureModel:
     def change(self, picture: np.ndarray, maps: np.ndarray, source: np.ndarray, target: np.ndarray) -> TextureChange:
         """What the step from one expression to another does to a texture.
 
-        picture: (S, S, 3) uint8 sRGB, in the chart. maps: (S, S, 17) of ``shape_maps``. source, target: (52,) ARKit
+        picture: (S, S, 3) uint8 sRGB, in the chart. maps: (S, S, 23) of ``shape_maps``. source, target: (52,) ARKit
         weights of what the texture shows, and of what it is to show.
         """
         codes = torch.from_numpy(np.concatenate([source, target]).astype(np.float32))[None]

@@ -16,7 +16,7 @@ from caricli.models.texture.config import TextureSize
 CODES = 104
 """Weights of ARKit's 52 actions in the source and in the target."""
 
-MAPS = 17
+MAPS = 23
 """Channels of the maps of both shapes."""
 
 OPEN = 0.2
@@ -64,7 +64,7 @@ class TextureNetwork(nn.Module):
                 branch.begin(generator)
 
     def forward(self, pictures: torch.Tensor, maps: torch.Tensor, codes: torch.Tensor) -> Change:
-        """pictures: (B, 3, S, S) sRGB from 0 to 1. maps: (B, 17, S, S). codes: (B, 104)."""
+        """pictures: (B, 3, S, S) sRGB from 0 to 1. maps: (B, 23, S, S). codes: (B, 104)."""
         told = torch.cat([_places(pictures), maps[:, : MAPS * self.size.maps]], 1)
         given = codes[:, : CODES * self.size.codes]
         values = self.colour(torch.cat([2 * pictures - 1, told], 1), given)
