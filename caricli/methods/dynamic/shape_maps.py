@@ -211,8 +211,9 @@ def shape_maps(grid: ChartGrid, neutral: np.ndarray, source: np.ndarray, target:
     `PersonShapes` keeps what belongs to one shape.
     Returns (S, S, 23) float32, the CHANNELS: displacement from source to target, and of both their normals, how
     curvature and (as logarithm) area differ from the neutral face's, openness to light from all sides, and on the
-    membrane the gap between the lips; and what lies behind it, which `PersonShapes` is told. Lengths are in quarters of the neutral face's width; all is about -1 to 1, zero
-    where nothing is covered. Raises InputError where the shapes are not of the chart's mesh.
+    membrane the gap between the lips and what lies behind it, which `PersonShapes` is told. Lengths are in quarters of
+    the neutral face's width; all is about -1 to 1, zero where nothing is covered. Raises InputError where the shapes
+    are not of the chart's mesh.
     """
     person = PersonShapes(grid, neutral)
     return pair_maps(grid, person.fields(source), person.fields(target))
