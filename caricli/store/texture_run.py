@@ -12,8 +12,10 @@ from caricli.methods.dynamic.chart_pictures import ChartGrid
 from caricli.methods.dynamic.styles import StyleBook
 from caricli.methods.evaluate.evaluate_texture import Judge, Painter, TextureChoice, TextureTally, evaluate_texture
 from caricli.methods.evaluate.paint_sheet import paint_sheet
-from caricli.methods.evaluate.texture_rivals import linear_painter, network_painter, train_reader
+from caricli.methods.evaluate.texture_flicker import flicker, takes_of
+from caricli.methods.evaluate.texture_rivals import linear_painter, network_painter, spline_painter, train_reader
 from caricli.methods.train.stages import Report
+from caricli.methods.train.texture_losses import TextureBatch
 from caricli.methods.train.texture_pairs import TexturePairs, painted_people
 from caricli.methods.train.train_autodecoder import Share
 from caricli.methods.train.train_texture import TextureTraining
@@ -24,6 +26,9 @@ from caricli.store.texture_networks import BUNDLED, load_texture_network
 from caricli.store.training_run import MODEL, RunFolder
 from caricli.template.chart import face_chart
 from caricli.template.head import load_head
+
+TAKES = 10
+"""People, at most, whose takes are looked at for flicker."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,16 +118,21 @@ class TextureRun(RunFolder):
 class TextureTest:
     """What textures of other expressions are measured with.
 
-    painters: by name. judge: that reads expressions. pairs: of people of no training.
+    painters: by name. judge: that reads expressions. pairs: of people of no training. takes: of some of these.
     """
 
     painters: dict[str, Painter]
     judge: Judge
     pairs: TexturePairs
+    takes: list[TextureBatch]
 
     def run(self, count: int, seed: int, report: Report) -> TextureTally:
         """Let all paint ``count`` pairs."""
         return evaluate_texture(self.painters, self.judge, self.pairs, TextureChoice(count, seed), report)
+
+    def flicker(self) -> dict[str, float]:
+        """By painter, see ``flicker``."""
+        return {name: flicker(painter, self.takes) for name, painter in self.painters.items()}
 
     def sheet(self, rows: int, seed: int) -> np.ndarray:
         """A picture (H, W, 3) uint8: source, target, and what painters make of it, of so many pairs."""
@@ -144,7 +154,8 @@ def load_texture_test(
         raise InputError(f"expected networks for charts of one size, found {', '.join(map(str, sorted(sizes)))}")
     config = TextureConfig(size=sizes.pop(), seed=seed, mirrored=0)
     textures = read_texture_set(folder)
-    grid = ChartGrid(face_chart(load_head().template()), config.size)
+    head = load_head().template()
+    grid = ChartGrid(face_chart(head), config.size)
     with naming(folder):
         people = [list(textures.people(split)) for split in ("train", "test")]
         total = len(people[0]) + len(people[1])
@@ -153,4 +164,6 @@ def load_texture_test(
         looks = painted_people(people[1], grid, config, styles, lambda n, _: report(done + n, total))
     painters = {name: network_painter(model) for name, model in models.items()}
     painters["linear"] = linear_painter(own, seed)
-    return TextureTest(painters, train_reader(own, seed), TexturePairs(looks, grid, config))
+    painters["spline"] = spline_painter(grid, head.annotation.landmarks)
+    takes = takes_of(people[1][:TAKES], grid)
+    return TextureTest(painters, train_reader(own, seed), TexturePairs(looks, grid, config), takes)

@@ -44,7 +44,9 @@ def command(networks, folder, styles, out, count, seed, overwrite):
     sRGB from 0 to 1, in percent of those of the texture that is kept as it is: where the face moves most (attention),
     in the rest of the skin, in open mouths, and in those that were closed before; from people drawn anew 2,000 times
     comes what 95 % of the figures lie between. Expressions are read by a network that knows true textures only. The
-    rival "linear" changes textures by what is linear in the difference of the expressions.
+    rival "linear" changes textures by what is linear in the difference of the expressions, "spline" warps the picture
+    from landmarks to landmarks. Flicker is how much textures turn back from frame to frame of a take from the neutral
+    face, in percent of how much they change over two frames.
 
     \b
     Example:
@@ -62,7 +64,12 @@ def command(networks, folder, styles, out, count, seed, overwrite):
         with progress_bar("comparing") as report:
             tally = test.run(count, seed, report)
         about = provenance("evaluate texture", [*networks, *sources], seed, count=count)
-        figures = {"people": tally.people, "painters": tally.figures(seed), "reading": tally.reading}
+        figures = {
+            "people": tally.people,
+            "painters": tally.figures(seed),
+            "reading": tally.reading,
+            "flicker": test.flicker(),
+        }
         write_json(target / "texture.json", about | figures)
         write_png(target / "texture.png", test.sheet(ROWS, seed))
     echo_notes(*(f"caricli: {note}" for note in notes))
@@ -73,10 +80,16 @@ def command(networks, folder, styles, out, count, seed, overwrite):
 def _print(figures: dict) -> None:
     """Print painters with their figures."""
     rows = [
-        (name, *(_cell(table[region]) for region in REGIONS), f"{figures['reading'][name]:.3f}")
+        (name, *(_cell(table[region]) for region in REGIONS), f"{figures['reading'][name]:.3f}", _steady(figures, name))
         for name, table in figures["painters"].items()
     ]
-    print_table(("% of kept", *REGIONS, "read"), [*rows, ("true", *"----", f"{figures['reading']['true']:.3f}")])
+    true = ("true", *"----", f"{figures['reading']['true']:.3f}", "-")
+    print_table(("% of kept", *REGIONS, "read", "flicker %"), [*rows, true])
+
+
+def _steady(figures: dict, name: str) -> str:
+    """Of a painter; the texture that is kept does not change."""
+    return f"{figures['flicker'][name]:.1f}" if name in figures["flicker"] else "-"
 
 
 def _cell(figure: dict) -> str:

@@ -2,9 +2,12 @@
 
 import numpy as np
 import torch
+from scipy.interpolate import RBFInterpolator
 from torch import nn
 from torch.nn import functional
 
+from caricli.methods.dynamic.chart_pictures import ChartGrid
+from caricli.methods.dynamic.shape_maps import CHANNELS, PART
 from caricli.methods.evaluate.evaluate_texture import Painter
 from caricli.methods.train.texture_losses import TextureBatch
 from caricli.methods.train.texture_pairs import TexturePairs
@@ -48,6 +51,34 @@ def linear_painter(pairs: TexturePairs, seed: int) -> Painter:
     def paint(batch: TextureBatch) -> torch.Tensor:
         change = (batch.target_code - batch.source_code) @ table
         return (batch.source + change.view_as(batch.source)).clamp(0, 1)
+
+    return paint
+
+
+def spline_painter(grid: ChartGrid, landmarks: np.ndarray) -> Painter:
+    """The texture as a picture of it shows it that is warped from landmarks to landmarks (expressions paper, 4.3.2).
+
+    The warp is a thin-plate spline over the chart. Where the face moves as the spline between the landmarks does, the
+    texture stays as it is; elsewhere the picture's paint slides over the face.
+    grid: ChartGrid. landmarks: (L,) vertices of the mesh; those of the chart count.
+    """
+    chart = grid.chart
+    places = chart.uvs[np.isin(chart.vertices, landmarks)] * [grid.size, -grid.size] + [-0.5, grid.size - 0.5]
+    inside = np.argwhere(grid.covered)[:, ::-1]
+    knots = np.unique(inside[((places[:, None] - inside) ** 2).sum(2).argmin(1)], axis=0)
+    spline = RBFInterpolator(knots, np.eye(len(knots)), kernel="thin_plate_spline")
+    texels = np.stack(np.meshgrid(np.arange(grid.size), np.arange(grid.size)), -1)
+    shares = torch.from_numpy(spline(texels.reshape(-1, 2)).astype(np.float32))
+    channels = [CHANNELS.index(f"displacement_{axis}") for axis in "xy"]
+    # From quarters of the face's width to halves of the chart's side, in which pictures are sampled; rows go down.
+    scale = PART * float(np.ptp(chart.uvs[:, 0])) * 2 * torch.tensor([1.0, -1.0])
+    still = torch.from_numpy(((texels + 0.5) * 2 / grid.size - 1).astype(np.float32))
+
+    def paint(batch: TextureBatch) -> torch.Tensor:
+        moved = batch.forth[:, channels].permute(0, 2, 3, 1)
+        warped = shares @ moved[:, knots[:, 1], knots[:, 0]]
+        slid = still + scale * (moved - warped.view_as(moved))
+        return functional.grid_sample(batch.source, slid, padding_mode="border", align_corners=False)
 
     return paint
 

@@ -49,6 +49,19 @@ class PaintedPeople:
     shapes: ShapeFields
 
 
+@dataclass(frozen=True, eq=False)
+class PairChoice:
+    """B pairs. person: (B,) whose source it is. other: (B,) whose target, the same person's or anybody's. look: (B,) of
+    both. source, target: (B,) expressions. bright: (B, 1, 1, 3), what colours are multiplied by."""
+
+    person: np.ndarray
+    other: np.ndarray
+    look: np.ndarray
+    source: np.ndarray
+    target: np.ndarray
+    bright: np.ndarray
+
+
 class TexturePairs:
     """Draws batches of pairs of PaintedPeople."""
 
@@ -70,31 +83,37 @@ class TexturePairs:
 
     def draw(self, count: int, generator: np.random.Generator, paired: bool) -> TextureBatch:
         """Pairs of different expressions of random people in random looks; without pairs targets are of others."""
-        pictures = self.people.pictures
-        looks, expressions = pictures.shape[1:3]
+        looks, expressions = self.people.pictures.shape[1:3]
         person = generator.integers(self.count, size=count)
         look = np.where(generator.random(count) < self.config.plain, 0, generator.integers(looks, size=count))
         source = generator.integers(expressions, size=count)
         target = (source + generator.integers(1, expressions, count)) % expressions
         bright = generator.uniform(*BRIGHT, (count, 1, 1, 3))
         other = person if paired else generator.permutation(person)
-        shapes = [self.people.shapes[person, each] for each in (source, target)]
-        seen = self.people.seen[person, source] & self.people.seen[other, target] & self.grid.covered
+        batch = self.batch(PairChoice(person, other, look, source, target, bright))
+        return mirrored(batch, torch.from_numpy(generator.random(count) < self.config.mirrored))
+
+    def batch(self, choice: "PairChoice") -> TextureBatch:
+        """The pairs of a choice."""
+        pictures = self.people.pictures
+        person = choice.person
+        look = choice.look
+        shapes = [self.people.shapes[person, each] for each in (choice.source, choice.target)]
+        seen = self.people.seen[person, choice.source] & self.people.seen[choice.other, choice.target]
         moved = pair_attention(self.grid, shapes[0], shapes[1])
-        batch = TextureBatch(
-            _channels_first(_brightened(pictures[person, look, source], bright)),
-            _channels_first(_brightened(pictures[other, look, target], bright)),
+        return TextureBatch(
+            _channels_first(_brightened(pictures[person, look, choice.source], choice.bright)),
+            _channels_first(_brightened(pictures[choice.other, look, choice.target], choice.bright)),
             _channels_first(pair_maps(self.grid, shapes[0], shapes[1])),
             _channels_first(pair_maps(self.grid, shapes[1], shapes[0])),
-            torch.from_numpy(self.people.codes[person, source]),
-            torch.from_numpy(self.people.codes[person, target]),
+            torch.from_numpy(self.people.codes[person, choice.source]),
+            torch.from_numpy(self.people.codes[person, choice.target]),
             torch.from_numpy(OPEN + (1 - OPEN) * moved if self.config.relative else moved)[:, None],
-            torch.from_numpy(self._weight(seen))[:, None],
-            torch.from_numpy(seen)[:, None],
+            torch.from_numpy(self._weight(seen & self.grid.covered))[:, None],
+            torch.from_numpy(seen & self.grid.covered)[:, None],
             torch.from_numpy(person),
-            paired,
+            bool((choice.other == person).all()),
         )
-        return mirrored(batch, torch.from_numpy(generator.random(count) < self.config.mirrored))
 
     def _weight(self, seen: np.ndarray) -> np.ndarray:
         """(B, S, S) how much texels count. seen: (B, S, S)."""

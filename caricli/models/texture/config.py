@@ -108,4 +108,4 @@ class TextureConfig:
     @property
     def paired_epochs(self) -> int:
         """Epochs that are trained on pairs."""
-        return max(1, round(self.epochs * (1 - self.unpaired)))
+        return round(self.epochs * (1 - self.unpaired))

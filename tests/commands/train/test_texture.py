@@ -53,12 +53,13 @@ def test_it_is_measured(run, trained, textures, tmp_path):
     result = run("evaluate", "texture", network, "--data", textures, "--out", tmp_path / "out", "--count", "8")
     assert result.exit_code == 0, result.output
     report = json.loads((tmp_path / "out" / "texture.json").read_text())
-    assert set(report["painters"]) == {"kept", "linear", str(network)}
-    assert report["people"] == 2 and set(report["reading"]) == {"kept", "linear", "true", str(network)}
+    assert set(report["painters"]) == {"kept", "linear", "spline", str(network)}
+    assert report["people"] == 2 and set(report["reading"]) == {"kept", "linear", "spline", "true", str(network)}
+    assert set(report["flicker"]) == {"linear", "spline", str(network)} and report["flicker"]["linear"] < 1
     for region in ("attention", "outside", "mouth"):
         figure = report["painters"]["kept"][region]
         assert figure["percent"] == figure["low"] == figure["high"] == 100
-    assert read_image(tmp_path / "out" / "texture.png").shape == (8 * 32, 4 * 32, 3)
+    assert read_image(tmp_path / "out" / "texture.png").shape == (8 * 32, 5 * 32, 3)
 
 
 def test_what_is_no_folder_of_textures_is_refused(refused, trained, textures, tmp_path):
