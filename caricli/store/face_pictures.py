@@ -14,6 +14,7 @@ from caricli.store.pictures import load_marked_picture
 from caricli.structures.detection import FacePicture, SeenFace
 
 if TYPE_CHECKING:
+    from caricli.methods.detect.parse_face import GivenFace
     from caricli.models.detector.model import Detector
 
 
@@ -58,13 +59,18 @@ class FaceReader:
 
         pixels: (H, W, 3) uint8. points: (L, 2). Returns None where no detector is given, and none comes along.
         """
+        given = self.given(pixels, points)
+        return None if given is None else given.regions
+
+    def given(self, pixels: np.ndarray, points: np.ndarray) -> "GivenFace | None":
+        """The face of landmarks (L, 2) in a picture (H, W, 3) uint8, or None as ``parse``."""
         from caricli.store.detector import has_detector
 
         if self.path is None and not has_detector():
             return None
-        from caricli.methods.detect.parse_face import parse_around
+        from caricli.methods.detect.parse_face import GivenFace
 
-        return parse_around(pixels, points, self.detector)
+        return GivenFace(pixels, points, self.detector)
 
     def see(self, pixels: np.ndarray) -> SeenFace:
         """The face of a picture (H, W, 3) uint8. Raises InputError where it shows none."""

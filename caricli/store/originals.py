@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from caricli.errors import naming
+from caricli.errors import InputError, naming, shown
 from caricli.io.image import read_image
 from caricli.methods.redraw.original import Original
 from caricli.store.face_pictures import FaceReader
@@ -18,14 +18,19 @@ def load_original(
 
     template: of the rig's skin. path: of the picture. parsing: of its label map, or None to let the detector of a
     FaceReader see what is before the head.
-    Raises InputError when the rig has no camera, and where the picture shows no head where this sees one.
+    Raises InputError when the rig has no camera, and where the picture shows no head where this sees one, or surely a
+    face elsewhere.
     """
     landmarks = rig.require_depiction().landmarks
     picture = read_image(path)
-    regions = None
-    if parsing is not None:
+    given = None if landmarks is None else (reader or FaceReader()).given(picture, landmarks)
+    if given is not None and given.elsewhere:
+        raise InputError(
+            f"{shown(path)}: expected the picture that the face was fitted to, found a face in another place"
+        )
+    if parsing is None:
+        regions = None if given is None else given.regions
+    else:
         regions = load_regions(parsing, (picture.shape[1], picture.shape[0]))
-    elif landmarks is not None:
-        regions = (reader or FaceReader()).parse(picture, landmarks)
     with naming(path):
         return Original(rig, template, picture, regions)

@@ -2,14 +2,17 @@
 
 from dataclasses import replace
 
+import cv2
 import numpy as np
 import pytest
+from skimage.data import astronaut
 
 from caricli.io.image import read_image, write_png
 from caricli.io.obj import write_obj
 from caricli.io.parsing import legend, write_parsing
 from caricli.io.rig import read_rig, write_rig
 from caricli.io.strict_json import read_json, write_json
+from caricli.store.models import load_model
 from caricli.structures import Depiction, Mesh
 from caricli.structures.parsing import Region
 from tests.methods.redraw.conftest import CAMERA, stage  # noqa: F401
@@ -87,6 +90,25 @@ def test_bad_input_is_one_line_and_leaves_nothing(refused, sitting, tmp_path):
     labels = ["--parsing", sitting / "labels.png"]
     assert "size" in refused(*given, "--picture", small, *labels, *out)
     assert not place.exists()
+
+
+def test_the_picture_of_another_face_is_refused(refused, run, sitting, tmp_path):
+    rig = read_rig(sitting / "b.npz")
+    points = rig.depiction.camera.project(rig.neutral[load_model(kind="morphable").template.annotation.landmarks])
+    kept = tmp_path / "kept.npz"
+    write_rig(kept, replace(rig, depiction=replace(rig.depiction, landmarks=points.astype(np.float32))))
+    command, _, *others = arguments(sitting, 1)
+    other = tmp_path / "astronaut.png"
+    write_png(other, cv2.resize(astronaut()[:240, 100:340], (200, 200), interpolation=cv2.INTER_AREA))
+    out = ["--out", tmp_path / "new" / "open.png"]
+    given = [command, kept, others[0], "--parsing", sitting / "labels.png", "--picture"]
+    assert "another place" in refused(*given, other, *out)
+    # The right one, darker, without its colours, and as JPEG, is taken.
+    pixels = read_image(sitting / "drawing.png")
+    edited = tmp_path / "edited.jpg"
+    grey = np.repeat(0.8 * pixels.mean(2, keepdims=True), 3, axis=2).astype(np.uint8)
+    cv2.imwrite(str(edited), grey, [cv2.IMWRITE_JPEG_QUALITY, 60])
+    assert run(*given, edited, *out).exit_code == 0
 
 
 @pytest.mark.parametrize(

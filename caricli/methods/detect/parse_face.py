@@ -1,6 +1,7 @@
 """What a picture shows around a face whose landmarks are given."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -8,10 +9,11 @@ from caricli.methods.detect.detect_faces import detect_faces
 from caricli.methods.detect.find_faces import frames_overlap
 from caricli.methods.detect.parse_picture import WindowRegions, parse_picture
 from caricli.methods.detect.read_faces import ReadFace, read_face
+from caricli.methods.detect.see_face import doubt_of
 from caricli.methods.detect.settings import DetectSettings
 from caricli.models.detector.model import Detector
 from caricli.render.cut_window import cut_window
-from caricli.structures.detection import FaceFrame
+from caricli.structures.detection import Detection, FaceFrame
 from caricli.structures.landmarks import COUNT, EYES, MOUTH
 
 _WIDE = 2
@@ -19,6 +21,61 @@ _WIDE = 2
 
 _SAME = 0.5
 """Overlap of the frames of landmarks and of a face that is found, from which on these are of one face."""
+
+_NEAR = 0.1
+"""Of the diagonal of landmarks: so far those that are seen are from them, at most, in the mean, where the picture is
+theirs. Of 110 generated ones none is, to what is seen of it, farther than 0.051; of 440 others 95 % are surely so."""
+
+
+@dataclass(frozen=True, eq=False)
+class GivenFace:
+    """A face whose landmarks are given, in a picture.
+
+    picture: (H, W, 3) uint8. points: (L, 2) pixels, NaN where unknown. detector: Detector. settings: DetectSettings.
+    """
+
+    picture: np.ndarray
+    points: np.ndarray
+    detector: Detector
+    settings: DetectSettings = DetectSettings()  # noqa: RUF009 (frozen)
+
+    @cached_property
+    def detection(self) -> Detection:
+        """What is found in the whole picture."""
+        return detect_faces(self.picture, self.detector, self.settings)
+
+    @cached_property
+    def parsed(self) -> "ParsedFace":
+        """What is read around the landmarks alone."""
+        return parse_face(self.picture, self.points, self.detector, self.settings)
+
+    @property
+    def regions(self) -> np.ndarray:
+        """(H, W) uint8 values of Region, what the picture shows.
+
+        Where this face is found in the picture, it is what its detection says, a mean of looks at several scales; else
+        what is read around the landmarks alone.
+        """
+        frame = FaceFrame.of(_filled(self.points))
+        if any(frames_overlap(frame, face.frame) >= _SAME for face in self.detection.faces):
+            return self.detection.regions
+        return self.parsed.regions
+
+    @property
+    def elsewhere(self) -> bool:
+        """Whether the picture surely shows a face, and none, sure or not, where the landmarks are."""
+        faces = self.detection.faces
+        sure = any(doubt_of(face, self.settings) is None for face in faces)
+        if not sure or any(self._is_near(face.landmarks.points) for face in faces):
+            return False
+        read = self.parsed.read
+        return not (read.is_hopeful(self.settings) and self._is_near(read.points))
+
+    def _is_near(self, seen: np.ndarray) -> bool:
+        """Whether landmarks (81, 2), NaN where unknown, are those that are given."""
+        away = np.linalg.norm(seen[:COUNT] - self.points[:COUNT], axis=1)
+        diagonal = np.linalg.norm(np.ptp(_filled(self.points), axis=0))
+        return bool(np.nanmean(away) < _NEAR * diagonal) if np.isfinite(away).any() else False
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,23 +87,6 @@ class ParsedFace:
 
     read: ReadFace
     regions: np.ndarray
-
-
-def parse_around(
-    picture: np.ndarray, points: np.ndarray, detector: Detector, settings: DetectSettings | None = None
-) -> np.ndarray:
-    """Say what a picture shows whose face has landmarks.
-
-    Where this face is found in the picture, it is what its detection says, a mean of looks at several scales; else what
-    is read around the landmarks alone.
-    picture: (H, W, 3) uint8. points: (L, 2) pixels, NaN where unknown.
-    Returns (H, W) uint8 values of Region.
-    """
-    detection = detect_faces(picture, detector, settings)
-    frame = FaceFrame.of(_filled(points))
-    if any(frames_overlap(frame, face.frame) >= _SAME for face in detection.faces):
-        return detection.regions
-    return parse_face(picture, points, detector, settings).regions
 
 
 def parse_face(

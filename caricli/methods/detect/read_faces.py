@@ -37,6 +37,10 @@ class ReadFace:
             np.sqrt(np.trace(self.spreads, axis1=1, axis2=2).mean()) / np.linalg.norm(np.ptp(self.points, axis=0))
         )
 
+    def is_hopeful(self, settings: DetectSettings) -> bool:
+        """Whether there may be a face; where there is none, landmarks are those of a usual one, and not sure."""
+        return self.score >= settings.start and self.spread <= 2 * settings.widest
+
 
 def look_at_face(picture: np.ndarray, frame: FaceFrame, detector: Detector, settings: DetectSettings) -> ReadFace:
     """Look at the face in a frame of a picture (H, W, 3) uint8, and then again in the frame of the landmarks just seen.
@@ -46,8 +50,7 @@ def look_at_face(picture: np.ndarray, frame: FaceFrame, detector: Detector, sett
     where they differ is doubt, too. The jaw's points are spaced as people mark them.
     """
     read = read_face(picture, frame, settings.first, detector)
-    hopeful = read.score >= settings.start and read.spread <= 2 * settings.widest
-    for _ in range(settings.looks - 1 if hopeful else 0):
+    for _ in range(settings.looks - 1 if read.is_hopeful(settings) else 0):
         frame = FaceFrame.of(read.points)
         read = read_face(picture, frame, settings.second, detector)
         if frames_overlap(frame, FaceFrame.of(read.points)) > settings.agree:

@@ -22,7 +22,7 @@ class ChangedTexture:
         size = len(picture)
         side = np.arange(grid.size, dtype=np.float32)
         places = np.stack(np.meshgrid(side, side), axis=-1)
-        spots = chart_to_texture(np.dstack([places, _inside(grid)]), template, grid, size)
+        spots = chart_to_texture(np.dstack([places, inside_chart(grid)]), template, grid, size)
         self.picture = picture
         rows = np.flatnonzero(spots[..., 2].max(1) > 0)
         columns = np.flatnonzero(spots[..., 2].max(0) > 0)
@@ -46,7 +46,7 @@ class ChangedTexture:
         return cv2.remap(values.astype(np.float32), columns, rows, cv2.INTER_CUBIC, borderMode=cv2.BORDER_REPLICATE)
 
 
-def _inside(grid: ChartGrid) -> np.ndarray:
+def inside_chart(grid: ChartGrid) -> np.ndarray:
     """(S, S) from 0 at the border of the chart to 1 inside; its holes are no border."""
     outline = grid.covered.astype(np.uint8)
     contours, _ = cv2.findContours(outline, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)

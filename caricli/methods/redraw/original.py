@@ -8,6 +8,8 @@ import numpy as np
 
 from caricli.errors import InputError
 from caricli.methods.detect.cut_openings import cut_openings
+from caricli.methods.dynamic.chart_pictures import ChartGrid
+from caricli.methods.dynamic.dress_texture import inside_chart
 from caricli.methods.redraw.settings import RedrawSettings
 from caricli.methods.redraw.view import View, Window
 from caricli.methods.texture.estimate_light import Light, estimate_light
@@ -15,10 +17,12 @@ from caricli.methods.texture.fill_unseen import skin_weights
 from caricli.methods.texture.mouth_wall import mouth_wall
 from caricli.methods.texture.picture_view import PictureView, Sight, SurfacePoints
 from caricli.methods.texture.settings import TextureSettings
+from caricli.render.sample_texture import sample_pixels
 from caricli.render.smooth_normals import smooth_normals
 from caricli.structures import Depiction, Material, Rig
 from caricli.structures.landmarks import EYE_LEFT, EYE_RIGHT, LIPS
 from caricli.structures.parsing import Region
+from caricli.template.chart import face_chart
 from caricli.template.template import Template
 
 _DRAWN = (Material.SKIN, Material.EYE, Material.TEETH, Material.GUMS, Material.TONGUE, Material.BUST)
@@ -32,9 +36,11 @@ _OPENINGS = (Region.EYES, Region.MOUTH, Region.TEETH)
 _OPEN_MOUTH = 2e-3  # of the square of the head's height
 _SHUT_EYE = 3e-4
 _CROSS = cv2.getStructuringElement(cv2.MORPH_CROSS, (3, 3))
+_CHART = 128  # texels, of the chart in which distances from its border are taken
 _LEAST = 0.6  # of the head, and of its pixels
 _FAR = 1e6
-_MARGIN = 0.35  # of the head's height: no expression reaches farther beyond the head
+_STRONGEST = 1.5  # weight of an expression
+_MARGIN = 0.08  # of the head's height, around what moves: there is what goes with it
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,11 +101,17 @@ class Original:
     @cached_property
     def window(self) -> Window:
         """Where expressions reach."""
-        margin = _MARGIN * self.size
         height, width = self.picture.shape[:2]
-        drawn = self.placed[np.unique(self.faces), :2]
-        left, top = np.clip(np.floor(drawn.min(0) - margin), 0, [width - 1, height - 1]).astype(int)
-        right, bottom = np.clip(np.ceil(drawn.max(0) + margin), 1, [width, height]).astype(int)
+        scale = self.depiction.camera.scale
+        reach = scale * _STRONGEST * np.linalg.norm(self.rig.deltas, axis=2).max(0, initial=0.0)
+        reach += scale * np.linalg.norm(self.depiction.vertices - self.rig.neutral, axis=1)
+        drawn = np.unique(self.faces)
+        moving = drawn[reach[drawn] > self.settings.still / 2]
+        moving = moving if len(moving) else drawn
+        places = self.placed[moving, :2]
+        margin = reach[moving, None] + _MARGIN * self.size
+        left, top = np.clip(np.floor((places - margin).min(0)), 0, [width - 1, height - 1]).astype(int)
+        right, bottom = np.clip(np.ceil((places + margin).max(0)), 1, [width, height]).astype(int)
         across = max(right - left, 1)
         down = max(bottom - top, 1)
         fine = int(np.clip(self.settings.largest // max(across, down), 1, self.settings.fine))
@@ -200,6 +212,18 @@ class Original:
         eyes[np.unique(self.rig.faces[self.rig.triangle_materials == Material.EYE])] = 1
         left = self.rig.neutral[:, 0] > 0
         return {"eyes_left": eyes * left, "eyes_right": eyes * ~left}
+
+    @cached_property
+    def charted(self) -> np.ndarray:
+        """(W, 3) where vertices are in the chart of the face, origin at the bottom left, and from 0 at its border and
+        beyond it to 1, how far changes of its paint reach them.
+        """
+        grid = ChartGrid(face_chart(self.template), _CHART)
+        chart = grid.chart
+        at = np.column_stack([chart.uvs[:, 0], 1 - chart.uvs[:, 1]]) * _CHART - 0.5
+        charted = np.zeros((len(self.rig.neutral), 3))
+        charted[chart.vertices] = np.column_stack([chart.uvs, sample_pixels(inside_chart(grid), at[:, 0], at[:, 1])])
+        return charted
 
     @cached_property
     def open_mouth(self) -> float:

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from caricli.methods.redraw.changed_paint import ChangedPaint, changed_paint
 from caricli.methods.redraw.fill_behind import fill_behind
 from caricli.methods.redraw.moved_head import MovedHead
 from caricli.methods.redraw.original import Original
@@ -10,32 +11,32 @@ from caricli.methods.texture.picture_view import likeness
 from caricli.methods.texture.settings import TextureSettings
 from caricli.render.paint import smooth_step
 from caricli.render.sample_texture import sample_texture
-from caricli.structures import Material, Pictures
+from caricli.structures import Material
 from caricli.structures.materials import FINISHES
-
-_GREY = 8.0  # of 255, added to colours before they are divided
-_CHANGE = (0.25, 4.0)  # of colours by another texture
+from caricli.structures.texture_change import TextureChange
 
 
-def redraw_picture(original: Original, vertices: np.ndarray, pictures: Pictures | None = None) -> np.ndarray:
+def redraw_picture(original: Original, vertices: np.ndarray, change: TextureChange | None = None) -> np.ndarray:
     """Draw a picture again with the head in another shape.
 
     Where the old picture showed a point of the head, the point keeps its colour, as much brighter or darker as it is
-    turned to the light that is estimated, and changed as what the head wears has changed; elsewhere it takes the
-    texture's, in that light, with what the old picture differs from it around. What is in the mouth stretches with the
-    lips or is drawn anew.
+    turned to the light that is estimated; elsewhere it takes the texture's, in that light, with what the old picture
+    differs from it around. Both take the change of paint. What is in the mouth stretches with the lips or is drawn
+    anew.
 
-    original: Original. vertices: (W, 3) metres, of its rig. pictures: what the head wears in this expression, in
-    pictures of any size, or None for what it wears in the rig.
-    Returns (H, W, 3) uint8, which is the old picture wherever nothing moved.
+    original: Original. vertices: (W, 3) metres, of its rig. change: what the expression does to the paint of the face,
+    in its chart, or None for nothing.
+    Returns (H, W, 3) uint8, which is the old picture wherever nothing moved or changed.
     """
     settings = original.settings
     head = MovedHead(original, vertices)
-    motion = head.motion
-    if motion.max() <= settings.still:
+    changed = None if change is None else changed_paint(head, change)
+    moved = smooth_step(head.motion, settings.still, settings.moved)
+    if changed is not None:
+        moved = np.maximum(moved, smooth_step(changed.strength, *settings.changed))
+    if moved.max() <= 0:
         return original.picture.copy()
-    new = _composed(original, head, _painted(original, head, pictures))
-    moved = smooth_step(motion, settings.still, settings.moved)
+    new = _composed(original, head, _painted(original, head, changed))
     window = original.window
     share = window.means(moved)[..., None]
     drawn = window.means(new * moved[..., None]) + (1 - share) * window.cut(original.picture)
@@ -44,14 +45,13 @@ def redraw_picture(original: Original, vertices: np.ndarray, pictures: Pictures 
     return image
 
 
-def _painted(original: Original, head: MovedHead, pictures: Pictures | None) -> np.ndarray:
+def _painted(original: Original, head: MovedHead, changed: ChangedPaint | None) -> np.ndarray:
     """(H, W, 3) float32 colours of the head: of the old picture where it showed this, else of what the head wears."""
-    worn = before = _worn(original, head, original.rig.pictures)
     old = head.picture(head.source) * head.light_ratio
-    if pictures is not None:
-        worn = _worn(original, head, pictures)
-        old *= np.clip((worn + _GREY) / (before + _GREY), *_CHANGE)
-    lit = worn * head.shade
+    lit = _worn(original, head) * head.shade
+    if changed is not None:
+        old = changed.paint(old)
+        lit = changed.paint(lit)
     seen = head.shown
     eyes = _materials(original, head) == Material.EYE
     # In a mouth a colour says nothing of what is beside it.
@@ -97,14 +97,14 @@ def _materials(original: Original, head: MovedHead) -> np.ndarray:
     return np.where(head.view.covered, materials[head.view.face], -1)
 
 
-def _worn(original: Original, head: MovedHead, pictures: Pictures) -> np.ndarray:
+def _worn(original: Original, head: MovedHead) -> np.ndarray:
     """(H, W, 3) float32 colours of what a head wears at the samples, without light."""
     mesh = original.rig.mesh
     materials = _materials(original, head)
     colours = np.zeros((*materials.shape, 3), np.float32)
     for material in np.unique(materials[head.view.covered]):
         own = materials == material
-        picture = pictures.of(material)
+        picture = original.rig.pictures.of(material)
         if picture is None or mesh.uvs is None:
             colours[own] = FINISHES[Material(material)].colour
         else:

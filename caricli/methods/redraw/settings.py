@@ -9,6 +9,8 @@ class RedrawSettings:
 
     fine: samples along a pixel. largest: samples, longest side of what is drawn so; beyond it fewer.
     still, moved: pixels, motion up to which a pixel stays as it is, and from which on it is drawn anew.
+    changed: levels of 255, change of paint up to which a pixel that keeps still stays, and from which on it is drawn
+    anew.
     band: share of the head's height in the picture, breadth of the strip beside an outline that goes with it: lines are
     drawn around a head, and no mesh ends where they do. stain: as band, breadth of what an outline that moved away may
     have left behind.
@@ -24,6 +26,7 @@ class RedrawSettings:
     largest: int = 3072
     still: float = 0.2
     moved: float = 1.0
+    changed: tuple[float, float] = (1.0, 4.0)
     band: float = 0.035
     stain: float = 0.02
     jump: float = 0.02

@@ -5,6 +5,7 @@ from functools import cached_property
 
 import cv2
 import numpy as np
+import scipy.sparse as sp
 
 from caricli.render.nearest_pixel import nearest_pixel
 from caricli.render.rasterise import rasterise
@@ -79,9 +80,17 @@ class View:
     def carried(self, values: np.ndarray) -> np.ndarray:
         """(H, W, C) float32: values (V, C) of vertices at the samples; zeros beside the head."""
         carried = np.zeros((*self.face.shape, values.shape[1]), np.float32)
-        corners = values.astype(np.float32)[self.faces[self.face[self.covered]]]
-        carried[self.covered] = np.einsum("nk,nkc->nc", self.weights[self.covered], corners)
+        carried[self.covered] = self._mix @ values.astype(np.float32)
         return carried
+
+    @cached_property
+    def _mix(self) -> sp.csr_matrix:
+        """(N, V) float32, sparse: how vertices mix at the samples that show the head."""
+        corners = self.faces[self.face[self.covered]].astype(np.int32)
+        ends = np.arange(len(corners) + 1, dtype=np.int32) * 3
+        return sp.csr_matrix(
+            (self.weights[self.covered].ravel(), corners.ravel(), ends), (len(corners), len(self.placed))
+        )
 
     @cached_property
     def outline(self) -> tuple[np.ndarray, np.ndarray]:

@@ -1,5 +1,6 @@
 from dataclasses import replace
 
+import cv2
 import numpy as np
 import pytest
 
@@ -8,6 +9,7 @@ from caricli.methods.redraw.redraw_picture import redraw_picture
 from caricli.structures import Material, Pictures
 from caricli.structures.materials import FINISHES
 from caricli.structures.parsing import Region
+from caricli.structures.texture_change import TextureChange
 from tests.methods.redraw.conftest import WALL
 
 OPEN = {"jawOpen": 0.8}
@@ -74,14 +76,32 @@ def test_teeth_show_where_the_mouth_opens(stage):
     assert np.median(again[teeth][:, 0] - again[teeth][:, 1]) < 25
 
 
-def test_another_texture_changes_what_moves(stage):
+def change(attention, gain=-0.5, offset=0.0, size=64):
+    """A TextureChange that is the same everywhere."""
+    flat = np.full((size, size, 3), 1.0, np.float32)
+    return TextureChange(attention * flat[..., 0], gain * flat, offset * flat)
+
+
+def test_a_change_of_paint_is_drawn_on_the_face_alone(stage):
     original = stage.original(stage.shape())
-    same = redraw_picture(original, stage.shape(**OPEN), stage.rig.pictures)
-    np.testing.assert_array_equal(same, redraw_picture(original, stage.shape(**OPEN)))
-    skin = stage.rig.pictures.skin
-    darker = redraw_picture(original, stage.shape(**OPEN), replace(stage.rig.pictures, skin=skin // 2))
-    changed = (same != original.picture).any(2)
-    assert darker[changed].mean() < 0.8 * same[changed].mean()
+    same = redraw_picture(original, stage.shape(**OPEN))
+    np.testing.assert_array_equal(redraw_picture(original, stage.shape(**OPEN), change(0.0)), same)
+    darker = redraw_picture(original, stage.shape(**OPEN), change(1.0))
+    cheek = np.s_[120:130, 75:80]
+    np.testing.assert_allclose(darker[cheek], 0.5 * same[cheek], atol=4)
+    head = (stage.regions(stage.shape(**OPEN)) == Region.SKIN) | (original.regions == Region.SKIN)
+    beside = cv2.dilate(head.astype(np.uint8), np.ones((5, 5))) == 0
+    np.testing.assert_array_equal(darker[beside], same[beside])
+
+
+def test_what_keeps_still_changes_its_paint_where_there_is_attention(stage):
+    original = stage.original(stage.shape())
+    only = change(1.0)
+    only.attention[:, :32] = 0
+    again = redraw_picture(original, stage.rig.neutral, only).astype(int)
+    away = np.abs(again - original.picture).max(2)
+    # The left of the chart is the left of the picture; strokes of the other side stay as they are.
+    assert away[110:130, 60:90].max() == 0 and np.median(away[120:130, 115:122]) > 30
 
 
 def test_a_head_without_texture_is_drawn_and_says_so(stage):
