@@ -6,13 +6,14 @@ from dataclasses import dataclass, replace
 import cv2
 import numpy as np
 
+from caricli.data.build_settings import EXPONENTS
 from caricli.data.expressions import named_expressions
 from caricli.data.regular_face import Person, regular_face
 from caricli.data.texture_set import ActedTextures
 from caricli.geometry.exaggerate_curvature import exaggerate_curvature
 from caricli.methods.creases.actor import Stage
 from caricli.methods.creases.random_acts import random_acts
-from caricli.methods.dynamic.chart_pictures import ChartGrid, texture_to_chart
+from caricli.methods.dynamic.chart_pictures import ChartGrid, picture_to_chart, texture_to_chart
 from caricli.methods.dynamic.show_mouth import show_mouth
 from caricli.methods.pictures.draw_sitter import Drawing, draw_sitter, random_strands
 from caricli.methods.pictures.light import Sky, random_sky
@@ -44,8 +45,10 @@ class ActSettings:
     side: pixels of a picture. filled: of it, by the face, least and most. unwrapped: texels, side of the texture of the
     whole head that the chart is cut from. bright: linear light of the skin, least and most. youngest: age on the head's
     scale with which skin is young; own: share of the skin's age that only chance decides; spread: factor of its
-    difference from the mean, so that many are quite young or quite old. seen: from 0 to 1, from
-    where on a texel is said to be seen. edge: pixels around hair, eyes and open lips that are mixed with these.
+    difference from the mean, so that many are quite young or quite old. folds: factors of the depth of folds in faces
+    without exaggeration and in the most exaggerated, whose artists exaggerate these, too. seen: from 0 to 1, from
+    where on a texel is said to be seen. edge: pixels around hair, eyes and open lips that are mixed with these. rim:
+    texels beside the opening of the mouth that are its wall as much as lips.
     texture: TextureSettings; a picture so much finer than the chart needs little sharpening. pose: PoseSettings.
     """
 
@@ -56,8 +59,10 @@ class ActSettings:
     youngest: float = 0.6
     own: float = 0.5
     spread: float = 1.6
+    folds: tuple[float, float] = (1.4, 2.4)
     seen: float = 0.5
     edge: int = 1
+    rim: int = 1
     texture: TextureSettings = TextureSettings(rounds=2)
     pose: PoseSettings = PoseSettings(
         yaw=12, pitch=6, roll=5, farthest=30, turned=0.1, rolled=0.0, perspective=0.06, aside=0.03
@@ -114,7 +119,8 @@ class TextureSource:
         old = (role.person.identity.age - settings.youngest) / (1 - settings.youngest)
         mixed = (1 - settings.own) * old + settings.own * generator.random()
         age = float(np.clip(0.5 + settings.spread * (mixed - 0.5), 0, 1))
-        actor = self.stage.engage(shapes[0], age, generator)
+        deep = float(np.interp(role.level, (1, len(EXPONENTS)), settings.folds))
+        actor = self.stage.engage(shapes[0], age, deep, generator)
         sitters = self.stage.perform(actor, shapes[0], shapes, acts)
         studio = self._studio(sitters[0], generator)
         textures = list(self._textures(sitters, studio))
@@ -167,7 +173,7 @@ class TextureSource:
             sight = self._sight(studio.camera, image, drawing.region)
             texture = texture_face(sitter.skin, sight, self.settings.unwrapped, self.settings.texture, like=like)
             like = like or texture
-            yield self._charted(texture, face, image)
+            yield self._charted(texture, face, image), self._seen(texture, face, drawing.region)
 
     def _sight(self, camera: Camera, image: np.ndarray, regions: np.ndarray) -> Sight:
         """What the camera saw of the head; regions (H, W) are true, so that openings need not be looked for."""
@@ -176,12 +182,21 @@ class TextureSource:
         around = np.ones((2 * self.settings.edge + 1,) * 2, np.uint8)
         return Sight(camera, image, whole & (cv2.dilate(others, around) == 0), whole)
 
-    def _charted(self, texture: FaceTexture, face: Face, image: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """The picture (S, S, 3) uint8 of the chart, and what of it (S, S) bool was seen."""
+    def _charted(self, texture: FaceTexture, face: Face, image: np.ndarray) -> np.ndarray:
+        """(S, S, 3) uint8, the picture of the chart."""
+        return show_mouth(texture_to_chart(texture.image, face.mesh, self.grid), image, face, self.grid)
+
+    def _seen(self, texture: FaceTexture, face: Face, regions: np.ndarray) -> np.ndarray:
+        """(S, S) bool, where the picture showed skin, and what is between the lips.
+
+        Strands of a beard are no skin: they lie otherwise in every expression. regions: (H, W) of the picture.
+        """
         grid = self.grid
-        picture = show_mouth(texture_to_chart(texture.image, face.mesh, grid), image, face, grid)
-        seen = grid.covered & (texture_to_chart(texture.seen, face.mesh, grid) >= self.settings.seen)
-        return picture, seen | grid.mouth
+        beard = picture_to_chart(np.repeat(255 * np.uint8(regions == Region.BEARD)[..., None], 3, axis=2), face, grid)
+        around = np.ones((2 * self.settings.rim + 1,) * 2, np.uint8)
+        lips = cv2.dilate(grid.mouth.astype(np.uint8), around) == 0
+        skin = texture_to_chart(texture.seen, face.mesh, grid) >= self.settings.seen
+        return grid.covered & skin & (beard[..., 0] == 0) & lips | grid.mouth
 
 
 def _nearest_camera(pose: Pose, points: np.ndarray) -> Camera:

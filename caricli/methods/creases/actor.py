@@ -73,14 +73,14 @@ class Stage:
         self.ground = CreaseGround(self.wardrobe.fine, painter.places, front)
         self.flushed = FlushedSkin(painter)
 
-    def engage(self, neutral: np.ndarray, age: float, generator: np.random.Generator) -> Actor:
-        """Draw an Actor. neutral: (V, 3) metres. age: of the skin, 0 to 1."""
+    def engage(self, neutral: np.ndarray, age: float, deep: float, generator: np.random.Generator) -> Actor:
+        """Draw an Actor. neutral: (V, 3) metres. age: of the skin, 0 to 1. deep: factor of the depth of folds."""
         appearance = random_appearance(generator)
         worn, scalp = self.wardrobe.headwear(self.template.with_vertices(neutral), appearance, generator)
         appearance = replace(appearance, scalp=scalp)
         return Actor(
             appearance,
-            random_pattern(self.marks, age, generator),
+            random_pattern(self.marks, age, generator).deepened(deep),
             to_linear(self.wardrobe.painter.draw(appearance)),
             float(generator.uniform(0, 0.4)),
             generator.random(3) ** 2 * generator.uniform(0.1, 0.6),

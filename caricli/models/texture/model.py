@@ -19,7 +19,7 @@ SCHEMA = "caricli.texture_network/1"
 KIND = "texture"
 
 _SIDES = (32, 512)
-_WIDTHS = (4, 512)
+_WHOLE = {"width": (4, 512), "narrow": (4, 512), "atlas": (0, 64)}
 _TOPOLOGY = 64
 """Characters of a topology's id."""
 
@@ -91,10 +91,10 @@ def _size(about: Any) -> TextureSize:
     names = [field.name for field in fields(TextureSize)]
     if not isinstance(about, dict) or sorted(about) != sorted(names):
         raise InputError(f"expected a network of {', '.join(names)}, found {shown(about, 60)!r}")
-    flags = {name: about[name] for name in names if name not in ("width", "narrow")}
+    flags = {name: about[name] for name in names if name not in _WHOLE}
     if not all(isinstance(value, bool) for value in flags.values()):
         raise InputError(f"expected {', '.join(flags)} to be true or false, found others")
-    widths = {name: whole_number(about[name], _WIDTHS, name) for name in ("width", "narrow")}
+    widths = {name: whole_number(about[name], span, name) for name, span in _WHOLE.items()}
     try:
         return TextureSize(**widths | flags)
     except ValueError as error:

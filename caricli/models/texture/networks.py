@@ -22,6 +22,9 @@ MAPS = 23
 OPEN = 0.2
 """Attention where nothing moves, of colours that change what is there: shading changes there, too."""
 
+ATLAS = 48
+"""Places of the atlas, across and down."""
+
 _PLACE = 2
 """Channels that say where a texel is: the chart is the same for everybody."""
 
@@ -56,8 +59,10 @@ class TextureNetwork(nn.Module):
         told = MAPS * size.maps
         codes = CODES * size.codes
         self.size = size
-        self.colour = Branch(3 + _PLACE + told, 6 if size.relative else 3, size.width, codes)
-        self.where = Branch(_PLACE + told, 1, size.narrow, codes) if size.attention else None
+        self.atlas = ActionAtlas(size.atlas) if size.codes and size.atlas else None
+        drawn = 0 if self.atlas is None else 2 * size.atlas
+        self.colour = Branch((3 + _PLACE + told, drawn), 6 if size.relative else 3, size.width, codes)
+        self.where = Branch((_PLACE + told, drawn), 1, size.narrow, codes) if size.attention else None
         start_convolutions(self, generator)
         for branch in (self.colour, self.where):
             if branch is not None:
@@ -66,7 +71,7 @@ class TextureNetwork(nn.Module):
     def forward(self, pictures: torch.Tensor, maps: torch.Tensor, codes: torch.Tensor) -> Change:
         """pictures: (B, 3, S, S) sRGB from 0 to 1. maps: (B, 23, S, S). codes: (B, 104)."""
         told = torch.cat([_places(pictures), maps[:, : MAPS * self.size.maps]], 1)
-        given = codes[:, : CODES * self.size.codes]
+        given = Told(codes[:, : CODES * self.size.codes], self._drawn(codes, pictures.shape[-1] // _HALF))
         values = self.colour(torch.cat([2 * pictures - 1, told], 1), given)
         gain = values[:, :3] if self.size.relative else torch.full_like(pictures, -1)
         offset = values[:, 3:] if self.size.relative else torch.sigmoid(values)
@@ -75,15 +80,42 @@ class TextureNetwork(nn.Module):
         attention = torch.sigmoid(self.where(told, given))
         return Change(OPEN + (1 - OPEN) * attention if self.size.relative else attention, gain, offset)
 
+    def _drawn(self, codes: torch.Tensor, side: int) -> torch.Tensor:
+        """(B, K, side, side) what the atlas says; K is 0 where there is none."""
+        return codes.new_zeros(len(codes), 0, side, side) if self.atlas is None else self.atlas(codes, side)
+
+
+@dataclass(frozen=True, eq=False)
+class Told:
+    """What a branch is told of both expressions. codes: (B, C) of the whole face. drawn: (B, K, S / 2, S / 2)."""
+
+    codes: torch.Tensor
+    drawn: torch.Tensor
+
+
+class ActionAtlas(nn.Module):
+    """What each of the actions does at each place of the chart, learnt: folds lie where they lie in most faces."""
+
+    def __init__(self, channels: int) -> None:
+        super().__init__()
+        self.fields = nn.Parameter(torch.zeros(CODES // 2, channels, ATLAS, ATLAS))
+
+    def forward(self, codes: torch.Tensor, side: int) -> torch.Tensor:
+        """Codes (B, 104) of source and target to (B, 2 C, side, side)."""
+        drawn = codes.view(len(codes), 2, -1) @ self.fields.flatten(1)
+        fields = drawn.view(len(codes), -1, ATLAS, ATLAS)
+        return fields if side == ATLAS else functional.interpolate(fields, (side, side), mode="bilinear")
+
 
 class Branch(nn.Module):
     """A U-Net from half of the chart's size down to a sixteenth, told the codes on every level."""
 
-    def __init__(self, inputs: int, outputs: int, width: int, codes: int) -> None:
-        """inputs, outputs: channels. width: at half of the chart's size. codes: how many numbers."""
+    def __init__(self, inputs: tuple[int, int], outputs: int, width: int, codes: int) -> None:
+        """inputs: channels, of the chart's size and of half of it. outputs: channels. width: at half of the chart's
+        size. codes: how many numbers."""
         super().__init__()
         widths = (width, width * 3 // 2, 2 * width, 2 * width)
-        self.stem = unit(inputs * _HALF**2, width)
+        self.stem = unit(inputs[0] * _HALF**2 + inputs[1], width)
         self.told = nn.ModuleList(nn.Linear(codes, each) for each in widths if codes)
         self.down = nn.ModuleList(unit(a, b, stride=2) for a, b in zip(widths[:-1], widths[1:], strict=True))
         self.same = nn.ModuleList(Residual(each) for each in widths)
@@ -97,16 +129,17 @@ class Branch(nn.Module):
             nn.init.normal_(value, std=0.0 if name.endswith("bias") else 0.1, generator=generator)
         nn.init.zeros_(self.last.weight)
 
-    def forward(self, fields: torch.Tensor, codes: torch.Tensor) -> torch.Tensor:
-        """Fields (B, inputs, S, S) and codes (B, K) to (B, outputs, S, S)."""
-        values = functional.pixel_unshuffle(fields, _HALF).contiguous(memory_format=torch.channels_last)
+    def forward(self, fields: torch.Tensor, told: Told) -> torch.Tensor:
+        """Fields (B, inputs, S, S) and what is told to (B, outputs, S, S)."""
+        values = torch.cat([functional.pixel_unshuffle(fields, _HALF), told.drawn], 1)
+        values = values.contiguous(memory_format=torch.channels_last)
         levels: list[torch.Tensor] = []
         values = self.stem(values)
         for level in range(_LEVELS):
             if level:
                 values = self.down[level - 1](levels[-1])
             if self.told:
-                values = values + self.told[level](codes)[:, :, None, None]
+                values = values + self.told[level](told.codes)[:, :, None, None]
             levels.append(self.same[level](values))
         values = levels.pop()
         for up, join in zip(self.up, self.join, strict=True):

@@ -117,7 +117,7 @@ def test_texels_count_by_what_they_are(pairs, grid, people):
     weight = batch.weight[0, 0].numpy()
     skin = weight[grid.covered & ~grid.mouth]
     assert (weight[~grid.covered] == 0).all() and weight.mean() == pytest.approx(1, rel=1e-5)
-    np.testing.assert_allclose(weight[grid.mouth], 8 * skin[0], rtol=1e-5)
+    np.testing.assert_allclose(weight[grid.mouth], config().mouth * skin[0], rtol=1e-5)
     half = [copy.copy(person) for person in people[:1]]
     seen = half[0].seen.copy()
     seen[:, :, :16] = False
