@@ -192,7 +192,7 @@ class TextureSource:
         Strands of a beard are no skin: they lie otherwise in every expression. regions: (H, W) of the picture.
         """
         grid = self.grid
-        beard = picture_to_chart(np.repeat(255 * np.uint8(regions == Region.BEARD)[..., None], 3, axis=2), face, grid)
+        beard = picture_to_chart(np.dstack(3 * [255 * (regions == Region.BEARD).astype(np.uint8)]), face, grid)
         around = np.ones((2 * self.settings.rim + 1,) * 2, np.uint8)
         lips = cv2.dilate(grid.mouth.astype(np.uint8), around) == 0
         skin = texture_to_chart(texture.seen, face.mesh, grid) >= self.settings.seen

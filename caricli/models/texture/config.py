@@ -24,10 +24,10 @@ class TextureSize:
 
     width, narrow: channels at half of the chart's size of the branches for colour and for attention; below it there are
     3/2, 2 and 2 times as many. atlas: channels in which the weights of expressions draw what they do at each place of
-    the chart, beside those that say it of the whole; none without codes. maps: whether it is told the shapes of the person with both expressions, as maps in the
-    chart. codes: whether it is told the weights of both expressions. attention: whether there is that branch; without
-    it the colours hold everywhere. relative: whether colours are a gain and an offset on those that are there, in place
-    of colours.
+    the chart, beside those that say it of the whole; none without codes. maps: whether it is told the shapes of the
+    person with both expressions, as maps in the chart. codes: whether it is told the weights of both expressions.
+    attention: whether there is that branch; without it the colours hold everywhere. relative: whether colours are a
+    gain and an offset on those that are there, in place of colours.
     Raises ValueError for impossible sizes.
     """
 
@@ -52,8 +52,8 @@ class TextureConfig:
 
     With the defaults the network has 1.9 MB in half precision.
 
-    width, narrow, atlas, maps, codes, attention, relative: see TextureSize. size: of the chart, texels; a multiple of 32.
-    epochs; steps: in an epoch; batch: pairs of expressions a step. looks: styles that every person is painted in beside
+    width, narrow, atlas, maps, codes, attention, relative: see TextureSize. size: of the chart, texels; a multiple of
+    32. epochs; steps: in an epoch; batch: pairs of expressions a step. looks: styles that every person is painted in beside
     the own one. plain: share of the pairs in the own look. mirrored: share of those that are mirrored. unpaired: share
     of the epochs, the last ones, that are trained without pairs, by cycles. learning_rate, critic_rate, weight_decay:
     of AdamW, with a cosine schedule. decay: of the weights' moving average, a step. judge_every: one of so many steps
