@@ -5,7 +5,7 @@ import torch
 from caricli.errors import InputError
 from caricli.models.texture.config import TextureConfig, TextureSize
 from caricli.models.texture.model import TextureModel, texture_from_checkpoint, texture_to_checkpoint
-from caricli.models.texture.networks import CODES, MAPS, TextureNetwork
+from caricli.models.texture.networks import ATLAS, CODES, MAPS, ActionAtlas, TextureNetwork
 
 SIDE = 32
 
@@ -79,3 +79,19 @@ def test_impossible_settings_are_refused():
         TextureConfig(size=100)
     with pytest.raises(ValueError, match="maps or codes"):
         TextureConfig(maps=False, codes=False)
+
+
+def test_the_atlas_says_what_actions_do_where():
+    atlas = ActionAtlas(2)
+    assert not atlas.fields.any()
+    with torch.no_grad():
+        atlas.fields[5, 1, 10, 20] = 4.0
+        codes = torch.zeros(3, CODES)
+        codes[1, 5] = 0.5
+        codes[2, CODES // 2 + 5] = 0.25
+        drawn = atlas(codes, ATLAS)
+    assert drawn.shape == (3, 4, ATLAS, ATLAS)
+    assert drawn.nonzero().tolist() == [[1, 1, 10, 20], [2, 3, 10, 20]]
+    assert drawn[1, 1, 10, 20] == 2 and drawn[2, 3, 10, 20] == 1
+    smaller = atlas(codes, ATLAS // 2).detach()
+    assert smaller.shape[-1] == ATLAS // 2 and smaller[1, 1].argmax() == 5 * ATLAS // 2 + 10
