@@ -118,8 +118,10 @@ class LazyGroup(click.Group):
         if module is None:
             return LazyGroup(cmd_name, prefix=f"{self.prefix}{cmd_name} ", help=short_help)
         if section not in _THREADED:
-            # Read when NumPy is imported, which commands do.
+            # Read when NumPy and PyTorch are imported, which commands do. Threads that spin while they wait for others
+            # take these their processor where there is other work.
             os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+            os.environ.setdefault("OMP_WAIT_POLICY", "PASSIVE")
         _put_off("numpy.f2py", "numpy.testing")
         return importlib.import_module(f"caricli.commands.{module}").command
 

@@ -39,12 +39,18 @@ def unit(inputs: int, outputs: int, kernel: int = 3, stride: int = 1) -> nn.Sequ
     return nn.Sequential(convolution, nn.BatchNorm2d(outputs), nn.ReLU(inplace=True))
 
 
-def start_convolutions(network: nn.Module, generator: torch.Generator) -> None:
-    """Draw the initial weights of all convolutions; what adds to something adds nothing at first."""
+def start_convolutions(network: nn.Module, generator: torch.Generator | None) -> None:
+    """Draw the initial weights of all convolutions; what adds to something adds nothing at first.
+
+    generator: None where weights are to be loaded, for which they are only laid out.
+    """
     for module in network.modules():
         if isinstance(module, nn.Conv2d):
             # As processors like it best.
             module.weight.data = module.weight.data.contiguous(memory_format=torch.channels_last)
+        if generator is None:
+            continue
+        if isinstance(module, nn.Conv2d):
             nn.init.kaiming_normal_(module.weight, nonlinearity="relu", generator=generator)
             if module.bias is not None:
                 nn.init.zeros_(module.bias)

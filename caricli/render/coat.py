@@ -1,6 +1,7 @@
 """What a mesh is painted with when it is drawn."""
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -45,16 +46,24 @@ class Coat:
         drawn where it has none of its own.
         """
         pictures = []
-        for material, picture in zip(PICTURED, self.pictures, strict=True):
+        for picture, (chosen, texels) in zip(self.pictures, self._painted, strict=True):
             if picture is not None:
-                chosen = self.materials == material
-                texels = self.uvs[self.uv_faces[chosen]] * [picture.shape[1], picture.shape[0]]
-                rate = np.sqrt(_area(texels) / max(_area(points[faces[chosen]]), _SMALLEST))
-                if not chosen.any():
+                rate = np.sqrt(texels / max(_area(points[faces[chosen]]), _SMALLEST))
+                if not len(chosen):
                     rate = picture.shape[0] / max(2 * np.pi * ball, _SMALLEST)
                 picture = _shrunk(picture, min(rate, min(picture.shape[:2]) / _COARSEST))
             pictures.append(picture)
         return replace(self, pictures=Pictures(*pictures))
+
+    @cached_property
+    def _painted(self) -> list[tuple[np.ndarray, float]]:
+        """Of every picture the triangles that have it, and their area in it, texels."""
+        painted = []
+        for material, picture in zip(PICTURED, self.pictures, strict=True):
+            height, width = (0, 0) if picture is None else picture.shape[:2]
+            chosen = np.flatnonzero(self.materials == material)
+            painted.append((chosen, _area(self.uvs[self.uv_faces[chosen]] * [width, height])))
+        return painted
 
 
 def mesh_coat(mesh: Mesh, pictures: Pictures, materials: np.ndarray | None = None) -> Coat | None:

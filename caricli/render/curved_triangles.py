@@ -63,5 +63,6 @@ def _is_coarse(points: np.ndarray, faces: np.ndarray, longest: float) -> bool:
     """Whether a tenth of the edges are longer than so many pixels, and a finer mesh is not too large."""
     if 4 * len(faces) > _MOST_FACES:
         return False
-    edges = np.linalg.norm((points[faces] - points[np.roll(faces, 1, axis=1)])[..., :2], axis=-1)
+    corners = points[:, :2][faces]
+    edges = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=-1)
     return bool(np.quantile(edges, _SHORT_SHARE) > longest)

@@ -223,19 +223,21 @@ class Bone:
         way = np.tensordot(mouths.uses[k], moved, 1)
         # What the wall cannot come near on its way need not be looked at.
         free = distance - np.linalg.norm(way, axis=1) - mouths.moves(k)
-        near = np.flatnonzero(free < PRESSED * mouths.height)
+        touch = PRESSED * mouths.height
+        near = np.flatnonzero(free < touch)
         firm = np.intersect1d(near, self.firm)
         walls = {amount: mouths.mouth(k, amount) for amount in WAY} if len(near) else {}
-        touched = [wall.room(shape[firm] + amount * way[firm])[0].min(initial=np.inf) for amount, wall in walls.items()]
-        if min(touched, default=np.inf) < PRESSED * mouths.height:
+        # Mostly it is the end that touches.
+        ends = reversed(walls.items())
+        if any((wall.room(shape[firm] + amount * way[firm])[0] < touch).any() for amount, wall in ends):
             points, ways = shape[self.firm], way[self.firm]
             more += clear_way(walls, points, ways, _shifts(len(points)), self.room.margin * mouths.height)[0]
-            near = np.flatnonzero(free - np.linalg.norm(more, axis=1) < PRESSED * mouths.height)
+            near = np.flatnonzero(free - np.linalg.norm(more, axis=1) < touch)
         for _ in range(GIVEN_WAY):
             pressed = np.zeros(len(near), bool)
             for amount, wall in walls.items():
                 # On the way it may touch: what is pressed there goes much farther at its end.
-                margin = (1 if amount == 1 else -1) * PRESSED * mouths.height
+                margin = touch if amount == 1 else -touch
                 push = wall.pushes(shape[near] + amount * (way + more)[near], margin)
                 more[near] += push / amount
                 pressed |= push.any(1)

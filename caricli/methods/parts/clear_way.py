@@ -60,13 +60,13 @@ def clear_way(
         )
         return values / margin, slopes / margin
 
+    last = [bends.wish, *lacks(bends.wish)]
+    if not last[1].any():
+        return bends.wish, 0.0
     # Imported here: it takes longer than most heads need, which move nothing.
     from scipy.optimize import least_squares
 
     bounded = np.isfinite(bends.low)
-    # Not as is wished: bent far, points begin behind a wall, and the nearest way out is to its wrong side.
-    start = np.where(bounded, START * bends.low, 0.0)
-    last = [start, *lacks(start)]
 
     def asked(amounts: np.ndarray) -> list[np.ndarray]:
         # The solver asks for values and slopes one after the other.
@@ -74,11 +74,10 @@ def clear_way(
             last[:] = [amounts.copy(), *lacks(amounts)]
         return last
 
-    if not lacks(bends.wish)[0].any():
-        return bends.wish, 0.0
     result = least_squares(
         lambda amounts: asked(amounts)[1],
-        start,
+        # Not as is wished: bent far, points begin behind a wall, and the nearest way out is to its wrong side.
+        np.where(bounded, START * bends.low, 0.0),
         jac=lambda amounts: asked(amounts)[2],
         bounds=(bends.low, np.where(bounded, 0.0, np.inf)),
         x_scale=10 * margin,

@@ -1,5 +1,7 @@
 """The inside of a mouth."""
 
+from functools import cached_property
+
 import numpy as np
 from scipy.spatial import KDTree
 
@@ -70,6 +72,10 @@ class Mouth:
         self.normals = triangle_normals(self.inner.skin, pocket.inner.faces)
         self.rimmed = Flesh(pocket.rimmed, skin[pocket.to_rim])
 
+    @cached_property
+    def _rim_normals(self) -> np.ndarray:
+        return triangle_normals(self.rimmed.skin, self.rimmed.hide.faces)
+
     def room(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Distances (N,) of points (N, 3) from the wall, negative outside, and unit ways (N, 3) into the mouth."""
         squared, face, nearest = self.inner.nearest(points)
@@ -102,8 +108,7 @@ class Mouth:
         """(N, 3) the way out of lips' rims, zero for points (N, 3) that are in none."""
         _, face, nearest = self.rimmed.nearest(points)
         ways = nearest - points
-        normals = triangle_normals(self.rimmed.skin, self.rimmed.hide.faces)
-        within = (normals[face] * ways).sum(1) > 0
+        within = (self._rim_normals[face] * ways).sum(1) > 0
         # The side of the nearest face is mostly right; where it says within, the winding number decides.
         if within.any():
             within[within] = ~self.lips.holds(points[within])

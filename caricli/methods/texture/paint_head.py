@@ -101,11 +101,12 @@ def paint_head(
         skin = skin & ~cut_openings(image, regions, landmarks)
     head = template.with_vertices(face.vertices)
     sight = Sight(camera, image, skin, mask)
-    # Neither picture waits for the other.
+    # None of these waits for another.
     jobs: list[Callable[[], Any]] = [partial(_paint_skin, head, sight, settings)]
     if hair is not None:
         jobs.append(partial(hair_picture, hair, image, settings))
-    (head, skin_texture), *hair_textures = in_parallel(lambda job: job(), jobs)
+    jobs.append(partial(face_parts, replace(face, hair=None), template, settings.head))
+    (head, skin_texture), *hair_textures, worn = in_parallel(lambda job: job(), jobs)
     texture = skin_texture.image
     if hair is not None:
         texture = shade_scalp(head, skin_texture, hair.hair, hair_textures[0], np.random.default_rng(settings.seed))
@@ -116,7 +117,7 @@ def paint_head(
     generator = np.random.default_rng(settings.seed)
     eyes = paint_eye(TEXTURE, generator, *eye_colours(image, landmarks))
     whole = add_eyeballs(rig, fit_eyeballs(head, head.annotation, still), generator, eyes)
-    whole = add_parts(whole, face_parts(replace(face, hair=None), template, settings.head))
+    whole = add_parts(whole, worn)
     wall = wall_pixels(head, camera, (image.shape[1], image.shape[0]))
     error = photometric_error(rig, face, image, skin & ~wall, light)
     pictures = replace(whole.pictures, bust=neck_picture(head, texture), hair=next(iter(hair_textures), None))

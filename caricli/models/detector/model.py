@@ -160,7 +160,7 @@ def _network(about: Any) -> DetectorNetwork:
         size = DetectorSize(**{name: whole_number(about[name], (1, 512), name) for name in names})
     except ValueError as error:
         raise InputError(str(error)) from error
-    return DetectorNetwork(size, LANDMARKS, len(Region), torch.Generator())
+    return DetectorNetwork(size, LANDMARKS, len(Region), None)
 
 
 def _tensor(windows: np.ndarray) -> torch.Tensor:

@@ -64,8 +64,8 @@ class DetectorNetwork(nn.Module):
     Windows are (B, 3, H, W), sRGB from 0 to 1, their sides multiples of 32 pixels.
     """
 
-    def __init__(self, size: DetectorSize, landmarks: int, regions: int, generator: torch.Generator) -> None:
-        """landmarks, regions: how many there are. generator: of the initial weights."""
+    def __init__(self, size: DetectorSize, landmarks: int, regions: int, generator: torch.Generator | None) -> None:
+        """landmarks, regions: how many there are. generator: of the initial weights; None where they are loaded."""
         super().__init__()
         first, second, third, fourth = size.widths
         self.size = size
@@ -166,9 +166,11 @@ def _calibrated(spread: torch.Tensor, about: torch.Tensor) -> torch.Tensor:
     return factor * spread + floor * torch.eye(2, device=spread.device)
 
 
-def _start(network: DetectorNetwork, generator: torch.Generator) -> None:
+def _start(network: DetectorNetwork, generator: torch.Generator | None) -> None:
     """Draw the initial weights."""
     start_convolutions(network, generator)
+    if generator is None:
+        return
     last = (network.face, network.heat, network.regions, network.edges)
     for layer in last:
         nn.init.normal_(layer.weight, std=1e-2, generator=generator)
