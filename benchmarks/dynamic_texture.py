@@ -15,8 +15,7 @@ import numpy as np
 
 from caricli.methods.dynamic.rig_moods import MoodPainter
 from caricli.store.texture_networks import load_texture_network
-from caricli.structures import Face, Pictures, Rig
-from caricli.structures.arkit import ARKIT_NAMES
+from caricli.structures import Pictures, Rig
 from caricli.template.head import load_head
 
 SIDE, RUNS = 1024, 15
@@ -37,12 +36,11 @@ def main():
     head = load_head()
     template = head.template()
     names = head.action_names
-    rig = Rig(names, template, head.actions.astype(np.float32))
     noise = np.random.default_rng(0).integers(0, 256, (SIDE, SIDE, 3), np.uint8)
-    actions = {name: {name: 1.0} for name in names if name in ARKIT_NAMES}
+    rig = Rig(names, template, head.actions.astype(np.float32), pictures=Pictures(noise))
     model = load_texture_network(Path(sys.argv[1]) if len(sys.argv) > 1 else None)
     start = time.perf_counter()
-    painter = MoodPainter(rig, Face(template, pictures=Pictures(noise)), actions, template, model)
+    painter = MoodPainter(rig, template, model)
     began = round(1000 * (time.perf_counter() - start))
     weights = np.random.default_rng(1).uniform(0, 0.3, (RUNS + 1, len(names)))
     shapes = [rig.neutral + np.tensordot(row, rig.deltas, 1) for row in weights]

@@ -12,6 +12,8 @@ MAX_SHAPES = 1024
 """Largest number of expressions of one rig."""
 MAX_MOODS = 64
 """Largest number of moods of one rig."""
+MAX_CHANGE = 100.0
+"""Largest magnitude of a gain or an offset of an atlas of changes."""
 MAX_COORDINATE = 1e6
 """Largest magnitude of a coordinate: beyond it single precision no longer holds a face."""
 MAX_NUMBER = 1e9

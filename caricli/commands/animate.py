@@ -1,9 +1,12 @@
 """caricli animate: a rig that moves as a face tracker says."""
 
 from contextlib import ExitStack
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import click
 
+from caricli.commands.shared.dynamic_texture import dynamic_texture_option, load_network, load_painter
 from caricli.commands.shared.head_options import made_head_options
 from caricli.commands.shared.notes import echo_result
 from caricli.commands.shared.options import (
@@ -22,6 +25,10 @@ from caricli.io.provenance import provenance
 from caricli.io.strict_json import write_json
 from caricli.io.video import write_video
 from caricli.io.worn import PictureNames, write_pictures
+
+if TYPE_CHECKING:
+    from caricli.methods.animate.animate_rig import Performance
+    from caricli.methods.dynamic.rig_moods import MoodPainter
 
 REPORT = "animation.json"
 SCALE = "NAME=K with K from 0 to 3, such as jawOpen=1.3"
@@ -79,11 +86,28 @@ SCALE = "NAME=K with K from 0 to 3, such as jawOpen=1.3"
 @click.option(
     "--size", type=WholeRange(16, 4096), default=512, metavar="PIXELS", help="Draw pictures this wide and high."
 )
+@dynamic_texture_option("Paint the skin in every frame of video and pictures as its expression shows it.")
 @click.option("--no-head", is_flag=True, help="Leave out the turning of the head.")
 @made_head_options
 @overwrite_option
 def command(
-    rig, weights, out, frames, kind, video, fps, source_fps, smooth, scales, view, size, no_head, head, overwrite
+    rig,
+    weights,
+    out,
+    frames,
+    kind,
+    video,
+    fps,
+    source_fps,
+    smooth,
+    scales,
+    view,
+    size,
+    dynamic,
+    network,
+    no_head,
+    head,
+    overwrite,
 ):
     """Move a RIG (NPZ or GLB) by the WEIGHTS of a face tracker, or by speech.
 
@@ -100,36 +124,50 @@ def command(
     roll to its right shoulder. A JSON beside the GLB (GLB's name), or the video (its name and .json), says what was
     done; among the frames it is animation.json.
 
+    With --dynamic-texture the skin of a textured RIG is painted anew for every frame of --video, and of --frames as
+    pictures. Best is an NPZ of `blendshapes`, which says what its picture shows and what its expressions are made of.
+
     \b
     Example:
       caricli animate rig.npz take.csv --out talk.glb --smooth 1
       caricli animate rig.npz blendshapes.json --video talk.mp4 --fps 30 --scale jawOpen=1.3
       caricli animate rig.npz cues.json --out talk.glb --fps 60
       caricli animate rig.glb take.csv --frames frames --format png --view three-quarter
+      caricli animate blendshapes.npz take.csv --video take.mp4 --dynamic-texture
     """
     from caricli.methods.animate.animate_rig import AnimationSettings, animate_rig
     from caricli.store.tracks import load_track
 
-    if out is None and frames is None and video is None:
-        raise click.UsageError("Give at least one of --out, --frames and --video.")
+    first = _first(out, video, frames, drawn=not dynamic or video or (frames and kind == "png"))
+    model = load_network(network, dynamic)
     factors = named_numbers("--scale", scales, SCALE, "expression", (0, 3))
-    first = out or video or frames
     # A video often lies beside a rig of its name, whose JSON is another.
     report_file = out.with_suffix(".json") if out else video and video.with_name(f"{video.name}.json")
     files = [path for path in (out, video, report_file) if path is not None]
-    given = {"overwrite": overwrite, "inputs": (rig, weights)}
+    given = {"overwrite": overwrite, "inputs": (rig, weights, network)}
     with ExitStack() as stack:
         temporary = dict(zip(files, stack.enter_context(staged(*files, **given)), strict=True)) if files else {}
         folder = stack.enter_context(staged_folder(frames, marker=REPORT, **given)) if frames else None
         settings = AnimationSettings(fps, smooth, factors, not no_head)
-        performance = animate_rig(_load(rig, head), load_track(weights, source_fps, fps), settings)
-        _write_moving(temporary.get(out), temporary.get(video), performance, view, size)
+        loaded = _load(rig, head)
+        painter = load_painter(loaded, rig, model)
+        performance = animate_rig(loaded, load_track(weights, source_fps, fps), settings)
+        drawing = _Drawing(performance, painter, view, size)
+        _write_moving(temporary.get(out), temporary.get(video), drawing)
         if folder is not None:
-            _write_frames(folder, performance, kind, view, size)
-        for path in [folder and folder / REPORT, temporary.get(report_file)]:
-            if path is not None:
-                write_json(path, provenance("animate", [rig, weights], **performance.figures()))
+            _write_frames(folder, drawing, kind)
+        reports = [folder and folder / REPORT, temporary.get(report_file)]
+        _write_reports([path for path in reports if path], [rig, weights, network], drawing)
     _say(first, weights, performance)
+
+
+def _first(out, video, frames, drawn):
+    """The first of the outputs. drawn: whether something is, where that is wanted. Raises UsageError."""
+    if out is None and frames is None and video is None:
+        raise click.UsageError("Give at least one of --out, --frames and --video.")
+    if not drawn:
+        raise click.UsageError("--dynamic-texture is for --video, and for --frames with --format png.")
+    return out or video or frames
 
 
 def _load(path, head):
@@ -142,20 +180,49 @@ def _load(path, head):
         return choose_head(rig, head)
 
 
-def _write_moving(glb, video, performance, view, size):
+@dataclass(frozen=True, eq=False)
+class _Drawing:
+    """How a Performance is drawn. painter: MoodPainter of its skin, or None. view, size: as the options."""
+
+    performance: "Performance"
+    painter: "MoodPainter | None"
+    view: str
+    size: int
+
+    def pictures(self):
+        """Every frame, (size, size, 3) uint8."""
+        from caricli.render.rig_stage import RigStage
+
+        stage = RigStage(self.performance.rig, self.view, self.size)
+        return stage.pictures(_shapes(self.performance, "pictures"), self._paint if self.painter else None)
+
+    def _paint(self, number):
+        return self.painter.paint(self.performance.animation.weights[number])
+
+
+def _write_moving(glb, video, drawing):
     """Write the rig with its animation, and the video, where there is a path."""
     from caricli.io.gltf.write_gltf import write_gltf
 
+    performance = drawing.performance
     if glb is not None:
         write_gltf(glb, performance.rig, animation=performance.animation)
     if video is not None:
-        write_video(video, _pictures(performance, view, size), performance.fps)
+        write_video(video, drawing.pictures(), performance.fps)
 
 
-def _write_frames(folder, performance, kind, view, size):
+def _write_reports(paths, inputs, drawing):
+    """Write what was done with inputs."""
+    about = drawing.performance.figures() | ({} if drawing.painter is None else {"dynamic_texture": True})
+    for path in paths:
+        write_json(path, provenance("animate", [given for given in inputs if given], **about))
+
+
+def _write_frames(folder, drawing, kind):
     """Write every frame as frame-0000.obj, with what the rig wears as frames-skin.png, or as frame-0000.png."""
+    performance = drawing.performance
     digits = max(4, len(str(len(performance.animation.times) - 1)))
-    frames = _pictures(performance, view, size) if kind == "png" else _shapes(performance, "frames")
+    frames = drawing.pictures() if kind == "png" else _shapes(performance, "frames")
     face = performance.rig.face
     names = PictureNames() if kind == "png" else write_pictures(folder / "frames.obj", face.pictures)
     worn = {"mtl": folder / "frames.mtl", "others": names.others, "materials": face.materials}
@@ -165,12 +232,6 @@ def _write_frames(folder, performance, kind, view, size):
             write_png(path, frame)
         else:
             write_mesh(path, face.mesh.with_vertices(frame.astype(float)), names.skin, **worn)
-
-
-def _pictures(performance, view, size):
-    from caricli.render.rig_stage import RigStage
-
-    return RigStage(performance.rig, view, size).pictures(_shapes(performance, "pictures"))
 
 
 def _shapes(performance, description):

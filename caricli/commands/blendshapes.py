@@ -5,6 +5,7 @@ from dataclasses import astuple, replace
 
 import click
 
+from caricli.commands.shared.dynamic_texture import dynamic_texture_option, load_network, load_painter
 from caricli.commands.shared.face_outputs import note_source
 from caricli.commands.shared.head_options import head_options
 from caricli.commands.shared.notes import echo_result
@@ -75,18 +76,7 @@ DEFAULT_WEIGHTS = astuple(BlendshapeWeights())
 @click.option(
     "--texture", type=PATH, metavar="IMAGE", help="Put this picture on the skin.  [default: the one that the face has]"
 )
-@click.option(
-    "--dynamic-texture",
-    is_flag=True,
-    help="Paint the skin as expressions show it: those of --expressions, or else eight moods.",
-)
-@click.option(
-    "--texture-network",
-    "network",
-    type=PATH,
-    metavar="FILE",
-    help="Paint them by this network of `caricli train texture`.  [default: bundled]",
-)
+@dynamic_texture_option("Paint the skin as expressions show it: those of --expressions, or else eight moods.")
 @detector_option
 @pts_origin_option
 @seed_option
@@ -104,7 +94,7 @@ def command(
     templates,
     head,
     texture,
-    dynamic_texture,
+    dynamic,
     network,
     detector,
     pts_origin,
@@ -129,25 +119,25 @@ def command(
       caricli blendshapes face.npz --method transfer --out rival.npz
     """
     from caricli.commands.shared.progress import progress_bar
-    from caricli.methods.expressions.rig_blendshapes import report_blendshapes, rig_blendshapes
+    from caricli.methods.expressions.rig_blendshapes import report_blendshapes
     from caricli.methods.rig.make_rig import RigSettings
     from caricli.store.expression_tools import ToolPaths, load_caricature, load_tools
     from caricli.store.face_pictures import FaceReader, seen_files
 
-    _check_usage(method, reconstruct, weights, idle=bool(network) and not dynamic_texture)
+    _check_usage(method, reconstruct, weights)
+    painting = load_network(network, dynamic)
     settings = BlendshapeSettings(method, reconstruct, BlendshapeWeights(*weights))
     tools, tool_files = load_tools(ToolPaths(expressions, map_path, model, templates), latent=reconstruct == "latent")
     caricature = load_caricature(source, tools, texture, FaceReader(detector, pts_origin))
     face = caricature.face
-    images = caricature.worn.load()
-    inputs = [source, *caricature.worn.files, *tool_files, *([network] if network else [])]
+    inputs = [source, *caricature.worn.files, *tool_files, network]
     others = [*map(out.with_suffix, (".glb", ".json")), *picture_files(out.with_suffix(".png"))]
     given = {"overwrite": overwrite, "inputs": [*inputs, detector], "optional": seen_files(source, out)}
     with staged(out, *others, **given) as files:
         with naming(source), progress_bar("expressions"):
             blendshapes, seconds = _build(face, tools, settings)
-            result = rig_blendshapes(blendshapes, tools, RigSettings(head=head, seed=seed), images, face)
-            result = _painted(result, replace(face, pictures=images), tools, network) if dynamic_texture else result
+            result = _rigged(caricature, blendshapes, tools, RigSettings(head=head, seed=seed))
+            result = _painted(result, source, tools, painting)
         about = {"method": method, "reconstruct": reconstruct, "weights": weights, "seconds": seconds}
         about |= note_source(files[0], caricature.source, source)
         figures, line = report_blendshapes(face, blendshapes, tools, result)
@@ -155,10 +145,8 @@ def command(
     echo_result(f"{out}: {line}")
 
 
-def _check_usage(method, reconstruct, weights, idle):
-    """Refuse options that the method does not use. idle: whether a texture network is given that nothing uses."""
-    if idle:
-        raise click.UsageError("--texture-network is for --dynamic-texture.")
+def _check_usage(method, reconstruct, weights):
+    """Refuse options that the method does not use."""
     if method == "transfer" and reconstruct != "intrinsic":
         raise click.UsageError("--reconstruct is for methods that follow landmarks, not for transfer.")
     if method != "full" and weights != DEFAULT_WEIGHTS:
@@ -174,11 +162,21 @@ def _build(face, tools, settings):
     return blendshapes, time.perf_counter() - start
 
 
-def _painted(result, worn, tools, network):
-    """A RigResult with pictures of the skin in moods. worn: Face with its pictures."""
+def _rigged(caricature, blendshapes, tools, settings):
+    """The RigResult of a Caricature's Blendshapes. settings: RigSettings."""
+    from caricli.methods.expressions.rig_blendshapes import rig_blendshapes
+
+    return rig_blendshapes(blendshapes, tools, settings, caricature.worn.load(), caricature.face)
+
+
+def _painted(result, source, tools, network):
+    """A RigResult of a file with pictures of the skin in moods. network: TextureModel, or None to leave it."""
     from caricli.store.texture_networks import paint_moods
 
-    return paint_moods(result, worn, tools, network)
+    painter = load_painter(result.rig, source, network, tools.morphable.template)
+    if painter is None:
+        return result
+    return replace(result, rig=paint_moods(result.rig, painter, tools.expressions))
 
 
 def _write(files, face, result, description):

@@ -1,12 +1,13 @@
 """caricli retarget: a caricature that does what a normal face does."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
+from caricli.commands.shared.dynamic_texture import dynamic_texture_option, load_network, load_painter
 from caricli.commands.shared.face_outputs import note_source, staged_face
 from caricli.commands.shared.head_options import made_head_options
 from caricli.commands.shared.notes import echo_result
@@ -78,6 +79,7 @@ if TYPE_CHECKING:
     metavar="N",
     help="Show N drivers a second in animation and film.",
 )
+@dynamic_texture_option("Paint the skin as the expression of each driver shows it.")
 @made_head_options
 @model_option
 @detector_option
@@ -97,6 +99,8 @@ def command(
     parsing,
     film,
     fps,
+    dynamic,
+    network,
     head,
     model,
     detector,
@@ -115,6 +119,8 @@ def command(
     it hides comes from the texture, teeth from the head; what the face uncovers is filled, and hair, glasses and hands
     before it stay. B.npz is then of a face with a camera, best one that `caricli texture` painted.
 
+    With --dynamic-texture every face has a picture of its skin with the wrinkles, lips and shades of its expression.
+
     \b
     Example:
       caricli retarget b.npz smile.obj --neutral calm.obj --out smiling.obj
@@ -122,18 +128,22 @@ def command(
       caricli retarget b.npz take/*.obj --neutral calm.obj --out-dir frames --animation take.glb --fps 30
       caricli retarget b.npz smile.obj --picture drawing.png --out smiling.png
       caricli retarget b.npz take/*.obj --picture drawing.png --film take.mp4
+      caricli retarget b.npz smile.obj --dynamic-texture --out smiling.obj
     """
     from caricli.commands.shared.batch import run_batch
     from caricli.store.face_pictures import FaceReader
     from caricli.store.models import load_morphable
 
-    paths = RetargetPaths(rig, drivers, neutral, out, out_dir, animation, PicturePaths(picture, parsing, film))
+    paths = RetargetPaths(rig, drivers, neutral, out, out_dir, animation, PicturePaths(picture, parsing, film), network)
     jobs = paths.jobs()
     given = {"overwrite": overwrite, "inputs": (*paths.inputs, model, detector)}
     paths.check_outputs(given)
+    painting = load_network(network, dynamic)
     normal = load_morphable(model)
     reader = FaceReader(detector, pts_origin)
-    loaded, retargeting = _load(_load_rig(rig, normal, head), paths, normal, reader)
+    driven = _load_rig(rig, normal, head)
+    painter = load_painter(driven, rig, painting, normal.template)
+    loaded, retargeting = _load(driven, paths, normal, reader, painter)
     results = _Results(paths, given, loaded, retargeting, {"model_id": normal.model_id, "drivers": len(loaded.faces)})
     redrawing = None if picture is None else Redrawing(paths.again, retargeting, reader)
     results.write_moving(redrawing, fps)
@@ -147,7 +157,8 @@ def command(
 class RetargetPaths:
     """What is read and written.
 
-    rig, drivers, neutral, out, out_dir, animation: as the options. again: PicturePaths of what is drawn again.
+    rig, drivers, neutral, out, out_dir, animation: as the options. again: PicturePaths of what is drawn again. network:
+    path of the texture network, or None.
     """
 
     rig: Path
@@ -157,11 +168,12 @@ class RetargetPaths:
     out_dir: Path | None
     animation: Path | None
     again: PicturePaths
+    network: Path | None = None
 
     @property
     def inputs(self) -> list[Path | None]:
         """What is read."""
-        return [self.rig, self.neutral, *self.drivers, self.again.picture, self.again.parsing]
+        return [self.rig, self.neutral, *self.drivers, self.again.picture, self.again.parsing, self.network]
 
     @property
     def moving(self) -> list[Path]:
@@ -211,10 +223,10 @@ def _load_rig(path, normal, head):
         return choose_head(rig, head)
 
 
-def _load(driven, paths, normal, reader):
+def _load(driven, paths, normal, reader, painter):
     """The Drivers, and the Retargeting of those that could be read, or None.
 
-    driven: Rig. paths: RetargetPaths. normal: MorphableModel. reader: FaceReader.
+    driven: Rig. paths: RetargetPaths. normal: MorphableModel. reader: FaceReader. painter: MoodPainter, or None.
     """
     from caricli.commands.shared.progress import progress_bar
     from caricli.methods.expressions.retarget_rig import retarget_rig
@@ -228,7 +240,9 @@ def _load(driven, paths, normal, reader):
     with progress_bar("reading") as progress:
         # One driver that cannot be read ends what moves through all of them.
         loaded = load_drivers(paths.drivers, normal, reader, progress, bool(paths.moving))
-    return loaded, retarget_rig(list(loaded.faces.values()), driven, normal, calm) if loaded.faces else None
+    if not loaded.faces:
+        return loaded, None
+    return loaded, replace(retarget_rig(list(loaded.faces.values()), driven, normal, calm), painter=painter)
 
 
 @dataclass(frozen=True, eq=False)
@@ -255,9 +269,7 @@ class _Results:
             face = self.retargeting.caricature(row)
             write_face_files(obj, npz, face)
             write_json(json, self._description(path, obj) | self.retargeting.figures(row))
-            write_picture(
-                png, lambda: driver_sheet(_driver(self.retargeting, row), self.retargeting.rig, face.vertices)
-            )
+            write_picture(png, lambda: driver_sheet(_driver(self.retargeting, row), self.retargeting.rig, face))
         return f"{shown(target)}: {self.retargeting.describe(row)}"
 
     def write_picture(self, redrawing, path, target):
@@ -287,7 +299,7 @@ class _Results:
         """What a report says of a driver; its landmarks are written beside a file."""
         more = note_source(out, self.loaded.sources.get(path), path)
         again = self.paths.again
-        inputs = [self.paths.rig, path, self.paths.neutral, again.picture, again.parsing]
+        inputs = [self.paths.rig, path, self.paths.neutral, again.picture, again.parsing, self.paths.network]
         return provenance("retarget", inputs, **self.about, **more)
 
 

@@ -1,17 +1,19 @@
 """caricli texture: the picture on the face."""
 
+import re
 import time
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
-from typing import get_args
+from typing import TYPE_CHECKING, get_args
 
 import click
 import numpy as np
 
+from caricli.commands.shared.dynamic_texture import load_network, network_option
 from caricli.commands.shared.head_options import head_options
-from caricli.commands.shared.notes import echo_result
+from caricli.commands.shared.notes import echo_notes, echo_result
 from caricli.commands.shared.options import (
     PATH,
     WholeRange,
@@ -22,16 +24,22 @@ from caricli.commands.shared.options import (
     seed_option,
 )
 from caricli.commands.shared.picture import picture_files, picture_option
-from caricli.errors import UsageError, naming
+from caricli.errors import InputError, UsageError, naming, shown
 from caricli.io.image import read_image, write_png
 from caricli.io.outputs import staged_folder
 from caricli.io.provenance import provenance
 from caricli.io.strict_json import write_json
 from caricli.methods.texture.settings import Hair, PaintSettings, TextureSettings
+from caricli.structures import Face
+
+if TYPE_CHECKING:
+    from caricli.methods.expressions.tools import ExpressionTools
+    from caricli.models.texture.model import TextureModel
 
 REPORT = "face.json"
 SIZE = 320
 UVS = ("head", "arap")
+_FILE_NAME = re.compile(r"\w[\w .-]{0,63}")
 
 
 @click.command()
@@ -75,6 +83,18 @@ UVS = ("head", "arap")
     help="arap: write the face by itself, too, laid out as rigidly as possible in a picture of its own, with what is "
     "between the lips: texture-arap.png and face-arap.obj, .mtl and .npz.",
 )
+@click.option(
+    "--expressions",
+    type=PATH,
+    metavar="FILE",
+    help="Paint the skin as every expression of this YAML or JSON file shows it, too: texture-NAME.png.",
+)
+@network_option
+@click.option(
+    "--retouched",
+    is_flag=True,
+    help="IMAGE is texture-arap.png of a FACE that is textured, changed by hand: bring it back onto the head.",
+)
 @head_options
 @click.option("--project-uv", "flat", is_flag=True, help="Use the picture itself as texture, as published, to compare.")
 @click.option("--keep-light", is_flag=True, help="Leave light and shade of the picture in the texture.")
@@ -83,7 +103,26 @@ UVS = ("head", "arap")
 @seed_option
 @picture_option
 @overwrite_option
-def command(face, image, out, mask, parsing, size, hair, uv, head, flat, keep_light, model, detector, seed, overwrite):
+def command(
+    face,
+    image,
+    out,
+    mask,
+    parsing,
+    size,
+    hair,
+    uv,
+    expressions,
+    network,
+    retouched,
+    head,
+    flat,
+    keep_light,
+    model,
+    detector,
+    seed,
+    overwrite,
+):
     """Paint a face (NPZ with a camera) with the picture that it was fitted to.
 
     What the picture does not show comes from the other side of the face, and else has the colour of its skin, of what
@@ -91,18 +130,71 @@ def command(face, image, out, mask, parsing, size, hair, uv, head, flat, keep_li
     is estimated and taken out, so that the head can stand in any other; face.json says what it was. eyes.png is painted
     in the colours of the eyes. `caricli rig` takes both pictures along.
 
+    With --expressions there are pictures of the skin, wrinkles and lips with it, for expressions that the picture does
+    not show; FILE is as for `caricli blendshapes`, and `caricli rig --mood NAME=texture-NAME.png` takes them along.
+
+    With --retouched nothing is painted: face.obj, .mtl, .npz and .json have the texture that FACE wears, with what
+    differs from it in its chart; the other options but --model say nothing then, and are refused.
+
     \b
     Example:
       caricli texture refined.npz drawing.png --out textured
       caricli texture face.npz photo.jpg --mask head.png --size 2048 --out textured
       caricli texture face.npz drawing.png --parsing drawing-regions.png --out textured
       caricli texture face.npz drawing.png --uv arap --out textured
+      caricli texture face.npz drawing.png --expressions moods.yaml --out textured
+      caricli texture textured/face.npz edited-arap.png --retouched --out retouched
       caricli rig textured/face.npz --out rig.glb
     """
     settings = PaintSettings(size, flat, seed, hair, head, TextureSettings(keep_light=keep_light))
     if mask and parsing:
         raise UsageError("--mask and --parsing both say where the head is: give one of them")
-    echo_result(TextureTask(mask, settings, model, overwrite, detector, parsing, uv == "arap").run(face, image, out))
+    if retouched:
+        if mask or parsing or size or uv != "head" or expressions or network or flat or keep_light or detector:
+            raise UsageError("--retouched takes no other options than --out, --model and --overwrite")
+        echo_result(_retouch(face, image, out, model, overwrite))
+        return
+    painting = Expressions.load(expressions, network)
+    task = TextureTask(mask, settings, model, overwrite, detector, parsing, uv == "arap", painting)
+    echo_result(task.run(face, image, out))
+
+
+@dataclass(frozen=True, eq=False)
+class Expressions:
+    """Expressions in which the skin is painted. tools: ExpressionTools of them. network: TextureModel. files: that were
+    read.
+    """
+
+    tools: "ExpressionTools"
+    network: "TextureModel"
+    files: Sequence[Path]
+
+    @classmethod
+    def load(cls, expressions: Path | None, network: Path | None) -> "Expressions | None":
+        """Those of a file, or None. network: path, or None for the bundled one. Raises InputError, UsageError."""
+        from caricli.store.expression_tools import ToolPaths, load_tools
+
+        model = load_network(network, expressions is not None, "--expressions")
+        if model is None:
+            return None
+        tools, files = load_tools(ToolPaths(expressions))
+        for name in tools.expressions:
+            if not _FILE_NAME.fullmatch(name):
+                raise InputError(f"{shown(expressions)}: expected names that files can have, found {shown(name, 60)!r}")
+        return cls(tools, model, [*files, *([network] if network else [])])
+
+    def write(self, folder: Path, face: Face, given: Path) -> None:
+        """Write texture-NAME.png of every expression; what its picture does not tell is said. given: path of the face.
+
+        face: Face with its texture.
+        """
+        from caricli.methods.dynamic.paint_expressions import paint_expressions
+
+        with naming(given):
+            moods, notes = paint_expressions(face, self.tools, self.network)
+        echo_notes(*(f"{shown(given)}: {note}" for note in notes))
+        for mood in moods:
+            write_png(folder / f"texture-{mood.name}.png", mood.skin)
 
 
 @dataclass(frozen=True)
@@ -112,7 +204,8 @@ class TextureTask:
     mask: path of a picture that is white where the head is, or None to cut it out. settings: PaintSettings. model:
     path of the model of the mesh, or None. overwrite: whether a folder that exists is replaced. detector:
     path of what says what the pixels show, or None for the bundled one; a mask goes without. parsing: path of a label
-    map that says it in its place, or None. chart: whether the face is written in the chart, too.
+    map that says it in its place, or None. chart: whether the face is written in the chart, too. expressions:
+    Expressions in which it is painted, too, or None.
     """
 
     mask: Path | None = None
@@ -122,6 +215,7 @@ class TextureTask:
     detector: Path | None = None
     parsing: Path | None = None
     chart: bool = False
+    expressions: Expressions | None = None
 
     def run(self, face: Path, image: Path, out: Path) -> str:
         """Paint a face, write the head into a folder, and say how near it came."""
@@ -133,7 +227,8 @@ class TextureTask:
         from caricli.store.pictures import load_mask
         from caricli.template.chart import face_chart
 
-        inputs = (face, image, self.mask, self.parsing)
+        files = () if self.expressions is None else self.expressions.files
+        inputs = (face, image, self.mask, self.parsing, *files)
         folders = staged_folder(
             out, overwrite=self.overwrite, inputs=(*inputs, self.model, self.detector), marker=REPORT
         )
@@ -154,6 +249,8 @@ class TextureTask:
             if chart is not None:
                 charted = face_in_chart(painted, seen, picture, chart)
                 jobs.append(partial(write_charted_face, folder, charted))
+            if self.expressions is not None:
+                self.expressions.write(folder, replace(seen, mesh=painted.head, pictures=painted.pictures), face)
             jobs += [partial(_draw_sheet, p, picture, points, painted) for p in picture_files(folder / "sheet.png")]
             about = {"project_uv": self.settings.project_uv, "seconds": seconds, "head": painted.filled}
             about |= {"model_id": shape_model.model_id} | painted.figures()
@@ -170,6 +267,29 @@ class TextureTask:
         if self.parsing is None:
             return FaceReader(self.detector).parse(picture, points)
         return load_regions(self.parsing, (picture.shape[1], picture.shape[0]))
+
+
+def _retouch(path, image, out, model, overwrite):
+    """Write a face with a texture that was changed in its chart, and say how much of it was."""
+    from caricli.methods.dynamic.retouch_texture import retouch_texture
+    from caricli.store.face_files import write_face_files
+    from caricli.store.faces import load_seen_face
+    from caricli.template.chart import face_chart
+
+    with staged_folder(out, overwrite=overwrite, inputs=(path, image, model), marker=REPORT) as folder:
+        face, shape_model = load_seen_face(path, model)
+        picture = read_image(image)
+        with naming(path):
+            chart = face_chart(shape_model.template)
+        with naming(f"{path}, {image}"):
+            result = retouch_texture(face, picture, chart)
+        worn = replace(face, pictures=replace(face.pictures, skin=result.texture))
+        write_face_files(folder / "face.obj", folder / "face.npz", worn)
+        figures = {"retouched": result.touched, "alike": result.alike}
+        write_json(folder / REPORT, provenance("texture", [path, image], **figures))
+    doubt = result.doubt()
+    echo_notes(doubt and f"{shown(image)}: {doubt}")
+    return f"{shown(out)}: {100 * result.touched:.1f} % of the face retouched"
 
 
 def _draw_sheet(path, picture, points, painted):

@@ -9,6 +9,7 @@ from caricli.io.face import AXES, UNITS
 from caricli.io.mesh_arrays import MESH_DTYPES, mesh_from_arrays, mesh_to_arrays
 from caricli.io.npz import read_npz, take_texts, write_npz
 from caricli.structures import Camera, Depiction, Mood, Pictures, Rig
+from caricli.structures.change_atlas import ChangeAtlas
 
 SCHEMA = "caricli.rig/1"
 
@@ -29,9 +30,12 @@ _STORED = {
     **dict.fromkeys(_CAMERA, np.float64),
     "depicted": np.float32,
     "landmarks": np.float64,
+    "actions": np.float32,
+    "changes": np.uint8,
+    "change_layout": np.float64,
 }
 _REQUIRED = ("names", "neutral", "deltas", "faces")
-_LOOKS = ("materials", "normal_deltas")
+_LOOKS = ("materials", "normal_deltas", "actions")
 
 
 def read_rig(path: str | Path) -> Rig:
@@ -63,6 +67,8 @@ def write_rig(path: str | Path, rig: Rig) -> None:
     if rig.moods:
         values["moods"] = [mood.name for mood in rig.moods]
         values["mood_textures"] = np.stack([mood.skin for mood in rig.moods])
+    if rig.changes is not None:
+        values |= {"changes": rig.changes.picture, "change_layout": rig.changes.layout}
     arrays = {key: np.array(text) for key, text in _TEXTS.items()}
     for key, stored in _STORED.items():
         if values.get(key) is not None:
@@ -90,7 +96,7 @@ def _rig(values: dict) -> Rig:
     pictures = Pictures(**{name: values.get(key) for key, name in _TEXTURES.items()})
     looks: dict = {key: values.get(key) for key in _LOOKS}
     moods = _moods(values.get("moods", np.zeros(0, np.str_)), values.get("mood_textures", np.zeros(0, np.uint8)))
-    looks |= {"moods": moods, "depiction": _depiction(values)}
+    looks |= {"moods": moods, "depiction": _depiction(values), "changes": _changes(values)}
     return Rig(tuple(names.tolist()), mesh, values["deltas"], pictures=pictures, **looks)
 
 
@@ -98,6 +104,14 @@ def _moods(names: np.ndarray, textures: np.ndarray) -> tuple[Mood, ...]:
     if names.ndim != 1 or textures.shape[:1] != names.shape:
         raise InputError(f"moods: expected a name for every picture, found {names.shape} and {textures.shape}")
     return tuple(Mood(name, texture) for name, texture in zip(names.tolist(), textures, strict=True))
+
+
+def _changes(values: dict) -> ChangeAtlas | None:
+    if "changes" not in values and "change_layout" not in values:
+        return None
+    if "changes" not in values or "change_layout" not in values:
+        raise InputError("changes: expected them together with change_layout, found only one")
+    return ChangeAtlas.laid_out(values["changes"], values["change_layout"])
 
 
 def _depiction_arrays(depiction: Depiction | None) -> dict[str, np.ndarray | float | None]:

@@ -1,6 +1,7 @@
 """A rig before one camera, for pictures of its frames."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import replace
 
 import numpy as np
 
@@ -56,21 +57,35 @@ class RigStage:
             hidden=sky.mean(1) < _HIDDEN / 2,
         )
 
-    def picture(self, vertices: np.ndarray) -> np.ndarray:
+    def picture(self, vertices: np.ndarray, skin: np.ndarray | None = None) -> np.ndarray:
         """Draw one frame.
 
-        vertices: (V, 3), metres. Returns (size, size, 3) uint8. Raises InputError when they are not the rig's.
+        vertices: (V, 3), metres. skin: (H, W, 3) uint8, the picture of the skin in it, or None for the rig's.
+        Returns (size, size, 3) uint8. Raises InputError when they are not the rig's.
         """
         vertices = np.asarray(vertices, float)
         if vertices.shape != self.rig.neutral.shape:
             expected = self.rig.neutral.shape
             raise InputError(f"a frame of this rig needs vertices of shape {expected}, found {vertices.shape}")
-        return on_backdrop(shade(self._placed(vertices), self.rig.faces, self.size, self.size, self.look))
+        look = self.look
+        if skin is not None and look.coat is not None:
+            worn = replace(look.coat.pictures, skin=skin)
+            look = replace(look, coat=replace(look.coat, pictures=worn))
+        return on_backdrop(shade(self._placed(vertices), self.rig.faces, self.size, self.size, look))
 
-    def pictures(self, frames: Iterable[np.ndarray]) -> Iterator[np.ndarray]:
-        """Draw many frames, in their order, several at a time."""
+    def pictures(
+        self, frames: Iterable[np.ndarray], paint: Callable[[int], np.ndarray] | None = None
+    ) -> Iterator[np.ndarray]:
+        """Draw many frames, in their order, several at a time. paint: makes the picture of the skin in a frame, by its
+        number, or None for the rig's.
+        """
+
+        def draw(numbered: tuple[int, np.ndarray]) -> np.ndarray:
+            number, frame = numbered
+            return self.picture(frame, None if paint is None else paint(number))
+
         # Whoever makes frames may overwrite the last one.
-        return in_parallel(self.picture, (np.array(frame) for frame in frames))
+        return in_parallel(draw, enumerate(np.array(frame) for frame in frames))
 
     def _placed(self, vertices: np.ndarray) -> np.ndarray:
         return self.scale * vertices @ self.rotation.T + self.shift

@@ -1,5 +1,6 @@
 """The texture network that comes with caricli, and users' own."""
 
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -7,11 +8,10 @@ from caricli.data.expressions import named_expressions
 from caricli.errors import InputError, shown
 from caricli.io.bundled import asset_path
 from caricli.io.checkpoint import read_checkpoint
+from caricli.methods.dynamic.change_atlas import change_atlas
 from caricli.methods.dynamic.rig_moods import USUAL_MOODS, MoodPainter
-from caricli.methods.expressions.tools import ExpressionTools
-from caricli.methods.rig.make_rig import RigResult
 from caricli.models.texture.model import TextureModel, texture_from_checkpoint
-from caricli.structures import Face
+from caricli.structures import Rig
 
 BUNDLED = "texture.safetensors"
 
@@ -35,17 +35,15 @@ def load_texture_network(path: Path | None = None) -> TextureModel:
     return texture_from_checkpoint(*read_checkpoint(file), shown(file))
 
 
-def paint_moods(result: RigResult, worn: Face, tools: ExpressionTools, network: Path | None = None) -> RigResult:
-    """The rig of a face's expressions with pictures of its skin: of every expression, or, where these are ARKit's
-    single actions, of ``USUAL_MOODS``.
+def paint_moods(rig: Rig, painter: MoodPainter, expressions: Mapping[str, Mapping[str, float]]) -> Rig:
+    """A rig with pictures of its skin, and with the changes that its expressions make to it.
 
-    worn: Face as its picture shows it. tools: ExpressionTools that made the rig. network: file, or None for the bundled
-    one. Raises InputError as ``MoodPainter`` and ``load_texture_network`` do.
+    Pictures are of every expression, or, where these are ARKit's single actions, of ``USUAL_MOODS``.
+
+    painter: MoodPainter of the rig. expressions: actions with weights of its expressions, by their names.
     """
-    rig = result.rig
-    painter = MoodPainter(rig, worn, tools.expressions, tools.morphable.template, load_texture_network(network))
     moods = {name: {name: 1.0} for name in rig.names}
-    if all(tools.expressions[name] == {name: 1.0} for name in rig.names):
+    if all(expressions[name] == {name: 1.0} for name in rig.names):
         usual = named_expressions(rig.names)
         moods = {name: usual[name] for name in USUAL_MOODS}
-    return replace(result, rig=replace(rig, moods=painter.moods(moods)))
+    return replace(rig, moods=painter.moods(moods), changes=change_atlas(painter))

@@ -1,7 +1,7 @@
 """The names of the 52 facial actions of ARKit, which every engine's face tracking speaks, and what they start from."""
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -54,6 +54,11 @@ def start_delta(names: Sequence[str], deltas: np.ndarray, k: int) -> np.ndarray:
     """
     base = STARTS.get(names[k])
     return deltas[names.index(base)] if base in names else np.zeros_like(deltas[k])
+
+
+def action_codes(expressions: Sequence[Mapping[str, float]]) -> np.ndarray:
+    """(K, 52) float32: of expressions, each weights of actions by name, the weights in ARKit's order."""
+    return np.array([[weights.get(name, 0.0) for name in ARKIT_NAMES] for weights in expressions], np.float32)
 
 
 def uses(names: Sequence[str]) -> np.ndarray:

@@ -6,8 +6,9 @@ import numpy as np
 
 from caricli.errors import InputError, shown
 from caricli.limits import MAX_MOODS, MAX_SHAPES
-from caricli.structures.arkit import start_delta
-from caricli.structures.checks import coordinate_problem, refuse
+from caricli.structures.arkit import ARKIT_NAMES, start_delta
+from caricli.structures.change_atlas import ChangeAtlas
+from caricli.structures.checks import coordinate_problem, number_problem, refuse
 from caricli.structures.depiction import Depiction
 from caricli.structures.face import Face
 from caricli.structures.materials import Material, material_problem
@@ -28,6 +29,8 @@ class Rig:
     paper, equation 19); or None.
     moods: pictures of the skin in expressions, by distinct names, as large as that of the pictures.
     depiction: Depiction of it in the picture that it was fitted to, or None.
+    actions: (K, 52) float32, weights of ARKit's actions that the expressions are made of, or None.
+    changes: ChangeAtlas of what the expressions do to the picture of the skin, or None.
     Raises InputError when the parts do not fit each other or hold what is not finite.
     """
 
@@ -39,6 +42,8 @@ class Rig:
     normal_deltas: np.ndarray | None = None
     moods: tuple[Mood, ...] = ()
     depiction: Depiction | None = None
+    actions: np.ndarray | None = None
+    changes: ChangeAtlas | None = None
 
     def __post_init__(self) -> None:
         """Check that the parts fit each other."""
@@ -49,6 +54,11 @@ class Rig:
         refuse(self._delta_problem(), material_problem(self.materials, len(self.mesh.polygons)), self._mood_problem())
         if self.depiction is not None and np.shape(self.depiction.vertices) != self.neutral.shape:
             refuse(f"depicted: expected {self.neutral.shape} as neutral, found {np.shape(self.depiction.vertices)}")
+        if self.actions is not None and np.shape(self.actions) != (len(names), len(ARKIT_NAMES)):
+            refuse(f"actions: expected {(len(names), len(ARKIT_NAMES))}, found {np.shape(self.actions)}")
+        refuse(None if self.actions is None else number_problem("actions", np.asarray(self.actions)))
+        if self.changes is not None and self.changes.count < 2 * len(names) + 2:
+            refuse(f"changes: expected {2 * len(names) + 2} tiles, found room for {self.changes.count}")
 
     @property
     def neutral(self) -> np.ndarray:

@@ -150,9 +150,15 @@ def test_its_skin_changes_with_its_moods(run, refused, face, moods, head_templat
     rig = read_rig(tmp_path / "b.npz")
     assert [mood.name for mood in rig.moods] == ["smile", "open"]
     assert all((mood.skin != rig.pictures.skin).any() for mood in rig.moods)
-    assert [mood.name for mood in read_gltf(tmp_path / "b.glb").moods] == ["smile", "open"]
+    stored = read_gltf(tmp_path / "b.glb")
+    assert [mood.name for mood in stored.moods] == ["smile", "open"]
+    np.testing.assert_array_equal(stored.changes.picture, rig.changes.picture)
+    assert rig.actions[1].max() > 0.5
     assert "a picture on its skin" in refused(*usual, *chosen, "--out", tmp_path / "bare.npz")
     refused("blendshapes", face, *chosen, "--out", tmp_path / "none.npz", code=2)
+    (tmp_path / "no.safetensors").write_bytes(b"no network")
+    said = refused(*usual, "--texture-network", tmp_path / "no.safetensors", "--out", tmp_path / "none.npz")
+    assert "no.safetensors" in said
 
 
 def test_it_can_be_animated_and_retargeted(run, blended, face, landmarks, tmp_path):

@@ -27,6 +27,7 @@ from caricli.store.rig_sources import PicturePaths, picture_paths
 from caricli.structures import Camera, Face, Material, Pictures, Rig
 from caricli.template.annotation import parse_annotation
 from caricli.template.chart import face_chart
+from tests.painted_moods import write_brightener
 
 COMMAND = "texture"
 NAMES = [
@@ -393,3 +394,68 @@ def test_hair_of_the_picture_becomes_a_shell(run, scene, tmp_path):
     assert 0.002 < np.median(away) < 0.05
     report = read_json(out / "face.json")["hair"]
     assert report["overlap"] > 0.8 and 0 <= report["doubt"] < 0.3
+
+
+@pytest.fixture(scope="module")
+def network(head_template, tmp_path_factory):
+    return write_brightener(tmp_path_factory.mktemp("network") / "n.safetensors", head_template.topology_id)
+
+
+def test_the_skin_in_expressions(run, scene, quick, network, tmp_path):
+    (tmp_path / "set.yaml").write_text("neutral: {}\nopen mouth: {jawOpen: 0.8}\n")
+    chosen = ("--expressions", tmp_path / "set.yaml", "--texture-network", network)
+    result = run(COMMAND, *inputs(scene), *QUICK, *chosen, "--out", tmp_path / "out")
+    assert result.exit_code == 0, result.output
+    names = sorted(path.name for path in (tmp_path / "out").iterdir())
+    assert names == sorted([*NAMES, "texture-neutral.png", "texture-open mouth.png"])
+    usual = read_image(tmp_path / "out" / "texture.png")
+    np.testing.assert_array_equal(usual, read_image(quick / "texture.png"))
+    for name in ("neutral", "open mouth"):
+        picture = read_image(tmp_path / "out" / f"texture-{name}.png")
+        assert picture.shape == usual.shape and (picture != usual).any()
+    assert str(network) in read_json(tmp_path / "out" / "face.json")["inputs"]
+
+
+def test_expressions_that_cannot_be_painted_are_told_before_anything_is(refused, scene, network, tmp_path, monkeypatch):
+    monkeypatch.setattr("caricli.methods.texture.paint_head.paint_head", None)
+    table = tmp_path / "set.yaml"
+    line = (COMMAND, *inputs(scene), "--out", tmp_path / "out", "--expressions", table)
+    table.write_text("neutral: {}\n../up: {jawOpen: 1}\n")
+    assert "names that files can have, found '../up'" in refused(*line, "--texture-network", network)
+    table.write_text("neutral: {}\nopen: {jawOpne: 1}\n")
+    assert "jawOpne" in refused(*line, "--texture-network", network)
+    assert "none.safetensors" in refused(*line, "--texture-network", tmp_path / "none.safetensors")
+    refused(*line[:-2], "--texture-network", network, code=2)
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_chart_that_was_edited_goes_back_onto_the_head(run, refused, textured, scene, tmp_path):
+    charted = run(COMMAND, *inputs(scene), "--size", 256, "--hair", "none", "--uv", "arap", "--out", tmp_path / "arap")
+    assert charted.exit_code == 0, charted.output
+    line = (COMMAND, tmp_path / "arap" / "face.npz", tmp_path / "edited.png", "--retouched")
+    picture = read_image(tmp_path / "arap" / "texture-arap.png")
+    write_png(tmp_path / "edited.png", picture)
+    same = run(*line, "--out", tmp_path / "same")
+    assert same.exit_code == 0 and "0.0 % of the face retouched" in same.stdout, same.output
+    usual = read_image(tmp_path / "arap" / "texture.png").astype(int)
+    np.testing.assert_array_equal(read_face(tmp_path / "same" / "face.npz").pictures.skin, usual)
+    side = len(picture)
+    spot = np.s_[side // 5 : side // 4, side * 2 // 5 : side // 2]
+    picture[spot] = [20, 200, 40]
+    write_png(tmp_path / "edited.png", picture)
+    result = run(*line, "--out", tmp_path / "green")
+    assert result.exit_code == 0 and result.stderr == "", result.output
+    skin = read_face(tmp_path / "green" / "face.npz").pictures.skin
+    green = (np.abs(skin.astype(int) - [20, 200, 40]) < 12).all(-1)
+    assert green.sum() > 20 and ((skin != usual).any(-1) & ~green).sum() < 4 * np.sqrt(green.sum()) + 20
+    refused(*line, "--uv", "arap", "--out", tmp_path / "none", code=2)
+
+
+def test_a_picture_of_another_chart(run, refused, textured, scene, tmp_path):
+    line = (COMMAND, textured / "face.npz", tmp_path / "other.png", "--retouched", "--out")
+    write_png(tmp_path / "other.png", np.zeros((64, 48, 3), np.uint8))
+    assert "other.png: expected a square picture in the chart" in refused(*line, tmp_path / "out")
+    write_png(tmp_path / "other.png", np.random.default_rng(0).integers(0, 255, (64, 64, 3), np.uint8))
+    result = run(*line, tmp_path / "out")
+    assert result.exit_code == 0 and "is it of another chart?" in result.stderr
+    assert "picture on its skin" in refused(COMMAND, scene / "face.npz", *line[2:], tmp_path / "bare")

@@ -19,6 +19,7 @@ from caricli.io.gltf.write_gltf import shading_normals, write_gltf
 from caricli.io.rig import read_rig, write_rig
 from caricli.structures import Animation, Material, Mesh, Mood, Pictures, Rig
 from caricli.structures.arkit import ARKIT_NAMES
+from caricli.structures.change_atlas import ChangeAtlas
 
 VALIDATOR = Path(caricli.__file__).parents[1] / "tests" / "gltf_validator"
 DTYPES = {5121: "<u1", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
@@ -65,6 +66,12 @@ def moody(rig):
     """The rig with two moods."""
     skin = rig.pictures.skin
     return replace(rig, moods=(Mood("sad", skin // 2), Mood("ü 微笑", 255 - skin)))
+
+
+def changing(rig):
+    """The rig with what its expressions do to its skin."""
+    picture = np.random.default_rng(8).integers(0, 255, (16, 16, 3), np.uint8)
+    return replace(rig, changes=ChangeAtlas(picture, 4, 4, (0.1, 0.25, 0.75, 0.9), 0.5, 0.25))
 
 
 def grid(side, names=("bump",)):
@@ -127,6 +134,9 @@ def kinds(full, head, subdivided):
         "teeth": (toothed(full), {}),
         "hair": (haired(full), {}),
         "moods": (moody(full), {}),
+        "changes": (changing(full), {}),
+        "changes, moods, sparse": (changing(moody(full)), {"sparse": True}),
+        "changes without UVs": (replace(changing(full), mesh=Mesh(full.neutral, full.mesh.polygons)), {}),
         "moods, hair, teeth, sparse": (moody(toothed(haired(full))), {"sparse": True}),
         "moods without UVs": (replace(moody(full), mesh=Mesh(full.neutral, full.mesh.polygons)), {}),
         "moods without skin": (replace(moody(full), materials=np.full_like(full.materials, Material.EYE)), {}),
@@ -175,6 +185,8 @@ def test_khronos_validator_has_nothing_to_say_of_any_kind(full_rig, head_rig, su
     issues = dict(zip(files, validated(files.values()), strict=True))
     # UVs without a picture are there for the artist who will paint one.
     unused = {(2, "UNUSED_OBJECT", f"/meshes/0/primitives/{k}/attributes/TEXCOORD_0") for k in range(2)}
+    # Programs that do not know the changes have no use for them.
+    unused |= {(2, "UNUSED_OBJECT", f"/textures/{k}") for k in range(5)}
     assert {kind: set(found) - unused for kind, found in issues.items() if set(found) - unused} == {}
 
 
@@ -701,6 +713,47 @@ def test_moods_are_variants_of_the_skins_material_and_come_back(full_rig, tmp_pa
     for mood, expected in zip(back.moods, rig.moods, strict=True):
         assert mood.name == expected.name
         np.testing.assert_array_equal(mood.skin, expected.skin)
+
+
+def test_changes_are_a_texture_that_the_skins_material_tells_of_and_come_back(full_rig, tmp_path):
+    rig = changing(moody(full_rig))
+    write_gltf(tmp_path / "a.glb", rig)
+    document, _ = taken_apart(tmp_path / "a.glb")
+    told = [material.get("extras", {}).get("textureChanges") for material in document["materials"]]
+    assert told[0].pop("texture") == len(document["textures"]) - 1 and not any(told[1:])
+    assert told[0] == {"columns": 4, "side": 4, "window": [0.1, 0.25, 0.75, 0.9], "gain": 0.5, "offset": 0.25}
+    back = read_gltf(tmp_path / "a.glb").changes
+    np.testing.assert_array_equal(back.picture, rig.changes.picture)
+    np.testing.assert_array_equal(back.layout, rig.changes.layout)
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "left"),
+    [
+        ("texture", 99, None),
+        ("texture", "a", None),
+        ("columns", 9, "rows of tiles"),
+        ("columns", None, "as numbers"),
+        ("window", [0, 0, 2, 1], "a window inside"),
+        ("window", [0, 1], "eight numbers"),
+        ("window", 3, "expected list"),
+        ("gain", "a", "as numbers"),
+        ("offset", 1e300, "as numbers"),
+        ("side", 8, None),
+    ],
+)
+def test_changes_that_do_not_fit(full_rig, tmp_path, key, value, left):
+    write_gltf(tmp_path / "a.glb", changing(full_rig))
+    document, binary = taken_apart(tmp_path / "a.glb")
+    document["materials"][0]["extras"]["textureChanges"][key] = value
+    if key == "side":
+        document["materials"][0]["extras"]["textureChanges"]["columns"] = 2
+    put_together(tmp_path / "a.glb", document, binary)
+    if left is None:
+        assert read_gltf(tmp_path / "a.glb").changes is None
+    else:
+        with pytest.raises(InputError, match=left):
+            read_gltf(tmp_path / "a.glb")
 
 
 def test_without_moods_nothing_is_said_of_variants(full_rig, tmp_path):

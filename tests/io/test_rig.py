@@ -7,18 +7,23 @@ from caricli.errors import InputError
 from caricli.io.npz import read_npz, write_npz
 from caricli.io.rig import read_rig, write_rig
 from caricli.structures import Camera, Depiction, Mesh, Mood, Rig
+from caricli.structures.change_atlas import ChangeAtlas
 
 
 @pytest.fixture
 def full_rig(full_rig):
     normal = np.random.default_rng(5).normal(0, 0.003, (len(full_rig.names), 7, 3))
-    return dataclasses.replace(full_rig, normal_deltas=normal.astype(np.float32))
+    actions = np.random.default_rng(6).random((len(full_rig.names), 52), np.float32)
+    tiles = np.random.default_rng(7).integers(0, 255, (9, 12, 3), np.uint8)
+    changes = ChangeAtlas(tiles, 4, 3, (0.1, 0.2, 0.8, 0.9), 0.5, 0.25)
+    return dataclasses.replace(full_rig, normal_deltas=normal.astype(np.float32), actions=actions, changes=changes)
 
 
 def parts(rig):
     """What a rig and its mesh hold, by name."""
     mesh = {field.name: getattr(rig.mesh, field.name) for field in dataclasses.fields(Mesh)}
-    own = {name: getattr(rig, name) for name in ("names", "deltas", "materials", "normal_deltas")}
+    own = {name: getattr(rig, name) for name in ("names", "deltas", "materials", "normal_deltas", "actions")}
+    own |= {"changes": rig.changes.picture, "change_layout": rig.changes.layout}
     return mesh | own | dict(rig.pictures.items())
 
 
@@ -115,6 +120,16 @@ CASES = [
     (lambda r: {"normal_deltas": r.normal_deltas[:3]}, "normal_deltas: expected 4 displacements"),
     (lambda r: {"normal_deltas": r.normal_deltas[..., :2]}, "normal_deltas: expected 4 displacements"),
     (lambda r: {"normal_deltas": bad(r.normal_deltas, np.nan)}, "normal_deltas: expected finite coordinates"),
+    (lambda r: {"actions": r.actions[:, :51]}, "actions: expected (4, 52), found (4, 51)"),
+    (lambda r: {"actions": bad(r.actions, np.nan)}, "actions: expected finite"),
+    (lambda r: {"changes": None}, "changes: expected them together with change_layout"),
+    (lambda r: {"changes": r.changes.picture[:3]}, "changes: expected 10 tiles, found room for 4"),
+    (lambda r: {"changes": r.changes.picture[..., 0]}, "changes: expected (H,W,3) uint8"),
+    (lambda r: {"change_layout": r.changes.layout[:7]}, "change_layout: expected eight numbers"),
+    (lambda r: {"change_layout": bad(r.changes.layout, np.nan, 6)}, "change_layout: expected eight numbers"),
+    (lambda r: {"change_layout": bad(r.changes.layout, 99, 0)}, "changes: expected rows of tiles"),
+    (lambda r: {"change_layout": bad(r.changes.layout, 2, 3)}, "changes: expected a window inside"),
+    (lambda r: {"change_layout": bad(r.changes.layout, 1e6, 7)}, "changes: expected a gain and an offset"),
 ]
 
 

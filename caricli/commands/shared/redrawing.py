@@ -59,7 +59,7 @@ class Redrawing:
         """(H, W, 3) uint8, the picture with the expression of one driver."""
         from caricli.methods.redraw.redraw_picture import redraw_picture
 
-        return redraw_picture(self.original, self.retargeting.caricature(row).vertices)
+        return redraw_picture(self.original, self.retargeting.vertices(row), self.retargeting.change(row))
 
     def write(self, png: Path, json: Path, row: int, description: dict[str, Any]) -> None:
         """Write PNG and JSON of one driver. Raises OutputError."""

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from caricli.errors import InputError, naming, shown
+from caricli.io.gltf.changes import changes_of
 from caricli.io.gltf.container import read_container
 from caricli.io.gltf.document import Document
 from caricli.io.gltf.format import SOURCE_VERTEX
@@ -37,8 +38,8 @@ def read_gltf(path: str | Path) -> Rig:
     them. Transforms of nodes are left aside: the neutral and its
     displacements stay in the mesh's own frame, as they are stored. Of the materials the base colour's picture is read,
     where it is embedded; the one named "eyes" is that of the eyes.
-    Variants of the skin's material, with pictures as large as its own, are moods. Skins, animations and weights are
-    left aside.
+    Variants of the skin's material, with pictures as large as its own, are moods; its changes are read. Skins,
+    animations and weights are left aside.
     path: a GLB file, or a .gltf, without external files.
     Returns a Rig of triangles; polygons only beside UVs or materials.
     Raises InputError when it is malformed, compressed, has no mesh or is beyond the caps.
@@ -266,6 +267,8 @@ def _looks(document: Document, primitives: list[dict], surface: _Surface) -> dic
     if "skin" in pictures:
         skin = primitives[kinds.index(Material.SKIN)]
         moods = moods_of(document, skin, partial(_image, document))
+        material = document.item(skin, "material", "materials")
+        looks["changes"] = changes_of(document, material, len(skin["targets"]), partial(_image, document))
         looks["moods"] = tuple(mood for mood in moods if mood.skin.shape == pictures["skin"].shape)
     if any(kind != Material.SKIN for kind in kinds):
         looks["materials"] = np.repeat(kinds, [len(part) for part in surface.triangles]).astype(np.int32)

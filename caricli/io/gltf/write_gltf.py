@@ -7,6 +7,7 @@ import scipy.sparse as sp
 
 from caricli import __version__
 from caricli.errors import OutputError, shown
+from caricli.io.gltf.changes import add_changes
 from caricli.io.gltf.container import write_container
 from caricli.io.gltf.format import DTYPES, SOURCE_VERTEX, TYPES, VERSION
 from caricli.io.gltf.variants import add_variants
@@ -31,8 +32,9 @@ def write_gltf(path: str | Path, rig: Rig, sparse: bool = False, animation: Anim
     One node with one mesh; one primitive for every material; morph targets of positions and normals, their names in
     ``mesh.extras.targetNames``; targets that move nothing share their zeros. Teeth and tongue have colours of vertices
     (`mouth_light`). Hair that keeps still is a node of its own
-    below the head's. Moods are variants of the skin's material (`add_variants`). Vertices are split where the UVs have
-    a seam, and `SOURCE_VERTEX` leads back; those of no polygon stand at the end of the first primitive.
+    below the head's. Moods are variants of the skin's material (`add_variants`), changes a texture beside it
+    (`add_changes`). Vertices are split where the UVs have a seam, and `SOURCE_VERTEX` leads back; those of no polygon
+    stand at the end of the first primitive.
     path: a GLB, or, where it ends in .gltf, one text with all inside. sparse: whether of a target only the vertices
     that move are stored. animation: weights of the rig's shapes over time, or None.
     Raises OutputError when the animation does not fit the rig, the file would be larger than what is read, or it
@@ -49,13 +51,21 @@ def write_gltf(path: str | Path, rig: Rig, sparse: bool = False, animation: Anim
         **_nodes(rig, _primitives(rig, sparse, buffer)),
         **_materials(rig, buffer),
     }
-    if rig.moods and rig.mesh.uvs is not None and (rig.triangle_materials == Material.SKIN).any():
-        # The skin is the first of the materials, and of the primitives.
-        add_variants(document, document["meshes"][0]["primitives"][0], rig.moods, buffer.view)
+    if rig.pictures.skin is not None and rig.mesh.uvs is not None and (rig.triangle_materials == Material.SKIN).any():
+        _add_expressions(document, rig, buffer)
     if animation is not None and (rig.names or animation.rotations is not None):
         document["animations"] = [_animation(animation, buffer)]
     document |= {"accessors": buffer.accessors, "bufferViews": buffer.views}
     write_container(path, document, b"".join(buffer.parts))
+
+
+def _add_expressions(document: dict, rig: Rig, buffer: "_Buffer") -> None:
+    """Add what a rig has of its skin in expressions: moods and changes."""
+    # The skin is the first of the materials, and of the primitives.
+    if rig.moods:
+        add_variants(document, document["meshes"][0]["primitives"][0], rig.moods, buffer.view)
+    if rig.changes is not None:
+        add_changes(document, document["materials"][0], rig.changes, buffer.view)
 
 
 def shading_normals(rig: Rig) -> tuple[np.ndarray, np.ndarray]:

@@ -33,12 +33,17 @@ class ChangedTexture:
 
     def paint(self, change: TextureChange) -> np.ndarray:
         """(H, H, 3) uint8, the texture with a change: slow in its own texels, the fine ones of the picture kept."""
-        gain = self._enlarged(change.attention[..., None] * change.gain)
-        offset = self._enlarged(change.attention[..., None] * change.offset)
-        colours = self.colours + self.strength * (gain * self.colours + offset)
+        gain, offset = self.spread(change)
+        colours = self.colours + gain * self.colours + offset
         painted = self.picture.copy()
         painted[self.window] = np.rint(255 * np.clip(colours, 0, 1)).astype(np.uint8)
         return painted
+
+    def spread(self, change: TextureChange) -> tuple[np.ndarray, np.ndarray]:
+        """Gain and offset (H, W, 3) float32 of a change at the texels of the window, fading at its border."""
+        gain = self._enlarged(change.attention[..., None] * change.gain)
+        offset = self._enlarged(change.attention[..., None] * change.offset)
+        return self.strength * gain, self.strength * offset
 
     def _enlarged(self, values: np.ndarray) -> np.ndarray:
         """Values (S, S, 3) of the chart at the texels of the window."""

@@ -33,7 +33,7 @@ BENT = 10.0
 
 _WAYS = DIRECTIONS[::3]
 _OWN = 7  # channels of one shape
-_GAP = 6  # which of them is the gap
+GAP = 6  # which of them is the gap
 _ABOVE = 0.5  # of the chart's height
 _ROUNDS = 4  # of fits that count less what moves
 _STILL = 0.001  # of the face's width: what moves less counts alike
@@ -181,7 +181,7 @@ def pair_maps(grid: ChartGrid, source: ShapeFields, target: ShapeFields) -> np.n
     """(..., S, S, 23) float32, the maps of ``shape_maps``, of pairs of shapes."""
     displacement = (target.places - source.places) / PART
     skin = _baked(grid, np.concatenate([displacement, source.values, target.values], axis=-1))
-    skin[..., ~grid.mouth, 3 + _GAP :: _OWN] = 0
+    skin[..., ~grid.mouth, 3 + GAP :: _OWN] = 0
     mouth = np.zeros((*skin.shape[:-1], 2 * source.inside.shape[-1]), np.float32)
     mouth[..., grid.mouth, :] = np.concatenate([source.inside, target.inside], axis=-1)
     return np.concatenate([skin, mouth], axis=-1)
@@ -190,7 +190,7 @@ def pair_maps(grid: ChartGrid, source: ShapeFields, target: ShapeFields) -> np.n
 def pair_attention(grid: ChartGrid, source: ShapeFields, target: ShapeFields, reach: float = 0.03) -> np.ndarray:
     """(..., S, S) float32, as ``displacement_attention``, of pairs of shapes."""
     moved = np.linalg.norm(target.places - source.places, axis=-1)
-    parted = PART * (target.values[..., _GAP] - source.values[..., _GAP])
+    parted = PART * (target.values[..., GAP] - source.values[..., GAP])
     baked = _baked(grid, np.stack([moved, parted], axis=-1))
     change = np.where(grid.mouth, np.maximum(baked[..., 0], np.abs(baked[..., 1])), baked[..., 0])
     return 1 - np.exp(-change / np.float32(reach))

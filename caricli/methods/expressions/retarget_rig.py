@@ -6,12 +6,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from caricli.methods.animate.pose_rig import RigPoser
+from caricli.methods.dynamic.rig_moods import MoodPainter
 from caricli.methods.expressions.retarget_expression import Explanation, explain_landmarks, explain_meshes
 from caricli.methods.reconstruct.fit_morphable import fit_morphable
 from caricli.methods.reconstruct.landmark_fit import LandmarkFit
 from caricli.models.morphable.model import MorphableModel
 from caricli.structures import Animation, Face, Landmarks, Rig
 from caricli.structures.arkit import uses
+from caricli.structures.texture_change import TextureChange
 from caricli.template.template import Template
 
 _SAID = 3
@@ -52,17 +54,30 @@ class Retargeting:
     template: Template of the normal face.
     explanation: weights and the neutral face of all drivers.
     unit: of what is left: "mm" from meshes, "percent" of the diagonal from landmarks.
+    painter: MoodPainter of the rig's skin, or None to leave its picture.
     """
 
     rig: Rig
     template: Template
     explanation: Explanation
     unit: str
+    painter: MoodPainter | None = None
+
+    def vertices(self, t: int) -> np.ndarray:
+        """(V, 3) float64 of the rig with the expression of driver t."""
+        return RigPoser(self.rig).pose(self.explanation.weights[t]).astype(float)
+
+    def change(self, t: int) -> TextureChange | None:
+        """What the expression of driver t does to the picture of the skin, or None to leave it."""
+        return None if self.painter is None else self.painter.change(self.explanation.weights[t])
 
     def caricature(self, t: int) -> Face:
-        """The Face of the rig, float64, with the expression of driver t, in what the rig wears."""
-        vertices = RigPoser(self.rig).pose(self.explanation.weights[t])
-        return self.rig.face.posed(vertices.astype(float))
+        """The Face of the rig with the expression of driver t, in what the rig wears, its skin painted."""
+        face = self.rig.face.posed(self.vertices(t))
+        if self.painter is None:
+            return face
+        skin = self.painter.paint(self.explanation.weights[t])
+        return replace(face, pictures=replace(face.pictures, skin=skin))
 
     def driver(self, t: int) -> Template:
         """The normal face as it is explained."""

@@ -1,0 +1,80 @@
+"""What every expression of a rig does to the picture of its skin, in one picture that a shader mixes by weights."""
+
+import cv2
+import numpy as np
+
+from caricli.data.expressions import named_expressions
+from caricli.methods.dynamic.rig_moods import MoodPainter
+from caricli.structures.arkit import ARKIT_NAMES, uses
+from caricli.structures.change_atlas import NOTHING, ChangeAtlas
+
+LARGEST = 2048
+"""Texels of an atlas, width and height, at most: what every engine takes."""
+
+_NONE = 1e-3
+"""Range below which all gains or offsets count as nothing."""
+
+
+def change_atlas(painter: MoodPainter) -> ChangeAtlas:
+    """The changes of a rig's picture, linear in the weights.
+
+    ``T' = T + C_0 + sum_k w_k D_k``: C_0 is what the network changes at rest, which takes out what the picture shows;
+    D minimises ``sum_s |C_0 + sum_k w_sk D_k - C(w_s)|^2`` over every expression in use and, where they are ARKit's
+    actions, the named ones of them, because the network says less of several at once than of each.
+
+    painter: MoodPainter of the rig. Returns ChangeAtlas, a square of a power of two, at most LARGEST, which fades at
+    the border of the face.
+    """
+    shown = _shown_weights(painter.names)
+    count = 2 * (len(painter.names) + 1)
+    columns = int(np.ceil(np.sqrt(count)))
+    # A power of two, as some engines want it.
+    size = min(2 ** round(np.log2(columns * painter.model.size)), LARGEST)
+    side = min(painter.model.size, size // columns)
+    rest = _change(painter, np.zeros(len(painter.names)), side)
+    moved = np.stack([_change(painter, weights, side) - rest for weights in shown])
+    parts = np.tensordot(np.linalg.pinv(shown).astype(np.float32), moved, 1)
+    changes = np.concatenate([rest[None], parts])
+    ranges = [float(np.abs(changes[:, kind]).max()) for kind in (0, 1)]
+    tiles = np.full((columns**2, side, side, 3), NOTHING, np.uint8)
+    for kind, most in enumerate(ranges):
+        tiles[kind:count:2] = np.rint(NOTHING + (255 - NOTHING) * changes[:, kind] / max(most, _NONE))
+    laid = tiles.reshape(columns, columns, side, side, 3).swapaxes(1, 2).reshape(columns * side, -1, 3)
+    picture = np.full((size, size, 3), NOTHING, np.uint8)
+    picture[: len(laid), : len(laid)] = laid
+    whole = len(painter.texture.picture)
+    rows, places = painter.texture.window
+    window = (places.start / whole, rows.start / whole, places.stop / whole, rows.stop / whole)
+    return ChangeAtlas(picture, columns, side, window, *(max(most, _NONE) for most in ranges))
+
+
+def paint_changes(atlas: ChangeAtlas, picture: np.ndarray, weights: np.ndarray) -> np.ndarray:
+    """A picture (H, H, 3) uint8 of the skin as an atlas changes it with weights (K,): what a shader shows, uint8."""
+    size = len(picture)
+    left, top, right, bottom = (round(share * size) for share in atlas.window)
+    window = np.s_[top:bottom, left:right]
+    colours = picture[window] / np.float32(255)
+    change = np.zeros((2, atlas.side, atlas.side, 3))
+    for number, weight in enumerate([1.0, *weights]):
+        if weight:
+            change += weight * np.stack(atlas.change(number))
+    shape = colours.shape[1::-1]
+    gain, offset = (cv2.resize(values, shape, interpolation=cv2.INTER_LINEAR) for values in change)
+    painted = picture.copy()
+    painted[window] = np.rint(255 * np.clip(colours + gain * colours + offset, 0, 1))
+    return painted
+
+
+def _shown_weights(names: tuple[str, ...]) -> np.ndarray:
+    """(N, K) weights at which the network is asked."""
+    together = uses(names)
+    if not set(ARKIT_NAMES) <= set(names):
+        return together
+    usual = [weights for weights in named_expressions(ARKIT_NAMES).values() if weights]
+    return np.concatenate([together, [[weights.get(name, 0.0) for name in names] for weights in usual]])
+
+
+def _change(painter: MoodPainter, weights: np.ndarray, side: int) -> np.ndarray:
+    """(2, S, S, 3) float32 gain and offset in the window of a picture."""
+    change = painter.texture.spread(painter.change(weights))
+    return np.stack([cv2.resize(values, (side, side), interpolation=cv2.INTER_AREA) for values in change])
