@@ -153,8 +153,11 @@ def load_texture_test(
     if len(sizes) > 1:
         raise InputError(f"expected networks for charts of one size, found {', '.join(map(str, sorted(sizes)))}")
     config = TextureConfig(size=sizes.pop(), seed=seed, mirrored=0)
-    textures = read_texture_set(folder)
     head = load_head().template()
+    for name, model in models.items():
+        if model.topology_id != head.topology_id:
+            raise InputError(f"{name}: expected a texture network of the head's mesh, found one of another")
+    textures = read_texture_set(folder)
     grid = ChartGrid(face_chart(head), config.size)
     with naming(folder):
         people = [list(textures.people(split)) for split in ("train", "test")]

@@ -28,6 +28,7 @@ STEPS = {
 }
 LINKS = {
     "all expressions": "blendshapes.png",
+    "film": "film.mp4",
     "GLB": "blendshapes.glb",
     "NPZ": "blendshapes.npz",
     "JSON": "blendshapes.json",

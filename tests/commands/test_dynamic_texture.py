@@ -18,6 +18,7 @@ from tests.painted_moods import write_brightener
 pytestmark = pytest.mark.usefixtures("quick_pictures")
 
 CAMERA = Camera(1400.0, np.diag([1.0, -1, -1]), np.array([200.0, 400.0]))
+LONG = Pictures(np.full((32, 64, 3), 90, np.uint8))
 NAMES = ("jawOpen", "mouthSmileLeft", "mouthSmileRight")
 
 
@@ -81,6 +82,7 @@ def test_a_driven_face_wears_its_own_skin(run, stage, tmp_path):
 # What is changed of the rig, and what is said: an error, or a note beside the result.
 FAULTS = {
     "no picture": (lambda rig, head: replace(rig, pictures=Pictures()), "needs a face with a picture on its skin"),
+    "a long picture": (lambda rig, head: replace(rig, pictures=LONG), "a square picture on the skin, found 64 x 32"),
     "other names": (lambda rig, head: replace(rig, names=("a", "b", "c")), "made of ARKit's actions"),
     "another mesh": (lambda rig, head: subdivided(rig), "the head's own skin, 4200 vertices"),
 }

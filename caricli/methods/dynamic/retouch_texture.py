@@ -48,6 +48,8 @@ def retouch_texture(face: Face, picture: np.ndarray, chart: FaceChart) -> Retouc
     height, width = picture.shape[:2]
     if height != width:
         raise InputError(f"expected a square picture in the chart, as texture-arap.png is, found {width} x {height}")
+    if len(texture) != texture.shape[1]:
+        raise InputError(f"expected a face with a square texture, found {texture.shape[1]} x {len(texture)}")
     grid = ChartGrid(chart, height)
     own = texture_to_chart(texture, face.mesh, grid)
     skin = grid.covered & ~grid.mouth

@@ -131,7 +131,8 @@ def _opening(eye: np.ndarray) -> float:
 def rig_skin(rig: Rig, template: Template) -> Mesh:
     """The skin of a rig at rest, without its parts, on the UVs of its picture.
 
-    template: Template of the skin. Raises InputError where it has no picture, or the rig another skin.
+    template: Template of the skin. Raises InputError where it has no picture, or one that is not square, or the rig
+    another skin.
     """
     count = len(template.faces)
     if not np.array_equal(rig.faces[:count], template.faces):
@@ -141,6 +142,9 @@ def rig_skin(rig: Rig, template: Template) -> Mesh:
         )
     if rig.pictures.skin is None or rig.mesh.uvs is None:
         raise InputError("dynamic texture needs a face with a picture on its skin, as `caricli texture` writes one")
+    height, width = rig.pictures.skin.shape[:2]
+    if height != width:
+        raise InputError(f"dynamic texture needs a square picture on the skin, found {width} x {height}")
     vertices = np.asarray(rig.neutral[: len(template.vertices)], float)
     return Mesh(vertices, template.faces, rig.mesh.uvs, rig.mesh.uv_faces[:count])
 

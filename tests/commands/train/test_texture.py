@@ -1,9 +1,11 @@
 import json
 
+import numpy as np
 import pytest
 
 from caricli.io.bundled import config_path
-from caricli.io.image import read_image
+from caricli.io.checkpoint import read_checkpoint, write_checkpoint
+from caricli.io.image import read_image, write_png
 from tests.acted_textures import write_acted_set
 
 SETTINGS = ("epochs=2", "steps=2", "validate_every=1", "validation=6")
@@ -70,3 +72,31 @@ def test_what_is_no_folder_of_textures_is_refused(refused, trained, textures, tm
     assert "--overwrite to begin anew" in told(textures, trained)
     assert "expected a folder of drawings" in told(textures, tmp_path / "run", "--styles", tmp_path / "none")
     assert "at least 64 texels, found 32" in told(textures, tmp_path / "large", "--set", "size=64")
+
+
+def test_a_broken_picture_among_styles_is_left_out_and_said(run, refused, textures, tmp_path):
+    styles = tmp_path / "styles"
+    styles.mkdir()
+    (styles / "broken.png").write_bytes(b"\x89PNG no picture")
+    line = ("train", "texture", "--data", textures, "--styles", styles, "--out", tmp_path / "run", *SMALL)
+    assert "found no picture in it that can be read" in refused(*line)
+    write_png(styles / "good.png", np.random.default_rng(0).integers(0, 255, (96, 96, 3), np.uint8))
+    result = run(*line)
+    assert result.exit_code == 0, result.output
+    assert "left out: " in result.stderr and "broken.png" in result.stderr
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "words"),
+    [
+        ("topology_id", "0" * 64, "of the head's mesh, found one of another"),
+        ("expressions", ["smile"], "of ARKit's 52 expressions, found one of others"),
+    ],
+)
+def test_a_network_of_something_else_is_not_measured(refused, trained, textures, tmp_path, key, value, words):
+    tensors, about = read_checkpoint(trained / "model.safetensors")
+    write_checkpoint(tmp_path / "other.safetensors", tensors, about | {key: value})
+    line = ("evaluate", "texture", tmp_path / "other.safetensors", "--data", textures, "--out", tmp_path / "out")
+    said = refused(*line)
+    assert "other.safetensors" in said and words in said
+    assert not (tmp_path / "out").exists()
