@@ -20,7 +20,7 @@ from caricli.commands.shared.options import (
     seed_option,
 )
 from caricli.commands.shared.picture import picture_files, picture_option
-from caricli.errors import naming
+from caricli.errors import InputError, naming, shown
 from caricli.io.outputs import staged
 from caricli.io.provenance import provenance
 from caricli.io.strict_json import write_json
@@ -108,8 +108,9 @@ def command(
     reconstructed first. The landmarks that were found in a PICTURE go to B-landmarks.json. Every expression starts from
     the neutral one, which the drawing need not show, and which is found with caution. FILE has a line `neutral: {}` and
     others such as `smile: {mouthSmile: 0.7}`, of the 52 actions of ARKit. With --dynamic-texture B.npz and B.glb have a
-    picture of the skin for every mood, in B.glb a variant of its material (KHR_materials_variants). Use B.npz with
-    `caricli retarget` and `caricli animate`.
+    picture of the skin for every mood, in B.glb a variant of its material (KHR_materials_variants), and what every
+    expression does to the skin in one texture, for shaders (docs/engines.md). Use B.npz with `caricli retarget` and
+    `caricli animate`.
 
     \b
     Example:
@@ -129,19 +130,19 @@ def command(
     settings = BlendshapeSettings(method, reconstruct, BlendshapeWeights(*weights))
     tools, tool_files = load_tools(ToolPaths(expressions, map_path, model, templates), latent=reconstruct == "latent")
     caricature = load_caricature(source, tools, texture, FaceReader(detector, pts_origin))
-    face = caricature.face
+    _check_worn(source, caricature, painting)
     inputs = [source, *caricature.worn.files, *tool_files, network]
     others = [*map(out.with_suffix, (".glb", ".json")), *picture_files(out.with_suffix(".png"))]
     given = {"overwrite": overwrite, "inputs": [*inputs, detector], "optional": seen_files(source, out)}
     with staged(out, *others, **given) as files:
         with naming(source), progress_bar("expressions"):
-            blendshapes, seconds = _build(face, tools, settings)
+            blendshapes, seconds = _build(caricature.face, tools, settings)
             result = _rigged(caricature, blendshapes, tools, RigSettings(head=head, seed=seed))
             result = _painted(result, source, tools, painting)
         about = {"method": method, "reconstruct": reconstruct, "weights": weights, "seconds": seconds}
         about |= note_source(files[0], caricature.source, source)
-        figures, line = report_blendshapes(face, blendshapes, tools, result)
-        _write(files, face, result, provenance("blendshapes", inputs, seed, **about, **figures))
+        figures, line = report_blendshapes(caricature.face, blendshapes, tools, result)
+        _write(files, caricature.face, result, provenance("blendshapes", inputs, seed, **about, **figures))
     echo_result(f"{out}: {line}")
 
 
@@ -151,6 +152,14 @@ def _check_usage(method, reconstruct, weights):
         raise click.UsageError("--reconstruct is for methods that follow landmarks, not for transfer.")
     if method != "full" and weights != DEFAULT_WEIGHTS:
         raise click.UsageError("--weights are those of --method full.")
+
+
+def _check_worn(source, caricature, painting):
+    """Refuse a Caricature of a file without a texture that is to be painted, before anything takes its time."""
+    if painting is not None and caricature.worn.skin is None:
+        raise InputError(
+            f"{shown(source)}: dynamic texture needs a face with a picture on its skin, as `caricli texture` writes one"
+        )
 
 
 def _build(face, tools, settings):
