@@ -16,8 +16,8 @@ from caricli.render.smooth_normals import smooth_normals
 from caricli.structures import Material
 
 _NEAR = 0.012  # of the head's height: what is so little behind the surface is on it
-_FINE = 0.6  # pixels, softness of lashes
-_THICK = 1.6
+_FINE = 0.8  # pixels, softness of lashes
+_THICK = 2.2
 _LEVEL = 1e-3
 
 
@@ -25,8 +25,8 @@ class MovedHead:
     """Another shape of the head of an Original, sample by sample.
 
     view: View of it. source: (H, W, 2) float32 pixels of the old picture where what the samples show now was then,
-    their own beside the head; what is in the mouth follows the lips, because drawn teeth are seldom where the head's
-    are. shift: (H, W, 2) of the source from the samples.
+    their own beside the head; what is in the mouth follows teeth and lips, not point by point, because drawn teeth are
+    seldom where the head's are. shift: (H, W, 2) of the source from the samples.
     """
 
     def __init__(self, original: Original, vertices: np.ndarray) -> None:
@@ -38,8 +38,31 @@ class MovedHead:
         self._before = self.view.carried(original.placed)
         shift = np.where(self.view.covered[..., None], self._before[..., :2] - places, 0)
         lips = (self.view.covered & ~self.view.inside).astype(np.float32)
-        self.shift = np.where(self.view.inside[..., None], spread_colours(shift, lips), shift).astype(np.float32)
+        spread = spread_colours(shift, lips)
+        inside, self._kept = self._in_mouth(spread)
+        self.shift = np.where(self.view.inside[..., None], inside, shift).astype(np.float32)
         self.source = places + self.shift
+
+    def _in_mouth(self, spread: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Shifts (H, W, 2) of what is in the mouth, and how far (H, W), from 0 to 1, the old picture shows it.
+
+        Across the face it follows the lips, along it the teeth: upper ones go with the skull, lower ones with the jaw,
+        and between them the mouth opens. spread: (H, W, 2) shifts of the lips, carried on between them.
+        """
+        rows = self.original.rows
+        if rows is None:
+            return spread, np.ones(spread.shape[:2], np.float32)
+        right = self.original.depiction.camera.rotation[:2, 0]
+        across = np.outer(right, right) / (right @ right)
+        open_before = (self.original.view.inside | self.original.mouth).astype(np.float32)
+        parts = []
+        for row, part in ((rows.upper, 1 - rows.below), (rows.lower, rows.below)):
+            moved = (self.view.placed - self.original.placed)[row, :2].mean(0)
+            shift = (spread @ across - moved @ (np.eye(2) - across)).astype(np.float32)
+            parts.append((shift, self.look(open_before * part, self.original.window.places + shift)))
+        (above, kept_above), (below, kept_below) = parts
+        lower = kept_below > kept_above
+        return np.where(lower[..., None], below, above), np.where(lower, kept_below, kept_above)
 
     @cached_property
     def shown(self) -> np.ndarray:
@@ -49,12 +72,12 @@ class MovedHead:
         stained = self.look(self.stain) * np.isinf(self.view.away)
         beyond = self.look(cv2.dilate(original.beyond, np.ones((3, 3), np.uint8))) * (1 - self._edge)
         shown = self._bared * (1 - hidden) * (1 - stained) * (1 - self.between) * (1 - beyond)
-        return np.where(self.view.inside, 1 - self._anew, shown).astype(np.float32)
+        return np.where(self.view.inside, self._kept * (1 - self._anew), shown).astype(np.float32)
 
     @cached_property
     def solid(self) -> np.ndarray:
         """(H, W) float32 from 0 to 1: how far samples show the head; no mesh ends just where a drawing does."""
-        return self.view.covered * (1 - self._edge * self.look(self.original.beyond))
+        return self.view.covered * (1 - self.look(self.original.apart))
 
     @cached_property
     def _edge(self) -> np.ndarray:
@@ -67,16 +90,23 @@ class MovedHead:
     @cached_property
     def between(self) -> np.ndarray:
         """(H, W) float32 from 0 to 1: how far the old picture shows, where skin was, what is between lips or lids."""
+        return self._turned_to_skin * self.look(self.original.openings)
+
+    @cached_property
+    def beside_lids(self) -> np.ndarray:
+        """(H, W) float32 from 0 to 1: how far samples are skin of closed lids where more of an eye may be drawn."""
+        return self._turned_to_skin * self.lids * self.look(self.original.rims)
+
+    @cached_property
+    def _turned_to_skin(self) -> np.ndarray:
         eyes = self.view.carried(np.sum([*self.original.eyes.values()], axis=0)[:, None])[..., 0] > 0.5
-        return self._anew * self.look(self.original.openings) * (self.view.covered & ~self.view.inside & ~eyes)
+        return self._anew * (self.view.covered & ~self.view.inside & ~eyes)
 
     @cached_property
     def lids(self) -> np.ndarray:
         """(H, W) float32 from 0 to 1: how far samples show lids and what is around them."""
-        template = self.original.template
-        lids = np.zeros((len(self.vertices), 1))
-        lids[: len(template.vertices), 0] = template.mask("eyes_left", "eyes_right")
-        return self.view.carried(lids)[..., 0]
+        lids = np.any([*self.original.lids.values()], axis=0)
+        return self.view.carried(lids.astype(float)[:, None])[..., 0]
 
     @cached_property
     def lashes(self) -> np.ndarray:
@@ -140,6 +170,7 @@ class MovedHead:
     def motion(self) -> np.ndarray:
         """(H, W) float32 pixels: how far what samples show, or showed, or what is beside it, has moved."""
         own = np.maximum(np.linalg.norm(self.shift, axis=2), np.linalg.norm(self.forward, axis=2))
+        own = np.maximum(own, self.original.settings.moved * (1 - self._kept) * self.view.inside)
         beside = np.linalg.norm(self._outline_shift, axis=2) * (self.strip > 0)
         return np.maximum(own, np.maximum(beside, self._left * (self._stained > 0)))
 

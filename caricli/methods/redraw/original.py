@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import cv2
 import numpy as np
@@ -25,6 +26,9 @@ from caricli.structures.parsing import Region
 from caricli.template.chart import face_chart
 from caricli.template.template import Template
 
+if TYPE_CHECKING:
+    from caricli.methods.redraw.tooth_rows import ToothRows
+
 _DRAWN = (Material.SKIN, Material.EYE, Material.TEETH, Material.GUMS, Material.TONGUE, Material.BUST)
 _HEAD = (
     *(Region.SKIN, Region.BROWS, Region.EYES, Region.NOSE, Region.LIPS, Region.MOUTH, Region.TEETH, Region.EARS),
@@ -35,6 +39,8 @@ _LAID = (Region.HAIR, Region.CLOTH)
 _OPENINGS = (Region.EYES, Region.MOUTH, Region.TEETH)
 _OPEN_MOUTH = 2e-3  # of the square of the head's height
 _SHUT_EYE = 3e-4
+_RIM = 0.02  # of the head's height, by which a label map may miss what is drawn of an eye
+_AROUND_EYE = 1.5  # of the size of an eye with its lids
 _CROSS = cv2.getStructuringElement(cv2.MORPH_CROSS, (3, 3))
 _CHART = 128  # texels, of the chart in which distances from its border are taken
 _LEAST = 0.6  # of the head, and of its pixels
@@ -162,6 +168,13 @@ class Original:
         return blurred(shown, self.settings.soft * self.window.fine)
 
     @cached_property
+    def rims(self) -> np.ndarray:
+        """(H, W) float32 from 0 to 1: how far samples are so near to openings that these may be there, and no brows."""
+        reach = 2 * int(np.ceil(_RIM * self.size * self.window.fine)) + 1
+        disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (reach, reach))
+        return cv2.dilate(self.openings, disc) * (1 - self.of_regions(Region.BROWS))
+
+    @cached_property
     def held(self) -> np.ndarray:
         """(H, W) float32 from 0 to 1: glasses, hats and hands before the head."""
         return self.of_regions(*_HELD) * self._before
@@ -186,6 +199,16 @@ class Original:
         return self.of_regions(Region.BACKGROUND)
 
     @cached_property
+    def apart(self) -> np.ndarray:
+        """(H, W) float32 from 0 to 1: how far samples show what is behind the head and goes on beside it, be they on
+        the mesh or not; what a label map takes for background amid a face is not meant.
+        """
+        shown = (self.beyond > 0.5).astype(np.uint8)
+        labels = cv2.connectedComponents(shown, connectivity=4)[1]
+        beside = np.unique(labels[~self.view.covered])
+        return np.where(np.isin(labels, beside), self.beyond, 0).astype(np.float32)
+
+    @cached_property
     def _before(self) -> np.ndarray:
         return self.view.covered.astype(np.float32)
 
@@ -204,6 +227,13 @@ class Original:
         deep = np.full(len(self.rig.neutral), self.settings.deep)
         deep[np.unique(self.rig.faces[self.rig.triangle_materials == Material.TEETH])] = self.settings.teeth
         return deep
+
+    @cached_property
+    def rows(self) -> "ToothRows | None":
+        """What goes with upper and what with lower teeth, or None where the head has no teeth."""
+        from caricli.methods.redraw.tooth_rows import ToothRows
+
+        return ToothRows.of(self)
 
     @cached_property
     def eyes(self) -> dict[str, np.ndarray]:
@@ -226,18 +256,37 @@ class Original:
         return charted
 
     @cached_property
-    def open_mouth(self) -> float:
-        """Samples of the head that show what is in the mouth, by the label map."""
+    def lids(self) -> dict[str, np.ndarray]:
+        """Of the left and the right eye (W,) bool, by their names: vertices of lids and around them, where eyes that
+        are drawn larger than the head's may lie.
+        """
+        lids = {}
+        for name in self.eyes:
+            own = self.rig.neutral[np.flatnonzero(self.template.mask(name))]
+            middle = own.mean(0)
+            reach = _AROUND_EYE * np.linalg.norm(own - middle, axis=1).max()
+            near = np.linalg.norm(self.rig.neutral - middle, axis=1) < reach
+            near[len(self.template.vertices) :] = False
+            lids[name] = near
+        return lids
+
+    @cached_property
+    def mouth(self) -> np.ndarray:
+        """(H, W) bool: samples of the head that show what is in the mouth, by the label map where there is one."""
         landmarks = self.depiction.landmarks
         if self.regions is None or landmarks is None:
-            return 0.0
+            return self.view.inside
         away = [
             np.linalg.norm(self.window.places - landmarks[list(part)].mean(0).astype(np.float32), axis=2)
             for part in (LIPS, EYE_LEFT, EYE_RIGHT)
         ]
         # Far from the head, a label map may see mouths in anything.
-        shown = self.view.covered & (self.openings > 0.5) & (away[0] < np.minimum(*away[1:]))
-        return float(shown.sum())
+        return self.view.covered & (self.openings > 0.5) & (away[0] < np.minimum(*away[1:]))
+
+    @property
+    def is_open(self) -> bool:
+        """Whether the picture shows the mouth open."""
+        return bool(self.mouth.sum() > _OPEN_MOUTH * (self.size * self.window.fine) ** 2)
 
     def unknown(self) -> list[str]:
         """What the picture does not tell, for messages."""
@@ -247,7 +296,7 @@ class Original:
             notes.append(
                 "the face has no texture (caricli texture): what the picture hides takes the colours beside it"
             )
-        if max(self.open_mouth, float(self.view.inside.sum())) > _OPEN_MOUTH * area:
+        if self.is_open or self.view.inside.sum() > _OPEN_MOUTH * area:
             notes.append("the picture shows the mouth open: how lips look that close, it does not tell")
         if any((self.view.carried(eye[:, None]) > 0.5).sum() < _SHUT_EYE * area for eye in self.eyes.values()):
             notes.append("the picture shows an eye shut: how it looks when it opens is made up")

@@ -49,6 +49,13 @@ def _painted(original: Original, head: MovedHead, changed: ChangedPaint | None) 
     """(H, W, 3) float32 colours of the head: of the old picture where it showed this, else of what the head wears."""
     old = head.picture(head.source) * head.light_ratio
     lit = _worn(original, head) * head.shade
+    if original.rows is not None:
+        # Teeth that are drawn need no others beside them.
+        teeth = np.isin(_materials(original, head), (Material.TEETH, Material.GUMS))
+        lit = (
+            spread_colours(lit, (head.view.inside & ~teeth).astype(np.float32)) * teeth[..., None]
+            + lit * ~teeth[..., None]
+        )
     if changed is not None:
         old = changed.paint(old)
         lit = changed.paint(lit)
@@ -72,7 +79,8 @@ def _closed(head: MovedHead, old: np.ndarray, painted: np.ndarray) -> np.ndarray
     skin = head.shown * head.lids
     usual = np.median(old[skin > 0.9], axis=0) if (skin > 0.9).any() else painted[lids > 0].mean(0)
     like = likeness(old.reshape(-1, 3), usual, TextureSettings.other).reshape(skin.shape).astype(np.float32)
-    plain = spread_colours(old.astype(np.float32), skin * like**2)
+    plain = spread_colours(old.astype(np.float32), skin * like**2 * (1 - head.beside_lids))
+    lids = np.maximum(lids, head.beside_lids * (1 - like**2))
     painted = painted + lids[..., None] * (plain - painted)
     return painted + head.lashes[..., None] * (np.array(FINISHES[Material.LASHES].colour) - painted)
 

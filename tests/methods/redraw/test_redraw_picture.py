@@ -7,10 +7,11 @@ import pytest
 from caricli.errors import InputError
 from caricli.methods.redraw.redraw_picture import redraw_picture
 from caricli.structures import Material, Pictures
+from caricli.structures.landmarks import EYE_LEFT
 from caricli.structures.materials import FINISHES
 from caricli.structures.parsing import Region
 from caricli.structures.texture_change import TextureChange
-from tests.methods.redraw.conftest import WALL
+from tests.methods.redraw.conftest import CAMERA, WALL
 
 OPEN = {"jawOpen": 0.8}
 
@@ -128,3 +129,47 @@ def test_other_pictures_are_refused(stage):
         stage.original(stage.shape(), regions=np.zeros((200, 200), np.uint8))
     with pytest.raises(InputError, match="camera"):
         replace(stage.original(stage.shape()), rig=stage.rig)
+
+
+def test_drawn_teeth_keep_their_size_where_a_mouth_opens_wider(stage):
+    original = stage.original(stage.shape(jawOpen=0.4, mouthUpperUpLeft=1, mouthUpperUpRight=1))
+    wide = stage.shape(jawOpen=1.0, mouthUpperUpLeft=1, mouthUpperUpRight=1)
+    truth = stage.picture(wide)
+    again = redraw_picture(original, wide)
+    white = np.array(FINISHES[Material.TEETH].colour)
+    teeth, before, after = (
+        (np.abs(image.astype(int) - white).max(2) < 40).sum() for image in (truth, original.picture, again)
+    )
+    assert before > 15 and abs(int(after) - int(before)) < 0.5 * before, (teeth, before, after)
+
+
+def test_where_a_mesh_is_wider_than_the_drawn_head_what_is_behind_it_stays(stage):
+    picture = stage.picture(stage.rig.neutral)
+    regions = stage.regions(stage.rig.neutral)
+    shown = np.flatnonzero(regions[150] == Region.SKIN)
+    cut = shown[0] + 8
+    picture[:, :cut] = WALL
+    regions[:, :cut] = Region.BACKGROUND
+    original = stage.original(stage.shape(), picture=picture, regions=regions)
+    again = redraw_picture(original, stage.shape(**OPEN))
+    assert (again[150:] != picture[150:]).any()
+    np.testing.assert_allclose(again[140:165, : cut - 4], picture[140:165, : cut - 4], atol=3)
+
+
+def test_of_an_eye_that_is_drawn_large_nothing_is_left_on_its_lids(stage):
+    points = CAMERA.project(stage.rig.neutral[stage.template.annotation.landmarks]).astype(np.float32)
+    eye = points[list(EYE_LEFT)]
+    picture = stage.picture(stage.rig.neutral)
+    regions = stage.regions(stage.rig.neutral)
+    size = np.ptp(eye, axis=0)
+    middle = tuple(int(x) for x in np.rint(eye.mean(0)))
+    cv2.ellipse(
+        picture, middle, tuple(int(x) for x in np.rint([0.75 * size[0], size[0] / 2])), 0, 0, 360, (250,) * 3, -1
+    )
+    cv2.ellipse(regions, middle, tuple(int(x) for x in np.rint(size / 2 + 1)), 0, 0, 360, int(Region.EYES), -1)
+    original = stage.original(stage.shape(), picture=picture, regions=regions)
+    depiction = replace(original.depiction, landmarks=points)
+    original = replace(original, rig=replace(original.rig, depiction=depiction))
+    again = redraw_picture(original, stage.shape(eyeBlinkLeft=1))
+    left = (again.min(2) > 215).sum()
+    assert left < 0.1 * (picture.min(2) > 215).sum()
