@@ -9,13 +9,14 @@ from skimage.data import astronaut
 
 from caricli.io.image import read_image, write_png
 from caricli.io.obj import write_obj
-from caricli.io.parsing import legend, write_parsing
+from caricli.io.parsing import legend, read_parsing, write_parsing
 from caricli.io.rig import read_rig, write_rig
 from caricli.io.strict_json import read_json, write_json
 from caricli.store.models import load_model
 from caricli.structures import Depiction, Mesh
 from caricli.structures.parsing import Region
 from tests.methods.redraw.conftest import CAMERA, stage  # noqa: F401
+from tests.painted_moods import write_brightener
 
 COMMAND = "retarget"
 WEIGHTS = ({}, {"jawOpen": 0.8}, {"mouthSmileLeft": 1.0, "mouthSmileRight": 1.0})
@@ -90,6 +91,21 @@ def test_bad_input_is_one_line_and_leaves_nothing(refused, sitting, tmp_path):
     labels = ["--parsing", sitting / "labels.png"]
     assert "size" in refused(*given, "--picture", small, *labels, *out)
     assert not place.exists()
+
+
+def test_paint_follows_the_expression_in_the_picture_itself(run, sitting, tmp_path, head_template):
+    network = write_brightener(tmp_path / "bright.safetensors", head_template.topology_id)
+    still = tmp_path / "still.png"
+    bright = tmp_path / "bright.png"
+    assert run(*arguments(sitting, 1), "--out", still).exit_code == 0
+    painting = ["--dynamic-texture", "--texture-network", network]
+    result = run(*arguments(sitting, 1), *painting, "--out", bright)
+    assert result.exit_code == 0, result.output
+    away = read_image(bright).astype(int) - read_image(still)
+    skin = read_parsing(sitting / "labels.png")[0] == Region.SKIN
+    assert away[skin].max() > 10 and (away[skin].max(1) > 5).mean() > 0.2
+    assert np.abs(away[:, :20]).max() == 0
+    assert str(network) in read_json(tmp_path / "bright.json")["inputs"]
 
 
 def test_the_picture_of_another_face_is_refused(refused, run, sitting, tmp_path):

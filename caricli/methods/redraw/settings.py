@@ -23,7 +23,7 @@ class RedrawSettings:
     """
 
     fine: int = 2
-    largest: int = 3072
+    largest: int = 1600
     still: float = 0.2
     moved: float = 1.0
     changed: tuple[float, float] = (1.0, 4.0)
