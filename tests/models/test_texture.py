@@ -3,9 +3,15 @@ import pytest
 import torch
 
 from caricli.errors import InputError
+from caricli.methods.dynamic.chart_pictures import ChartGrid
+from caricli.methods.dynamic.mouth_parts import MouthParts
+from caricli.methods.dynamic.shape_maps import PersonShapes, pair_maps
 from caricli.models.texture.config import TextureConfig, TextureSize
 from caricli.models.texture.model import TextureModel, texture_from_checkpoint, texture_to_checkpoint
 from caricli.models.texture.networks import ATLAS, CODES, MAPS, ActionAtlas, TextureNetwork
+from caricli.store.texture_networks import load_texture_network
+from caricli.structures.arkit import ARKIT_NAMES
+from caricli.template.chart import face_chart
 
 SIDE = 32
 
@@ -95,3 +101,23 @@ def test_the_atlas_says_what_actions_do_where():
     assert drawn[1, 1, 10, 20] == 2 and drawn[2, 3, 10, 20] == 1
     smaller = atlas(codes, ATLAS // 2).detach()
     assert smaller.shape[-1] == ATLAS // 2 and smaller[1, 1].argmax() == 5 * ATLAS // 2 + 10
+
+
+def test_the_bundled_one_opens_a_mouth(head, head_template):
+    """On a face of one colour that opens its mouth, darkness comes between the lips, and the forehead keeps still."""
+    model = load_texture_network()
+    grid = ChartGrid(face_chart(head_template), model.size)
+    shape = head.evaluate(actions={"jawOpen": 0.9})
+    mouth = MouthParts.in_face(head_template, shape[None] - head_template.vertices)
+    person = PersonShapes(grid, head_template.vertices, mouth)
+    rest = person.fields(head_template.vertices)
+    opened = person.fields(shape, np.ones(1))
+    codes = np.zeros((2, CODES // 2), np.float32)
+    codes[1, ARKIT_NAMES.index("jawOpen")] = 0.9
+    skin = np.full((model.size, model.size, 3), (200, 150, 130), np.uint8)
+    change = model.change(skin, pair_maps(grid, rest, opened), *codes)
+    painted = skin / 255 + change.attention[..., None] * (change.gain * skin / 255 + change.offset)
+    darker = (skin / 255 - painted).mean(-1)
+    forehead = grid.covered & (np.arange(model.size)[:, None] < 0.3 * model.size)
+    assert darker[grid.mouth].mean() > 0.1
+    assert np.abs(darker[forehead]).mean() < 0.02
