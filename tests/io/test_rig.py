@@ -82,7 +82,7 @@ def test_moods_that_do_not_fit(change, words, full_rig, tmp_path):
 
 def test_a_head_that_keeps_still(full_rig, tmp_path):
     none = full_rig.deltas[:0]
-    still = dataclasses.replace(full_rig, names=(), deltas=none, normal_deltas=None)
+    still = dataclasses.replace(full_rig, names=(), deltas=none, normal_deltas=None, actions=None)
     write_rig(tmp_path / "a.npz", still)
     back = read_rig(tmp_path / "a.npz")
     assert back.names == () and back.deltas.shape == (0, *full_rig.neutral.shape) and back.deltas.dtype == np.float32

@@ -8,7 +8,7 @@ from caricli.methods.expressions.build_blendshapes import Blendshapes
 from caricli.methods.expressions.measure_blendshapes import BlendshapeMeasures, measure_blendshapes
 from caricli.methods.expressions.tools import ExpressionTools
 from caricli.methods.rig.make_rig import RigResult, RigSettings, make_rig
-from caricli.structures import Face, Pictures
+from caricli.structures import Depiction, Face, Pictures
 from caricli.structures.arkit import action_codes
 
 
@@ -29,8 +29,12 @@ def rig_blendshapes(
     face = (worn or Face(tools.morphable.template)).posed(neutral)
     result = make_rig(face.mesh, tools.acting, settings, pictures, blendshapes.shapes[1:] - neutral, worn)
     normal_deltas = (blendshapes.normal[1:] - blendshapes.normal[0]).astype(np.float32)
+    depiction = None
+    if worn is not None and worn.camera is not None:
+        depiction = Depiction(worn.camera, result.shaped(worn).astype(np.float32), worn.landmarks)
     actions = action_codes([tools.expressions[name] for name in result.rig.names])
-    return replace(result, rig=replace(result.rig, normal_deltas=normal_deltas, actions=actions))
+    told = {"normal_deltas": normal_deltas, "depiction": depiction, "actions": actions}
+    return replace(result, rig=replace(result.rig, **told))
 
 
 def report_blendshapes(

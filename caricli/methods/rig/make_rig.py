@@ -13,7 +13,7 @@ from caricli.methods.rig.expression_templates import ExpressionTemplates
 from caricli.methods.rig.head_expressions import open_head_expressions
 from caricli.methods.rig.measure_rig import RigMeasures, measure_rig
 from caricli.methods.rig.transfer_rig import transfer_rig
-from caricli.structures import Depiction, Face, HeadChoice, Mesh, Part, Pictures, Rig
+from caricli.structures import Face, HeadChoice, Mesh, Part, Pictures, Rig
 from caricli.structures.head_choice import WHOLE
 from caricli.template.fine_mesh import FineMesh, fine_mesh
 
@@ -70,8 +70,8 @@ def make_rig(
     mesh: Mesh of the face, metres, of the templates' topology. templates: ExpressionTemplates; None for the 52 of ARKit
     on the open head, whose topology the bundled models have. deltas: (K, V, 3) metres, what their expressions do to the
     face; None for deformation transfer, lids and lips meeting as they do on the templates. A tongue that is put in may
-    part the lips farther than they. given: Face that the neutral one was found from, whose hair it wears, whose
-    laugh tells how far its teeth show, and whose camera, where it has one, shows it in its picture.
+    part the lips farther than they. given: Face that the neutral one was found from, whose hair it wears, and whose
+    laugh tells how far its teeth show.
     Raises InputError for another topology, NumericsError for triangles without area.
     """
     templates = templates or open_head_expressions()
@@ -90,8 +90,4 @@ def make_rig(
     laugh = None if given is None else given.vertices
     dress = partial(face_parts, template=templates.mesh, choice=settings.head, given=laugh)
     rig = add_parts(rig, dress(Face(mesh, hair=hair), names=rig.names, deltas=deltas))
-    result = RigResult(rig, measures, eyeballs, fine, dress)
-    if given is None or given.camera is None:
-        return result
-    depiction = Depiction(given.camera, result.shaped(given).astype(np.float32), given.landmarks)
-    return replace(result, rig=replace(rig, depiction=depiction))
+    return RigResult(rig, measures, eyeballs, fine, dress)
