@@ -33,8 +33,8 @@ def rig_blendshapes(
     if worn is not None and worn.camera is not None:
         depiction = Depiction(worn.camera, result.shaped(worn).astype(np.float32), worn.landmarks)
     actions = action_codes([tools.expressions[name] for name in result.rig.names])
-    told = {"normal_deltas": normal_deltas, "depiction": depiction, "actions": actions}
-    return replace(result, rig=replace(result.rig, **told))
+    rig = replace(result.rig, normal_deltas=normal_deltas, depiction=depiction, actions=actions)
+    return replace(result, rig=rig)
 
 
 def report_blendshapes(
