@@ -50,3 +50,7 @@ MAX_SKETCH_POINTS = 200_000
 MAX_SKETCH_SIDE = 16_384
 """Pixels of a canvas, width or height."""
 MAX_STROKES = 20_000
+
+MAX_SESSION_BYTES = 2**26
+MAX_OPERATIONS = 20_000
+"""Steps of one session."""

@@ -13,6 +13,7 @@ from caricli.structures.parts import Hair, Part
 from caricli.structures.pictures import Mood, Pictures
 from caricli.structures.rig import Rig
 from caricli.structures.seen_people import SeenPeople
+from caricli.structures.session import Operation, Session, Start
 from caricli.structures.sketch import Sketch, Stroke, StrokeKind
 from caricli.structures.track import Animation, Track
 
@@ -28,12 +29,15 @@ __all__ = [
     "Landmarks",
     "Material",
     "Mesh",
-    "Part",
     "Mood",
+    "Operation",
+    "Part",
     "Pictures",
     "Rig",
     "SeenPeople",
+    "Session",
     "Sketch",
+    "Start",
     "Stroke",
     "StrokeKind",
     "Track",

@@ -41,6 +41,7 @@ from caricli.io.npz import read_npz, write_npz
 from caricli.io.parsing import read_parsing
 from caricli.io.provenance import sha256_file
 from caricli.io.rig import read_rig, write_rig
+from caricli.io.session import read_session, write_session
 from caricli.io.sketch import read_sketch, write_sketch
 from caricli.io.strict_json import parse_json, read_json, write_json
 from caricli.io.svg import read_svg
@@ -95,10 +96,13 @@ from caricli.structures import (
     Material,
     Mesh,
     Mood,
+    Operation,
     Part,
     Pictures,
     Rig,
+    Session,
     Sketch,
+    Start,
     Stroke,
     StrokeKind,
     Track,
@@ -156,6 +160,13 @@ PICTURE = _RANDOM.integers(0, 256, (8, 8, 3), np.uint8)
 CAMERA = Camera(300.0, np.diag([1.0, -1.0, -1.0]), np.array([40.0, 60.0]))
 PARTS = {"teeth_lower": {"file": "teeth.obj", "hangs_on": "jaw"}}
 ANNOTATION = {"ibug68": list(range(68)), "regions": {"face": [1, 2, 3], "jaw": [4, 5, 6, 7]}, "eyeballs": {}}
+SESSION = Session(
+    Start("face.npz", "0f" * 32),
+    (
+        Operation("draw", {"points": [[1, 2.5], [3, 4]], "width": 2.0}),
+        Operation("expression", {"weights": {"jawOpen": 0.5}}),
+    ),
+)
 WEIGHTS = [[0.1, 0.2], [0.3, 0.4], [0.5, 0.6]]
 
 
@@ -599,6 +610,7 @@ def _all() -> list[Reader]:
         Reader("marks.txt", read_landmarks, (_text(_LINES),)),
         Reader("marks.npy", read_landmarks, (lambda path: write_landmarks(path, MARKS),)),
         Reader("sketch.json", read_sketch, (lambda path: write_sketch(path, _sketch()),), mutate_json),
+        Reader("session.json", read_session, (lambda path: write_session(path, SESSION),), mutate_json),
         Reader("sketch.svg", read_svg, (lambda path: write_sketch(path, _sketch()), _text(SVG))),
         Reader("track.json", read_weights, (lambda path: write_weights(path, _TRACK), _json(_OWN_WEIGHTS), _mediapipe),
                mutate_json),

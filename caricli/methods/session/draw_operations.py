@@ -1,0 +1,113 @@
+"""Drawing a face (sketch paper, section 3.1, initial sketching): after every stroke the network sees it anew."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from caricli.errors import InputError
+from caricli.methods.faces.encode_face import encode_face
+from caricli.methods.session.parameters import Parameters, number, only, points
+from caricli.methods.session.tools import Tools
+from caricli.methods.session.work import Work
+from caricli.methods.sketch.see_sketch import see_sketch
+from caricli.structures import Face, Sketch, Stroke
+
+_WIDEST = 64.0
+"""Pixels of the canvas, the width of a line."""
+
+_LARGEST = 1000.0
+"""Pixels of the canvas, the radius of the eraser."""
+
+
+def draw(work: Work, parameters: Parameters, tools: Tools) -> Work:
+    """A further stroke.
+
+    points: rows [x, y], pixels of the canvas. pressure: as many from 0 to 1, or none. width: pixels, or none.
+    """
+    only(parameters, "points", "pressure", "width")
+    sketch = work.sketch.with_strokes((*work.sketch.strokes, stroke_of(parameters)))
+    return _seen(work, sketch, tools)
+
+
+def erase(work: Work, parameters: Parameters, tools: Tools) -> Work:
+    """Rub out what lies under the path of an eraser; a stroke may become two.
+
+    points: rows [x, y], pixels of the canvas, near each other. radius: pixels.
+    """
+    only(parameters, "points", "radius")
+    path = points(parameters, "points")
+    radius = number(parameters, "radius", 0.1, _LARGEST)
+    strokes = [piece for stroke in work.sketch.strokes for piece in rubbed(stroke, path, radius)]
+    return _seen(work, work.sketch.with_strokes(strokes), tools)
+
+
+def clear(work: Work, parameters: Parameters, tools: Tools) -> Work:
+    """An empty canvas."""
+    only(parameters)
+    return _seen(work, work.sketch.with_strokes(()), tools)
+
+
+def follow(work: Work, parameters: Parameters, tools: Tools) -> Work:
+    """The face whose curves lie on the lines, as ``caricli reconstruct-from-sketch`` makes it.
+
+    share: of the way, 1 where it is not said.
+    """
+    only(parameters, "share")
+    share = number(parameters, "share", 0, 1, 1.0)
+    fit = tools.reconstruction.reconstruct(work.sketch, share)
+    return replace(work, face=encode_face(fit.face, tools.model), strengths={}, weights={})
+
+
+def stroke_of(parameters: Parameters) -> Stroke:
+    """The Stroke of parameters. Raises InputError."""
+    line = points(parameters, "points")
+    width = number(parameters, "width", 0.1, _WIDEST) if "width" in parameters else None
+    pressure = None
+    if "pressure" in parameters:
+        given = parameters["pressure"]
+        if not isinstance(given, list) or len(given) != len(line):
+            raise InputError(f"pressure: expected {len(line)} numbers, one for every point, found others")
+        pressure = points({"pressure": [[each] for each in given]}, "pressure", 1)[:, 0]
+    return Stroke(line, pressure=pressure, width=width)
+
+
+def rubbed(stroke: Stroke, path: np.ndarray, radius: float) -> list[Stroke]:
+    """The pieces of a stroke that an eraser leaves; a single point that is left is none.
+
+    path: (N, 2) pixels. radius: pixels.
+    """
+    along = _dense(path, radius)
+    gaps = np.linalg.norm(stroke.points[:, None] - along[None], axis=2).min(1)
+    left = gaps > radius
+    if left.all():
+        return [stroke]
+    ends = np.flatnonzero(np.diff(np.concatenate([[0], left.astype(int), [0]])))
+    pieces = []
+    for first, last in zip(ends[::2], ends[1::2], strict=True):
+        if last - first > 1:
+            pressure = None if stroke.pressure is None else stroke.pressure[first:last]
+            pieces.append(replace(stroke, points=stroke.points[first:last], pressure=pressure))
+    return pieces
+
+
+def _dense(path: np.ndarray, radius: float) -> np.ndarray:
+    """The path with points no farther apart than half the radius."""
+    steps = np.linalg.norm(np.diff(path, axis=0), axis=1)
+    counts = np.maximum(1, np.ceil(2 * steps / radius)).astype(int)
+    pieces = [path[k] + np.arange(count)[:, None] / count * (path[k + 1] - path[k]) for k, count in enumerate(counts)]
+    return np.concatenate([*pieces, path[-1:]])
+
+
+def _seen(work: Work, sketch: Sketch, tools: Tools) -> Work:
+    """The work with another sketch and the face that the network sees in it; the mean face where nothing is drawn."""
+    model = tools.model
+    if sketch.strokes:
+        seen = see_sketch(sketch, tools.network, tools.basis)
+        face = Face(model.template.with_vertices(seen.vertices), seen.camera)
+    else:
+        face = Face(model.template.with_vertices(model.decode(model.prior.mean)))
+    return replace(work, sketch=sketch, face=encode_face(face, model), strengths={}, weights={})
+
+
+DRAW_OPERATIONS = {"draw": draw, "erase": erase, "clear": clear, "follow": follow}
+"""By name."""

@@ -1,0 +1,25 @@
+"""The operations of sessions by name."""
+
+from collections.abc import Callable, Mapping
+
+from caricli.errors import InputError, naming, shown
+from caricli.methods.session.draw_operations import DRAW_OPERATIONS
+from caricli.methods.session.face_operations import FACE_OPERATIONS
+from caricli.methods.session.parameters import Parameters
+from caricli.methods.session.tools import Tools
+from caricli.methods.session.work import Work
+from caricli.structures import Operation
+
+Operate = Callable[[Work, Parameters, Tools], Work]
+"""What a name stands for: a pure function that checks its parameters. Raises InputError or NumericsError."""
+
+OPERATIONS: Mapping[str, Operate] = {**DRAW_OPERATIONS, **FACE_OPERATIONS}
+"""One table of every mode."""
+
+
+def operate(work: Work, operation: Operation, tools: Tools) -> Work:
+    """What an operation makes of a work. Raises InputError for an unknown one, and whatever it refuses."""
+    if operation.name not in OPERATIONS:
+        raise InputError(f"expected one of {', '.join(OPERATIONS)}, found {shown(operation.name, 60)!r}")
+    with naming(operation.name):
+        return OPERATIONS[operation.name](work, operation.parameters, tools)

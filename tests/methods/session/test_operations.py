@@ -1,0 +1,142 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from caricli.errors import CaricliError, InputError
+from caricli.methods.session.history import History
+from caricli.methods.session.operations import operate
+from caricli.methods.session.replay import replay
+from caricli.methods.sketch.draw_sketch import canvas_camera, draw_sketch
+from caricli.structures import Operation, Stroke
+from caricli.template.feature_curves import feature_curves
+
+TURN = np.linspace(0, 2 * np.pi, 60)
+OUTLINE = np.stack([256 + 150 * np.cos(TURN), 260 + 190 * np.sin(TURN)], axis=1).tolist()
+EYES = [np.stack([x + 30 * np.cos(TURN), 230 + 12 * np.sin(TURN)], axis=1).tolist() for x in (195, 317)]
+SCRIPT = [
+    Operation("draw", {"points": OUTLINE, "pressure": [0.5] * 60, "width": 2.0}),
+    *(Operation("draw", {"points": eye}) for eye in EYES),
+    Operation("erase", {"points": [[347, 230]], "radius": 9}),
+    Operation("semantic", {"strengths": {"BigNose": 1.5}, "keep": ["BigMouth"]}),
+    Operation("caricaturize", {"strength": 0.5}),
+    Operation("handle", {"handles": {"nose_tip": [0, 0, 0.01]}, "pins": ["chin"], "symmetric": False}),
+    Operation("expression", {"weights": {"mouthSmileLeft": 0.5, "jawOpen": 0.25}}),
+    Operation("expression", {"weights": {"jawOpen": 0}}),
+]
+
+
+@pytest.fixture(scope="module")
+def tools():
+    from caricli.store.session_tools import SessionTools
+
+    return SessionTools()
+
+
+@pytest.fixture(scope="module")
+def start(tools):
+    from caricli.store.session_tools import load_start
+
+    return load_start(None, tools)
+
+
+@pytest.fixture(scope="module")
+def works(start, tools):
+    return list(replay(start, SCRIPT, tools))
+
+
+def test_every_operation_does_what_it_says(start, works, tools):
+    drawn, _, both, rubbed, nosed, drawing, pulled, smiling, closed = works
+    assert len(both.sketch.strokes) == 3 and drawn.face.camera is not None
+    outline = both.face.camera.project(both.face.vertices)
+    assert abs(np.ptp(outline[:, 1]) / 380 - 1) < 0.25  # as high as it was drawn
+    assert len(rubbed.sketch.strokes) == 3 and len(rubbed.sketch.strokes[-1].points) < 60
+    assert nosed.strengths == {"BigNose": 1.5} and drawing.strengths == {"BigNose": 1.5, "Caricature": 0.5}
+    tip = tools.model.template.annotation.landmarks[30]
+    moved = (pulled.face.vertices - drawing.face.vertices)[tip]
+    assert np.abs(moved - [0, 0, 0.01]).max() < 2e-3
+    assert dict(smiling.weights) == {"jawOpen": 0.25, "mouthSmileLeft": 0.5}
+    assert dict(closed.weights) == {"mouthSmileLeft": 0.5}
+    assert closed.face is pulled.face
+
+
+def test_the_page_and_the_replay_make_the_same_bytes(start, works, tools):
+    page = History(start, tools)
+    for operation in SCRIPT:
+        page.do(operation)
+    for _ in range(5):
+        page.undo()
+    for _ in range(5):
+        page.redo()
+    assert page.work.face.vertices.tobytes() == works[-1].face.vertices.tobytes()
+    assert page.work.face.residual.tobytes() == works[-1].face.residual.tobytes()
+
+
+def test_an_empty_canvas_is_the_mean_face(start, works, tools):
+    cleared = operate(works[-1], Operation("clear"), tools)
+    assert not cleared.sketch.strokes and np.array_equal(cleared.face.vertices, start.face.vertices)
+    rubbed = operate(works[0], Operation("erase", {"points": [[256, 260]], "radius": 900}), tools)
+    assert not rubbed.sketch.strokes and np.array_equal(rubbed.face.vertices, start.face.vertices)
+
+
+def test_lines_can_be_followed(start, tools):
+    template = tools.model.template
+    face = tools.model.decode(1.5 * tools.model.prior.factor[:, 0] + tools.model.prior.mean)
+    curves = feature_curves(template.annotation)
+    lines = draw_sketch(face, curves, canvas_camera(face, curves, side=512), (512, 512)).strokes
+    drawn = replace(start, sketch=start.sketch.with_strokes(Stroke(line.points.round(6)) for line in lines))
+    near, half = (operate(drawn, Operation("follow", {"share": share}), tools) for share in (1.0, 0.5))
+    camera = near.face.camera
+    gaps = {
+        line.curve: np.linalg.norm(camera.project(near.face.vertices[curve.vertices]) - line.points, axis=1).mean()
+        for line, curve in zip(lines, curves, strict=True)
+    }
+    assert np.median(list(gaps.values())) < 1.5  # pixels of 512
+    assert np.abs(near.face.vertices - half.face.vertices).max() > 1e-4 and near.sketch is drawn.sketch
+
+
+@pytest.mark.parametrize(
+    ("name", "parameters"),
+    [
+        ("draw", {}),
+        ("draw", {"points": []}),
+        ("draw", {"points": [[1, 2, 3]]}),
+        ("draw", {"points": [[1e9, 2]]}),
+        ("draw", {"points": [[1, True]]}),
+        ("draw", {"points": [[1, 2]], "pressure": [0.5, 0.5]}),
+        ("draw", {"points": [[1, 2]], "pressure": 1}),
+        ("draw", {"points": [[1, 2]], "pressure": [2]}),
+        ("draw", {"points": [[1, 2]], "pressure": [-0.5]}),
+        ("draw", {"points": [[1, 2]], "width": 0}),
+        ("draw", {"points": [[1, 2]], "colour": "red"}),
+        ("erase", {"points": [[1, 2]]}),
+        ("erase", {"points": [[1, 2]], "radius": 0}),
+        ("clear", {"all": True}),
+        ("follow", {"share": 2}),
+        ("follow", {}),
+        ("semantic", {}),
+        ("semantic", {"strengths": {"Nose": 1}}),
+        ("semantic", {"strengths": {"BigNose": 21}}),
+        ("semantic", {"strengths": {"BigNose": "1"}}),
+        ("semantic", {"strengths": {"BigNose": 1}, "keep": "BigMouth"}),
+        ("semantic", {"strengths": {"BigNose": 1}, "keep": ["BigNose"]}),
+        ("caricaturize", {"strength": -1}),
+        ("caricaturize", {"strength": 1, "mode": "other"}),
+        ("handle", {"handles": {}}),
+        ("handle", {"handles": {"nose": [0, 0, 0.01]}}),
+        ("handle", {"handles": {"nose_tip": [0, 0, 9]}}),
+        ("handle", {"handles": {"nose_tip": [0, 0, 0]}}),
+        ("handle", {"handles": {"99999": [0, 0, 0.01]}}),
+        ("handle", {"handles": {"nose_tip": [0, 0, 0.01]}, "symmetric": 1}),
+        ("expression", {"weights": {"jaw": 1}}),
+        ("expression", {"weights": {"jawOpen": -0.5}}),
+        ("expression", {"weights": {"jawOpen": 2}}),
+        ("expression", {"weights": []}),
+        ("dance", {}),
+    ],
+)
+def test_what_cannot_be_done_is_refused_in_one_line(start, tools, name, parameters):
+    with pytest.raises(CaricliError) as error:
+        operate(start, Operation(name, parameters), tools)
+    assert "\n" not in str(error.value) and len(str(error.value)) < 600
+    assert isinstance(error.value, InputError)
