@@ -30,8 +30,8 @@ _DRAWS = 2000
 TRUE = "true"
 """The textures that are to be painted."""
 
-Judge = Callable[[torch.Tensor], torch.Tensor]
-"""Textures (B, 3, S, S) to the weights (B, 52) that are read in them."""
+Judge = Callable[[TextureBatch, torch.Tensor], torch.Tensor]
+"""A batch and textures (B, 3, S, S) of its sources with other expressions to the weights (B, 52) that are read."""
 
 Painter = Callable[[TextureBatch], torch.Tensor]
 """A batch to textures (B, 3, S, S) of its targets."""
@@ -70,7 +70,7 @@ class TextureTally:
     def judge(self, batch: TextureBatch, judge: Judge, pictures: Mapping[str, torch.Tensor]) -> None:
         """Read the expressions of what painters made of a batch, and of the true textures."""
         for painter, picture in {**pictures, TRUE: batch.target}.items():
-            away = (judge(picture) - batch.target_code).square().mean(1)
+            away = (judge(batch, picture) - batch.target_code).square().mean(1)
             self.read.setdefault(painter, []).extend(away.tolist())
 
     @property

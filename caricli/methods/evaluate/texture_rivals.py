@@ -21,9 +21,6 @@ _BATCH = 32
 _RIDGE = 1.0
 """Of the fit, in variances of weights."""
 
-_STEPS = 400
-"""Of the reader's training."""
-
 _RATE = 2e-3
 
 
@@ -84,35 +81,39 @@ def spline_painter(grid: ChartGrid, landmarks: np.ndarray) -> Painter:
 
 
 class ExpressionReader(nn.Module):
-    """Tells the weights of ARKit's actions from a texture: a judge that no painter was trained against."""
+    """Tells how the weights of ARKit's actions change from one texture to another: a judge apart from all painters.
+
+    It reads both, because a single texture shows who somebody is, and in which light, far more than what the face does.
+    """
 
     def __init__(self, actions: int, generator: torch.Generator) -> None:
         """actions: how many weights. generator: of the initial weights."""
         super().__init__()
-        widths = (3, 24, 32, 48, 64)
+        widths = (6, 32, 48, 64, 96)
         self.down = nn.Sequential(*(unit(a, b, stride=2) for a, b in zip(widths[:-1], widths[1:], strict=True)))
         self.last = nn.LazyLinear(actions)
         start_convolutions(self, generator)
 
-    def forward(self, pictures: torch.Tensor) -> torch.Tensor:
-        """Pictures (B, 3, S, S), sRGB from 0 to 1, to weights (B, A)."""
-        return self.last(self.down(2 * pictures - 1).flatten(1))
+    def forward(self, batch: TextureBatch, pictures: torch.Tensor) -> torch.Tensor:
+        """The weights (B, A) in pictures (B, 3, S, S), sRGB from 0 to 1, of batch's sources with other expressions."""
+        both = torch.cat([batch.source, pictures], 1)
+        return batch.source_code + self.last(self.down(2 * both - 1).flatten(1))
 
 
-def train_reader(pairs: TexturePairs, seed: int) -> ExpressionReader:
-    """Train an ExpressionReader on true textures."""
+def train_reader(pairs: TexturePairs, seed: int, steps: int = 1500) -> ExpressionReader:
+    """Train an ExpressionReader on true textures, in so many steps."""
     generator = np.random.default_rng(seed)
     start = torch.Generator().manual_seed(seed)
     batch = pairs.draw(_BATCH, generator, paired=True)
     reader = ExpressionReader(batch.target_code.shape[1], start)
-    reader(batch.target)
+    reader(batch, batch.target)
     nn.init.normal_(reader.last.weight, std=0.01, generator=start)
     nn.init.zeros_(reader.last.bias)
     optimiser = torch.optim.AdamW(reader.parameters(), lr=_RATE)
-    for step in range(_STEPS):
+    for step in range(steps):
         batch = pairs.draw(_BATCH, generator, paired=True)
         optimiser.zero_grad()
-        functional.mse_loss(reader(batch.target), batch.target_code).backward()
-        optimiser.param_groups[0]["lr"] = _RATE * (1 - step / _STEPS)
+        functional.mse_loss(reader(batch, batch.target), batch.target_code).backward()
+        optimiser.param_groups[0]["lr"] = _RATE * (1 - step / steps)
         optimiser.step()
     return reader.eval()
