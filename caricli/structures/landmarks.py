@@ -40,6 +40,13 @@ EXTRA = range(68, 81)
 PARTS = {"jaw": JAW, "brows": BROWS, "nose": NOSE, "eyes": EYES, "mouth": MOUTH, "extra": EXTRA}
 """What errors are told apart by."""
 
+GROUPS = {
+    "jaw": JAW, "brow_right": BROW_RIGHT, "brow_left": BROW_LEFT, "nose": NOSE, "eye_right": EYE_RIGHT,
+    "eye_left": EYE_LEFT, "mouth": MOUTH, "forehead": FOREHEAD, "ear_right": EAR_RIGHT, "ear_left": EAR_LEFT,
+    "cheekbones": CHEEKBONES, "temples": TEMPLES,
+}  # fmt: skip
+"""What a hand moves together; every point is in one of them."""
+
 POLYLINES = (JAW, BROW_RIGHT, BROW_LEFT, BRIDGE, NOSTRILS)
 RINGS = (EYE_RIGHT, EYE_LEFT, LIPS, LIPS_INSIDE)
 """Open and closed lines that the points stand on, as they are drawn."""
@@ -86,6 +93,23 @@ MIRRORED = (
 
 FEWEST = 8
 """Points that must be known."""
+
+
+def group_of(number: int) -> str:
+    """The name in GROUPS of the group that a point is in."""
+    return next(name for name, numbers in GROUPS.items() if number in numbers)
+
+
+def point_label(number: int) -> str:
+    """What a point is called where people read it: "nose tip", "right eye 2 of 6"."""
+    name = next((name for name, other in POINT_NAMES.items() if other == number), None)
+    if name is not None:
+        return name.replace("_", " ")
+    group = group_of(number)
+    numbers = list(GROUPS[group])
+    part, _, side = group.partition("_")
+    return f"{side} {part}".strip() + f" {numbers.index(number) + 1} of {len(numbers)}"
+
 
 _INSIDE = 0.5  # least share of the points inside the picture
 _SMALLEST = 8.0  # least diagonal of a face, pixels

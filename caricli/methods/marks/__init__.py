@@ -1,0 +1,1 @@
+"""Landmarks that a hand places."""
