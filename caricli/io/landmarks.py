@@ -35,9 +35,7 @@ def read_landmarks(path: str | Path, pts_origin: int = 1) -> Landmarks:
     elif data.lstrip()[:1] in (b"{", b"["):
         value = parse_json(data, path)
         with naming(path):
-            points = _points_from_json(value)
-            spreads = _spreads_from_json(value.get("spreads"), points)
-            return Landmarks(points, _image_size(value.get("image")), spreads, _visibility(value.get("visibility")))
+            return landmarks_from_json(value)
     else:
         lines = decode_text(data, path, _KIND).removeprefix("\ufeff").splitlines() or [""]
         with naming(path):
@@ -58,17 +56,7 @@ def write_landmarks(path: str | Path, landmarks: Landmarks) -> None:
     suffix = Path(path).suffix.lower()
     points = landmarks.points
     if suffix == ".json":
-        value: dict[str, Any] = {"schema": SCHEMA, "scheme": SCHEMES[len(points)]}
-        if landmarks.image_size is not None:
-            width, height = landmarks.image_size
-            value["image"] = {"width": int(width), "height": int(height)}
-        value["points"] = [None if np.isnan(point).any() else point.tolist() for point in points]
-        if landmarks.spreads is not None:
-            rows = landmarks.spreads[:, [0, 0, 1], [0, 1, 1]]
-            value["spreads"] = [None if np.isnan(row).any() else row.tolist() for row in rows]
-        if landmarks.visibility is not None:
-            value["visibility"] = landmarks.visibility.tolist()
-        write_json(path, value)
+        write_json(path, landmarks_to_json(landmarks))
     elif suffix == ".npy":
         # Not into the file itself: there NumPy writes past Python and overlooks a full disk.
         stream = io.BytesIO()
@@ -80,6 +68,29 @@ def write_landmarks(path: str | Path, landmarks: Landmarks) -> None:
         write_bytes(path, _text(points).encode())
     else:
         raise OutputError(f"{shown(path)}: expected .json, .pts, .txt or .npy for landmarks, found {shown(suffix)!r}")
+
+
+def landmarks_from_json(value: Any) -> Landmarks:
+    """The Landmarks of a JSON value. Raises InputError when it is malformed, or they are not those of a face."""
+    points = _points_from_json(value)
+    spreads = _spreads_from_json(value.get("spreads"), points)
+    return Landmarks(points, _image_size(value.get("image")), spreads, _visibility(value.get("visibility")))
+
+
+def landmarks_to_json(landmarks: Landmarks) -> dict[str, Any]:
+    """The JSON value of landmarks."""
+    points = landmarks.points
+    value: dict[str, Any] = {"schema": SCHEMA, "scheme": SCHEMES[len(points)]}
+    if landmarks.image_size is not None:
+        width, height = landmarks.image_size
+        value["image"] = {"width": int(width), "height": int(height)}
+    value["points"] = [None if np.isnan(point).any() else point.tolist() for point in points]
+    if landmarks.spreads is not None:
+        rows = landmarks.spreads[:, [0, 0, 1], [0, 1, 1]]
+        value["spreads"] = [None if np.isnan(row).any() else row.tolist() for row in rows]
+    if landmarks.visibility is not None:
+        value["visibility"] = landmarks.visibility.tolist()
+    return value
 
 
 def _text(points: np.ndarray) -> str:

@@ -20,14 +20,15 @@ class LandmarkEncoder:
     model: ShapeModel
     fitter: ShapeModel
 
-    def encode(self, points: np.ndarray) -> tuple[EncodedFace, float]:
+    def encode(self, points: np.ndarray, spreads: np.ndarray | None = None) -> tuple[EncodedFace, float]:
         """Reconstruct a face and find its latent.
 
-        points: (L, 2) pixels, y down, NaN where unknown.
+        points: (L, 2) pixels, y down, NaN where unknown. spreads: (L, 2, 2) covariances of their errors, square pixels,
+        or None where nothing is known of them.
         Returns the EncodedFace, with camera and fitted landmarks, and the NME of the reconstruction in percent.
         Raises InputError, NumericsError.
         """
-        fit = fit_landmarks(points, self.fitter)
+        fit = fit_landmarks(points, self.fitter, spreads=spreads)
         face = replace(fit.face, mesh=self.model.template.with_vertices(fit.face.vertices))
         if self.fitter is not self.model:
             face = face.without_latent()
