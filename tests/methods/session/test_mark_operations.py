@@ -104,16 +104,18 @@ def test_what_makes_no_sense_is_refused(start, script, tools, name, parameters):
         operate(work, Operation(name, parameters), tools)
 
 
-@pytest.mark.parametrize("name", ["mark", "mark_group", "mark_off", "mark_face"])
-def test_landmarks_come_first(start, tools, name):
-    parameters = {
-        "mark": {"point": 3, "place": [1, 1]},
-        "mark_group": {"group": "nose"},
-        "mark_off": {"points": [3]},
-        "mark_face": {},
-    }
+@pytest.mark.parametrize(
+    ("name", "parameters"),
+    [
+        ("mark", {"point": 3, "place": [1, 1]}),
+        ("mark_group", {"group": "nose"}),
+        ("mark_off", {"points": [3]}),
+        ("mark_face", {}),
+    ],
+)
+def test_landmarks_come_first(start, tools, name, parameters):
     with pytest.raises(CaricliError, match="expected landmarks first, found none"):
-        operate(start, Operation(name, parameters[name]), tools)
+        operate(start, Operation(name, parameters), tools)
 
 
 def test_landmarks_of_another_picture_are_refused(start, tools):
