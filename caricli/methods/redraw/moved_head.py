@@ -10,7 +10,6 @@ from caricli.methods.redraw.original import Original, blurred
 from caricli.methods.redraw.spread_colours import spread_colours
 from caricli.methods.texture.estimate_light import GAMMA
 from caricli.render.paint import smooth_step
-from caricli.render.rasterise import rasterise
 from caricli.render.sky import DIRECTIONS, light_received, sky_visibility
 from caricli.render.smooth_normals import smooth_normals
 from caricli.structures import Material
@@ -18,6 +17,7 @@ from caricli.structures import Material
 _NEAR = 0.012  # of the head's height: what is so little behind the surface is on it
 _FINE = 0.8  # pixels, softness of lashes
 _THICK = 2.2
+_BITS = 4  # of a sample's fraction
 _LEVEL = 1e-3
 
 
@@ -115,10 +115,20 @@ class MovedHead:
         faces = original.rig.faces[original.rig.triangle_materials == Material.LASHES]
         if not len(faces):
             return np.zeros(self.view.face.shape, np.float32)
-        lashes = rasterise(original.window.samples(self.view.placed), faces, *original.window.size).depth
-        before = (lashes < self.view.depth + _NEAR * original.size).astype(np.float32)
-        # Hairs are finer than samples.
-        line = np.minimum(_THICK * blurred(before, _FINE * original.window.fine), 1)
+        hairs = original.window.samples(self.view.placed)[faces].astype(np.float32)
+        drawn = np.zeros(self.view.face.shape, np.uint8)
+        width, height = original.window.size
+        columns, rows = np.rint(hairs[..., :2].mean(1)).astype(int).T
+        skin = self.view.depth[rows.clip(0, height - 1), columns.clip(0, width - 1)]
+        before = hairs[..., 2].mean(1) < skin + _NEAR * original.size
+        # Hairs are finer than samples, which would show dots of them: they are drawn as pale as they are thin.
+        hairs = hairs[before, :, :2]
+        sides = np.linalg.norm(hairs - np.roll(hairs, 1, axis=1), axis=2).max(1)
+        dark = np.clip(np.abs(_twice_areas(hairs)) / np.maximum(sides, _LEVEL), 0, 1)
+        for k in np.argsort(dark):
+            corners = np.rint(hairs[k] * 2**_BITS).astype(np.int32)
+            cv2.fillConvexPoly(drawn, corners, round(255 * float(dark[k])), cv2.LINE_AA, _BITS)
+        line = np.minimum(_THICK * blurred(drawn.astype(np.float32) / 255, _FINE * original.window.fine), 1)
         return line * self._anew * (self.lids > 0)
 
     @cached_property
@@ -235,7 +245,11 @@ def _taken(image: np.ndarray, at: np.ndarray, interpolation: int) -> np.ndarray:
 
 def _areas(placed: np.ndarray, faces: np.ndarray) -> np.ndarray:
     """(F,) twice the areas of triangles in the picture, below zero where they are turned away from the camera."""
-    corners = placed[faces, :2]
+    return _twice_areas(placed[faces, :2])
+
+
+def _twice_areas(corners: np.ndarray) -> np.ndarray:
+    """(F,) twice the areas of triangles (F, 3, 2), with their signs."""
     one = corners[:, 1] - corners[:, 0]
     two = corners[:, 2] - corners[:, 0]
     return one[:, 1] * two[:, 0] - one[:, 0] * two[:, 1]
