@@ -25,6 +25,9 @@ SEER = "--set width=16 --set stem=8 --set depth=1 --set size=64 --set steps=150 
 DRAWER = "--set size=64 --set epochs=1 --set steps=4 --set batch=8 --set validate_every=1"
 REPAINTER = "--set size=32 --set epochs=1 --set steps=4 --set batch=8 --set looks=1 --set validate_every=1"
 TELLER = "--set size=64 --set epochs=1 --set steps=8 --set rounds=2 --set batch=8 --set painted=2 --set unmarked=0"
+PEN = (
+    "--set size=16 --set stride=1 --set epochs=1 --set steps=4 --set batch=8 --set validation=2 --set validate_every=1"
+)
 STYLER = "--set width=4 --set pictures=4 --set validation=2 --set epochs=1 --set steps=4 --set validate_every=1"
 
 # Every line is run in turn in one folder; what it writes goes into a folder of its own, or beside the others.
@@ -52,6 +55,8 @@ train morphable --data dataset --out morphable.safetensors --set identity=3 --se
 train bilinear --data dataset --out bilinear.safetensors --set identity=4
 train sketch --data dataset --model pca.safetensors --out drawer {DRAWER}
 train style --out styler {STYLER}
+train gesture --out pen {PEN}
+evaluate gesture --network pen/model.safetensors --count 5 --out pen.json
 train texture --data textures --out repainter {REPAINTER}
 evaluate texture repainter/model.safetensors --data textures --count 4 --out repainted
 train landmark-map --data dataset --out map.safetensors --set dimension=4 --set epochs=1 --set views=2
@@ -84,6 +89,7 @@ interpolate sampled/face-000.npz sampled/face-001.npz --steps 3 --out-dir betwee
 map-landmarks landmarks.json --to normal --out normal.json
 edit-handle sampled/face-000.npz --handle nose_tip=0,0,0.01 --pin chin --symmetric --out pulled.obj --baseline arap
 edit-handle sampled/face-001.npz --handle l30=0,0,0.008 --norm l1 --no-intersections --steps 2 --out strip.obj
+refine-gesture sampled/face-000.npz --script strokes.json --out refined-nose.obj
 edit-semantic sampled/face-000.npz --label BigNose=2 --keep BigEar --steps 3 --out nose.obj
 caricaturize sampled/face-000.npz --strength 1.5 --out caricature.obj
 caricaturize landmarks.json --from-landmarks --image astronaut.png --mode own --out own.obj
@@ -114,6 +120,12 @@ SKETCH = {"schema": "caricli.sketch/1", "canvas": {"width": 256, "height": 256},
     {"kind": "feature", "curve": "brow_left", "points": [[144, 102], [160, 96], [174, 104]]},
     {"kind": "feature", "curve": "nose", "points": [[110, 160], [128, 172], [146, 160]]},
     {"kind": "feature", "curve": "mouth_inner_upper", "points": [[100, 196], [128, 190], [156, 196]]},
+]}  # fmt: skip
+FRONT = {"scale": 1000.0, "rotation": [[1, 0, 0], [0, -1, 0], [0, 0, -1]], "translation": [0, 0]}
+STROKES = {"schema": "caricli.session/1", "start": None, "operations": [
+    {"name": "brush", "parameters": {"points": [[0, 0]], "radius": 15, "camera": FRONT}},
+    {"name": "line", "parameters": {"points": [[0, 0], [5, 8]], "camera": FRONT, "symmetric": True}},
+    {"name": "bulge", "parameters": {"level": 2}},
 ]}  # fmt: skip
 _UNHASHED = {".pt"}
 _TIMES = {"seconds"}
@@ -180,6 +192,7 @@ def prepare(folder, environment):
     (folder / "moods.yaml").write_text(MOODS)
     (folder / "weights.json").write_text(json.dumps(WEIGHTS))
     (folder / "sketch.json").write_text(json.dumps(SKETCH))
+    (folder / "strokes.json").write_text(json.dumps(STROKES))
     sizes = "dataset build big --count 90 --identities 30 --workers 2".split()
     subprocess.run([sys.executable, "-m", "caricli", *sizes], cwd=folder, env=environment, check=True)
 

@@ -30,6 +30,8 @@ from caricli.models.coarse.model import SCHEMA as COARSE_SCHEMA
 from caricli.models.coarse.model import coarse_from_checkpoint
 from caricli.models.detector.model import SCHEMA as DETECTOR_SCHEMA
 from caricli.models.detector.model import detector_from_checkpoint
+from caricli.models.gesture.model import SCHEMA as GESTURE_SCHEMA
+from caricli.models.gesture.model import gesture_from_checkpoint
 from caricli.models.kinds import KINDS
 from caricli.models.landmark_map.model import SCHEMA as LANDMARK_MAP_SCHEMA
 from caricli.models.landmark_map.model import map_from_checkpoint
@@ -61,13 +63,14 @@ _WEIGHTS: dict[Any, Callable[..., Any]] = {
     COARSE_SCHEMA: coarse_from_checkpoint,
     SKETCH_NETWORK_SCHEMA: sketch_from_checkpoint,
     STYLE_SCHEMA: style_from_checkpoint,
+    GESTURE_SCHEMA: gesture_from_checkpoint,
 }
 
 
 def load_any(path: Path) -> Any:
     """What a file or folder holds, told by its content: one of the structures, a Dataset, a ShapeModel, a LandmarkMap,
-    a Detector, a CoarseModel, a SketchModel, a StyleModel, the dict of a report or of expressions, or the array of a
-    picture.
+    a Detector, a CoarseModel, a SketchModel, a StyleModel, a GestureModel, the dict of a report or of expressions, or
+    the array of a picture.
 
     Raises InputError when it is none of them, or damaged.
     """

@@ -18,10 +18,12 @@ from caricli.methods.sketch.network_coarse import network_coarse
 from caricli.methods.sketch.reconstruct_sketch import SketchReconstruction
 from caricli.methods.sketch.see_sketch import see_sketch
 from caricli.methods.sketch.settings import COARSE
+from caricli.models.gesture.model import GestureModel
 from caricli.models.shape_model import ShapeModel
 from caricli.models.sketch.model import SketchModel
 from caricli.store.directions import load_directions
 from caricli.store.faces import load_latent_face
+from caricli.store.gestures import load_gestures
 from caricli.store.landmark_encoders import elastic_encoder
 from caricli.store.models import DEFAULT_LATENT, load_model
 from caricli.store.sketch_networks import load_sketch_pair
@@ -72,6 +74,11 @@ class SessionTools:
     def templates(self) -> ExpressionTemplates:
         """The 52 expressions of ARKit."""
         return open_head_expressions()
+
+    @cached_property
+    def gestures(self) -> GestureModel:
+        """What strokes on the head mean."""
+        return load_gestures()
 
 
 def load_start(path: Path | None, tools: SessionTools) -> Work:

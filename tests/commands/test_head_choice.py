@@ -12,11 +12,12 @@ from caricli.io.image import read_image
 from caricli.io.mesh import read_mesh
 from caricli.io.obj import write_obj
 from caricli.io.rig import read_rig
+from caricli.io.session import write_session
 from caricli.io.sketch import write_sketch
 from caricli.io.strict_json import write_json
 from caricli.methods.sketch.draw_sketch import draw_sketch
 from caricli.store.models import load_model
-from caricli.structures import Camera, Face, Material, Mesh
+from caricli.structures import Camera, Face, Material, Mesh, Operation, Session
 from caricli.template.feature_curves import feature_curves
 
 CAMERA = Camera(1400.0, np.diag([1.0, -1, -1]), np.array([200.0, 400.0]))
@@ -30,6 +31,7 @@ MAKERS = {
     "edit-handle": "edit-handle {face} --handle nose_tip=0,0,2% --no-picture --out {out}/new.glb",
     "edit-semantic": "edit-semantic {face} --label BigNose=1 --no-picture --out {out}/new.glb",
     "caricaturize": "caricaturize {face} --mode own --no-picture --out {out}/new.glb",
+    "refine-gesture": "refine-gesture {face} --script {strokes} --no-picture --out {out}/new.glb",
     "refine": "refine {face} {marks} --no-picture --out {out}/new.glb",
     "fit-morphable": "fit-morphable {marks} --no-picture --out {out}/new.glb",
     "reconstruct-from-landmarks": "reconstruct-from-landmarks {marks} --no-picture --out {out}/new.glb",
@@ -71,6 +73,7 @@ def files(head, head_template, small_pictures, tmp_path_factory):
         folder / "sketch.json", draw_sketch(vertices, feature_curves(head_template.annotation), CAMERA, (400, 440))
     )
     (folder / "moods.yaml").write_text("neutral: {}\nopen: {jawOpen: 0.8}\n")
+    write_session(folder / "strokes.json", Session(None, (Operation("deselect"),)))
     write_obj(folder / "driver.obj", load_model("morphable").template)
     weights = {"schema": "caricli.weights/1", "fps": 10, "names": ["open"], "weights": [[0.0], [1.0]]}
     write_json(folder / "weights.json", weights)

@@ -12,9 +12,11 @@ from caricli.io.image import read_image
 from caricli.io.mtl import material_pictures
 from caricli.io.obj import read_obj, write_obj
 from caricli.io.rig import read_rig
+from caricli.io.session import write_session
 from caricli.io.strict_json import write_json
+from caricli.methods.session.gesture_operations import view_parameters
 from caricli.store.models import load_model
-from caricli.structures import Camera, Face, Hair, Material, Mesh, Pictures
+from caricli.structures import Camera, Face, Hair, Material, Mesh, Operation, Pictures, Session
 
 CAMERA = Camera(1400.0, np.diag([1.0, -1, -1]), np.array([200.0, 400.0]))
 SKIN = np.array([40, 160, 60], np.uint8)
@@ -24,6 +26,7 @@ HAIR = np.array([200, 30, 160], np.uint8)
 # What is typed, with {} for the folder of the inputs, and what is written beside the mesh that it names.
 WEARERS = {
     "edit-handle": "edit-handle {face} --handle nose_tip=0,0,2% --out {out}/new.obj",
+    "refine-gesture": "refine-gesture {face} --script {strokes} --out {out}/new.obj",
     "edit-semantic": "edit-semantic {face} --label BigNose=1 --out {out}/new.obj",
     "caricaturize": "caricaturize {face} --mode own --out {out}/new.obj",
     "interpolate": "interpolate {face} {face} --steps 2 --out-dir {out}",
@@ -73,6 +76,14 @@ def cap(mesh):
     return Hair(shell, np.repeat(used[:, None], 3, 1).astype(np.int32), np.full((len(used), 3), 1 / 3))
 
 
+def nose_bulge(marks):
+    """A session: a region around the nose bulges."""
+    turns = np.linspace(0, 2 * np.pi, 30)
+    ring = marks[30] + 30 * np.stack([np.cos(turns), np.sin(turns)], 1)
+    region = Operation("region", {"points": ring.tolist(), "camera": view_parameters(CAMERA)})
+    return Session(None, (region, Operation("bulge", {"level": 2})))
+
+
 @pytest.fixture(scope="module")
 def painted(head, head_template, small_pictures, tmp_path_factory):
     """A folder of a green face with blue eyes and purple hair, whose UVs are not the template's, and of what commands
@@ -89,6 +100,7 @@ def painted(head, head_template, small_pictures, tmp_path_factory):
     (folder / "moods.yaml").write_text("neutral: {}\nopen: {jawOpen: 0.8}\n")
     weights = {"schema": "caricli.weights/1", "fps": 10, "names": ["open"], "weights": [[0.0], [1.0]]}
     write_json(folder / "weights.json", weights)
+    write_session(folder / "strokes.json", nose_bulge(marks))
     return folder
 
 
@@ -106,6 +118,7 @@ def rig(run, painted):
 def typed(line, painted, rig, out):
     names = {"face": "face.npz", "marks": "marks.txt", "moods": "moods.yaml", "driver": "driver.obj"}
     paths = {key: painted / name for key, name in names.items()} | {"weights": painted / "weights.json", "rig": rig}
+    paths["strokes"] = painted / "strokes.json"
     return line.format(out=out, **paths).split()
 
 

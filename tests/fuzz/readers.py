@@ -58,6 +58,8 @@ from caricli.models.deformable.networks import HyperSiren
 from caricli.models.detector.config import DetectorSize
 from caricli.models.detector.model import Detector, detector_to_checkpoint
 from caricli.models.detector.networks import DetectorNetwork
+from caricli.models.gesture.model import GestureModel, gesture_to_checkpoint
+from caricli.models.gesture.networks import GestureNetwork
 from caricli.models.intrinsic.model import IntrinsicModel
 from caricli.models.kernel.gaussian_process import GaussianProcess
 from caricli.models.kernel.model import KernelModel
@@ -80,6 +82,7 @@ from caricli.store.any_file import load_any
 from caricli.store.coarse import load_coarse
 from caricli.store.detector import load_detector
 from caricli.store.faces import load_latent_face
+from caricli.store.gestures import load_gestures
 from caricli.store.handles import load_handles
 from caricli.store.landmark_maps import load_landmark_map
 from caricli.store.models import load_model
@@ -108,6 +111,7 @@ from caricli.structures import (
     Track,
 )
 from caricli.structures.arkit import ARKIT_NAMES
+from caricli.structures.gesture import GESTURES
 from caricli.structures.parsing import Region
 from caricli.template.annotation import parse_annotation
 from caricli.template.own_parts import read_own_parts
@@ -325,6 +329,11 @@ def _write_sketch_network(path: Path) -> None:
 def _write_texture_network(path: Path) -> None:
     network = TextureNetwork(TextureSize(4, 4), torch.Generator().manual_seed(0))
     write_checkpoint(path, *texture_to_checkpoint(TextureModel(network, 32, "0" * 64)))
+
+
+def _write_gestures(path: Path) -> None:
+    network = GestureNetwork(16, 1, len(GESTURES), torch.Generator().manual_seed(0))
+    write_checkpoint(path, *gesture_to_checkpoint(GestureModel(network)))
 
 
 def _write_style(path: Path) -> None:
@@ -597,6 +606,7 @@ def _all() -> list[Reader]:
         Reader("coarse.safetensors", load_coarse, (_write_coarse,), mutate_tensors),
         Reader("sketch.safetensors", load_sketch_network, (_write_sketch_network,), mutate_tensors),
         Reader("texture.safetensors", load_texture_network, (_write_texture_network,), mutate_tensors),
+        Reader("gesture.safetensors", load_gestures, (_write_gestures,), mutate_tensors),
         Reader("style.safetensors", load_style, (_write_style,), mutate_tensors),
         Reader("map.safetensors", _map_marks, (_write_map,), mutate_tensors),
         Reader("any.safetensors", read_checkpoint, (_write_map,)),

@@ -9,6 +9,7 @@ from caricli.models.ablation.config import AblationConfig
 from caricli.models.coarse.config import CoarseConfig
 from caricli.models.config import LinearConfig
 from caricli.models.detector.config import DetectorConfig
+from caricli.models.gesture.config import GestureConfig
 from caricli.models.kernel.config import KernelConfig
 from caricli.models.kinds import KINDS, config_class
 from caricli.models.landmark_map.config import LandmarkMapConfig
@@ -20,7 +21,7 @@ from caricli.models.texture.config import TextureConfig
 CONFIGS: dict[str, type] = {kind: config_class(kind) for kind in KINDS}
 CONFIGS |= {"ablation": AblationConfig, "coarse": CoarseConfig, "detector": DetectorConfig}
 CONFIGS |= {"landmark_map": LandmarkMapConfig, "sketch": SketchConfig, "style": StyleConfig}
-CONFIGS |= {"texture": TextureConfig}
+CONFIGS |= {"texture": TextureConfig, "gesture": GestureConfig}
 FILES = sorted(config_path("").glob("*/*.yaml"))
 
 
@@ -114,3 +115,9 @@ def test_impossible_settings_of_the_sketch_network_are_refused(setting):
 def test_impossible_settings_of_the_style_network_are_refused(setting):
     with pytest.raises(InputError, match=setting.split("=")[0]):
         read_config(None, StyleConfig, [setting])
+
+
+@pytest.mark.parametrize("setting", ["size=60", "stride=0", "precision=half", "others=1", "epochs=0", "decay=1"])
+def test_impossible_settings_of_the_gesture_network_are_refused(setting):
+    with pytest.raises(InputError, match=setting.split("=")[0]):
+        read_config(None, GestureConfig, [setting])

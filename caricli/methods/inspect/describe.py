@@ -15,11 +15,13 @@ from caricli.methods.inspect.inspection import Acquaintances, Animated, Inspecti
 from caricli.methods.rig.check_rig import RigCheck, check_rig
 from caricli.models.coarse.model import CoarseModel
 from caricli.models.detector.model import Detector
+from caricli.models.gesture.model import GestureModel
 from caricli.models.landmark_map.model import LandmarkMap
 from caricli.models.sketch.model import SketchModel
 from caricli.models.style.model import StyleModel
 from caricli.structures import Cues, Directions, Face, Landmarks, Material, Mesh, Rig, Sketch, Track
 from caricli.structures.arkit import ARKIT_NAMES
+from caricli.structures.gesture import GESTURES
 from caricli.structures.landmarks import PARTS, SCHEMES
 from caricli.structures.materials import HEAD_PARTS
 from caricli.structures.pictures import PICTURED
@@ -233,6 +235,14 @@ def _(value: SketchModel, around: Acquaintances) -> Inspection:
     lines = (f"latents: {value.network.dimension}, of {around.model_name(value.basis)}", ", ".join(value.curves))
     figures = {"weights": weights, "size": value.size, "model_id": value.model_id, "basis": value.basis}
     return Inspection("sketch network", summary, lines, figures | {"curves": list(value.curves)})
+
+
+@describe.register
+def _(value: GestureModel, around: Acquaintances) -> Inspection:
+    weights = sum(parameter.numel() for parameter in value.network.parameters())
+    summary = f"{weights / 1e6:.1f} million weights, for strokes in pictures of {value.network.size} pixels"
+    figures = {"weights": weights, "size": value.network.size, "model_id": value.model_id}
+    return Inspection("gesture network", summary, (", ".join(GESTURES),), figures)
 
 
 @describe.register

@@ -5,6 +5,7 @@ from collections.abc import Callable, Mapping
 from caricli.errors import InputError, naming, shown
 from caricli.methods.session.draw_operations import DRAW_OPERATIONS
 from caricli.methods.session.face_operations import FACE_OPERATIONS
+from caricli.methods.session.gesture_operations import GESTURE_OPERATIONS
 from caricli.methods.session.mark_operations import MARK_OPERATIONS
 from caricli.methods.session.parameters import Parameters
 from caricli.methods.session.tools import Tools
@@ -14,7 +15,7 @@ from caricli.structures import Operation
 Operate = Callable[[Work, Parameters, Tools], Work]
 """What a name stands for: a pure function that checks its parameters. Raises InputError or NumericsError."""
 
-OPERATIONS: Mapping[str, Operate] = {**DRAW_OPERATIONS, **FACE_OPERATIONS, **MARK_OPERATIONS}
+OPERATIONS: Mapping[str, Operate] = {**DRAW_OPERATIONS, **FACE_OPERATIONS, **MARK_OPERATIONS, **GESTURE_OPERATIONS}
 """One table of every mode."""
 
 

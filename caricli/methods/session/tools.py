@@ -5,6 +5,7 @@ from typing import Protocol
 from caricli.methods.faces.encode_landmarks import LandmarkEncoder
 from caricli.methods.rig.expression_templates import ExpressionTemplates
 from caricli.methods.sketch.reconstruct_sketch import SketchReconstruction
+from caricli.models.gesture.model import GestureModel
 from caricli.models.shape_model import ShapeModel
 from caricli.models.sketch.model import SketchModel
 from caricli.structures import Directions
@@ -15,7 +16,7 @@ class Tools(Protocol):
 
     model: ShapeModel that all faces are encoded in. encoder: LandmarkEncoder of it. network: SketchModel, and basis the
     ShapeModel whose latents it tells. reconstruction: SketchReconstruction of the model. directions: Directions of the
-    model. templates: ExpressionTemplates of ARKit's actions.
+    model. templates: ExpressionTemplates of ARKit's actions. gestures: GestureModel.
     """
 
     @property
@@ -45,3 +46,7 @@ class Tools(Protocol):
     @property
     def templates(self) -> ExpressionTemplates:
         """Expressions."""
+
+    @property
+    def gestures(self) -> GestureModel:
+        """What strokes on the head mean."""

@@ -22,7 +22,7 @@ class Work:
     picture: (H, W, 3) uint8 that is drawn over and landmarks lie on, or None. landmarks: Landmarks, or None.
     weights: of ARKit's actions by name, 0 to 1, those that are not 0. strengths: standard deviations that the face went
     by labels since it was drawn. handles: (H,) ids of the vertices that are marked for gestures. region: (R,) ids of
-    the vertices that gestures may move, or None for all.
+    the vertices that gestures may move, or None for all. skin: (S,) those of them that were seen when they were chosen.
     """
 
     face: EncodedFace
@@ -33,3 +33,4 @@ class Work:
     strengths: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
     handles: np.ndarray = field(default_factory=lambda: np.zeros(0, int))
     region: np.ndarray | None = None
+    skin: np.ndarray = field(default_factory=lambda: np.zeros(0, int))

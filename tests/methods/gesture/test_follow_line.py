@@ -1,0 +1,87 @@
+import numpy as np
+import pytest
+
+from caricli.errors import InputError
+from caricli.geometry.flipped_triangles import flipped_triangles
+from caricli.methods.gesture.follow_line import follow_line
+from caricli.methods.gesture.selection import Selection, distance_to_line, mark_handles, select_region
+from caricli.methods.gesture.sight import SeenStroke
+from tests.methods.gesture.conftest import mark, ring, view
+
+BROW = range(17, 22)
+
+
+@pytest.fixture(scope="module")
+def brow(face, head_template):
+    camera = view()
+    line = np.stack([mark(face, head_template, camera, number) for number in BROW])
+    return camera, line, mark_handles(face, camera, line, 5, Selection())
+
+
+def test_a_curve_of_handles_is_laid_onto_the_line(face, head_template, brow):
+    camera, line, selection = brow
+    goal = line + [[0, -12], [0, -10], [0, -8], [0, -6], [0, -4]]
+    changed = follow_line(face, head_template, SeenStroke(goal, camera), selection)
+    ids = head_template.annotation.landmarks[17:22]
+    before, after = (distance_to_line(camera.project(each.vertices[ids]), goal) for each in (face, changed.face))
+    assert changed.share == 1 and after.mean() < 0.35 * before.mean()
+    depths = [(each.vertices @ camera.rotation[2])[selection.handles] for each in (face, changed.face)]
+    np.testing.assert_allclose(*depths, atol=1e-9)
+    gradients = head_template.gradients
+    turned = [flipped_triangles(each.vertices, gradients) for each in (face, changed.face)]
+    assert not (turned[1] & ~turned[0]).any()
+
+
+def test_the_direction_of_the_line_does_not_matter_to_a_curve(face, head_template, brow):
+    camera, line, selection = brow
+    goal = line - [0, 8]
+    there, back = (follow_line(face, head_template, SeenStroke(each, camera), selection) for each in (goal, goal[::-1]))
+    np.testing.assert_allclose(there.face.vertices, back.face.vertices, atol=1e-12)
+
+
+def test_a_patch_goes_as_the_line_does(face, head_template):
+    camera = view(90)
+    tip = mark(face, head_template, camera, 30)
+    selection = mark_handles(face, camera, tip[None], 12, Selection())
+    changed = follow_line(face, head_template, SeenStroke(np.stack([tip, tip + [10, 4]]), camera), selection)
+    moved = camera.project(changed.face.vertices) - camera.project(face.vertices)
+    np.testing.assert_allclose(moved[selection.handles] / changed.share, [[10, 4]] * len(selection.handles), atol=1e-6)
+
+
+def test_outside_the_region_nothing_changes_by_a_bit(face, head_template, brow):
+    camera, line, selection = brow
+    selection = select_region(face, camera, ring(line.mean(0), 45, 0.6), selection)
+    changed = follow_line(face, head_template, SeenStroke(line - [0, 6], camera), selection)
+    outside = np.ones(len(face.vertices), bool)
+    outside[selection.region] = False
+    for name in ("inner_mouth", "eye_socket_left", "eye_socket_right"):
+        outside[head_template.annotation.regions[name]] = False
+    assert np.array_equal(changed.face.vertices[outside], face.vertices[outside])
+
+
+def test_symmetric_is_the_same_on_both_sides(face, head_template, brow):
+    camera, line, selection = brow
+    changed = follow_line(face, head_template, SeenStroke(line - [0, 6], camera), selection, symmetric=True)
+    moved = changed.face.vertices - face.vertices
+    np.testing.assert_allclose(moved[head_template.annotation.mirror] * [-1, 1, 1], moved, atol=2e-4)
+
+
+def test_without_handles_the_outline_goes_to_the_line(face, head_template):
+    camera = view(90)
+    profile = np.stack([mark(face, head_template, camera, number) for number in range(27, 34)])
+    goal = profile + np.array([0, 3, 6, 9, 8, 3, 0])[:, None] * [1, 0]
+    changed = follow_line(face, head_template, SeenStroke(goal, camera), Selection())
+    ids = head_template.annotation.landmarks[28:32]
+    before, after = (distance_to_line(camera.project(each.vertices[ids]), goal) for each in (face, changed.face))
+    assert after.mean() < 0.4 * before.mean()
+
+
+def test_what_no_line_can_mean_is_refused(face, head_template, brow):
+    camera, line, selection = brow
+    with pytest.raises(InputError, match="found a dot"):
+        follow_line(face, head_template, SeenStroke(np.array([[1.0, 1], [1.1, 1]]), camera), selection)
+    with pytest.raises(InputError, match="no outline there"):
+        follow_line(face, head_template, SeenStroke(line - [900, 0], camera), Selection())
+    elsewhere = select_region(face, camera, ring(mark(face, head_template, camera, 8), 20), selection)
+    with pytest.raises(InputError, match="all of them outside"):
+        follow_line(face, head_template, SeenStroke(line, camera), elsewhere)
