@@ -46,7 +46,7 @@ def bulge(
     if symmetric:
         selection = selection.with_other(selection.mirrored(template))
     patch = _Patch(face, selection, radius)
-    heights = patch.heights(np.intersect1d(selection.handles, selection.region), settings.fade * radius)
+    heights = patch.heights(np.intersect1d(selection.handles, selection.region), settings.fades[level < 0] * radius)
     size = radius * (settings.raised[level - 1] if level > 0 else -settings.pressed[-level - 1])
     ways = size * heights[:, None] * patch.directions(settings.smooth * radius)
     vertices, share = sound_move(face.vertices, face.vertices + ways, patch.region, template, settings)
