@@ -93,6 +93,7 @@ refine-gesture sampled/face-000.npz --script strokes.json --out refined-nose.obj
 edit-semantic sampled/face-000.npz --label BigNose=2 --keep BigEar --steps 3 --out nose.obj
 caricaturize sampled/face-000.npz --strength 1.5 --out caricature.obj
 caricaturize landmarks.json --from-landmarks --image astronaut.png --mode own --out own.obj
+studio --replay session.json --out replayed.obj
 rig textured/face.npz --out rig.glb --usd
 portrait pictures/astronaut.png --landmarks landmarks.json --size 256 --parts skin,eyes --out-dir heads
 rig head.obj --out sparse.glb --sparse --subdivide 1 --parts skin
@@ -114,6 +115,11 @@ LEFT_OUT = {"inspect": "prints what is in a file and writes none"}
 MOODS = "neutral: {}\nsmile: {mouthSmile: 0.7}\nopen: {jawOpen: 0.8}\nblink: {eyeBlink: 1.0}\n"
 WEIGHTS = {"schema": "caricli.weights/1", "fps": 10, "names": ["jawOpen", "eyeBlinkLeft"], "head": [[0, 0, 0]] * 3,
            "weights": [[0.0, 0.0], [0.5, 0.3], [0.9, 1.0]]}  # fmt: skip
+SESSION = {"schema": "caricli.session/1", "start": None, "operations": [
+    {"name": "draw", "parameters": {"points": [[106, 260], [256, 450], [406, 260], [256, 70], [106, 260]]}},
+    {"name": "semantic", "parameters": {"strengths": {"BigNose": 1.5}}},
+    {"name": "expression", "parameters": {"weights": {"jawOpen": 0.5}}},
+]}  # fmt: skip
 SKETCH = {"schema": "caricli.sketch/1", "canvas": {"width": 256, "height": 256}, "strokes": [
     {"kind": "silhouette", "curve": "silhouette", "points": [[64, 120], [70, 190], [128, 236], [186, 190], [192, 120]]},
     {"kind": "feature", "curve": "brow_right", "points": [[82, 104], [96, 96], [112, 102]]},
@@ -193,6 +199,7 @@ def prepare(folder, environment):
     (folder / "weights.json").write_text(json.dumps(WEIGHTS))
     (folder / "sketch.json").write_text(json.dumps(SKETCH))
     (folder / "strokes.json").write_text(json.dumps(STROKES))
+    (folder / "session.json").write_text(json.dumps(SESSION))
     sizes = "dataset build big --count 90 --identities 30 --workers 2".split()
     subprocess.run([sys.executable, "-m", "caricli", *sizes], cwd=folder, env=environment, check=True)
 

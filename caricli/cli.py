@@ -43,6 +43,7 @@ COMMANDS = {
     "refine-gesture": ("refine_gesture", "Edit", "Change a face by strokes of the pen on it."),
     "edit-semantic": ("edit_semantic", "Edit", "Change a face by labels such as BigNose."),
     "caricaturize": ("caricaturize", "Edit", "Make a caricature of a regular face."),
+    "studio": ("studio", "Edit", "Draw a face and change it by hand, on a page."),
     "rig": ("rig", "Rig", "Give a face the 52 expressions of ARKit."),
     "blendshapes": ("blendshapes", "Rig", "Make expressions that keep who a face is."),
     "retarget": ("retarget", "Rig", "Let a caricature do what a normal face does."),

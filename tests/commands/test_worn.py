@@ -16,6 +16,7 @@ from caricli.io.session import write_session
 from caricli.io.strict_json import write_json
 from caricli.methods.session.gesture_operations import view_parameters
 from caricli.store.models import load_model
+from caricli.store.session_tools import start_of
 from caricli.structures import Camera, Face, Hair, Material, Mesh, Operation, Pictures, Session
 
 CAMERA = Camera(1400.0, np.diag([1.0, -1, -1]), np.array([200.0, 400.0]))
@@ -32,6 +33,7 @@ WEARERS = {
     "interpolate": "interpolate {face} {face} --steps 2 --out-dir {out}",
     "refine": "refine {face} {marks} --out {out}/new.obj",
     "fit-morphable": "fit-morphable {marks} --expression-only --identity {face} --out {out}/new.obj",
+    "studio": "studio {face} --replay {session} --out {out}/new.obj",
     "encode": "encode {face} --out {out}/new.npz",
     "rig": "rig {face} --parts skin,hair --out {out}/new.glb",
     "blendshapes": "blendshapes {face} --expressions {moods} --method transfer --out {out}/new.npz",
@@ -101,6 +103,11 @@ def painted(head, head_template, small_pictures, tmp_path_factory):
     weights = {"schema": "caricli.weights/1", "fps": 10, "names": ["open"], "weights": [[0.0], [1.0]]}
     write_json(folder / "weights.json", weights)
     write_session(folder / "strokes.json", nose_bulge(marks))
+    steps = (
+        Operation("semantic", {"strengths": {"BigNose": 1}}),
+        Operation("expression", {"weights": {"jawOpen": 0.5}}),
+    )
+    write_session(folder / "session.json", Session(start_of(folder / "face.npz"), steps))
     return folder
 
 
@@ -116,7 +123,13 @@ def rig(run, painted):
 
 
 def typed(line, painted, rig, out):
-    names = {"face": "face.npz", "marks": "marks.txt", "moods": "moods.yaml", "driver": "driver.obj"}
+    names = {
+        "face": "face.npz",
+        "marks": "marks.txt",
+        "moods": "moods.yaml",
+        "driver": "driver.obj",
+        "session": "session.json",
+    }
     paths = {key: painted / name for key, name in names.items()} | {"weights": painted / "weights.json", "rig": rig}
     paths["strokes"] = painted / "strokes.json"
     return line.format(out=out, **paths).split()

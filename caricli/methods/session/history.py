@@ -29,6 +29,11 @@ class History:
         self._spacing = NEWEST
 
     @property
+    def start(self) -> Work:
+        """Before the first operation."""
+        return self._works[0]
+
+    @property
     def work(self) -> Work:
         """The present."""
         return self._works[len(self.done)]

@@ -1,0 +1,89 @@
+"""Serving the studio, and replaying its sessions."""
+
+import secrets
+import socket
+import webbrowser
+from collections import deque
+from importlib.util import find_spec
+from pathlib import Path
+
+import click
+
+from caricli.commands.shared.face_outputs import staged_face
+from caricli.commands.shared.notes import echo_result
+from caricli.commands.shared.picture import write_picture
+from caricli.errors import CaricliError, UsageError, naming
+from caricli.io.provenance import provenance
+from caricli.io.session import read_session
+from caricli.io.strict_json import write_json
+
+_SIZE = 320
+"""Pixels, width and height of a view in the picture."""
+
+
+def replay_session(path: Path, start: Path | None, out: Path, overwrite: bool) -> None:
+    """Do a session again and write its face. path: of it. start: the file that it began with, or None for the one
+    beside it. out: mesh. Raises CaricliError.
+    """
+    from caricli.methods.faces.draw_face import FaceDrawing
+    from caricli.methods.session.pose import Poser
+    from caricli.methods.session.replay import replay
+    from caricli.render.contact_sheet import contact_sheet
+    from caricli.store.face_files import write_face_files
+    from caricli.store.session_tools import SessionTools, find_start, load_start
+    from caricli.template.fine_mesh import fine_mesh
+
+    session = read_session(path)
+    source = find_start(path, session.start, start)
+    with staged_face(out, overwrite, [path, source], "replaying") as (mesh, npz, report, picture):
+        tools = SessionTools()
+        begun = load_start(source, tools)
+        with naming(path):
+            work = deque((begun, *replay(begun, session.operations, tools)), 1).pop()
+            face = Poser(tools).face(work)
+        write_face_files(mesh, npz, face)
+        about = {"operations": len(session.operations), "units": "m", "axes": "+y up, +z front"}
+        write_json(report, provenance("studio", [path, source]) | about)
+        drawing = FaceDrawing(tools.model, fine_mesh(tools.model.template, 0), _SIZE)
+        write_picture(picture, lambda: contact_sheet(drawing.draw(face)))
+    echo_result(f"{out}: {len(session.operations)} operations")
+
+
+def serve_studio(start: Path | None, host: str, port: int, browser: bool) -> None:
+    """Serve the page until a signal ends it.
+
+    start: what it begins with, or None. host: name or address. port: 0 for any free one. browser: whether one is
+    opened. Raises CaricliError.
+    """
+    if find_spec("nicegui") is None:
+        raise CaricliError("the page needs NiceGUI, which is not installed: pip install 'caricli[studio]'")
+    from caricli.store.session_tools import SessionTools
+    from caricli.studio.guard import LOOPBACK
+    from caricli.studio.page import studio_page
+    from caricli.studio.server import Address, Studio, serve, studio_app
+
+    token = None if host in LOOPBACK else secrets.token_urlsafe(16)
+    address = Address(host, _free(host, port), token)
+    tools = SessionTools()
+    studio = Studio(tools, start)
+
+    def started() -> None:
+        click.echo(address.url)
+        studio.warm()
+        if browser:
+            webbrowser.open(address.url)
+
+    serve(studio_app(studio, studio_page(studio), token), address, started)
+
+
+def _free(host: str, port: int) -> int:
+    """The port, or a free one in the place of 0. Raises UsageError where it is taken or the host is none of ours."""
+    try:
+        family = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0][0]
+        with socket.socket(family, socket.SOCK_STREAM) as probe:
+            probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            probe.bind((host, port))
+            return probe.getsockname()[1]
+    except OSError as error:
+        reason = error.strerror or "no such address"
+        raise UsageError(f"--host {host} --port {port}: cannot be served from: {reason}") from None

@@ -1,0 +1,126 @@
+// Lines are drawn here at once; the server hears of a stroke when it is done.
+const NEAR = 1.2; // pixels of the canvas between points of a stroke
+const WIDTH = 2.2; // pixels of the canvas, a line at medium pressure
+
+export default {
+  template: `
+    <div class="caricli-canvas">
+      <img v-if="underlay" :src="underlay" alt="" draggable="false" />
+      <canvas ref="drawn" :width="width" :height="height" role="img" :aria-label="label"></canvas>
+    </div>`,
+  props: { width: Number, height: Number, label: String, underlay: String },
+  mounted() {
+    this.lines = [];
+    this.waiting = []; // strokes that the server has not heard of or answered yet
+    this.tool = "draw";
+    this.radius = 10;
+    this.ink();
+    const canvas = this.$refs.drawn;
+    canvas.addEventListener("pointerdown", (event) => this.begin(event));
+    canvas.addEventListener("pointermove", (event) => this.go(event));
+    for (const end of ["pointerup", "pointercancel"]) canvas.addEventListener(end, (event) => this.end(event));
+    new MutationObserver(() => this.redraw()).observe(document.body, { attributeFilter: ["class"] });
+    this.$emit("ready");
+  },
+  watch: {
+    width() {
+      this.$nextTick(() => this.redraw());
+    },
+  },
+  methods: {
+    ink() {
+      this.colour = this.underlay ? "#c2185b" : getComputedStyle(this.$el).color;
+    },
+    place(event) {
+      const box = this.$refs.drawn.getBoundingClientRect();
+      const x = ((event.clientX - box.left) / box.width) * this.width - 0.5;
+      const y = ((event.clientY - box.top) / box.height) * this.height - 0.5;
+      return [Math.round(100 * x) / 100, Math.round(100 * y) / 100];
+    },
+    begin(event) {
+      if (event.button || this.stroke) return;
+      event.preventDefault();
+      this.$refs.drawn.setPointerCapture(event.pointerId);
+      this.stroke = { id: event.pointerId, points: [], pressure: [], pen: event.pointerType === "pen" };
+      this.add(event);
+      this.redraw();
+    },
+    go(event) {
+      if (this.stroke?.id !== event.pointerId) return;
+      for (const each of event.getCoalescedEvents?.().length ? event.getCoalescedEvents() : [event]) this.add(each);
+    },
+    add(event) {
+      const stroke = this.stroke;
+      const point = this.place(event);
+      const last = stroke.points.at(-1);
+      if (last && Math.hypot(point[0] - last[0], point[1] - last[1]) < NEAR) return;
+      stroke.points.push(point);
+      stroke.pressure.push(Math.round(1000 * event.pressure) / 1000);
+      if (this.tool === "draw") this.trace(stroke, stroke.points.length - 2);
+      else this.rub(stroke, stroke.points.length - 2);
+    },
+    end(event) {
+      if (this.stroke?.id !== event.pointerId) return;
+      const { points, pressure, pen } = this.stroke;
+      this.stroke = null;
+      const parameters = { points };
+      if (this.tool === "erase") parameters.radius = this.radius;
+      else if (pen) parameters.pressure = pressure.map((each) => Math.min(1, each));
+      this.$refs.drawn.dataset.lifted = performance.now();
+      const operation = { name: this.tool === "draw" ? this.drawn ?? "draw" : this.rubbed ?? "erase", parameters };
+      this.waiting.push({ operation, points, pressure: pen ? pressure : null });
+      window.caricliKeep?.pend(operation);
+      this.$emit("operation", operation);
+    },
+    pen() {
+      const pen = this.$refs.drawn.getContext("2d");
+      pen.lineCap = pen.lineJoin = "round";
+      pen.strokeStyle = this.colour;
+      pen.globalCompositeOperation = "source-over";
+      return pen;
+    },
+    // A line from a number of its points on, or the whole of it.
+    trace({ points, pressure, pen: felt }, from = 0) {
+      const pen = this.pen();
+      for (let k = Math.max(from, 0); k < points.length; k++) {
+        const strength = (felt || felt === undefined) && pressure ? pressure[k] : 0.5;
+        pen.lineWidth = WIDTH * (0.4 + 1.2 * strength) * Math.max(1, this.width / 512);
+        pen.beginPath();
+        pen.moveTo(points[Math.max(k - 1, 0)][0] + 0.5, points[Math.max(k - 1, 0)][1] + 0.5);
+        pen.lineTo(points[k][0] + 0.5, points[k][1] + 0.5);
+        pen.stroke();
+      }
+    },
+    rub({ points }, from = 0) {
+      const pen = this.pen();
+      pen.globalCompositeOperation = "destination-out";
+      pen.lineWidth = 2 * this.radius;
+      for (let k = Math.max(from, 0); k < points.length; k++) {
+        pen.beginPath();
+        pen.moveTo(points[Math.max(k - 1, 0)][0] + 0.5, points[Math.max(k - 1, 0)][1] + 0.5);
+        pen.lineTo(points[k][0] + 0.5, points[k][1] + 0.5);
+        pen.stroke();
+      }
+    },
+    redraw() {
+      this.ink();
+      const pen = this.pen();
+      pen.clearRect(0, 0, this.width, this.height);
+      for (const line of this.lines) this.trace(line);
+      for (const each of this.waiting) this[each.operation.name === "erase" ? "rub" : "trace"](each);
+      if (this.stroke) this[this.tool === "draw" ? "trace" : "rub"](this.stroke);
+    },
+    // What the server has: all lines, and how many strokes it answered.
+    show(lines, answered) {
+      this.lines = lines;
+      this.waiting.splice(0, answered);
+      this.redraw();
+      this.$refs.drawn.dataset.lines = lines.length;
+    },
+    use(tool, radius) {
+      this.tool = tool;
+      this.radius = radius ?? this.radius;
+      this.$refs.drawn.style.cursor = tool === "draw" ? "crosshair" : "cell";
+    },
+  },
+};

@@ -1,0 +1,67 @@
+"""The parts of the page that are drawn in the browser."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import nicegui
+from nicegui.element import Element
+
+_THREE = Path(nicegui.__file__).parent / "elements" / "scene" / "dist"
+"""three.js as it comes with NiceGUI."""
+
+
+class Canvas(Element, component="canvas.js"):
+    """Where lines are drawn; emits ``operation`` with the name and the parameters of one.
+
+    ``show(lines, answered)`` gives it the lines of the work.
+    """
+
+    def __init__(self, size: tuple[int, int], label: str) -> None:
+        """size: (width, height) pixels. label: what a screen reader says."""
+        super().__init__()
+        self.resize(size)
+        self._props["label"] = label
+
+    def resize(self, size: tuple[int, int], underlay: str | None = None) -> None:
+        """Another canvas. underlay: address of the picture below it."""
+        width, height = size
+        self._props["width"] = width
+        self._props["height"] = height
+        self._props["underlay"] = underlay
+        self.style(f"aspect-ratio: {width} / {height}")
+        self.update()
+
+
+class Head(Element, component="head.js", esm={"nicegui-scene": str(_THREE)}):
+    """The head in three dimensions; emits ``grab`` and ``pull`` where points are dragged."""
+
+    def __init__(self, base: str) -> None:
+        """base: address of what it shows."""
+        super().__init__()
+        self._props["base"] = base
+        self._props["label"] = "The head in three dimensions. Arrow keys turn it, the wheel comes nearer."
+
+
+class Slider(Element):
+    """A slider of the browser's own, which keys and screen readers know."""
+
+    def __init__(self, label: str, reach: tuple[float, float], step: float) -> None:
+        """label: what a screen reader says. reach: least and largest value. step: between values."""
+        super().__init__("input")
+        self._props |= {"type": "range", "min": reach[0], "max": reach[1], "step": step, "value": 0}
+        self._props["aria-label"] = label
+
+    def on_value(self, moving: Callable[[float], object], moved: Callable[[float], object]) -> None:
+        """moving: called with the value while a hand moves it. moved: when the hand lets go."""
+        emit = "event => emit(Number(event.target.value))"
+        self.on("input", lambda event: moving(float(event.args)), throttle=0.03, js_handler=emit)
+        self.on("change", lambda event: moved(float(event.args)), js_handler=emit)
+
+
+class Keep(Element, component="keep.js"):
+    """Keeps the session in the browser, opens files, listens to keys: ``ready``, ``opened``, ``undo`` and ``redo``."""
+
+    def __init__(self, base: str) -> None:
+        """base: address that files are sent to."""
+        super().__init__()
+        self._props["base"] = base

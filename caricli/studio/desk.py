@@ -1,0 +1,113 @@
+"""What one tab of the page works on, without the page."""
+
+import secrets
+from pathlib import Path
+
+import numpy as np
+
+from caricli.errors import InputError, naming
+from caricli.methods.session.history import History
+from caricli.methods.session.operations import operate
+from caricli.methods.session.pose import Poser, eye_turns
+from caricli.methods.session.work import Work
+from caricli.render.place_eyeballs import place_eyeballs
+from caricli.store.session_tools import SessionTools, load_start, start_of
+from caricli.structures import Operation, Session, Start
+
+EYES = 2 * 6
+"""Numbers of the eyes before the positions: centre, radius, turns about y and x of the left and the right one."""
+
+
+class Desk:
+    """A history of works, and what is shown of it; everything here runs in one thread.
+
+    key: text that nobody can guess, by which the page asks for it. start: Start of the session, or None.
+    """
+
+    def __init__(self, tools: SessionTools, work: Work, start: Start | None = None) -> None:
+        """work: Work before the first operation. start: Start of the file that it is from, or None."""
+        self.key = secrets.token_urlsafe(16)
+        self.tools = tools
+        self.poser = Poser(tools)
+        self.basis = np.zeros((3, 0, 3))
+        self._begin(work, start)
+
+    def open(self, path: Path | None) -> None:
+        """Begin anew with a file, or an empty canvas. Where it is refused nothing changes. Raises InputError."""
+        self._begin(load_start(path, self.tools), start_of(path))
+
+    def _begin(self, work: Work, start: Start | None) -> None:
+        self.start = start
+        self.history = History(work, self.tools)
+        self.tried: Work | None = None
+
+    def restore(self, start: Start | None, operations: list[Operation]) -> None:
+        """Do again what was done before, from the same start. Raises InputError where it is another one."""
+        if start != self.start:
+            begun = "an empty canvas" if start is None else start.file
+            raise InputError(f"expected to go on from {begun}: open it first")
+        origin = History(self.history.start, self.tools)
+        for number, operation in enumerate(operations):
+            with naming(f"operation {number}"):
+                origin.do(operation)
+        self.history = origin
+        self.tried = None
+
+    @property
+    def session(self) -> Session:
+        """What was done so far."""
+        return Session(self.start, tuple(self.history.done))
+
+    @property
+    def work(self) -> Work:
+        """What is shown: what is tried while a hand moves, or the present."""
+        return self.history.work if self.tried is None else self.tried
+
+    def do(self, operation: Operation) -> None:
+        """Do an operation for good. Raises InputError."""
+        self.tried = None
+        self.history.do(operation)
+
+    def attempt(self, operation: Operation) -> None:
+        """Show what an operation would do, and do not keep it. Raises InputError."""
+        self.tried = operate(self.history.work, operation, self.tools)
+
+    def undo(self) -> None:
+        """One operation back."""
+        self.tried = None
+        self.history.undo()
+
+    def redo(self) -> None:
+        """One forth."""
+        self.tried = None
+        self.history.redo()
+
+    def frame(self) -> bytes:
+        """Eyes and positions of what is shown, (EYES + 3 V) float32, metres, as the head of the page takes them."""
+        work = self.work
+        vertices = self.poser.vertices(work)
+        eyes = np.zeros((2, EYES // 2))
+        balls = place_eyeballs(work.face.mesh, self.tools.model.template.annotation)
+        for row, (centre, radius) in enumerate(balls):
+            eyes[row, :4] = [*centre, radius]
+        eyes[:, 4:] = eye_turns(work)
+        return np.concatenate([eyes.ravel(), vertices.ravel()]).astype("<f4").tobytes()
+
+    def layout(self) -> bytes:
+        """How positions become triangles: int32 counts of vertices, corners and triangles; of every corner its vertex;
+        the corners (F, 3) of every triangle; and its UVs (C, 2) float32."""
+        mesh = self.work.face.mesh
+        corners = mesh.faces.ravel()
+        if mesh.uvs is None:
+            owners = np.arange(len(mesh.vertices))
+            places = np.zeros((len(owners), 2))
+            triangles = corners
+        else:
+            pairs, triangles = np.unique(
+                np.stack([corners, mesh.uv_faces.ravel()], axis=1), axis=0, return_inverse=True
+            )
+            owners = pairs[:, 0]
+            places = mesh.uvs[pairs[:, 1]]
+        head = np.array([len(mesh.vertices), len(owners), len(mesh.faces)])
+        whole = np.concatenate([head, owners, triangles.ravel()]).astype("<i4")
+        return whole.tobytes() + places.astype("<f4").tobytes()

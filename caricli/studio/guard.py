@@ -1,0 +1,65 @@
+"""Who may ask the server for anything."""
+
+import secrets
+from http.cookies import CookieError, SimpleCookie
+from urllib.parse import parse_qs
+
+from starlette.responses import PlainTextResponse, RedirectResponse
+from starlette.types import ASGIApp, Receive, Scope, Send
+
+LOOPBACK = ("127.0.0.1", "localhost", "::1")
+"""Names of one's own machine."""
+
+COOKIE = "caricli_studio"
+
+
+class Guard:
+    """Lets pages of this machine alone in, or with a token those that know it.
+
+    Without a token the name that was asked for has to be this machine's, so that no page from elsewhere gets in under a
+    name of its own. With one, the address carries it once, and a cookie from then on.
+    """
+
+    def __init__(self, app: ASGIApp, token: str | None) -> None:
+        """app: what is guarded. token: text, or None."""
+        self.app = app
+        self.token = token
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Answer, or refuse."""
+        if scope["type"] not in ("http", "websocket") or self._welcome(scope):
+            await self.app(scope, receive, send)
+        elif scope["type"] == "websocket":
+            await receive()
+            await send({"type": "websocket.close", "code": 1008})
+        elif self._told(scope):
+            answer = RedirectResponse("/", 303)
+            answer.set_cookie(COOKIE, str(self.token), httponly=True, samesite="strict")
+            await answer(scope, receive, send)
+        else:
+            words = "This studio opens with the address that caricli printed, which ends in a token.\n"
+            await PlainTextResponse(words, 403)(scope, receive, send)
+
+    def _welcome(self, scope: Scope) -> bool:
+        headers = {name: value.decode("latin-1") for name, value in scope["headers"]}
+        if self.token is None:
+            names = [_host(headers.get(b"host", ""))]
+            origin = headers.get(b"origin")
+            names += [] if origin is None else [_host(origin.partition("://")[2])]
+            return all(name in LOOPBACK for name in names)
+        try:
+            cookie = SimpleCookie(headers.get(b"cookie", "")).get(COOKIE)
+        except CookieError:
+            return False
+        return cookie is not None and secrets.compare_digest(cookie.value.encode(), self.token.encode())
+
+    def _told(self, scope: Scope) -> bool:
+        given = parse_qs(scope["query_string"].decode("latin-1")).get("token", [""])[0]
+        return secrets.compare_digest(given.encode(), str(self.token).encode())
+
+
+def _host(text: str) -> str:
+    """The name in a host with or without a port."""
+    if text.startswith("["):
+        return text[1:].partition("]")[0]
+    return text.rpartition(":")[0] if ":" in text else text

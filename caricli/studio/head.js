@@ -1,0 +1,305 @@
+import { OrbitControls, THREE } from "nicegui-scene";
+
+// Numbers of the eyes before the positions of a frame: centre, radius, turns about y and x, left and right.
+const EYES = 12;
+const CLAY = 0xd8b49a;
+const HOME = new THREE.Vector3(0, 0, 0.62);
+
+function eyeball() {
+  const eye = new THREE.Group();
+  const part = (radius, colour, reach) => {
+    const cap = new THREE.SphereGeometry(radius, 32, 24, 0, 2 * Math.PI, 0, reach);
+    cap.rotateX(Math.PI / 2); // the pole looks out of the face
+    eye.add(new THREE.Mesh(cap, new THREE.MeshStandardMaterial({ color: colour, roughness: 0.35 })));
+  };
+  part(1, 0xf4f1ec, Math.PI);
+  part(1.004, 0x4f6b5a, 0.52);
+  part(1.008, 0x14110f, 0.24);
+  return eye;
+}
+
+// Unit normals of every vertex, weighted by area.
+function vertexNormals(positions, faces, normals) {
+  normals.fill(0);
+  for (let f = 0; f < faces.length; f += 3) {
+    const a = 3 * faces[f];
+    const b = 3 * faces[f + 1];
+    const c = 3 * faces[f + 2];
+    const ux = positions[b] - positions[a];
+    const uy = positions[b + 1] - positions[a + 1];
+    const uz = positions[b + 2] - positions[a + 2];
+    const vx = positions[c] - positions[a];
+    const vy = positions[c + 1] - positions[a + 1];
+    const vz = positions[c + 2] - positions[a + 2];
+    const x = uy * vz - uz * vy;
+    const y = uz * vx - ux * vz;
+    const z = ux * vy - uy * vx;
+    for (const k of [a, b, c]) {
+      normals[k] += x;
+      normals[k + 1] += y;
+      normals[k + 2] += z;
+    }
+  }
+  for (let k = 0; k < normals.length; k += 3) {
+    const length = Math.hypot(normals[k], normals[k + 1], normals[k + 2]) || 1;
+    normals[k] /= length;
+    normals[k + 1] /= length;
+    normals[k + 2] /= length;
+  }
+}
+
+export default {
+  template: `
+    <div class="caricli-head">
+      <canvas tabindex="0" role="img" :aria-label="label" @keydown="key"></canvas>
+      <div class="caricli-fault" role="alert" v-if="fault">{{ fault }}</div>
+    </div>`,
+  props: { base: String, label: String },
+  data() {
+    return { fault: "" };
+  },
+  mounted() {
+    this.canvas = this.$el.querySelector("canvas");
+    this.$el.caricli = this; // what tests ask
+    try {
+      this.stage();
+    } catch (error) {
+      this.fault = "This browser shows no 3D pictures (WebGL): drawing and saving work, the head stays unseen.";
+      this.$emit("ready");
+      return;
+    }
+    this.watcher = new ResizeObserver(() => this.resize());
+    this.watcher.observe(this.$el);
+    this.resize();
+    this.$emit("ready");
+  },
+  unmounted() {
+    this.watcher?.disconnect();
+    this.renderer?.dispose();
+  },
+  methods: {
+    stage() {
+      this.renderer = new THREE.WebGLRenderer({ canvas: this.canvas, antialias: true, alpha: true });
+      this.scene = new THREE.Scene();
+      this.camera = new THREE.PerspectiveCamera(28, 1, 0.01, 10);
+      this.camera.position.copy(HOME);
+      this.controls = new OrbitControls(this.camera, this.canvas);
+      this.controls.addEventListener("change", () => this.draw());
+      this.scene.add(new THREE.HemisphereLight(0xffffff, 0x8a8078, 1.6));
+      const lamp = new THREE.DirectionalLight(0xffffff, 1.9);
+      lamp.position.set(-0.6, 0.8, 1);
+      this.camera.add(lamp);
+      this.scene.add(this.camera);
+      this.geometry = new THREE.BufferGeometry();
+      this.material = new THREE.MeshStandardMaterial({ color: CLAY, roughness: 0.62, side: THREE.DoubleSide });
+      this.head = new THREE.Mesh(this.geometry, this.material);
+      this.head.frustumCulled = false;
+      this.eyes = [eyeball(), eyeball()];
+      this.dot = new THREE.Mesh(new THREE.SphereGeometry(0.0025), new THREE.MeshBasicMaterial({ color: 0xb00020 }));
+      this.dot.visible = false;
+      this.scene.add(this.head, ...this.eyes, this.dot);
+      this.canvas.addEventListener("pointerdown", (event) => this.grab(event), true);
+      this.canvas.addEventListener("pointermove", (event) => this.drag(event));
+      for (const end of ["pointerup", "pointercancel"])
+        this.canvas.addEventListener(end, (event) => this.release(event));
+    },
+    resize() {
+      const { clientWidth: width, clientHeight: height } = this.$el;
+      if (!width || !height) return;
+      this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
+      this.renderer.setSize(width, height, false);
+      this.camera.aspect = width / height;
+      this.camera.updateProjectionMatrix();
+      this.draw();
+    },
+    draw() {
+      if (this.waiting) return;
+      this.waiting = requestAnimationFrame(() => {
+        this.waiting = 0;
+        if (this.turning) {
+          this.controls.autoRotate = true;
+          this.controls.update();
+          this.draw();
+        }
+        this.renderer.render(this.scene, this.camera);
+        this.canvas.dataset.shown = this.shown ?? "";
+      });
+    },
+    // The triangles, once and where a face of another layout is opened.
+    async layout(number) {
+      if (!this.renderer) return;
+      const data = await (await fetch(`${this.base}/layout/${number}`)).arrayBuffer();
+      const [vertices, corners, triangles] = new Int32Array(data, 0, 3);
+      const whole = new Int32Array(data, 12, corners + 3 * triangles);
+      this.owners = whole.slice(0, corners);
+      const index = Uint32Array.from(whole.subarray(corners));
+      this.faces = index.map((corner) => this.owners[corner]);
+      this.vertices = vertices;
+      this.normals = new Float32Array(3 * vertices);
+      const uvs = new Float32Array(data.slice(12 + 4 * whole.length));
+      this.geometry.setAttribute("position", new THREE.BufferAttribute(new Float32Array(3 * corners), 3));
+      this.geometry.setAttribute("normal", new THREE.BufferAttribute(new Float32Array(3 * corners), 3));
+      this.geometry.setAttribute("uv", new THREE.BufferAttribute(uvs, 2));
+      this.geometry.setIndex(new THREE.BufferAttribute(index, 1));
+    },
+    // Only positions, whenever the face changes; an older answer that comes later is left.
+    async show(number) {
+      if (!this.renderer) return;
+      const answer = await fetch(`${this.base}/frame/${number}`);
+      if (!answer.ok) return;
+      const frame = new Float32Array(await answer.arrayBuffer());
+      if (this.shown !== undefined && number < this.shown) return;
+      this.shown = number;
+      this.eyes.forEach((eye, side) => {
+        const [x, y, z, radius, aside, down] = frame.subarray(6 * side, 6 * side + 6);
+        eye.position.set(x, y, z);
+        eye.scale.setScalar(Math.max(radius, 1e-6));
+        eye.rotation.set(down, aside, 0, "YXZ");
+      });
+      this.place(frame.subarray(EYES));
+      this.positions = frame.slice(EYES);
+      if (!this.pulled) this.dot.visible = false;
+      if (!this.centred) this.centre();
+      this.draw();
+    },
+    place(positions) {
+      vertexNormals(positions, this.faces, this.normals);
+      const place = this.geometry.attributes.position;
+      const normal = this.geometry.attributes.normal;
+      for (let corner = 0; corner < this.owners.length; corner++) {
+        const from = 3 * this.owners[corner];
+        for (let k = 0; k < 3; k++) {
+          place.array[3 * corner + k] = positions[from + k];
+          normal.array[3 * corner + k] = this.normals[from + k];
+        }
+      }
+      place.needsUpdate = true;
+      normal.needsUpdate = true;
+      this.geometry.boundingSphere = null;
+    },
+    centre() {
+      this.centred = true;
+      const box = new THREE.Box3().setFromArray(this.positions);
+      const middle = box.getCenter(new THREE.Vector3());
+      const height = box.max.y - box.min.y;
+      this.controls.target.copy(middle);
+      this.camera.position.set(middle.x, middle.y, middle.z + 2.75 * height);
+      this.controls.update();
+    },
+    view(degrees) {
+      const away = this.camera.position.distanceTo(this.controls.target);
+      const turn = (degrees * Math.PI) / 180;
+      this.camera.position.copy(this.controls.target);
+      this.camera.position.x += away * Math.sin(turn);
+      this.camera.position.z += away * Math.cos(turn);
+      this.controls.update();
+      this.draw();
+    },
+    turntable(on) {
+      this.turning = on;
+      if (this.controls) this.controls.autoRotate = on;
+      this.draw();
+    },
+    async texture(url) {
+      if (!this.renderer) return;
+      this.material.map?.dispose();
+      this.material.map = null;
+      if (url) {
+        this.material.map = await new THREE.TextureLoader().loadAsync(url);
+        this.material.map.colorSpace = THREE.SRGBColorSpace;
+      }
+      this.material.color.set(url ? 0xffffff : CLAY);
+      this.material.needsUpdate = true;
+      this.draw();
+    },
+    key(event) {
+      const turn = { ArrowLeft: [-0.15, 0], ArrowRight: [0.15, 0], ArrowUp: [0, -0.1], ArrowDown: [0, 0.1] }[event.key];
+      if (!turn || !this.renderer) return;
+      event.preventDefault();
+      const offset = this.camera.position.clone().sub(this.controls.target);
+      const place = new THREE.Spherical().setFromVector3(offset);
+      place.theta += turn[0];
+      place.phi = Math.min(Math.PI - 0.1, Math.max(0.1, place.phi + turn[1]));
+      this.camera.position.setFromSpherical(place).add(this.controls.target);
+      this.controls.update();
+      this.draw();
+    },
+    // Dragging a point of the surface: the server says once how all others follow, and the page moves them.
+    pulling(on) {
+      this.canPull = on;
+      this.canvas.style.cursor = on ? "crosshair" : "";
+    },
+    ray(event) {
+      const box = this.canvas.getBoundingClientRect();
+      const x = (2 * (event.clientX - box.left)) / box.width - 1;
+      const y = 1 - (2 * (event.clientY - box.top)) / box.height;
+      const caster = new THREE.Raycaster();
+      caster.setFromCamera(new THREE.Vector2(x, y), this.camera);
+      return caster;
+    },
+    grab(event) {
+      if (!this.canPull || event.button || !this.positions) return;
+      const hit = this.ray(event).intersectObject(this.head)[0];
+      if (!hit) return;
+      let nearest = -1;
+      let least = Infinity;
+      for (const corner of [hit.face.a, hit.face.b, hit.face.c]) {
+        const from = 3 * this.owners[corner];
+        const gap = hit.point.distanceTo(new THREE.Vector3().fromArray(this.positions, from));
+        if (gap < least) [least, nearest] = [gap, this.owners[corner]];
+      }
+      const start = new THREE.Vector3().fromArray(this.positions, 3 * nearest);
+      const plane = new THREE.Plane();
+      plane.setFromNormalAndCoplanarPoint(this.camera.getWorldDirection(new THREE.Vector3()), hit.point);
+      this.pulled = { vertex: nearest, start, from: hit.point.clone(), plane, by: new THREE.Vector3(), rest: this.positions };
+      this.controls.enabled = false;
+      this.canvas.setPointerCapture(event.pointerId);
+      this.dot.position.copy(start);
+      this.dot.visible = true;
+      this.$emit("grab", { vertex: nearest });
+      this.draw();
+    },
+    async basis(number, vertex) {
+      const answer = await fetch(`${this.base}/basis/${number}`);
+      if (!answer.ok || this.pulled?.vertex !== vertex) return;
+      this.pulled.ways = new Float32Array(await answer.arrayBuffer());
+      this.follow();
+    },
+    drag(event) {
+      const pulled = this.pulled;
+      if (!pulled) return;
+      const point = this.ray(event).ray.intersectPlane(pulled.plane, new THREE.Vector3());
+      if (!point) return;
+      pulled.by.copy(point).sub(pulled.from);
+      this.dot.position.copy(pulled.start).add(pulled.by);
+      this.follow();
+      this.draw();
+    },
+    follow() {
+      const { ways, by, rest } = this.pulled;
+      if (!ways) return;
+      const moved = new Float32Array(rest);
+      const count = moved.length;
+      for (let k = 0; k < count; k++)
+        moved[k] += by.x * ways[k] + by.y * ways[count + k] + by.z * ways[2 * count + k];
+      this.place(moved);
+      this.canvas.dataset.pulled = Number(this.canvas.dataset.pulled ?? 0) + 1;
+      this.draw();
+    },
+    release() {
+      if (!this.pulled) return;
+      const { vertex, by } = this.pulled;
+      this.pulled = null;
+      this.controls.enabled = true;
+      this.$emit("pull", { vertex, by: by.toArray() });
+    },
+    picture() {
+      this.renderer.render(this.scene, this.camera);
+      return this.canvas.toDataURL("image/png");
+    },
+    // Of all vertices, metres.
+    coordinates() {
+      return Array.from(this.positions ?? []);
+    },
+  },
+};

@@ -1,0 +1,110 @@
+// Keeps what was done in this browser, so that nothing is lost when the server ends; opens files; listens to keys.
+const PREFIX = "caricli-studio-";
+const MOST = 8; // drawings of tabs that are kept
+
+function tab() {
+  let name = sessionStorage.getItem("caricli-tab");
+  if (!name) {
+    name = `${Date.now()}-${Math.random().toString(36).slice(2)}`;
+    sessionStorage.setItem("caricli-tab", name);
+  }
+  return PREFIX + name;
+}
+
+export default {
+  template: `
+    <div class="caricli-keep">
+      <input ref="file" type="file" hidden tabindex="-1" aria-label="File to open" @change="chosen" />
+      <div role="alert" class="caricli-lost" v-show="lost">{{ lost }}</div>
+    </div>`,
+  props: { base: String },
+  data() {
+    return { lost: "" };
+  },
+  mounted() {
+    // A tab that was duplicated has the name of the other: whoever comes second takes a new one.
+    this.name = tab();
+    this.channel = new BroadcastChannel("caricli-studio");
+    this.channel.onmessage = ({ data }) => {
+      if (data.ask === this.name) this.channel.postMessage({ taken: this.name });
+      if (data.taken === this.name && this.asking) {
+        sessionStorage.removeItem("caricli-tab");
+        this.name = tab();
+        this.asking = false;
+      }
+    };
+    this.asking = true;
+    this.channel.postMessage({ ask: this.name });
+    this.start = null;
+    this.operations = [];
+    this.pending = [];
+    window.caricliKeep = this;
+    const listen = () => {
+      if (!window.socket) return setTimeout(listen, 20);
+      window.socket.on("disconnect", () => {
+        this.lost = "The server does not answer. What you draw is kept in this browser and goes on when it is back.";
+      });
+      window.socket.on("connect", () => (this.lost = ""));
+    };
+    listen();
+    window.addEventListener("keydown", (event) => this.key(event));
+    window.addEventListener("dragover", (event) => event.preventDefault());
+    window.addEventListener("drop", (event) => {
+      event.preventDefault();
+      if (event.dataTransfer.files[0]) this.send(event.dataTransfer.files[0]);
+    });
+    setTimeout(() => {
+      this.asking = false;
+      this.$emit("ready", { kept: localStorage.getItem(this.name) });
+    }, 120);
+  },
+  methods: {
+    key(event) {
+      const typing = /^(INPUT|TEXTAREA|SELECT)$/.test(event.target.tagName) && event.target.type !== "range";
+      if (typing || !(event.ctrlKey || event.metaKey)) return;
+      const name = { z: event.shiftKey ? "redo" : "undo", y: "redo", o: "open" }[event.key.toLowerCase()];
+      if (!name) return;
+      event.preventDefault();
+      if (name === "open") this.choose();
+      else this.$emit(name);
+    },
+    choose() {
+      this.$refs.file.value = "";
+      this.$refs.file.click();
+    },
+    chosen() {
+      if (this.$refs.file.files[0]) this.send(this.$refs.file.files[0]);
+    },
+    async send(file) {
+      try {
+        const url = `${this.base}/open?name=${encodeURIComponent(file.name)}`;
+        const answer = await fetch(url, { method: "POST", body: file });
+        this.$emit("opened", { refused: answer.ok ? "" : (await answer.text()).slice(0, 500) });
+      } catch {
+        this.$emit("opened", { refused: `${file.name}: could not be sent to the server` });
+      }
+    },
+    pend(operation) {
+      this.pending.push(operation);
+      this.write();
+    },
+    // The server has the first `count` operations; `more` came after those that are kept here.
+    keep(start, count, more, answered) {
+      this.start = start;
+      this.operations.length = Math.min(count - more.length, this.operations.length);
+      this.operations.push(...more);
+      this.pending.splice(0, answered);
+      this.write();
+    },
+    write() {
+      const text = JSON.stringify({ start: this.start, operations: [...this.operations, ...this.pending] });
+      try {
+        localStorage.setItem(this.name, text);
+      } catch {
+        this.lost = "This browser keeps no more: save the session before you go on.";
+      }
+      const names = Object.keys(localStorage).filter((name) => name.startsWith(PREFIX)).sort();
+      for (const name of names.slice(0, -MOST)) if (name !== this.name) localStorage.removeItem(name);
+    },
+  },
+};

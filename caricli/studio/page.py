@@ -1,0 +1,289 @@
+"""The page of one tab."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from nicegui import ui
+from nicegui.client import Client
+
+from caricli.errors import CaricliError, InputError, shown
+from caricli.io.session import operation_from_json, operation_to_json, read_session
+from caricli.io.strict_json import parse_json
+from caricli.structures import Operation, Start
+from caricli.studio.components import Head, Keep
+from caricli.studio.desk import Desk
+from caricli.studio.modes.draw_mode import DrawMode
+from caricli.studio.modes.face_mode import FaceMode
+from caricli.studio.modes.mode import Mode
+from caricli.studio.server import Studio
+
+MODES: tuple[type[Mode], ...] = (DrawMode, FaceMode)
+"""In the order of their tabs."""
+
+_STYLE = Path(__file__).with_name("studio.css")
+
+_ENTERED = 0.2
+"""Seconds until a panel is there."""
+
+SAVES = {
+    "face": "Face: OBJ and NPZ",
+    "rig": "Rig: GLB with 52 expressions",
+    "picture": "Picture: PNG",
+    "sketch": "Drawing: JSON",
+    "session": "Session: JSON, to be replayed",
+}
+"""What the menu calls what can be saved."""
+
+
+class Page:
+    """What one tab shows of its desk, and what it does with what a hand does.
+
+    head: Head. desk: Desk. work: of the desk.
+    """
+
+    def __init__(self, studio: Studio, desk: Desk) -> None:
+        """studio: Studio that the desk belongs to."""
+        self.studio = studio
+        self.desk = desk
+        self.base = f"/studio/{desk.key}"
+        self._number = 0
+        self._layout: object = None
+        self._wanted: Operation | None = None
+        self._busy = False
+        self._kept: dict[str, Any] = {}
+
+    def build(self) -> None:
+        """Lay the page out."""
+        ui.add_head_html(f"<style>{_STYLE.read_text('utf-8')}</style>")
+        self.dark = ui.dark_mode(None)
+        self.keep = Keep(self.base).on("ready", self._returned).on("opened", self._was_opened)
+        self.keep.on("undo", self.undo).on("redo", self.redo)
+        self._header()
+        with ui.element("main").classes("caricli-main"):
+            with ui.tab_panels(self.tabs, value=MODES[0].name).classes("caricli-work") as panels:
+                panels.props("transition-prev=fade transition-next=fade transition-duration=120 keep-alive")
+                self.modes = [mode(self) for mode in MODES]
+                for mode in self.modes:
+                    with ui.tab_panel(mode.name).classes("caricli-panel"):
+                        mode.build()
+            with ui.element("section").classes("caricli-side").props('aria-label="The face"'):
+                self.head = Head(self.base).on("ready", self._show_all)
+                self._views()
+                self.told = ui.label("").classes("caricli-told").props('role="status" aria-live="polite"')
+        for mode in self.modes:
+            mode.listen()
+        self.tabs.on_value_change(lambda: ui.timer(_ENTERED, self._enter, once=True))
+
+    def _enter(self) -> None:
+        """Show the present in a panel that was not there before."""
+        for mode in self.modes:
+            mode.refresh()
+
+    def _header(self) -> None:
+        with ui.element("header").classes("caricli-header"):
+            ui.html("<h1>caricli studio</h1>", sanitize=False)
+            with ui.tabs().props('dense aria-label="Modes"') as self.tabs:
+                for mode in MODES:
+                    ui.tab(mode.name, mode.label)
+            with ui.element("div").classes("caricli-actions"):
+                self.undo_button = _button("Undo", "undo", self.undo, "Ctrl+Z")
+                self.redo_button = _button("Redo", "redo", self.redo, "Ctrl+Y")
+                _button("New", "note_add", self._new, "an empty canvas")
+                _button("Open", "folder_open", lambda: self.keep.run_method("choose"), "Ctrl+O")
+                with ui.button("Save", icon="save").props("flat dense no-caps"), ui.menu():
+                    for kind, words in SAVES.items():
+                        link = ui.link(words, f"{self.base}/save/{kind}").classes("caricli-save")
+                        link.props(f'download role="menuitem" data-kind="{kind}"')
+                ui.button(icon="contrast", on_click=self._contrast).props('flat dense aria-label="Light or dark"')
+
+    def _views(self) -> None:
+        with ui.element("div").classes("caricli-views").props('role="group" aria-label="Views"'):
+            for words, degrees in (("Right", -90), ("Front", 0), ("Left", 90)):
+                ui.button(words, on_click=lambda _, turn=degrees: self.head.run_method("view", turn)).props(
+                    "flat dense no-caps"
+                )
+            ui.switch("Turntable", on_change=lambda event: self.head.run_method("turntable", event.value))
+            self.texture = ui.switch("Texture", value=True, on_change=self._textured)
+
+    async def do(self, operation: Operation, answered: int = 0) -> None:
+        """Do an operation for good, show what it made, and keep it in the browser. answered: strokes that it was."""
+        self._wanted = None
+        try:
+            await self.studio.run(self.desk.do, operation)
+        except CaricliError as error:
+            self.say(str(error))
+            self._after([], answered)
+        else:
+            self._after([operation], answered)
+
+    def _after(self, more: list[Operation], answered: int = 0) -> None:
+        """Show the present, and let the browser keep it with what was done last."""
+        start = self.desk.start
+        kept = None if start is None else {"file": start.file, "sha256": start.sha256}
+        entries = [operation_to_json(each) for each in more]
+        self.keep.run_method("keep", kept, len(self.desk.history.done), entries, answered)
+        self.refresh(answered)
+
+    def attempt(self, operation: Operation) -> None:
+        """Show what an operation would do, soon; of several that come faster than they are done, the last."""
+        self._wanted = operation
+        if not self._busy:
+            ui.timer(0, self._attempts, once=True)
+
+    async def _attempts(self) -> None:
+        if self._busy:
+            return
+        self._busy = True
+        try:
+            while self._wanted is not None:
+                operation = self._wanted
+                self._wanted = None
+                await self.studio.run(self.desk.attempt, operation)
+                self._frame()
+        except CaricliError as error:
+            self.say(str(error))
+        finally:
+            self._busy = False
+
+    async def undo(self) -> None:
+        """One operation back."""
+        await self._travel(self.desk.undo)
+
+    async def redo(self) -> None:
+        """One forth."""
+        await self._travel(self.desk.redo)
+
+    async def _travel(self, go: Callable[[], None]) -> None:
+        before = len(self.desk.history.done)
+        try:
+            await self.studio.run(go)
+        except CaricliError as error:
+            self.say(str(error))
+        done = self.desk.history.done
+        self._after(done[before:])
+
+    def refresh(self, answered: int = 0) -> None:
+        """Show the present work in every part of the page."""
+        history = self.desk.history
+        self.undo_button.set_enabled(bool(history.done))
+        self.redo_button.set_enabled(bool(history.undone))
+        self._frame()
+        for mode in self.modes:
+            mode.refresh(answered)
+
+    def _frame(self) -> None:
+        """Let the head fetch what is shown."""
+        self._number += 1
+        mesh = self.desk.work.face.mesh
+        # Faces of one model share the triangles; a painted one has UVs of its own.
+        layout = (mesh.topology_id, None if mesh.uvs is None else mesh.uvs.tobytes())
+        if layout != self._layout:
+            self._layout = layout
+            ui.run_javascript(
+                f"const head = getElement({self.head.id}); head.layout({self._number}).then(() => "
+                f"head.show({self._number}))"
+            )
+            self._textured()
+        else:
+            self.head.run_method("show", self._number)
+
+    def _textured(self) -> None:
+        painted = self.desk.work.face.pictures.skin is not None
+        self.texture.set_visibility(painted)
+        url = f"{self.base}/skin/{self._number}" if painted and self.texture.value else None
+        self.head.run_method("texture", url)
+
+    def say(self, words: str, kind: str = "warning") -> None:
+        """Tell in words, where a screen reader hears it, too."""
+        self.told.text = shown(words, 400)
+        self.told.classes(replace=f"caricli-told caricli-{kind}")
+
+    def _show_all(self) -> None:
+        self._layout = None
+        self.refresh()
+
+    async def _new(self) -> None:
+        await self.studio.run(self.desk.open, None)
+        self.say("An empty canvas.", "note")
+        self._begun()
+
+    def _begun(self) -> None:
+        """Show what was opened."""
+        self._layout = None
+        for mode in self.modes:
+            mode.begin()
+        self._after(list(self.desk.history.done))
+
+    async def open(self, path: Path) -> None:
+        """Open a file that was sent: a face, a picture, a sketch or a session. Raises CaricliError."""
+        if path.suffix.lower() == ".json" and _is_session(path):
+            session = read_session(path)
+            if session.start is None and self.desk.start is not None:
+                await self.studio.run(self.desk.open, None)
+            await self.studio.run(self.desk.restore, session.start, list(session.operations))
+        else:
+            await self.studio.run(self.desk.open, path)
+
+    def _was_opened(self, event: Any) -> None:
+        refused = event.args.get("refused")
+        if refused:
+            self.say(refused)
+        else:
+            self.say("Opened.", "note")
+            self._begun()
+
+    async def _returned(self, event: Any) -> None:
+        """Bring back what this tab had before the server ended or the page was loaded again."""
+        text = event.args.get("kept")
+        if not text or self.desk.history.done:
+            return
+        try:
+            start, operations = _kept(text)
+            if operations:
+                await self.studio.run(self.desk.restore, start, operations)
+                self.say("Your drawing is back. New begins an empty one.", "note")
+        except CaricliError as error:
+            self.say(f"What this browser kept could not be brought back: {error}")
+        self._begun()
+
+    def _contrast(self) -> None:
+        dark = self.dark.value
+        self.dark.value = not dark if dark is not None else True
+
+
+def studio_page(studio: Studio) -> Callable:
+    """What builds the page of a tab."""
+
+    def page(client: Client) -> None:
+        desk = studio.new_desk()
+        shown_page = Page(studio, desk)
+        shown_page.build()
+        studio.opened[desk.key] = shown_page.open
+
+        def leave() -> None:
+            studio.leave(desk)
+            studio.opened.pop(desk.key, None)
+
+        client.on_delete(leave)
+
+    return page
+
+
+def _button(words: str, icon: str, click: Callable, hint: str) -> ui.button:
+    button = ui.button(words, icon=icon, on_click=click).props(f'flat dense no-caps title="{words}: {hint}"')
+    return button.classes(f"caricli-{words.lower()}")
+
+
+def _is_session(path: Path) -> bool:
+    return b"caricli.session/" in path.read_bytes()[:4096]
+
+
+def _kept(text: str) -> tuple[Start | None, list[Operation]]:
+    """What a browser kept. Raises InputError where it is damaged."""
+    value = parse_json(text.encode(), "the browser")
+    if not isinstance(value, dict) or not isinstance(value.get("operations"), list):
+        raise InputError("expected operations, found none")
+    start = value.get("start")
+    begun = Start(str(start.get("file")), str(start.get("sha256"))) if isinstance(start, dict) else None
+    return begun, [operation_from_json(each) for each in value["operations"]]

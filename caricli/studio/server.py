@@ -1,0 +1,191 @@
+"""The server of the page: its desks, what the page asks them for, and who may ask."""
+
+import asyncio
+import io
+import tempfile
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+from threading import Thread
+from typing import TypeVar
+
+import numpy as np
+import uvicorn
+from fastapi import FastAPI, Request, Response
+from nicegui import ui
+from PIL import Image
+
+from caricli.errors import CaricliError, shown
+from caricli.limits import MAX_IMAGE_BYTES
+from caricli.store.session_tools import SessionTools, load_start, start_of
+from caricli.studio.desk import Desk
+from caricli.studio.guard import Guard
+from caricli.studio.save import SAVED, saved
+
+MOST_DESKS = 32
+"""Tabs that are open at once; the oldest one ends where there are more."""
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True)
+class Address:
+    """Where the page is. host: name or number. port: from 0. token: text that the page asks for, or None."""
+
+    host: str = "127.0.0.1"
+    port: int = 0
+    token: str | None = None
+
+    @property
+    def url(self) -> str:
+        """What is typed into a browser."""
+        host = f"[{self.host}]" if ":" in self.host else self.host
+        return f"http://{host}:{self.port}/" + (f"?token={self.token}" if self.token else "")
+
+
+class Studio:
+    """The desks of all tabs, and one thread that does what they ask, one after the other."""
+
+    def __init__(self, tools: SessionTools, path: Path | None) -> None:
+        """tools: SessionTools. path: what every tab begins with, or None. Raises InputError."""
+        self.tools = tools
+        self.begun = load_start(path, tools), start_of(path)
+        self.desks: dict[str, Desk] = {}
+        self.opened: dict[str, Callable] = {}
+        self._thread = ThreadPoolExecutor(1)
+
+    async def run(self, function: Callable[..., T], *values: object) -> T:
+        """Call a function in the thread. Raises what it raises."""
+        return await asyncio.get_running_loop().run_in_executor(self._thread, function, *values)
+
+    def new_desk(self) -> Desk:
+        """A desk for another tab."""
+        desk = Desk(self.tools, *self.begun)
+        while len(self.desks) >= MOST_DESKS:
+            self.desks.pop(next(iter(self.desks)))
+        self.desks[desk.key] = desk
+        return desk
+
+    def warm(self) -> None:
+        """Load what the first strokes need, while the page is laid out."""
+
+        def load() -> None:
+            for name in ("network", "templates", "reconstruction"):
+                getattr(self.tools, name)
+
+        Thread(target=load, daemon=True).start()
+
+    def leave(self, desk: Desk) -> None:
+        """A tab is gone."""
+        self.desks.pop(desk.key, None)
+
+
+def studio_app(studio: Studio, page: Callable, token: str | None = None) -> FastAPI:
+    """The application. page: builds the page of a tab. token: see ``Guard``."""
+    app = FastAPI(docs_url=None, redoc_url=None, openapi_url=None)
+    base = "/studio/{key}"
+
+    @app.get(base + "/frame/{number}")
+    async def frame(key: str, number: int) -> Response:
+        return await _bytes(studio, key, Desk.frame)
+
+    @app.get(base + "/layout/{number}")
+    async def layout(key: str, number: int) -> Response:
+        return await _bytes(studio, key, Desk.layout)
+
+    @app.get(base + "/basis/{number}")
+    async def basis(key: str, number: int) -> Response:
+        return await _bytes(studio, key, lambda desk: desk.basis.astype("<f4").tobytes())
+
+    @app.get(base + "/skin/{number}")
+    async def skin(key: str, number: int) -> Response:
+        return await _bytes(studio, key, lambda desk: _png(desk.work.face.pictures.skin), "image/png")
+
+    @app.get(base + "/underlay/{number}")
+    async def underlay(key: str, number: int) -> Response:
+        return await _bytes(studio, key, lambda desk: _png(desk.work.picture), "image/png")
+
+    @app.get(base + "/save/{kind}")
+    async def save(key: str, kind: str) -> Response:
+        return await _saved(studio, key, kind)
+
+    @app.post(base + "/open")
+    async def open_file(key: str, name: str, request: Request) -> Response:
+        return await _opened(studio, key, name, request)
+
+    ui.run_with(app, root=page, title="caricli studio", dark=None, show_welcome_message=False, reconnect_timeout=20)
+    app.add_middleware(Guard, token=token)
+    return app
+
+
+def serve(app: FastAPI, address: Address, started: Callable[[], None]) -> None:
+    """Serve until a signal ends it. started: called when the page can be asked for."""
+
+    class Server(uvicorn.Server):
+        async def startup(self, sockets: list | None = None) -> None:
+            await super().startup(sockets)
+            started()
+
+    config = uvicorn.Config(app, address.host, address.port, log_level="error", timeout_graceful_shutdown=1)
+    Server(config).run()
+
+
+async def _bytes(studio: Studio, key: str, make: Callable[[Desk], bytes | None], kind: str | None = None) -> Response:
+    """What a desk makes, or that there is none."""
+    desk = studio.desks.get(key)
+    content = None if desk is None else await studio.run(make, desk)
+    if content is None:
+        return Response(status_code=404)
+    return Response(content, media_type=kind or "application/octet-stream", headers={"Cache-Control": "no-store"})
+
+
+def _png(pixels: np.ndarray | None) -> bytes | None:
+    if pixels is None:
+        return None
+    stream = io.BytesIO()
+    Image.fromarray(pixels).save(stream, "PNG", compress_level=1)
+    return stream.getvalue()
+
+
+async def _saved(studio: Studio, key: str, kind: str) -> Response:
+    """A file to take home, or why there is none."""
+    desk = studio.desks.get(key)
+    if desk is None or kind not in SAVED:
+        return Response("there is no such file", 404, media_type="text/plain")
+    try:
+        name, content = await studio.run(saved, desk, kind)
+    except CaricliError as error:
+        return Response(str(error), 409, media_type="text/plain")
+    disposition = {"Content-Disposition": f'attachment; filename="{name}"', "Cache-Control": "no-store"}
+    return Response(content, media_type="application/octet-stream", headers=disposition)
+
+
+async def _opened(studio: Studio, key: str, name: str, request: Request) -> Response:
+    """Give a file to the page of a desk, or say why it is refused."""
+    opened = studio.opened.get(key)
+    if opened is None:
+        return Response("this page is closed", 404, media_type="text/plain")
+    plain = Path(name.replace("\\", "/")).name
+    if not plain or not plain.isprintable():
+        return Response("expected a file with a name, found none", 400, media_type="text/plain")
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / plain
+        try:
+            await _receive(request, path)
+            await opened(path)
+        except (CaricliError, OSError) as error:
+            words = shown(error, 400).replace(f"{folder}/", "")
+            return Response(words, 400, media_type="text/plain")
+    return Response("")
+
+
+async def _receive(request: Request, path: Path) -> None:
+    """Write what is sent into a file. Raises CaricliError where it is too large."""
+    size = 0
+    with path.open("wb") as file:
+        async for chunk in request.stream():
+            size += len(chunk)
+            if size > MAX_IMAGE_BYTES:
+                raise CaricliError(f"{path.name}: expected at most {MAX_IMAGE_BYTES >> 20} MiB, found more")
+            file.write(chunk)

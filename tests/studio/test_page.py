@@ -1,0 +1,196 @@
+"""The page in Chromium, played with a pointer as a person would."""
+
+import json
+import zipfile
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from caricli.cli import cli
+from caricli.io.gltf.read_gltf import read_gltf
+from caricli.io.session import read_session
+from tests.studio.conftest import PATIENCE, Server, Tab
+
+TURN = np.linspace(0, 2 * np.pi, 30)
+OUTLINE = np.stack([256 + 150 * np.cos(TURN), 260 + 190 * np.sin(TURN)], axis=1).tolist()
+EYES = [np.stack([x + 30 * np.cos(TURN), 230 + 12 * np.sin(TURN)], axis=1).tolist() for x in (195, 317)]
+MOUTH = [[200, 375], [256, 392], [312, 375]]
+
+
+def replayed(session, folder):
+    """The OBJ that the command line makes of a session."""
+    result = CliRunner().invoke(cli, ["studio", "--replay", str(session), "--out", str(folder / "replayed.obj")])
+    assert result.exit_code == 0, result.output
+    return (folder / "replayed.obj").read_bytes()
+
+
+def faces(path):
+    """OBJ, NPZ and session of a saved ZIP."""
+    with zipfile.ZipFile(path) as archive:
+        return {name: archive.read(name) for name in archive.namelist()}
+
+
+def test_a_face_is_drawn_changed_saved_and_replayed_to_the_same_bytes(tab, server, tmp_path):
+    start = tab.head()
+    heads = [start]
+    for line in (OUTLINE, *EYES, MOUTH):
+        tab.draw(line)
+        heads.append(tab.head())
+    assert all(np.abs(np.subtract(a, b)).max() > 1e-4 for a, b in zip(heads, heads[1:], strict=False))
+    tab.page.get_by_role("button", name="Eraser").click()
+    tab.draw([MOUTH[1]])
+    assert not np.array_equal(tab.head(), heads[-1])
+    tab.press("Undo")
+    assert np.array_equal(tab.head(), heads[-1])
+    tab.press("Redo")
+    tab.press("Undo")
+    tab.mode("Face")
+    tab.press("More")
+    slider = tab.page.get_by_role("slider", name="Big nose")
+    slider.focus()
+    for _ in range(3):
+        tab.changed(lambda: slider.press("ArrowRight"))
+    tab.page.get_by_label("Front %").fill("4")
+    tab.press("Pull")
+    tab.save("session", tmp_path / "session.json")
+    tab.save("face", tmp_path / "face.zip")
+    names = [operation.name for operation in read_session(tmp_path / "session.json").operations]
+    assert names[:5] == ["draw", "draw", "draw", "draw", "caricaturize"] and names[-1] == "handle"
+    assert "semantic" in names
+    saved = faces(tmp_path / "face.zip")
+    assert replayed(tmp_path / "session.json", tmp_path) == saved["face.obj"]
+    assert (tmp_path / "replayed.npz").read_bytes() == saved["face.npz"]
+    assert saved["session.json"] == (tmp_path / "session.json").read_bytes()
+    assert not tab.faults
+
+
+def test_the_page_asks_nobody_but_its_server(tab, server):
+    tab.mode("Face")
+    tab.page.wait_for_timeout(500)
+    others = [url for url in tab.asked if not url.startswith((server.url, "data:", "blob:"))]
+    assert not others and len(tab.asked) > 10
+
+
+def test_expressions_move_both_sides_and_the_rig_has_all_of_them(tab, tmp_path):
+    tab.mode("Face")
+    tab.page.get_by_text("Expressions", exact=True).click()
+    before = np.array(tab.head()).reshape(-1, 3)
+    slider = tab.page.get_by_role("slider", name="Mouth smile left")
+    slider.scroll_into_view_if_needed()
+    slider.focus()
+    tab.changed(lambda: slider.press("End"))
+    tab.page.wait_for_timeout(300)
+    moved = np.array(tab.head()).reshape(-1, 3) - before
+    left, right = (np.abs(moved[side * before[:, 0] > 0.005]).max() for side in (1, -1))
+    assert min(left, right) > 2e-3
+    tab.save("rig", tmp_path / "rig.glb")
+    assert len(read_gltf(tmp_path / "rig.glb").names) == 52
+
+
+def test_a_point_is_dragged_on_the_surface(tab):
+    tab.mode("Face")
+    tab.page.get_by_role("switch", name="Drag points on the head").click()
+    before = np.array(tab.head()).reshape(-1, 3)
+    canvas = tab.page.locator(".caricli-head canvas")
+    box = canvas.bounding_box()
+    x, y = box["x"] + box["width"] / 2, box["y"] + 0.57 * box["height"]
+    shown = tab.shown
+    tab.page.mouse.move(x, y)
+    tab.page.mouse.down()
+    for step in range(1, 9):
+        tab.page.mouse.move(x, y + 3 * step)
+    pulled = "+(document.querySelector('.caricli-head canvas').dataset.pulled || 0) > 0"
+    tab.page.wait_for_function(pulled, timeout=PATIENCE)
+    tab.page.mouse.up()
+    tab.wait(shown)
+    moved = np.array(tab.head()).reshape(-1, 3) - before
+    assert moved[np.abs(moved).sum(1).argmax(), 1] < -2e-3
+
+
+def test_what_is_no_file_of_ours_is_refused_in_words(tab, tmp_path):
+    bad = tmp_path / "notes.npz"
+    bad.write_bytes(b"PK\x03\x04 and nothing else")
+    before = tab.shown
+    tab.open(bad)
+    tab.told("notes.npz: expected")
+    assert tab.shown == before and str(tmp_path) not in tab.page.locator(".caricli-told").inner_text()
+    far = tmp_path / "far.json"
+    far.write_text(json.dumps({"schema": "caricli.session/1", "start": None, "operations": [{"name": "rm"}]}))
+    tab.open(far)
+    tab.told("operation 0: expected one of draw")
+
+
+def test_a_session_and_a_sketch_open_in_the_page(tab, tmp_path):
+    tab.draw(OUTLINE)
+    tab.draw(EYES[0])
+    drawn = tab.head()
+    tab.save("session", tmp_path / "session.json")
+    tab.save("sketch", tmp_path / "lines.json")
+    tab.press("New")
+    assert not np.array_equal(tab.head(), drawn)
+    tab.changed(lambda: tab.open(tmp_path / "session.json"))
+    tab.lines(2)
+    assert np.array_equal(tab.head(), drawn)
+    tab.press("New")
+    tab.changed(lambda: tab.open(tmp_path / "lines.json"))
+    tab.lines(2)
+
+
+def test_two_tabs_do_not_see_each_other(browser, server):
+    context = browser.new_context()
+    context.set_default_timeout(PATIENCE)
+    one, other = (Tab(context.new_page()) for _ in range(2))
+    one.go(server.url)
+    other.go(server.url)
+    untouched = other.head()
+    one.draw(OUTLINE)
+    assert np.array_equal(other.head(), untouched) and not np.array_equal(one.head(), untouched)
+    other.draw(EYES[0])
+    other.draw(EYES[1])
+    other.lines(2)
+    one.lines(1)
+    one.go(server.url)
+    one.lines(1)
+    context.close()
+
+
+def test_a_server_that_is_killed_comes_back_with_the_drawing(browser, tmp_path):
+    server = Server(tmp_path)
+    context = browser.new_context()
+    context.set_default_timeout(PATIENCE)
+    tab = Tab(context.new_page())
+    tab.go(server.url)
+    for line in (OUTLINE, EYES[0]):
+        tab.draw(line)
+    drawn = tab.head()
+    server.kill()
+    tab.page.get_by_text("The server does not answer").wait_for()
+    tab.move(EYES[1])
+    again = Server(tmp_path, port=server.port)
+    try:
+        tab.told("Your drawing is back")
+        tab.lines(3)
+        tab.press("Undo")
+        tab.lines(2)
+        tab.becomes(drawn)
+    finally:
+        context.close()
+        assert again.stop() == 130
+
+
+@pytest.mark.parametrize("words", [["--host", "0.0.0.0"]])
+def test_others_need_the_token(tmp_path, words, browser):
+    server = Server(tmp_path, *words)
+    try:
+        context = browser.new_context()
+        context.set_default_timeout(PATIENCE)
+        page = context.new_page()
+        bare = server.url.partition("?")[0].replace("0.0.0.0", "127.0.0.1")
+        assert page.goto(bare).status == 403
+        tab = Tab(page)
+        tab.go(bare + "?" + server.url.partition("?")[2])
+        assert "token" not in page.url
+        context.close()
+    finally:
+        server.kill()
