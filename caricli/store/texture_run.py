@@ -165,7 +165,7 @@ def load_texture_test(
         own = TexturePairs(painted_people(people[0], grid, config, styles, lambda n, _: report(n, total)), grid, config)
         done = len(people[0])
         looks = painted_people(people[1], grid, config, styles, lambda n, _: report(done + n, total))
-    painters = {name: network_painter(model) for name, model in models.items()}
+    painters = {name: network_painter(model, grid) for name, model in models.items()}
     painters["linear"] = linear_painter(own, seed)
     painters["spline"] = spline_painter(grid, head.annotation.landmarks)
     takes = takes_of(people[1][:TAKES], grid)

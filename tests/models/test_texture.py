@@ -5,15 +5,17 @@ import torch
 from caricli.errors import InputError
 from caricli.methods.dynamic.chart_pictures import ChartGrid
 from caricli.methods.dynamic.mouth_parts import MouthParts
+from caricli.methods.dynamic.rig_moods import kept_hue
 from caricli.methods.dynamic.shape_maps import PersonShapes, pair_maps
 from caricli.models.texture.config import TextureConfig, TextureSize
 from caricli.models.texture.model import TextureModel, texture_from_checkpoint, texture_to_checkpoint
-from caricli.models.texture.networks import ATLAS, CODES, MAPS, ActionAtlas, TextureNetwork
+from caricli.models.texture.networks import ATLAS, CODES, MAPS, ActionAtlas, Change, TextureNetwork
 from caricli.store.texture_networks import load_texture_network
 from caricli.structures.arkit import ARKIT_NAMES
 from caricli.template.chart import face_chart
 
 SIDE = 32
+STILL = np.zeros((SIDE, SIDE))
 
 
 @pytest.fixture(scope="module")
@@ -29,10 +31,15 @@ def model():
 
 @pytest.fixture
 def asked():
-    """A texture, maps, and codes of source and target."""
+    """A texture, maps, codes of source and target, and how far a texel keeps its hue."""
     generator = np.random.default_rng(0)
     codes = generator.random((2, CODES // 2))
-    return generator.integers(0, 256, (SIDE, SIDE, 3), np.uint8), generator.normal(size=(SIDE, SIDE, MAPS)), *codes
+    return (
+        generator.integers(0, 256, (SIDE, SIDE, 3), np.uint8),
+        generator.normal(size=(SIDE, SIDE, MAPS)),
+        *codes,
+        STILL,
+    )
 
 
 def test_a_checkpoint_rebuilds_it(model, asked):
@@ -40,17 +47,36 @@ def test_a_checkpoint_rebuilds_it(model, asked):
     assert (again.size, again.topology_id, again.recipe) == (SIDE, "0" * 64, {"seed": 0})
     own = model.change(*asked)
     other = again.change(*asked)
-    np.testing.assert_allclose(other.attention, own.attention, atol=0.02)
+    np.testing.assert_allclose(other.gain, own.gain, atol=0.05)
     np.testing.assert_allclose(other.paint(asked[0]).astype(int), own.paint(asked[0]).astype(int), atol=12)
 
 
 def test_a_change_paints_as_equation_12(model, asked):
-    change = model.change(*asked)
-    colours = asked[0] / 255
-    keep = 1 - change.attention[..., None]  # the paper's A
+    picture, maps, source, target, _ = asked
+    codes = torch.from_numpy(np.concatenate([source, target]).astype(np.float32))[None]
+    colours = torch.from_numpy(picture / np.float32(255)).permute(2, 0, 1)[None]
+    change = model.network(colours, torch.from_numpy(maps.astype(np.float32)).permute(2, 0, 1)[None], codes)
+    keep = 1 - change.attention  # the paper's A
     painted = keep * colours + (1 - keep) * (colours + change.gain * colours + change.offset)
-    np.testing.assert_array_equal(change.paint(asked[0]), np.rint(255 * painted.clip(0, 1)).astype(np.uint8))
-    assert change.attention.shape == (SIDE, SIDE) and change.gain.shape == change.offset.shape == (SIDE, SIDE, 3)
+    expected = 255 * painted[0].permute(1, 2, 0).clamp(0, 1).numpy()
+    np.testing.assert_allclose(model.change(*asked).paint(picture), expected, atol=0.51)
+
+
+def test_paint_keeps_its_hue_and_becomes_as_light():
+    """The same order of channels, and a grey stays grey, whatever colours the change had."""
+    generator = torch.Generator().manual_seed(0)
+    pictures = torch.full((1, 3, SIDE, SIDE), 0.6)
+    pictures[0, :, : SIDE // 2] = torch.tensor([0.75, 0.6, 0.45]).view(3, 1, 1)
+    gain, offset = (0.4 * torch.rand((1, 3, SIDE, SIDE), generator=generator) - 0.2 for _ in range(2))
+    free = Change(torch.full((1, 1, SIDE, SIDE), 0.5), gain, offset)
+    glazed = free.in_own_hue(pictures, torch.ones(SIDE, SIDE)).paint(pictures)
+    luminance = torch.tensor([0.2126, 0.7152, 0.0722]).view(1, 3, 1, 1)
+    torch.testing.assert_close((luminance * glazed).sum(1), (luminance * free.paint(pictures)).sum(1))
+    warm, grey = glazed[0].split(SIDE // 2, dim=1)
+    assert (warm.diff(dim=0) < 0).all()
+    assert (grey - grey.mean(0)).abs().max() < 1e-4
+    same = free.in_own_hue(pictures, torch.zeros(SIDE, SIDE)).paint(pictures)
+    torch.testing.assert_close(same, free.paint(pictures))
 
 
 def test_the_default_is_small():
@@ -115,8 +141,8 @@ def test_the_bundled_one_opens_a_mouth(head, head_template):
     codes = np.zeros((2, CODES // 2), np.float32)
     codes[1, ARKIT_NAMES.index("jawOpen")] = 0.9
     skin = np.full((model.size, model.size, 3), (200, 150, 130), np.uint8)
-    change = model.change(skin, pair_maps(grid, rest, opened), *codes)
-    painted = skin / 255 + change.attention[..., None] * (change.gain * skin / 255 + change.offset)
+    change = model.change(skin, pair_maps(grid, rest, opened), *codes, kept_hue(grid))
+    painted = skin / 255 + change.gain * skin / 255 + change.offset
     darker = (skin / 255 - painted).mean(-1)
     forehead = grid.covered & (np.arange(model.size)[:, None] < 0.3 * model.size)
     assert darker[grid.mouth].mean() > 0.1

@@ -41,9 +41,7 @@ class ChangedTexture:
 
     def spread(self, change: TextureChange) -> tuple[np.ndarray, np.ndarray]:
         """Gain and offset (H, W, 3) float32 of a change at the texels of the window, fading at its border."""
-        gain = self._enlarged(change.attention[..., None] * change.gain)
-        offset = self._enlarged(change.attention[..., None] * change.offset)
-        return self.strength * gain, self.strength * offset
+        return self.strength * self._enlarged(change.gain), self.strength * self._enlarged(change.offset)
 
     def _enlarged(self, values: np.ndarray) -> np.ndarray:
         """Values (S, S, 3) of the chart at the texels of the window."""

@@ -7,6 +7,7 @@ from torch import nn
 from torch.nn import functional
 
 from caricli.methods.dynamic.chart_pictures import ChartGrid
+from caricli.methods.dynamic.rig_moods import kept_hue
 from caricli.methods.dynamic.shape_maps import CHANNELS, PART
 from caricli.methods.evaluate.evaluate_texture import Painter
 from caricli.methods.train.texture_losses import TextureBatch
@@ -24,11 +25,13 @@ _RIDGE = 1.0
 _RATE = 2e-3
 
 
-def network_painter(model: TextureModel) -> Painter:
+def network_painter(model: TextureModel, grid: ChartGrid) -> Painter:
     """What a network makes of a batch."""
+    hue = torch.from_numpy(kept_hue(grid).astype(np.float32))
 
     def paint(batch: TextureBatch) -> torch.Tensor:
-        return batch.change(model.network).paint(batch.source).clamp(0, 1)
+        change = batch.change(model.network).in_own_hue(batch.source, hue)
+        return change.paint(batch.source).clamp(0, 1)
 
     return paint
 

@@ -35,13 +35,15 @@ def changed_paint(head: MovedHead, change: TextureChange) -> ChangedPaint:
     """A change of texture in the chart of a head's face, at the samples that show the head."""
     original = head.original
     places = head.view.carried(original.charted)
-    size = len(change.attention)
+    size = len(change.gain)
     columns = places[..., 0] * size - 0.5
     rows = (1 - places[..., 1]) * size - 0.5
 
+    # What is drawn between lips, teeth above all, is no paint of the skin.
+    skin = (places[..., 2] * (1 - head.look(original.openings)))[..., None]
+
     def at_samples(values: np.ndarray) -> np.ndarray:
-        steps = (change.attention[..., None] * values).astype(np.float32)
-        there = cv2.remap(steps, columns, rows, cv2.INTER_CUBIC, borderMode=cv2.BORDER_REPLICATE)
-        return there * places[..., 2:]
+        there = cv2.remap(values.astype(np.float32), columns, rows, cv2.INTER_CUBIC, borderMode=cv2.BORDER_REPLICATE)
+        return there * skin
 
     return ChangedPaint(at_samples(change.gain), 255 * at_samples(change.offset) * head.shade)

@@ -45,14 +45,19 @@ class TextureModel:
         return model_id(KIND, self.tensors())
 
     @torch.inference_mode()
-    def change(self, picture: np.ndarray, maps: np.ndarray, source: np.ndarray, target: np.ndarray) -> TextureChange:
+    def change(
+        self, picture: np.ndarray, maps: np.ndarray, source: np.ndarray, target: np.ndarray, hue: np.ndarray
+    ) -> TextureChange:
         """What the step from one expression to another does to a texture.
 
         picture: (S, S, 3) uint8 sRGB, in the chart. maps: (S, S, 23) of ``shape_maps``. source, target: (52,) ARKit
-        weights of what the texture shows, and of what it is to show.
+        weights of what the texture shows, and of what it is to show. hue: (S, S) from 0 to 1, how far texels keep
+        their own.
         """
         codes = torch.from_numpy(np.concatenate([source, target]).astype(np.float32))[None]
-        return _numpy(self.network(_tensor(picture / 255.0), _tensor(maps), codes))
+        colours = _tensor(picture / 255.0)
+        change = self.network(colours, _tensor(maps), codes)
+        return _numpy(change.in_own_hue(colours, torch.from_numpy(np.asarray(hue, np.float32))))
 
     def tensors(self) -> dict[str, np.ndarray]:
         """Arrays by name, see ``network_weights``."""
@@ -106,5 +111,5 @@ def _tensor(picture: np.ndarray) -> torch.Tensor:
 
 
 def _numpy(change: Change) -> TextureChange:
-    gain = change.gain[0].permute(1, 2, 0).numpy()
-    return TextureChange(change.attention[0, 0].numpy(), gain, change.offset[0].permute(1, 2, 0).numpy())
+    gain, offset = ((change.attention * part)[0].permute(1, 2, 0).numpy() for part in (change.gain, change.offset))
+    return TextureChange(gain, offset)

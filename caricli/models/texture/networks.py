@@ -28,6 +28,12 @@ ATLAS = 48
 _PLACE = 2
 """Channels that say where a texel is: the chart is the same for everybody."""
 
+_DARK = 0.02
+"""From 0 to 1: what is as dark as that has no hue."""
+
+_POWERS = (0.6, 1.8)
+"""Of colours, within which they keep their hue while they become darker or lighter."""
+
 _HALF = 2
 _LEVELS = 4
 _SLOPE = 0.2
@@ -48,6 +54,26 @@ class Change:
     def paint(self, pictures: torch.Tensor) -> torch.Tensor:
         """Textures (B, 3, S, S) as they become (equation 12)."""
         return pictures + self.attention * (self.gain * pictures + self.offset)
+
+    def in_own_hue(self, pictures: torch.Tensor, share: torch.Tensor) -> "Change":
+        """The same, but so far as dark or light paint of the own hue: as a power of the colours, as glazes are mixed.
+
+        pictures: (B, 3, S, S), sRGB from 0 to 1. share: (S, S) from 0 to 1, how far.
+        """
+        before = _luminance(pictures)
+        after = _luminance(self.paint(pictures).clamp(0, 1))
+        power = (after.log() / before.log()).clamp(*_POWERS)
+        glazed = pictures.clamp(_DARK, 1) ** power
+        glaze = glazed * after / _luminance(glazed) / pictures.clamp(_DARK, 1) - 1
+        gain = self.attention * self.gain
+        offset = self.attention * self.offset
+        return Change(torch.ones_like(self.attention), gain + share * (glaze - gain), offset - share * offset)
+
+
+def _luminance(pictures: torch.Tensor) -> torch.Tensor:
+    """(B, 1, S, S) of pictures (B, 3, S, S), never black or white."""
+    weights = pictures.new_tensor((0.2126, 0.7152, 0.0722)).view(1, 3, 1, 1)
+    return (weights * pictures).sum(1, keepdim=True).clamp(_DARK, 1 - _DARK)
 
 
 class TextureNetwork(nn.Module):

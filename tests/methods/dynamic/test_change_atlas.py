@@ -15,9 +15,9 @@ class Linear:
 
     size = S
 
-    def change(self, own, maps, source, target):
+    def change(self, own, maps, source, target, hue):
         more = -0.1 + 0.3 * target[ARKIT_NAMES.index("jawOpen")] + 0.2 * target[ARKIT_NAMES.index("browInnerUp")]
-        return TextureChange(np.full((S, S), 0.5), np.full((S, S, 3), -more), np.full((S, S, 3), more))
+        return TextureChange(np.full((S, S, 3), -more / 2), np.full((S, S, 3), more / 2))
 
 
 @pytest.fixture

@@ -77,17 +77,17 @@ def test_teeth_show_where_the_mouth_opens(stage):
     assert np.median(again[teeth][:, 0] - again[teeth][:, 1]) < 25
 
 
-def change(attention, gain=-0.5, offset=0.0, size=64):
+def change(gain, size=64):
     """A TextureChange that is the same everywhere."""
-    flat = np.full((size, size, 3), 1.0, np.float32)
-    return TextureChange(attention * flat[..., 0], gain * flat, offset * flat)
+    flat = np.ones((size, size, 3), np.float32)
+    return TextureChange(gain * flat, 0 * flat)
 
 
 def test_a_change_of_paint_is_drawn_on_the_face_alone(stage):
     original = stage.original(stage.shape())
     same = redraw_picture(original, stage.shape(**OPEN))
-    np.testing.assert_array_equal(redraw_picture(original, stage.shape(**OPEN), change(0.0)), same)
-    darker = redraw_picture(original, stage.shape(**OPEN), change(1.0))
+    np.testing.assert_array_equal(redraw_picture(original, stage.shape(**OPEN), change(0)), same)
+    darker = redraw_picture(original, stage.shape(**OPEN), change(-0.5))
     cheek = np.s_[120:130, 75:80]
     np.testing.assert_allclose(darker[cheek], 0.5 * same[cheek], atol=4)
     head = (stage.regions(stage.shape(**OPEN)) == Region.SKIN) | (original.regions == Region.SKIN)
@@ -95,14 +95,24 @@ def test_a_change_of_paint_is_drawn_on_the_face_alone(stage):
     np.testing.assert_array_equal(darker[beside], same[beside])
 
 
-def test_what_keeps_still_changes_its_paint_where_there_is_attention(stage):
+def test_what_keeps_still_changes_its_paint_where_it_is_told(stage):
     original = stage.original(stage.shape())
-    only = change(1.0)
-    only.attention[:, :32] = 0
+    only = change(-0.5)
+    only.gain[:, :32] = 0
     again = redraw_picture(original, stage.rig.neutral, only).astype(int)
     away = np.abs(again - original.picture).max(2)
     # The left of the chart is the left of the picture; strokes of the other side stay as they are.
     assert away[110:130, 60:90].max() == 0 and np.median(away[120:130, 115:122]) > 30
+
+
+def test_drawn_teeth_take_no_paint_of_lips(stage):
+    wide = {"jawOpen": 0.4, "mouthUpperUpLeft": 1, "mouthUpperUpRight": 1}
+    original = stage.original(stage.shape(**wide))
+    again = redraw_picture(original, stage.shape(**wide), change(-0.5))
+    teeth = (original.picture == FINISHES[Material.TEETH].colour).all(2)
+    inner = cv2.erode(teeth.astype(np.uint8), np.ones((3, 3))) > 0
+    assert inner.any()
+    np.testing.assert_array_equal(again[inner], original.picture[inner])
 
 
 def test_a_head_without_texture_is_drawn_and_says_so(stage):
