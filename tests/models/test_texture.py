@@ -141,7 +141,7 @@ def test_the_bundled_one_opens_a_mouth(head, head_template):
     codes = np.zeros((2, CODES // 2), np.float32)
     codes[1, ARKIT_NAMES.index("jawOpen")] = 0.9
     skin = np.full((model.size, model.size, 3), (200, 150, 130), np.uint8)
-    change = model.change(skin, pair_maps(grid, rest, opened), *codes, kept_hue(grid))
+    change = model.change(skin, pair_maps(grid, rest, opened), codes[0], codes[1], kept_hue(grid))
     painted = skin / 255 + change.gain * skin / 255 + change.offset
     darker = (skin / 255 - painted).mean(-1)
     forehead = grid.covered & (np.arange(model.size)[:, None] < 0.3 * model.size)
