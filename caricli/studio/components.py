@@ -33,7 +33,8 @@ class Canvas(Element, component="canvas.js"):
 
 
 class Head(Element, component="head.js", esm={"nicegui-scene": str(_THREE)}):
-    """The head in three dimensions; emits ``grab`` and ``pull`` where points are dragged."""
+    """The head in three dimensions; emits ``grab`` and ``pull`` where points are dragged, and
+    ``stroke`` where a line is drawn on it."""
 
     def __init__(self, base: str) -> None:
         """base: address of what it shows."""

@@ -52,6 +52,7 @@ export default {
   template: `
     <div class="caricli-head">
       <canvas tabindex="0" role="img" :aria-label="label" @keydown="key"></canvas>
+      <svg class="caricli-ink" aria-hidden="true"><polyline fill="none" /></svg>
       <div class="caricli-fault" role="alert" v-if="fault">{{ fault }}</div>
     </div>`,
   props: { base: String, label: String },
@@ -98,10 +99,15 @@ export default {
       this.dot = new THREE.Mesh(new THREE.SphereGeometry(0.0025), new THREE.MeshBasicMaterial({ color: 0xb00020 }));
       this.dot.visible = false;
       this.scene.add(this.head, ...this.eyes, this.dot);
+      this.chosen = [0x00507a, 0xb00020].map((color) => this.dots(color));
       this.canvas.addEventListener("pointerdown", (event) => this.grab(event), true);
+      this.canvas.addEventListener("pointerdown", (event) => this.pen(event), true);
       this.canvas.addEventListener("pointermove", (event) => this.drag(event));
-      for (const end of ["pointerup", "pointercancel"])
+      this.canvas.addEventListener("pointermove", (event) => this.ink(event));
+      for (const end of ["pointerup", "pointercancel"]) {
         this.canvas.addEventListener(end, (event) => this.release(event));
+        this.canvas.addEventListener(end, () => this.lift());
+      }
     },
     resize() {
       const { clientWidth: width, clientHeight: height } = this.$el;
@@ -110,6 +116,7 @@ export default {
       this.renderer.setSize(width, height, false);
       this.camera.aspect = width / height;
       this.camera.updateProjectionMatrix();
+      if (this.flat) this.flatten();
       this.draw();
     },
     draw() {
@@ -121,7 +128,7 @@ export default {
           this.controls.update();
           this.draw();
         }
-        this.renderer.render(this.scene, this.camera);
+        this.renderer.render(this.scene, this.eye());
         this.canvas.dataset.shown = this.shown ?? "";
       });
     },
@@ -158,6 +165,7 @@ export default {
       });
       this.place(frame.subarray(EYES));
       this.positions = frame.slice(EYES);
+      this.mark();
       if (!this.pulled) this.dot.visible = false;
       if (!this.centred) this.centre();
       this.draw();
@@ -292,6 +300,107 @@ export default {
       this.pulled = null;
       this.controls.enabled = true;
       this.$emit("pull", { vertex, by: by.toArray() });
+    },
+    // Strokes on the head. Without perspective, so that a place of the picture is a place of the face at any depth.
+    drawing(tool, radius) {
+      this.tool = tool;
+      this.radius = radius;
+      this.canvas.style.cursor = tool ? "crosshair" : "";
+      if (!this.renderer) return;
+      this.flat = tool ? (this.flat ?? new THREE.OrthographicCamera()) : null;
+      this.chosen.forEach((dots) => (dots.visible = Boolean(tool)));
+      if (this.flat) this.flatten();
+      this.draw();
+    },
+    eye() {
+      return this.flat ?? this.camera;
+    },
+    // The view without perspective in which the middle of the head is as large as with it.
+    flatten() {
+      const away = this.camera.position.distanceTo(this.controls.target);
+      const half = away * Math.tan((this.camera.fov * Math.PI) / 360);
+      const aside = half * this.camera.aspect;
+      Object.assign(this.flat, { left: -aside, right: aside, top: half, bottom: -half, near: 0.01, far: 10 });
+      this.flat.position.copy(this.camera.position);
+      this.flat.quaternion.copy(this.camera.quaternion);
+      this.flat.updateProjectionMatrix();
+      this.flat.updateMatrixWorld();
+    },
+    // As the server's camera: pixels per metre, the way from the face's axes to x right, y down, z into the picture.
+    seen() {
+      const box = this.canvas.getBoundingClientRect();
+      const scale = box.height / (this.flat.top - this.flat.bottom);
+      const turn = new THREE.Matrix4().makeRotationFromQuaternion(this.flat.quaternion).elements;
+      const rotation = [0, 1, 2].map((row) => [0, 1, 2].map((k) => (row ? -1 : 1) * turn[4 * row + k]));
+      const place = this.flat.position.toArray();
+      const shift = (row) => -scale * rotation[row].reduce((sum, each, k) => sum + each * place[k], 0);
+      return { scale, rotation, translation: [box.width / 2 + shift(0), box.height / 2 + shift(1)] };
+    },
+    spot(event) {
+      const box = this.canvas.getBoundingClientRect();
+      return [event.clientX - box.left, event.clientY - box.top];
+    },
+    pen(event) {
+      if (!this.tool || event.button || !this.positions) return;
+      event.preventDefault();
+      this.controls.enabled = false;
+      this.canvas.setPointerCapture(event.pointerId);
+      this.stroke = [this.spot(event)];
+      this.ink(event);
+    },
+    ink(event) {
+      if (!this.stroke) return;
+      for (const each of event.getCoalescedEvents?.().length ? event.getCoalescedEvents() : [event]) {
+        const point = this.spot(each);
+        const last = this.stroke.at(-1);
+        if (Math.hypot(point[0] - last[0], point[1] - last[1]) >= 1) this.stroke.push(point);
+      }
+      this.trace(this.stroke);
+    },
+    trace(points) {
+      const line = this.$el.querySelector(".caricli-ink polyline");
+      const brush = this.tool === "brush" || this.tool === "rub";
+      line.setAttribute("points", points.join(" "));
+      line.setAttribute("stroke-width", brush ? 2 * this.radius : 3);
+      line.setAttribute("stroke-opacity", brush ? 0.45 : 1);
+    },
+    lift() {
+      if (!this.stroke) return;
+      const points = this.stroke.map((point) => point.map((each) => Math.round(100 * each) / 100));
+      this.stroke = null;
+      this.controls.enabled = true;
+      this.trace([]);
+      if (points.length > 1 || this.tool === "brush" || this.tool === "rub")
+        this.$emit("stroke", { tool: this.tool, points, camera: this.seen() });
+    },
+    // The vertices that are chosen: of the region, and handles.
+    dots(color) {
+      const material = new THREE.PointsMaterial({ color, size: 5, sizeAttenuation: false });
+      const dots = new THREE.Points(new THREE.BufferGeometry(), material);
+      dots.frustumCulled = false;
+      dots.visible = false;
+      dots.ids = [];
+      this.scene.add(dots);
+      return dots;
+    },
+    select(handles, region) {
+      if (!this.renderer) return;
+      this.chosen[0].ids = region;
+      this.chosen[1].ids = handles;
+      this.mark();
+      this.draw();
+    },
+    mark() {
+      if (!this.positions) return;
+      for (const dots of this.chosen) {
+        const places = new Float32Array(3 * dots.ids.length);
+        dots.ids.forEach((id, k) => {
+          // A little before the skin, so that it is not half sunk in.
+          for (let axis = 0; axis < 3; axis++)
+            places[3 * k + axis] = this.positions[3 * id + axis] + 0.0006 * this.normals[3 * id + axis];
+        });
+        dots.geometry.setAttribute("position", new THREE.BufferAttribute(places, 3));
+      }
     },
     picture() {
       this.renderer.render(this.scene, this.camera);
