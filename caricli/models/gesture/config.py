@@ -28,7 +28,7 @@ class GestureConfig:
 
     size: int = 64
     stride: int = 2
-    epochs: int = 16
+    epochs: int = 18
     steps: int = 250
     batch: int = 64
     learning_rate: float = 1e-3
