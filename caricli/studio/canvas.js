@@ -6,16 +6,16 @@ export default {
   template: `
     <div class="caricli-canvas">
       <img v-if="underlay" :src="underlay" alt="" draggable="false" />
-      <canvas ref="drawn" :width="width" :height="height" role="img" :aria-label="label"></canvas>
+      <canvas ref="sheet" :width="width" :height="height" role="img" :aria-label="label"></canvas>
     </div>`,
-  props: { width: Number, height: Number, label: String, underlay: String },
+  props: { width: Number, height: Number, label: String, underlay: String, drawn: String, rubbed: String },
   mounted() {
     this.lines = [];
     this.waiting = []; // strokes that the server has not heard of or answered yet
     this.tool = "draw";
     this.radius = 10;
     this.ink();
-    const canvas = this.$refs.drawn;
+    const canvas = this.$refs.sheet;
     canvas.addEventListener("pointerdown", (event) => this.begin(event));
     canvas.addEventListener("pointermove", (event) => this.go(event));
     for (const end of ["pointerup", "pointercancel"]) canvas.addEventListener(end, (event) => this.end(event));
@@ -32,7 +32,7 @@ export default {
       this.colour = this.underlay ? "#c2185b" : getComputedStyle(this.$el).color;
     },
     place(event) {
-      const box = this.$refs.drawn.getBoundingClientRect();
+      const box = this.$refs.sheet.getBoundingClientRect();
       const x = ((event.clientX - box.left) / box.width) * this.width - 0.5;
       const y = ((event.clientY - box.top) / box.height) * this.height - 0.5;
       return [Math.round(100 * x) / 100, Math.round(100 * y) / 100];
@@ -40,7 +40,7 @@ export default {
     begin(event) {
       if (event.button || this.stroke) return;
       event.preventDefault();
-      this.$refs.drawn.setPointerCapture(event.pointerId);
+      this.$refs.sheet.setPointerCapture(event.pointerId);
       this.stroke = { id: event.pointerId, points: [], pressure: [], pen: event.pointerType === "pen" };
       this.add(event);
       this.redraw();
@@ -66,14 +66,14 @@ export default {
       const parameters = { points };
       if (this.tool === "erase") parameters.radius = this.radius;
       else if (pen) parameters.pressure = pressure.map((each) => Math.min(1, each));
-      this.$refs.drawn.dataset.lifted = performance.now();
-      const operation = { name: this.tool === "draw" ? this.drawn ?? "draw" : this.rubbed ?? "erase", parameters };
+      this.$refs.sheet.dataset.lifted = performance.now();
+      const operation = { name: this.tool === "draw" ? this.drawn : this.rubbed, parameters };
       this.waiting.push({ operation, points, pressure: pen ? pressure : null });
       window.caricliKeep?.pend(operation);
       this.$emit("operation", operation);
     },
     pen() {
-      const pen = this.$refs.drawn.getContext("2d");
+      const pen = this.$refs.sheet.getContext("2d");
       pen.lineCap = pen.lineJoin = "round";
       pen.strokeStyle = this.colour;
       pen.globalCompositeOperation = "source-over";
@@ -107,7 +107,7 @@ export default {
       const pen = this.pen();
       pen.clearRect(0, 0, this.width, this.height);
       for (const line of this.lines) this.trace(line);
-      for (const each of this.waiting) this[each.operation.name === "erase" ? "rub" : "trace"](each);
+      for (const each of this.waiting) this[each.operation.name === this.rubbed ? "rub" : "trace"](each);
       if (this.stroke) this[this.tool === "draw" ? "trace" : "rub"](this.stroke);
     },
     // What the server has: all lines, and how many strokes it answered.
@@ -115,12 +115,12 @@ export default {
       this.lines = lines;
       this.waiting.splice(0, answered);
       this.redraw();
-      this.$refs.drawn.dataset.lines = lines.length;
+      this.$refs.sheet.dataset.lines = lines.length;
     },
     use(tool, radius) {
       this.tool = tool;
       this.radius = radius ?? this.radius;
-      this.$refs.drawn.style.cursor = tool === "draw" ? "crosshair" : "cell";
+      this.$refs.sheet.style.cursor = tool === "draw" ? "crosshair" : "cell";
     },
   },
 };

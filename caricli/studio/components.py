@@ -16,10 +16,12 @@ class Canvas(Element, component="canvas.js"):
     ``show(lines, answered)`` gives it the lines of the work.
     """
 
-    def __init__(self, size: tuple[int, int], label: str) -> None:
-        """size: (width, height) pixels. label: what a screen reader says."""
+    def __init__(self, size: tuple[int, int], label: str, names: tuple[str, str]) -> None:
+        """size: (width, height) pixels. label: what a screen reader says. names: of what pen and eraser do."""
         super().__init__()
         self.resize(size)
+        self._props["drawn"] = names[0]
+        self._props["rubbed"] = names[1]
         self._props["label"] = label
 
     def resize(self, size: tuple[int, int], underlay: str | None = None) -> None:

@@ -16,10 +16,11 @@ from caricli.studio.desk import Desk
 from caricli.studio.modes.draw_mode import DrawMode
 from caricli.studio.modes.face_mode import FaceMode
 from caricli.studio.modes.mode import Mode
+from caricli.studio.modes.redraw_mode import RedrawMode
 from caricli.studio.modes.refine_mode import RefineMode
 from caricli.studio.server import Studio
 
-MODES: tuple[type[Mode], ...] = (DrawMode, RefineMode, FaceMode)
+MODES: tuple[type[Mode], ...] = (DrawMode, RedrawMode, RefineMode, FaceMode)
 """In the order of their tabs."""
 
 _STYLE = Path(__file__).with_name("studio.css")

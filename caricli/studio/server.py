@@ -8,7 +8,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 from threading import Thread
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 import uvicorn
@@ -27,6 +27,9 @@ MOST_DESKS = 32
 """Tabs that are open at once; the oldest one ends where there are more."""
 
 T = TypeVar("T")
+
+_QUIET: dict[str, Any] = {"show_welcome_message": False, "reconnect_timeout": 20}
+"""What NiceGUI says of itself, and seconds that it waits for a browser that is away."""
 
 
 @dataclass(frozen=True)
@@ -114,7 +117,7 @@ def studio_app(studio: Studio, page: Callable, token: str | None = None) -> Fast
     async def open_file(key: str, name: str, request: Request) -> Response:
         return await _opened(studio, key, name, request)
 
-    ui.run_with(app, root=page, title="caricli studio", dark=None, show_welcome_message=False, reconnect_timeout=20)
+    ui.run_with(app, root=page, title="caricli studio", language="en-US", dark=None, **_QUIET)
     app.add_middleware(Guard, token=token)
     return app
 

@@ -108,7 +108,8 @@ class Tab:
 
     def lines(self, count: int) -> None:
         """Wait until the canvas has as many lines."""
-        test = f"document.querySelector('.caricli-canvas canvas')?.dataset.lines == '{count}'"
+        seen = "[...document.querySelectorAll('.caricli-canvas canvas')].find(each => each.offsetParent)"
+        test = f"{seen}?.dataset.lines == '{count}'"
         self.page.wait_for_function(test, timeout=PATIENCE)
 
     def changed(self, act: Callable) -> None:
@@ -128,7 +129,7 @@ class Tab:
 
     def move(self, points: Any) -> None:
         """A line on the canvas by the mouse, without waiting. points: pixels of 512."""
-        box = self.page.locator(".caricli-canvas canvas").bounding_box()
+        box = self.page.locator(".caricli-canvas canvas:visible").bounding_box()
         places = [(box["x"] + x * box["width"] / 512, box["y"] + y * box["height"] / 512) for x, y in points]
         self.page.mouse.move(*places[0])
         self.page.mouse.down()
@@ -146,7 +147,7 @@ class Tab:
 
     def mode(self, words: str) -> None:
         """Go to a mode."""
-        self.page.get_by_role("tab", name=words).click()
+        self.page.get_by_role("tab", name=words, exact=True).click()
 
     def save(self, kind: str, path: Path) -> None:
         """Save by the menu."""

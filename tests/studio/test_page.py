@@ -65,6 +65,27 @@ def test_a_face_is_drawn_changed_saved_and_replayed_to_the_same_bytes(tab, serve
     assert not tab.faults
 
 
+def test_a_line_of_the_face_is_erased_and_drawn_anew(tab, tmp_path):
+    tab.mode("Redraw")
+    tab.lines(20)
+    before = tab.head()
+    tab.changed(lambda: tab.move([[150, 240 + 8 * k] for k in range(11)]))
+    tab.page.get_by_role("button", name="Pen", pressed=True).wait_for()
+    assert np.array_equal(tab.head(), before)
+    tab.draw([[150, 240], [130, 260], [124, 280], [132, 300], [152, 322]])
+    moved = np.array(tab.head()) - before
+    assert np.abs(moved).max() > 5e-3
+    tab.press("Undo")
+    tab.press("Undo")
+    tab.becomes(before)
+    tab.press("Redo")
+    tab.press("Redo")
+    tab.save("session", tmp_path / "session.json")
+    tab.save("face", tmp_path / "face.zip")
+    assert replayed(tmp_path / "session.json", tmp_path) == faces(tmp_path / "face.zip")["face.obj"]
+    assert not tab.faults
+
+
 def test_the_page_asks_nobody_but_its_server(tab, server):
     tab.mode("Face")
     tab.page.wait_for_timeout(500)

@@ -8,6 +8,7 @@ from caricli.methods.session.face_operations import FACE_OPERATIONS
 from caricli.methods.session.gesture_operations import GESTURE_OPERATIONS
 from caricli.methods.session.mark_operations import MARK_OPERATIONS
 from caricli.methods.session.parameters import Parameters
+from caricli.methods.session.redraw_operations import REDRAW_OPERATIONS
 from caricli.methods.session.tools import Tools
 from caricli.methods.session.work import Work
 from caricli.structures import Operation
@@ -15,7 +16,13 @@ from caricli.structures import Operation
 Operate = Callable[[Work, Parameters, Tools], Work]
 """What a name stands for: a pure function that checks its parameters. Raises InputError or NumericsError."""
 
-OPERATIONS: Mapping[str, Operate] = {**DRAW_OPERATIONS, **FACE_OPERATIONS, **MARK_OPERATIONS, **GESTURE_OPERATIONS}
+OPERATIONS: Mapping[str, Operate] = {
+    **DRAW_OPERATIONS,
+    **REDRAW_OPERATIONS,
+    **FACE_OPERATIONS,
+    **MARK_OPERATIONS,
+    **GESTURE_OPERATIONS,
+}
 """One table of every mode."""
 
 

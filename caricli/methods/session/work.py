@@ -7,10 +7,21 @@ from types import MappingProxyType
 import numpy as np
 
 from caricli.methods.faces.encode_face import EncodedFace
-from caricli.structures import Landmarks, Sketch
+from caricli.structures import Landmarks, Sketch, Stroke
 
 CANVAS_SIDE = 512
 """Pixels, width and height of the canvas that is drawn on."""
+
+
+@dataclass(frozen=True)
+class Gap:
+    """What is erased of a line of the face. curve: its name. first, last: points of the line where it is open; of a
+    closed line the last may lie beyond its end, on the next round.
+    """
+
+    curve: str
+    first: int
+    last: int
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,6 +34,7 @@ class Work:
     weights: of ARKit's actions by name, 0 to 1, those that are not 0. strengths: standard deviations that the face went
     by labels since it was drawn. handles: (H,) ids of the vertices that are marked for gestures. region: (R,) ids of
     the vertices that gestures may move, or None for all. skin: (S,) those of them that were seen when they were chosen.
+    gap: Gap in the lines of the mode Redraw, or None. wrinkles: Strokes beside these, on a canvas of ``CANVAS_SIDE``.
     """
 
     face: EncodedFace
@@ -34,3 +46,5 @@ class Work:
     handles: np.ndarray = field(default_factory=lambda: np.zeros(0, int))
     region: np.ndarray | None = None
     skin: np.ndarray = field(default_factory=lambda: np.zeros(0, int))
+    gap: Gap | None = None
+    wrinkles: tuple[Stroke, ...] = ()

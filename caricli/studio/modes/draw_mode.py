@@ -22,13 +22,14 @@ class DrawMode(Mode):
         """Lay out the tools and the canvas."""
         with ui.element("div").classes("caricli-tools").props('role="group" aria-label="Drawing"'):
             tools = ui.toggle({"draw": "Pen", "erase": "Eraser"}, value="draw", on_change=self._use)
-            tools.props('no-caps dense unelevated aria-label="Tool"')
+            tools.props('no-caps dense unelevated toggle-color=marked toggle-text-color=onmarked aria-label="Tool"')
             clear = ui.button("Clear", on_click=lambda: self.page.do(Operation("clear")))
             clear.props('flat dense no-caps title="Take all lines away"')
             follow = ui.button("Follow my lines", icon="gesture", on_click=self._follow)
             follow.props('flat dense no-caps title="Move the face exactly onto the lines"')
         work = self.page.desk.work
-        self.canvas = Canvas(work.sketch.size, "Canvas. Draw a face with a pen, a finger or a mouse.")
+        label = "Canvas. Draw a face with a pen, a finger or a mouse."
+        self.canvas = Canvas(work.sketch.size, label, ("draw", "erase"))
         self.canvas.on("operation", self._drawn).on("ready", self.begin)
         ui.label("Draw the outline of a head, then eyes, nose and mouth, in any order.").classes("caricli-hint")
 
