@@ -15,7 +15,7 @@ demo: setup examples/astronaut/astronaut.png
 # One numerical thread for each of the two test processes.
 test: setup $(VALIDATOR_STAMP)
 	@command -v chromium > /dev/null || command -v chromium-browser > /dev/null || command -v google-chrome > /dev/null \
-	|| echo "Chromium is not installed: the tests play no films and draw no rigs in a browser"
+	|| echo "Chromium is not installed: the tests play no films and draw no rigs in a browser, and do not open the studio"
 	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 --dist loadfile
 
 # Hardly any training or rendering: under a minute, for every few lines that are changed.
