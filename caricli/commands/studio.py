@@ -8,7 +8,7 @@ from caricli.commands.shared.studio_run import replay_session, serve_studio
 
 
 @click.command()
-@click.argument("start", required=False, type=PATH, metavar="[FACE.npz|PICTURE|SKETCH]")
+@click.argument("start", required=False, type=PATH, metavar="[FACE.npz|PICTURE|FOLDER|SKETCH]")
 @click.option("--port", type=WholeRange(0, 65535), default=8020, metavar="N", help="Serve here; 0 takes any free port.")
 @click.option(
     "--host",
@@ -26,11 +26,13 @@ def command(start, port, host, no_browser, replay, out, overwrite):
 
     The page comes from this machine alone, and nobody else sees it unless --host says so. It needs caricli[studio].
     What it saves as a session makes the same bytes with --replay; the file that the session began with is looked for
-    beside it where it is not given.
+    beside it where it is not given. Of a FOLDER of pictures the landmarks are placed, one picture after the other, from
+    the first that has no landmark file beside it.
 
     \b
     Example:
       caricli studio face.npz
+      caricli studio drawings
       caricli studio drawing.png --no-browser
       caricli studio --replay session.json --out face.obj
     """

@@ -8,6 +8,7 @@ from nicegui import ui
 from nicegui.client import Client
 
 from caricli.errors import CaricliError, InputError, shown
+from caricli.io.landmarks import landmarks_to_json, read_landmarks
 from caricli.io.session import operation_from_json, operation_to_json, read_session
 from caricli.io.strict_json import parse_json
 from caricli.structures import Operation, Start
@@ -15,15 +16,16 @@ from caricli.studio.components import Head, Keep
 from caricli.studio.desk import Desk
 from caricli.studio.modes.draw_mode import DrawMode
 from caricli.studio.modes.face_mode import FaceMode
+from caricli.studio.modes.landmarks_mode import LandmarksMode
 from caricli.studio.modes.mode import Mode
 from caricli.studio.modes.redraw_mode import RedrawMode
 from caricli.studio.modes.refine_mode import RefineMode
 from caricli.studio.server import Studio
 
-MODES: tuple[type[Mode], ...] = (DrawMode, RedrawMode, RefineMode, FaceMode)
+MODES: tuple[type[Mode], ...] = (DrawMode, RedrawMode, LandmarksMode, RefineMode, FaceMode)
 """In the order of their tabs."""
 
-_STYLE = Path(__file__).with_name("studio.css")
+_STYLES = [Path(__file__).with_name(name) for name in ("studio.css", "landmark_canvas.css")]
 
 _ENTERED = 0.2
 """Seconds until a panel is there."""
@@ -33,6 +35,8 @@ SAVES = {
     "rig": "Rig: GLB with 52 expressions",
     "picture": "Picture: PNG",
     "sketch": "Drawing: JSON",
+    "landmarks": "Landmarks: JSON",
+    "pts": "Landmarks: .pts of iBUG",
     "session": "Session: JSON, to be replayed",
 }
 """What the menu calls what can be saved."""
@@ -57,13 +61,13 @@ class Page:
 
     def build(self) -> None:
         """Lay the page out."""
-        ui.add_head_html(f"<style>{_STYLE.read_text('utf-8')}</style>")
+        ui.add_head_html(f"<style>{''.join(style.read_text('utf-8') for style in _STYLES)}</style>")
         self.dark = ui.dark_mode(None)
         self.keep = Keep(self.base).on("ready", self._returned).on("opened", self._was_opened)
         self.keep.on("undo", self.undo).on("redo", self.redo)
         self._header()
         with ui.element("main").classes("caricli-main"):
-            with ui.tab_panels(self.tabs, value=MODES[0].name).classes("caricli-work") as panels:
+            with ui.tab_panels(self.tabs, value=self.studio.mode).classes("caricli-work") as panels:
                 panels.props("transition-prev=fade transition-next=fade transition-duration=120 keep-alive")
                 self.modes = [mode(self) for mode in MODES]
                 for mode in self.modes:
@@ -208,9 +212,9 @@ class Page:
     async def _new(self) -> None:
         await self.studio.run(self.desk.open, None)
         self.say("An empty canvas.", "note")
-        self._begun()
+        self.begun()
 
-    def _begun(self) -> None:
+    def begun(self) -> None:
         """Show what was opened."""
         self._layout = None
         for mode in self.modes:
@@ -218,12 +222,16 @@ class Page:
         self._after(list(self.desk.history.done))
 
     async def open(self, path: Path) -> None:
-        """Open a file that was sent: a face, a picture, a sketch or a session. Raises CaricliError."""
+        """Open a file that was sent: a face, a picture, a sketch, a session, or landmarks of the picture that is
+        there. Raises CaricliError."""
         if path.suffix.lower() == ".json" and _is_session(path):
             session = read_session(path)
             if session.start is None and self.desk.start is not None:
                 await self.studio.run(self.desk.open, None)
             await self.studio.run(self.desk.restore, session.start, list(session.operations))
+        elif self.desk.work.picture is not None and _is_marks(path):
+            given = {"landmarks": landmarks_to_json(read_landmarks(path))}
+            await self.studio.run(self.desk.do, Operation("marks", given))
         else:
             await self.studio.run(self.desk.open, path)
 
@@ -233,7 +241,7 @@ class Page:
             self.say(refused)
         else:
             self.say("Opened.", "note")
-            self._begun()
+            self.begun()
 
     async def _returned(self, event: Any) -> None:
         """Bring back what this tab had before the server ended or the page was loaded again."""
@@ -247,7 +255,7 @@ class Page:
                 self.say("Your drawing is back. New begins an empty one.", "note")
         except CaricliError as error:
             self.say(f"What this browser kept could not be brought back: {error}")
-        self._begun()
+        self.begun()
 
     def _contrast(self) -> None:
         dark = self.dark.value
@@ -279,6 +287,10 @@ def _button(words: str, icon: str, click: Callable, hint: str) -> ui.button:
 
 def _is_session(path: Path) -> bool:
     return b"caricli.session/" in path.read_bytes()[:4096]
+
+
+def _is_marks(path: Path) -> bool:
+    return path.suffix.lower() in (".pts", ".txt", ".npy") or b"caricli.landmarks/" in path.read_bytes()[:4096]
 
 
 def _kept(text: str) -> tuple[Start | None, list[Operation]]:

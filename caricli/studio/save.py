@@ -4,14 +4,17 @@ import io
 import tempfile
 import zipfile
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 from caricli.io.gltf.write_gltf import write_gltf
 from caricli.io.image import write_png
+from caricli.io.landmarks import write_landmarks
 from caricli.io.session import format_session
 from caricli.io.sketch import write_sketch
 from caricli.methods.faces.draw_face import FaceDrawing
 from caricli.methods.rig.make_rig import make_rig
+from caricli.methods.session.mark_operations import placed_marks
 from caricli.render.contact_sheet import contact_sheet
 from caricli.store.face_files import write_face_files
 from caricli.structures import Face
@@ -66,6 +69,11 @@ def _sketch(desk: Desk) -> bytes:
     return _written("sketch.json", lambda path: write_sketch(path, desk.history.work.sketch))
 
 
+def _landmarks(desk: Desk, name: str) -> bytes:
+    marks = placed_marks(desk.history.work)
+    return _written(name, lambda path: write_landmarks(path, marks))
+
+
 def _written(name: str, write: Callable[[Path], object]) -> bytes:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / name
@@ -78,6 +86,8 @@ SAVED: dict[str, tuple[str, Callable[[Desk], bytes]]] = {
     "face": ("face.zip", _face),
     "picture": ("face.png", _picture),
     "sketch": ("sketch.json", _sketch),
+    "landmarks": ("landmarks.json", partial(_landmarks, name="landmarks.json")),
+    "pts": ("landmarks.pts", partial(_landmarks, name="landmarks.pts")),
     "session": ("session.json", _session),
 }
 """Names of files and what makes them, by kind."""

@@ -17,7 +17,9 @@ from nicegui import ui
 from PIL import Image
 
 from caricli.errors import CaricliError, shown
+from caricli.io.image import is_image_file
 from caricli.limits import MAX_IMAGE_BYTES
+from caricli.store.marked_folder import MarkedFolder
 from caricli.store.session_tools import SessionTools, load_start, start_of
 from caricli.studio.desk import Desk
 from caricli.studio.guard import Guard
@@ -51,8 +53,16 @@ class Studio:
     """The desks of all tabs, and one thread that does what they ask, one after the other."""
 
     def __init__(self, tools: SessionTools, path: Path | None) -> None:
-        """tools: SessionTools. path: what every tab begins with, or None. Raises InputError."""
+        """tools: SessionTools. path: what every tab begins with; a folder of pictures is gone through in the mode of
+        landmarks, from the first that has none; or None. Raises InputError."""
         self.tools = tools
+        self.mode = "draw"
+        self.marked: MarkedFolder | None = None
+        if path is not None and (path.is_dir() or is_image_file(path)):
+            self.mode = "landmarks" if path.is_dir() else self.mode
+            self.marked = MarkedFolder.of(path)
+            path = self.marked.first()
+        self.picture = path
         self.begun = load_start(path, tools), start_of(path)
         self.desks: dict[str, Desk] = {}
         self.opened: dict[str, Callable] = {}

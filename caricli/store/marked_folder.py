@@ -1,0 +1,100 @@
+"""A folder of pictures whose landmarks are placed one by one; the landmark files beside them tell which are done."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from caricli.errors import InputError, OutputError, shown
+from caricli.io.landmarks import read_landmarks, write_landmarks
+from caricli.io.outputs import staged
+from caricli.store.face_pictures import FaceReader
+from caricli.store.pictures import PICTURES, load_marked_picture
+from caricli.structures import Landmarks
+
+FORMATS = (".json", ".pts", ".txt", ".npy")
+"""Of landmark files beside a picture; where there are several, the first counts."""
+
+
+@dataclass(frozen=True)
+class MarkedFolder:
+    """Pictures and where their landmarks are.
+
+    pictures: paths, in the order in which they are gone through. Landmarks in .pts files count from 1.
+    """
+
+    pictures: tuple[Path, ...]
+
+    @staticmethod
+    def of(path: Path) -> "MarkedFolder":
+        """The pictures of a folder by their names, or one picture. Raises InputError where there are none."""
+        if not path.is_dir():
+            return MarkedFolder((path,))
+        pictures = tuple(sorted(each for each in path.iterdir() if each.suffix.lower() in PICTURES and each.is_file()))
+        if not pictures:
+            raise InputError(f"{shown(path)}: expected pictures ({', '.join(PICTURES)}), found none")
+        return MarkedFolder(pictures)
+
+    def file(self, picture: Path) -> Path:
+        """The landmark file beside a picture; where there is none, where it will be."""
+        files = [picture.with_suffix(suffix) for suffix in FORMATS]
+        return next((file for file in files if file.is_file()), files[0])
+
+    def is_done(self, picture: Path) -> bool:
+        """Whether there are landmarks beside a picture."""
+        return self.file(picture).is_file()
+
+    @property
+    def done(self) -> int:
+        """How many pictures have landmarks."""
+        return sum(map(self.is_done, self.pictures))
+
+    def first(self) -> Path:
+        """The first picture that is not done, or the first of all."""
+        return next((picture for picture in self.pictures if not self.is_done(picture)), self.pictures[0])
+
+    def next(self, picture: Path) -> Path | None:
+        """The next picture that is not done, around the end; None where all are."""
+        place = self.pictures.index(picture) + 1
+        around = (*self.pictures[place:], *self.pictures[:place])
+        return next((each for each in around if not self.is_done(each)), None)
+
+    def beside(self, picture: Path, step: int) -> Path:
+        """The picture some steps on, around the end, done or not."""
+        return self.pictures[(self.pictures.index(picture) + step) % len(self.pictures)]
+
+    def read(self, picture: Path) -> Landmarks | None:
+        """Landmarks of a picture, or None where it has none yet. Raises InputError where they are of another."""
+        file = self.file(picture)
+        return load_marked_picture(file, picture)[0] if file.is_file() else None
+
+    def write(self, picture: Path, landmarks: Landmarks) -> Path:
+        """Write landmarks beside a picture, in the format that they have there, and say where.
+
+        What is there is replaced where it holds landmarks. Raises OutputError where it holds something else, or nothing
+        can be written.
+        """
+        file = self.file(picture)
+        if file.is_file():
+            try:
+                read_landmarks(file)
+            except InputError as error:
+                raise OutputError(f"{error}; it is not replaced") from error
+        with staged(file, overwrite=True, inputs=(picture,)) as temporaries:
+            write_landmarks(temporaries[0], landmarks)
+        return file
+
+
+def seen_marks(pixels: np.ndarray, count: int, reader: FaceReader) -> Landmarks | None:
+    """Landmarks that the detector finds in a picture, or None where it sees no face, or there is no detector.
+
+    pixels: (H, W, 3) uint8. count: of landmarks that the mesh has.
+    """
+    from caricli.store.detector import has_detector
+
+    if reader.path is None and not has_detector():
+        return None
+    try:
+        return reader.see(pixels).landmarks.first(count)
+    except InputError:
+        return None

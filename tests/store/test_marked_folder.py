@@ -1,0 +1,72 @@
+import json
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from caricli.errors import InputError, OutputError
+from caricli.io.landmarks import read_landmarks, write_landmarks
+from caricli.store.marked_folder import MarkedFolder
+from caricli.structures import Landmarks
+
+POINTS = np.random.default_rng(0).uniform(5, 55, (68, 2))
+
+
+@pytest.fixture
+def folder(tmp_path):
+    for name in ("b.png", "a.jpg", "c.webp"):
+        Image.new("RGB", (64, 64)).save(tmp_path / name)
+    (tmp_path / "notes.md").write_text("no picture")
+    return tmp_path
+
+
+def test_pictures_come_by_their_names_and_one_picture_alone(folder):
+    assert [each.name for each in MarkedFolder.of(folder).pictures] == ["a.jpg", "b.png", "c.webp"]
+    alone = MarkedFolder.of(folder / "b.png")
+    assert alone.pictures == (folder / "b.png",) and alone.beside(folder / "b.png", 1) == folder / "b.png"
+    (folder / "empty").mkdir()
+    with pytest.raises(InputError, match="expected pictures .*, found none"):
+        MarkedFolder.of(folder / "empty")
+
+
+def test_what_is_done_is_told_by_the_files(folder):
+    a, b, c = (folder / name for name in ("a.jpg", "b.png", "c.webp"))
+    marked = MarkedFolder.of(folder)
+    assert marked.done == 0 and marked.first() == a and marked.read(a) is None
+    assert marked.write(b, Landmarks(POINTS, (64, 64))) == folder / "b.json"
+    assert marked.done == 1 and marked.first() == a and marked.next(a) == c and marked.next(c) == a
+    assert np.array_equal(marked.read(b).points, POINTS)
+    again = MarkedFolder.of(folder)
+    again.write(a, Landmarks(POINTS))
+    assert again.first() == c and again.next(c) == c
+    again.write(c, Landmarks(POINTS))
+    assert again.next(c) is None and again.first() == a and again.done == 3
+    assert again.beside(c, 1) == a and again.beside(a, -1) == c
+
+
+@pytest.mark.parametrize("suffix", [".json", ".pts", ".txt", ".npy"])
+def test_a_file_keeps_its_format(folder, suffix):
+    file = folder / f"a{suffix}"
+    write_landmarks(file, Landmarks(POINTS))
+    marked = MarkedFolder.of(folder)
+    off = POINTS.copy()
+    off[3] = np.nan
+    assert marked.write(folder / "a.jpg", Landmarks(off)) == file
+    assert np.allclose(read_landmarks(file).points, off, equal_nan=True)
+    assert sorted(each.suffix for each in folder.glob("a.*")) == sorted([".jpg", suffix])
+
+
+def test_what_holds_something_else_is_not_replaced(folder):
+    (folder / "a.json").write_text(json.dumps({"schema": "mine"}))
+    marked = MarkedFolder.of(folder)
+    with pytest.raises(OutputError, match="mine.*it is not replaced"):
+        marked.write(folder / "a.jpg", Landmarks(POINTS))
+    with pytest.raises(InputError):
+        marked.read(folder / "a.jpg")
+    assert json.loads((folder / "a.json").read_text()) == {"schema": "mine"}
+
+
+def test_landmarks_of_another_picture_are_refused(folder):
+    write_landmarks(folder / "a.json", Landmarks(POINTS + 900, (1000, 1000)))
+    with pytest.raises(InputError, match="expected landmarks of the 64 x 64 picture"):
+        MarkedFolder.of(folder).read(folder / "a.jpg")

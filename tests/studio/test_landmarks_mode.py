@@ -1,0 +1,192 @@
+"""Landmarks in Chromium, placed as a person would."""
+
+import json
+import shutil
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from caricli.io.landmarks import read_landmarks, write_landmarks
+from caricli.methods.marks.lay_mean_shape import lay_mean_shape
+from caricli.structures.detection import FaceFrame
+from tests.studio.conftest import PATIENCE, Server, Tab
+
+CANVAS = "document.querySelector('.marks')?.landmarks"
+SIZE = (300, 360)
+
+
+class Marks:
+    """The mode as a person uses it. tab: Tab."""
+
+    def __init__(self, tab):
+        self.tab = tab
+        self.page = tab.page
+
+    def begin(self):
+        """Go to the mode and wait for landmarks and the face that follows them."""
+        self.tab.mode("Landmarks")
+        self.until(f"{CANVAS}?.curves.length > 10 && {CANVAS}?.points.filter(Boolean).length > 8")
+
+    def until(self, test):
+        self.page.wait_for_function(test, timeout=PATIENCE)
+
+    def points(self):
+        """(L, 2), NaN where a point is off."""
+        rows = self.page.evaluate(f"{CANVAS}.points")
+        return np.array([row or [np.nan, np.nan] for row in rows], float)
+
+    def where(self, number):
+        """The screen's place of a point."""
+        box = self.page.locator(".marks-dot").nth(number).locator(".marks-edge").bounding_box()
+        return np.array([box["x"] + box["width"] / 2, box["y"] + box["height"] / 2])
+
+    def drag(self, number, by):
+        """Drag a point by pixels of the screen and wait until it is done for good."""
+        start = self.where(number)
+        done = self.done()
+        self.page.mouse.move(*start)
+        self.page.mouse.down()
+        for share in np.linspace(0.1, 1, 8):
+            self.page.mouse.move(*(start + share * np.array(by)))
+        assert self.page.locator(".marks-loupe").is_visible()
+        self.page.mouse.up()
+        self.answered(done)
+
+    def done(self):
+        """How many answers came that are no tries."""
+        return self.page.evaluate(f"{CANVAS}.answers")
+
+    def answered(self, before):
+        """Wait for such an answer."""
+        self.until(f"{CANVAS}.answers > {before}")
+
+    def press(self, key):
+        """Press a key and wait until what it did is done for good."""
+        done = self.done()
+        self.page.keyboard.press(key)
+        self.answered(done)
+
+    def click(self, words):
+        """Click a button of the mode."""
+        self.page.get_by_role("button", name=words, exact=True).click()
+
+
+@pytest.fixture(scope="module")
+def laid(head_template):
+    return lay_mean_shape(head_template, FaceFrame(np.array([150.0, 190.0]), 210.0, 0.0), SIZE)
+
+
+@pytest.fixture
+def folder(tmp_path, laid):
+    """Three pictures, two of them without landmarks."""
+    for name in ("a", "b", "c"):
+        Image.new("RGB", SIZE, (190, 170, 150)).save(tmp_path / f"{name}.png")
+    write_landmarks(tmp_path / "a.pts", laid)
+    return tmp_path
+
+
+@pytest.fixture
+def marks(browser, folder):
+    server = Server(folder, str(folder / "a.png"))
+    context = browser.new_context(viewport={"width": 1280, "height": 720})
+    context.set_default_timeout(PATIENCE)
+    tab = Tab(context.new_page())
+    tab.go(server.url)
+    own = Marks(tab)
+    own.begin()
+    yield own
+    assert not [fault for fault in tab.faults if "value" not in fault]
+    context.close()
+    server.kill()
+
+
+def test_points_are_dragged_with_their_partners_undone_switched_off_and_saved(marks, folder, laid):
+    assert np.allclose(marks.points(), laid.points, atol=1e-3)
+    updates = marks.page.evaluate(f"{CANVAS}.updates")
+    marks.drag(48, (-20, 12))
+    assert marks.page.evaluate(f"{CANVAS}.updates") > updates
+    zoom = marks.page.evaluate(f"{CANVAS}.zoom")
+    moved = marks.points() - laid.points
+    assert np.allclose(moved[48], np.array([-20, 12]) / zoom, atol=0.5)
+    assert np.allclose(moved[54], np.array([20, 12]) / zoom, atol=0.7)
+    assert np.abs(np.delete(moved, [48, 54], 0)).max() < 1e-5
+    guess = np.array(marks.page.evaluate(f"{CANVAS}.guess"))
+    assert np.linalg.norm(guess - marks.points(), axis=1)[48] < 0.03 * laid.diagonal  # the face went along
+    marks.press("Control+z")
+    assert np.allclose(marks.points(), laid.points, atol=1e-3)
+    marks.press("Control+y")
+    marks.press("Delete")
+    assert np.isnan(marks.points()[48]).all() and np.isfinite(marks.points()[54]).all()
+    assert marks.page.evaluate("document.activeElement.getAttribute('aria-label')") == "mouth corner right, off"
+    marks.click("Done")
+    marks.tab.told("Written to a.pts")
+    assert np.allclose(read_landmarks(folder / "a.pts").points, marks.points(), atol=1e-6, equal_nan=True)
+    marks.tab.save("pts", folder / "home.pts")
+    assert (folder / "home.pts").read_bytes() == (folder / "a.pts").read_bytes()
+    marks.page.locator(".marks-dot").nth(48).focus()
+    marks.press("Enter")
+    assert np.isfinite(marks.points()).all()
+    answers = marks.done()
+    marks.tab.open(folder / "home.pts")
+    marks.answered(answers)
+    assert np.isnan(marks.points()[48]).all()
+
+
+def test_keys_and_groups(marks, laid):
+    marks.page.locator(".marks-dot").nth(30).focus()
+    marks.page.keyboard.press("ArrowRight")
+    marks.press("Shift+ArrowDown")
+    assert np.allclose((marks.points() - laid.points)[30], [1, 10], atol=1e-3)
+    marks.page.keyboard.press("Tab")
+    assert marks.page.evaluate("document.activeElement.getAttribute('aria-label')").startswith("nostril right")
+    marks.click("Groups")
+    marks.drag(24, (6, -14))
+    moved = marks.points() - laid.points
+    zoom = marks.page.evaluate(f"{CANVAS}.zoom")
+    assert np.allclose(moved[22:27], np.array([6, -14]) / zoom, atol=0.5)
+    assert np.allclose(moved[17:22], np.array([-6, -14]) / zoom, atol=0.7)
+    marks.page.get_by_role("switch", name="Both sides").click()
+    answers = marks.done()
+    marks.click("Larger: the group, or the whole face")
+    marks.answered(answers)
+    wide = marks.points()
+    assert np.linalg.norm(np.ptp(wide[22:27], axis=0)) > np.linalg.norm(np.ptp(laid.points[22:27], axis=0))
+    assert np.allclose(wide[17:22], (laid.points + moved)[17:22])
+    answers = marks.done()
+    marks.click("Make the face")
+    marks.answered(answers)
+
+
+def test_a_folder_goes_on_where_it_was_left(browser, folder, laid):
+    server = Server(folder, str(folder))
+    context = browser.new_context(viewport={"width": 1280, "height": 720})
+    context.set_default_timeout(PATIENCE)
+    tab = Tab(context.new_page())
+    tab.go(server.url)
+    marks = Marks(tab)
+    try:
+        marks.begin()
+        tab.page.get_by_text("b.png · 1 of 3 done").wait_for()
+        before = marks.done()
+        marks.click("Mean shape")
+        marks.answered(before)
+        marks.drag(8, (0, 15))
+        chin = marks.points()[8]
+        marks.click("Done, next")
+        tab.page.get_by_text("c.png · 2 of 3 done").wait_for()
+        marks.until(f"{CANVAS}.curves.length > 10 && {CANVAS}.points[8]?.[1] != {chin[1]}")
+        marks.click("Done, next")
+        tab.told("All pictures are done")
+        written = json.loads((folder / "b.json").read_text())
+        assert written["image"] == {"width": 300, "height": 360}
+        assert written["points"][8] == pytest.approx(chin.tolist(), abs=1e-3)
+        assert (folder / "c.json").is_file()
+        shutil.copy(folder / "a.png", folder / "d.png")
+        tab.go(server.url)
+        marks.begin()
+        tab.page.get_by_role("button", name="The picture before").click()
+        tab.page.get_by_text("a.png").wait_for()
+    finally:
+        context.close()
+        server.kill()
