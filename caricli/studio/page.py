@@ -112,16 +112,20 @@ class Page:
             ui.switch("Turntable", on_change=lambda event: self.head.run_method("turntable", event.value))
             self.texture = ui.switch("Texture", value=True, on_change=self._textured)
 
-    async def do(self, operation: Operation, answered: int = 0) -> None:
-        """Do an operation for good, show what it made, and keep it in the browser. answered: strokes that it was."""
+    async def do(self, operation: Operation, answered: int = 0) -> bool:
+        """Do an operation for good, show what it made, and keep it in the browser. answered: strokes that it was.
+
+        Returns whether it was done; where it was refused the page has said why.
+        """
         self._wanted = None
         try:
             await self.studio.run(self.desk.do, operation)
         except CaricliError as error:
             self.say(str(error))
             self._after([], answered)
-        else:
-            self._after([operation], answered)
+            return False
+        self._after([operation], answered)
+        return True
 
     def _after(self, more: list[Operation], answered: int = 0) -> None:
         """Show the present, and let the browser keep it with what was done last."""
