@@ -30,7 +30,9 @@ class Server:
         )
         assert self.process.stdout is not None
         self.url = self.process.stdout.readline().strip()
-        assert self.url.startswith("http"), self.url + self.process.stdout.read()
+        if not self.url.startswith("http"):
+            self.kill()
+            pytest.fail(self.url + self.process.stdout.read())
 
     @property
     def port(self) -> int:
