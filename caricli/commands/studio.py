@@ -2,9 +2,11 @@
 
 import click
 
+from caricli.commands.shared.notes import echo_result
 from caricli.commands.shared.options import FACE_FILES, PATH, WholeRange, named_mesh, out_option, overwrite_option
 from caricli.commands.shared.picture import picture_option
 from caricli.commands.shared.studio_run import replay_session, serve_studio
+from caricli.errors import shown
 
 
 @click.command()
@@ -39,6 +41,7 @@ def command(start, port, host, no_browser, replay, out, overwrite):
     if (replay is None) != (out is None):
         raise click.UsageError("--replay and --out belong together.")
     if replay is not None:
-        replay_session(replay, start, out, overwrite)
+        count = replay_session(replay, start, out, overwrite)
+        echo_result(f"{shown(out)}: {count} operations")
     else:
         serve_studio(start, host, port, not no_browser)

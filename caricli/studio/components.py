@@ -56,7 +56,7 @@ class Slider(Element):
 
     def on_value(self, moving: Callable[[float], object], moved: Callable[[float], object]) -> None:
         """moving: called with the value while a hand moves it. moved: when the hand lets go."""
-        emit = "event => emit(Number(event.target.value))"
+        emit = "event => { event.target.moved = performance.now(); emit(Number(event.target.value)); }"
         self.on("input", lambda event: moving(float(event.args)), throttle=0.03, js_handler=emit)
         self.on("change", lambda event: moved(float(event.args)), js_handler=emit)
 

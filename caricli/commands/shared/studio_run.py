@@ -10,7 +10,6 @@ from pathlib import Path
 import click
 
 from caricli.commands.shared.face_outputs import staged_face
-from caricli.commands.shared.notes import echo_result
 from caricli.commands.shared.picture import write_picture
 from caricli.errors import CaricliError, UsageError, naming
 from caricli.io.provenance import provenance
@@ -21,9 +20,9 @@ _SIZE = 320
 """Pixels, width and height of a view in the picture."""
 
 
-def replay_session(path: Path, start: Path | None, out: Path, overwrite: bool) -> None:
+def replay_session(path: Path, start: Path | None, out: Path, overwrite: bool) -> int:
     """Do a session again and write its face. path: of it. start: the file that it began with, or None for the one
-    beside it. out: mesh. Raises CaricliError.
+    beside it. out: mesh. Returns the number of operations. Raises CaricliError.
     """
     from caricli.methods.faces.draw_face import FaceDrawing
     from caricli.methods.session.pose import Poser
@@ -46,7 +45,7 @@ def replay_session(path: Path, start: Path | None, out: Path, overwrite: bool) -
         write_json(report, provenance("studio", [path, source]) | about)
         drawing = FaceDrawing(tools.model, fine_mesh(tools.model.template, 0), _SIZE)
         write_picture(picture, lambda: contact_sheet(drawing.draw(face)))
-    echo_result(f"{out}: {len(session.operations)} operations")
+    return len(session.operations)
 
 
 def serve_studio(start: Path | None, host: str, port: int, browser: bool) -> None:

@@ -17,6 +17,9 @@ from caricli.studio.modes.mode import Mode
 _REACH = 4.0
 """Standard deviations at the ends of a label's slider."""
 
+_AT_HAND = 1000
+"""Milliseconds after which a slider is let go: an answer that comes late must not take back a key that came after."""
+
 _PERCENT = 15.0
 """Of the head's height, the farthest that numbers pull a point."""
 
@@ -51,12 +54,16 @@ class FaceMode(Mode):
         self.page.head.on("grab", self._grab).on("pull", self._pull)
 
     def refresh(self, answered: int = 0) -> None:
-        """Sliders where the work has them."""
+        """Sliders where the work has them, but for one that a hand is at."""
+        self._set_sliders(f"performance.now() - (slider.moved ?? -Infinity) > {_AT_HAND}")
+
+    def _set_sliders(self, where: str) -> None:
+        """Sliders where the work has them. where: what has to be true of one, in the browser."""
         work = self.page.desk.work
         values = {slider.id: work.strengths.get(name, 0.0) for name, slider in self.labels.items()}
         values |= {slider.id: work.weights.get(name, 0.0) for name, slider in self.actions.items()}
         # Where a hand moved them the server does not know.
-        move = "const slider = getHtmlElement(id); if (slider) slider.value = value;"
+        move = f"const slider = getHtmlElement(id); if (slider && {where}) slider.value = value;"
         ui.run_javascript(f"for (const [id, value] of Object.entries({json.dumps(values)})) {{ {move} }}")
 
     def _caricature(self) -> None:
@@ -119,7 +126,7 @@ class FaceMode(Mode):
             await self.page.do(operation)
         if self.locks[name].value:
             self.page.say(f"{_words(name)} is locked.")
-        self.refresh()
+            self._set_sliders("true")
 
     def _expression(self, name: str, value: float) -> Operation:
         names = {name}

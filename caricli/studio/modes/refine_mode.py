@@ -42,7 +42,10 @@ class RefineMode(Mode):
         """Lay out the tools."""
         with ui.element("div").classes("caricli-tools").props('role="group" aria-label="Strokes on the head"'):
             self.tool = ui.toggle(TOOLS, value="turn", on_change=self._use)
-            self.tool.props('no-caps dense unelevated aria-label="What strokes on the head are"')
+            self.tool.props(
+                "no-caps dense unelevated toggle-color=marked toggle-text-color=onmarked "
+                'aria-label="What strokes on the head are"'
+            )
             self.symmetric = ui.switch("Both sides", value=True)
         for words, name in (("Bulge", "bulge"), ("Press in", "depress")):
             with ui.element("div").classes("caricli-row").props(f'role="group" aria-label="{words}"'):
