@@ -51,7 +51,8 @@ class Slider(Element):
     def __init__(self, label: str, reach: tuple[float, float], step: float) -> None:
         """label: what a screen reader says. reach: least and largest value. step: between values."""
         super().__init__("input")
-        self._props |= {"type": "range", "min": reach[0], "max": reach[1], "step": step, "value": 0}
+        # No value here: the browser would go back to it whenever anything else of the page changes.
+        self._props |= {"type": "range", "min": reach[0], "max": reach[1], "step": step}
         self._props["aria-label"] = label
 
     def on_value(self, moving: Callable[[float], object], moved: Callable[[float], object]) -> None:
