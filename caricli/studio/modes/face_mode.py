@@ -1,5 +1,6 @@
 """Changing a face by sliders, and by points that are dragged."""
 
+import asyncio
 import json
 from functools import partial
 from typing import Any
@@ -35,6 +36,7 @@ class FaceMode(Mode):
         self.labels: dict[str, Slider] = {}
         self.locks: dict[str, ui.checkbox] = {}
         self.actions: dict[str, Slider] = {}
+        self.sliding = asyncio.Lock()
         with ui.scroll_area().classes("caricli-scroll").props('tabindex="0" aria-label="Face"'):
             with _group("Caricature", True):
                 self._caricature()
@@ -121,9 +123,11 @@ class FaceMode(Mode):
             self.page.attempt(operation)
 
     async def _slid(self, name: str, value: float) -> None:
-        operation = self._semantic(name, value)
-        if operation:
-            await self.page.do(operation)
+        # One after the other: the way to a value begins where the one before has ended.
+        async with self.sliding:
+            operation = self._semantic(name, value)
+            if operation:
+                await self.page.do(operation)
         if self.locks[name].value:
             self.page.say(f"{_words(name)} is locked.")
             self._set_sliders("true")
