@@ -7,7 +7,7 @@ FAST := tests/structures tests/io tests/geometry tests/template tests/store test
 VALIDATOR := tests/gltf_validator
 VALIDATOR_STAMP := $(VALIDATOR)/node_modules/.package-lock.json
 
-.PHONY: demo test fast fuzz lint docs setup clean
+.PHONY: demo test fast fuzz lint docs results results-long setup clean
 
 demo: setup examples/astronaut/astronaut.png
 	$(BIN)/caricli portrait examples/astronaut/astronaut.png --out-dir demo --overwrite
@@ -38,6 +38,14 @@ lint: setup
 
 docs: setup
 	$(BIN)/python docs/generate_cli.py
+
+# The tables of benchmarks/RESULTS.md, with the runs that are short (benchmarks/tables.yaml): the same figures every
+# time. The long ones are hours; stopped, they go on with the next.
+results: setup
+	$(BIN)/python -m benchmarks.results
+
+results-long: setup
+	$(BIN)/python -m benchmarks.results --long
 
 setup: $(VENV)/installed
 

@@ -22,8 +22,11 @@ from caricli.io.strict_json import write_json
 @click.option(
     "--count", type=WholeRange(1), metavar="N", help="Measure at most N meshes of every split.  [default: all]"
 )
+@click.option(
+    "--everyone", is_flag=True, help="Test with all people that the models were not trained with, not with a split."
+)
 @overwrite_option
-def command(models, dataset, out, count, overwrite):
+def command(models, dataset, out, count, everyone, overwrite):
     """Print the shape error of models on the splits of a dataset, in mm and percent of the head's height.
 
     A MODEL is a file, or the kind of one that comes with caricli, such as pca. Whom one of them was trained with is
@@ -32,7 +35,7 @@ def command(models, dataset, out, count, overwrite):
     \b
     Example:
       caricli evaluate shape pca.safetensors intrinsic.safetensors --data dataset
-      caricli evaluate shape run/model.safetensors kernel --data dataset --count 100
+      caricli evaluate shape run/model.safetensors kernel --data dataset --everyone --count 100
     """
     from caricli.commands.shared.tables import print_table
     from caricli.data.dataset import SPLITS, read_dataset
@@ -47,7 +50,7 @@ def command(models, dataset, out, count, overwrite):
         data = read_dataset(dataset)
         loaded = {path: _of_mesh(path, data) for path in models}
         with naming(dataset):
-            unseen = unseen_data(data, {_name(path, models): model.seen for path, model in loaded.items()})
+            unseen = unseen_data(data, {_name(path, models): model.seen for path, model in loaded.items()}, everyone)
         for path, model in loaded.items():
             errors = evaluate_splits(model, unseen.data, count=count or 0)
             results[str(path)] = {split: asdict(error) for split, error in errors.items()}

@@ -27,6 +27,20 @@ def test_a_few_meshes_of_every_split_are_enough(run, models, dataset, tmp_path):
     assert {split: error["meshes"] for split, error in found.items()} == dict(train=3, validation=3, test=3)
 
 
+def test_everybody_but_those_a_model_was_trained_with_can_be_tested_with(run, models, dataset, tmp_path):
+    def measured(*models):
+        out = tmp_path / f"{len(models)}.json"
+        result = run("evaluate", "shape", *models, "--data", dataset, "--everyone", "-o", out)
+        assert result.exit_code == 0, result.output
+        found = read_json(out)
+        assert all(set(errors) == {"test"} for errors in found["models"].values())
+        return found["test_people"], {errors["test"]["meshes"] for errors in found["models"].values()}
+
+    assert measured("pca") == ({"unseen": 4, "of": 4}, {16})
+    people, meshes = measured("pca", models["pca"])
+    assert people["unseen"] < people["of"] == 4 and meshes == {4 * people["unseen"]}
+
+
 def test_bad_input_is_one_line_and_leaves_nothing(refused, models, dataset, tmp_path):
     out = ("-o", tmp_path / "errors.json")
     bad = tmp_path / "bad.safetensors"

@@ -1,0 +1,61 @@
+import re
+import shlex
+
+import pytest
+
+from benchmarks import results
+from caricli.cli import COMMANDS
+
+RUNS, TABLES = results.registry()
+PAGE = results.PAGE.read_text("utf-8")
+
+
+def test_tables_are_those_of_their_figures():
+    assert results.rendered(PAGE) == PAGE, "run: python -m benchmarks.results --render"
+
+
+def test_a_changed_figure_changes_its_table(monkeypatch):
+    def other(run):
+        told = results_of(run)
+        return told | {"revision": "0000000"} if run == "shape" else told
+
+    results_of = results.figures_of
+    monkeypatch.setattr(results, "figures_of", other)
+    assert results.rendered(PAGE) != PAGE
+
+
+def test_every_table_of_the_page_has_its_command_and_every_table_that_is_told_is_there():
+    assert sorted(match[1] for match in results.MARKED.finditer(PAGE)) == sorted(TABLES)
+    assert not re.search(r"^\|", results.MARKED.sub("", PAGE), re.M), "a table without a command"
+    assert {table.run for table in TABLES.values()} - {None} == set(RUNS)
+    assert {path.stem for path in results.FOLDER.iterdir()} == set(RUNS)
+
+
+@pytest.mark.parametrize("name", RUNS)
+def test_figures_say_what_they_come_from(name):
+    told = results.figures_of(name)
+    assert set(told) == {"command", "revision", "date", "figures"}
+    assert told["command"] == RUNS[name].command
+    assert re.fullmatch(r"[0-9a-f]{7}\+?", told["revision"]) and re.fullmatch(r"20\d\d-\d\d-\d\d", told["date"])
+    assert set(told["figures"]) == {table.rows for table in TABLES.values() if table.run == name}
+
+
+@pytest.mark.parametrize("name", [name for name, run in RUNS.items() if run.short])
+def test_short_runs_are_commands_of_this_project(name):
+    words = shlex.split(RUNS[name].command)
+    if words[0] == "caricli":
+        assert " ".join(words[1:3]) in COMMANDS or words[1] in COMMANDS
+    else:
+        assert words[0] == "python" and (results.ROOT / words[1]).is_file()
+
+
+def test_rows_print_what_they_hold_and_nothing_where_it_is_missing():
+    table = results.Table("run", "rows", {"of": "{name}", "error": "{test[error]:.2f} %", "paper": "{paper}"})
+    rows = {"one": {"test": {"error": 1.234}}, "two": {"test": None, "paper": None}}
+    printed = results.markdown(results.Table(**vars(table) | {"beside": {"one": {"paper": 3}, "three": {}}}), rows)
+    assert printed.splitlines()[2:] == ["| one | 1.23 % | 3 |", "| two | | |", "| three | | |"]
+
+
+def test_what_is_left_out_without_its_data_is_said(monkeypatch):
+    monkeypatch.delenv("CARICLI_REAL_DATA", raising=False)
+    assert results.missing(results.Run("python x.py", needs=("draws", "$CARICLI_REAL_DATA"))) == ["$CARICLI_REAL_DATA"]
