@@ -1,13 +1,13 @@
 """Semantic directions and caricatures, measured on faces of people that no model has seen.
 
-Usage: python benchmarks/semantics.py DATASET [MODEL [DIRECTIONS]]. DATASET is the one of pipelines/bundled_models, made
-by `caricli dataset build`; MODEL is a bundled kind or a file (default: kernel). Whom model and directions were trained
-with is left out. The last line is JSON.
+Usage: python benchmarks/semantics.py DATASET [MODEL [DIRECTIONS]]. DATASET is made by `caricli dataset build`
+(testset/draws: configs/testset.yaml); MODEL is a bundled kind or a file (default: kernel). Everybody counts but whom
+model and directions were trained with. The last line is JSON.
 
 Labels: cross-validated AUC; the share of 100 test faces on which -2, 0 and +2 standard deviations measure in rising
 order; and how much of the change of the attribute that changes most beside the label is left with --keep. Caricatures:
-100 regular faces of test people, drawn again without what was exaggerated; whether the measured exaggeration rises over
-the strengths 0 to 2, and whether the caricature is nearest to the neutral face of its own person among all test people.
+100 regular faces of these people, drawn again without what was exaggerated; whether the measured exaggeration rises
+over the strengths 0 to 2, and whether the caricature is nearest to the neutral face of its own person among all.
 """
 
 import json
@@ -48,7 +48,7 @@ class Attributes:
         measurable = measure_attributes(model.template.vertices, model.template)
         self.names = [name for name in data.attributes if name in measurable]
         columns = [data.attributes.index(name) for name in self.names]
-        self.spread = data.measures[data.rows("train")].std(0)[columns]
+        self.spread = data.measures.std(0)[columns]
         self.faces = [encoded(data.vertices[row], model) for row in spread_rows(data.rows("test"), FACES)]
         self.start = self.table(self.faces)
 
@@ -160,9 +160,9 @@ def main():
     kind = sys.argv[2] if len(sys.argv) > 2 else DEFAULT_LATENT
     model = load_model(Path(kind)) if Path(kind).is_file() else load_model(kind=kind)
     directions = load_directions(model, Path(sys.argv[3]) if len(sys.argv) > 3 else None)
-    unseen = unseen_data(data, {"model": model.seen, "directions": directions.seen})
+    unseen = unseen_data(data, {"model": model.seen, "directions": directions.seen}, everyone=True)
     data = unseen.data
-    print(f"{unseen.test} of {unseen.of} test people")
+    print(f"{unseen.test} of {unseen.of} people")
     rows, modes = [], []
     print(f"{'label':16}{'AUC':>7}{'rising':>8}   change of another by +{FAR:g}: without and with --keep")
     for row in labels(data, model, directions):

@@ -11,6 +11,7 @@ from caricli.data.expressions import NEUTRAL, named_expressions
 from caricli.errors import InputError, naming
 from caricli.geometry.flipped_triangles import flipped_triangles
 from caricli.geometry.head_rotation import TURNS, head_rotation
+from caricli.methods.evaluate.paired_interval import paired_interval
 from caricli.methods.expressions.build_blendshapes import Blendshapes, build_blendshapes
 from caricli.methods.expressions.measure_blendshapes import measure_blendshapes
 from caricli.methods.expressions.settings import BlendshapeSettings
@@ -27,6 +28,10 @@ RIVALS = {
 }
 """What is compared: ``method`` and ``reconstruct`` of BlendshapeSettings."""
 
+STEADY = ("scalp", "ear_left", "ear_right", "temple_left", "temple_right")
+"""Regions of the annotation that expressions are not meant to move, skin on bone and cartilage: drift is of these,
+where no mask has a say."""
+
 TRUTH = "truth"
 """What rivals are measured against, among them."""
 
@@ -37,7 +42,7 @@ PICTURED = 400.0
 """Pixels that a head is high in its picture; landmarks have no pixels, so that it hardly matters."""
 
 Figures = dict[str, dict]
-"""By rival: error, drift, strength, excess (K,), structure, flipped, and seconds."""
+"""By rival: error, drift, drift_off, strength, strength_off, excess (K,), structure, flipped, and seconds."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,9 +59,11 @@ class Comparison:
     """What came of one caricature.
 
     face: Face as it was given, with the camera of its picture.
-    figures: by rival, TRUTH among them: error, drift, strength and excess (K,), in percent of the head's height, of the
-    normal face's and of its mean displacement, NaN for the given expression; structure; flipped, percent of triangles,
-    at most; seconds.
+    figures: by rival, TRUTH among them, (K,), NaN for the given expression: error, and drift, the mean displacement of
+    STEADY, percent of the head's height; drift_off, the same of the difference from the true displacement, which for a
+    face that keeps still is the truth's drift; strength, of the normal face's; strength_off, how far from the truth's;
+    excess, percent of the normal face's mean displacement; and structure; flipped, percent of triangles, at most;
+    seconds.
     blendshapes: Blendshapes by rival.
     """
 
@@ -80,12 +87,13 @@ class ComparisonTally:
 
     @property
     def summary(self) -> dict:
-        """JSON object: means, expressions (see ``by_expression``), and the figures of all caricatures."""
+        """JSON object: means, differences, expressions (see ``by_expression``), and the figures of all caricatures."""
         each = [
             {"person": caricature.identity, "level": caricature.level, "rivals": _finite(figures, self.expressions)}
             for caricature, figures in zip(self.caricatures, self.figures, strict=True)
         ]
-        return {"means": self.means, "expressions": self.by_expression, "caricatures": each}
+        parts = {"means": self.means, "differences": self.differences, "expressions": self.by_expression}
+        return parts | {"caricatures": each}
 
     @property
     def means(self) -> dict[str, dict[str, float]]:
@@ -96,9 +104,18 @@ class ComparisonTally:
         }
 
     @property
+    def differences(self) -> dict[str, dict[str, float]]:
+        """By rival: the error of "full" less its own, of all expressions, paired over caricatures, and intervals."""
+        errors = {name: np.nanmean(own, axis=1) for name, own in self._errors.items()}
+        rivals = {name: own for name, own in errors.items() if name != "full"}
+        return {name: paired_interval(errors["full"] - own, self._people) for name, own in rivals.items()}
+
+    @property
     def by_expression(self) -> dict[str, dict]:
-        """By expression: mean error by rival; on how many caricatures "full" is nearest to the truth; of how many."""
-        errors = {name: np.array([f[name]["error"] for f in self.figures]) for name in RIVALS}
+        """By expression: mean error by rival; on how many caricatures "full" is nearest to the truth; of how many; and
+        the error of "full" less that of "transfer" with its interval.
+        """
+        errors = self._errors
         best = np.min([errors[name] for name in RIVALS if name != "full"], axis=0)
         nearest = (errors["full"] < best).sum(0)
         compared = np.isfinite(best).sum(0)
@@ -109,8 +126,18 @@ class ComparisonTally:
         return {
             name: {rival: own[k] for rival, own in means.items() if np.isfinite(own[k])}
             | {"full_is_nearest_on": int(nearest[k]), "of": int(compared[k])}
+            | {"beside_transfer": paired_interval((errors["full"] - errors["transfer"])[:, k], self._people)}
             for k, name in enumerate(self.expressions)
         }
+
+    @property
+    def _errors(self) -> dict[str, np.ndarray]:
+        """(N, K) by rival."""
+        return {name: np.array([f[name]["error"] for f in self.figures]) for name in RIVALS}
+
+    @property
+    def _people(self) -> np.ndarray:
+        return np.array([caricature.identity for caricature in self.caricatures])
 
 
 def dataset_expressions(data: Dataset, action_names: Sequence[str]) -> dict[str, dict[str, float]]:
@@ -198,19 +225,33 @@ def compare_blendshapes(truth: np.ndarray, given: int, camera: Camera, tools: Ex
         seconds[name] = {"seconds": time.perf_counter() - start}
     built = {TRUTH: replace(built["transfer"], shapes=truth)} | built
     others = np.arange(len(truth)) != given
-    figures = {name: _figures(own, truth, others, face, template) for name, own in built.items()}
+    figures = {name: rival_figures(own, truth, others, face, template) for name, own in built.items()}
     return Comparison(face, {name: own | seconds.get(name, {}) for name, own in figures.items()}, built)
 
 
-def _figures(blendshapes: Blendshapes, truth: np.ndarray, others: np.ndarray, face: Face, template: Template) -> dict:
-    """Figures of one rival. others: (K,) bool, expressions that were not given."""
+def rival_figures(
+    blendshapes: Blendshapes, truth: np.ndarray, others: np.ndarray, face: Face, template: Template
+) -> dict:
+    """The figures of one rival, as in ``Comparison``, without its seconds.
+
+    truth: (K, V, 3) metres. others: (K,) bool, expressions that were not given. face: Face as it was given.
+    """
     height = face.mesh.height
     moves = blendshapes.shapes - face.vertices
-    measures = measure_blendshapes(moves, blendshapes.normal - blendshapes.normal_given)
+    true_moves = truth - face.vertices
+    normal = blendshapes.normal - blendshapes.normal_given
+    measures = measure_blendshapes(moves, normal)
+    steady = template.mask(*STEADY)
+
+    def percent(ways: np.ndarray) -> np.ndarray:
+        return 100 * np.linalg.norm(ways, axis=2).mean(1) / height
+
     each = {
-        "error": 100 * np.linalg.norm(blendshapes.shapes - truth, axis=2).mean(1) / height,
-        "drift": 100 * measures.drift / height,
+        "error": percent(moves - true_moves),
+        "drift": percent(moves[:, steady]),
+        "drift_off": percent((moves - true_moves)[:, steady]),
         "strength": measures.strength,
+        "strength_off": np.abs(measures.strength - measure_blendshapes(true_moves, normal).strength),
         "excess": 100 * measures.excess,
     }
     flipped = 100 * max(flipped_triangles(shape, template.gradients).mean() for shape in blendshapes.shapes)

@@ -48,9 +48,9 @@ def build_blendshapes(
     The landmarks of the caricature, as its vertices show them, are mapped to those of a normal face, and the morphable
     model is fitted to these (equation 2). With each expression in the place of its own (equation 3) the landmarks move,
     are mapped back, and the caricature is reconstructed from them, its camera and everything that landmarks do not show
-    kept. "initial" stops there; "full" starts from the neutral face of ``find_neutral``, optimises the displacements
-    (equations 4 to 11) and lets lids and lips meet; "transfer" instead transfers the deformations of the normal face
-    (Sumner and Popovic 2004).
+    kept. "initial" stops there; "full" starts from the neutral face of ``find_neutral`` and optimises the displacements
+    (equations 4 to 11); "transfer" instead transfers the deformations of the normal face (Sumner and Popovic 2004).
+    Then lids and lips meet as they do on the head, whatever the method.
 
     face: Face S(e_x) with the camera of its picture, of the mesh of the tools.
     Raises InputError, NumericsError.
@@ -66,6 +66,8 @@ def build_blendshapes(
         shapes = followed.shapes
     if settings.method == "full":
         shapes = expressions.optimised(shapes, neutral_of(pair))
+    if settings.contacts:
+        shapes = expressions.in_contact(shapes)
     alone = pair.scale * expressions.alone(shapes)
     normal = pair.neutral + tools.templates.deltas
     return Blendshapes(alone, normal, pair.given, pair.fit, landmarks)
@@ -101,15 +103,14 @@ class _Expressions:
         deltas[1:] = optimise_blendshapes(initial, self.normal[1:] - pair.neutral, pair.mesh, pair.settings.weights)
         # What moves nothing, as tongueOut does on a head without a tongue, moves nothing exactly.
         deltas[[motion is None for motion in self.templates.motions]] = 0
-        if pair.settings.contacts:
-            deltas = self._in_contact(rest, deltas)
         return rest + deltas
 
-    def _in_contact(self, neutral: np.ndarray, deltas: np.ndarray) -> np.ndarray:
-        """The displacements (K, V, 3) of a neutral face (V, 3), lids and lips meeting as they do on the templates."""
+    def in_contact(self, shapes: np.ndarray) -> np.ndarray:
+        """(K, V, 3) shapes with lids and lips meeting as they do on the templates, from the first of them."""
+        neutral = shapes[0]
         transfer = DeformationTransfer(neutral, self.templates.faces, self.held)
         contacts = Contacts(self.templates, neutral, transfer)
-        return np.array([contacts.keep(k, delta) for k, delta in enumerate(deltas)])
+        return neutral + np.array([contacts.keep(k, shape - neutral) for k, shape in enumerate(shapes)])
 
     def transferred(self) -> np.ndarray:
         """(K, V, 3) the caricature doing what takes the given normal face to the others."""

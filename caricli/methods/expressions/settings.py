@@ -25,7 +25,7 @@ class BlendshapeSettings:
     method: of METHODS.
     reconstruct: of RECONSTRUCTIONS.
     weights: of equation 11, for "full".
-    contacts: whether "full" lets lids and lips meet.
+    contacts: whether lids and lips meet as they do on the head.
     exaggeration: factor of the normal face's change of deformation gradients: a caricature does a little more.
     farthest: factor of the way of a normal face's landmark: none goes farther, because the map exaggerates moves as it
     exaggerates faces.

@@ -38,6 +38,9 @@ def test_tables_figures_and_picture_are_written(evaluated):
         assert row["error"] == pytest.approx(np.mean(each)) and f" {row['error']:.3f} " in printed
     smile = found["expressions"]["smile"]
     assert smile["of"] == 3 and 0 <= smile["full_is_nearest_on"] <= 3
+    assert smile["beside_transfer"]["low"] <= smile["beside_transfer"]["mean"] <= smile["beside_transfer"]["high"]
+    off = found["means"]["truth"]
+    assert off["drift_off"] == off["strength_off"] == 0 < found["means"]["full"]["drift_off"]
     # The given expression is no expression to make.
     assert found["expressions"]["neutral"]["of"] == 0
     assert len({one["person"] for one in found["caricatures"]}) >= 2

@@ -6,12 +6,15 @@ import pytest
 from caricli.errors import InputError
 from caricli.methods.evaluate.evaluate_blendshapes import (
     RIVALS,
+    STEADY,
     ComparisonTally,
     KnownCaricature,
     dataset_caricatures,
     dataset_expressions,
     random_camera,
+    rival_figures,
 )
+from caricli.structures import Face
 
 
 @pytest.fixture
@@ -58,9 +61,35 @@ def test_a_tally_means_over_what_was_compared():
         tally.add(KnownCaricature(0, 2, np.zeros((2, 4, 3))), SimpleNamespace(figures=figures))
     assert tally.means["full"] == {"error": 0.5, "structure": 0.5}
     smile, neutral = tally.by_expression["smile"], tally.by_expression["neutral"]
-    assert smile == {name: 0.5 + k for k, name in enumerate(RIVALS)} | {"full_is_nearest_on": 2, "of": 2}
-    assert neutral == {"full_is_nearest_on": 0, "of": 0}
+    beside = {"mean": -3.0, "low": -3.0, "high": -3.0}
+    means = {name: 0.5 + k for k, name in enumerate(RIVALS)}
+    assert smile == means | {"full_is_nearest_on": 2, "of": 2, "beside_transfer": beside}
+    assert neutral == {"full_is_nearest_on": 0, "of": 0, "beside_transfer": {}}
+    assert tally.differences["transfer"] == beside and [*tally.differences] == [*RIVALS][1:]
     assert tally.summary["caricatures"][1]["rivals"]["full"] == {"error": {"smile": 1.0}, "structure": 1.0}
+
+
+def test_drift_and_strength_are_measured_against_those_of_the_truth(head_template):
+    still = head_template.vertices
+    steady, chin = head_template.mask(*STEADY), head_template.mask("chin")
+    ways = np.zeros((3, *still.shape))
+    ways[1:, chin] = [0, -0.02, 0]
+    truth = still + ways
+    truth[1:, steady] += [0.001, 0, 0]
+    weaker = still + 0.5 * ways
+    face = Face(head_template.with_vertices(still))
+    built = SimpleNamespace(shapes=weaker, normal=still + ways, normal_given=still)
+    others = np.array([False, True, True])
+    own = rival_figures(built, truth, others, face, head_template)
+    best = rival_figures(SimpleNamespace(**vars(built) | {"shapes": truth}), truth, others, face, head_template)
+    shift = 100 * 0.001 / face.mesh.height
+    np.testing.assert_allclose(best["drift"], [np.nan, shift, shift])
+    np.testing.assert_allclose(own["drift"], [np.nan, 0, 0])
+    # A face that keeps still is as far off as the truth drifts.
+    np.testing.assert_allclose(own["drift_off"], best["drift"])
+    np.testing.assert_allclose(best["drift_off"][1:], 0)
+    np.testing.assert_allclose(own["strength_off"][1:], 0.5)
+    np.testing.assert_allclose(best["strength_off"][1:], 0)
 
 
 def test_a_head_is_seen_at_one_size_from_the_front():

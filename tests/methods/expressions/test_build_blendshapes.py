@@ -108,6 +108,8 @@ def test_lids_meet_where_contacts_are_kept(built, caricature, face, tools, head_
         ids = [note.curves[f"eye_{lid}_{side}"] for lid in ("upper", "lower")]
         usual = curve_gap(caricature[0], *ids)
         assert curve_gap(built["full"].shapes[blink], *ids) < 0.03 * usual < curve_gap(free.shapes[blink], *ids)
+        for method, made in built.items():
+            assert curve_gap(made.shapes[blink], *ids) < 0.03 * usual, method
 
 
 def test_lips_close_on_an_open_jaw(head_template, caricature, face, tools):
