@@ -10,11 +10,14 @@ import time
 
 import numpy as np
 import pytest
+import torch
 
 from caricli.io.bundled import config_path
 from caricli.io.checkpoint import read_checkpoint
 from caricli.io.face import write_face
 from caricli.io.image import read_image
+from caricli.io.training_state import read_state
+from caricli.methods.train.train_autodecoder import AutoDecoderTraining
 from caricli.models.checkpoint import model_from_checkpoint
 from caricli.structures import Face, Mesh
 
@@ -141,13 +144,27 @@ def test_a_template_of_another_topology_is_refused(refused, dataset, ball, tmp_p
     assert "topology" in refused("train", "deformable", "--data", dataset, *args)
 
 
-def test_a_loss_that_explodes_keeps_the_last_good_checkpoint(run, dataset, tiny, tmp_path):
+def test_a_loss_that_explodes_keeps_the_last_good_checkpoint(run, trained, dataset, tiny, tmp_path, monkeypatch):
     folder = tmp_path / "run"
-    args = ("train", "deformable", "--data", dataset, "--config", tiny, "--out", folder)
-    result = run(*args, *SMALL, "--set", "learning_rate=1", "--set", "data_weight=1e12", "--set", "latent_rate=100")
-    if result.exit_code:
-        assert result.stderr.splitlines()[-1].startswith("caricli: error: the loss of epoch")
-    assert (folder / "state.pt").exists() == (folder / "log.jsonl").exists()
+    args = ("train", "deformable", "--data", dataset, "--config", tiny, *SMALL, "--out", folder)
+    usual = AutoDecoderTraining._loss
+
+    def exploding(training, rows, generator):
+        loss, distance = usual(training, rows, generator)
+        return loss * (1 if training.epoch < 3 else torch.inf), distance
+
+    with monkeypatch.context() as patch:
+        patch.setattr(AutoDecoderTraining, "_loss", exploding)
+        result = run(*args)
+    assert result.exit_code == 1
+    assert result.stderr.splitlines()[-1].startswith("caricli: error: the loss of epoch 4 is not finite")
+    assert read_state(folder / "state.pt")[0]["counters"][0] == 3
+    assert [json.loads(line)["epoch"] for line in (folder / "log.jsonl").read_text().splitlines()] == [1, 2, 3]
+    # The best model so far is that of the validation after epoch 2.
+    model = model_from_checkpoint(*read_checkpoint(folder / "model.safetensors"), "model")
+    assert model.kind == "deformable" and not (folder / "model.json").exists()
+    assert run(*args, "--resume").exit_code == 0
+    assert (folder / "model.safetensors").read_bytes() == (trained / "model.safetensors").read_bytes()
 
 
 def test_killed_at_random_moments_it_ends_in_the_same_bytes(dataset, tiny, tmp_path):
