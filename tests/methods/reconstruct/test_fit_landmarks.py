@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from caricli.errors import CaricliError, InputError
+from caricli.errors import InputError
 from caricli.geometry.rotation_vectors import rotation_matrices
 from caricli.geometry.similarity import similarity
 from caricli.io.landmarks import read_landmarks
@@ -220,20 +220,31 @@ def test_eight_spread_points_are_enough(fit, one):
     assert angle(result.face.camera.rotation, one.camera.rotation) < 25
 
 
-def test_landmarks_that_are_no_face_are_refused_or_survived(fit, one):
+def test_landmarks_that_are_no_face_are_refused(fit, method, one):
     with pytest.raises(InputError, match="68 or 81.*found 67"):
         fit(one.points[:67])
     with pytest.raises(InputError, match="in one place"):
         fit(np.full((68, 2), 5.0))
     line = np.column_stack([np.linspace(0, 100, 68), np.full(68, 7.0)])
     noise = np.random.default_rng(0).uniform(0, 400, (68, 2))
-    upside_down = one.points[::-1].copy()
-    for points in (line, noise, upside_down):
-        try:
-            result = fit(points)
-        except CaricliError:
-            continue
+    # Inside the model a face is found even in noise, see below.
+    for points in (line, one.points * [1, -1], *([noise] if method == "intrinsic" else [])):
+        with pytest.raises(InputError, match="a face from behind"):
+            fit(points)
+
+
+def test_landmarks_that_could_be_a_face_are_survived_and_the_error_tells(fit, fitted, method, one):
+    noise = np.random.default_rng(0).uniform(0, 400, (68, 2))
+    for points in (one.points[::-1], *([noise] if method == "latent" else [])):
+        result = fit(points)
         assert np.isfinite(result.face.vertices).all() and np.isfinite(result.face.landmarks).all()
+        assert result.nme > 5 > 3 * fitted.nme and result.prior_rms > 2 * fitted.prior_rms
+
+
+def test_a_picture_that_is_upside_down_is_the_same_face(fit, fitted, one, intrinsic):
+    result = fit(-one.points)
+    assert angle(result.face.camera.rotation, np.diag([-1, -1, 1]) @ fitted.face.camera.rotation) < 1
+    assert drift(result.face.vertices, fitted.face.vertices, intrinsic.template).mean() < 1e-3
 
 
 def test_latent_fit_takes_any_model_with_the_interface(intrinsic, one):
