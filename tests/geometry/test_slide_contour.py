@@ -81,6 +81,7 @@ def test_the_chin_of_a_lifted_head_slides_backwards_only_for_a_clear_gain():
     def at(pitch):
         return slide_contour(template, turned(pitch=pitch), template, landmarks, paths)[0]
 
-    assert at(0.0) == 1
-    assert at(4.0) == at(-4.0) or {at(4.0), at(-4.0)} == {1, 2}
-    assert {at(25.0), at(-25.0)} == {0, 2}
+    # A positive pitch lowers the chin: the point in front goes down, outwards, and rounding alone is no gain.
+    assert [at(0.0), at(0.5), at(1.0), at(4.0), at(25.0)] == [1, 1, 2, 2, 2]
+    # A lifted head shows the point underneath: 0.019 of the height is too little of a gain, 0.021 is enough.
+    assert [at(-0.5), at(-4.0), at(-11.0), at(-12.0), at(-25.0)] == [1, 1, 1, 0, 0]
