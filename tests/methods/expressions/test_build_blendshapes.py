@@ -12,7 +12,7 @@ from caricli.methods.expressions.settings import METHODS, BlendshapeSettings
 from caricli.methods.expressions.tools import ExpressionTools
 from caricli.methods.rig.head_expressions import head_expressions
 from caricli.methods.rig.measure_rig import curve_gap
-from caricli.models.landmark_map.model import DOMAINS, GENERATOR_WEIGHTS, Domain, LandmarkMap
+from caricli.models.landmark_map.model import DOMAINS, GENERATOR_WEIGHTS, Domain, LandmarkMap, align
 from caricli.store.landmark_maps import load_landmark_map
 from caricli.store.models import load_model
 from caricli.structures import Camera, Face
@@ -86,7 +86,7 @@ def errors(made, truth):
 def test_every_method_comes_nearer_to_the_truth_than_a_face_that_keeps_still(built, caricature):
     still = np.linalg.norm(caricature - caricature[0], axis=2).mean(1) / np.ptp(caricature[0, :, 1])
     for name, made in built.items():
-        assert errors(made, caricature)[1:].mean() < 0.85 * still[1:].mean(), name
+        assert errors(made, caricature)[1:].mean() < 0.65 * still[1:].mean(), name
         assert errors(made, caricature)[0] < 0.006, name
 
 
@@ -137,6 +137,46 @@ def test_the_size_of_the_face_does_not_matter(built, caricature, camera, face, t
     smaller = Camera(camera.scale / 3, camera.rotation, camera.translation)
     made = build_blendshapes(face(3 * caricature[0], smaller), tools, BlendshapeSettings(method))
     np.testing.assert_allclose(made.shapes, 3 * built[method].shapes, atol=1e-6)
+
+
+def stretching(before, after):
+    """A landmark map that does to every face what makes one face (68, 2) another, and back."""
+    size = 2 * COUNT
+    none = {"first": np.zeros((size, 1)), "first_bias": np.zeros(1), "second": np.zeros((1, 1)),
+            "second_bias": np.zeros(1), "last": np.zeros((1, size))}  # fmt: skip
+    generators = {}
+    aligned = [align(points)[0] for points in (after, before)]
+    for name, (start, end) in zip(DOMAINS, (aligned, aligned[::-1]), strict=True):
+        affine = np.linalg.lstsq(np.column_stack([start, np.ones(COUNT)]), end, rcond=None)[0]
+        linear = np.kron(np.eye(COUNT), affine[:2])
+        generators[name] = none | {"linear": linear, "last_bias": np.tile(affine[2], COUNT)}
+    return LandmarkMap(dict.fromkeys(DOMAINS, Domain(np.zeros(size), np.eye(size))), generators)
+
+
+def test_the_map_finds_the_normal_face_of_a_stretched_one(tools, same):
+    """Of a face that is only stretched the right map is known, and a map that changes nothing must do worse."""
+    templates, ids = tools.templates, tools.morphable.template.annotation.landmarks[:COUNT]
+    stretched = (templates.neutral + templates.deltas) * [1.3, 0.8, 1.2]
+    frontal = Camera(1600.0, np.diag([1.0, -1, -1]), np.array([300.0, 320]))
+    right = stretching(frontal.project(templates.neutral[ids]), frontal.project(stretched[0][ids]))
+    given = Face(tools.morphable.template.with_vertices(stretched[0]), frontal)
+    normal, neutral, moves, landmarks = [], [], [], []
+    for landmark_map in (right, same):
+        made = build_blendshapes(given, replace(tools, landmark_map=landmark_map))
+        normal.append(
+            np.linalg.norm(made.normal[0] - templates.neutral, axis=1).mean() / np.ptp(templates.neutral[:, 1])
+        )
+        own = errors(made, stretched)
+        neutral.append(own[0])
+        moves.append(own[1:].mean())
+        landmarks.append(made.landmarks)
+    assert normal[0] < 0.5 * normal[1]
+    # A stretched face is taken for one with an expression, which is then undone.
+    assert neutral[0] < 1e-9 and neutral[1] > 0.002
+    assert moves[0] < 0.97 * moves[1]
+    # A chin falls less in a face that is flatter than its normal one.
+    falls = [(points[2] - points[0])[8, 1] for points in landmarks]
+    assert falls[0] < 0.9 * falls[1]
 
 
 def test_landmarks_are_carried_by_the_map(caricature, face, tools, same, built):
