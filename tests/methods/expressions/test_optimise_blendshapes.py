@@ -3,8 +3,6 @@ import pytest
 
 from caricli.errors import NumericsError
 from caricli.methods.expressions.optimise_blendshapes import (
-    UNMOVED,
-    WHOLE,
     cosines,
     displacement_masks,
     laplace_beltrami,
@@ -31,33 +29,84 @@ def problem():
     return initial, normal, Mesh(vertices, faces)
 
 
+def dense_operator(mesh):
+    """Cotangent Laplacian (V, V) over Voronoi areas (V,), triangle by triangle, in units of the mesh's height."""
+    vertices = mesh.vertices / np.ptp(mesh.vertices[:, 1])
+    stiffness, area = np.zeros((len(vertices), len(vertices))), np.zeros(len(vertices))
+    for face in mesh.faces:
+        twice = np.linalg.norm(np.cross(vertices[face[1]] - vertices[face[0]], vertices[face[2]] - vertices[face[0]]))
+        edges = [vertices[face[(k + 2) % 3]] - vertices[face[(k + 1) % 3]] for k in range(3)]  # opposite of corners
+        cotangents = [-edges[(k + 1) % 3] @ edges[(k + 2) % 3] / twice for k in range(3)]
+        for k in range(3):
+            first, second = (k + 1) % 3, (k + 2) % 3
+            for i, j in ((face[first], face[second]), (face[second], face[first])):
+                stiffness[i, j] -= cotangents[k] / 2
+                stiffness[i, i] += cotangents[k] / 2
+            if min(cotangents) < 0:
+                area[face[k]] += twice / (4 if cotangents[k] < 0 else 8)
+            else:
+                squares = edges[first] @ edges[first], edges[second] @ edges[second]
+                area[face[k]] += (squares[0] * cotangents[first] + squares[1] * cotangents[second]) / 8
+    return stiffness / area[:, None], area
+
+
+def paper_masks(normal):
+    """Equation 6, vertex by vertex."""
+    lengths = [[sum(x * x for x in vertex) ** 0.5 for vertex in shape] for shape in normal]
+    return np.array([[length / max(row) for length in row] for row in lengths])
+
+
+def own_masks(normal):
+    """What takes the place of equation 6: four times as much, and nowhere more than 1."""
+    return np.minimum(1, 4 * paper_masks(normal))
+
+
+def paper_cosines(normal):
+    """Equation 8, pair by pair."""
+    return np.array(
+        [[(a * b).sum() / ((a * a).sum() * (b * b).sum()) ** 0.5 for b in normal] for a in normal],
+    )
+
+
 def energy(candidate, initial, normal, mesh):
-    """Equation 11 with the usual weights, pair by pair."""
-    weights, (operator, area), cosine = BlendshapeWeights(), laplace_beltrami(mesh), cosines(normal)
+    """Equation 11 with our masks, weights and signs, pair by pair, by nothing that the module computes."""
+    (operator, area), cosine = dense_operator(mesh), paper_cosines(normal)
 
     def squared(field):
         return (area[:, None] * field**2).sum()
 
     total = 0.0
     for i, shape in enumerate(candidate):
-        total += weights.deformation * squared(operator @ (shape - masks(normal)[i][:, None] * initial[i]))
-        total += weights.smoothness * squared(operator @ shape)
+        total += 1.0 * squared(operator @ (shape - own_masks(normal)[i][:, None] * initial[i]))
+        total += 0.05 * squared(operator @ shape)
         for j, other in enumerate(candidate):
-            gap = shape - np.sign(cosine[i, j]) * other
-            total += weights.structure * abs(cosine[i, j]) * squared(gap)
+            total += 0.1 * abs(cosine[i, j]) * squared(shape - np.sign(cosine[i, j]) * other)
     return total
+
+
+def free_vertices(normal):
+    """(V,) bool: moved by some expression by a twentieth of its farthest way or more."""
+    return paper_masks(normal).max(0) >= 0.05
+
+
+def test_the_operator_is_the_cotangent_laplacian_over_voronoi_areas(problem):
+    mesh = problem[2]
+    operator, area = laplace_beltrami(mesh)
+    expected, areas = dense_operator(mesh)
+    assert (np.abs(expected @ np.ones(len(areas))) < 1e-9 * np.abs(expected).max()).all()
+    np.testing.assert_allclose(area, areas, rtol=1e-9)
+    np.testing.assert_allclose(operator.toarray(), expected, atol=1e-9 * np.abs(expected).max())
 
 
 @pytest.mark.parametrize("weights", [BlendshapeWeights(), BlendshapeWeights(1, 3, 0), BlendshapeWeights(2, 0, 0.5)])
 def test_the_solution_is_that_of_the_dense_system(problem, weights):
     initial, normal, mesh = problem
-    operator, area = laplace_beltrami(mesh)
-    operator = operator.toarray()
+    operator, area = dense_operator(mesh)
     square = operator.T @ np.diag(area) @ operator
-    free = np.flatnonzero(displacement_masks(normal).max(0) >= UNMOVED)
+    free, cosine = np.flatnonzero(free_vertices(normal)), paper_cosines(normal)
     whole = np.kron(np.eye(SHAPES), (weights.deformation + weights.smoothness) * square)
-    whole += np.kron(2 * weights.structure * structure(normal), np.diag(area))
-    right = np.concatenate([weights.deformation * square @ d for d in masks(normal)[..., None] * initial])
+    whole += np.kron(2 * weights.structure * (np.diag(np.abs(cosine).sum(1)) - cosine), np.diag(area))
+    right = np.concatenate([weights.deformation * square @ d for d in own_masks(normal)[..., None] * initial])
     chosen = np.concatenate([k * SIDE**2 + free for k in range(SHAPES)])
     expected = np.zeros((SHAPES * SIDE**2, 3))
     expected[chosen] = np.linalg.solve(whole[np.ix_(chosen, chosen)], right[chosen])
@@ -69,33 +118,59 @@ def test_the_solution_is_that_of_the_dense_system(problem, weights):
 def test_nothing_near_it_has_less_energy_and_the_gradient_vanishes(problem):
     initial, normal, mesh = problem
     found, generator = optimise_blendshapes(*problem), np.random.default_rng(1)
-    free = (displacement_masks(normal).max(0) >= UNMOVED)[None, :, None]
+    free = free_vertices(normal)[None, :, None]
     least = energy(found, *problem)
     for size in (1e-1, 1e-3):
         ways = [size * free * generator.normal(size=found.shape) for _ in range(10)]
         assert min(energy(found + way, *problem) for way in ways) > least
-    way = free * generator.normal(size=found.shape)
-    slope = (energy(found + 1e-4 * way, *problem) - energy(found - 1e-4 * way, *problem)) / 2e-4
-    assert abs(slope) < 1e-6 * energy(0 * found, *problem)
+    # Along any way the least energy of a parabola is here, and on that to where it started most of all.
+    for way in (free * generator.normal(size=found.shape), found, free * initial - found):
+        ends = energy(found + way, *problem), energy(found - way, *problem)
+        assert abs(ends[0] - ends[1]) / 2 < 1e-7 * (ends[0] - 2 * least + ends[1])
 
 
-def test_masks_and_cosines_are_those_of_the_paper(problem):
-    normal = np.concatenate([problem[1], 0 * problem[1][:1], -problem[1][:1]])
+def test_displacement_masks_and_cosines_are_those_of_the_paper(problem):
+    normal = np.concatenate([problem[1], -2 * problem[1][:1]])
     moved, found = displacement_masks(normal), cosines(normal)
-    np.testing.assert_allclose(moved[:SHAPES].max(1), 1)
-    assert not moved[SHAPES].any() and moved.min() >= 0
-    kept = masks(normal)
-    assert kept.max() == 1 and (kept >= moved).all() and (kept[moved == 0] == 0).all()
+    np.testing.assert_allclose(moved, paper_masks(normal))
+    np.testing.assert_allclose(moved.max(1), 1)
+    np.testing.assert_allclose(found, paper_cosines(normal), atol=1e-12)
+    assert found[0, -1] == pytest.approx(-1)
+
+
+def test_what_moves_nothing_has_no_mask_and_is_like_no_other(problem):
+    normal = np.concatenate([problem[1], 0 * problem[1][:1]])
+    assert not displacement_masks(normal)[-1].any() and not masks(normal)[-1].any()
+    np.testing.assert_array_equal(cosines(normal)[-1], [*[0] * SHAPES, 1])
+
+
+def test_masks_that_are_used_are_ours_and_those_of_the_paper_where_little_moves(problem):
+    normal = problem[1]
+    moved, kept = paper_masks(normal), masks(normal)
+    np.testing.assert_allclose(kept, own_masks(normal))
+    assert (kept >= moved).all() and (kept[moved >= 0.25] == 1).all() and (kept[moved == 0] == 0).all()
     far = np.linalg.norm(normal[0], axis=1).max()
     damped = masks(normal, np.where(np.arange(len(normal)) == 0, 8 * far, 0))
-    np.testing.assert_allclose(damped[0], moved[0] / 8 / WHOLE)
+    np.testing.assert_allclose(damped[0], 4 * moved[0] / 8)
     np.testing.assert_array_equal(damped[1:], kept[1:])
-    np.testing.assert_allclose(np.diag(found), 1)
-    assert found[0, -1] == pytest.approx(-1) and not found[SHAPES, :SHAPES].any()
-    assert np.linalg.eigvalsh(structure(normal)).min() > -1e-12
+
+
+def test_the_structure_is_that_of_the_paper_for_expressions_that_are_alike(problem):
+    """Equation 9, pair by pair; of those that are opposite it falls without bound, so ours is another."""
+    normal = np.abs(problem[1])
+    numbers = np.random.default_rng(2).normal(size=SHAPES)
+    pairs = [
+        cosine * (numbers[i] - numbers[j]) ** 2
+        for (i, j), cosine in np.ndenumerate(paper_cosines(normal))
+        if cosine > 0
+    ]
+    assert len(pairs) == SHAPES**2
+    assert 2 * numbers @ structure(normal) @ numbers == pytest.approx(sum(pairs))
+    assert np.linalg.eigvalsh(structure(problem[1])).min() > -1e-12
     # Opposite expressions that are each other's reverse cost nothing, and neither do equal ones that are the same.
-    pair = structure(normal[[0, -1]])
+    pair = structure(np.array([problem[1][0], -problem[1][0]]))
     assert np.array([1.0, -1]) @ pair @ [1, -1] == pytest.approx(0, abs=1e-12)
+    assert np.array([1.0, 1]) @ pair @ [1, 1] == pytest.approx(4)
 
 
 def test_without_structure_and_smoothness_the_masked_shapes_come_back(problem):
