@@ -12,11 +12,12 @@ from threadpoolctl import threadpool_limits
 
 from caricli.data.appearance import random_appearance
 from caricli.data.attributes import binary_labels
-from caricli.data.build_settings import EXPONENTS, KINDS, BuildSettings
+from caricli.data.build_settings import EXPONENTS, BuildSettings, OwnSettings
 from caricli.data.dataset import ALBEDO_FILE, split_identities
 from caricli.data.expressions import named_expressions
 from caricli.data.mesh_source import DatasetRow, MeshSource, Prior
 from caricli.data.move_parts import NAMES
+from caricli.data.own_source import OwnSource, Usual
 from caricli.data.texture_painter import TexturePainter
 from caricli.data.worker_pool import worker_pool
 from caricli.data.write_dataset import SHARD_SIZE, DatasetWriter
@@ -31,7 +32,7 @@ from caricli.template.head import load_head
 from caricli.template.template import Template
 
 PRIOR_SHAPES = 360
-"""Faces that the prior of the exaggeration by parts is trained with, and"""
+"""Faces that the prior of the exaggeration by parts is trained with, that say what is usual, and"""
 PRIOR_DIMENSION = 128
 """dimensions of its latent: as many as faces need that are nobody of the dataset."""
 
@@ -76,9 +77,7 @@ def build_dataset(
     template = load_head().template()
     writer = DatasetWriter(folder, template)
     collection = _Collection()
-    by_parts = settings.count is not None and settings.levels > 1
-    prior = _train_prior(settings, template, workers) if by_parts else None
-    with worker_pool(workers, partial(MeshSource, settings, prior)) as run:
+    with worker_pool(workers, _source(settings, template, workers)) as run:
         rows = _counted(_make_rows(run, settings), _mesh_count(settings), progress)
         while shard := list(islice(rows, SHARD_SIZE)):
             writer.add_shard(_columns(shard))
@@ -88,6 +87,21 @@ def build_dataset(
         manifest["albedo"] = _write_albedos(folder, template, albedos, albedo_size, settings.seed)
     writer.finish(manifest, labels)
     return {"meshes": manifest["count"], "flipped": manifest["flipped"]}
+
+
+def _source(settings: BuildSettings, template: Template, workers: int | None) -> Callable[[], MeshSource]:
+    """What makes the meshes, in every worker."""
+    by_random = settings.count is not None and settings.levels > 1
+    if isinstance(settings, OwnSettings):
+        return partial(OwnSource, settings, _measure_usual(settings, workers) if by_random else None)
+    return partial(MeshSource, settings, _train_prior(settings, template, workers) if by_random else None)
+
+
+def _measure_usual(settings: OwnSettings, workers: int | None) -> Usual:
+    """What neutral faces of people who are not in the dataset usually are."""
+    with worker_pool(workers, partial(OwnSource, settings)) as run:
+        features = np.array(list(run(OwnSource.neutral_features, range(PRIOR_SHAPES))))
+    return features.mean(0), features.std(0)
 
 
 def _train_prior(settings: BuildSettings, template: Template, workers: int | None) -> Prior:
@@ -108,11 +122,15 @@ def _mesh_count(settings: BuildSettings) -> int:
 def _make_rows(run: Callable, settings: BuildSettings) -> Iterator[DatasetRow]:
     """All meshes in their order. run: see ``worker_pool``."""
     if settings.count is not None:
-        yield from run(MeshSource.draw, range(settings.count))
+        yield from run(_draw, range(settings.count))
         return
     faces = product(range(settings.identities), range(settings.expressions))
     for levels in run(_levels, faces):
         yield from levels
+
+
+def _draw(source: MeshSource, number: int) -> DatasetRow:
+    return source.draw(number)
 
 
 def _levels(source: MeshSource, face: tuple[int, int]) -> list[DatasetRow]:
@@ -148,7 +166,7 @@ def _describe(settings: BuildSettings, collection: _Collection) -> tuple[dict[st
         "settings": asdict(settings),
         "count": len(identities),
         "expressions": list(named_expressions(head.action_names))[: settings.expressions],
-        "kinds": list(KINDS),
+        "kinds": list(settings.kinds),
         "exponents": list(EXPONENTS[: settings.levels]),
         "part_changes": list(NAMES),
         "changes": list(head.change_names),

@@ -2,11 +2,15 @@
 
 from dataclasses import dataclass
 from enum import IntFlag
+from typing import ClassVar
 
 from caricli.errors import InputError
 
 KINDS = ("regular", "curvature", "parts", "curvature and parts")
 """What a mesh was exaggerated by; its number is that of an Exaggeration."""
+
+OWN_KINDS = (*KINDS, "own features")
+"""Likewise in a dataset of OwnSettings, where the second to the fourth are not."""
 
 EXPONENTS = (0.0, 0.1, 0.2, 0.3)
 """Of the curvature, by level: see ``exaggerate_curvature``."""
@@ -20,6 +24,7 @@ class Exaggeration(IntFlag):
 
     CURVATURE = 1
     PARTS = 2
+    OWN = 4
 
 
 @dataclass(frozen=True)
@@ -57,6 +62,8 @@ class BuildSettings:
     levels: int = len(EXPONENTS)
     seed: int = 0
 
+    kinds: ClassVar[tuple[str, ...]] = KINDS
+
     def __post_init__(self) -> None:
         """Refuse sizes that cannot be built."""
         limits = {"identities": MAX_IDENTITIES, "expressions": MAX_EXPRESSIONS, "levels": len(EXPONENTS)}
@@ -65,3 +72,24 @@ class BuildSettings:
                 raise InputError(f"{name} must be from 1 to {most}, found {getattr(self, name)}")
         if self.count is not None and self.count < 1:
             raise InputError(f"count must be at least 1, found {self.count}")
+
+
+@dataclass(frozen=True)
+class OwnSettings(BuildSettings):
+    """Random draws of people whose own features are exaggerated (``exaggerate_own``).
+
+    regular: share of the draws that are not exaggerated; with one level all.
+    Raises InputError without a count, too.
+    """
+
+    regular: float = 0.12
+
+    kinds: ClassVar[tuple[str, ...]] = OWN_KINDS
+
+    def __post_init__(self) -> None:
+        """Refuse sizes that cannot be built."""
+        super().__post_init__()
+        if self.count is None:
+            raise InputError("own features are exaggerated in random draws: expected a count, found none")
+        if not 0 <= self.regular <= 1:
+            raise InputError(f"regular must be from 0 to 1, found {self.regular}")

@@ -8,7 +8,7 @@ import pytest
 
 from caricli.data import build_dataset as building
 from caricli.data.build_dataset import build_dataset
-from caricli.data.build_settings import BuildSettings
+from caricli.data.build_settings import BuildSettings, OwnSettings
 from caricli.io.obj import write_obj
 from caricli.io.strict_json import write_json
 from caricli.structures import Mesh
@@ -35,6 +35,13 @@ def built(tmp_path_factory, small_prior, random_settings):
     """(folder, summary, calls of progress) of 12 random draws, built by two workers."""
     folder, calls = tmp_path_factory.mktemp("built"), []
     return folder, build_dataset(folder, random_settings, 2, lambda *numbers: calls.append(numbers)), calls
+
+
+@pytest.fixture(scope="session")
+def own_built(tmp_path_factory, small_prior):
+    """(folder, summary) of 10 random draws of people's own features, built by one worker."""
+    folder = tmp_path_factory.mktemp("own_built")
+    return folder, build_dataset(folder, OwnSettings(count=10, identities=4, regular=0.3), 1)
 
 
 @pytest.fixture(scope="session")

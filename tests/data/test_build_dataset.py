@@ -10,7 +10,7 @@ import pytest
 from caricli.data import build_dataset as building
 from caricli.data import write_dataset as writing
 from caricli.data.build_dataset import build_dataset
-from caricli.data.build_settings import KINDS, BuildSettings
+from caricli.data.build_settings import KINDS, OWN_KINDS, BuildSettings, OwnSettings
 from caricli.data.dataset import read_dataset
 from caricli.data.regular_face import regular_faces
 from caricli.errors import InputError, OutputError
@@ -73,6 +73,43 @@ def test_heads_stay_in_their_place_and_size(built):
     centre, size = data.vertices[:, face].mean(1), data.vertices[:, face].std((1, 2))
     assert np.linalg.norm(centre - data.template.vertices[face].mean(0), axis=1).max() < 0.15 * data.template.height
     assert (np.abs(np.log(size / data.template.vertices[face].std((0, 1)))) < 0.25).all()
+
+
+def test_own_features_are_exaggerated_the_same_by_any_number_of_workers(own_built, tmp_path):
+    folder, summary = own_built
+    data = read_dataset(folder)
+    assert data.manifest["settings"] == asdict(OwnSettings(count=10, identities=4, regular=0.3))
+    assert data.manifest["kinds"] == list(OWN_KINDS)
+    kind = data.factors["kind"]
+    assert set(kind.tolist()) == {0, OWN_KINDS.index("own features")}
+    np.testing.assert_array_equal(data.regular, kind == 0)
+    assert (data.level == 1).all() and not data.factors["parts"].any() and not data.factors["hand"].any()
+    face = data.template.region("face")
+    moved = np.linalg.norm(data.vertices - regular_faces(data, np.arange(10)), axis=-1)[:, face].mean(1)
+    assert moved[kind == 0].max() < 1e-5 < 0.003 < moved[kind > 0].min()
+    assert summary["flipped"] == data.manifest["flipped"] < 1e-3
+    assert build_dataset(tmp_path, OwnSettings(count=10, identities=4, regular=0.3), 2) == summary
+    assert hashes(tmp_path) == hashes(folder)
+
+
+def test_the_same_people_whatever_is_exaggerated(own_built, built):
+    data = [read_dataset(folder) for folder in (own_built[0], built[0])]
+    people = [dict(zip(each.identity.tolist(), each.factors["changes"], strict=True)) for each in data]
+    shared = people[0].keys() & people[1].keys()
+    assert shared
+    for number in shared:
+        np.testing.assert_array_equal(people[0][number], people[1][number])
+
+
+def test_own_features_with_one_level_are_regular_faces(tmp_path):
+    build_dataset(tmp_path, OwnSettings(count=3, identities=2, expressions=3, levels=1), 1)
+    assert not read_dataset(tmp_path).factors["kind"].any()
+
+
+@pytest.mark.parametrize("wrong", [{"count": None}, {"regular": -0.1}, {"regular": 1.1}, {"regular": float("nan")}])
+def test_own_settings_refuse_what_cannot_be_built(wrong):
+    with pytest.raises(InputError, match=next(iter(wrong))):
+        OwnSettings(**{"count": 5} | wrong)
 
 
 def test_the_grid_has_every_combination_once(grid):

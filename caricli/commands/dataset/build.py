@@ -20,6 +20,11 @@ from caricli.io.outputs import staged_folder
     help="Make N levels of exaggeration; with 1 there is none.",
 )
 @click.option(
+    "--own",
+    is_flag=True,
+    help="Exaggerate in the draws of --count what is each person's own, in place of curvature and parts.",
+)
+@click.option(
     "--albedo",
     "albedos",
     type=WholeRange(0),
@@ -37,24 +42,29 @@ from caricli.io.outputs import staged_folder
 @seed_option
 @workers_option
 @overwrite_option
-def command(out, count, identities, expressions, levels, albedos, albedo_size, seed, workers, overwrite):
+def command(out, count, identities, expressions, levels, own, albedos, albedo_size, seed, workers, overwrite):
     """Generate a dataset of faces and caricatures from the open head.
 
     Without --count it is the full grid of people, expressions and levels of curvature exaggeration; with it the meshes
-    are random draws: regular faces, and faces exaggerated by curvature, by parts, and by both. With --albedo the folder
-    also holds pictures of skin, lips, brows and hair in the UVs of the head, for any of the faces.
+    are random draws: regular faces, and faces exaggerated by curvature, by parts, and by both. With --own what stands
+    out in a person is exaggerated instead, place by place and more than in proportion, at the cost of what lies around
+    it, and unlike on both sides. With --albedo the folder also holds pictures of skin, lips, brows and hair in the UVs
+    of the head, for any of the faces.
 
     \b
     Example:
       caricli dataset build dataset --count 1409
       caricli dataset build grid --identities 150 --expressions 25 --levels 4
+      caricli dataset build own --count 4000 --identities 800 --own
       caricli dataset build regular --count 4000 --identities 800 --levels 1
     """
     from caricli.commands.shared.progress import progress_bar
     from caricli.data.build_dataset import build_dataset
-    from caricli.data.build_settings import BuildSettings
+    from caricli.data.build_settings import BuildSettings, OwnSettings
 
-    settings = BuildSettings(count, identities, expressions, levels, seed)
+    if own and count is None:
+        raise click.UsageError("--own is for --count.")
+    settings = (OwnSettings if own else BuildSettings)(count, identities, expressions, levels, seed)
     with staged_folder(out, overwrite=overwrite, marker="dataset.json") as temporary, progress_bar("meshes") as report:
         summary = build_dataset(temporary, settings, workers, report, albedos, albedo_size)
     echo_result(f"{out}: {summary['meshes']} meshes, flipped triangles {100 * summary['flipped']:.3f} %")

@@ -58,7 +58,16 @@ def test_a_folder_of_someone_elses_is_not_replaced(refused, tmp_path):
 
 @pytest.mark.parametrize(
     "options",
-    [["--count", 0], ["--levels", 5], ["--expressions", 26], ["--identities", 0], ["--seed", -1], ["--workers", 0], []],
+    [
+        ["--count", 0],
+        ["--levels", 5],
+        ["--expressions", 26],
+        ["--identities", 0],
+        ["--seed", -1],
+        ["--workers", 0],
+        ["--own"],
+        [],
+    ],
 )
 def test_wrong_usage_is_2(run, tmp_path, options):
     result = run("dataset", "build", *([tmp_path / "d"] if options else []), *options)
