@@ -4,6 +4,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
+_BLOCK = 256
+"""Pieces of a line that are looked at together, so that a long one does not fill the memory."""
+
 
 def line_distances(points: np.ndarray, lines: Sequence[np.ndarray]) -> np.ndarray:
     """Distances of points to the nearest of some lines.
@@ -16,7 +19,9 @@ def line_distances(points: np.ndarray, lines: Sequence[np.ndarray]) -> np.ndarra
         starts = line[:-1] if len(line) > 1 else line
         along = np.diff(line, axis=0) if len(line) > 1 else np.zeros_like(line)
         squares = np.maximum((along**2).sum(1), 1e-300)
-        gaps = points[:, None] - starts
-        shares = np.clip((gaps * along).sum(-1) / squares, 0, 1)
-        best = np.minimum(best, np.linalg.norm(gaps - shares[..., None] * along, axis=-1).min(1))
+        for first in range(0, len(starts), _BLOCK):
+            piece = slice(first, first + _BLOCK)
+            gaps = points[:, None] - starts[piece]
+            shares = np.clip((gaps * along[piece]).sum(-1) / squares[piece], 0, 1)
+            best = np.minimum(best, np.linalg.norm(gaps - shares[..., None] * along[piece], axis=-1).min(1))
     return best

@@ -10,7 +10,10 @@ from caricli.methods.session.history import History
 from caricli.methods.session.operations import operate
 from caricli.methods.session.pose import Poser, eye_turns
 from caricli.methods.session.work import Work
+from caricli.render.face_look import with_parts
 from caricli.render.place_eyeballs import place_eyeballs
+from caricli.render.shade import Look
+from caricli.render.srgb import to_linear
 from caricli.store.session_tools import SessionTools, load_start, start_of
 from caricli.structures import Operation, Session, Start
 
@@ -83,9 +86,11 @@ class Desk:
         self.history.redo()
 
     def frame(self) -> bytes:
-        """Eyes and positions of what is shown, (EYES + 3 V) float32, metres, as the head of the page takes them."""
+        """Eyes and positions of what is shown, (EYES + 3 V) float32, metres, as the head of the page takes them: of
+        the skin, then of its parts."""
         work = self.work
-        vertices = self.poser.vertices(work)
+        parts = [part.mesh.vertices for part in self.poser.parts(work)]
+        vertices = np.concatenate([self.poser.vertices(work), *parts])
         eyes = np.zeros((2, EYES // 2))
         balls = place_eyeballs(work.face.mesh, self.tools.model.template.annotation)
         for row, (centre, radius) in enumerate(balls):
@@ -94,9 +99,14 @@ class Desk:
         return np.concatenate([eyes.ravel(), vertices.ravel()]).astype("<f4").tobytes()
 
     def layout(self) -> bytes:
-        """How positions become triangles: int32 counts of vertices, corners and triangles; of every corner its vertex;
-        the corners (F, 3) of every triangle; and its UVs (C, 2) float32."""
-        mesh = self.work.face.mesh
+        """How positions become triangles, the skin first and hair last.
+
+        int32 counts of vertices, corners, triangles, triangles of the skin and of hair; of every corner its vertex; the
+        corners (F, 3) of every triangle; then float32 UVs (C, 2) and colours (C, 3) of the corners, linear light.
+        """
+        work = self.work
+        parts = self.poser.parts(work)
+        mesh, look = with_parts(work.face.mesh, Look(vertex_colours=np.full(work.face.vertices.shape, 255.0)), parts)
         corners = mesh.faces.ravel()
         if mesh.uvs is None:
             owners = np.arange(len(mesh.vertices))
@@ -108,6 +118,8 @@ class Desk:
             )
             owners = pairs[:, 0]
             places = mesh.uvs[pairs[:, 1]]
-        head = np.array([len(mesh.vertices), len(owners), len(mesh.faces)])
+        colours = to_linear(np.asarray(look.vertex_colours) / 255)[owners]
+        hair = sum(len(part.mesh.faces) for part in parts if part.name == "hair")
+        head = [len(mesh.vertices), len(owners), len(mesh.faces), len(work.face.mesh.faces), hair]
         whole = np.concatenate([head, owners, triangles.ravel()]).astype("<i4")
-        return whole.tobytes() + places.astype("<f4").tobytes()
+        return whole.tobytes() + places.astype("<f4").tobytes() + colours.astype("<f4").tobytes()

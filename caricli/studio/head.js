@@ -7,14 +7,14 @@ const HOME = new THREE.Vector3(0, 0, 0.62);
 
 function eyeball() {
   const eye = new THREE.Group();
-  const part = (radius, colour, reach) => {
-    const cap = new THREE.SphereGeometry(radius, 32, 24, 0, 2 * Math.PI, 0, reach);
+  const part = (radius, colour, reach, rings) => {
+    const cap = new THREE.SphereGeometry(radius, 24, rings, 0, 2 * Math.PI, 0, reach);
     cap.rotateX(Math.PI / 2); // the pole looks out of the face
     eye.add(new THREE.Mesh(cap, new THREE.MeshStandardMaterial({ color: colour, roughness: 0.35 })));
   };
-  part(1, 0xf4f1ec, Math.PI);
-  part(1.004, 0x4f6b5a, 0.52);
-  part(1.008, 0x14110f, 0.24);
+  part(1, 0xf4f1ec, 2, 10); // as far round as lids ever open
+  part(1.004, 0x4f6b5a, 0.52, 3);
+  part(1.008, 0x14110f, 0.24, 2);
   return eye;
 }
 
@@ -92,8 +92,14 @@ export default {
       this.camera.add(lamp);
       this.scene.add(this.camera);
       this.geometry = new THREE.BufferGeometry();
-      this.material = new THREE.MeshStandardMaterial({ color: CLAY, roughness: 0.62, side: THREE.DoubleSide });
-      this.head = new THREE.Mesh(this.geometry, this.material);
+      // Skin is closed and seen from outside alone; both sides would take half as long again.
+      const plain = { vertexColors: true, side: THREE.DoubleSide };
+      this.materials = {
+        skin: new THREE.MeshStandardMaterial({ color: CLAY, roughness: 0.62 }),
+        parts: new THREE.MeshStandardMaterial({ roughness: 0.4, ...plain }),
+        hair: new THREE.MeshStandardMaterial({ roughness: 0.62, ...plain }),
+      };
+      this.head = new THREE.Mesh(this.geometry, Object.values(this.materials));
       this.head.frustumCulled = false;
       this.eyes = [eyeball(), eyeball()];
       this.dot = new THREE.Mesh(new THREE.SphereGeometry(0.0025), new THREE.MeshBasicMaterial({ color: 0xb00020 }));
@@ -136,18 +142,24 @@ export default {
     async layout(number) {
       if (!this.renderer) return;
       const data = await (await fetch(`${this.base}/layout/${number}`)).arrayBuffer();
-      const [vertices, corners, triangles] = new Int32Array(data, 0, 3);
-      const whole = new Int32Array(data, 12, corners + 3 * triangles);
+      const [vertices, corners, triangles, skin, hair] = new Int32Array(data, 0, 5);
+      const whole = new Int32Array(data, 20, corners + 3 * triangles);
       this.owners = whole.slice(0, corners);
       const index = Uint32Array.from(whole.subarray(corners));
       this.faces = index.map((corner) => this.owners[corner]);
       this.vertices = vertices;
       this.normals = new Float32Array(3 * vertices);
-      const uvs = new Float32Array(data.slice(12 + 4 * whole.length));
+      const uvs = new Float32Array(data, 20 + whole.byteLength, 2 * corners);
+      const colours = new Float32Array(data, 20 + whole.byteLength + uvs.byteLength, 3 * corners);
       this.geometry.setAttribute("position", new THREE.BufferAttribute(new Float32Array(3 * corners), 3));
       this.geometry.setAttribute("normal", new THREE.BufferAttribute(new Float32Array(3 * corners), 3));
       this.geometry.setAttribute("uv", new THREE.BufferAttribute(uvs, 2));
+      this.geometry.setAttribute("color", new THREE.BufferAttribute(colours, 3));
       this.geometry.setIndex(new THREE.BufferAttribute(index, 1));
+      this.geometry.clearGroups();
+      this.skin = skin;
+      const bounds = [0, skin, triangles - hair, triangles];
+      for (let k = 0; k < 3; k++) this.geometry.addGroup(3 * bounds[k], 3 * (bounds[k + 1] - bounds[k]), k);
     },
     // Only positions, whenever the face changes; an older answer that comes later is left.
     async show(number) {
@@ -208,16 +220,17 @@ export default {
       if (this.controls) this.controls.autoRotate = on;
       this.draw();
     },
-    async texture(url) {
+    // What skin or hair wears, or clay and plain hair where there is no address.
+    async texture(name, url) {
       if (!this.renderer) return;
-      this.material.map?.dispose();
-      this.material.map = null;
-      if (url) {
-        this.material.map = await new THREE.TextureLoader().loadAsync(url);
-        this.material.map.colorSpace = THREE.SRGBColorSpace;
-      }
-      this.material.color.set(url ? 0xffffff : CLAY);
-      this.material.needsUpdate = true;
+      const material = this.materials[name];
+      const map = url ? await new THREE.TextureLoader().loadAsync(url) : null;
+      if (map) map.colorSpace = THREE.SRGBColorSpace;
+      material.map?.dispose();
+      material.map = map;
+      material.vertexColors = name === "hair" && !map;
+      if (name === "skin") material.color.set(map ? 0xffffff : CLAY);
+      material.needsUpdate = true;
       this.draw();
     },
     key(event) {
@@ -247,7 +260,7 @@ export default {
     },
     grab(event) {
       if (!this.canPull || event.button || !this.positions) return;
-      const hit = this.ray(event).intersectObject(this.head)[0];
+      const hit = this.ray(event).intersectObject(this.head).find((each) => each.faceIndex < this.skin);
       if (!hit) return;
       let nearest = -1;
       let least = Infinity;

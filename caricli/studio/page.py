@@ -79,12 +79,13 @@ class Page:
                 self.told = ui.label("").classes("caricli-told").props('role="status" aria-live="polite"')
         for mode in self.modes:
             mode.listen()
-        self.tabs.on_value_change(lambda: ui.timer(_ENTERED, self._enter, once=True))
+        self.tabs.on_value_change(lambda: ui.timer(_ENTERED, self._refresh_mode, once=True))
 
-    def _enter(self) -> None:
-        """Show the present in a panel that was not there before."""
+    def _refresh_mode(self, answered: int = 0) -> None:
+        """Show the present in the open panel; those that nobody sees would only keep the head waiting."""
         for mode in self.modes:
-            mode.refresh()
+            if mode.shown:
+                mode.refresh(answered)
 
     def _header(self) -> None:
         with ui.element("header").classes("caricli-header"):
@@ -179,8 +180,7 @@ class Page:
         self.undo_button.set_enabled(bool(history.done))
         self.redo_button.set_enabled(bool(history.undone))
         self._frame()
-        for mode in self.modes:
-            mode.refresh(answered)
+        self._refresh_mode(answered)
 
     def _frame(self) -> None:
         """Let the head fetch what is shown."""
@@ -199,10 +199,12 @@ class Page:
             self.head.run_method("show", self._number)
 
     def _textured(self) -> None:
-        painted = self.desk.work.face.pictures.skin is not None
-        self.texture.set_visibility(painted)
-        url = f"{self.base}/skin/{self._number}" if painted and self.texture.value else None
-        self.head.run_method("texture", url)
+        pictures = self.desk.work.face.pictures
+        self.texture.set_visibility(bool(pictures))
+        worn = {"skin": pictures.skin, "hair": pictures.hair}
+        for name, picture in worn.items():
+            shown_at_all = self.texture.value and picture is not None
+            self.head.run_method("texture", name, f"{self.base}/{name}/{self._number}" if shown_at_all else None)
 
     def say(self, words: str, kind: str = "warning") -> None:
         """Tell in words, where a screen reader hears it, too."""
@@ -212,6 +214,7 @@ class Page:
     def _show_all(self) -> None:
         self._layout = None
         self.refresh()
+        self.studio.warm()
 
     async def _new(self) -> None:
         await self.studio.run(self.desk.open, None)

@@ -19,6 +19,7 @@ from PIL import Image
 from caricli.errors import CaricliError, shown
 from caricli.io.image import is_image_file
 from caricli.limits import MAX_IMAGE_BYTES
+from caricli.methods.session.pull_basis import dressed_vertices
 from caricli.store.marked_folder import MarkedFolder
 from caricli.store.session_tools import SessionTools, load_start, start_of
 from caricli.studio.desk import Desk
@@ -67,6 +68,8 @@ class Studio:
         self.desks: dict[str, Desk] = {}
         self.opened: dict[str, Callable] = {}
         self._thread = ThreadPoolExecutor(1)
+        self._warm = False
+        dressed_vertices(self.begun[0].face, tools)  # what holds parts is made now and not when a page waits for it
 
     async def run(self, function: Callable[..., T], *values: object) -> T:
         """Call a function in the thread. Raises what it raises."""
@@ -81,7 +84,10 @@ class Studio:
         return desk
 
     def warm(self) -> None:
-        """Load what the first strokes need, while the page is laid out."""
+        """Load what the first strokes need, once; before a page is there this would only keep it waiting."""
+        if self._warm:
+            return
+        self._warm = True
 
         def load() -> None:
             for name in ("network", "templates", "reconstruction"):
@@ -114,6 +120,10 @@ def studio_app(studio: Studio, page: Callable, token: str | None = None) -> Fast
     @app.get(base + "/skin/{number}")
     async def skin(key: str, number: int) -> Response:
         return await _bytes(studio, key, lambda desk: _png(desk.work.face.pictures.skin), "image/png")
+
+    @app.get(base + "/hair/{number}")
+    async def hair(key: str, number: int) -> Response:
+        return await _bytes(studio, key, lambda desk: _png(desk.work.face.pictures.hair), "image/png")
 
     @app.get(base + "/underlay/{number}")
     async def underlay(key: str, number: int) -> Response:

@@ -11,3 +11,10 @@ def test_distances_are_to_segments_and_ends():
 
 def test_a_line_may_have_a_point_twice():
     assert line_distances(np.array([[1.0, 1]]), [np.array([[0.0, 0], [0, 0], [2, 0]])])[0] == 1
+
+
+def test_a_long_line_is_looked_at_whole():
+    turn = np.linspace(0, 2 * np.pi, 1001)
+    circle = 10 * np.stack([np.cos(turn), np.sin(turn)], axis=1)
+    points = np.array([[0.0, 0], [9, 0], [0, -12]])
+    np.testing.assert_allclose(line_distances(points, [circle]), [10, 1, 2], atol=1e-3)

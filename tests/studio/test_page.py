@@ -112,6 +112,7 @@ def test_expressions_move_both_sides_and_the_rig_has_all_of_them(tab, tmp_path):
 def test_a_point_is_dragged_on_the_surface(tab):
     tab.mode("Face")
     tab.page.get_by_role("switch", name="Drag points on the head").click()
+    tab.page.wait_for_function("document.querySelector('.caricli-head canvas').style.cursor == 'crosshair'")
     before = np.array(tab.head()).reshape(-1, 3)
     canvas = tab.page.locator(".caricli-head canvas")
     box = canvas.bounding_box()

@@ -68,7 +68,6 @@ def serve_studio(start: Path | None, host: str, port: int, browser: bool) -> Non
 
     def started() -> None:
         click.echo(address.url)
-        studio.warm()
         if browser:
             webbrowser.open(address.url)
 

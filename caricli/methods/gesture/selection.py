@@ -8,6 +8,7 @@ import scipy.sparse as sp
 from scipy.sparse.csgraph import dijkstra
 
 from caricli.errors import InputError
+from caricli.geometry.line_distances import line_distances
 from caricli.methods.gesture.settings import GestureSettings
 from caricli.methods.gesture.sight import Sight
 from caricli.structures import Camera, Face
@@ -65,7 +66,7 @@ def mark_handles(
     Returns a Selection. Raises InputError where the brush touches nothing that is seen.
     """
     sight = Sight(face.mesh, camera)
-    touched = sight.seen & (distance_to_line(sight.pixels, checked_stroke(stroke, 1)) <= radius)
+    touched = sight.seen & (line_distances(sight.pixels, [checked_stroke(stroke, 1)]) <= radius)
     if not touched.any():
         raise InputError("expected a stroke over the face, found none of it below the brush")
     ids = np.flatnonzero(touched)
@@ -120,19 +121,17 @@ def surface_ways(vertices: np.ndarray, faces: np.ndarray, within: np.ndarray) ->
 
 def with_pockets(faces: np.ndarray, region: np.ndarray) -> np.ndarray:
     """(V,) bool: a region with what is cut off by it from the largest rest of the surface. region: (V,) bool."""
-    outside = faces[~region[faces].any(1)]
-    count = len(region)
-    pairs = np.concatenate([faces[:, [k, (k + 1) % 3]] for k in range(3)])
-    pairs = pairs[~region[pairs].any(1)]
-    links = sp.csr_matrix((np.ones(len(pairs)), pairs.T), (count, count))
-    labels = sp.csgraph.connected_components(links, directed=False)[1]
-    if not len(outside):
+    if region[faces].any(1).all():
         return region
+    count = len(region)
+    edges = np.concatenate([faces[:, [k, (k + 1) % 3]] for k in range(3)])
+    rest = edges[~region[edges].any(1)]
+    links = sp.csr_matrix((np.ones(len(rest)), rest.T), (count, count))
+    labels = sp.csgraph.connected_components(links, directed=False)[1]
     main = np.bincount(labels[~region]).argmax()
     # Parts that no edge leads to from the region, such as another component of the mesh, stay where they are.
-    every = np.concatenate([faces[:, [k, (k + 1) % 3]] for k in range(3)])
     touching = np.zeros(count, bool)
-    crossing = every[region[every].sum(1) == 1]
+    crossing = edges[region[edges].sum(1) == 1]
     touching[labels[crossing[~region[crossing]]]] = True
     return region | (touching[labels] & (labels != main))
 
@@ -144,18 +143,6 @@ def checked_stroke(stroke: np.ndarray, least: int) -> np.ndarray:
         raise InputError(f"expected a stroke of (N,2) pixels with N of {least} at least, found {points.shape}")
     refuse(coordinate_problem("stroke", points))
     return points
-
-
-def distance_to_line(points: np.ndarray, line: np.ndarray) -> np.ndarray:
-    """(V,) distances of points (V, 2) from a line (N, 2)."""
-    if len(line) == 1:
-        return np.linalg.norm(points - line, axis=1)
-    nearest = np.full(len(points), np.inf)
-    for start, end in zip(line[:-1], line[1:], strict=True):
-        way = end - start
-        share = np.clip((points - start) @ way / max(float(way @ way), 1e-12), 0, 1)
-        nearest = np.minimum(nearest, np.linalg.norm(points - start - share[:, None] * way, axis=1))
-    return nearest
 
 
 def inside_ring(points: np.ndarray, ring: np.ndarray) -> np.ndarray:

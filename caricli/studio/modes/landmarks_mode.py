@@ -125,13 +125,13 @@ class LandmarksMode(Mode):
         self.chosen.text = _NONE_CHOSEN
         self.laid = False
         self._tell_progress()
-        if self.page.tabs.value == self.name:
+        if self.shown:
             ui.timer(0, self._enter, once=True)
 
     async def refresh_now(self) -> None:
         """Show the landmarks of the work and the face that follows them."""
         landmarks = self.page.desk.work.landmarks
-        if not self.laid or self.page.tabs.value != self.name:
+        if not self.laid or not self.shown:
             return
         if landmarks is None:
             self.canvas.run_method(
@@ -153,7 +153,7 @@ class LandmarksMode(Mode):
         return len(self._marking().model.template.annotation.landmarks)
 
     async def _entered(self) -> None:
-        if self.page.tabs.value == self.name:
+        if self.shown:
             await self._enter()
 
     async def _enter(self) -> None:

@@ -19,6 +19,11 @@ class Mode:
         """page: Page that it is part of."""
         self.page = page
 
+    @property
+    def shown(self) -> bool:
+        """Whether its tab is the open one."""
+        return self.page.tabs.value == self.name
+
     def build(self) -> None:
         """Lay out its panel, at the left of the head."""
 
@@ -29,4 +34,4 @@ class Mode:
         """Something else was opened."""
 
     def refresh(self, answered: int = 0) -> None:
-        """Show the present work. answered: strokes of the canvas that it comes from."""
+        """Show the present work, in a mode whose tab is open. answered: strokes of the canvas that it comes from."""

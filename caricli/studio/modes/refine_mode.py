@@ -77,12 +77,8 @@ class RefineMode(Mode):
         parts = [f"{len(work.handles)} handles"] if len(work.handles) else []
         self.chosen.text = ", ".join([*parts, "a region" if region else "all may move"])
 
-    @property
-    def _shown(self) -> bool:
-        return self.page.tabs.value == self.name
-
     def _use(self, event: Any = None) -> None:
-        tool = self.tool.value if self._shown else "turn"
+        tool = self.tool.value if self.shown else "turn"
         self.page.head.run_method("drawing", None if tool == "turn" else tool, _RADIUS)
 
     async def _drawn(self, event: Any) -> None:
@@ -98,7 +94,7 @@ class RefineMode(Mode):
             await self._gesture(Operation("gesture", stroke | {"symmetric": self.symmetric.value}))
 
     async def _gesture(self, operation: Operation) -> None:
-        """Do what a stroke means, and say what that is; where it is doubtful, ask."""
+        """Do what a stroke means, and say what that is; where it is doubtful, say so and do nothing."""
         try:
             meant = await self.page.studio.run(meaning_of, operation, self.page.studio.tools)
         except CaricliError as error:
@@ -128,7 +124,7 @@ class RefineMode(Mode):
         await self.page.do(Operation(name, parameters))
 
     async def _key(self, event: Any) -> None:
-        listening = self._shown and self.keys.value and event.action.keydown
+        listening = self.shown and self.keys.value and event.action.keydown
         if not listening or event.modifiers.ctrl or event.modifiers.meta:
             return
         digit = str(event.key.code).removeprefix("Digit")

@@ -3,8 +3,9 @@ import pytest
 
 from caricli.errors import InputError
 from caricli.geometry.flipped_triangles import flipped_triangles
+from caricli.geometry.line_distances import line_distances
 from caricli.methods.gesture.follow_line import follow_line
-from caricli.methods.gesture.selection import Selection, distance_to_line, mark_handles, select_region
+from caricli.methods.gesture.selection import Selection, mark_handles, select_region
 from caricli.methods.gesture.sight import SeenStroke
 from tests.methods.gesture.conftest import mark, ring, view
 
@@ -23,7 +24,7 @@ def test_a_curve_of_handles_is_laid_onto_the_line(face, head_template, brow):
     goal = line + [[0, -12], [0, -10], [0, -8], [0, -6], [0, -4]]
     changed = follow_line(face, head_template, SeenStroke(goal, camera), selection)
     ids = head_template.annotation.landmarks[17:22]
-    before, after = (distance_to_line(camera.project(each.vertices[ids]), goal) for each in (face, changed.face))
+    before, after = (line_distances(camera.project(each.vertices[ids]), [goal]) for each in (face, changed.face))
     assert changed.share == 1 and after.mean() < 0.35 * before.mean()
     depths = [(each.vertices @ camera.rotation[2])[selection.handles] for each in (face, changed.face)]
     np.testing.assert_allclose(*depths, atol=1e-9)
@@ -72,7 +73,7 @@ def test_without_handles_the_outline_goes_to_the_line(face, head_template):
     goal = profile + np.array([0, 3, 6, 9, 8, 3, 0])[:, None] * [1, 0]
     changed = follow_line(face, head_template, SeenStroke(goal, camera), Selection())
     ids = head_template.annotation.landmarks[28:32]
-    before, after = (distance_to_line(camera.project(each.vertices[ids]), goal) for each in (face, changed.face))
+    before, after = (line_distances(camera.project(each.vertices[ids]), [goal]) for each in (face, changed.face))
     assert after.mean() < 0.4 * before.mean()
 
 

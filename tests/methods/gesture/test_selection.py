@@ -2,9 +2,9 @@ import numpy as np
 import pytest
 
 from caricli.errors import InputError
+from caricli.geometry.line_distances import line_distances
 from caricli.methods.gesture.selection import (
     Selection,
-    distance_to_line,
     inside_ring,
     mark_handles,
     select_region,
@@ -17,7 +17,7 @@ def test_the_brush_marks_what_is_seen_below_it(face, head_template):
     line = np.stack([mark(face, head_template, camera, number) for number in range(17, 22)])
     handles = mark_handles(face, camera, line, 6, Selection()).handles
     assert set(head_template.annotation.landmarks[17:22]) <= set(handles.tolist())
-    assert distance_to_line(camera.project(face.vertices[handles]), line).max() <= 6
+    assert line_distances(camera.project(face.vertices[handles]), [line]).max() <= 6
     assert (face.vertices[handles, 2] > np.median(face.vertices[:, 2])).all()  # nothing of the back of the head
 
 
@@ -67,4 +67,4 @@ def test_points_in_rings_and_distances_as_by_hand():
     points = np.array([[1.0, 1], [3, 1], [1, -0.1], [1.9, 0.1]])
     assert inside_ring(points, square).tolist() == [True, False, False, True]
     assert inside_ring(points, square[::-1]).tolist() == [True, False, False, True]
-    np.testing.assert_allclose(distance_to_line(points, square[:2]), [1, np.sqrt(2), 0.1, 0.1])
+    np.testing.assert_allclose(line_distances(points, [square[:2]]), [1, np.sqrt(2), 0.1, 0.1])

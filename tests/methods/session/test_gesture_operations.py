@@ -17,20 +17,6 @@ CALM = GestureHandSettings(turn=0, slant=0, stretch=0, tremor=0, cut=0, past=0, 
 
 
 @pytest.fixture(scope="module")
-def tools():
-    from caricli.store.session_tools import SessionTools
-
-    return SessionTools()
-
-
-@pytest.fixture(scope="module")
-def start(tools):
-    from caricli.store.session_tools import load_start
-
-    return load_start(None, tools)
-
-
-@pytest.fixture(scope="module")
 def tip(start, tools):
     return CAMERA.project(start.face.vertices[tools.model.template.annotation.landmarks[30]])
 

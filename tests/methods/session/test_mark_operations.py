@@ -13,13 +13,6 @@ SIZE = (320, 240)
 
 
 @pytest.fixture(scope="module")
-def tools():
-    from caricli.store.session_tools import SessionTools
-
-    return SessionTools()
-
-
-@pytest.fixture(scope="module")
 def start(tools):
     from dataclasses import replace
 

@@ -27,20 +27,6 @@ SCRIPT = [
 
 
 @pytest.fixture(scope="module")
-def tools():
-    from caricli.store.session_tools import SessionTools
-
-    return SessionTools()
-
-
-@pytest.fixture(scope="module")
-def start(tools):
-    from caricli.store.session_tools import load_start
-
-    return load_start(None, tools)
-
-
-@pytest.fixture(scope="module")
 def works(start, tools):
     return list(replay(start, SCRIPT, tools))
 

@@ -10,20 +10,6 @@ from caricli.methods.session.redraw_operations import face_lines, shown_lines
 from caricli.structures import Operation
 
 
-@pytest.fixture(scope="module")
-def tools():
-    from caricli.store.session_tools import SessionTools
-
-    return SessionTools()
-
-
-@pytest.fixture(scope="module")
-def start(tools):
-    from caricli.store.session_tools import load_start
-
-    return load_start(None, tools)
-
-
 def lines_of(work, tools):
     return {name: stroke.points for name, stroke in face_lines(work, tools).items()}
 
