@@ -126,6 +126,9 @@ class Page:
             self._after([], answered)
             return False
         self._after([operation], answered)
+        remark = self.desk.work.remark
+        if remark:
+            self.say(f"{operation.name.capitalize().replace('_', ' ')}: {remark}.", "note")
         return True
 
     def _after(self, more: list[Operation], answered: int = 0) -> None:

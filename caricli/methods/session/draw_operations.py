@@ -55,7 +55,7 @@ def follow(work: Work, parameters: Parameters, tools: Tools) -> Work:
     only(parameters, "share")
     share = number(parameters, "share", 0, 1, 1.0)
     fit = tools.reconstruction.reconstruct(work.sketch, share)
-    return replace(work, face=encode_face(fit.face, tools.model), strengths={}, weights={})
+    return replace(work, face=encode_face(fit.face, tools.model), strengths={}, weights={}, remark=fit.describe())
 
 
 def stroke_of(parameters: Parameters) -> Stroke:

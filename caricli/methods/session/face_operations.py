@@ -3,6 +3,8 @@
 from collections.abc import Mapping
 from dataclasses import replace
 
+import numpy as np
+
 from caricli.errors import InputError, shown
 from caricli.methods.edit.caricaturize_face import LABEL, caricaturize_face
 from caricli.methods.edit.edit_handles import edit_handles
@@ -14,6 +16,9 @@ from caricli.methods.session.work import Work
 from caricli.structures.arkit import ARKIT_NAMES
 
 _MOST_HANDLES = 200
+_NEARLY = 0.95
+"""Share of a handle's way of which nothing is said."""
+
 _MOST_STRENGTH = 10.0
 """As of ``caricli caricaturize``."""
 
@@ -53,7 +58,10 @@ def handle(work: Work, parameters: Parameters, tools: Tools) -> Work:
     head = tools.model.template.with_vertices(work.face.vertices)
     pins = texts(parameters, "pins", _MOST_HANDLES)
     handles = handle_points(list(given.items()), pins, head, switch(parameters, "symmetric"))
-    return replace(work, face=edit_handles(work.face, tools.model, handles).face)
+    edit = edit_handles(work.face, tools.model, handles)
+    least = float(np.nanmin(edit.reached))
+    remark = "" if least > _NEARLY else f"{100 * least:.0f} % of the way: the model knows no such face"
+    return replace(work, face=edit.face, remark=remark)
 
 
 def expression(work: Work, parameters: Parameters, tools: Tools) -> Work:

@@ -23,6 +23,9 @@ from caricli.structures.gesture import LEVELS, roll_level
 UNDO = "undo"
 REDO = "redo"
 
+_WHOLE = 0.99
+"""Share of the way of which nothing is said."""
+
 _LARGEST = 1000.0
 """Pixels of the view, the radius of the brush."""
 
@@ -137,7 +140,9 @@ def _selecting(work: Work, selection: Selection) -> Work:
 
 
 def _changed(work: Work, changed: Changed, tools: Tools) -> Work:
-    return replace(work, face=encode_face(changed.face, tools.model))
+    part = f"{100 * changed.share:.0f} % of the way: farther would turn triangles over"
+    remark = part if changed.share < _WHOLE else ""
+    return replace(work, face=encode_face(changed.face, tools.model), remark=remark)
 
 
 GESTURE_OPERATIONS: dict[str, Callable[[Work, Parameters, Tools], Work]] = {

@@ -1,6 +1,7 @@
 """The operations of sessions by name."""
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 
 from caricli.errors import InputError, naming, shown
 from caricli.methods.session.draw_operations import DRAW_OPERATIONS
@@ -31,4 +32,4 @@ def operate(work: Work, operation: Operation, tools: Tools) -> Work:
     if operation.name not in OPERATIONS:
         raise InputError(f"expected one of {', '.join(OPERATIONS)}, found {shown(operation.name, 60)!r}")
     with naming(operation.name):
-        return OPERATIONS[operation.name](work, operation.parameters, tools)
+        return OPERATIONS[operation.name](replace(work, remark=""), operation.parameters, tools)

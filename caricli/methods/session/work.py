@@ -35,6 +35,7 @@ class Work:
     by labels since it was drawn. handles: (H,) ids of the vertices that are marked for gestures. region: (R,) ids of
     the vertices that gestures may move, or None for all. skin: (S,) those of them that were seen when they were chosen.
     gap: Gap in the lines of the mode Redraw, or None. wrinkles: Strokes beside these, on a canvas of ``CANVAS_SIDE``.
+    remark: what is to be said of the last operation, such as how far it went; empty where nothing is.
     """
 
     face: EncodedFace
@@ -48,3 +49,4 @@ class Work:
     skin: np.ndarray = field(default_factory=lambda: np.zeros(0, int))
     gap: Gap | None = None
     wrinkles: tuple[Stroke, ...] = ()
+    remark: str = ""

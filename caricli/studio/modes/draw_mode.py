@@ -39,8 +39,7 @@ class DrawMode(Mode):
     async def _follow(self) -> None:
         if self.page.desk.work.sketch.strokes:
             self.page.say("Following the lines …", "note")
-            if await self.page.do(Operation("follow")):
-                self.page.say("The face follows the lines.", "note")
+            await self.page.do(Operation("follow"))
 
     def _use(self, event: Any) -> None:
         self.canvas.run_method("use", event.value, _RADIUS * max(1.0, self.page.desk.work.sketch.size[0] / 512))

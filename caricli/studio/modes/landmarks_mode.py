@@ -164,7 +164,7 @@ class LandmarksMode(Mode):
             return
         if not self.laid:
             await self._lay_out(desk.work.picture)
-        if self.seen or desk.history.done:
+        if self.seen or desk.work.landmarks is not None:
             await self.refresh_now()
             return
         self.seen = True

@@ -72,6 +72,7 @@ def test_lines_can_be_followed(start, tools):
     lines = draw_sketch(face, curves, canvas_camera(face, curves, side=512), (512, 512)).strokes
     drawn = replace(start, sketch=start.sketch.with_strokes(Stroke(line.points.round(6)) for line in lines))
     near, half = (operate(drawn, Operation("follow", {"share": share}), tools) for share in (1.0, 0.5))
+    assert "of the canvas away" in near.remark and not operate(near, Operation("clear"), tools).remark
     camera = near.face.camera
     gaps = {
         line.curve: np.linalg.norm(camera.project(near.face.vertices[curve.vertices]) - line.points, axis=1).mean()
@@ -126,3 +127,12 @@ def test_what_cannot_be_done_is_refused_in_one_line(start, tools, name, paramete
         operate(start, Operation(name, parameters), tools)
     assert "\n" not in str(error.value) and len(str(error.value)) < 600
     assert isinstance(error.value, InputError)
+
+
+def test_what_goes_only_a_part_of_the_way_says_so(start, tools):
+    far, near = (operate(start, _pulled(length), tools) for length in (0.1, 0.005))
+    assert "% of the way" in far.remark and not near.remark
+
+
+def _pulled(length):
+    return Operation("handle", {"handles": {"nose_tip": [length, 0, 0]}})
