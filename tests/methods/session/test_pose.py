@@ -22,10 +22,10 @@ def test_teeth_and_lashes_go_with_the_expression_and_come_back(poser, start):
     assert {"teeth_upper", "teeth_lower", "tongue", "lashes"} <= set(rest)
     opened = placed(poser, replace(start, weights={"jawOpen": 1.0}))
     assert (opened["teeth_lower"] - rest["teeth_lower"])[:, 1].mean() < -0.005
-    assert np.abs(opened["teeth_upper"] - rest["teeth_upper"]).max() < 1e-6
+    assert np.abs(opened["teeth_upper"] - rest["teeth_upper"]).max() < 5e-4
     shut = placed(poser, replace(start, weights={"jawOpen": 0.5, "eyeBlinkLeft": 1.0}))
     np.testing.assert_allclose(
-        shut["teeth_lower"] - rest["teeth_lower"], 0.5 * (opened["teeth_lower"] - rest["teeth_lower"]), atol=1e-5
+        shut["teeth_lower"] - rest["teeth_lower"], 0.5 * (opened["teeth_lower"] - rest["teeth_lower"]), atol=3e-4
     )
     assert np.abs(shut["lashes"] - rest["lashes"]).max() > 0.003
     again = placed(poser, start)
