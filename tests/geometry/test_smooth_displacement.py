@@ -68,3 +68,37 @@ def test_folds_are_seen():
     assert (least_areas(moves) == 1).all()
     moves[1, 1] = [1.5, 0]
     assert least_areas(moves)[1, 1] < 0 < least_areas(moves)[2, 2]
+
+
+def test_it_is_the_least_of_a_dense_system():
+    """Rows of samples, and of second differences times the square of the length, node by node."""
+    rows, columns = shape = (6, 7)
+    generator = np.random.default_rng(4)
+    places = generator.uniform(0, [columns - 1, rows - 1], (9, 2))
+    given = Samples(places, 0.1 * generator.normal(size=(9, 2)), generator.uniform(0.5, 2, 9))
+    length = 1.3
+    node = np.arange(rows * columns).reshape(shape)
+    equations = []
+    for (x, y), weight in zip(places, given.weights, strict=True):
+        row, left, top = np.zeros(rows * columns), int(x), int(y)
+        for i, down in ((top, top + 1 - y), (top + 1, y - top)):
+            for j, across in ((left, left + 1 - x), (left + 1, x - left)):
+                row[node[i, j]] = weight**0.5 * down * across
+        equations.append(row)
+    for parts, factor in (([(0, 0, 1), (0, 1, -2), (0, 2, 1)], 1), ([(0, 0, 1), (1, 0, -2), (2, 0, 1)], 1),
+                          ([(0, 0, 1), (0, 1, -1), (1, 0, -1), (1, 1, 1)], 2**0.5)):  # fmt: skip
+        height, width = (max(part[k] for part in parts) for k in (0, 1))
+        for i in range(rows - height):
+            for j in range(columns - width):
+                row = np.zeros(rows * columns)
+                for down, across, value in parts:
+                    row[node[i + down, j + across]] = length**2 * factor * value
+                equations.append(row)
+    system = np.array(equations)
+    expected = np.zeros((rows * columns, 2))
+    for axis, free in enumerate((node[:, 1:-1].ravel(), node[1:-1].ravel())):
+        right = np.zeros(len(system))
+        right[:9] = given.weights**0.5 * given.moves[:, axis]
+        expected[free, axis] = np.linalg.lstsq(system[:, free], right, rcond=None)[0]
+    found = smooth_displacement(given, shape, ALONE, Smoothness(length))
+    np.testing.assert_allclose(found.reshape(-1, 2), expected, atol=1e-6)

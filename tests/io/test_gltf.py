@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 
 import caricli
 from caricli.errors import InputError, OutputError
+from caricli.io.gltf.read_clips import read_clips
 from caricli.io.gltf.read_gltf import read_gltf, read_gltf_mesh
 from caricli.io.gltf.write_gltf import shading_normals, write_gltf
 from caricli.io.rig import read_rig, write_rig
@@ -554,6 +555,48 @@ def test_other_programs_files_are_read(tmp_path):
     uvs = np.stack([fractions[:, 0], 1 - fractions[:, 1]], axis=1)
     np.testing.assert_allclose(rig.mesh.uvs[rig.mesh.uv_polygons], uvs[faces], atol=1e-6)
     assert rig.materials is rig.pictures.skin is None
+
+
+def test_a_scene_of_which_a_part_has_no_uvs_has_none(tmp_path):
+    document, binary, neutral, _, faces, _ = foreign()
+    for primitive in document["meshes"][1]["primitives"]:
+        primitive.pop("targets")
+    document["nodes"].append({"mesh": 0})
+    document["scenes"] = [{"nodes": [0, 1]}]
+    put_together(tmp_path / "a.glb", document, binary)
+    mesh = read_gltf_mesh(tmp_path / "a.glb")
+    assert mesh.uvs is mesh.uv_polygons is None
+    corners = np.concatenate([2 * neutral[faces], neutral.reshape(2, 3, 3)])
+    np.testing.assert_allclose(mesh.vertices[mesh.faces], corners, rtol=1e-6)
+    document["scenes"] = [{"nodes": [0]}]
+    put_together(tmp_path / "b.glb", document, binary)
+    assert read_gltf_mesh(tmp_path / "b.glb").uvs is not None
+
+
+def test_pictures_are_repeated_and_smooth_near_and_far(full_rig, tmp_path):
+    write_gltf(tmp_path / "a.glb", full_rig)
+    for sampler in pygltflib.GLTF2.load(tmp_path / "a.glb").samplers:
+        assert (sampler.magFilter, sampler.minFilter) == (pygltflib.LINEAR, pygltflib.LINEAR_MIPMAP_LINEAR)
+
+
+def test_clips_tell_how_long_and_of_how_many_frames_they_are(full_rig, tmp_path):
+    write_gltf(tmp_path / "a.glb", full_rig, animation=movement(full_rig))
+    ((name, seconds, frames),) = [vars(clip).values() for clip in read_clips(tmp_path / "a.glb")]
+    assert (name, seconds, frames) == ("animation", pytest.approx(0.2), 7)
+    document, binary = taken_apart(tmp_path / "a.glb")
+    document["animations"] = [{"name": "still"}, document["animations"][0] | {"name": "moving"}]
+    put_together(tmp_path / "b.glb", document, binary)
+    clips = [tuple(vars(clip).values()) for clip in read_clips(tmp_path / "b.glb")]
+    assert clips == [("still", 0.0, 0), ("moving", pytest.approx(0.2), 7)]
+
+
+@pytest.mark.parametrize("animations", [[{"name": 3}], ["walk"], [{}] * 10_001, [{"samplers": [7]}]])
+def test_clips_that_lie_are_refused(full_rig, tmp_path, animations):
+    write_gltf(tmp_path / "a.glb", full_rig)
+    document, binary = taken_apart(tmp_path / "a.glb")
+    put_together(tmp_path / "b.glb", document | {"animations": animations}, binary)
+    with pytest.raises(InputError, match="expected"):
+        read_clips(tmp_path / "b.glb")
 
 
 def test_primitives_without_indices_take_their_vertices_in_turn(tmp_path):

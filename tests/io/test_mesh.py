@@ -15,6 +15,7 @@ import trimesh
 from caricli.errors import InputError, OutputError
 from caricli.io import stl
 from caricli.io.face import read_face
+from caricli.io.gltf.read_gltf import read_gltf
 from caricli.io.gltf.write_gltf import write_gltf
 from caricli.io.image import write_png
 from caricli.io.mesh import ANY_MESH, MESH_SUFFIXES, mesh_files, read_mesh, write_mesh
@@ -499,3 +500,19 @@ def test_meshes_of_a_folder_are_its_obj_files_or_else_the_others(ball_mesh, tmp_
     assert mesh_files(tmp_path / "empty") == []
     with pytest.raises(InputError, match="expected a folder of OBJ files or other meshes"):
         mesh_files(tmp_path / "d.obj")
+
+
+@pytest.mark.parametrize("suffix", [".glb", ".gltf"])
+def test_pictures_of_other_materials_are_embedded_where_polygons_wear_them(full_rig, tmp_path, suffix):
+    pictures = full_rig.pictures
+    write_png(tmp_path / "skin.png", pictures.skin)
+    write_png(tmp_path / "eyes.png", pictures.eyes)
+    others = {"eyes": "eyes.png"}
+    for materials, expected in ((full_rig.materials, pictures.eyes), (None, None)):
+        path = tmp_path / f"{materials is None}{suffix}"
+        write_mesh(path, full_rig.mesh, "skin.png", others=others, materials=materials)
+        back = read_gltf(path).pictures
+        np.testing.assert_array_equal(back.skin, pictures.skin)
+        np.testing.assert_array_equal(back.eyes, expected)
+    write_mesh(tmp_path / f"none{suffix}", full_rig.mesh, "skin.png", materials=full_rig.materials)
+    assert read_gltf(tmp_path / f"none{suffix}").pictures.eyes is None

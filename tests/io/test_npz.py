@@ -10,7 +10,7 @@ from hypothesis.extra.numpy import array_shapes, arrays
 
 from caricli.errors import InputError, OutputError
 from caricli.io import npz
-from caricli.io.npz import read_npz, write_npz
+from caricli.io.npz import read_npz, take_array, write_npz
 
 
 def header(descr="'<f8'", shape="(3,)", extra=""):
@@ -213,3 +213,14 @@ def test_numbers_that_signal_are_plain_unknowns(tmp_path):
     values = read_npz(tmp_path / "a.npz")["values"]
     with np.errstate(all="raise"):
         np.testing.assert_array_equal(values.astype(np.float64), [np.nan, 1.0])
+
+
+def test_an_array_is_taken_only_as_what_it_should_be():
+    values = np.zeros((4, 3), np.float32)
+    assert take_array({"a": values}, "a", "f", (None, 3)) is values
+    assert take_array({"a": values}, "a", "if", (4, 3)) is values
+    wrong = {"b": ("f", (None, 3)), "a": ("f", (None, 2)), "a ": ("f", (5, 3)), "a  ": ("f", (None, 3, 1)),
+             "a   ": ("iu", (None, 3))}  # fmt: skip
+    for key, (kinds, shape) in wrong.items():
+        with pytest.raises(InputError, match="expected"):
+            take_array({"a": values}, key.strip(), kinds, shape)

@@ -153,3 +153,9 @@ def test_uses_that_multiply_end(tmp_path):
     layers = "".join(f'<g id="a{k + 1}">' + f'<use href="#a{k}"/>' * 10 + "</g>" for k in range(8))
     with pytest.raises(InputError, match="found more"):
         read(tmp_path, f'<line id="a0" x2="1"/>{layers}')
+
+
+@pytest.mark.parametrize("width", ["384", "384px", "288pt", "24pc", "101.6mm", "10.16cm", "4in"])
+def test_units_are_those_of_css(tmp_path, width):
+    sketch = read(tmp_path, '<line x2="96" y2="96"/>', head=f'width="{width}" height="{width}"')
+    assert sketch.size == (384, 384)

@@ -302,3 +302,13 @@ def test_a_drop_frame_take_keeps_its_pace_over_a_minute(tmp_path):
     timecodes = [*(f"10:00:59;{k:02d}.250" for k in range(58, 60)), *(f"10:01:00;{k:02d}.250" for k in range(4, 6))]
     track = read_weights(live_link(tmp_path / "a.csv", timecodes=timecodes))
     np.testing.assert_allclose(track.times, np.arange(4) * 1.001 / 60, atol=1e-9)
+
+
+@pytest.mark.parametrize(("limit", "most"), [("MAX_FRAMES", 4), ("MAX_SHAPES", 55), ("MAX_WEIGHTS", 4 * 55)])
+def test_each_limit_of_its_own_refuses_a_track(tmp_path, monkeypatch, limit, most):
+    path = live_link(tmp_path / "a.csv")
+    monkeypatch.setattr(f"caricli.io.track.{limit}", most)
+    assert len(read_weights(path).weights) == 4
+    monkeypatch.setattr(f"caricli.io.track.{limit}", most - 1)
+    with pytest.raises(InputError, match="expected at most"):
+        read_weights(path)

@@ -75,7 +75,12 @@ def test_skin_and_eyes_have_materials_with_their_pictures(full_rig, written, tmp
         assert material.GetPath() == f"/head/materials/{name}"
         surface, _, _ = material.ComputeSurfaceSource()
         colour = surface.GetInput("diffuseColor").GetConnectedSources()[0][0].source
-        asset = UsdShade.Shader(colour.GetPrim()).GetInput("file").Get()
+        picture = UsdShade.Shader(colour.GetPrim())
+        places = UsdShade.Shader(picture.GetInput("st").GetConnectedSources()[0][0].source.GetPrim())
+        kinds = [shader.GetShaderId() for shader in (surface, picture, places)]
+        assert kinds == ["UsdPreviewSurface", "UsdUVTexture", "UsdPrimvarReader_float2"]
+        assert places.GetInput("varname").Get() == "st"
+        asset = picture.GetInput("file").Get()
         with zipfile.ZipFile(written) as package:
             (tmp_path / "picture.png").write_bytes(package.read(asset.path.removeprefix("./")))
         np.testing.assert_array_equal(read_image(tmp_path / "picture.png"), image)
