@@ -2,9 +2,11 @@
 
 tables.yaml says by which command figures come, and how their tables are printed. Its short runs are done where nothing
 else is said, with --long the others, else those that are named; a run whose figures are of the present revision is not
-done again, so that one may be stopped and goes on with the next. The figures go to results/NAME.json with command,
-revision and date, all tables are rendered between their markers in RESULTS.md: `<!-- table: NAME -->`, `<!-- end -->`.
-The test set (configs/testset.yaml) is built where it is not there. --render only renders.
+done again, so that one may be stopped and goes on with the next. Tables that have no columns there hold figures as they
+were printed before they were kept, and stay as they are until tables.yaml says how to print them. The figures go to
+results/NAME.json with command, revision and date, and all tables are rendered between their markers in RESULTS.md,
+`<!-- table: NAME -->` and `<!-- end -->`; --render does only that. The test set (configs/testset.yaml) is built where
+it is not there.
 """
 
 import argparse
@@ -39,12 +41,14 @@ class Table:
     rows: key of the figures under which they are: a list of objects, or objects by name, which becomes their "name".
     columns: by title what a cell holds, a format string over its row; without, rows are printed as they are. beside:
     by row's name what stands beside the figures, a paper's above all; the only rows where there is no run.
+    where: key of which a row has to have something, other than 0, or it is left out.
     """
 
     run: str | None = None
     rows: str = ""
     columns: dict[str, str] | None = None
     beside: dict[str, dict] | None = None
+    where: str | None = None
 
 
 @dataclass(frozen=True)
@@ -101,6 +105,8 @@ def _rows(table: Table, part: dict | list) -> Iterator[dict]:
     named = [{"name": name} | row for name, row in part.items()] if isinstance(part, dict) else part
     beside = dict(table.beside or {})
     for row in named:
+        if table.where and not row.get(table.where):
+            continue
         yield row | beside.pop(row.get("name"), {})
     for name, row in beside.items():
         yield {"name": name} | row
@@ -180,9 +186,14 @@ def _rounded(value: object) -> object:
     return float(f"{value:.{DIGITS}g}") if isinstance(value, float) else value
 
 
-def missing(run: Run) -> list[str]:
-    """Variables of the environment that a run needs and that are not set."""
-    return [name for name in run.needs if name.startswith("$") and not os.environ.get(name[1:])]
+def why_not(run: Run, tables: Iterable[Table]) -> str | None:
+    """Why a run cannot be done here; None where it can."""
+    missing = [name for name in run.needs if name.startswith("$") and not os.environ.get(name[1:])]
+    if missing:
+        return f"left as it is without {', '.join(missing)}"
+    if not all(table.columns for table in tables):
+        return f"left as it was printed; tables.yaml does not say how to print what {run.command} gives"
+    return None
 
 
 def main() -> None:
@@ -193,14 +204,15 @@ def main() -> None:
     parser.add_argument("--render", action="store_true", help="no run, only the tables")
     asked = parser.parse_args()
     runs, tables = registry()
-    names = asked.names or [name for name, run in runs.items() if run.short != asked.long and not asked.render]
-    for name in names:
-        if missing(runs[name]) and not asked.names:
-            print(f"{name}: left out without {', '.join(missing(runs[name]))}", file=sys.stderr)
+    for name in asked.names or [name for name, run in runs.items() if run.short != asked.long and not asked.render]:
+        own = [table for table in tables.values() if table.run == name]
+        obstacle = why_not(runs[name], own)
+        if obstacle:
+            print(f"{name}: {obstacle}", file=sys.stderr)
         elif asked.names or figures_of(name)["revision"] != revision():
             build_testset(runs[name].needs)
-            measure(name, runs[name], {table.rows for table in tables.values() if table.run == name})
-        PAGE.write_text(rendered(PAGE.read_text("utf-8")), "utf-8")
+            measure(name, runs[name], {table.rows for table in own})
+            PAGE.write_text(rendered(PAGE.read_text("utf-8")), "utf-8")
     PAGE.write_text(rendered(PAGE.read_text("utf-8")), "utf-8")
 
 

@@ -56,6 +56,27 @@ def test_rows_print_what_they_hold_and_nothing_where_it_is_missing():
     assert printed.splitlines()[2:] == ["| one | 1.23 % | 3 |", "| two | | |", "| three | | |"]
 
 
-def test_what_is_left_out_without_its_data_is_said(monkeypatch):
+def test_what_cannot_be_measured_is_said(monkeypatch):
     monkeypatch.delenv("CARICLI_REAL_DATA", raising=False)
-    assert results.missing(results.Run("python x.py", needs=("draws", "$CARICLI_REAL_DATA"))) == ["$CARICLI_REAL_DATA"]
+    told = [results.Table("x", "rows", {"error": "{error}"})]
+    drawings = results.Run("python x.py", needs=("draws", "$CARICLI_REAL_DATA"))
+    assert results.why_not(drawings, told) == "left as it is without $CARICLI_REAL_DATA"
+    assert "as it was printed" in results.why_not(results.Run("python x.py"), [*told, results.Table("x", "rows")])
+    assert results.why_not(results.Run("python x.py"), told) is None
+
+
+def test_a_run_keeps_the_figures_that_tables_show(monkeypatch, tmp_path):
+    script = tmp_path / "x.py"
+    script.write_text('print(\'a table\'); print(\'{"rows": [{"name": "a", "error": 0.123456789}], "more": 1}\')')
+    monkeypatch.setattr(results, "FOLDER", tmp_path)
+    results.measure("x", results.Run(f"python {script}"), {"rows"})
+    told = results.figures_of("x")
+    assert told["figures"] == {"rows": [{"name": "a", "error": 0.123457}]} and told["revision"] == results.revision()
+
+
+def test_short_tables_can_be_measured_from_a_clone():
+    short = {name for name, run in RUNS.items() if run.short}
+    assert short
+    for table in TABLES.values():
+        if table.run in short:
+            assert table.columns and not any(need.startswith("$") for need in RUNS[table.run].needs)

@@ -2,6 +2,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import yaml
 
 from caricli.data.build_dataset import build_dataset
 from caricli.data.build_settings import BuildSettings
@@ -9,6 +10,7 @@ from caricli.data.dataset import SPLITS, read_dataset
 from caricli.data.import_dataset import import_dataset
 from caricli.data.unseen import fingerprints, seen_people, unseen_data
 from caricli.errors import InputError
+from caricli.io.bundled import config_path
 from caricli.io.obj import read_obj, write_obj
 from caricli.store.directions import load_directions
 from caricli.store.landmark_maps import load_landmark_map
@@ -112,3 +114,19 @@ def test_the_bundled_models_name_the_people_of_their_recipe(build):
         assert share > 0.5
         assert not people.train & people.validation
     assert len({people.train for people in seen}) == 1
+
+
+def test_a_trained_person_planted_in_the_published_test_set_is_left_out(build):
+    seed = yaml.safe_load(config_path("testset.yaml").read_text("utf-8"))["seed"]
+    tested = build(4, seed)
+    seen = {kind: load_model(kind=kind).seen for kind in ("morphable", *LATENT)}
+    assert unseen_data(tested, seen, everyone=True).test == 4
+    trained = build(6, 0)
+    who = next(person for person, marks in everybody(trained).items() if marks & seen["kernel"].train)
+    # Person 2 is made of what that one is made of.
+    factors = {name: values.copy() for name, values in tested.factors.items()}
+    for name in ("changes", "gender", "age", "weight"):
+        factors[name][tested.identity == 2] = trained.factors[name][trained.identity == who][0]
+    planted = unseen_data(replace(tested, factors=factors), seen, everyone=True)
+    assert planted.data.manifest["splits"]["test"] == [0, 1, 3]
+    assert planted.figures == {"test_people": {"unseen": 3, "of": 4}} and "kernel" in planted.note

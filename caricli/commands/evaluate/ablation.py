@@ -22,7 +22,7 @@ from caricli.io.outputs import staged_folder, write_bytes
 from caricli.io.provenance import provenance
 from caricli.io.strict_json import write_json
 
-_COLUMNS = ("model", "parameters", "train %", "test %", "test surface %", "training s")
+_COLUMNS = ("model", "parameters", "train %", "test %", "test surface %", "training s", "λ_reg")
 
 
 @click.command()
@@ -89,4 +89,5 @@ def _write(folder: Path, rows: list, recipe: dict) -> None:
 def _cells(row: Any) -> tuple[str, ...]:
     """Of an AblationRow."""
     errors = (f"{error:.3f}" for error in (row.train, row.test, row.surface))
-    return (row.name, f"{row.parameters:,}", *errors, f"{row.seconds:.0f}")
+    regularised = "-" if row.latent_weight is None else f"{row.latent_weight:g}"
+    return (row.name, f"{row.parameters:,}", *errors, f"{row.seconds:.0f}", regularised)

@@ -51,6 +51,7 @@ class AblationRow:
 
     train, test: at the vertices of training and of unseen meshes, the codes of the latter fitted to the end. surface:
     the same at uniform points of the unseen meshes' surfaces. seconds: of the training and its validations.
+    latent_weight: lambda_reg of equation 1, of networks.
     curves: from train and test to epochs and errors during the training; None where there are no epochs.
     """
 
@@ -60,6 +61,7 @@ class AblationRow:
     test: float
     surface: float
     seconds: float
+    latent_weight: float | None = None
     curves: dict[str, list[tuple[int, float]]] | None = None
 
 
@@ -98,7 +100,8 @@ def evaluate_ablation(
         if isinstance(network, ConditionedSiren | HyperSiren):
             network.precision = torch.float32  # as models decode
         errors = measure(_network_fields(network, training.latents), _network_fields(network, codes))
-        yield AblationRow(name, parameters, *errors, seconds, _curves(records, template.height))
+        curves = _curves(records, template.height)
+        yield AblationRow(name, parameters, *errors, seconds, config.latent_weight, curves)
     for name in LINEAR:
         start = time.perf_counter()
         model = _linear_model(name, template, meshes.shapes, config)

@@ -36,6 +36,7 @@ def test_figure_and_table_are_written(ablation):
             *(f"{model[key]:.3f}" for key in ("train", "test", "surface")),
         ]
         assert line.startswith(f"| {' | '.join(cells)} | ")
+        assert line.endswith(" | 0 |" if model["name"] in NETWORKS else " | - |")
         assert all(cell in printed for cell in cells)
 
 
