@@ -38,7 +38,8 @@ DIGITS = 6
 class Table:
     """How the rows of a run are printed.
 
-    rows: key of the figures under which they are: a list of objects, or objects by name, which becomes their "name".
+    rows: key of the figures under which they are, "." for all of them: a list of objects, objects by
+    name, which becomes their "name", or one object.
     columns: by title what a cell holds, a format string over its row; without, rows are printed as they are. beside:
     by row's name what stands beside the figures, a paper's above all; the only rows where there is no run.
     where: key of which a row has to have something, other than 0, or it is left out.
@@ -102,7 +103,9 @@ def _line(cells: Iterable[str]) -> str:
 
 def _rows(table: Table, part: dict | list) -> Iterator[dict]:
     """Rows with what stands beside them; what has no figures here comes last."""
-    named = [{"name": name} | row for name, row in part.items()] if isinstance(part, dict) else part
+    named = part if isinstance(part, list) else [part]
+    if isinstance(part, dict) and all(isinstance(row, dict) for row in part.values()):
+        named = [{"name": name} | row for name, row in part.items()]
     beside = dict(table.beside or {})
     for row in named:
         if table.where and not row.get(table.where):
@@ -153,7 +156,7 @@ def measure(name: str, run: Run, parts: Iterable[str]) -> None:
         "command": run.command,
         "revision": revision(),
         "date": datetime.date.today().isoformat(),
-        "figures": {part: _rounded(figures[part]) for part in sorted(parts)},
+        "figures": {part: _rounded(_numbers(figures) if part == "." else figures[part]) for part in sorted(parts)},
     }
     (FOLDER / f"{name}.json").write_text(json.dumps(result, indent=1) + "\n", "utf-8")
 
@@ -175,6 +178,11 @@ def _call(command: str) -> str:
     return subprocess.run(
         [*start, *words[1:]], cwd=ROOT, env=environment, stdout=subprocess.PIPE, text=True, check=True
     ).stdout
+
+
+def _numbers(figures: dict) -> dict:
+    """Figures without words, such as a version."""
+    return {key: value for key, value in figures.items() if isinstance(value, int | float | dict)}
 
 
 def _rounded(value: object) -> object:

@@ -56,6 +56,13 @@ def test_rows_print_what_they_hold_and_nothing_where_it_is_missing():
     assert printed.splitlines()[2:] == ["| one | 1.23 % | 3 |", "| two | | |", "| three | | |"]
 
 
+def test_all_figures_together_are_one_row_or_rows_by_name():
+    whole = results.Table("run", ".", {"right": "{right:.1f}"})
+    assert results.markdown(whole, {"right": 99.19, "confusion": {"a": 1}}).splitlines()[2:] == ["| 99.2 |"]
+    each = results.Table("run", ".", {"": "{name}", "flips": "{flips}"}, where="flips")
+    assert results.markdown(each, {"a": {"flips": 2}, "b": {"time": 1}}).splitlines()[2:] == ["| a | 2 |"]
+
+
 def test_what_cannot_be_measured_is_said(monkeypatch):
     monkeypatch.delenv("CARICLI_REAL_DATA", raising=False)
     told = [results.Table("x", "rows", {"error": "{error}"})]
