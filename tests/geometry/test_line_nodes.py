@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from caricli.geometry.line_nodes import line_nodes
+from caricli.geometry.line_nodes import _left, line_nodes
 from caricli.geometry.match_line import resample
 
 STEPS = np.array([0, 0.4, 1.1, 1.3, 2.2, 2.5, np.pi])
@@ -41,3 +41,23 @@ def test_a_line_of_a_hand_tells_none():
 
 def test_a_line_of_very_many_points_is_not_looked_at():
     assert line_nodes(rounded(300), len(NODES)) is None
+
+
+def test_pieces_fit_cubics_of_common_slopes_and_nothing_else():
+    """Hermite's cubics with slopes at random, evaluated by their Bezier points; two slopes at a node do not fit."""
+    generator, pieces = np.random.default_rng(3), 20
+    values, slopes = generator.normal(size=(2, 6, 2))
+    t = np.arange(pieces)[:, None] / pieces
+
+    def line(leaving, arriving):
+        parts = []
+        for k in range(5):
+            bends = values[k], values[k] + leaving[k] / 3, values[k + 1] - arriving[k + 1] / 3, values[k + 1]
+            weights = (1 - t) ** 3, 3 * t * (1 - t) ** 2, 3 * t**2 * (1 - t), t**3
+            parts.append(sum(weight * bend for weight, bend in zip(weights, bends, strict=True)))
+        return np.vstack([*parts, values[-1:]])
+
+    assert _left(line(slopes, slopes), 6, False, True) < 1e-12
+    assert _left(line(slopes, -slopes), 6, False, True) > 0.01
+    assert _left(line(slopes, slopes), 6, False, False) > 0.01
+    assert _left(line(slopes, slopes), 6, True, True) > 0.01

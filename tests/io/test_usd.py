@@ -130,6 +130,21 @@ def test_a_bare_rig_of_triangles_is_written_the_same_twice(full_rig, tmp_path):
     np.testing.assert_array_equal(counts, np.full(len(bare.faces), 3))
 
 
+def test_triangles_among_quads_have_three_corners(full_rig, tmp_path):
+    mesh = full_rig.mesh
+    polygons, uv_polygons = mesh.polygons.copy(), mesh.uv_polygons.copy()
+    polygons[5, 3] = uv_polygons[5, 3] = -1
+    mixed = replace(full_rig, mesh=Mesh(mesh.vertices, polygons, mesh.uvs, uv_polygons))
+    write_usd(tmp_path / "a.usdz", mixed)
+    stage = Usd.Stage.Open(str(tmp_path / "a.usdz"))
+    written = mesh_of(stage)
+    counts = np.array(written.GetFaceVertexCountsAttr().Get())
+    np.testing.assert_array_equal(counts, np.where(np.arange(len(polygons)) == 5, 3, 4))
+    np.testing.assert_array_equal(written.GetFaceVertexIndicesAttr().Get(), np.delete(polygons, 23))
+    places = UsdGeom.PrimvarsAPI(written).GetPrimvar("st")
+    np.testing.assert_array_equal(places.GetIndices(), np.delete(uv_polygons, 23))
+
+
 def test_what_cannot_be_written_is_refused(full_rig, tmp_path, monkeypatch):
     with pytest.raises(OutputError, match="expected a name in .usdz"):
         write_usd(tmp_path / "a.usdc", full_rig)
