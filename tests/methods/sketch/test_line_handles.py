@@ -115,3 +115,10 @@ def test_a_curve_through_landmarks_is_met_at_them(handles, own, model):
 def test_dots_are_no_lines():
     sketch = Sketch((Stroke(np.full((3, 2), 9.0), curve="nose"), Stroke(np.array([[1.0, 1], [9, 9]]), curve="nose")))
     assert [len(line) for line in lines_by_curve(sketch)["nose"]] == [2]
+
+
+def test_handles_are_found_by_how_their_curves_begin(handles):
+    both = np.union1d(handles.rows["brow_left"], handles.rows["brow_right"])
+    np.testing.assert_array_equal(handles.rows_of("brow_"), both)
+    np.testing.assert_array_equal(handles.rows_of("brow_left"), np.unique(handles.rows["brow_left"]))
+    assert handles.rows_of("hat").shape == (0,)
