@@ -118,7 +118,8 @@ def _deformed(
     """Vertices (V, 3) with those of ids (K,) at their places (K, 3), sound and with the pockets behind the skin."""
 
     def move(shape: np.ndarray) -> np.ndarray:
-        return LaplacianDeformation(shape, template.faces, ids, settings.weight, settings.laplacian).move(places)
+        surface = LaplacianDeformation(shape, template.faces, ids, settings.weight, settings.laplacian)
+        return surface.move(places, settings.rounds)
 
     moved = move(face.vertices)
     # What nothing pulls at stays as it is, flipped triangles and all.

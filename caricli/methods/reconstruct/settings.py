@@ -111,6 +111,7 @@ class RefineSettings:
 
     weight: of a landmark against the shape of the surface (the paper's lambda).
     laplacian: how neighbours count: "cotangent", by the angles between them, or "uniform", all the same, as published.
+    rounds: how often the surface's rotations are estimated; 0 keeps every detail upright, as published.
     farthest: share, mean distance of landmarks that can be those of the same picture.
     crossed: share, how far lids may have passed each other, or two landmarks may want one vertex apart: a slip of the
     hand. lips_crossed: the same for lips, which are drawn as one thick line.
@@ -120,6 +121,7 @@ class RefineSettings:
 
     weight: float = 1.0
     laplacian: str = "cotangent"
+    rounds: int = 4
     farthest: float = 0.25
     crossed: float = 0.02
     lips_crossed: float = 0.06

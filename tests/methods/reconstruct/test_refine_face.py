@@ -74,7 +74,11 @@ def test_the_mouth_stays_behind_the_skin(pairs, template):
 
 def test_uniform_meets_them_too(pairs, template):
     for truth in pairs[1:3]:
-        found = refine_face(Face(template, truth.camera), truth.points, template, RefineSettings(laplacian="uniform"))
+        face = Face(template, truth.camera)
+        found = refine_face(face, truth.points, template, RefineSettings(laplacian="uniform"))
+        upright = refine_face(face, truth.points, template, RefineSettings(laplacian="uniform", rounds=0))
+        assert upright.after["all"] < 0.5 * upright.before["all"]
+        assert np.abs(upright.face.vertices - found.face.vertices).max() > 1e-4
         assert found.after["all"] <= 0.3 and found.after["eyes"] <= found.before["eyes"] / 10
         assert found.flipped <= 0.002
 
