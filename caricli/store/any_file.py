@@ -9,7 +9,7 @@ from caricli.data.dataset import SCHEMA as DATASET_SCHEMA
 from caricli.data.dataset import read_dataset
 from caricli.data.expressions import NEUTRAL, read_expressions
 from caricli.errors import InputError, shown
-from caricli.io import cues, directions, face, landmarks, rig, sketch, track
+from caricli.io import cues, directions, face, landmarks, rig, session, sketch, track
 from caricli.io.bundled import asset_path
 from caricli.io.checkpoint import read_checkpoint
 from caricli.io.files import content_kind, read_start
@@ -39,6 +39,8 @@ from caricli.models.sketch.model import SCHEMA as SKETCH_NETWORK_SCHEMA
 from caricli.models.sketch.model import sketch_from_checkpoint
 from caricli.models.style.model import SCHEMA as STYLE_SCHEMA
 from caricli.models.style.model import style_from_checkpoint
+from caricli.models.texture.model import SCHEMA as TEXTURE_SCHEMA
+from caricli.models.texture.model import texture_from_checkpoint
 from caricli.store.models import load_model
 from caricli.structures.arkit import ARKIT_NAMES
 
@@ -55,6 +57,7 @@ _JSON: dict[str, Callable[[Path], Any]] = {
     landmarks.SCHEMA: landmarks.read_landmarks,
     track.SCHEMA: track.read_weights,
     sketch.SCHEMA: sketch.read_sketch,
+    session.SCHEMA: session.read_session,
     DATASET_SCHEMA: lambda path: read_dataset(path.parent),
 }
 _WEIGHTS: dict[Any, Callable[..., Any]] = {
@@ -64,13 +67,14 @@ _WEIGHTS: dict[Any, Callable[..., Any]] = {
     SKETCH_NETWORK_SCHEMA: sketch_from_checkpoint,
     STYLE_SCHEMA: style_from_checkpoint,
     GESTURE_SCHEMA: gesture_from_checkpoint,
+    TEXTURE_SCHEMA: texture_from_checkpoint,
 }
 
 
 def load_any(path: Path) -> Any:
     """What a file or folder holds, told by its content: one of the structures, a Dataset, a ShapeModel, a LandmarkMap,
-    a Detector, a CoarseModel, a SketchModel, a StyleModel, a GestureModel, the dict of a report or of expressions, or
-    the array of a picture.
+    a Detector, a CoarseModel, a SketchModel, a StyleModel, a GestureModel, a TextureModel, the dict of a report or of
+    expressions, or the array of a picture.
 
     Raises InputError when it is none of them, or damaged.
     """

@@ -9,10 +9,11 @@ from caricli.io.gltf.write_gltf import write_gltf
 from caricli.io.image import write_png
 from caricli.io.mesh import write_mesh
 from caricli.io.rig import write_rig
+from caricli.io.session import format_session
 from caricli.io.strict_json import write_json
 from caricli.io.track import write_weights
 from caricli.store.models import load_model
-from caricli.structures import Animation, Camera, Face, Mesh, Rig, Track
+from caricli.structures import Animation, Camera, Face, Mesh, Operation, Rig, Session, Track
 from caricli.structures.arkit import ARKIT_NAMES
 
 COMMAND = "inspect"
@@ -137,6 +138,20 @@ def test_models_maps_and_directions(inspect):
     assert set(report["components"]) == {"normal", "caricature"}
     lines, report = inspect(asset_path("directions-pca.npz"))
     assert lines[0].endswith("of the bundled pca model") and 0.5 < report["labels"]["BigNose"]["auc"] <= 1
+
+
+@pytest.mark.parametrize("name", ["coarse", "detector", "gesture", "sketch", "style", "texture"])
+def test_bundled_networks(inspect, name):
+    _, report = inspect(asset_path(f"{name}.safetensors"))
+    assert report["weights"] > 1e4 and len(report["model_id"]) == 64
+
+
+def test_sessions(inspect, tmp_path):
+    strokes = [Operation("draw", {"points": [[0, 0], [9, k]]}) for k in range(3)]
+    (tmp_path / "session.json").write_text(format_session(Session(None, (*strokes, Operation("clear")))))
+    lines, report = inspect(tmp_path / "session.json")
+    assert "begins with an empty canvas" in lines and "3 draw, 1 clear" in lines
+    assert report["operations"] == 4 and report["names"] == {"draw": 3, "clear": 1}
 
 
 def test_landmarks(inspect, marks):

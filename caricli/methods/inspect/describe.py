@@ -19,7 +19,8 @@ from caricli.models.gesture.model import GestureModel
 from caricli.models.landmark_map.model import LandmarkMap
 from caricli.models.sketch.model import SketchModel
 from caricli.models.style.model import StyleModel
-from caricli.structures import Cues, Directions, Face, Landmarks, Material, Mesh, Rig, Sketch, Track
+from caricli.models.texture.model import TextureModel
+from caricli.structures import Cues, Directions, Face, Landmarks, Material, Mesh, Rig, Session, Sketch, Track
 from caricli.structures.arkit import ARKIT_NAMES
 from caricli.structures.gesture import GESTURES
 from caricli.structures.landmarks import PARTS, SCHEMES
@@ -161,6 +162,16 @@ def _(value: Sketch, around: Acquaintances) -> Inspection:
 
 
 @describe.register
+def _(value: Session, around: Acquaintances) -> Inspection:
+    counts = Counter(operation.name for operation in value.operations)
+    start = None if value.start is None else value.start.file
+    lines = ["begins with an empty canvas" if start is None else f"begins with {shown(start)}"]
+    lines += [", ".join(f"{count} {name}" for name, count in counts.items())] if counts else []
+    values = {"operations": len(value.operations), "names": dict(counts), "start": start}
+    return Inspection("session", f"{len(value.operations)} operations", tuple(lines), values)
+
+
+@describe.register
 def _(value: Track, around: Acquaintances) -> Inspection:
     frames = len(value.times)
     length = float(value.times[-1])
@@ -250,6 +261,14 @@ def _(value: StyleModel, around: Acquaintances) -> Inspection:
     weights = sum(parameter.numel() for parameter in value.network.parameters())
     figures = {"weights": weights, "model_id": value.model_id, "media": list(value.media)}
     return Inspection("style network", f"{weights / 1e6:.1f} million weights", (", ".join(value.media),), figures)
+
+
+@describe.register
+def _(value: TextureModel, around: Acquaintances) -> Inspection:
+    weights = sum(parameter.numel() for parameter in value.network.parameters())
+    summary = f"{weights / 1e6:.1f} million weights, for textures in charts of {value.size} texels"
+    figures = {"weights": weights, "size": value.size, "model_id": value.model_id, "topology_id": value.topology_id}
+    return Inspection("texture network", summary, (), figures)
 
 
 @describe.register
