@@ -49,7 +49,10 @@ def _fits(mesh: Mesh, lids: Sequence[np.ndarray], socket: np.ndarray) -> bool:
     """Whether the ids exist and neighbours along the lids share an edge of the mesh."""
     if max(socket.max(), *(lid.max() for lid in lids)) >= len(mesh.vertices):
         return False
-    edges = _numbered(mesh.faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2))
+    on_lids = np.zeros(len(mesh.vertices), bool)
+    on_lids[np.concatenate(lids)] = True
+    near = mesh.faces[on_lids[mesh.faces].any(1)]
+    edges = _numbered(near[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2))
     return all(np.isin(_numbered(np.stack([lid[:-1], lid[1:]], 1)), edges).all() for lid in lids)
 
 

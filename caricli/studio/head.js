@@ -5,6 +5,17 @@ const EYES = 12;
 const CLAY = 0xd8b49a;
 const HOME = new THREE.Vector3(0, 0, 0.62);
 
+const REST = 800; // milliseconds without a change after which a head that software draws gets smooth edges
+
+// Whether there is no graphics card, so that every pixel costs the time of the processor.
+function drawnBySoftware() {
+  const gl = document.createElement("canvas").getContext("webgl2");
+  const info = gl?.getExtension("WEBGL_debug_renderer_info");
+  const name = info ? gl.getParameter(info.UNMASKED_RENDERER_WEBGL) : "";
+  gl?.getExtension("WEBGL_lose_context")?.loseContext();
+  return /swiftshader|llvmpipe|software|basic render/i.test(name);
+}
+
 function eyeball() {
   const eye = new THREE.Group();
   const part = (radius, colour, reach, rings) => {
@@ -76,11 +87,13 @@ export default {
   },
   unmounted() {
     this.watcher?.disconnect();
+    clearTimeout(this.resting);
     this.renderer?.dispose();
   },
   methods: {
     stage() {
-      this.renderer = new THREE.WebGLRenderer({ canvas: this.canvas, antialias: true, alpha: true });
+      this.soft = drawnBySoftware();
+      this.renderer = new THREE.WebGLRenderer({ canvas: this.canvas, antialias: !this.soft, alpha: true });
       this.scene = new THREE.Scene();
       this.camera = new THREE.PerspectiveCamera(28, 1, 0.01, 10);
       this.camera.position.copy(HOME);
@@ -118,7 +131,6 @@ export default {
     resize() {
       const { clientWidth: width, clientHeight: height } = this.$el;
       if (!width || !height) return;
-      this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
       this.renderer.setSize(width, height, false);
       this.camera.aspect = width / height;
       this.camera.updateProjectionMatrix();
@@ -134,9 +146,18 @@ export default {
           this.controls.update();
           this.draw();
         }
-        this.renderer.render(this.scene, this.eye());
+        this.render();
         this.canvas.dataset.shown = this.shown ?? "";
+        if (!this.soft) return;
+        clearTimeout(this.resting);
+        this.resting = setTimeout(() => this.render(1.5), REST);
       });
+    },
+    // finer: how many times the screen's pixels.
+    render(finer = 1) {
+      const ratio = finer * Math.min(window.devicePixelRatio, 2);
+      if (this.renderer.getPixelRatio() !== ratio) this.renderer.setPixelRatio(ratio);
+      this.renderer.render(this.scene, this.eye());
     },
     // The triangles, once and where a face of another layout is opened.
     async layout(number) {

@@ -1,6 +1,7 @@
 """What closes the open neck of a head."""
 
 from collections.abc import Sequence
+from functools import lru_cache
 
 import cv2
 import igl
@@ -19,6 +20,7 @@ WIDTH, HEIGHT = 256, 32
 _SMOOTH = 0.05  # of the way around: the middle of the cap has no spots
 
 
+@lru_cache(maxsize=4)
 def neck_edge(template: Template) -> np.ndarray:
     """(L,) vertices around the open neck, from the middle of the nape in the order of the triangles beside it; none
     where there is no such edge."""
