@@ -7,7 +7,7 @@ FAST := tests/structures tests/io tests/geometry tests/template tests/store test
 VALIDATOR := tests/gltf_validator
 VALIDATOR_STAMP := $(VALIDATOR)/node_modules/.package-lock.json
 
-.PHONY: demo test fast fuzz lint docs results results-long setup clean
+.PHONY: demo test slow fast fuzz lint docs results results-long setup clean
 
 demo: setup examples/astronaut/astronaut.png
 	$(BIN)/caricli portrait examples/astronaut/astronaut.png --out-dir demo --overwrite
@@ -16,7 +16,11 @@ demo: setup examples/astronaut/astronaut.png
 test: setup $(VALIDATOR_STAMP)
 	@command -v chromium > /dev/null || command -v chromium-browser > /dev/null || command -v google-chrome > /dev/null \
 	|| echo "Chromium is not installed: the tests play no films and draw no rigs in a browser, and do not open the studio"
-	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 --dist loadfile
+	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 --dist loadfile -m "not slow"
+
+# The pipelines, from nothing to their pages: minutes each, and what they call is tested by `make test`, too.
+slow: setup
+	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 --dist load -m slow
 
 # Hardly any training or rendering: under a minute, for every few lines that are changed.
 fast: setup

@@ -23,6 +23,8 @@ from caricli.structures import Mesh
 ROOT = Path(__file__).parents[1]
 PATIENCE = 300
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture
 def snakemake(tmp_path):
