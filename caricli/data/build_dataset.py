@@ -92,9 +92,10 @@ def build_dataset(
 def _source(settings: BuildSettings, template: Template, workers: int | None) -> Callable[[], MeshSource]:
     """What makes the meshes, in every worker."""
     by_random = settings.count is not None and settings.levels > 1
+    prior = _train_prior(settings, template, workers) if by_random else None
     if isinstance(settings, OwnSettings):
-        return partial(OwnSource, settings, _measure_usual(settings, workers) if by_random else None)
-    return partial(MeshSource, settings, _train_prior(settings, template, workers) if by_random else None)
+        return partial(OwnSource, settings, prior, _measure_usual(settings, workers) if by_random else None)
+    return partial(MeshSource, settings, prior)
 
 
 def _measure_usual(settings: OwnSettings, workers: int | None) -> Usual:

@@ -9,8 +9,8 @@ from caricli.errors import InputError
 KINDS = ("regular", "curvature", "parts", "curvature and parts")
 """What a mesh was exaggerated by; its number is that of an Exaggeration."""
 
-OWN_KINDS = (*KINDS, "own features")
-"""Likewise in a dataset of OwnSettings, where the second to the fourth are not."""
+OWN_KINDS = (*KINDS, "own features", "own features and curvature", "own features and parts")
+"""Likewise in a dataset of OwnSettings, where only the first, the fifth and the last are."""
 
 EXPONENTS = (0.0, 0.1, 0.2, 0.3)
 """Of the curvature, by level: see ``exaggerate_curvature``."""
@@ -78,11 +78,14 @@ class BuildSettings:
 class OwnSettings(BuildSettings):
     """Random draws of people whose own features are exaggerated (``exaggerate_own``).
 
-    regular: share of the draws that are not exaggerated; with one level all.
+    regular: share of the draws that are not exaggerated; with one level all. parts: share of those that are of which
+    parts are changed, too. strength: of these changes, uniform from low to high.
     Raises InputError without a count, too.
     """
 
     regular: float = 0.12
+    parts: float = 0.55
+    strength: tuple[float, float] = (0.6, 1.3)
 
     kinds: ClassVar[tuple[str, ...]] = OWN_KINDS
 
@@ -91,5 +94,6 @@ class OwnSettings(BuildSettings):
         super().__post_init__()
         if self.count is None:
             raise InputError("own features are exaggerated in random draws: expected a count, found none")
-        if not 0 <= self.regular <= 1:
-            raise InputError(f"regular must be from 0 to 1, found {self.regular}")
+        for name in ("regular", "parts"):
+            if not 0 <= getattr(self, name) <= 1:
+                raise InputError(f"{name} must be from 0 to 1, found {getattr(self, name)}")

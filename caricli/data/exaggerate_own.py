@@ -35,7 +35,7 @@ class GrowthSettings:
     crowd: float = 2.0
     most_room: float = 0.25
     most: float = 3.5
-    calm: float = 0.5
+    calm: float = 0.85
     lively: float = 0.5
     calmest: float = -1.5
     liveliest: float = 1.2
@@ -55,12 +55,12 @@ class WhimSettings:
     strength: tuple[float, float] = (1.3, 3.0)
     power: tuple[float, float] = (0.7, 1.5)
     attention: float = 0.6
-    attention_length: float = 0.10
+    attention_length: float = 0.08
     sides: float = 0.3
-    size: float = 0.28
-    part_length: float = 0.12
-    breadth_length: float = 0.25
-    parts: float = 0.5
+    size: float = 0.3
+    part_length: float = 0.08
+    breadth_length: float = 0.12
+    parts: float = 0.6
     smallest: float = -0.7
     largest: float = 0.8
     temper: float = 0.7

@@ -1,10 +1,13 @@
 """The meshes of a generated dataset in which people's own features are exaggerated."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from caricli.data.build_settings import DRAW, Exaggeration, OwnSettings
 from caricli.data.exaggerate_own import UsualFace, exaggerate_own, random_whim
-from caricli.data.mesh_source import STRANGERS, DatasetRow, MeshSource, Recipe
+from caricli.data.mesh_source import STRANGERS, DatasetRow, MeshSource, Prior, Recipe
+from caricli.data.move_parts import random_hand, random_part_changes
 from caricli.geometry.similarity import similarity
 from caricli.geometry.untangle import untangle
 from caricli.seeds import DatasetSeed
@@ -16,10 +19,10 @@ Usual = tuple[np.ndarray, np.ndarray]
 class OwnSource(MeshSource):
     """Makes meshes by their numbers; what all of them need is made once."""
 
-    def __init__(self, settings: OwnSettings, usual: Usual | None = None) -> None:
-        """usual: where own features are exaggerated."""
-        super().__init__(settings)
-        self.regular = settings.regular
+    def __init__(self, settings: OwnSettings, prior: Prior | None = None, usual: Usual | None = None) -> None:
+        """prior, usual: where anything is exaggerated."""
+        super().__init__(settings, prior)
+        self.own_settings = settings
         self.usual = UsualFace(self.template, *usual) if usual else None
         self._neutral: dict[int, np.ndarray] = {}
 
@@ -30,31 +33,43 @@ class OwnSource(MeshSource):
     def draw(self, number: int) -> DatasetRow:
         """One random mesh; redrawn with milder whims while too many triangles flip."""
         generator = self._generator(DatasetSeed.DRAW, number)
-        regular = self.settings.levels == 1 or generator.random() < self.regular
-        kind = Exaggeration(0) if regular else Exaggeration.OWN
+        kind = self._random_kind(generator)
+        strength = generator.uniform(*self.own_settings.strength)
         mildness = 1.0
         for _ in range(DRAW.tries):
-            recipe = Recipe(
-                int(generator.integers(self.settings.identities)),
-                int(generator.integers(self.settings.expressions)),
-                kind=kind,
-            )
-            vertices = self._regular(recipe.identity, recipe.expression)
-            if regular:
-                break
-            vertices = self._by_own_features(vertices, recipe, generator, mildness)
+            identity = int(generator.integers(self.settings.identities))
+            expression = int(generator.integers(self.settings.expressions))
+            recipe = Recipe(identity, expression, kind=kind)
+            vertices = self._regular(identity, expression)
+            if Exaggeration.OWN in kind:
+                vertices = self._by_own_features(vertices, self._at_rest(identity), generator, mildness)
+            if Exaggeration.PARTS in kind:
+                parts = random_part_changes(generator, mildness * strength)
+                landmarks = vertices[self.template.annotation.landmarks]
+                hand = random_hand(landmarks, generator, min(mildness * strength, 1.0))
+                recipe = replace(recipe, parts=parts, hand=hand)
+                vertices = self._by_parts(vertices, parts, hand)
             if self._flipped(vertices) <= DRAW.max_flipped:
                 break
             mildness *= DRAW.milder
         return self._row(vertices, recipe)
 
+    def _random_kind(self, generator: np.random.Generator) -> Exaggeration:
+        if self.settings.levels == 1 or generator.random() < self.own_settings.regular:
+            return Exaggeration(0)
+        with_parts = generator.random() < self.own_settings.parts
+        return Exaggeration.OWN | Exaggeration.PARTS if with_parts else Exaggeration.OWN
+
+    def _at_rest(self, identity: int) -> np.ndarray:
+        """(V, 3) the neutral face of a person, which is asked for again."""
+        if identity not in self._neutral:
+            self._neutral[identity] = self._regular(identity, 0)
+        return self._neutral[identity]
+
     def _by_own_features(
-        self, vertices: np.ndarray, recipe: Recipe, generator: np.random.Generator, mildness: float
+        self, vertices: np.ndarray, neutral: np.ndarray, generator: np.random.Generator, mildness: float
     ) -> np.ndarray:
         assert self.usual is not None
-        if recipe.identity not in self._neutral:
-            self._neutral[recipe.identity] = self._regular(recipe.identity, 0)
-        neutral = self._neutral[recipe.identity]
         whim = random_whim(self.template.vertices, self.template.height, generator, mildness)
         moved = exaggerate_own(vertices, neutral, whim, self.usual)
         # Size and place of the face are kept, so that the exaggeration is of its proportions.

@@ -78,12 +78,16 @@ def test_heads_stay_in_their_place_and_size(built):
 def test_own_features_are_exaggerated_the_same_by_any_number_of_workers(own_built, tmp_path):
     folder, summary = own_built
     data = read_dataset(folder)
-    assert data.manifest["settings"] == asdict(OwnSettings(count=10, identities=4, regular=0.3))
+    settings = data.manifest["settings"]
+    settings["strength"] = tuple(settings["strength"])
+    assert settings == asdict(OwnSettings(count=10, identities=4, regular=0.3))
     assert data.manifest["kinds"] == list(OWN_KINDS)
     kind = data.factors["kind"]
-    assert set(kind.tolist()) == {0, OWN_KINDS.index("own features")}
+    assert set(kind.tolist()) == {OWN_KINDS.index(k) for k in ("regular", "own features", "own features and parts")}
     np.testing.assert_array_equal(data.regular, kind == 0)
-    assert (data.level == 1).all() and not data.factors["parts"].any() and not data.factors["hand"].any()
+    np.testing.assert_array_equal(kind & 2 > 0, data.factors["parts"].any(1))
+    np.testing.assert_array_equal(kind & 2 > 0, data.factors["hand"].any((1, 2)))
+    assert (data.level == 1).all()
     face = data.template.region("face")
     moved = np.linalg.norm(data.vertices - regular_faces(data, np.arange(10)), axis=-1)[:, face].mean(1)
     assert moved[kind == 0].max() < 1e-5 < 0.003 < moved[kind > 0].min()
@@ -106,7 +110,7 @@ def test_own_features_with_one_level_are_regular_faces(tmp_path):
     assert not read_dataset(tmp_path).factors["kind"].any()
 
 
-@pytest.mark.parametrize("wrong", [{"count": None}, {"regular": -0.1}, {"regular": 1.1}, {"regular": float("nan")}])
+@pytest.mark.parametrize("wrong", [{"count": None}, {"regular": -0.1}, {"regular": 1.1}, {"parts": float("nan")}])
 def test_own_settings_refuse_what_cannot_be_built(wrong):
     with pytest.raises(InputError, match=next(iter(wrong))):
         OwnSettings(**{"count": 5} | wrong)

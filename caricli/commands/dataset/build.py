@@ -22,7 +22,7 @@ from caricli.io.outputs import staged_folder
 @click.option(
     "--own",
     is_flag=True,
-    help="Exaggerate in the draws of --count what is each person's own, in place of curvature and parts.",
+    help="Exaggerate in the draws of --count what is each person's own, alone and with parts.",
 )
 @click.option(
     "--albedo",
@@ -47,9 +47,9 @@ def command(out, count, identities, expressions, levels, own, albedos, albedo_si
 
     Without --count it is the full grid of people, expressions and levels of curvature exaggeration; with it the meshes
     are random draws: regular faces, and faces exaggerated by curvature, by parts, and by both. With --own what stands
-    out in a person is exaggerated instead, place by place and more than in proportion, at the cost of what lies around
-    it, and unlike on both sides. With --albedo the folder also holds pictures of skin, lips, brows and hair in the UVs
-    of the head, for any of the faces.
+    out in a person is exaggerated instead, alone or before parts: place by place and more than in proportion, at the
+    cost of what lies around it, and unlike on both sides. With --albedo the folder also holds pictures of skin, lips,
+    brows and hair in the UVs of the head, for any of the faces.
 
     \b
     Example:

@@ -1,0 +1,172 @@
+"""Errors of unseen people's meshes against the number of training meshes: PCA, Gaussian process, MLP and network.
+
+Usage: python -m benchmarks.training_sizes DATASET FOLDER [--sizes N ...] [--models NAME ...] [--steps N] [--limit S].
+FOLDER keeps every row that is done, and the state of a training after every few seconds: stopped, or at its --limit of
+seconds, the command goes on from there when it is given again. Networks take the same number of --steps whatever the
+number of meshes, the deformable one at the paper's width with its weight of latents (`paper`) or without (`network`).
+Sizes are nested, spread evenly over the training meshes. The last line is JSON: rows, and of each model the power law
+``error = scale * meshes^-exponent`` that fits its errors best in logarithms, with the root mean square of what it
+leaves, in percent of the errors, and where it would meet that of PCA.
+"""
+
+import argparse
+import json
+import time
+from collections.abc import Iterator
+from dataclasses import asdict, replace
+from pathlib import Path
+
+import numpy as np
+
+from benchmarks.vertex_mlp import NEVER, UNSEEN, unseen_error
+from caricli.data.dataset import Dataset, read_dataset
+from caricli.io.training_state import read_state, write_state
+from caricli.methods.evaluate.evaluate_shape import evaluate_shape, spread_rows
+from caricli.models.ablation.config import AblationConfig
+from caricli.models.deformable.config import DeformableConfig
+from caricli.models.deformable.model import UnitBox
+from caricli.models.kernel.config import KernelConfig
+from caricli.models.kernel.model import KernelModel
+from caricli.models.pca.config import PcaConfig
+from caricli.models.pca.model import PcaModel
+from caricli.store.network_points import load_network_points
+
+SIZES = (250, 500, 1000, 2000, 3600)
+LINEAR = ("pca", "kernel")
+NETWORKS = ("mlp", "network", "paper")
+DIMENSION = 128
+
+KEPT = 20
+"""Seconds between two states of a training."""
+
+
+def settings(name: str, steps: int, meshes: int) -> AblationConfig:
+    """Of a network's training: the defaults of DeformableConfig, for so many steps."""
+    usual = asdict(DeformableConfig()) | {"validate_every": NEVER}
+    if name == "mlp":
+        usual |= {"precision": "float32"}
+    else:
+        usual |= {"hidden": 256}
+    if name == "paper":
+        usual |= {"latent_weight": 1e6, "prior_weight": 0.0}
+    config = AblationConfig(**usual)
+    return replace(config, epochs=max(1, steps // max(1, meshes // config.batch)))
+
+
+def linear_row(name: str, data: Dataset, shapes: np.ndarray, unseen: np.ndarray) -> dict:
+    """Figures of a model that is computed at once."""
+    start = time.perf_counter()
+    if name == "pca":
+        model = PcaModel.train(data.template, shapes, PcaConfig(DIMENSION))
+    else:
+        model = KernelModel.train(data.template, shapes, KernelConfig(DIMENSION))
+    seconds = time.perf_counter() - start
+    train = evaluate_shape(model, shapes[:: max(1, len(shapes) // UNSEEN)])
+    test = evaluate_shape(model, unseen)
+    assert train is not None and test is not None
+    return {"train": train.percent, "test": test.percent, "seconds": seconds}
+
+
+def network_row(
+    name: str, data: Dataset, meshes: tuple[np.ndarray, np.ndarray], options: argparse.Namespace, end: float
+) -> dict | None:
+    """Figures of a trained network; None where its time was over first. meshes: for training, unseen."""
+    import torch
+
+    from caricli.methods.train.surface import Surface, TrainingMeshes
+    from caricli.methods.train.train_autodecoder import AutoDecoderTraining
+    from caricli.models.ablation.networks import ArraySize, VertexArray
+    from caricli.models.deformable.networks import HyperSiren
+
+    config = settings(name, options.steps, len(meshes[0]))
+    generator = torch.Generator().manual_seed(config.seed)
+    network: torch.nn.Module
+    if name == "mlp":
+        size = ArraySize(config.latent, config.array_hidden, len(data.template.vertices))
+        network = VertexArray(size, config.latent_std, generator, positions=True)
+    else:
+        network = HyperSiren(config.size(), generator, getattr(torch, config.precision))
+    surface = Surface(UnitBox(load_network_points(data.template)), data.template.faces)
+    training = AutoDecoderTraining(network, TrainingMeshes(surface, *meshes), config)
+    state = options.folder / f"{name}-{len(meshes[0])}-{options.steps}.pt"
+    if state.is_file():
+        training.load_state(read_state(state)[0])
+    kept = time.monotonic()
+    for record in training.epochs():
+        over = time.monotonic() > end
+        if over or training.ended or time.monotonic() > kept + KEPT:
+            write_state(state, training.state(), asdict(config))
+            kept = time.monotonic()
+            print(f"{name} {len(meshes[0])}: epoch {record.epoch} of {config.epochs}, {record.train_error}", flush=True)
+        if over and not training.ended:
+            return None
+    training.network.requires_grad_(False)
+    if name != "mlp":
+        network.precision = torch.float32
+    test = unseen_error(training, config.code_steps, data.template.height)
+    return {"test": test, "epochs": config.epochs, "steps": options.steps}
+
+
+def rows(data: Dataset, options: argparse.Namespace) -> Iterator[dict]:
+    """All rows that can be had in time, those that are there already first read."""
+    end = time.monotonic() + options.limit
+    unseen = data.vertices[spread_rows(data.rows("test"), UNSEEN)]
+    for name in options.models:
+        for size in options.sizes:
+            ids = spread_rows(data.rows("train"), size)
+            if len(ids) < size:
+                continue
+            path = options.folder / f"{name}-{size}-{options.steps if name in NETWORKS else 0}.json"
+            if not path.is_file():
+                if name in LINEAR:
+                    row = linear_row(name, data, data.vertices[ids], unseen)
+                else:
+                    row = network_row(name, data, (data.vertices[ids], unseen), options, end)
+                if row is None:
+                    continue
+                path.write_text(json.dumps({"model": name, "meshes": size} | row))
+            yield json.loads(path.read_text("utf-8"))
+
+
+def power_law(meshes: np.ndarray, errors: np.ndarray) -> dict[str, float]:
+    """``error = scale * meshes^-exponent``, and what it leaves in percent, as a root mean square."""
+    slope, level = np.polyfit(np.log(meshes), np.log(errors), 1)
+    left = np.log(errors) - (slope * np.log(meshes) + level)
+    return {"scale": float(np.exp(level)), "exponent": float(-slope), "left": 100 * float(np.sqrt((left**2).mean()))}
+
+
+def laws(table: list[dict]) -> list[dict]:
+    """The power law of every model with three rows or more, and how many meshes it would need to meet PCA's."""
+    fits = {}
+    for name in dict.fromkeys(row["model"] for row in table):
+        own = [row for row in table if row["model"] == name]
+        if len(own) > 2:
+            fits[name] = power_law(np.array([r["meshes"] for r in own]), np.array([r["test"] for r in own]))
+    for name, fit in fits.items():
+        steeper = fit["exponent"] - fits["pca"]["exponent"] if "pca" in fits else 0.0
+        # Where lines are parallel, or part, they meet at no number that anybody will have.
+        if name != "pca" and steeper > 0.01:
+            fit["meets_pca"] = float((fit["scale"] / fits["pca"]["scale"]) ** (1 / steeper))
+    return [{"model": name} | fit for name, fit in fits.items()]
+
+
+def main() -> None:
+    """Print the rows as they come, and the JSON line."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("dataset", type=Path)
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("--sizes", type=int, nargs="+", default=SIZES)
+    parser.add_argument("--models", nargs="+", choices=LINEAR + NETWORKS, default=("pca", "kernel", "mlp", "network"))
+    parser.add_argument("--steps", type=int, default=17_000)
+    parser.add_argument("--limit", type=float, default=float("inf"))
+    options = parser.parse_args()
+    options.folder.mkdir(parents=True, exist_ok=True)
+    table = []
+    for row in rows(read_dataset(options.dataset), options):
+        print(row, flush=True)
+        table.append(row)
+    print(json.dumps({"rows": table, "laws": laws(table)}))
+
+
+if __name__ == "__main__":
+    main()
