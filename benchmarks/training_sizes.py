@@ -1,6 +1,7 @@
 """Errors of unseen people's meshes against the number of training meshes: PCA, Gaussian process, MLP and network.
 
-Usage: python -m benchmarks.training_sizes DATASET FOLDER [--sizes N ...] [--models NAME ...] [--steps N] [--limit S].
+Usage: python -m benchmarks.training_sizes FOLDER DATASET... [--sizes N ...] [--models NAME ...] [--steps N]
+[--limit S].
 FOLDER keeps every row that is done, and the state of a training after every few seconds: stopped, or at its --limit of
 seconds, the command goes on from there when it is given again. Networks take the same number of --steps whatever the
 number of meshes, the deformable one at the paper's width with its weight of latents (`paper`) or without (`network`).
@@ -68,9 +69,12 @@ def linear_row(name: str, data: Dataset, shapes: np.ndarray, unseen: np.ndarray)
 
 
 def network_row(
-    name: str, data: Dataset, meshes: tuple[np.ndarray, np.ndarray], options: argparse.Namespace, end: float
+    config: AblationConfig, data: Dataset, meshes: tuple[np.ndarray, np.ndarray], state: Path, end: float
 ) -> dict | None:
-    """Figures of a trained network; None where its time was over first. meshes: for training, unseen."""
+    """Figures of a trained network; None where its time was over first.
+
+    meshes: rows to train with, and shapes (U, V, 3) that are unseen. state: file. end: by the monotonic clock.
+    """
     import torch
 
     from caricli.methods.train.surface import Surface, TrainingMeshes
@@ -78,17 +82,17 @@ def network_row(
     from caricli.models.ablation.networks import ArraySize, VertexArray
     from caricli.models.deformable.networks import HyperSiren
 
-    config = settings(name, options.steps, len(meshes[0]))
+    ids, unseen = meshes
+    as_array = config.precision == "float32"
     generator = torch.Generator().manual_seed(config.seed)
     network: torch.nn.Module
-    if name == "mlp":
+    if as_array:
         size = ArraySize(config.latent, config.array_hidden, len(data.template.vertices))
         network = VertexArray(size, config.latent_std, generator, positions=True)
     else:
         network = HyperSiren(config.size(), generator, getattr(torch, config.precision))
     surface = Surface(UnitBox(load_network_points(data.template)), data.template.faces)
-    training = AutoDecoderTraining(network, TrainingMeshes(surface, *meshes), config)
-    state = options.folder / f"{name}-{len(meshes[0])}-{options.steps}.pt"
+    training = AutoDecoderTraining(network, TrainingMeshes(surface, data.vertices[ids], unseen), config)
     if state.is_file():
         training.load_state(read_state(state)[0])
     kept = time.monotonic()
@@ -97,34 +101,36 @@ def network_row(
         if over or training.ended or time.monotonic() > kept + KEPT:
             write_state(state, training.state(), asdict(config))
             kept = time.monotonic()
-            print(f"{name} {len(meshes[0])}: epoch {record.epoch} of {config.epochs}, {record.train_error}", flush=True)
+            print(f"{state.stem}: epoch {record.epoch} of {config.epochs}, {record.train_error}", flush=True)
         if over and not training.ended:
             return None
     training.network.requires_grad_(False)
-    if name != "mlp":
+    if not as_array:
         network.precision = torch.float32
     test = unseen_error(training, config.code_steps, data.template.height)
-    return {"test": test, "epochs": config.epochs, "steps": options.steps}
+    return {"test": test, "epochs": config.epochs}
 
 
-def rows(data: Dataset, options: argparse.Namespace) -> Iterator[dict]:
-    """All rows that can be had in time, those that are there already first read."""
+def rows(folder: Path, options: argparse.Namespace) -> Iterator[dict]:
+    """All rows of a dataset that can be had in time; those that are there already are read."""
     end = time.monotonic() + options.limit
+    data = read_dataset(folder)
     unseen = data.vertices[spread_rows(data.rows("test"), UNSEEN)]
     for name in options.models:
         for size in options.sizes:
             ids = spread_rows(data.rows("train"), size)
             if len(ids) < size:
                 continue
-            path = options.folder / f"{name}-{size}-{options.steps if name in NETWORKS else 0}.json"
+            path = options.folder / f"{folder.name}-{name}-{size}-{options.steps if name in NETWORKS else 0}.json"
             if not path.is_file():
                 if name in LINEAR:
                     row = linear_row(name, data, data.vertices[ids], unseen)
                 else:
-                    row = network_row(name, data, (data.vertices[ids], unseen), options, end)
+                    state = path.with_suffix(".pt")
+                    row = network_row(settings(name, options.steps, size), data, (ids, unseen), state, end)
                 if row is None:
                     continue
-                path.write_text(json.dumps({"model": name, "meshes": size} | row))
+                path.write_text(json.dumps({"data": folder.name, "model": name, "meshes": size} | row))
             yield json.loads(path.read_text("utf-8"))
 
 
@@ -138,23 +144,24 @@ def power_law(meshes: np.ndarray, errors: np.ndarray) -> dict[str, float]:
 def laws(table: list[dict]) -> list[dict]:
     """The power law of every model with three rows or more, and how many meshes it would need to meet PCA's."""
     fits = {}
-    for name in dict.fromkeys(row["model"] for row in table):
-        own = [row for row in table if row["model"] == name]
+    for key in dict.fromkeys((row["data"], row["model"]) for row in table):
+        own = [row for row in table if (row["data"], row["model"]) == key]
         if len(own) > 2:
-            fits[name] = power_law(np.array([r["meshes"] for r in own]), np.array([r["test"] for r in own]))
-    for name, fit in fits.items():
-        steeper = fit["exponent"] - fits["pca"]["exponent"] if "pca" in fits else 0.0
+            fits[key] = power_law(np.array([r["meshes"] for r in own]), np.array([r["test"] for r in own]))
+    for (data, name), fit in fits.items():
+        linear = fits.get((data, "pca"))
         # Where lines are parallel, or part, they meet at no number that anybody will have.
-        if name != "pca" and steeper > 0.01:
-            fit["meets_pca"] = float((fit["scale"] / fits["pca"]["scale"]) ** (1 / steeper))
-    return [{"model": name} | fit for name, fit in fits.items()]
+        if name != "pca" and linear and fit["exponent"] - linear["exponent"] > 0.01:
+            steeper = fit["exponent"] - linear["exponent"]
+            fit["meets_pca"] = float((fit["scale"] / linear["scale"]) ** (1 / steeper))
+    return [{"data": data, "model": name} | fit for (data, name), fit in fits.items()]
 
 
 def main() -> None:
     """Print the rows as they come, and the JSON line."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("dataset", type=Path)
     parser.add_argument("folder", type=Path)
+    parser.add_argument("datasets", type=Path, nargs="+")
     parser.add_argument("--sizes", type=int, nargs="+", default=SIZES)
     parser.add_argument("--models", nargs="+", choices=LINEAR + NETWORKS, default=("pca", "kernel", "mlp", "network"))
     parser.add_argument("--steps", type=int, default=17_000)
@@ -162,9 +169,10 @@ def main() -> None:
     options = parser.parse_args()
     options.folder.mkdir(parents=True, exist_ok=True)
     table = []
-    for row in rows(read_dataset(options.dataset), options):
-        print(row, flush=True)
-        table.append(row)
+    for dataset in options.datasets:
+        for row in rows(dataset, options):
+            print(row, flush=True)
+            table.append(row)
     print(json.dumps({"rows": table, "laws": laws(table)}))
 
 
