@@ -59,7 +59,7 @@ train gesture --out pen {PEN}
 evaluate gesture --network pen/model.safetensors --count 5 --out pen.json
 train texture --data textures --out repainter {REPAINTER}
 evaluate texture repainter/model.safetensors --data textures --count 4 --out repainted
-train landmark-map --data dataset --out map.safetensors --set dimension=4 --set epochs=1 --set views=2
+train landmark-map --data dataset --out map.safetensors --set styles=1 --set views=2
 train deformable --data dataset --out run {TINY} --set validate_every=1
 train semantic --data big --out directions.npz --model pca --label BigNose --label Smile
 evaluate shape pca.safetensors kernel --data dataset --out shape.json
@@ -87,6 +87,7 @@ encode face.obj --out encoded.npz
 encode face.obj --out encoded-deformable.npz --model deformable
 interpolate sampled/face-000.npz sampled/face-001.npz --steps 3 --out-dir between
 map-landmarks landmarks.json --to normal --out normal.json
+map-landmarks landmarks.json --to caricature --style-seed 3 --out caricature.json
 edit-handle sampled/face-000.npz --handle nose_tip=0,0,0.01 --pin chin --symmetric --out pulled.obj --baseline arap
 edit-handle sampled/face-001.npz --handle l30=0,0,0.008 --norm l1 --no-intersections --steps 2 --out strip.obj
 refine-gesture sampled/face-000.npz --script strokes.json --out refined-nose.obj

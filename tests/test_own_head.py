@@ -26,7 +26,6 @@ FEW = {
     "train intrinsic": "--set dimension=12",
     "train pca": "--set dimension=12",
     "texture": "--size 256",
-    "train landmark-map": "--set epochs=2",
 }
 """What makes the commands of the page quick."""
 

@@ -135,7 +135,7 @@ def test_models_maps_and_directions(inspect):
     assert "trained with 720 people" in lines and report["people"] == 720
     assert "one of those that come with caricli" in lines and report["model_kind"] == "pca" and report["bundled"]
     _, report = inspect(asset_path("landmark_map.safetensors"))
-    assert set(report["components"]) == {"normal", "caricature"}
+    assert 0 < report["styles"] < 10
     lines, report = inspect(asset_path("directions-pca.npz"))
     assert lines[0].endswith("of the bundled pca model") and 0.5 < report["labels"]["BigNose"]["auc"] <= 1
 

@@ -33,6 +33,27 @@ def test_of_81_landmarks_the_first_68_are_mapped(run, points, marks, tmp_path):
     np.testing.assert_array_equal(*(read_landmarks(tmp_path / name).points for name in ("a.json", "b.json")))
 
 
+def test_seeds_draw_caricatures_of_one_face(run, marks, tmp_path):
+    def mapped(name, *options):
+        out = tmp_path / f"{name}.json"
+        result = run("map-landmarks", marks, "--to", "caricature", "--out", out, *options)
+        assert result.exit_code == 0, result.output
+        return read_landmarks(out).points
+
+    likeliest, first = mapped("likeliest"), mapped("first", "--style-seed", 1)
+    np.testing.assert_array_equal(mapped("again", "--style-seed", 1), first)
+    size = np.linalg.norm(np.ptp(likeliest, axis=0))
+    drawn = [first, *(mapped(f"{seed}", "--style-seed", seed) for seed in (2, 3))]
+    for one, other in ((likeliest, drawn[0]), drawn[:2], drawn[1:]):
+        assert 0.002 < np.linalg.norm(one - other, axis=1).mean() / size < 0.2
+
+
+def test_a_normal_face_has_no_style(refused, marks, tmp_path):
+    out = tmp_path / "out" / "mapped.json"
+    line = refused("map-landmarks", marks, "--to", "normal", "--style-seed", 1, "--out", out, code=2)
+    assert "--style-seed is for --to caricature" in line and not out.parent.exists()
+
+
 @pytest.mark.parametrize("name", ["unknown", "few", "scattered", "scheme", "truncated", "model"])
 def test_bad_input_is_refused(refused, points, marks, tmp_path, name):
     landmarks, path, expected = marks, tmp_path / "map.safetensors", str(tmp_path / "map.safetensors")

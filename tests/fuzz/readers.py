@@ -63,7 +63,7 @@ from caricli.models.gesture.networks import GestureNetwork
 from caricli.models.intrinsic.model import IntrinsicModel
 from caricli.models.kernel.gaussian_process import GaussianProcess
 from caricli.models.kernel.model import KernelModel
-from caricli.models.landmark_map.model import DOMAINS, Domain, LandmarkMap, generator_shapes, map_to_checkpoint
+from caricli.models.landmark_map.model import DOMAINS, LandmarkMap, map_to_checkpoint
 from caricli.models.linear_basis import LinearBasis
 from caricli.models.morphable.model import MorphableModel, ShapeBases
 from caricli.models.pca.model import PcaModel
@@ -212,9 +212,9 @@ def _use_model(path: Path) -> None:
 
 
 def _write_map(path: Path) -> None:
-    domains = {name: Domain(_RANDOM.normal(size=136), _RANDOM.normal(size=(3, 136))) for name in DOMAINS}
-    weights = {key: _RANDOM.normal(size=shape) for key, shape in generator_shapes(3, 4, 3).items()}
-    write_checkpoint(path, *map_to_checkpoint(LandmarkMap(domains, dict.fromkeys(DOMAINS, weights)), {}))
+    normal, caricature = _RANDOM.normal(size=(2, 136))
+    landmark_map = LandmarkMap(normal, caricature, _RANDOM.normal(size=(136, 136)), _RANDOM.normal(size=(3, 136)))
+    write_checkpoint(path, *map_to_checkpoint(landmark_map, {}))
 
 
 def _map_marks(path: Path) -> None:

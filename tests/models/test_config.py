@@ -99,7 +99,7 @@ def test_the_bundled_settings_of_the_landmark_map_can_be_read(name):
     assert (config == LandmarkMapConfig()) == (name == "default")
 
 
-@pytest.mark.parametrize("setting", ["dimension=0", "width=0", "least=1.1", "adversarial=-1", "views=0", "batch=0"])
+@pytest.mark.parametrize("setting", ["styles=0", "styles=137", "noise=0", "noise=2", "views=0", "width=3"])
 def test_impossible_settings_of_the_landmark_map_are_refused(setting):
     with pytest.raises(InputError, match=setting.split("=")[0]):
         read_config(None, LandmarkMapConfig, [setting])

@@ -1,22 +1,19 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from caricli.errors import InputError
 from caricli.models.landmark_map.model import (
     DOMAINS,
-    GENERATOR_WEIGHTS,
-    Domain,
     LandmarkMap,
     align,
-    generate,
-    generator_shapes,
     map_from_checkpoint,
     map_to_checkpoint,
-    other,
     place,
 )
 
-WIDTH = 6
+STYLES = 4
 
 
 @pytest.fixture
@@ -26,18 +23,10 @@ def generator():
 
 @pytest.fixture
 def landmark_map(generator):
-    """Of 5 components for normal faces and 4 for caricatures, with random weights."""
-    sizes = dict(zip(DOMAINS, (5, 4), strict=True))
-    domains = {}
-    for name, size in sizes.items():
-        basis = np.linalg.qr(generator.normal(size=(136, size)))[0].T * np.linspace(2, 1, size)[:, None]
-        domains[name] = Domain(generator.normal(size=136), basis)
-    networks = {}
-    for name in DOMAINS:
-        shapes = generator_shapes(sizes[other(name)], WIDTH, sizes[name])
-        assert tuple(shapes) == GENERATOR_WEIGHTS
-        networks[name] = {key: generator.normal(size=shape) for key, shape in shapes.items()}
-    return LandmarkMap(domains, networks)
+    """Random, with four styles at right angles."""
+    styles = np.linalg.qr(generator.normal(size=(136, STYLES)))[0].T * np.linspace(2, 1, STYLES)[:, None]
+    normal, caricature = generator.normal(size=(2, 136))
+    return LandmarkMap(normal, caricature, generator.normal(size=(136, 136)), styles)
 
 
 def turned(points):
@@ -70,26 +59,43 @@ def test_a_face_in_one_place_is_refused(generator):
         align(face)
 
 
-def test_codes_are_those_that_were_decoded(landmark_map, generator):
-    for domain in landmark_map.domains.values():
-        codes = generator.normal(size=(3, len(domain.basis)))
-        np.testing.assert_allclose(domain.encode(domain.decode(codes)), codes, atol=1e-10)
+def test_a_caricature_is_the_face_and_what_its_style_adds(landmark_map, generator):
+    face = generator.normal(size=(5, 68, 2))
+    shift = (landmark_map.caricature - landmark_map.normal).reshape(68, 2)
+    likeliest = landmark_map.map_aligned(face, "caricature")
+    np.testing.assert_allclose(likeliest, face + shift)
+    styles = landmark_map.draw_styles(generator, 5)
+    assert styles.shape == (5, STYLES) and 0.3 < styles.std() < 2
+    added = (landmark_map.map_aligned(face, "caricature", styles) - likeliest).reshape(5, 136)
+    np.testing.assert_allclose(added, styles @ landmark_map.styles, atol=1e-12)
 
 
-def test_the_network_is_the_same_for_arrays_and_tensors(landmark_map, generator):
-    import torch
+def test_what_changes_a_caricature_changes_its_normal_face(landmark_map, generator):
+    one, other = generator.normal(size=(2, 68, 2))
+    apart = landmark_map.map_aligned(one, "normal") - landmark_map.map_aligned(other, "normal")
+    np.testing.assert_allclose(apart.ravel(), (one - other).ravel() @ landmark_map.to_normal, atol=1e-12)
+    mean = landmark_map.caricature.reshape(68, 2)
+    np.testing.assert_allclose(landmark_map.map_aligned(mean, "normal").ravel(), landmark_map.normal, atol=1e-12)
 
-    weights, codes = landmark_map.generators["normal"], generator.normal(size=(7, 4))
-    found = generate({name: torch.from_numpy(value) for name, value in weights.items()}, torch.from_numpy(codes))
-    np.testing.assert_allclose(found.numpy(), generate(weights, codes), atol=1e-12)
+
+def test_the_own_style_makes_more_of_what_is_unusual(landmark_map):
+    landmark_map = replace(landmark_map, normal=align(landmark_map.normal.reshape(68, 2))[0].ravel())
+    face = align((landmark_map.normal + 0.1 * landmark_map.styles[2]).reshape(68, 2))[0]
+    style = landmark_map.own_style(face)
+    assert np.linalg.norm(style) == pytest.approx(STYLES**0.5)
+    assert np.abs(style).argmax() == 2 and style[2] > 0
+    np.testing.assert_allclose(landmark_map.own_style(turned(face)), style, atol=1e-9)
+    unusual = face.ravel() - landmark_map.normal
+    assert unusual @ (style @ landmark_map.styles) > 0
+    usual = landmark_map.own_style(landmark_map.normal.reshape(68, 2))
+    assert np.isfinite(usual).all()
 
 
 def test_a_map_commutes_with_similarities(landmark_map, generator):
     face = generator.normal(size=(68, 2))
-    for name in DOMAINS:
-        np.testing.assert_allclose(
-            landmark_map.map(turned(face), name), turned(landmark_map.map(face, name)), rtol=1e-9
-        )
+    for name, style in (("normal", None), ("caricature", None), ("caricature", np.ones(STYLES))):
+        mapped = landmark_map.map(turned(face), name, style)
+        np.testing.assert_allclose(mapped, turned(landmark_map.map(face, name, style)), rtol=1e-9)
 
 
 def test_a_checkpoint_rebuilds_the_map(landmark_map, generator):
@@ -98,19 +104,22 @@ def test_a_checkpoint_rebuilds_the_map(landmark_map, generator):
     assert metadata["recipe"] == {"seed": 1}
     for name in DOMAINS:
         np.testing.assert_allclose(found.map(face, name), landmark_map.map(face, name), rtol=1e-4)
+    np.testing.assert_allclose(found.styles, landmark_map.styles, rtol=1e-6)
 
 
 def test_checkpoints_that_are_no_map_are_refused(landmark_map):
     tensors, metadata = map_to_checkpoint(landmark_map, {})
     damaged = (
-        ("schema", tensors, metadata | {"schema": "caricli.model/1"}),
+        ("schema", tensors, metadata | {"schema": "caricli.landmark-map/1"}),
         ("scheme 'ibug68', found 'wflw98'", tensors, metadata | {"scheme": "wflw98"}),
-        ("normal.mean", {k: v for k, v in tensors.items() if k != "normal.mean"}, metadata),
-        ("to_normal.linear", tensors | {"normal.basis": np.zeros((0, 136), np.float32)}, metadata),
-        ("normal.mean", tensors | {"normal.mean": np.zeros(98, np.float32)}, metadata),
-        ("to_normal.second", tensors | {"to_normal.second": np.zeros((2, 2), np.float32)}, metadata),
-        ("floating point", tensors | {"to_normal.linear": np.zeros((4, 5), np.int32)}, metadata),
-        ("length zero", tensors | {"normal.basis": np.zeros((5, 136), np.float32)}, metadata),
+        ("normal", {k: v for k, v in tensors.items() if k != "normal"}, metadata),
+        ("styles", {k: v for k, v in tensors.items() if k != "styles"}, metadata),
+        ("styles", tensors | {"styles": np.zeros((), np.float32)}, metadata),
+        ("found none", tensors | {"styles": np.zeros((0, 136), np.float32)}, metadata),
+        ("normal", tensors | {"normal": np.zeros(98, np.float32)}, metadata),
+        ("to_normal", tensors | {"to_normal": np.zeros((2, 2), np.float32)}, metadata),
+        ("floating point", tensors | {"to_normal": np.zeros((136, 136), np.int32)}, metadata),
+        ("changes nothing", tensors | {"styles": np.zeros((5, 136), np.float32)}, metadata),
     )
     for message, *checkpoint in damaged:
         with pytest.raises(InputError, match=message):

@@ -33,13 +33,14 @@ from caricli.io.strict_json import write_json
 def command(dataset, out, config, overrides, seed, overwrite):
     """Train a map between landmarks of normal faces and of caricatures, for `caricli map-landmarks`.
 
-    Two small networks learn from faces of both domains, never from pairs of them. Faces of the test split measure them:
-    where the dataset was generated, caricatures beside the regular faces that they were made of.
+    It learns what caricatures add to faces, from faces of both domains in random poses, never from pairs of them.
+    Where the dataset was generated, people held out and those of the test split measure it: caricatures beside the
+    regular faces that they were made of.
 
     \b
     Example:
       caricli train landmark-map --data dataset --out map.safetensors
-      caricli train landmark-map --data dataset --out small.safetensors --set dimension=16 --seed 1
+      caricli train landmark-map --data dataset --out small.safetensors --set styles=1 --seed 1
     """
     from caricli.commands.shared.progress import progress_bar
     from caricli.data.dataset import read_dataset
@@ -57,15 +58,16 @@ def command(dataset, out, config, overrides, seed, overwrite):
         with naming(dataset):
             training = train_landmark_map(data, settings, seed, recipe, progress_bar)
         write_checkpoint(files[0], *training.checkpoint)
-        write_json(files[1], recipe | training.figures | {"epochs": training.epochs})
+        write_json(files[1], recipe | training.figures)
     echo_result(f"{out}: {_summary(training.figures)}")
 
 
 def _summary(figures: dict) -> str:
     """One line."""
-    cycles = ", ".join(f"{name} {error:.2f} %" for name, error in figures["cycle_error"].items())
-    text = f"there and back {cycles}"
-    if "error" in figures:
-        error = figures["error"]["normal"]
-        text = f"error to normal {error['map']:.2f} %, without a map {error['identity']:.2f} %; {text}"
-    return f"{text} of the face's diagonal"
+    from caricli.models.landmark_map.model import DOMAINS
+
+    if "test" not in figures.get("error", {}):
+        return "no pairs of faces to measure it with"
+    test = figures["error"]["test"]
+    errors = [f"to {to} {test[to]['map']['error']:.2f} % ({test[to]['identity']['error']:.2f} %)" for to in DOMAINS]
+    return f"error {', '.join(errors)} of the face's diagonal, without a map in brackets"

@@ -9,11 +9,13 @@ from caricli.structures.checks import number_problem
 from caricli.structures.landmarks import COUNT
 
 
-def map_landmarks(points: np.ndarray, landmark_map: LandmarkMap, to: str) -> np.ndarray:
+def map_landmarks(
+    points: np.ndarray, landmark_map: LandmarkMap, to: str, style: np.ndarray | None = None
+) -> np.ndarray:
     """Map the 68 iBUG landmarks of a face; eyes and mouth keep place, size and turn.
 
     points: (L, 2) pixels, y down; what comes after the 68 is left out. landmark_map: LandmarkMap. to: "normal" or
-    "caricature".
+    "caricature". style: (D,) of the caricature, or None for the likeliest.
     Returns (68, 2). Raises InputError where a landmark is not known, eyes and mouth lie in one place, or the points are
     so far from a face's that they are mapped beyond MAX_COORDINATE.
     """
@@ -21,7 +23,7 @@ def map_landmarks(points: np.ndarray, landmark_map: LandmarkMap, to: str) -> np.
     if len(points) < COUNT or len(unknown):
         count = f"{len(points)}" if len(points) < COUNT else f"{COUNT - len(unknown)}, not landmark {unknown[0]}"
         raise InputError(f"expected all {COUNT} landmarks to be known, found {count}")
-    mapped = landmark_map.map(points[:COUNT], to)
+    mapped = landmark_map.map(points[:COUNT], to, style)
     if number_problem("", mapped, MAX_COORDINATE):
         raise InputError(f"expected the landmarks of a face, found points that a {to} face would have far outside")
     return mapped

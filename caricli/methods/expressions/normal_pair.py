@@ -74,19 +74,14 @@ class NormalPair:
     def _landmarks(self, shapes: np.ndarray) -> np.ndarray:
         """(K, 68, 2) landmarks of the caricature with what the normal face does (equation 3).
 
-        Mapped differences are added to its own landmarks, so that what the map loses stays.
+        Of the many caricatures that a normal face has, the map back takes this one: what it adds to the normal face
+        with the given expression it adds to every other, and where it is wider or longer as a whole, so are moves.
         """
         ids = self.fit.anchors[:COUNT]
-        before = self.fit.face.require_camera().project(self.given[ids])
-        start = map_landmarks(before, self.tools.landmark_map, "caricature")
-        landmarks = []
-        for shape in shapes:
-            after = self.fit.face.require_camera().project(shape[ids])
-            way = map_landmarks(after, self.tools.landmark_map, "caricature") - start
-            length = np.linalg.norm(way, axis=1, keepdims=True)
-            most = np.linalg.norm(self.settings.farthest * (after - before), axis=1, keepdims=True)
-            landmarks.append(self.own + way * np.minimum(1, most / np.maximum(length, 1e-12)))
-        return np.array(landmarks)
+        camera = self.fit.face.require_camera()
+        before = camera.project(self.given[ids])
+        stretch = np.linalg.lstsq(before - before.mean(0), self.own - self.own.mean(0), rcond=None)[0]
+        return np.array([self.own + (camera.project(shape[ids]) - before) @ stretch for shape in shapes])
 
     def _on_surface(self, landmarks: np.ndarray, normal: np.ndarray) -> np.ndarray:
         """(K, V, 3) the caricature with landmarks (K, 68, 2), as the normal face does it (K, V, 3).
@@ -99,7 +94,7 @@ class NormalPair:
         usual = gradients.features(self.given)
         shapes = []
         for points, shape in zip(landmarks, normal, strict=True):
-            acting = features + self.settings.exaggeration * (gradients.features(shape) - usual)
+            acting = features + gradients.features(shape) - usual
             moved = gradients.vertices_like(acting, self.vertices + shape - self.given)
             # Features do not say where; what hardly moves is where it was.
             way = np.linalg.norm(shape - self.given, axis=1)

@@ -218,9 +218,9 @@ def _(value: Directions, around: Acquaintances) -> Inspection:
 
 @describe.register
 def _(value: LandmarkMap, around: Acquaintances) -> Inspection:
-    sizes = {name: len(domain.basis) for name, domain in value.domains.items()}
-    summary = ", ".join(f"{count} components of {name} faces" for name, count in sizes.items())
-    return Inspection("landmark map", summary, (), {"components": sizes})
+    count = len(value.styles)
+    summary = f"from caricatures to normal faces, and back in styles of {count} component{'s' * (count != 1)}"
+    return Inspection("landmark map", summary, (), {"styles": count})
 
 
 @describe.register

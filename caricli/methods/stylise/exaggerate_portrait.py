@@ -36,9 +36,9 @@ class ShapeTools:
 def exaggerate_portrait(fit: LandmarkFit, tools: ShapeTools, shape: str, strength: float) -> np.ndarray:
     """Give the face of a portrait the shape of a caricature, in the place that it has.
 
-    "map": its landmarks go where the landmark map sees a caricature's (expressions paper, 3.2.1), and the surface goes
-    along as one of least Laplacian change (portrait paper, equation 10); ``strength`` times as far. "direction" and
-    "own": as ``caricaturize_face`` does.
+    "map": its landmarks go where the landmark map sees those of the caricature that makes more of what is unusual
+    about it (expressions paper, 3.2.1), and the surface goes along as one of least Laplacian change (portrait paper,
+    equation 10); ``strength`` times as far. "direction" and "own": as ``caricaturize_face`` does.
     fit: LandmarkFit of the portrait. tools: ShapeTools. shape: of SHAPES but "none". strength: 0 changes nothing.
     Returns (V, 3) metres. Raises InputError, NumericsError.
     """
@@ -54,7 +54,8 @@ def _mapped(fit: LandmarkFit, landmark_map: LandmarkMap, template: Template, str
     """Vertices (V, 3) with the landmarks on the way to a caricature's, at the depth that they have."""
     face = fit.face
     ids, first = np.unique(fit.anchors[:COUNT], return_index=True)
-    targets = map_landmarks(face.require_landmarks(), landmark_map, "caricature")[first]
+    marks = face.require_landmarks()
+    targets = map_landmarks(marks, landmark_map, "caricature", landmark_map.own_style(marks[:COUNT]))[first]
     places = face.require_camera().lift(targets, face.vertices[ids])
     moved = LaplacianDeformation(face.vertices, template.faces, ids, _WEIGHT).move(places)
     return face.vertices + strength * (moved - face.vertices)

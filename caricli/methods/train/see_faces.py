@@ -5,7 +5,6 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from caricli.data.dataset import Dataset
-from caricli.errors import InputError
 from caricli.geometry.head_rotation import TURNS, head_rotation
 from caricli.methods.reconstruct.landmark_vertices import landmark_vertices
 from caricli.methods.train.stages import Report, unwatched
@@ -13,26 +12,11 @@ from caricli.models.landmark_map.model import DOMAINS, align
 from caricli.structures.landmarks import COUNT
 from caricli.template.template import Template
 
-PARTS = ("training", "unseen", "test")
-"""What faces are for: to learn from, to choose the epoch by, and to measure with."""
+PARTS = ("training", "held out", "test")
+"""What faces are for: to learn from, to choose settings by, and to measure with."""
 
 HELD_OUT = 10
-"""Of the people trained on every tenth is held out, to choose the epoch by."""
-
-FEWEST = 3
-"""Meshes of a domain, below which there are no principal components to speak of."""
-
-
-@dataclass(frozen=True, eq=False)
-class SeenFaces:
-    """Faces of one domain as landmarks.
-
-    points: (N, 68, 2) aligned.
-    labels: (N, F) what is known of each face beside them, with a constant.
-    """
-
-    points: np.ndarray
-    labels: np.ndarray
+"""Of the people trained on every tenth is held out, to choose settings by."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,31 +24,32 @@ class MapFaces:
     """All faces of a dataset that a landmark map has to do with.
 
     data: Dataset. rows: (n,) numbers of meshes by PARTS and DOMAINS. views: poses a mesh. seed: of the poses.
-    seen: SeenFaces by PARTS and DOMAINS.
+    seen: aligned landmarks (n * views, 68, 2) by PARTS and DOMAINS, all poses of a mesh after each other.
     """
 
     data: Dataset
     rows: dict[str, dict[str, np.ndarray]]
     views: int
     seed: int
-    seen: dict[str, dict[str, SeenFaces]] = field(default_factory=dict)
+    seen: dict[str, dict[str, np.ndarray]] = field(default_factory=dict)
 
     def poses(self, part: str, domain: str) -> np.random.Generator:
         """What the poses of a part and a domain are drawn from: they depend on nothing else but the seed."""
         return np.random.default_rng([self.seed, PARTS.index(part), DOMAINS.index(domain)])
 
-    def see(self, vertices: np.ndarray, part: str, domain: str) -> SeenFaces:
-        """SeenFaces of shapes (n, V, 3) that stand in for the meshes of a part and a domain."""
-        expressions = self.data.expression[self.rows[part][domain]]
-        acts = expressions[:, None] == np.arange(int(self.data.expression.max()) + 1)
-        return see_faces(vertices, acts, self.data.template, self.views, self.poses(part, domain))
+    def see(self, vertices: np.ndarray, part: str, domain: str) -> np.ndarray:
+        """Landmarks as in ``seen`` of shapes (n, V, 3) that stand in for the meshes of a part and a domain."""
+        return see_faces(vertices, self.data.template, self.views, self.poses(part, domain))
+
+    def people(self, part: str, domain: str) -> np.ndarray:
+        """Whose face each of ``seen`` is, (n * views,)."""
+        return np.repeat(self.data.identity[self.rows[part][domain]], self.views)
 
 
 def map_faces(data: Dataset, views: int, seed: int, report: Report = unwatched) -> MapFaces:
     """See the faces of a dataset: those trained on, those held out of them, and those of the test split.
 
     views: poses a mesh.
-    Raises InputError when a domain has too few training meshes.
     """
     faces = MapFaces(data, _rows(data), views, seed)
     parts = [(part, domain) for part in PARTS for domain in DOMAINS]
@@ -82,13 +67,11 @@ def domain_rows(data: Dataset) -> dict[str, np.ndarray]:
     return {"normal": ~exaggerated, "caricature": exaggerated}
 
 
-def see_faces(
-    vertices: np.ndarray, acts: np.ndarray, template: Template, views: int, generator: np.random.Generator
-) -> SeenFaces:
+def see_faces(vertices: np.ndarray, template: Template, views: int, generator: np.random.Generator) -> np.ndarray:
     """Landmarks of meshes in random poses, those of the jaw on the outline.
 
-    vertices: (N, V, 3). acts: (N, K) bool, which expression each shows. views: poses a mesh.
-    Returns SeenFaces of N * views, labelled with expression and turn.
+    vertices: (N, V, 3). views: poses a mesh.
+    Returns (N * views, 68, 2), aligned.
     """
     turns = generator.uniform(-1, 1, (len(vertices), views, 3))
     points = np.empty((len(vertices), views, COUNT, 2))
@@ -96,24 +79,13 @@ def see_faces(
         for view, turn in enumerate(turns[k]):
             rotation = head_rotation(turn * TURNS)
             points[k, view] = shape[landmark_vertices(shape, rotation, template, COUNT)] @ rotation[:2].T
-    pitch = turns[..., 0].ravel()
-    yaw = turns[..., 1].ravel()
-    shown = np.repeat(acts, views, axis=0)
-    labels = np.column_stack([np.ones(len(yaw)), shown, yaw, pitch, yaw**2, pitch**2, yaw * pitch])
-    return SeenFaces(align(points.reshape(-1, COUNT, 2))[0], labels)
+    return align(points.reshape(-1, COUNT, 2))[0]
 
 
 def _rows(data: Dataset) -> dict[str, dict[str, np.ndarray]]:
     """Numbers of meshes by PARTS and DOMAINS."""
     people = np.array(data.manifest["splits"]["train"])
     held = np.isin(data.identity, people[HELD_OUT - 1 :: HELD_OUT]) | data.rows("validation")
-    masks = {"training": data.rows("train") & ~held, "unseen": held, "test": data.rows("test")}
+    masks = {"training": data.rows("train") & ~held, "held out": held, "test": data.rows("test")}
     domains = domain_rows(data)
-    rows = {part: {name: np.flatnonzero(mask & own) for name, own in domains.items()} for part, mask in masks.items()}
-    for name, own in rows["training"].items():
-        if len(own) < FEWEST:
-            raise InputError(f"expected at least {FEWEST} training meshes of {name} faces, found {len(own)}")
-        # A small dataset is better judged by what it was trained on than by nothing.
-        if len(rows["unseen"][name]) < FEWEST:
-            rows["unseen"][name] = own
-    return rows
+    return {part: {name: np.flatnonzero(mask & own) for name, own in domains.items()} for part, mask in masks.items()}

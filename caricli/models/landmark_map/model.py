@@ -10,16 +10,11 @@ from caricli.errors import InputError, naming, shown
 from caricli.structures import SeenPeople
 from caricli.structures.landmarks import COUNT, EYE_LEFT, EYE_RIGHT, MOUTH, SCHEMES
 
-SCHEMA = "caricli.landmark-map/1"
+SCHEMA = "caricli.landmark-map/2"
 DOMAINS = ("normal", "caricature")
-GENERATOR_WEIGHTS = ("linear", "first", "first_bias", "second", "second_bias", "last", "last_bias")
-"""Names of a generator's arrays, see ``generate``."""
 
 _SCHEME = SCHEMES[COUNT]
 _EYES_AND_MOUTH = tuple(slice(part.start, part.stop) for part in (EYE_RIGHT, EYE_LEFT, MOUTH))
-
-_SLOPE = 0.2
-"""Of the generators' leaky ReLU below zero."""
 
 _PLACES = np.array([-0.5, 0.5, 1j])
 """Where the centres of the eyes and of the mouth go, x + 1j y; y down."""
@@ -29,75 +24,69 @@ _SMALLEST = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
-class Domain:
-    """Principal components of one domain's landmarks.
-
-    mean: (136,) aligned landmarks. basis: (D, 136), orthogonal components times their standard deviations.
-    """
-
-    mean: np.ndarray
-    basis: np.ndarray
-
-    def encode(self, aligned: np.ndarray) -> np.ndarray:
-        """Aligned landmarks (..., 68, 2) to codes (..., D) of variance one."""
-        rows = np.asarray(aligned).reshape(*np.shape(aligned)[:-2], -1) - self.mean
-        return rows @ (self.basis / np.square(self.basis).sum(1, keepdims=True)).T
-
-    def decode(self, codes: np.ndarray) -> np.ndarray:
-        """Codes (..., D) to aligned landmarks (..., 68, 2)."""
-        return (codes @ self.basis + self.mean).reshape(*codes.shape[:-1], -1, 2)
-
-
-@dataclass(frozen=True, eq=False)
 class LandmarkMap:
-    """A map in both directions.
+    """What caricatures add to normal faces, as a distribution.
 
-    domains: Domain by DOMAINS. generators: arrays by GENERATOR_WEIGHTS by the domain that they lead to. seen: see
-    ShapeModel.
+    A caricature c is taken for a normal face n with something added that has nothing to do with who it is,
+    ``c = n + shift + e``, both Gaussian. So the normal face that goes with a caricature is the likeliest one,
+    ``mean n + (c - mean c) to_normal``, and one normal face has many caricatures.
+
+    normal, caricature: (136,) mean landmarks, aligned; their difference is the shift. to_normal: (136, 136).
+    styles: (D, 136) the largest principal components of e, one standard deviation each. seen: see ShapeModel.
     """
 
-    domains: dict[str, Domain]
-    generators: dict[str, dict[str, np.ndarray]]
+    normal: np.ndarray
+    caricature: np.ndarray
+    to_normal: np.ndarray
+    styles: np.ndarray
     seen: SeenPeople | None = None
 
-    def map_aligned(self, aligned: np.ndarray, to: str) -> np.ndarray:
-        """Aligned landmarks (..., 68, 2) of the other domain to those of the domain ``to``."""
-        codes = self.domains[other(to)].encode(aligned)
-        return self.domains[to].decode(generate(self.generators[to], codes))
+    def map_aligned(self, aligned: np.ndarray, to: str, style: np.ndarray | None = None) -> np.ndarray:
+        """Aligned landmarks (..., 68, 2) of the other domain to those of the domain ``to``.
 
-    def map(self, points: np.ndarray, to: str) -> np.ndarray:
+        style: (..., D) of a caricature, normally distributed, or None for the likeliest.
+        """
+        rows = np.asarray(aligned, np.float64).reshape(*np.shape(aligned)[:-2], -1)
+        if to == "normal":
+            mapped = self.normal + (rows - self.caricature) @ self.to_normal
+        else:
+            mapped = rows + self.caricature - self.normal + (0 if style is None else style @ self.styles)
+        return mapped.reshape(*mapped.shape[:-1], -1, 2)
+
+    def map(self, points: np.ndarray, to: str, style: np.ndarray | None = None) -> np.ndarray:
         """Landmarks (..., 68, 2) of the other domain, in pixels, to those of ``to``: eyes and mouth keep their place.
+
+        style: as ``map_aligned`` takes it. Raises InputError where eyes and mouth lie in one place.
+        """
+        aligned, scale, shift = align(points)
+        return place(self.map_aligned(aligned, to, style), scale, shift)
+
+    def draw_styles(self, generator: np.random.Generator, count: int) -> np.ndarray:
+        """Styles (N, D) of as many caricatures, for ``map``."""
+        return generator.standard_normal((count, len(self.styles)))
+
+    def own_style(self, points: np.ndarray) -> np.ndarray:
+        """The style (D,) that makes more of what is unusual about a normal face (68, 2), as strong as usual styles.
 
         Raises InputError where eyes and mouth lie in one place.
         """
-        aligned, scale, shift = align(points)
-        return place(self.map_aligned(aligned, to), scale, shift)
+        unusual = align(points)[0].ravel() - self.normal
+        code = self.styles @ unusual / np.square(self.styles).sum(1)
+        return code * len(code) ** 0.5 / max(np.linalg.norm(code), 1e-12)
 
     def tensors(self) -> dict[str, np.ndarray]:
         """Arrays by name."""
-        own = {f"{name}.{key}": getattr(domain, key) for name, domain in self.domains.items() for key in vars(domain)}
-        own |= {f"to_{name}.{key}": value for name, net in self.generators.items() for key, value in net.items()}
-        return {name: value.astype(np.float32) for name, value in own.items()}
+        return {name: getattr(self, name).astype(np.float32) for name in _TENSORS}
+
+
+_TENSORS = ("normal", "caricature", "to_normal", "styles")
+_FIXED = ((2 * COUNT,), (2 * COUNT,), (2 * COUNT, 2 * COUNT))
+"""Shapes of all but the last."""
 
 
 def other(name: str) -> str:
     """The other one of DOMAINS."""
     return DOMAINS[1 - DOMAINS.index(name)]
-
-
-def generate(weights: Mapping[str, Any], codes: Any) -> Any:
-    """Codes (..., D) of a domain to codes of the other: a linear map and what a small network adds to it.
-
-    weights: arrays or tensors by GENERATOR_WEIGHTS; codes alike.
-    """
-    hidden = _rectified(codes @ weights["first"] + weights["first_bias"])
-    hidden = _rectified(hidden @ weights["second"] + weights["second_bias"])
-    return codes @ weights["linear"] + hidden @ weights["last"] + weights["last_bias"]
-
-
-def _rectified(values: Any) -> Any:
-    # Alike, and of the same precision, for arrays and tensors.
-    return _SLOPE * values + (1 - _SLOPE) * values * (values > 0)
 
 
 def align(points: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -144,15 +133,16 @@ def map_from_checkpoint(tensors: Mapping[str, np.ndarray], metadata: Mapping[str
         if metadata.get("scheme") != _SCHEME:
             scheme = shown(metadata.get("scheme"), 60)
             raise InputError(f"expected a map of the landmark scheme {_SCHEME!r}, found {scheme!r}")
-        for name, shape in _shapes(tensors).items():
+        styles = tensors.get("styles", np.empty((0, 0)))
+        shapes = dict(zip(_TENSORS, (*_FIXED, (np.size(styles, 0) if styles.ndim else 0, 2 * COUNT)), strict=True))
+        for name, shape in shapes.items():
             _check_tensor(name, tensors.get(name), shape)
-        arrays = {name: value.astype(np.float64) for name, value in tensors.items()}
-        domains = {name: Domain(arrays[f"{name}.mean"], arrays[f"{name}.basis"]) for name in DOMAINS}
-        if any((np.square(domain.basis).sum(1) == 0).any() for domain in domains.values()):
-            raise InputError("expected principal components, found one of length zero")
-    generators = {name: {key: arrays[f"to_{name}.{key}"] for key in GENERATOR_WEIGHTS} for name in DOMAINS}
-    with naming(where):
-        return LandmarkMap(domains, generators, SeenPeople.of_recipe(metadata.get("recipe")))
+        arrays = {name: tensors[name].astype(np.float64) for name in _TENSORS}
+        if not np.square(arrays["styles"]).sum(1).all():
+            raise InputError("expected styles, found one that changes nothing")
+        if not len(styles):
+            raise InputError("expected styles, found none")
+        return LandmarkMap(**arrays, seen=SeenPeople.of_recipe(metadata.get("recipe")))
 
 
 def _check_tensor(name: str, tensor: np.ndarray | None, shape: tuple[int, ...]) -> None:
@@ -161,34 +151,3 @@ def _check_tensor(name: str, tensor: np.ndarray | None, shape: tuple[int, ...]) 
         raise InputError(f"{name}: expected the shape {shape}, found {given}")
     if tensor.dtype.kind != "f":
         raise InputError(f"{name}: expected floating point, found {tensor.dtype}")
-
-
-def _shapes(tensors: Mapping[str, np.ndarray]) -> dict[str, tuple[int, ...]]:
-    """What shape every tensor of a map has, with the sizes that its tensors claim."""
-    sizes = {name: _claimed_size(tensors, f"{name}.basis") for name in DOMAINS}
-    expected: dict[str, tuple[int, ...]] = {f"{name}.mean": (2 * COUNT,) for name in DOMAINS}
-    expected |= {f"{name}.basis": (sizes[name], 2 * COUNT) for name in DOMAINS}
-    for name in DOMAINS:
-        width = _claimed_size(tensors, f"to_{name}.first_bias")
-        shapes = generator_shapes(sizes[other(name)], width, sizes[name])
-        expected |= {f"to_{name}.{key}": shape for key, shape in shapes.items()}
-    return expected
-
-
-def generator_shapes(start: int, width: int, end: int) -> dict[str, tuple[int, ...]]:
-    """Shapes of a generator's arrays. start, end: dimensions of the codes. width: of the hidden layers."""
-    return {
-        "linear": (start, end),
-        "first": (start, width),
-        "first_bias": (width,),
-        "second": (width, width),
-        "second_bias": (width,),
-        "last": (width, end),
-        "last_bias": (end,),
-    }
-
-
-def _claimed_size(tensors: Mapping[str, np.ndarray], name: str) -> int:
-    """First length of a tensor, 0 where there is none."""
-    tensor = tensors.get(name)
-    return 0 if tensor is None or tensor.ndim == 0 else len(tensor)

@@ -12,18 +12,19 @@ def trained(run, dataset, tmp_path_factory):
     path = tmp_path_factory.mktemp("map") / "map.safetensors"
     result = run("train", "landmark-map", "--data", dataset, "--out", path, *TINY, "--seed", 3)
     assert result.exit_code == 0, result.output
-    assert f"{path}: error to normal " in result.stdout
+    assert f"{path}: error to normal " in result.stdout and ", to caricature " in result.stdout
     return path
 
 
 def test_a_map_is_written_with_a_report(trained, run, marks, tmp_path):
     report, (tensors, metadata) = read_json(trained.with_suffix(".json")), read_checkpoint(trained)
-    assert report["command"] == "train landmark-map" and report["seed"] == 3 and report["config"]["dimension"] == 4
-    assert metadata["schema"] == "caricli.landmark-map/1" and len(tensors["normal.basis"]) <= 4
-    assert len(report["epochs"]) == report["config"]["epochs"] + 1
+    assert report["command"] == "train landmark-map" and report["seed"] == 3 and report["config"]["styles"] == 1
+    assert metadata["schema"] == "caricli.landmark-map/2" and len(tensors["styles"]) == 1
     assert report["meshes"]["training"] == {"normal": 4, "caricature": 4}
-    for errors in report["error"].values():
-        assert {"map", "identity", "mean", "paired regression"} < set(errors)
+    for to in ("normal", "caricature"):
+        errors = report["error"]["test"][to]
+        assert {"map", "identity", "mean", "paired regression"} <= set(errors)
+        assert errors["identity"]["below_identity"] == 0 < errors["map"]["error"]
     result = run("map-landmarks", marks, "--to", "normal", "--out", tmp_path / "m.json", "--map", trained)
     assert result.exit_code == 0, result.output
 
@@ -43,7 +44,7 @@ def test_a_dataset_without_both_domains_is_refused(run, refused, tmp_path):
     assert not out.parent.exists()
 
 
-@pytest.mark.parametrize("setting", ["least=0", "views=0", "cycle=-1", "no_such=1"])
+@pytest.mark.parametrize("setting", ["styles=0", "views=0", "noise=-1", "no_such=1"])
 def test_impossible_settings_are_refused(refused, dataset, tmp_path, setting):
     out = tmp_path / "map.safetensors"
     line = refused("train", "landmark-map", "--data", dataset, "--out", out, "--set", setting, code=2)

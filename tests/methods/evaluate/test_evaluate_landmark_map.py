@@ -1,11 +1,89 @@
 import numpy as np
 import pytest
 
-from caricli.methods.evaluate.evaluate_landmark_map import landmark_error
+from caricli.data import build_dataset as building
+from caricli.data.build_dataset import build_dataset
+from caricli.data.build_settings import BuildSettings
+from caricli.data.dataset import read_dataset
+from caricli.data.unseen import unseen_data
+from caricli.methods.evaluate.evaluate_landmark_map import (
+    NEAREST,
+    components,
+    draws,
+    error_figures,
+    face_errors,
+    face_pairs,
+    measure_landmark_map,
+    regression,
+    spread,
+)
+from caricli.methods.train.see_faces import map_faces
+from caricli.models.landmark_map.model import DOMAINS
+from caricli.store.landmark_maps import load_landmark_map
 
 
-def test_errors_are_shares_of_the_diagonal():
-    true = np.random.default_rng(0).normal(size=(2, 68, 2))
+@pytest.fixture
+def faces():
+    return np.random.default_rng(0).normal(size=(400, 68, 2))
+
+
+def test_errors_are_shares_of_the_diagonal(faces):
+    true = faces[:2]
     diagonals = np.linalg.norm(np.ptp(true, axis=1), axis=1)
     found = true + [0.0, 1.0] * diagonals[:, None, None] / 50
-    assert landmark_error(found, true) == pytest.approx(2)
+    np.testing.assert_allclose(face_errors(found, true), 2)
+    np.testing.assert_allclose(face_errors(np.stack([found, true]), true), [[2, 2], [0, 0]], atol=1e-12)
+
+
+def test_the_interval_is_that_of_people_not_of_faces():
+    """Two people, one of whom a rival helps and the other not: the interval holds both extremes."""
+    people = np.repeat([7, 9], 100)
+    errors = np.repeat([1.0, 2.0], 100)
+    figures = error_figures(errors, np.full(200, 2.0), people)
+    assert figures == {"error": 1.5, "below_identity": 25, "low": 0, "high": 50}
+    alike = error_figures(np.tile([1.0, 2.0], 100), np.full(200, 2.0), people)
+    assert alike["low"] == alike["high"] == 25
+
+
+def test_draws_vary_as_the_parts_say(faces):
+    parts = np.random.default_rng(1).normal(size=(2, 136))
+    drawn = (draws(faces, parts) - faces).reshape(-1, 136)
+    assert len(drawn) == NEAREST * len(faces)
+    np.testing.assert_allclose(np.cov(drawn.T), parts.T @ parts, atol=0.4)
+    found = components(drawn.reshape(-1, 68, 2), 2)
+    np.testing.assert_allclose(found.T @ found, parts.T @ parts, atol=0.4)
+
+
+def test_the_spread_is_the_distance_of_two_draws(faces):
+    drawn = np.stack([faces, faces + [0.0, 1.0], faces])
+    assert spread(drawn, faces) == pytest.approx(face_errors(faces + [0.0, 1.0], faces).mean())
+
+
+def test_regression_finds_a_linear_map(faces):
+    def turned(points):
+        return 2 * points[..., ::-1] + 1
+
+    found = regression(faces, turned(faces))(faces[:5])
+    np.testing.assert_allclose(found, turned(faces[:5]), atol=0.15)
+
+
+@pytest.fixture(scope="module")
+def strangers(tmp_path_factory):
+    """Caricatures of people whom no training saw, beside the faces that they were made of."""
+    folder = tmp_path_factory.mktemp("strangers")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(building, "PRIOR_SHAPES", 16)
+        patch.setattr(building, "PRIOR_DIMENSION", 8)
+        build_dataset(folder, BuildSettings(count=20, identities=20, seed=260022), 1)
+    people = unseen_data(read_dataset(folder), {"map": load_landmark_map().seen}, everyone=True)
+    return face_pairs(map_faces(people.data, 4, 0), "test")
+
+
+def test_the_bundled_map_is_nearer_to_strangers_than_no_map(strangers):
+    figures = measure_landmark_map(load_landmark_map(), strangers, strangers)
+    least = {"normal": 25, "caricature": 10}
+    for to in DOMAINS:
+        own = figures[to]["map"]
+        assert own["below_identity"] > least[to] and own["low"] > 0
+        assert own["error"] < figures[to]["mean"]["error"]
+    assert figures["caricature"]["map"]["error"] < figures["caricature"]["random caricatures"]["error"]

@@ -3,6 +3,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from caricli.data.identities import random_identity
 from caricli.errors import InputError, NumericsError
 from caricli.geometry.exaggerate_curvature import exaggerate_curvature
 from caricli.geometry.head_rotation import head_rotation
@@ -12,11 +13,12 @@ from caricli.methods.expressions.settings import METHODS, BlendshapeSettings
 from caricli.methods.expressions.tools import ExpressionTools
 from caricli.methods.rig.head_expressions import head_expressions
 from caricli.methods.rig.measure_rig import curve_gap
-from caricli.models.landmark_map.model import DOMAINS, GENERATOR_WEIGHTS, Domain, LandmarkMap, align
+from caricli.models.landmark_map.model import LandmarkMap, align
 from caricli.store.landmark_maps import load_landmark_map
 from caricli.store.models import load_model
 from caricli.structures import Camera, Face
 from caricli.structures.landmarks import COUNT
+from caricli.template.annotation import DELICATE
 
 EXPRESSIONS = {
     "neutral": {},
@@ -36,11 +38,7 @@ def actions(head, head_template):
 def same():
     """A landmark map that changes nothing."""
     size = 2 * COUNT
-    domain = Domain(np.zeros(size), np.eye(size))
-    none = {"linear": np.eye(size), "first": np.zeros((size, 1)), "first_bias": np.zeros(1), "second": np.zeros((1, 1)),
-            "second_bias": np.zeros(1), "last": np.zeros((1, size)), "last_bias": np.zeros(size)}  # fmt: skip
-    assert set(none) == set(GENERATOR_WEIGHTS)
-    return LandmarkMap(dict.fromkeys(DOMAINS, domain), dict.fromkeys(DOMAINS, none))
+    return LandmarkMap(np.zeros(size), np.zeros(size), np.eye(size), np.eye(size)[:1])
 
 
 @pytest.fixture(scope="module")
@@ -98,7 +96,21 @@ def test_optimised_shapes_drift_less_and_show_no_less(built, caricature):
     drift = {name: np.nanmean(each.drift) for name, each in found.items()}
     assert drift["full"] < 0.5 * min(drift["initial"], drift["transfer"])
     assert 0.8 < np.nanmin(found["full"].strength) and np.nanmax(found["full"].strength) < 1.4
-    assert errors(built["full"], caricature).mean() < errors(built["initial"], caricature).mean()
+
+
+def test_optimised_shapes_of_people_are_nearer_to_the_truth(head, head_template, tools, face):
+    """Three people drawn and exaggerated as datasets do it; the mean head above is stretched as nobody is."""
+    hold = head_template.mask(*DELICATE).astype(float)
+    generator = np.random.default_rng(7)
+    people = [random_identity(head, generator) for _ in range(3)]
+    found = {"full": 0.0, "initial": 0.0}
+    for person in people:
+        shapes = [head.evaluate(**vars(person), actions=actions) for actions in EXPRESSIONS.values()]
+        truth = np.stack([exaggerate_curvature(shape, head_template.faces, [0.2], hold)[0] for shape in shapes])
+        for name in found:
+            made = build_blendshapes(face(truth[0]), tools, BlendshapeSettings(name))
+            found[name] += errors(made, truth).mean()
+    assert found["full"] < 0.95 * found["initial"]
 
 
 def test_lids_meet_where_contacts_are_kept(built, caricature, face, tools, head_template):
@@ -140,17 +152,12 @@ def test_the_size_of_the_face_does_not_matter(built, caricature, camera, face, t
 
 
 def stretching(before, after):
-    """A landmark map that does to every face what makes one face (68, 2) another, and back."""
+    """A landmark map that makes of every face what makes the second face (68, 2) the first one."""
+    start, end = (align(points)[0] for points in (after, before))
+    affine = np.linalg.lstsq(np.column_stack([start, np.ones(COUNT)]), end, rcond=None)[0]
     size = 2 * COUNT
-    none = {"first": np.zeros((size, 1)), "first_bias": np.zeros(1), "second": np.zeros((1, 1)),
-            "second_bias": np.zeros(1), "last": np.zeros((1, size))}  # fmt: skip
-    generators = {}
-    aligned = [align(points)[0] for points in (after, before)]
-    for name, (start, end) in zip(DOMAINS, (aligned, aligned[::-1]), strict=True):
-        affine = np.linalg.lstsq(np.column_stack([start, np.ones(COUNT)]), end, rcond=None)[0]
-        linear = np.kron(np.eye(COUNT), affine[:2])
-        generators[name] = none | {"linear": linear, "last_bias": np.tile(affine[2], COUNT)}
-    return LandmarkMap(dict.fromkeys(DOMAINS, Domain(np.zeros(size), np.eye(size))), generators)
+    normal = np.tile(affine[2], COUNT)
+    return LandmarkMap(normal, np.zeros(size), np.kron(np.eye(COUNT), affine[:2]), np.eye(size)[:1])
 
 
 def test_the_map_finds_the_normal_face_of_a_stretched_one(tools, same):
@@ -179,8 +186,10 @@ def test_the_map_finds_the_normal_face_of_a_stretched_one(tools, same):
     assert falls[0] < 0.9 * falls[1]
 
 
-def test_landmarks_are_carried_by_the_map(caricature, face, tools, same, built):
+def test_landmarks_keep_what_the_caricature_adds_to_the_normal_face(caricature, face, tools, same, built):
     made = build_blendshapes(face(caricature[0]), replace(tools, landmark_map=same), BlendshapeSettings("initial"))
+    usual = built["initial"].fit.face.landmarks
+    assert np.linalg.norm(made.fit.face.landmarks - usual, axis=1).mean() > 1, "the map tells which face is fitted"
     moved = made.fit.face.camera.project(made.normal[2][made.fit.anchors[:COUNT]])
     start = made.fit.face.camera.project(made.normal[0][made.fit.anchors[:COUNT]])
     np.testing.assert_allclose(made.landmarks[2] - made.landmarks[0], moved - start, atol=0.1)
