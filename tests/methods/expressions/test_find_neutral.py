@@ -59,10 +59,15 @@ def test_a_laugh_goes_and_the_lips_neither_gape_nor_cross(neutral, shapes, head_
     assert neutral.moved == np.linalg.norm(found - laugh, axis=1).max()
 
 
-def test_without_contacts_lips_cross(laughing, neutral, tools, head_template):
-    free = find_neutral(laughing, tools, BlendshapeSettings(contacts=False))
-    crossings = lip_crossings(free.mesh.vertices, head_template)
-    assert crossings > 2 * lip_crossings(neutral.mesh.vertices, head_template) and crossings > 4
+def test_without_contacts_lips_cross(laughing, head, tools, head_template):
+    """Those of a laugh that opens the mouth less than the one above."""
+    laugh = head.evaluate(**PERSON, actions=LAUGH | {"jawOpen": 0.3}) * WIDE
+    given = Face(head_template.with_vertices(laugh), laughing.camera)
+    kept, free = (
+        lip_crossings(find_neutral(given, tools, BlendshapeSettings(contacts=contacts)).mesh.vertices, head_template)
+        for contacts in (True, False)
+    )
+    assert free > 2 * kept and free > 4
 
 
 def test_a_face_at_rest_stays_as_it_is(shapes, tools, head_template):
