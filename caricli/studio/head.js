@@ -134,7 +134,6 @@ export default {
       this.renderer.setSize(width, height, false);
       this.camera.aspect = width / height;
       this.camera.updateProjectionMatrix();
-      if (this.flat) this.flatten();
       this.draw();
     },
     draw() {
@@ -347,6 +346,7 @@ export default {
       this.draw();
     },
     eye() {
+      if (this.flat) this.flatten();
       return this.flat ?? this.camera;
     },
     // The view without perspective in which the middle of the head is as large as with it.
@@ -409,7 +409,7 @@ export default {
     },
     // The vertices that are chosen: of the region, and handles.
     dots(color) {
-      const material = new THREE.PointsMaterial({ color, size: 5, sizeAttenuation: false });
+      const material = new THREE.PointsMaterial({ color, size: 3, sizeAttenuation: false });
       const dots = new THREE.Points(new THREE.BufferGeometry(), material);
       dots.frustumCulled = false;
       dots.visible = false;

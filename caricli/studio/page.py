@@ -113,9 +113,10 @@ class Page:
             ui.switch("Turntable", on_change=lambda event: self.head.run_method("turntable", event.value))
             self.texture = ui.switch("Texture", value=True, on_change=self._textured)
 
-    async def do(self, operation: Operation, answered: int = 0) -> bool:
-        """Do an operation for good, show what it made, and keep it in the browser. answered: strokes that it was.
+    async def do(self, operation: Operation, answered: int = 0, words: str = "") -> bool:
+        """Do an operation for good, show what it made, and keep it in the browser.
 
+        answered: strokes that it was. words: what is said of it, where it has no remark of its own.
         Returns whether it was done; where it was refused the page has said why.
         """
         self._wanted = None
@@ -127,8 +128,7 @@ class Page:
             return False
         self._after([operation], answered)
         remark = self.desk.work.remark
-        if remark:
-            self.say(f"{operation.name.capitalize().replace('_', ' ')}: {remark}.", "note")
+        self.say(f"{_plain(operation.name)}: {remark}." if remark else words, "note")
         return True
 
     def _after(self, more: list[Operation], answered: int = 0) -> None:
@@ -169,13 +169,17 @@ class Page:
         await self._travel(self.desk.redo)
 
     async def _travel(self, go: Callable[[], None]) -> None:
-        before = len(self.desk.history.done)
+        before = list(self.desk.history.done)
         try:
             await self.studio.run(go)
         except CaricliError as error:
             self.say(str(error))
+            return
         done = self.desk.history.done
-        self._after(done[before:])
+        if len(done) != len(before):
+            way, operation = ("Undone", before[-1]) if len(done) < len(before) else ("Redone", done[-1])
+            self.say(f"{way}: {_plain(operation.name).lower()}.", "note")
+        self._after(done[len(before) :])
 
     def refresh(self, answered: int = 0) -> None:
         """Show the present work in every part of the page."""
@@ -250,7 +254,8 @@ class Page:
         if refused:
             self.say(refused)
         else:
-            self.say("Opened.", "note")
+            pictured = self.desk.work.picture is not None and not self.desk.history.done
+            self.say("Opened: draw over it, or place its landmarks." if pictured else "Opened.", "note")
             self.begun()
 
     async def _returned(self, event: Any) -> None:
@@ -293,6 +298,11 @@ def studio_page(studio: Studio) -> Callable:
 def _button(words: str, icon: str, click: Callable, hint: str) -> ui.button:
     button = ui.button(words, icon=icon, on_click=click).props(f'flat dense no-caps title="{words}: {hint}"')
     return button.classes(f"caricli-{words.lower()}")
+
+
+def _plain(name: str) -> str:
+    """The name of an operation in words."""
+    return name.capitalize().replace("_", " ")
 
 
 def _is_session(path: Path) -> bool:

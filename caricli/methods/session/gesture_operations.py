@@ -98,7 +98,7 @@ def meaning_of(operation: Operation, tools: Tools) -> Operation | str:
     only(parameters, "points", "camera", "symmetric")
     recognised = tools.gestures.recognise(points(parameters, "points"))
     if recognised.name is None:
-        name = recognised.likeliest.replace("_", " ")
+        name = recognised.likeliest.replace("up_roll", "bulge").replace("down_roll", "press in").replace("_", " ")
         share = f"{100 * recognised.probability:.0f} %"
         raise InputError(f"expected a gesture, found a stroke that may be anything (rather {name}, {share})")
     if recognised.name.endswith("_arrow"):

@@ -19,13 +19,19 @@ from caricli.methods.sketch.name_strokes import name_strokes, unsure_share
 from caricli.methods.sketch.settings import COARSE, FollowSettings
 from caricli.models.shape_model import ShapeModel
 from caricli.structures import Face
-from caricli.structures.sketch import Sketch
+from caricli.structures.sketch import Sketch, StrokeKind
 from caricli.template.feature_curves import feature_curves
 
 _SPACING = 0.004
 """Of the canvas: between points at which lines are compared."""
 _UNSURE = 0.5
 """Share of strokes from which on it is said that they draw no face."""
+
+_CONTRADICTS = (0.3, 1.0)
+"""Percent of the canvas: a curve that was followed and is farther from its lines was taken for the wrong one; from the
+first on where it was nearer before."""
+_ROUNDS = 3
+"""Curves that are given up, at most."""
 
 Coarse = Callable[[Sketch, Lines, LineHandles], Face]
 """A face that is likely for a sketch, with camera and latent: of the sketch, its lines by curves, and the handles."""
@@ -41,7 +47,8 @@ class SketchFit:
     were followed and after. worst: the same, the largest distance. flipped: share of triangles that are turned over.
     prior_rms: root mean square of the whitened latent before lines were followed, about 1 for a typical face. share: of
     the way to the lines. asked: the share that was asked for, more than ``share`` where that would tear the surface.
-    unsure: share of the strokes that do not say what they draw and seem to draw no line of a face.
+    unsure: share of the strokes that do not say what they draw and seem to draw no line of a face. left: curves whose
+    strokes were left again, because no face that meets the others comes near them.
     """
 
     face: Face
@@ -55,6 +62,7 @@ class SketchFit:
     share: float
     asked: float
     unsure: float
+    left: tuple[str, ...] = ()
 
     @property
     def strange(self) -> bool:
@@ -72,6 +80,7 @@ class SketchFit:
             "strange": self.strange,
             "prior_rms": self.prior_rms,
             "unsure": self.unsure,
+            "left": list(self.left),
             "strokes": [{"kind": str(stroke.kind), "curve": stroke.curve} for stroke in self.sketch.strokes],
         }
 
@@ -83,9 +92,27 @@ class SketchFit:
             told.append("doubtful: so far from any face lines are of something else")
         if self.unsure > _UNSURE:
             told.append(f"doubtful: {100 * self.unsure:.0f} % of the strokes without a name are no lines of a face")
+        if self.left:
+            told.append(f"doubtful: what looked like {', '.join(self.left)} goes with no other line, and was left")
         if self.share != self.asked:
             told.append(f"doubtful: followed for {100 * self.share:.3g} % of the way, farther the surface would tear")
         return "; ".join(told)
+
+
+def _contradicting(sketch: Sketch, fit: SketchFit) -> str | None:
+    """The curve that is farthest from its lines though they were followed, where a stroke of the sketch did not say
+    itself that it draws it; None where all are met."""
+    if fit.share < 1:
+        return None
+    said = {stroke.curve for stroke in sketch.strokes}
+    guessed = {curve: error for curve, error in fit.errors.items() if curve != "all" and curve not in said}
+    least, most = _CONTRADICTS
+    far = {
+        curve: error
+        for curve, error in guessed.items()
+        if error > most or (error > least and error > fit.coarse[curve])
+    }
+    return max(far, key=lambda curve: far[curve]) if far else None
 
 
 class SketchReconstruction:
@@ -121,6 +148,20 @@ class SketchReconstruction:
         share: of the way from the likely face to the lines, 0 to 1. Raises InputError where nothing can be told.
         """
         named = name_strokes(sketch, self.handles, self.model)
+        fit = self._fit(sketch, named, share)
+        for _ in range(_ROUNDS):
+            curve = _contradicting(sketch, fit)
+            if curve is None:
+                break
+            named = named.with_strokes(
+                replace(stroke, curve=None, kind=StrokeKind.UNKNOWN) if stroke.curve == curve else stroke
+                for stroke in named.strokes
+            )
+            fit = replace(self._fit(sketch, named, share), left=(*fit.left, curve))
+        return fit
+
+    def _fit(self, sketch: Sketch, named: Sketch, share: float) -> SketchFit:
+        """The face whose curves lie on the strokes that name them."""
         unsure = unsure_share(sketch, named, self.handles)
         lines = lines_by_curve(named)
         coarse = self._coarse(named, lines, self.handles)

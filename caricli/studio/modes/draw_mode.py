@@ -37,9 +37,11 @@ class DrawMode(Mode):
         await self.page.do(Operation(event.args["name"], event.args["parameters"]), answered=1)
 
     async def _follow(self) -> None:
-        if self.page.desk.work.sketch.strokes:
-            self.page.say("Following the lines …", "note")
-            await self.page.do(Operation("follow"))
+        if not self.page.desk.work.sketch.strokes:
+            self.page.say("Draw something first.")
+            return
+        self.page.say("Following the lines …", "note")
+        await self.page.do(Operation("follow"))
 
     def _use(self, event: Any) -> None:
         self.canvas.run_method("use", event.value, _RADIUS * max(1.0, self.page.desk.work.sketch.size[0] / 512))

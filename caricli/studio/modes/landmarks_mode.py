@@ -177,8 +177,8 @@ class LandmarksMode(Mode):
                 return
         if folder is not None and self.picture is not None and folder.is_done(self.picture):
             try:
-                await self._put(folder.read(self.picture))
-                self.page.say(f"Landmarks of {folder.file(self.picture).name}.", "note")
+                name = folder.file(self.picture).name
+                await self._put(folder.read(self.picture), f"Landmarks of {name}.")
             except CaricliError as error:
                 self.page.say(str(error))
         else:
@@ -192,9 +192,9 @@ class LandmarksMode(Mode):
         self.canvas.run_method("open", scene)
         self.laid = True
 
-    async def _put(self, landmarks: Landmarks | None) -> None:
+    async def _put(self, landmarks: Landmarks | None, words: str = "") -> None:
         if landmarks is not None:
-            await self.page.do(Operation("marks", {"landmarks": landmarks_to_json(landmarks)}))
+            await self.page.do(Operation("marks", {"landmarks": landmarks_to_json(landmarks)}), words=words)
 
     async def _find(self) -> None:
         pixels = self.page.desk.work.picture
@@ -203,22 +203,18 @@ class LandmarksMode(Mode):
         self.page.say("Looking for the face …", "note")
         landmarks = await self.page.studio.run(seen_marks, pixels, self._count(), self.reader)
         if landmarks is None:
-            self.page.say("No face was seen: the mean shape lies on the picture.")
-            await self._lay()
+            await self._lay("No face was seen: the mean shape lies on the picture.")
         else:
-            self.page.say("Landmarks as the detector sees them.", "note")
-            await self._put(landmarks)
+            await self._put(landmarks, "Landmarks as the detector sees them.")
 
-    async def _lay(self) -> None:
+    async def _lay(self, words: str = "") -> None:
         pixels = self.page.desk.work.picture
         if pixels is not None:
             size = (pixels.shape[1], pixels.shape[0])
-            await self._put(lay_mean_shape(self._marking().model.template, middle_frame(size), size))
+            await self._put(lay_mean_shape(self._marking().model.template, middle_frame(size), size), words)
 
     async def _make(self) -> None:
-        if self.page.desk.work.landmarks is not None:
-            self.page.say("The face that the landmarks are of.", "note")
-        await self.page.do(Operation("mark_face"))
+        await self.page.do(Operation("mark_face"), words="The face that the landmarks are of.")
 
     async def _try(self, event: Any) -> None:
         operation = Operation(event.args["name"], event.args["parameters"])

@@ -27,8 +27,9 @@ _RADIUS = 12
 """Pixels of the screen, of the brush."""
 
 _HINT = (
-    "Draw on the head. A closed line chooses a region; a line moves what is brushed, or the outline; one, two or three "
-    "loops above a line bulge, below it they press in; an arrow to the left undoes, to the right redoes."
+    "Draw on the head; with Turn the pointer turns it. A closed line chooses a region; a line moves what is brushed, "
+    "or the outline; one, two or three loops above a line bulge, below it they press in; an arrow to the left undoes, "
+    "to the right redoes."
 )
 
 
@@ -41,7 +42,7 @@ class RefineMode(Mode):
     def build(self) -> None:
         """Lay out the tools."""
         with ui.element("div").classes("caricli-tools").props('role="group" aria-label="Strokes on the head"'):
-            self.tool = ui.toggle(TOOLS, value="turn", on_change=self._use)
+            self.tool = ui.toggle(TOOLS, value="gesture", on_change=self._use)
             self.tool.props(
                 "no-caps dense unelevated toggle-color=marked toggle-text-color=onmarked "
                 'aria-label="What strokes on the head are"'
@@ -120,8 +121,7 @@ class RefineMode(Mode):
         """Do an operation, and say which."""
         level = f" {parameters['level']}" if "level" in parameters else ""
         words = {"depress": "press in"}.get(name, name).capitalize()
-        self.page.say(f"{words}{level}.", "note")
-        await self.page.do(Operation(name, parameters))
+        await self.page.do(Operation(name, parameters), words=f"{words}{level}.")
 
     async def _key(self, event: Any) -> None:
         listening = self.shown and self.keys.value and event.action.keydown

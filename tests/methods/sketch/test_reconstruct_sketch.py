@@ -4,12 +4,15 @@ import numpy as np
 import pytest
 
 from caricli.errors import InputError
+from caricli.geometry.match_line import resample
 from caricli.methods.faces.encode_face import decode_face
 from caricli.methods.faces.encode_landmarks import landmark_encoder
+from caricli.methods.sketch import reconstruct_sketch
 from caricli.methods.sketch.model_coarse import model_coarse
 from caricli.methods.sketch.reconstruct_sketch import SketchReconstruction
 from caricli.methods.sketch.settings import FollowSettings
 from caricli.store.models import load_model
+from caricli.store.session_tools import SessionTools
 from caricli.structures.sketch import Sketch, Stroke
 
 
@@ -113,3 +116,35 @@ def test_scribble_is_refused(reconstruction):
     walks = (generator.normal(0, 8, (30, 2)).cumsum(0) + generator.uniform(60, 200, 2) for _ in range(12))
     with pytest.raises(InputError, match="expected lines"):
         reconstruction.reconstruct(Sketch(tuple(map(Stroke, walks))))
+
+
+DRAWN = [
+    [(256, 61), (375, 157), (390, 240), (379, 321), (330, 390), (256, 420), (180, 390), (133, 324), (120, 240)],
+    [(122, 200), (102, 200), (94, 219), (92, 238), (94, 253), (100, 273), (122, 276)],
+    [(389, 200), (409, 200), (417, 219), (419, 238), (417, 253), (411, 273), (389, 276)],
+    [(161, 176), (169, 169), (180, 159), (194, 157), (206, 158), (219, 164), (232, 171)],
+    [(279, 171), (289, 166), (302, 158), (317, 157), (328, 156), (339, 166), (350, 176)],
+    [(168, 207), (172, 200), (182, 195), (196, 193), (203, 193), (216, 197), (224, 207)],
+    [(168, 207), (172, 213), (182, 218), (196, 219), (203, 219), (216, 216), (224, 207)],
+    [(287, 207), (290, 200), (301, 195), (315, 193), (322, 193), (335, 197), (343, 207)],
+    [(287, 207), (290, 213), (301, 218), (315, 219), (322, 219), (335, 216), (343, 207)],
+    [(243, 216), (240, 239), (234, 265), (222, 286), (221, 302), (229, 310), (241, 307)],
+    [(241, 307), (244, 310), (250, 315), (256, 318), (259, 316), (265, 311), (270, 307)],
+    [(268, 216), (271, 239), (277, 265), (289, 286), (290, 302), (282, 310), (270, 307)],
+    [(192, 362), (213, 354), (235, 350), (256, 355), (273, 351), (293, 352), (319, 362)],
+    [(192, 362), (211, 363), (233, 365), (256, 366), (273, 365), (296, 364), (319, 362)],
+    [(192, 362), (210, 378), (231, 390), (256, 392), (276, 391), (297, 381), (319, 362)],
+]  # fmt: skip
+"""A plain face whose nose is of three strokes, of which heads have curves for none."""
+
+
+def test_strokes_that_go_with_no_others_do_not_tear_the_face(monkeypatch):
+    own = SessionTools().reconstruction
+    first, *lines = [np.array(line, float) for line in DRAWN]
+    closed = np.concatenate([first, first[:1]])
+    sketch = Sketch(tuple(Stroke(resample(line, 30)) for line in (closed, *lines)), (512, 512))
+    fit = own.reconstruct(sketch)
+    assert fit.flipped < 1e-3 and fit.errors["all"] < 0.2
+    assert fit.left and "goes with no other line" in fit.describe()
+    monkeypatch.setattr(reconstruct_sketch, "_ROUNDS", 0)
+    assert own.reconstruct(sketch).errors["all"] > 1.5 * fit.errors["all"]
