@@ -17,12 +17,21 @@ from caricli.structures import Operation
 Operate = Callable[[Work, Parameters, Tools], Work]
 """What a name stands for: a pure function that checks its parameters. Raises InputError or NumericsError."""
 
+
+def _begun_anew(operate: Operate) -> Operate:
+    """The operation on a work of which nothing is said any more."""
+    return lambda work, parameters, tools: operate(replace(work, remark=""), parameters, tools)
+
+
 OPERATIONS: Mapping[str, Operate] = {
-    **DRAW_OPERATIONS,
-    **REDRAW_OPERATIONS,
-    **FACE_OPERATIONS,
-    **MARK_OPERATIONS,
-    **GESTURE_OPERATIONS,
+    name: _begun_anew(operate)
+    for name, operate in {
+        **DRAW_OPERATIONS,
+        **REDRAW_OPERATIONS,
+        **FACE_OPERATIONS,
+        **MARK_OPERATIONS,
+        **GESTURE_OPERATIONS,
+    }.items()
 }
 """One table of every mode."""
 
@@ -32,4 +41,4 @@ def operate(work: Work, operation: Operation, tools: Tools) -> Work:
     if operation.name not in OPERATIONS:
         raise InputError(f"expected one of {', '.join(OPERATIONS)}, found {shown(operation.name, 60)!r}")
     with naming(operation.name):
-        return OPERATIONS[operation.name](replace(work, remark=""), operation.parameters, tools)
+        return OPERATIONS[operation.name](work, operation.parameters, tools)
