@@ -8,6 +8,7 @@ import argparse
 import io
 import json
 import os
+import shutil
 import subprocess
 import sys
 import time
@@ -27,6 +28,9 @@ STEP = 6
 
 GIF = (640, 90)
 """Pixels of width, and milliseconds of a frame."""
+
+SHOWN = "+(document.querySelector('.caricli-head canvas')?.dataset.shown || 0)"
+"""Number of the head that is seen."""
 
 
 def arc(middle, radii, turns):
@@ -112,9 +116,6 @@ class Hand:
         return np.array([box["x"], box["y"]]) + line * box["width"] / 512
 
 
-SHOWN = "+(document.querySelector('.caricli-head canvas')?.dataset.shown || 0)"
-
-
 def play(hand: Hand) -> None:
     """From an empty canvas to a rig."""
     page = hand.page
@@ -159,7 +160,7 @@ def main() -> None:
     options = parser.parse_args()
     options.out.mkdir(parents=True, exist_ok=True)
     with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path="/usr/bin/chromium", args=FLAGS)
+        browser = playwright.chromium.launch(executable_path=shutil.which("chromium"), args=FLAGS)
         begun = time.perf_counter()
         server = subprocess.Popen(
             [sys.executable, "-m", "caricli", "studio", "--no-browser", "--port", "0"],
