@@ -1,17 +1,19 @@
 """What the coarse network tells of a face beyond its detected landmarks: 3D errors beside those of fits.
 
 Usage: python benchmarks/coarse.py DATASET PICTURES [COUNT [NETWORK]]. The faces are COUNT (default: 100) of those of
-PICTURES (of `dataset pictures DATASET`) that are of test people, whom neither detector nor network was trained with,
-drawn in all media, poses, lights and distances of that command; their landmarks are read by the bundled detector from
-their true frames, as `detect` reads faces that it found. Compared are the mean face of the morphable model, its fit to
-these landmarks and their spreads (`fit-morphable`), the network's word (`fit-coarse --alone`), that word brought to the
-landmarks (`fit-coarse`), and two bounds: the fit to the true landmarks, and the model's best. Errors are mean
-distances of the face's vertices after alignment in percent of the head's height. The interval is that of the change of
-the mean, from 10,000 draws of the faces with replacement. The last line is JSON.
+PICTURES (of `dataset pictures DATASET`), of people whom neither network nor model was trained with, and the dataset is
+none that the detector was trained on: drawn in all media, poses, lights and distances of that command; their landmarks
+are read by the bundled detector from their true frames, as `detect` reads faces that it found. Compared are the mean
+face of the morphable model, its fit to these landmarks and their spreads (`fit-morphable`), the network's word
+(`fit-coarse --alone`), that word brought to the landmarks (`fit-coarse`), and two bounds: the fit to the true
+landmarks, and the model's best. Errors are mean distances of the face's vertices after alignment in percent of the
+head's height. The interval is that of the change of the mean, from 10,000 draws of the faces with replacement. The last
+line is JSON.
 """
 
 import json
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +21,7 @@ from threadpoolctl import threadpool_limits
 
 from caricli.data.dataset import read_dataset
 from caricli.data.picture_set import read_picture_set
+from caricli.data.unseen import unseen_data
 from caricli.methods.detect.read_faces import look_at_face
 from caricli.methods.detect.settings import DetectSettings
 from caricli.methods.evaluate.reconstruct_portrait import shape_error
@@ -37,7 +40,12 @@ def main(dataset, pictures, count=100, network=None):
     """Print means as they grow, the comparison and the JSON line."""
     teller, model = load_coarse_pair(None if network is None else Path(network))
     detector = load_detector()
-    faces = TrueFaces(read_picture_set(Path(pictures)), read_dataset(Path(dataset)), model, "test")
+    data = read_dataset(Path(dataset))
+    unseen = unseen_data(data, {"network": teller.seen, "model": model.seen}, everyone=True)
+    print(f"{unseen.test} of {unseen.of} people")
+    drawn = read_picture_set(Path(pictures))
+    drawn = replace(drawn, manifest=drawn.manifest | {"splits": unseen.data.manifest["splits"]})
+    faces = TrueFaces(drawn, data, model, "test")
     chosen = np.random.default_rng(0).permutation(len(faces.faces))[: int(count)]
     errors = []
     for done, number in enumerate(chosen, 1):
@@ -45,12 +53,11 @@ def main(dataset, pictures, count=100, network=None):
         if done % 10 == 0 or done == len(chosen):
             print(done, ", ".join(f"{name} {np.mean([e[name] for e in errors]):.3f}" for name in errors[0]), flush=True)
     columns = {name: np.array([own[name] for own in errors]) for name in errors[0]}
-    changes = {name: compare(columns["fit"], columns[name]) for name in ("network", "network and landmarks")}
-    for name, own in changes.items():
-        low, high = (f"{100 * each:.1f}" for each in own["interval"])
-        print(f"{name}: {100 * own['change']:.1f} % ({low} to {high}) of the fit's, lower on {own['lower']}")
-    means = {name: float(column.mean()) for name, column in columns.items()}
-    print(json.dumps({"faces": len(errors), "errors": means, "changes": changes}))
+    rows = {name: {"error": float(column.mean())} for name, column in columns.items()}
+    for name in ("network", "network and landmarks"):
+        rows[name] |= compare(columns["fit"], columns[name])
+        print(name, "{change:.1f} % ({low:.1f} to {high:.1f}) of the fit's, lower on {lower}".format(**rows[name]))
+    print(json.dumps({"faces": len(errors), "errors": rows}))
 
 
 def measure(face, model, teller, detector):
@@ -73,12 +80,12 @@ def measure(face, model, teller, detector):
 
 
 def compare(before, after):
-    """How the mean error changes, as a share, with its interval, and on how many of the faces it is lower."""
+    """How the mean error changes, in percent, with its interval, and on how many of the faces it is lower."""
     draws = np.random.default_rng(0).integers(len(before), size=(DRAWS, len(before)))
-    shares = after[draws].mean(1) / before[draws].mean(1) - 1
-    change = float(after.mean() / before.mean() - 1)
-    interval = np.quantile(shares, [0.025, 0.975]).tolist()
-    return {"change": change, "interval": interval, "lower": int((after < before).sum())}
+    shares = 100 * (after[draws].mean(1) / before[draws].mean(1) - 1)
+    low, high = np.quantile(shares, [0.025, 0.975]).tolist()
+    change = 100 * float(after.mean() / before.mean() - 1)
+    return {"change": change, "low": low, "high": high, "lower": int((after < before).sum()), "of": len(before)}
 
 
 if __name__ == "__main__":
