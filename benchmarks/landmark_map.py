@@ -1,14 +1,17 @@
-"""The landmark map beside its rivals, networks as the expressions paper has them (section 3.2.1) among them.
+"""Landmark maps beside each other, networks as the expressions paper has them (section 3.2.1) among them.
 
-Usage: python benchmarks/landmark_map.py TRAINING TEST OUT.json, both folders of `caricli dataset build`. Everybody of
-TEST whom the bundled map has not seen is measured; networks and regressions learn from the training split of TRAINING,
-as the bundled map did. Errors are mean distances of 68 aligned landmarks in percent of the true ones' diagonal; of ways
-that draw the nearest of ten counts. Intervals are of the share below identity when people are drawn anew.
+Usage: python benchmarks/landmark_map.py TRAINING TEST OUT.json [STEPS], both folders of `caricli dataset build`, STEPS
+of the networks' trainings. All but the bundled map learn from the training split of TRAINING: closed form, networks,
+and regression on pairs, which is the bound. Everybody of TEST is measured, without people of TRAINING or of the bundled
+map's training. Errors are mean distances of 68 aligned landmarks in percent of the true ones' diagonal; of ways that
+draw, and of networks with a code of style, the nearest of ten counts. Intervals are of the share below identity when
+people are drawn anew.
 
 The networks are those of CariGANs in 32 principal components of either domain: two generators of two hidden layers and
-two discriminators, with adversarial, cycle and characteristic losses, weighted as published; and, because one normal
-face has many caricatures, a code of style beside the normal face, which another network reads off the caricature.
-"alone" they start from chance; "both" add to the closed form, from next to nothing. The training's end is kept.
+two discriminators, with adversarial, cycle and characteristic losses, weighted as published. Because one normal face
+has many caricatures, some have a code of style beside the normal face, which another network reads off the caricature.
+They start from chance or, on top of the closed form, add next to nothing at first. The training's end is kept, and
+errors are means over a training for each of SEEDS.
 """
 
 import json
@@ -20,19 +23,26 @@ import numpy as np
 import torch
 
 from caricli.data.dataset import read_dataset
-from caricli.data.unseen import unseen_data
+from caricli.data.unseen import seen_people, unseen_data
 from caricli.methods.evaluate.evaluate_landmark_map import (
     NEAREST,
     compare,
     components,
+    draws,
+    error_figures,
+    face_errors,
     face_pairs,
     measure_landmark_map,
 )
 from caricli.methods.train.see_faces import map_faces
-from caricli.models.landmark_map.model import DOMAINS
+from caricli.methods.train.train_landmark_map import learn_landmark_map
+from caricli.models.landmark_map.config import LandmarkMapConfig
+from caricli.models.landmark_map.model import DOMAINS, other
 from caricli.store.landmark_maps import load_landmark_map
 
-VIEWS = 8
+SEEDS = (0, 1, 2)
+"""Of networks."""
+
 DIMENSION = 32
 WIDTH = 64
 JUDGE_WIDTH = 128
@@ -47,6 +57,19 @@ BATCH = 256
 RATE = 1e-3
 SMALL = 1e-2
 """Of the last layers' usual initial weights, where networks add to the closed form."""
+
+NAMES = {
+    "identity": "identity",
+    "identity with draws": "identity, with the nearest of ten draws",
+    "mean": "mean",
+    "random caricatures": "random caricatures",
+    "map": "closed form",
+    "its likeliest caricature": "closed form, its likeliest caricature alone",
+    "bundled": "the bundled map: closed form of other people",
+    "paired regression": "regression on pairs",
+    "paired regression with draws": "regression on pairs, with draws",
+}
+"""Of rows, in their order; networks come last."""
 
 Network = torch.nn.Module
 
@@ -97,7 +120,7 @@ class Rival:
         scale = 1.0 if start is None else SMALL
         self.to_normal = layers((DIMENSION, WIDTH, WIDTH, DIMENSION), scale)
         self.to_caricature = layers((DIMENSION + styles, WIDTH, WIDTH, DIMENSION), scale)
-        self.reader = layers((DIMENSION, WIDTH, styles))
+        self.reader = layers((DIMENSION, WIDTH, styles)) if styles else self._no_style
         self.judges = {name: layers((DIMENSION, JUDGE_WIDTH, JUDGE_WIDTH, 1)) for name in DOMAINS}
         self.linear = self._closed_form() if start is not None else None
 
@@ -115,6 +138,9 @@ class Rival:
         )
         return back, forth, moved, caught(self.start.styles, caricature)
 
+    def _no_style(self, codes):
+        return codes[:, :0]
+
     def normal(self, codes):
         """Codes of caricatures to those of normal faces."""
         added = self.to_normal(codes)
@@ -128,16 +154,16 @@ class Rival:
         _, forth, moved, styles = self.linear
         return codes @ forth + moved + style @ styles + added
 
-    def train(self, seen):
+    def train(self, seen, steps):
         """Learn from aligned landmarks (N, 68, 2) by domain."""
         generator = torch.Generator().manual_seed(1)
         data = {name: self.codes[name].encode(seen[name]) for name in DOMAINS}
-        networks = (self.to_normal, self.to_caricature, self.reader)
+        networks = [self.to_normal, self.to_caricature, *([self.reader] if self.styles else [])]
         optimiser = torch.optim.Adam([w for net in networks for w in net.parameters()], RATE, (0.5, 0.999))
         judging = torch.optim.Adam([w for net in self.judges.values() for w in net.parameters()], RATE, (0.5, 0.999))
-        for step in range(STEPS):
+        for step in range(steps):
             for group in (*optimiser.param_groups, *judging.param_groups):
-                group["lr"] = RATE * min(1, 2 * (1 - step / STEPS))
+                group["lr"] = RATE * min(1, 2 * (1 - step / steps))
             real = {n: own[torch.randint(len(own), (BATCH,), generator=generator)] for n, own in data.items()}
             style = torch.randn(BATCH, self.styles, generator=generator)
             fakes = {"normal": self.normal(real["caricature"]), "caricature": self.caricature(real["normal"], style)}
@@ -158,7 +184,7 @@ class Rival:
         pairs = ((real["normal"], fakes["caricature"]), (fakes["normal"], real["caricature"]))
         ways = [[own @ self.codes[n].basis for n, own in zip(DOMAINS, pair, strict=True)] for pair in pairs]
         turn = sum(1 - torch.nn.functional.cosine_similarity(*way).mean() for way in ways)
-        told = (self.reader(fakes["caricature"]) - style).square().mean()
+        told = (self.reader(fakes["caricature"]) - style).square().mean() if self.styles else 0
         return CYCLE * cycle + CHARACTERISTIC * turn + STYLE * told
 
     @torch.no_grad()
@@ -181,40 +207,66 @@ def descend(optimiser, loss):
     optimiser.step()
 
 
-def rivals(landmark_map, seen, pairs):
-    """``compare`` of networks alone and on top of the closed form, by domain."""
-    made = {}
-    for name, start in (("networks alone", None), ("both", landmark_map)):
-        rival = Rival(seen, len(landmark_map.styles), start)
-        rival.train(seen)
-        made[name] = rival.map(pairs)
+def networks(landmark_map, seen, pairs, steps):
+    """Yield names of networks and their ``over_seeds`` by domain."""
+    styles = len(landmark_map.styles)
+    ways = {
+        "networks, as published": (0, None),
+        "networks, with a code of style": (styles, None),
+        "both: such networks on top of the closed form": (styles, landmark_map),
+    }
     true = {"normal": pairs.normal, "caricature": pairs.caricature}
-    given = {"normal": pairs.caricature, "caricature": pairs.normal}
+    identity = {to: face_errors(true[other(to)], true[to]) for to in DOMAINS}
+    for name, (count, start) in ways.items():
+        errors = {to: [] for to in DOMAINS}
+        for seed in SEEDS:
+            rival = Rival(seen, count, start, seed)
+            rival.train(seen, steps)
+            for to, points in rival.map(pairs).items():
+                own = face_errors(points, true[to])
+                errors[to].append(own.min(0) if own.ndim == 2 else own)
+            print(name, seed, {to: round(float(own[-1].mean()), 3) for to, own in errors.items()}, file=sys.stderr)
+        yield name, {to: over_seeds(own, identity[to], pairs.people) for to, own in errors.items()}
+
+
+def over_seeds(errors, identity, people):
+    """``error_figures`` of errors (N,) of several trainings, with the lowest and highest of their means."""
+    means = [float(own.mean()) for own in errors]
+    return error_figures(np.mean(errors, axis=0), identity, people) | {"lowest": min(means), "highest": max(means)}
+
+
+def bundled(landmark_map, pairs):
+    """``error_figures`` of a map by domain."""
+    likeliest = landmark_map.map_aligned(pairs.normal, "caricature")
+    back = landmark_map.map_aligned(pairs.caricature, "normal")
+    to_normal = {"identity": pairs.caricature, "bundled": back}
+    to_caricature = {"identity": pairs.normal, "bundled": draws(likeliest, landmark_map.styles)}
     return {
-        to: compare({"identity": given[to]} | {name: own[to] for name, own in made.items()}, true[to], pairs.people)
-        for to in DOMAINS
+        "normal": compare(to_normal, pairs.normal, pairs.people)["bundled"],
+        "caricature": compare(to_caricature, pairs.caricature, pairs.people)["bundled"],
     }
 
 
-def by_name(figures):
-    """Figures by rival and domain, from those by domain and rival."""
-    order = {name: None for to in ("caricature", "normal") for name in figures[to]}
-    return {name: {to: figures[to][name] for to in DOMAINS if name in figures[to]} for name in order}
-
-
-def main(training, test, out):
+def main(training, test, out, steps=STEPS):
     """Measure, and write the figures."""
     torch.set_num_threads(1)
-    landmark_map = load_landmark_map()
-    faces = map_faces(read_dataset(Path(training)), VIEWS, 0)
-    people = unseen_data(read_dataset(Path(test)), {"landmark map": landmark_map.seen}, everyone=True)
-    strangers = map_faces(people.data, VIEWS, 0)
+    shipped = load_landmark_map()
+    config = LandmarkMapConfig()
+    data = read_dataset(Path(training))
+    faces = map_faces(data, config.views, 0)
+    seen = {"landmark map": shipped.seen, "training": seen_people(data)}
+    people = unseen_data(read_dataset(Path(test)), seen, everyone=True)
+    strangers = map_faces(people.data, config.views, 0)
     pairs = face_pairs(strangers, "test")
+    landmark_map = learn_landmark_map(faces.seen["training"], config)
     figures = measure_landmark_map(landmark_map, pairs, face_pairs(faces, "training"))
-    for to, own in rivals(landmark_map, faces.seen["training"], pairs).items():
-        figures[to] |= own
+    for to, own in bundled(shipped, pairs).items():
+        figures[to]["bundled"] = own
+    rows = {
+        title: {to: figures[to][name] for to in DOMAINS if name in figures[to]} for name, title in NAMES.items()
+    } | dict(networks(landmark_map, faces.seen["training"], pairs, int(steps)))
     count = len(strangers.rows["test"]["caricature"])
-    told = {"landmark_map": by_name(figures), "spread": figures["spread"], "caricatures": count} | people.figures
+    told = {"landmark_map": rows, "spread": figures["spread"], "caricatures": count} | people.figures
     Path(out).write_text(json.dumps(told, indent=1))
     print(json.dumps(told))
 

@@ -106,14 +106,19 @@ def test_a_model_that_names_nobody_is_named(eight):
 def test_the_bundled_models_name_the_people_of_their_recipe(build):
     """Seed 0 is everybody's default, and theirs."""
     defaults = everybody(build(6, 0))
-    seen = [load_model(kind=kind).seen for kind in ("morphable", *LATENT)] + [load_landmark_map().seen]
+    seen = [load_model(kind=kind).seen for kind in ("morphable", *LATENT)]
     seen += [load_directions(load_model(kind=kind)).seen for kind in LATENT]
-    for people in seen:
-        assert isinstance(people, SeenPeople) and len(people.train) == 720 and len(people.validation) == 8
+    landmarks = load_landmark_map().seen
+    counts = [(720, 8)] * len(seen) + [(646, 79)]
+    for people, count in zip([*seen, landmarks], counts, strict=True):
+        assert isinstance(people, SeenPeople) and (len(people.train), len(people.validation)) == count
         share = np.mean([bool(marks & people.train) for marks in defaults.values()])
         assert share > 0.5
         assert not people.train & people.validation
     assert len({people.train for people in seen}) == 1
+    # Every tenth of the 717 who are in a mesh is held out of the map's training.
+    everyone = seen[0].train | seen[0].validation
+    assert landmarks.train < seen[0].train and seen[0].validation < landmarks.validation < everyone
 
 
 def test_a_trained_person_planted_in_the_published_test_set_is_left_out(build):

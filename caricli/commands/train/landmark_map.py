@@ -44,7 +44,6 @@ def command(dataset, out, config, overrides, seed, overwrite):
     """
     from caricli.commands.shared.progress import progress_bar
     from caricli.data.dataset import read_dataset
-    from caricli.data.unseen import seen_people
     from caricli.methods.train.train_landmark_map import train_landmark_map
     from caricli.models.landmark_map.config import LandmarkMapConfig
     from caricli.store.datasets import dataset_files
@@ -54,11 +53,10 @@ def command(dataset, out, config, overrides, seed, overwrite):
     with staged(out, report_file, overwrite=overwrite, inputs=(dataset, config, *dataset_files(dataset))) as files:
         data = read_dataset(dataset)
         recipe = provenance("train landmark-map", [dataset / "dataset.json"], seed, config=asdict(settings))
-        recipe |= seen_people(data).as_recipe()
         with naming(dataset):
             training = train_landmark_map(data, settings, seed, recipe, progress_bar)
         write_checkpoint(files[0], *training.checkpoint)
-        write_json(files[1], recipe | training.figures)
+        write_json(files[1], training.recipe | training.figures)
     echo_result(f"{out}: {_summary(training.figures)}")
 
 

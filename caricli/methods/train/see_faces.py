@@ -1,14 +1,16 @@
 """The landmarks that a landmark map is trained and measured on: faces of a dataset in random poses."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from caricli.data.dataset import Dataset
+from caricli.data.unseen import seen_people
 from caricli.geometry.head_rotation import TURNS, head_rotation
 from caricli.methods.reconstruct.landmark_vertices import landmark_vertices
 from caricli.methods.train.stages import Report, unwatched
 from caricli.models.landmark_map.model import DOMAINS, align
+from caricli.structures import SeenPeople
 from caricli.structures.landmarks import COUNT
 from caricli.template.template import Template
 
@@ -45,6 +47,12 @@ class MapFaces:
         """Whose face each of ``seen`` is, (n * views,)."""
         return np.repeat(self.data.identity[self.rows[part][domain]], self.views)
 
+    def seen_people(self) -> SeenPeople:
+        """Whom a training sees: those that it learns from, and those held out to choose settings by."""
+        uses = {"train": PARTS[0], "validation": PARTS[1]}
+        splits = {use: np.unique(self.data.identity[_all(self.rows[part])]).tolist() for use, part in uses.items()}
+        return seen_people(replace(self.data, manifest=self.data.manifest | {"splits": splits}))
+
 
 def map_faces(data: Dataset, views: int, seed: int, report: Report = unwatched) -> MapFaces:
     """See the faces of a dataset: those trained on, those held out of them, and those of the test split.
@@ -80,6 +88,11 @@ def see_faces(vertices: np.ndarray, template: Template, views: int, generator: n
             rotation = head_rotation(turn * TURNS)
             points[k, view] = shape[landmark_vertices(shape, rotation, template, COUNT)] @ rotation[:2].T
     return align(points.reshape(-1, COUNT, 2))[0]
+
+
+def _all(rows: dict[str, np.ndarray]) -> np.ndarray:
+    """Numbers of meshes of all domains."""
+    return np.concatenate([*rows.values()])
 
 
 def _rows(data: Dataset) -> dict[str, dict[str, np.ndarray]]:

@@ -24,11 +24,13 @@ class MapTraining:
     """A trained map.
 
     checkpoint: tensors and metadata, to be written.
+    recipe: JSON object, how it was trained and whom with.
     landmark_map: LandmarkMap, as it comes out of the checkpoint.
     figures: JSON object, see ``evaluate_landmark_map``.
     """
 
     checkpoint: tuple[dict[str, np.ndarray], dict]
+    recipe: dict
     landmark_map: LandmarkMap
     figures: dict
 
@@ -38,7 +40,7 @@ def train_landmark_map(
 ) -> MapTraining:
     """Train a map on the faces of a dataset and measure it on people held out, and on those of the test split.
 
-    seed: of all draws. recipe: JSON object, how it is trained, for the checkpoint.
+    seed: of all draws. recipe: JSON object, how it is trained; people are added, see ``MapFaces.seen_people``.
     Raises InputError when a domain has too few meshes, NumericsError as ``learn_landmark_map``.
     """
     with stages("looking at faces") as report:
@@ -46,11 +48,12 @@ def train_landmark_map(
     for name, own in faces.rows["training"].items():
         if len(own) < FEWEST:
             raise InputError(f"expected at least {FEWEST} training meshes of {name} faces, found {len(own)}")
+    recipe = recipe | faces.seen_people().as_recipe()
     checkpoint = map_to_checkpoint(learn_landmark_map(faces.seen["training"], config), recipe)
     landmark_map = map_from_checkpoint(*checkpoint, "the trained map")
     with stages("measuring") as report:
         figures = evaluate_landmark_map(landmark_map, faces, report)
-    return MapTraining(checkpoint, landmark_map, figures)
+    return MapTraining(checkpoint, recipe, landmark_map, figures)
 
 
 def learn_landmark_map(training: dict[str, np.ndarray], config: LandmarkMapConfig) -> LandmarkMap:

@@ -25,6 +25,7 @@ def test_a_map_is_written_with_a_report(trained, run, marks, tmp_path):
         errors = report["error"]["test"][to]
         assert {"map", "identity", "mean", "paired regression"} <= set(errors)
         assert errors["identity"]["below_identity"] == 0 < errors["map"]["error"]
+    assert metadata["recipe"]["people"] == report["people"] and report["people"]["train"]
     result = run("map-landmarks", marks, "--to", "normal", "--out", tmp_path / "m.json", "--map", trained)
     assert result.exit_code == 0, result.output
 
