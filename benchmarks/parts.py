@@ -79,7 +79,7 @@ def main():
 
 
 def placed():
-    """Mean distances from the truth by set and part, mean and largest over heads, percent of the height."""
+    """Mean distances from the truth by part and set, mean and largest over heads, percent of the height."""
     source = MeshSource(BuildSettings(seed=tested_seed()))
     errors = {"people": [], "caricatures": []}
     for kind, numbers in (("people", range(PEOPLE)), ("caricatures", range(PEOPLE, PEOPLE + CARICATURES))):
@@ -88,13 +88,13 @@ def placed():
             if kind == "caricatures":
                 skin, truth = exaggerated(skin, truth, EXPONENTS[1 + number % (len(EXPONENTS) - 1)])
             errors[kind].append(distances(skin, truth))
-    return {
-        kind: {
-            name: {"mean": float(np.mean([row[name] for row in rows])), "largest": float(max(r[name] for r in rows))}
-            for name in rows[0]
-        }
-        for kind, rows in errors.items()
-    }
+    return {name: {kind: mean_and_largest(rows, name) for kind, rows in errors.items()} for name in errors["people"][0]}
+
+
+def mean_and_largest(rows, name):
+    """Of the values of a name."""
+    values = [row[name] for row in rows]
+    return {"mean": float(np.mean(values)), "largest": float(max(values))}
 
 
 def person(source, number):

@@ -11,6 +11,7 @@ it is not there.
 
 import argparse
 import datetime
+import functools
 import json
 import os
 import re
@@ -38,8 +39,8 @@ DIGITS = 6
 class Table:
     """How the rows of a run are printed.
 
-    rows: key of the figures under which they are, "." for all of them: a list of objects, objects by
-    name, which becomes their "name", or one object.
+    rows: key of the figures under which they are, or keys with a "." between them, "." for all of them: a list of
+    objects, objects by name, which becomes their "name", or one object.
     columns: by title what a cell holds, a format string over its row; without, rows are printed as they are. beside:
     by row's name what stands beside the figures, a paper's above all; the only rows where there is no run.
     where: key of which a row has to have something, other than 0, or it is left out.
@@ -56,8 +57,8 @@ class Table:
 class Run:
     """command: as typed at the root, its result the JSON file that it writes under OUT, else its last line.
 
-    short: below two minutes, from a clone, and the same figures every time. needs: datasets of the test set; those with
-    a $ are variables of the environment, data that nobody may hand on.
+    short: below two minutes, from a clone, and the same figures every time. needs: folders of the test set, in the
+    order in which they are made; those with a $ are variables of the environment, data that nobody may hand on.
     """
 
     command: str
@@ -156,17 +157,17 @@ def measure(name: str, run: Run, parts: Iterable[str]) -> None:
         "command": run.command,
         "revision": revision(),
         "date": datetime.date.today().isoformat(),
-        "figures": {part: _rounded(_numbers(figures) if part == "." else figures[part]) for part in sorted(parts)},
+        "figures": {part: _rounded(_part(figures, part)) for part in sorted(parts)},
     }
     (FOLDER / f"{name}.json").write_text(json.dumps(result, indent=1) + "\n", "utf-8")
 
 
 def build_testset(needs: Iterable[str]) -> None:
-    """Build what is missing of the test set's datasets."""
+    """Make what is missing of the test set's folders."""
     told = yaml.safe_load((ROOT / "configs" / "testset.yaml").read_text("utf-8"))
     for name in needs:
-        if not name.startswith("$") and not (TESTSET / name / "dataset.json").is_file():
-            _call(f"caricli dataset build testset/{name} {told['datasets'][name]} --seed {told['seed']} --overwrite")
+        if not name.startswith("$") and not (TESTSET / name).is_dir():
+            _call(f"{told['folders'][name]} --seed {told['seed']}")
 
 
 def _call(command: str) -> str:
@@ -180,9 +181,11 @@ def _call(command: str) -> str:
     ).stdout
 
 
-def _numbers(figures: dict) -> dict:
-    """Figures without words, such as a version."""
-    return {key: value for key, value in figures.items() if isinstance(value, int | float | dict)}
+def _part(figures: dict, rows: str) -> object:
+    """What rows of a table are made of; of all figures those without words, such as a version."""
+    if rows == ".":
+        return {key: value for key, value in figures.items() if isinstance(value, int | float | dict)}
+    return functools.reduce(dict.__getitem__, rows.split("."), figures)
 
 
 def _rounded(value: object) -> object:

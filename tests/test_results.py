@@ -74,11 +74,15 @@ def test_what_cannot_be_measured_is_said(monkeypatch):
 
 def test_a_run_keeps_the_figures_that_tables_show(monkeypatch, tmp_path):
     script = tmp_path / "x.py"
-    script.write_text('print(\'a table\'); print(\'{"rows": [{"name": "a", "error": 0.123456789}], "more": 1}\')')
+    figures = {"rows": [{"name": "a", "error": 0.123456789}], "more": 1, "deep": {"down": {"all": 2}}}
+    script.write_text(f"import json; print('a table'); print(json.dumps({figures}))")
     monkeypatch.setattr(results, "FOLDER", tmp_path)
-    results.measure("x", results.Run(f"python {script}"), {"rows"})
+    results.measure("x", results.Run(f"python {script}"), {"rows", "deep.down"})
     told = results.figures_of("x")
-    assert told["figures"] == {"rows": [{"name": "a", "error": 0.123457}]} and told["revision"] == results.revision()
+    assert (
+        told["figures"] == {"rows": [{"name": "a", "error": 0.123457}], "deep.down": {"all": 2}}
+        and told["revision"] == results.revision()
+    )
 
 
 def test_short_tables_can_be_measured_from_a_clone():

@@ -47,6 +47,11 @@ _DIGITS = (*[2] * len(_PARTS), 1, 2, 2, 3, 2)
     "--count", type=WholeRange(1, 10_000), default=50, metavar="N", help="Render N test faces of the dataset."
 )
 @click.option(
+    "--everyone",
+    is_flag=True,
+    help="Take all people that the models were not trained with, not only those of the test split.",
+)
+@click.option(
     "--noise",
     type=FiniteRange(0, 10),
     default=0.3,
@@ -59,7 +64,7 @@ _DIGITS = (*[2] * len(_PARTS), 1, 2, 2, 3, 2)
 @pts_origin_option
 @seed_option
 @overwrite_option
-def command(dataset, out, count, noise, pictures, pts_origin, seed, overwrite):
+def command(dataset, out, count, everyone, noise, pictures, pts_origin, seed, overwrite):
     """Reconstruct, refine and texture portraits by every method and compare the errors.
 
     The portraits are test faces of a dataset, rendered in random poses and colours, and real pictures if there are any.
@@ -87,7 +92,7 @@ def command(dataset, out, count, noise, pictures, pts_origin, seed, overwrite):
         models = load_rivals(data.template)
         sets = {PICTURES: [load_portrait(*pair, pts_origin) for pair in pairs]}
         with naming(dataset):
-            unseen = unseen_data(data, {kind: model.seen for kind, model in models.items()})
+            unseen = unseen_data(data, {kind: model.seen for kind, model in models.items()}, everyone)
             sets = {RENDERED: RenderedPortraits(unseen.data, RenderSettings(count, SIZE, noise, seed))} | sets
         tally, sheet = _evaluate(sets, models)
         recipe = provenance("evaluate portrait", [dataset / "dataset.json", *files], seed)

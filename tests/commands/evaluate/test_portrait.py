@@ -68,6 +68,11 @@ def test_tables_figures_and_picture_are_written(evaluated):
     assert picture.shape[1] > 6 * 48 and picture.shape[0] > 3 * 48 and picture.std() > 10
 
 
+def test_everybody_can_be_portrayed(run, dataset, tmp_path):
+    assert run(*COMMAND, "--data", dataset, "--out", tmp_path / "a", "--count", 1, "--everyone").exit_code == 0
+    assert read_json(tmp_path / "a" / "portrait.json")["test_people"] == {"unseen": 4, "of": 4}
+
+
 def test_the_same_seed_gives_the_same_figures(run, dataset, evaluated, tmp_path):
     out = tmp_path / "again"
     assert run(*COMMAND, "--data", dataset, "--out", out, "--count", 1).exit_code == 0
