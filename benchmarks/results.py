@@ -40,7 +40,7 @@ class Table:
     """How the rows of a run are printed.
 
     rows: key of the figures under which they are, or keys with a "." between them, "." for all of them: a list of
-    objects, objects by name, which becomes their "name", or one object.
+    objects, objects by name, which becomes their "name", or one object, whose name is the last key.
     columns: by title what a cell holds, a format string over its row; without, rows are printed as they are. beside:
     by row's name what stands beside the figures, a paper's above all; the only rows where there is no run.
     where: key of which a row has to have something, other than 0, or it is left out.
@@ -104,7 +104,7 @@ def _line(cells: Iterable[str]) -> str:
 
 def _rows(table: Table, part: dict | list) -> Iterator[dict]:
     """Rows with what stands beside them; what has no figures here comes last."""
-    named = part if isinstance(part, list) else [part]
+    named = part if isinstance(part, list) else [{"name": table.rows.split(".")[-1]} | part]
     if isinstance(part, dict) and all(isinstance(row, dict) for row in part.values()):
         named = [{"name": name} | row for name, row in part.items()]
     beside = dict(table.beside or {})
