@@ -15,12 +15,23 @@ from caricli.commands.shared.options import (
     overwrite_option,
     set_option,
 )
-from caricli.errors import shown
+from caricli.errors import UsageError, shown
 from caricli.io.config import read_config
 from caricli.io.image import write_png
 from caricli.io.outputs import staged_folder, write_bytes
 from caricli.io.provenance import provenance
 from caricli.io.strict_json import write_json
+from caricli.models.config import MAX_SEED
+
+
+def _seeds(ctx, param, value):
+    """Numbers between commas, each once; none where it is not given."""
+    words = [] if value is None else [word.strip() for word in value.split(",")]
+    seeds = {int(word): None for word in words if word.isdecimal() and int(word) <= MAX_SEED}
+    if len(seeds) < len(words):
+        raise UsageError(f"--seeds: expected whole numbers up to {MAX_SEED}, each once, found {shown(value, 60)}")
+    return tuple(seeds)
+
 
 _COLUMNS = ("model", "parameters", "train %", "test %", "test surface %", "training s", "λ_reg")
 
@@ -30,9 +41,16 @@ _COLUMNS = ("model", "parameters", "train %", "test %", "test surface %", "train
 @out_option("DIR", "Write ablation.png, ablation.json and ablation.md into this folder.")
 @config_option
 @set_option
+@click.option(
+    "--seeds",
+    metavar="S,S,...",
+    callback=_seeds,
+    help="Train everything with each of these seeds; the table holds means and, after ±, standard deviations.  "
+    "[default: the settings' seed]",
+)
 @device_option
 @overwrite_option
-def command(dataset, out, config, overrides, device, overwrite):
+def command(dataset, out, config, overrides, seeds, device, overwrite):
     """Train the deformable model beside its rivals on the same meshes and compare their errors.
 
     The rivals are arrays of vertex positions and displacements, a SIREN that takes the latent as a further input,
@@ -44,12 +62,13 @@ def command(dataset, out, config, overrides, device, overwrite):
     Example:
       caricli evaluate ablation --data dataset --out ablation
       caricli evaluate ablation --data dataset --out ablation --set start=principal
+      caricli evaluate ablation --data dataset --out ablation --seeds 0,1,2 --set latent_weight=1e6
     """
     from caricli.commands.shared.progress import progress_bar
     from caricli.commands.shared.tables import print_table
     from caricli.commands.shared.training import chosen_device, network_points
     from caricli.data.dataset import read_dataset
-    from caricli.methods.evaluate.evaluate_ablation import NETWORKS, ablation_meshes, evaluate_ablation
+    from caricli.methods.evaluate.evaluate_ablation import NETWORKS, ablation_meshes, evaluate_seeds
     from caricli.models.ablation.config import AblationConfig
     from caricli.store.datasets import dataset_files
 
@@ -63,22 +82,21 @@ def command(dataset, out, config, overrides, device, overwrite):
         data = read_dataset(dataset)
         recipe = provenance("evaluate ablation", [dataset / "dataset.json"], settings.seed, config=asdict(settings))
         meshes = ablation_meshes(data, network_points(data.template), settings, place)
-        rows = list(evaluate_ablation(data.template, meshes, settings, report))
+        rows = evaluate_seeds(data.template, meshes, settings, seeds or (settings.seed,), report)
         _write(folder, rows, recipe | {"meshes": len(meshes.shapes), "unseen": len(meshes.unseen)})
     print_table(_COLUMNS, map(_cells, rows))
     echo_result(f"{shown(out)}: {len(rows)} networks")
 
 
-def _write(folder: Path, rows: list, recipe: dict) -> None:
-    """Write AblationRows as JSON and Markdown, and their curves."""
+def _write(folder: Path, models: list, recipe: dict) -> None:
+    """Write AblationFigures as JSON and Markdown, and their curves."""
     from caricli.methods.evaluate.evaluate_ablation import DRAWN
     from caricli.render.plot_curves import plot_curves
 
-    models = [{key: value for key, value in asdict(row).items() if value is not None} for row in rows]
-    write_json(folder / "ablation.json", recipe | {"models": models})
-    lines = [_COLUMNS, ["---"] * len(_COLUMNS), *map(_cells, rows)]
+    write_json(folder / "ablation.json", recipe | {"models": [_figures(model) for model in models]})
+    lines = [_COLUMNS, ["---"] * len(_COLUMNS), *map(_cells, models)]
     write_bytes(folder / "ablation.md", "".join(f"| {' | '.join(line)} |\n" for line in lines).encode())
-    drawn = {row.name: row.curves for row in rows if row.name in DRAWN}
+    drawn = {model.mean.name: model.mean.curves for model in models if model.mean.name in DRAWN}
     panels = {
         f"{split} error": {name: tuple(zip(*curves[split], strict=True)) for name, curves in drawn.items()}
         for split in ("train", "test")
@@ -86,8 +104,17 @@ def _write(folder: Path, rows: list, recipe: dict) -> None:
     write_png(folder / "ablation.png", plot_curves(panels))
 
 
-def _cells(row: Any) -> tuple[str, ...]:
-    """Of an AblationRow."""
-    errors = (f"{error:.3f}" for error in (row.train, row.test, row.surface))
+def _figures(model: Any) -> dict[str, Any]:
+    """A JSON object of AblationFigures."""
+    figures = {key: value for key, value in asdict(model.mean).items() if value is not None}
+    by_seed = [{"seed": seed} | errors for seed, errors in model.by_seed.items()]
+    return figures | ({} if model.spread is None else {"spread": model.spread, "seeds": by_seed})
+
+
+def _cells(model: Any) -> tuple[str, ...]:
+    """Of AblationFigures."""
+    row = model.mean
+    spread = {} if model.spread is None else {name: f" ± {value:.3f}" for name, value in model.spread.items()}
+    errors = (f"{getattr(row, name):.3f}{spread.get(name, '')}" for name in ("train", "test", "surface"))
     regularised = "-" if row.latent_weight is None else f"{row.latent_weight:g}"
     return (row.name, f"{row.parameters:,}", *errors, f"{row.seconds:.0f}", regularised)

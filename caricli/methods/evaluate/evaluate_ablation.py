@@ -1,8 +1,9 @@
 """What each choice of the deformable model is worth (deformable paper, sections 3.3 and 4.2)."""
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 import torch
@@ -38,6 +39,9 @@ DRAWN = (POSITIONS, DISPLACEMENTS, CONDITIONING, HYPERNETWORK)
 CODE_RATE = 0.3
 """Learning rate of the final codes, in units of latent_std: it falls to nothing along a cosine."""
 
+ERRORS = ("train", "test", "surface")
+"""Of an AblationRow."""
+
 SURFACE_POINTS = 20_000
 """Points between the vertices that errors are measured at: about as many as the paper draws."""
 
@@ -63,6 +67,19 @@ class AblationRow:
     seconds: float
     latent_weight: float | None = None
     curves: dict[str, list[tuple[int, float]]] | None = None
+
+
+@dataclass(frozen=True)
+class AblationFigures:
+    """One model over several seeds.
+
+    mean: AblationRow of mean errors and seconds, with the curves of the first seed. spread: standard deviation of each
+    of ERRORS, or None for one seed. by_seed: errors of every seed.
+    """
+
+    mean: AblationRow
+    spread: dict[str, float] | None
+    by_seed: dict[int, dict[str, float]]
 
 
 def ablation_meshes(data: Dataset, points: np.ndarray, config: AblationConfig, device: str = "cpu") -> TrainingMeshes:
@@ -110,6 +127,41 @@ def evaluate_ablation(
         trained = _model_fields(model, meshes.surface, meshes.shapes)
         errors = measure(trained, _model_fields(model, meshes.surface, meshes.unseen))
         yield AblationRow(name, parameters, *errors, seconds)
+
+
+def evaluate_seeds(
+    template: Template,
+    meshes: TrainingMeshes,
+    config: AblationConfig,
+    seeds: Sequence[int],
+    report: Report = unwatched,
+) -> list[AblationFigures]:
+    """``evaluate_ablation`` for each of a few seeds, in the place of the settings' own.
+
+    Returns AblationFigures of every model.
+    """
+    runs = []
+    for k, seed in enumerate(seeds):
+        own = partial(_report_seed, report, k, len(seeds))
+        runs.append([*evaluate_ablation(template, meshes, replace(config, seed=seed), own)])
+    return [_over_seeds(seeds, rows) for rows in zip(*runs, strict=True)]
+
+
+def _report_seed(report: Report, number: int, seeds: int, done: int, total: int) -> None:
+    report(number * total + done, seeds * total)
+
+
+def _over_seeds(seeds: Sequence[int], rows: Sequence[AblationRow]) -> AblationFigures:
+    errors = np.array([[getattr(row, name) for name in ERRORS] for row in rows])
+    seconds = float(np.mean([row.seconds for row in rows]))
+    means = _by_error(errors.mean(0))
+    mean = replace(rows[0], train=means["train"], test=means["test"], surface=means["surface"], seconds=seconds)
+    spread = _by_error(errors.std(0, ddof=1)) if len(rows) > 1 else None
+    return AblationFigures(mean, spread, {seed: _by_error(own) for seed, own in zip(seeds, errors, strict=True)})
+
+
+def _by_error(values: np.ndarray) -> dict[str, float]:
+    return dict(zip(ERRORS, values.tolist(), strict=True))
 
 
 def fit_codes(training: AutoDecoderTraining, steps: int) -> torch.Tensor:

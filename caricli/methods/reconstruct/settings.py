@@ -25,6 +25,7 @@ class IntrinsicSettings:
     corrections: of the surface at the end, each with the outline and the neck that the one before it left.
     exact: spread of a landmark at which it pulls the surface half as strongly as an exact one, as a share of the
     landmarks' diagonal.
+    Strength, misfit, follow and turns were set with six real drawings in sight, see benchmarks/RESULTS.md.
     """
 
     strength: float = 10.0
@@ -48,7 +49,7 @@ class IntrinsicSettings:
 class LatentSettings:
     """Weights of the fit inside a model.
 
-    noise: expected error of a landmark as a share of the landmarks' diagonal.
+    noise: expected error of a landmark as a share of the landmarks' diagonal; set with six real drawings in sight.
     rounds: of camera, outline and latent in turns, from far away.
     refinements: steps on camera and latent together after them.
     """

@@ -40,6 +40,29 @@ def test_figure_and_table_are_written(ablation):
         assert all(cell in printed for cell in cells)
 
 
+def test_several_seeds_give_means_and_spreads(run, ablation, dataset, tmp_path):
+    out = tmp_path / "ablation"
+    settings = ("--set", "unseen=2", "--set", "latent_weight=2e5", "--set", "seed=7", "--seeds", "0, 3")
+    result = run("evaluate", "ablation", "--data", dataset, "--out", out, *TINY, *settings)
+    assert result.exit_code == 0, result.output
+    lines = (out / "ablation.md").read_text().splitlines()[2:]
+    models = read_json(out / "ablation.json")["models"]
+    alone = read_json(ablation[0] / "ablation.json")["models"]
+    assert "spread" not in alone[0] and "seeds" not in alone[0]
+    for model, line, other in zip(models, lines, alone, strict=True):
+        assert [own["seed"] for own in model["seeds"]] == [0, 3]
+        for name in ("train", "test", "surface"):
+            first, second = (own[name] for own in model["seeds"])
+            assert model[name] == pytest.approx((first + second) / 2)
+            assert model["spread"][name] == pytest.approx(abs(first - second) / 2**0.5)
+            assert f" {model[name]:.3f} ± {model['spread'][name]:.3f} " in line
+        network = model["name"] in NETWORKS
+        assert model["spread"]["train"] > 0 or not network
+        # Of the same seed, only without the latents' weight: it counts for every network, and for nothing else.
+        assert (model["seeds"][0]["train"] != other["train"]) == network
+        assert line.endswith(" | 200000 |" if network else " | - |")
+
+
 def test_a_folder_is_replaced_only_when_it_is_one_of_these(run, refused, ablation, dataset, tmp_path):
     out = shutil.copytree(ablation[0], tmp_path / "ablation")
     again = ("evaluate", "ablation", "--data", dataset, "--out", out, *TINY, "--set", "unseen=1")
@@ -58,6 +81,9 @@ def test_bad_input_is_one_line_and_leaves_nothing(refused, dataset, tmp_path):
     for setting in ("epochs=0", "network=siren", "meshes=-1"):
         said = refused("evaluate", "ablation", "--data", dataset, *out, "--set", setting, code=2)
         assert setting.split("=")[0] in said
+    for seeds in ("0,0", "0,", "1;2", "-1", "4294967296", ""):
+        said = refused("evaluate", "ablation", "--data", dataset, *out, "--seeds", seeds, code=2)
+        assert "--seeds" in said
     assert list(tmp_path.iterdir()) == []
 
 
