@@ -5,9 +5,9 @@ Usage: python -m benchmarks.training_sizes FOLDER DATASET... [--sizes N ...] [--
 FOLDER keeps every row that is done, and the state of a training after every few seconds: stopped, or at its --limit of
 seconds, the command goes on from there when it is given again. Networks take the same number of --steps whatever the
 number of meshes, the deformable one at the paper's width with its weight of latents (`paper`) or without (`network`).
-Sizes are nested, spread evenly over the training meshes. The last line is JSON: rows, and of each model the power law
-``error = scale * meshes^-exponent`` that fits its errors best in logarithms, with the root mean square of what it
-leaves, in percent of the errors, and where it would meet that of PCA.
+Sizes are nested, spread evenly over the training meshes. The last line is JSON: rows; and curves, of each model its
+errors by size with the power law ``error = scale * meshes^-exponent`` that fits them best in logarithms, the root mean
+square of what it leaves, in percent of the errors, and where it would meet that of PCA.
 """
 
 import argparse
@@ -39,6 +39,9 @@ DIMENSION = 128
 
 KEPT = 20
 """Seconds between two states of a training."""
+
+PARALLEL = 0.01
+"""Difference of two exponents below which lines count as parallel."""
 
 
 def settings(name: str, steps: int, meshes: int) -> AblationConfig:
@@ -141,20 +144,23 @@ def power_law(meshes: np.ndarray, errors: np.ndarray) -> dict[str, float]:
     return {"scale": float(np.exp(level)), "exponent": float(-slope), "left": 100 * float(np.sqrt((left**2).mean()))}
 
 
-def laws(table: list[dict]) -> list[dict]:
-    """The power law of every model with three rows or more, and how many meshes it would need to meet PCA's."""
-    fits = {}
+def curves(table: list[dict]) -> list[dict]:
+    """Of every model its errors by number of meshes, in rising order, and with three or more the power law of them."""
+    by_size = sorted(table, key=lambda row: row["meshes"])
+    lines = {}
     for key in dict.fromkeys((row["data"], row["model"]) for row in table):
-        own = [row for row in table if (row["data"], row["model"]) == key]
+        own = [row for row in by_size if (row["data"], row["model"]) == key]
+        errors = [row["test"] for row in own]
+        lines[key] = {"data": key[0], "name": key[1], "test": errors}
         if len(own) > 2:
-            fits[key] = power_law(np.array([r["meshes"] for r in own]), np.array([r["test"] for r in own]))
-    for (data, name), fit in fits.items():
-        linear = fits.get((data, "pca"))
+            lines[key] |= power_law(np.array([row["meshes"] for row in own]), np.array(errors))
+    for (data, name), line in lines.items():
+        linear = lines.get((data, "pca"), {})
         # Where lines are parallel, or part, they meet at no number that anybody will have.
-        if name != "pca" and linear and fit["exponent"] - linear["exponent"] > 0.01:
-            steeper = fit["exponent"] - linear["exponent"]
-            fit["meets_pca"] = float((fit["scale"] / linear["scale"]) ** (1 / steeper))
-    return [{"data": data, "model": name} | fit for (data, name), fit in fits.items()]
+        steeper = line.get("exponent", 0) - linear.get("exponent", np.inf)
+        if name != "pca" and steeper > PARALLEL:
+            line["meets_pca"] = float((line["scale"] / linear["scale"]) ** (1 / steeper))
+    return list(lines.values())
 
 
 def main() -> None:
@@ -173,7 +179,7 @@ def main() -> None:
         for row in rows(dataset, options):
             print(row, flush=True)
             table.append(row)
-    print(json.dumps({"rows": table, "laws": laws(table)}))
+    print(json.dumps({"rows": table, "curves": curves(table)}))
 
 
 if __name__ == "__main__":

@@ -84,8 +84,8 @@ class OwnSettings(BuildSettings):
     """
 
     regular: float = 0.12
-    parts: float = 0.55
-    strength: tuple[float, float] = (0.6, 1.3)
+    parts: float = 0.85
+    strength: tuple[float, float] = DRAW.strength
 
     kinds: ClassVar[tuple[str, ...]] = OWN_KINDS
 

@@ -41,7 +41,7 @@ def built(tmp_path_factory, small_prior, random_settings):
 def own_built(tmp_path_factory, small_prior):
     """(folder, summary) of 10 random draws of people's own features, built by one worker."""
     folder = tmp_path_factory.mktemp("own_built")
-    return folder, build_dataset(folder, OwnSettings(count=10, identities=4, regular=0.3), 1)
+    return folder, build_dataset(folder, OwnSettings(count=10, identities=4, regular=0.3, parts=0.55), 1)
 
 
 @pytest.fixture(scope="session")

@@ -80,7 +80,7 @@ def test_own_features_are_exaggerated_the_same_by_any_number_of_workers(own_buil
     data = read_dataset(folder)
     settings = data.manifest["settings"]
     settings["strength"] = tuple(settings["strength"])
-    assert settings == asdict(OwnSettings(count=10, identities=4, regular=0.3))
+    assert settings == asdict(OwnSettings(count=10, identities=4, regular=0.3, parts=0.55))
     assert data.manifest["kinds"] == list(OWN_KINDS)
     kind = data.factors["kind"]
     assert set(kind.tolist()) == {OWN_KINDS.index(k) for k in ("regular", "own features", "own features and parts")}
@@ -92,7 +92,7 @@ def test_own_features_are_exaggerated_the_same_by_any_number_of_workers(own_buil
     moved = np.linalg.norm(data.vertices - regular_faces(data, np.arange(10)), axis=-1)[:, face].mean(1)
     assert moved[kind == 0].max() < 1e-5 < 0.003 < moved[kind > 0].min()
     assert summary["flipped"] == data.manifest["flipped"] < 1e-3
-    assert build_dataset(tmp_path, OwnSettings(count=10, identities=4, regular=0.3), 2) == summary
+    assert build_dataset(tmp_path, OwnSettings(count=10, identities=4, regular=0.3, parts=0.55), 2) == summary
     assert hashes(tmp_path) == hashes(folder)
 
 
