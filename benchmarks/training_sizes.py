@@ -5,6 +5,7 @@ Usage: python -m benchmarks.training_sizes FOLDER DATASET... [--sizes N ...] [--
 FOLDER keeps every row that is done, and the state of a training after every few seconds: stopped, or at its --limit of
 seconds, the command goes on from there when it is given again. Networks take the same number of --steps whatever the
 number of meshes, the deformable one at the paper's width with its weight of latents (`paper`) or without (`network`).
+Several --steps are rounds of cosine schedules (Loshchilov and Hutter 2017), each from the weights of the one before.
 Sizes are nested, spread evenly over the training meshes. The last line is JSON: rows; and curves, of each model its
 errors by size with the power law ``error = scale * meshes^-exponent`` that fits them best in logarithms, the root mean
 square of what it leaves, in percent of the errors, and where it would meet that of PCA.
@@ -15,17 +16,23 @@ import json
 import time
 from collections.abc import Iterator
 from dataclasses import asdict, replace
+from itertools import product
 from pathlib import Path
 
 import numpy as np
+import torch
 
 from benchmarks.vertex_mlp import NEVER, UNSEEN, unseen_error
 from caricli.data.dataset import Dataset, read_dataset
 from caricli.io.training_state import read_state, write_state
 from caricli.methods.evaluate.evaluate_shape import evaluate_shape, spread_rows
+from caricli.methods.train.surface import Surface, TrainingMeshes
+from caricli.methods.train.train_autodecoder import AutoDecoderTraining
 from caricli.models.ablation.config import AblationConfig
+from caricli.models.ablation.networks import ArraySize, VertexArray
 from caricli.models.deformable.config import DeformableConfig
 from caricli.models.deformable.model import UnitBox
+from caricli.models.deformable.networks import HyperSiren
 from caricli.models.kernel.config import KernelConfig
 from caricli.models.kernel.model import KernelModel
 from caricli.models.pca.config import PcaConfig
@@ -72,19 +79,13 @@ def linear_row(name: str, data: Dataset, shapes: np.ndarray, unseen: np.ndarray)
 
 
 def network_row(
-    config: AblationConfig, data: Dataset, meshes: tuple[np.ndarray, np.ndarray], state: Path, end: float
+    config: AblationConfig, data: Dataset, meshes: tuple[np.ndarray, np.ndarray], rounds: list[Path], end: float
 ) -> dict | None:
     """Figures of a trained network; None where its time was over first.
 
-    meshes: rows to train with, and shapes (U, V, 3) that are unseen. state: file. end: by the monotonic clock.
+    meshes: rows to train with, and shapes (U, V, 3) that are unseen. rounds: files of the state of this training, last,
+    and of those before it. end: by the monotonic clock.
     """
-    import torch
-
-    from caricli.methods.train.surface import Surface, TrainingMeshes
-    from caricli.methods.train.train_autodecoder import AutoDecoderTraining
-    from caricli.models.ablation.networks import ArraySize, VertexArray
-    from caricli.models.deformable.networks import HyperSiren
-
     ids, unseen = meshes
     as_array = config.precision == "float32"
     generator = torch.Generator().manual_seed(config.seed)
@@ -96,8 +97,11 @@ def network_row(
         network = HyperSiren(config.size(), generator, getattr(torch, config.precision))
     surface = Surface(UnitBox(load_network_points(data.template)), data.template.faces)
     training = AutoDecoderTraining(network, TrainingMeshes(surface, data.vertices[ids], unseen), config)
+    *before, state = rounds
     if state.is_file():
         training.load_state(read_state(state)[0])
+    elif before:
+        begin_with(training, read_state(before[-1])[0])
     kept = time.monotonic()
     for record in training.epochs():
         over = time.monotonic() > end
@@ -114,26 +118,36 @@ def network_row(
     return {"test": test, "epochs": config.epochs}
 
 
+def begin_with(training: AutoDecoderTraining, state: dict) -> None:
+    """Take over weights and latents of a training that has ended, at the highest rate again."""
+    training.network.load_state_dict(state["network"])
+    training.latents.data.copy_(state["latents"])
+    training.codes.data.copy_(state["codes"])
+
+
 def rows(folder: Path, options: argparse.Namespace) -> Iterator[dict]:
     """All rows of a dataset that can be had in time; those that are there already are read."""
     end = time.monotonic() + options.limit
     data = read_dataset(folder)
     unseen = data.vertices[spread_rows(data.rows("test"), UNSEEN)]
-    for name in options.models:
-        for size in options.sizes:
-            ids = spread_rows(data.rows("train"), size)
-            if len(ids) < size:
-                continue
-            path = options.folder / f"{folder.name}-{name}-{size}-{options.steps if name in NETWORKS else 0}.json"
+    for name, size in product(options.models, options.sizes):
+        ids = spread_rows(data.rows("train"), size)
+        if len(ids) < size:
+            continue
+        taken: list[Path] = []
+        for k, steps in enumerate(options.steps if name in NETWORKS else [0]):
+            all_steps = sum(options.steps[: k + 1]) if steps else 0
+            path = options.folder / f"{folder.name}-{name}-{size}-{all_steps}.json"
+            taken.append(path.with_suffix(".pt"))
             if not path.is_file():
                 if name in LINEAR:
                     row = linear_row(name, data, data.vertices[ids], unseen)
                 else:
-                    state = path.with_suffix(".pt")
-                    row = network_row(settings(name, options.steps, size), data, (ids, unseen), state, end)
+                    row = network_row(settings(name, steps, size), data, (ids, unseen), taken, end)
                 if row is None:
-                    continue
-                path.write_text(json.dumps({"data": folder.name, "model": name, "meshes": size} | row))
+                    break
+                row = {"data": folder.name, "model": name, "meshes": size, "steps": all_steps} | row
+                path.write_text(json.dumps(row))
             yield json.loads(path.read_text("utf-8"))
 
 
@@ -170,7 +184,7 @@ def main() -> None:
     parser.add_argument("datasets", type=Path, nargs="+")
     parser.add_argument("--sizes", type=int, nargs="+", default=SIZES)
     parser.add_argument("--models", nargs="+", choices=LINEAR + NETWORKS, default=("pca", "kernel", "mlp", "network"))
-    parser.add_argument("--steps", type=int, default=17_000)
+    parser.add_argument("--steps", type=int, nargs="+", default=(17_000,))
     parser.add_argument("--limit", type=float, default=float("inf"))
     options = parser.parse_args()
     options.folder.mkdir(parents=True, exist_ok=True)
