@@ -9,7 +9,7 @@ at the published rate of 1e-4, a hundredth of the latents' deviation, until the 
 No landmark loses weight, and latents are not whitened. What the paper leaves open: reg is the symbol of its equation 1,
 where it is 1e6, and pictures have some size in pixels.
 
-Usage: python benchmarks/adam_fit.py [FOLDER] of landmark files (default: $CARICLI_REAL_DATA, else the astronaut). Both
+Usage: python -m benchmarks.adam_fit [FOLDER] of landmark files (default: $CARICLI_REAL_DATA, else the astronaut). Both
 models, beside ``fit_landmarks_latent``. The last line is JSON.
 """
 
