@@ -6,5 +6,5 @@ from caricli.io.bundled import config_path
 
 
 def tested_seed() -> int:
-    """Seed of the test set: no bundled model was trained with its people, and no constant was chosen on them."""
+    """Seed of the test set: no bundled model was trained with its people."""
     return yaml.safe_load(config_path("testset.yaml").read_text("utf-8"))["seed"]
