@@ -24,6 +24,7 @@ from caricli.data.picture_set import read_picture_set
 from caricli.data.unseen import unseen_data
 from caricli.methods.detect.read_faces import look_at_face
 from caricli.methods.detect.settings import DetectSettings
+from caricli.methods.evaluate.ratio_interval import ratio_interval
 from caricli.methods.evaluate.reconstruct_portrait import shape_error
 from caricli.methods.reconstruct.fit_coarse import fit_coarse
 from caricli.methods.reconstruct.fit_morphable import fit_morphable
@@ -81,10 +82,7 @@ def measure(face, model, teller, detector):
 
 def compare(before, after):
     """How the mean error changes, in percent, with its interval, and on how many of the faces it is lower."""
-    draws = np.random.default_rng(0).integers(len(before), size=(DRAWS, len(before)))
-    shares = 100 * (after[draws].mean(1) / before[draws].mean(1) - 1)
-    low, high = np.quantile(shares, [0.025, 0.975]).tolist()
-    change = 100 * float(after.mean() / before.mean() - 1)
+    change, low, high = ratio_interval(100 * (after - before), before, np.arange(len(before)), DRAWS)
     return {"change": change, "low": low, "high": high, "lower": int((after < before).sum()), "of": len(before)}
 
 

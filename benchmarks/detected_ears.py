@@ -22,6 +22,7 @@ from threadpoolctl import threadpool_limits
 from caricli.data.picture_set import read_picture_set
 from caricli.errors import CaricliError
 from caricli.methods.detect.see_face import see_face
+from caricli.methods.evaluate.ratio_interval import ratio_interval
 from caricli.methods.reconstruct.fit_landmarks import fit_landmarks
 from caricli.store.detector import load_detector
 from caricli.store.models import load_model
@@ -70,13 +71,9 @@ def measure(image, points, visible, seen, model):
 
 def change(measured):
     """Of the mean error, by which share it changes, with its interval."""
-    before, after, count = (
-        np.array([sum(value(row) for row in rows) for rows in measured])
-        for value in (lambda row: row[0], lambda row: row[1], lambda row: 1)
-    )
-    draws = np.random.default_rng(0).integers(len(count), size=(DRAWS, len(count)))
-    shares = after[draws].sum(1) / before[draws].sum(1) - 1
-    return after.sum() / before.sum() - 1, np.quantile(shares, [0.025, 0.975]).tolist()
+    before, after = (np.array([sum(row[k] for row in rows) for rows in measured]) for k in (0, 1))
+    share, *interval = ratio_interval(after - before, before, np.arange(len(before)), DRAWS)
+    return share, interval
 
 
 @threadpool_limits.wrap(limits=1)

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from caricli.data.regular_face import has_partners, regular_faces
+from caricli.methods.evaluate.ratio_interval import ratio_interval
 from caricli.methods.train.see_faces import MapFaces
 from caricli.methods.train.stages import Report, unwatched
 from caricli.models.landmark_map.model import LandmarkMap
@@ -113,16 +114,12 @@ def face_errors(points: np.ndarray, true: np.ndarray) -> np.ndarray:
 
 def error_figures(errors: np.ndarray, identity: np.ndarray, people: np.ndarray) -> dict[str, float]:
     """A JSON object: error, the mean; and below_identity, how much of the error without a map is gone, in percent, with
-    low and high, 95 % of what it is when people are drawn anew (bootstrap).
+    low and high of its ``ratio_interval``.
 
     errors, identity: (N,) of a rival and without a map. people: (N,) whose.
     """
-    who = np.unique(people, return_inverse=True)[1]
-    own, without = (np.bincount(who, values) for values in (errors, identity))
-    drawn = _generator().integers(len(own), size=(_DRAWS, len(own)))
-    low, high = np.percentile(100 * (1 - own[drawn].sum(1) / without[drawn].sum(1)), [2.5, 97.5])
-    below = 100 * (1 - errors.mean() / identity.mean())
-    return {"error": float(errors.mean()), "below_identity": float(below), "low": float(low), "high": float(high)}
+    below, low, high = ratio_interval(100 * (identity - errors), identity, people, _DRAWS, _SEED)
+    return {"error": float(errors.mean()), "below_identity": below, "low": low, "high": high}
 
 
 def draws(points: np.ndarray, parts: np.ndarray) -> np.ndarray:

@@ -7,6 +7,7 @@ import numpy as np
 import torch
 
 from caricli.methods.dynamic.shape_maps import CHANNELS
+from caricli.methods.evaluate.ratio_interval import ratio_interval
 from caricli.methods.train.stages import Report, unwatched
 from caricli.methods.train.texture_losses import TextureBatch
 from caricli.methods.train.texture_pairs import TexturePairs
@@ -24,9 +25,6 @@ SOURCE_GAP = CHANNELS.index("source_gap")
 TARGET_GAP = CHANNELS.index("target_gap")
 
 _BATCH = 16
-_DRAWS = 2000
-"""Of a bootstrap over people."""
-
 TRUE = "true"
 """The textures that are to be painted."""
 
@@ -84,23 +82,20 @@ class TextureTally:
 
     def figures(self, seed: int = 0) -> dict[str, dict[str, dict[str, float]]]:
         """By painter and region: ``error``, mean difference of sRGB from 0 to 1; ``percent`` of that of the kept
-        texture; and ``low`` and ``high``, 95 % of what it is when people are drawn anew (bootstrap).
+        texture; and ``low`` and ``high`` of its ``ratio_interval``.
 
         seed: of the draws.
         """
-        drawn = np.random.default_rng(seed).integers(self.people, size=(_DRAWS, self.people))
         return {
-            painter: {region: self._figure(painter, region, drawn) for region in self.counts} for painter in self.sums
+            painter: {region: self._figure(painter, region, seed) for region in self.counts} for painter in self.sums
         }
 
-    def _figure(self, painter: str, region: str, drawn: np.ndarray) -> dict[str, float]:
+    def _figure(self, painter: str, region: str, seed: int) -> dict[str, float]:
         own = self.sums[painter][region]
-        kept = self.sums[KEPT][region]
-        percents = 100 * own[drawn].sum(1) / np.maximum(kept[drawn].sum(1), 1e-12)
-        low, high = np.percentile(percents, [2.5, 97.5])
         error = own.sum() / max(self.counts[region].sum(), 1)
-        percent = 100 * own.sum() / max(kept.sum(), 1e-12)
-        return {"error": float(error), "percent": float(percent), "low": float(low), "high": float(high)}
+        people = np.arange(self.people)
+        percent, low, high = ratio_interval(100 * own, self.sums[KEPT][region], people, seed=seed)
+        return {"error": float(error), "percent": percent, "low": low, "high": high}
 
 
 def regions(batch: TextureBatch, mouth: torch.Tensor) -> dict[str, torch.Tensor]:

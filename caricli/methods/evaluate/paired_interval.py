@@ -2,24 +2,17 @@
 
 import numpy as np
 
-DRAWS = 2000
-"""Of people, for an interval."""
+from caricli.methods.evaluate.ratio_interval import ratio_interval
 
 
-def paired_interval(differences: np.ndarray, people: np.ndarray, seed: int = 0) -> dict[str, float]:
-    """The mean of differences and what 95 % of its values lie between when people are drawn anew (bootstrap).
+def paired_interval(differences: np.ndarray, people: np.ndarray) -> dict[str, float]:
+    """The mean of differences and its ``ratio_interval``.
 
-    Faces of one person are drawn together, because they tell less than as many strangers.
-
-    differences: (N,) of faces; NaN where there is none. people: (N,) who they are. seed: of the draws.
+    differences: (N,) of faces; NaN where there is none. people: (N,) who they are.
     Returns mean, low and high; nothing where there are no differences.
     """
     there = np.isfinite(differences)
     if not there.any():
         return {}
-    _, owner = np.unique(people[there], return_inverse=True)
-    sums = np.bincount(owner, differences[there])
-    counts = np.bincount(owner)
-    drawn = np.random.default_rng(seed).integers(len(sums), size=(DRAWS, len(sums)))
-    low, high = np.percentile(sums[drawn].sum(1) / counts[drawn].sum(1), [2.5, 97.5])
-    return {"mean": float(sums.sum() / counts.sum()), "low": float(low), "high": float(high)}
+    figures = ratio_interval(differences[there], np.ones(there.sum()), people[there])
+    return dict(zip(("mean", "low", "high"), figures, strict=True))
