@@ -126,10 +126,13 @@ def _cell(text: str, row: dict) -> str:
 
 
 def rendered(page: str) -> str:
-    """The text of RESULTS.md with all its tables as their figures say."""
+    """The text of RESULTS.md with its tables as their figures say; those whose run was never done stay."""
     _, tables = registry()
 
     def block(match: re.Match) -> str:
+        run = tables[match[1]].run
+        if run and not (FOLDER / f"{run}.json").is_file():
+            return match[0]
         return f"<!-- table: {match[1]} -->\n{render(tables[match[1]])}<!-- end -->"
 
     return MARKED.sub(block, page)

@@ -115,7 +115,17 @@ def network_row(
     if not as_array:
         network.precision = torch.float32
     test = unseen_error(training, config.code_steps, data.template.height)
-    return {"test": test, "epochs": config.epochs}
+    return {"train": seen_error(training, data.template.height), "test": test, "epochs": config.epochs}
+
+
+def seen_error(training: AutoDecoderTraining, height: float) -> float:
+    """Mean distance at the vertices of about UNSEEN training meshes with their own latents, percent of the height."""
+    every = max(1, len(training.shapes) // UNSEEN)
+    everywhere = training.surface.at_vertices()
+    with torch.no_grad():
+        pairs = zip(training.latents[::every], training.shapes[::every], strict=True)
+        gaps = [(training.network(code[None], everywhere)[0] - shape).norm(dim=-1).mean() for code, shape in pairs]
+    return 100 * float(torch.stack(gaps).mean()) / (training.surface.box.scale * height)
 
 
 def begin_with(training: AutoDecoderTraining, state: dict) -> None:
@@ -159,17 +169,16 @@ def power_law(meshes: np.ndarray, errors: np.ndarray) -> dict[str, float]:
 
 
 def curves(table: list[dict]) -> list[dict]:
-    """Of every model its errors by number of meshes, in rising order, and with three or more the power law of them."""
-    by_size = sorted(table, key=lambda row: row["meshes"])
+    """Of every model its errors by number of meshes, and with three or more the power law of them."""
     lines = {}
-    for key in dict.fromkeys((row["data"], row["model"]) for row in table):
-        own = [row for row in by_size if (row["data"], row["model"]) == key]
-        errors = [row["test"] for row in own]
-        lines[key] = {"data": key[0], "name": key[1], "test": errors}
+    for key in dict.fromkeys((row["data"], row["model"], row["steps"]) for row in table):
+        own = [row for row in table if (row["data"], row["model"], row["steps"]) == key]
+        errors = {f"at_{row['meshes']}": row["test"] for row in own}
+        lines[key] = dict(zip(("data", "name", "steps"), key, strict=True)) | {"test": errors}
         if len(own) > 2:
-            lines[key] |= power_law(np.array([row["meshes"] for row in own]), np.array(errors))
-    for (data, name), line in lines.items():
-        linear = lines.get((data, "pca"), {})
+            lines[key] |= power_law(np.array([row["meshes"] for row in own]), np.array([*errors.values()]))
+    for (data, name, _), line in lines.items():
+        linear = lines.get((data, "pca", 0), {})
         # Where lines are parallel, or part, they meet at no number that anybody will have.
         steeper = line.get("exponent", 0) - linear.get("exponent", np.inf)
         if name != "pca" and steeper > PARALLEL:

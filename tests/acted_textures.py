@@ -12,16 +12,16 @@ SPLITS = {"train": [0, 1, 2, 3], "validation": [4, 5], "test": [6, 7]}
 ACTIONS = ("jawOpen", "mouthSmileLeft", "browInnerUp")
 
 
-def acted_people(head, size=32):
-    """Eight people: skin of one colour, darker where it moves, and a mouth that is red as far as it is open."""
+def acted_people(head, size=32, **body):
+    """Eight people of one shape: skin of one colour, darker where it moves, a mouth that is red as far as it gapes."""
     grid = ChartGrid(face_chart(head.template()), size)
     generator = np.random.default_rng(0)
     splits = {person: split for split, people in SPLITS.items() for person in people}
-    return [_acted(head, grid, generator, person, splits[person]) for person in splits]
+    return [_acted(head, grid, generator, (person, splits[person]), body) for person in splits]
 
 
-def _acted(head, grid, generator, person, split):
-    neutral = head.evaluate()
+def _acted(head, grid, generator, person, body):
+    neutral = head.evaluate(**body)
     weights = np.zeros((SHOWN, len(ARKIT_NAMES)), np.float32)
     vertices = []
     pictures = []
@@ -29,7 +29,7 @@ def _acted(head, grid, generator, person, split):
     for number in range(SHOWN):
         values = generator.uniform(0, 1, len(ACTIONS)) * (number > 0)
         weights[number, [ARKIT_NAMES.index(name) for name in ACTIONS]] = values
-        shape = head.evaluate(actions=dict(zip(ACTIONS, values, strict=True)))
+        shape = head.evaluate(**body, actions=dict(zip(ACTIONS, values, strict=True)))
         vertices.append(shape)
         moved = np.linalg.norm(grid.bake(shape - neutral), axis=-1, keepdims=True)
         colours = skin * np.exp(-30 * moved)
@@ -37,16 +37,16 @@ def _acted(head, grid, generator, person, split):
         pictures.append(np.rint(255 * colours).astype(np.uint8))
     seen = np.broadcast_to(grid.covered, (SHOWN, *grid.covered.shape))
     return ActedTextures(
-        np.stack(pictures), seen, weights, np.stack(vertices).astype(np.float32), neutral.astype(np.float32), person, 1,
-        split, 0.5,
+        np.stack(pictures), seen, weights, np.stack(vertices).astype(np.float32), neutral.astype(np.float32),
+        person[0], 1, person[1], 0.5,
     )  # fmt: skip
 
 
-def write_acted_set(folder, head, size=32):
+def write_acted_set(folder, head, size=32, **body):
     """A folder of ``acted_people``. Returns it."""
     folder.mkdir(parents=True)
     writer = TextureWriter(folder)
-    for person in acted_people(head, size):
+    for person in acted_people(head, size, **body):
         writer.add(person)
     writer.finish({"size": size, "expressions": SHOWN, "splits": SPLITS})
     return folder

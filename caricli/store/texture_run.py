@@ -139,10 +139,35 @@ class TextureTest:
         return paint_sheet(self.painters, self.pairs.draw(rows, np.random.default_rng(seed), paired=True))
 
 
+@dataclass(frozen=True)
+class TextureFolders:
+    """Whose textures are compared.
+
+    folder: of textures; rivals learn from its training split. others: folder of those tested, or None for folder's test
+    split.
+    """
+
+    folder: Path
+    others: Path | None = None
+
+    def people(self) -> tuple[list[ActedTextures], list[ActedTextures]]:
+        """To learn from and to test with. Raises InputError where others hold somebody who is learnt from."""
+        textures = read_texture_set(self.folder)
+        own = list(textures.people("train"))
+        if self.others is None:
+            return own, list(textures.people("test"))
+        tested = list(read_texture_set(self.others).people())
+        learnt = {person.neutral.tobytes() for person in own}
+        both = sum(person.neutral.tobytes() in learnt for person in tested)
+        if both:
+            raise InputError(f"{self.others}: expected people whom nobody learnt with, found {both} of {self.folder}")
+        return own, tested
+
+
 def load_texture_test(
-    networks: Sequence[Path], folder: Path, styles: StyleBook, seed: int, report: Report
+    networks: Sequence[Path], textures: TextureFolders, styles: StyleBook, seed: int, report: Report
 ) -> TextureTest:
-    """Networks, or the bundled one where none is given, and the test people of a folder of textures.
+    """Networks, or the bundled one where none is given, and the test people of folders of textures.
 
     styles: StyleBook that people are painted from, beside their own look. seed: of the looks, and of what learns.
     report: called with people done and all. Raises InputError where a network is of another size than the others, or
@@ -157,16 +182,14 @@ def load_texture_test(
     for name, model in models.items():
         if model.topology_id != head.topology_id:
             raise InputError(f"{name}: expected a texture network of the head's mesh, found one of another")
-    textures = read_texture_set(folder)
+    learnt, tested = textures.people()
     grid = ChartGrid(face_chart(head), config.size)
-    with naming(folder):
-        people = [list(textures.people(split)) for split in ("train", "test")]
-        total = len(people[0]) + len(people[1])
-        own = TexturePairs(painted_people(people[0], grid, config, styles, lambda n, _: report(n, total)), grid, config)
-        done = len(people[0])
-        looks = painted_people(people[1], grid, config, styles, lambda n, _: report(done + n, total))
+    with naming(textures.folder):
+        total = len(learnt) + len(tested)
+        own = TexturePairs(painted_people(learnt, grid, config, styles, lambda n, _: report(n, total)), grid, config)
+        looks = painted_people(tested, grid, config, styles, lambda n, _: report(len(learnt) + n, total))
     painters = {name: network_painter(model, grid) for name, model in models.items()}
     painters["linear"] = linear_painter(own, seed)
     painters["spline"] = spline_painter(grid, head.annotation.landmarks)
-    takes = takes_of(people[1][:TAKES], grid)
+    takes = takes_of(tested[:TAKES], grid)
     return TextureTest(painters, train_reader(own, seed), TexturePairs(looks, grid, config), takes)

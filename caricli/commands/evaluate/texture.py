@@ -25,7 +25,13 @@ ROWS = 8
     type=PATH,
     metavar="DIR",
     required=True,
-    help="Test on the people of the test split of this folder of `caricli dataset textures`.",
+    help="Let rivals learn from, and test on, the splits of this folder of `caricli dataset textures`.",
+)
+@click.option(
+    "--people",
+    type=PATH,
+    metavar="DIR",
+    help="Test on everybody of this folder of `caricli dataset textures`.  [default: the test split of --data]",
 )
 @click.option(
     "--styles",
@@ -37,7 +43,7 @@ ROWS = 8
 @click.option("--count", type=WholeRange(1, 100_000), default=400, metavar="N", help="Test so many pairs.")
 @seed_option
 @overwrite_option
-def command(networks, folder, styles, out, count, seed, overwrite):
+def command(networks, folder, people, styles, out, count, seed, overwrite):
     """Compare textures that networks paint for other expressions with the true ones.
 
     NETWORK is what `caricli train texture` wrote; without one the bundled network is measured. Differences are means of
@@ -51,16 +57,17 @@ def command(networks, folder, styles, out, count, seed, overwrite):
     \b
     Example:
       caricli evaluate texture run/model.safetensors --data textures --out evaluated
+      caricli evaluate texture --data textures --people others --out evaluated
     """
     from caricli.commands.shared.progress import progress_bar
     from caricli.store.styles import load_style_book
-    from caricli.store.texture_run import load_texture_test, texture_sources
+    from caricli.store.texture_run import TextureFolders, load_texture_test, texture_sources
 
-    sources = texture_sources([folder], None, styles)
+    sources = texture_sources([folder, *([people] if people else [])], None, styles)
     with staged_folder(out, overwrite=overwrite, inputs=(*networks, *sources), marker="texture.json") as target:
         book, notes = load_style_book(styles, None, seed)
         with progress_bar("painting") as report:
-            test = load_texture_test(networks, folder, book, seed, report)
+            test = load_texture_test(networks, TextureFolders(folder, people), book, seed, report)
         with progress_bar("comparing") as report:
             tally = test.run(count, seed, report)
         about = provenance("evaluate texture", [*networks, *sources], seed, count=count)

@@ -6,6 +6,7 @@ import pytest
 from caricli.io.bundled import config_path
 from caricli.io.checkpoint import read_checkpoint, write_checkpoint
 from caricli.io.image import read_image, write_png
+from caricli.store.texture_run import TextureFolders
 from tests.acted_textures import write_acted_set
 
 SETTINGS = ("epochs=2", "steps=2", "validate_every=1", "validation=6")
@@ -62,6 +63,21 @@ def test_it_is_measured(run, trained, textures, tmp_path):
         figure = report["painters"]["kept"][region]
         assert figure["percent"] == figure["low"] == figure["high"] == 100
     assert read_image(tmp_path / "out" / "texture.png").shape == (8 * 32, 5 * 32, 3)
+
+
+def test_everybody_of_another_folder_is_tested(textures, head, tmp_path):
+    others = write_acted_set(tmp_path / "others", head, gender=0.9)
+    learnt, tested = TextureFolders(textures, others).people()
+    assert len(learnt) == 4 and {person.split for person in learnt} == {"train"}
+    assert len(tested) == 8 and len(TextureFolders(textures).people()[1]) == 2
+    assert np.ptp([person.neutral[0] for person in tested], axis=0).max() == 0
+    assert np.abs(tested[0].neutral - learnt[0].neutral).max() > 1e-3
+
+
+def test_whom_rivals_learn_from_is_not_tested(refused, trained, textures, tmp_path):
+    network = trained / "model.safetensors"
+    line = ("evaluate", "texture", network, "--data", textures, "--people", textures, "--out", tmp_path / "out")
+    assert "expected people whom nobody learnt with, found 8" in refused(*line)
 
 
 def test_what_is_no_folder_of_textures_is_refused(refused, trained, textures, tmp_path):
