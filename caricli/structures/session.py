@@ -2,9 +2,9 @@
 
 import math
 import re
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field, replace
-from typing import Any, Self
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
 
 from caricli.errors import shown
 from caricli.limits import MAX_OPERATIONS
@@ -70,10 +70,6 @@ class Session:
         object.__setattr__(self, "operations", tuple(self.operations))
         if len(self.operations) > MAX_OPERATIONS:
             refuse(f"operations: expected at most {MAX_OPERATIONS}, found {len(self.operations)}")
-
-    def with_operations(self, operations: Iterable[Operation]) -> Self:
-        """Other operations from the same start."""
-        return replace(self, operations=tuple(operations))
 
 
 def _rounded(value: Any) -> Any:

@@ -118,10 +118,6 @@ class Sketch:
         if count > MAX_SKETCH_POINTS:
             refuse(f"strokes: expected at most {MAX_SKETCH_POINTS} points together, found {count}")
 
-    def of_kind(self, *kinds: StrokeKind) -> tuple[Stroke, ...]:
-        """Strokes of some kinds."""
-        return tuple(stroke for stroke in self.strokes if stroke.kind in kinds)
-
     def with_strokes(self, strokes: Iterable[Stroke]) -> Self:
         """Other strokes on the same canvas."""
         return replace(self, strokes=tuple(strokes))

@@ -52,10 +52,10 @@ def test_from_aside_hidden_lines_are_left_out(run, face, front, tmp_path):
     named = side.points_by_curve()
     # It looks to the left of the picture, so its left ear is seen.
     assert "ear_left" in named and "ear_right" not in named and "silhouette" not in named
-    outline = side.of_kind(StrokeKind.SILHOUETTE)
+    outline = [stroke for stroke in side.strokes if stroke.kind == StrokeKind.SILHOUETTE]
     assert len(outline) == 1 and outline[0].closed and outline[0].length > 250
     assert ((outline[0].points > 0) & (outline[0].points < 128)).all()
-    assert {stroke.curve for stroke in side.of_kind(StrokeKind.WRINKLE)} <= {*CURVES, None}
+    assert {stroke.curve for stroke in side.strokes if stroke.kind == StrokeKind.WRINKLE} <= {*CURVES, None}
 
 
 @pytest.mark.parametrize("view", ["1", "a,b", "100,0", "0,nan", "1,2,3"])

@@ -6,7 +6,6 @@ from caricli.geometry.components import POINTS, mesh_components
 from caricli.geometry.deformation_gradients import DeformationGradients
 from caricli.geometry.elastic_anchors import ElasticAnchors
 from caricli.geometry.exaggerate_curvature import exaggerate_curvature
-from caricli.geometry.interpolate_shapes import interpolate_shapes
 from caricli.geometry.laplacian_deformation import LaplacianDeformation
 from caricli.geometry.tuck_cavities import Cavities
 from caricli.methods.edit.deform_arap import deform_arap
@@ -84,7 +83,6 @@ def test_features_keep_components_together(balls):
     assert np.abs(gaps(found, parts) - gaps(shape, parts)).max() < 0.1
     like = gradients.vertices_like(gradients.features(shape), shape)
     np.testing.assert_allclose(like - like.mean(0), shape - shape.mean(0), atol=1e-6)
-    np.testing.assert_allclose(interpolate_shapes(vertices, shape, 1e-9, gradients), vertices, atol=1e-6)
 
 
 @pytest.mark.parametrize("way", ["laplacian", "elastic", "arap"])

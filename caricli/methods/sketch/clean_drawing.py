@@ -6,7 +6,6 @@ import numpy as np
 
 from caricli.errors import InputError
 from caricli.methods.sketch.trace_lines import InkLine, trace_lines
-from caricli.render.rasterise_sketch import rasterise_sketch
 from caricli.structures.sketch import CANVAS, Sketch, Stroke
 
 _EDGE = 0.04
@@ -69,11 +68,6 @@ def clean_drawing(image: np.ndarray, settings: PaperSettings | None = None) -> S
     aside = (CANVAS - 1) / 2 - zoom * (points.min(0) + points.max(0)) / 2
     strokes = tuple(Stroke(zoom * line.points + aside, width=max(zoom * line.width, 1.0)) for line in lines)
     return Sketch(strokes)
-
-
-def binary_picture(sketch: Sketch, side: int = CANVAS) -> np.ndarray:
-    """(N, N) bool: where a sketch has ink, what the networks of the sketch paper see."""
-    return rasterise_sketch(sketch, side) > 127
 
 
 def _smaller(image: np.ndarray, side: int) -> np.ndarray:

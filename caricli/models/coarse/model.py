@@ -8,15 +8,14 @@ import numpy as np
 import torch
 
 from caricli.errors import InputError, naming, shown
-from caricli.models.checkpoint import model_id
 from caricli.models.coarse.config import CoarseSize
 from caricli.models.coarse.networks import CoarseNetwork
-from caricli.models.network_weights import check_schema, load_weights, network_weights, whole_number
+from caricli.models.network_model import NetworkModel
+from caricli.models.network_weights import check_schema, load_weights, whole_number
 from caricli.structures.landmarks import SCHEMES
 from caricli.structures.seen_people import SeenPeople
 
 SCHEMA = "caricli.coarse/1"
-KIND = "coarse"
 LANDMARKS = max(SCHEMES)
 """Landmarks that it may be told."""
 
@@ -27,24 +26,18 @@ _SIDES = (64, 512)
 _OUTPUTS = (16, 10**4)
 
 
-class CoarseModel:
+class CoarseModel(NetworkModel[CoarseNetwork]):
     """Tells the coefficients of the morphable model of a face in a window."""
+
+    kind = "coarse"
 
     def __init__(self, network: CoarseNetwork, size: int, basis: str, recipe: Any = None) -> None:
         """network: weights. size: of its windows, pixels. basis: ``model_id`` of the morphable model whose coefficients
         it tells. recipe: JSON value, how it was trained, or None.
         """
-        self.network = network.eval()
+        super().__init__(network, recipe)
         self.size = size
         self.basis = basis
-        self.recipe = recipe
-        for parameter in network.parameters():
-            parameter.requires_grad_(False)
-
-    @property
-    def model_id(self) -> str:
-        """SHA-256 of its weights."""
-        return model_id(KIND, self.tensors())
 
     @property
     def seen(self) -> SeenPeople | None:
@@ -66,10 +59,6 @@ class CoarseModel:
         pixels = torch.from_numpy(windows.astype(np.float32) / 255).permute(0, 3, 1, 2)
         marks = torch.from_numpy(window_marks(points, spreads, self.size))
         return self.network(pixels, marks).double().numpy()
-
-    def tensors(self) -> dict[str, np.ndarray]:
-        """Arrays by name, see ``network_weights``."""
-        return network_weights(self.network)
 
 
 def shares(points: np.ndarray, size: int) -> np.ndarray:

@@ -8,15 +8,14 @@ import numpy as np
 import torch
 
 from caricli.errors import InputError, naming, shown
-from caricli.models.checkpoint import model_id
 from caricli.models.detector.config import DetectorSize
 from caricli.models.detector.networks import COARSE, FINE, HALF, REACH, DetectorNetwork, FaceGrid
-from caricli.models.network_weights import check_schema, load_weights, network_weights, whole_number
+from caricli.models.network_model import NetworkModel
+from caricli.models.network_weights import check_schema, load_weights, whole_number
 from caricli.structures.landmarks import SCHEMES
 from caricli.structures.parsing import Region
 
 SCHEMA = "caricli.detector/1"
-KIND = "detector"
 LANDMARKS = max(SCHEMES)
 """Landmarks that are found."""
 
@@ -56,25 +55,19 @@ class Reading:
     regions: np.ndarray
 
 
-class Detector:
+class Detector(NetworkModel[DetectorNetwork]):
     """Finds faces in windows of pictures, and reads their landmarks and regions."""
+
+    kind = "detector"
 
     def __init__(self, network: DetectorNetwork, size: int, trust: float = 1.0, recipe: Any = None) -> None:
         """network: weights. size: of the windows it was trained on, pixels. trust: what its doubts are multiplied by.
 
         recipe: JSON value, how it was trained, or None.
         """
-        self.network = network.eval()
+        super().__init__(network, recipe)
         self.size = size
         self.trust = trust
-        self.recipe = recipe
-        for parameter in network.parameters():
-            parameter.requires_grad_(False)
-
-    @property
-    def model_id(self) -> str:
-        """SHA-256 of its weights."""
-        return model_id(KIND, self.tensors())
 
     @torch.inference_mode()
     def search(self, window: np.ndarray) -> tuple[FaceCells, np.ndarray]:
@@ -108,10 +101,6 @@ class Detector:
             score.double().numpy(),
             _probabilities(self.network.parse(fine, levels)),
         )
-
-    def tensors(self) -> dict[str, np.ndarray]:
-        """Arrays by name, see ``network_weights``."""
-        return network_weights(self.network)
 
 
 def face_cells(grid: FaceGrid) -> FaceCells:

@@ -8,15 +8,14 @@ import numpy as np
 import torch
 
 from caricli.errors import InputError, naming, shown
-from caricli.models.checkpoint import model_id
 from caricli.models.gesture.config import POOLED
 from caricli.models.gesture.networks import GestureNetwork
-from caricli.models.network_weights import check_schema, load_weights, network_weights, whole_number
+from caricli.models.network_model import NetworkModel
+from caricli.models.network_weights import check_schema, load_weights, whole_number
 from caricli.render.draw_stroke import draw_stroke
 from caricli.structures.gesture import GESTURES
 
 SCHEMA = "caricli.gesture/1"
-KIND = "gesture"
 
 SURE = 0.4
 """Probability from which on a stroke is a gesture, and not one to ask about."""
@@ -40,20 +39,10 @@ class Recognition:
     probability: float
 
 
-class GestureModel:
+class GestureModel(NetworkModel[GestureNetwork]):
     """Tells gestures apart by the pictures of their strokes."""
 
-    def __init__(self, network: GestureNetwork, recipe: Any = None) -> None:
-        """network: weights. recipe: JSON value, how it was trained."""
-        self.network = network.eval()
-        self.recipe = recipe
-        for parameter in network.parameters():
-            parameter.requires_grad_(False)
-
-    @property
-    def model_id(self) -> str:
-        """SHA-256 of its weights."""
-        return model_id(KIND, self.tensors())
+    kind = "gesture"
 
     def recognise(self, stroke: np.ndarray) -> Recognition:
         """What a stroke (N, 2), pixels, y down, is. Raises InputError when it is no line."""
@@ -76,10 +65,6 @@ class GestureModel:
         if not np.ptp(points, axis=0).any():
             raise InputError("expected a stroke of some length, found a dot")
         return draw_stroke(points, self.network.size)
-
-    def tensors(self) -> dict[str, np.ndarray]:
-        """Arrays by name, see ``network_weights``."""
-        return network_weights(self.network)
 
 
 def recognition(probabilities: np.ndarray) -> Recognition:

@@ -9,8 +9,8 @@ import torch
 
 from caricli.errors import InputError, naming, shown
 from caricli.geometry.head_rotation import head_rotation
-from caricli.models.checkpoint import model_id
-from caricli.models.network_weights import check_schema, load_weights, network_weights, whole_number
+from caricli.models.network_model import NetworkModel
+from caricli.models.network_weights import check_schema, load_weights, whole_number
 from caricli.models.sketch.config import PublishedSize, SketchSize
 from caricli.models.sketch.networks import CAMERA, SketchNetwork
 from caricli.models.sketch.published import PublishedNetwork
@@ -20,15 +20,16 @@ from caricli.structures import Camera
 from caricli.structures.sketch import NAME_LENGTH, Sketch
 
 SCHEMA = "caricli.sketch_network/1"
-KIND = "sketch"
 
 _SIDES = (64, 512)
 _OUTPUTS = (1, 10**4)
 _CURVES = 256
 
 
-class SketchModel:
+class SketchModel(NetworkModel[SketchNetwork | PublishedNetwork]):
     """Tells the latent of the face of a sketch, and the camera that sees it as it is drawn."""
+
+    kind = "sketch"
 
     def __init__(
         self,
@@ -41,13 +42,10 @@ class SketchModel:
         """network: weights. size: of its windows, pixels. curves: K names of what it knows strokes by. basis:
         ``model_id`` of the shape model whose latents it tells. recipe: JSON value, how it was trained, or None.
         """
-        self.network = network.eval()
+        super().__init__(network, recipe)
         self.size = size
         self.curves = curves
         self.basis = basis
-        self.recipe = recipe
-        for parameter in network.parameters():
-            parameter.requires_grad_(False)
 
     @property
     def label(self) -> str:
@@ -76,11 +74,6 @@ class SketchModel:
         """Whether it looks at wrinkle lines."""
         return isinstance(self.network, PublishedNetwork) and self.network.variant.wrinkles
 
-    @property
-    def model_id(self) -> str:
-        """SHA-256 of its weights."""
-        return model_id(KIND, self.tensors())
-
     def reconstruct(self, sketch: Sketch) -> tuple[np.ndarray, Camera]:
         """The latent (D,) of the face of a sketch, and its camera, in pixels of the canvas.
 
@@ -103,10 +96,6 @@ class SketchModel:
         """Latents and cameras (B, D + 6) of windows (B, S, S) uint8 ink, and points (B, K, P, 2), NaN where unknown."""
         ink = torch.from_numpy(windows.astype(np.float32) / 255)[:, None]
         return self.network(ink, torch.from_numpy(points.astype(np.float32))).double().numpy()
-
-    def tensors(self) -> dict[str, np.ndarray]:
-        """Arrays by name, see ``network_weights``."""
-        return network_weights(self.network)
 
 
 def window_picture(sketch: Sketch, window: Window, size: int) -> np.ndarray:

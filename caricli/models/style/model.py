@@ -9,13 +9,12 @@ import torch
 from torch.nn import functional
 
 from caricli.errors import InputError, naming, shown
-from caricli.models.checkpoint import model_id
-from caricli.models.network_weights import check_schema, load_weights, network_weights, whole_number
+from caricli.models.network_model import NetworkModel
+from caricli.models.network_weights import check_schema, load_weights, whole_number
 from caricli.models.style.config import STEP
 from caricli.models.style.networks import Statistics, StyleNetwork, renormalised, statistics
 
 SCHEMA = "caricli.style/1"
-KIND = "style"
 STEEPEST = 2.5
 """How many times as strong as it was a feature may vary: smooth skin would otherwise become all blotches."""
 
@@ -30,21 +29,15 @@ class Look:
     levels: tuple[Statistics, ...]
 
 
-class StyleModel:
+class StyleModel(NetworkModel[StyleNetwork]):
     """Lends pictures the look of others."""
+
+    kind = "style"
 
     def __init__(self, network: StyleNetwork, media: tuple[str, ...], recipe: Any = None) -> None:
         """network: weights. media: names of those that it was trained on. recipe: JSON value, how it was trained."""
-        self.network = network.eval()
+        super().__init__(network, recipe)
         self.media = media
-        self.recipe = recipe
-        for parameter in network.parameters():
-            parameter.requires_grad_(False)
-
-    @property
-    def model_id(self) -> str:
-        """SHA-256 of its weights."""
-        return model_id(KIND, self.tensors())
 
     @torch.inference_mode()
     def look(self, picture: np.ndarray) -> Look:
@@ -71,10 +64,6 @@ class StyleModel:
         painted = self.network.decoder(lent, noise.expand(len(values), -1, -1, -1))
         height, width = pictures.shape[1:3]
         return (255 * painted[:, :, :height, :width].clamp(0, 1)).round().byte().permute(0, 2, 3, 1).numpy()
-
-    def tensors(self) -> dict[str, np.ndarray]:
-        """Arrays by name, see ``network_weights``."""
-        return network_weights(self.network)
 
 
 def style_to_checkpoint(model: StyleModel) -> tuple[dict[str, np.ndarray], dict[str, Any]]:

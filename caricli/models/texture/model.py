@@ -8,15 +8,14 @@ import numpy as np
 import torch
 
 from caricli.errors import InputError, naming, shown
-from caricli.models.checkpoint import model_id
-from caricli.models.network_weights import check_schema, load_weights, network_weights, whole_number
+from caricli.models.network_model import NetworkModel
+from caricli.models.network_weights import check_schema, load_weights, whole_number
 from caricli.models.texture.config import TextureSize
 from caricli.models.texture.networks import Change, TextureNetwork
 from caricli.structures.arkit import ARKIT_NAMES
 from caricli.structures.texture_change import TextureChange
 
 SCHEMA = "caricli.texture_network/1"
-KIND = "texture"
 
 _SIDES = (32, 512)
 _WHOLE = {"width": (4, 512), "narrow": (4, 512), "atlas": (0, 64)}
@@ -24,25 +23,19 @@ _TOPOLOGY = 64
 """Characters of a topology's id."""
 
 
-class TextureModel:
+class TextureModel(NetworkModel[TextureNetwork]):
     """Tells what an expression does to a texture in the chart of a topology."""
+
+    kind = "texture"
 
     def __init__(self, network: TextureNetwork, size: int, topology_id: str, recipe: Any = None) -> None:
         """network: weights. size: of the chart, texels. topology_id: of the mesh whose chart it knows.
 
         recipe: JSON value, how it was trained, or None.
         """
-        self.network = network.eval()
+        super().__init__(network, recipe)
         self.size = size
         self.topology_id = topology_id
-        self.recipe = recipe
-        for parameter in network.parameters():
-            parameter.requires_grad_(False)
-
-    @property
-    def model_id(self) -> str:
-        """SHA-256 of its weights."""
-        return model_id(KIND, self.tensors())
 
     @torch.inference_mode()
     def change(
@@ -58,10 +51,6 @@ class TextureModel:
         colours = _tensor(picture / 255.0)
         change = self.network(colours, _tensor(maps), codes)
         return _numpy(change.in_own_hue(colours, torch.from_numpy(np.asarray(hue, np.float32))))
-
-    def tensors(self) -> dict[str, np.ndarray]:
-        """Arrays by name, see ``network_weights``."""
-        return network_weights(self.network)
 
 
 def texture_to_checkpoint(model: TextureModel) -> tuple[dict[str, np.ndarray], dict[str, Any]]:

@@ -10,7 +10,7 @@ from scipy.spatial import cKDTree
 
 from caricli.errors import InputError
 from caricli.io.image import read_image
-from caricli.methods.sketch.clean_drawing import binary_picture, clean_drawing
+from caricli.methods.sketch.clean_drawing import clean_drawing
 from caricli.methods.sketch.draw_sketch import canvas_camera, draw_sketch
 from caricli.render.rasterise_sketch import rasterise_sketch
 from caricli.structures import StrokeKind
@@ -71,7 +71,7 @@ def test_lines_come_back(sketch, options):
     assert (cKDTree(drawn).query(read)[0] < 3).mean() > 0.98
     assert cleaned.size == (256, 256)
     assert {stroke.kind for stroke in cleaned.strokes} == {StrokeKind.UNKNOWN}
-    picture = binary_picture(cleaned)
+    picture = rasterise_sketch(cleaned, 256) > 127
     assert picture.shape == (256, 256) and picture.dtype == bool and 0.01 < picture.mean() < 0.2
 
 
