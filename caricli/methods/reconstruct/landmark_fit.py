@@ -21,6 +21,10 @@ _OUTLIERS = OutlierSettings()
 _FOUND = 0.1
 """How strongly a landmark pulls that was found for sure, of how one does that was given."""
 
+_REVERSED = 2.0
+"""How much nearer the usual face comes to landmarks that are listed from the last to the first when they are read the
+other way; to those of six drawings and a photograph 2.2 to 8.5 times."""
+
 _CONVENTION = "pixels = scale * rotation[:2] @ vertex + translation; x right, y down, z into the picture"
 
 
@@ -101,7 +105,7 @@ class Observation:
         found besides the 68, which pulls weakly, or besides detected landmarks, which have spreads. spreads: (L, 2, 2)
         covariances of the points, square pixels, or None.
 
-        Raises InputError for another number of landmarks, too few known ones, and all in one place.
+        Raises InputError for another number of landmarks, too few known ones, all in one place, and reversed ones.
         """
         note = template.annotation
         if len(points) not in (68, len(note.landmarks)):
@@ -127,8 +131,20 @@ class Observation:
         self.diagonal = float(np.linalg.norm(np.ptp(given, axis=0)))
         if self.diagonal == 0:
             raise InputError("all landmarks lie in one place")
+        if self._reversed(points[:COUNT]):
+            raise InputError("the landmarks are listed in reversed order")
         self.points = (points[self.ids] - self.centre) / self.diagonal
         self.doubts = None if spreads is None else self._own_doubts(spreads)
+
+    def _reversed(self, points: np.ndarray) -> bool:
+        """Whether all of landmarks (68, 2) are known, and by an affine picture of the usual face listed backwards."""
+        if not np.isfinite(points).all():
+            return False
+        places = self.template.vertices[self.template.annotation.landmarks[:COUNT]]
+        columns = np.column_stack([places, np.ones(COUNT)])
+        flat = columns @ np.linalg.pinv(columns)
+        given, back = (np.linalg.norm(flat @ own - own) for own in (points, points[::-1]))
+        return bool(given > _REVERSED * back)
 
     def _own_doubts(self, spreads: np.ndarray) -> np.ndarray:
         """Of spreads (L, 2, 2) of the given landmarks those of the known ones; what was found has none."""

@@ -13,7 +13,7 @@ from caricli.methods.reconstruct.fit_landmarks_intrinsic import fit_landmarks_in
 from caricli.methods.reconstruct.fit_landmarks_latent import fit_landmarks_latent
 from caricli.methods.reconstruct.settings import IntrinsicSettings, LatentSettings
 from caricli.render.smooth_normals import smooth_normals
-from caricli.structures.landmarks import PARTS
+from caricli.structures.landmarks import MIRRORED, PARTS
 
 ANGLES = [(0, 0, 0), (0, 20, 0), (0, -20, 5), (15, 10, -20), (-15, -10, 20), (5, 15, 10)]
 
@@ -231,11 +231,17 @@ def test_landmarks_that_are_no_face_are_refused(fit, method, one):
     for points in (line, one.points * [1, -1], *([noise] if method == "intrinsic" else [])):
         with pytest.raises(InputError, match="a face from behind"):
             fit(points)
+    with pytest.raises(InputError, match="listed in reversed order"):
+        fit(one.points[::-1])
+    with pytest.raises(InputError, match="a face from behind.*mirrored"):
+        fit(one.points[[*MIRRORED[:68]]])
 
 
 def test_landmarks_that_could_be_a_face_are_survived_and_the_error_tells(fit, fitted, method, one):
     noise = np.random.default_rng(0).uniform(0, 400, (68, 2))
-    for points in (one.points[::-1], *([noise] if method == "latent" else [])):
+    # Where a point is not known, order is not judged.
+    incomplete = np.vstack([one.points[:0:-1], np.full(2, np.nan)])
+    for points in (incomplete, *([noise] if method == "latent" else [])):
         result = fit(points)
         assert np.isfinite(result.face.vertices).all() and np.isfinite(result.face.landmarks).all()
         assert result.nme > 5 > 3 * fitted.nme and result.prior_rms > 2 * fitted.prior_rms
