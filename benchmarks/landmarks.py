@@ -2,8 +2,7 @@
 
 Usage: python benchmarks/landmarks.py [FOLDER [KIND...]]. FOLDER holds landmark files (default: $CARICLI_REAL_DATA,
 else the astronaut). KIND is one of the bundled models, or the path of another .safetensors. The last line is JSON.
-For comparison: the deformable paper (section 5.5) needs about 500 ms a face on a Titan Xp; pose alone leaves an NME of
-about 3.4 % on drawings.
+For comparison: the deformable paper (section 5.5) needs about 500 ms a face on a Titan Xp.
 """
 
 import json

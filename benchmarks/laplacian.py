@@ -15,15 +15,15 @@ import numpy as np
 
 from caricli.data.dataset import read_dataset
 from caricli.data.unseen import unseen_data
-from caricli.geometry.slide_contour import slide_contour
 from caricli.methods.evaluate.evaluate_blendshapes import random_camera
 from caricli.methods.evaluate.evaluate_shape import spread_rows
 from caricli.methods.evaluate.reconstruct_portrait import shape_error
 from caricli.methods.reconstruct.fit_morphable import fit_morphable
+from caricli.methods.reconstruct.landmark_vertices import landmark_vertices
 from caricli.methods.reconstruct.refine_face import refine_face
 from caricli.methods.reconstruct.settings import RefineSettings
 from caricli.store.models import load_morphable
-from caricli.structures.landmarks import COUNT, JAW
+from caricli.structures.landmarks import COUNT
 
 FACES = 60
 NOISE = 0.003
@@ -46,7 +46,7 @@ def main():
     for row in spread_rows(data.rows("test"), int(sys.argv[2]) if len(sys.argv) > 2 else FACES):
         truth = data.vertices[row].astype(float)
         camera = random_camera(generator, np.ptp(truth[:, 1]))
-        points = landmarks(truth, camera, data.template)
+        points = camera.project(truth[landmark_vertices(truth, camera.rotation, data.template, COUNT)])
         points += generator.normal(0, NOISE * np.linalg.norm(np.ptp(points, axis=0)), points.shape)
         face = fit_morphable(points, model).face
         for name, settings in RIVALS.items():
@@ -62,15 +62,6 @@ def main():
         print(f"{each['name']:36} {each['nme']:6.2f} {each['error']:6.3f} {each['flipped']:6.3f}")
     del rows[0]["flipped"]
     print(json.dumps({"rows": rows, "faces": len(measured["before"])}))
-
-
-def landmarks(vertices, camera, template):
-    """(68, 2) where a picture shows the landmarks of vertices (V, 3): those of the jaw on the outline."""
-    note = template.annotation
-    marked = note.landmarks[:COUNT].copy()
-    jaw = len(JAW)
-    marked[:jaw] = slide_contour(vertices, camera.rotation, template.vertices, marked[:jaw], note.jaw_paths)
-    return camera.project(vertices[marked])
 
 
 if __name__ == "__main__":
