@@ -19,3 +19,16 @@ class TextureChange:
         """A texture (S, S, 3), uint8 sRGB, as it becomes."""
         colours = picture / 255.0
         return np.rint(255 * np.clip(colours + self.gain * colours + self.offset, 0, 1)).astype(np.uint8)
+
+
+@dataclass(frozen=True, eq=False)
+class Manner:
+    """How a picture paints what is darker: colours become as many times what they were as the luminance does, each
+    channel to a power of its own.
+
+    shades: (3,) the powers, all 1 where shades keep their hue. share: (S, S) from 0 to 1, how far texels of a chart
+    change in this manner.
+    """
+
+    shades: np.ndarray
+    share: np.ndarray

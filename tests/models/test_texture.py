@@ -5,17 +5,18 @@ import torch
 from caricli.errors import InputError
 from caricli.methods.dynamic.chart_pictures import ChartGrid
 from caricli.methods.dynamic.mouth_parts import MouthParts
-from caricli.methods.dynamic.rig_moods import kept_hue
+from caricli.methods.dynamic.own_manner import MannerReader
 from caricli.methods.dynamic.shape_maps import PersonShapes, pair_maps
 from caricli.models.texture.config import TextureConfig, TextureSize
 from caricli.models.texture.model import TextureModel, texture_from_checkpoint, texture_to_checkpoint
 from caricli.models.texture.networks import ATLAS, CODES, MAPS, ActionAtlas, Change, TextureNetwork
 from caricli.store.texture_networks import load_texture_network
 from caricli.structures.arkit import ARKIT_NAMES
+from caricli.structures.texture_change import Manner
 from caricli.template.chart import face_chart
 
 SIDE = 32
-STILL = np.zeros((SIDE, SIDE))
+STILL = Manner(np.ones(3), np.zeros((SIDE, SIDE)))
 
 
 @pytest.fixture(scope="module")
@@ -31,7 +32,7 @@ def model():
 
 @pytest.fixture
 def asked():
-    """A texture, maps, codes of source and target, and how far a texel keeps its hue."""
+    """A texture, maps, codes of source and target, and a manner that leaves the change as it is."""
     generator = np.random.default_rng(0)
     codes = generator.random((2, CODES // 2))
     return (
@@ -69,14 +70,25 @@ def test_paint_keeps_its_hue_and_becomes_as_light():
     pictures[0, :, : SIDE // 2] = torch.tensor([0.75, 0.6, 0.45]).view(3, 1, 1)
     gain, offset = (0.4 * torch.rand((1, 3, SIDE, SIDE), generator=generator) - 0.2 for _ in range(2))
     free = Change(torch.full((1, 1, SIDE, SIDE), 0.5), gain, offset)
-    glazed = free.in_own_hue(pictures, torch.ones(SIDE, SIDE)).paint(pictures)
+    glazed = free.in_own_shades(pictures, torch.ones(1, 3), torch.ones(SIDE, SIDE)).paint(pictures)
     luminance = torch.tensor([0.2126, 0.7152, 0.0722]).view(1, 3, 1, 1)
     torch.testing.assert_close((luminance * glazed).sum(1), (luminance * free.paint(pictures)).sum(1))
     warm, grey = glazed[0].split(SIDE // 2, dim=1)
     assert (warm.diff(dim=0) < 0).all()
     assert (grey - grey.mean(0)).abs().max() < 1e-4
-    same = free.in_own_hue(pictures, torch.zeros(SIDE, SIDE)).paint(pictures)
+    same = free.in_own_shades(pictures, torch.ones(1, 3), torch.zeros(SIDE, SIDE)).paint(pictures)
     torch.testing.assert_close(same, free.paint(pictures))
+
+
+def test_darker_paint_has_the_hue_of_the_pictures_shades():
+    """Where shades lose red slower than green, what becomes darker becomes redder, and what becomes lighter less so."""
+    pictures = torch.full((1, 3, SIDE, SIDE), 0.5)
+    shades = torch.tensor([[0.5, 1.2, 1.2]])
+    for gain, redder in ((-0.4, True), (0.4, False)):
+        change = Change(torch.ones(1, 1, SIDE, SIDE), torch.full_like(pictures, gain), torch.zeros_like(pictures))
+        red, green, blue = change.in_own_shades(pictures, shades, torch.ones(SIDE, SIDE)).paint(pictures)[0]
+        assert ((red > green) == redder).all()
+        torch.testing.assert_close(green, blue)
 
 
 def test_the_default_is_small():
@@ -141,7 +153,8 @@ def test_the_bundled_one_opens_a_mouth(head, head_template):
     codes = np.zeros((2, CODES // 2), np.float32)
     codes[1, ARKIT_NAMES.index("jawOpen")] = 0.9
     skin = np.full((model.size, model.size, 3), (200, 150, 130), np.uint8)
-    change = model.change(skin, pair_maps(grid, rest, opened), codes[0], codes[1], kept_hue(grid))
+    manner = MannerReader(grid, head_template).read(skin)
+    change = model.change(skin, pair_maps(grid, rest, opened), codes[0], codes[1], manner)
     painted = skin / 255 + change.gain * skin / 255 + change.offset
     darker = (skin / 255 - painted).mean(-1)
     forehead = grid.covered & (np.arange(model.size)[:, None] < 0.3 * model.size)

@@ -11,6 +11,7 @@ from caricli.errors import InputError, shown
 from caricli.methods.dynamic.chart_pictures import ChartGrid, texture_to_chart
 from caricli.methods.dynamic.dress_texture import ChangedTexture
 from caricli.methods.dynamic.mouth_parts import MouthParts
+from caricli.methods.dynamic.own_manner import MannerReader
 from caricli.methods.dynamic.shape_maps import GAP, PersonShapes, pair_maps
 from caricli.models.texture.model import TextureModel
 from caricli.structures import Mesh, Mood, Rig
@@ -32,10 +33,6 @@ _EVERY = 4
 _LEAST = 1e-6
 """Of a move, metres: where no expression moves more, there is none to tell."""
 
-_HUE = 0.7
-"""How far skin keeps its own: the mean of all media that a network learns from makes grey folds in bright paint. All of
-it costs 1.7 points of the error where the face moves, 0.7 about one (validation people)."""
-
 _APART = 0.15
 """Gap between lips, of a quarter of the face's width, from which on a picture shows none that are closed."""
 
@@ -44,11 +41,6 @@ _SHUT = 0.12
 
 Weights = Mapping[str, Mapping[str, float]]
 """Names to weights by name."""
-
-
-def kept_hue(grid: ChartGrid) -> np.ndarray:
-    """(S, S) from 0 to 1: how far texels keep their own hue when their paint changes; the mouth's are other things."""
-    return np.where(grid.mouth, 0.0, _HUE)
 
 
 class MoodPainter:
@@ -87,6 +79,7 @@ class MoodPainter:
         self.eyes = min(_opening(points[list(eye)]) for eye in (EYE_RIGHT, EYE_LEFT))
         fine = texture_to_chart(picture, skin, ChartGrid(self.grid.chart, _FINER * model.size))
         self.own = cv2.resize(fine, (model.size, model.size), interpolation=cv2.INTER_AREA)
+        self.manner = MannerReader(self.grid, template).read(self.own)
         self.texture = ChangedTexture(picture, skin, self.grid)
 
     def change(self, weights: np.ndarray) -> TextureChange:
@@ -94,7 +87,7 @@ class MoodPainter:
         target = self.person.fields(self.neutral + np.tensordot(weights, self.deltas, 1), weights)
         maps = pair_maps(self.grid, self.shown, target)
         code = np.minimum(weights @ self.codes, MAX_WEIGHT)
-        return self.model.change(self.own, maps, self.code, code, kept_hue(self.grid))
+        return self.model.change(self.own, maps, self.code, code, self.manner)
 
     def paint(self, weights: np.ndarray) -> np.ndarray:
         """(H, H, 3) uint8, the skin's picture with expressions (K,) of the rig."""

@@ -7,13 +7,14 @@ from torch import nn
 from torch.nn import functional
 
 from caricli.methods.dynamic.chart_pictures import ChartGrid
-from caricli.methods.dynamic.rig_moods import kept_hue
+from caricli.methods.dynamic.own_manner import MannerReader
 from caricli.methods.dynamic.shape_maps import CHANNELS, PART
 from caricli.methods.evaluate.evaluate_texture import Painter
 from caricli.methods.train.texture_losses import TextureBatch
 from caricli.methods.train.texture_pairs import TexturePairs
 from caricli.models.residual import start_convolutions, unit
 from caricli.models.texture.model import TextureModel
+from caricli.template.head import load_head
 
 _PAIRS = 60
 """Batches that what is linear is fitted to."""
@@ -27,10 +28,13 @@ _RATE = 2e-3
 
 def network_painter(model: TextureModel, grid: ChartGrid) -> Painter:
     """What a network makes of a batch."""
-    hue = torch.from_numpy(kept_hue(grid).astype(np.float32))
+    reader = MannerReader(grid, load_head().template())
+    share = torch.from_numpy(reader.share)
 
     def paint(batch: TextureBatch) -> torch.Tensor:
-        change = batch.change(model.network).in_own_hue(batch.source, hue)
+        pictures = (255 * batch.source).permute(0, 2, 3, 1).numpy()
+        shades = torch.from_numpy(np.stack([reader.read(picture).shades for picture in pictures]))
+        change = batch.change(model.network).in_own_shades(batch.source, shades, share)
         return change.paint(batch.source).clamp(0, 1)
 
     return paint

@@ -13,7 +13,7 @@ from caricli.models.network_weights import check_schema, load_weights, whole_num
 from caricli.models.texture.config import TextureSize
 from caricli.models.texture.networks import Change, TextureNetwork
 from caricli.structures.arkit import ARKIT_NAMES
-from caricli.structures.texture_change import TextureChange
+from caricli.structures.texture_change import Manner, TextureChange
 
 SCHEMA = "caricli.texture_network/1"
 
@@ -39,18 +39,18 @@ class TextureModel(NetworkModel[TextureNetwork]):
 
     @torch.inference_mode()
     def change(
-        self, picture: np.ndarray, maps: np.ndarray, source: np.ndarray, target: np.ndarray, hue: np.ndarray
+        self, picture: np.ndarray, maps: np.ndarray, source: np.ndarray, target: np.ndarray, manner: Manner
     ) -> TextureChange:
         """What the step from one expression to another does to a texture.
 
         picture: (S, S, 3) uint8 sRGB, in the chart. maps: (S, S, 23) of ``shape_maps``. source, target: (52,) ARKit
-        weights of what the texture shows, and of what it is to show. hue: (S, S) from 0 to 1, how far texels keep
-        their own.
+        weights of what the texture shows, and of what it is to show. manner: Manner of the picture.
         """
         codes = torch.from_numpy(np.concatenate([source, target]).astype(np.float32))[None]
         colours = _tensor(picture / 255.0)
         change = self.network(colours, _tensor(maps), codes)
-        return _numpy(change.in_own_hue(colours, torch.from_numpy(np.asarray(hue, np.float32))))
+        shades = torch.from_numpy(np.asarray(manner.shades, np.float32))[None]
+        return _numpy(change.in_own_shades(colours, shades, torch.from_numpy(np.asarray(manner.share, np.float32))))
 
 
 def texture_to_checkpoint(model: TextureModel) -> tuple[dict[str, np.ndarray], dict[str, Any]]:

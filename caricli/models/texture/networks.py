@@ -31,9 +31,6 @@ _PLACE = 2
 _DARK = 0.02
 """From 0 to 1: what is as dark as that has no hue."""
 
-_POWERS = (0.6, 1.8)
-"""Of colours, within which they keep their hue while they become darker or lighter."""
-
 _HALF = 2
 _LEVELS = 4
 _SLOPE = 0.2
@@ -55,19 +52,19 @@ class Change:
         """Textures (B, 3, S, S) as they become (equation 12)."""
         return pictures + self.attention * (self.gain * pictures + self.offset)
 
-    def in_own_hue(self, pictures: torch.Tensor, share: torch.Tensor) -> "Change":
-        """The same, but so far as dark or light paint of the own hue: as a power of the colours, as glazes are mixed.
+    def in_own_shades(self, pictures: torch.Tensor, shades: torch.Tensor, share: torch.Tensor) -> "Change":
+        """The same, but so far as the darker or lighter paint that the pictures have themselves, equally light.
 
-        pictures: (B, 3, S, S), sRGB from 0 to 1. share: (S, S) from 0 to 1, how far.
+        pictures: (B, 3, S, S), sRGB from 0 to 1. shades: (B, 3), exponents of the channels, see ``Manner``. share:
+        (S, S) from 0 to 1, how far.
         """
         before = _luminance(pictures)
         after = _luminance(self.paint(pictures).clamp(0, 1))
-        power = (after.log() / before.log()).clamp(*_POWERS)
-        glazed = pictures.clamp(_DARK, 1) ** power
-        glaze = glazed * after / _luminance(glazed) / pictures.clamp(_DARK, 1) - 1
+        shaded = pictures.clamp(_DARK, 1) * (after / before) ** shades[:, :, None, None]
+        factor = shaded * after / _luminance(shaded) / pictures.clamp(_DARK, 1) - 1
         gain = self.attention * self.gain
         offset = self.attention * self.offset
-        return Change(torch.ones_like(self.attention), gain + share * (glaze - gain), offset - share * offset)
+        return Change(torch.ones_like(self.attention), gain + share * (factor - gain), offset - share * offset)
 
 
 def _luminance(pictures: torch.Tensor) -> torch.Tensor:
