@@ -5,8 +5,8 @@ else is said, with --long the others, else those that are named; a run whose fig
 done again, so that one may be stopped and goes on with the next. Tables that have no columns there hold figures as they
 were printed before they were kept, and stay as they are until tables.yaml says how to print them. The figures go to
 results/NAME.json with command, revision and date, and all tables are rendered between their markers in RESULTS.md,
-`<!-- table: NAME -->` and `<!-- end -->`; --render does only that. The test set (configs/testset.yaml) is built where
-it is not there.
+`<!-- table: NAME -->` and `<!-- end -->`; --render does only that. The test set (configs/testset.yaml) and what else a
+run needs are made where they are not there. A run that fails does not stop the others.
 """
 
 import argparse
@@ -57,8 +57,9 @@ class Table:
 class Run:
     """command: as typed at the root, its result the JSON file that it writes under OUT, else its last line.
 
-    short: below two minutes, from a clone, and the same figures every time. needs: folders of the test set, in the
-    order in which they are made; those with a $ are variables of the environment, data that nobody may hand on.
+    short: below two minutes, from a clone, and the same figures every time. needs: folders of the test set, and what
+    tables.yaml says under "data", in the order in which they are made; those with a $ are variables of the environment,
+    data that nobody may hand on.
     """
 
     command: str
@@ -66,9 +67,14 @@ class Run:
     needs: tuple[str, ...] = ()
 
 
+def told_of_tables() -> dict:
+    """What tables.yaml holds."""
+    return yaml.safe_load((ROOT / "benchmarks" / "tables.yaml").read_text("utf-8"))
+
+
 def registry() -> tuple[dict[str, Run], dict[str, Table]]:
     """Runs and tables of tables.yaml by name."""
-    told = yaml.safe_load((ROOT / "benchmarks" / "tables.yaml").read_text("utf-8"))
+    told = told_of_tables()
     runs = {name: Run(**run) for name, run in told["runs"].items()}
     return runs, {name: Table(**table) for name, table in told["tables"].items()}
 
@@ -148,6 +154,11 @@ def revision() -> str:
     return git("rev-parse", "--short=7", "HEAD") + ("+" if changed else "")
 
 
+def is_present(name: str) -> bool:
+    """Whether the figures of a run are of the present revision."""
+    return (FOLDER / f"{name}.json").is_file() and figures_of(name)["revision"] == revision()
+
+
 def measure(name: str, run: Run, parts: Iterable[str]) -> None:
     """Do a run and write its figures, those parts that tables show."""
     with tempfile.TemporaryDirectory() as folder:
@@ -165,12 +176,20 @@ def measure(name: str, run: Run, parts: Iterable[str]) -> None:
     (FOLDER / f"{name}.json").write_text(json.dumps(result, indent=1) + "\n", "utf-8")
 
 
-def build_testset(needs: Iterable[str]) -> None:
-    """Make what is missing of the test set's folders."""
+def makers() -> dict[str, tuple[Path, str]]:
+    """By name where that lies which runs need, and the command that makes it."""
     told = yaml.safe_load((ROOT / "configs" / "testset.yaml").read_text("utf-8"))
+    testset = {name: (TESTSET / name, f"{command} --seed {told['seed']}") for name, command in told["folders"].items()}
+    return testset | {name: (ROOT / name, command) for name, command in told_of_tables()["data"].items()}
+
+
+def make_missing(needs: Iterable[str]) -> None:
+    """Make what is missing of what a run needs."""
     for name in needs:
-        if not name.startswith("$") and not (TESTSET / name).is_dir():
-            _call(f"{told['folders'][name]} --seed {told['seed']}")
+        if not name.startswith("$"):
+            path, command = makers()[name]
+            if not path.exists():
+                _call(command)
 
 
 def _call(command: str) -> str:
@@ -218,16 +237,22 @@ def main() -> None:
     parser.add_argument("--render", action="store_true", help="no run, only the tables")
     asked = parser.parse_args()
     runs, tables = registry()
+    failed = []
     for name in asked.names or [name for name, run in runs.items() if run.short != asked.long and not asked.render]:
         own = [table for table in tables.values() if table.run == name]
         obstacle = why_not(runs[name], own)
         if obstacle:
             print(f"{name}: {obstacle}", file=sys.stderr)
-        elif asked.names or figures_of(name)["revision"] != revision():
-            build_testset(runs[name].needs)
-            measure(name, runs[name], {table.rows for table in own})
+        elif asked.names or not is_present(name):
+            try:
+                make_missing(runs[name].needs)
+                measure(name, runs[name], {table.rows for table in own})
+            except subprocess.CalledProcessError as error:
+                failed.append(f"{name}: {error}")
             PAGE.write_text(rendered(PAGE.read_text("utf-8")), "utf-8")
     PAGE.write_text(rendered(PAGE.read_text("utf-8")), "utf-8")
+    if failed:
+        sys.exit("\n".join(failed))
 
 
 if __name__ == "__main__":

@@ -1,5 +1,6 @@
 import re
 import shlex
+import subprocess
 
 import pytest
 
@@ -91,3 +92,41 @@ def test_short_tables_can_be_measured_from_a_clone():
     for table in TABLES.values():
         if table.run in short:
             assert table.columns and not any(need.startswith("$") for need in RUNS[table.run].needs)
+
+
+def test_all_that_runs_need_has_a_command():
+    makers = results.makers()
+    for run in RUNS.values():
+        for need in run.needs:
+            assert need.startswith("$") or makers[need][1].startswith("caricli ")
+    told = {word for run in RUNS.values() for word in run.command.split()}
+    assert {name for name, (path, _) in makers.items() if path.parent == results.ROOT} <= told
+
+
+def test_what_a_run_needs_is_made_once_and_a_run_that_fails_does_not_stop_the_others(monkeypatch, tmp_path):
+    calls = []
+
+    def call(command):
+        calls.append(command)
+        if "bad" in command:
+            raise subprocess.CalledProcessError(1, command)
+        (tmp_path / "people").mkdir(exist_ok=True)
+        return '{"rows": []}'
+
+    runs = {name: results.Run(f"python {name}.py", needs=("people",)) for name in ("bad", "good")}
+    tables = {name: results.Table(name, "rows", {"error": "{error}"}) for name in runs}
+    page = tmp_path / "RESULTS.md"
+    page.write_text("none")
+    for name, value in {
+        "_call": call,
+        "registry": lambda: (runs, tables),
+        "makers": lambda: {"people": (tmp_path / "people", "caricli dataset build people")},
+        "FOLDER": tmp_path,
+        "PAGE": page,
+    }.items():
+        monkeypatch.setattr(results, name, value)
+    monkeypatch.setattr("sys.argv", ["results", "bad", "good"])
+    with pytest.raises(SystemExit, match=r"bad: .*bad\.py"):
+        results.main()
+    assert calls == ["caricli dataset build people", "python bad.py", "python good.py"]
+    assert (tmp_path / "good.json").is_file() and not (tmp_path / "bad.json").exists()
