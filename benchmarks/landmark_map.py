@@ -2,7 +2,7 @@
 
 Usage: python benchmarks/landmark_map.py TRAINING TEST OUT.json [STEPS], both folders of `caricli dataset build`, STEPS
 of the networks' trainings. All but the bundled map learn from the training split of TRAINING: closed form, networks,
-and regression on pairs, which is the bound. Everybody of TEST is measured, without people of TRAINING or of the bundled
+and regression on pairs, which is told more. Everybody of TEST is measured, without people of TRAINING or of the bundled
 map's training. Errors are mean distances of 68 aligned landmarks in percent of the true ones' diagonal; of ways that
 draw, and of networks with a code of style, the nearest of ten counts. Intervals are of the share below identity when
 people are drawn anew.
