@@ -43,9 +43,16 @@ def test_later_commands_go_on_from_the_face(run, fitted, tmp_path):
     folder, _ = fitted
     result = run("encode", folder / "face.npz", "--model", "morphable", "--out", tmp_path / "again.npz")
     assert result.exit_code == 0, result.output
+    face, again = read_face(folder / "face.npz"), read_face(tmp_path / "again.npz")
+    gaps = load_model(kind="morphable").decode(again.latent) - face.vertices
+    assert np.linalg.norm(gaps, axis=1).mean() < 5e-4
     result = run("interpolate", folder / "face.npz", folder / "face.npz", "--model", "morphable",
                  "--out-dir", tmp_path / "between", "--steps", 3)  # fmt: skip
     assert result.exit_code == 0, result.output
+    between = [read_face(path) for path in sorted((tmp_path / "between").glob("*.npz"))]
+    assert len(between) == 3
+    for each in between:
+        np.testing.assert_allclose(each.vertices, face.vertices, atol=1e-5)
 
 
 def test_expression_only_keeps_the_identity(run, fitted, tmp_path):

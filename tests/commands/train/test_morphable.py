@@ -5,6 +5,7 @@ import pytest
 
 from caricli.data.dataset import read_dataset
 from caricli.io.bundled import config_path
+from caricli.io.face import read_face
 from caricli.io.strict_json import read_json, write_json
 from caricli.store.models import load_model
 
@@ -54,8 +55,11 @@ def test_same_data_same_bytes(run, trained, dataset, tmp_path):
 
 def test_evaluate_and_sample_take_it(run, trained, dataset, tmp_path):
     assert run("evaluate", "shape", trained, "--data", dataset, "--out", tmp_path / "e.json").exit_code == 0
+    (errors,) = read_json(tmp_path / "e.json")["models"].values()
+    assert 0 < errors["train"]["percent"] < 5
     result = run("sample", "--model", trained, "--count", 1, "--out-dir", tmp_path / "faces")
     assert result.exit_code == 0, result.output
+    assert read_face(tmp_path / "faces" / "face-000.npz").model_id == load_model(trained).model_id
 
 
 @pytest.mark.parametrize("setting", ["identity=0", "noise=0", "dimension=3", "albedo=many"])
