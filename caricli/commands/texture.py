@@ -3,6 +3,7 @@
 import re
 import time
 from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -172,11 +173,11 @@ class Expressions:
     @classmethod
     def load(cls, expressions: Path | None, network: Path | None) -> "Expressions | None":
         """Those of a file, or None. network: path, or None for the bundled one. Raises InputError, UsageError."""
-        from caricli.store.expression_tools import ToolPaths, load_tools
-
         model = load_network(network, expressions is not None, "--expressions")
         if model is None:
             return None
+        from caricli.store.expression_tools import ToolPaths, load_tools
+
         tools, files = load_tools(ToolPaths(expressions))
         for name in tools.expressions:
             if not _FILE_NAME.fullmatch(name):
@@ -223,8 +224,8 @@ class TextureTask:
         from caricli.methods.dynamic.face_in_chart import face_in_chart
         from caricli.methods.texture.paint_head import paint_head
         from caricli.render.in_parallel import in_parallel
+        from caricli.render.warp_start import warp_start
         from caricli.store.faces import load_seen_face, write_charted_face, write_painted_head
-        from caricli.store.pictures import load_mask
         from caricli.template.chart import face_chart
 
         files = () if self.expressions is None else self.expressions.files
@@ -232,15 +233,16 @@ class TextureTask:
         folders = staged_folder(
             out, overwrite=self.overwrite, inputs=(*inputs, self.model, self.detector), marker=REPORT
         )
-        with folders as folder, progress_bar("painting"):
+        with folders as folder, progress_bar("painting"), self._reading(face, image) as read:
             seen, shape_model = load_seen_face(face, self.model)
             picture = read_image(image)
             with naming(face):
                 points = seen.require_landmarks()
-            white = None if self.mask is None else load_mask(self.mask, (picture.shape[1], picture.shape[0]))
-            regions = self._regions(picture, points) if white is None else None
+            white, labels = self._given(picture)
             with naming(self.model or face):
                 chart = face_chart(shape_model.template) if self.chart else None
+            warp_start()
+            regions = labels if read is None else read()
             start = time.perf_counter()
             with naming(", ".join(str(path) for path in inputs if path)):
                 painted = paint_head(seen, shape_model.template, picture, white, self.settings, regions)
@@ -259,14 +261,19 @@ class TextureTask:
                 pass
         return f"{out}: {painted.describe()}"
 
-    def _regions(self, picture: np.ndarray, points: np.ndarray) -> np.ndarray | None:
-        """(H, W) values of Region of a picture with a face at points (L, 2), or None where nothing tells them."""
-        from caricli.store.face_pictures import FaceReader
-        from caricli.store.pictures import load_regions
+    def _reading(self, face: Path, image: Path) -> AbstractContextManager[Callable[[], np.ndarray | None] | None]:
+        """What waits for the regions of the picture, (H, W) values of Region, or None where no detector is asked."""
+        from caricli.store.face_pictures import regions_beside
 
-        if self.parsing is None:
-            return FaceReader(self.detector).parse(picture, points)
-        return load_regions(self.parsing, (picture.shape[1], picture.shape[0]))
+        return nullcontext() if self.mask or self.parsing else regions_beside(face, image, self.detector)
+
+    def _given(self, picture: np.ndarray) -> tuple[np.ndarray | None, np.ndarray | None]:
+        """Of the files of a picture (H, W, 3): (H, W) bool, the head, and (H, W) values of Region; None without."""
+        from caricli.store.pictures import load_mask, load_regions
+
+        size = (picture.shape[1], picture.shape[0])
+        mask = None if self.mask is None else load_mask(self.mask, size)
+        return mask, None if self.parsing is None else load_regions(self.parsing, size)
 
 
 def _retouch(path, image, out, model, overwrite):

@@ -1,6 +1,7 @@
-"""Fresh processes that share out work."""
+"""Fresh processes that share out work, or do some of it beside this one."""
 
 import contextlib
+import gc
 import multiprocessing
 import os
 import signal
@@ -9,12 +10,17 @@ from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from functools import partial
-from typing import Any
+from multiprocessing.connection import Connection
+from typing import Any, TypeVar
 
 from threadpoolctl import threadpool_limits
 
 from caricli import signals
 from caricli.errors import CaricliError
+
+T = TypeVar("T")
+
+_ENDED = "a worker process was ended from outside; is there enough memory?"
 
 _worker: Any = None
 """In a worker process: what all its jobs share."""
@@ -30,28 +36,68 @@ def worker_pool(workers: int | None, make: Callable[[], Any]) -> Iterator[Callab
     Raises CaricliError when a process was ended from outside.
     """
     context = multiprocessing.get_context("spawn")
-    pool = ProcessPoolExecutor(workers or _usable_cores(), context, initializer=_start, initargs=(make,))
+    pool = ProcessPoolExecutor(workers or usable_cores(), context, initializer=_start, initargs=(make,))
     try:
         yield partial(_run, pool)
     except BrokenProcessPool as error:
-        raise CaricliError("a worker process was ended from outside; is there enough memory?") from error
+        raise CaricliError(_ENDED) from error
     finally:
         with signals.held():
             pool.shutdown(cancel_futures=True)
 
 
-def _usable_cores() -> int | None:
+@contextlib.contextmanager
+def run_beside(function: Callable[[], T]) -> Iterator[Callable[[], T]]:
+    """Run a function in a process of its own, which ends with the context whatever happens, and with this process.
+
+    function: of a module, with all that goes with it and that it returns.
+    Yields a function that waits for what it returns, to be called once; it raises what was raised there, and
+    CaricliError when the process was ended from outside.
+    """
+    context = multiprocessing.get_context("spawn")
+    receiver, sender = context.Pipe(duplex=False)
+    process = context.Process(target=_answer, args=(sender, function), daemon=True)
+    with _starting():
+        process.start()
+    sender.close()
+    try:
+        yield partial(_received, receiver)
+    finally:
+        with signals.held():
+            process.kill()
+            process.join()
+            receiver.close()
+
+
+def usable_cores() -> int | None:
+    """Processors that this process may use, or None where nobody knows."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
 
 
 def _run(pool: ProcessPoolExecutor, function: Callable, jobs: Iterable) -> Iterator:
-    # Workers start here and inherit the mask, so that Ctrl-C, which reaches them too, is left to the parent.
+    with _starting():
+        return pool.map(partial(_work, function), jobs)
+
+
+@contextlib.contextmanager
+def _starting() -> Iterator[None]:
+    """Processes start here and inherit the mask, so that Ctrl-C, which reaches them too, is left to the parent."""
     previous = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
-        with signals.held():  # a pool that is stopped while it starts a worker does not know of it
-            return pool.map(partial(_work, function), jobs)
+        with signals.held():  # what is stopped while it starts a process does not know of it
+            yield
     finally:
         signal.pthread_sigmask(signal.SIG_SETMASK, previous)
+
+
+def _received(receiver: Connection) -> Any:
+    try:
+        result, error = receiver.recv()
+    except EOFError as ended:
+        raise CaricliError(_ENDED) from ended
+    if error is not None:
+        raise error
+    return result
 
 
 # ---------------------------------------------------------------- in a worker
@@ -59,12 +105,26 @@ def _run(pool: ProcessPoolExecutor, function: Callable, jobs: Iterable) -> Itera
 
 def _start(make: Callable[[], Any]) -> None:
     global _worker
+    _belong_to_parent()
+    threadpool_limits(1)
+    _worker = make()
+
+
+def _answer(sender: Connection, function: Callable[[], Any]) -> None:
+    _belong_to_parent()
+    gc.disable()  # what is imported makes many containers and no cycles, and what comes after does not last
+    try:
+        answer: tuple[Any, Exception | None] = (function(), None)
+    except Exception as error:
+        answer = (None, error)
+    sender.send(answer)
+
+
+def _belong_to_parent() -> None:
     # Ctrl-C reaches the whole process group; the parent ends the workers.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     threading.Thread(target=_end_with_parent, daemon=True).start()
-    threadpool_limits(1)
-    _worker = make()
 
 
 def _end_with_parent() -> None:

@@ -40,11 +40,13 @@ def load_network(network: Path | None, wanted: bool, flag: str = "--dynamic-text
     network: path, or None for the bundled one. flag: what wants it. Raises UsageError for a network that nothing wants,
     InputError for one that is not there or another.
     """
-    from caricli.store.texture_networks import load_texture_network
-
     if network is not None and not wanted:
         raise click.UsageError(f"--texture-network is for {flag}.")
-    return load_texture_network(network) if wanted else None
+    if not wanted:
+        return None
+    from caricli.store.texture_networks import load_texture_network
+
+    return load_texture_network(network)
 
 
 def load_painter(
