@@ -13,6 +13,7 @@ from caricli.commands.shared.progress import progress_bar
 from caricli.errors import shown
 from caricli.io.image import write_png
 from caricli.io.strict_json import write_json
+from caricli.render.in_parallel import in_parallel
 
 if TYPE_CHECKING:
     from caricli.methods.expressions.retarget_rig import Retargeting
@@ -76,8 +77,10 @@ class Redrawing:
             write_video(film, self._frames(count, report), fps)
 
     def _frames(self, count: int, report: Callable[[int, int], object]) -> Iterator[np.ndarray]:
-        for row in range(count):
-            yield self.draw(row)
+        # Loaded before several frames ask for it.
+        assert self.original
+        for row, frame in enumerate(in_parallel(self.draw, range(count))):
+            yield frame
             report(row + 1, count)
 
 

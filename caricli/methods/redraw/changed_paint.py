@@ -24,7 +24,8 @@ class ChangedPaint:
     @property
     def strength(self) -> np.ndarray:
         """(H, W) float32 levels of 255 by which paint of a middling colour changes."""
-        return np.abs(_MIDDLING * self.gain + self.offset).max(2)
+        red, green, blue = np.moveaxis(np.abs(_MIDDLING * self.gain + self.offset), 2, 0)
+        return np.maximum(np.maximum(red, green), blue)
 
     def paint(self, colours: np.ndarray) -> np.ndarray:
         """Lit colours (H, W, 3), 0 to 255, as they become."""

@@ -8,6 +8,7 @@ import numpy as np
 from caricli.methods.redraw.openings import drawn_anew
 from caricli.methods.redraw.original import Original, blurred
 from caricli.methods.redraw.spread_colours import spread_colours
+from caricli.methods.redraw.view import Window
 from caricli.methods.texture.estimate_light import GAMMA
 from caricli.render.paint import smooth_step
 from caricli.render.sky import DIRECTIONS, light_received, sky_visibility
@@ -153,9 +154,9 @@ class MovedHead:
         return smooth_step(behind, 2 * near, near) * turned * self.view.covered
 
     @cached_property
-    def forward(self) -> np.ndarray:
-        """(H, W, 2) float32: by how many pixels what the old picture shows at the samples has moved."""
-        return self.original.view.carried(self.view.placed[:, :2] - self.original.placed[:, :2])
+    def _gone(self) -> np.ndarray:
+        """(H, W) float32: by how many pixels what the old picture shows at the samples has moved."""
+        return _lengths(self.original.view.carried(self.view.placed[:, :2] - self.original.placed[:, :2]))
 
     @cached_property
     def strip(self) -> np.ndarray:
@@ -179,9 +180,9 @@ class MovedHead:
     @cached_property
     def motion(self) -> np.ndarray:
         """(H, W) float32 pixels: how far what samples show, or showed, or what is beside it, has moved."""
-        own = np.maximum(np.linalg.norm(self.shift, axis=2), np.linalg.norm(self.forward, axis=2))
+        own = np.maximum(_lengths(self.shift), self._gone)
         own = np.maximum(own, self.original.settings.moved * (1 - self._kept) * self.view.inside)
-        beside = np.linalg.norm(self._outline_shift, axis=2) * (self.strip > 0)
+        beside = _lengths(self._outline_shift) * (self.strip > 0)
         return np.maximum(own, np.maximum(beside, self._left * (self._stained > 0)))
 
     @cached_property
@@ -192,7 +193,7 @@ class MovedHead:
     @cached_property
     def _left(self) -> np.ndarray:
         """(H, W) pixels by which the outline that is nearest in the old picture has moved."""
-        return np.linalg.norm(self.forward[self.original.view.outline], axis=2)
+        return self._gone[self.original.view.outline]
 
     @cached_property
     def _stained(self) -> np.ndarray:
@@ -202,13 +203,19 @@ class MovedHead:
 
     def look(self, samples: np.ndarray, source: np.ndarray | None = None) -> np.ndarray:
         """What samples (H, W, ...) of the old picture are at pixels of it (H, W, 2), or at the source."""
-        window = self.original.window
-        at = (self.source if source is None else source) - np.array([window.left, window.top], np.float32)
-        return _taken(samples, (at + 0.5) * window.fine - 0.5, cv2.INTER_LINEAR)
+        columns, rows = self._at if source is None else _at(source, self.original.window)
+        return cv2.remap(samples, columns, rows, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+
+    @cached_property
+    def _at(self) -> tuple[np.ndarray, np.ndarray]:
+        """Columns and rows (H, W) float32 of the source among samples."""
+        return _at(self.source, self.original.window)
 
     def picture(self, source: np.ndarray) -> np.ndarray:
         """(H, W, 3) float32 colours of the old picture at pixels of it (H, W, 2)."""
-        return np.clip(_taken(self.original.picture.astype(np.float32), source, cv2.INTER_CUBIC), 0, 255)
+        x, y = np.moveaxis(source.astype(np.float32), 2, 0)
+        picture = self.original.picture.astype(np.float32)
+        return np.clip(cv2.remap(picture, x, y, cv2.INTER_CUBIC, borderMode=cv2.BORDER_REPLICATE), 0, 255)
 
     @cached_property
     def light_ratio(self) -> np.ndarray:
@@ -238,9 +245,17 @@ class MovedHead:
         return self.view.carried(shade)
 
 
-def _taken(image: np.ndarray, at: np.ndarray, interpolation: int) -> np.ndarray:
-    x, y = np.moveaxis(at.astype(np.float32), 2, 0)
-    return cv2.remap(image, x, y, interpolation, borderMode=cv2.BORDER_REPLICATE)
+def _at(source: np.ndarray, window: Window) -> tuple[np.ndarray, np.ndarray]:
+    """Columns and rows (H, W) float32 of pixels (H, W, 2) of a picture among the samples of a window."""
+    columns = (source[..., 0] - np.float32(window.left) + 0.5) * window.fine - 0.5
+    rows = (source[..., 1] - np.float32(window.top) + 0.5) * window.fine - 0.5
+    return columns.astype(np.float32, copy=False), rows.astype(np.float32, copy=False)
+
+
+def _lengths(vectors: np.ndarray) -> np.ndarray:
+    """(H, W) of vectors (H, W, 2)."""
+    x, y = np.moveaxis(vectors, 2, 0)
+    return np.sqrt(x * x + y * y)
 
 
 def _areas(placed: np.ndarray, faces: np.ndarray) -> np.ndarray:

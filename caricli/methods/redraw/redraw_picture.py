@@ -52,20 +52,20 @@ def _painted(original: Original, head: MovedHead, changed: ChangedPaint | None) 
     if original.rows is not None:
         # Teeth that are drawn need no others beside them.
         teeth = np.isin(_materials(original, head), (Material.TEETH, Material.GUMS))
-        lit = (
-            spread_colours(lit, (head.view.inside & ~teeth).astype(np.float32)) * teeth[..., None]
-            + lit * ~teeth[..., None]
-        )
+        beside = (head.view.inside & ~teeth).astype(np.float32)
+        lit = np.where(teeth[..., None], spread_colours(lit, beside), lit)
     if changed is not None:
         old = changed.paint(old)
         lit = changed.paint(lit)
     seen = head.shown
     eyes = _materials(original, head) == Material.EYE
     # In a mouth a colour says nothing of what is beside it.
-    colours = np.where(head.view.inside[..., None], lit + seen[..., None] * (old - lit), 0)
+    apart = old - lit
+    colours = np.where(head.view.inside[..., None], lit + seen[..., None] * apart, 0)
     for part in (eyes, head.view.covered & ~eyes & ~head.view.inside):
-        more = spread_colours(np.where(part[..., None], old - lit, 0), part * seen)
-        colours += part[..., None] * (lit + more)
+        # Beside the part nothing counts.
+        more = spread_colours(apart, part * seen)
+        colours[part] = lit[part] + more[part]
     return _closed(head, old, np.clip(colours, 0, 255))
 
 
@@ -82,7 +82,7 @@ def _closed(head: MovedHead, old: np.ndarray, painted: np.ndarray) -> np.ndarray
     plain = spread_colours(old.astype(np.float32), skin * like**2 * (1 - head.beside_lids))
     lids = np.maximum(lids, head.beside_lids * (1 - like**2))
     painted = painted + lids[..., None] * (plain - painted)
-    return painted + head.lashes[..., None] * (np.array(FINISHES[Material.LASHES].colour) - painted)
+    return painted + head.lashes[..., None] * (np.array(FINISHES[Material.LASHES].colour, np.float32) - painted)
 
 
 def _composed(original: Original, head: MovedHead, painted: np.ndarray) -> np.ndarray:

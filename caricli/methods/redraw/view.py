@@ -51,9 +51,8 @@ class Window:
         return self.cut(picture).repeat(self.fine, axis=0).repeat(self.fine, axis=1)
 
     def means(self, samples: np.ndarray) -> np.ndarray:
-        """(height, width, ...) means of the samples of every pixel."""
-        shape = (self.height, self.fine, self.width, self.fine, *samples.shape[2:])
-        return samples.reshape(shape).mean(axis=(1, 3))
+        """(height, width, ...) means of the samples (H, W, ...), floats, of every pixel."""
+        return cv2.resize(samples, (self.width, self.height), interpolation=cv2.INTER_AREA)
 
 
 class View:
@@ -79,9 +78,14 @@ class View:
 
     def carried(self, values: np.ndarray) -> np.ndarray:
         """(H, W, C) float32: values (V, C) of vertices at the samples; zeros beside the head."""
-        carried = np.zeros((*self.face.shape, values.shape[1]), np.float32)
-        carried[self.covered] = self._mix @ values.astype(np.float32)
-        return carried
+        carried = np.zeros((self.face.size, values.shape[1]), np.float32)
+        carried[self._spots] = self._mix @ values.astype(np.float32)
+        return carried.reshape(*self.face.shape, -1)
+
+    @cached_property
+    def _spots(self) -> np.ndarray:
+        """(N,) int: the samples that show the head, row by row."""
+        return np.flatnonzero(self.covered)
 
     @cached_property
     def _mix(self) -> sp.csr_matrix:
