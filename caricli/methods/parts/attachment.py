@@ -18,9 +18,6 @@ from caricli.template.head import BasePart, Head, load_head
 from caricli.template.head_parts import head_parts, part_lips
 from caricli.template.template import FittedParts, Template
 
-BETWEEN = 0.3
-"""Of the way from a usual head to a node of gender, age and weight: how far heads differ in that."""
-
 POSED = 0.25
 """Weight of expressions: the neutral face of a drawing that laughs keeps some of its laughter."""
 
@@ -129,7 +126,7 @@ def _examples(head: Head, shapes: Head | BasePart) -> np.ndarray:
     sizes = np.array([usual_size(head.change_names[k]) for k in identity])[:, None, None]
     nodes = shapes.phenotype.reshape(-1, *shapes.phenotype.shape[-2:]) - shapes.evaluate()
     ways = [sizes * changes[identity] for changes in (shapes.changes_up, shapes.changes_down)]
-    return np.concatenate([*ways, BETWEEN * nodes, POSED * shapes.actions])
+    return np.concatenate([*ways, nodes, POSED * shapes.actions])
 
 
 @cache

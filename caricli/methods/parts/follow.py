@@ -16,10 +16,10 @@ class FollowSettings:
     them; reach, size: their reach and their length, shares of the height. exact: weight of what must hold.
     """
 
-    stiffness: float = 0.002
+    stiffness: float = 0.001
     fields: int = 200
     reach: float = 0.12
-    size: float = 0.01
+    size: float = 0.003
     exact: float = 1e3
 
 
