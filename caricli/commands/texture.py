@@ -241,11 +241,10 @@ class TextureTask:
             white, labels = self._given(picture)
             with naming(self.model or face):
                 chart = face_chart(shape_model.template) if self.chart else None
-            warp_start()
-            regions = labels if read is None else read()
+            warp_start()  # before regions are waited for
             start = time.perf_counter()
             with naming(", ".join(str(path) for path in inputs if path)):
-                painted = paint_head(seen, shape_model.template, picture, white, self.settings, regions)
+                painted = paint_head(seen, shape_model.template, picture, white, self.settings, read or labels)
             seconds = time.perf_counter() - start
             jobs: list[Callable[[], None]] = [partial(write_painted_head, folder, painted, seen)]
             if chart is not None:

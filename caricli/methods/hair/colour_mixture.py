@@ -58,5 +58,7 @@ def _log_densities(moments: np.ndarray, spread: float) -> np.ndarray:
 
 def _log_sum(scores: np.ndarray) -> np.ndarray:
     """(N,) logarithms of sums of exponentials of scores (N, K)."""
-    most = scores.max(1)
-    return most + np.log(np.exp(scores - most[:, None]).sum(1))
+    # A row for each Gaussian: NumPy is slow along axes of a few.
+    rows = np.ascontiguousarray(scores.T)
+    most: np.ndarray = rows.max(0)
+    return most + np.log(np.exp(rows - most).sum(0))

@@ -98,6 +98,12 @@ class HeadSphere:
         weights = np.clip(np.divide(weights, total, out=np.ones_like(weights), where=total != 0), 0, 1)
         return corners.astype(np.int32), weights / weights.sum(1, keepdims=True)
 
+    @cached_property
+    def _grid_roots(self) -> tuple[np.ndarray, np.ndarray]:
+        """`roots` of all directions of the grid, row by row."""
+        longitudes, angles = np.meshgrid(self.longitudes, self.angles)
+        return self.roots(longitudes.ravel(), angles.ravel())
+
     def cover(self, vertices: np.ndarray, faces: np.ndarray, longitudes: np.ndarray, angles: np.ndarray) -> np.ndarray:
         """How far out triangles (F, 3) of vertices (V, 3) are in directions (N,), infinite where there are none."""
         around, down, radii = self.seen_from(vertices)
@@ -109,16 +115,14 @@ class HeadSphere:
     @cached_property
     def radii(self) -> np.ndarray:
         """(R, C) map of how far out the skin is, ears left out."""
-        longitudes, angles = np.meshgrid(self.longitudes, self.angles)
-        corners, weights = self.roots(longitudes.ravel(), angles.ravel())
+        corners, weights = self._grid_roots
         points = np.einsum("nk,nkc->nc", weights, self.head.vertices[corners])
-        return np.linalg.norm(points - self.middle, axis=1).reshape(longitudes.shape)
+        return np.linalg.norm(points - self.middle, axis=1).reshape(len(self.angles), len(self.longitudes))
 
     def region(self, *names: str) -> np.ndarray:
         """(R, C) map, from 0 to 1: how far the skin there is of regions."""
-        longitudes, angles = np.meshgrid(self.longitudes, self.angles)
-        corners, weights = self.roots(longitudes.ravel(), angles.ravel())
-        return (weights * self.head.mask(*names)[corners]).sum(1).reshape(longitudes.shape)
+        corners, weights = self._grid_roots
+        return (weights * self.head.mask(*names)[corners]).sum(1).reshape(len(self.angles), len(self.longitudes))
 
     @cached_property
     def bending(self) -> tuple[sp.csr_matrix, np.ndarray]:

@@ -1,6 +1,7 @@
 """A head with the colours of its picture: skin, eyes, and how near they come."""
 
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
@@ -9,7 +10,8 @@ import numpy as np
 
 from caricli.errors import InputError
 from caricli.methods.detect.cut_openings import cut_openings
-from caricli.methods.hair.dress_hair import DressedHair, bare_skin, dress_hair, hair_picture
+from caricli.methods.hair.dress_hair import DressedHair, bare_skin, dress_hair, hair_picture, wants_hair
+from caricli.methods.hair.mask_hair import HairMask, mask_hair
 from caricli.methods.hair.shade_scalp import shade_scalp
 from caricli.methods.parts.close_neck import neck_picture
 from caricli.methods.parts.face_parts import face_parts
@@ -77,28 +79,23 @@ def paint_head(
     image: np.ndarray,
     mask: np.ndarray | None = None,
     settings: PaintSettings = PaintSettings(),  # noqa: B008 (frozen)
-    regions: np.ndarray | None = None,
+    regions: np.ndarray | Callable[[], np.ndarray | None] | None = None,
 ) -> Painted:
     """Paint a head with the picture that it was fitted to, its eyes in the colours that they have there.
 
     face: Face with camera and fitted landmarks. template: Template of its topology. image: (H, W, 3) uint8. mask:
     (H, W) bool, the head in it, or None to find it. settings: PaintSettings. regions: (H, W) values of Region, by which
     the head is found where there is no mask, and its hair, and glasses, hats and hands before it are kept off it; None
-    to tell them by colours, which also do where the regions show no head there.
+    to tell them by colours, which also do where the regions show no head there; or a function that waits for them, on
+    whose time hair is told by colours in case that they do not know it.
     Returns Painted. Raises InputError when the template has no UVs and is to have a texture of its own, when the face
     has no camera or no landmarks, and when it is not where picture and mask show a head.
     """
     camera = face.require_camera()
     landmarks = face.require_landmarks()
-    parsed = None if regions is None or mask is not None else parsed_head(regions, mesh_pixels(face, image), image)
-    parts = _find_head(face, image, mask) if parsed is None else parsed
-    mask = parts.whole
-    hair = dress_hair(face, template, image, settings, None if parsed is None else regions)
+    mask, skin, hair = _find_parts(face, template, image, mask, settings, regions)
     if hair is not None:
         face = hair.face
-    skin = parts.paint if hair is None else bare_skin(parts.paint, hair)
-    if parsed is not None and regions is not None:
-        skin = skin & ~cut_openings(image, regions, landmarks)
     head = template.with_vertices(face.vertices)
     sight = Sight(camera, image, skin, mask)
     # None of these waits for another.
@@ -124,6 +121,34 @@ def paint_head(
     whole = add_parts(replace(whole, pictures=pictures), [] if hair is None else [hair.hair.part])
     whole = choose_parts(whole, settings.head)
     return Painted(head, whole, error, seen, float(mask.mean()), light, hair)
+
+
+def _find_parts(
+    face: Face,
+    template: Template,
+    image: np.ndarray,
+    mask: np.ndarray | None,
+    settings: PaintSettings,
+    regions: np.ndarray | Callable[[], np.ndarray | None] | None,
+) -> tuple[np.ndarray, np.ndarray, DressedHair | None]:
+    """(H, W) bool, the head in a picture and what of it is bare skin, and its hair; see `paint_head`."""
+    by_colours: Callable[[], HairMask] = partial(mask_hair, face, template, image)
+    if callable(regions):
+        with ThreadPoolExecutor(1) as pool:
+            if wants_hair(template, settings):
+                by_colours = pool.submit(by_colours).result
+            regions = regions()
+    parsed = None if regions is None or mask is not None else parsed_head(regions, mesh_pixels(face, image), image)
+    parts = _find_head(face, image, mask) if parsed is None else parsed
+    regions = None if parsed is None else regions
+    looks: list[Callable[[], Any]] = [partial(dress_hair, face, template, image, settings, regions, by_colours)]
+    if regions is not None:
+        looks.append(partial(cut_openings, image, regions, face.require_landmarks()))
+    hair, *openings = in_parallel(lambda look: look(), looks)
+    skin = parts.paint if hair is None else bare_skin(parts.paint, hair)
+    for opening in openings:
+        skin = skin & ~opening
+    return parts.whole, skin, hair
 
 
 def _paint_skin(head: Template, sight: Sight, settings: PaintSettings) -> tuple[Template, FaceTexture]:
