@@ -35,6 +35,7 @@ from caricli.structures import Face
 
 if TYPE_CHECKING:
     from caricli.methods.expressions.tools import ExpressionTools
+    from caricli.methods.texture.paint_head import Painted
     from caricli.models.texture.model import TextureModel
 
 REPORT = "face.json"
@@ -221,6 +222,23 @@ class TextureTask:
     def run(self, face: Path, image: Path, out: Path) -> str:
         """Paint a face, write the head into a folder, and say how near it came."""
         from caricli.commands.shared.progress import progress_bar
+
+        files = () if self.expressions is None else self.expressions.files
+        inputs = (face, image, self.mask, self.parsing, *files)
+        folders = staged_folder(
+            out, overwrite=self.overwrite, inputs=(*inputs, self.model, self.detector), marker=REPORT
+        )
+        # What paints takes a while to import: regions are read meanwhile.
+        with folders as folder, progress_bar("painting"), self._reading(face, image) as read:
+            painted = self._write(folder, inputs, read)
+        return f"{out}: {painted.describe()}"
+
+    def _write(
+        self, folder: Path, inputs: tuple[Path | None, ...], read: Callable[[], np.ndarray | None] | None
+    ) -> "Painted":
+        """Paint a face and write the head into a folder. inputs: paths, of face and picture first. read: what waits for
+        the regions of the picture, or None.
+        """
         from caricli.methods.dynamic.face_in_chart import face_in_chart
         from caricli.methods.texture.paint_head import paint_head
         from caricli.render.in_parallel import in_parallel
@@ -228,37 +246,33 @@ class TextureTask:
         from caricli.store.faces import load_seen_face, write_charted_face, write_painted_head
         from caricli.template.chart import face_chart
 
-        files = () if self.expressions is None else self.expressions.files
-        inputs = (face, image, self.mask, self.parsing, *files)
-        folders = staged_folder(
-            out, overwrite=self.overwrite, inputs=(*inputs, self.model, self.detector), marker=REPORT
-        )
-        with folders as folder, progress_bar("painting"), self._reading(face, image) as read:
-            seen, shape_model = load_seen_face(face, self.model)
-            picture = read_image(image)
-            with naming(face):
-                points = seen.require_landmarks()
-            white, labels = self._given(picture)
-            with naming(self.model or face):
-                chart = face_chart(shape_model.template) if self.chart else None
-            warp_start()  # before regions are waited for
-            start = time.perf_counter()
-            with naming(", ".join(str(path) for path in inputs if path)):
-                painted = paint_head(seen, shape_model.template, picture, white, self.settings, read or labels)
-            seconds = time.perf_counter() - start
-            jobs: list[Callable[[], None]] = [partial(write_painted_head, folder, painted, seen)]
-            if chart is not None:
-                charted = face_in_chart(painted, seen, picture, chart)
-                jobs.append(partial(write_charted_face, folder, charted))
-            if self.expressions is not None:
-                self.expressions.write(folder, replace(seen, mesh=painted.head, pictures=painted.pictures), face)
-            jobs += [partial(_draw_sheet, p, picture, points, painted) for p in picture_files(folder / "sheet.png")]
-            about = {"project_uv": self.settings.project_uv, "seconds": seconds, "head": painted.filled}
-            about |= {"model_id": shape_model.model_id} | painted.figures()
-            write_json(folder / REPORT, provenance("texture", inputs, self.settings.seed, **about))
-            for _ in in_parallel(lambda job: job(), jobs):
-                pass
-        return f"{out}: {painted.describe()}"
+        face, image, *_ = inputs
+        assert face is not None and image is not None
+        seen, shape_model = load_seen_face(face, self.model)
+        picture = read_image(image)
+        with naming(face):
+            points = seen.require_landmarks()
+        white, labels = self._given(picture)
+        with naming(self.model or face):
+            chart = face_chart(shape_model.template) if self.chart else None
+        warp_start()
+        start = time.perf_counter()
+        with naming(", ".join(str(path) for path in inputs if path)):
+            painted = paint_head(seen, shape_model.template, picture, white, self.settings, read or labels)
+        seconds = time.perf_counter() - start
+        jobs: list[Callable[[], None]] = [partial(write_painted_head, folder, painted, seen)]
+        if chart is not None:
+            charted = face_in_chart(painted, seen, picture, chart)
+            jobs.append(partial(write_charted_face, folder, charted))
+        if self.expressions is not None:
+            self.expressions.write(folder, replace(seen, mesh=painted.head, pictures=painted.pictures), face)
+        jobs += [partial(_draw_sheet, p, picture, points, painted) for p in picture_files(folder / "sheet.png")]
+        about = {"project_uv": self.settings.project_uv, "seconds": seconds, "head": painted.filled}
+        about |= {"model_id": shape_model.model_id} | painted.figures()
+        write_json(folder / REPORT, provenance("texture", inputs, self.settings.seed, **about))
+        for _ in in_parallel(lambda job: job(), jobs):
+            pass
+        return painted
 
     def _reading(self, face: Path, image: Path) -> AbstractContextManager[Callable[[], np.ndarray | None] | None]:
         """What waits for the regions of the picture, (H, W) values of Region, or None where no detector is asked."""

@@ -12,7 +12,6 @@ import numpy as np
 
 from caricli.data.worker_pool import run_beside, usable_cores
 from caricli.errors import UsageError, naming, shown
-from caricli.io.face import read_face
 from caricli.io.image import is_image_file, read_image
 from caricli.io.landmarks import write_landmarks
 from caricli.store.pictures import load_marked_picture
@@ -104,6 +103,8 @@ def regions_beside(face: Path, image: Path, detector: Path | None) -> Iterator[C
 
 
 def _read_regions(face: Path, image: Path, detector: Path | None) -> np.ndarray | None:
+    from caricli.io.face import read_face
+
     with naming(face):
         points = read_face(face).require_landmarks()
     return FaceReader(detector).parse(read_image(image), points)
