@@ -27,8 +27,11 @@ class Manner:
     channel to a power of its own.
 
     shades: (3,) the powers, all 1 where shades keep their hue. share: (S, S) from 0 to 1, how far texels of a chart
-    change in this manner.
+    change in this manner. skin: (S, S) from 0 to 1, where they are skin that folds. deepest: logarithm of luminance by
+    which a fold is darker than the skin around it at the most.
     """
 
     shades: np.ndarray
     share: np.ndarray
+    skin: np.ndarray
+    deepest: float

@@ -16,7 +16,7 @@ from caricli.structures.texture_change import Manner
 from caricli.template.chart import face_chart
 
 SIDE = 32
-STILL = Manner(np.ones(3), np.zeros((SIDE, SIDE)))
+STILL = Manner(np.ones(3), np.zeros((SIDE, SIDE)), np.zeros((SIDE, SIDE)), 1.0)
 
 
 @pytest.fixture(scope="module")
@@ -89,6 +89,24 @@ def test_darker_paint_has_the_hue_of_the_pictures_shades():
         red, green, blue = change.in_own_shades(pictures, shades, torch.ones(SIDE, SIDE)).paint(pictures)[0]
         assert ((red > green) == redder).all()
         torch.testing.assert_close(green, blue)
+
+
+def test_folds_are_no_deeper_than_is_asked():
+    """A dark line becomes as deep as the bound, a faint one stays; beside skin, and what is lighter, stays too."""
+    pictures = torch.full((1, 3, SIDE, SIDE), 0.5)
+    gain = torch.zeros_like(pictures)
+    gain[..., 8] = -0.5
+    gain[..., 16] = -0.01
+    gain[..., 24] = 0.5
+    change = Change(torch.ones(1, 1, SIDE, SIDE), gain, torch.zeros_like(pictures))
+    skin = torch.ones(SIDE, SIDE)
+    skin[: SIDE // 2] = 0
+    shallow = change.with_folds_up_to(pictures, torch.tensor([0.1]), torch.ones(1, 3), skin).paint(pictures)[0, 0]
+    free = change.paint(pictures)[0, 0]
+    torch.testing.assert_close(shallow[: SIDE // 2], free[: SIDE // 2])
+    depth = (0.5 / shallow[-SIDE // 4]).log()
+    assert 0.08 < depth[8] < 0.3 and free[0, 8] == 0.25
+    torch.testing.assert_close(shallow[:, 16:], free[:, 16:], atol=2e-3, rtol=0)
 
 
 def test_the_default_is_small():

@@ -23,6 +23,17 @@ _FAINT = 0.01
 _WIDE = 16
 """Of a chart's side: how wide what shades are measured against is."""
 
+_FINE = (0.0104, 0.0365)
+"""Of a chart's side: how wide the finest and the widest shades are that folds are compared with."""
+
+_DARKEST = 97
+"""Percent of the skin that have fainter fine shades than its darkest."""
+
+_MORE = 0.02
+"""Of logarithms of luminance: how much deeper than these a fold may be. Blurred folds that stand out of clean skin read
+as dirt."""
+
+_RIM = 7  # texels about the mouth, where what is dark is no fold
 _DARK = 0.02
 _LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 
@@ -39,6 +50,8 @@ class MannerReader:
         skin, other = np.moveaxis(grid.bake(regions.astype(np.float32)), -1, 0)
         zone = (skin > 1 - _DARK) & (other == 0) & ~grid.mouth
         self.zone = cv2.erode(zone.astype(np.uint8), np.ones((3, 3))) > 0
+        near = cv2.dilate(grid.mouth.astype(np.uint8), np.ones((_RIM, _RIM)))
+        self.skin = cv2.GaussianBlur(1 - near.astype(np.float32), (0, 0), 1) * (grid.covered & (near == 0))
         # What is between the lips is no skin.
         self.share = np.where(grid.mouth, 0.0, _SHARE).astype(np.float32)
 
@@ -57,4 +70,11 @@ class MannerReader:
         told = (darker[:, 3] ** 2).sum()
         little = _FAINT**2 * max(len(darker), 1)
         shades = ((darker[:, :3] * darker[:, 3:4]).sum(0) + little * _USUAL) / (told + little)
-        return Manner(shades.astype(np.float32), self.share)
+        return Manner(shades.astype(np.float32), self.share, self.skin, self._deepest(colours))
+
+    def _deepest(self, colours: np.ndarray) -> float:
+        """Of colours (S, S, 3) from 0 to 1: the darkest of their fine shades, and a little more."""
+        shades = np.log(np.maximum(colours @ _LUMINANCE, _DARK))
+        fine, wide = (cv2.GaussianBlur(shades, (0, 0), width * len(colours)) for width in _FINE)
+        darker = np.maximum(wide - fine, 0)[self.zone]
+        return _MORE + (float(np.percentile(darker, _DARKEST)) if len(darker) else 0.0)

@@ -29,12 +29,15 @@ _RATE = 2e-3
 def network_painter(model: TextureModel, grid: ChartGrid) -> Painter:
     """What a network makes of a batch."""
     reader = MannerReader(grid, load_head().template())
-    share = torch.from_numpy(reader.share)
+    share, skin = (torch.from_numpy(part) for part in (reader.share, reader.skin))
 
     def paint(batch: TextureBatch) -> torch.Tensor:
         pictures = (255 * batch.source).permute(0, 2, 3, 1).numpy()
-        shades = torch.from_numpy(np.stack([reader.read(picture).shades for picture in pictures]))
+        manners = [reader.read(picture) for picture in pictures]
+        shades = torch.from_numpy(np.stack([manner.shades for manner in manners]))
+        deepest = torch.tensor([manner.deepest for manner in manners])
         change = batch.change(model.network).in_own_shades(batch.source, shades, share)
+        change = change.with_folds_up_to(batch.source, deepest, shades, skin)
         return change.paint(batch.source).clamp(0, 1)
 
     return paint

@@ -50,7 +50,9 @@ class TextureModel(NetworkModel[TextureNetwork]):
         colours = _tensor(picture / 255.0)
         change = self.network(colours, _tensor(maps), codes)
         shades = torch.from_numpy(np.asarray(manner.shades, np.float32))[None]
-        return _numpy(change.in_own_shades(colours, shades, torch.from_numpy(np.asarray(manner.share, np.float32))))
+        share, skin = (torch.from_numpy(np.asarray(part, np.float32)) for part in (manner.share, manner.skin))
+        shaded = change.in_own_shades(colours, shades, share)
+        return _numpy(shaded.with_folds_up_to(colours, torch.tensor([manner.deepest]), shades, skin))
 
 
 def texture_to_checkpoint(model: TextureModel) -> tuple[dict[str, np.ndarray], dict[str, Any]]:

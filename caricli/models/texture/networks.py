@@ -31,6 +31,9 @@ _PLACE = 2
 _DARK = 0.02
 """From 0 to 1: what is as dark as that has no hue."""
 
+_WIDE = 16
+"""Of a chart's side: the standard deviation of what is around a fold."""
+
 _HALF = 2
 _LEVELS = 4
 _SLOPE = 0.2
@@ -65,6 +68,31 @@ class Change:
         gain = self.attention * self.gain
         offset = self.attention * self.offset
         return Change(torch.ones_like(self.attention), gain + share * (factor - gain), offset - share * offset)
+
+    def with_folds_up_to(
+        self, pictures: torch.Tensor, deepest: torch.Tensor, shades: torch.Tensor, skin: torch.Tensor
+    ) -> "Change":
+        """The same, but folds, which are darker than what is around them, no deeper than the pictures have any.
+
+        pictures: (B, 3, S, S), sRGB from 0 to 1. deepest: (B,), see ``Manner``. shades: (B, 3). skin: (S, S).
+        """
+        ratio = skin * (_luminance(self.paint(pictures).clamp(0, 1)) / _luminance(pictures)).log()
+        folds = skin * (_around(ratio).clamp(max=0) - ratio).clamp(min=0)
+        most = deepest[:, None, None, None]
+        factor = ((folds - most * torch.tanh(folds / most)) * shades[:, :, None, None]).exp()
+        gain = (1 + self.attention * self.gain) * factor - 1
+        return Change(torch.ones_like(self.attention), gain, self.attention * self.offset * factor)
+
+
+def _around(fields: torch.Tensor) -> torch.Tensor:
+    """Means of fields (B, 1, S, S) around every texel, with Gaussian weights."""
+    spread = fields.shape[-1] / _WIDE
+    reach = int(3 * spread)
+    steps = torch.arange(-reach, reach + 1, dtype=fields.dtype, device=fields.device)
+    weights = torch.exp(-0.5 * (steps / spread) ** 2)
+    weights = weights / weights.sum()
+    down = functional.conv2d(fields, weights.view(1, 1, -1, 1), padding=(reach, 0))
+    return functional.conv2d(down, weights.view(1, 1, 1, -1), padding=(0, reach))
 
 
 def _luminance(pictures: torch.Tensor) -> torch.Tensor:

@@ -42,6 +42,13 @@ def test_paint_of_one_colour_takes_what_is_usual(reader):
     assert red < green < blue
 
 
+def test_folds_may_be_deeper_where_skin_has_deeper_shades(reader):
+    noise = np.random.default_rng(1).normal(size=(SIDE, SIDE, 1))
+    plain, faint, strong = (reader.read(painted(-depth * np.abs(noise))).deepest for depth in (0.0, 0.1, 0.3))
+    assert 0 < plain < faint < strong
+    assert plain == pytest.approx(0.02, abs=0.005)
+
+
 def test_only_skin_is_looked_at(reader, grid):
     assert 0.05 < reader.zone.sum() / grid.covered.sum() < 0.9
     assert not (reader.zone & (grid.mouth | ~grid.covered)).any()
