@@ -22,7 +22,7 @@ from caricli.methods.train.train_texture import TextureTraining
 from caricli.models.texture.config import TextureConfig
 from caricli.models.texture.model import TextureModel, texture_to_checkpoint
 from caricli.store.pictures import PICTURES
-from caricli.store.texture_networks import BUNDLED, load_texture_network
+from caricli.store.texture_networks import load_texture_network
 from caricli.store.training_run import MODEL, RunFolder
 from caricli.template.chart import face_chart
 from caricli.template.head import load_head
@@ -173,7 +173,7 @@ def load_texture_test(
     report: called with people done and all. Raises InputError where a network is of another size than the others, or
     nobody is there to test or to learn with.
     """
-    models = {str(path): load_texture_network(path) for path in networks} or {BUNDLED: load_texture_network()}
+    models = {str(path): load_texture_network(path) for path in networks} or {"network": load_texture_network()}
     sizes = {model.size for model in models.values()}
     if len(sizes) > 1:
         raise InputError(f"expected networks for charts of one size, found {', '.join(map(str, sorted(sizes)))}")

@@ -93,12 +93,12 @@ def _write(folder: Path, models: list, recipe: dict) -> None:
     from caricli.methods.evaluate.evaluate_ablation import DRAWN
     from caricli.render.plot_curves import plot_curves
 
-    write_json(folder / "ablation.json", recipe | {"models": [_figures(model) for model in models]})
+    curves = {model.mean.name: model.mean.curves for model in models if model.mean.curves}
+    write_json(folder / "ablation.json", recipe | {"models": [_figures(model) for model in models], "curves": curves})
     lines = [_COLUMNS, ["---"] * len(_COLUMNS), *map(_cells, models)]
     write_bytes(folder / "ablation.md", "".join(f"| {' | '.join(line)} |\n" for line in lines).encode())
-    drawn = {model.mean.name: model.mean.curves for model in models if model.mean.name in DRAWN}
     panels = {
-        f"{split} error": {name: tuple(zip(*curves[split], strict=True)) for name, curves in drawn.items()}
+        f"{split} error": {name: tuple(zip(*curves[name][split], strict=True)) for name in DRAWN}
         for split in ("train", "test")
     }
     write_png(folder / "ablation.png", plot_curves(panels))
@@ -106,7 +106,7 @@ def _write(folder: Path, models: list, recipe: dict) -> None:
 
 def _figures(model: Any) -> dict[str, Any]:
     """A JSON object of AblationFigures."""
-    figures = {key: value for key, value in asdict(model.mean).items() if value is not None}
+    figures = {key: value for key, value in asdict(model.mean).items() if key != "curves" and value is not None}
     by_seed = [{"seed": seed} | errors for seed, errors in model.by_seed.items()]
     return figures | ({} if model.spread is None else {"spread": model.spread, "seeds": by_seed})
 
