@@ -129,7 +129,7 @@ def test_a_folder_goes_on_where_it_was_left(browser, folder, laid):
         marks.begin()
         tab.page.get_by_text("a.png · 3 of 3 done").wait_for()
         tab.page.get_by_role("button", name="The picture before").click()
-        tab.page.get_by_text("c.png").wait_for()
+        tab.page.get_by_text("c.png · 3 of 3 done").wait_for()
     finally:
         context.close()
         server.kill()
