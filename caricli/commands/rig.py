@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 
 import click
@@ -131,6 +132,7 @@ class RigTask:
         from caricli.commands.shared.progress import progress_bar
         from caricli.methods.rig.make_rig import RigSettings, make_rig
         from caricli.methods.rig.rig_figures import describe_rig
+        from caricli.render.in_parallel import do_in_parallel
         from caricli.store.expression_templates import load_templates
         from caricli.store.rig_sources import picture_paths
 
@@ -148,10 +150,13 @@ class RigTask:
                 rest = _rest(given, self.neutral)
                 result = make_rig(rest.mesh, expressions, settings, images, given=given)
                 result = replace(result, rig=replace(result.rig, moods=moods))
-            write_gltf(glb, result.rig, self.sparse)
-            write_rig(npz, result.rig)
             about = {"subdivide": self.levels, "sparse": self.sparse, "units": "m", "axes": "+y up, +z front"}
-            _report(json, others, result, rest, given, provenance("rig", inputs, self.seed, **about))
+            description = provenance("rig", inputs, self.seed, **about)
+            do_in_parallel(
+                partial(_report, json, others, result, rest, given, description),
+                partial(write_gltf, glb, result.rig, self.sparse),
+                partial(write_rig, npz, result.rig),
+            )
         _advise(face, result, rest, self.neutral)
         if self.usd and moods:
             echo_notes(f"{final_name(out.with_suffix('.usdz'))}: has the usual picture alone; moods are in GLB and NPZ")

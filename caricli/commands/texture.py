@@ -241,7 +241,7 @@ class TextureTask:
         """
         from caricli.methods.dynamic.face_in_chart import face_in_chart
         from caricli.methods.texture.paint_head import paint_head
-        from caricli.render.in_parallel import in_parallel
+        from caricli.render.in_parallel import do_in_parallel
         from caricli.render.warp_start import warp_start
         from caricli.store.faces import load_seen_face, write_charted_face, write_painted_head
         from caricli.template.chart import face_chart
@@ -270,8 +270,7 @@ class TextureTask:
         about = {"project_uv": self.settings.project_uv, "seconds": seconds, "head": painted.filled}
         about |= {"model_id": shape_model.model_id} | painted.figures()
         write_json(folder / REPORT, provenance("texture", inputs, self.settings.seed, **about))
-        for _ in in_parallel(lambda job: job(), jobs):
-            pass
+        do_in_parallel(*jobs)
         return painted
 
     def _reading(self, face: Path, image: Path) -> AbstractContextManager[Callable[[], np.ndarray | None] | None]:

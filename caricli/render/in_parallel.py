@@ -4,10 +4,15 @@ import os
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
-from typing import TypeVar
+from typing import Any, TypeVar
 
 T = TypeVar("T")
 R = TypeVar("R")
+
+
+def do_in_parallel(*jobs: Callable[[], Any]) -> list[Any]:
+    """What jobs return, none of which waits for another, in their order."""
+    return [*in_parallel(lambda job: job(), jobs)]
 
 
 def in_parallel(function: Callable[[T], R], things: Iterable[T]) -> Iterator[R]:

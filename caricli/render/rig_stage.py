@@ -12,7 +12,7 @@ from caricli.render.face_look import plain_colours
 from caricli.render.in_parallel import in_parallel
 from caricli.render.lights import KEY
 from caricli.render.shade import Look, shade
-from caricli.render.sky import key_directions, sky_visibility
+from caricli.render.sky import DIRECTIONS, key_directions, sky_visibility
 from caricli.render.smooth_normals import smooth_normals
 from caricli.render.views import TO_PICTURE, VIEWS, turn_about_y
 from caricli.structures import Rig
@@ -43,14 +43,14 @@ class RigStage:
         self.scale = _FILL * size / ((high - low)[:2].max() or 1)
         self.shift = np.array([(size - 1) / 2, (size - 1) / 2, 0]) - self.scale * (low + high) / 2
         normals = smooth_normals(rig.neutral, rig.faces)
-        sky = sky_visibility(rig.neutral, rig.faces, normals)
-        ways = key_directions(KEY) @ self.rotation
+        ways = np.concatenate([DIRECTIONS, key_directions(KEY) @ self.rotation])
+        sky, key = np.split(sky_visibility(rig.neutral, rig.faces, normals, None, ways), [len(DIRECTIONS)], axis=1)
         coat = rig_coat(rig)
         self.look = Look(
             vertex_colours=plain_colours(rig.mesh, rig.triangle_materials),
             coat=None if coat is None else coat.shrunk(self._placed(rig.neutral), rig.faces),
             visibility=sky,
-            key=sky_visibility(rig.neutral, rig.faces, normals, None, ways),
+            key=key,
             rotation=self.rotation,
             supersample=_SUPERSAMPLE,
             # Half of the directions are behind a surface.

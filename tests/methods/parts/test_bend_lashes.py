@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from caricli.methods.parts.bend_lashes import Lashes
+from caricli.methods.parts.bend_lashes import BendSettings, Lashes
 from caricli.methods.parts.flesh import Flesh, Hide
 
 COUNT, RINGS, LENGTH = 8, 5, 0.01
@@ -62,3 +62,18 @@ def test_lashes_beside_a_covered_one_bend_with_it(shape, lashes):
     row = Lashes(far, lashes.labels, lashes.roots, 0.25)
     moved = np.linalg.norm(row.bent({1.0: lid(-0.002)}, far, far, 1.0, asked) - far, axis=1)[RINGS - 1 :: RINGS]
     assert (moved[:2] > 0.0015).all() and moved[COUNT // 2 :].max() < 1e-6
+
+
+def test_those_that_cannot_be_bent_out_are_shortened(shape, lashes):
+    still = Lashes(shape, lashes.labels, lashes.roots, 0.25, BendSettings(rounds=0))
+    over = lid(-0.002)
+    wall = Flesh(over.hide, over.skin + [0, -0.02, 0.0568], np.zeros(3))
+    assert depths(wall, shape).max() > 0.003
+    cut = still.bent({1.0: wall}, shape, shape, 1.0)
+    assert depths(wall, cut).max() <= still.settings.sunk * 0.25
+    np.testing.assert_array_equal(cut[lashes.roots], shape[lashes.roots])
+    lengths = cut[RINGS - 1 :: RINGS, 2] / LENGTH
+    np.testing.assert_allclose(lengths, still.settings.shorter, atol=1e-12)
+    asked = np.arange(COUNT) == 0
+    alone = still.bent({1.0: wall}, shape, shape, 1.0, asked)
+    np.testing.assert_array_equal(alone[RINGS:], shape[RINGS:])

@@ -43,6 +43,19 @@ def test_ways_out_are_those_of_what_is_deep_enough(balls):
     np.testing.assert_allclose(np.linalg.norm(points[:17] + ways[:17], axis=1), radius, atol=0.02 * radius)
 
 
+def test_a_fold_that_covers_what_is_before_another_is_found_where_it_may_be(ball):
+    vertices, faces = np.asarray(ball[0], float), np.asarray(ball[1])
+    radius = np.linalg.norm(vertices, axis=1).mean()
+    skin = np.concatenate([vertices, 1.5 * vertices])
+    hide = Hide(np.concatenate([faces, faces + len(vertices)]))
+    points = ring(1.1 * radius)
+    none = np.zeros(len(points))
+    assert not Flesh(hide, skin, np.zeros(3)).ways_out(points, none).any()
+    for reach, found in (((0.0, 0.2), True), ((0.05, 0.2), True), ((0.15, 0.2), False), ((0.0, 0.05), False)):
+        doubt = (reach[0] * radius, reach[1] * radius)
+        assert Flesh(hide, skin, np.zeros(3), doubt).ways_out(points, none).any(1).all() == found
+
+
 def test_skin_around_deep_eyes_closed_behind_encloses_what_all_of_it_does():
     template = load_head().template()
     usual = np.asarray(template.vertices, float)
