@@ -10,18 +10,13 @@ T = TypeVar("T")
 R = TypeVar("R")
 
 
-def do_in_parallel(*jobs: Callable[[], Any]) -> list[Any]:
-    """What jobs return, none of which waits for another, in their order."""
-    return [*in_parallel(lambda job: job(), jobs)]
-
-
 def in_parallel(function: Callable[[T], R], things: Iterable[T]) -> Iterator[R]:
     """Results of a function in the order of what they are of, a few of which are worked on at a time.
 
     Threads pay where most of the work is a kernel's: those run beside each other. At most one thing more than there
     are processors is waiting, whatever the number of things.
     """
-    workers = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    workers = _processors()
     with ThreadPoolExecutor(workers) as pool:
         waiting: deque[Future[R]] = deque()
         for thing in things:
@@ -30,3 +25,13 @@ def in_parallel(function: Callable[[T], R], things: Iterable[T]) -> Iterator[R]:
                 yield waiting.popleft().result()
         while waiting:
             yield waiting.popleft().result()
+
+
+def do_in_parallel(*jobs: Callable[[], Any]) -> list[Any]:
+    """What jobs return, none of which waits for another, in their order."""
+    with ThreadPoolExecutor(_processors()) as pool:
+        return [each.result() for each in [pool.submit(job) for job in jobs]]
+
+
+def _processors() -> int:
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

@@ -23,44 +23,55 @@ _GRAIN = 0.2  # of the share of hair, that it varies from texel to texel
 _MIRRORED = 0.5  # of the way from the whorl to the edge: colours beyond the edge are mirrored so far
 
 
-def shade_scalp(
-    head: Template,
-    texture: FaceTexture,
-    hair: Hair,
-    picture: np.ndarray,
-    generator: np.random.Generator,
-    settings: ShellSettings = ShellSettings(),  # noqa: B008 (frozen)
-) -> np.ndarray:
-    """Paint skin around hair as if this were cropped there.
+class Scalp:
+    """What skin around hair is shaded by, that no picture says: the hair's edge, and the usual hairline."""
 
-    It fades out around the shell, and where the picture does not show the skin it goes on to the usual hairline.
+    def __init__(
+        self,
+        head: Template,
+        hair: Hair,
+        settings: ShellSettings = ShellSettings(),  # noqa: B008 (frozen)
+    ) -> None:
+        """head: Template with UVs, its skull under the hair. hair: Hair on it."""
+        self.head = head
+        self.hair = hair
+        self.settings = settings
+        self.sphere = HeadSphere(head, settings, fine=True)
+        around, down = np.meshgrid(self.sphere.longitudes, self.sphere.angles)
+        outer = self.sphere.cover(hair.shell.vertices, hair.shell.faces, around, down)
+        covered = np.isfinite(outer) & (outer > self.sphere.radii)
+        self.to_hair = reach_inside(self.sphere, covered) / head.height
+        self.usual = usual_reach(self.sphere, settings) / head.height
+        self.part = _near(head, self.sphere, np.maximum(self.to_hair + _HIDDEN, self.usual - _FADE[0]) > 0)
 
-    head: Template with UVs, its skull under the hair. texture: FaceTexture of it. hair: Hair on it. picture:
-    (S, S, 3) uint8, of the hair. generator: of the grain. Returns (S, S, 3) uint8, the texture's picture with it.
-    """
-    sphere = HeadSphere(head, settings, fine=True)
-    around, down = np.meshgrid(sphere.longitudes, sphere.angles)
-    outer = sphere.cover(hair.shell.vertices, hair.shell.faces, around, down)
-    to_hair = reach_inside(sphere, np.isfinite(outer) & (outer > sphere.radii)) / head.height
-    usual = usual_reach(sphere, settings) / head.height
-    part = _near(head, sphere, np.maximum(to_hair + _HIDDEN, usual - _FADE[0]) > 0)
-    face, weights = uv_map(part, len(texture.image))
-    rows, columns = np.nonzero(face >= 0)
-    corners = part.vertices[part.faces[face[rows, columns]]]
-    points = np.einsum("nk,nkc->nc", weights[rows, columns], corners)
-    longitudes, angles, _ = sphere.seen_from(points)
-    seen = texture.seen[rows, columns]
-    beside = smooth_step(sphere.sample(to_hair, longitudes, angles), -(_HIDDEN + seen * (_SEEN - _HIDDEN)), 0)
-    cropped = smooth_step(seen, _UNSEEN, 0) * smooth_step(sphere.sample(usual, longitudes, angles), *_FADE)
-    skin = ~head.mask("ear_left", "ear_right")[part.faces[face[rows, columns]]]
-    share = np.maximum(beside, _THIN * cropped) * smooth_step((weights[rows, columns] * skin).sum(1), *_EAR)
-    grain = generator.normal(0, _GRAIN, len(share))
-    share = np.clip(share + 4 * grain * share * (1 - share), 0, 1)
-    ends = _ends(hair, sphere, settings, longitudes)
-    colours = sample_texture(picture, unrolled_to_uv(longitudes, _mirrored(angles / ends)))
-    shaded = texture.image.copy()
-    shaded[rows, columns] = np.round(mix(shaded[rows, columns], colours, share))
-    return pad_texture(shaded, texture.covered)
+    def shaded(self, texture: FaceTexture, picture: np.ndarray, generator: np.random.Generator) -> np.ndarray:
+        """(S, S, 3) uint8: a texture's picture with skin around hair painted as if this were cropped there.
+
+        It fades out around the shell, and where the picture does not show the skin it goes on to the usual hairline.
+
+        texture: FaceTexture of the head. picture: (S, S, 3) uint8, of the hair. generator: of the grain.
+        """
+        sphere = self.sphere
+        face, weights = uv_map(self.part, len(texture.image))
+        rows, columns = np.nonzero(face >= 0)
+        corners = self.part.faces[face[rows, columns]]
+        weights = weights[rows, columns]
+        points = np.einsum("nk,nkc->nc", weights, self.part.vertices[corners])
+        longitudes, angles, _ = sphere.seen_from(points)
+        seen = texture.seen[rows, columns]
+        to_hair = sphere.sample(self.to_hair, longitudes, angles)
+        beside = smooth_step(to_hair, -(_HIDDEN + seen * (_SEEN - _HIDDEN)), 0)
+        usual = sphere.sample(self.usual, longitudes, angles)
+        cropped = smooth_step(seen, _UNSEEN, 0) * smooth_step(usual, *_FADE)
+        skin = ~self.head.mask("ear_left", "ear_right")[corners]
+        share = np.maximum(beside, _THIN * cropped) * smooth_step((weights * skin).sum(1), *_EAR)
+        grain = generator.normal(0, _GRAIN, len(share))
+        share = np.clip(share + 4 * grain * share * (1 - share), 0, 1)
+        ends = _ends(self.hair, sphere, self.settings, longitudes)
+        colours = sample_texture(picture, unrolled_to_uv(longitudes, _mirrored(angles / ends)))
+        shaded = texture.image.copy()
+        shaded[rows, columns] = np.round(mix(shaded[rows, columns], colours, share))
+        return pad_texture(shaded, texture.covered)
 
 
 def _near(head: Template, sphere: HeadSphere, places: np.ndarray) -> Mesh:

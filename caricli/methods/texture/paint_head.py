@@ -12,7 +12,7 @@ from caricli.errors import InputError
 from caricli.methods.detect.cut_openings import cut_openings
 from caricli.methods.hair.dress_hair import DressedHair, bare_skin, dress_hair, hair_picture, wants_hair
 from caricli.methods.hair.mask_hair import HairMask, mask_hair
-from caricli.methods.hair.shade_scalp import shade_scalp
+from caricli.methods.hair.shade_scalp import Scalp
 from caricli.methods.parts.close_neck import neck_picture
 from caricli.methods.parts.face_parts import face_parts
 from caricli.methods.rig.add_eyeballs import TEXTURE, add_eyeballs, fit_eyeballs
@@ -28,7 +28,7 @@ from caricli.methods.texture.settings import PaintSettings
 from caricli.methods.texture.texture_face import FaceTexture, texture_face
 from caricli.render.diffuse_background import diffuse_background
 from caricli.render.eye_colours import eye_colours
-from caricli.render.in_parallel import in_parallel
+from caricli.render.in_parallel import do_in_parallel
 from caricli.render.paint_eye import paint_eye
 from caricli.structures import Face, Pictures, Rig
 from caricli.template.template import Template
@@ -86,8 +86,8 @@ def paint_head(
     face: Face with camera and fitted landmarks. template: Template of its topology. image: (H, W, 3) uint8. mask:
     (H, W) bool, the head in it, or None to find it. settings: PaintSettings. regions: (H, W) values of Region, by which
     the head is found where there is no mask, and its hair, and glasses, hats and hands before it are kept off it; None
-    to tell them by colours, which also do where the regions show no head there; or a function that waits for them, on
-    whose time hair is told by colours in case that they do not know it.
+    to tell them by colours, which also do where the regions show no head there; or a function that waits for them. Hair
+    is told by colours beside that, in case that they do not know it.
     Returns Painted. Raises InputError when the template has no UVs and is to have a texture of its own, when the face
     has no camera or no landmarks, and when it is not where picture and mask show a head.
     """
@@ -100,13 +100,15 @@ def paint_head(
     sight = Sight(camera, image, skin, mask)
     # None of these waits for another.
     jobs: list[Callable[[], Any]] = [partial(_paint_skin, head, sight, settings)]
-    if hair is not None:
-        jobs.append(partial(hair_picture, hair, image, settings))
     jobs.append(partial(face_parts, replace(face, hair=None), template, settings.head))
-    (head, skin_texture), *hair_textures, worn = in_parallel(lambda job: job(), jobs)
-    texture = skin_texture.image
     if hair is not None:
-        texture = shade_scalp(head, skin_texture, hair.hair, hair_textures[0], np.random.default_rng(settings.seed))
+        jobs += [partial(hair_picture, hair, image, settings), partial(Scalp, head, hair.hair)]
+    (head, skin_texture), worn, *of_hair = do_in_parallel(*jobs)
+    texture = skin_texture.image
+    hair_texture = None
+    if hair is not None:
+        hair_texture, scalp = of_hair
+        texture = scalp.shaded(skin_texture, hair_texture, np.random.default_rng(settings.seed))
     light = skin_texture.light
     seen = float(skin_texture.seen[skin_texture.covered].mean())
     still = np.zeros((0, *head.vertices.shape), np.float32)
@@ -117,7 +119,7 @@ def paint_head(
     whole = add_parts(whole, worn)
     wall = wall_pixels(head, camera, (image.shape[1], image.shape[0]))
     error = photometric_error(rig, face, image, skin & ~wall, light)
-    pictures = replace(whole.pictures, bust=neck_picture(head, texture), hair=next(iter(hair_textures), None))
+    pictures = replace(whole.pictures, bust=neck_picture(head, texture), hair=hair_texture)
     whole = add_parts(replace(whole, pictures=pictures), [] if hair is None else [hair.hair.part])
     whole = choose_parts(whole, settings.head)
     return Painted(head, whole, error, seen, float(mask.mean()), light, hair)
@@ -132,19 +134,19 @@ def _find_parts(
     regions: np.ndarray | Callable[[], np.ndarray | None] | None,
 ) -> tuple[np.ndarray, np.ndarray, DressedHair | None]:
     """(H, W) bool, the head in a picture and what of it is bare skin, and its hair; see `paint_head`."""
-    by_colours: Callable[[], HairMask] = partial(mask_hair, face, template, image)
-    if callable(regions):
-        with ThreadPoolExecutor(1) as pool:
-            if wants_hair(template, settings):
-                by_colours = pool.submit(by_colours).result
+    with ThreadPoolExecutor(1) as pool:
+        by_colours: Callable[[], HairMask] = partial(mask_hair, face, template, image)
+        if wants_hair(template, settings):
+            by_colours = pool.submit(by_colours).result
+        if callable(regions):
             regions = regions()
-    parsed = None if regions is None or mask is not None else parsed_head(regions, mesh_pixels(face, image), image)
-    parts = _find_head(face, image, mask) if parsed is None else parsed
-    regions = None if parsed is None else regions
-    looks: list[Callable[[], Any]] = [partial(dress_hair, face, template, image, settings, regions, by_colours)]
-    if regions is not None:
-        looks.append(partial(cut_openings, image, regions, face.require_landmarks()))
-    hair, *openings = in_parallel(lambda look: look(), looks)
+        parsed = None if regions is None or mask is not None else parsed_head(regions, mesh_pixels(face, image), image)
+        parts = _find_head(face, image, mask) if parsed is None else parsed
+        regions = None if parsed is None else regions
+        looks: list[Callable[[], Any]] = [partial(dress_hair, face, template, image, settings, regions, by_colours)]
+        if regions is not None:
+            looks.append(partial(cut_openings, image, regions, face.require_landmarks()))
+        hair, *openings = do_in_parallel(*looks)
     skin = parts.paint if hair is None else bare_skin(parts.paint, hair)
     for opening in openings:
         skin = skin & ~opening

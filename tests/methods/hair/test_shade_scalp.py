@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from caricli.methods.hair.dress_hair import dress_hair
-from caricli.methods.hair.shade_scalp import shade_scalp
+from caricli.methods.hair.shade_scalp import Scalp
 from caricli.methods.texture.settings import PaintSettings
 from caricli.methods.texture.texture_face import FaceTexture
 from caricli.render.uv_map import uv_map
@@ -22,7 +22,7 @@ def scalp(sitter):
 
     def painted(seen):
         texture = FaceTexture(plain, np.full((SIZE, SIZE), seen, np.float32), face >= 0, None)
-        return shade_scalp(head, texture, dressed.hair, brown, np.random.default_rng(0))
+        return Scalp(head, dressed.hair).shaded(texture, brown, np.random.default_rng(0))
 
     def where(*names):
         return (face >= 0) & head.mask(*names)[head.faces].all(1)[face]
