@@ -27,10 +27,8 @@ STILL = 1e-3
 """of the height: how far an expression moves at least one of them against it, or it is not asked whether it does."""
 
 FOLD = (0.002, 0.004)
-"""Of the height: so far from the skin, at least and at most, it is asked whether another fold of it covers a lash than
-what is nearest, at rest, and"""
-MOVED_FOLD = (0.0, 0.006)
-"""where lids move."""
+"""Of the height: so far from the skin, at least and at most, another fold of it may cover a lash than what is
+nearest."""
 
 BEHIND = 4.0
 """Of the height: how far behind that skin it is closed, so that nothing of what closes it is before an eye."""
@@ -68,8 +66,7 @@ class Lids:
         shape = self.lashes.shortened(shape, size)
         skin = face.neutral[self.hide.ids]
         behind = self.hide.behind(skin, BEHIND * size * self.lashes.height)
-        flesh = Flesh(self.hide, skin, behind, tuple(size * self.lashes.height * share for share in FOLD))
-        shape = self.lashes.bent({1.0: flesh}, shape, shape, size)
+        shape = self.lashes.bent({1.0: Flesh(self.hide, skin, behind, self._fold(size))}, shape, shape, size)
         deltas = self._moves(face, shape, behind) if face.names else np.zeros((0, *shape.shape))
         return replace(self.part, mesh=self.part.mesh.with_vertices(shape), names=face.names, deltas=deltas)
 
@@ -77,7 +74,7 @@ class Lids:
         """(K, W, 3) metres, what expressions do to lashes (W, 3) of a face. behind: (3,) metres, what the skin
         around them is closed to."""
         size = spread(face.neutral) / self.spread
-        fold = tuple(size * self.lashes.height * share for share in MOVED_FOLD)
+        fold = self._fold(size)
         skin = face.neutral[self.hide.ids]
         moved = self._moved(face.neutral, face.neutral + face.deltas, shape, False) - shape
         together = uses(face.names)
@@ -91,6 +88,11 @@ class Lids:
                 flesh = {weight: Flesh(self.hide, skin + weight * changes[k], behind, fold) for weight in WAY}
                 moved[k] += self.lashes.bent(flesh, shape, end, size, near) - end
         return moved
+
+    def _fold(self, size: float) -> tuple[float, float]:
+        """FOLD in metres. size: of the head, to the usual one."""
+        least, most = FOLD
+        return least * size * self.lashes.height, most * size * self.lashes.height
 
     def _moved(self, before: np.ndarray, after: np.ndarray, shape: np.ndarray, scaling: bool) -> np.ndarray:
         scale, rotation, shift = weighted_similarities(before[self.ids], after[:, self.ids], self.weights, scaling)
