@@ -84,7 +84,7 @@ class Lashes:
                 return bent
             # Of a lash beside others that are not covered, all; of one among covered ones, the mean.
             covered = step.any((1, 2))
-            near = self.near if left >= self.settings.alone else np.eye(len(covered))
+            near = self.near if left >= self.settings.alone else np.eye(len(self.roots))
             step = (near @ step.reshape(-1, 6) / np.maximum(near @ covered, 1)[:, None]).reshape(step.shape)
             shifts += step
             bent = self._turned(end, shifts)
