@@ -98,7 +98,7 @@ class Page:
                 self.redo_button = _button("Redo", "redo", self.redo, "Ctrl+Y")
                 _button("New", "note_add", self._new, "an empty canvas")
                 _button("Open", "folder_open", lambda: self.keep.run_method("choose"), "Ctrl+O")
-                with ui.button("Save", icon="save").props("flat dense no-caps"), ui.menu():
+                with ui.button("Save", icon="save").props("flat dense no-caps"), ui.menu().props("auto-close"):
                     for kind, words in SAVES.items():
                         link = ui.link(words, f"{self.base}/save/{kind}").classes("caricli-save")
                         link.props(f'download role="menuitem" data-kind="{kind}"')

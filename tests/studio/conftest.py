@@ -157,7 +157,7 @@ class Tab:
         with self.page.expect_download(timeout=PATIENCE) as download:
             self.page.locator(f"[data-kind={kind}]").click()
         download.value.save_as(path)
-        self.page.keyboard.press("Escape")
+        self.page.locator("[role=menu]").wait_for(state="hidden")  # when it goes, the keys go back to its button
 
     def open(self, path: Path) -> None:
         """Open a file."""
