@@ -60,6 +60,9 @@ class DrawnPictures:
     def marked(self, number):
         return self.pictures[number]
 
+    def landmarks(self):
+        return np.array([self.pictures[number].landmarks[place] for number, place in self.faces])
+
 
 def write_drawn_set(folder, shape, count, seed):
     """Write a folder of pictures as `caricli dataset pictures` does: people 0 to 9, of whom 8 validate and 9 tests."""

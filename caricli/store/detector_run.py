@@ -6,7 +6,8 @@ from pathlib import Path
 from caricli.data.picture_set import read_picture_set
 from caricli.errors import naming
 from caricli.methods.evaluate.evaluate_detector import DetectorTally, JudgedPicture, evaluate_detector
-from caricli.methods.train.split_pictures import JoinedPictures, SplitPictures, evenly_jawed
+from caricli.methods.train.fit_jaw_places import fit_jaw_places
+from caricli.methods.train.split_pictures import JoinedPictures, SplitPictures, carried_jaws
 from caricli.methods.train.train_autodecoder import Share
 from caricli.methods.train.train_detector import DetectorTraining, evenly
 from caricli.models.detector.config import DetectorConfig
@@ -59,16 +60,18 @@ class DetectorRun(RunFolder):
     def finish(
         self, training: DetectorTraining, progress: Callable[[int, int], object] = lambda done, total: None
     ) -> dict:
-        """Measure the best model on the pictures that it was validated with, and let its doubts agree with its errors.
+        """Let the best model tell where jaws are marked, measure it on the pictures that it was validated with, and let
+        its doubts agree with its errors.
 
         progress: called with the pictures that are measured, and of how many. Returns the figures.
         """
         detector = load_detector(self.folder / MODEL)
         detector.trust = 1.0  # whatever an end that was stopped has written
+        detector.jaw = fit_jaw_places(training.training.landmarks())
         tally = DetectorTally()
         numbers = evenly(training.unseen.numbers, training.config.validation)
         pictures = (
-            JudgedPicture(evenly_jawed(training.unseen.marked(number)), str(number), "any") for number in numbers
+            JudgedPicture(carried_jaws(training.unseen.marked(number)), str(number), "any") for number in numbers
         )
         for done, (judged, detection) in enumerate(evaluate_detector(detector, pictures), 1):
             tally.add(judged, detection)

@@ -4,7 +4,14 @@ import torch
 
 from caricli.errors import InputError
 from caricli.models.detector.config import DetectorConfig, DetectorSize
-from caricli.models.detector.model import Detector, detector_from_checkpoint, detector_to_checkpoint
+from caricli.models.detector.jaw_places import JawPlaces
+from caricli.models.detector.model import (
+    JAW_BIAS,
+    JAW_WEIGHT,
+    Detector,
+    detector_from_checkpoint,
+    detector_to_checkpoint,
+)
 from caricli.models.detector.networks import DetectorNetwork, _moments, _spread
 from caricli.structures.parsing import Region
 
@@ -17,7 +24,8 @@ def detector():
     for parameter in network.parameters():
         if not parameter.any():
             torch.nn.init.uniform_(parameter, 0, 0.5, generator)
-    return Detector(network, 64, 1.5, {"seed": 0})
+    jaw = JawPlaces(np.random.default_rng(0).normal(size=(14, 136)), np.linspace(0, 1, 14))
+    return Detector(network, 64, 1.5, {"seed": 0}, jaw)
 
 
 def test_blobs_have_their_mean_and_their_spread():
@@ -52,6 +60,15 @@ def test_a_checkpoint_rebuilds_it(detector):
     assert {value.dtype for value in tensors.values()} == {np.dtype(np.float16), np.dtype(np.float32)}
     window = np.random.default_rng(1).integers(0, 256, (1, 64, 64, 3), np.uint8)
     np.testing.assert_allclose(again.read(window).points, detector.read(window).points, atol=0.5)
+    np.testing.assert_allclose(again.jaw.weight, detector.jaw.weight, rtol=1e-6)
+    np.testing.assert_allclose(again.jaw.bias, detector.jaw.bias, rtol=1e-6)
+
+
+def test_a_detector_of_before_marks_jaws_at_equal_distances(detector):
+    tensors, about = detector_to_checkpoint(detector)
+    before = {name: value for name, value in tensors.items() if not name.startswith("jaw.")}
+    jaw = detector_from_checkpoint(before, about, "it").jaw
+    assert not jaw.weight.any() and np.array_equal(jaw.bias, JawPlaces.even().bias)
 
 
 @pytest.mark.parametrize(
@@ -66,6 +83,9 @@ def test_a_checkpoint_rebuilds_it(detector):
         (lambda t, a: t.pop("about"), "expected the weights of such a network, found others \\(about\\)"),
         (lambda t, a: t.update(about=t["about"][:1]), "about: expected \\(81, 16, 3\\), found"),
         (lambda t, a: t.update(about=t["about"] * np.nan), "about: "),
+        (lambda t, a: t.pop(JAW_BIAS), "expected jaw.weight and jaw.bias, found one of them"),
+        (lambda t, a: t.update({JAW_BIAS: np.ones(13)}), "jaw's bias: expected \\(14,\\), found \\(13,\\)"),
+        (lambda t, a: t.update({JAW_WEIGHT: t[JAW_WEIGHT] * np.inf}), "jaw's weight: "),
     ],
 )
 def test_what_is_no_detector_is_refused(detector, change, message):

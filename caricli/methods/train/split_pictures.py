@@ -1,13 +1,13 @@
 """Pictures of a split, as trainings take them."""
 
 from bisect import bisect_right
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from caricli.data.picture_set import PictureSet
-from caricli.geometry.space_jaw import space_jaw
+from caricli.geometry.space_jaw import carry_jaw, space_jaw
 from caricli.structures.detection import MarkedPicture
 
 SEEN = 0.25
@@ -30,6 +30,11 @@ class SplitPictures:
         """A picture with its truth. Raises InputError when a file is missing or damaged."""
         return marked_picture(self.pictures, number)
 
+    def landmarks(self) -> np.ndarray:
+        """(F, L, 2) true landmarks of all faces, pixels of their pictures."""
+        rows = [self.pictures.faces(number)[place] for number, place in self.faces]
+        return self.pictures.truth["landmarks"][rows].astype(np.float64)
+
 
 class JoinedPictures:
     """Pictures of several SplitPictures, numbered on from one to the next."""
@@ -49,6 +54,10 @@ class JoinedPictures:
         part = bisect_right(self.starts, number) - 1
         return self.parts[part].marked(number - self.starts[part])
 
+    def landmarks(self) -> np.ndarray:
+        """(F, L, 2) true landmarks of all faces, pixels of their pictures."""
+        return np.concatenate([part.landmarks() for part in self.parts])
+
 
 def marked_picture(pictures: PictureSet, number: int) -> MarkedPicture:
     """A picture with its truth. Raises InputError when a file is missing or damaged."""
@@ -59,6 +68,15 @@ def marked_picture(pictures: PictureSet, number: int) -> MarkedPicture:
 
 
 def evenly_jawed(picture: MarkedPicture) -> MarkedPicture:
-    """A picture whose jaws are marked at equal distances, as they are detected: where vertices lie cannot be seen."""
-    points = np.array([space_jaw(face) for face in picture.landmarks])
+    """A picture whose jaws are marked at equal distances, as networks learn them: where vertices lie cannot be seen."""
+    return _jawed(picture, space_jaw)
+
+
+def carried_jaws(picture: MarkedPicture) -> MarkedPicture:
+    """A picture whose jaws are marked as people do, and as they are detected."""
+    return _jawed(picture, carry_jaw)
+
+
+def _jawed(picture: MarkedPicture, move: Callable[[np.ndarray], np.ndarray]) -> MarkedPicture:
+    points = np.array([move(face) for face in picture.landmarks])
     return replace(picture, landmarks=points.reshape(picture.landmarks.shape))

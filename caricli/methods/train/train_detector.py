@@ -45,6 +45,9 @@ class Pictures(Protocol):
     def marked(self, number: int) -> MarkedPicture:
         """A picture with its truth."""
 
+    def landmarks(self) -> np.ndarray:
+        """(F, L, 2) true landmarks of all faces, pixels of their pictures."""
+
 
 class DetectorTraining(NetworkTraining):
     """Training of a DetectorNetwork, as every NetworkTraining.

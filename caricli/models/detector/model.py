@@ -9,6 +9,7 @@ import torch
 
 from caricli.errors import InputError, naming, shown
 from caricli.models.detector.config import DetectorSize
+from caricli.models.detector.jaw_places import JawPlaces
 from caricli.models.detector.networks import COARSE, FINE, HALF, REACH, DetectorNetwork, FaceGrid
 from caricli.models.network_model import NetworkModel
 from caricli.models.network_weights import check_schema, load_weights, whole_number
@@ -23,6 +24,10 @@ TRUST = (0.01, 100.0)
 """Of what doubts are multiplied by, the least and the most."""
 
 _SIDES = (64, 512)
+
+JAW_WEIGHT = "jaw.weight"
+JAW_BIAS = "jaw.bias"
+"""Names of the arrays of JawPlaces in a file."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,14 +65,26 @@ class Detector(NetworkModel[DetectorNetwork]):
 
     kind = "detector"
 
-    def __init__(self, network: DetectorNetwork, size: int, trust: float = 1.0, recipe: Any = None) -> None:
+    def __init__(
+        self,
+        network: DetectorNetwork,
+        size: int,
+        trust: float = 1.0,
+        recipe: Any = None,
+        jaw: JawPlaces | None = None,
+    ) -> None:
         """network: weights. size: of the windows it was trained on, pixels. trust: what its doubts are multiplied by.
 
-        recipe: JSON value, how it was trained, or None.
+        recipe: JSON value, how it was trained, or None. jaw: JawPlaces, or None for equal distances.
         """
         super().__init__(network, recipe)
         self.size = size
         self.trust = trust
+        self.jaw = JawPlaces.even() if jaw is None else jaw
+
+    def tensors(self) -> dict[str, np.ndarray]:
+        """Arrays by name: of the network, and where the jaw's points are."""
+        return super().tensors() | {JAW_WEIGHT: _single(self.jaw.weight), JAW_BIAS: _single(self.jaw.bias)}
 
     @torch.inference_mode()
     def search(self, window: np.ndarray) -> tuple[FaceCells, np.ndarray]:
@@ -137,8 +154,21 @@ def detector_from_checkpoint(tensors: Mapping[str, np.ndarray], metadata: Mappin
         if not isinstance(trust, float) or not TRUST[0] <= trust <= TRUST[1]:
             raise InputError(f"expected a trust from {TRUST[0]:g} to {TRUST[1]:g}, found {shown(trust, 60)!r}")
         network = _network(metadata.get("network"))
-        load_weights(network, tensors)
-        return Detector(network, size, trust, metadata.get("recipe"))
+        load_weights(network, {name: array for name, array in tensors.items() if name not in (JAW_WEIGHT, JAW_BIAS)})
+        return Detector(network, size, trust, metadata.get("recipe"), _jaw(tensors))
+
+
+def _jaw(tensors: Mapping[str, np.ndarray]) -> JawPlaces | None:
+    """Where the jaw's points are, or None where a detector of before does not tell."""
+    if JAW_WEIGHT not in tensors and JAW_BIAS not in tensors:
+        return None
+    if JAW_WEIGHT not in tensors or JAW_BIAS not in tensors:
+        raise InputError(f"expected {JAW_WEIGHT} and {JAW_BIAS}, found one of them")
+    return JawPlaces(tensors[JAW_WEIGHT].astype(np.float64), tensors[JAW_BIAS].astype(np.float64))
+
+
+def _single(array: np.ndarray) -> np.ndarray:
+    return array.astype(np.float32)
 
 
 def _network(about: Any) -> DetectorNetwork:
