@@ -17,7 +17,7 @@ from caricli.structures.landmarks import SCHEMES, Landmarks
 
 SCHEMA = "caricli.landmarks/1"
 _KIND = "a landmark file"
-_KEYS = ("schema", "scheme", "image", "points", "spreads", "visibility")
+_KEYS = ("schema", "scheme", "image", "points", "spreads", "visibility", "slides")
 _MAX_IMAGE_SIDE = 1_000_000
 
 
@@ -50,7 +50,7 @@ def read_landmarks(path: str | Path, pts_origin: int = 1) -> Landmarks:
 def write_landmarks(path: str | Path, landmarks: Landmarks) -> None:
     """Write landmarks in the format of the path's extension: .json, .pts (from 1), .txt or .npy.
 
-    Image size, spreads and visibility are kept in JSON only.
+    Image size, spreads, visibility and slides are kept in JSON only.
     Raises OutputError when the extension is another or the file cannot be written.
     """
     suffix = Path(path).suffix.lower()
@@ -74,7 +74,9 @@ def landmarks_from_json(value: Any) -> Landmarks:
     """The Landmarks of a JSON value. Raises InputError when it is malformed, or they are not those of a face."""
     points = _points_from_json(value)
     spreads = _spreads_from_json(value.get("spreads"), points)
-    return Landmarks(points, _image_size(value.get("image")), spreads, _visibility(value.get("visibility")))
+    size = _image_size(value.get("image"))
+    visibility = _visibility(value.get("visibility"))
+    return Landmarks(points, size, spreads, visibility, _slides(value.get("slides"), len(points)))
 
 
 def landmarks_to_json(landmarks: Landmarks) -> dict[str, Any]:
@@ -90,6 +92,8 @@ def landmarks_to_json(landmarks: Landmarks) -> dict[str, Any]:
         value["spreads"] = [None if np.isnan(row).any() else row.tolist() for row in rows]
     if landmarks.visibility is not None:
         value["visibility"] = landmarks.visibility.tolist()
+    if landmarks.slides is not None:
+        value["slides"] = landmarks.slides.tolist()
     return value
 
 
@@ -148,6 +152,18 @@ def _visibility(entries: Any) -> np.ndarray | None:
         return None
     if not isinstance(entries, list) or not all(_is_number(x) for x in entries):
         raise InputError(f"expected visibility to be a list of numbers, found {_given(entries)}")
+    return np.array(entries, np.float64)
+
+
+def _slides(entries: Any, count: int) -> np.ndarray | None:
+    """(L, 2) of rows [x, y]; None where there are none."""
+    if entries is None:
+        return None
+    if not isinstance(entries, list) or len(entries) != count:
+        raise InputError(f"expected a list of {count} slides, found {_given(entries)}")
+    for k, entry in enumerate(entries):
+        if not (isinstance(entry, list) and len(entry) == 2 and all(_is_number(x) for x in entry)):
+            raise InputError(f"slide {k}: expected [x, y], found {_given(entry)}")
     return np.array(entries, np.float64)
 
 

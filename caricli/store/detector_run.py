@@ -7,7 +7,7 @@ from caricli.data.picture_set import read_picture_set
 from caricli.errors import naming
 from caricli.methods.evaluate.evaluate_detector import DetectorTally, JudgedPicture, evaluate_detector
 from caricli.methods.train.fit_jaw_places import fit_jaw_places
-from caricli.methods.train.split_pictures import JoinedPictures, SplitPictures, carried_jaws
+from caricli.methods.train.split_pictures import JoinedPictures, SplitPictures, marked_by_people
 from caricli.methods.train.train_autodecoder import Share
 from caricli.methods.train.train_detector import DetectorTraining, evenly
 from caricli.models.detector.config import DetectorConfig
@@ -71,7 +71,7 @@ class DetectorRun(RunFolder):
         tally = DetectorTally()
         numbers = evenly(training.unseen.numbers, training.config.validation)
         pictures = (
-            JudgedPicture(carried_jaws(training.unseen.marked(number)), str(number), "any") for number in numbers
+            JudgedPicture(marked_by_people(training.unseen.marked(number)), str(number), "any") for number in numbers
         )
         for done, (judged, detection) in enumerate(evaluate_detector(detector, pictures), 1):
             tally.add(judged, detection)

@@ -10,7 +10,7 @@ from caricli.data.picture_set import MANIFEST, PictureSet, read_picture_set
 from caricli.errors import InputError
 from caricli.io.provenance import sha256_file
 from caricli.methods.evaluate.evaluate_detector import UNKNOWN, JudgedPicture
-from caricli.methods.train.split_pictures import carried_jaws, marked_picture
+from caricli.methods.train.split_pictures import marked_by_people, marked_picture
 from caricli.models.detector.model import Detector
 from caricli.store.pictures import load_marked_picture
 from caricli.store.portraits import portrait_files
@@ -33,7 +33,7 @@ class JudgedPictures:
         """One after the other."""
         truth = self.pictures.truth
         for number in self.numbers:
-            marked = carried_jaws(marked_picture(self.pictures, number))
+            marked = marked_by_people(marked_picture(self.pictures, number))
             rows = self.pictures.faces(number)
             # The head's front is the third axis; how far it points to the side is the sine of the yaw.
             yaws = np.degrees(np.arcsin(np.clip(truth["rotation"][rows][:, 0, 2], -1, 1)))

@@ -122,7 +122,8 @@ class Landmarks:
     points: (68, 2) or (81, 2) float64, pixels, origin at the top left, y down; a NaN row where a point is not known.
     image_size: (width, height) in pixels, or None where it is not known. spreads: (L, 2, 2) covariances of their
     errors, square pixels, or None where nothing is known of them; NaN where a point is not known. visibility: (L,) from
-    0 to 1, how sure it is that nothing hides a point, or None.
+    0 to 1, how sure it is that nothing hides a point, or None. slides: (L, 2) pixels, how far along its line from where
+    people mark a point the head's own landmark lies, as a detector sees it, or None where nothing is known of that.
     Raises InputError for another number of points, a coordinate that is not finite, fewer than FEWEST known points, all
     of them in one place, spreads that are no covariances, or, where the size is known, points that do not belong to
     such a picture.
@@ -132,6 +133,7 @@ class Landmarks:
     image_size: tuple[int, int] | None = None
     spreads: np.ndarray | None = None
     visibility: np.ndarray | None = None
+    slides: np.ndarray | None = None
 
     def __post_init__(self) -> None:
         """Check that they can be the landmarks of a face."""
@@ -156,11 +158,20 @@ class Landmarks:
             given = np.asarray(self.visibility)
             if given.shape != (len(points),) or not ((given >= 0) & (given <= 1)).all():
                 refuse(f"expected a visibility from 0 to 1 of every point, found {given.shape}")
+        if self.slides is not None:
+            given = np.asarray(self.slides)
+            if given.shape != points.shape or not (np.abs(given) <= MAX_COORDINATE).all():
+                refuse(f"expected a slide of every point in pixels, found {given.shape}")
 
     @property
     def known(self) -> np.ndarray:
         """(L,) bool: points that are known."""
         return np.isfinite(self.points).all(axis=1)
+
+    @property
+    def anchors(self) -> np.ndarray:
+        """(L, 2) pixels, where the head's own landmarks are, to which faces are fitted."""
+        return self.points if self.slides is None else self.points + self.slides
 
     @property
     def diagonal(self) -> float:
@@ -169,7 +180,8 @@ class Landmarks:
 
     def first(self, count: int) -> "Landmarks":
         """The first 68 or 81 of them."""
-        shares = (None if values is None else values[:count] for values in (self.spreads, self.visibility))
+        columns = (self.spreads, self.visibility, self.slides)
+        shares = (None if values is None else values[:count] for values in columns)
         return Landmarks(self.points[:count], self.image_size, *shares)
 
     def check_inside(self, size: tuple[int, int]) -> None:

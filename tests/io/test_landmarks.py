@@ -1,4 +1,5 @@
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -204,7 +205,7 @@ def test_writing_refuses(tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
-def test_spreads_and_visibility_come_back(tmp_path):
+def test_spreads_visibility_and_slides_come_back(tmp_path):
     generator = np.random.default_rng(0)
     roots = generator.normal(size=(81, 2, 2))
     spreads = roots @ roots.swapaxes(1, 2) + np.eye(2)
@@ -212,10 +213,12 @@ def test_spreads_and_visibility_come_back(tmp_path):
     points[7] = np.nan
     spreads[7] = np.nan
     marks = Landmarks(points, (100, 100), (spreads + spreads.swapaxes(1, 2)) / 2, generator.uniform(size=81))
+    marks = replace(marks, slides=generator.normal(size=(81, 2)))
     write_landmarks(tmp_path / "marks.json", marks)
     again = read_landmarks(tmp_path / "marks.json")
     np.testing.assert_array_equal(again.spreads, marks.spreads)
     np.testing.assert_array_equal(again.visibility, marks.visibility)
+    np.testing.assert_array_equal(again.slides, marks.slides)
 
 
 @pytest.mark.parametrize(
@@ -228,9 +231,13 @@ def test_spreads_and_visibility_come_back(tmp_path):
         ("visibility", [0.5] * 67, "expected a visibility from 0 to 1 of every point"),
         ("visibility", [2] * 68, "expected a visibility from 0 to 1 of every point"),
         ("visibility", "all", "expected visibility to be a list of numbers"),
+        ("slides", [[0, 1]] * 67, "expected a list of 68 slides"),
+        ("slides", {"0": [0, 1]}, "expected a list of 68 slides"),
+        ("slides", [[0, 1]] * 67 + [None], r"slide 67: expected \[x, y\], found none"),
+        ("slides", [[0, "1"]] * 68, r"slide 0: expected \[x, y\]"),
     ],
 )
-def test_what_are_no_spreads_or_visibilities_is_refused(tmp_path, key, value, message):
+def test_what_are_no_spreads_visibilities_or_slides_is_refused(tmp_path, key, value, message):
     points = np.random.default_rng(0).uniform(0, 100, (68, 2)).tolist()
     text = json.dumps({"schema": "caricli.landmarks/1", "scheme": "ibug68", "points": points, key: value})
     (tmp_path / "marks.json").write_text(text)

@@ -6,6 +6,7 @@ import numpy as np
 
 from caricli.errors import InputError
 from caricli.methods.detect.find_faces import Candidate, common_share, find_faces
+from caricli.methods.detect.mark_face import mark_face
 from caricli.methods.detect.parse_picture import WindowRegions, mean_regions, parse_picture
 from caricli.methods.detect.read_faces import ReadFace, look_at_face
 from caricli.methods.detect.settings import DetectSettings
@@ -22,8 +23,8 @@ def detect_faces(picture: np.ndarray, detector: Detector, settings: DetectSettin
 
     The picture is searched at several scales; each place that may hold a face is looked at in the frame that the search
     gave, and in that of the landmarks that were seen there. A face is what search and last look are sure of, and whose
-    landmarks are somewhere. Of regions the mean of what all scales show counts, and where a face is that of it and the
-    last look.
+    landmarks are somewhere. Lips and lids go to where the picture shows them, then all points to where people mark
+    them. Of regions the mean of what all scales show counts, and where a face is that of it and the last look.
     picture: (H, W, 3) uint8.
     """
     settings = settings or DetectSettings()
@@ -42,12 +43,8 @@ def detect_faces(picture: np.ndarray, detector: Detector, settings: DetectSettin
     whole = mean_regions(glances)
     own = [mean_regions([whole, WindowRegions(read.regions, read.matrix)]) for _, read in pairs]
     regions = parse_picture(picture.shape[:2], whole, own)
-    return Detection([_snapped(face, picture, regions) for face in faces], regions)
-
-
-def _snapped(face: DetectedFace, picture: np.ndarray, regions: np.ndarray) -> DetectedFace:
-    """A face with its lips and lids where the picture shows them."""
-    return replace(face, landmarks=snap_openings(picture, regions, face.landmarks))
+    marks = [mark_face(snap_openings(picture, regions, face.landmarks), detector.jaw) for face in faces]
+    return Detection([replace(face, landmarks=own) for face, own in zip(faces, marks, strict=True)], regions)
 
 
 def _is_new(frame: FaceFrame, pairs: list[tuple[DetectedFace, ReadFace]], settings: DetectSettings) -> bool:

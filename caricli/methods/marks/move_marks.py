@@ -84,7 +84,8 @@ def switch_off(marks: Landmarks, numbers: list[int]) -> Landmarks:
     points = marks.points.copy()
     points[numbers] = np.nan
     spreads = _changed(marks.spreads, numbers, np.nan)
-    return replace(marks, points=points, spreads=spreads, visibility=_changed(marks.visibility, numbers, 0.0))
+    visibility = _changed(marks.visibility, numbers, 0.0)
+    return replace(marks, points=points, spreads=spreads, visibility=visibility, slides=_exact(marks, numbers))
 
 
 def group_points(marks: Landmarks, group: str) -> list[int]:
@@ -105,10 +106,16 @@ def _about_centre(points: np.ndarray, linear: np.ndarray, shift: np.ndarray) -> 
 
 
 def _placed(marks: Landmarks, points: np.ndarray, moved: list[int]) -> Landmarks:
-    """Landmarks at other points (L, 2), those that moved as sure as a hand is."""
+    """Landmarks at other points (L, 2), those that moved as sure as a hand is, and where the head's own are."""
     sure = (BY_HAND * marks.diagonal) ** 2 * np.eye(2)
     spreads = _changed(marks.spreads, moved, sure)
-    return replace(marks, points=points, spreads=spreads, visibility=_changed(marks.visibility, moved, 1.0))
+    visibility = _changed(marks.visibility, moved, 1.0)
+    return replace(marks, points=points, spreads=spreads, visibility=visibility, slides=_exact(marks, moved))
+
+
+def _exact(marks: Landmarks, numbers: list[int]) -> np.ndarray | None:
+    """Slides of landmarks, none of those that a hand has placed."""
+    return _changed(marks.slides, numbers, 0.0)
 
 
 def _changed(values: np.ndarray | None, numbers: list[int], value: np.ndarray | float) -> np.ndarray | None:

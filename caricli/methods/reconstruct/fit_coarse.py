@@ -8,7 +8,6 @@ import numpy as np
 from caricli.errors import InputError
 from caricli.geometry.head_rotation import head_rotation
 from caricli.geometry.similarity import similarity
-from caricli.geometry.space_jaw import space_jaw
 from caricli.methods.morphable.coefficients import CoefficientLayout, turned_light
 from caricli.methods.reconstruct.fit_landmarks_latent import fit_landmarks_latent
 from caricli.methods.reconstruct.landmark_fit import LandmarkFit, Observation
@@ -18,7 +17,7 @@ from caricli.models.morphable.model import MorphableModel, ShapeBases
 from caricli.render.cut_window import cut_window
 from caricli.structures import Camera, Face
 from caricli.structures.detection import FaceFrame
-from caricli.structures.landmarks import COUNT, FEWEST, JAW
+from caricli.structures.landmarks import COUNT, FEWEST
 
 ALONE = LatentSettings(rounds=0, refinements=0)
 """Of no fit at all."""
@@ -56,12 +55,10 @@ def see_coarse(
 ) -> CoarseSight:
     """Let the network look at the face of a picture (H, W, 3) uint8 that has landmarks (L, 2), NaN where unknown.
 
-    spreads: (L, 2, 2) covariances of their errors, square pixels, or None. The network learnt with detected jaws whose
-    points are at equal distances.
+    spreads: (L, 2, 2) covariances of their errors, square pixels, or None.
     """
-    detected = spreads is not None and np.isfinite(points[JAW]).all()
     told = np.full((LANDMARKS, 2), np.nan)
-    told[: len(points)] = space_jaw(points) if detected else points
+    told[: len(points)] = points
     doubts = np.full((LANDMARKS, 2, 2), np.nan)
     if spreads is not None:
         doubts[: len(points)] = spreads

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from caricli.data.picture_set import PictureSet
+from caricli.geometry.mark_lines import mark_lines
 from caricli.geometry.space_jaw import carry_jaw, space_jaw
 from caricli.structures.detection import MarkedPicture
 
@@ -69,14 +70,14 @@ def marked_picture(pictures: PictureSet, number: int) -> MarkedPicture:
 
 def evenly_jawed(picture: MarkedPicture) -> MarkedPicture:
     """A picture whose jaws are marked at equal distances, as networks learn them: where vertices lie cannot be seen."""
-    return _jawed(picture, space_jaw)
+    return _marked(picture, space_jaw)
 
 
-def carried_jaws(picture: MarkedPicture) -> MarkedPicture:
-    """A picture whose jaws are marked as people do, and as they are detected."""
-    return _jawed(picture, carry_jaw)
+def marked_by_people(picture: MarkedPicture) -> MarkedPicture:
+    """A picture whose faces are marked as people do it, and as they are detected."""
+    return _marked(picture, lambda points: mark_lines(carry_jaw(points)))
 
 
-def _jawed(picture: MarkedPicture, move: Callable[[np.ndarray], np.ndarray]) -> MarkedPicture:
+def _marked(picture: MarkedPicture, move: Callable[[np.ndarray], np.ndarray]) -> MarkedPicture:
     points = np.array([move(face) for face in picture.landmarks])
     return replace(picture, landmarks=points.reshape(picture.landmarks.shape))

@@ -25,7 +25,9 @@ def marks(template):
 
 
 def sure(marks):
-    return replace(marks, spreads=np.tile(4 * np.eye(2), (81, 1, 1)), visibility=np.full(81, 0.5))
+    return replace(
+        marks, spreads=np.tile(4 * np.eye(2), (81, 1, 1)), visibility=np.full(81, 0.5), slides=np.ones((81, 2))
+    )
 
 
 def test_every_point_has_one_group_and_a_name_of_its_own():
@@ -101,8 +103,10 @@ def test_points_that_were_moved_are_sure_and_those_that_are_off_are_not_known(ma
     moved = move_point(marks, 48, (100.0, 200.0))
     assert np.trace(moved.spreads[48]) < 0.1 and moved.visibility[48] == 1
     assert (moved.spreads[47] == marks.spreads[47]).all() and moved.visibility[47] == 0.5
+    assert not moved.slides[48].any() and (moved.anchors[48] == (100, 200)).all() and (moved.slides[47] == 1).all()
     off = switch_off(moved, [48, 60])
     assert off.known.sum() == 79 and np.isnan(off.spreads[[48, 60]]).all() and (off.visibility[[48, 60]] == 0).all()
+    assert not off.slides[[48, 60]].any()
     back = move_point(off, 48, (101.0, 200.0))
     assert back.known.sum() == 80 and np.isfinite(back.spreads[48]).all()
 

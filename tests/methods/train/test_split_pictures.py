@@ -1,8 +1,9 @@
 import numpy as np
-import pytest
 
 from caricli.data.picture_set import read_picture_set
-from caricli.methods.train.split_pictures import JoinedPictures, SplitPictures, carried_jaws, evenly_jawed
+from caricli.geometry.mark_lines import mark_lines
+from caricli.geometry.space_jaw import carry_jaw
+from caricli.methods.train.split_pictures import JoinedPictures, SplitPictures, evenly_jawed, marked_by_people
 from tests.drawn_pictures import mean_shape, write_drawn_set
 
 
@@ -24,16 +25,24 @@ def test_joined_pictures_are_those_of_each_and_of_one_split_alone(head_template,
     np.testing.assert_array_equal(joined.landmarks(), landmarks)
 
 
-# The jaw of a shape that is near the usual one is carried to nearly equal distances, too.
-@pytest.mark.parametrize(("jawed", "uneven"), [(evenly_jawed, 0.1), (carried_jaws, 0.3)])
-def test_only_the_inner_points_of_jaws_are_moved(head_template, tmp_path, jawed, uneven):
+def test_only_the_inner_points_of_jaws_are_moved_to_equal_distances(head_template, tmp_path):
     pictures = read_picture_set(write_drawn_set(tmp_path / "set", mean_shape(head_template), 8, 0))
     marked = [SplitPictures(pictures, split).marked(number) for split in ("train",) for number in (0, 3)]
     for picture in marked:
-        evenly = jawed(picture)
+        evenly = evenly_jawed(picture)
         assert evenly.landmarks.shape == picture.landmarks.shape
         np.testing.assert_array_equal(evenly.landmarks[:, 17:], picture.landmarks[:, 17:])
         ends = evenly.landmarks[:, [0, 8, 16]] - picture.landmarks[:, [0, 8, 16]]
         np.testing.assert_allclose(ends, 0, atol=1e-9)
         steps = np.linalg.norm(np.diff(evenly.landmarks[:, :9], axis=1), axis=2)
-        assert np.ptp(steps, axis=1).max(initial=0) < uneven * steps.max(initial=1)
+        assert np.ptp(steps, axis=1).max(initial=0) < 0.1 * steps.max(initial=1)
+
+
+def test_what_is_found_is_compared_with_faces_as_people_mark_them(head_template, tmp_path):
+    pictures = read_picture_set(write_drawn_set(tmp_path / "set", mean_shape(head_template), 4, 0))
+    for number in (0, 3):
+        picture = SplitPictures(pictures, "train").marked(number)
+        by_people = marked_by_people(picture)
+        assert by_people.landmarks.shape == picture.landmarks.shape
+        for face, marked in zip(picture.landmarks, by_people.landmarks, strict=True):
+            np.testing.assert_array_equal(marked, mark_lines(carry_jaw(face)))

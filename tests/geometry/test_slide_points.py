@@ -1,0 +1,28 @@
+import numpy as np
+
+from caricli.geometry.slide_points import line_shares, slide_points
+
+ARC = np.stack([np.cos(np.linspace(0, 2, 9) ** 1.2), np.sin(np.linspace(0, 2, 9) ** 1.2)], 1)
+
+
+def test_points_stand_on_the_line_where_they_are_sent():
+    shares = np.array([0, 0.3, 0.5, 1])
+    moved = slide_points(ARC, shares)
+    assert np.abs(np.linalg.norm(moved, axis=1) - 1).max() < 0.01
+    angles = np.arctan2(moved[:, 1], moved[:, 0])
+    assert np.abs(angles / angles[-1] - shares).max() < 0.01
+    np.testing.assert_allclose(moved[[0, -1]], ARC[[0, -1]], atol=1e-12)
+
+
+def test_points_that_stay_where_they_are_stay_there():
+    np.testing.assert_allclose(slide_points(ARC, line_shares(ARC)), ARC, atol=1e-12)
+
+
+def test_shares_may_be_of_something_else_than_length():
+    own = np.linspace(0, 1, 9) ** 2
+    np.testing.assert_allclose(slide_points(ARC, own[[2, 5]], own), ARC[[2, 5]], atol=1e-12)
+
+
+def test_a_point_is_a_line_too():
+    same = np.ones((4, 2))
+    np.testing.assert_array_equal(slide_points(same, np.array([0, 0.2, 0.9, 1])), same)
