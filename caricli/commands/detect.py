@@ -35,10 +35,10 @@ from caricli.methods.detect.settings import DetectSettings
 def command(ctx, pictures, out, out_dir, everyone, detector, score, overwrite):
     """Find faces in pictures: drawings, paintings, photographs; with their landmarks and what every pixel shows.
 
-    Of head.png the 81 landmarks are written to head.json, with how sure each is, `null` where it cannot be known; the
-    label map to head-regions.png, with its legend and the faces' scores beside it as JSON; and head-overlay.png shows
-    both. The face is the largest that nothing speaks against, or the largest; with --all the second largest is
-    head-2.json.
+    Of head.png the 81 landmarks are written to head.json, where people mark them, with how sure each is, `null` where
+    it cannot be known; the label map to head-regions.png, with its legend and the faces' scores beside it as JSON; and
+    head-overlay.png shows both. The face is the largest that nothing speaks against, or the largest; with --all the
+    second largest is head-2.json.
 
     \b
     Example:
