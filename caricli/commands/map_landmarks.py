@@ -61,12 +61,13 @@ def command(landmarks, to, out, map_path, style_seed, pts_origin, overwrite):
         landmark_map = load_landmark_map(map_path)
         marks = read_landmarks(landmarks, pts_origin)
         with naming(landmarks):
-            mapped = map_landmarks(marks.points, landmark_map, to, _style(landmark_map, style_seed))
+            points = marks.anchors
+            mapped = map_landmarks(points, landmark_map, to, _style(landmark_map, style_seed))
             turned = Landmarks(mapped, marks.image_size)
         write_landmarks(files[0], turned)
-        write_png(files[1], landmark_pair({other(to): marks.points[:COUNT], to: mapped}, SIZE))
-    left_out = "" if len(marks.points) == COUNT else f" (the first of {len(marks.points)})"
-    share = mean_shift(marks.points, mapped)
+        write_png(files[1], landmark_pair({other(to): points[:COUNT], to: mapped}, SIZE))
+    left_out = "" if len(points) == COUNT else f" (the first of {len(points)})"
+    share = mean_shift(points, mapped)
     echo_result(f"{out}: {COUNT} landmarks{left_out} to {to}, moved by {share:.2f} % of their diagonal")
 
 
