@@ -58,7 +58,7 @@ def measure(image, points, visible, seen, model):
     seconds = []
     for pixels in (None, image):
         start = time.process_time()
-        fit = fit_landmarks(seen.anchors, model, image=pixels, spreads=seen.spreads)
+        fit = fit_landmarks(seen.head_points, model, image=pixels, spreads=seen.spreads)
         seconds.append(time.process_time() - start)
         places.append(fit.face.landmarks)
     rows = []
@@ -91,7 +91,7 @@ def main(folder, count=60, split=None):
             seen = see_face(image, detector).landmarks
         except CaricliError:
             continue
-        off = np.nanmean(np.linalg.norm(seen.anchors - points, axis=1)[:COUNT])
+        off = np.nanmean(np.linalg.norm(seen.head_points - points, axis=1)[:COUNT])
         if off > MISTAKEN * np.linalg.norm(np.ptp(points[:COUNT], axis=0)):
             continue
         rows, own = measure(image, points, visible, seen, model)

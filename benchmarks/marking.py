@@ -33,7 +33,7 @@ def moves(marks, truth, model, symmetric_on):
     placed = np.zeros(COUNT, bool)
     first = None
     for done in range(MOST + 1):
-        face = fit_landmarks(marks.anchors, model, spreads=marks.spreads).face
+        face = fit_landmarks(marks.head_points, model, spreads=marks.spreads).face
         gaps = np.linalg.norm(face.landmarks[:COUNT] - marks.slides[:COUNT] - truth.points, axis=1)
         error = float(100 * gaps.mean() / truth.diagonal)
         first = error if first is None else first

@@ -98,7 +98,7 @@ def figures(answer, truth, pixels):
 
 def eye_errors(seen, true, visible):
     """Percent, as found and snapped."""
-    points = seen.landmarks.anchors
+    points = seen.landmarks.head_points
     snapped, _ = snap_eyes(points, seen.regions == Region.EYES)
     diagonal = np.linalg.norm(np.ptp(true[:68], axis=0))
     ids = np.array(EYES)[visible[list(EYES)]]
@@ -124,9 +124,9 @@ def measured(pictures, detector, count):
             seen = see_face(image, detector)
             marks = seen.landmarks
             diagonal = np.linalg.norm(np.ptp(true[:68], axis=0))
-            if np.nanmean(np.linalg.norm(marks.anchors - true, axis=1)) > FARTHEST * diagonal:
+            if np.nanmean(np.linalg.norm(marks.head_points - true, axis=1)) > FARTHEST * diagonal:
                 continue
-            face = fit_landmarks(marks.anchors, model, spreads=marks.spreads).face
+            face = fit_landmarks(marks.head_points, model, spreads=marks.spreads).face
             answers = {
                 "regions": by_regions(face, image, detector, model.template),
                 "colours": by_colours(face, image, model.template),

@@ -45,7 +45,7 @@ def found_landmarks(pictures, row, detector):
         marks = see_face(pictures.picture(number), detector).landmarks
     except CaricliError:
         return None
-    gaps = np.linalg.norm(marks.anchors - true, axis=1)[:68]
+    gaps = np.linalg.norm(marks.head_points - true, axis=1)[:68]
     return marks if np.nanmean(gaps) <= FARTHEST * np.linalg.norm(np.ptp(true[:68], axis=0)) else None
 
 
@@ -68,7 +68,7 @@ def measured(pictures, people, half, detector):
             continue
         same = (people.identity == who) & (people.expression == truth["expression"][row])
         true = people.vertices[same & (people.level == truth["level"][row])][0].astype(float)
-        fits = [fit(marks.anchors, spreads=spreads) for fit in ways for spreads in (None, marks.spreads)]
+        fits = [fit(marks.head_points, spreads=spreads) for fit in ways for spreads in (None, marks.spreads)]
         yield [error(fit.face.vertices, true, region) for fit in fits]
 
 

@@ -61,7 +61,7 @@ def command(landmarks, to, out, map_path, style_seed, pts_origin, overwrite):
         landmark_map = load_landmark_map(map_path)
         marks = read_landmarks(landmarks, pts_origin)
         with naming(landmarks):
-            points = marks.anchors
+            points = marks.head_points
             mapped = map_landmarks(points, landmark_map, to, _style(landmark_map, style_seed))
             turned = Landmarks(mapped, marks.image_size)
         write_landmarks(files[0], turned)

@@ -132,7 +132,7 @@ class RefineTask:
             reader = FaceReader(self.detector, self.pts_origin)
             picture = reader.read(landmarks, len(template.annotation.landmarks), self.image)
             marks = picture.landmarks
-            points, snapped = snap_eyes(marks.anchors, load_eyes(self.parsing, marks.image_size))
+            points, snapped = snap_eyes(marks.head_points, load_eyes(self.parsing, marks.image_size))
             start = time.perf_counter()
             with naming(landmarks):
                 result = refine_face(seen, points, template, self.settings, marks.spreads)

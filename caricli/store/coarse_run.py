@@ -98,7 +98,7 @@ def see_faces(
         except CaricliError:
             seen.unseen.append(path)
         else:
-            points = face.landmarks.anchors
+            points = face.landmarks.head_points
             assert len(points) == LANDMARKS
             seen.faces.append(SeenPicture(path, face.face.frame, points))
         progress(done, len(paths))

@@ -111,6 +111,6 @@ def load_caricature(
         raise InputError(f"{shown(source)}: expected a FACE.npz for a model of another mesh, found landmarks")
     count = len(intrinsic.template.annotation.landmarks)
     picture = reader.read(source, count)
-    fit = fit_landmarks(picture.landmarks.anchors, intrinsic, spreads=picture.landmarks.spreads)
+    fit = fit_landmarks(picture.landmarks.head_points, intrinsic, spreads=picture.landmarks.spreads)
     face = Face(morphable.template.with_vertices(fit.face.vertices), fit.face.camera, fit.face.landmarks)
     return Caricature(face, PicturePaths(texture), picture)

@@ -48,7 +48,7 @@ def landmark_loader(model: ShapeModel, pts_origin: int, size: int) -> FaceLoader
 
     def load(path: Path, image: Path | None) -> RegularFace:
         marks, picture = load_marked_picture(path, image, pts_origin)
-        face, nme = encoder.encode(marks.anchors)
+        face, nme = encoder.encode(marks.head_points)
         portrait = None if picture is None else crop_portrait(picture, marks.points, size)
         return RegularFace(face, f"{shown(path)}: reconstructed, NME {nme:.2f} %", portrait)
 

@@ -169,7 +169,7 @@ class Landmarks:
         return np.isfinite(self.points).all(axis=1)
 
     @property
-    def anchors(self) -> np.ndarray:
+    def head_points(self) -> np.ndarray:
         """(L, 2) pixels, where the head's own landmarks are, to which faces are fitted."""
         return self.points if self.slides is None else self.points + self.slides
 

@@ -49,7 +49,7 @@ class Marking:
         # A move in the other half is told by the points before it.
         state |= {"mirror": self._mirror(points)} if seq is None else {"seq": seq}
         try:
-            face = self.chase.look(landmarks.anchors, landmarks.spreads)
+            face = self.chase.look(landmarks.head_points, landmarks.spreads)
         except CaricliError:
             # Points that no face has, or too few of them, are still points.
             self.chase = LandmarkChase(self.model)

@@ -6,7 +6,7 @@ import pytest
 from caricli.errors import InputError
 from caricli.io.face import read_face
 from caricli.io.image import write_png
-from caricli.io.landmarks import read_landmarks
+from caricli.io.landmarks import read_landmarks, write_landmarks
 from caricli.io.strict_json import read_json
 from caricli.store.face_pictures import FaceReader
 from caricli.structures import Landmarks
@@ -36,6 +36,16 @@ def drawings(points, tmp_path, monkeypatch):
 
     monkeypatch.setattr(FaceReader, "see", see)
     return folder
+
+
+def test_faces_are_fitted_to_where_the_heads_own_landmarks_were_seen(run, points, tmp_path):
+    slides = np.random.default_rng(0).normal(size=points.shape)
+    write_landmarks(tmp_path / "slid.json", Landmarks(points - slides, (400, 400), slides=slides))
+    write_landmarks(tmp_path / "seen.json", Landmarks(points - slides + slides, (400, 400)))
+    for name in ("slid", "seen"):
+        result = run(COMMAND, tmp_path / f"{name}.json", "--out", tmp_path / f"{name}-face.obj")
+        assert result.exit_code == 0, result.output
+    assert (tmp_path / "slid-face.npz").read_bytes() == (tmp_path / "seen-face.npz").read_bytes()
 
 
 def test_what_was_found_is_written_beside_the_result_and_can_be_corrected(run, drawings, points, tmp_path):

@@ -32,12 +32,12 @@ def test_both_layouts_and_integers():
     assert Landmarks(circle().astype(int)).points.dtype == np.float64
 
 
-def test_anchors_are_where_points_slide_to():
+def test_points_of_the_head_are_where_points_slide_to():
     marks = Landmarks(with_point(5, NAN, 81), slides=np.full((81, 2), 2.0))
-    np.testing.assert_array_equal(marks.anchors, marks.points + 2)
-    assert marks.first(68).slides.shape == (68, 2) and np.isnan(marks.anchors[5]).all()
+    np.testing.assert_array_equal(marks.head_points, marks.points + 2)
+    assert marks.first(68).slides.shape == (68, 2) and np.isnan(marks.head_points[5]).all()
     plain = Landmarks(circle())
-    assert plain.anchors is plain.points
+    assert plain.head_points is plain.points
 
 
 @pytest.mark.parametrize("slides", [np.zeros((68, 3)), np.zeros((67, 2)), np.full((68, 2), NAN), np.full((68, 2), 1e9)])

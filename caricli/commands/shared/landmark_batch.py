@@ -103,7 +103,7 @@ class FitTask:
             about |= note_source(mesh, picture, path)
             report = provenance(self.command, [path, image, *self.sources], **about)
             write_json(json, report | fit.figures() | {"seconds": seconds})
-            points = fit.shown(picture.landmarks.anchors)
+            points = fit.shown(picture.landmarks.head_points)
             write_picture(png, partial(self._sheet, face, finer, points, picture.pixels))
         return f"{target}: {fit.describe()}"
 
@@ -113,7 +113,7 @@ class FitTask:
             return self.fit(picture)
         marks = picture.landmarks
         looked = {"image": picture.pixels} if self.looks else {}
-        return self.fit(marks.anchors, spreads=marks.spreads, **looked)
+        return self.fit(marks.head_points, spreads=marks.spreads, **looked)
 
     def _shown(self, face: Face, finer: FineMesh) -> Face:
         """What the mesh file holds of a face: its skin, or the head that was chosen."""

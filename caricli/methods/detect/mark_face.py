@@ -10,10 +10,10 @@ from caricli.structures.landmarks import COUNT, Landmarks
 
 
 def mark_face(seen: Landmarks, jaw: JawPlaces) -> Landmarks:
-    """Landmarks whose points are where people mark them, and whose anchors are where they were seen.
+    """Landmarks whose points are where people mark them, and that know where those of the head were seen.
 
     What is seen are the head's own landmarks, which its annotation has elsewhere along brows, nose, lips and jaw than
-    people in photographs and drawings. seen: Landmarks of a detector, the jaw's at equal distances.
+    people have them in photographs and drawings. seen: Landmarks of a detector, the jaw's at equal distances.
     """
     whole = seen.known[:COUNT].all()
     points = mark_lines(jaw.mark(seen.points) if whole else seen.points)

@@ -66,7 +66,7 @@ class GivenFace:
         """Whether the picture surely shows a face, and none, sure or not, where the landmarks are."""
         faces = self.detection.faces
         sure = any(doubt_of(face, self.settings) is None for face in faces)
-        if not sure or any(self._is_near(face.landmarks.anchors) for face in faces):
+        if not sure or any(self._is_near(face.landmarks.head_points) for face in faces):
             return False
         read = self.parsed.read
         return not (read.is_hopeful(self.settings) and self._is_near(read.points))

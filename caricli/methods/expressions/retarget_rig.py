@@ -43,7 +43,9 @@ Driver = DrivingMesh | DrivingLandmarks
 
 def fit_driver(landmarks: Landmarks, model: MorphableModel) -> DrivingLandmarks:
     """Find the camera that landmarks were seen with. Raises InputError, NumericsError."""
-    return DrivingLandmarks(landmarks.anchors, fit_morphable(landmarks.anchors, model, spreads=landmarks.spreads))
+    return DrivingLandmarks(
+        landmarks.head_points, fit_morphable(landmarks.head_points, model, spreads=landmarks.spreads)
+    )
 
 
 @dataclass(frozen=True, eq=False)

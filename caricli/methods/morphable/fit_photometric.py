@@ -63,7 +63,7 @@ def fit_photometric(
     """
     if picture.pixels is None:
         raise InputError("expected a picture whose colours can be fitted, found landmarks alone: give it with --image")
-    points = picture.landmarks.anchors
+    points = picture.landmarks.head_points
     spreads = picture.landmarks.spreads
     start = fit_morphable(points, model, weights, identity, spreads)
     observation = Observation(points, model.template, spreads=spreads)

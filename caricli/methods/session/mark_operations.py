@@ -68,7 +68,7 @@ def mark_face(work: Work, parameters: Parameters, tools: Tools) -> Work:
     """The face that the landmarks are of, as ``caricli reconstruct-from-landmarks`` makes it of them alone."""
     only(parameters)
     placed = placed_marks(work)
-    face, _ = tools.encoder.encode(placed.anchors, placed.spreads)
+    face, _ = tools.encoder.encode(placed.head_points, placed.spreads)
     return replace(work, face=face, strengths={}, weights={})
 
 

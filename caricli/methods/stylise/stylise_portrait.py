@@ -51,13 +51,13 @@ def stylise_portrait(
     warped = image
     landmarks = replace(marks, spreads=None, visibility=None)
     if tools is not None and settings.shape != "none" and settings.strength > 0:
-        fit = fit_landmarks(marks.anchors, tools.model)
+        fit = fit_landmarks(marks.head_points, tools.model)
         vertices = exaggerate_portrait(fit, tools, settings.shape, settings.strength)
         size = (image.shape[1], image.shape[0])
         warp = mesh_warp(fit.face, vertices, tools.model.template, size, settings.warp)
         warped = warp.picture(image)
         points = warp.points(marks.points)
-        slides = None if marks.slides is None else np.nan_to_num(warp.points(marks.anchors) - points)
+        slides = None if marks.slides is None else np.nan_to_num(warp.points(marks.head_points) - points)
         landmarks = Landmarks(points, size, slides=slides)
     paint = generator or partial(
         paint_picture, marks=landmarks, style=settings.style, generator=np.random.default_rng(settings.seed)

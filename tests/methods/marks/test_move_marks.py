@@ -103,7 +103,7 @@ def test_points_that_were_moved_are_sure_and_those_that_are_off_are_not_known(ma
     moved = move_point(marks, 48, (100.0, 200.0))
     assert np.trace(moved.spreads[48]) < 0.1 and moved.visibility[48] == 1
     assert (moved.spreads[47] == marks.spreads[47]).all() and moved.visibility[47] == 0.5
-    assert not moved.slides[48].any() and (moved.anchors[48] == (100, 200)).all() and (moved.slides[47] == 1).all()
+    assert not moved.slides[48].any() and (moved.head_points[48] == (100, 200)).all() and (moved.slides[47] == 1).all()
     off = switch_off(moved, [48, 60])
     assert off.known.sum() == 79 and np.isnan(off.spreads[[48, 60]]).all() and (off.visibility[[48, 60]] == 0).all()
     assert not off.slides[[48, 60]].any()
