@@ -33,7 +33,7 @@ SIZE = 360
 def nme(image, points, detector):
     """Percent, of the nearest face; NaN where none is found."""
     diagonal = np.linalg.norm(np.ptp(points[:COUNT], axis=0))
-    faces = [face.landmarks.points[:COUNT] - points[:COUNT] for face in detect_faces(image, detector).faces]
+    faces = [face.landmarks.head_points[:COUNT] - points[:COUNT] for face in detect_faces(image, detector).faces]
     errors = [100 * np.nanmean(np.linalg.norm(missed, axis=1)) / diagonal for missed in faces]
     return float(min(errors, default=np.nan))
 
@@ -46,7 +46,7 @@ def rows(image, marks, detector):
             start = time.process_time()
             result = stylise_portrait(image, marks, tools, StyliseSettings(style, strength=strength))
             seconds = time.process_time() - start
-            error = nme(result.picture, result.landmarks.points, detector)
+            error = nme(result.picture, result.landmarks.head_points, detector)
             row = {"style": style, "strength": strength, "nme": error, "moved": result.moved, "cpu_seconds": seconds}
             yield row, crop_portrait(result.picture, result.landmarks.points, SIZE)
 
@@ -56,7 +56,7 @@ def main():
     picture, landmarks, *more = map(Path, sys.argv[1:])
     marks, image = load_marked_picture(landmarks, picture)
     detector = load_detector(more[1] if len(more) > 1 else None)
-    given = nme(image, marks.points, detector)
+    given = nme(image, marks.head_points, detector)
     print(f"given: NME {given:.2f} %")
     table = []
     pictures = []

@@ -11,11 +11,11 @@ _UPPER_INSIDE = range(60, 65)
 _LOWER_INSIDE = (*range(64, 68), 60)
 
 _MARKED = {
-    BROW_RIGHT: (0.25, 0.5, 0.75),
-    BROW_LEFT: (0.25, 0.5, 0.75),
+    BROW_RIGHT: (0.23, 0.48, 0.74),
+    BROW_LEFT: (0.26, 0.52, 0.77),
     BRIDGE: (0.33, 0.67),
     NOSTRILS: (0.25, 0.5, 0.75),
-    _UPPER: (0.19, 0.36, 0.5, 0.64, 0.81),
+    _UPPER: (0.19, 0.37, 0.5, 0.63, 0.81),
     _LOWER: (0.21, 0.38, 0.5, 0.62, 0.79),
     _UPPER_INSIDE: (0.34, 0.5, 0.66),
     _LOWER_INSIDE: (0.34, 0.5, 0.66),
@@ -23,7 +23,7 @@ _MARKED = {
 """Shares of a line's length at which its inner points stand in the mean face of people who were marked by hand.
 
 Of photographs of iBUG 300-W (Sagonas et al. 2013), as dlib's detector learnt it and OpenFace prints it (``TEMPLATE`` of
-``align_dlib.py``), both sides alike, to two digits.
+``align_dlib.py``), the mean of both sides, to two digits.
 """
 
 

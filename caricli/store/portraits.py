@@ -39,7 +39,7 @@ def load_portrait(picture: Path, marks: Path, pts_origin: int = 1) -> Portrait:
     """A real portrait. pts_origin: coordinate of the first pixel in .pts files. Raises InputError."""
     landmarks, image = load_marked_picture(marks, picture, pts_origin)
     assert image is not None
-    return Portrait(picture.name, image, landmarks.points)
+    return Portrait(picture.name, image, landmarks.head_points)
 
 
 def load_rivals(template: Template) -> dict[str, Any]:

@@ -160,8 +160,8 @@ class Landmarks:
                 refuse(f"expected a visibility from 0 to 1 of every point, found {given.shape}")
         if self.slides is not None:
             given = np.asarray(self.slides)
-            if given.shape != points.shape or not (np.abs(given) <= MAX_COORDINATE).all():
-                refuse(f"expected a slide of every point in pixels, found {given.shape}")
+            if given.shape != points.shape or not (np.abs(given) <= self.diagonal).all():
+                refuse(f"expected a slide of every point, at most as far as the face is large, found {given.shape}")
 
     @property
     def known(self) -> np.ndarray:

@@ -1,6 +1,7 @@
 """A hand on the landmarks of a picture."""
 
 import numpy as np
+import pytest
 
 from tests.studio.conftest import PATIENCE
 
@@ -34,15 +35,24 @@ class Marks:
 
     def drag(self, number, by):
         """Drag a point by pixels of the screen and wait until it is done for good."""
-        start = self.where(number)
         done = self.done()
-        self.page.mouse.move(*start)
-        self.page.mouse.down()
+        start = self.hold(number)
         for share in np.linspace(0.1, 1, 8):
             self.page.mouse.move(*(start + share * np.array(by)))
         assert self.page.locator(".marks-loupe").is_visible()
         self.page.mouse.up()
         self.answered(done)
+
+    def hold(self, number):
+        """Press on a point, until it is held: the page may still be finding its size. Returns the screen's place."""
+        for _ in range(100):
+            place = self.where(number)
+            self.page.mouse.move(*place)
+            self.page.mouse.down()
+            if self.page.evaluate(f"{CANVAS}.hold?.number") == number:
+                return place
+            self.page.mouse.up()
+        pytest.fail(f"point {number} cannot be held")
 
     def done(self):
         """How many answers came that are no tries."""

@@ -6,7 +6,7 @@ import numpy as np
 
 from caricli.errors import InputError
 from caricli.methods.detect.find_faces import Candidate, common_share, find_faces
-from caricli.methods.detect.mark_face import mark_face
+from caricli.methods.detect.mark_as_people import mark_as_people
 from caricli.methods.detect.parse_picture import WindowRegions, mean_regions, parse_picture
 from caricli.methods.detect.read_faces import ReadFace, look_at_face
 from caricli.methods.detect.settings import DetectSettings
@@ -43,7 +43,7 @@ def detect_faces(picture: np.ndarray, detector: Detector, settings: DetectSettin
     whole = mean_regions(glances)
     own = [mean_regions([whole, WindowRegions(read.regions, read.matrix)]) for _, read in pairs]
     regions = parse_picture(picture.shape[:2], whole, own)
-    marks = [mark_face(snap_openings(picture, regions, face.landmarks), detector.jaw) for face in faces]
+    marks = [mark_as_people(snap_openings(picture, regions, face.landmarks), detector.jaw) for face in faces]
     return Detection([replace(face, landmarks=own) for face, own in zip(faces, marks, strict=True)], regions)
 
 

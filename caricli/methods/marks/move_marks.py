@@ -34,7 +34,7 @@ class GroupMove:
 def move_point(
     marks: Landmarks, number: int, place: tuple[float, float], symmetric_on: Template | None = None
 ) -> Landmarks:
-    """Put a point somewhere; one that was switched off is known from then on.
+    """Put a point somewhere, and the head's own there, too; one that was switched off is known from then on.
 
     marks: Landmarks. number: of the point. place: pixels. symmetric_on: the Template whose landmarks tell how the face
     is turned, where the partner on the other side is to make the mirrored move (``mirror_map``), or None. Points on the
@@ -50,7 +50,7 @@ def move_point(
         points[partner] += mirror_map(marks.points, symmetric_on) @ (np.array(place) - points[number])
         moved.append(partner)
     points[number] = place
-    return _placed(marks, points, moved)
+    return _placed(marks, points, moved, _changed(marks.slides, [number], 0.0))
 
 
 def move_group(marks: Landmarks, group: str, move: GroupMove, symmetric_on: Template | None = None) -> Landmarks:
@@ -67,12 +67,14 @@ def move_group(marks: Landmarks, group: str, move: GroupMove, symmetric_on: Temp
     shift = np.array(move.shift)
     points = marks.points.copy()
     points[numbers] = _about_centre(points[numbers], linear, shift)
+    slides = _turned(marks.slides, numbers, linear)
     partners = [k for k in (MIRRORED[number] for number in numbers) if marks.known[k]]
     if symmetric_on is None or not partners or set(partners) & set(numbers):
-        return _placed(marks, points, numbers)
+        return _placed(marks, points, numbers, slides)
     mirror = mirror_map(marks.points, symmetric_on)
-    points[partners] = _about_centre(points[partners], mirror @ linear @ mirror, mirror @ shift)
-    return _placed(marks, points, [*numbers, *partners])
+    other = mirror @ linear @ mirror
+    points[partners] = _about_centre(points[partners], other, mirror @ shift)
+    return _placed(marks, points, [*numbers, *partners], _turned(slides, partners, other))
 
 
 def switch_off(marks: Landmarks, numbers: list[int]) -> Landmarks:
@@ -85,7 +87,8 @@ def switch_off(marks: Landmarks, numbers: list[int]) -> Landmarks:
     points[numbers] = np.nan
     spreads = _changed(marks.spreads, numbers, np.nan)
     visibility = _changed(marks.visibility, numbers, 0.0)
-    return replace(marks, points=points, spreads=spreads, visibility=visibility, slides=_exact(marks, numbers))
+    slides = _changed(marks.slides, numbers, 0.0)
+    return replace(marks, points=points, spreads=spreads, visibility=visibility, slides=slides)
 
 
 def group_points(marks: Landmarks, group: str) -> list[int]:
@@ -105,17 +108,17 @@ def _about_centre(points: np.ndarray, linear: np.ndarray, shift: np.ndarray) -> 
     return (points - centre) @ linear.T + centre + shift
 
 
-def _placed(marks: Landmarks, points: np.ndarray, moved: list[int]) -> Landmarks:
-    """Landmarks at other points (L, 2), those that moved as sure as a hand is, and where the head's own are."""
+def _placed(marks: Landmarks, points: np.ndarray, moved: list[int], slides: np.ndarray | None) -> Landmarks:
+    """Landmarks at other points (L, 2), those that moved as sure as a hand is. slides: of Landmarks."""
     sure = (BY_HAND * marks.diagonal) ** 2 * np.eye(2)
     spreads = _changed(marks.spreads, moved, sure)
     visibility = _changed(marks.visibility, moved, 1.0)
-    return replace(marks, points=points, spreads=spreads, visibility=visibility, slides=_exact(marks, moved))
+    return replace(marks, points=points, spreads=spreads, visibility=visibility, slides=slides)
 
 
-def _exact(marks: Landmarks, numbers: list[int]) -> np.ndarray | None:
-    """Slides of landmarks, none of those that a hand has placed."""
-    return _changed(marks.slides, numbers, 0.0)
+def _turned(slides: np.ndarray | None, numbers: list[int], linear: np.ndarray) -> np.ndarray | None:
+    """Slides (L, 2), those of some numbers under a linear map (2, 2); None where there are none."""
+    return None if slides is None else _changed(slides, numbers, slides[numbers] @ linear.T)
 
 
 def _changed(values: np.ndarray | None, numbers: list[int], value: np.ndarray | float) -> np.ndarray | None:

@@ -205,7 +205,7 @@ class LandmarksMode(Mode):
         if landmarks is None:
             await self._lay("No face was seen: the mean shape lies on the picture.")
         else:
-            await self._put(landmarks, "Landmarks as the detector sees them.")
+            await self._put(landmarks, "Landmarks as the detector marks them.")
 
     async def _lay(self, words: str = "") -> None:
         pixels = self.page.desk.work.picture

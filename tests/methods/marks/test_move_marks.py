@@ -111,6 +111,17 @@ def test_points_that_were_moved_are_sure_and_those_that_are_off_are_not_known(ma
     assert back.known.sum() == 80 and np.isfinite(back.spreads[48]).all()
 
 
+def test_slides_go_with_what_is_not_placed_by_itself(marks, template):
+    marks = sure(marks)
+    still = move_group(marks, "face", GroupMove())
+    np.testing.assert_allclose(still.head_points, marks.head_points, atol=1e-9)
+    turned = move_group(marks, "mouth", GroupMove(turn=90, scale=2))
+    np.testing.assert_allclose(turned.slides[48], [-2, 2], atol=1e-9)
+    assert (turned.slides[47] == 1).all()
+    both = move_point(marks, 48, tuple(marks.points[48] + [3.0, 0.0]), template)
+    assert not both.slides[48].any() and (both.slides[54] == 1).all()
+
+
 def test_groups_shift_turn_and_scale_about_their_centre(marks, template):
     mouth = list(GROUPS["mouth"])
     moved = move_group(marks, "mouth", GroupMove((3.0, -2.0), 30.0, 1.5))

@@ -9,7 +9,7 @@ from caricli.models.detector.jaw_places import JawPlaces
 from caricli.structures.landmarks import COUNT, Landmarks
 
 
-def mark_face(seen: Landmarks, jaw: JawPlaces) -> Landmarks:
+def mark_as_people(seen: Landmarks, jaw: JawPlaces) -> Landmarks:
     """Landmarks whose points are where people mark them, and that know where those of the head were seen.
 
     What is seen are the head's own landmarks, which its annotation has elsewhere along brows, nose, lips and jaw than
