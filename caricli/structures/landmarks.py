@@ -160,8 +160,12 @@ class Landmarks:
                 refuse(f"expected a visibility from 0 to 1 of every point, found {given.shape}")
         if self.slides is not None:
             given = np.asarray(self.slides)
-            if given.shape != points.shape or not (np.abs(given) <= self.diagonal).all():
-                refuse(f"expected a slide of every point, at most as far as the face is large, found {given.shape}")
+            if given.shape != points.shape:
+                refuse(f"expected a slide of every point, found {given.shape}")
+            near = (np.abs(given) <= self.diagonal).all(axis=1)
+            if not near.all():
+                k = int(np.argmin(near))
+                refuse(f"point {k}: expected a slide no farther than the face is large, found {given[k].tolist()}")
 
     @property
     def known(self) -> np.ndarray:
