@@ -18,6 +18,12 @@ def with_point(k, value, count=68):
     return points
 
 
+def with_slide(k, value):
+    slides = np.zeros((68, 2))
+    slides[k] = value
+    return slides
+
+
 def test_known_points_and_their_diagonal():
     points = with_point([0, 5], NAN)
     marks = Landmarks(points)
@@ -41,10 +47,16 @@ def test_points_of_the_head_are_where_points_slide_to():
 
 
 @pytest.mark.parametrize(
-    "slides", [np.zeros((68, 3)), np.zeros((67, 2)), np.full((68, 2), NAN), np.full((68, 2), 200.0)]
+    ("slides", "words"),
+    [
+        (np.zeros((68, 3)), "expected a slide of every point, found"),
+        (np.zeros((67, 2)), "expected a slide of every point, found"),
+        (with_slide(3, NAN), "point 3: expected a slide no farther than the face is large, found"),
+        (with_slide(7, [0, -200]), "point 7: expected a slide no farther than the face is large, found"),
+    ],
 )
-def test_what_are_no_slides_is_refused(slides):
-    with pytest.raises(InputError, match="expected a slide of every point, at most"):
+def test_what_are_no_slides_is_refused(slides, words):
+    with pytest.raises(InputError, match=words):
         Landmarks(circle(), slides=slides)
 
 
