@@ -21,8 +21,8 @@ from caricli.methods.detect.parse_picture import WindowRegions, mean_regions, pa
 from caricli.methods.detect.settings import DetectSettings
 from caricli.methods.evaluate.evaluate_detector import DetectorTally, JudgedPicture
 from caricli.methods.train.split_pictures import marked_picture
+from caricli.models.detector.config import HALF
 from caricli.models.detector.model import Detector, FaceCells
-from caricli.models.detector.networks import HALF
 from caricli.render.cut_window import cut_window
 from caricli.structures.detection import Detection, FaceFrame
 from caricli.structures.parsing import Region

@@ -3,7 +3,6 @@
 import re
 import time
 from collections.abc import Callable, Sequence
-from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -228,17 +227,12 @@ class TextureTask:
         folders = staged_folder(
             out, overwrite=self.overwrite, inputs=(*inputs, self.model, self.detector), marker=REPORT
         )
-        # What paints takes a while to import: regions are read meanwhile.
-        with folders as folder, progress_bar("painting"), self._reading(face, image) as read:
-            painted = self._write(folder, inputs, read)
+        with folders as folder, progress_bar("painting"):
+            painted = self._write(folder, inputs)
         return f"{out}: {painted.describe()}"
 
-    def _write(
-        self, folder: Path, inputs: tuple[Path | None, ...], read: Callable[[], np.ndarray | None] | None
-    ) -> "Painted":
-        """Paint a face and write the head into a folder. inputs: paths, of face and picture first. read: what waits for
-        the regions of the picture, or None.
-        """
+    def _write(self, folder: Path, inputs: tuple[Path | None, ...]) -> "Painted":
+        """Paint a face and write the head into a folder. inputs: paths, of face and picture first."""
         from caricli.methods.dynamic.face_in_chart import face_in_chart
         from caricli.methods.texture.paint_head import paint_head
         from caricli.render.in_parallel import do_in_parallel
@@ -252,13 +246,12 @@ class TextureTask:
         picture = read_image(image)
         with naming(face):
             points = seen.require_landmarks()
-        white, labels = self._given(picture)
         with naming(self.model or face):
             chart = face_chart(shape_model.template) if self.chart else None
-        warp_start()
+        (white, regions), _ = do_in_parallel(partial(self._shown, picture, points), warp_start)
         start = time.perf_counter()
         with naming(", ".join(str(path) for path in inputs if path)):
-            painted = paint_head(seen, shape_model.template, picture, white, self.settings, read or labels)
+            painted = paint_head(seen, shape_model.template, picture, white, self.settings, regions)
         seconds = time.perf_counter() - start
         jobs: list[Callable[[], None]] = [partial(write_painted_head, folder, painted, seen)]
         if chart is not None:
@@ -273,19 +266,19 @@ class TextureTask:
         do_in_parallel(*jobs)
         return painted
 
-    def _reading(self, face: Path, image: Path) -> AbstractContextManager[Callable[[], np.ndarray | None] | None]:
-        """What waits for the regions of the picture, (H, W) values of Region, or None where no detector is asked."""
-        from caricli.store.face_pictures import regions_beside
-
-        return nullcontext() if self.mask or self.parsing else regions_beside(face, image, self.detector)
-
-    def _given(self, picture: np.ndarray) -> tuple[np.ndarray | None, np.ndarray | None]:
-        """Of the files of a picture (H, W, 3): (H, W) bool, the head, and (H, W) values of Region; None without."""
+    def _shown(self, picture: np.ndarray, points: np.ndarray) -> tuple[np.ndarray | None, np.ndarray | None]:
+        """Of a picture (H, W, 3) and the landmarks (L, 2) of its face: the mask (H, W) of its head, bool, and (H, W)
+        values of Region; None where there is none.
+        """
+        from caricli.store.face_pictures import FaceReader
         from caricli.store.pictures import load_mask, load_regions
 
         size = (picture.shape[1], picture.shape[0])
-        mask = None if self.mask is None else load_mask(self.mask, size)
-        return mask, None if self.parsing is None else load_regions(self.parsing, size)
+        if self.mask is not None:
+            return load_mask(self.mask, size), None
+        if self.parsing is not None:
+            return None, load_regions(self.parsing, size)
+        return None, FaceReader(self.detector).parse(picture, points)
 
 
 def _retouch(path, image, out, model, overwrite):

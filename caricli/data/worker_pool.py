@@ -1,7 +1,6 @@
-"""Fresh processes that share out work, or do some of it beside this one."""
+"""Fresh processes that share out work."""
 
 import contextlib
-import gc
 import multiprocessing
 import os
 import signal
@@ -10,12 +9,12 @@ from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from functools import partial
-from multiprocessing.connection import Connection
 from typing import Any, TypeVar
 
 from threadpoolctl import threadpool_limits
 
 from caricli import signals
+from caricli.cores import usable_cores
 from caricli.errors import CaricliError
 
 T = TypeVar("T")
@@ -46,34 +45,6 @@ def worker_pool(workers: int | None, make: Callable[[], Any]) -> Iterator[Callab
             pool.shutdown(cancel_futures=True)
 
 
-@contextlib.contextmanager
-def run_beside(function: Callable[[], T]) -> Iterator[Callable[[], T]]:
-    """Run a function in a process of its own, which ends with the context whatever happens, and with this process.
-
-    function: of a module, with all that goes with it and that it returns.
-    Yields a function that waits for what it returns, to be called once; it raises what was raised there, and
-    CaricliError when the process was ended from outside.
-    """
-    context = multiprocessing.get_context("spawn")
-    receiver, sender = context.Pipe(duplex=False)
-    process = context.Process(target=_answer, args=(sender, function), daemon=True)
-    with _starting():
-        process.start()
-    sender.close()
-    try:
-        yield partial(_received, receiver)
-    finally:
-        with signals.held():
-            process.kill()
-            process.join()
-            receiver.close()
-
-
-def usable_cores() -> int | None:
-    """Processors that this process may use, or None where nobody knows."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
-
-
 def _run(pool: ProcessPoolExecutor, function: Callable, jobs: Iterable) -> Iterator:
     with _starting():
         return pool.map(partial(_work, function), jobs)
@@ -90,16 +61,6 @@ def _starting() -> Iterator[None]:
         signal.pthread_sigmask(signal.SIG_SETMASK, previous)
 
 
-def _received(receiver: Connection) -> Any:
-    try:
-        result, error = receiver.recv()
-    except EOFError as ended:
-        raise CaricliError(_ENDED) from ended
-    if error is not None:
-        raise error
-    return result
-
-
 # ---------------------------------------------------------------- in a worker
 
 
@@ -108,16 +69,6 @@ def _start(make: Callable[[], Any]) -> None:
     _belong_to_parent()
     threadpool_limits(1)
     _worker = make()
-
-
-def _answer(sender: Connection, function: Callable[[], Any]) -> None:
-    _belong_to_parent()
-    gc.disable()  # what is imported makes many containers and no cycles, and what comes after does not last
-    try:
-        answer: tuple[Any, Exception | None] = (function(), None)
-    except Exception as error:
-        answer = (None, error)
-    sender.send(answer)
 
 
 def _belong_to_parent() -> None:

@@ -1,7 +1,6 @@
 """The weights of a network for pictures as a file holds them."""
 
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Mapping
 
 import numpy as np
 import torch
@@ -28,19 +27,6 @@ def load_weights(network: torch.nn.Module, tensors: Mapping[str, np.ndarray]) ->
         if array.shape != tuple(value.shape) or array.dtype.kind != "f":
             raise InputError(f"{name}: expected {tuple(value.shape)}, found {array.dtype} {array.shape}")
         value.copy_(torch.from_numpy(np.asarray(array, np.float32)))
-
-
-def whole_number(value: Any, limits: Sequence[int], name: str) -> int:
-    """A whole number of a file's description. limits: least and greatest. Raises InputError for anything else."""
-    if type(value) is not int or not limits[0] <= value <= limits[1]:
-        raise InputError(f"expected a {name} from {limits[0]} to {limits[1]}, found {shown(value, 60)!r}")
-    return value
-
-
-def check_schema(metadata: Mapping[str, Any], schema: str, kind: str) -> None:
-    """Refuse a file's description of another schema. kind: what the file should hold. Raises InputError."""
-    if metadata.get("schema") != schema:
-        raise InputError(f"expected a {kind} of schema {schema!r}, found {shown(metadata.get('schema'), 60)!r}")
 
 
 def _weights(network: torch.nn.Module) -> dict[str, torch.Tensor]:

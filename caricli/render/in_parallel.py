@@ -1,10 +1,11 @@
 """One function over many things on all processors."""
 
-import os
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
 from typing import Any, TypeVar
+
+from caricli.cores import usable_cores
 
 T = TypeVar("T")
 R = TypeVar("R")
@@ -16,7 +17,7 @@ def in_parallel(function: Callable[[T], R], things: Iterable[T]) -> Iterator[R]:
     Threads pay where most of the work is a kernel's: those run beside each other. At most one thing more than there
     are processors is waiting, whatever the number of things.
     """
-    workers = _processors()
+    workers = usable_cores()
     with ThreadPoolExecutor(workers) as pool:
         waiting: deque[Future[R]] = deque()
         for thing in things:
@@ -29,9 +30,5 @@ def in_parallel(function: Callable[[T], R], things: Iterable[T]) -> Iterator[R]:
 
 def do_in_parallel(*jobs: Callable[[], Any]) -> list[Any]:
     """What jobs return, none of which waits for another, in their order."""
-    with ThreadPoolExecutor(_processors()) as pool:
+    with ThreadPoolExecutor(usable_cores()) as pool:
         return [each.result() for each in [pool.submit(job) for job in jobs]]
-
-
-def _processors() -> int:
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

@@ -11,7 +11,8 @@ from caricli.methods.train.split_pictures import JoinedPictures, SplitPictures, 
 from caricli.methods.train.train_autodecoder import Share
 from caricli.methods.train.train_detector import DetectorTraining, evenly
 from caricli.models.detector.config import DetectorConfig
-from caricli.models.detector.model import TRUST, Detector, detector_to_checkpoint
+from caricli.models.detector.model import TRUST, detector_to_checkpoint
+from caricli.models.detector.networks import detector_of, network_of
 from caricli.store.detector import load_detector
 from caricli.store.training_run import MODEL, RunFolder
 
@@ -29,7 +30,7 @@ def load_training(
         run = DetectorTraining(training, unseen, config, share)
     if start is not None:
         with naming(start):
-            run.start_from(load_detector(start).network)
+            run.start_from(network_of(load_detector(start)))
     return run
 
 
@@ -53,7 +54,8 @@ class DetectorRun(RunFolder):
         """Train to the end; log, checkpoint and keep the best model on the way. Yields the log's line of each epoch."""
 
         def checkpoint() -> tuple[dict, dict]:
-            return detector_to_checkpoint(Detector(training.copied_average(), training.config.size, recipe=self.recipe))
+            average = training.copied_average()
+            return detector_to_checkpoint(detector_of(average, training.config.size, recipe=self.recipe))
 
         return self.record(training, 1.0, checkpoint)
 

@@ -1,16 +1,12 @@
 """Faces with their landmarks and pictures, by path: landmarks that are given, or a picture in which they are found."""
 
-import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from caricli.data.worker_pool import run_beside, usable_cores
 from caricli.errors import UsageError, naming, shown
 from caricli.io.image import is_image_file, read_image
 from caricli.io.landmarks import write_landmarks
@@ -36,7 +32,7 @@ class FaceReader:
     @cached_property
     def detector(self) -> "Detector":
         """What finds faces. Raises InputError where it is none, or there is none."""
-        # PyTorch takes a while to start, and landmarks that are given need no detector.
+        # Landmarks that are given need no detector.
         from caricli.store.detector import load_detector
 
         return load_detector(self.path)
@@ -82,32 +78,6 @@ class FaceReader:
         from caricli.methods.detect.see_face import see_face
 
         return see_face(pixels, detector)
-
-
-@contextmanager
-def regions_beside(face: Path, image: Path, detector: Path | None) -> Iterator[Callable[[], np.ndarray | None]]:
-    """Begin to see what a picture shows around the face that was fitted to it, beside what goes on in the context.
-
-    PyTorch takes longer to start than all else takes until regions are asked for. Where it was started before, or there
-    is one processor only, regions are read when they are asked for.
-
-    face: path of an NPZ with landmarks. image: path. detector: path, or None for the bundled one.
-    Yields a function that returns (H, W) uint8 values of Region, or None as `FaceReader.parse`; it raises InputError.
-    """
-    read = partial(_read_regions, face, image, detector)
-    if "torch" in sys.modules or usable_cores() == 1:
-        yield read
-        return
-    with run_beside(read) as regions:
-        yield regions
-
-
-def _read_regions(face: Path, image: Path, detector: Path | None) -> np.ndarray | None:
-    from caricli.io.face import read_face
-
-    with naming(face):
-        points = read_face(face).require_landmarks()
-    return FaceReader(detector).parse(read_image(image), points)
 
 
 def seen_files(path: Path, out: Path) -> list[Path]:

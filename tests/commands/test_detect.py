@@ -9,8 +9,8 @@ from caricli.io.image import read_image, write_png
 from caricli.io.landmarks import read_landmarks
 from caricli.io.parsing import read_parsing
 from caricli.models.detector.config import DetectorSize
-from caricli.models.detector.model import Detector, detector_to_checkpoint
-from caricli.models.detector.networks import DetectorNetwork
+from caricli.models.detector.model import detector_to_checkpoint
+from caricli.models.detector.networks import DetectorNetwork, detector_of
 from caricli.structures.detection import DetectedFace, Detection, FaceFrame
 from caricli.structures.landmarks import Landmarks
 from caricli.structures.parsing import Region
@@ -22,7 +22,7 @@ def detector(tmp_path_factory):
     """The file of a Detector that has learnt nothing."""
     path = tmp_path_factory.mktemp("detector") / "model.safetensors"
     network = DetectorNetwork(DetectorSize(8, 16, 1), 81, len(Region), torch.Generator().manual_seed(0))
-    write_checkpoint(path, *detector_to_checkpoint(Detector(network, 64)))
+    write_checkpoint(path, *detector_to_checkpoint(detector_of(network, 64)))
     return path
 
 

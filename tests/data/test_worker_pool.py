@@ -5,8 +5,8 @@ from functools import partial
 
 import pytest
 
-from caricli.data.worker_pool import run_beside, worker_pool
-from caricli.errors import CaricliError, InputError
+from caricli.data.worker_pool import worker_pool
+from caricli.errors import CaricliError
 
 
 class Counter:
@@ -44,22 +44,4 @@ def test_no_process_outlives_the_context():
     end = time.monotonic() + 20
     while multiprocessing.active_children() and time.monotonic() < end:
         time.sleep(0.05)
-    assert multiprocessing.active_children() == []
-
-
-def refuse(what):
-    raise InputError(f"{what}: expected another, found this")
-
-
-def test_what_runs_beside_says_what_it_returns_or_raises_and_ends_with_the_context():
-    with run_beside(os.getpid) as answer:
-        assert answer() != os.getpid()
-    with run_beside(partial(refuse, "face.npz")) as answer, pytest.raises(InputError, match="face.npz: expected"):
-        answer()
-    with run_beside(partial(os._exit, 1)) as answer, pytest.raises(CaricliError, match="ended from outside"):
-        answer()
-    start = time.monotonic()
-    with run_beside(partial(time.sleep, 600)):
-        pass
-    assert time.monotonic() - start < 300
     assert multiprocessing.active_children() == []

@@ -56,8 +56,8 @@ from caricli.models.deformable.config import DeformableConfig, NetworkSize
 from caricli.models.deformable.model import DeformableModel
 from caricli.models.deformable.networks import HyperSiren
 from caricli.models.detector.config import DetectorSize
-from caricli.models.detector.model import Detector, detector_to_checkpoint
-from caricli.models.detector.networks import DetectorNetwork
+from caricli.models.detector.model import detector_to_checkpoint
+from caricli.models.detector.networks import DetectorNetwork, detector_of
 from caricli.models.gesture.model import GestureModel, gesture_to_checkpoint
 from caricli.models.gesture.networks import GestureNetwork
 from caricli.models.intrinsic.model import IntrinsicModel
@@ -317,7 +317,7 @@ def _picture(kind: str, mode: str = "RGB", **options: Any) -> Callable[[Path], o
 
 def _write_detector(path: Path) -> None:
     network = DetectorNetwork(DetectorSize(4, 8, 1), 81, len(Region), torch.Generator().manual_seed(0))
-    write_checkpoint(path, *detector_to_checkpoint(Detector(network, 64)))
+    write_checkpoint(path, *detector_to_checkpoint(detector_of(network, 64)))
 
 
 def _write_sketch_network(path: Path) -> None:

@@ -8,11 +8,10 @@ from caricli.models.detector.jaw_places import JawPlaces
 from caricli.models.detector.model import (
     JAW_BIAS,
     JAW_WEIGHT,
-    Detector,
     detector_from_checkpoint,
     detector_to_checkpoint,
 )
-from caricli.models.detector.networks import DetectorNetwork, _moments, _spread
+from caricli.models.detector.networks import DetectorNetwork, _moments, _spread, detector_of, network_of
 from caricli.structures.parsing import Region
 
 
@@ -25,7 +24,7 @@ def detector():
         if not parameter.any():
             torch.nn.init.uniform_(parameter, 0, 0.5, generator)
     jaw = JawPlaces(np.random.default_rng(0).normal(size=(14, 136)), np.linspace(0, 1, 14))
-    return Detector(network, 64, 1.5, {"seed": 0}, jaw)
+    return detector_of(network, 64, 1.5, {"seed": 0}, jaw)
 
 
 def test_blobs_have_their_mean_and_their_spread():
@@ -51,6 +50,35 @@ def test_windows_of_any_size_are_searched_and_those_of_its_own_read(detector):
     assert reading.points.shape == (2, 81, 2) and reading.regions.shape == (2, 32, 32, 16)
     assert ((reading.points > -2) & (reading.points < 66)).all()
     assert (np.linalg.eigvalsh(reading.covariance) > 0).all()
+
+
+def test_it_sees_what_the_network_sees_that_was_trained(detector):
+    """Norms with statistics of their own, as a training leaves them."""
+    generator = torch.Generator().manual_seed(1)
+    network = network_of(detector)
+    for module in network.modules():
+        if isinstance(module, torch.nn.BatchNorm2d):
+            torch.nn.init.uniform_(module.running_mean, -1, 1, generator)
+            torch.nn.init.uniform_(module.running_var, 0.5, 2, generator)
+            torch.nn.init.uniform_(module.weight, 0, 2, generator)
+    trained = detector_of(network, 64)
+    network = network_of(trained)
+    windows = np.random.default_rng(0).integers(0, 256, (2, 64, 96, 3), np.uint8)
+    features, levels = network.coarse(torch.from_numpy(windows / np.float32(255)).permute(0, 3, 1, 2))
+    grid = network.faces(features)
+    fine = network.fine(features, levels)
+    chances = torch.softmax(network.parse(fine, levels), -1)
+    maps = network.read(fine)
+    for number, window in enumerate(windows):
+        cells, regions = trained.search(window)
+        np.testing.assert_allclose(cells.score, torch.sigmoid(grid.score[number]).ravel(), atol=1e-5)
+        np.testing.assert_allclose(cells.roll, torch.atan2(*grid.turn[number].flip(0)).ravel(), atol=1e-3)
+        np.testing.assert_allclose(regions[::2, ::2], chances[number, :, :, 0], atol=1e-5)
+        np.testing.assert_allclose(regions[::2, 1::2], chances[number, :, :, 1], atol=1e-5)
+    reading = trained.read(windows)
+    np.testing.assert_allclose(reading.points, (maps.mean + 0.5) * 4 - 0.5, atol=1e-3)
+    np.testing.assert_allclose(reading.covariance, maps.covariance * 16, rtol=1e-3, atol=1e-3)
+    np.testing.assert_allclose(reading.visible, torch.sigmoid(maps.visible), atol=1e-5)
 
 
 def test_a_checkpoint_rebuilds_it(detector):

@@ -14,8 +14,7 @@ from caricli.methods.train.coarse_faces import JoinedFaces, TrueFaces
 from caricli.methods.train.train_coarse import CoarseTraining, Sources
 from caricli.models.coarse.config import CoarseConfig
 from caricli.models.detector.config import DetectorSize
-from caricli.models.detector.model import Detector
-from caricli.models.detector.networks import DetectorNetwork
+from caricli.models.detector.networks import DetectorNetwork, detector_of
 from caricli.store.coarse import load_coarse, load_coarse_pair
 from caricli.store.coarse_run import CoarseRun, PictureFolders, see_faces
 from caricli.store.models import load_morphable
@@ -29,7 +28,7 @@ SETTINGS = ("epochs=3", "steps=2", "batch=4", "painted=1", "unmarked=0", "valida
 @pytest.fixture(scope="module")
 def detector():
     network = DetectorNetwork(DetectorSize(8, 16, 1), 81, len(Region), torch.Generator().manual_seed(0))
-    return Detector(network, 64)
+    return detector_of(network, 64)
 
 
 @pytest.fixture(scope="module")

@@ -10,6 +10,7 @@ from caricli.io.config import read_config
 from caricli.io.strict_json import read_json
 from caricli.methods.train.train_autodecoder import ALL
 from caricli.models.detector.config import DetectorConfig
+from caricli.models.detector.networks import network_of
 from caricli.store.detector import load_detector
 from caricli.store.detector_run import DetectorRun, load_training
 from caricli.store.training_run import FILES, MODEL, Beginning
@@ -59,7 +60,7 @@ def test_without_a_detector_it_is_said_how_to_make_one(monkeypatch, tmp_path):
 def test_a_training_begins_with_the_weights_of_another(pictures, tmp_path):
     run, training = begin(pictures, tmp_path / "first")
     list(run.follow(training))
-    first = load_detector(tmp_path / "first" / MODEL).network
+    first = network_of(load_detector(tmp_path / "first" / MODEL))
     _, further = begin(pictures, tmp_path / "further", start=tmp_path / "first" / MODEL)
     for own in (further.network, further.average):
         for name, value in own.state_dict().items():

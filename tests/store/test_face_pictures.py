@@ -1,14 +1,11 @@
-import sys
-
 import numpy as np
 import pytest
 
 from caricli.errors import InputError, UsageError
-from caricli.io.face import write_face
 from caricli.io.image import write_png
 from caricli.io.landmarks import read_landmarks, write_landmarks
-from caricli.store.face_pictures import FaceReader, regions_beside, seen_files, write_seen_landmarks
-from caricli.structures import Face, Landmarks, Mesh
+from caricli.store.face_pictures import FaceReader, seen_files, write_seen_landmarks
+from caricli.structures import Landmarks
 from caricli.structures.detection import DetectedFace, FaceFrame, SeenFace
 
 
@@ -77,19 +74,3 @@ def test_failures_name_their_file(files, monkeypatch):
         FaceReader().read(files[0], 81)
     with pytest.raises(InputError, match="gone.png: .*found no such file"):
         FaceReader().read(files[0].with_name("gone.png"), 81)
-
-
-@pytest.mark.parametrize("cores", [1, 2])
-def test_regions_are_read_beside_what_goes_on_or_when_they_are_asked_for(cores, files, points, monkeypatch):
-    """Here PyTorch may have been started; what reads regions fails alike in both processes."""
-    photo, _ = files
-    triangle = Mesh(np.eye(3), np.array([[0, 1, 2]]))
-    write_face(photo.with_name("face.npz"), Face(triangle, landmarks=points[:68]))
-    monkeypatch.setattr("caricli.store.face_pictures.usable_cores", lambda: cores)
-    if cores > 1:
-        monkeypatch.delitem(sys.modules, "torch", raising=False)
-    detector = photo.with_name("detector.safetensors")
-    detector.write_bytes(b"none")
-    reading = regions_beside(photo.with_name("face.npz"), photo, detector)
-    with reading as regions, pytest.raises(InputError, match=r"detector\.safetensors: "):
-        regions()

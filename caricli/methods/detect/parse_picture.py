@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from caricli.models.detector.networks import HALF
+from caricli.models.detector.config import HALF
 
 _EDGE = 4
 """Pixels of a window's map at its edge, where the network has seen little around them."""

@@ -1,8 +1,6 @@
 """The hair of a picture on the head that was fitted to it."""
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import Any
 
 import cv2
@@ -49,21 +47,19 @@ def dress_hair(
     image: np.ndarray,
     settings: PaintSettings,
     regions: np.ndarray | None = None,
-    by_colours: Callable[[], HairMask] | None = None,
 ) -> DressedHair | None:
     """Put the hair of a picture on a head.
 
     face: Face with camera and landmarks. template: of its topology. image: (H, W, 3) uint8. settings:
     PaintSettings; their hair is "shell", "auto" for none where it is doubtful which pixels show hair or the template
     does not name ears and scalp, or "none". regions: (H, W) values of Region, what the pixels show, or None to tell
-    hair by its colours, which also do where these contradict the regions. by_colours: what `mask_hair` tells of the
-    same picture, or None to ask it.
+    hair by its colours, which also do where these contradict the regions.
     Returns DressedHair, or None. Raises InputError where a shell is asked for and there is no hair or no such name.
     """
-    if not wants_hair(template, settings):
+    if not _wants_hair(template, settings):
         return None
     parsed = None if regions is None else parsed_hair(face, regions, mesh_pixels(face, image), image)
-    mask = (by_colours or partial(mask_hair, face, template, image))() if parsed is None else parsed
+    mask = mask_hair(face, template, image) if parsed is None else parsed
     if settings.hair == "auto" and not mask.trusted:
         return None
     if not mask.pixels.any():
@@ -73,16 +69,6 @@ def dress_hair(
     hair, head = snap_border(*make_shell(head, camera, mask), camera, mask)
     sunk = replace(face, mesh=face.mesh.with_vertices(head.vertices), residual=None)
     return DressedHair(sunk, hair, mask, overlap(sunk, hair, camera, mask.pixels))
-
-
-def wants_hair(template: Template, settings: PaintSettings) -> bool:
-    """Whether a head of a template is to have hair. Raises InputError where it must, and nothing says where."""
-    if settings.hair == "none" or settings.project_uv:
-        return False
-    missing = [name for name in _NEEDED if name not in template.annotation.regions]
-    if missing and settings.hair == "shell":
-        raise InputError(f"expected an annotation with the region {missing[0]!r} for hair to stand on, found none")
-    return not missing
 
 
 def hair_picture(dressed: DressedHair, image: np.ndarray, settings: PaintSettings) -> np.ndarray:
@@ -103,3 +89,13 @@ def bare_skin(mask: np.ndarray, dressed: DressedHair) -> np.ndarray:
     disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * reach + 1, 2 * reach + 1))
     bare = mask & (cv2.dilate(dressed.mask.pixels.astype(np.uint8), disc) == 0)
     return bare if bare.any() else mask
+
+
+def _wants_hair(template: Template, settings: PaintSettings) -> bool:
+    """Whether a head of a template is to have hair. Raises InputError where it must, and nothing says where."""
+    if settings.hair == "none" or settings.project_uv:
+        return False
+    missing = [name for name in _NEEDED if name not in template.annotation.regions]
+    if missing and settings.hair == "shell":
+        raise InputError(f"expected an annotation with the region {missing[0]!r} for hair to stand on, found none")
+    return not missing

@@ -225,9 +225,10 @@ def _(value: LandmarkMap, around: Acquaintances) -> Inspection:
 
 @describe.register
 def _(value: Detector, around: Acquaintances) -> Inspection:
-    weights = sum(parameter.numel() for parameter in value.network.parameters())
-    summary = f"{weights / 1e6:.1f} million weights, for faces in windows of {value.size} pixels"
-    return Inspection("detector", summary, (), {"weights": weights, "size": value.size, "model_id": value.model_id})
+    summary = f"{value.learnt / 1e6:.1f} million weights, for faces in windows of {value.size} pixels"
+    return Inspection(
+        "detector", summary, (), {"weights": value.learnt, "size": value.size, "model_id": value.model_id}
+    )
 
 
 @describe.register

@@ -1,7 +1,6 @@
 """A head with the colours of its picture: skin, eyes, and how near they come."""
 
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
@@ -10,8 +9,7 @@ import numpy as np
 
 from caricli.errors import InputError
 from caricli.methods.detect.cut_openings import cut_openings
-from caricli.methods.hair.dress_hair import DressedHair, bare_skin, dress_hair, hair_picture, wants_hair
-from caricli.methods.hair.mask_hair import HairMask, mask_hair
+from caricli.methods.hair.dress_hair import DressedHair, bare_skin, dress_hair, hair_picture
 from caricli.methods.hair.shade_scalp import Scalp
 from caricli.methods.parts.close_neck import neck_picture
 from caricli.methods.parts.face_parts import face_parts
@@ -79,15 +77,14 @@ def paint_head(
     image: np.ndarray,
     mask: np.ndarray | None = None,
     settings: PaintSettings = PaintSettings(),  # noqa: B008 (frozen)
-    regions: np.ndarray | Callable[[], np.ndarray | None] | None = None,
+    regions: np.ndarray | None = None,
 ) -> Painted:
     """Paint a head with the picture that it was fitted to, its eyes in the colours that they have there.
 
     face: Face with camera and fitted landmarks. template: Template of its topology. image: (H, W, 3) uint8. mask:
     (H, W) bool, the head in it, or None to find it. settings: PaintSettings. regions: (H, W) values of Region, by which
     the head is found where there is no mask, and its hair, and glasses, hats and hands before it are kept off it; None
-    to tell them by colours, which also do where the regions show no head there; or a function that waits for them. Hair
-    is told by colours beside that, in case that they do not know it.
+    to tell them by colours, which also do where the regions show no head there.
     Returns Painted. Raises InputError when the template has no UVs and is to have a texture of its own, when the face
     has no camera or no landmarks, and when it is not where picture and mask show a head.
     """
@@ -131,22 +128,16 @@ def _find_parts(
     image: np.ndarray,
     mask: np.ndarray | None,
     settings: PaintSettings,
-    regions: np.ndarray | Callable[[], np.ndarray | None] | None,
+    regions: np.ndarray | None,
 ) -> tuple[np.ndarray, np.ndarray, DressedHair | None]:
     """(H, W) bool, the head in a picture and what of it is bare skin, and its hair; see `paint_head`."""
-    with ThreadPoolExecutor(1) as pool:
-        by_colours: Callable[[], HairMask] = partial(mask_hair, face, template, image)
-        if wants_hair(template, settings):
-            by_colours = pool.submit(by_colours).result
-        if callable(regions):
-            regions = regions()
-        parsed = None if regions is None or mask is not None else parsed_head(regions, mesh_pixels(face, image), image)
-        parts = _find_head(face, image, mask) if parsed is None else parsed
-        regions = None if parsed is None else regions
-        looks: list[Callable[[], Any]] = [partial(dress_hair, face, template, image, settings, regions, by_colours)]
-        if regions is not None:
-            looks.append(partial(cut_openings, image, regions, face.require_landmarks()))
-        hair, *openings = do_in_parallel(*looks)
+    parsed = None if regions is None or mask is not None else parsed_head(regions, mesh_pixels(face, image), image)
+    parts = _find_head(face, image, mask) if parsed is None else parsed
+    regions = None if parsed is None else regions
+    looks: list[Callable[[], Any]] = [partial(dress_hair, face, template, image, settings, regions)]
+    if regions is not None:
+        looks.append(partial(cut_openings, image, regions, face.require_landmarks()))
+    hair, *openings = do_in_parallel(*looks)
     skin = parts.paint if hair is None else bare_skin(parts.paint, hair)
     for opening in openings:
         skin = skin & ~opening

@@ -8,8 +8,8 @@ from torch.nn import functional
 
 from caricli.methods.train.split_pictures import SEEN
 from caricli.methods.train.windows import LARGEST, SMALLEST
-from caricli.models.detector.config import DetectorConfig
-from caricli.models.detector.networks import COARSE, FINE, HALF, REACH, FaceGrid, HeatMaps
+from caricli.models.detector.config import COARSE, FINE, HALF, REACH, DetectorConfig
+from caricli.models.detector.networks import FaceGrid, HeatMaps
 from caricli.structures.detection import FaceFrame, MarkedPicture
 from caricli.structures.parsing import BEYOND, Region
 

@@ -10,8 +10,9 @@ from caricli.methods.detect.settings import DetectSettings
 from caricli.methods.reconstruct.landmark_vertices import landmark_vertices
 from caricli.methods.train.coarse_faces import CoarseWindow, TrueFace, in_place
 from caricli.models.coarse.model import LANDMARKS
+from caricli.models.detector.config import FINE, HALF
 from caricli.models.detector.model import Detector
-from caricli.models.detector.networks import FINE, HALF
+from caricli.models.detector.networks import network_of
 from caricli.structures.landmarks import COUNT, MIRRORED
 from caricli.structures.parsing import Region
 from caricli.template.template import Template
@@ -97,7 +98,7 @@ class Seer:
 
     def __init__(self, detector: Detector) -> None:
         """detector: as it is."""
-        self.network = detector.network.eval()
+        self.network = network_of(detector)
         self.size = detector.size
         self.trust = detector.trust
 

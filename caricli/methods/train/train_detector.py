@@ -14,8 +14,8 @@ from caricli.methods.train.network_training import NetworkTraining, require_face
 from caricli.methods.train.split_pictures import evenly_jawed
 from caricli.methods.train.train_autodecoder import ALL, Share
 from caricli.methods.train.windows import WindowSettings, any_window, face_window
-from caricli.models.detector.config import DetectorConfig
-from caricli.models.detector.networks import FINE, DetectorNetwork
+from caricli.models.detector.config import FINE, DetectorConfig
+from caricli.models.detector.networks import DetectorNetwork
 from caricli.render.cut_window import cut_window
 from caricli.seeds import TrainingSeed
 from caricli.structures.detection import FaceFrame, MarkedPicture

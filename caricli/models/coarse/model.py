@@ -8,10 +8,11 @@ import numpy as np
 import torch
 
 from caricli.errors import InputError, naming, shown
+from caricli.models.checks import check_schema, whole_number
 from caricli.models.coarse.config import CoarseSize
 from caricli.models.coarse.networks import CoarseNetwork
 from caricli.models.network_model import NetworkModel
-from caricli.models.network_weights import check_schema, load_weights, whole_number
+from caricli.models.network_weights import load_weights
 from caricli.structures.landmarks import SCHEMES
 from caricli.structures.seen_people import SeenPeople
 

@@ -4,6 +4,18 @@ from dataclasses import dataclass
 
 from caricli.models.config import MAX_SEED, check_ranges, check_windows
 
+FINE = 4
+"""Pixels a cell of the heat maps."""
+
+COARSE = 16
+"""Pixels a cell of the grid on which faces are found."""
+
+HALF = 2
+"""Pixels a cell of the map of regions."""
+
+REACH = 64.0
+"""Side of a face, pixels, that the grid gives the size 0."""
+
 _RANGES = {
     "stem": (4, 512), "width": (8, 512), "depth": (1, 16), "size": (64, 512), "epochs": (1, 10**6), "steps": (1, 10**6),
     "batch": (2, 4096), "crops": (0.1, 0.9), "learning_rate": (1e-9, 1), "weight_decay": (0, 10), "decay": (0, 0.99999),

@@ -5,14 +5,16 @@ from dataclasses import asdict, dataclass, fields
 from typing import Any
 
 import numpy as np
-import torch
+from scipy.special import expit
 
 from caricli.errors import InputError, naming, shown
-from caricli.models.detector.config import DetectorSize
+from caricli.models.checkpoint import model_id
+from caricli.models.checks import check_schema, whole_number
+from caricli.models.detector.config import COARSE, FINE, HALF, REACH, DetectorSize
+from caricli.models.detector.graph import CHANCES, FACES, FEATURES, WINDOWS, detector_session
 from caricli.models.detector.jaw_places import JawPlaces
-from caricli.models.detector.networks import COARSE, FINE, HALF, REACH, DetectorNetwork, FaceGrid
-from caricli.models.network_model import NetworkModel
-from caricli.models.network_weights import check_schema, load_weights, whole_number
+from caricli.models.detector.landmark_heads import LandmarkHeads
+from caricli.models.network_graph import NetworkGraph
 from caricli.structures.landmarks import SCHEMES
 from caricli.structures.parsing import Region
 
@@ -60,80 +62,95 @@ class Reading:
     regions: np.ndarray
 
 
-class Detector(NetworkModel[DetectorNetwork]):
+class Detector:
     """Finds faces in windows of pictures, and reads their landmarks and regions."""
 
     kind = "detector"
 
     def __init__(
         self,
-        network: DetectorNetwork,
+        weights: Mapping[str, np.ndarray],
+        layout: DetectorSize,
         size: int,
         trust: float = 1.0,
         recipe: Any = None,
         jaw: JawPlaces | None = None,
     ) -> None:
-        """network: weights. size: of the windows it was trained on, pixels. trust: what its doubts are multiplied by.
+        """weights: arrays by the names that they have in ``networks.DetectorNetwork``. layout: DetectorSize of it.
 
-        recipe: JSON value, how it was trained, or None. jaw: JawPlaces, or None for equal distances.
+        size: of the windows it was trained on, pixels. trust: what its doubts are multiplied by. recipe: JSON value,
+        how it was trained, or None. jaw: JawPlaces, or None for equal distances.
+        Raises InputError for the weights of another network.
         """
-        super().__init__(network, recipe)
+        self.weights = dict(weights)
+        self.layout = layout
         self.size = size
         self.trust = trust
+        self.recipe = recipe
         self.jaw = JawPlaces.even() if jaw is None else jaw
+        graph = NetworkGraph(weights)
+        self._heads = LandmarkHeads.of(graph, LANDMARKS, layout.widths[0])
+        self._session = detector_session(graph, layout, len(Region))
+
+    @property
+    def model_id(self) -> str:
+        """SHA-256 of its weights."""
+        return model_id(self.kind, self.tensors())
+
+    @property
+    def learnt(self) -> int:
+        """How many numbers it has learnt."""
+        return sum(array.size for name, array in self.weights.items() if "running" not in name)
 
     def tensors(self) -> dict[str, np.ndarray]:
         """Arrays by name: of the network, and where the jaw's points are."""
-        return super().tensors() | {JAW_WEIGHT: _single(self.jaw.weight), JAW_BIAS: _single(self.jaw.bias)}
+        return self.weights | {JAW_WEIGHT: _single(self.jaw.weight), JAW_BIAS: _single(self.jaw.bias)}
 
-    @torch.inference_mode()
     def search(self, window: np.ndarray) -> tuple[FaceCells, np.ndarray]:
         """What is at every cell of a window (H, W, 3) uint8 of any size, sides multiples of 32 pixels.
 
         Also returns what ``parse`` does.
         """
-        features, levels = self.network.coarse(_tensor(window[None]))
-        cells = face_cells(self.network.faces(features))
-        return cells, _probabilities(self.network.parse(self.network.fine(features, levels), levels))[0]
+        faces, chances = self._run(window[None], FACES, CHANCES)
+        return face_cells(faces[0]), by_pixels(chances)[0]
 
-    @torch.inference_mode()
     def parse(self, window: np.ndarray) -> np.ndarray:
         """Probabilities of regions (H / 2, W / 2, R) of such a window; the pixel j is at 2 j of the window."""
-        features, levels = self.network.coarse(_tensor(window[None]))
-        return _probabilities(self.network.parse(self.network.fine(features, levels), levels))[0]
+        (chances,) = self._run(window[None], CHANCES)
+        return by_pixels(chances)[0]
 
-    @torch.inference_mode()
     def read(self, windows: np.ndarray) -> Reading:
         """Read windows (B, S, S, 3) uint8, S = ``size``, each with one upright face in its middle."""
-        features, levels = self.network.coarse(_tensor(windows))
-        grid = self.network.faces(features)
-        fine = self.network.fine(features, levels)
-        maps = self.network.read(fine)
+        faces, features, chances = self._run(windows, FACES, FEATURES, CHANCES)
+        places = self._heads.read(features)
         middle = slice(self.size // COARSE // 2 - 1, self.size // COARSE // 2 + 1)
-        score = torch.sigmoid(grid.score[:, middle, middle]).amax((1, 2))
         return Reading(
-            (maps.mean.double().numpy() + 0.5) * FINE - 0.5,
-            maps.covariance.double().numpy() * (FINE * self.trust) ** 2,
-            torch.sigmoid(maps.visible).double().numpy(),
-            score.double().numpy(),
-            _probabilities(self.network.parse(fine, levels)),
+            (places.mean + 0.5) * FINE - 0.5,
+            places.covariance * (FINE * self.trust) ** 2,
+            expit(places.visible),
+            expit(faces[:, 0, middle, middle].max((1, 2)).astype(np.float64)),
+            by_pixels(chances),
         )
 
+    def _run(self, windows: np.ndarray, *results: str) -> list[np.ndarray]:
+        """Results of `detector_session` for windows (B, H, W, 3) uint8."""
+        count, height, width, channels = windows.shape
+        cells = windows.reshape(count, height // HALF, HALF, width // HALF, HALF, channels).transpose(0, 5, 2, 4, 1, 3)
+        values = cells.reshape(count, channels * HALF**2, height // HALF, width // HALF) * np.float32(2 / 255) - 1
+        return self._session.run(results, {WINDOWS: values.astype(np.float32)})
 
-def face_cells(grid: FaceGrid) -> FaceCells:
-    """What the grid of the first window says, in the window's pixels."""
-    score = torch.sigmoid(grid.score[0]).numpy()
-    cell = np.indices(score.shape).reshape(2, -1).T
-    shift = grid.shift[0].numpy().transpose(1, 2, 0).reshape(-1, 2)
-    cosine, sine = grid.turn[0].numpy().reshape(2, -1)
-    centre = (cell[:, ::-1] + shift + 0.5) * COARSE - 0.5
-    side = REACH * np.exp2(np.clip(grid.size[0].numpy().ravel(), -6, 6))
-    return FaceCells(score.ravel(), centre, side, np.arctan2(sine, cosine), cell)
+
+def face_cells(grid: np.ndarray) -> FaceCells:
+    """What a grid (6, h, w) says, see ``networks.FaceGrid``, in the window's pixels."""
+    score, right, down, size, cosine, sine = grid.reshape(6, -1)
+    cell = np.indices(grid.shape[1:]).reshape(2, -1).T
+    centre = (cell[:, ::-1] + np.stack([right, down], 1) + 0.5) * COARSE - 0.5
+    return FaceCells(expit(score), centre, REACH * np.exp2(np.clip(size, -6, 6)), np.arctan2(sine, cosine), cell)
 
 
 def detector_to_checkpoint(detector: Detector) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
     """A detector as (tensors, metadata), from which ``detector_from_checkpoint`` rebuilds it."""
-    about = {"schema": SCHEMA, "network": asdict(detector.network.size), "size": detector.size}
+    about = {"schema": SCHEMA, "network": asdict(detector.layout), "size": detector.size}
     about |= {"trust": detector.trust, "regions": [region.name.lower() for region in Region]}
     about["recipe"] = detector.recipe
     return detector.tensors(), about
@@ -153,9 +170,9 @@ def detector_from_checkpoint(tensors: Mapping[str, np.ndarray], metadata: Mappin
         trust = metadata.get("trust")
         if not isinstance(trust, float) or not TRUST[0] <= trust <= TRUST[1]:
             raise InputError(f"expected a trust from {TRUST[0]:g} to {TRUST[1]:g}, found {shown(trust, 60)!r}")
-        network = _network(metadata.get("network"))
-        load_weights(network, {name: array for name, array in tensors.items() if name not in (JAW_WEIGHT, JAW_BIAS)})
-        return Detector(network, size, trust, metadata.get("recipe"), _jaw(tensors))
+        layout = _layout(metadata.get("network"))
+        weights = {name: array for name, array in tensors.items() if name not in (JAW_WEIGHT, JAW_BIAS)}
+        return Detector(weights, layout, size, trust, metadata.get("recipe"), _jaw(tensors))
 
 
 def _jaw(tensors: Mapping[str, np.ndarray]) -> JawPlaces | None:
@@ -171,25 +188,18 @@ def _single(array: np.ndarray) -> np.ndarray:
     return array.astype(np.float32)
 
 
-def _network(about: Any) -> DetectorNetwork:
+def _layout(about: Any) -> DetectorSize:
     names = [field.name for field in fields(DetectorSize)]
     if not isinstance(about, dict) or sorted(about) != sorted(names):
         raise InputError(f"expected a network of {', '.join(names)}, found {shown(about, 60)!r}")
     try:
-        size = DetectorSize(**{name: whole_number(about[name], (1, 512), name) for name in names})
+        return DetectorSize(**{name: whole_number(about[name], (1, 512), name) for name in names})
     except ValueError as error:
         raise InputError(str(error)) from error
-    return DetectorNetwork(size, LANDMARKS, len(Region), None)
 
 
-def _tensor(windows: np.ndarray) -> torch.Tensor:
-    return torch.from_numpy(windows.astype(np.float32) / 255).permute(0, 3, 1, 2)
-
-
-def _probabilities(logits: torch.Tensor) -> np.ndarray:
-    """Logits (B, h, w, 4, R) of ``DetectorNetwork.parse`` to probabilities (B, 2 h, 2 w, R)."""
-    step = FINE // HALF
-    chances = torch.softmax(logits, -1)
-    count, height, width, _, regions = chances.shape
-    cells = chances.view(count, height, width, step, step, regions).permute(0, 1, 3, 2, 4, 5)
-    return cells.reshape(count, height * step, width * step, regions).numpy()
+def by_pixels(cells: np.ndarray) -> np.ndarray:
+    """Values (B, h, w, 4, R) of the pixels in every cell, by rows, as (B, 2 h, 2 w, R)."""
+    count, height, width, _, regions = cells.shape
+    pixels = cells.reshape(count, height, width, HALF, HALF, regions).swapaxes(2, 3)
+    return pixels.reshape(count, HALF * height, HALF * width, regions)

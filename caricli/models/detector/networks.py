@@ -5,25 +5,18 @@ knows it; faces are found on a coarse grid, each at the cell of its centre (Zhou
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import torch
 from torch import nn
 from torch.nn import functional
 
-from caricli.models.detector.config import DetectorSize
+from caricli.models.detector.config import HALF, DetectorSize
+from caricli.models.detector.jaw_places import JawPlaces
+from caricli.models.detector.model import LANDMARKS, Detector
+from caricli.models.network_weights import load_weights, network_weights
 from caricli.models.residual import Residual, start_convolutions, unit
-
-FINE = 4
-"""Pixels a cell of the heat maps."""
-
-COARSE = 16
-"""Pixels a cell of the grid on which faces are found."""
-
-HALF = 2
-"""Pixels a cell of the map of regions."""
-
-REACH = 64.0
-"""Side of a face, pixels, that the grid gives the size 0."""
+from caricli.structures.parsing import Region
 
 _RARE = -4.0
 """Logit of a face anywhere, before the training: they are rare."""
@@ -131,6 +124,20 @@ class DetectorNetwork(nn.Module):
             about = torch.einsum("blc,lck->blk", looked.float(), self.about) + self.about_bias
             covariance = _calibrated(_spread(moments.detach(), mean.detach()), about)
         return HeatMaps(logits, mean, total.log() + highest[:, :, 0, 0], covariance, about[..., 2])
+
+
+def detector_of(
+    network: DetectorNetwork, size: int, trust: float = 1.0, recipe: Any = None, jaw: JawPlaces | None = None
+) -> Detector:
+    """The Detector that uses the weights of a network, in half precision. For the others see Detector."""
+    return Detector(network_weights(network), network.size, size, trust, recipe, jaw)
+
+
+def network_of(detector: Detector) -> DetectorNetwork:
+    """The network whose weights a Detector uses, which learns no more."""
+    network = DetectorNetwork(detector.layout, LANDMARKS, len(Region), None)
+    load_weights(network, detector.weights)
+    return network.eval().requires_grad_(False)
 
 
 def _twice(values: torch.Tensor) -> torch.Tensor:

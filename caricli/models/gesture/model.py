@@ -8,10 +8,11 @@ import numpy as np
 import torch
 
 from caricli.errors import InputError, naming, shown
+from caricli.models.checks import check_schema, whole_number
 from caricli.models.gesture.config import POOLED
 from caricli.models.gesture.networks import GestureNetwork
 from caricli.models.network_model import NetworkModel
-from caricli.models.network_weights import check_schema, load_weights, whole_number
+from caricli.models.network_weights import load_weights
 from caricli.render.draw_stroke import draw_stroke
 from caricli.structures.gesture import GESTURES
 

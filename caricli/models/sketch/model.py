@@ -9,8 +9,9 @@ import torch
 
 from caricli.errors import InputError, naming, shown
 from caricli.geometry.head_rotation import head_rotation
+from caricli.models.checks import check_schema, whole_number
 from caricli.models.network_model import NetworkModel
-from caricli.models.network_weights import check_schema, load_weights, whole_number
+from caricli.models.network_weights import load_weights
 from caricli.models.sketch.config import PublishedSize, SketchSize
 from caricli.models.sketch.networks import CAMERA, SketchNetwork
 from caricli.models.sketch.published import PublishedNetwork

@@ -9,8 +9,9 @@ import torch
 from torch.nn import functional
 
 from caricli.errors import InputError, naming, shown
+from caricli.models.checks import check_schema, whole_number
 from caricli.models.network_model import NetworkModel
-from caricli.models.network_weights import check_schema, load_weights, whole_number
+from caricli.models.network_weights import load_weights
 from caricli.models.style.config import STEP
 from caricli.models.style.networks import Statistics, StyleNetwork, renormalised, statistics
 

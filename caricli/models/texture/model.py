@@ -8,8 +8,9 @@ import numpy as np
 import torch
 
 from caricli.errors import InputError, naming, shown
+from caricli.models.checks import check_schema, whole_number
 from caricli.models.network_model import NetworkModel
-from caricli.models.network_weights import check_schema, load_weights, whole_number
+from caricli.models.network_weights import load_weights
 from caricli.models.texture.config import TextureSize
 from caricli.models.texture.networks import Change, TextureNetwork
 from caricli.structures.arkit import ARKIT_NAMES

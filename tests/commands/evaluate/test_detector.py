@@ -9,8 +9,8 @@ from caricli.io.image import read_image, write_png
 from caricli.io.landmarks import write_landmarks
 from caricli.io.provenance import sha256_file
 from caricli.models.detector.config import DetectorSize
-from caricli.models.detector.model import Detector, detector_to_checkpoint
-from caricli.models.detector.networks import DetectorNetwork
+from caricli.models.detector.model import detector_to_checkpoint
+from caricli.models.detector.networks import DetectorNetwork, detector_of
 from caricli.structures.landmarks import Landmarks
 from caricli.structures.parsing import Region
 from tests.drawn_pictures import drawn_picture, mean_shape, write_drawn_set
@@ -28,7 +28,7 @@ def detector(pictures, tmp_path_factory):
     folder = tmp_path_factory.mktemp("detector")
     recipe = {"inputs": {"set/pictures.json": sha256_file(pictures / "pictures.json")}}
     for name, own in (("stranger", None), ("pupil", recipe)):
-        write_checkpoint(folder / f"{name}.safetensors", *detector_to_checkpoint(Detector(network, 64, recipe=own)))
+        write_checkpoint(folder / f"{name}.safetensors", *detector_to_checkpoint(detector_of(network, 64, recipe=own)))
     return lambda name: folder / f"{name}.safetensors"
 
 

@@ -11,8 +11,8 @@ from caricli.io.image import read_image, write_png
 from caricli.io.landmarks import write_landmarks
 from caricli.io.obj import read_obj
 from caricli.models.detector.config import DetectorSize
-from caricli.models.detector.model import Detector, detector_to_checkpoint
-from caricli.models.detector.networks import DetectorNetwork
+from caricli.models.detector.model import detector_to_checkpoint
+from caricli.models.detector.networks import DetectorNetwork, detector_of
 from caricli.store.models import load_morphable
 from caricli.structures import Landmarks
 from caricli.structures.parsing import Region
@@ -25,7 +25,7 @@ SMALL = ("--config", config_path("coarse/tiny.yaml"), *(f"--set={text}" for text
 def detector(tmp_path_factory):
     path = tmp_path_factory.mktemp("seer") / "detector.safetensors"
     network = DetectorNetwork(DetectorSize(8, 16, 1), 81, len(Region), torch.Generator().manual_seed(0))
-    write_checkpoint(path, *detector_to_checkpoint(Detector(network, 64)))
+    write_checkpoint(path, *detector_to_checkpoint(detector_of(network, 64)))
     return path
 
 

@@ -12,8 +12,7 @@ from caricli.io.config import read_config
 from caricli.methods.train.train_detector import DetectorTraining
 from caricli.methods.train.windows import WindowSettings
 from caricli.models.detector.config import DetectorConfig, DetectorSize
-from caricli.models.detector.model import Detector
-from caricli.models.detector.networks import DetectorNetwork
+from caricli.models.detector.networks import DetectorNetwork, detector_of
 from caricli.structures.parsing import Region
 from tests.drawn_pictures import DrawnPictures, mean_shape
 
@@ -27,7 +26,7 @@ def untrained():
         if not parameter.any():
             torch.nn.init.uniform_(parameter, 0, 0.5, generator)
     network.heat.weight.data *= 100
-    return Detector(network, 64)
+    return detector_of(network, 64)
 
 
 @pytest.fixture(scope="session")
@@ -45,7 +44,7 @@ def trained(head_template):
         varied = partial(WindowSettings, turn=0.2, bent=0.25, cut=0.15)  # there are so few pictures
         patch.setattr("caricli.methods.train.train_detector.WindowSettings", varied)
         list(training.epochs())
-    return Detector(training.average, 64), unseen
+    return detector_of(training.average, 64), unseen
 
 
 def as_it_is(window, generator):

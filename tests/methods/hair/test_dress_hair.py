@@ -52,9 +52,3 @@ def test_a_head_whose_scalp_has_no_name(sitter):
     assert dress_hair(sitter.face, head, sitter.image, SMALL) is None
     with pytest.raises(InputError, match="expected an annotation with the region 'scalp'"):
         dress_hair(sitter.face, head, sitter.image, replace(SMALL, hair="shell"))
-
-
-def test_what_colours_told_before_is_not_asked_again(dressed, sitter):
-    image = np.zeros_like(sitter.image)
-    again = dress_hair(sitter.face, sitter.head, image, SMALL, None, lambda: dressed.mask)
-    assert again is not None and again.mask is dressed.mask and again.overlap == dressed.overlap

@@ -78,25 +78,6 @@ def test_a_mask_that_shows_no_head_is_refused(pictured):
         paint_head(pictured.face, pictured.head, pictured.image, np.zeros_like(pictured.mask), SMALL)
 
 
-def test_regions_that_are_waited_for_are_as_good_as_given_ones(pictured):
-    waits = []
-    settings = replace(SMALL, hair="auto")
-
-    def read():
-        waits.append(None)
-
-    waited = paint_head(pictured.face, pictured.head, pictured.image, None, settings, read)
-    given = paint_head(pictured.face, pictured.head, pictured.image, None, settings)
-    assert len(waits) == 1 and waited.figures() == given.figures()
-    np.testing.assert_array_equal(waited.rig.pictures.skin, given.rig.pictures.skin)
-
-    def fail():
-        raise InputError("expected a detector, found none")
-
-    with pytest.raises(InputError, match="expected a detector"):
-        paint_head(pictured.face, pictured.head, pictured.image, None, settings, fail)
-
-
 def test_light_is_taken_out_and_the_error_measured_in_it(pictured):
     """A lamp from the side: without it both halves of the face have their colours again."""
     camera = pictured.face.require_camera()

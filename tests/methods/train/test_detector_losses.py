@@ -4,7 +4,7 @@ import torch
 
 from caricli.methods.train.detector_losses import FaceTargets, _apart, face_loss, landmark_loss, region_loss
 from caricli.models.detector.config import DetectorConfig
-from caricli.models.detector.model import _probabilities, face_cells
+from caricli.models.detector.model import by_pixels, face_cells
 from caricli.models.detector.networks import FaceGrid, HeatMaps
 from caricli.structures.detection import FaceFrame, MarkedPicture, turn_axes
 from tests.drawn_pictures import mean_shape
@@ -34,7 +34,8 @@ def grid_of(targets, confidence=8.0):
 
 def test_a_grid_that_says_what_is_asked_for_gives_the_faces(faces):
     targets = FaceTargets.of([window(faces)], 128)
-    cells = face_cells(grid_of(targets))
+    grid = grid_of(targets)
+    cells = face_cells(torch.cat([grid.score[:, None], grid.shift, grid.size[:, None], grid.turn], 1)[0].numpy())
     best = np.flatnonzero(cells.score > 0.5)
     frames = sorted((FaceFrame.of(face) for face in faces), key=lambda frame: frame.centre[1])
     assert len(best) == 2
@@ -117,7 +118,7 @@ def test_regions_are_asked_for_where_they_are_read():
     regions[:, :8] = 255
     logits = torch.zeros(2, 16, 16, 4, 16, requires_grad=True)
     region_loss(logits, regions).backward()
-    likeliest = _probabilities(-1e6 * logits.grad).argmax(-1)
+    likeliest = by_pixels(-logits.grad.numpy()).argmax(-1)
     told = regions[:, ::2, ::2] < 16
     np.testing.assert_array_equal(likeliest[told], regions[:, ::2, ::2][told])
     assert not logits.grad.view(2, 16, 16, -1)[:, :2].any(), "nothing is asked for beyond the picture"

@@ -8,8 +8,7 @@ from caricli.methods.detect.read_faces import read_face
 from caricli.methods.train.coarse_faces import CoarseWindow, TrueFace
 from caricli.methods.train.told_landmarks import FaceMixer, Seer, ToldSettings, cut_landmarks, hand_marked
 from caricli.models.detector.config import DetectorSize
-from caricli.models.detector.model import Detector
-from caricli.models.detector.networks import DetectorNetwork
+from caricli.models.detector.networks import DetectorNetwork, detector_of
 from caricli.store.models import load_morphable
 from caricli.structures.detection import FaceFrame, MarkedPicture
 from caricli.structures.parsing import Region
@@ -18,7 +17,7 @@ from caricli.structures.parsing import Region
 def test_it_sees_what_readers_of_pictures_see():
     network = DetectorNetwork(DetectorSize(8, 16, 1), 81, len(Region), torch.Generator().manual_seed(0))
     torch.nn.init.normal_(network.heat.weight, std=3.0, generator=torch.Generator().manual_seed(1))
-    detector = Detector(network, 64, 1.5)
+    detector = detector_of(network, 64, 1.5)
     generator = np.random.default_rng(0)
     picture = generator.integers(0, 256, (64, 64, 3), np.uint8)
     # A frame whose window is the picture.

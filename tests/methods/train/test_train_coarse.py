@@ -14,8 +14,7 @@ from caricli.methods.train.train_coarse import CoarseTraining, Sources, new_coar
 from caricli.models.coarse.config import CoarseConfig
 from caricli.models.coarse.model import SHARE
 from caricli.models.detector.config import DetectorSize
-from caricli.models.detector.model import Detector
-from caricli.models.detector.networks import DetectorNetwork
+from caricli.models.detector.networks import DetectorNetwork, detector_of
 from caricli.store.models import load_morphable
 from caricli.structures.parsing import Region
 from tests.posed_pictures import small_dataset, write_posed_set
@@ -41,7 +40,7 @@ def model():
 @pytest.fixture(scope="module")
 def detector():
     network = DetectorNetwork(DetectorSize(8, 16, 1), 81, len(Region), torch.Generator().manual_seed(0))
-    return Detector(network, 64)
+    return detector_of(network, 64)
 
 
 @pytest.fixture(scope="module")
