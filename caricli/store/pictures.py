@@ -14,6 +14,9 @@ from caricli.structures.parsing import Region
 
 PICTURES = (".png", ".jpg", ".jpeg", ".webp", ".bmp", ".tif", ".tiff", ".gif")
 
+MARKS = (".json", ".txt", ".pts", ".npy")
+"""Suffixes of landmark files."""
+
 _EYE_LABELS = ("eye_left", "eye_right", "eyes")
 """Labels of a parsed picture that show an eye."""
 

@@ -8,11 +8,8 @@ from caricli.methods.evaluate.portrait_studio import Portrait
 from caricli.methods.evaluate.reconstruct_portrait import COARSE, NETWORK
 from caricli.store.coarse import load_coarse_pair
 from caricli.store.models import check_topology, load_model
-from caricli.store.pictures import PICTURES, load_marked_picture
+from caricli.store.pictures import MARKS, PICTURES, load_marked_picture
 from caricli.template.template import Template
-
-MARKS = (".json", ".txt", ".pts", ".npy")
-"""Suffixes of landmark files."""
 
 
 def portrait_files(folder: Path | None) -> list[tuple[Path, Path]]:

@@ -26,7 +26,7 @@ from caricli.methods.stylise.settings import StyliseSettings
 from caricli.methods.texture.settings import PaintSettings
 from caricli.store.detector import load_detector
 from caricli.store.face_pictures import FaceReader
-from caricli.store.pictures import load_marked_picture
+from caricli.store.pictures import MARKS, load_marked_picture
 from caricli.store.portrait_page import (
     REPORT,
     SHEET,
@@ -36,7 +36,6 @@ from caricli.store.portrait_page import (
     portrait_heads,
     write_page,
 )
-from caricli.store.portraits import MARKS
 from caricli.store.rig_sources import load_rig
 from caricli.store.shape_tools import load_shape_tools
 
