@@ -67,18 +67,22 @@ class Easel:
         sky = random_sky(generator)
         image = np.array(random_background(self.drawn, generator))
         region = np.zeros((self.drawn, self.drawn), np.uint8)
+        # Of every pixel how many people were drawn before what it shows.
+        before = np.zeros(region.shape, int)
         people = self._people(sitters, first, sky, generator)
-        for _, drawing, _ in people:
+        for order, (_, drawing, _) in enumerate(people):
             shown = drawing.region > 0
             image[shown] = drawing.colours[shown]
             region[shown] = drawing.region[shown]
-        faces = [(number, drawing) for number, drawing, away in people if not away]
+            before[shown] = order
+        faces = [(order, number, drawing) for order, (number, drawing, away) in enumerate(people) if not away]
         if faces and generator.random() < self.scene.held:
-            number, drawing = faces[-1]
+            _, number, drawing = faces[-1]
             hold_before(image, region, drawing.points, sitters[number].pieces.colours[0] * sky.above, generator)
+            before[region == Region.OTHER] = len(people)
         medium = str(generator.choice(list(MEDIA), p=[share for _, share in MEDIA.values()]))
         finished, labels = self._finish(image, region, medium, generator)
-        shown_faces = [self._shown(number, drawing, region, sky) for number, drawing in reversed(faces)]
+        shown_faces = [self._shown(number, drawing, before <= order, sky) for order, number, drawing in reversed(faces)]
         return Composition(finished, labels, shown_faces, medium)
 
     def _finish(
@@ -128,16 +132,15 @@ class Easel:
             return float(np.exp(generator.uniform(*np.log(poses.small_filled))))
         return generator.uniform(*poses.close_filled) if kind < poses.small + poses.close else usual
 
-    def _shown(self, number: int, drawing: Drawing, region: np.ndarray, sky: Sky) -> Shown:
-        """The face in the pixels of the finished picture; what others or things hide of it is not visible."""
+    def _shown(self, number: int, drawing: Drawing, clear: np.ndarray, sky: Sky) -> Shown:
+        """The face in the pixels of the finished picture. clear: (R, R) bool, where nothing is before its drawing."""
         at = np.clip(np.round(drawing.points).astype(int), 0, self.drawn - 1)
-        same = region[at[:, 1], at[:, 0]] == drawing.region[at[:, 1], at[:, 0]]
         scale = self.size / self.drawn
         pose = drawing.pose
         return Shown(
             number,
             (drawing.points + 0.5) * scale - 0.5,
-            drawing.visible & same,
+            drawing.visible & clear[at[:, 1], at[:, 0]],
             pose.rotation,
             pose.scale * scale,
             (pose.translation + 0.5) * scale - 0.5,

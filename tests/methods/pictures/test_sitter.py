@@ -175,6 +175,16 @@ def test_pictures_with_several_people_tell_who_hides_whom(wardrobe):
     assert min(counts) >= 2
 
 
+def test_skin_that_is_behind_skin_is_not_visible(wardrobe):
+    """All look out of the same place: whoever is largest hides the others, lips behind lips among them."""
+    generator = np.random.default_rng(6)
+    sitters = [wardrobe.seat(wardrobe.template.vertices, generator) for _ in range(2)]
+    easel = Easel(128, SceneSettings(none=0, several=1, held=0), replace(STILL, apart=0, filled=(0.2, 1.4)))
+    for _ in range(3):
+        front, behind = easel.compose(sitters, 0, generator).faces
+        assert front.visible.mean() > 0.8 and behind.visible.mean() < 0.1
+
+
 def test_no_one_is_where_there_is_to_be_no_face(wardrobe):
     generator = np.random.default_rng(5)
     sitters = [wardrobe.seat(wardrobe.template.vertices, generator)]
