@@ -4,6 +4,7 @@ What `residual.py` trains is put together here again from the same weights, by t
 """
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -20,6 +21,21 @@ _EPSILON = 1e-5
 _OPSET = 17
 _IR_VERSION = 8
 """Both of 2022: any ONNX Runtime of today knows them."""
+
+
+@dataclass(frozen=True)
+class Kernel:
+    """What a convolution is made of: channels that go in and come out, side and stride in pixels, the side odd."""
+
+    inputs: int
+    outputs: int
+    side: int = 3
+    stride: int = 1
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Of its weights."""
+        return self.outputs, self.inputs, self.side, self.side
 
 
 class NetworkGraph:
@@ -60,17 +76,17 @@ class NetworkGraph:
 
     def convolution(self, name: str, values: str, inputs: int, outputs: int) -> str:
         """The convolution of a name, pixel by pixel."""
-        weight = self.take(f"{name}.weight", (outputs, inputs, 1, 1))
+        weight = self.take(f"{name}.weight", Kernel(inputs, outputs, side=1).shape)
         return self.convolved(values, weight, self.take(f"{name}.bias", (outputs,)))
 
-    def unit(self, name: str, values: str, inputs: int, outputs: int, kernel: int = 3, stride: int = 1) -> str:
+    def unit(self, name: str, values: str, kernel: Kernel) -> str:
         """`residual.unit`."""
-        return self.node("Relu", self._normalised(f"{name}.0", f"{name}.1", values, inputs, outputs, kernel, stride))
+        return self.node("Relu", self._normalised(f"{name}.0", f"{name}.1", values, kernel))
 
     def residual(self, name: str, values: str, width: int) -> str:
         """`residual.Residual`."""
-        first = self.unit(f"{name}.first", values, width, width)
-        second = self._normalised(f"{name}.second", f"{name}.norm", first, width, width)
+        kernel = Kernel(width, width)
+        second = self._normalised(f"{name}.second", f"{name}.norm", self.unit(f"{name}.first", values, kernel), kernel)
         return self.node("Relu", self.node("Add", values, second))
 
     def twice(self, values: str) -> str:
@@ -97,15 +113,13 @@ class NetworkGraph:
         options.add_session_config_entry("session.intra_op.allow_spinning", "0")
         return onnxruntime.InferenceSession(model.SerializeToString(), options, providers=["CPUExecutionProvider"])
 
-    def _normalised(
-        self, name: str, norm: str, values: str, inputs: int, outputs: int, kernel: int = 3, stride: int = 1
-    ) -> str:
+    def _normalised(self, name: str, norm: str, values: str, kernel: Kernel) -> str:
         """A convolution without bias and its batch normalisation, which are one convolution together."""
-        weight = self.take(f"{name}.weight", (outputs, inputs, kernel, kernel))
+        weight = self.take(f"{name}.weight", kernel.shape)
         parts = ("weight", "bias", "running_mean", "running_var")
-        gain, bias, mean, variance = (self.take(f"{norm}.{part}", (outputs,)) for part in parts)
+        gain, bias, mean, variance = (self.take(f"{norm}.{part}", (kernel.outputs,)) for part in parts)
         gain = gain / np.sqrt(np.maximum(variance, 0) + _EPSILON)
-        return self.convolved(values, weight * gain[:, None, None, None], bias - gain * mean, stride)
+        return self.convolved(values, weight * gain[:, None, None, None], bias - gain * mean, kernel.stride)
 
 
 def _others(name: str) -> InputError:

@@ -225,9 +225,9 @@ def _(value: LandmarkMap, around: Acquaintances) -> Inspection:
 
 @describe.register
 def _(value: Detector, around: Acquaintances) -> Inspection:
-    summary = f"{value.learnt / 1e6:.1f} million weights, for faces in windows of {value.size} pixels"
+    summary = f"{value.weights.count / 1e6:.1f} million weights, for faces in windows of {value.size} pixels"
     return Inspection(
-        "detector", summary, (), {"weights": value.learnt, "size": value.size, "model_id": value.model_id}
+        "detector", summary, (), {"weights": value.weights.count, "size": value.size, "model_id": value.model_id}
     )
 
 

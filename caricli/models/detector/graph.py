@@ -1,15 +1,34 @@
 """The detector's network as it is used: what `networks.DetectorNetwork` trains, but for the last steps of landmarks."""
 
+from collections.abc import Mapping
+from dataclasses import dataclass
+
 import numpy as np
 import onnxruntime
 
 from caricli.models.detector.config import HALF, DetectorSize
-from caricli.models.network_graph import NetworkGraph
+from caricli.models.network_graph import Kernel, NetworkGraph
 
 WINDOWS = "windows"
 FACES = "faces"
 FEATURES = "features"
 CHANCES = "chances"
+
+
+@dataclass(frozen=True, eq=False)
+class DetectorWeights:
+    """What the network has learnt.
+
+    arrays: by the names that they have in ``networks.DetectorNetwork``. size: DetectorSize of it.
+    """
+
+    arrays: Mapping[str, np.ndarray]
+    size: DetectorSize
+
+    @property
+    def count(self) -> int:
+        """How many numbers that is."""
+        return sum(array.size for name, array in self.arrays.items() if "running" not in name)
 
 
 def detector_session(graph: NetworkGraph, size: DetectorSize, regions: int) -> onnxruntime.InferenceSession:
@@ -21,19 +40,19 @@ def detector_session(graph: NetworkGraph, size: DetectorSize, regions: int) -> o
     Raises InputError for the weights of another network.
     """
     first, second, third, fourth = size.widths
-    levels = [graph.unit("stem", WINDOWS, 3 * HALF**2, size.stem)]
+    levels = [graph.unit("stem", WINDOWS, Kernel(3 * HALF**2, size.stem))]
     steps = [(size.stem, first, 1), (first, second, 1), (second, third, size.depth), (third, fourth, size.depth)]
     for number, (inputs, outputs, depth) in enumerate(steps):
-        values = graph.unit(f"down.{number}.0", levels[-1], inputs, outputs, stride=2)
+        values = graph.unit(f"down.{number}.0", levels[-1], Kernel(inputs, outputs, stride=2))
         for block in range(depth):
             values = graph.residual(f"down.{number}.{block + 1}", values, outputs)
         levels.append(values)
     features = levels.pop()
     for number, (inputs, outputs) in enumerate([(fourth, third), (third, second), (second, first)]):
-        above = graph.twice(graph.unit(f"up.{number}", features, inputs, outputs, kernel=1))
+        above = graph.twice(graph.unit(f"up.{number}", features, Kernel(inputs, outputs, side=1)))
         features = graph.residual(f"join.{number}", graph.node("Add", levels.pop(), above), outputs)
         if number == 0:
-            near = graph.unit("near_face", features, third, first)
+            near = graph.unit("near_face", features, Kernel(third, first))
             graph.node("Identity", graph.convolution("face", near, first, 6), name=FACES)
     graph.node("Identity", features, name=FEATURES)
     fine = graph.convolution("regions", features, first, HALF**2 * regions)

@@ -11,7 +11,7 @@ from caricli.errors import InputError, naming, shown
 from caricli.models.checkpoint import model_id
 from caricli.models.checks import check_schema, whole_number
 from caricli.models.detector.config import COARSE, FINE, HALF, REACH, DetectorSize
-from caricli.models.detector.graph import CHANCES, FACES, FEATURES, WINDOWS, detector_session
+from caricli.models.detector.graph import CHANCES, FACES, FEATURES, WINDOWS, DetectorWeights, detector_session
 from caricli.models.detector.jaw_places import JawPlaces
 from caricli.models.detector.landmark_heads import LandmarkHeads
 from caricli.models.network_graph import NetworkGraph
@@ -69,42 +69,34 @@ class Detector:
 
     def __init__(
         self,
-        weights: Mapping[str, np.ndarray],
-        layout: DetectorSize,
+        weights: DetectorWeights,
         size: int,
         trust: float = 1.0,
         recipe: Any = None,
         jaw: JawPlaces | None = None,
     ) -> None:
-        """weights: arrays by the names that they have in ``networks.DetectorNetwork``. layout: DetectorSize of it.
-
-        size: of the windows it was trained on, pixels. trust: what its doubts are multiplied by. recipe: JSON value,
-        how it was trained, or None. jaw: JawPlaces, or None for equal distances.
+        """weights: DetectorWeights. size: of the windows it was trained on, pixels. trust: what its doubts are multiplied
+        by. recipe: JSON value, how it was trained, or None. jaw: JawPlaces, or None for equal distances.
         Raises InputError for the weights of another network.
         """
-        self.weights = dict(weights)
-        self.layout = layout
+        self.weights = weights
         self.size = size
         self.trust = trust
         self.recipe = recipe
         self.jaw = JawPlaces.even() if jaw is None else jaw
-        graph = NetworkGraph(weights)
-        self._heads = LandmarkHeads.of(graph, LANDMARKS, layout.widths[0])
-        self._session = detector_session(graph, layout, len(Region))
+        graph = NetworkGraph(weights.arrays)
+        self._heads = LandmarkHeads.of(graph, LANDMARKS, weights.size.widths[0])
+        self._session = detector_session(graph, weights.size, len(Region))
 
     @property
     def model_id(self) -> str:
         """SHA-256 of its weights."""
         return model_id(self.kind, self.tensors())
 
-    @property
-    def learnt(self) -> int:
-        """How many numbers it has learnt."""
-        return sum(array.size for name, array in self.weights.items() if "running" not in name)
-
     def tensors(self) -> dict[str, np.ndarray]:
         """Arrays by name: of the network, and where the jaw's points are."""
-        return self.weights | {JAW_WEIGHT: _single(self.jaw.weight), JAW_BIAS: _single(self.jaw.bias)}
+        jaw = {JAW_WEIGHT: self.jaw.weight.astype(np.float32), JAW_BIAS: self.jaw.bias.astype(np.float32)}
+        return {**self.weights.arrays, **jaw}
 
     def search(self, window: np.ndarray) -> tuple[FaceCells, np.ndarray]:
         """What is at every cell of a window (H, W, 3) uint8 of any size, sides multiples of 32 pixels.
@@ -150,7 +142,7 @@ def face_cells(grid: np.ndarray) -> FaceCells:
 
 def detector_to_checkpoint(detector: Detector) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
     """A detector as (tensors, metadata), from which ``detector_from_checkpoint`` rebuilds it."""
-    about = {"schema": SCHEMA, "network": asdict(detector.layout), "size": detector.size}
+    about = {"schema": SCHEMA, "network": asdict(detector.weights.size), "size": detector.size}
     about |= {"trust": detector.trust, "regions": [region.name.lower() for region in Region]}
     about["recipe"] = detector.recipe
     return detector.tensors(), about
@@ -170,9 +162,9 @@ def detector_from_checkpoint(tensors: Mapping[str, np.ndarray], metadata: Mappin
         trust = metadata.get("trust")
         if not isinstance(trust, float) or not TRUST[0] <= trust <= TRUST[1]:
             raise InputError(f"expected a trust from {TRUST[0]:g} to {TRUST[1]:g}, found {shown(trust, 60)!r}")
-        layout = _layout(metadata.get("network"))
-        weights = {name: array for name, array in tensors.items() if name not in (JAW_WEIGHT, JAW_BIAS)}
-        return Detector(weights, layout, size, trust, metadata.get("recipe"), _jaw(tensors))
+        own = {name: array for name, array in tensors.items() if name not in (JAW_WEIGHT, JAW_BIAS)}
+        weights = DetectorWeights(own, _size(metadata.get("network")))
+        return Detector(weights, size, trust, metadata.get("recipe"), _jaw(tensors))
 
 
 def _jaw(tensors: Mapping[str, np.ndarray]) -> JawPlaces | None:
@@ -184,11 +176,7 @@ def _jaw(tensors: Mapping[str, np.ndarray]) -> JawPlaces | None:
     return JawPlaces(tensors[JAW_WEIGHT].astype(np.float64), tensors[JAW_BIAS].astype(np.float64))
 
 
-def _single(array: np.ndarray) -> np.ndarray:
-    return array.astype(np.float32)
-
-
-def _layout(about: Any) -> DetectorSize:
+def _size(about: Any) -> DetectorSize:
     names = [field.name for field in fields(DetectorSize)]
     if not isinstance(about, dict) or sorted(about) != sorted(names):
         raise InputError(f"expected a network of {', '.join(names)}, found {shown(about, 60)!r}")

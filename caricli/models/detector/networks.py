@@ -12,6 +12,7 @@ from torch import nn
 from torch.nn import functional
 
 from caricli.models.detector.config import HALF, DetectorSize
+from caricli.models.detector.graph import DetectorWeights
 from caricli.models.detector.jaw_places import JawPlaces
 from caricli.models.detector.model import LANDMARKS, Detector
 from caricli.models.network_weights import load_weights, network_weights
@@ -130,13 +131,13 @@ def detector_of(
     network: DetectorNetwork, size: int, trust: float = 1.0, recipe: Any = None, jaw: JawPlaces | None = None
 ) -> Detector:
     """The Detector that uses the weights of a network, in half precision. For the others see Detector."""
-    return Detector(network_weights(network), network.size, size, trust, recipe, jaw)
+    return Detector(DetectorWeights(network_weights(network), network.size), size, trust, recipe, jaw)
 
 
 def network_of(detector: Detector) -> DetectorNetwork:
     """The network whose weights a Detector uses, which learns no more."""
-    network = DetectorNetwork(detector.layout, LANDMARKS, len(Region), None)
-    load_weights(network, detector.weights)
+    network = DetectorNetwork(detector.weights.size, LANDMARKS, len(Region), None)
+    load_weights(network, detector.weights.arrays)
     return network.eval().requires_grad_(False)
 
 
