@@ -75,8 +75,9 @@ class Detector:
         recipe: Any = None,
         jaw: JawPlaces | None = None,
     ) -> None:
-        """weights: DetectorWeights. size: of the windows it was trained on, pixels. trust: what its doubts are multiplied
-        by. recipe: JSON value, how it was trained, or None. jaw: JawPlaces, or None for equal distances.
+        """weights: DetectorWeights. size: of the windows it was trained on, pixels. trust: what doubts are multiplied by.
+
+        recipe: JSON value, how it was trained, or None. jaw: JawPlaces, or None for equal distances.
         Raises InputError for the weights of another network.
         """
         self.weights = weights
