@@ -75,7 +75,7 @@ class Detector:
         recipe: Any = None,
         jaw: JawPlaces | None = None,
     ) -> None:
-        """weights: DetectorWeights. size: of the windows it was trained on, pixels. trust: what doubts are multiplied by.
+        """weights: DetectorWeights. size: of windows it was trained on, pixels. trust: what doubts are multiplied by.
 
         recipe: JSON value, how it was trained, or None. jaw: JawPlaces, or None for equal distances.
         Raises InputError for the weights of another network.
