@@ -12,6 +12,7 @@ from caricli.models.sketch.networks import CAMERA
 from caricli.models.sketch.published import PublishedNetwork, shown_points
 from caricli.models.sketch.window import POINTS
 from caricli.structures.sketch import Sketch, Stroke, StrokeKind
+from tests.models.test_sketch import told_of
 
 CURVES = ("brow", "nose", "fold")
 LINE = np.stack([np.linspace(40, 90, 9), 30 + 10 * np.sin(np.linspace(0, 3, 9))], 1)
@@ -93,12 +94,12 @@ def test_a_sketch_elsewhere_on_a_larger_canvas_is_the_same_face(told):
     model = SketchModel(told, 64, CURVES, "a" * 64)
     sketch = Sketch((Stroke(LINE, StrokeKind.FEATURE, "brow"), Stroke(LINE + 60)), (200, 160))
     moved = Sketch(tuple(s.moved(3 * s.points + [70, 20]) for s in sketch.strokes), (700, 600))
-    latent, camera = model.reconstruct(sketch)
-    again, other = model.reconstruct(moved)
+    latent, camera = told_of(model, sketch)
+    again, other = told_of(model, moved)
     np.testing.assert_allclose(again, latent, atol=1e-5)
     assert other.scale == pytest.approx(3 * camera.scale, rel=1e-4)
     wrinkled = sketch.with_strokes([*sketch.strokes, Stroke(LINE + 20, StrokeKind.WRINKLE)])
-    assert np.abs(model.reconstruct(wrinkled)[0] - latent).max() > 1e-4
+    assert np.abs(told_of(model, wrinkled)[0] - latent).max() > 1e-4
 
 
 @pytest.mark.parametrize(

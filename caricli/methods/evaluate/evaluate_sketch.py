@@ -7,13 +7,13 @@ import numpy as np
 
 from caricli.errors import InputError, shown
 from caricli.methods.evaluate.sketch_fit import NOISES, SketchFit
+from caricli.methods.sketch.see_sketch import see_lines
 from caricli.methods.train.sketch_hand import CALM, Canvas, DrawnLines, HandSettings, Missing, SketchHand, Wrinkles
 from caricli.methods.train.stages import Report, unwatched
 from caricli.methods.train.wrinkle_book import WrinkleBook
 from caricli.models.linear_model import LinearModel
 from caricli.models.shape_model import ShapeModel
 from caricli.models.sketch.model import SketchModel
-from caricli.models.sketch.networks import CAMERA
 from caricli.template.feature_curves import feature_curves
 from caricli.template.template import Template
 
@@ -103,7 +103,8 @@ class SketchRival:
     def see(self, drawn: DrawnLines) -> np.ndarray:
         """What the network makes of sketches: vertices (N, V, 3)."""
         batch = self.hand.batch(drawn)
-        return self.model.decode(self.network.read(batch.windows, batch.points)[:, :-CAMERA])
+        latents, _ = see_lines(batch.windows, batch.points, self.network, self.model)
+        return self.model.decode(latents)
 
     def shown(self, heads: "DrawnHeads", seed: int) -> tuple[np.ndarray, list[tuple[np.ndarray, np.ndarray]]]:
         """Sketches of heads with noise, (N, S, S) uint8 ink, and vertices that the network sees beside true ones."""

@@ -13,7 +13,7 @@ from caricli.models.checks import check_schema, whole_number
 from caricli.models.network_model import NetworkModel
 from caricli.models.network_weights import load_weights
 from caricli.models.sketch.config import PublishedSize, SketchSize
-from caricli.models.sketch.networks import CAMERA, SketchNetwork
+from caricli.models.sketch.networks import SketchNetwork
 from caricli.models.sketch.published import PublishedNetwork
 from caricli.models.sketch.window import CANVAS_FILL, FILL, POINTS, Window, curve_points, shown_strokes
 from caricli.render.rasterise_sketch import rasterise_sketch
@@ -75,8 +75,8 @@ class SketchModel(NetworkModel[SketchNetwork | PublishedNetwork]):
         """Whether it looks at wrinkle lines."""
         return isinstance(self.network, PublishedNetwork) and self.network.variant.wrinkles
 
-    def reconstruct(self, sketch: Sketch) -> tuple[np.ndarray, Camera]:
-        """The latent (D,) of the face of a sketch, and its camera, in pixels of the canvas.
+    def look(self, sketch: Sketch) -> tuple[np.ndarray, np.ndarray, Window]:
+        """What ``read`` is given of a sketch: ink (S, S) uint8 and points (K, P, 2), and the Window that both are in.
 
         Strokes whose names are curves of the model say where these are; all others are only seen, wrinkles by networks
         that look at them. Raises InputError where nothing is drawn.
@@ -89,14 +89,36 @@ class SketchModel(NetworkModel[SketchNetwork | PublishedNetwork]):
         if self.wrinkled:
             strokes = list(sketch.strokes)
         points = curve_points(strokes, window, self.curves, self.network.usual.double().numpy())
-        numbers = self.read(window_picture(sketch.with_strokes(strokes), window, self.size)[None], points[None])[0]
-        return numbers[:-CAMERA], window_camera(numbers[-CAMERA:], window)
+        return window_picture(sketch.with_strokes(strokes), window, self.size), points, window
+
+    def mirrored(self, points: np.ndarray) -> np.ndarray:
+        """Points (B, K, P, 2) of lines as those of their mirror image.
+
+        What is drawn of a curve on the left is of that on the right, and its points run as those of this one do.
+        """
+        usual = self.network.usual.double().numpy()
+        names = [_other_side(name) for name in self.curves]
+        there = np.array([name in self.curves for name in names])
+        other = [self.curves.index(name) if name in self.curves else 0 for name in names]
+        turned = np.where(there[:, None, None], points[:, other] * [-1, 1], np.nan)
+        ways = usual[other] * [-1, 1]
+        centred = usual - usual.mean(1, keepdims=True)
+        back = (centred * ways).sum((1, 2)) < (centred * ways[:, ::-1]).sum((1, 2))
+        return np.where(back[:, None, None], turned[:, :, ::-1], turned)
 
     @torch.inference_mode()
     def read(self, windows: np.ndarray, points: np.ndarray) -> np.ndarray:
         """Latents and cameras (B, D + 6) of windows (B, S, S) uint8 ink, and points (B, K, P, 2), NaN where unknown."""
         ink = torch.from_numpy(windows.astype(np.float32) / 255)[:, None]
         return self.network(ink, torch.from_numpy(points.astype(np.float32))).double().numpy()
+
+
+def _other_side(name: str) -> str:
+    """Of a curve on one side the name of that on the other; itself in the middle."""
+    for own, other in (("left", "right"), ("right", "left")):
+        if name.endswith(f"_{own}"):
+            return name.removesuffix(own) + other
+    return name
 
 
 def window_picture(sketch: Sketch, window: Window, size: int) -> np.ndarray:

@@ -44,11 +44,12 @@ def encoder(model):
     return landmark_encoder(model, load_model())
 
 
-def test_the_network_says_the_shape_and_the_lines_the_camera(network, see, sketch, handles, model, encoder):
+def test_the_network_says_the_shape_and_the_lines_the_camera(see, sketch, handles, model, encoder):
     lines = lines_by_curve(sketch)
     face = network_coarse(sketch, lines, handles, see, encoder)
-    latent, camera = network.reconstruct(sketch)
-    np.testing.assert_allclose(face.vertices, model.decode(latent))
+    seen = see(sketch)
+    camera = seen.require_camera()
+    np.testing.assert_allclose(face.vertices, model.decode(seen.require_latent()))
     assert face.model_id == model.model_id
     own = face.require_camera().project(face.vertices[handles.vertices])
     gaps = [handles.places(lines, pixels) - pixels for pixels in (own, camera.project(face.vertices[handles.vertices]))]
