@@ -60,10 +60,11 @@ def test_all_methods_are_measured_under_all_conditions(rivals, model, people):
     again = evaluate_sketch(rivals, heads, people[6:9], 3)
     assert figures.as_json() == again.as_json()
     mean = unit(model.template) * np.linalg.norm(people[:6] - model.mean, axis=-1)
+    # A network that tells the mean face tells its mirror image, too, which differs a little.
     for method in ("mean face", "network", "network, strokes without names"):
-        assert figures.errors[method] == pytest.approx(dict.fromkeys(CONDITIONS, mean.mean()))
+        assert figures.errors[method] == pytest.approx(dict.fromkeys(CONDITIONS, mean.mean()), rel=1e-4)
     np.testing.assert_allclose(figures.maps["mean face"], mean.mean(0))
-    assert figures.left["network"] == pytest.approx(dict.fromkeys(LEFT, mean.mean()))
+    assert figures.left["network"] == pytest.approx(dict.fromkeys(LEFT, mean.mean()), rel=1e-4)
     fits = figures.errors["fit of the linear model, camera known"]
     assert fits["clean"] < fits["half"] and fits["clean"] < 0.8 * mean.mean()
     assert calls[0] == (0, 10) and calls[-1] == (10, 10)
