@@ -22,6 +22,9 @@ _OPSET = 17
 _IR_VERSION = 8
 """Both of 2022: any ONNX Runtime of today knows them."""
 
+_ERRORS = 3
+"""Severity from which on it writes to stderr, where what it says of graphics cards that are not there has no place."""
+
 
 @dataclass(frozen=True)
 class Kernel:
@@ -107,6 +110,7 @@ class NetworkGraph:
         exits = [helper.make_tensor_value_info(name, TensorProto.FLOAT, None) for name in results]
         graph = helper.make_graph(self._nodes, "network", [entry], exits, self._constants)
         model = helper.make_model(graph, opset_imports=[helper.make_opsetid("", _OPSET)], ir_version=_IR_VERSION)
+        onnxruntime.set_default_logger_severity(_ERRORS)
         options = onnxruntime.SessionOptions()
         options.intra_op_num_threads = usable_cores()
         # Threads that wait for the next picture leave the cores to others.
