@@ -27,13 +27,15 @@ def commands(picture, folder):
     rig = ["rig", face, "--out", folder / "rig.glb"]
     edit = ["edit-handle", face, "--handle", "nose_tip=0,0,0.01", "--out", folder / "edited.obj"]
     return {
-        "fit": fit,
-        "fit, no picture": [*fit, "--no-picture"],
-        "rig": rig,
-        "rig, no picture": [*rig, "--no-picture"],
-        "rig of skin and eyes": [*rig, "--parts", "skin,eyes"],
-        "texture": ["texture", face, picture, "--size", "1024", "--out", folder / "textured"],
-        "edit": edit,
+        "`detect`": ["detect", picture, "--out-dir", folder / "detected"],
+        "`reconstruct-from-landmarks` with its picture": fit,
+        "the same with `--no-picture`": [*fit, "--no-picture"],
+        "`texture --size 1024` with hair": ["texture", face, picture, "--size", "1024", "--out", folder / "textured"],
+        "`rig` of the whole head with its sheet": rig,
+        "`rig --no-picture`": [*rig, "--no-picture"],
+        "`rig --parts skin,eyes`": [*rig, "--parts", "skin,eyes"],
+        "`edit-handle`": edit,
+        "`portrait`": ["portrait", picture, "--out-dir", folder / "portrait"],
     }
 
 
@@ -64,7 +66,7 @@ def main():
             seconds = [measure(words) for _ in range(runs)]
             wall, processors = (statistics.median(column) for column in zip(*seconds, strict=True))
             rows[name] = {"wall": wall, "processors": processors}
-            print(f"{name:22} {wall:6.2f} s  {processors:6.2f} s of processors", flush=True)
+            print(f"{name:46} {wall:6.2f} s  {processors:6.2f} s of processors", flush=True)
     print(json.dumps({"runs": runs, "commands": rows}))
 
 

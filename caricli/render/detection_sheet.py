@@ -10,7 +10,8 @@ from caricli.structures.parsing import REGION_COLOURS
 SEEN = (0, 200, 120)
 HIDDEN = (255, 140, 0)
 FRAME = (255, 220, 0)
-DOUBT = (255, 255, 255)
+DOUBT = (((60, 60, 60), 2), ((255, 255, 255), 1))
+"""Colours and pixels of ellipses, the first beneath the others: on white paper as on dark skin one is seen."""
 
 _ONE = 1.0
 """Ellipses are drawn at one standard deviation."""
@@ -46,12 +47,18 @@ def _draw_face(image: np.ndarray, face: DetectedFace) -> np.ndarray:
     cv2.polylines(picture, [np.rint(face.frame.corners).astype(np.int32)], True, FRAME, width, cv2.LINE_AA)
     marks = face.landmarks
     assert marks.spreads is not None and marks.visibility is not None
-    for point, spread in zip(marks.points[marks.known], marks.spreads[marks.known], strict=True):
-        values, vectors = np.linalg.eigh(spread)
-        axes = tuple(float(length) for length in 2 * _ONE * np.sqrt(values[::-1]))
-        angle = float(np.degrees(np.arctan2(vectors[1, 1], vectors[0, 1])))
-        cv2.ellipse(picture, (point.tolist(), axes, angle), DOUBT, 1, cv2.LINE_AA)
+    ellipses = [_ellipse(*each) for each in zip(marks.points[marks.known], marks.spreads[marks.known], strict=True)]
+    for colour, pixels in DOUBT:
+        for ellipse in ellipses:
+            cv2.ellipse(picture, ellipse, colour, pixels, cv2.LINE_AA)
     seen = marks.visibility >= 0.5
     hidden = np.where(seen[:, None], np.nan, marks.points)
     picture = draw_landmarks(picture, np.where(seen[:, None], marks.points, np.nan), SEEN)
     return draw_landmarks(picture, hidden, HIDDEN, lines=False)
+
+
+def _ellipse(point: np.ndarray, spread: np.ndarray) -> tuple[list[float], list[float], float]:
+    """Middle, axes and angle in degrees, as OpenCV draws them, of a spread (2, 2) around a point (2,)."""
+    values, vectors = np.linalg.eigh(spread)
+    axes = 2 * _ONE * np.sqrt(values[::-1])
+    return point.tolist(), axes.tolist(), float(np.degrees(np.arctan2(vectors[1, 1], vectors[0, 1])))
