@@ -1,9 +1,12 @@
-"""What the description of a file of weights must say."""
+"""What a file of weights must hold, and its description say."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+import numpy as np
+
 from caricli.errors import InputError, shown
+from caricli.structures.checks import number_problem, refuse
 
 
 def whole_number(value: Any, limits: Sequence[int], name: str) -> int:
@@ -17,3 +20,16 @@ def check_schema(metadata: Mapping[str, Any], schema: str, kind: str) -> None:
     """Refuse a file's description of another schema. kind: what the file should hold. Raises InputError."""
     if metadata.get("schema") != schema:
         raise InputError(f"expected a {kind} of schema {schema!r}, found {shown(metadata.get('schema'), 60)!r}")
+
+
+def fitting_weights(name: str, array: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
+    """An array of a file in single precision. Raises InputError where it is of another kind or shape."""
+    refuse(number_problem(name, array))
+    if array.shape != shape or array.dtype.kind != "f":
+        raise InputError(f"{name}: expected {shape}, found {array.dtype} {array.shape}")
+    return np.asarray(array, np.float32)
+
+
+def foreign_weights(name: str) -> InputError:
+    """What is wrong where an array is lacking, or there is none of its name in such a network."""
+    return InputError(f"expected the weights of such a network, found others ({shown(name, 60)})")

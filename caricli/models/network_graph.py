@@ -12,8 +12,7 @@ import onnxruntime
 from onnx import TensorProto, helper, numpy_helper
 
 from caricli.cores import usable_cores
-from caricli.errors import InputError, shown
-from caricli.structures.checks import number_problem, refuse
+from caricli.models.checks import fitting_weights, foreign_weights
 
 _EPSILON = 1e-5
 """What PyTorch adds to variances."""
@@ -52,12 +51,8 @@ class NetworkGraph:
     def take(self, name: str, shape: tuple[int, ...]) -> np.ndarray:
         """The weights of a name, in single precision. Raises InputError where there are none of this shape."""
         if name not in self._weights:
-            raise _others(name)
-        array = self._weights.pop(name)
-        refuse(number_problem(name, array))
-        if array.shape != shape or array.dtype.kind != "f":
-            raise InputError(f"{name}: expected {shape}, found {array.dtype} {array.shape}")
-        return np.asarray(array, np.float32)
+            raise foreign_weights(name)
+        return fitting_weights(name, self._weights.pop(name), shape)
 
     def constant(self, array: np.ndarray) -> str:
         """An array that is always the same."""
@@ -105,7 +100,7 @@ class NetworkGraph:
         Raises InputError where weights are left.
         """
         if self._weights:
-            raise _others(sorted(self._weights)[0])
+            raise foreign_weights(sorted(self._weights)[0])
         entry = helper.make_tensor_value_info(given, TensorProto.FLOAT, [None, channels, None, None])
         exits = [helper.make_tensor_value_info(name, TensorProto.FLOAT, None) for name in results]
         graph = helper.make_graph(self._nodes, "network", [entry], exits, self._constants)
@@ -124,7 +119,3 @@ class NetworkGraph:
         gain, bias, mean, variance = (self.take(f"{norm}.{part}", (kernel.outputs,)) for part in parts)
         gain = gain / np.sqrt(np.maximum(variance, 0) + _EPSILON)
         return self.convolved(values, weight * gain[:, None, None, None], bias - gain * mean, kernel.stride)
-
-
-def _others(name: str) -> InputError:
-    return InputError(f"expected the weights of such a network, found others ({shown(name, 60)})")

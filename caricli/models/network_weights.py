@@ -5,8 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 import torch
 
-from caricli.errors import InputError, shown
-from caricli.structures.checks import number_problem, refuse
+from caricli.models.checks import fitting_weights, foreign_weights
 
 
 def network_weights(network: torch.nn.Module) -> dict[str, np.ndarray]:
@@ -20,13 +19,9 @@ def load_weights(network: torch.nn.Module, tensors: Mapping[str, np.ndarray]) ->
     own = _weights(network)
     if sorted(own) != sorted(tensors):
         odd = sorted(set(own) ^ set(tensors))[0]
-        raise InputError(f"expected the weights of such a network, found others ({shown(odd, 60)})")
+        raise foreign_weights(odd)
     for name, value in own.items():
-        array = tensors[name]
-        refuse(number_problem(name, array))
-        if array.shape != tuple(value.shape) or array.dtype.kind != "f":
-            raise InputError(f"{name}: expected {tuple(value.shape)}, found {array.dtype} {array.shape}")
-        value.copy_(torch.from_numpy(np.asarray(array, np.float32)))
+        value.copy_(torch.from_numpy(fitting_weights(name, tensors[name], tuple(value.shape))))
 
 
 def _weights(network: torch.nn.Module) -> dict[str, torch.Tensor]:

@@ -67,22 +67,22 @@ class Easel:
         sky = random_sky(generator)
         image = np.array(random_background(self.drawn, generator))
         region = np.zeros((self.drawn, self.drawn), np.uint8)
-        # Of every pixel how many people were drawn before what it shows.
-        before = np.zeros(region.shape, int)
+        # Of every pixel the number, from 0, of the last drawing that covers it.
+        latest = np.zeros(region.shape, int)
         people = self._people(sitters, first, sky, generator)
         for order, (_, drawing, _) in enumerate(people):
             shown = drawing.region > 0
             image[shown] = drawing.colours[shown]
             region[shown] = drawing.region[shown]
-            before[shown] = order
+            latest[shown] = order
         faces = [(order, number, drawing) for order, (number, drawing, away) in enumerate(people) if not away]
         if faces and generator.random() < self.scene.held:
             _, number, drawing = faces[-1]
             hold_before(image, region, drawing.points, sitters[number].pieces.colours[0] * sky.above, generator)
-            before[region == Region.OTHER] = len(people)
+            latest[region == Region.OTHER] = len(people)
         medium = str(generator.choice(list(MEDIA), p=[share for _, share in MEDIA.values()]))
         finished, labels = self._finish(image, region, medium, generator)
-        shown_faces = [self._shown(number, drawing, before <= order, sky) for order, number, drawing in reversed(faces)]
+        shown_faces = [self._shown(number, drawing, latest <= order, sky) for order, number, drawing in reversed(faces)]
         return Composition(finished, labels, shown_faces, medium)
 
     def _finish(
