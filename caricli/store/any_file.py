@@ -49,7 +49,7 @@ _EXPECTED = f"a file of caricli's, or {ANY_MESH}"
 _START = 4096
 """Bytes that tell what is in a file."""
 
-_OBJ = re.compile(rb"^\s*(?:v|vt|vn|f|o|g|mtllib|usemtl)\s", re.MULTILINE)
+_OBJ = re.compile(rb"^[^\S\n]*(?:v|vt|vn|f|o|g|mtllib|usemtl)\s", re.MULTILINE)
 _CSV = re.compile(rb"^[^\n]*timecode", re.IGNORECASE)
 
 _NPZ = {face.SCHEMA: face.read_face, rig.SCHEMA: rig.read_rig, directions.SCHEMA: directions.read_directions}

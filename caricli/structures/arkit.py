@@ -37,7 +37,9 @@ def arkit_name(name: str) -> str | None:
 
 def plain_name(name: str) -> str:
     """A name in small letters alone, without a prefix, its side written out."""
-    side = re.sub(r"(?<=[a-z])(?:L|R)$|[\W_]+[lLrR]$", lambda m: {"l": "Left", "r": "Right"}[m[0][-1].lower()], name)
+    # Separators are looked at from their first one only, or a name of nothing else takes their number squared.
+    last = r"(?<=[a-z])(?:L|R)$|(?<![\W_])[\W_]+[lLrR]$"
+    side = re.sub(last, lambda m: {"l": "Left", "r": "Right"}[m[0][-1].lower()], name)
     return re.sub(r"[\W_]+", "", re.split(r"[.:|]", side)[-1]).lower()
 
 

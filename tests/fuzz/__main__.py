@@ -10,6 +10,7 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
+from tests.fuzz.judge import REPORT
 from tests.fuzz.readers import READERS
 
 _OPTIONS = ("-max_len=65536", "-timeout=30", "-rss_limit_mb=0", "-print_final_stats=1", "-len_control=0")
@@ -42,9 +43,8 @@ def fuzz(folder: Path, seconds: float, readers: Sequence[str] = tuple(READERS), 
             if done.returncode and not any(findings.glob("*-*")):
                 return [f"the fuzzer itself ended with {done.returncode}: see {folder / 'log.txt'}"]
             seed += 1
-    reports = sorted(findings.glob("*.txt"))
     broken = [path.name for kind in ("crash", "timeout", "oom") for path in sorted(findings.glob(f"{kind}-*"))]
-    return [path.read_text("utf-8") for path in reports] + broken
+    return [path.read_text("utf-8") for path in sorted(findings.glob(f"*{REPORT}"))] + broken
 
 
 def main() -> None:

@@ -20,6 +20,10 @@ MAX_SECONDS = 5.0
 """Of the processor."""
 
 
+REPORT = ".report.txt"
+"""End of the names of files that say what a file led to, beside that file."""
+
+
 def judged(read: Callable[[Path], object], path: Path) -> str | None:
     """Give a file to a reader. Returns what it did that it may not do, the first line a summary, or None."""
     start = time.process_time()

@@ -13,7 +13,7 @@ from pathlib import Path
 import atheris
 
 with atheris.instrument_imports(include=["caricli"]):
-    from tests.fuzz.judge import judged
+    from tests.fuzz.judge import REPORT, judged
     from tests.fuzz.readers import READERS, Reader
 
 _STRAY = 0.05
@@ -44,7 +44,7 @@ class Target:
         place = self.findings / f"{kind}-{reader.name}"
         if not place.exists():
             place.write_bytes(data[1:])
-            place.with_name(f"{place.name}.txt").write_text(f"{reader.name}: {problem}\n", "utf-8")
+            place.with_name(f"{place.name}{REPORT}").write_text(f"{reader.name}: {problem}\n", "utf-8")
 
     def mutate(self, data: bytes, most: int, seed: int) -> bytes:
         """Change the file, seldom its reader."""

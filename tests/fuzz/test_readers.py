@@ -62,6 +62,13 @@ def test_what_is_inside_is_reached(tmp_path, name):
     assert len(refusals) > 3 or name in ("state.pt", "names.npz", "value.json")
 
 
+@pytest.mark.parametrize("byte", [b"\0", b"\n", b" ", b".", b"a", b"0"])
+@pytest.mark.parametrize("name", READERS)
+def test_long_runs_are_read_soon(tmp_path, name, byte):
+    (tmp_path / name).write_bytes(byte * 65536)
+    assert judged(READERS[name].read, tmp_path / name) is None
+
+
 @pytest.mark.skipif(importlib.util.find_spec("atheris") is None, reason="atheris is not made for this system")
 def test_fuzzing_finds_nothing(tmp_path):
     assert fuzz(tmp_path, SECONDS) == []
