@@ -22,6 +22,7 @@ from threadpoolctl import threadpool_limits
 from caricli.data.dataset import read_dataset
 from caricli.data.picture_set import read_picture_set
 from caricli.data.unseen import unseen_data
+from caricli.geometry.space_jaw import space_jaw
 from caricli.methods.detect.read_faces import look_at_face
 from caricli.methods.detect.settings import DetectSettings
 from caricli.methods.evaluate.ratio_interval import ratio_interval
@@ -66,6 +67,7 @@ def measure(face, model, teller, detector):
     image = face.picture.pixels
     true = face.picture.landmarks[0]
     read = look_at_face(image, face.frame, detector, DetectSettings())
+    read = replace(read, points=space_jaw(read.points))
     shapes = {
         "mean face": model.mean,
         "fit": fit_morphable(read.points, model, spreads=read.spreads).face.vertices,

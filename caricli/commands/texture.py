@@ -233,12 +233,10 @@ class TextureTask:
 
     def _write(self, folder: Path, inputs: tuple[Path | None, ...]) -> "Painted":
         """Paint a face and write the head into a folder. inputs: paths, of face and picture first."""
-        from caricli.methods.dynamic.face_in_chart import face_in_chart
         from caricli.methods.texture.paint_head import paint_head
         from caricli.render.in_parallel import do_in_parallel
         from caricli.render.warp_start import warp_start
-        from caricli.store.faces import load_seen_face, write_charted_face, write_painted_head
-        from caricli.template.chart import face_chart
+        from caricli.store.faces import load_seen_face, write_painted_head
 
         face, image, *_ = inputs
         assert face is not None and image is not None
@@ -246,8 +244,12 @@ class TextureTask:
         picture = read_image(image)
         with naming(face):
             points = seen.require_landmarks()
-        with naming(self.model or face):
-            chart = face_chart(shape_model.template) if self.chart else None
+        chart = None
+        if self.chart:
+            from caricli.template.chart import face_chart
+
+            with naming(self.model or face):
+                chart = face_chart(shape_model.template)
         (white, regions), _ = do_in_parallel(partial(self._shown, picture, points), warp_start)
         start = time.perf_counter()
         with naming(", ".join(str(path) for path in inputs if path)):
@@ -255,6 +257,9 @@ class TextureTask:
         seconds = time.perf_counter() - start
         jobs: list[Callable[[], None]] = [partial(write_painted_head, folder, painted, seen)]
         if chart is not None:
+            from caricli.methods.dynamic.face_in_chart import face_in_chart
+            from caricli.store.faces import write_charted_face
+
             charted = face_in_chart(painted, seen, picture, chart)
             jobs.append(partial(write_charted_face, folder, charted))
         if self.expressions is not None:

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from caricli.errors import InputError
+from caricli.geometry.space_jaw import space_jaw
 from caricli.methods.detect.find_faces import Candidate, common_share, find_faces
 from caricli.methods.detect.mark_as_people import mark_as_people
 from caricli.methods.detect.parse_picture import WindowRegions, mean_regions, parse_picture
@@ -52,10 +53,14 @@ def _is_new(frame: FaceFrame, pairs: list[tuple[DetectedFace, ReadFace]], settin
 
 
 def _face(candidate: Candidate, read: ReadFace, size: tuple[int, int], settings: DetectSettings) -> DetectedFace | None:
-    """The face that was read at a place, or None where there is none, or too little of one in the picture."""
+    """The face that was read at a place, or None where there is none, or too little of one in the picture.
+
+    The jaw's points are spaced as the network learnt them.
+    """
     score = float(np.sqrt(candidate.score * read.score))
     if score < settings.sure or not np.isfinite(read.points).all():
         return None
+    read = replace(read, points=space_jaw(read.points))
     frame = FaceFrame.of(read.points)
     margin = settings.margin * frame.side
     beyond = ((read.points < -0.5 - margin) | (read.points > np.array(size) - 0.5 + margin)).any(1)

@@ -1,10 +1,9 @@
 """Landmarks of faces whose place is known roughly."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
-from caricli.geometry.space_jaw import space_jaw
 from caricli.methods.detect.find_faces import frames_overlap
 from caricli.methods.detect.settings import DetectSettings
 from caricli.models.detector.model import Detector
@@ -47,7 +46,7 @@ def look_at_face(picture: np.ndarray, frame: FaceFrame, detector: Detector, sett
 
     It ends where these frames agree, after ``settings.looks``, or where the first sees no face at all, or landmarks
     twice as wide as a face may have them. Every look is at the window and its mirror image, whose means are taken;
-    where they differ is doubt, too. The jaw's points are spaced as the network learnt them.
+    where they differ is doubt, too.
     """
     read = read_face(picture, frame, settings.first, detector)
     for _ in range(settings.looks - 1 if read.is_hopeful(settings) else 0):
@@ -55,7 +54,7 @@ def look_at_face(picture: np.ndarray, frame: FaceFrame, detector: Detector, sett
         read = read_face(picture, frame, settings.second, detector)
         if frames_overlap(frame, FaceFrame.of(read.points)) > settings.agree:
             break
-    return replace(read, points=space_jaw(read.points)) if np.isfinite(read.points).all() else read
+    return read
 
 
 def read_face(picture: np.ndarray, frame: FaceFrame, share: float, detector: Detector) -> ReadFace:

@@ -3,9 +3,8 @@
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.sparse as sp
+from scipy.linalg import solveh_banded
 
-from caricli.geometry.cholesky import Cholesky
 from caricli.methods.hair.head_sphere import HeadSphere
 from caricli.methods.hair.mask_hair import HairMask
 from caricli.methods.hair.settings import ShellSettings
@@ -170,7 +169,8 @@ def fit_outline(
         hold = np.isfinite(target) / _SECTORS
         if not hold.any():
             break
-        matrix = settings.smooth * 1e-2 * bending + sp.diags(hold + pull)
+        matrix = settings.smooth * 1e-2 * bending
+        matrix[-1] += hold + pull
         right = pull * usual + hold * np.where(hold > 0, target, 0)
-        added = Cholesky(matrix).solve(right[:, None])[:, 0].reshape(skin.shape)
+        added = solveh_banded(matrix, right, overwrite_ab=True, check_finite=False).reshape(skin.shape)
     return skin + added

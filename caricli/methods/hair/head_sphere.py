@@ -125,8 +125,12 @@ class HeadSphere:
         return (weights * self.head.mask(*names)[corners]).sum(1).reshape(len(self.angles), len(self.longitudes))
 
     @cached_property
-    def bending(self) -> tuple[sp.csr_matrix, np.ndarray]:
-        """Bending of maps (n, n), and the areas (n,) of their cells on the unit sphere."""
+    def bending(self) -> tuple[np.ndarray, np.ndarray]:
+        """Bending of maps, and the areas (n,) of their cells on the unit sphere.
+
+        The first is a symmetric matrix (n, n), by the diagonals (2 C + 1, n) of its upper half, the main one last, as
+        LAPACK takes them.
+        """
         rows = len(self.angles)
         columns = len(self.longitudes)
         sine = np.sin(self.angles)
@@ -142,7 +146,10 @@ class HeadSphere:
         adjacency = adjacency + adjacency.T
         laplacian = sp.diags(np.asarray(adjacency.sum(1)).ravel()) - adjacency
         areas = np.repeat(sine * step * turn, columns)
-        return (laplacian @ sp.diags(1 / areas) @ laplacian).tocsr(), areas
+        entries = sp.triu(laplacian @ sp.diags(1 / areas) @ laplacian).tocoo()
+        diagonals = np.zeros((2 * columns + 1, ids.size))
+        diagonals[2 * columns - (entries.col - entries.row), entries.col] = entries.data
+        return diagonals, areas
 
 
 def _disc(longitudes: np.ndarray, angles: np.ndarray) -> np.ndarray:

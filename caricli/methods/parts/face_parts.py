@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from caricli.errors import InputError
-from caricli.methods.parts.attachment import attachment_for
+from caricli.methods.parts.attachment import Attachment, attachment_for
 from caricli.methods.parts.close_neck import close_neck
 from caricli.methods.parts.shoulders import NO_SHOULDERS, add_shoulders
 from caricli.structures import Face, HeadChoice, Mesh, Part
@@ -34,7 +34,7 @@ def face_parts(
     parts: list[Part] = []
     if isinstance(template, Template) and template.topology_id == face.mesh.topology_id:
         moves = np.zeros((0, *face.vertices.shape)) if deltas is None else deltas
-        attachment = attachment_for(template, choice.teeth) if _ATTACHED & {*choice.parts} else None
+        attachment = chosen_attachment(template, choice)
         parts = [] if attachment is None else [*attachment.animate(face.mesh, names, moves, given)]
         close = add_shoulders if choice.shoulders else close_neck
         neck = close(template, face.vertices, names, moves)
@@ -44,6 +44,14 @@ def face_parts(
     if face.hair is not None:
         parts.append(face.hair.part)
     return [part for part in parts if choice.takes(part.materials)]
+
+
+def chosen_attachment(template: Template, choice: HeadChoice) -> Attachment | None:
+    """The Attachment of a template's parts, which is kept for later faces, or None where none is chosen.
+
+    Raises InputError as `face_parts`.
+    """
+    return attachment_for(template, choice.teeth) if _ATTACHED & {*choice.parts} else None
 
 
 def let_tongue_out(

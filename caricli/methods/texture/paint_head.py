@@ -12,7 +12,7 @@ from caricli.methods.detect.cut_openings import cut_openings
 from caricli.methods.hair.dress_hair import DressedHair, bare_skin, dress_hair, hair_picture
 from caricli.methods.hair.shade_scalp import Scalp
 from caricli.methods.parts.close_neck import neck_picture
-from caricli.methods.parts.face_parts import face_parts
+from caricli.methods.parts.face_parts import chosen_attachment, face_parts
 from caricli.methods.rig.add_eyeballs import TEXTURE, add_eyeballs, fit_eyeballs
 from caricli.methods.rig.add_parts import add_parts, choose_parts
 from caricli.methods.texture.estimate_light import Light
@@ -135,9 +135,11 @@ def _find_parts(
     parts = _find_head(face, image, mask) if parsed is None else parsed
     regions = None if parsed is None else regions
     looks: list[Callable[[], Any]] = [partial(dress_hair, face, template, image, settings, regions)]
+    # Nothing here needs it, but what comes next, and one processor is free.
+    looks.append(partial(chosen_attachment, template, settings.head))
     if regions is not None:
         looks.append(partial(cut_openings, image, regions, face.require_landmarks()))
-    hair, *openings = do_in_parallel(*looks)
+    hair, _, *openings = do_in_parallel(*looks)
     skin = parts.paint if hair is None else bare_skin(parts.paint, hair)
     for opening in openings:
         skin = skin & ~opening
