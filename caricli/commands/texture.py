@@ -251,9 +251,11 @@ class TextureTask:
             with naming(self.model or face):
                 chart = face_chart(shape_model.template)
         (white, regions), _ = do_in_parallel(partial(self._shown, picture, points), warp_start)
+        sheets = picture_files(folder / "sheet.png")
+        settings = replace(self.settings, sky=bool(sheets))
         start = time.perf_counter()
         with naming(", ".join(str(path) for path in inputs if path)):
-            painted = paint_head(seen, shape_model.template, picture, white, self.settings, regions)
+            painted = paint_head(seen, shape_model.template, picture, white, settings, regions)
         seconds = time.perf_counter() - start
         jobs: list[Callable[[], None]] = [partial(write_painted_head, folder, painted, seen)]
         if chart is not None:
@@ -264,7 +266,7 @@ class TextureTask:
             jobs.append(partial(write_charted_face, folder, charted))
         if self.expressions is not None:
             self.expressions.write(folder, replace(seen, mesh=painted.head, pictures=painted.pictures), face)
-        jobs += [partial(_draw_sheet, p, picture, points, painted) for p in picture_files(folder / "sheet.png")]
+        jobs += [partial(_draw_sheet, p, picture, points, painted) for p in sheets]
         about = {"project_uv": self.settings.project_uv, "seconds": seconds, "head": painted.filled}
         about |= {"model_id": shape_model.model_id} | painted.figures()
         write_json(folder / REPORT, provenance("texture", inputs, self.settings.seed, **about))
@@ -313,4 +315,4 @@ def _draw_sheet(path, picture, points, painted):
     """Write a picture with landmarks (L, 2), and the Painted head beside it."""
     from caricli.render.texture_sheet import texture_sheet
 
-    write_png(path, texture_sheet(picture, points, painted.rig, SIZE))
+    write_png(path, texture_sheet(picture, points, painted.rig, SIZE, painted.sky))

@@ -7,8 +7,7 @@ import numpy as np
 
 from caricli.render.face_look import head_eyeballs, with_parts
 from caricli.render.shade import Look
-from caricli.render.sky import sky_visibility
-from caricli.render.smooth_normals import smooth_normals
+from caricli.render.sky import mesh_sky
 from caricli.render.views import render_views
 from caricli.template.fine_mesh import FineMesh
 from caricli.template.template import Template, WholeHead
@@ -43,4 +42,4 @@ def head_views(
 def head_sky(head: Template) -> np.ndarray:
     """What the vertices of a head and its parts see of the sky, see ``sky_visibility``, for its pictures to share."""
     whole, _ = with_parts(head, Look(), head.dressed if isinstance(head, WholeHead) else ())
-    return sky_visibility(whole.vertices, whole.faces, smooth_normals(whole.vertices, whole.faces))
+    return mesh_sky(whole.vertices, whole.faces)

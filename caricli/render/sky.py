@@ -7,6 +7,7 @@ import numpy as np
 
 from caricli.render.in_parallel import in_parallel
 from caricli.render.rasterise import mesh_arrays, wp_mesh
+from caricli.render.smooth_normals import smooth_normals
 from caricli.render.warp_start import warp_start
 
 _LIFT = 1e-3  # of the mesh's size: rays start so far above the surface, which they would hit else
@@ -80,6 +81,11 @@ def sky_visibility(
         for _ in in_parallel(look, range(0, len(seen), _BLOCK)):
             pass
     return seen
+
+
+def mesh_sky(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
+    """(V, D) float32: what every vertex of a mesh sees of the sky, see ``sky_visibility``; its pictures share it."""
+    return sky_visibility(vertices, faces, smooth_normals(vertices, faces))
 
 
 def light_received(

@@ -8,8 +8,7 @@ import numpy as np
 from caricli.errors import InputError
 from caricli.render.in_parallel import in_parallel
 from caricli.render.shade import Look, shade
-from caricli.render.sky import sky_visibility
-from caricli.render.smooth_normals import smooth_normals
+from caricli.render.sky import mesh_sky
 from caricli.structures import Mesh
 
 VIEWS = {
@@ -69,9 +68,7 @@ def _turned(mesh: Mesh, angles: Sequence[float], size: int, look: Look, centred:
     else:
         widest = 2 * max((np.abs(e).max() for e in extents), default=0)
     scale = _FILL * size / (widest or 1)
-    visibility = look.visibility
-    if visibility is None:
-        visibility = sky_visibility(vertices, mesh.faces, smooth_normals(vertices, mesh.faces))
+    visibility = mesh_sky(vertices, mesh.faces) if look.visibility is None else look.visibility
     ball = scale * max((radius for _, radius in look.eyeballs), default=0.0)
     coat = look.coat and look.coat.shrunk(scale * vertices, mesh.faces, ball)
 

@@ -12,8 +12,7 @@ from caricli.methods.reconstruct.landmark_vertices import landmark_vertices
 from caricli.render.blend import over
 from caricli.render.place_eyeballs import place_eyeballs
 from caricli.render.shade import Look, shade
-from caricli.render.sky import sky_visibility
-from caricli.render.smooth_normals import smooth_normals
+from caricli.render.sky import mesh_sky
 from caricli.structures import Camera, Landmarks
 from caricli.structures.detection import FacePicture
 from caricli.structures.landmarks import COUNT
@@ -93,7 +92,7 @@ class PortraitStudio:
     def _drawn(self, vertices: np.ndarray, camera: Camera, colours: np.ndarray) -> np.ndarray:
         """(H, W, 4) uint8 the head in colours (W, 3) of the finer mesh's vertices."""
         faces = self.template.faces
-        visibility = self.fine.weights @ sky_visibility(vertices, faces, smooth_normals(vertices, faces))
+        visibility = self.fine.weights @ mesh_sky(vertices, faces)
         balls = place_eyeballs(self.template.with_vertices(vertices), self.template.annotation)
         look = Look(
             vertex_colours=colours,

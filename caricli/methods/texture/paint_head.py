@@ -28,7 +28,8 @@ from caricli.render.diffuse_background import diffuse_background
 from caricli.render.eye_colours import eye_colours
 from caricli.render.in_parallel import do_in_parallel
 from caricli.render.paint_eye import paint_eye
-from caricli.structures import Face, Pictures, Rig
+from caricli.render.sky import mesh_sky
+from caricli.structures import Camera, Face, Pictures, Rig
 from caricli.template.template import Template
 
 
@@ -43,6 +44,7 @@ class Painted:
     filled: share of the picture that the head fills.
     light: Light that was taken out of the picture, or None where it was kept; the error is measured in it.
     hair: DressedHair on the head, or None.
+    sky: (V, D) of the rig's mesh as `mesh_sky` gives it, where it was asked for, or None.
     """
 
     head: Template
@@ -52,6 +54,7 @@ class Painted:
     filled: float
     light: Light | None = None
     hair: DressedHair | None = None
+    sky: np.ndarray | None = None
 
     @property
     def pictures(self) -> Pictures:
@@ -91,35 +94,34 @@ def paint_head(
     camera = face.require_camera()
     landmarks = face.require_landmarks()
     mask, skin, hair = _find_parts(face, template, image, mask, settings, regions)
-    if hair is not None:
-        face = hair.face
-    head = template.with_vertices(face.vertices)
-    sight = Sight(camera, image, skin, mask)
+    face = replace(face, hair=None) if hair is None else replace(hair.face, hair=hair.hair)
+    head = _laid_out(template.with_vertices(face.vertices), image, camera, settings)
+    generator = np.random.default_rng(settings.seed)
+    eyes = paint_eye(TEXTURE, generator, *eye_colours(image, landmarks))
+    still = np.zeros((0, *head.vertices.shape), np.float32)
+    bare = Rig((), head.with_vertices(head.vertices.astype(np.float32)), still)
+    whole = add_eyeballs(bare, fit_eyeballs(head, head.annotation, still), generator, eyes)
+    whole = choose_parts(add_parts(whole, face_parts(face, template, settings.head)), settings.head)
     # None of these waits for another.
-    jobs: list[Callable[[], Any]] = [partial(_paint_skin, head, sight, settings)]
-    jobs.append(partial(face_parts, replace(face, hair=None), template, settings.head))
+    jobs: list[Callable[[], Any]] = [partial(_skin_texture, head, Sight(camera, image, skin, mask), settings)]
     if hair is not None:
         jobs += [partial(hair_picture, hair, image, settings), partial(Scalp, head, hair.hair)]
-    (head, skin_texture), worn, *of_hair = do_in_parallel(*jobs)
+    if settings.sky:
+        jobs.append(partial(mesh_sky, whole.mesh.vertices, whole.mesh.faces))
+    skin_texture, *rest = do_in_parallel(*jobs)
+    sky = rest.pop() if settings.sky else None
     texture = skin_texture.image
     hair_texture = None
     if hair is not None:
-        hair_texture, scalp = of_hair
+        hair_texture, scalp = rest
         texture = scalp.shaded(skin_texture, hair_texture, np.random.default_rng(settings.seed))
-    light = skin_texture.light
-    seen = float(skin_texture.seen[skin_texture.covered].mean())
-    still = np.zeros((0, *head.vertices.shape), np.float32)
-    rig = Rig((), head.with_vertices(head.vertices.astype(np.float32)), still, pictures=Pictures(texture))
-    generator = np.random.default_rng(settings.seed)
-    eyes = paint_eye(TEXTURE, generator, *eye_colours(image, landmarks))
-    whole = add_eyeballs(rig, fit_eyeballs(head, head.annotation, still), generator, eyes)
-    whole = add_parts(whole, worn)
+    bare = replace(bare, pictures=Pictures(texture))
     wall = wall_pixels(head, camera, (image.shape[1], image.shape[0]))
-    error = photometric_error(rig, face, image, skin & ~wall, light)
-    pictures = replace(whole.pictures, bust=neck_picture(head, texture), hair=hair_texture)
-    whole = add_parts(replace(whole, pictures=pictures), [] if hair is None else [hair.hair.part])
-    whole = choose_parts(whole, settings.head)
-    return Painted(head, whole, error, seen, float(mask.mean()), light, hair)
+    error = photometric_error(bare, face, image, skin & ~wall, skin_texture.light)
+    pictures = Pictures(texture, whole.pictures.eyes, hair_texture, neck_picture(head, texture))
+    seen = float(skin_texture.seen[skin_texture.covered].mean())
+    whole = replace(whole, pictures=pictures)
+    return Painted(head, whole, error, seen, float(mask.mean()), skin_texture.light, hair, sky)
 
 
 def _find_parts(
@@ -146,17 +148,22 @@ def _find_parts(
     return parts.whole, skin, hair
 
 
-def _paint_skin(head: Template, sight: Sight, settings: PaintSettings) -> tuple[Template, FaceTexture]:
-    """The head with the UVs of its texture, and this. Raises InputError where there are no UVs, and none are made."""
+def _laid_out(head: Template, image: np.ndarray, camera: Camera, settings: PaintSettings) -> Template:
+    """The head with the UVs of its texture. Raises InputError where there are none, and none are made."""
+    if settings.project_uv:
+        return project_picture(head, camera, image)
+    if head.uvs is None:
+        raise InputError("expected a model whose mesh has UVs, found none; --project-uv needs none")
+    return head
+
+
+def _skin_texture(head: Template, sight: Sight, settings: PaintSettings) -> FaceTexture:
+    """The texture of a head as its UVs are laid out."""
     if settings.project_uv:
         everywhere = np.ones(sight.mask.shape, bool)
         image = diffuse_background(sight.image, sight.mask if sight.whole is None else sight.whole)
-        projected = project_picture(head, sight.camera, sight.image)
-        return projected, FaceTexture(image, everywhere.astype(np.float32), everywhere, None)
-    if head.uvs is None:
-        raise InputError("expected a model whose mesh has UVs, found none; --project-uv needs none")
-    grain = np.random.default_rng(settings.seed)
-    return head, texture_face(head, sight, settings.size, settings.texture, grain)
+        return FaceTexture(image, everywhere.astype(np.float32), everywhere, None)
+    return texture_face(head, sight, settings.size, settings.texture, np.random.default_rng(settings.seed))
 
 
 def _find_head(face: Face, image: np.ndarray, mask: np.ndarray | None) -> ParsedHead:

@@ -58,6 +58,7 @@ class PaintSettings:
     hair: "shell" of hair on the head, "none", or "auto": a shell unless it is doubtful what is hair.
     head: HeadChoice; pictures of what it leaves out are painted nevertheless, for the commands that come after.
     texture: TextureSettings.
+    sky: whether it is looked for, beside the painting, what the head sees of the sky, for pictures of it.
     """
 
     size: int | None = None
@@ -66,3 +67,4 @@ class PaintSettings:
     hair: Hair = "auto"
     head: HeadChoice = WHOLE
     texture: TextureSettings = TextureSettings()
+    sky: bool = False

@@ -2,6 +2,7 @@ import cv2
 import numpy as np
 import pytest
 
+from caricli.geometry.space_jaw import space_jaw
 from caricli.methods.detect.detect_faces import _face, detect_faces
 from caricli.methods.detect.find_faces import Candidate, frames_overlap
 from caricli.methods.detect.parse_picture import WindowRegions, parse_picture
@@ -46,11 +47,13 @@ def test_what_is_beyond_the_edge_or_vague_is_not_known(head_template):
     frame = FaceFrame.of(points)
     read = ReadFace(frame, 0.9, points, spreads, np.ones(81), frame.matrix(64, 1.6), np.zeros((32, 32, 16)))
     face = _face(Candidate(frame, 0.9), read, (100, 120), DetectSettings())
-    unknown = (points[:, 0] > 101) | (np.arange(81) == 60)
+    spaced = space_jaw(points)
+    unknown = (spaced[:, 0] > 101) | (np.arange(81) == 60)
     assert unknown.sum() > 3
     np.testing.assert_array_equal(face.landmarks.known, ~unknown)
     np.testing.assert_array_equal(np.isnan(face.landmarks.spreads[:, 0, 0]), unknown)
-    assert face.score == pytest.approx(0.9) and face.frame.side == frame.side
+    assert face.score == pytest.approx(0.9) and face.frame.side == FaceFrame.of(spaced).side
+    np.testing.assert_array_equal(face.landmarks.points[~unknown], spaced[~unknown])
     assert _face(Candidate(frame, 0.1), read, (100, 120), DetectSettings()) is None, "the search was not sure"
     assert _face(Candidate(frame, 0.9), read, (40, 120), DetectSettings()) is None, "too little of it is there"
 

@@ -9,6 +9,7 @@ from caricli.methods.texture.picture_view import Sight
 from caricli.methods.texture.settings import PaintSettings, TextureSettings
 from caricli.methods.texture.texture_face import texture_face
 from caricli.render.rasterise import rasterise
+from caricli.render.sky import mesh_sky
 from caricli.render.smooth_normals import smooth_normals
 from caricli.structures import Material
 
@@ -25,6 +26,13 @@ def small_eyes():
 @pytest.fixture(scope="module")
 def painted(pictured):
     return paint_head(pictured.face, pictured.head, pictured.image, pictured.mask, SMALL)
+
+
+def test_what_it_sees_of_the_sky_is_that_of_its_mesh(pictured):
+    settings = replace(SMALL, sky=True)
+    painted = paint_head(pictured.face, pictured.head, pictured.image, pictured.mask, settings)
+    mesh = painted.rig.face.mesh
+    np.testing.assert_array_equal(painted.sky, mesh_sky(mesh.vertices, mesh.faces))
 
 
 def test_a_head_with_skin_and_eyes(painted, pictured):

@@ -1,0 +1,32 @@
+import numpy as np
+import pytest
+
+from caricli.methods.hair.head_sphere import HeadSphere
+from caricli.methods.hair.settings import ShellSettings
+
+
+@pytest.mark.parametrize("coarse", [(6, 8), (5, 12)])
+def test_bending_is_that_of_a_slow_computation(sitter, coarse):
+    sphere = HeadSphere(sitter.head, ShellSettings(coarse=coarse))
+    diagonals, areas = sphere.bending
+    rows, columns = coarse
+    count = rows * columns
+    matrix = np.zeros((count, count))
+    for offset, diagonal in enumerate(diagonals[::-1]):
+        matrix += np.diag(diagonal[offset:], offset) + (np.diag(diagonal[offset:], -offset) if offset else 0)
+    values = np.random.default_rng(3).normal(size=(rows, columns))
+    step, turn = np.pi / rows, 2 * np.pi / columns
+    bending = 0.0
+    for row in range(rows):
+        for column in range(columns):
+            # Flow out of a cell: over each of its sides its length times the slope across it.
+            flow = 0.0
+            for beside in (-1, 1):
+                slope = values[row, column] - values[row, (column + beside) % columns]
+                flow += step * slope / (turn * np.sin(sphere.angles[row]))
+                if 0 <= row + beside < rows:
+                    between = (sphere.angles[row] + sphere.angles[row + beside]) / 2
+                    flow += np.sin(between) * turn * (values[row, column] - values[row + beside, column]) / step
+            bending += flow**2 / (np.sin(sphere.angles[row]) * step * turn)
+    assert values.ravel() @ matrix @ values.ravel() == pytest.approx(bending)
+    assert areas.sum() == pytest.approx(4 * np.pi, rel=0.05)
