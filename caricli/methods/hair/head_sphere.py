@@ -4,9 +4,9 @@ from functools import cached_property
 
 import numpy as np
 import scipy.sparse as sp
-from scipy.ndimage import distance_transform_edt
 
 from caricli.methods.hair.settings import ShellSettings
+from caricli.render.nearest_pixel import nearest_pixel
 from caricli.render.rasterise import rasterise
 from caricli.template.template import Template
 
@@ -79,8 +79,7 @@ class HeadSphere:
         # Triangles around the lower pole would cover the whole disc.
         faces = faces[angles[faces].max(1) < 0.97 * np.pi]
         raster = rasterise(np.column_stack([*places, -radii * _FINE / head.height]), faces, _FINE, _FINE)
-        nearest = distance_transform_edt(raster.face < 0, return_distances=False, return_indices=True)
-        return faces, raster.face[tuple(nearest)]
+        return faces, raster.face[nearest_pixel(raster.face >= 0)]
 
     def roots(self, longitudes: np.ndarray, angles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Where the skin is in directions (N,): vertices (N, 3) int32 and their weights (N, 3).

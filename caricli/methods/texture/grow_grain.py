@@ -61,7 +61,7 @@ def grow_grain(
             usual = patches
         if patches is not None:
             wanted = here & (seen < 1)
-            grown[wanted] = _quilt(grain, here & (seen == 1), wanted, patches, generator, settings)[wanted]
+            grown[wanted] = _quilt(grain, here & (seen == 1), wanted, patches, generator, settings)
     # A texture goes on elsewhere beyond the border of its islands: there is no grain to be joined.
     border = cv2.distanceTransform((regions > 0).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
     share = (1 - seen) * np.clip(border / (2 * settings.coarse * len(image)), 0, 1)
@@ -105,7 +105,7 @@ def _quilt(
     generator: np.random.Generator,
     settings: GrainSettings,
 ) -> np.ndarray:
-    """(S, S, 3) grain where it is wanted (S, S) bool, joined to what is given (S, S) bool."""
+    """(N, 3) grain of the N places where it is wanted (S, S) bool, joined to what is given (S, S) bool."""
     side = patches.shape[1]
     step = side - int(settings.overlap * side)
     ramp = np.minimum(1, (np.arange(side) + 0.5) / (side - step))
@@ -114,13 +114,13 @@ def _quilt(
     rough = np.s_[:: max(side // _COMPARED, 1)]
     compared = patches[:, rough, rough].reshape(len(patches), -1)
     size = compared**2
-    border = ((0, side), (0, side), (0, 0))
+    border = ((0, side), (0, side))
     # Of every texel the weighted sum of what was laid there, and the sum of the squares of weights: so mixed, grain
     # that has nothing to do with each other stays as strong as it was.
-    total = np.pad(np.where(given[..., None], grain, 0), border)
-    squares = np.pad(given.astype(np.float32)[..., None], border)
-    free = ~np.pad(given[..., None], border)
-    wanted = np.pad(wanted, border[:2])
+    squares = np.pad(given.astype(np.float32), border)[..., None]
+    total = cv2.copyMakeBorder(grain * given[..., None], 0, side, 0, side, cv2.BORDER_CONSTANT)
+    free = squares == 0
+    wanted = np.pad(wanted, border)
     for row in range(0, len(grain), step):
         for column in range(0, len(grain), step):
             at = np.s_[row : row + side, column : column + side]
@@ -134,7 +134,7 @@ def _quilt(
             share = weight * free[at]
             total[at] += share * patches[generator.choice(np.flatnonzero(likely))]
             squares[at] += share**2
-    return (total / np.sqrt(np.maximum(squares, _SMALL)))[: len(grain), : len(grain)]
+    return total[wanted] / np.sqrt(np.maximum(squares[wanted], _SMALL))
 
 
 def _side(grain: np.ndarray, settings: GrainSettings) -> int:
