@@ -12,7 +12,8 @@ _CONTAINERS = 20_000
 """New ones after which cycles among them are looked for: the usual 700 cost a tenth of the time of what is imported."""
 
 _ALLOCATION = {-8: 1, -3: 2**25, -1: 2**28}
-"""Of glibc's mallopt: one arena for all threads, bytes from which on arrays are the system's, and that are kept free."""
+"""For glibc's mallopt: arenas; bytes from which on a block is the system's own; bytes that are kept when they are free.
+"""
 
 
 def main() -> None:

@@ -3,7 +3,7 @@
 import numpy as np
 
 from caricli.errors import InputError
-from caricli.render.nearest_pixel import nearest_pixel
+from caricli.render.nearest_pixel import nearest_index
 from caricli.render.rasterise import rasterise
 from caricli.structures import Mesh
 
@@ -31,4 +31,4 @@ def pad_texture(image: np.ndarray, covered: np.ndarray) -> np.ndarray:
     """
     if not covered.any():
         return image.copy()
-    return image[nearest_pixel(covered)]
+    return image.reshape(-1, *image.shape[2:]).take(nearest_index(covered), 0)

@@ -1,6 +1,7 @@
 """The grain of what is seen of a skin, on what is not."""
 
 from dataclasses import dataclass
+from functools import partial
 
 import cv2
 import numpy as np
@@ -70,14 +71,20 @@ def grow_grain(
 
 def _grain(image: np.ndarray, source: np.ndarray, settings: GrainSettings) -> np.ndarray:
     """(S, S, 3) float32 what of the image is finer than its colours, relative to these, 0 beside the source."""
-    weight = source.astype(np.float32)
     size = max(len(image) // _SHRINK, 1)
-    radius = settings.coarse * size
-    held = cv2.resize(np.dstack([image * weight[..., None], weight]), (size, size), interpolation=cv2.INTER_AREA)
-    held = cv2.GaussianBlur(held, (0, 0), radius)
-    smooth = cv2.resize(held[..., :3] / np.maximum(held[..., 3:], 1e-3), image.shape[1::-1])
-    grain = weight[..., None] * (image / np.maximum(smooth, 1) - 1)
-    return np.clip(grain, -settings.most, settings.most).astype(np.float32)
+    colours, share = (
+        cv2.GaussianBlur(cv2.resize(each, (size, size), interpolation=cv2.INTER_AREA), (0, 0), settings.coarse * size)
+        for each in (_within(image, source), source.astype(np.float32))
+    )
+    smooth = np.maximum(cv2.resize(colours / np.maximum(share, 1e-3)[..., None], image.shape[1::-1]), 1)
+    grain = image / smooth
+    grain -= 1
+    return _within(np.clip(grain, -settings.most, settings.most, out=grain), source)
+
+
+def _within(image: np.ndarray, mask: np.ndarray) -> np.ndarray:
+    """An image (S, S, C) in a mask (S, S) bool, and zero elsewhere."""
+    return cv2.copyTo(image, mask.view(np.uint8))
 
 
 def _patches(
@@ -85,11 +92,12 @@ def _patches(
 ) -> np.ndarray | None:
     """(K, P, P, 3) quiet squares of the source (S, S) bool, or None."""
     side = _side(grain, settings)
-    share = cv2.boxFilter(source.astype(np.float32), -1, (side, side), anchor=(0, 0), borderType=cv2.BORDER_CONSTANT)
+    in_square = partial(cv2.boxFilter, ddepth=-1, ksize=(side, side), anchor=(0, 0), borderType=cv2.BORDER_CONSTANT)
+    share = in_square(source.astype(np.float32))
     row, column = np.nonzero(share[: len(share) - side + 1, : len(share) - side + 1] >= settings.whole)
     if len(row) == 0:
         return None
-    strength = cv2.boxFilter((grain**2).sum(2), -1, (side, side), anchor=(0, 0), borderType=cv2.BORDER_CONSTANT)
+    strength = in_square(np.einsum("ijk,ijk->ij", grain, grain))
     quiet = strength[row, column] <= np.quantile(strength[row, column], settings.quiet)
     chosen = generator.choice(np.flatnonzero(quiet), min(settings.candidates, int(quiet.sum())), replace=False)
     patches = np.stack([grain[r : r + side, c : c + side] for r, c in zip(row[chosen], column[chosen], strict=True)])
@@ -118,7 +126,7 @@ def _quilt(
     # Of every texel the weighted sum of what was laid there, and the sum of the squares of weights: so mixed, grain
     # that has nothing to do with each other stays as strong as it was.
     squares = np.pad(given.astype(np.float32), border)[..., None]
-    total = cv2.copyMakeBorder(grain * given[..., None], 0, side, 0, side, cv2.BORDER_CONSTANT)
+    total = cv2.copyMakeBorder(_within(grain, given), 0, side, 0, side, cv2.BORDER_CONSTANT)
     free = squares == 0
     wanted = np.pad(wanted, border)
     for row in range(0, len(grain), step):

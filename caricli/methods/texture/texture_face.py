@@ -115,28 +115,37 @@ def _fill(
 
 
 class _Texels:
-    """The N texels that show a surface of V vertices, and how these mix there: (N, V), sparse."""
+    """The N texels that show a surface of V vertices, and how these mix there.
+
+    covered: (S, S) bool, where they are. corners, weights: (N, 3) vertices that mix, int32, and how much, float32.
+    """
 
     def __init__(self, head: Template, size: int) -> None:
         """size: texels, width and height of the texture."""
         face, weights = uv_map(head, size)
         self.covered = face >= 0
-        corners = head.faces[face[self.covered]]
-        ends = np.arange(0, corners.size + 1, 3)
-        shape = (len(corners), len(head.vertices))
-        self.mix = sp.csr_matrix((weights[self.covered].ravel(), corners.ravel(), ends), shape)
+        self.corners = head.faces[face[self.covered]].astype(np.int32)
+        self.weights = weights[self.covered]
+        self.count = len(head.vertices)
+
+    @property
+    def mix(self) -> sp.csr_matrix:
+        """(N, V)."""
+        ends = np.arange(0, self.corners.size + 1, 3, dtype=np.int32)
+        shape = (len(self.corners), self.count)
+        return sp.csr_matrix((self.weights.ravel(), self.corners.ravel(), ends), shape)
 
     def part(self, rows: np.ndarray) -> "_Texels":
         """Of the texels those of rows (N,) bool."""
         part = copy(self)
-        part.mix = self.mix[rows]
+        part.corners = self.corners[rows]
+        part.weights = self.weights[rows]
         return part
 
     def mirrored(self, mirror: np.ndarray) -> "_Texels":
         """Where they are on the other side. mirror: (V,) vertices that face each other."""
         other = copy(self)
-        corners = mirror[self.mix.indices].astype(self.mix.indices.dtype)
-        other.mix = sp.csr_matrix((self.mix.data, corners, self.mix.indptr), self.mix.shape)
+        other.corners = mirror.astype(np.int32)[self.corners]
         return other
 
     def points(self, vertices: SurfacePoints, shade: np.ndarray) -> tuple[SurfacePoints, np.ndarray]:
@@ -155,7 +164,7 @@ class _Texels:
     def owner(self) -> np.ndarray:
         """(S, S) the texel, from 0 to N - 1, that each place of the texture shows; beyond the islands the nearest."""
         ids = np.zeros(self.covered.shape, int)
-        ids[self.covered] = np.arange(self.mix.shape[0])
+        ids[self.covered] = np.arange(len(self.corners))
         return pad_texture(ids, self.covered)
 
 
