@@ -1,4 +1,6 @@
 import numpy as np
+import pytest
+from scipy.interpolate import PchipInterpolator
 
 from caricli.geometry.slide_points import line_shares, slide_points
 
@@ -26,3 +28,13 @@ def test_shares_may_be_of_something_else_than_length():
 def test_a_point_is_a_line_too():
     same = np.ones((4, 2))
     np.testing.assert_array_equal(slide_points(same, np.array([0, 0.2, 0.9, 1])), same)
+
+
+@pytest.mark.parametrize("count", [2, 3, 4, 9])
+def test_lines_are_those_of_scipy(count):
+    generator = np.random.default_rng(count)
+    for _ in range(50):
+        line = generator.integers(-3, 4, (count, 2)).astype(float)
+        own = np.cumsum(generator.random(count))
+        shares = np.concatenate([own, generator.uniform(own[0], own[-1], 20)])
+        np.testing.assert_allclose(slide_points(line, shares, own), PchipInterpolator(own, line)(shares), atol=1e-12)
