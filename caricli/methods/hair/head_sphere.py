@@ -4,6 +4,7 @@ from functools import cached_property
 
 import numpy as np
 import scipy.sparse as sp
+from scipy.ndimage import maximum_filter
 
 from caricli.methods.hair.settings import ShellSettings
 from caricli.render.nearest_pixel import nearest_pixel
@@ -11,6 +12,7 @@ from caricli.render.rasterise import rasterise
 from caricli.template.template import Template
 
 _FINE = 512  # pixels, side of the map of directions
+_NEAR = 5  # cells of a grid that are near each other: vertices of a skull are farther apart than one
 _EARS = ("ear_left", "ear_right")
 
 
@@ -67,6 +69,25 @@ class HeadSphere:
         right = (left + 1) % columns
         upper = (1 - x) * values[top, left] + x * values[top, right]
         return (1 - y) * upper + y * ((1 - x) * values[top + 1, left] + x * values[top + 1, right])
+
+    def nearest(self, values: np.ndarray, points: np.ndarray) -> np.ndarray:
+        """Values (N,) of a map (R, C) of any grid in the direction that is nearest to that of points (N, 3)."""
+        return values[self._cells(values.shape, points)]
+
+    def farthest(self, points: np.ndarray) -> np.ndarray:
+        """(R, C) how far out the farthest of points (N, 3) is near each direction, infinitely inwards without one."""
+        farthest = np.full((len(self.angles), len(self.longitudes)), -np.inf)
+        _, _, radii = self.seen_from(points)
+        np.maximum.at(farthest, self._cells(farthest.shape, points), radii)
+        return maximum_filter(farthest, _NEAR, mode=("nearest", "wrap"))
+
+    def _cells(self, shape: tuple[int, ...], points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Rows and columns (N,) of the directions of points (N, 3) in maps of a shape."""
+        longitudes, angles, _ = self.seen_from(points)
+        rows, columns = shape
+        row = np.clip(np.round(angles / np.pi * rows - 0.5).astype(int), 0, rows - 1)
+        column = np.round(np.mod(longitudes, 2 * np.pi) / (2 * np.pi) * columns).astype(int) % columns
+        return row, column
 
     @cached_property
     def _skin(self) -> tuple[np.ndarray, np.ndarray]:

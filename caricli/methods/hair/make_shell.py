@@ -35,6 +35,7 @@ _SOFT = 3  # places over which thick ends, where the picture shows them, go over
 _GAP = 2  # least thicknesses of hair by which a skull is drawn in behind the outline
 _SAMPLES = 8  # of the way across the outline
 _RAMP = 4  # vertices over which a skull that is lowered leads down
+_WIDE_RAMP = 8  # the same of one that is raised
 _GAPS = 2  # quads: what no wider gap joins is apart
 _TURNS = 4  # of bending a shell away from bare skin that it hides
 _ROUNDS = 2  # of surface and hairline in turns
@@ -136,18 +137,32 @@ def lower_skull(head: Template, sphere: HeadSphere, most: np.ndarray) -> Templat
 
     sphere: HeadSphere of the head. most: (R, C) metres, how far out the skull may be, infinite where there is no hair.
     """
-    longitudes, angles, radii = sphere.seen_from(head.vertices)
-    rows, columns = most.shape
-    row = np.clip(np.round(angles / np.pi * rows - 0.5).astype(int), 0, rows - 1)
-    column = np.round(np.mod(longitudes, 2 * np.pi) / (2 * np.pi) * columns).astype(int) % columns
+    _, _, radii = sphere.seen_from(head.vertices)
+    lower = np.clip(radii - sphere.nearest(most, head.vertices), 0, 0.5 * radii)
+    return _led(head, sphere, -lower, _RAMP)
+
+
+def raise_skull(head: Template, sphere: HeadSphere, least: np.ndarray, limit: float) -> Template:
+    """The head with its skull so far out as it has to be, and what is beside it leading there.
+
+    sphere: HeadSphere of the head. least: (R, C) metres, how far out, infinitely far inwards where it is no matter.
+    limit: metres that nothing is raised by more than.
+    """
+    _, _, radii = sphere.seen_from(head.vertices)
+    return _led(head, sphere, np.clip(sphere.nearest(least, head.vertices) - radii, 0, limit), _WIDE_RAMP)
+
+
+def _led(head: Template, sphere: HeadSphere, moves: np.ndarray, ramp: int) -> Template:
+    """The head with its skull moved outwards (V,) metres, and a ramp of vertices around what moves leading there."""
+    _, _, radii = sphere.seen_from(head.vertices)
     skull = ~head.mask("ear_left", "ear_right")
-    wanted = np.where(skull, np.clip(radii - most[row, column], 0, 0.5 * radii), 0)
+    wanted = np.where(skull, np.abs(moves), 0)
     _, mean = vertex_neighbours(head.faces, len(head.vertices))
-    lower = wanted
-    for _ in range(_RAMP):
-        lower = np.maximum(wanted, np.where(skull, mean @ lower, 0))
-    kept = 1 - lower / np.maximum(radii, 1e-9)
-    return head.with_vertices(sphere.middle + kept[:, None] * (head.vertices - sphere.middle))
+    led = wanted
+    for _ in range(ramp):
+        led = np.maximum(wanted, np.where(skull, mean @ led, 0))
+    share = 1 + np.sign(moves.sum()) * led / np.maximum(radii, 1e-9)
+    return head.with_vertices(sphere.middle + share[:, None] * (head.vertices - sphere.middle))
 
 
 def _left(

@@ -10,15 +10,18 @@ from scipy.spatial import KDTree
 
 from caricli.geometry.join_meshes import join_meshes
 from caricli.methods.hair.head_sphere import HeadSphere
-from caricli.methods.hair.make_shell import lower_skull
+from caricli.methods.hair.make_shell import lower_skull, raise_skull
 from caricli.methods.hair.mask_hair import HairMask
 from caricli.methods.hair.settings import ShellSettings
-from caricli.render.rasterise import rasterise
+from caricli.render.rasterise import Raster, rasterise
 from caricli.render.sample_texture import sample_pixels
 from caricli.structures import Camera, Hair, Mesh
 from caricli.template.template import Template
 
 _WIDTHS = (0.015, 0.01, 0.006, 0.004)
+_RAISES = 2  # rounds in which the skull is raised
+_GOOD = 0.95  # intersection over union from which on it is not
+_RAISE = 0.02  # of the head's height, by which it is at most
 _TRIM = 2  # round from which on what stands before bare skin goes under it
 _BEFORE = 0.004  # of the head's height: so far from the mask hair is not before bare skin
 _BESIDE = 0.02  # the same of the background, where borders move
@@ -41,7 +44,8 @@ def snap_border(
 
     Every pixel of either border wants to be at the nearest of the other one; what they want, averaged with weights that
     fall with the distance, moves what is near them, in smaller and smaller neighbourhoods. Where the surface faces the
-    camera it goes along the skin. The best of the rounds counts.
+    camera it goes along the skin. Where hair is seen still and the picture has skin, the skull is raised before it, for
+    a forehead that is too low shows the hair behind. The best of the rounds counts.
 
     hair: Hair on the head. head: Template in the shape of the face. camera: of the picture. mask: HairMask.
     Returns Hair with the same polygons and roots, and the head.
@@ -50,12 +54,21 @@ def snap_border(
     longitudes, angles, radii = sphere.seen_from(hair.shell.vertices)
     above = radii > sphere.sample(sphere.radii, longitudes, angles)
     over = np.zeros_like(above)
+    size = camera.scale * head.height
+    outside = _outside(mask, size)
     seen = _seen_faces(head, hair, camera, mask.pixels.shape)
     best = (union_share(seen >= 0, mask.pixels), hair, head)
-    for number, width in enumerate(_WIDTHS):
-        if number == _TRIM:
-            over = _over(seen, hair, camera, mask, head.height)
-        points = _moved(hair.shell, sphere, camera, _field(seen >= 0, mask.pixels, camera.scale * head.height, width))
+    for number in range(len(_WIDTHS) + _RAISES):
+        if number < len(_WIDTHS):
+            points = _moved(hair.shell, sphere, camera, _field(seen >= 0, mask.pixels, size, _WIDTHS[number]))
+        elif best[0] < _GOOD:
+            points = hair.shell.vertices
+            wrong = _seen_places(head, hair, camera, outside & ~mask.behind)
+            head = raise_skull(head, sphere, sphere.farthest(wrong), _RAISE * head.height)
+        else:
+            break
+        if number == _TRIM or number >= len(_WIDTHS):
+            over = over | _over(seen, hair, camera, outside)
         inner = hair.shell.faces[(above & ~over)[hair.shell.faces].all(1)]
         most = sphere.cover(points, inner, *np.meshgrid(sphere.longitudes, sphere.angles))
         # Triangles of the skull are larger than those of hair: without a gap they come through between their corners.
@@ -83,18 +96,30 @@ def _buried(points: np.ndarray, depths: np.ndarray, head: Template, settings: Sh
     return buried
 
 
-def _over(seen: np.ndarray, hair: Hair, camera: Camera, mask: HairMask, height: float) -> np.ndarray:
-    """(N,) bool: vertices of hair that are seen where the mask has none.
-
-    seen: (H, W) of `_seen_faces`. height: metres, of the head.
-    """
+def _outside(mask: HairMask, height: float) -> np.ndarray:
+    """(H, W) bool: where no hair may be seen. height: pixels of the head."""
     away = cv2.distanceTransform((~mask.pixels).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
-    outside = away > np.where(mask.behind, _BESIDE, _BEFORE) * camera.scale * height
+    return away > np.where(mask.behind, _BESIDE, _BEFORE) * height
+
+
+def _over(seen: np.ndarray, hair: Hair, camera: Camera, outside: np.ndarray) -> np.ndarray:
+    """(N,) bool: vertices of hair that are seen outside (H, W) bool.
+
+    seen: (H, W) of `_seen_faces`.
+    """
     corners = np.unique(hair.shell.faces[np.unique(seen[outside & (seen >= 0)])])
     x, y = camera.project(hair.shell.vertices[corners]).T
     over = np.zeros(len(hair.shell.vertices), bool)
     over[corners] = sample_pixels(outside.astype(np.float32), x, y, border=0.0) > 0.5
     return over
+
+
+def _seen_places(head: Mesh, hair: Hair, camera: Camera, pixels: np.ndarray) -> np.ndarray:
+    """(N, 3) places of hair that are seen among pixels (H, W) bool."""
+    both, raster = _raster(head, hair, camera, pixels.shape)
+    shown = pixels & (raster.face >= len(head.faces))
+    corners = both.vertices[both.faces[raster.face[shown]]]
+    return np.einsum("nk,nkc->nc", raster.barycentric[shown], corners)
 
 
 def visible_hair(head: Mesh, hair: Hair, camera: Camera, shape: tuple[int, int]) -> np.ndarray:
@@ -104,9 +129,13 @@ def visible_hair(head: Mesh, hair: Hair, camera: Camera, shape: tuple[int, int])
 
 def _seen_faces(head: Mesh, hair: Hair, camera: Camera, shape: tuple[int, int]) -> np.ndarray:
     """(H, W): which triangle of hair is in front in each pixel of a picture of a shape, below zero for none."""
+    return _raster(head, hair, camera, shape)[1].face - len(head.faces)
+
+
+def _raster(head: Mesh, hair: Hair, camera: Camera, shape: tuple[int, ...]) -> tuple[Mesh, Raster]:
+    """Head and hair as one mesh, and the Raster of a picture of a shape."""
     both = join_meshes([head, hair.shell])
-    raster = rasterise(camera.place(both.vertices), both.faces, shape[1], shape[0])
-    return raster.face - len(head.faces)
+    return both, rasterise(camera.place(both.vertices), both.faces, shape[1], shape[0])
 
 
 def _field(shown: np.ndarray, wanted: np.ndarray, height: float, width: float) -> np.ndarray:
