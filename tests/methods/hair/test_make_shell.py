@@ -6,7 +6,7 @@ import pytest
 from caricli.geometry.triangle_normals import triangle_normals
 from caricli.methods.hair.dress_hair import overlap
 from caricli.methods.hair.head_sphere import HeadSphere
-from caricli.methods.hair.make_shell import make_shell, sink_skull
+from caricli.methods.hair.make_shell import lower_skull, make_shell, raise_skull, sink_skull
 from caricli.methods.hair.settings import ShellSettings
 from caricli.methods.hair.snap_border import visible_hair
 from caricli.structures import Mesh
@@ -92,3 +92,38 @@ def test_hair_has_no_holes(sitter):
     assert hole.sum() > 200
     hair, head = make_shell(sitter.head, CAMERA, replace(sitter.hair, pixels=sitter.hair.pixels & ~hole))
     assert visible_hair(head, hair, CAMERA, hole.shape)[hole].mean() > 0.9
+
+
+def test_a_skull_goes_out_and_in_as_far_as_it_has_to(sitter):
+    head = sitter.head
+    sphere = HeadSphere(head, ShellSettings(), fine=True)
+    patch = (sphere.angles[:, None] < 0.6) & (np.abs(np.cos(sphere.longitudes)) > 0.5)
+    limit = 0.02 * head.height
+    _, _, radii = sphere.seen_from(head.vertices)
+    inside = sphere.nearest(patch, head.vertices)
+    ears = head.mask("ear_left", "ear_right")
+    for farther in (0.01, 0.05):
+        least = np.where(patch, sphere.radii + farther * head.height, -np.inf)
+        _, _, raised = sphere.seen_from(raise_skull(head, sphere, least, limit).vertices)
+        wanted = np.clip(sphere.nearest(least, head.vertices)[inside] - radii[inside], 0, limit)
+        assert (raised[inside] - radii[inside] >= wanted - 1e-9).all()
+        assert (raised - radii).max() <= limit + 1e-9 and (raised >= radii - 1e-9).all()
+        np.testing.assert_allclose(raised[ears], radii[ears], atol=1e-9)
+        assert (raised - radii)[head.annotation.regions["mouth"]].max() < 1e-9
+    most = np.where(patch, 0.97 * sphere.radii, np.inf)
+    _, _, lowered = sphere.seen_from(lower_skull(head, sphere, most).vertices)
+    assert (
+        lowered[inside] <= np.maximum(sphere.nearest(most, head.vertices)[inside], 0.5 * radii[inside]) + 1e-9
+    ).all()
+    assert (lowered <= radii + 1e-9).all()
+
+
+def test_the_farthest_of_points_counts_near_their_directions(sitter):
+    sphere = HeadSphere(sitter.head, ShellSettings())
+    longitudes, angles = np.array([0.0, 0.0, 3.1]), np.array([0.5, 0.5, 1.2])
+    points = sphere.points(longitudes, angles, np.array([0.1, 0.2, 0.15]))
+    farthest = sphere.farthest(points)
+    np.testing.assert_allclose(sphere.nearest(farthest, points), [0.2, 0.2, 0.15])
+    row = np.abs(sphere.angles - 0.5).argmin()
+    assert farthest[row, -1] == farthest[row, 1] == pytest.approx(0.2), "it goes on around the grid's end"
+    assert np.isneginf(farthest).mean() > 0.97

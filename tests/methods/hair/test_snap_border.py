@@ -3,8 +3,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from caricli.methods.hair import snap_border as module
 from caricli.methods.hair.dress_hair import overlap
-from caricli.methods.hair.make_shell import make_shell
+from caricli.methods.hair.head_sphere import HeadSphere
+from caricli.methods.hair.make_shell import lower_skull, make_shell
+from caricli.methods.hair.settings import ShellSettings
 from caricli.methods.hair.snap_border import snap_border, visible_hair
 from caricli.render.rasterise import rasterise
 from tests.methods.hair.conftest import CAMERA, SIDE
@@ -56,3 +59,16 @@ def test_hair_before_bare_skin_goes_under_it(shell, sitter):
     after = visible_hair(head, hair, CAMERA, bare.shape)
     assert before[bare].mean() > 0.8 and after[bare].mean() < 0.25
     assert after[short.pixels].mean() > 0.93
+
+
+def test_a_skull_that_is_too_low_is_raised_before_hair(shell, sitter, monkeypatch):
+    sphere = HeadSphere(sitter.head, ShellSettings(), fine=True)
+    low = lower_skull(sitter.head, sphere, 0.94 * sphere.radii)
+    skin = rasterise(CAMERA.place(sitter.head.vertices), sitter.head.faces, SIDE, SIDE).face >= 0
+    bare = skin & ~sitter.hair.pixels
+    shown = []
+    for raises in (0, 2):
+        monkeypatch.setattr(module, "_RAISES", raises)
+        hair, head = snap_border(shell, low, CAMERA, sitter.hair)
+        shown.append(visible_hair(head, hair, CAMERA, bare.shape)[bare].mean())
+    assert shown[1] < 0.8 * shown[0], shown
