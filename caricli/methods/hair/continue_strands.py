@@ -1,6 +1,7 @@
 """Strands of hair continued around a head, from patches of what is seen."""
 
 from dataclasses import dataclass
+from math import ceil, floor
 
 import cv2
 import numpy as np
@@ -38,10 +39,12 @@ class _Frame:
 
     def matrix(self, size: int) -> np.ndarray:
         """(2, 3): from pixels of the square to those of the picture."""
-        out = np.array([np.sin(self.turn), np.cos(self.turn)])
-        along = np.array([out[1], -out[0]])
-        middle = (size - 1) / 2 + self.radius * out
-        return np.column_stack([along, out, middle - (self.side - 1) / 2 * (along + out)])
+        sine = np.sin(self.turn)
+        cosine = np.cos(self.turn)
+        corner = (self.side - 1) / 2
+        x = (size - 1) / 2 + self.radius * sine - corner * (cosine + sine)
+        y = (size - 1) / 2 + self.radius * cosine - corner * (cosine - sine)
+        return np.array([[cosine, sine, x], [-sine, cosine, y]])
 
     def cut(self, picture: np.ndarray) -> np.ndarray:
         """What a picture (S, S, ...) shows there."""
@@ -87,6 +90,7 @@ class _Quilt:
         self.whole = patches[..., 3]
         every = max(1, self.side // _COARSE)
         self.coarse = np.s_[every // 2 :: every, every // 2 :: every]
+        self.fades = np.clip(2 * self.whole - 1, 0, 1)
         whole = self.whole[:, *self.coarse]
         whole = whole.reshape(len(patches), whole.shape[1] * whole.shape[2])
         colours = self.patches[:, *self.coarse].reshape(len(patches), whole.shape[1], 3)
@@ -96,6 +100,7 @@ class _Quilt:
             (whole[..., None] * colours).reshape(len(patches), 3 * whole.shape[1]),
             whole * (colours**2).sum(-1),
         )
+        self.totals = whole.sum(1)
         self.uses = np.zeros(len(self.patches))
 
     def _patches(self, picture: np.ndarray) -> tuple[int, np.ndarray]:
@@ -141,12 +146,11 @@ class _Quilt:
         # The tone of what it joins, less with the distance.
         spread = _TONE * self.side
         joined = laid * whole
-        lacks = _blurred(np.dstack([(before - patch) * joined[..., None], joined]), spread)
+        lacks = _blurred(_weighted(before - patch, joined), spread)
         patch = np.clip(patch + lacks[..., :3] / (lacks[..., 3:] + _OWN), 0, 255)
         inside = cv2.distanceTransform((laid > 0.5).astype(np.uint8), cv2.DIST_L2, 3)
-        alpha = np.clip(1 - inside / max(_FEATHER * self.side, 1), 0, 1).astype(np.float32)
-        alpha *= np.clip(2 * whole - 1, 0, 1)
-        self._paste(frame, np.dstack([patch * alpha[..., None], alpha]))
+        alpha = np.maximum(1 - inside / max(_FEATHER * self.side, 1), 0) * self.fades[chosen]
+        self._paste(frame, _weighted(patch, alpha))
 
     def _choose(self, before: np.ndarray, laid: np.ndarray) -> int:
         given = laid[self.coarse].ravel()
@@ -155,9 +159,10 @@ class _Quilt:
         squares = (
             second @ given - 2 * first @ (given[:, None] * colours).ravel() + whole @ (given * (colours**2).sum(-1))
         )
-        differences = np.maximum(squares, 0) / np.maximum(whole @ given, 1)
+        common = whole @ given
+        differences = np.maximum(squares, 0) / np.maximum(common, 1)
         # One that fills little is hardly one.
-        fills = whole @ (1 - given) / max((1 - given).sum(), 1e-9)
+        fills = (self.totals - common) / max((1 - given).sum(), 1e-9)
         costs = (differences + 1) * (1 + _USED * self.uses) / np.maximum(fills, 0.01) ** 2
         likely = np.flatnonzero(costs <= _LIKELY**2 * costs.min())
         chosen = int(self.generator.choice(likely))
@@ -167,18 +172,25 @@ class _Quilt:
     def _paste(self, frame: _Frame, painted: np.ndarray) -> None:
         size = len(self.canvas)
         matrix = frame.matrix(size)
-        reach = frame.side
         middle = matrix @ [(frame.side - 1) / 2, (frame.side - 1) / 2, 1]
-        low = np.clip(np.floor(middle - reach).astype(int), 0, size)
-        high = np.clip(np.ceil(middle + reach).astype(int), 0, size)
-        if (high <= low).any():
+        left, top = (min(max(floor(place - frame.side), 0), size) for place in middle)
+        right, bottom = (min(max(ceil(place + frame.side), 0), size) for place in middle)
+        if right <= left or bottom <= top:
             return
-        matrix[:, 2] -= low
-        turned = cv2.warpAffine(painted, matrix, tuple(int(n) for n in high - low))
-        part = np.s_[low[1] : high[1], low[0] : high[0]]
+        matrix[:, 2] -= left, top
+        turned = cv2.warpAffine(painted, matrix, (right - left, bottom - top))
+        part = np.s_[top:bottom, left:right]
         alpha = turned[..., 3:]
         self.canvas[part] = (1 - alpha) * self.canvas[part] + turned[..., :3]
         self.laid[part] = np.maximum(self.laid[part], alpha[..., 0])
+
+
+def _weighted(colours: np.ndarray, weights: np.ndarray) -> np.ndarray:
+    """(S, S, 4) float32: colours (S, S, 3) times weights (S, S), and the weights."""
+    both = np.empty((*weights.shape, 4), np.float32)
+    both[..., 3] = weights
+    np.multiply(colours, weights[..., None], out=both[..., :3])
+    return both
 
 
 def _even(picture: np.ndarray, seen: np.ndarray) -> np.ndarray:
@@ -186,7 +198,7 @@ def _even(picture: np.ndarray, seen: np.ndarray) -> np.ndarray:
 
     A shadow that is taken with a patch is a blotch wherever the patch is laid.
     """
-    tones = _blurred(np.dstack([picture * seen[..., None], seen]), _BLOTCH * len(picture))
+    tones = _blurred(_weighted(picture, seen), _BLOTCH * len(picture))
     tones = tones[..., :3] / np.maximum(tones[..., 3:], 1e-3)
     mean = picture[seen > 0].mean(0) if seen.any() else 0
     return np.where(seen[..., None] > 0, np.clip(picture - _EVEN * (tones - mean), 0, 255), picture).astype(np.float32)
