@@ -19,8 +19,7 @@ from caricli.structures import Camera, Hair, Mesh
 from caricli.template.template import Template
 
 _WIDTHS = (0.015, 0.01, 0.006, 0.004)
-_RAISES = 2  # rounds in which the skull is raised
-_GOOD = 0.95  # intersection over union from which on it is not
+_GOOD = 0.93  # intersection over union from which on no skull is raised
 _RAISE = 0.02  # of the head's height, by which it is at most
 _TRIM = 2  # round from which on what stands before bare skin goes under it
 _BEFORE = 0.004  # of the head's height: so far from the mask hair is not before bare skin
@@ -44,8 +43,8 @@ def snap_border(
 
     Every pixel of either border wants to be at the nearest of the other one; what they want, averaged with weights that
     fall with the distance, moves what is near them, in smaller and smaller neighbourhoods. Where the surface faces the
-    camera it goes along the skin. Where hair is seen still and the picture has skin, the skull is raised before it, for
-    a forehead that is too low shows the hair behind. The best of the rounds counts.
+    camera it goes along the skin. In the last round the skull is raised where hair is seen still and the picture has
+    skin: a forehead that is too low shows the hair behind. The best of the rounds counts.
 
     hair: Hair on the head. head: Template in the shape of the face. camera: of the picture. mask: HairMask.
     Returns Hair with the same polygons and roots, and the head.
@@ -58,16 +57,16 @@ def snap_border(
     outside = _outside(mask, size)
     seen = _seen_faces(head, hair, camera, mask.pixels.shape)
     best = (union_share(seen >= 0, mask.pixels), hair, head)
-    for number in range(len(_WIDTHS) + _RAISES):
-        if number < len(_WIDTHS):
-            points = _moved(hair.shell, sphere, camera, _field(seen >= 0, mask.pixels, size, _WIDTHS[number]))
+    for number, width in enumerate((*_WIDTHS, None)):
+        if width is not None:
+            points = _moved(hair.shell, sphere, camera, _field(seen >= 0, mask.pixels, size, width))
         elif best[0] < _GOOD:
             points = hair.shell.vertices
             wrong = _seen_places(head, hair, camera, outside & ~mask.behind)
             head = raise_skull(head, sphere, sphere.farthest(wrong), _RAISE * head.height)
         else:
             break
-        if number == _TRIM or number >= len(_WIDTHS):
+        if number == _TRIM or width is None:
             over = over | _over(seen, hair, camera, outside)
         inner = hair.shell.faces[(above & ~over)[hair.shell.faces].all(1)]
         most = sphere.cover(points, inner, *np.meshgrid(sphere.longitudes, sphere.angles))

@@ -67,8 +67,8 @@ def test_a_skull_that_is_too_low_is_raised_before_hair(shell, sitter, monkeypatc
     skin = rasterise(CAMERA.place(sitter.head.vertices), sitter.head.faces, SIDE, SIDE).face >= 0
     bare = skin & ~sitter.hair.pixels
     shown = []
-    for raises in (0, 2):
-        monkeypatch.setattr(module, "_RAISES", raises)
+    for good in (0, 1):
+        monkeypatch.setattr(module, "_GOOD", good)
         hair, head = snap_border(shell, low, CAMERA, sitter.hair)
         shown.append(visible_hair(head, hair, CAMERA, bare.shape)[bare].mean())
     assert shown[1] < 0.8 * shown[0], shown
