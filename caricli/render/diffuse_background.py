@@ -3,7 +3,7 @@
 import cv2
 import numpy as np
 
-from caricli.render.nearest_pixel import nearest_pixel
+from caricli.render.nearest_pixel import nearest_index
 
 LAYERS = 48
 """Pixels from the border of the face on which the mean goes on."""
@@ -23,7 +23,8 @@ def diffuse_background(image: np.ndarray, mask: np.ndarray) -> np.ndarray:
         return image.copy()
     # With an empty border, so that every pixel has eight neighbours; pixels by their number, of which layers are few.
     filled = np.pad(mask, 1).astype(np.uint8)
-    colours = np.pad(image * mask[..., None], ((1, 1), (1, 1), (0, 0))).astype(np.float32)
+    kept = cv2.copyTo(image, mask.astype(np.uint8))
+    colours = cv2.copyMakeBorder(kept, 1, 1, 1, 1, cv2.BORDER_CONSTANT).astype(np.float32)
     inside = np.pad(np.ones_like(mask), 1).ravel()
     flat = colours.reshape(-1, 3)
     width = filled.shape[1]
@@ -35,9 +36,9 @@ def diffuse_background(image: np.ndarray, mask: np.ndarray) -> np.ndarray:
             break
         beside = fresh[:, None] + around
         weight = filled.ravel()[beside].sum(1, dtype=np.float32)
-        flat[fresh] = flat[beside].sum(1) / weight[:, None]
+        flat[fresh] = sum(flat[each] for each in beside.T) / weight[:, None]
         filled.ravel()[fresh] = 1
-    colours = colours[1:-1, 1:-1]
-    diffused = np.round(colours).astype(np.uint8)[nearest_pixel(filled[1:-1, 1:-1] > 0)]
+    rounded = np.rint(colours[1:-1, 1:-1]).astype(np.uint8)
+    diffused = rounded.reshape(-1, 3).take(nearest_index(filled[1:-1, 1:-1] > 0), 0)
     diffused[mask] = image[mask]
     return diffused
