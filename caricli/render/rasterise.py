@@ -7,6 +7,10 @@ import numpy as np
 
 from caricli.errors import InputError
 from caricli.io.start_warp import start_warp
+from caricli.render.in_parallel import in_parallel
+
+_BAND = 192
+"""Rows of a picture that are drawn by themselves, beside others."""
 
 
 @dataclass(frozen=True)
@@ -46,7 +50,13 @@ def rasterise(vertices: np.ndarray, faces: np.ndarray, width: int, height: int) 
         given = [(points, wp.vec3), (triangles, wp.int32)]
         drawn = [(raster.face, wp.int32), (raster.barycentric, wp.vec3), (raster.depth, wp.float32)]
         arrays: list[Any] = [wp.array(array, dtype=kind, device="cpu", copy=False) for array, kind in given + drawn]
-        wp.launch(draw_faces, 1, arrays[:2], arrays[2:], device="cpu")
+
+        def draw(first: int) -> None:
+            rows = [first, min(first + _BAND, height)]
+            wp.launch(draw_faces, 1, [*arrays[:2], *rows], arrays[2:], device="cpu")
+
+        for _ in in_parallel(draw, range(0, height, _BAND)):
+            pass
     return raster
 
 
