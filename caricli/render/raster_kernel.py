@@ -21,15 +21,14 @@ def across(a: wp.vec3d, b: wp.vec3d, x: wp.float64, y: wp.float64):
 def draw_faces(
     points: wp.array(dtype=wp.vec3),
     faces: wp.array2d(dtype=wp.int32),
-    first: int,
-    last: int,
+    rows: wp.vec2i,
     face: wp.array2d(dtype=wp.int32),
     barycentric: wp.array2d(dtype=wp.vec3),
     depth: wp.array2d(dtype=wp.float32),
 ):
     """Draw all triangles into rows of a picture, one after the other: launched once, because they share its pixels.
 
-    first, last: rows, the second not among them.
+    rows: the first, and the one after the last.
     """
     columns = face.shape[1]
     for k in range(faces.shape[0]):
@@ -38,8 +37,8 @@ def draw_faces(
         c = wp.vec3d(points[faces[k, 2]])
         left = wp.max(wp.min(wp.min(a[0], b[0]), c[0]), wp.float64(0.0))
         right = wp.min(wp.max(wp.max(a[0], b[0]), c[0]), wp.float64(columns - 1))
-        top = wp.max(wp.min(wp.min(a[1], b[1]), c[1]), wp.float64(first))
-        bottom = wp.min(wp.max(wp.max(a[1], b[1]), c[1]), wp.float64(last - 1))
+        top = wp.max(wp.min(wp.min(a[1], b[1]), c[1]), wp.float64(rows[0]))
+        bottom = wp.min(wp.max(wp.max(a[1], b[1]), c[1]), wp.float64(rows[1] - 1))
         for row in range(int(wp.ceil(top)), int(wp.floor(bottom)) + 1):
             for column in range(int(wp.ceil(left)), int(wp.floor(right)) + 1):
                 x = wp.float64(column)

@@ -52,8 +52,8 @@ def rasterise(vertices: np.ndarray, faces: np.ndarray, width: int, height: int) 
         arrays: list[Any] = [wp.array(array, dtype=kind, device="cpu", copy=False) for array, kind in given + drawn]
 
         def draw(first: int) -> None:
-            rows = [first, min(first + _BAND, height)]
-            wp.launch(draw_faces, 1, [*arrays[:2], *rows], arrays[2:], device="cpu")
+            rows = wp.vec2i(first, min(first + _BAND, height))
+            wp.launch(draw_faces, 1, [*arrays[:2], rows], arrays[2:], device="cpu")
 
         for _ in in_parallel(draw, range(0, height, _BAND)):
             pass
