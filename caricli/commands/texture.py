@@ -36,6 +36,8 @@ if TYPE_CHECKING:
     from caricli.methods.expressions.tools import ExpressionTools
     from caricli.methods.texture.paint_head import Painted
     from caricli.models.texture.model import TextureModel
+    from caricli.structures.chart import FaceChart
+    from caricli.template.template import Template
 
 REPORT = "face.json"
 SIZE = 320
@@ -244,12 +246,7 @@ class TextureTask:
         picture = read_image(image)
         with naming(face):
             points = seen.require_landmarks()
-        chart = None
-        if self.chart:
-            from caricli.template.chart import face_chart
-
-            with naming(self.model or face):
-                chart = face_chart(shape_model.template)
+        chart = self._chart_of(shape_model.template, self.model or face)
         (white, regions), _ = do_in_parallel(partial(self._shown, picture, points), warp_start)
         sheets = picture_files(folder / "sheet.png")
         settings = replace(self.settings, sky=bool(sheets))
@@ -272,6 +269,15 @@ class TextureTask:
         write_json(folder / REPORT, provenance("texture", inputs, self.settings.seed, **about))
         do_in_parallel(*jobs)
         return painted
+
+    def _chart_of(self, template: "Template", source: Path) -> "FaceChart | None":
+        """The chart of a template, where the face is written in it. source: path that errors name."""
+        if not self.chart:
+            return None
+        from caricli.template.chart import face_chart
+
+        with naming(source):
+            return face_chart(template)
 
     def _shown(self, picture: np.ndarray, points: np.ndarray) -> tuple[np.ndarray | None, np.ndarray | None]:
         """Of a picture (H, W, 3) and the landmarks (L, 2) of its face: the mask (H, W) of its head, bool, and (H, W)
