@@ -30,6 +30,13 @@ def fitting_weights(name: str, array: np.ndarray, shape: tuple[int, ...]) -> np.
     return np.asarray(array, np.float32)
 
 
+def named_weights(arrays: Mapping[str, np.ndarray], name: str, shape: tuple[int, ...]) -> np.ndarray:
+    """The array of a name in single precision. Raises InputError where there is none of this shape."""
+    if name not in arrays:
+        raise foreign_weights(name)
+    return fitting_weights(name, arrays[name], shape)
+
+
 def foreign_weights(name: str) -> InputError:
     """What is wrong where an array is lacking, or there is none of its name in such a network."""
     return InputError(f"expected the weights of such a network, found others ({shown(name, 60)})")

@@ -22,6 +22,7 @@ from caricli.methods.pictures.settings import PoseSettings
 from caricli.methods.pictures.sitter import Sitter
 from caricli.methods.texture.picture_view import Sight
 from caricli.methods.texture.settings import TextureSettings
+from caricli.methods.texture.texels import Texels
 from caricli.methods.texture.texture_face import FaceTexture, texture_face
 from caricli.render.srgb import to_srgb
 from caricli.seeds import TextureSeed
@@ -109,6 +110,7 @@ class TextureSource:
         self.named = named_expressions(self.head.action_names)
         self.grid = ChartGrid(face_chart(template), size)
         self.hold = template.mask(*DELICATE).astype(float)
+        self.texels = Texels(template, self.settings.unwrapped)
 
     def act(self, role: Role) -> ActedTextures:
         """Take the textures of one person."""
@@ -171,7 +173,7 @@ class TextureSource:
             )
             face = Face(sitter.skin, camera=studio.camera, landmarks=drawing.points)
             sight = self._sight(studio.camera, image, drawing.region)
-            texture = texture_face(sitter.skin, sight, self.settings.unwrapped, self.settings.texture, like=like)
+            texture = texture_face(sitter.skin, sight, self.texels, self.settings.texture, like=like)
             like = like or texture
             yield self._charted(texture, face, image), self._seen(texture, face, drawing.region)
 

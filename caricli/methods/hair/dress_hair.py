@@ -11,11 +11,11 @@ from caricli.methods.hair.make_shell import make_shell, sink_skull
 from caricli.methods.hair.mask_hair import HairMask, mask_hair
 from caricli.methods.hair.paint_hair import paint_hair
 from caricli.methods.hair.parsed_hair import parsed_hair
-from caricli.methods.hair.snap_border import snap_border, union_share, visible_hair
+from caricli.methods.hair.snap_border import snap_border
 from caricli.methods.texture.mask_head import mesh_pixels
 from caricli.methods.texture.picture_view import PictureView, Sight
 from caricli.methods.texture.settings import PaintSettings
-from caricli.structures import Camera, Face, Hair
+from caricli.structures import Face, Hair
 from caricli.template.template import Template
 
 _NEEDED = ("ear_left", "ear_right", "scalp")
@@ -66,9 +66,9 @@ def dress_hair(
         raise InputError("expected hair around the face, found none; --hair none goes without")
     camera = face.require_camera()
     head = sink_skull(template.with_vertices(face.vertices), camera, mask)
-    hair, head = snap_border(*make_shell(head, camera, mask), camera, mask)
+    hair, head, overlap = snap_border(*make_shell(head, camera, mask), camera, mask)
     sunk = replace(face, mesh=face.mesh.with_vertices(head.vertices), residual=None)
-    return DressedHair(sunk, hair, mask, overlap(sunk, hair, camera, mask.pixels))
+    return DressedHair(sunk, hair, mask, overlap)
 
 
 def hair_picture(dressed: DressedHair, image: np.ndarray, settings: PaintSettings) -> np.ndarray:
@@ -76,11 +76,6 @@ def hair_picture(dressed: DressedHair, image: np.ndarray, settings: PaintSetting
     sight = Sight(dressed.face.require_camera(), image, dressed.mask.pixels)
     view = PictureView(dressed.hair.shell, sight, settings.texture)
     return paint_hair(dressed.hair, view, settings.size or _SIZE, np.random.default_rng(settings.seed))
-
-
-def overlap(face: Face, hair: Hair, camera: Camera, mask: np.ndarray) -> float:
-    """Intersection over union of the pixels where the camera sees hair, and a mask (H, W) bool."""
-    return union_share(visible_hair(face.mesh, hair, camera, mask.shape), mask)
 
 
 def bare_skin(mask: np.ndarray, dressed: DressedHair) -> np.ndarray:

@@ -38,7 +38,7 @@ def snap_border(
     camera: Camera,
     mask: HairMask,
     settings: ShellSettings = ShellSettings(),  # noqa: B008 (frozen)
-) -> tuple[Hair, Template]:
+) -> tuple[Hair, Template, float]:
     """Move a shell so that what the camera sees of it ends where the mask ends, and the skull so that it is under it.
 
     Every pixel of either border wants to be at the nearest of the other one; what they want, averaged with weights that
@@ -47,7 +47,8 @@ def snap_border(
     skin: a forehead that is too low shows the hair behind. The best of the rounds counts.
 
     hair: Hair on the head. head: Template in the shape of the face. camera: of the picture. mask: HairMask.
-    Returns Hair with the same polygons and roots, and the head.
+    Returns Hair with the same polygons and roots, the head, and the intersection over union of what the camera sees of
+    the hair and the mask.
     """
     sphere = HeadSphere(head, settings, fine=True)
     longitudes, angles, radii = sphere.seen_from(hair.shell.vertices)
@@ -76,7 +77,8 @@ def snap_border(
         hair = replace(hair, shell=hair.shell.with_vertices(_buried(points, depths, head, settings)))
         seen = _seen_faces(head, hair, camera, mask.pixels.shape)
         best = max(best, (union_share(seen >= 0, mask.pixels), hair, head), key=itemgetter(0))
-    return best[1:]
+    overlap, hair, head = best
+    return hair, head, overlap
 
 
 def union_share(first: np.ndarray, second: np.ndarray) -> float:

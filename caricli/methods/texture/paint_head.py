@@ -23,6 +23,7 @@ from caricli.methods.texture.photometric_error import photometric_error
 from caricli.methods.texture.picture_view import Sight
 from caricli.methods.texture.project_picture import project_picture
 from caricli.methods.texture.settings import PaintSettings
+from caricli.methods.texture.texels import Texels
 from caricli.methods.texture.texture_face import FaceTexture, texture_face
 from caricli.render.diffuse_background import diffuse_background
 from caricli.render.eye_colours import eye_colours
@@ -93,7 +94,7 @@ def paint_head(
     """
     camera = face.require_camera()
     landmarks = face.require_landmarks()
-    mask, skin, hair = _find_parts(face, template, image, mask, settings, regions)
+    mask, skin, hair, texels = _find_parts(face, template, image, mask, settings, regions)
     face = replace(face, hair=None) if hair is None else replace(hair.face, hair=hair.hair)
     head = _laid_out(template.with_vertices(face.vertices), image, camera, settings)
     generator = np.random.default_rng(settings.seed)
@@ -103,7 +104,7 @@ def paint_head(
     whole = add_eyeballs(bare, fit_eyeballs(head, head.annotation, still), generator, eyes)
     whole = choose_parts(add_parts(whole, face_parts(face, template, settings.head)), settings.head)
     # None of these waits for another.
-    jobs: list[Callable[[], Any]] = [partial(_skin_texture, head, Sight(camera, image, skin, mask), settings)]
+    jobs: list[Callable[[], Any]] = [partial(_skin_texture, head, Sight(camera, image, skin, mask), texels, settings)]
     if hair is not None:
         jobs += [partial(hair_picture, hair, image, settings), partial(Scalp, head, hair.hair)]
     if settings.sky:
@@ -131,21 +132,28 @@ def _find_parts(
     mask: np.ndarray | None,
     settings: PaintSettings,
     regions: np.ndarray | None,
-) -> tuple[np.ndarray, np.ndarray, DressedHair | None]:
-    """(H, W) bool, the head in a picture and what of it is bare skin, and its hair; see `paint_head`."""
+) -> tuple[np.ndarray, np.ndarray, DressedHair | None, Texels | None]:
+    """(H, W) bool, the head in a picture and what of it is bare skin, its hair, and Texels; see `paint_head`."""
     parsed = None if regions is None or mask is not None else parsed_head(regions, mesh_pixels(face, image), image)
     parts = _find_head(face, image, mask) if parsed is None else parsed
     regions = None if parsed is None else regions
     looks: list[Callable[[], Any]] = [partial(dress_hair, face, template, image, settings, regions)]
-    # Nothing here needs it, but what comes next, and one processor is free.
-    looks.append(partial(chosen_attachment, template, settings.head))
+    # Nothing here needs these, but what comes next, and one processor is free.
+    looks += [partial(_find_texels, template, settings), partial(chosen_attachment, template, settings.head)]
     if regions is not None:
         looks.append(partial(cut_openings, image, regions, face.require_landmarks()))
-    hair, _, *openings = do_in_parallel(*looks)
+    hair, texels, _, *openings = do_in_parallel(*looks)
     skin = parts.paint if hair is None else bare_skin(parts.paint, hair)
     for opening in openings:
         skin = skin & ~opening
-    return parts.whole, skin, hair
+    return parts.whole, skin, hair, texels
+
+
+def _find_texels(template: Template, settings: PaintSettings) -> Texels | None:
+    """The Texels of a template, or None where the view has to tell their number first, or has a layout of its own."""
+    if settings.size is None or settings.project_uv or template.uvs is None:
+        return None
+    return Texels(template, settings.size)
 
 
 def _laid_out(head: Template, image: np.ndarray, camera: Camera, settings: PaintSettings) -> Template:
@@ -157,13 +165,13 @@ def _laid_out(head: Template, image: np.ndarray, camera: Camera, settings: Paint
     return head
 
 
-def _skin_texture(head: Template, sight: Sight, settings: PaintSettings) -> FaceTexture:
-    """The texture of a head as its UVs are laid out."""
+def _skin_texture(head: Template, sight: Sight, texels: Texels | None, settings: PaintSettings) -> FaceTexture:
+    """The texture of a head as its UVs are laid out. texels: of its topology, or None to find them."""
     if settings.project_uv:
         everywhere = np.ones(sight.mask.shape, bool)
         image = diffuse_background(sight.image, sight.mask if sight.whole is None else sight.whole)
         return FaceTexture(image, everywhere.astype(np.float32), everywhere, None)
-    return texture_face(head, sight, settings.size, settings.texture, np.random.default_rng(settings.seed))
+    return texture_face(head, sight, texels or settings.size, settings.texture, np.random.default_rng(settings.seed))
 
 
 def _find_head(face: Face, image: np.ndarray, mask: np.ndarray | None) -> ParsedHead:

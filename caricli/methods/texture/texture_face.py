@@ -1,19 +1,17 @@
 """A texture from the picture that a face was fitted to (portrait paper, section 3.2.3), right from every side."""
 
-from copy import copy
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.sparse as sp
 
 from caricli.methods.texture.estimate_light import Light, estimate_light
-from caricli.methods.texture.fill_unseen import FEATURES, fill_unseen, skin_weights
+from caricli.methods.texture.fill_unseen import fill_unseen, skin_weights
 from caricli.methods.texture.grow_grain import grow_grain
 from caricli.methods.texture.mouth_wall import mouth_wall, wall_colour
 from caricli.methods.texture.picture_view import PictureView, SeenColours, Sight, SurfacePoints, likeness
 from caricli.methods.texture.settings import TextureSettings
+from caricli.methods.texture.texels import Texels
 from caricli.render.smooth_normals import smooth_normals
-from caricli.render.uv_map import pad_texture, uv_map
 from caricli.template.annotation import CAVITIES
 from caricli.template.template import Template
 
@@ -37,7 +35,7 @@ class FaceTexture:
 def texture_face(
     head: Template,
     sight: Sight,
-    size: int | None = None,
+    size: Texels | int | None = None,
     settings: TextureSettings = TextureSettings(),  # noqa: B008 (frozen)
     generator: np.random.Generator | None = None,
     like: FaceTexture | None = None,
@@ -50,15 +48,15 @@ def texture_face(
     replaced by diffused colours of the face first; nor do teeth enter the wall of the mouth, which is dark red. What a
     rendering blurs of this is then given back to the texels that are seen.
 
-    head: Template with UVs, in the shape of the face. sight: Sight of it. size: texels, width and height; where there
-    is none, the power of two, within limits, with which texels of what is seen are one to two pixels wide, by their
-    median. settings: TextureSettings. generator: of the grain of the skin that is not seen (`grow_grain`); without one
-    it is smooth. like: FaceTexture of the same face in the same light, which is taken out of this one too; None to find
-    the light.
+    head: Template with UVs, in the shape of the face. sight: Sight of it. size: texels, width and height, or the Texels
+    of a head of the same topology; where there is none, the power of two, within limits, with which texels of what is
+    seen are one to two pixels wide, by their median. settings: TextureSettings. generator: of the grain of the skin
+    that is not seen (`grow_grain`); without one it is smooth. like: FaceTexture of the same face in the same light,
+    which is taken out of this one too; None to find the light.
     Returns FaceTexture.
     """
     view = PictureView(head, sight, settings)
-    texels = _Texels(head, size or view.size())
+    texels = size if isinstance(size, Texels) else Texels(head, size or view.size())
     normals = smooth_normals(head.vertices, head.faces)
     vertices = SurfacePoints(head.vertices, normals, head.mask(*CAVITIES).astype(np.float64), mouth_wall(head))
     usual = view.look(vertices)
@@ -87,19 +85,18 @@ def texture_face(
     bare = np.where(burnt[rest], np.maximum(both.colours, filled), both.colours)
     colours[rest] = trust[rest] * bare + (1 - trust[rest]) * filled
     lit = own_shade * colours
-    owner = texels.owner()
     bright = np.maximum(lit - 255, 0)
-    sharp = (view.sharpen(lit - bright, _trust(own.seen, settings), points.places, owner) + bright) / own_shade
+    sharp = (view.sharpen(lit - bright, _trust(own.seen, settings), points.places, texels.owner) + bright) / own_shade
     seen = np.zeros(texels.covered.shape, np.float32)
     seen[texels.covered] = trust[:, 0]
     if generator is not None:
-        sharp = grow_grain(sharp[owner], seen, texels.regions(head), generator)[texels.covered]
-    picture = np.round(np.clip(sharp, 0, 255)).astype(np.uint8)[owner]
+        sharp = grow_grain(sharp[texels.owner], seen, texels.regions(head), generator)[texels.covered]
+    picture = np.round(np.clip(sharp, 0, 255)).astype(np.uint8)[texels.owner]
     return FaceTexture(picture, seen, texels.covered, light)
 
 
 def _fill(
-    head: Template, vertices: SeenColours, hardly: SeenColours, texels: "_Texels", settings: TextureSettings
+    head: Template, vertices: SeenColours, hardly: SeenColours, texels: Texels, settings: TextureSettings
 ) -> np.ndarray:
     """(N, 3) colours of texels that are hardly seen, themselves and by vertices, without light."""
     mirror = head.annotation.mirror
@@ -112,60 +109,6 @@ def _fill(
     filled = texels.mix @ ((1 - wall) * bare + wall * wall_colour(vertices.colours)).astype(np.float32)
     like = likeness(hardly.colours, filled, settings.other) * np.clip(hardly.seen / settings.glimpse, 0, 1)
     return like[:, None] * hardly.colours + (1 - like[:, None]) * filled
-
-
-class _Texels:
-    """The N texels that show a surface of V vertices, and how these mix there.
-
-    covered: (S, S) bool, where they are. corners, weights: (N, 3) vertices that mix, int32, and how much, float32.
-    """
-
-    def __init__(self, head: Template, size: int) -> None:
-        """size: texels, width and height of the texture."""
-        face, weights = uv_map(head, size)
-        self.covered = face >= 0
-        self.corners = head.faces[face[self.covered]].astype(np.int32)
-        self.weights = weights[self.covered]
-        self.count = len(head.vertices)
-
-    @property
-    def mix(self) -> sp.csr_matrix:
-        """(N, V)."""
-        ends = np.arange(0, self.corners.size + 1, 3, dtype=np.int32)
-        shape = (len(self.corners), self.count)
-        return sp.csr_matrix((self.weights.ravel(), self.corners.ravel(), ends), shape)
-
-    def part(self, rows: np.ndarray) -> "_Texels":
-        """Of the texels those of rows (N,) bool."""
-        part = copy(self)
-        part.corners = self.corners[rows]
-        part.weights = self.weights[rows]
-        return part
-
-    def mirrored(self, mirror: np.ndarray) -> "_Texels":
-        """Where they are on the other side. mirror: (V,) vertices that face each other."""
-        other = copy(self)
-        other.corners = mirror.astype(np.int32)[self.corners]
-        return other
-
-    def points(self, vertices: SurfacePoints, shade: np.ndarray) -> tuple[SurfacePoints, np.ndarray]:
-        """Points and shade (N, 3), of what they are at the vertices."""
-        columns = [vertices.places, vertices.normals, vertices.pockets, vertices.hidden, shade]
-        values = self.mix @ np.column_stack(columns).astype(np.float32)
-        return SurfacePoints(values[:, :3], values[:, 3:6], values[:, 6], values[:, 7]), values[:, 8:]
-
-    def regions(self, head: Template) -> np.ndarray:
-        """(S, S) int, 2 on the scalp, 1 on other plain skin, 0 elsewhere."""
-        shares = self.mix @ np.column_stack([head.mask(*FEATURES), head.mask("scalp")]).astype(np.float32)
-        regions = np.zeros(self.covered.shape, int)
-        regions[self.covered] = np.where(shares[:, 0] > 0.01, 0, np.where(shares[:, 1] > 0.5, 2, 1))
-        return regions
-
-    def owner(self) -> np.ndarray:
-        """(S, S) the texel, from 0 to N - 1, that each place of the texture shows; beyond the islands the nearest."""
-        ids = np.zeros(self.covered.shape, int)
-        ids[self.covered] = np.arange(len(self.corners))
-        return pad_texture(ids, self.covered)
 
 
 def _trust(seen: np.ndarray, settings: TextureSettings) -> np.ndarray:

@@ -1,44 +1,23 @@
 """The detector's network as it is used: what `networks.DetectorNetwork` trains, but for the last steps of landmarks."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass
-
 import numpy as np
-import onnxruntime
 
-from caricli.models.detector.config import HALF, DetectorSize
+from caricli.models.detector.config import HALF
+from caricli.models.detector.landmark_heads import HEADS
+from caricli.models.detector.weights import CHANCES, FACES, FEATURES, WINDOWS, DetectorWeights
 from caricli.models.network_graph import Kernel, NetworkGraph
 
-WINDOWS = "windows"
-FACES = "faces"
-FEATURES = "features"
-CHANCES = "chances"
 
-
-@dataclass(frozen=True, eq=False)
-class DetectorWeights:
-    """What the network has learnt.
-
-    arrays: by the names that they have in ``networks.DetectorNetwork``. size: DetectorSize of it.
-    """
-
-    arrays: Mapping[str, np.ndarray]
-    size: DetectorSize
-
-    @property
-    def count(self) -> int:
-        """How many numbers that is."""
-        return sum(array.size for name, array in self.arrays.items() if "running" not in name)
-
-
-def detector_session(graph: NetworkGraph, size: DetectorSize, regions: int) -> onnxruntime.InferenceSession:
-    """What runs a detector's network. graph: NetworkGraph of its weights. regions: R, how many there are.
+def detector_graph(weights: DetectorWeights, regions: int) -> bytes:
+    """A detector's network as a file of ONNX. regions: R, how many there are.
 
     Of WINDOWS (B, 12, H / 2, W / 2), from -1 to 1, the four pixels of each cell by channels, it makes FACES (B, 6,
     H / 16, W / 16), see ``networks.FaceGrid``, FEATURES (B, C, H / 4, W / 4), of which landmarks are read, and CHANCES
     (B, H / 4, W / 4, 4, R), probabilities of regions at the four pixels of half size in every cell, by rows.
     Raises InputError for the weights of another network.
     """
+    size = weights.size
+    graph = NetworkGraph({name: array for name, array in weights.arrays.items() if name not in HEADS})
     first, second, third, fourth = size.widths
     levels = [graph.unit("stem", WINDOWS, Kernel(3 * HALF**2, size.stem))]
     steps = [(size.stem, first, 1), (first, second, 1), (second, third, size.depth), (third, fourth, size.depth)]
@@ -60,7 +39,7 @@ def detector_session(graph: NetworkGraph, size: DetectorSize, regions: int) -> o
     cells = graph.node("Transpose", graph.node("Add", fine, edges), perm=[0, 2, 3, 1])
     pixels = graph.node("Reshape", cells, graph.constant(np.array([0, 0, 0, HALF**2, regions])))
     graph.node("Softmax", pixels, axis=-1, name=CHANCES)
-    return graph.session(WINDOWS, 3 * HALF**2, [FACES, FEATURES, CHANCES])
+    return graph.model(WINDOWS, 3 * HALF**2, [FACES, FEATURES, CHANCES])
 
 
 def _edges(graph: NetworkGraph, values: str, width: int, outputs: int) -> str:

@@ -1,10 +1,14 @@
 """Landmarks, and how sure they are, of the features that the detector's network makes."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
-from caricli.models.network_graph import NetworkGraph
+from caricli.models.checks import named_weights
+
+HEADS = ("heat.weight", "heat.bias", "about", "about_bias")
+"""Names of what is not in `detector_graph`."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,12 +38,11 @@ class LandmarkHeads:
     about_bias: np.ndarray
 
     @classmethod
-    def of(cls, graph: NetworkGraph, landmarks: int, channels: int) -> "LandmarkHeads":
-        """Take them from the weights of a NetworkGraph. Raises InputError when they are those of another network."""
-        heat = graph.take("heat.weight", (landmarks, channels, 1, 1))[:, :, 0, 0]
-        bias = graph.take("heat.bias", (landmarks,))
-        about = graph.take("about", (landmarks, channels, 3))
-        return cls(heat, bias, about, graph.take("about_bias", (landmarks, 3)))
+    def of(cls, arrays: Mapping[str, np.ndarray], landmarks: int, channels: int) -> "LandmarkHeads":
+        """Take them from the arrays of a detector's weights. Raises InputError when they are those of another one."""
+        shapes = ((landmarks, channels, 1, 1), (landmarks,), (landmarks, channels, 3), (landmarks, 3))
+        heat, *others = (named_weights(arrays, name, shape) for name, shape in zip(HEADS, shapes, strict=True))
+        return cls(heat[:, :, 0, 0], *others)
 
     def read(self, features: np.ndarray) -> LandmarkPlaces:
         """Landmarks of features (B, C, h, w), float32."""

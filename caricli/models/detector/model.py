@@ -8,13 +8,14 @@ import numpy as np
 from scipy.special import expit
 
 from caricli.errors import InputError, naming, shown
+from caricli.io.kept import kept_arrays
 from caricli.models.checkpoint import model_id
 from caricli.models.checks import check_schema, whole_number
 from caricli.models.detector.config import COARSE, FINE, HALF, REACH, DetectorSize
-from caricli.models.detector.graph import CHANCES, FACES, FEATURES, WINDOWS, DetectorWeights, detector_session
 from caricli.models.detector.jaw_places import JawPlaces
 from caricli.models.detector.landmark_heads import LandmarkHeads
-from caricli.models.network_graph import NetworkGraph
+from caricli.models.detector.weights import CHANCES, FACES, FEATURES, WINDOWS, DetectorWeights
+from caricli.models.network_session import network_session
 from caricli.structures.landmarks import SCHEMES
 from caricli.structures.parsing import Region
 
@@ -85,9 +86,8 @@ class Detector:
         self.trust = trust
         self.recipe = recipe
         self.jaw = JawPlaces.even() if jaw is None else jaw
-        graph = NetworkGraph(weights.arrays)
-        self._heads = LandmarkHeads.of(graph, LANDMARKS, weights.size.widths[0])
-        self._session = detector_session(graph, weights.size, len(Region))
+        self._heads = LandmarkHeads.of(weights.arrays, LANDMARKS, weights.size.widths[0])
+        self._session = network_session(_graph(weights))
 
     @property
     def model_id(self) -> str:
@@ -126,11 +126,25 @@ class Detector:
         )
 
     def _run(self, windows: np.ndarray, *results: str) -> list[np.ndarray]:
-        """Results of `detector_session` for windows (B, H, W, 3) uint8."""
+        """Results of `detector_graph` for windows (B, H, W, 3) uint8."""
         count, height, width, channels = windows.shape
         cells = windows.reshape(count, height // HALF, HALF, width // HALF, HALF, channels).transpose(0, 5, 2, 4, 1, 3)
         values = cells.reshape(count, channels * HALF**2, height // HALF, width // HALF) * np.float32(2 / 255) - 1
         return self._session.run(results, {WINDOWS: values.astype(np.float32)})
+
+
+def _graph(weights: DetectorWeights) -> bytes:
+    """`detector_graph`, which is kept: importing `onnx` takes longer than all else here."""
+
+    def make() -> dict[str, np.ndarray]:
+        from caricli.models.detector.graph import detector_graph
+
+        return {"graph": np.frombuffer(detector_graph(weights, len(Region)), np.uint8)}
+
+    given: list[np.ndarray | str | float] = [str(weights.size), len(Region)]
+    for name, array in weights.arrays.items():
+        given += [name, array]
+    return kept_arrays("detector", given, make)["graph"].tobytes()
 
 
 def face_cells(grid: np.ndarray) -> FaceCells:

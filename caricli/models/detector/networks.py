@@ -12,9 +12,9 @@ from torch import nn
 from torch.nn import functional
 
 from caricli.models.detector.config import HALF, DetectorSize
-from caricli.models.detector.graph import DetectorWeights
 from caricli.models.detector.jaw_places import JawPlaces
 from caricli.models.detector.model import LANDMARKS, Detector
+from caricli.models.detector.weights import DetectorWeights
 from caricli.models.network_weights import load_weights, network_weights
 from caricli.models.residual import Residual, start_convolutions, unit
 from caricli.structures.parsing import Region

@@ -4,11 +4,10 @@ import numpy as np
 import pytest
 
 from caricli.geometry.triangle_normals import triangle_normals
-from caricli.methods.hair.dress_hair import overlap
 from caricli.methods.hair.head_sphere import HeadSphere
 from caricli.methods.hair.make_shell import lower_skull, make_shell, raise_skull, sink_skull
 from caricli.methods.hair.settings import ShellSettings
-from caricli.methods.hair.snap_border import visible_hair
+from caricli.methods.hair.snap_border import union_share, visible_hair
 from caricli.structures import Mesh
 from tests.methods.hair.conftest import CAMERA
 
@@ -19,7 +18,8 @@ def shell(sitter):
 
 
 def test_the_outline_is_that_of_the_hair(shell, sitter):
-    assert overlap(sitter.face, shell, CAMERA, sitter.hair.pixels) > 0.88
+    seen = visible_hair(sitter.head, shell, CAMERA, sitter.hair.pixels.shape)
+    assert union_share(seen, sitter.hair.pixels) > 0.88
 
 
 def test_it_is_closed_towards_the_skin_and_faces_outwards(shell):

@@ -1,0 +1,63 @@
+"""Where a surface is in its texture."""
+
+from copy import copy
+
+import numpy as np
+import scipy.sparse as sp
+
+from caricli.methods.texture.fill_unseen import FEATURES
+from caricli.methods.texture.picture_view import SurfacePoints
+from caricli.render.uv_map import pad_texture, uv_map
+from caricli.template.template import Template
+
+
+class Texels:
+    """The N texels that show a surface of V vertices, and how these mix there.
+
+    covered: (S, S) bool, where they are. owner: (S, S) the texel, from 0 to N - 1, that each place of the texture
+    shows; beyond the islands the nearest. corners, weights: (N, 3) vertices that mix, int32, and how much, float32.
+    """
+
+    def __init__(self, head: Template, size: int) -> None:
+        """head: Template with UVs, in any shape. size: texels, width and height of the texture."""
+        face, weights = uv_map(head, size)
+        self.covered = face >= 0
+        self.corners = head.faces[face[self.covered]].astype(np.int32)
+        self.weights = weights[self.covered]
+        self.count = len(head.vertices)
+        numbers = np.zeros(self.covered.shape, int)
+        numbers[self.covered] = np.arange(len(self.corners))
+        self.owner = pad_texture(numbers, self.covered)
+
+    @property
+    def mix(self) -> sp.csr_matrix:
+        """(N, V)."""
+        ends = np.arange(0, self.corners.size + 1, 3, dtype=np.int32)
+        shape = (len(self.corners), self.count)
+        return sp.csr_matrix((self.weights.ravel(), self.corners.ravel(), ends), shape)
+
+    def part(self, rows: np.ndarray) -> "Texels":
+        """Of the texels those of rows (N,) bool."""
+        part = copy(self)
+        part.corners = self.corners[rows]
+        part.weights = self.weights[rows]
+        return part
+
+    def mirrored(self, mirror: np.ndarray) -> "Texels":
+        """Where they are on the other side. mirror: (V,) vertices that face each other."""
+        other = copy(self)
+        other.corners = mirror.astype(np.int32)[self.corners]
+        return other
+
+    def points(self, vertices: SurfacePoints, shade: np.ndarray) -> tuple[SurfacePoints, np.ndarray]:
+        """Points and shade (N, 3), of what they are at the vertices."""
+        columns = [vertices.places, vertices.normals, vertices.pockets, vertices.hidden, shade]
+        values = self.mix @ np.column_stack(columns).astype(np.float32)
+        return SurfacePoints(values[:, :3], values[:, 3:6], values[:, 6], values[:, 7]), values[:, 8:]
+
+    def regions(self, head: Template) -> np.ndarray:
+        """(S, S) int, 2 on the scalp, 1 on other plain skin, 0 elsewhere."""
+        shares = self.mix @ np.column_stack([head.mask(*FEATURES), head.mask("scalp")]).astype(np.float32)
+        regions = np.zeros(self.covered.shape, int)
+        regions[self.covered] = np.where(shares[:, 0] > 0.01, 0, np.where(shares[:, 1] > 0.5, 2, 1))
+        return regions
