@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from caricli.geometry.triangle_normals import triangle_normals
-from caricli.render.rasterise import rasterise
+from caricli.render.rasterise import Raster, rasterise
 from caricli.render.sample_texture import sample_texture
 from caricli.structures import Rig
 from caricli.structures.pictures import PICTURED
@@ -37,10 +37,14 @@ def textured_colours(
     width: int,
     height: int,
     paper: float | np.ndarray | Sequence[float] = PAPER,
+    raster: Raster | None = None,
 ) -> np.ndarray:
-    """The same (height, width, 3) float64, not rounded; for the arguments see `render_textured`."""
+    """The same (height, width, 3) float64, not rounded; for the other arguments see `render_textured`.
+
+    raster: Raster of what is placed, or None to find it.
+    """
     faces = rig.faces
-    raster = rasterise(placed, faces, width, height)
+    raster = raster or rasterise(placed, faces, width, height)
     shown = raster.face >= 0
     face = raster.face[shown]
     weights = raster.barycentric[shown].astype(np.float64)

@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 
 from caricli.methods.hair.colour_border import agreeing_chances, depth_inside
-from caricli.methods.hair.colour_mixture import ColourMixture
+from caricli.methods.hair.colour_mixture import AskedColours, ColourMixture
 from caricli.render.cut_window import cut_window
 from caricli.structures.detection import FaceFrame
 from caricli.structures.parsing import Region
@@ -150,7 +150,8 @@ def _alike(picture: np.ndarray, seed: np.ndarray, kept: np.ndarray) -> np.ndarra
     settings = _SETTINGS
     away = depth_inside(seed) / _UNIT
     near = away > -settings.around * settings.beyond
-    lab = cv2.cvtColor(cv2.GaussianBlur(picture, (0, 0), 0.8), cv2.COLOR_RGB2LAB).astype(np.float32)
+    smooth = cv2.GaussianBlur(picture, (0, 0), 0.8)
+    asked = AskedColours(cv2.cvtColor(smooth, cv2.COLOR_RGB2LAB).astype(np.float32))
     opening = seed
     # What is next to the seed may be of it, and says nothing of what is around it at first.
     rest = away < -settings.beyond
@@ -158,7 +159,7 @@ def _alike(picture: np.ndarray, seed: np.ndarray, kept: np.ndarray) -> np.ndarra
         pixels = (opening, rest & near)
         if min(int(own.sum()) for own in pixels) < settings.fewest:
             return seed
-        scores = [_likelihoods(lab, own, k) for own, k in zip(pixels, settings.components, strict=True)]
+        scores = [_likelihoods(asked, own, k) for own, k in zip(pixels, settings.components, strict=True)]
         odds = np.clip(scores[0] - scores[1], -settings.colour, settings.colour) + settings.place * away
         chances = agreeing_chances(picture, odds, settings.radius, settings.smoothness)
         opening = np.where(np.abs(away) > settings.beyond, seed, chances > 0.5) & ~kept
@@ -168,8 +169,8 @@ def _alike(picture: np.ndarray, seed: np.ndarray, kept: np.ndarray) -> np.ndarra
     return opening
 
 
-def _likelihoods(lab: np.ndarray, pixels: np.ndarray, count: int) -> np.ndarray:
-    """(h, w) how likely colours (h, w, 3) are among pixels (h, w) bool of them."""
-    colours = lab[pixels]
+def _likelihoods(asked: AskedColours, pixels: np.ndarray, count: int) -> np.ndarray:
+    """(h, w) how likely colours are among pixels (h, w) bool of them."""
+    colours = asked.colours[pixels]
     chosen = np.linspace(0, len(colours) - 1, min(len(colours), _SETTINGS.samples)).astype(int)
-    return ColourMixture(colours[chosen], count, _SETTINGS.spread).log_likelihoods(lab)
+    return asked.log_likelihoods(ColourMixture(colours[chosen], count, _SETTINGS.spread))

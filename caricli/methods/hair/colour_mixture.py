@@ -34,9 +34,18 @@ class ColourMixture:
             before = mean
             shares = np.exp(scores - total[:, None])
 
-    def log_likelihoods(self, colours: np.ndarray) -> np.ndarray:
-        """(...) natural logarithms of the densities of colours (..., 3)."""
-        return _log_sum(_products(colours.reshape(-1, 3)) @ self.coefficients).reshape(colours.shape[:-1])
+
+class AskedColours:
+    """Colours that mixtures are asked about, one after the other."""
+
+    def __init__(self, colours: np.ndarray) -> None:
+        """colours: (..., 3), 0 to 255."""
+        self.colours = colours
+        self._terms = _products(colours.reshape(-1, 3))
+
+    def log_likelihoods(self, mixture: ColourMixture) -> np.ndarray:
+        """(...) natural logarithms of the densities that a mixture has there."""
+        return _log_sum(self._terms @ mixture.coefficients).reshape(self.colours.shape[:-1])
 
 
 def _products(colours: np.ndarray) -> np.ndarray:

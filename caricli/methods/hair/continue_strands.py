@@ -23,7 +23,7 @@ _OWN = 0.1  # how much of its own tone it keeps, so that tones do not drift
 _BLOTCH = 0.015  # of the picture: what is as dark or light over more than this is a shadow or a light
 _EVEN = 0.7  # of how far these are from the mean tone, that is taken out of patches
 _FEW = 4  # times that a patch is smaller where its tone is blurred
-_COARSE = 16  # pixels, about the side of patches where they are compared
+_COARSE = 12  # pixels, the longest side of patches where they are compared
 
 
 @dataclass(frozen=True)
@@ -88,7 +88,7 @@ class _Quilt:
         self.side, patches = self._patches(_even(canvas, self.seen))
         self.patches = patches[..., :3]
         self.whole = patches[..., 3]
-        every = max(1, self.side // _COARSE)
+        every = ceil(self.side / _COARSE)
         self.coarse = np.s_[every // 2 :: every, every // 2 :: every]
         self.fades = np.clip(2 * self.whole - 1, 0, 1)
         whole = self.whole[:, *self.coarse]
@@ -137,7 +137,8 @@ class _Quilt:
     def lay(self, frame: _Frame) -> None:
         """Choose a patch for a frame and lay it where nothing is."""
         laid = frame.cut(self.laid)
-        if laid.min() > 0.99:
+        full = laid > 0.5
+        if full.all():
             return
         before = frame.cut(self.canvas)
         chosen = self._choose(before, laid)
@@ -148,7 +149,7 @@ class _Quilt:
         joined = laid * whole
         lacks = _blurred(_weighted(before - patch, joined), spread)
         patch = np.clip(patch + lacks[..., :3] / (lacks[..., 3:] + _OWN), 0, 255)
-        inside = cv2.distanceTransform((laid > 0.5).astype(np.uint8), cv2.DIST_L2, 3)
+        inside = cv2.distanceTransform(full.astype(np.uint8), cv2.DIST_L2, 3)
         alpha = np.maximum(1 - inside / max(_FEATHER * self.side, 1), 0) * self.fades[chosen]
         self._paste(frame, _weighted(patch, alpha))
 

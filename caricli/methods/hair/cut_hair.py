@@ -4,7 +4,7 @@ import cv2
 import numpy as np
 
 from caricli.methods.hair.colour_border import agreeing_chances, depth_inside
-from caricli.methods.hair.colour_mixture import ColourMixture
+from caricli.methods.hair.colour_mixture import AskedColours, ColourMixture
 from caricli.methods.hair.settings import MaskSettings
 
 _COMPONENTS = 5  # Gaussians of the colours of hair, and of what is around it
@@ -44,6 +44,7 @@ def _probabilities(picture: np.ndarray, hair: np.ndarray, size: float, settings:
     away = depth_inside(hair) / size
     smooth = cv2.GaussianBlur(picture, (0, 0), max(0.5, 0.004 * size))
     lab = cv2.cvtColor(smooth, cv2.COLOR_RGB2LAB).astype(np.float32)
+    asked = AskedColours(lab)
     generator = np.random.RandomState(0)
     near = away > -_AROUND * settings.beyond
     probable: np.ndarray = hair.astype(np.float32)
@@ -54,7 +55,7 @@ def _probabilities(picture: np.ndarray, hair: np.ndarray, size: float, settings:
             if len(colours) < _FEWEST:
                 return hair.astype(np.float32)
             chosen = generator.permutation(len(colours))[: settings.samples]
-            scores.append(ColourMixture(colours[chosen], _COMPONENTS, settings.spread).log_likelihoods(lab))
+            scores.append(asked.log_likelihoods(ColourMixture(colours[chosen], _COMPONENTS, settings.spread)))
         odds = np.clip(scores[0] - scores[1], -settings.colour, settings.colour) + settings.place * away
         probable = agreeing_chances(picture, odds, max(2, int(settings.nearby * size)), settings.alike)
         probable = np.where(np.abs(away) > settings.beyond, hair, np.clip(probable, 0, 1)).astype(np.float32)

@@ -15,11 +15,12 @@ from caricli.methods.hair.snap_border import snap_border
 from caricli.methods.texture.mask_head import mesh_pixels
 from caricli.methods.texture.picture_view import PictureView, Sight
 from caricli.methods.texture.settings import PaintSettings
-from caricli.structures import Face, Hair
+from caricli.structures import Camera, Face, Hair
 from caricli.template.template import Template
 
 _NEEDED = ("ear_left", "ear_right", "scalp")
 _MARGIN = 0.015  # of the face's height: as far around hair the skin has its colour or its shadow
+_AROUND = 0.1  # of the head's height: farther from head and hair a picture says nothing of hair
 _SIZE = 1024  # texels of hair where none are asked for
 
 
@@ -47,26 +48,31 @@ def dress_hair(
     image: np.ndarray,
     settings: PaintSettings,
     regions: np.ndarray | None = None,
+    pixels: np.ndarray | None = None,
 ) -> DressedHair | None:
     """Put the hair of a picture on a head.
 
     face: Face with camera and landmarks. template: of its topology. image: (H, W, 3) uint8. settings:
     PaintSettings; their hair is "shell", "auto" for none where it is doubtful which pixels show hair or the template
     does not name ears and scalp, or "none". regions: (H, W) values of Region, what the pixels show, or None to tell
-    hair by its colours, which also do where these contradict the regions.
+    hair by its colours, which also do where these contradict the regions. pixels: (H, W) bool, those that the face's
+    mesh covers, or None to find them.
     Returns DressedHair, or None. Raises InputError where a shell is asked for and there is no hair or no such name.
     """
     if not _wants_hair(template, settings):
         return None
-    parsed = None if regions is None else parsed_hair(face, regions, mesh_pixels(face, image), image)
+    parsed = None
+    if regions is not None:
+        parsed = parsed_hair(face, regions, mesh_pixels(face, image) if pixels is None else pixels, image)
     mask = mask_hair(face, template, image) if parsed is None else parsed
     if settings.hair == "auto" and not mask.trusted:
         return None
     if not mask.pixels.any():
         raise InputError("expected hair around the face, found none; --hair none goes without")
-    camera = face.require_camera()
-    head = sink_skull(template.with_vertices(face.vertices), camera, mask)
-    hair, head, overlap = snap_border(*make_shell(head, camera, mask), camera, mask)
+    head = template.with_vertices(face.vertices)
+    camera, near = _near(head, face.require_camera(), mask)
+    head = sink_skull(head, camera, near)
+    hair, head, overlap = snap_border(*make_shell(head, camera, near), camera, near)
     sunk = replace(face, mesh=face.mesh.with_vertices(head.vertices), residual=None)
     return DressedHair(sunk, hair, mask, overlap)
 
@@ -84,6 +90,17 @@ def bare_skin(mask: np.ndarray, dressed: DressedHair) -> np.ndarray:
     disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * reach + 1, 2 * reach + 1))
     bare = mask & (cv2.dilate(dressed.mask.pixels.astype(np.uint8), disc) == 0)
     return bare if bare.any() else mask
+
+
+def _near(head: Template, camera: Camera, mask: HairMask) -> tuple[Camera, HairMask]:
+    """A mask's part around head and hair, all that a shell is made by, and the camera of such a picture."""
+    rows, columns = np.nonzero(mask.pixels)
+    places = np.concatenate([camera.project(head.vertices), np.column_stack([columns, rows])])
+    around = _AROUND * camera.scale * head.height
+    corners = np.array([places.min(0) - around, places.max(0) + around])
+    start, end = np.clip(np.round(corners), 0, mask.pixels.shape[::-1]).astype(int)
+    part = np.s_[start[1] : end[1], start[0] : end[0]]
+    return camera.zoomed(1.0, start), replace(mask, pixels=mask.pixels[part], behind=mask.behind[part])
 
 
 def _wants_hair(template: Template, settings: PaintSettings) -> bool:

@@ -1,14 +1,16 @@
 """Which pixels of a picture show hair: what stands out from skin and background around a face."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import partial
 
 import cv2
 import numpy as np
-from scipy.ndimage import distance_transform_edt
 
-from caricli.methods.hair.colour_mixture import ColourMixture
+from caricli.methods.hair.colour_mixture import AskedColours, ColourMixture
 from caricli.methods.hair.picture_zones import PictureZones
 from caricli.methods.hair.settings import MaskSettings
+from caricli.render.in_parallel import do_in_parallel
 from caricli.structures import Face
 from caricli.template.template import Template
 
@@ -80,8 +82,8 @@ class _Classes:
         self.settings = settings
         self.generator = np.random.RandomState(0)
         smooth = cv2.GaussianBlur(cv2.cvtColor(zones.picture, cv2.COLOR_RGB2LAB), (0, 0), max(0.5, 0.004 * zones.size))
-        self.lab = smooth.astype(np.float32)
-        slopes = [cv2.Sobel(self.lab, cv2.CV_32F, *way, ksize=3) / 8 for way in ((1, 0), (0, 1))]
+        self.asked = AskedColours(smooth.astype(np.float32))
+        slopes = [cv2.Sobel(self.asked.colours, cv2.CV_32F, *way, ksize=3) / 8 for way in ((1, 0), (0, 1))]
         gradient = np.sqrt(np.square(slopes).sum((0, -1)))
         width = 2 * max(2, round(settings.radius * zones.size)) + 1
         disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (width, width))
@@ -95,8 +97,7 @@ class _Classes:
         self.ways[..., SKIN] = np.where(zones.ears > 0.1, np.minimum(self.ways[..., SKIN], 1.5), self.ways[..., SKIN])
         self.ways[..., BACKGROUND] = self._way(zones.behind, 1.2 * quiet, 4 + quiet / 2)
         self.likelihoods = np.full((*zones.shape, 3), settings.strange)
-        self._fit(SKIN, zones.inner)
-        self._fit(BACKGROUND, zones.behind)
+        self._fit({SKIN: zones.inner, BACKGROUND: zones.behind})
         self.probabilities = self._probabilities()
 
     def learn(self) -> bool:
@@ -111,9 +112,8 @@ class _Classes:
         core = cv2.erode(hair.astype(np.uint8), np.ones((3, 3), np.uint8)) > 0
         if core.sum() < _FEWEST:
             return False
-        self._fit(HAIR, teaching)
-        self._fit(BACKGROUND, sure[..., BACKGROUND] & zones.above_chin | zones.behind)
-        self._fit(SKIN, sure[..., SKIN] & ~zones.features | zones.inner)
+        behind = sure[..., BACKGROUND] & zones.above_chin | zones.behind
+        self._fit({HAIR: teaching, BACKGROUND: behind, SKIN: sure[..., SKIN] & ~zones.features | zones.inner})
         self.ways[..., HAIR] = self._way(core, self.quiet, _SKIN_STEP)
         self.probabilities = self._probabilities()
         return True
@@ -129,14 +129,20 @@ class _Classes:
         filtered = [cv2.ximgproc.guidedFilter(self.zones.picture, chances[..., k], radius, epsilon) for k in range(3)]
         return np.clip(np.stack(filtered, -1), 0, 1)
 
-    def _fit(self, kind: int, pixels: np.ndarray) -> None:
-        colours = self.lab[pixels]
-        if len(colours) < _FEWEST:
-            return
-        if len(colours) > self.settings.samples:
-            colours = colours[self.generator.choice(len(colours), self.settings.samples, replace=False)]
+    def _fit(self, examples: Mapping[int, np.ndarray]) -> None:
+        """Fit classes to pixels (H, W) bool of theirs."""
+        jobs = []
+        for kind, pixels in examples.items():
+            colours = self.asked.colours[pixels]
+            if len(colours) > self.settings.samples:
+                colours = colours[self.generator.choice(len(colours), self.settings.samples, replace=False)]
+            if len(colours) >= _FEWEST:
+                jobs.append(partial(self._ask, kind, colours))
+        do_in_parallel(*jobs)
+
+    def _ask(self, kind: int, colours: np.ndarray) -> None:
         mixture = ColourMixture(colours, _COMPONENTS[kind], self.settings.spread)
-        self.likelihoods[..., kind] = mixture.log_likelihoods(self.lab)
+        self.likelihoods[..., kind] = self.asked.log_likelihoods(mixture)
 
     def _way(self, start: np.ndarray, quiet: float, step: float) -> np.ndarray:
         """(H, W) edges on the shortest way from pixels (H, W) bool: what is above quiet, in steps, up to a bound."""
@@ -189,4 +195,5 @@ def _parts(mask: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _near(mask: np.ndarray, reach: float) -> np.ndarray:
-    return distance_transform_edt(~mask) <= reach if mask.any() else mask
+    away = cv2.distanceTransform((~mask).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
+    return away <= reach if mask.any() else mask

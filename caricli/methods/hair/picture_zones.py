@@ -116,7 +116,8 @@ def facial_features(points: np.ndarray, size: float, shape: tuple[int, int], set
         cv2.polylines(mask, [line], False, 1, max(1, int(_BROW_WIDTH * size)))
     enclosed = np.any([inside_polygon(_finite(points[list(part)]), shape) for part in _FEATURES], axis=0)
     mask = (mask > 0) | enclosed
-    return distance_transform_edt(~mask) < settings.features * size if mask.any() else mask
+    away = cv2.distanceTransform((~mask).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
+    return away < settings.features * size if mask.any() else mask
 
 
 def _finite(points: np.ndarray) -> np.ndarray:

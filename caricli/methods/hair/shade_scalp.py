@@ -1,11 +1,14 @@
 """The skin at the edge of hair in the colours of the hair, so that neither a hard line nor bare skin borders it."""
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from caricli.methods.hair.head_sphere import HeadSphere
 from caricli.methods.hair.hidden_hairline import reach_inside, usual_reach
 from caricli.methods.hair.make_shell import unrolled_to_uv
 from caricli.methods.hair.settings import ShellSettings
+from caricli.methods.texture.texels import Texels
 from caricli.methods.texture.texture_face import FaceTexture
 from caricli.render.paint import mix, smooth_step
 from caricli.render.sample_texture import sample_texture
@@ -23,6 +26,22 @@ _GRAIN = 0.2  # of the share of hair, that it varies from texel to texel
 _MIRRORED = 0.5  # of the way from the whorl to the edge: colours beyond the edge are mirrored so far
 
 
+@dataclass(frozen=True, eq=False)
+class _Skin:
+    """N texels around hair.
+
+    rows, columns: (N,) in the texture. to_hair, usual: (N,) shares of the head's height, to the hair's edge and to the
+    usual hairline. bare: (N,) from 0 to 1, how far no ear is there. in_hair: (N, 2) UVs of the hair there.
+    """
+
+    rows: np.ndarray
+    columns: np.ndarray
+    to_hair: np.ndarray
+    usual: np.ndarray
+    bare: np.ndarray
+    in_hair: np.ndarray
+
+
 class Scalp:
     """What skin around hair is shaded by, that no picture says: the hair's edge, and the usual hairline."""
 
@@ -30,9 +49,10 @@ class Scalp:
         self,
         head: Template,
         hair: Hair,
+        texels: Texels | None = None,
         settings: ShellSettings = ShellSettings(),  # noqa: B008 (frozen)
     ) -> None:
-        """head: Template with UVs, its skull under the hair. hair: Hair on it."""
+        """head: Template with UVs, its skull under the hair. hair: Hair on it. texels: of its texture, or None."""
         self.head = head
         self.hair = hair
         self.settings = settings
@@ -43,6 +63,7 @@ class Scalp:
         self.to_hair = reach_inside(self.sphere, covered) / head.height
         self.usual = usual_reach(self.sphere, settings) / head.height
         self.part = _near(head, self.sphere, np.maximum(self.to_hair + _HIDDEN, self.usual - _FADE[0]) > 0)
+        self.skin = None if texels is None else self._skin(len(texels.covered))
 
     def shaded(self, texture: FaceTexture, picture: np.ndarray, generator: np.random.Generator) -> np.ndarray:
         """(S, S, 3) uint8: a texture's picture with skin around hair painted as if this were cropped there.
@@ -51,27 +72,37 @@ class Scalp:
 
         texture: FaceTexture of the head. picture: (S, S, 3) uint8, of the hair. generator: of the grain.
         """
+        skin = self.skin or self._skin(len(texture.image))
+        seen = texture.seen[skin.rows, skin.columns]
+        beside = smooth_step(skin.to_hair, -(_HIDDEN + seen * (_SEEN - _HIDDEN)), 0)
+        cropped = smooth_step(seen, _UNSEEN, 0) * smooth_step(skin.usual, *_FADE)
+        share = np.maximum(beside, _THIN * cropped) * skin.bare
+        grain = generator.normal(0, _GRAIN, len(share))
+        share = np.clip(share + 4 * grain * share * (1 - share), 0, 1)
+        colours = sample_texture(picture, skin.in_hair)
+        shaded = texture.image.copy()
+        shaded[skin.rows, skin.columns] = np.round(mix(shaded[skin.rows, skin.columns], colours, share))
+        return pad_texture(shaded, texture.covered)
+
+    def _skin(self, size: int) -> "_Skin":
+        """Texels of skin around hair in a texture of a size."""
         sphere = self.sphere
-        face, weights = uv_map(self.part, len(texture.image))
+        face, weights = uv_map(self.part, size)
         rows, columns = np.nonzero(face >= 0)
         corners = self.part.faces[face[rows, columns]]
         weights = weights[rows, columns]
         points = np.einsum("nk,nkc->nc", weights, self.part.vertices[corners])
         longitudes, angles, _ = sphere.seen_from(points)
-        seen = texture.seen[rows, columns]
-        to_hair = sphere.sample(self.to_hair, longitudes, angles)
-        beside = smooth_step(to_hair, -(_HIDDEN + seen * (_SEEN - _HIDDEN)), 0)
-        usual = sphere.sample(self.usual, longitudes, angles)
-        cropped = smooth_step(seen, _UNSEEN, 0) * smooth_step(usual, *_FADE)
-        skin = ~self.head.mask("ear_left", "ear_right")[corners]
-        share = np.maximum(beside, _THIN * cropped) * smooth_step((weights * skin).sum(1), *_EAR)
-        grain = generator.normal(0, _GRAIN, len(share))
-        share = np.clip(share + 4 * grain * share * (1 - share), 0, 1)
+        bare = ~self.head.mask("ear_left", "ear_right")[corners]
         ends = _ends(self.hair, sphere, self.settings, longitudes)
-        colours = sample_texture(picture, unrolled_to_uv(longitudes, _mirrored(angles / ends)))
-        shaded = texture.image.copy()
-        shaded[rows, columns] = np.round(mix(shaded[rows, columns], colours, share))
-        return pad_texture(shaded, texture.covered)
+        return _Skin(
+            rows,
+            columns,
+            sphere.sample(self.to_hair, longitudes, angles),
+            sphere.sample(self.usual, longitudes, angles),
+            smooth_step((weights * bare).sum(1), *_EAR),
+            unrolled_to_uv(longitudes, _mirrored(angles / ends)),
+        )
 
 
 def _near(head: Template, sphere: HeadSphere, places: np.ndarray) -> Mesh:

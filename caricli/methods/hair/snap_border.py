@@ -58,9 +58,10 @@ def snap_border(
     outside = _outside(mask, size)
     seen = _seen_faces(head, hair, camera, mask.pixels.shape)
     best = (union_share(seen >= 0, mask.pixels), hair, head)
+    wanted = _border(mask.pixels, size)
     for number, width in enumerate((*_WIDTHS, None)):
         if width is not None:
-            points = _moved(hair.shell, sphere, camera, _field(seen >= 0, mask.pixels, size, width))
+            points = _moved(hair.shell, sphere, camera, _field(seen >= 0, wanted, size, width))
         elif best[0] < _GOOD:
             points = hair.shell.vertices
             wrong = _seen_places(head, hair, camera, outside & ~mask.behind)
@@ -139,13 +140,12 @@ def _raster(head: Mesh, hair: Hair, camera: Camera, shape: tuple[int, ...]) -> t
     return both, rasterise(camera.place(both.vertices), both.faces, shape[1], shape[0])
 
 
-def _field(shown: np.ndarray, wanted: np.ndarray, height: float, width: float) -> np.ndarray:
-    """(H, W, 2) pixels, x and y: how pixels move so that the border of the first mask comes to that of the second.
+def _field(shown: np.ndarray, there: np.ndarray, height: float, width: float) -> np.ndarray:
+    """(H, W, 2) pixels, x and y: how pixels move so that the border of a mask comes to another one, see `_border`.
 
     height: pixels of the head. width: share of it over which movements are spread.
     """
     here = _border(shown, height)
-    there = _border(wanted, height)
     total = np.zeros((*shown.shape, 3), np.float32)
     for start, end, way in ((here, there, 1), (there, here, -1)):
         if len(start) == 0 or len(end) == 0:

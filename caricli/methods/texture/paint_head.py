@@ -93,20 +93,21 @@ def paint_head(
     has no camera or no landmarks, and when it is not where picture and mask show a head.
     """
     camera = face.require_camera()
-    landmarks = face.require_landmarks()
-    mask, skin, hair, texels = _find_parts(face, template, image, mask, settings, regions)
+    seen = _look(face, template, image, mask, settings, regions)
+    hair = seen.hair
     face = replace(face, hair=None) if hair is None else replace(hair.face, hair=hair.hair)
     head = _laid_out(template.with_vertices(face.vertices), image, camera, settings)
-    generator = np.random.default_rng(settings.seed)
-    eyes = paint_eye(TEXTURE, generator, *eye_colours(image, landmarks))
     still = np.zeros((0, *head.vertices.shape), np.float32)
     bare = Rig((), head.with_vertices(head.vertices.astype(np.float32)), still)
-    whole = add_eyeballs(bare, fit_eyeballs(head, head.annotation, still), generator, eyes)
+    whole = add_eyeballs(
+        bare, fit_eyeballs(head, head.annotation, still), np.random.default_rng(settings.seed), seen.eyes
+    )
     whole = choose_parts(add_parts(whole, face_parts(face, template, settings.head)), settings.head)
     # None of these waits for another.
-    jobs: list[Callable[[], Any]] = [partial(_skin_texture, head, Sight(camera, image, skin, mask), texels, settings)]
+    sight = Sight(camera, image, seen.skin, seen.mask)
+    jobs: list[Callable[[], Any]] = [partial(_skin_texture, head, sight, seen.texels, settings)]
     if hair is not None:
-        jobs += [partial(hair_picture, hair, image, settings), partial(Scalp, head, hair.hair)]
+        jobs += [partial(hair_picture, hair, image, settings), partial(Scalp, head, hair.hair, seen.texels)]
     if settings.sky:
         jobs.append(partial(mesh_sky, whole.mesh.vertices, whole.mesh.faces))
     skin_texture, *rest = do_in_parallel(*jobs)
@@ -118,39 +119,58 @@ def paint_head(
         texture = scalp.shaded(skin_texture, hair_texture, np.random.default_rng(settings.seed))
     bare = replace(bare, pictures=Pictures(texture))
     wall = wall_pixels(head, camera, (image.shape[1], image.shape[0]))
-    error = photometric_error(bare, face, image, skin & ~wall, skin_texture.light)
+    error = photometric_error(bare, face, image, seen.skin & ~wall, skin_texture.light)
     pictures = Pictures(texture, whole.pictures.eyes, hair_texture, neck_picture(head, texture))
-    seen = float(skin_texture.seen[skin_texture.covered].mean())
+    share = float(skin_texture.seen[skin_texture.covered].mean())
     whole = replace(whole, pictures=pictures)
-    return Painted(head, whole, error, seen, float(mask.mean()), skin_texture.light, hair, sky)
+    return Painted(head, whole, error, share, float(seen.mask.mean()), skin_texture.light, hair, sky)
 
 
-def _find_parts(
+@dataclass(frozen=True, eq=False)
+class _Seen:
+    """What is known before anything is painted.
+
+    mask, skin: (H, W) bool, the head in the picture and what of it is bare skin. hair: DressedHair, or None. texels:
+    Texels, or None where the view has to tell their number first, or has a layout of its own. eyes: picture of an eye.
+    """
+
+    mask: np.ndarray
+    skin: np.ndarray
+    hair: DressedHair | None
+    texels: Texels | None
+    eyes: np.ndarray
+
+
+def _look(
     face: Face,
     template: Template,
     image: np.ndarray,
     mask: np.ndarray | None,
     settings: PaintSettings,
     regions: np.ndarray | None,
-) -> tuple[np.ndarray, np.ndarray, DressedHair | None, Texels | None]:
-    """(H, W) bool, the head in a picture and what of it is bare skin, its hair, and Texels; see `paint_head`."""
-    parsed = None if regions is None or mask is not None else parsed_head(regions, mesh_pixels(face, image), image)
-    parts = _find_head(face, image, mask) if parsed is None else parsed
+) -> _Seen:
+    """Look at a picture; for the arguments see `paint_head`."""
+    landmarks = face.require_landmarks()
+    pixels = mesh_pixels(face, image)
+    parsed = None if regions is None or mask is not None else parsed_head(regions, pixels, image)
+    parts = _find_head(face, image, mask, pixels) if parsed is None else parsed
     regions = None if parsed is None else regions
-    looks: list[Callable[[], Any]] = [partial(dress_hair, face, template, image, settings, regions)]
-    # Nothing here needs these, but what comes next, and one processor is free.
-    looks += [partial(_find_texels, template, settings), partial(chosen_attachment, template, settings.head)]
+    looks: list[Callable[[], Any]] = [partial(dress_hair, face, template, image, settings, regions, pixels)]
+    looks.append(partial(_find_texels, template, settings))
+    looks.append(lambda: paint_eye(TEXTURE, np.random.default_rng(settings.seed), *eye_colours(image, landmarks)))
+    # Nothing here needs this, but what comes next, and one processor is free.
+    looks.append(partial(chosen_attachment, template, settings.head))
     if regions is not None:
-        looks.append(partial(cut_openings, image, regions, face.require_landmarks()))
-    hair, texels, _, *openings = do_in_parallel(*looks)
+        looks.append(partial(cut_openings, image, regions, landmarks))
+    hair, texels, eyes, _, *openings = do_in_parallel(*looks)
     skin = parts.paint if hair is None else bare_skin(parts.paint, hair)
     for opening in openings:
         skin = skin & ~opening
-    return parts.whole, skin, hair, texels
+    return _Seen(parts.whole, skin, hair, texels, eyes)
 
 
 def _find_texels(template: Template, settings: PaintSettings) -> Texels | None:
-    """The Texels of a template, or None where the view has to tell their number first, or has a layout of its own."""
+    """The Texels of a template, or None, see `_Seen`."""
     if settings.size is None or settings.project_uv or template.uvs is None:
         return None
     return Texels(template, settings.size)
@@ -174,10 +194,13 @@ def _skin_texture(head: Template, sight: Sight, texels: Texels | None, settings:
     return texture_face(head, sight, texels or settings.size, settings.texture, np.random.default_rng(settings.seed))
 
 
-def _find_head(face: Face, image: np.ndarray, mask: np.ndarray | None) -> ParsedHead:
-    """The head in a picture by a mask, or else by its colours. Raises InputError where there is none."""
+def _find_head(face: Face, image: np.ndarray, mask: np.ndarray | None, pixels: np.ndarray) -> ParsedHead:
+    """The head in a picture by a mask, or else by its colours. Raises InputError where there is none.
+
+    pixels: (H, W) bool, those that the face's mesh covers.
+    """
     if mask is None:
         mask = mask_head(face, image)
-    elif not (mask & mesh_pixels(face, image)).any():
+    elif not (mask & pixels).any():
         raise InputError("expected a mask that is white where the head is, found none there")
     return ParsedHead(mask, mask)

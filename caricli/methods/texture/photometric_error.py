@@ -18,8 +18,8 @@ def photometric_error(rig: Rig, face: Face, image: np.ndarray, mask: np.ndarray,
     """
     height, width = image.shape[:2]
     placed = face.require_camera().place(face.vertices)
-    again = textured_colours(rig, placed, width, height)
     raster = rasterise(placed, rig.faces, width, height)
+    again = textured_colours(rig, placed, width, height, raster=raster)
     both = mask & (raster.face >= 0)
     if light is not None:
         shade = light.shade(smooth_normals(face.vertices, face.faces))[rig.faces[raster.face[both]]]

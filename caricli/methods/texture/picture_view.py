@@ -145,13 +145,14 @@ class PictureView:
         alone = self.settings.alone
         total = back @ np.ones((len(face), 1), np.float32) + alone
         x, y, _ = self._shrunk(self._place(places[seen])).T
-        current = colours[seen]
+        current = before = colours[seen]
         least, most = self._range(x, y, current)
-        for _ in range(self.settings.rounds):
+        for number in range(self.settings.rounds):
+            if number:
+                missing[self.pixels] -= lookup @ (current - before)
+            before = current
             share = (back @ missing[self.pixels] + alone * sample_pixels(missing, x, y)) / total
-            better = np.clip(current + trust[seen] * share, least, most)
-            missing[self.pixels] -= lookup @ (better - current)
-            current = better
+            current = np.clip(current + trust[seen] * share, least, most)
         sharper[seen] = current
         return sharper
 

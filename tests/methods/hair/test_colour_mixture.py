@@ -1,7 +1,7 @@
 import numpy as np
 from scipy.stats import multivariate_normal
 
-from caricli.methods.hair.colour_mixture import ColourMixture
+from caricli.methods.hair.colour_mixture import AskedColours, ColourMixture
 
 
 def test_two_colours_are_told_apart_by_their_densities():
@@ -13,10 +13,10 @@ def test_two_colours_are_told_apart_by_their_densities():
     groups = [(0.75, dark), (0.25, light)]
     # Of the samples themselves: nothing else is told to the mixture.
     density = sum(share * multivariate_normal(g.mean(0), np.cov(g.T, bias=True)).pdf(asked) for share, g in groups)
-    np.testing.assert_allclose(mixture.log_likelihoods(asked), np.log(density), atol=1e-5)
+    np.testing.assert_allclose(AskedColours(asked).log_likelihoods(mixture), np.log(density), atol=1e-5)
 
 
 def test_spread_is_what_one_colour_has():
     mixture = ColourMixture(np.full((60, 3), 90.0), 2, 4.0)
     expected = multivariate_normal([90] * 3, 4 * np.eye(3)).logpdf([92, 90, 90])
-    np.testing.assert_allclose(mixture.log_likelihoods(np.array([92.0, 90, 90])), expected, atol=1e-4)
+    np.testing.assert_allclose(AskedColours(np.array([92.0, 90, 90])).log_likelihoods(mixture), expected, atol=1e-4)
