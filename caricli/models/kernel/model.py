@@ -1,7 +1,7 @@
 """Principal components of vertex positions, the finer ones predicted from the coarser ones by a Gaussian process."""
 
 from collections.abc import Mapping
-from functools import cached_property, partial
+from functools import partial
 from typing import Self
 
 import numpy as np
@@ -45,11 +45,8 @@ class KernelModel:
         self.process = process
         self.model_id = model_id
         self.prior = Prior.standard(len(process.scale))
-
-    @cached_property
-    def _gram(self) -> np.ndarray:
-        """(D + E, D + E) products of the basis."""
-        return direction_products(self.basis.reshape(len(self.basis), -1))
+        flat = basis.reshape(len(basis), -1)
+        self._gram = direction_products(flat)
 
     @classmethod
     def train(cls, template: Template, shapes: np.ndarray, config: KernelConfig) -> Self:
