@@ -52,7 +52,8 @@ def parsed_head(regions: np.ndarray, pixels: np.ndarray, image: np.ndarray) -> P
     around = round(_AROUND * np.ptp(np.flatnonzero(pixels.any(1))))
     collar = _collar(regions, own, image)
     if collar.any():
-        collar = own & (regions == Region.NECK) & ~_bare_neck(regions, own & ~collar, collar, around)
+        # Beyond the mesh, too, whose outermost vertices see what is beside it.
+        collar = whole & (regions == Region.NECK) & ~_bare_neck(regions, own & ~collar, collar, around)
     return ParsedHead(whole, whole & np.isin(regions, _PAINT) & ~collar)
 
 

@@ -74,3 +74,12 @@ def test_what_is_beyond_a_collar_is_no_neck(image):
     head = parsed_head(labels, labels > 0, picture)
     assert head.paint[300:327, 55:145].all() and not head.paint[329:].any()
     assert head.whole[300:, 50:150].all()
+
+
+def test_a_collar_is_no_paint_beyond_the_mesh(regions, pixels, image):
+    """The outermost vertices see pixels beside the mesh, too."""
+    regions[42:56, 22:40] = Region.NECK
+    image[42:56, 32:40] = (190, 20, 30)
+    head = parsed_head(regions, pixels, image)
+    assert head.paint[42:49, 22:30].all() and not head.paint[42:56, 32:40].any()
+    assert head.whole[42:50, 22:40].all()
