@@ -48,6 +48,11 @@ def skin_weights(head: Template, seen: np.ndarray) -> np.ndarray:
     return vertex_areas(head) * seen * (face & ~head.mask(*FEATURES))
 
 
+def skin_colour(head: Template, vertices: SeenColours) -> np.ndarray:
+    """(3,) sRGB, the median of the face's plain skin. vertices: SeenColours of the head, without light."""
+    return _median(vertices.colours, skin_weights(head, vertices.seen) + 1e-12 * vertex_areas(head))
+
+
 def vertex_areas(head: Template) -> np.ndarray:
     """(V,) a third of the areas of the triangles around every vertex, square metres."""
     areas = np.linalg.norm(triangle_normals(head.vertices, head.faces), axis=1) / 6
@@ -82,7 +87,7 @@ def fill_unseen(
 
 def region_colours(head: Template, vertices: SeenColours, areas: np.ndarray, settings: FillSettings) -> np.ndarray:
     """(V, 3) the colour that is usual around each vertex, of areas (V,); for the arguments see `fill_unseen`."""
-    skin = _median(vertices.colours, skin_weights(head, vertices.seen) + 1e-12 * areas)
+    skin = skin_colour(head, vertices)
     usual = np.tile(skin, (len(areas), 1))
     plain = ~head.mask(*FEATURES)
     like = likeness(vertices.colours, skin, settings.other)

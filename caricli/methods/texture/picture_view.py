@@ -21,13 +21,14 @@ class SurfacePoints:
 
     places: (N, 3) metres. normals: (N, 3) of any length. pockets: (N,) from 0 to 1, how far they are in the mouth or an
     eye socket: nobody looks there from the side. hidden: (N,) from 0 to 1, how far they are not what the picture shows
-    there, or that for all.
+    there, or that for all. neck: the same of how far they are on the neck.
     """
 
     places: np.ndarray
     normals: np.ndarray
     pockets: np.ndarray
     hidden: np.ndarray | float = 0.0
+    neck: np.ndarray | float = 0.0
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from caricli.methods.texture.estimate_light import Light, estimate_light
-from caricli.methods.texture.fill_unseen import fill_unseen, skin_weights
+from caricli.methods.texture.fill_unseen import fill_unseen, skin_colour, skin_weights
 from caricli.methods.texture.grow_grain import grow_grain
 from caricli.methods.texture.mouth_wall import mouth_wall, wall_colour
 from caricli.methods.texture.picture_view import PictureView, SeenColours, Sight, SurfacePoints, likeness
@@ -45,8 +45,9 @@ def texture_face(
     A texel takes the colour at its projection as far as it is seen, not at a grazing angle, and not where an outline
     may be; where it is not, that of its mirror image, if this is; the rest is filled over the surface from what is
     seen. What is hardly seen takes its own colour as far as this is like what fills it. Background never enters: it is
-    replaced by diffused colours of the face first; nor do teeth enter the wall of the mouth, which is dark red. What a
-    rendering blurs of this is then given back to the texels that are seen.
+    replaced by diffused colours of the face first; nor do teeth enter the wall of the mouth, which is dark red. A neck
+    takes, where light is taken out, what is like the skin: shadows of chins and collars stay out. What a rendering
+    blurs of this is then given back to the texels that are seen.
 
     head: Template with UVs, in the shape of the face. sight: Sight of it. size: texels, width and height, or the Texels
     of a head of the same topology; where there is none, the power of two, within limits, with which texels of what is
@@ -58,30 +59,32 @@ def texture_face(
     view = PictureView(head, sight, settings)
     texels = size if isinstance(size, Texels) else Texels(head, size or view.size())
     normals = smooth_normals(head.vertices, head.faces)
-    vertices = SurfacePoints(head.vertices, normals, head.mask(*CAVITIES).astype(np.float64), mouth_wall(head))
+    vertices = _vertices(head, normals)
     usual = view.look(vertices)
     light = None if like is None else like.light
     if like is None and not settings.keep_light:
         weights = skin_weights(head, usual.seen)
         light = estimate_light(usual.colours, normals, head.vertices, weights, -sight.camera.rotation[2])
     shade = np.ones_like(normals) if light is None else light.shade(normals)
+    usual = usual.unlit(shade)
+    skin = None if light is None else skin_colour(head, usual)
     points, own_shade = texels.points(vertices, shade)
     own = view.look(points)
     # What is full white may have been brighter.
     burnt = (own.colours >= settings.burnt) & (own_shade > 1)
+    own = _bare(own.unlit(own_shade), points, skin, settings)
     rest = (own.seen < settings.trust) | burnt.any(1)
-    hardly = own.unlit(own_shade)
-    colours = hardly.colours.copy()
+    colours = own.colours.copy()
     trust = np.ones((len(colours), 1), np.float32)
-    hardly = hardly.part(rest)
+    hardly = own.part(rest)
     some = texels.part(rest)
     both = hardly
     if head.annotation.mirror is not None:
         points_there, shade_there = some.mirrored(head.annotation.mirror).points(vertices, shade)
-        there = view.look(points_there).unlit(shade_there)
+        there = _bare(view.look(points_there).unlit(shade_there), points_there, skin, settings)
         both = both.completed(there, settings.mirrored * (1 - _trust(both.seen, settings)[:, 0]))
     trust[rest] = _trust(both.seen, settings)
-    filled = _fill(head, usual.unlit(shade), hardly, some, settings)
+    filled = _fill(head, _bare(usual, vertices, skin, settings), hardly, some, settings)
     bare = np.where(burnt[rest], np.maximum(both.colours, filled), both.colours)
     colours[rest] = trust[rest] * bare + (1 - trust[rest]) * filled
     lit = own_shade * colours
@@ -95,6 +98,23 @@ def texture_face(
     return FaceTexture(picture, seen, texels.covered, light)
 
 
+def _vertices(head: Template, normals: np.ndarray) -> SurfacePoints:
+    """The vertices of a head, whose normals are (V, 3)."""
+    pockets = head.mask(*CAVITIES).astype(np.float64)
+    return SurfacePoints(head.vertices, normals, pockets, mouth_wall(head), head.mask("neck").astype(np.float64))
+
+
+def _bare(seen: SeenColours, points: SurfacePoints, skin: np.ndarray | None, settings: TextureSettings) -> SeenColours:
+    """What is seen of points without light, of a neck only as far as it is like the skin: no collar, and no shadow.
+
+    skin: (3,) its colour, or None where light is kept, and shadows with it.
+    """
+    if skin is None:
+        return seen
+    like = likeness(seen.colours, skin, settings.other)
+    return SeenColours(seen.colours, seen.seen * (1 - points.neck * (1 - like)))
+
+
 def _fill(
     head: Template, vertices: SeenColours, hardly: SeenColours, texels: Texels, settings: TextureSettings
 ) -> np.ndarray:
@@ -103,9 +123,13 @@ def _fill(
     usual = vertices
     if mirror is not None:
         usual = usual.completed(SeenColours(usual.colours[mirror], usual.seen[mirror]), settings.mirrored)
-    glimpse = np.clip(vertices.seen / settings.glimpse, 0, 1)[:, None]
+    continued = fill_unseen(head, usual)
+    trust = _trust(vertices.seen, settings)[:, 0]
+    glimpse = np.clip(vertices.seen / settings.glimpse, 0, 1)
+    # What only a glimpse shows may be an outline, which does not go on over the side.
+    own = (trust + (1 - trust) * glimpse * likeness(vertices.colours, continued, settings.other))[:, None]
     wall = mouth_wall(head)[:, None]
-    bare = glimpse * vertices.colours + (1 - glimpse) * fill_unseen(head, usual)
+    bare = own * vertices.colours + (1 - own) * continued
     filled = texels.mix @ ((1 - wall) * bare + wall * wall_colour(vertices.colours)).astype(np.float32)
     like = likeness(hardly.colours, filled, settings.other) * np.clip(hardly.seen / settings.glimpse, 0, 1)
     return like[:, None] * hardly.colours + (1 - like[:, None]) * filled

@@ -369,3 +369,19 @@ def test_light_of_another_texture_is_taken_out_too(scenes, face, template):
     whole = kept.covered & (kept.seen > 0.9) & (unlit.seen > 0.9)
     ratio = (unlit.image[whole] / np.maximum(kept.image[whole].astype(float), 1)).mean(1)
     assert np.quantile(ratio, 0.95) > 1.15 * np.quantile(ratio, 0.05)
+
+
+def test_a_collar_before_the_neck_stays_out_with_the_light(scenes, face, template):
+    scene = scenes[0]
+    head = template.with_vertices(face)
+    shown = rasterise(scene.camera.place(face), template.faces, SIDE, SIDE).face
+    neck = template.mask("neck")[template.faces].all(1)[shown] & (shown >= 0)
+    collar = neck & (np.arange(SIDE)[:, None] > np.median(np.nonzero(neck)[0]))
+    image = np.where(collar[..., None], [40, 60, 160], [205, 150, 120]).astype(np.uint8)
+    sight = Sight(scene.camera, image, shown >= 0)
+    blue = []
+    for settings in (KEPT, TextureSettings()):
+        texture = texture_face(head, sight, SIZE, settings)
+        colours = texture.image[texture.covered].astype(int)
+        blue.append((colours[:, 2] > colours[:, 0]).mean())
+    assert blue[0] > 0.01 and blue[1] < 0.02 * blue[0], blue
