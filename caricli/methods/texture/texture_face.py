@@ -46,7 +46,7 @@ def texture_face(
     may be; where it is not, that of its mirror image, if this is; the rest is filled over the surface from what is
     seen. What is hardly seen takes its own colour as far as this is like what fills it. Background never enters: it is
     replaced by diffused colours of the face first; nor do teeth enter the wall of the mouth, which is dark red. A neck
-    takes, where light is taken out, what is like the skin: shadows of chins and collars stay out. What a rendering
+    takes, unless light is kept, what is like the skin: shadows of chins and collars stay out. What a rendering
     blurs of this is then given back to the texels that are seen.
 
     head: Template with UVs, in the shape of the face. sight: Sight of it. size: texels, width and height, or the Texels
@@ -67,7 +67,7 @@ def texture_face(
         light = estimate_light(usual.colours, normals, head.vertices, weights, -sight.camera.rotation[2])
     shade = np.ones_like(normals) if light is None else light.shade(normals)
     usual = usual.unlit(shade)
-    skin = None if light is None else skin_colour(head, usual)
+    skin = None if settings.keep_light else skin_colour(head, usual)
     points, own_shade = texels.points(vertices, shade)
     own = view.look(points)
     # What is full white may have been brighter.

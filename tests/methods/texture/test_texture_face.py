@@ -364,7 +364,7 @@ def test_light_of_another_texture_is_taken_out_too(scenes, face, template):
     light = Light(np.array([[3.0] * 3, [-1.5] * 3, *[[0.0] * 3] * 7]), np.tile([[0.3], [2.5]], 3), 1.0)
     unlit = texture_face(head, sight, SIZE, like=replace(kept, light=light))
     assert unlit.light is light
-    same = texture_face(head, sight, SIZE, like=kept)
+    same = texture_face(head, sight, SIZE, KEPT, like=kept)
     np.testing.assert_array_equal(same.image, kept.image)
     whole = kept.covered & (kept.seen > 0.9) & (unlit.seen > 0.9)
     ratio = (unlit.image[whole] / np.maximum(kept.image[whole].astype(float), 1)).mean(1)
