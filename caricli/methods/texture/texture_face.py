@@ -111,8 +111,11 @@ def _bare(seen: SeenColours, points: SurfacePoints, skin: np.ndarray | None, set
     """
     if skin is None:
         return seen
-    like = likeness(seen.colours, skin, settings.other)
-    return SeenColours(seen.colours, seen.seen * (1 - points.neck * (1 - like)))
+    neck = np.broadcast_to(points.neck, seen.seen.shape)
+    rows = np.flatnonzero(neck)
+    bare = seen.seen.copy()
+    bare[rows] *= 1 - neck[rows] * (1 - likeness(seen.colours[rows], skin, settings.other))
+    return SeenColours(seen.colours, bare)
 
 
 def _fill(
