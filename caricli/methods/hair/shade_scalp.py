@@ -2,7 +2,9 @@
 
 from dataclasses import dataclass
 
+import cv2
 import numpy as np
+from scipy.ndimage import label
 
 from caricli.methods.hair.head_sphere import HeadSphere
 from caricli.methods.hair.hidden_hairline import reach_inside, usual_reach
@@ -23,6 +25,9 @@ _THIN = 0.95  # of the colour of hair, that cropped hair has at most
 _UNSEEN = 0.25  # from which on the picture decides, not what is usual
 _EAR = (0.3, 0.9)  # of a triangle that is not an ear's, from where on and with which hair may grow
 _GRAIN = 0.2  # of the share of hair, that it varies from texel to texel
+_HARDLY = 0.02  # from which on a texel is seen at all
+_GLIMPSE = 0.003  # of a texture: what is seen of skin is more than this, or does not count
+_SPECK = 20  # directions of a sphere's: a sliver of hair that comes out of the skin alone is none
 _MIRRORED = 0.5  # of the way from the whorl to the edge: colours beyond the edge are mirrored so far
 
 
@@ -59,7 +64,7 @@ class Scalp:
         self.sphere = HeadSphere(head, settings, fine=True)
         around, down = np.meshgrid(self.sphere.longitudes, self.sphere.angles)
         outer = self.sphere.cover(hair.shell.vertices, hair.shell.faces, around, down)
-        covered = np.isfinite(outer) & (outer > self.sphere.radii)
+        covered = _without_specks(np.isfinite(outer) & (outer > self.sphere.radii))
         self.to_hair = reach_inside(self.sphere, covered) / head.height
         self.usual = usual_reach(self.sphere, settings) / head.height
         self.part = _near(head, self.sphere, np.maximum(self.to_hair + _HIDDEN, self.usual - _FADE[0]) > 0)
@@ -73,7 +78,7 @@ class Scalp:
         texture: FaceTexture of the head. picture: (S, S, 3) uint8, of the hair. generator: of the grain.
         """
         skin = self.skin or self._skin(len(texture.image))
-        seen = texture.seen[skin.rows, skin.columns]
+        seen = _without_glimpses(texture.seen)[skin.rows, skin.columns]
         beside = smooth_step(skin.to_hair, -(_HIDDEN + seen * (_SEEN - _HIDDEN)), 0)
         cropped = smooth_step(seen, _UNSEEN, 0) * smooth_step(skin.usual, *_FADE)
         share = np.maximum(beside, _THIN * cropped) * skin.bare
@@ -103,6 +108,24 @@ class Scalp:
             smooth_step((weights * bare).sum(1), *_EAR),
             unrolled_to_uv(longitudes, _mirrored(angles / ends)),
         )
+
+
+def _without_specks(covered: np.ndarray) -> np.ndarray:
+    """Which directions (R, C) hair covers, where it covers more than a few around, or leaves more than a few free."""
+    for value in (True, False):
+        parts, _ = label(covered == value)
+        specks = np.bincount(parts.ravel()) <= _SPECK
+        specks[0] = False
+        covered = covered ^ specks[parts]
+    return covered
+
+
+def _without_glimpses(seen: np.ndarray) -> np.ndarray:
+    """(S, S) from 0 to 1, how far texels are seen, not at all where but a few are: those would be holes in hair."""
+    _, parts, stats, _ = cv2.connectedComponentsWithStats((seen > _HARDLY).astype(np.uint8))
+    few = stats[:, cv2.CC_STAT_AREA] < _GLIMPSE * seen.size
+    few[0] = False
+    return np.where(few[parts], 0, seen)
 
 
 def _near(head: Template, sphere: HeadSphere, places: np.ndarray) -> Mesh:

@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 
+from caricli.methods.hair import shade_scalp as module
 from caricli.methods.hair.dress_hair import dress_hair
 from caricli.methods.hair.shade_scalp import Scalp
 from caricli.methods.texture.settings import PaintSettings
@@ -21,7 +22,7 @@ def scalp(sitter):
     brown = np.full((SIZE, SIZE, 3), BROWN, np.uint8)
 
     def painted(seen):
-        texture = FaceTexture(plain, np.full((SIZE, SIZE), seen, np.float32), face >= 0, None)
+        texture = FaceTexture(plain, np.broadcast_to(np.float32(seen), (SIZE, SIZE)), face >= 0, None)
         return Scalp(head, dressed.hair).shaded(texture, brown, np.random.default_rng(0))
 
     def where(*names):
@@ -53,3 +54,24 @@ def test_it_fades_out_and_stays_nearer_where_skin_is_seen(scalp):
 def test_the_seed_decides_its_grain(scalp):
     painted, _ = scalp
     np.testing.assert_array_equal(painted(0.0), painted(0.0))
+
+
+def test_a_glimpse_of_skin_is_no_hole_in_hair(scalp):
+    painted, where = scalp
+    row, column = np.argwhere(where("scalp"))[len(np.argwhere(where("scalp"))) // 2]
+    seen = np.zeros((SIZE, SIZE), np.float32)
+    seen[row - 3 : row + 4, column - 3 : column + 4] = 1
+    np.testing.assert_array_equal(painted(seen), painted(0.0))
+    assert (painted(np.ones((SIZE, SIZE), np.float32)) != painted(0.0)).any()
+
+
+def test_slivers_and_holes_of_a_few_directions_do_not_count():
+    hair = np.zeros((40, 60), bool)
+    hair[5:30] = True
+    torn = hair.copy()
+    torn[35, 10:12] = True
+    torn[12:15, 20:23] = False
+    np.testing.assert_array_equal(module._without_specks(torn), hair)
+    wide = hair.copy()
+    wide[10:20, 20:30] = False
+    np.testing.assert_array_equal(module._without_specks(wide), wide)
