@@ -88,8 +88,9 @@ def texture_face(
     bare = np.where(burnt[rest], np.maximum(both.colours, filled), both.colours)
     colours[rest] = trust[rest] * bare + (1 - trust[rest]) * filled
     lit = own_shade * colours
-    bright = np.maximum(lit - 255, 0)
-    sharp = (view.sharpen(lit - bright, _trust(own.seen, settings), points.places, texels.owner) + bright) / own_shade
+    shown = np.minimum(lit, 255)
+    sharp = view.sharpen(shown, _trust(own.seen, settings), points.places, texels.owner) + (lit - shown)
+    sharp /= own_shade
     seen = np.zeros(texels.covered.shape, np.float32)
     seen[texels.covered] = trust[:, 0]
     if generator is not None:
