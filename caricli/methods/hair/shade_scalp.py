@@ -78,7 +78,7 @@ class Scalp:
         texture: FaceTexture of the head. picture: (S, S, 3) uint8, of the hair. generator: of the grain.
         """
         skin = self.skin or self._skin(len(texture.image))
-        seen = _without_glimpses(texture.seen)[skin.rows, skin.columns]
+        seen = np.where(_glimpses(texture.seen)[skin.rows, skin.columns], 0, texture.seen[skin.rows, skin.columns])
         beside = smooth_step(skin.to_hair, -(_HIDDEN + seen * (_SEEN - _HIDDEN)), 0)
         cropped = smooth_step(seen, _UNSEEN, 0) * smooth_step(skin.usual, *_FADE)
         share = np.maximum(beside, _THIN * cropped) * skin.bare
@@ -120,12 +120,13 @@ def _without_specks(covered: np.ndarray) -> np.ndarray:
     return covered
 
 
-def _without_glimpses(seen: np.ndarray) -> np.ndarray:
-    """(S, S) from 0 to 1, how far texels are seen, not at all where but a few are: those would be holes in hair."""
+def _glimpses(seen: np.ndarray) -> np.ndarray:
+    """(S, S) bool: where but a few texels are seen (S, S), from 0 to 1; those would be holes in hair."""
     _, parts, stats, _ = cv2.connectedComponentsWithStats((seen > _HARDLY).astype(np.uint8))
     few = stats[:, cv2.CC_STAT_AREA] < _GLIMPSE * seen.size
     few[0] = False
-    return np.where(few[parts], 0, seen)
+    glimpses: np.ndarray = few[parts]
+    return glimpses
 
 
 def _near(head: Template, sphere: HeadSphere, places: np.ndarray) -> Mesh:
