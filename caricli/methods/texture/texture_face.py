@@ -63,8 +63,7 @@ def texture_face(
     usual = view.look(vertices)
     light = None if like is None else like.light
     if like is None and not settings.keep_light:
-        weights = skin_weights(head, usual.seen)
-        light = estimate_light(usual.colours, normals, head.vertices, weights, -sight.camera.rotation[2])
+        light = _find_light(head, normals, usual, sight)
     shade = np.ones_like(normals) if light is None else light.shade(normals)
     usual = usual.unlit(shade)
     skin = None if settings.keep_light else skin_colour(head, usual)
@@ -97,6 +96,12 @@ def texture_face(
         sharp = grow_grain(sharp[texels.owner], seen, texels.regions(head), generator)[texels.covered]
     picture = np.round(np.clip(sharp, 0, 255)).astype(np.uint8)[texels.owner]
     return FaceTexture(picture, seen, texels.covered, light)
+
+
+def _find_light(head: Template, normals: np.ndarray, vertices: SeenColours, sight: Sight) -> Light | None:
+    """The light in which the vertices of a head, whose normals are (V, 3), are seen."""
+    weights = skin_weights(head, vertices.seen)
+    return estimate_light(vertices.colours, normals, head.vertices, weights, -sight.camera.rotation[2])
 
 
 def _vertices(head: Template, normals: np.ndarray) -> SurfacePoints:
