@@ -204,7 +204,9 @@ def _report(error: BaseException, debug: bool, as_json: bool) -> int:
     if isinstance(error, click.exceptions.NoArgsIsHelpError) and not as_json:
         error.show()
         return error.exit_code
-    if isinstance(error, OSError) and error.errno == errno.EBADF:
+    try:
+        sys.stdout.flush()
+    except (OSError, ValueError):
         os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # for what is still to be flushed
     kind, message, code = _kind_message_code(error)
     # Whatever a file name or a library puts into a message, it stays one printable line.

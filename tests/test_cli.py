@@ -274,7 +274,9 @@ def test_reader_that_left_is_no_error():
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a device that is always full")
-def test_full_disk_under_stdout_is_one_line():
+@pytest.mark.parametrize("unbuffered", ["", "1"])
+def test_full_disk_under_stdout_is_one_line(monkeypatch, unbuffered):
+    monkeypatch.setenv("PYTHONUNBUFFERED", unbuffered)
     with open("/dev/full", "w") as full:
         process = script("print('x')", stdout=full, stderr=subprocess.PIPE)
         _, stderr = process.communicate(timeout=30)
