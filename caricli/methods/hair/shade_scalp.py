@@ -10,7 +10,6 @@ from caricli.methods.hair.head_sphere import HeadSphere
 from caricli.methods.hair.hidden_hairline import reach_inside, usual_reach
 from caricli.methods.hair.make_shell import unrolled_to_uv
 from caricli.methods.hair.settings import ShellSettings
-from caricli.methods.texture.texels import Texels
 from caricli.methods.texture.texture_face import FaceTexture
 from caricli.render.paint import mix, smooth_step
 from caricli.render.sample_texture import sample_texture
@@ -54,10 +53,12 @@ class Scalp:
         self,
         head: Template,
         hair: Hair,
-        texels: Texels | None = None,
+        size: int | None = None,
         settings: ShellSettings = ShellSettings(),  # noqa: B008 (frozen)
     ) -> None:
-        """head: Template with UVs, its skull under the hair. hair: Hair on it. texels: of its texture, or None."""
+        """head: Template with UVs, its skull under the hair. hair: Hair on it. size: texels, width and height of its
+        texture, where they are known before it is there.
+        """
         self.head = head
         self.hair = hair
         self.settings = settings
@@ -68,7 +69,7 @@ class Scalp:
         self.to_hair = reach_inside(self.sphere, covered) / head.height
         self.usual = usual_reach(self.sphere, settings) / head.height
         self.part = _near(head, self.sphere, np.maximum(self.to_hair + _HIDDEN, self.usual - _FADE[0]) > 0)
-        self.skin = None if texels is None else self._skin(len(texels.covered))
+        self.skin = None if size is None else self._skin(size)
 
     def shaded(self, texture: FaceTexture, picture: np.ndarray, generator: np.random.Generator) -> np.ndarray:
         """(S, S, 3) uint8: a texture's picture with skin around hair painted as if this were cropped there.

@@ -93,21 +93,21 @@ def paint_head(
     has no camera or no landmarks, and when it is not where picture and mask show a head.
     """
     camera = face.require_camera()
-    seen = _look(face, template, image, mask, settings, regions)
-    hair = seen.hair
+    ground = _lay_groundwork(face, template, image, mask, settings, regions)
+    hair = ground.hair
     face = replace(face, hair=None) if hair is None else replace(hair.face, hair=hair.hair)
     head = _laid_out(template.with_vertices(face.vertices), image, camera, settings)
     still = np.zeros((0, *head.vertices.shape), np.float32)
     bare = Rig((), head.with_vertices(head.vertices.astype(np.float32)), still)
     whole = add_eyeballs(
-        bare, fit_eyeballs(head, head.annotation, still), np.random.default_rng(settings.seed), seen.eyes
+        bare, fit_eyeballs(head, head.annotation, still), np.random.default_rng(settings.seed), ground.eyes
     )
     whole = choose_parts(add_parts(whole, face_parts(face, template, settings.head)), settings.head)
     # None of these waits for another.
-    sight = Sight(camera, image, seen.skin, seen.mask)
-    jobs: list[Callable[[], Any]] = [partial(_skin_texture, head, sight, seen.texels, settings)]
+    sight = Sight(camera, image, ground.skin, ground.mask)
+    jobs: list[Callable[[], Any]] = [partial(_skin_texture, head, sight, ground.texels, settings)]
     if hair is not None:
-        jobs += [partial(hair_picture, hair, image, settings), partial(Scalp, head, hair.hair, seen.texels)]
+        jobs += [partial(hair_picture, hair, image, settings), partial(Scalp, head, hair.hair, settings.size)]
     if settings.sky:
         jobs.append(partial(mesh_sky, whole.mesh.vertices, whole.mesh.faces))
     skin_texture, *rest = do_in_parallel(*jobs)
@@ -119,15 +119,15 @@ def paint_head(
         texture = scalp.shaded(skin_texture, hair_texture, np.random.default_rng(settings.seed))
     bare = replace(bare, pictures=Pictures(texture))
     wall = wall_pixels(head, camera, (image.shape[1], image.shape[0]))
-    error = photometric_error(bare, face, image, seen.skin & ~wall, skin_texture.light)
+    error = photometric_error(bare, face, image, ground.skin & ~wall, skin_texture.light)
     pictures = Pictures(texture, whole.pictures.eyes, hair_texture, neck_picture(head, texture))
-    share = float(skin_texture.seen[skin_texture.covered].mean())
+    seen = float(skin_texture.seen[skin_texture.covered].mean())
     whole = replace(whole, pictures=pictures)
-    return Painted(head, whole, error, share, float(seen.mask.mean()), skin_texture.light, hair, sky)
+    return Painted(head, whole, error, seen, float(ground.mask.mean()), skin_texture.light, hair, sky)
 
 
 @dataclass(frozen=True, eq=False)
-class _Seen:
+class _Groundwork:
     """What is known before anything is painted.
 
     mask, skin: (H, W) bool, the head in the picture and what of it is bare skin. hair: DressedHair, or None. texels:
@@ -141,14 +141,14 @@ class _Seen:
     eyes: np.ndarray
 
 
-def _look(
+def _lay_groundwork(
     face: Face,
     template: Template,
     image: np.ndarray,
     mask: np.ndarray | None,
     settings: PaintSettings,
     regions: np.ndarray | None,
-) -> _Seen:
+) -> _Groundwork:
     """Look at a picture; for the arguments see `paint_head`."""
     landmarks = face.require_landmarks()
     pixels = mesh_pixels(face, image)
@@ -166,11 +166,11 @@ def _look(
     skin = parts.paint if hair is None else bare_skin(parts.paint, hair)
     for opening in openings:
         skin = skin & ~opening
-    return _Seen(parts.whole, skin, hair, texels, eyes)
+    return _Groundwork(parts.whole, skin, hair, texels, eyes)
 
 
 def _find_texels(template: Template, settings: PaintSettings) -> Texels | None:
-    """The Texels of a template, or None, see `_Seen`."""
+    """The Texels of a template, or None, see `_Groundwork`."""
     if settings.size is None or settings.project_uv or template.uvs is None:
         return None
     return Texels(template, settings.size)

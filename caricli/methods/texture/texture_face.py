@@ -71,7 +71,7 @@ def texture_face(
     own = view.look(points)
     # What is full white may have been brighter.
     burnt = (own.colours >= settings.burnt) & (own_shade > 1)
-    own = _bare(own.unlit(own_shade), points, skin, settings)
+    own = _without_collar(own.unlit(own_shade), points, skin, settings)
     rest = (own.seen < settings.trust) | burnt.any(1)
     colours = own.colours.copy()
     trust = np.ones((len(colours), 1), np.float32)
@@ -80,10 +80,10 @@ def texture_face(
     both = hardly
     if head.annotation.mirror is not None:
         points_there, shade_there = some.mirrored(head.annotation.mirror).points(vertices, shade)
-        there = _bare(view.look(points_there).unlit(shade_there), points_there, skin, settings)
+        there = _without_collar(view.look(points_there).unlit(shade_there), points_there, skin, settings)
         both = both.completed(there, settings.mirrored * (1 - _trust(both.seen, settings)[:, 0]))
     trust[rest] = _trust(both.seen, settings)
-    filled = _fill(head, _bare(usual, vertices, skin, settings), hardly, some, settings)
+    filled = _fill(head, _without_collar(usual, vertices, skin, settings), hardly, some, settings)
     bare = np.where(burnt[rest], np.maximum(both.colours, filled), both.colours)
     colours[rest] = trust[rest] * bare + (1 - trust[rest]) * filled
     lit = own_shade * colours
@@ -110,7 +110,9 @@ def _vertices(head: Template, normals: np.ndarray) -> SurfacePoints:
     return SurfacePoints(head.vertices, normals, pockets, mouth_wall(head), head.mask("neck").astype(np.float64))
 
 
-def _bare(seen: SeenColours, points: SurfacePoints, skin: np.ndarray | None, settings: TextureSettings) -> SeenColours:
+def _without_collar(
+    seen: SeenColours, points: SurfacePoints, skin: np.ndarray | None, settings: TextureSettings
+) -> SeenColours:
     """What is seen of points without light, of a neck only as far as it is like the skin: no collar, and no shadow.
 
     skin: (3,) its colour, or None where light is kept, and shadows with it.
@@ -119,9 +121,9 @@ def _bare(seen: SeenColours, points: SurfacePoints, skin: np.ndarray | None, set
         return seen
     neck = np.broadcast_to(points.neck, seen.seen.shape)
     rows = np.flatnonzero(neck)
-    bare = seen.seen.copy()
-    bare[rows] *= 1 - neck[rows] * (1 - likeness(seen.colours[rows], skin, settings.other))
-    return SeenColours(seen.colours, bare)
+    shares = seen.seen.copy()
+    shares[rows] *= 1 - neck[rows] * (1 - likeness(seen.colours[rows], skin, settings.other))
+    return SeenColours(seen.colours, shares)
 
 
 def _fill(
