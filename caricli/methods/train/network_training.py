@@ -2,7 +2,7 @@
 
 import copy
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from math import cos, pi
 from typing import Any
@@ -10,7 +10,7 @@ from typing import Any
 import torch
 
 from caricli.errors import InputError, NumericsError
-from caricli.methods.train.require_like import adam_form, require_like
+from caricli.methods.train.require_like import optimiser_form, require_like
 from caricli.methods.train.train_autodecoder import EpochRecord, Share
 
 WARM_UP = 200
@@ -45,10 +45,17 @@ class NetworkTraining(ABC):
         self.network = make(generator)
         self.average = make(generator)
         self.average.load_state_dict(self.network.state_dict())
-        learned = [parameter for parameter in self.network.parameters() if parameter.requires_grad]
-        self.optimiser = torch.optim.AdamW(
-            learned, lr=config.learning_rate, weight_decay=config.weight_decay, fused=True
-        )
+        self.optimiser = self._adam(learned_by(self.network))
+
+    def _adam(self, learned: Sequence[torch.nn.Parameter]) -> torch.optim.AdamW:
+        """What lets these parameters learn, as configured."""
+        config = self.config
+        return torch.optim.AdamW(learned, lr=config.learning_rate, weight_decay=config.weight_decay, fused=True)
+
+    @property
+    def _optimisers(self) -> tuple[torch.optim.Optimizer, ...]:
+        """All that take part in a step of the network."""
+        return (self.optimiser,)
 
     @abstractmethod
     def _draw(self, step: int) -> Any:
@@ -88,8 +95,8 @@ class NetworkTraining(ABC):
     def load_state(self, state: dict) -> None:
         """Go on from a state that ``state()`` gave. Raises InputError when it is of another training."""
         own = self._parts()
-        adams = {name: part for name, part in own.items() if isinstance(part, torch.optim.Optimizer)}
-        form = self.state() | {name: adam_form(adam, state.get(name)) for name, adam in adams.items()}
+        optimisers = {name: part for name, part in own.items() if isinstance(part, torch.optim.Optimizer)}
+        form = self.state() | {name: optimiser_form(each, state.get(name)) for name, each in optimisers.items()}
         require_like({name: state.get(name) for name in form}, form)
         for name, part in own.items():
             part.load_state_dict(state[name])
@@ -136,22 +143,20 @@ class NetworkTraining(ABC):
             torch.distributed.all_reduce(figures)
         if not torch.isfinite(figures).all():
             raise NumericsError(f"the loss of epoch {self.epoch + 1} is not finite: a smaller learning_rate may help")
-        self._descend(self.optimiser, loss)
+        self._descend(self.network, loss, *self._optimisers)
         self._follow(self.epoch * self.config.steps + step)
         return figures
 
-    def _descend(self, optimiser: torch.optim.Optimizer, loss: torch.Tensor) -> None:
-        """Go one step of an optimiser down a loss, of which every process has its share."""
-        optimiser.zero_grad()
+    def _descend(self, network: torch.nn.Module, loss: torch.Tensor, *optimisers: torch.optim.Optimizer) -> None:
+        """Go one step of a network's optimisers down a loss, of which every process has its share."""
+        network.zero_grad()
         (loss / self.share.count).backward()
-        parameters = [parameter for group in optimiser.param_groups for parameter in group["params"]]
+        learned = learned_by(network)
         if self.share.count > 1:
-            for parameter in parameters:
-                if parameter.grad is None:  # this process had nothing for it
-                    parameter.grad = torch.zeros_like(parameter)
-                torch.distributed.all_reduce(parameter.grad)
-        torch.nn.utils.clip_grad_norm_(parameters, STEEPEST)
-        optimiser.step()
+            sum_gradients(learned)
+        torch.nn.utils.clip_grad_norm_(learned, STEEPEST)
+        for optimiser in optimisers:
+            optimiser.step()
 
     @torch.no_grad()
     def _follow(self, step: int) -> None:
@@ -179,6 +184,22 @@ class NetworkTraining(ABC):
                 if buffer.is_floating_point():
                     torch.distributed.all_reduce(buffer)
                     buffer /= self.share.count
+
+
+def learned_by(network: torch.nn.Module) -> list[torch.nn.Parameter]:
+    """The parameters that a network learns."""
+    return [parameter for parameter in network.parameters() if parameter.requires_grad]
+
+
+def sum_gradients(parameters: Sequence[torch.nn.Parameter]) -> None:
+    """Give every process the sum of all processes' gradients, in one piece: each sum waits for the slowest."""
+    # A process may have had nothing for a parameter.
+    gradients = [torch.zeros_like(each) if each.grad is None else each.grad for each in parameters]
+    together = torch.cat([gradient.flatten() for gradient in gradients])
+    torch.distributed.all_reduce(together)
+    parts = together.split([each.numel() for each in parameters])
+    for parameter, gradient, part in zip(parameters, gradients, parts, strict=True):
+        parameter.grad = gradient.copy_(part.view_as(gradient))
 
 
 def require_faces(training: Any, unseen: Any) -> None:

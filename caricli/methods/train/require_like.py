@@ -31,15 +31,19 @@ def require_like(value: Any, own: Any, where: str = "state") -> None:
         raise InputError(f"{where}: expected {_form(own)}, found {_form(value)}")
 
 
-def adam_form(optimiser: torch.optim.Optimizer, saved: Any) -> dict:
-    """The ``state_dict()`` of an Adam after a step, or where the saved one has made none, before the first."""
+def optimiser_form(optimiser: torch.optim.Optimizer, saved: Any) -> dict:
+    """The ``state_dict()`` of an Adam or Muon after a step, or where the saved one has made none, before the first."""
     own = optimiser.state_dict()
     if isinstance(saved, dict) and not saved.get("state"):
         return own | {"state": {}}
     parameters = [parameter for group in optimiser.param_groups for parameter in group["params"]]
-    names = ("exp_avg", "exp_avg_sq")
-    steps = [{"step": torch.zeros(())} | dict.fromkeys(names, parameter.data) for parameter in parameters]
-    return own | {"state": dict(enumerate(steps))}
+    return own | {"state": {number: _moments(optimiser, each.data) for number, each in enumerate(parameters)}}
+
+
+def _moments(optimiser: torch.optim.Optimizer, values: torch.Tensor) -> dict[str, torch.Tensor]:
+    if isinstance(optimiser, torch.optim.Muon):
+        return {"momentum_buffer": values}
+    return {"step": torch.zeros(()), "exp_avg": values, "exp_avg_sq": values}
 
 
 def _kind(value: Any) -> type:

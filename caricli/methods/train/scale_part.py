@@ -11,7 +11,8 @@ LEAST = 0.56
 """Factor, above which nothing folds."""
 
 _ROUNDS = 30
-_CLOSE = 1e-9
+_CLOSE = 1e-6
+"""Of the plane's units, sides of a face: what is nearer to its goal is there."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,7 +9,7 @@ import torch
 
 from caricli.errors import NumericsError
 from caricli.methods.train.code_fit import CodeFit, square_distances
-from caricli.methods.train.require_like import adam_form, require_like
+from caricli.methods.train.require_like import optimiser_form, require_like
 from caricli.methods.train.roughness import Roughness
 from caricli.methods.train.surface import Points, TrainingMeshes
 from caricli.models.deformable.config import DeformableConfig
@@ -125,7 +125,7 @@ class AutoDecoderTraining:
         optimisers = {"optimiser": self.optimiser, "code_optimiser": self.code_fit.optimiser}
         require_like(
             {name: state.get(name) for name in self.state()},
-            self.state() | {name: adam_form(each, state.get(name)) for name, each in optimisers.items()},
+            self.state() | {name: optimiser_form(each, state.get(name)) for name, each in optimisers.items()},
         )
         self.network.load_state_dict(state["network"])
         self.latents.data.copy_(state["latents"])

@@ -10,7 +10,7 @@ from torch import nn
 from torch.nn import functional
 
 from caricli.data.dataset import Dataset
-from caricli.methods.train.network_training import NetworkTraining
+from caricli.methods.train.network_training import NetworkTraining, learned_by
 from caricli.methods.train.published_faces import (
     PublishedFaces,
     drawn_points,
@@ -120,13 +120,9 @@ class PublishedTraining(NetworkTraining):
         idle = {id(parameter) for parameter in left.parameters()}
         if network.fixed and network.variant.pixels:
             idle |= {id(parameter) for parameter in network.convolutions.parameters()}
-        learned = []
         for parameter in network.parameters():
             parameter.requires_grad_(id(parameter) not in idle)
-            parameter.grad = None  # what another step left would count for the length of gradients
-            learned += [parameter] if parameter.requires_grad else []
-        rate = self.config.learning_rate
-        self.optimiser = torch.optim.AdamW(learned, lr=rate, weight_decay=self.config.weight_decay, fused=True)
+        self.optimiser = self._adam(learned_by(network))
         self.step = step
 
     def _train_epoch(self) -> tuple[float, float]:

@@ -98,7 +98,7 @@ class TextureTraining(NetworkTraining):
         place = (self.epoch, self._number, self.share.process)
         generator = np.random.default_rng([self.config.seed, TrainingSeed.EXTRA, *place])
         shares = torch.from_numpy(generator.random(len(fake), np.float32))
-        self._descend(self.judging, critic_loss(self.critic, drawn, fake, shares, self.config))
+        self._descend(self.critic, critic_loss(self.critic, drawn, fake, shares, self.config), self.judging)
 
     def _set_rate(self, step: int) -> None:
         super()._set_rate(step)

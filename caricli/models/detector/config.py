@@ -18,7 +18,8 @@ REACH = 64.0
 
 _RANGES = {
     "stem": (4, 512), "width": (8, 512), "depth": (1, 16), "size": (64, 512), "epochs": (1, 10**6), "steps": (1, 10**6),
-    "batch": (2, 4096), "crops": (0.1, 0.9), "learning_rate": (1e-9, 1), "weight_decay": (0, 10), "decay": (0, 0.99999),
+    "batch": (2, 4096), "crops": (0.1, 0.9), "learning_rate": (1e-9, 1), "kernel_rate": (1e-9, 1),
+    "weight_decay": (0, 10), "decay": (0, 0.99999),
     "heat_weight": (0, 1e6), "place_weight": (0, 1e6), "doubt_weight": (0, 1e6), "visible_weight": (0, 1e6),
     "parsing_weight": (0, 1e6), "face_weight": (0, 1e6), "validation": (1, 10**5), "validate_every": (1, 10**6),
     "checkpoint_seconds": (0, 10**5), "seed": (0, MAX_SEED),
@@ -58,10 +59,11 @@ class DetectorConfig:
 
     stem, width, depth: see DetectorSize. size: of the windows that it is trained on, pixels; a multiple of 32. epochs;
     steps: in an epoch; batch: windows a step, of which ``crops`` hold one face as it is cut out for its landmarks, the
-    others any part of a picture at any scale. learning_rate, weight_decay: of AdamW, with a cosine schedule. decay: of
-    the weights' moving average, a step. heat_weight, place_weight, doubt_weight, visible_weight, parsing_weight,
-    face_weight: of the losses. precision: of the convolutions. validation: faces measured at a validation.
-    validate_every: epochs. checkpoint_seconds: between two checkpoints.
+    others any part of a picture at any scale. learning_rate: of AdamW, with a cosine schedule. kernel_rate: of Muon,
+    by which the kernels of convolutions learn, likewise. weight_decay: of both. decay: of the weights' moving average,
+    a step. heat_weight, place_weight, doubt_weight, visible_weight, parsing_weight, face_weight: of the losses.
+    precision: of the convolutions. validation: faces measured at a validation. validate_every: epochs.
+    checkpoint_seconds: between two checkpoints.
     Raises ValueError for impossible sizes.
     """
 
@@ -69,11 +71,12 @@ class DetectorConfig:
     width: int = 64
     depth: int = 2
     size: int = 128
-    epochs: int = 300
+    epochs: int = 330
     steps: int = 50
     batch: int = 32
     crops: float = 0.65
     learning_rate: float = 2e-3
+    kernel_rate: float = 1.2e-2
     weight_decay: float = 1e-3
     decay: float = 0.998
     heat_weight: float = 1.0
