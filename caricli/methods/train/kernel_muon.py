@@ -14,7 +14,7 @@ class KernelMuon(torch.optim.Muon):
     about the same mean square.
     """
 
-    def __init__(self, kernels: Sequence[nn.Parameter], lr: float, weight_decay: float) -> None:
+    def __init__(self, kernels: Sequence[torch.Tensor], lr: float, weight_decay: float) -> None:
         """kernels: (O, I, h, w) in channels_last, which stay where they are in memory."""
         self.kernels = kernels
         matrices = [nn.Parameter(_rows(kernel.detach()).view(len(kernel), -1)) for kernel in kernels]
@@ -27,7 +27,7 @@ class KernelMuon(torch.optim.Muon):
         return super().step(closure)
 
 
-def normalised_kernels(network: nn.Module) -> list[nn.Parameter]:
+def normalised_kernels(network: nn.Module) -> list[torch.Tensor]:
     """The kernels of all convolutions without a bias, whose length does not count, because they are normalised."""
     layers = [layer for layer in network.modules() if isinstance(layer, nn.Conv2d) and layer.bias is None]
     return [layer.weight for layer in layers]
