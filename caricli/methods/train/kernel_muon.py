@@ -1,4 +1,4 @@
-"""Muon for the kernels of convolutions."""
+"""Muon for the kernels of convolutions and of fully connected layers."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -8,14 +8,14 @@ from torch import nn
 
 
 class KernelMuon(torch.optim.Muon):
-    """Muon (Jordan et al. 2024), for which each kernel is a matrix: a row for every channel that comes out.
+    """Muon (Jordan et al. 2024), for which each kernel is a matrix: a row for every channel or number that comes out.
 
     Every direction of a kernel's momentum goes a step of the same length. Rates are as those of AdamW, whose steps have
     about the same mean square.
     """
 
     def __init__(self, kernels: Sequence[torch.Tensor], lr: float, weight_decay: float) -> None:
-        """kernels: (O, I, h, w) in channels_last, which stay where they are in memory."""
+        """kernels: (O, I), or (O, I, h, w) in channels_last, which stay where they are in memory."""
         self.kernels = kernels
         matrices = [nn.Parameter(_rows(kernel.detach()).view(len(kernel), -1)) for kernel in kernels]
         super().__init__(matrices, lr=lr, weight_decay=weight_decay, adjust_lr_fn="match_rms_adamw")
@@ -34,5 +34,5 @@ def normalised_kernels(network: nn.Module) -> list[torch.Tensor]:
 
 
 def _rows(kernel: torch.Tensor) -> torch.Tensor:
-    """(O, I, h, w) as (O, h, w, I), the order of channels_last."""
-    return kernel.permute(0, 2, 3, 1)
+    """(O, I, h, w) as (O, h, w, I), the order of channels_last; (O, I) as it is."""
+    return kernel.permute(0, 2, 3, 1) if kernel.ndim > 2 else kernel

@@ -10,6 +10,7 @@ from typing import Any
 import torch
 
 from caricli.errors import InputError, NumericsError
+from caricli.methods.train.kernel_muon import KernelMuon
 from caricli.methods.train.require_like import optimiser_form, require_like
 from caricli.methods.train.train_autodecoder import EpochRecord, Share
 
@@ -45,17 +46,17 @@ class NetworkTraining(ABC):
         self.network = make(generator)
         self.average = make(generator)
         self.average.load_state_dict(self.network.state_dict())
-        self.optimiser = self._adam(learned_by(self.network))
+        self._optimise()
 
-    def _adam(self, learned: Sequence[torch.nn.Parameter]) -> torch.optim.AdamW:
-        """What lets these parameters learn, as configured."""
+    def _optimise(self, kernels: Sequence[torch.Tensor] = ()) -> None:
+        """Let the network learn from here on: these of its weights by Muon, at ``kernel_rate``, all else by AdamW."""
         config = self.config
-        return torch.optim.AdamW(learned, lr=config.learning_rate, weight_decay=config.weight_decay, fused=True)
-
-    @property
-    def _optimisers(self) -> tuple[torch.optim.Optimizer, ...]:
-        """All that take part in a step of the network."""
-        return (self.optimiser,)
+        by_muon = {id(kernel) for kernel in kernels}
+        others = [parameter for parameter in learned_by(self.network) if id(parameter) not in by_muon]
+        self.optimiser = torch.optim.AdamW(
+            others, lr=config.learning_rate, weight_decay=config.weight_decay, fused=True
+        )
+        self.muon = KernelMuon(kernels, config.kernel_rate, config.weight_decay) if kernels else None
 
     @abstractmethod
     def _draw(self, step: int) -> Any:
@@ -90,7 +91,8 @@ class NetworkTraining(ABC):
 
     def _parts(self) -> dict[str, Any]:
         """Networks and optimisers whose state is kept, by name."""
-        return {"network": self.network, "average": self.average, "optimiser": self.optimiser}
+        parts = {"network": self.network, "average": self.average, "optimiser": self.optimiser}
+        return parts if self.muon is None else parts | {"muon": self.muon}
 
     def load_state(self, state: dict) -> None:
         """Go on from a state that ``state()`` gave. Raises InputError when it is of another training."""
@@ -143,11 +145,11 @@ class NetworkTraining(ABC):
             torch.distributed.all_reduce(figures)
         if not torch.isfinite(figures).all():
             raise NumericsError(f"the loss of epoch {self.epoch + 1} is not finite: a smaller learning_rate may help")
-        self._descend(self.network, loss, *self._optimisers)
+        self._descend(self.network, loss, self.optimiser, self.muon)
         self._follow(self.epoch * self.config.steps + step)
         return figures
 
-    def _descend(self, network: torch.nn.Module, loss: torch.Tensor, *optimisers: torch.optim.Optimizer) -> None:
+    def _descend(self, network: torch.nn.Module, loss: torch.Tensor, *optimisers: torch.optim.Optimizer | None) -> None:
         """Go one step of a network's optimisers down a loss, of which every process has its share."""
         network.zero_grad()
         (loss / self.share.count).backward()
@@ -155,7 +157,7 @@ class NetworkTraining(ABC):
         if self.share.count > 1:
             sum_gradients(learned)
         torch.nn.utils.clip_grad_norm_(learned, STEEPEST)
-        for optimiser in optimisers:
+        for optimiser in filter(None, optimisers):
             optimiser.step()
 
     @torch.no_grad()
@@ -172,10 +174,17 @@ class NetworkTraining(ABC):
         self._schedule(step, self.config.epochs * self.config.steps, self.config.learning_rate)
 
     def _schedule(self, step: int, total: int, rate: float) -> None:
-        """Set the learning rate of a step of ``total``, ``rate`` at most: it rises shortly and falls as a cosine."""
+        """Set the learning rate of a step of ``total``, ``rate`` at most: it rises shortly and falls as a cosine.
+
+        Muon's is as much of ``kernel_rate`` as it is of ``learning_rate``.
+        """
         factor = min(1.0, (step + 1) / min(WARM_UP, 1 + total // WARM_UP_SHARE))
+        own = rate * factor * 0.5 * (1 + cos(pi * step / total))
         for group in self.optimiser.param_groups:
-            group["lr"] = rate * factor * 0.5 * (1 + cos(pi * step / total))
+            group["lr"] = own
+        if self.muon is not None:
+            for group in self.muon.param_groups:
+                group["lr"] = own / self.config.learning_rate * self.config.kernel_rate
 
     def _share_buffers(self) -> None:
         """Let all processes have the same statistics of normalisation, their mean: that of the first is stored."""

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from functools import partial
-from typing import Any, Protocol, TypeVar
+from typing import Protocol, TypeVar
 
 import numpy as np
 import torch
@@ -10,8 +10,8 @@ import torch
 from caricli.errors import InputError
 from caricli.methods.train.detector_losses import FaceTargets, face_loss, landmark_loss, region_loss
 from caricli.methods.train.disguise_picture import disguise_window
-from caricli.methods.train.kernel_muon import KernelMuon, normalised_kernels
-from caricli.methods.train.network_training import NetworkTraining, learned_by, require_faces
+from caricli.methods.train.kernel_muon import normalised_kernels
+from caricli.methods.train.network_training import NetworkTraining, require_faces
 from caricli.methods.train.split_pictures import evenly_jawed
 from caricli.methods.train.train_autodecoder import ALL, Share
 from caricli.methods.train.windows import WindowSettings, any_window, face_window
@@ -67,23 +67,7 @@ class DetectorTraining(NetworkTraining):
         super().__init__(partial(new_network, config), config, share)
         self.training = training
         self.unseen = unseen
-        kernels = normalised_kernels(self.network)
-        by_muon = {id(kernel) for kernel in kernels}
-        self.muon = KernelMuon(kernels, config.kernel_rate, config.weight_decay)
-        self.optimiser = self._adam([each for each in learned_by(self.network) if id(each) not in by_muon])
-
-    @property
-    def _optimisers(self) -> tuple[torch.optim.Optimizer, ...]:
-        return self.optimiser, self.muon
-
-    def _parts(self) -> dict[str, Any]:
-        return super()._parts() | {"muon": self.muon}
-
-    def _set_rate(self, step: int) -> None:
-        super()._set_rate(step)
-        share = self.optimiser.param_groups[0]["lr"] / self.config.learning_rate
-        for group in self.muon.param_groups:
-            group["lr"] = share * self.config.kernel_rate
+        self._optimise(normalised_kernels(self.network))
 
     def start_from(self, network: DetectorNetwork) -> None:
         """Begin with the weights of another network. Raises InputError when it is of another size."""

@@ -10,7 +10,7 @@ from torch import nn
 from torch.nn import functional
 
 from caricli.data.dataset import Dataset
-from caricli.methods.train.network_training import NetworkTraining, learned_by
+from caricli.methods.train.network_training import NetworkTraining
 from caricli.methods.train.published_faces import (
     PublishedFaces,
     drawn_points,
@@ -122,7 +122,8 @@ class PublishedTraining(NetworkTraining):
             idle |= {id(parameter) for parameter in network.convolutions.parameters()}
         for parameter in network.parameters():
             parameter.requires_grad_(id(parameter) not in idle)
-        self.optimiser = self._adam(learned_by(network))
+        kernels = network.kernels() if self.config.kernel_rate else []
+        self._optimise([kernel for kernel in kernels if kernel.requires_grad])
         self.step = step
 
     def _train_epoch(self) -> tuple[float, float]:

@@ -10,7 +10,7 @@ _SIZES = {"stem": (4, 512), "hidden": (1, 8192), "told": (1, 8192), "components"
 _RANGES = _SIZES | {
     "size": (64, 512), "epochs": (1, 10**6), "steps": (1, 10**6), "batch": (2, 4096), "mixed": (0, 1),
     "people": (1, 64), "missing": (0, 1), "unnamed": (0, 1), "strength": (0, 10), "learning_rate": (1e-9, 1),
-    "weight_decay": (0, 10), "branch": (1, 8192), "classify": (0, 10**6), "regress": (0, 10**6), 
+    "kernel_rate": (0, 1), "weight_decay": (0, 10), "branch": (1, 8192), "classify": (0, 10**6), "regress": (0, 10**6), 
     "later_rate": (1e-6, 1), "extra": (0, 10**6), "importance": (0, 1000), "decay": (0, 0.99999),
     "camera_weight": (0, 1e6), "validation": (1, 10**5),
     "validate_every": (1, 10**6), "held": (0, 0.9), "checkpoint_seconds": (0, 10**5), "seed": (0, MAX_SEED),
@@ -122,8 +122,9 @@ class SketchConfig:
 
     Of published networks alone: classify, regress: epochs of the first two steps of the training, in which people and
     expressions are told apart, and u and v are learnt with the convolutions as they are; the others are for the
-    vertices. later_rate: learning rate of the last two steps, relative to the first. extra: faces between pairs of
-    faces, beside those of the datasets. importance: weight of vertices on the curves, where others have 1.
+    vertices. kernel_rate: of Muon, by which the weights of all layers but the last ones learn; 0 lets them learn as all
+    else. later_rate: learning rates of the last two steps, relative to the first. extra: faces between pairs of faces,
+    beside those of the datasets. importance: weight of vertices on the curves, where others have 1.
     Raises ValueError for impossible sizes.
     """
 
@@ -155,6 +156,7 @@ class SketchConfig:
     held: float = 0.1
     classify: int = 0
     regress: int = 0
+    kernel_rate: float = 0.0
     later_rate: float = 1.0
     extra: int = 10000
     importance: float = 4.0

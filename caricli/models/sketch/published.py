@@ -121,6 +121,11 @@ class PublishedNetwork(nn.Module):
                 end.append(functional.relu(layer(coefficients)))
         return torch.cat(ends[0], 1), torch.cat(ends[1], 1)
 
+    def kernels(self) -> list[torch.Tensor]:
+        """Weights of all layers but the last ones."""
+        layers = {name: layer for name, layer in self.named_modules() if isinstance(layer, nn.Conv2d | nn.Linear)}
+        return [layer.weight for name, layer in layers.items() if not name.startswith(("last.", "kinds."))]
+
     def learn_points(self, space: BilinearSpace) -> None:
         """Take the model of points (M,) along curves whose coefficients are the shape-level input."""
         self.told_core.copy_(torch.from_numpy(space.core.ravel()))

@@ -8,17 +8,18 @@ from caricli.methods.train.kernel_muon import KernelMuon, normalised_kernels
 RATE = 0.01
 
 
-def kernel_of(outputs, inputs, size, seed=0):
-    values = torch.randn(outputs, inputs, size, size, generator=torch.Generator().manual_seed(seed))
-    return nn.Parameter(values.contiguous(memory_format=torch.channels_last))
+def kernel_of(*shape, seed=0):
+    values = torch.randn(shape, generator=torch.Generator().manual_seed(seed))
+    return nn.Parameter(values.contiguous(memory_format=torch.channels_last) if len(shape) == 4 else values)
 
 
 def rows(kernel):
     """As a matrix with a row for every channel that comes out."""
-    return kernel.detach().double().permute(0, 2, 3, 1).reshape(len(kernel), -1).numpy().copy()
+    ordered = kernel.detach().double().movedim(1, -1)
+    return ordered.reshape(len(kernel), -1).numpy().copy()
 
 
-@pytest.mark.parametrize("shape", [(8, 3, 3), (24, 2, 3), (16, 16, 1)])
+@pytest.mark.parametrize("shape", [(8, 3, 3, 3), (24, 2, 3, 3), (16, 16, 1, 1), (12, 20)])
 def test_every_direction_of_a_gradient_goes_a_step_of_about_the_same_length(shape):
     kernel = kernel_of(*shape)
     before = rows(kernel)
@@ -36,7 +37,7 @@ def test_every_direction_of_a_gradient_goes_a_step_of_about_the_same_length(shap
 
 
 def test_a_kernel_without_a_gradient_stays():
-    kernels = [kernel_of(4, 3, 3), kernel_of(4, 3, 3)]
+    kernels = [kernel_of(4, 3, 3, 3), kernel_of(4, 3, 3, 3)]
     before = [rows(kernel) for kernel in kernels]
     kernels[0].grad = torch.ones_like(kernels[0])
     KernelMuon(kernels, lr=RATE, weight_decay=0.0).step()

@@ -46,10 +46,10 @@ def begin(data, model, *overrides):
     return PublishedTraining([data], model, config)
 
 
-@pytest.mark.parametrize("variant", ["pixel_shape", "pixel_single"])
+@pytest.mark.parametrize("choice", ["kernel_rate=0.01", "variant=pixel_single"])
 @pytest.mark.parametrize("left", [0, 1, 2])
-def test_left_after_any_step_it_goes_on_to_the_same_bytes(data, model, variant, left):
-    options = (*SHORT, f"variant={variant}")
+def test_left_after_any_step_it_goes_on_to_the_same_bytes(data, model, choice, left):
+    options = (*SHORT, choice)
     whole = begin(data, model, *options)
     states = [copy.deepcopy(whole.state()) for _ in whole.epochs()]
     again = begin(data, model, *options)
@@ -86,6 +86,17 @@ def test_every_step_learns_what_it_is_for(data, model):
     assert not list(training.copied_average().kinds)
 
 
+def test_all_layers_but_the_last_ones_learn_by_muon(data, model):
+    training = begin(data, model, *SHORT, "kernel_rate=0.01")
+    assert training.step is Step.CLASSIFY
+    network = training.network
+    assert len(training.muon.kernels) == 12
+    assert not {id(layer.weight) for layer in (*network.last, *network.kinds)} & set(map(id, training.muon.kernels))
+    list(training.epochs())
+    # What sees is left as it is in the second step, and learns again in the third.
+    assert training.step is Step.TUNE and len(training.muon.kernels) == 12
+
+
 def test_the_last_loss_is_equation_2(data, model):
     """Beside a slow sum over the vertices, for codes that are a little off."""
     training = begin(data, model, *SHORT)
@@ -110,8 +121,9 @@ def test_faces_of_the_grid_come_back_from_their_rows(data, model):
     assert set(training.faces.expression) == {0, 1, 2} and training.faces.person.max() == 3
 
 
-def test_it_learns_whose_face_it_is(data, model):
-    options = ("epochs=8", "steps=15", "variant=shape", "held=0", "missing=0", "batch=16", "learning_rate=0.01")
+@pytest.mark.parametrize("rates", [("learning_rate=0.01",), ("learning_rate=0.01", "kernel_rate=0.02")])
+def test_it_learns_whose_face_it_is(data, model, rates):
+    options = ("epochs=8", "steps=15", "variant=shape", "held=0", "missing=0", "batch=16", *rates)
     training = begin(data, model, *options)
     start = training._validate()
     records = list(training.epochs())
