@@ -48,9 +48,14 @@ class NetworkTraining(ABC):
         self.average.load_state_dict(self.network.state_dict())
         self._optimise()
 
-    def _optimise(self, kernels: Sequence[torch.Tensor] = ()) -> None:
-        """Let the network learn from here on: these of its weights by Muon, at ``kernel_rate``, all else by AdamW."""
+    def _kernels(self) -> Sequence[torch.Tensor]:
+        """The weights that learn by Muon, at the configured ``kernel_rate``."""
+        return ()
+
+    def _optimise(self) -> None:
+        """Let the network learn from here on: kernels by Muon, all else by AdamW."""
         config = self.config
+        kernels = self._kernels()
         by_muon = {id(kernel) for kernel in kernels}
         others = [parameter for parameter in learned_by(self.network) if id(parameter) not in by_muon]
         self.optimiser = torch.optim.AdamW(

@@ -67,7 +67,9 @@ class DetectorTraining(NetworkTraining):
         super().__init__(partial(new_network, config), config, share)
         self.training = training
         self.unseen = unseen
-        self._optimise(normalised_kernels(self.network))
+
+    def _kernels(self) -> Sequence[torch.Tensor]:
+        return normalised_kernels(self.network)
 
     def start_from(self, network: DetectorNetwork) -> None:
         """Begin with the weights of another network. Raises InputError when it is of another size."""

@@ -122,9 +122,12 @@ class PublishedTraining(NetworkTraining):
             idle |= {id(parameter) for parameter in network.convolutions.parameters()}
         for parameter in network.parameters():
             parameter.requires_grad_(id(parameter) not in idle)
-        kernels = network.kernels() if self.config.kernel_rate else []
-        self._optimise([kernel for kernel in kernels if kernel.requires_grad])
+        self._optimise()
         self.step = step
+
+    def _kernels(self) -> Sequence[torch.Tensor]:
+        kernels = self.network.kernels() if self.config.kernel_rate else []
+        return [kernel for kernel in kernels if kernel.requires_grad]
 
     def _train_epoch(self) -> tuple[float, float]:
         step = self.step_of(self.epoch)

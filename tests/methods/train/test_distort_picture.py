@@ -38,7 +38,7 @@ def test_it_goes_there_and_back_without_folds(landmarks):
     for seed in range(60):
         distortion = random_distortion(landmarks, SETTINGS, np.random.default_rng(seed))
         places = distortion.places(grid)
-        np.testing.assert_allclose(distortion.sources(places), grid, atol=1e-3)
+        np.testing.assert_allclose(distortion.sources(places), grid, atol=1e-6)
         across = np.diff(places, axis=1)[:-1]
         down = np.diff(places, axis=0)[:, :-1]
         turned = FaceFrame.of(landmarks).roll

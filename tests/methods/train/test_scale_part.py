@@ -17,8 +17,8 @@ def plane(step):
 def test_there_and_back(factors):
     scale = PartScale(CENTRE, RADII, np.array(factors))
     points = plane(0.03)
-    np.testing.assert_allclose(scale.sources(scale.places(points)), points, atol=1e-6)
-    np.testing.assert_allclose(scale.places(scale.sources(points)), points, atol=1e-4)
+    np.testing.assert_allclose(scale.sources(scale.places(points)), points, atol=1e-8)
+    np.testing.assert_allclose(scale.places(scale.sources(points)), points, atol=1e-5)
 
 
 @pytest.mark.parametrize("factors", FACTORS)
