@@ -7,7 +7,7 @@ import numpy as np
 
 from caricli.methods.redraw.openings import drawn_anew
 from caricli.methods.redraw.original import Original, blurred
-from caricli.methods.redraw.spread_colours import spread_colours
+from caricli.methods.redraw.spread_colours import box_around, spread_colours
 from caricli.methods.redraw.view import Window
 from caricli.methods.texture.estimate_light import GAMMA
 from caricli.render.paint import smooth_step
@@ -38,17 +38,22 @@ class MovedHead:
         places = original.window.places
         self._before = self.view.carried(original.placed)
         shift = np.where(self.view.covered[..., None], self._before[..., :2] - places, 0)
-        lips = (self.view.covered & ~self.view.inside).astype(np.float32)
-        spread = spread_colours(shift, lips)
-        inside, self._kept = self._in_mouth(spread)
-        self.shift = np.where(self.view.inside[..., None], inside, shift).astype(np.float32)
+        mouth = box_around(self.view.inside)
+        inside = self.view.inside[mouth]
+        lips = (self.view.covered[mouth] & ~inside).astype(np.float32)
+        within, kept = self._in_mouth(spread_colours(shift[mouth], lips), mouth)
+        shift[mouth] = np.where(inside[..., None], within, shift[mouth])
+        self.shift = shift.astype(np.float32, copy=False)
+        self._kept = np.ones(shift.shape[:2], np.float32)
+        self._kept[mouth] = kept
         self.source = places + self.shift
 
-    def _in_mouth(self, spread: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Shifts (H, W, 2) of what is in the mouth, and how far (H, W), from 0 to 1, the old picture shows it.
+    def _in_mouth(self, spread: np.ndarray, mouth: tuple[slice, slice]) -> tuple[np.ndarray, np.ndarray]:
+        """Shifts (h, w, 2) of what is in the mouth, and how far (h, w), from 0 to 1, the old picture shows it.
 
         Across the face it follows the lips, along it the teeth: upper ones go with the skull, lower ones with the jaw,
-        and between them the mouth opens. spread: (H, W, 2) shifts of the lips, carried on between them.
+        and between them the mouth opens. spread: (h, w, 2) shifts of the lips, carried on between them. mouth: rows and
+        columns, h and w of them.
         """
         rows = self.original.rows
         if rows is None:
@@ -60,7 +65,7 @@ class MovedHead:
         for row, part in ((rows.upper, 1 - rows.below), (rows.lower, rows.below)):
             moved = (self.view.placed - self.original.placed)[row, :2].mean(0)
             shift = (spread @ across - moved @ (np.eye(2) - across)).astype(np.float32)
-            parts.append((shift, self.look(open_before * part, self.original.window.places + shift)))
+            parts.append((shift, self.look(open_before * part, self.original.window.places[mouth] + shift)))
         (above, kept_above), (below, kept_below) = parts
         lower = kept_below > kept_above
         return np.where(lower[..., None], below, above), np.where(lower, kept_below, kept_above)
@@ -172,10 +177,14 @@ class MovedHead:
     @cached_property
     def _outline_shift(self) -> np.ndarray:
         """(H, W, 2) float32: the shift of the outline that is nearest, without what makes neighbours differ."""
-        spread = 0.3 * self.original.settings.band * self.original.size * self.original.window.fine
+        window = self.original.window
+        spread = 0.3 * self.original.settings.band * self.original.size
+        # A wide blur needs no more than one sample a pixel.
         strip = (self.strip > 0).astype(np.float32)
-        shift = blurred(self.shift[self.view.outline] * strip[..., None], spread)
-        return shift / np.maximum(blurred(strip, spread), _LEVEL)[..., None]
+        shares = np.dstack([self.shift[self.view.outline] * strip[..., None], strip])
+        shares = blurred(window.means(shares), spread)
+        shift = shares[..., :2] / np.maximum(shares[..., 2:], _LEVEL)
+        return cv2.resize(shift, window.size, interpolation=cv2.INTER_LINEAR)
 
     @cached_property
     def motion(self) -> np.ndarray:

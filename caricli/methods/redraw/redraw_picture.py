@@ -6,7 +6,7 @@ from caricli.methods.redraw.changed_paint import ChangedPaint, changed_paint
 from caricli.methods.redraw.fill_behind import fill_behind
 from caricli.methods.redraw.moved_head import MovedHead
 from caricli.methods.redraw.original import Original
-from caricli.methods.redraw.spread_colours import spread_colours
+from caricli.methods.redraw.spread_colours import box_around, spread_colours
 from caricli.methods.texture.picture_view import likeness
 from caricli.methods.texture.settings import TextureSettings
 from caricli.render.paint import smooth_step
@@ -53,7 +53,8 @@ def _painted(original: Original, head: MovedHead, changed: ChangedPaint | None) 
         # Teeth that are drawn need no others beside them.
         teeth = np.isin(_materials(original, head), (Material.TEETH, Material.GUMS))
         beside = (head.view.inside & ~teeth).astype(np.float32)
-        lit = np.where(teeth[..., None], spread_colours(lit, beside), lit)
+        near = box_around(teeth)
+        lit[near] = np.where(teeth[near][..., None], spread_colours(lit[near], beside[near]), lit[near])
     if changed is not None:
         old = changed.paint(old)
         lit = changed.paint(lit)
@@ -61,11 +62,12 @@ def _painted(original: Original, head: MovedHead, changed: ChangedPaint | None) 
     eyes = _materials(original, head) == Material.EYE
     # In a mouth a colour says nothing of what is beside it.
     apart = old - lit
-    colours = np.where(head.view.inside[..., None], lit + seen[..., None] * apart, 0)
+    colours = np.where(head.view.inside[..., None], lit + seen[..., None] * apart, lit)
     for part in (eyes, head.view.covered & ~eyes & ~head.view.inside):
         # Beside the part nothing counts.
-        more = spread_colours(apart, part * seen)
-        colours[part] = lit[part] + more[part]
+        near = box_around(part)
+        more = spread_colours(apart[near], (part * seen)[near])
+        colours[near][part[near]] += more[part[near]]
     return _closed(head, old, np.clip(colours, 0, 255))
 
 
@@ -73,15 +75,17 @@ def _closed(head: MovedHead, old: np.ndarray, painted: np.ndarray) -> np.ndarray
     """Painted colours (H, W, 3) with skin of the lids' surroundings, old colours (H, W, 3), and lashes on lids that
     have closed: an eye that is drawn large is on them in the texture, too.
     """
-    lids = head.between * head.lids
+    near = box_around(head.lids > 0)
+    lids = head.between[near] * head.lids[near]
     if not lids.any():
         return painted
-    skin = head.shown * head.lids
-    usual = np.median(old[skin > 0.9], axis=0) if (skin > 0.9).any() else painted[lids > 0].mean(0)
+    skin = head.shown[near] * head.lids[near]
+    old, new, beside = old[near], painted[near], head.beside_lids[near]
+    usual = np.median(old[skin > 0.9], axis=0) if (skin > 0.9).any() else new[lids > 0].mean(0)
     like = likeness(old.reshape(-1, 3), usual, TextureSettings.other).reshape(skin.shape).astype(np.float32)
-    plain = spread_colours(old.astype(np.float32), skin * like**2 * (1 - head.beside_lids))
-    lids = np.maximum(lids, head.beside_lids * (1 - like**2))
-    painted = painted + lids[..., None] * (plain - painted)
+    plain = spread_colours(old.astype(np.float32), skin * like**2 * (1 - beside))
+    lids = np.maximum(lids, beside * (1 - like**2))
+    painted[near] = new + lids[..., None] * (plain - new)
     return painted + head.lashes[..., None] * (np.array(FINISHES[Material.LASHES].colour, np.float32) - painted)
 
 

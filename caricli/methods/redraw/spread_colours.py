@@ -4,6 +4,7 @@ import cv2
 import numpy as np
 
 _SMALL = 1e-4
+_AROUND = 0.5  # of a box's longer side, what is looked at on each side of it
 
 
 def spread_colours(values: np.ndarray, weights: np.ndarray) -> np.ndarray:
@@ -22,3 +23,14 @@ def spread_colours(values: np.ndarray, weights: np.ndarray) -> np.ndarray:
         wide = cv2.resize(coarse, (width, height), interpolation=cv2.INTER_LINEAR).reshape(values.shape)
         mean = mean + (1 - weights)[..., None] * wide
     return mean
+
+
+def box_around(mask: np.ndarray) -> tuple[slice, slice]:
+    """Rows and columns within which ``spread_colours`` finds what fills a mask (H, W); of an empty one the first."""
+    rows = np.flatnonzero(mask.any(1))
+    if not len(rows):
+        return slice(0, 1), slice(0, 1)
+    columns = np.flatnonzero(mask.any(0))
+    margin = int(_AROUND * max(np.ptp(rows), np.ptp(columns))) + 1
+    top, left = max(rows[0] - margin, 0), max(columns[0] - margin, 0)
+    return slice(top, rows[-1] + margin + 1), slice(left, columns[-1] + margin + 1)
