@@ -6,12 +6,12 @@ import numpy as np
 import torch
 
 from caricli.models.checks import fitting_weights, foreign_weights
+from caricli.models.half_precision import in_half_precision
 
 
 def network_weights(network: torch.nn.Module) -> dict[str, np.ndarray]:
     """Arrays by name: weights in half precision, statistics of normalisation and other columns in single."""
-    arrays = {name: value.numpy() for name, value in _weights(network).items()}
-    return {name: value.astype(np.float16 if value.ndim > 1 else np.float32) for name, value in arrays.items()}
+    return in_half_precision({name: value.numpy() for name, value in _weights(network).items()})
 
 
 def load_weights(network: torch.nn.Module, tensors: Mapping[str, np.ndarray]) -> None:

@@ -15,6 +15,7 @@ from caricli.models.detector.config import COARSE, FINE, HALF, REACH, DetectorSi
 from caricli.models.detector.jaw_places import JawPlaces
 from caricli.models.detector.landmark_heads import LandmarkHeads
 from caricli.models.detector.weights import CHANCES, FACES, FEATURES, WINDOWS, DetectorWeights
+from caricli.models.half_precision import in_half_precision
 from caricli.models.network_session import network_session
 from caricli.structures.landmarks import SCHEMES
 from caricli.structures.parsing import Region
@@ -95,9 +96,9 @@ class Detector:
         return model_id(self.kind, self.tensors())
 
     def tensors(self) -> dict[str, np.ndarray]:
-        """Arrays by name: of the network, and where the jaw's points are."""
+        """Arrays by name: of the network, in half precision, and where the jaw's points are."""
         jaw = {JAW_WEIGHT: self.jaw.weight.astype(np.float32), JAW_BIAS: self.jaw.bias.astype(np.float32)}
-        return {**self.weights.arrays, **jaw}
+        return {**in_half_precision(self.weights.arrays), **jaw}
 
     def search(self, window: np.ndarray) -> tuple[FaceCells, np.ndarray]:
         """What is at every cell of a window (H, W, 3) uint8 of any size, sides multiples of 32 pixels.
