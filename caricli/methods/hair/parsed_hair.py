@@ -26,7 +26,7 @@ def parsed_hair(
     image: np.ndarray,
     settings: MaskSettings = MaskSettings(),  # noqa: B008 (frozen)
 ) -> HairMask | None:
-    """The hair that hangs on a head; a few pixels of hats among it are none.
+    """The hair that hangs on a head; a few pixels of hats among it are none, and a hat beside the head is a wall.
 
     Regions are coarse: near their border colours say what is hair. Brows, eyes and lips stay what they are.
 
@@ -38,10 +38,12 @@ def parsed_hair(
     """
     points = face.require_landmarks()[:COUNT]
     size = float(np.ptp(points, axis=0).max())
+    hats = regions == Region.HAT
+    regions = np.where(hats & ~_on_head(hats, pixels), Region.BACKGROUND, regions)
     hair = regions == Region.HAIR
     own = _on_head(hair, pixels, settings.crumb * size**2)
-    hats = (_on_head(np.isin(regions, (Region.HAT, Region.HAIR)), pixels) & (regions == Region.HAT)).sum()
-    doubt = float(hats / max(hats + own.sum(), 1))
+    worn = (_on_head(np.isin(regions, (Region.HAT, Region.HAIR)), pixels) & (regions == Region.HAT)).sum()
+    doubt = float(worn / max(worn + own.sum(), 1))
     if doubt > settings.doubt:
         return None
     if own.any():

@@ -69,8 +69,16 @@ def test_a_speck_of_a_hat_in_the_colour_of_the_hair_is_hair(face, pixels):
     speck = labels((Region.HAT, (12, 16), (61, 65))) > 0
     regions[speck] = Region.HAT
     assert parsed_hair(face, regions, pixels, image).pixels[speck].all()
-    regions[5:8] = np.where(regions[5:8] == Region.HAIR, Region.HAT, regions[5:8])
+    regions[5:18, 15:24] = Region.HAT
     assert not parsed_hair(face, regions, pixels, image).pixels[speck].any()
+
+
+def test_a_wall_beside_the_hair_is_no_hat(face, pixels):
+    hair = (Region.HAIR, (5, 25), (15, 65))
+    regions = labels(hair, (Region.SKIN, (25, 70), (15, 65)), (Region.HAT, (0, 20), (65, 80)))
+    mask = parsed_hair(face, regions, pixels, painted(regions))
+    np.testing.assert_array_equal(mask.pixels, labels(hair) > 0)
+    assert mask.behind[regions == Region.HAT].all() and mask.doubt == 0
 
 
 def test_a_wall_that_passes_for_hat_and_hair_says_nothing_of_hair(face, pixels):
