@@ -180,9 +180,11 @@ class MovedHead:
         window = self.original.window
         spread = 0.3 * self.original.settings.band * self.original.size
         # A wide blur needs no more than one sample a pixel.
-        strip = (self.strip > 0).astype(np.float32)
-        shares = np.dstack([self.shift[self.view.outline] * strip[..., None], strip])
-        shares = blurred(window.means(shares), spread)
+        each = np.s_[:: window.fine, :: window.fine]
+        row, column = self.view.outline
+        strip = (self.strip[each] > 0).astype(np.float32)
+        shift = self.shift[row[each], column[each]]
+        shares = blurred(np.dstack([shift * strip[..., None], strip]), spread)
         shift = shares[..., :2] / np.maximum(shares[..., 2:], _LEVEL)
         return cv2.resize(shift, window.size, interpolation=cv2.INTER_LINEAR)
 

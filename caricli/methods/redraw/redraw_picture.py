@@ -48,10 +48,11 @@ def redraw_picture(original: Original, vertices: np.ndarray, change: TextureChan
 def _painted(original: Original, head: MovedHead, changed: ChangedPaint | None) -> np.ndarray:
     """(H, W, 3) float32 colours of the head: of the old picture where it showed this, else of what the head wears."""
     old = head.picture(head.source) * head.light_ratio
-    lit = _worn(original, head) * head.shade
+    materials = _materials(original, head)
+    lit = _worn(original, head, materials) * head.shade
     if original.rows is not None:
         # Teeth that are drawn need no others beside them.
-        teeth = np.isin(_materials(original, head), (Material.TEETH, Material.GUMS))
+        teeth = np.isin(materials, (Material.TEETH, Material.GUMS))
         beside = (head.view.inside & ~teeth).astype(np.float32)
         near = box_around(teeth)
         lit[near] = np.where(teeth[near][..., None], spread_colours(lit[near], beside[near]), lit[near])
@@ -59,7 +60,7 @@ def _painted(original: Original, head: MovedHead, changed: ChangedPaint | None) 
         old = changed.paint(old)
         lit = changed.paint(lit)
     seen = head.shown
-    eyes = _materials(original, head) == Material.EYE
+    eyes = materials == Material.EYE
     # In a mouth a colour says nothing of what is beside it.
     apart = old - lit
     colours = np.where(head.view.inside[..., None], lit + seen[..., None] * apart, lit)
@@ -85,8 +86,10 @@ def _closed(head: MovedHead, old: np.ndarray, painted: np.ndarray) -> np.ndarray
     like = likeness(old.reshape(-1, 3), usual, TextureSettings.other).reshape(skin.shape).astype(np.float32)
     plain = spread_colours(old.astype(np.float32), skin * like**2 * (1 - beside))
     lids = np.maximum(lids, beside * (1 - like**2))
-    painted[near] = new + lids[..., None] * (plain - new)
-    return painted + head.lashes[..., None] * (np.array(FINISHES[Material.LASHES].colour, np.float32) - painted)
+    new = new + lids[..., None] * (plain - new)
+    dark = np.array(FINISHES[Material.LASHES].colour, np.float32)
+    painted[near] = new + head.lashes[near][..., None] * (dark - new)
+    return painted
 
 
 def _composed(original: Original, head: MovedHead, painted: np.ndarray) -> np.ndarray:
@@ -109,10 +112,9 @@ def _materials(original: Original, head: MovedHead) -> np.ndarray:
     return np.where(head.view.covered, materials[head.view.face], -1)
 
 
-def _worn(original: Original, head: MovedHead) -> np.ndarray:
-    """(H, W, 3) float32 colours of what a head wears at the samples, without light."""
+def _worn(original: Original, head: MovedHead, materials: np.ndarray) -> np.ndarray:
+    """(H, W, 3) float32 colours of what a head wears at samples of some materials (H, W), without light."""
     mesh = original.rig.mesh
-    materials = _materials(original, head)
     colours = np.zeros((*materials.shape, 3), np.float32)
     for material in np.unique(materials[head.view.covered]):
         own = materials == material
