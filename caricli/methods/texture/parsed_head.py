@@ -18,8 +18,12 @@ _WORN = (Region.GLASSES, Region.HAT)
 _BARE = (Region.SKIN, Region.NOSE)
 _COLOURS = 500  # of bare skin, to compare a neck's with
 _SEVERAL = 15  # of them a neck has to be like: highlights on skin are white, too
-_UNLIKE = 12.0  # in CIELAB: what is no nearer to so many is a collar
+_UNLIKE = 12.0  # in CIELAB: what is no nearer to so many is a collar, or to the head's mean what is behind it
 _AROUND = 0.006  # of the mesh's height in the picture: border of a collar, and least half of a neck's breadth
+_REACH = 0.04  # of the same: so near to what is behind a head its region may show this
+_LIKE = 0.5  # of the distance to the head's colours that one to those behind it has at most, in CIELAB
+_SMALL = 6  # pixels of a reach, at which means of colours are taken
+_FAINT = 1e-3  # share of such pixels around, with less of them there are none
 _LEAST = 0.2  # of what the mesh covers: with less skin and hair in it, this head was not seen
 
 
@@ -38,7 +42,8 @@ class ParsedHead:
 def parsed_head(regions: np.ndarray, pixels: np.ndarray, image: np.ndarray) -> ParsedHead | None:
     """Find the head that a mesh covers.
 
-    A collar is easily taken for neck; it is told by its colours, and what is beyond it is no neck either.
+    A collar is easily taken for neck; it is told by its colours, and what is beyond it is no neck either. So is what is
+    behind the head at its border.
     regions: (H, W) values of Region. pixels: (H, W) bool, those that the mesh covers. image: (H, W, 3) uint8.
     Returns ParsedHead, or None where it was not seen: there is little skin and hair among these pixels, or none.
     """
@@ -49,12 +54,55 @@ def parsed_head(regions: np.ndarray, pixels: np.ndarray, image: np.ndarray) -> P
     # Other people in the picture do not hang together with this head.
     whole = head & np.isin(parts, np.unique(parts[pixels & head]))
     own = whole & pixels
-    around = round(_AROUND * np.ptp(np.flatnonzero(pixels.any(1))))
+    height = np.ptp(np.flatnonzero(pixels.any(1)))
+    around = round(_AROUND * height)
     collar = _collar(regions, own, image)
     if collar.any():
         # Beyond the mesh, too, whose outermost vertices see what is beside it.
         collar = whole & (regions == Region.NECK) & ~_bare_neck(regions, own & ~collar, collar, around)
-    return ParsedHead(whole, whole & np.isin(regions, _PAINT) & ~collar)
+    bare = whole & ~collar
+    behind = _behind(regions, bare, image, _REACH * height)
+    return ParsedHead(whole, bare & np.isin(regions, _PAINT) & ~behind)
+
+
+def _behind(regions: np.ndarray, head: np.ndarray, image: np.ndarray, reach: float) -> np.ndarray:
+    """(H, W) bool: what of the skin of a head (H, W) bool has the colours of what is behind it, not its own.
+
+    reach: pixels, so near to the border of the head colours are asked, and so far from it they are learnt.
+    """
+    skin = head & np.isin(regions, _SKIN)
+    back = regions == Region.BACKGROUND
+    away = _distance(back)
+    near = skin & (away <= reach)
+    if not near.any():
+        return near
+    inside, outside = (
+        _mean_colours(image, part, min(1.0, _SMALL / reach))[near]
+        for part in (skin & ~near, back & (_distance(head) > reach / 2))
+    )
+    own = cv2.cvtColor(image[near][None].astype(np.float32) / 255, cv2.COLOR_RGB2LAB)[0]
+    unlike = np.linalg.norm(own - inside, axis=1)
+    behind = np.zeros_like(near)
+    behind[near] = (unlike > _UNLIKE) & (np.linalg.norm(own - outside, axis=1) < _LIKE * unlike)
+    return behind
+
+
+def _distance(mask: np.ndarray) -> np.ndarray:
+    """(H, W) pixels to a mask (H, W) bool."""
+    return cv2.distanceTransform((~mask).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_5)
+
+
+def _mean_colours(image: np.ndarray, mask: np.ndarray, zoom: float) -> np.ndarray:
+    """(H, W, 3) CIELAB: means of the pixels of a mask (H, W) bool around each, NaN where there are none.
+
+    zoom: of a picture in which they are taken, whose Gaussian weights have a standard deviation of a reach.
+    """
+    small = cv2.resize(image, None, fx=zoom, fy=zoom, interpolation=cv2.INTER_AREA).astype(np.float32) / 255
+    shares = cv2.resize(mask.astype(np.float32), small.shape[1::-1], interpolation=cv2.INTER_AREA)
+    sums = cv2.GaussianBlur(cv2.cvtColor(small, cv2.COLOR_RGB2LAB) * shares[..., None], (0, 0), _SMALL)
+    shares = cv2.GaussianBlur(shares, (0, 0), _SMALL)
+    means = sums / np.where(shares > _FAINT, shares, np.nan)[..., None]
+    return cv2.resize(means, mask.shape[::-1], interpolation=cv2.INTER_LINEAR)
 
 
 def _bare_neck(regions: np.ndarray, head: np.ndarray, collar: np.ndarray, around: int) -> np.ndarray:

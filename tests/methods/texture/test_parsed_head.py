@@ -83,3 +83,20 @@ def test_a_collar_is_no_paint_beyond_the_mesh(regions, pixels, image):
     head = parsed_head(regions, pixels, image)
     assert head.paint[42:49, 22:30].all() and not head.paint[42:56, 32:40].any()
     assert head.whole[42:50, 22:40].all()
+
+
+def test_what_is_behind_the_head_is_no_paint_at_its_border(image):
+    paper = (240, 240, 240)
+    regions = np.full((200, 200), Region.BACKGROUND, np.uint8)
+    regions[20:180, 40:160] = Region.SKIN
+    picture = np.full((200, 200, 3), paper, np.uint8)
+    picture[20:180, 44:160] = image[0, 0]
+    picture[90:110, 90:110] = paper  # light on the skin
+    picture[60:100, 150:160] = (20, 20, 20)  # a line around it
+    pixels = regions == Region.SKIN
+    head = parsed_head(regions, pixels, picture)
+    assert head.whole[pixels].all()
+    assert not head.paint[25:175, 40:43].any()
+    assert head.paint[25:175, 45:155].all() and head.paint[60:100, 150:160].all()
+    picture[:] = image[0, 0]
+    assert parsed_head(regions, pixels, picture).paint[pixels].all()
