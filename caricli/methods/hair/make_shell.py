@@ -30,6 +30,7 @@ DISC = 0.49
 _FACING = 0.2  # cosine between skin and view from which on it is seen as it is
 _SMALLEST = 0.3  # of a radius: no skull is smaller
 _TOGETHER = 0.3  # how much the scales of a skull differ, beside the fit of its outline
+_FAINTEST = 1e-6  # share of hair around, below which there is none
 _GRAZING = 0.1  # cosine down to which skin that turns away from the camera says whether there is hair
 _SOFT = 3  # places over which thick ends, where the picture shows them, go over into thin ones
 _GAP = 2  # least thicknesses of hair by which a skull is drawn in behind the outline
@@ -119,7 +120,11 @@ def make_shell(
         thickness = fit_outline(sphere, camera, outline, sphere.angles[:, None] < ends, settings) - sphere.radii
         total = fine.radii + np.maximum(fine.sample(thickness, longitudes, angles), settings.least * head.height)
         edge = _edge(fine, view, total, settings)
-    total = meet_outline(fine, camera, outline, angles < edge, total)
+    hairy = angles < edge
+    unseen = hairy & ~view.shows(fine.points(longitudes, angles, total))
+    share = gaussian_filter(unseen.astype(float), _SOFT, mode=("nearest", "wrap"))
+    total = total + np.clip(2 * share - 1, 0, 1) * (_rounded(hairy, total, settings) - total)
+    total = meet_outline(fine, camera, outline, hairy, total)
     left, *_ = _left(fine, view, edge, total, settings)
     head = lower_skull(head, fine, np.where(left > 0, total - settings.least * head.height, np.inf))
     fine = HeadSphere(head, settings, fine=True)
@@ -130,6 +135,19 @@ def make_shell(
     lower = edge + settings.below * seen[row, np.arange(len(edge))]
     lower = np.maximum(lower, np.pi / len(left) * (np.cumprod(left > 0, axis=0).sum(0) + 0.5))
     return _mesh(_Surface(fine, total, left, free, hidden, lower), view, settings), head
+
+
+def _rounded(hairy: np.ndarray, total: np.ndarray, settings: ShellSettings) -> np.ndarray:
+    """Radii (R, C) without the edges between facets of the skin, which a finer shell would show as creases.
+
+    hairy: (R, C) bool, where there is hair; elsewhere nothing changes.
+    """
+    rows, columns = total.shape
+    spread = settings.facets * rows / np.pi, settings.facets * columns / (2 * np.pi)
+    sums, shares = (
+        gaussian_filter(values, spread, mode=("nearest", "wrap")) for values in (total * hairy, hairy.astype(float))
+    )
+    return np.where(hairy, sums / np.maximum(shares, _FAINTEST), total)
 
 
 def lower_skull(head: Template, sphere: HeadSphere, most: np.ndarray) -> Template:
@@ -285,11 +303,12 @@ def _mesh(surface: _Surface, view: HairView, settings: ShellSettings) -> Hair:
     longitudes = 2 * np.pi * np.arange(columns) / columns
     ends = np.interp(longitudes, sphere.longitudes, surface.ends, period=2 * np.pi)
     # Denser towards the edge, where the shell is round.
-    share = np.sin(np.pi / 2 * (np.arange(settings.rows) + 1) / settings.rows)
-    angles = share[:, None] * ends
+    down = np.sin(np.pi / 2 * (np.arange(settings.rows) + 1) / settings.rows)
+    angles = down[:, None] * ends
     around = np.broadcast_to(longitudes, angles.shape)
     skin = sphere.sample(sphere.radii, around, angles)
-    thickness = sphere.sample(surface.total, around, angles) - skin
+    even = sphere.sample(_rounded(surface.left > 0, sphere.radii, settings), around, angles)
+    total = sphere.sample(surface.total, around, angles)
     left = sphere.sample(surface.left, around, angles)
     # The outline, where hidden and shown hair meet, keeps its thickness.
     hidden = np.clip(2 * gaussian_filter(surface.hidden, _SOFT, mode=("nearest", "wrap")) - 1, 0, 1)
@@ -297,7 +316,9 @@ def _mesh(surface: _Surface, view: HairView, settings: ShellSettings) -> Hair:
     height = sphere.head.height
     for _ in range(_TURNS):
         # Beyond its end it goes so deep that moving brows do not uncover it.
-        radii = skin + thickness * _taper(left, thickness, hidden, height, settings)
+        share = _taper(left, total - skin, hidden, height, settings)
+        base = skin + share * (even - skin)
+        radii = base + share * (total - base)
         radii += np.clip(left, -settings.deep * height, 0)
         # What hides bare skin ends before it.
         points = sphere.points(around, angles, radii)
@@ -307,16 +328,12 @@ def _mesh(surface: _Surface, view: HairView, settings: ShellSettings) -> Hair:
     rim = skin[-1] - settings.under * height
     radii[-1] = np.where(sphere.sample(surface.free, around[-1], angles[-1]) < 0, np.minimum(radii[-1], rim), rim)
     top = sphere.sample(surface.total, np.zeros(1), np.zeros(1))
-    points = np.concatenate(
-        [
-            sphere.points(np.zeros(1), np.zeros(1), top),
-            sphere.points(around, angles, radii).reshape(-1, 3),
-        ]
-    )
+    whorl = sphere.points(np.zeros(1), np.zeros(1), top)
+    points = np.concatenate([whorl, sphere.points(around, angles, radii).reshape(-1, 3)])
     turn = np.append(0, around.ravel())
     roots, weights = sphere.roots(turn, np.append(0, angles.ravel()))
     quads = _quads(settings.rows, columns)
-    uvs = unrolled_to_uv(turn, np.append(0, np.repeat(share, columns)))
+    uvs = unrolled_to_uv(turn, np.append(0, np.repeat(down, columns)))
     return Hair(Mesh(points, quads, uvs, quads), roots, weights)
 
 

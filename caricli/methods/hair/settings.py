@@ -76,6 +76,7 @@ class ShellSettings:
     most, as seen from the middle of the head.
     least: thickness of hair at least. usual: where nothing is seen of it.
     smooth: how much bending of the surface counts beside its outline; faint: pull towards the usual thickness.
+    facets: radians, standard deviation of a blur that leaves no edges of the skin's triangles in the surface.
     bins: directions in which the outline is compared. rounds: of surface and outline in turns.
     hidden: how much a place that the picture does not show counts for the hairline, beside one that it shows.
     steady: how much the hairline's ups and downs count.
@@ -100,6 +101,7 @@ class ShellSettings:
     usual: float = 0.04
     smooth: float = 0.02
     faint: float = 0.001
+    facets: float = 0.08
     bins: int = 240
     rounds: int = 6
     hidden: float = 0.15

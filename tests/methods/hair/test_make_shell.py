@@ -55,6 +55,21 @@ def test_what_goes_on_below_the_hairline_is_deep_under_the_skin(sitter):
     np.testing.assert_allclose(depths[1][above], depths[0][above], atol=1e-3)
 
 
+def creases(shell):
+    """(N,) degrees by which quads side by side are turned, behind the head and away from the rim."""
+    columns, rows = ShellSettings.columns, ShellSettings.rows
+    grid = shell.shell.vertices[1:].reshape(rows, columns, 3)[rows // 4 : rows // 2, columns // 3 : -columns // 3]
+    along, around = np.diff(grid, axis=0)[:, :-1], np.diff(grid, axis=1)[:-1]
+    normals = np.cross(along, around)
+    normals /= np.linalg.norm(normals, axis=2, keepdims=True)
+    return np.degrees(np.arccos(np.clip((normals[:, 1:] * normals[:, :-1]).sum(2), -1, 1))).ravel()
+
+
+def test_it_has_no_creases_where_skin_has_edges(shell, sitter):
+    sharp, _ = make_shell(sitter.head, CAMERA, sitter.hair, ShellSettings(facets=1e-3))
+    assert np.quantile(creases(shell), 0.99) < 0.7 * np.quantile(creases(sharp), 0.99)
+
+
 def test_it_has_a_place_of_its_own_in_the_picture(shell):
     mesh = shell.shell
     corners = mesh.uvs[mesh.uv_faces]
