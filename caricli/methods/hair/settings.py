@@ -101,7 +101,7 @@ class ShellSettings:
     usual: float = 0.04
     smooth: float = 0.02
     faint: float = 0.001
-    facets: float = 0.08
+    facets: float = 0.07
     bins: int = 240
     rounds: int = 6
     hidden: float = 0.15
