@@ -122,8 +122,7 @@ def make_shell(
         edge = _edge(fine, view, total, settings)
     hairy = angles < edge
     unseen = hairy & ~view.shows(fine.points(longitudes, angles, total))
-    share = gaussian_filter(unseen.astype(float), _SOFT, mode=("nearest", "wrap"))
-    total = total + np.clip(2 * share - 1, 0, 1) * (_rounded(hairy, total, settings) - total)
+    total = total + _inside_softly(unseen) * (_rounded(hairy, total, settings) - total)
     total = meet_outline(fine, camera, outline, hairy, total)
     left, *_ = _left(fine, view, edge, total, settings)
     head = lower_skull(head, fine, np.where(left > 0, total - settings.least * head.height, np.inf))
@@ -148,6 +147,11 @@ def _rounded(hairy: np.ndarray, total: np.ndarray, settings: ShellSettings) -> n
         gaussian_filter(values, spread, mode=("nearest", "wrap")) for values in (total * hairy, hairy.astype(float))
     )
     return np.where(hairy, sums / np.maximum(shares, _FAINTEST), total)
+
+
+def _inside_softly(shares: np.ndarray) -> np.ndarray:
+    """Shares (R, C) from 0 to 1 that fall softly to nothing where they end, and not beyond."""
+    return np.clip(2 * gaussian_filter(np.asarray(shares, float), _SOFT, mode=("nearest", "wrap")) - 1, 0, 1)
 
 
 def lower_skull(head: Template, sphere: HeadSphere, most: np.ndarray) -> Template:
@@ -311,8 +315,7 @@ def _mesh(surface: _Surface, view: HairView, settings: ShellSettings) -> Hair:
     total = sphere.sample(surface.total, around, angles)
     left = sphere.sample(surface.left, around, angles)
     # The outline, where hidden and shown hair meet, keeps its thickness.
-    hidden = np.clip(2 * gaussian_filter(surface.hidden, _SOFT, mode=("nearest", "wrap")) - 1, 0, 1)
-    hidden = sphere.sample(hidden, around, angles)
+    hidden = sphere.sample(_inside_softly(surface.hidden), around, angles)
     height = sphere.head.height
     for _ in range(_TURNS):
         # Beyond its end it goes so deep that moving brows do not uncover it.

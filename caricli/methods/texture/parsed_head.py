@@ -22,7 +22,7 @@ _UNLIKE = 12.0  # in CIELAB: what is no nearer to so many is a collar, or to the
 _AROUND = 0.006  # of the mesh's height in the picture: border of a collar, and least half of a neck's breadth
 _REACH = 0.04  # of the same: so near to what is behind a head its region may show this
 _LIKE = 0.5  # of the distance to the head's colours that one to those behind it has at most, in CIELAB
-_SMALL = 6  # pixels of a reach, at which means of colours are taken
+_SMALL = 6  # pixels, standard deviation of means of colours, which a larger reach is scaled down to
 _FAINT = 1e-3  # share of such pixels around, with less of them there are none
 _LEAST = 0.2  # of what the mesh covers: with less skin and hair in it, this head was not seen
 
@@ -95,7 +95,7 @@ def _distance(mask: np.ndarray) -> np.ndarray:
 def _mean_colours(image: np.ndarray, mask: np.ndarray, zoom: float) -> np.ndarray:
     """(H, W, 3) CIELAB: means of the pixels of a mask (H, W) bool around each, NaN where there are none.
 
-    zoom: of a picture in which they are taken, whose Gaussian weights have a standard deviation of a reach.
+    zoom: of the picture in which they are taken.
     """
     small = cv2.resize(image, None, fx=zoom, fy=zoom, interpolation=cv2.INTER_AREA).astype(np.float32) / 255
     shares = cv2.resize(mask.astype(np.float32), small.shape[1::-1], interpolation=cv2.INTER_AREA)
