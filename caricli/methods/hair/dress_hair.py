@@ -3,7 +3,6 @@
 from dataclasses import dataclass, replace
 from typing import Any
 
-import cv2
 import numpy as np
 
 from caricli.errors import InputError
@@ -19,7 +18,6 @@ from caricli.structures import Camera, Face, Hair
 from caricli.template.template import Template
 
 _NEEDED = ("ear_left", "ear_right", "scalp")
-_MARGIN = 0.015  # of the face's height: as far around hair the skin has its colour or its shadow
 _AROUND = 0.1  # of the head's height: farther from head and hair a picture says nothing of hair
 _SIZE = 1024  # texels of hair where none are asked for
 
@@ -82,14 +80,6 @@ def hair_picture(dressed: DressedHair, image: np.ndarray, settings: PaintSetting
     sight = Sight(dressed.face.require_camera(), image, dressed.mask.pixels)
     view = PictureView(dressed.hair.shell, sight, settings.texture)
     return paint_hair(dressed.hair, view, settings.size or _SIZE, np.random.default_rng(settings.seed))
-
-
-def bare_skin(mask: np.ndarray, dressed: DressedHair) -> np.ndarray:
-    """(H, W) bool: what is left of a mask of the head where no hair covers or colours the skin."""
-    reach = max(round(_MARGIN * np.ptp(dressed.face.require_landmarks()[:, 1])), 1)
-    disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * reach + 1, 2 * reach + 1))
-    bare = mask & (cv2.dilate(dressed.mask.pixels.astype(np.uint8), disc) == 0)
-    return bare if bare.any() else mask
 
 
 def _near(head: Template, camera: Camera, mask: HairMask) -> tuple[Camera, HairMask]:

@@ -37,7 +37,7 @@ _GAP = 2  # least thicknesses of hair by which a skull is drawn in behind the ou
 _SAMPLES = 8  # of the way across the outline
 _RAMP = 4  # vertices over which a skull that is lowered leads down
 _WIDE_RAMP = 8  # the same of one that is raised
-_GAPS = 2  # quads: what no wider gap joins is apart
+_GAPS = 6  # directions: what no wider gap joins is apart
 _TURNS = 4  # of bending a shell away from bare skin that it hides
 _ROUNDS = 2  # of surface and hairline in turns
 
@@ -127,6 +127,8 @@ def make_shell(
     left, *_ = _left(fine, view, edge, total, settings)
     head = lower_skull(head, fine, np.where(left > 0, total - settings.least * head.height, np.inf))
     fine = HeadSphere(head, settings, fine=True)
+    # The skull is flat between its vertices, where a shell may be hollow.
+    total = np.where(left > 0, np.maximum(total, fine.radii + settings.least * head.height), total)
     view = HairView(head, camera, hair, outline)
     left, free, hidden, seen = _left(fine, view, edge, total, settings)
     # Seen skin says itself where hair ends, down to some way below the edge.
@@ -211,7 +213,7 @@ def _left(
     left = seen * view.to_bare(skin) + (1 - seen) * usual
     # Where an ear is hollow, too, nothing of what is under the skin may be seen.
     left = np.where((left < 0) & (free < 0), np.minimum(left, free), left)
-    return _without_islands(left, settings.rim * sphere.head.height), free, 1 - np.maximum(seen, shown), seen
+    return _without_islands(left, free, settings.rim * sphere.head.height), free, 1 - np.maximum(seen, shown), seen
 
 
 def _taper(
@@ -313,7 +315,7 @@ def _mesh(surface: _Surface, view: HairView, settings: ShellSettings) -> Hair:
     skin = sphere.sample(sphere.radii, around, angles)
     even = sphere.sample(_rounded(surface.left > 0, sphere.radii, settings), around, angles)
     total = sphere.sample(surface.total, around, angles)
-    left = sphere.sample(surface.left, around, angles)
+    left, free = (sphere.sample(metres, around, angles) for metres in (surface.left, surface.free))
     # The outline, where hidden and shown hair meet, keeps its thickness.
     hidden = sphere.sample(_inside_softly(surface.hidden), around, angles)
     height = sphere.head.height
@@ -326,10 +328,10 @@ def _mesh(surface: _Surface, view: HairView, settings: ShellSettings) -> Hair:
         # What hides bare skin ends before it.
         points = sphere.points(around, angles, radii)
         left = np.where((left > 0) & view.shows(points), np.minimum(left, view.to_bare(points)), left)
-        left = _without_islands(left, settings.rim * height)
+        left = _without_islands(left, free, settings.rim * height)
         left = gaussian_filter(left, settings.even, mode=("nearest", "wrap"))
     rim = skin[-1] - settings.under * height
-    radii[-1] = np.where(sphere.sample(surface.free, around[-1], angles[-1]) < 0, np.minimum(radii[-1], rim), rim)
+    radii[-1] = np.where(free[-1] < 0, np.minimum(radii[-1], rim), rim)
     top = sphere.sample(surface.total, np.zeros(1), np.zeros(1))
     whorl = sphere.points(np.zeros(1), np.zeros(1), top)
     points = np.concatenate([whorl, sphere.points(around, angles, radii).reshape(-1, 3)])
@@ -340,8 +342,9 @@ def _mesh(surface: _Surface, view: HairView, settings: ShellSettings) -> Hair:
     return Hair(Mesh(points, quads, uvs, quads), roots, weights)
 
 
-def _without_islands(left: np.ndarray, rim: float) -> np.ndarray:
-    """How far it is to where hair ends, (R, C) metres, and a rim where this is below zero with hair all around.
+def _without_islands(left: np.ndarray, free: np.ndarray, rim: float) -> np.ndarray:
+    """How far it is to where hair ends, (R, C) metres, and a rim where this is below zero with hair all around, unless
+    an ear is there, from which it is less than nothing (R, C) metres.
 
     There is no such thing on a head: the picture shows skin before the hair behind it, at a grazing angle. Gaps of a
     few places in what is around count for nothing.
@@ -354,7 +357,7 @@ def _without_islands(left: np.ndarray, rim: float) -> np.ndarray:
     beyond = np.isin(parts, np.unique(parts[-1][wide[-1]])) & wide
     # What was lost at its border comes back, what hangs on it by a thin bridge does not.
     beyond = binary_dilation(beyond, iterations=2 * _GAPS)[: len(bare), _GAPS : _GAPS + bare.shape[1]]
-    return np.where(bare & ~beyond, rim, left)
+    return np.where(bare & ~beyond & (free >= 0), rim, left)
 
 
 def unrolled_to_uv(longitudes: np.ndarray, shares: np.ndarray) -> np.ndarray:

@@ -41,7 +41,7 @@ def parsed_hair(
     hats = regions == Region.HAT
     regions = np.where(hats & ~_on_head(hats, pixels), Region.BACKGROUND, regions)
     hair = regions == Region.HAIR
-    own = _on_head(hair, pixels, settings.crumb * size**2)
+    own = _on_head(hair, pixels, settings.crumb * size**2, settings.gap * size)
     worn = (_on_head(np.isin(regions, (Region.HAT, Region.HAIR)), pixels) & (regions == Region.HAT)).sum()
     doubt = float(worn / max(worn + own.sum(), 1))
     if doubt > settings.doubt:
@@ -51,7 +51,7 @@ def parsed_hair(
         features = facial_features(points, size, own.shape, settings) & ~own
         other = np.isin(regions, _NEVER) | ((regions == Region.HAT) & (doubt > _SPECKS))
         cut = (probable > 0.5) & ~other & ~features
-        own = _on_head(cut, pixels, settings.crumb * size**2)
+        own = _on_head(cut, pixels, settings.crumb * size**2, settings.gap * size)
         doubt = 1 - (1 - doubt) * _certainty(own, probable)
         if doubt > settings.unsure or (own & pixels).sum() < settings.over * own.sum():
             return None
@@ -62,9 +62,14 @@ def parsed_hair(
     return HairMask(own, np.isin(beside, _AROUND) & ~own, doubt, bool(enough and doubt <= settings.doubt))
 
 
-def _on_head(mask: np.ndarray, pixels: np.ndarray, least: float = 0.0) -> np.ndarray:
-    """(H, W) bool: the parts of a mask (H, W) that have more than so many pixels and some of those of the head."""
-    parts, _ = label(mask)
+def _on_head(mask: np.ndarray, pixels: np.ndarray, least: float = 0.0, gap: float = 0.0) -> np.ndarray:
+    """(H, W) bool: the parts of a mask (H, W) that have more than so many pixels and some of those of the head.
+
+    gap: pixels, what is no farther apart than this is one part.
+    """
+    away = cv2.distanceTransform((~mask).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_5)
+    joined = mask | (away < (gap + 1) / 2)
+    parts = np.where(mask, label(joined)[0], 0)
     kept = np.bincount(parts.ravel()) > least
     kept &= np.bincount(parts[pixels & mask], minlength=len(kept)) > 0
     kept[0] = False

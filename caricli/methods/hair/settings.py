@@ -28,7 +28,8 @@ class MaskSettings:
     beyond: how far from the border of what a network takes for hair colours are asked. colour: natural logarithm of the
     odds that a colour counts at most there; place: the same of the distance, per face's size. nearby, alike: radius and
     smoothness of the filter there. crumb: of the squared size, smaller parts of what a network takes for hair are
-    dropped. over: the least share of hair that is before the head; on generated heads there is at least 0.32.
+    dropped. gap: per face's size, what is no farther apart is one part of it. over: the least share of hair that is
+    before the head; on generated heads there is at least 0.32.
     """
 
     side: int = 300
@@ -63,6 +64,7 @@ class MaskSettings:
     nearby: float = 0.02
     alike: float = 0.02
     crumb: float = 0.005
+    gap: float = 0.03
     over: float = 0.25
 
 

@@ -6,9 +6,11 @@ from operator import itemgetter
 import cv2
 import igl
 import numpy as np
+import scipy.sparse as sp
 from scipy.spatial import KDTree
 
 from caricli.geometry.join_meshes import join_meshes
+from caricli.geometry.vertex_neighbours import vertex_neighbours
 from caricli.methods.hair.head_sphere import HeadSphere
 from caricli.methods.hair.make_shell import lower_skull, raise_skull
 from caricli.methods.hair.mask_hair import HairMask
@@ -28,6 +30,10 @@ _REACH = 0.06  # of the head's height: borders farther apart than this are not o
 _FADING = 0.05  # of what a straight border weighs: less of it near moves less
 _BACK = (-0.6, -0.2)  # cosines between surface and view, from which on and with which it moves along
 _SKIN = (0.2, 0.6)  # cosines from which on and with which it stays as high above the skin
+_SPREAD = 30  # rounds of bringing movements to neighbours, which reach so many edges behind what is seen
+_TOGETHER = 1.0  # weight of the neighbours' movement, beside the share of what the picture says
+_STILL = 0.02  # weight of not moving
+_SLOPES = (0.6, 3.0)  # at these cosines, in which hair rises at most from where it goes under the skin
 _SOFT = 1.5  # pixels over which the way out of a border is looked for
 _EDGE = 2  # pixels: the picture's end is no border
 
@@ -52,8 +58,11 @@ def snap_border(
     """
     sphere = HeadSphere(head, settings, fine=True)
     longitudes, angles, radii = sphere.seen_from(hair.shell.vertices)
-    above = radii > sphere.sample(sphere.radii, longitudes, angles)
-    over = np.zeros_like(above)
+    heights = radii - sphere.sample(sphere.radii, longitudes, angles)
+    above = heights > 0
+    lowest = np.where(above, np.minimum(heights, settings.least * head.height), -np.inf)
+    over = np.zeros(len(heights), bool)
+    _, mean = vertex_neighbours(hair.shell.faces, len(heights))
     size = camera.scale * head.height
     outside = _outside(mask, size)
     seen = _seen_faces(head, hair, camera, mask.pixels.shape)
@@ -61,11 +70,12 @@ def snap_border(
     wanted = _border(mask.pixels, size)
     for number, width in enumerate((*_WIDTHS, None)):
         if width is not None:
-            points = _moved(hair.shell, sphere, camera, _field(seen >= 0, wanted, size, width))
+            points = _moved(hair.shell, sphere, camera, _field(seen >= 0, wanted, size, width), mean)
         elif best[0] < _GOOD:
             points = hair.shell.vertices
             wrong = _seen_places(head, hair, camera, outside & ~mask.behind)
             head = raise_skull(head, sphere, sphere.farthest(wrong), _RAISE * head.height)
+            lowest = np.full_like(lowest, -np.inf)
         else:
             break
         if number == _TRIM or width is None:
@@ -74,8 +84,10 @@ def snap_border(
         most = sphere.cover(points, inner, *np.meshgrid(sphere.longitudes, sphere.angles))
         # Triangles of the skull are larger than those of hair: without a gap they come through between their corners.
         head = lower_skull(head, sphere, most - settings.least * head.height)
-        depths = np.where(over, settings.deep, np.where(above, -np.inf, settings.under))
-        hair = replace(hair, shell=hair.shell.with_vertices(_buried(points, depths, head, settings)))
+        ramp = _ramp(hair.shell.with_vertices(points), over, camera)
+        depths = np.where(over, settings.deep, settings.under) * head.height
+        points = _seated(points, lowest, np.where(above & ~over, ramp, -depths), head, settings)
+        hair = replace(hair, shell=hair.shell.with_vertices(points))
         seen = _seen_faces(head, hair, camera, mask.pixels.shape)
         best = max(best, (union_share(seen >= 0, mask.pixels), hair, head), key=itemgetter(0))
     overlap, hair, head = best
@@ -87,15 +99,33 @@ def union_share(first: np.ndarray, second: np.ndarray) -> float:
     return float((first & second).sum() / max((first | second).sum(), 1))
 
 
-def _buried(points: np.ndarray, depths: np.ndarray, head: Template, settings: ShellSettings) -> np.ndarray:
-    """Points (N, 3), each at least so deep below the skin (N,), shares of the head's height, or -inf for anywhere."""
-    below = np.isfinite(depths)
+def _ramp(shell: Mesh, over: np.ndarray, camera: Camera) -> np.ndarray:
+    """(V,) metres, how far above the skin a shell may rise, the less the nearer it is to what goes under it (V,) bool.
+
+    Hair that the camera sees from aside rises in a gentle slope, or a step is seen from there.
+    """
+    if not over.any():
+        return np.full(len(over), np.inf)
+    away, _ = KDTree(shell.vertices[over]).query(shell.vertices)
+    ramp: np.ndarray = away * np.interp(_cosines(shell, camera), _SKIN, _SLOPES)
+    return ramp
+
+
+def _cosines(shell: Mesh, camera: Camera) -> np.ndarray:
+    """(V,) cosines between a shell and the view."""
+    # Vertices of nothing but triangles without area have no normal.
+    cosines: np.ndarray = -np.nan_to_num(igl.per_vertex_normals(shell.vertices, shell.faces)) @ camera.rotation[2]
+    return cosines
+
+
+def _seated(
+    points: np.ndarray, lowest: np.ndarray, highest: np.ndarray, head: Template, settings: ShellSettings
+) -> np.ndarray:
+    """Points (N, 3) moved until they are from lowest to highest (N,) metres above the skin."""
     skin = HeadSphere(head, settings, fine=True)
-    longitudes, angles, radii = skin.seen_from(points[below])
-    deepest = skin.sample(skin.radii, longitudes, angles) - depths[below] * head.height
-    buried = points.copy()
-    buried[below] = skin.points(longitudes, angles, np.minimum(radii, deepest))
-    return buried
+    longitudes, angles, radii = skin.seen_from(points)
+    ground = skin.sample(skin.radii, longitudes, angles)
+    return skin.points(longitudes, angles, np.clip(radii, ground + lowest, ground + highest))
 
 
 def _outside(mask: HairMask, height: float) -> np.ndarray:
@@ -177,13 +207,12 @@ def _border(mask: np.ndarray, height: float) -> np.ndarray:
     return np.column_stack([columns, rows, _REACH * height * outwards])
 
 
-def _moved(shell: Mesh, sphere: HeadSphere, camera: Camera, field: np.ndarray) -> np.ndarray:
-    """(V, 3) vertices of a shell, moved as a field (H, W, 2) of its picture says."""
+def _moved(shell: Mesh, sphere: HeadSphere, camera: Camera, field: np.ndarray, mean: sp.csr_matrix) -> np.ndarray:
+    """(V, 3) vertices of a shell, moved as a field (H, W, 2) of its picture says. mean: of `vertex_neighbours`."""
     placed = camera.project(shell.vertices)
     move = np.column_stack([sample_pixels(field[..., k], placed[:, 0], placed[:, 1], border=0.0) for k in range(2)])
-    # Vertices of nothing but triangles without area have no normal.
-    cosine = -np.nan_to_num(igl.per_vertex_normals(shell.vertices, shell.faces)) @ camera.rotation[2]
-    move = move * np.clip((cosine - _BACK[0]) / (_BACK[1] - _BACK[0]), 0, 1)[:, None]
+    cosine = _cosines(shell, camera)
+    move = _spread(mean, move, np.clip((cosine - _BACK[0]) / (_BACK[1] - _BACK[0]), 0, 1)[:, None])
     points = shell.vertices + move / camera.scale @ camera.rotation[:2]
     longitudes, angles, radii = sphere.seen_from(shell.vertices)
     above = radii - sphere.sample(sphere.radii, longitudes, angles)
@@ -191,3 +220,14 @@ def _moved(shell: Mesh, sphere: HeadSphere, camera: Camera, field: np.ndarray) -
     along = sphere.sample(sphere.radii, longitudes, angles) + above
     share = np.clip((cosine - _SKIN[0]) / (_SKIN[1] - _SKIN[0]), 0, 1)
     return sphere.points(longitudes, angles, radii + share * (along - radii))
+
+
+def _spread(mean: sp.csr_matrix, wanted: np.ndarray, weights: np.ndarray) -> np.ndarray:
+    """(V, 2): movements that are wanted (V, 2) with weights (V, 1), which fade out smoothly over what has no weight.
+
+    Without this what is seen and what is not would part in a crease.
+    """
+    moves = weights * wanted
+    for _ in range(_SPREAD):
+        moves = (weights * wanted + _TOGETHER * (mean @ moves)) / (weights + _TOGETHER + _STILL)
+    return moves

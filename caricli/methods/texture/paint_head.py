@@ -9,7 +9,8 @@ import numpy as np
 
 from caricli.errors import InputError
 from caricli.methods.detect.cut_openings import cut_openings
-from caricli.methods.hair.dress_hair import DressedHair, bare_skin, dress_hair, hair_picture
+from caricli.methods.hair.bare_skin import bare_skin
+from caricli.methods.hair.dress_hair import DressedHair, dress_hair, hair_picture
 from caricli.methods.hair.shade_scalp import Scalp
 from caricli.methods.parts.close_neck import neck_picture
 from caricli.methods.parts.face_parts import chosen_attachment, face_parts
@@ -163,7 +164,7 @@ def _lay_groundwork(
     if regions is not None:
         looks.append(partial(cut_openings, image, regions, landmarks))
     hair, texels, eyes, _, *openings = do_in_parallel(*looks)
-    skin = parts.paint if hair is None else bare_skin(parts.paint, hair)
+    skin = parts.paint if hair is None else bare_skin(parts, hair, image)
     for opening in openings:
         skin = skin & ~opening
     return _Groundwork(parts.whole, skin, hair, texels, eyes)

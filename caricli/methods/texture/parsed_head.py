@@ -7,6 +7,7 @@ import numpy as np
 from scipy.ndimage import label
 from scipy.spatial import KDTree
 
+from caricli.methods.texture.mean_colours import mean_colours
 from caricli.structures.parsing import Region
 
 _SKIN = (
@@ -22,8 +23,6 @@ _UNLIKE = 12.0  # in CIELAB: what is no nearer to so many is a collar, or to the
 _AROUND = 0.006  # of the mesh's height in the picture: border of a collar, and least half of a neck's breadth
 _REACH = 0.04  # of the same: so near to what is behind a head its region may show this
 _LIKE = 0.5  # of the distance to the head's colours that one to those behind it has at most, in CIELAB
-_SMALL = 6  # pixels, standard deviation of means of colours, which a larger reach is scaled down to
-_FAINT = 1e-3  # share of such pixels around, with less of them there are none
 _LEAST = 0.2  # of what the mesh covers: with less skin and hair in it, this head was not seen
 
 
@@ -32,11 +31,12 @@ class ParsedHead:
     """A head in a picture.
 
     whole: (H, W) bool, all of it, with what it wears and what is held before it. paint: (H, W) bool, skin and hair,
-    without glasses, hats and hands.
+    without glasses, hats and hands. ears: (H, W) bool, or None where nobody knows.
     """
 
     whole: np.ndarray
     paint: np.ndarray
+    ears: np.ndarray | None = None
 
 
 def parsed_head(regions: np.ndarray, pixels: np.ndarray, image: np.ndarray) -> ParsedHead | None:
@@ -62,7 +62,7 @@ def parsed_head(regions: np.ndarray, pixels: np.ndarray, image: np.ndarray) -> P
         collar = whole & (regions == Region.NECK) & ~_bare_neck(regions, own & ~collar, collar, around)
     bare = whole & ~collar
     behind = _behind(regions, bare, image, _REACH * height)
-    return ParsedHead(whole, bare & np.isin(regions, _PAINT) & ~behind)
+    return ParsedHead(whole, bare & np.isin(regions, _PAINT) & ~behind, regions == Region.EARS)
 
 
 def _behind(regions: np.ndarray, head: np.ndarray, image: np.ndarray, reach: float) -> np.ndarray:
@@ -77,8 +77,7 @@ def _behind(regions: np.ndarray, head: np.ndarray, image: np.ndarray, reach: flo
     if not near.any():
         return near
     inside, outside = (
-        _mean_colours(image, part, min(1.0, _SMALL / reach))[near]
-        for part in (skin & ~near, back & (_distance(head) > reach / 2))
+        mean_colours(image, part, reach)[near] for part in (skin & ~near, back & (_distance(head) > reach / 2))
     )
     own = cv2.cvtColor(image[near][None].astype(np.float32) / 255, cv2.COLOR_RGB2LAB)[0]
     unlike = np.linalg.norm(own - inside, axis=1)
@@ -90,19 +89,6 @@ def _behind(regions: np.ndarray, head: np.ndarray, image: np.ndarray, reach: flo
 def _distance(mask: np.ndarray) -> np.ndarray:
     """(H, W) pixels to a mask (H, W) bool."""
     return cv2.distanceTransform((~mask).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_5)
-
-
-def _mean_colours(image: np.ndarray, mask: np.ndarray, zoom: float) -> np.ndarray:
-    """(H, W, 3) CIELAB: means of the pixels of a mask (H, W) bool around each, NaN where there are none.
-
-    zoom: of the picture in which they are taken.
-    """
-    small = cv2.resize(image, None, fx=zoom, fy=zoom, interpolation=cv2.INTER_AREA).astype(np.float32) / 255
-    shares = cv2.resize(mask.astype(np.float32), small.shape[1::-1], interpolation=cv2.INTER_AREA)
-    sums = cv2.GaussianBlur(cv2.cvtColor(small, cv2.COLOR_RGB2LAB) * shares[..., None], (0, 0), _SMALL)
-    shares = cv2.GaussianBlur(shares, (0, 0), _SMALL)
-    means = sums / np.where(shares > _FAINT, shares, np.nan)[..., None]
-    return cv2.resize(means, mask.shape[::-1], interpolation=cv2.INTER_LINEAR)
 
 
 def _bare_neck(regions: np.ndarray, head: np.ndarray, collar: np.ndarray, around: int) -> np.ndarray:

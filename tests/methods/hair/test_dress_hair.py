@@ -5,7 +5,9 @@ import numpy as np
 import pytest
 
 from caricli.errors import InputError
-from caricli.methods.hair.dress_hair import bare_skin, dress_hair, hair_picture
+from caricli.methods.hair.bare_skin import bare_skin
+from caricli.methods.hair.dress_hair import dress_hair, hair_picture
+from caricli.methods.texture.parsed_head import ParsedHead
 from caricli.methods.texture.settings import PaintSettings
 from tests.methods.hair.conftest import BROWN
 
@@ -35,8 +37,23 @@ def test_what_is_beside_hair_does_not_colour_its_edge(dressed, sitter):
 
 def test_the_skin_under_it_is_left_to_be_filled(dressed, sitter):
     shown = ~sitter.hair.behind
-    bare = bare_skin(shown, dressed)
+    bare = bare_skin(ParsedHead(shown, shown), dressed, sitter.image)
     assert not (bare & dressed.mask.pixels).any() and 0.2 < bare.sum() / shown.sum() < 0.9
+
+
+def test_a_line_in_the_colour_of_the_hair_along_the_border_of_the_face_is_left_to_be_filled(dressed, sitter):
+    """A line beside an ear, which is at the border of the head; another one, in the middle of the cheek, stays."""
+    skin = ~sitter.hair.behind & ~sitter.hair.pixels
+    rows = round(sitter.face.landmarks[30, 1]) + np.arange(16)
+    ear, border, cheek = (np.zeros_like(skin) for _ in range(3))
+    for row in rows:
+        first = np.flatnonzero(skin[row])[0]
+        ear[row, first : first + 8] = True
+        border[row, first + 9 : first + 11] = True
+        cheek[row, first + 40 : first + 42] = True
+    drawn = np.where((border | cheek)[..., None], BROWN, sitter.image).astype(np.uint8)
+    plain, lined = (bare_skin(ParsedHead(skin, skin, ear), dressed, image) for image in (sitter.image, drawn))
+    assert plain[border].all() and not lined[border].any() and lined[cheek].all()
 
 
 def test_none_auto_and_shell(sitter):

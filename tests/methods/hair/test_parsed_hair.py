@@ -50,6 +50,15 @@ def test_hair_hangs_on_the_head(face, pixels):
     assert mask.trusted and mask.doubt == 0
 
 
+def test_a_lock_that_a_line_cuts_off_hangs_on_the_head_and_one_farther_away_does_not(face, pixels):
+    hair = (Region.HAIR, (5, 25), (15, 65))
+    skin = (Region.SKIN, (25, 70), (15, 65))
+    near, far = ((Region.HAIR, (first, first + 3), (15, 17)) for first in (26, 40))
+    regions = labels(hair, skin, near, far)
+    mask = parsed_hair(face, regions, pixels, painted(regions))
+    np.testing.assert_array_equal(mask.pixels, labels(hair, near) > 0)
+
+
 def test_beside_much_of_a_hat_colours_decide(face, pixels):
     regions = labels(
         (Region.HAT, (5, 30), (15, 65)), (Region.SKIN, (30, 70), (15, 65)), (Region.HAIR, (30, 40), (15, 25))

@@ -1,0 +1,46 @@
+"""What of a head in a picture is skin that no hair covers or colours."""
+
+import cv2
+import numpy as np
+
+from caricli.methods.hair.dress_hair import DressedHair
+from caricli.methods.texture.mean_colours import mean_colours
+from caricli.methods.texture.parsed_head import ParsedHead
+
+_MARGIN = 0.015  # of the face's height: as far around hair the skin has its colour or its shadow
+_BORDER = 0.05  # of the same: so near to its border a head may show hair that no shell holds, or a line
+_UNLIKE = 12.0  # in CIELAB, from the skin beside it: less is skin
+_LIKE = 0.5  # of the distance to the skin that one to the hair has at most
+_ACROSS = 2.0  # times the border: standard deviation of means of the skin's colours
+
+
+def bare_skin(head: ParsedHead, dressed: DressedHair, image: np.ndarray) -> np.ndarray:
+    """(H, W) bool: what is left of the paint of a head where no hair covers or colours the skin.
+
+    At the border of the face a line as dark as the hair, or locks that no shell holds, would be spread over the side.
+    image: (H, W, 3) uint8.
+    """
+    height = np.ptp(dressed.face.require_landmarks()[:, 1])
+    hair = dressed.mask.pixels
+    face = head.whole if head.ears is None else head.whole & ~head.ears
+    coloured = hair | _like_hair(head.paint & face & ~hair, face, hair, image, _BORDER * height)
+    reach = max(round(_MARGIN * height), 1)
+    disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * reach + 1, 2 * reach + 1))
+    bare = head.paint & (cv2.dilate(coloured.astype(np.uint8), disc) == 0)
+    return bare if bare.any() else head.paint
+
+
+def _like_hair(skin: np.ndarray, face: np.ndarray, hair: np.ndarray, image: np.ndarray, border: float) -> np.ndarray:
+    """(H, W) bool: what of skin, at most so many pixels from the border of a face (H, W) bool, looks like hair."""
+    inside = cv2.distanceTransform(face.astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_5)
+    near = skin & (inside <= border)
+    if not near.any():
+        return near
+    own, locks = (
+        cv2.cvtColor(image[part][None].astype(np.float32) / 255, cv2.COLOR_RGB2LAB)[0] for part in (near, hair)
+    )
+    unlike = np.linalg.norm(own - mean_colours(image, skin & ~near, _ACROSS * border)[near], axis=1)
+    like = np.linalg.norm(own - np.median(locks, axis=0), axis=1)
+    lines = np.zeros_like(near)
+    lines[near] = (unlike > _UNLIKE) & (like < _LIKE * unlike)
+    return lines
