@@ -7,6 +7,7 @@ from threadpoolctl import threadpool_limits
 
 from caricli.geometry.deformation_transfer import DeformationTransfer
 from caricli.geometry.similarity import similarity
+from caricli.geometry.untangle import untangle
 from caricli.methods.expressions.normal_pair import NormalPair
 from caricli.methods.expressions.optimise_blendshapes import optimise_blendshapes
 from caricli.methods.expressions.settings import BlendshapeSettings
@@ -72,7 +73,8 @@ def neutral_of(pair: NormalPair) -> NeutralFace:
     """The NeutralFace of a caricature, where its normal face shows an expression; else as it was given.
 
     The normal face goes to rest, the caricature follows, and of its displacement is kept what equation 11 keeps, for
-    this one shape alone; then lips meet that meet on the head of the tools. Raises InputError, NumericsError.
+    this one shape alone; what this turns over (a throat under the jaw that closes) is smoothed until it turns back;
+    then lips meet that meet on the head of the tools. Raises InputError, NumericsError.
     """
     way = pair.neutral - pair.given
     lengths = np.linalg.norm(pair.tools.actions.deltas, axis=2).max(1)
@@ -83,8 +85,9 @@ def neutral_of(pair: NormalPair) -> NeutralFace:
         return NeutralFace(given, given, shown)
     (shape,) = pair.follow(pair.neutral[None]).shapes
     (moves,) = optimise_blendshapes((shape - pair.vertices)[None], way[None], pair.mesh, pair.settings.weights, usual)
+    rest = untangle(pair.vertices + moves, pair.template.gradients)
     if pair.settings.contacts:
-        rest = pair.vertices + moves
         transfer = DeformationTransfer(rest, pair.template.faces, pair.tools.actions.still)
-        moves = moves + Contacts(pair.tools.actions, rest, transfer).rest()
-    return NeutralFace(given, given.with_vertices(given.vertices + pair.scale * moves), shown)
+        rest = rest + Contacts(pair.tools.actions, rest, transfer).rest()
+    moves = pair.scale * (rest - pair.vertices)
+    return NeutralFace(given, given.with_vertices(given.vertices + moves), shown)

@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 
+from caricli.geometry.flipped_triangles import flipped_triangles
 from caricli.geometry.head_rotation import head_rotation
 from caricli.geometry.rotation_vectors import rotation_matrices
 from caricli.geometry.self_intersections import self_intersections
@@ -68,6 +69,17 @@ def test_without_contacts_lips_cross(laughing, head, tools, head_template):
         for contacts in (True, False)
     )
     assert free > 2 * kept and free > 4
+
+
+def test_the_throat_under_a_long_jaw_does_not_turn_over_as_it_closes(laughing, head, tools, head_template):
+    """All below the nose is 2.4 times as long."""
+    laugh = head.evaluate(**PERSON, actions=LAUGH | {"jawOpen": 0.9})
+    nose = laugh[head_template.annotation.landmarks[33], 1]
+    laugh[:, 1] += 1.4 * np.minimum(laugh[:, 1] - nose, 0)
+    given = Face(head_template.with_vertices(laugh * WIDE), laughing.camera)
+    found = find_neutral(given, tools).mesh.vertices
+    assert not flipped_triangles(found, head_template.gradients).any()
+    assert lip_gap(found, head_template) < 0.3 * lip_gap(given.vertices, head_template)
 
 
 def test_a_face_at_rest_stays_as_it_is(shapes, tools, head_template):
