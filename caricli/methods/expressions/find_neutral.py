@@ -6,6 +6,7 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from caricli.geometry.deformation_transfer import DeformationTransfer
+from caricli.geometry.flipped_triangles import flipped_triangles
 from caricli.geometry.similarity import similarity
 from caricli.geometry.untangle import untangle
 from caricli.methods.expressions.normal_pair import NormalPair
@@ -85,7 +86,10 @@ def neutral_of(pair: NormalPair) -> NeutralFace:
         return NeutralFace(given, given, shown)
     (shape,) = pair.follow(pair.neutral[None]).shapes
     (moves,) = optimise_blendshapes((shape - pair.vertices)[None], way[None], pair.mesh, pair.settings.weights, usual)
-    rest = untangle(pair.vertices + moves, pair.template.gradients)
+    rest = pair.vertices + moves
+    gradients = pair.template.gradients
+    if (flipped_triangles(rest, gradients) & ~flipped_triangles(pair.vertices, gradients)).any():
+        rest = untangle(rest, gradients)
     if pair.settings.contacts:
         transfer = DeformationTransfer(rest, pair.template.faces, pair.tools.actions.still)
         rest = rest + Contacts(pair.tools.actions, rest, transfer).rest()
