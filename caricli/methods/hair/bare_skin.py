@@ -11,7 +11,7 @@ _MARGIN = 0.015  # of the face's height: as far around hair the skin has its col
 _BORDER = 0.05  # of the same: so near to its border a head may show hair that no shell holds, or a line
 _UNLIKE = 12.0  # in CIELAB, from the skin beside it: less is skin
 _LIKE = 0.5  # of the distance to the skin that one to the hair has at most
-_ACROSS = 2.0  # times the border: standard deviation of means of the skin's colours
+_ACROSS = 0.1  # of the face's height: standard deviation of means of the skin's colours
 
 
 def bare_skin(head: ParsedHead, dressed: DressedHair, image: np.ndarray) -> np.ndarray:
@@ -23,23 +23,29 @@ def bare_skin(head: ParsedHead, dressed: DressedHair, image: np.ndarray) -> np.n
     height = np.ptp(dressed.face.require_landmarks()[:, 1])
     hair = dressed.mask.pixels
     face = head.whole if head.ears is None else head.whole & ~head.ears
-    coloured = hair | _like_hair(head.paint & face & ~hair, face, hair, image, _BORDER * height)
+    border = cv2.distanceTransform(face.astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_5) <= _BORDER * height
+    coloured = hair | _like_hair(head.paint & face & ~hair, border, hair, image, _ACROSS * height)
     reach = max(round(_MARGIN * height), 1)
     disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * reach + 1, 2 * reach + 1))
     bare = head.paint & (cv2.dilate(coloured.astype(np.uint8), disc) == 0)
+    # What is left in slivers between lines and the border is half of their colour.
+    whole = cv2.morphologyEx(bare.astype(np.uint8), cv2.MORPH_OPEN, disc) > 0
+    bare &= whole | ~border
     return bare if bare.any() else head.paint
 
 
-def _like_hair(skin: np.ndarray, face: np.ndarray, hair: np.ndarray, image: np.ndarray, border: float) -> np.ndarray:
-    """(H, W) bool: what of skin, at most so many pixels from the border of a face (H, W) bool, looks like hair."""
-    inside = cv2.distanceTransform(face.astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_5)
-    near = skin & (inside <= border)
+def _like_hair(skin: np.ndarray, border: np.ndarray, hair: np.ndarray, image: np.ndarray, reach: float) -> np.ndarray:
+    """(H, W) bool: what of skin at the border (H, W) bool of a face looks like its hair, and not like the skin around.
+
+    reach: pixels, standard deviation of what is around.
+    """
+    near = skin & border
     if not near.any():
         return near
     own, locks = (
         cv2.cvtColor(image[part][None].astype(np.float32) / 255, cv2.COLOR_RGB2LAB)[0] for part in (near, hair)
     )
-    unlike = np.linalg.norm(own - mean_colours(image, skin & ~near, _ACROSS * border)[near], axis=1)
+    unlike = np.linalg.norm(own - mean_colours(image, skin & ~near, reach)[near], axis=1)
     like = np.linalg.norm(own - np.median(locks, axis=0), axis=1)
     lines = np.zeros_like(near)
     lines[near] = (unlike > _UNLIKE) & (like < _LIKE * unlike)
