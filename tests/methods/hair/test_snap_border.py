@@ -4,7 +4,9 @@ import cv2
 import igl
 import numpy as np
 import pytest
+from scipy.sparse.csgraph import connected_components
 
+from caricli.geometry.vertex_neighbours import vertex_neighbours
 from caricli.methods.hair import snap_border as module
 from caricli.methods.hair.head_sphere import HeadSphere
 from caricli.methods.hair.make_shell import lower_skull, make_shell
@@ -87,6 +89,19 @@ def test_hair_rises_from_where_it_goes_under_the_skin_more_gently_where_it_is_se
     assert not ramp[over].any()
     np.testing.assert_allclose(ramp[facing < 0.2], 0.6 * away[facing < 0.2])
     np.testing.assert_allclose(ramp[facing > 0.6], 3 * away[facing > 0.6])
+
+
+def test_hair_hangs_together(shell, sitter):
+    """A band of the mask across its lower half, without hair, leaves locks below it that hang on nothing."""
+    rows = np.nonzero(sitter.hair.pixels.any(1))[0]
+    cut = sitter.hair.pixels.copy()
+    cut[rows[0] + int(0.6 * np.ptp(rows)) : rows[0] + int(0.9 * np.ptp(rows))] = False
+    hair, head, _ = snap_border(shell, sitter.head, CAMERA, replace(sitter.hair, pixels=cut))
+    sphere = HeadSphere(head, ShellSettings(), fine=True)
+    longitudes, angles, radii = sphere.seen_from(hair.shell.vertices)
+    above = np.flatnonzero(radii > sphere.sample(sphere.radii, longitudes, angles) + 0.002 * head.height)
+    adjacency, _ = vertex_neighbours(hair.shell.faces, len(hair.shell.vertices))
+    assert connected_components(adjacency[above][:, above])[0] == 1
 
 
 def test_a_skull_that_is_too_low_is_raised_before_hair(shell, sitter, monkeypatch):
