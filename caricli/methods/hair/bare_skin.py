@@ -4,6 +4,7 @@ import cv2
 import numpy as np
 
 from caricli.methods.hair.dress_hair import DressedHair
+from caricli.methods.texture.distance_to import distance_to
 from caricli.methods.texture.mean_colours import mean_colours
 from caricli.methods.texture.parsed_head import ParsedHead
 
@@ -23,14 +24,13 @@ def bare_skin(head: ParsedHead, dressed: DressedHair, image: np.ndarray) -> np.n
     height = np.ptp(dressed.face.require_landmarks()[:, 1])
     hair = dressed.mask.pixels
     face = head.whole if head.ears is None else head.whole & ~head.ears
-    border = cv2.distanceTransform(face.astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_5) <= _BORDER * height
+    border = distance_to(~face) <= _BORDER * height
     coloured = hair | _like_hair(head.paint & face & ~hair, border, hair, image, _ACROSS * height)
-    reach = max(round(_MARGIN * height), 1)
-    disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * reach + 1, 2 * reach + 1))
-    bare = head.paint & (cv2.dilate(coloured.astype(np.uint8), disc) == 0)
+    reach = max(_MARGIN * height, 1.0)
+    bare = head.paint & (distance_to(coloured) > reach)
     # What is left in slivers between lines and the border is half of their colour.
-    whole = cv2.morphologyEx(bare.astype(np.uint8), cv2.MORPH_OPEN, disc) > 0
-    bare &= whole | ~border
+    broad = distance_to(distance_to(~bare) > reach) <= reach
+    bare &= broad | ~border
     return bare if bare.any() else head.paint
 
 

@@ -3,6 +3,7 @@
 from dataclasses import dataclass, replace
 from typing import Any
 
+import cv2
 import numpy as np
 
 from caricli.errors import InputError
@@ -19,6 +20,7 @@ from caricli.template.template import Template
 
 _NEEDED = ("ear_left", "ear_right", "scalp")
 _AROUND = 0.1  # of the head's height: farther from head and hair a picture says nothing of hair
+_PIXELS = 750  # height of the head in the picture that a shell is made by at most; its quads are four of them
 _SIZE = 1024  # texels of hair where none are asked for
 
 
@@ -27,7 +29,7 @@ class DressedHair:
     """Hair and what is under it.
 
     face: Face whose skull is under the hair. hair: Hair on it. mask: HairMask. overlap: intersection over union of
-    hair as the camera sees it and the mask.
+    hair as the camera sees it and the mask, in a picture whose head has at most so many pixels as is fine enough.
     """
 
     face: Face
@@ -83,14 +85,27 @@ def hair_picture(dressed: DressedHair, image: np.ndarray, settings: PaintSetting
 
 
 def _near(head: Template, camera: Camera, mask: HairMask) -> tuple[Camera, HairMask]:
-    """A mask's part around head and hair, all that a shell is made by, and the camera of such a picture."""
+    """A mask's part around head and hair, all that a shell is made by, no larger than is fine enough for it, and the
+    camera of such a picture."""
     rows, columns = np.nonzero(mask.pixels)
     places = np.concatenate([camera.project(head.vertices), np.column_stack([columns, rows])])
-    around = _AROUND * camera.scale * head.height
-    corners = np.array([places.min(0) - around, places.max(0) + around])
+    size = camera.scale * head.height
+    corners = np.array([places.min(0) - _AROUND * size, places.max(0) + _AROUND * size])
     start, end = np.clip(np.round(corners), 0, mask.pixels.shape[::-1]).astype(int)
     part = np.s_[start[1] : end[1], start[0] : end[0]]
-    return camera.zoomed(1.0, start), replace(mask, pixels=mask.pixels[part], behind=mask.behind[part])
+    pixels, behind = mask.pixels[part], mask.behind[part]
+    zoom = _PIXELS / size
+    if zoom < 1:
+        pixels, behind = (_smaller(each, zoom) for each in (pixels, behind))
+        # Pixels are where their middles are.
+        start = start + 0.5 / zoom - 0.5
+    return camera.zoomed(min(zoom, 1.0), start), replace(mask, pixels=pixels, behind=behind)
+
+
+def _smaller(mask: np.ndarray, zoom: float) -> np.ndarray:
+    """A mask (H, W) bool in a picture so many times as large."""
+    shares = cv2.resize(mask.astype(np.float32), None, fx=zoom, fy=zoom, interpolation=cv2.INTER_AREA)
+    return shares > 0.5
 
 
 def _wants_hair(template: Template, settings: PaintSettings) -> bool:

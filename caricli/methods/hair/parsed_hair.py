@@ -8,6 +8,7 @@ from caricli.methods.hair.cut_hair import cut_hair
 from caricli.methods.hair.mask_hair import HairMask
 from caricli.methods.hair.picture_zones import facial_features
 from caricli.methods.hair.settings import MaskSettings
+from caricli.methods.texture.distance_to import distance_to
 from caricli.render.nearest_pixel import nearest_pixel
 from caricli.structures import Face
 from caricli.structures.landmarks import COUNT
@@ -67,8 +68,7 @@ def _on_head(mask: np.ndarray, pixels: np.ndarray, least: float = 0.0, gap: floa
 
     gap: pixels, what is no farther apart than this is one part.
     """
-    away = cv2.distanceTransform((~mask).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_5)
-    joined = mask | (away < (gap + 1) / 2)
+    joined = distance_to(mask) < (gap + 1) / 2
     parts = np.where(mask, label(joined)[0], 0)
     kept = np.bincount(parts.ravel()) > least
     kept &= np.bincount(parts[pixels & mask], minlength=len(kept)) > 0

@@ -153,17 +153,21 @@ def _lay_groundwork(
     """Look at a picture; for the arguments see `paint_head`."""
     landmarks = face.require_landmarks()
     pixels = mesh_pixels(face, image)
-    parsed = None if regions is None or mask is not None else parsed_head(regions, pixels, image)
+    # None of these waits for another, nor do those below.
+    parsing = None if mask is not None else regions
+    parsed, texels = do_in_parallel(
+        lambda: None if parsing is None else parsed_head(parsing, pixels, image),
+        partial(_find_texels, template, settings),
+    )
     parts = _find_head(face, image, mask, pixels) if parsed is None else parsed
     regions = None if parsed is None else regions
     looks: list[Callable[[], Any]] = [partial(dress_hair, face, template, image, settings, regions, pixels)]
-    looks.append(partial(_find_texels, template, settings))
     looks.append(lambda: paint_eye(TEXTURE, np.random.default_rng(settings.seed), *eye_colours(image, landmarks)))
     # Nothing here needs this, but what comes next, and one processor is free.
     looks.append(partial(chosen_attachment, template, settings.head))
     if regions is not None:
         looks.append(partial(cut_openings, image, regions, landmarks))
-    hair, texels, eyes, _, *openings = do_in_parallel(*looks)
+    hair, eyes, _, *openings = do_in_parallel(*looks)
     skin = parts.paint if hair is None else bare_skin(parts, hair, image)
     for opening in openings:
         skin = skin & ~opening

@@ -7,6 +7,7 @@ import numpy as np
 from scipy.ndimage import label
 from scipy.spatial import KDTree
 
+from caricli.methods.texture.distance_to import distance_to
 from caricli.methods.texture.mean_colours import mean_colours
 from caricli.structures.parsing import Region
 
@@ -72,23 +73,18 @@ def _behind(regions: np.ndarray, head: np.ndarray, image: np.ndarray, reach: flo
     """
     skin = head & np.isin(regions, _SKIN)
     back = regions == Region.BACKGROUND
-    away = _distance(back)
+    away = distance_to(back)
     near = skin & (away <= reach)
     if not near.any():
         return near
     inside, outside = (
-        mean_colours(image, part, reach)[near] for part in (skin & ~near, back & (_distance(head) > reach / 2))
+        mean_colours(image, part, reach)[near] for part in (skin & ~near, back & (distance_to(head) > reach / 2))
     )
     own = cv2.cvtColor(image[near][None].astype(np.float32) / 255, cv2.COLOR_RGB2LAB)[0]
     unlike = np.linalg.norm(own - inside, axis=1)
     behind = np.zeros_like(near)
     behind[near] = (unlike > _UNLIKE) & (np.linalg.norm(own - outside, axis=1) < _LIKE * unlike)
     return behind
-
-
-def _distance(mask: np.ndarray) -> np.ndarray:
-    """(H, W) pixels to a mask (H, W) bool."""
-    return cv2.distanceTransform((~mask).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_5)
 
 
 def _bare_neck(regions: np.ndarray, head: np.ndarray, collar: np.ndarray, around: int) -> np.ndarray:
