@@ -35,8 +35,7 @@ _SPREAD = 30  # rounds of bringing movements to neighbours, which reach so many 
 _TOGETHER = 0.5  # weight of the neighbours' movement, beside the share of what the picture says
 _STILL = 0.02  # weight of not moving
 _SLOPES = (0.6, 3.0)  # at these cosines, in which hair rises at most from where it goes under the skin
-_BLADE = 0.3  # of the least thickness of hair: what is less far above the skin holds nothing together
-_ALL = 1 - 1e-9  # share of neighbours
+_JOINED = 0.3  # of the least thickness of hair: what is less far above the skin holds nothing together
 _SOFT = 1.5  # pixels over which the way out of a border is looked for
 _EDGE = 2  # pixels: the picture's end is no border
 
@@ -94,23 +93,21 @@ def snap_border(
         seen = _seen_faces(head, hair, camera, mask.pixels.shape)
         best = max(best, (union_share(seen >= 0, mask.pixels), hair, head), key=itemgetter(0))
     _, hair, head = best
-    hair = _without_blades(hair, head, camera, mean, settings)
+    hair = _hanging_together(hair, head, camera, mean, settings)
     return hair, head, union_share(_seen_faces(head, hair, camera, mask.pixels.shape) >= 0, mask.pixels)
 
 
-def _without_blades(hair: Hair, head: Template, camera: Camera, mean: sp.csr_matrix, settings: ShellSettings) -> Hair:
-    """Hair whose parts that do not hang together are under the skin, and so are thin blades which are seen from aside.
+def _hanging_together(hair: Hair, head: Template, camera: Camera, mean: sp.csr_matrix, settings: ShellSettings) -> Hair:
+    """Hair whose loose parts are under the skin where they are seen from aside; those before a forehead are locks.
 
     mean: of `vertex_neighbours`.
     """
     skin = HeadSphere(head, settings, fine=True)
     longitudes, angles, radii = skin.seen_from(hair.shell.vertices)
     ground = skin.sample(skin.radii, longitudes, angles)
-    above = radii > ground + _BLADE * settings.least * head.height
-    wide = mean @ (mean @ above > _ALL) > 0
-    aside = _cosines(hair.shell, camera) < _SKIN[0]
-    sound = _largest_part(above & (wide | ~aside), mean)
-    buried = np.where(sound, radii, np.minimum(radii, ground - settings.under * head.height))
+    joined = _largest_part(radii > ground + _JOINED * settings.least * head.height, mean)
+    kept = joined | (_cosines(hair.shell, camera) >= _SKIN[0])
+    buried = np.where(kept, radii, np.minimum(radii, ground - settings.under * head.height))
     return replace(hair, shell=hair.shell.with_vertices(skin.points(longitudes, angles, buried)))
 
 
