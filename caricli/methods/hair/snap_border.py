@@ -32,7 +32,7 @@ _FADING = 0.05  # of what a straight border weighs: less of it near moves less
 _BACK = (-0.6, -0.2)  # cosines between surface and view, from which on and with which it moves along
 _SKIN = (0.2, 0.6)  # cosines from which on and with which it stays as high above the skin
 _SPREAD = 30  # rounds of bringing movements to neighbours, which reach so many edges behind what is seen
-_TOGETHER = 0.5  # weight of the neighbours' movement, beside the share of what the picture says
+_TOGETHER = 0.3  # weight of the neighbours' movement, beside the share of what the picture says
 _STILL = 0.02  # weight of not moving
 _SLOPES = (0.6, 3.0)  # at these cosines, in which hair rises at most from where it goes under the skin
 _JOINED = 0.3  # of the least thickness of hair: what is less far above the skin holds nothing together
@@ -106,7 +106,7 @@ def _hanging_together(hair: Hair, head: Template, camera: Camera, mean: sp.csr_m
     longitudes, angles, radii = skin.seen_from(hair.shell.vertices)
     ground = skin.sample(skin.radii, longitudes, angles)
     joined = _largest_part(radii > ground + _JOINED * settings.least * head.height, mean)
-    kept = joined | (_cosines(hair.shell, camera) >= _SKIN[0])
+    kept = joined | (_cosines(hair.shell, camera) >= _SKIN[1])
     buried = np.where(kept, radii, np.minimum(radii, ground - settings.under * head.height))
     return replace(hair, shell=hair.shell.with_vertices(skin.points(longitudes, angles, buried)))
 
