@@ -343,9 +343,9 @@ def _mesh(surface: _Surface, view: HairView, settings: ShellSettings) -> Hair:
 
 
 def _without_islands(left: np.ndarray, free: np.ndarray, rim: float) -> np.ndarray:
-    """How far it is to where hair ends, (R, C) metres, and a rim where this is below zero with hair all around, unless
-    an ear is there, from which it is less than nothing (R, C) metres.
+    """How far it is to where hair ends, (R, C) metres, and a rim where this is below zero with hair all around.
 
+    free: (R, C) metres to bare ears, below zero where hair must be clear of them: no gap is closed there.
     There is no such thing on a head: the picture shows skin before the hair behind it, at a grazing angle. Gaps of a
     few places in what is around count for nothing.
     """

@@ -114,6 +114,8 @@ def _hanging_together(hair: Hair, head: Template, camera: Camera, mean: sp.csr_m
 def _largest_part(chosen: np.ndarray, mean: sp.csr_matrix) -> np.ndarray:
     """(V,) bool: of vertices (V,) bool the most that hang together."""
     ids = np.flatnonzero(chosen)
+    if not len(ids):
+        return chosen
     _, parts = connected_components(mean[ids][:, ids], directed=False)
     largest = np.zeros_like(chosen)
     largest[ids[parts == np.bincount(parts).argmax()]] = True

@@ -109,6 +109,15 @@ def test_hair_that_is_seen_from_aside_hangs_together(shell, sitter):
     assert (facing < 0).sum() < 25
 
 
+def test_a_shell_that_is_under_the_skin_stays_there(shell, sitter):
+    sphere = HeadSphere(sitter.head, ShellSettings())
+    points = sphere.middle + 0.5 * (shell.shell.vertices - sphere.middle)
+    hair, _, after = snap_border(
+        replace(shell, shell=shell.shell.with_vertices(points)), sitter.head, CAMERA, sitter.hair
+    )
+    assert after == 0 and np.isfinite(hair.shell.vertices).all()
+
+
 def test_a_skull_that_is_too_low_is_raised_before_hair(shell, sitter, monkeypatch):
     sphere = HeadSphere(sitter.head, ShellSettings(), fine=True)
     low = lower_skull(sitter.head, sphere, 0.94 * sphere.radii)
