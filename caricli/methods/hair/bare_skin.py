@@ -1,17 +1,15 @@
 """What of a head in a picture is skin that no hair covers or colours."""
 
-import cv2
 import numpy as np
 
 from caricli.methods.hair.dress_hair import DressedHair
+from caricli.methods.texture.another_colour import lab_colours, of_another_colour
 from caricli.methods.texture.distance_to import distance_to
 from caricli.methods.texture.mean_colours import mean_colours
 from caricli.methods.texture.parsed_head import ParsedHead
 
 _MARGIN = 0.015  # of the face's height: as far around hair the skin has its colour or its shadow
 _BORDER = 0.05  # of the same: so near to its border a head may show hair that no shell holds, or a line
-_UNLIKE = 12.0  # in CIELAB, from the skin beside it: less is skin
-_LIKE = 0.5  # of the distance to the skin that one to the hair has at most
 _ACROSS = 0.1  # of the face's height: standard deviation of means of the skin's colours
 
 
@@ -42,11 +40,5 @@ def _like_hair(skin: np.ndarray, border: np.ndarray, hair: np.ndarray, image: np
     near = skin & border
     if not near.any():
         return near
-    own, locks = (
-        cv2.cvtColor(image[part][None].astype(np.float32) / 255, cv2.COLOR_RGB2LAB)[0] for part in (near, hair)
-    )
-    unlike = np.linalg.norm(own - mean_colours(image, skin & ~near, reach)[near], axis=1)
-    like = np.linalg.norm(own - np.median(locks, axis=0), axis=1)
-    lines = np.zeros_like(near)
-    lines[near] = (unlike > _UNLIKE) & (like < _LIKE * unlike)
-    return lines
+    around = mean_colours(image, skin & ~near, reach)
+    return of_another_colour(image, near, around, np.median(lab_colours(image, hair), axis=0))

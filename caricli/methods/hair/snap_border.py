@@ -52,7 +52,8 @@ def snap_border(
     Every pixel of either border wants to be at the nearest of the other one; what they want, averaged with weights that
     fall with the distance, moves what is near them, in smaller and smaller neighbourhoods. Where the surface faces the
     camera it goes along the skin. In the last round the skull is raised where hair is seen still and the picture has
-    skin: a forehead that is too low shows the hair behind. The best of the rounds counts.
+    skin: a forehead that is too low shows the hair behind. The best of the rounds counts, without its loose parts.
+    Movements fade out over what is not seen, and what stands before bare skin goes under it in a slope.
 
     hair: Hair on the head. head: Template in the shape of the face. camera: of the picture. mask: HairMask.
     Returns Hair with the same polygons and roots, the head, and the intersection over union of what the camera sees of

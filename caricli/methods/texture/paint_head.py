@@ -153,8 +153,8 @@ def _lay_groundwork(
     """Look at a picture; for the arguments see `paint_head`."""
     landmarks = face.require_landmarks()
     pixels = mesh_pixels(face, image)
-    # None of these waits for another, nor do those below.
     parsing = None if mask is not None else regions
+    # Neither of these waits for the other.
     parsed, texels = do_in_parallel(
         lambda: None if parsing is None else parsed_head(parsing, pixels, image),
         partial(_find_texels, template, settings),

@@ -7,6 +7,7 @@ import numpy as np
 from scipy.ndimage import label
 from scipy.spatial import KDTree
 
+from caricli.methods.texture.another_colour import of_another_colour
 from caricli.methods.texture.distance_to import distance_to
 from caricli.methods.texture.mean_colours import mean_colours
 from caricli.structures.parsing import Region
@@ -20,10 +21,9 @@ _WORN = (Region.GLASSES, Region.HAT)
 _BARE = (Region.SKIN, Region.NOSE)
 _COLOURS = 500  # of bare skin, to compare a neck's with
 _SEVERAL = 15  # of them a neck has to be like: highlights on skin are white, too
-_UNLIKE = 12.0  # in CIELAB: what is no nearer to so many is a collar, or to the head's mean what is behind it
+_UNLIKE = 12.0  # in CIELAB: what is no nearer to so many is a collar
 _AROUND = 0.006  # of the mesh's height in the picture: border of a collar, and least half of a neck's breadth
 _REACH = 0.04  # of the same: so near to what is behind a head its region may show this
-_LIKE = 0.5  # of the distance to the head's colours that one to those behind it has at most, in CIELAB
 _LEAST = 0.2  # of what the mesh covers: with less skin and hair in it, this head was not seen
 
 
@@ -73,18 +73,13 @@ def _behind(regions: np.ndarray, head: np.ndarray, image: np.ndarray, reach: flo
     """
     skin = head & np.isin(regions, _SKIN)
     back = regions == Region.BACKGROUND
-    away = distance_to(back)
-    near = skin & (away <= reach)
+    near = skin & (distance_to(back) <= reach)
     if not near.any():
         return near
     inside, outside = (
-        mean_colours(image, part, reach)[near] for part in (skin & ~near, back & (distance_to(head) > reach / 2))
+        mean_colours(image, part, reach) for part in (skin & ~near, back & (distance_to(head) > reach / 2))
     )
-    own = cv2.cvtColor(image[near][None].astype(np.float32) / 255, cv2.COLOR_RGB2LAB)[0]
-    unlike = np.linalg.norm(own - inside, axis=1)
-    behind = np.zeros_like(near)
-    behind[near] = (unlike > _UNLIKE) & (np.linalg.norm(own - outside, axis=1) < _LIKE * unlike)
-    return behind
+    return of_another_colour(image, near, inside, outside)
 
 
 def _bare_neck(regions: np.ndarray, head: np.ndarray, collar: np.ndarray, around: int) -> np.ndarray:
