@@ -18,9 +18,10 @@ from caricli.structures import Hair, Mesh
 from caricli.template.template import Template
 
 _SEEN = 0.005  # of the head's height, over which hair fades out where the picture shows the skin beside it
-_HIDDEN = 0.03  # the same where it does not
+_HIDDEN = (0.03, 0.015)  # the same where it does not, of dark hair and of light hair
 _FADE = (-0.01, 0.045)  # of the same, to the usual hairline: from where on and with which skin is as dark as hair
-_THIN = 0.95  # of the colour of hair, that cropped hair has at most
+_THIN = (0.95, 0.4)  # of the colour of hair, that cropped hair has at most: skin shines through light hair
+_LIGHTER = (0, 60)  # levels of 255 by which hair is lighter than skin, from where on it is no dark and with which light
 _UNSEEN = 0.25  # from which on the picture decides, not what is usual
 _EAR = (0.3, 0.9)  # of a triangle that is not an ear's, from where on and with which hair may grow
 _GRAIN = 0.2  # of the share of hair, that it varies from texel to texel
@@ -68,25 +69,27 @@ class Scalp:
         covered = _without_specks(np.isfinite(outer) & (outer > self.sphere.radii))
         self.to_hair = reach_inside(self.sphere, covered) / head.height
         self.usual = usual_reach(self.sphere, settings) / head.height
-        self.part = _near(head, self.sphere, np.maximum(self.to_hair + _HIDDEN, self.usual - _FADE[0]) > 0)
+        self.part = _near(head, self.sphere, np.maximum(self.to_hair + max(_HIDDEN), self.usual - _FADE[0]) > 0)
         self.skin = None if size is None else self._skin(size)
 
     def shaded(self, texture: FaceTexture, picture: np.ndarray, generator: np.random.Generator) -> np.ndarray:
         """(S, S, 3) uint8: a texture's picture with skin around hair painted as if this were cropped there.
 
         It fades out around the shell, and where the picture does not show the skin it goes on to the usual hairline.
+        Of hair that is lighter than the skin, less is seen.
 
         texture: FaceTexture of the head. picture: (S, S, 3) uint8, of the hair. generator: of the grain.
         """
         skin = self.skin or self._skin(len(texture.image))
         seen = np.where(_glimpses(texture.seen)[skin.rows, skin.columns], 0, texture.seen[skin.rows, skin.columns])
-        beside = smooth_step(skin.to_hair, -(_HIDDEN + seen * (_SEEN - _HIDDEN)), 0)
-        cropped = smooth_step(seen, _UNSEEN, 0) * smooth_step(skin.usual, *_FADE)
-        share = np.maximum(beside, _THIN * cropped) * skin.bare
-        grain = generator.normal(0, _GRAIN, len(share))
-        share = np.clip(share + 4 * grain * share * (1 - share), 0, 1)
         colours = sample_texture(picture, skin.in_hair)
         shaded = texture.image.copy()
+        hidden, thin = _limits(colours, shaded[skin.rows, skin.columns][skin.to_hair < 0])
+        beside = smooth_step(skin.to_hair, -(hidden + seen * (_SEEN - hidden)), 0)
+        cropped = smooth_step(seen, _UNSEEN, 0) * smooth_step(skin.usual, *_FADE)
+        share = np.maximum(beside, thin * cropped) * skin.bare
+        grain = generator.normal(0, _GRAIN, len(share))
+        share = np.clip(share + 4 * grain * share * (1 - share), 0, 1)
         shaded[skin.rows, skin.columns] = np.round(mix(shaded[skin.rows, skin.columns], colours, share))
         return pad_texture(shaded, texture.covered)
 
@@ -109,6 +112,14 @@ class Scalp:
             smooth_step((weights * bare).sum(1), *_EAR),
             unrolled_to_uv(longitudes, _mirrored(angles / ends)),
         )
+
+
+def _limits(hair: np.ndarray, skin: np.ndarray) -> tuple[float, float]:
+    """Of hair and skin of colours (N, 3) and (M, 3): over which share of the head's height hair fades out where it is
+    not seen, and how much of its colour cropped hair has at most."""
+    lighter = hair.mean() - skin.mean() if len(skin) else 0.0
+    light = smooth_step(lighter, *_LIGHTER)
+    return float(np.interp(light, (0, 1), _HIDDEN)), float(np.interp(light, (0, 1), _THIN))
 
 
 def _without_specks(covered: np.ndarray) -> np.ndarray:

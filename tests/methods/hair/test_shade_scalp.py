@@ -19,11 +19,11 @@ def scalp(sitter):
     head = sitter.head.with_vertices(dressed.face.vertices)
     face, _ = uv_map(head, SIZE)
     plain = np.full((SIZE, SIZE, 3), SKIN, np.uint8)
-    brown = np.full((SIZE, SIZE, 3), BROWN, np.uint8)
 
-    def painted(seen):
+    def painted(seen, colour=BROWN):
         texture = FaceTexture(plain, np.broadcast_to(np.float32(seen), (SIZE, SIZE)), face >= 0, None)
-        return Scalp(head, dressed.hair).shaded(texture, brown, np.random.default_rng(0))
+        hair = np.full((SIZE, SIZE, 3), colour, np.uint8)
+        return Scalp(head, dressed.hair).shaded(texture, hair, np.random.default_rng(0))
 
     def where(*names):
         return (face >= 0) & head.mask(*names)[head.faces].all(1)[face]
@@ -35,6 +35,18 @@ def test_skin_under_hair_has_its_colour(scalp):
     painted, where = scalp
     away = np.abs(painted(0.0).astype(int) - BROWN).max(-1)
     assert np.median(away[where("scalp")]) <= 1 and (away[where("scalp")] < 60).mean() > 0.8
+
+
+def test_skin_shines_through_light_hair(scalp):
+    painted, _ = scalp
+    dark, light = (
+        (painted(0.0, colour).astype(float) - SKIN).mean(-1) / (np.array(colour) - SKIN).mean()
+        for colour in (BROWN, (250, 250, 250))
+    )
+    cropped = (dark > 0.8) & (dark < 0.99)
+    assert cropped.sum() > 100
+    assert 0.2 < np.median(light[cropped]) < 0.65 * np.median(dark[cropped])
+    assert light[dark == 1].mean() > 0.998
 
 
 def test_a_face_and_its_ears_stay_as_they_are(scalp):
