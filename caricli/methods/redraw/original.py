@@ -108,20 +108,27 @@ class Original:
     def window(self) -> Window:
         """Where expressions reach."""
         height, width = self.picture.shape[:2]
-        scale = self.depiction.camera.scale
-        reach = scale * _STRONGEST * np.linalg.norm(self.rig.deltas, axis=2).max(0, initial=0.0)
-        reach += scale * np.linalg.norm(self.depiction.vertices - self.rig.neutral, axis=1)
+        nearest, farthest = self._reach
         drawn = np.unique(self.faces)
-        moving = drawn[reach[drawn] > self.settings.still / 2]
+        moving = drawn[np.linalg.norm(farthest - nearest, axis=1)[drawn] > self.settings.still / 2]
         moving = moving if len(moving) else drawn
-        places = self.placed[moving, :2]
-        margin = reach[moving, None] + _MARGIN * self.size
-        left, top = np.clip(np.floor((places - margin).min(0)), 0, [width - 1, height - 1]).astype(int)
-        right, bottom = np.clip(np.ceil((places + margin).max(0)), 1, [width, height]).astype(int)
+        margin = _MARGIN * self.size
+        left, top = np.clip(np.floor(nearest[moving].min(0) - margin), 0, [width - 1, height - 1]).astype(int)
+        right, bottom = np.clip(np.ceil(farthest[moving].max(0) + margin), 1, [width, height]).astype(int)
         across = max(right - left, 1)
         down = max(bottom - top, 1)
         fine = int(np.clip(self.settings.largest // max(across, down), 1, self.settings.fine))
         return Window(int(left), int(top), int(across), int(down), fine)
+
+    @property
+    def _reach(self) -> tuple[np.ndarray, np.ndarray]:
+        """(W, 2) pixels, the least and the largest x and y of vertices in the picture or in any expression."""
+        camera = self.depiction.camera
+        neutral = camera.project(self.rig.neutral.astype(float))
+        moves = camera.scale * self.rig.deltas @ camera.rotation[:2].T
+        nearest = neutral + _STRONGEST * moves.min(0, initial=0.0)
+        farthest = neutral + _STRONGEST * moves.max(0, initial=0.0)
+        return np.minimum(nearest, self.placed[:, :2]), np.maximum(farthest, self.placed[:, :2])
 
     @cached_property
     def view(self) -> View:
