@@ -56,7 +56,7 @@ def _look(hair: Hair, view: PictureView, size: int) -> SeenColours:
     ends = np.arange(0, corners.size + 1, 3)
     mix = sp.csr_matrix((weights[covered].ravel(), corners.ravel(), ends), (len(corners), len(columns)))
     points = mix @ columns
-    looked = view.look(SurfacePoints(points[:, :3], points[:, 3:], np.zeros(len(points), np.float32)))
+    looked = view.look(SurfacePoints(points[:, :3], points[:, 3:], np.zeros(len(points), np.float32), scalp=1.0))
     texels = np.zeros((size, size, 4), np.float32)
     texels[covered] = np.column_stack([looked.colours, looked.seen])
     texels = pad_texture(texels, covered)

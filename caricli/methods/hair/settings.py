@@ -117,7 +117,7 @@ class ShellSettings:
     thin: float = 3.0
     slope: float = 2.0
     clear: float = 0.02
-    tuft: float = 0.005
+    tuft: float = 0.01
     under: float = 0.006
     deep: float = 0.06
     below: float = 0.15

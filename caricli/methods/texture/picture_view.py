@@ -21,7 +21,7 @@ class SurfacePoints:
 
     places: (N, 3) metres. normals: (N, 3) of any length. pockets: (N,) from 0 to 1, how far they are in the mouth or an
     eye socket: nobody looks there from the side. hidden: (N,) from 0 to 1, how far they are not what the picture shows
-    there, or that for all. neck: the same of how far they are on the neck.
+    there, or that for all. neck, scalp: the same of how far they are on the neck, and on the scalp or hair.
     """
 
     places: np.ndarray
@@ -29,6 +29,7 @@ class SurfacePoints:
     pockets: np.ndarray
     hidden: np.ndarray | float = 0.0
     neck: np.ndarray | float = 0.0
+    scalp: np.ndarray | float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,7 +120,9 @@ class PictureView:
         cosine = -(points.normals @ self.camera.rotation[2].astype(placed.dtype)) / np.maximum(lengths, 1e-9)
         # A surface at an angle is behind itself by the width of a pixel.
         allowed = settings.behind * self.camera.scale * self.height / np.clip(cosine, 0.2, 1)
-        facing = np.clip((cosine - settings.grazing) / (settings.facing - settings.grazing), 0, 1) ** 2
+        least = settings.grazing + points.scalp * (settings.grazing_hair - settings.grazing)
+        most = settings.facing + points.scalp * (settings.facing_hair - settings.facing)
+        facing = np.clip((cosine - least) / (most - least), 0, 1) ** 2
         shown = np.maximum(facing, points.pockets) * (1 - points.hidden)
         return SeenColours(colours, shown * inside * (behind < allowed))
 

@@ -15,7 +15,8 @@ class TextureSettings:
     """How a picture is brought onto a face.
 
     grazing, facing: cosine between surface and view below which nothing is seen, and from which on all is: at a grazing
-    angle one pixel would be smeared over many texels.
+    angle one pixel would be smeared over many texels, and outlines and rim light are there. grazing_hair, facing_hair:
+    the same of scalp and hair, which are alike all over.
     mirrored: how much the other side counts where a texel is seen itself; small, so that sides keep what is theirs.
     behind: share of the head's height that a point may be behind the surface that is seen: rasterising rounds.
     edge: share of the head's height, width of the band inside the mask's border that hardly counts: outlines are there.
@@ -31,8 +32,10 @@ class TextureSettings:
     buffer: pixels, longest side of what is rasterised; more than the largest texture can hold tell nothing.
     """
 
-    grazing: float = 0.12
-    facing: float = 0.5
+    grazing: float = 0.2
+    facing: float = 0.6
+    grazing_hair: float = 0.12
+    facing_hair: float = 0.5
     mirrored: float = 0.08
     behind: float = 0.006
     edge: float = 0.012

@@ -106,8 +106,8 @@ def _find_light(head: Template, normals: np.ndarray, vertices: SeenColours, sigh
 
 def _vertices(head: Template, normals: np.ndarray) -> SurfacePoints:
     """The vertices of a head, whose normals are (V, 3)."""
-    pockets = head.mask(*CAVITIES).astype(np.float64)
-    return SurfacePoints(head.vertices, normals, pockets, mouth_wall(head), head.mask("neck").astype(np.float64))
+    pockets, neck, scalp = (head.mask(*names).astype(np.float64) for names in (CAVITIES, ("neck",), ("scalp",)))
+    return SurfacePoints(head.vertices, normals, pockets, mouth_wall(head), neck, scalp)
 
 
 def _without_collar(
