@@ -183,3 +183,22 @@ def test_of_an_eye_that_is_drawn_large_nothing_is_left_on_its_lids(stage):
     again = redraw_picture(original, stage.shape(eyeBlinkLeft=1))
     left = (again.min(2) > 215).sum()
     assert left < 0.1 * (picture.min(2) > 215).sum()
+
+
+def test_what_is_drawn_again_reaches_as_far_as_expressions_and_no_farther(stage):
+    original = stage.original(stage.shape(jawOpen=0.5))
+    window = original.window
+    generator = np.random.default_rng(4)
+    drawn = np.unique(original.faces)
+    moving = drawn[np.abs(stage.rig.deltas[:, drawn]).max((0, 2)) > 1e-3]
+    corner = np.array([window.left, window.top])
+    ends = []
+    for _ in range(50):
+        weights = generator.uniform(size=len(stage.rig.names)) * (generator.random(len(stage.rig.names)) < 0.15)
+        places = CAMERA.project(stage.rig.neutral + np.tensordot(weights, stage.rig.deltas, 1))[moving]
+        ends += [places.min(0), places.max(0)]
+    assert (np.min(ends, axis=0) >= corner).all()
+    assert (np.max(ends, axis=0) <= corner + [window.width, window.height]).all()
+    usual = np.ptp(original.placed[drawn, :2], axis=0)
+    # Nothing moves far to the sides.
+    assert window.width < 1.15 * usual[0]

@@ -275,6 +275,27 @@ def test_outlines_are_not_drawn_on_what_is_hardly_seen(scenes, face, template):
     assert hardly.sum() > 300 and (before - after).mean() < 0.6 and np.quantile(before - after, 0.99) < 20
 
 
+def test_rim_light_stays_off_sides_but_not_off_hair(scenes, face, template, texels):
+    """A head that is yellow where it turns away from the camera."""
+    scene = scenes[0]
+    head = template.with_vertices(face)
+    raster = rasterise(scene.camera.place(face), template.faces, SIDE, SIDE)
+    normals = smooth_normals(face, template.faces)[template.faces[raster.face]]
+    facing = -(np.einsum("hwk,hwkc->hwc", raster.barycentric, normals) @ scene.camera.rotation[2])
+    image = np.where((scene.mask & (facing < 0.4))[..., None], np.array([255, 255, 0], np.uint8), scene.image)
+    lit, found = (
+        texture_face(head, Sight(scene.camera, picture, scene.mask), SIZE, KEPT) for picture in (image, scene.image)
+    )
+    yellow = np.abs(lit.image.astype(float) - found.image).max(2)
+    turned = -(texels.normals @ scene.camera.rotation[2])
+    rim = np.zeros(texels.covered.shape, bool)
+    rim[texels.covered] = (turned > 0.25) & (turned < 0.35)
+    face_ids, _ = uv_map(template, SIZE)
+    scalp = template.mask("scalp")[template.faces].all(1)[face_ids]
+    assert (rim & scalp).sum() > 100 and (rim & ~scalp).sum() > 1000
+    assert np.median(yellow[rim & ~scalp]) < 0.6 * np.median(yellow[rim & scalp])
+
+
 def rim_error(scene, face, template, settings):
     """Mean difference near the border of the mask, of the picture from what is painted from it."""
     found = texture_face(template.with_vertices(face), Sight(scene.camera, scene.image, scene.mask), SIZE, settings)
