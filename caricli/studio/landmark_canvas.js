@@ -38,8 +38,9 @@ export class LandmarkCanvas {
     this.guess = [];
     this.curves = [];
     this.labels = [];
-    this.updates = 0; // answers to tries, and other answers, counted for tests
+    this.updates = 0; // answers to tries, other answers, and scenes, counted for tests
     this.answers = 0;
+    this.scenes = 0;
     this.seq = 0;
     this.tries = new Map(); // when those were sent that have no answer yet
     this.zoom = 1;
@@ -71,6 +72,7 @@ export class LandmarkCanvas {
 
   // What is shown: src, size [width, height], labels, groups {name: [numbers]}, lines [[numbers]].
   open(scene) {
+    this.scenes += 1;
     this.cancel();
     Object.assign(this, { size: scene.size, labels: scene.labels, groups: scene.groups, lines: scene.lines });
     this.partner = scene.mirrored;

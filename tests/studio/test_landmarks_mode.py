@@ -81,6 +81,7 @@ def test_keys_and_groups(marks, laid):
     marks.page.keyboard.press("ArrowRight")
     marks.press("Shift+ArrowDown")
     assert np.allclose((marks.points() - laid.points)[30], [1, 10], atol=1e-3)
+    assert marks.page.evaluate(f"{CANVAS}.scenes") == 1  # a second one takes back what keys did
     marks.page.keyboard.press("Tab")
     assert marks.page.evaluate("document.activeElement.getAttribute('aria-label')").startswith("nostril right")
     marks.click("Groups")

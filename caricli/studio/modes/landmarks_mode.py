@@ -50,11 +50,12 @@ class LandmarksMode(Mode):
         self.begun = self.page.desk.start
         self.seen = False
         self.laid = False
+        self.mounted = False
         self._place_tools()
         self._move_tools()
         self.canvas = LandmarkCanvas()
         self.canvas.on("try", self._try).on("do", self._do).on("forget", self._forget)
-        self.canvas.on("chosen", self._choose).on("switch", self._toggle).on("ready", self.begin)
+        self.canvas.on("chosen", self._choose).on("switch", self._toggle).on("ready", self._mounted)
         ui.label(_HELP).classes("caricli-hint")
         self._end_tools()
         self.page.tabs.on_value_change(self._entered)
@@ -125,8 +126,13 @@ class LandmarksMode(Mode):
         self.chosen.text = _NONE_CHOSEN
         self.laid = False
         self._tell_progress()
-        if self.shown:
+        if self.shown and self.mounted:
             ui.timer(0, self._enter, once=True)
+
+    def _mounted(self) -> None:
+        """The browser has the canvas, which it makes when the mode is first shown."""
+        self.mounted = True
+        self.begin()
 
     async def refresh_now(self) -> None:
         """Show the landmarks of the work and the face that follows them."""
@@ -153,7 +159,7 @@ class LandmarksMode(Mode):
         return len(self._marking().model.template.annotation.landmarks)
 
     async def _entered(self) -> None:
-        if self.shown:
+        if self.shown and self.mounted:
             await self._enter()
 
     async def _enter(self) -> None:
