@@ -2,6 +2,8 @@
 
 import numpy as np
 
+from caricli.studio.modes.refine_mode import TOOLS
+
 
 def place(tab, vertex):
     """Pixels of the window where a vertex is."""
@@ -16,9 +18,11 @@ def place(tab, vertex):
     return np.array(tab.page.evaluate(test, int(vertex)))
 
 
-def use(tab, tool):
-    tab.page.get_by_role("button", name=tool, exact=True).click()
-    tab.page.wait_for_function("document.querySelector('.caricli-head').caricli.tool")
+def use(tab, words):
+    """Take a tool, until the head has it; entering the mode has given it another."""
+    tool = next(name for name, label in TOOLS.items() if label == words)
+    tab.page.get_by_role("button", name=words, exact=True).click()
+    tab.page.wait_for_function("tool => document.querySelector('.caricli-head').caricli.tool == tool", arg=tool)
 
 
 def stroke(tab, points):

@@ -55,7 +55,7 @@ class LandmarksMode(Mode):
         self._move_tools()
         self.canvas = LandmarkCanvas()
         self.canvas.on("try", self._try).on("do", self._do).on("forget", self._forget)
-        self.canvas.on("chosen", self._choose).on("switch", self._toggle).on("ready", self._mounted)
+        self.canvas.on("chosen", self._choose).on("switch", self._toggle).on("ready", self._take_canvas)
         ui.label(_HELP).classes("caricli-hint")
         self._end_tools()
         self.page.tabs.on_value_change(self._entered)
@@ -126,10 +126,10 @@ class LandmarksMode(Mode):
         self.chosen.text = _NONE_CHOSEN
         self.laid = False
         self._tell_progress()
-        if self.shown and self.mounted:
+        if self.shown:
             ui.timer(0, self._enter, once=True)
 
-    def _mounted(self) -> None:
+    def _take_canvas(self) -> None:
         """The browser has the canvas, which it makes when the mode is first shown."""
         self.mounted = True
         self.begin()
@@ -159,11 +159,13 @@ class LandmarksMode(Mode):
         return len(self._marking().model.template.annotation.landmarks)
 
     async def _entered(self) -> None:
-        if self.shown and self.mounted:
+        if self.shown:
             await self._enter()
 
     async def _enter(self) -> None:
         """Landmarks to begin with, once for every picture: those beside it, or those that are found in it."""
+        if not self.mounted:
+            return
         desk = self.page.desk
         if desk.work.picture is None:
             self.page.say("Landmarks lie on a picture: open one first.", "note")

@@ -283,10 +283,10 @@ def test_rim_light_stays_off_sides_but_not_off_hair(scenes, face, template, texe
     normals = smooth_normals(face, template.faces)[template.faces[raster.face]]
     facing = -(np.einsum("hwk,hwkc->hwc", raster.barycentric, normals) @ scene.camera.rotation[2])
     image = np.where((scene.mask & (facing < 0.4))[..., None], np.array([255, 255, 0], np.uint8), scene.image)
-    lit, found = (
+    lit, plain = (
         texture_face(head, Sight(scene.camera, picture, scene.mask), SIZE, KEPT) for picture in (image, scene.image)
     )
-    yellow = np.abs(lit.image.astype(float) - found.image).max(2)
+    yellow = np.abs(lit.image.astype(float) - plain.image).max(2)
     turned = -(texels.normals @ scene.camera.rotation[2])
     rim = np.zeros(texels.covered.shape, bool)
     rim[texels.covered] = (turned > 0.25) & (turned < 0.35)
