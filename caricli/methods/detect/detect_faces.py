@@ -11,6 +11,7 @@ from caricli.methods.detect.mark_as_people import mark_as_people
 from caricli.methods.detect.parse_picture import WindowRegions, mean_regions, parse_picture
 from caricli.methods.detect.read_faces import ReadFace, look_at_face
 from caricli.methods.detect.settings import DetectSettings
+from caricli.methods.detect.snap_jaw import snap_jaw
 from caricli.methods.detect.snap_openings import snap_openings
 from caricli.models.detector.model import Detector
 from caricli.structures.detection import DetectedFace, Detection, FaceFrame
@@ -24,8 +25,8 @@ def detect_faces(picture: np.ndarray, detector: Detector, settings: DetectSettin
 
     The picture is searched at several scales; each place that may hold a face is looked at in the frame that the search
     gave, and in that of the landmarks that were seen there. A face is what search and last look are sure of, and whose
-    landmarks are somewhere. Lips and lids go to where the picture shows them, then all points to where people mark
-    them. Of regions the mean of what all scales show counts, and where a face is that of it and the last look.
+    landmarks are somewhere. Lips, lids and jaw go to where the picture shows them, then all points to where people
+    mark them. Of regions the mean of what all scales show counts, and where a face is that of it and the last look.
     picture: (H, W, 3) uint8.
     """
     settings = settings or DetectSettings()
@@ -44,7 +45,8 @@ def detect_faces(picture: np.ndarray, detector: Detector, settings: DetectSettin
     whole = mean_regions(glances)
     own = [mean_regions([whole, WindowRegions(read.regions, read.matrix)]) for _, read in pairs]
     regions = parse_picture(picture.shape[:2], whole, own)
-    marks = [mark_as_people(snap_openings(picture, regions, face.landmarks), detector.jaw) for face in faces]
+    snapped = [snap_jaw(regions, snap_openings(picture, regions, face.landmarks)) for face in faces]
+    marks = [mark_as_people(face, detector.jaw) for face in snapped]
     return Detection([replace(face, landmarks=own) for face, own in zip(faces, marks, strict=True)], regions)
 
 

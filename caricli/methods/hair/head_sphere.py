@@ -29,9 +29,9 @@ class HeadSphere:
     def __init__(self, head: Template, settings: ShellSettings, fine: bool = False) -> None:
         """head: Template in the shape of the face, whose annotation names the ears. fine: with the finer grid."""
         rows, columns = settings.fine if fine else settings.coarse
-        ears = [head.vertices[head.annotation.regions[name]] for name in _EARS]
+        self.ears = [head.vertices[head.annotation.regions[name]] for name in _EARS]
         self.head = head
-        self.middle = (ears[0].mean(0) + ears[1].mean(0)) / 2
+        self.middle = (self.ears[0].mean(0) + self.ears[1].mean(0)) / 2
         tilt = np.radians(settings.tilt)
         up = np.array([0, np.cos(tilt), -np.sin(tilt)])
         front = np.array([0, np.sin(tilt), np.cos(tilt)])

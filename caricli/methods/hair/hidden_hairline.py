@@ -14,6 +14,7 @@ _HOLLOW = 4  # times as far under the skin as it is inside the clearance: ears a
 _EVERY = 3  # rows and columns of a map: so far apart the way to the usual hairline is measured
 _ROUND = 2.0  # rows and columns over which its corners are rounded
 _NAPE = 0.04  # of the head's height: how much lower than at the sides hair ends behind
+_BARE = 0.5  # share of an ear that shows, from which on hair ends before all of it
 _AROUND = 0.5  # radians beyond which an ear is far
 
 
@@ -66,17 +67,29 @@ def hidden_reach(sphere: HeadSphere, ends: np.ndarray, settings: ShellSettings) 
     return along / np.sqrt(1 + rise**2) + _tufts(sphere, settings)
 
 
-def around_ears(sphere: HeadSphere, view: HairView, settings: ShellSettings) -> np.ndarray:
-    """(R, C) metres to where hair is clear of an ear, below zero nearer. Of ears that are under the hair of the
-    picture, and beyond its border, nothing needs to be clear."""
-    ears = sphere.head.vertices[sphere.head.mask("ear_left", "ear_right")]
-    x, y = view.camera.project(ears).T
-    bare = ears[sample_pixels(view.hair.pixels.astype(np.float32), x, y, border=1.0) < 0.5]
+def around_ears(sphere: HeadSphere, view: HairView, settings: ShellSettings) -> tuple[np.ndarray, np.ndarray]:
+    """(R, C) metres to where hair is clear of an ear, below zero nearer; and (R, C) bool, where that ear mostly shows.
+
+    Of ears that are under the hair of the picture, and beyond its border, nothing needs to be clear; of those that
+    mostly show, all.
+    """
+    ears = [_bare(ear, view) for ear in sphere.ears]
+    bare = np.concatenate(ears)
     if not len(bare):
-        return np.full(sphere.radii.shape, sphere.head.height)
+        return np.full(sphere.radii.shape, sphere.head.height), np.zeros(sphere.radii.shape, bool)
+    whole = [len(own) == len(ear) for own, ear in zip(ears, sphere.ears, strict=True)]
+    # The last is of places that are far from any ear.
+    mostly = np.append(np.repeat(whole, [len(own) for own in ears]), False)
     longitudes, angles, _ = sphere.seen_from(bare)
     places = sphere.directions(*np.meshgrid(sphere.longitudes, sphere.angles))
     tree = KDTree(sphere.directions(longitudes, angles))
-    away = np.minimum(tree.query(places, distance_upper_bound=_AROUND)[0], _AROUND) * sphere.radii
-    free = away - settings.clear * sphere.head.height
-    return np.where(free < 0, _HOLLOW * free, free)
+    distance, nearest = tree.query(places, distance_upper_bound=_AROUND)
+    free = np.minimum(distance, _AROUND) * sphere.radii - settings.clear * sphere.head.height
+    return np.where(free < 0, _HOLLOW * free, free), mostly[nearest]
+
+
+def _bare(ear: np.ndarray, view: HairView) -> np.ndarray:
+    """Those of an ear's points (N, 3) that hair must not cover: strands on an ear that mostly shows would be shreds."""
+    x, y = view.camera.project(ear).T
+    shown = sample_pixels(view.hair.pixels.astype(np.float32), x, y, border=1.0) < 0.5
+    return ear if shown.mean() > _BARE else ear[shown]

@@ -203,16 +203,16 @@ def _left(
     seen = view.shows(skin) * np.clip(1 + _facing(skin, view.camera) / _GRAZING, 0, 1)
     outer = sphere.points(longitudes, angles, total)
     shown = view.shows(outer)
-    free = around_ears(sphere, view, settings)
+    free, mostly = around_ears(sphere, view, settings)
     bare = view.to_bare(outer)
     usual = np.where(shown, np.minimum((ends - angles) * total, bare), hidden_reach(sphere, ends, settings))
-    # Hair that the picture shows over or beside an ear is there.
+    # Hair that the picture shows over or beside an ear of which little shows is there.
     usual = np.where(shown & (bare > 0), usual, np.minimum(usual, free))
     # What is short where it is seen is as long as usual behind.
     usual = np.maximum(usual, np.minimum(usual_reach(sphere, settings), free))
     left = seen * view.to_bare(skin) + (1 - seen) * usual
     # Where an ear is hollow, too, nothing of what is under the skin may be seen.
-    left = np.where((left < 0) & (free < 0), np.minimum(left, free), left)
+    left = np.where(mostly | ((left < 0) & (free < 0)), np.minimum(left, free), left)
     return _without_islands(left, free, settings.rim * sphere.head.height), free, 1 - np.maximum(seen, shown), seen
 
 

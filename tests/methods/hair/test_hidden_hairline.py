@@ -42,6 +42,25 @@ def test_bare_ears_stay_free(sitter):
         assert (above[near].max() < 0) == free
 
 
+def test_an_ear_that_mostly_shows_stays_free_of_strands_on_its_top(sitter):
+    ears = [sitter.head.vertices[sitter.head.annotation.regions[name]] for name in ("ear_left", "ear_right")]
+    pixels = sitter.hair.pixels.copy()
+    for ear in ears:
+        x, y = CAMERA.project(ear).T.round().astype(int)
+        pixels[y.min() : y.max() + 1, x.min() : x.max() + 1] = False
+        pixels[y.min() : y.min() + (y.max() - y.min()) // 3, x.min() : x.max() + 1] = True
+    shell, head = make_shell(
+        sitter.head, CAMERA, replace(sitter.hair, pixels=pixels, behind=sitter.hair.behind & ~pixels)
+    )
+    above, ways = above_skin(shell, head)
+    sphere = HeadSphere(head, SETTINGS)
+    for ear in ears:
+        longitudes, angles, _ = sphere.seen_from(ear)
+        near = KDTree(sphere.directions(longitudes, angles)).query(ways)[0] * 0.08 < SETTINGS.clear / 2 * head.height
+        assert near.sum() > 20
+        assert above[near].max() < 0
+
+
 def test_it_thins_towards_the_nape(sitter):
     shell, head = make_shell(sitter.head, CAMERA, sitter.hair)
     above = above_skin(shell, head)[0][1:].reshape(SETTINGS.rows, SETTINGS.columns)
