@@ -3,6 +3,8 @@
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 
+from threadpoolctl import threadpool_limits
+
 from caricli.errors import InputError, naming, shown
 from caricli.methods.session.draw_operations import DRAW_OPERATIONS
 from caricli.methods.session.face_operations import FACE_OPERATIONS
@@ -36,8 +38,12 @@ OPERATIONS: Mapping[str, Operate] = {
 """One table of every mode."""
 
 
+@threadpool_limits.wrap(limits=1)
 def operate(work: Work, operation: Operation, tools: Tools) -> Work:
-    """What an operation makes of a work. Raises InputError for an unknown one, and whatever it refuses."""
+    """What an operation makes of a work, the same bytes on any number of cores, as sums are made by one thread.
+
+    Raises InputError for an unknown one, and whatever it refuses.
+    """
     if operation.name not in OPERATIONS:
         raise InputError(f"expected one of {', '.join(OPERATIONS)}, found {shown(operation.name, 60)!r}")
     with naming(operation.name):

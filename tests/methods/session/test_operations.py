@@ -2,10 +2,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from threadpoolctl import threadpool_info, threadpool_limits
 
 from caricli.errors import CaricliError, InputError
 from caricli.methods.session.history import History
-from caricli.methods.session.operations import operate
+from caricli.methods.session.operations import OPERATIONS, operate
 from caricli.methods.session.replay import replay
 from caricli.methods.sketch.draw_sketch import canvas_camera, draw_sketch
 from caricli.structures import Operation, Stroke
@@ -56,6 +57,20 @@ def test_the_page_and_the_replay_make_the_same_bytes(start, works, tools):
         page.redo()
     assert page.work.face.vertices.tobytes() == works[-1].face.vertices.tobytes()
     assert page.work.face.residual.tobytes() == works[-1].face.residual.tobytes()
+
+
+def test_sums_are_made_by_one_thread_on_any_number_of_cores(start, tools, monkeypatch):
+    threads = []
+
+    def count(work, parameters, tools):
+        threads.extend(pool["num_threads"] for pool in threadpool_info())
+        return work
+
+    monkeypatch.setitem(OPERATIONS, "draw", count)
+    with threadpool_limits(2):
+        assert max(pool["num_threads"] for pool in threadpool_info()) == 2
+        operate(start, Operation("draw", {}), tools)
+    assert threads and set(threads) == {1}
 
 
 def test_an_empty_canvas_is_the_mean_face(start, works, tools):
