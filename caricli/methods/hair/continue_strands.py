@@ -1,6 +1,6 @@
 """Strands of hair continued around a head, from patches of what is seen."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import ceil, floor
 
 import cv2
@@ -23,6 +23,7 @@ _OWN = 0.1  # how much of its own tone it keeps, so that tones do not drift
 _BLOTCH = 0.015  # of the picture: what is as dark or light over more than this is a shadow or a light
 _EVEN = 0.7  # of how far these are from the mean tone, that is taken out of patches
 _FEW = 4  # times that a patch is smaller where its tone is blurred
+_STRANDS = 0.15  # of what a patch changes, what it changes more across than along, from which on it has strands
 _COARSE = 12  # pixels, the longest side of patches where they are compared
 
 
@@ -30,20 +31,22 @@ _COARSE = 12  # pixels, the longest side of patches where they are compared
 class _Frame:
     """A square in a picture whose strands run outwards from its middle: they run down in it.
 
-    radius: pixels from the middle. turn: radians. side: pixels.
+    radius: pixels from the middle. turn: radians. side: pixels. lean: radians by which it is turned where its strands
+    run otherwise.
     """
 
     radius: float
     turn: float
     side: int
+    lean: float = 0.0
 
     def matrix(self, size: int) -> np.ndarray:
         """(2, 3): from pixels of the square to those of the picture."""
-        sine = np.sin(self.turn)
-        cosine = np.cos(self.turn)
+        sine = np.sin(self.turn + self.lean)
+        cosine = np.cos(self.turn + self.lean)
         corner = (self.side - 1) / 2
-        x = (size - 1) / 2 + self.radius * sine - corner * (cosine + sine)
-        y = (size - 1) / 2 + self.radius * cosine - corner * (cosine - sine)
+        x = (size - 1) / 2 + self.radius * np.sin(self.turn) - corner * (cosine + sine)
+        y = (size - 1) / 2 + self.radius * np.cos(self.turn) - corner * (cosine - sine)
         return np.array([[cosine, sine, x], [-sine, cosine, y]])
 
     def cut(self, picture: np.ndarray) -> np.ndarray:
@@ -115,6 +118,7 @@ class _Quilt:
                 chosen = self.generator.choice(len(rows), min(_CANDIDATES, len(rows)), replace=False)
                 x, y = columns[chosen] - (size - 1) / 2, rows[chosen] - (size - 1) / 2
                 frames = [_Frame(*place, side) for place in zip(np.hypot(x, y), np.arctan2(x, y), strict=True)]
+                frames = [replace(frame, lean=_lean(frame.cut(both))) for frame in frames]
                 patches = np.stack([frame.cut(both) for frame in frames])
                 return side, np.concatenate([patches, patches[:, :, ::-1]])
         return 2, np.zeros((0, 2, 2, 4), np.float32)
@@ -184,6 +188,22 @@ class _Quilt:
         alpha = turned[..., 3:]
         self.canvas[part] = (1 - alpha) * self.canvas[part] + turned[..., :3]
         self.laid[part] = np.maximum(self.laid[part], alpha[..., 0])
+
+
+def _lean(patch: np.ndarray) -> float:
+    """Radians from the way down in a patch (N, N, 4), with how far it is seen, to its strands; 0 where it has none.
+
+    Strands are where colours change least along (structure tensor, Bigun and Granlund 1987).
+    """
+    grey = np.ascontiguousarray(patch[..., :3].mean(-1))
+    across = cv2.Sobel(grey, cv2.CV_32F, 1, 0, ksize=3)
+    down = cv2.Sobel(grey, cv2.CV_32F, 0, 1, ksize=3)
+    weights = cv2.erode(np.ascontiguousarray(patch[..., 3]), np.ones((3, 3)))
+    both = 2 * (weights * across * down).sum()
+    apart = (weights * (across**2 - down**2)).sum()
+    whole = (weights * (across**2 + down**2)).sum()
+    strands = np.hypot(both, apart) > _STRANDS * whole
+    return float(-0.5 * np.arctan2(both, apart)) if strands else 0.0
 
 
 def _weighted(colours: np.ndarray, weights: np.ndarray) -> np.ndarray:

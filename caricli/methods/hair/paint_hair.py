@@ -13,6 +13,7 @@ from caricli.structures import Hair
 _STRANGE = 3.5  # of the median distance from the median colour
 _NEVER_STRANGE = 6.0  # CIELAB
 _SPECK = 7  # texels of those in which strands are continued: what is seen in less of them is not shown
+_PART = 0.1  # of the largest part that is seen, what another has to have to count
 _SOFT = 1.5  # of the same, over which what is seen goes over into continued strands
 _SIDE = 384  # texels, at most, in which strands are continued
 
@@ -40,10 +41,17 @@ def paint_hair(hair: Hair, view: PictureView, size: int, generator: np.random.Ge
 
 
 def _inner(seen: np.ndarray) -> np.ndarray:
-    """What is seen (R, C) without its border, where colours are mixed with what is beside hair, and without specks."""
+    """What is seen (R, C) without its border, where colours are mixed with what is beside hair, and without specks and
+    small parts, as at the sides, where strands would begin and end."""
     disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (_SPECK, _SPECK))
-    inner = cv2.morphologyEx(cv2.erode(seen.astype(np.uint8), np.ones((3, 3), np.uint8)), cv2.MORPH_OPEN, disc) > 0
-    return inner if inner.any() else seen
+    inner = cv2.morphologyEx(cv2.erode(seen.astype(np.uint8), np.ones((3, 3), np.uint8)), cv2.MORPH_OPEN, disc)
+    if not inner.any():
+        return seen
+    _, parts, figures, _ = cv2.connectedComponentsWithStats(inner)
+    areas = figures[:, cv2.CC_STAT_AREA]
+    large = areas >= _PART * areas[1:].max()
+    large[0] = False
+    return large[parts]
 
 
 def _look(hair: Hair, view: PictureView, size: int) -> SeenColours:

@@ -1,5 +1,6 @@
 import cv2
 import numpy as np
+import pytest
 
 from caricli.methods.hair.continue_strands import continue_strands
 
@@ -14,8 +15,16 @@ def rays():
     return image, (np.abs(turns) < 1.0) & (np.hypot(x, y) < SIDE / 2)
 
 
-def test_strands_run_outwards_all_around():
-    image, seen = rays()
+def combed():
+    """The same part of a head, its strands combed to the side: they run around the middle."""
+    _, seen = rays()
+    y, x = np.mgrid[:SIDE, :SIDE] - (SIDE - 1) / 2
+    return np.repeat(130 + 90 * np.sign(np.sin(np.hypot(x, y)))[..., None], 3, axis=2), seen
+
+
+@pytest.mark.parametrize("strands", [rays, combed])
+def test_strands_run_outwards_all_around(strands):
+    image, seen = strands()
     filled = continue_strands(image, seen, np.random.default_rng(1))
     np.testing.assert_allclose(filled[seen], image[seen])
     # Behind, a step along a strand changes less than one across.

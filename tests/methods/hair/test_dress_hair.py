@@ -35,6 +35,23 @@ def test_what_is_beside_hair_does_not_colour_its_edge(dressed, sitter):
     assert (picture[..., 0] > 150).mean() < 1e-3
 
 
+def test_small_parts_of_hair_that_are_seen_by_themselves_do_not_count(dressed, sitter):
+    """The end of it on one side, behind a gap and a little bluer; and what is between gap and face."""
+    _, columns = np.nonzero(dressed.mask.pixels)
+    end = columns.max() - 12
+    place = np.indices(dressed.mask.pixels.shape)[1]
+    pixels = dressed.mask.pixels & ((place < end - 14) | (place >= end))
+    apart = replace(dressed, mask=replace(dressed.mask, pixels=pixels))
+
+    def painted(bluer):
+        image = np.where((pixels & bluer)[..., None], sitter.image + np.array([0, 0, 12]), sitter.image)
+        return hair_picture(apart, image.astype(np.uint8), replace(SMALL, size=384))
+
+    plain = painted(place < 0)
+    np.testing.assert_array_equal(painted(place >= end), plain)
+    assert (painted((place > columns.mean()) & (place < end)) != plain).mean() > 0.05
+
+
 def test_the_skin_under_it_is_left_to_be_filled(dressed, sitter):
     shown = ~sitter.hair.behind
     bare = bare_skin(ParsedHead(shown, shown), dressed, sitter.image)
