@@ -44,6 +44,11 @@ class HairView:
         x, y, _ = np.moveaxis(self.camera.place(points), -1, 0)
         return np.isinf(self._nearest(x, y))
 
+    def bare(self, points: np.ndarray) -> np.ndarray:
+        """(N,) bool, which of points (N, 3) lie in the picture where it has no hair, whatever is before them."""
+        x, y = self.camera.project(points).T
+        return sample_pixels(self.hair.pixels.astype(np.float32), x, y, border=1.0) < 0.5
+
     def to_bare(self, points: np.ndarray) -> np.ndarray:
         """Metres in the picture from points (..., 3) to where it is bare, below zero inside."""
         x, y, _ = np.moveaxis(self.camera.place(points), -1, 0)

@@ -13,7 +13,8 @@ from caricli.template.template import Template
 
 _FINE = 512  # pixels, side of the map of directions
 _NEAR = 5  # cells of a grid that are near each other: vertices of a skull are farther apart than one
-_EARS = ("ear_left", "ear_right")
+EARS = ("ear_left", "ear_right")
+"""Regions of an annotation."""
 
 
 class HeadSphere:
@@ -29,7 +30,7 @@ class HeadSphere:
     def __init__(self, head: Template, settings: ShellSettings, fine: bool = False) -> None:
         """head: Template in the shape of the face, whose annotation names the ears. fine: with the finer grid."""
         rows, columns = settings.fine if fine else settings.coarse
-        self.ears = [head.vertices[head.annotation.regions[name]] for name in _EARS]
+        self.ears = [head.vertices[head.annotation.regions[name]] for name in EARS]
         self.head = head
         self.middle = (self.ears[0].mean(0) + self.ears[1].mean(0)) / 2
         tilt = np.radians(settings.tilt)
@@ -93,7 +94,7 @@ class HeadSphere:
     def _skin(self) -> tuple[np.ndarray, np.ndarray]:
         """Faces of the skin without ears and pockets, and (S, S) which is outermost in every direction of a disc."""
         head = self.head
-        inner = head.mask(*_EARS, "inner_mouth", "eye_socket_left", "eye_socket_right", "nostril_left", "nostril_right")
+        inner = head.mask(*EARS, "inner_mouth", "eye_socket_left", "eye_socket_right", "nostril_left", "nostril_right")
         faces = head.faces[~inner[head.faces].any(1)]
         longitudes, angles, radii = self.seen_from(head.vertices)
         places = _disc(longitudes, angles)

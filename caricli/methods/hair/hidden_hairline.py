@@ -7,14 +7,15 @@ from scipy.spatial import KDTree
 from caricli.methods.hair.hair_view import HairView
 from caricli.methods.hair.head_sphere import HeadSphere
 from caricli.methods.hair.settings import ShellSettings
-from caricli.render.sample_texture import sample_pixels
+
+MOSTLY = 0.5
+"""Share of an ear that shows, above which hair ends before all of it."""
 
 _TUFTS = ((37, 0.3), (23, 1.7), (53, 2.9))  # half of how many there are around the head, and where they begin
 _HOLLOW = 4  # times as far under the skin as it is inside the clearance: ears are hollow
 _EVERY = 3  # rows and columns of a map: so far apart the way to the usual hairline is measured
 _ROUND = 2.0  # rows and columns over which its corners are rounded
 _NAPE = 0.04  # of the head's height: how much lower than at the sides hair ends behind
-_BARE = 0.5  # share of an ear that shows, from which on hair ends before all of it
 _AROUND = 0.5  # radians beyond which an ear is far
 
 
@@ -90,6 +91,5 @@ def around_ears(sphere: HeadSphere, view: HairView, settings: ShellSettings) -> 
 
 def _bare(ear: np.ndarray, view: HairView) -> np.ndarray:
     """Those of an ear's points (N, 3) that hair must not cover: strands on an ear that mostly shows would be shreds."""
-    x, y = view.camera.project(ear).T
-    shown = sample_pixels(view.hair.pixels.astype(np.float32), x, y, border=1.0) < 0.5
-    return ear if shown.mean() > _BARE else ear[shown]
+    shown = view.bare(ear)
+    return ear if shown.mean() > MOSTLY else ear[shown]

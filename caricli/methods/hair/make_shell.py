@@ -19,6 +19,7 @@ from caricli.methods.hair.hidden_hairline import (
 )
 from caricli.methods.hair.mask_hair import HairMask
 from caricli.methods.hair.settings import ShellSettings
+from caricli.methods.hair.tuck_ears import tuck_ears
 from caricli.render.sample_texture import sample_pixels
 from caricli.structures import Camera, Mesh
 from caricli.structures.parts import Hair
@@ -135,7 +136,7 @@ def make_shell(
     row = np.clip(np.searchsorted(fine.angles, edge), 0, len(fine.angles) - 1)
     lower = edge + settings.below * seen[row, np.arange(len(edge))]
     lower = np.maximum(lower, np.pi / len(left) * (np.cumprod(left > 0, axis=0).sum(0) + 0.5))
-    return _mesh(_Surface(fine, total, left, free, hidden, lower), view, settings), head
+    return _mesh(_Surface(fine, total, left, free, hidden, lower), view, settings), tuck_ears(head, view, settings)
 
 
 def _rounded(hairy: np.ndarray, total: np.ndarray, settings: ShellSettings) -> np.ndarray:

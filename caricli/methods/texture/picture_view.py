@@ -164,7 +164,8 @@ class PictureView:
         """(H, W) float32 from 0 to 1, how far pixels show what the mask (H, W) bool is of.
 
         Near the border of the whole (H, W) a picture may show the outline of the drawing, or what is behind: there
-        counts what looks as that which is nearest to it and farther inside.
+        counts what looks as that which is nearest to it and farther inside. Beside what was left out pixels count the
+        less the nearer they are, or paint would end there in an edge.
         """
         reach = max(self.settings.edge * self.camera.scale * self.height, 1.0)
         depth = cv2.distanceTransform(np.pad(whole, 1).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)[1:-1, 1:-1]
@@ -177,6 +178,10 @@ class PictureView:
             like = likeness(self.pictured[rim], usual, self.settings.other) ** 2
             # The outermost pixel is a mixture.
             inside[rim] = np.maximum(inside[rim], np.clip(depth[rim] - 1, 0, 1) * like)
+        left_out = whole & ~mask
+        if left_out.any():
+            away = cv2.distanceTransform((~left_out).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
+            inside *= np.clip(away / reach, 0, 1)
         return inside
 
     def _range(self, x: np.ndarray, y: np.ndarray, colours: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

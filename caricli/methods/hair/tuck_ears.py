@@ -1,0 +1,35 @@
+"""Ears under hair, of which only a part shows."""
+
+import numpy as np
+
+from caricli.geometry.vertex_neighbours import vertex_neighbours
+from caricli.methods.hair.hair_view import HairView
+from caricli.methods.hair.head_sphere import EARS, HeadSphere
+from caricli.methods.hair.hidden_hairline import MOSTLY
+from caricli.methods.hair.settings import ShellSettings
+from caricli.template.template import Template
+
+_ROUNDS = 4  # of bringing to neighbours what is hidden of an ear, so that it bends
+
+
+def tuck_ears(head: Template, view: HairView, settings: ShellSettings) -> Template:
+    """The head with what hair hides of its ears laid against it, where a part of them shows.
+
+    Hair ends before that part, and what is hidden beside it would stick out of the hair.
+    view: HairView of the head.
+    """
+    sphere = HeadSphere(head, settings, fine=True)
+    _, mean = vertex_neighbours(head.faces, len(head.vertices))
+    longitudes, angles, radii = sphere.seen_from(head.vertices)
+    above = np.maximum(radii - sphere.sample(sphere.radii, longitudes, angles) - settings.least * head.height, 0)
+    hidden = np.zeros(len(radii))
+    for name in EARS:
+        ids = head.annotation.regions[name]
+        bare = view.bare(head.vertices[ids])
+        if 0 < bare.mean() <= MOSTLY:
+            hidden[ids] = ~bare
+    ears = head.mask(*EARS)
+    for _ in range(_ROUNDS):
+        hidden = np.where(ears, mean @ hidden, 0)
+    share = 1 - hidden * above / np.maximum(radii, np.finfo(float).tiny)
+    return head.with_vertices(sphere.middle + share[:, None] * (head.vertices - sphere.middle))
