@@ -2,12 +2,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
-from scipy.ndimage import binary_erosion
+from scipy.ndimage import binary_erosion, distance_transform_edt
 
 from caricli.geometry.rotation_vectors import rotation_matrices
 from caricli.methods.texture.estimate_light import Light
 from caricli.methods.texture.mouth_wall import MOUTH, mouth_wall
-from caricli.methods.texture.picture_view import Sight
+from caricli.methods.texture.picture_view import PictureView, Sight
 from caricli.methods.texture.settings import TextureSettings
 from caricli.methods.texture.texture_face import texture_face
 from caricli.render.diffuse_background import diffuse_background
@@ -328,6 +328,24 @@ def test_hair_before_the_skin_is_no_outline(scenes, face, template):
         middle = shadow & binary_erosion(scene.mask, iterations=12)
         wrong[whole is None] = np.abs(again - image)[middle].mean()
     assert middle.sum() > 300 and wrong[False] < 12 and wrong[True] > 3 * wrong[False], wrong
+
+
+def test_paint_fades_out_beside_what_is_left_out(scenes, face, template):
+    """A square in the middle of the face."""
+    scene = scenes[0]
+    rows, columns = np.nonzero(scene.mask)
+    middle = np.s_[int(rows.mean()) - 20 : int(rows.mean()) + 20, int(columns.mean()) - 20 : int(columns.mean()) + 20]
+    mask = scene.mask.copy()
+    mask[middle] = False
+    settings = replace(KEPT, edge=0.06)
+    view = PictureView(template.with_vertices(face), Sight(scene.camera, scene.image, mask, scene.mask), settings)
+    reach = settings.edge * scene.camera.scale * template.with_vertices(face).height
+    away = distance_transform_edt(mask | ~scene.mask)
+    inside = distance_transform_edt(scene.mask) > 2 * reach
+    assert reach > 8 and not view.inside[middle].any()
+    beside = inside & (away > 0) & (away <= reach)
+    np.testing.assert_allclose(view.inside[beside], away[beside] / reach, atol=0.05)
+    assert (view.inside[inside & (away > reach)] == 1).all()
 
 
 def test_skin_under_hair_is_not_seen(scenes, face, template):
