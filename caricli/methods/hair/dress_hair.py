@@ -7,8 +7,9 @@ import cv2
 import numpy as np
 
 from caricli.errors import InputError
-from caricli.methods.hair.make_shell import make_shell, sink_skull
+from caricli.methods.hair.make_shell import make_shell
 from caricli.methods.hair.mask_hair import HairMask, mask_hair
+from caricli.methods.hair.move_skull import sink_skull
 from caricli.methods.hair.paint_hair import paint_hair
 from caricli.methods.hair.parsed_hair import parsed_hair
 from caricli.methods.hair.snap_border import snap_border

@@ -13,8 +13,8 @@ from scipy.spatial import KDTree
 from caricli.geometry.join_meshes import join_meshes
 from caricli.geometry.vertex_neighbours import vertex_neighbours
 from caricli.methods.hair.head_sphere import HeadSphere
-from caricli.methods.hair.make_shell import lower_skull, raise_skull
 from caricli.methods.hair.mask_hair import HairMask
+from caricli.methods.hair.move_skull import lower_skull, raise_skull
 from caricli.methods.hair.settings import ShellSettings
 from caricli.render.rasterise import Raster, rasterise
 from caricli.render.sample_texture import sample_pixels

@@ -5,7 +5,8 @@ import pytest
 
 from caricli.geometry.triangle_normals import triangle_normals
 from caricli.methods.hair.head_sphere import HeadSphere
-from caricli.methods.hair.make_shell import lower_skull, make_shell, raise_skull, sink_skull
+from caricli.methods.hair.make_shell import make_shell
+from caricli.methods.hair.move_skull import lower_skull, raise_skull, sink_skull
 from caricli.methods.hair.settings import ShellSettings
 from caricli.methods.hair.snap_border import union_share, visible_hair
 from caricli.structures import Mesh

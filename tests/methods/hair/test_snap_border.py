@@ -9,7 +9,8 @@ from scipy.sparse.csgraph import connected_components
 from caricli.geometry.vertex_neighbours import vertex_neighbours
 from caricli.methods.hair import snap_border as module
 from caricli.methods.hair.head_sphere import HeadSphere
-from caricli.methods.hair.make_shell import lower_skull, make_shell
+from caricli.methods.hair.make_shell import make_shell
+from caricli.methods.hair.move_skull import lower_skull
 from caricli.methods.hair.settings import ShellSettings
 from caricli.methods.hair.snap_border import snap_border, union_share, visible_hair
 from caricli.render.rasterise import rasterise
