@@ -112,7 +112,9 @@ def _left(
     """
     longitudes, angles = np.meshgrid(sphere.longitudes, sphere.angles)
     skin = sphere.points(longitudes, angles, sphere.radii)
-    seen = view.shows(skin) * np.clip(1 + _facing(skin, view.camera) / _GRAZING, 0, 1)
+    facing = _facing(skin, view.camera)
+    sure = facing / settings.aside if settings.aside else 1 + facing / _GRAZING
+    seen = view.shows(skin) * np.clip(sure, 0, 1)
     outer = sphere.points(longitudes, angles, total)
     shown = view.shows(outer)
     free, mostly = around_ears(sphere, view, settings)
@@ -239,7 +241,9 @@ def _mesh(surface: _Surface, view: HairView, settings: ShellSettings) -> Hair:
         radii += np.clip(left, -settings.deep * height, 0)
         # What hides bare skin ends before it.
         points = sphere.points(around, angles, radii)
-        left = np.where((left > 0) & view.shows(points), np.minimum(left, view.to_bare(points)), left)
+        sure = np.clip(_facing(points, view.camera) / settings.aside, 0, 1) if settings.aside else 1.0
+        ends = sure * np.minimum(left, view.to_bare(points)) + (1 - sure) * left
+        left = np.where((left > 0) & view.shows(points), ends, left)
         left = _without_islands(left, free, settings.rim * height)
         left = gaussian_filter(left, settings.even, mode=("nearest", "wrap"))
     rim = skin[-1] - settings.under * height

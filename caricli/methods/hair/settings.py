@@ -91,6 +91,9 @@ class ShellSettings:
     clear: how far hair ends before a bare ear. tuft: how far the hairline goes up and down, where it is not seen.
     under: how far below the skin its edge ends. deep: the same, at most, of what is between its edge and the last hair.
     below: radians below the edge down to which the picture says where hair ends.
+    aside: cosine between surface and view from which on it says so in full: what is seen from aside is easily another
+    place of the head; with 0 all that is seen does. told: least intersection over union of a shell with the hair of the
+    picture; with less of it heads are bare at the sides, and all that is seen counts.
     """
 
     columns: int = 192
@@ -121,3 +124,5 @@ class ShellSettings:
     under: float = 0.006
     deep: float = 0.06
     below: float = 0.15
+    aside: float = 0.4
+    told: float = 0.75

@@ -5,10 +5,11 @@ import pytest
 
 from caricli.geometry.triangle_normals import triangle_normals
 from caricli.methods.hair.head_sphere import HeadSphere
-from caricli.methods.hair.make_shell import make_shell
+from caricli.methods.hair.make_shell import _facing, make_shell
 from caricli.methods.hair.move_skull import lower_skull, raise_skull, sink_skull
 from caricli.methods.hair.settings import ShellSettings
 from caricli.methods.hair.snap_border import union_share, visible_hair
+from caricli.render.rasterise import rasterise
 from caricli.structures import Mesh
 from tests.methods.hair.conftest import CAMERA
 
@@ -54,6 +55,32 @@ def test_what_goes_on_below_the_hairline_is_deep_under_the_skin(sitter):
     above = depths[0] < 0
     assert below.sum() > 300 and np.median(depths[1][below]) > 0.015
     np.testing.assert_allclose(depths[1][above], depths[0][above], atol=1e-3)
+
+
+def bare_beside(sitter, rows):
+    """The hair of a sitter who has none in some rows of the picture, at the temples."""
+    pixels, behind = sitter.hair.pixels.copy(), sitter.hair.behind.copy()
+    pixels[rows] = False
+    shown = rasterise(CAMERA.place(sitter.head.vertices), sitter.head.faces, *pixels.shape[::-1]).face >= 0
+    behind[rows] = ~shown[rows]
+    return replace(sitter.hair, pixels=pixels, behind=behind)
+
+
+def test_skin_that_is_seen_from_aside_hardly_says_that_there_is_no_hair(sitter):
+    brows = int(sitter.face.landmarks[17:27, 1].min())
+    mask = bare_beside(sitter, slice(brows - 20, brows + 30))
+    covered = []
+    for aside in (0.0, 0.4):
+        shell, head = make_shell(sitter.head, CAMERA, mask, ShellSettings(aside=aside))
+        sphere = HeadSphere(head, ShellSettings(), fine=True)
+        around, down = np.meshgrid(sphere.longitudes, sphere.angles)
+        outer = sphere.cover(shell.shell.vertices, shell.shell.faces, around, down)
+        covered.append(np.isfinite(outer) & (outer > sphere.radii))
+    cut, kept = covered
+    added = kept & ~cut
+    facing = _facing(sphere.points(around, down, sphere.radii), CAMERA)[added]
+    assert added.sum() > 300 and not (cut & ~kept).any()
+    assert np.quantile(facing, 0.9) < 0.4 and np.median(facing) < 0.2
 
 
 def creases(shell):

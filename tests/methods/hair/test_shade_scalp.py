@@ -2,28 +2,28 @@ import numpy as np
 import pytest
 
 from caricli.methods.hair import shade_scalp as module
-from caricli.methods.hair.dress_hair import dress_hair
+from caricli.methods.hair.make_shell import make_shell
+from caricli.methods.hair.settings import ShellSettings
 from caricli.methods.hair.shade_scalp import Scalp
-from caricli.methods.texture.settings import PaintSettings
 from caricli.methods.texture.texture_face import FaceTexture
 from caricli.render.uv_map import uv_map
-from tests.methods.hair.conftest import BROWN, SKIN
+from tests.methods.hair.conftest import BROWN, CAMERA, SKIN
 
 SIZE = 192
 
 
 @pytest.fixture(scope="module")
 def scalp(sitter):
-    """What is painted on a head of one colour of which nothing or all is seen, and where regions are in it."""
-    dressed = dress_hair(sitter.face, sitter.head, sitter.image, PaintSettings(SIZE))
-    head = sitter.head.with_vertices(dressed.face.vertices)
+    """What is painted on a head of one colour of which nothing or all is seen, and where regions are in it; its hair
+    ends where the picture says so, at its sides, too."""
+    hair, head = make_shell(sitter.head, CAMERA, sitter.hair, ShellSettings(aside=0.0))
     face, _ = uv_map(head, SIZE)
     plain = np.full((SIZE, SIZE, 3), SKIN, np.uint8)
 
     def painted(seen, colour=BROWN):
         texture = FaceTexture(plain, np.broadcast_to(np.float32(seen), (SIZE, SIZE)), face >= 0, None)
-        hair = np.full((SIZE, SIZE, 3), colour, np.uint8)
-        return Scalp(head, dressed.hair).shaded(texture, hair, np.random.default_rng(0))
+        picture = np.full((SIZE, SIZE, 3), colour, np.uint8)
+        return Scalp(head, hair).shaded(texture, picture, np.random.default_rng(0))
 
     def where(*names):
         return (face >= 0) & head.mask(*names)[head.faces].all(1)[face]

@@ -19,7 +19,8 @@ from tests.methods.hair.conftest import CAMERA, SIDE
 
 @pytest.fixture(scope="module")
 def shell(sitter):
-    return make_shell(sitter.head, CAMERA, sitter.hair)[0]
+    """One that ends where the picture says so, at its sides, too."""
+    return make_shell(sitter.head, CAMERA, sitter.hair, ShellSettings(aside=0.0))[0]
 
 
 @pytest.fixture(scope="module")
