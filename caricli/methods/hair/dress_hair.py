@@ -12,8 +12,7 @@ from caricli.methods.hair.mask_hair import HairMask, mask_hair
 from caricli.methods.hair.move_skull import sink_skull
 from caricli.methods.hair.paint_hair import paint_hair
 from caricli.methods.hair.parsed_hair import parsed_hair
-from caricli.methods.hair.settings import ShellSettings
-from caricli.methods.hair.snap_border import snap_border, union_share, visible_hair
+from caricli.methods.hair.snap_border import snap_border
 from caricli.methods.texture.mask_head import mesh_pixels
 from caricli.methods.texture.picture_view import PictureView, Sight
 from caricli.methods.texture.settings import PaintSettings
@@ -74,7 +73,7 @@ def dress_hair(
     head = template.with_vertices(face.vertices)
     camera, near = _near(head, face.require_camera(), mask)
     head = sink_skull(head, camera, near)
-    hair, head, overlap = snap_border(*_shell(head, camera, near), camera, near)
+    hair, head, overlap = snap_border(*make_shell(head, camera, near), camera, near)
     sunk = replace(face, mesh=face.mesh.with_vertices(head.vertices), residual=None)
     return DressedHair(sunk, hair, mask, overlap)
 
@@ -84,20 +83,6 @@ def hair_picture(dressed: DressedHair, image: np.ndarray, settings: PaintSetting
     sight = Sight(dressed.face.require_camera(), image, dressed.mask.pixels)
     view = PictureView(dressed.hair.shell, sight, settings.texture)
     return paint_hair(dressed.hair, view, settings.size or _SIZE, np.random.default_rng(settings.seed))
-
-
-def _shell(
-    head: Template,
-    camera: Camera,
-    mask: HairMask,
-    settings: ShellSettings = ShellSettings(),  # noqa: B008 (frozen)
-) -> tuple[Hair, Template]:
-    """A shell of hair and the head under it: at the sides as hair usually is, but for heads that are bare there."""
-    hair, under = make_shell(head, camera, mask, settings)
-    shown = visible_hair(under, hair, camera, mask.pixels.shape)
-    if union_share(shown, mask.pixels) >= settings.told:
-        return hair, under
-    return make_shell(head, camera, mask, replace(settings, aside=0.0))
 
 
 def _near(head: Template, camera: Camera, mask: HairMask) -> tuple[Camera, HairMask]:

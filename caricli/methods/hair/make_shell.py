@@ -1,6 +1,6 @@
 """A shell of hair on a head, its outline that of the hair in the picture."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.ndimage import binary_dilation, binary_opening, gaussian_filter, gaussian_filter1d, label
@@ -19,6 +19,7 @@ from caricli.methods.hair.hidden_hairline import (
 from caricli.methods.hair.mask_hair import HairMask
 from caricli.methods.hair.move_skull import lower_skull
 from caricli.methods.hair.settings import ShellSettings
+from caricli.methods.hair.snap_border import union_share, visible_hair
 from caricli.methods.hair.tuck_ears import tuck_ears
 from caricli.render.sample_texture import sample_pixels
 from caricli.structures import Camera, Mesh
@@ -48,12 +49,33 @@ def make_shell(
 
     It leaves the skin along rays from the middle of the head, which a smooth field makes longer so that its outline is
     that of the mask; it ends where the mask ends, and where nothing is seen along the hairline that is usual, lower if
-    hair is longer at the sides; there its thickness falls to nothing, and it closes towards the skin.
+    hair is longer at the sides; there its thickness falls to nothing, and it closes towards the skin. Where a shell so
+    made is far from the mask, heads are bare at the sides, which are seen from aside and then count in full.
 
     head: Template in the shape of the face, whose annotation names ears and scalp. camera: of the picture.
     hair: HairMask. Returns Hair, its quads from the whorl outwards, its picture unrolled around the whorl,
     and the head, its skull below them.
     """
+    grown = _grown(head, camera, hair, settings)
+    shell, under = _closed(head, camera, hair, grown, settings)
+    if settings.aside:
+        shown = visible_hair(under, shell, camera, hair.pixels.shape)
+        if union_share(shown, hair.pixels) < settings.told:
+            shell, under = _closed(head, camera, hair, grown, replace(settings, aside=0.0))
+    return shell, under
+
+
+@dataclass(frozen=True, eq=False)
+class _Grown:
+    """Hair without an end: outline of the picture's, and (R, C) metres, how far out it is, and (C,) angles where it
+    ends, on a fine HeadSphere."""
+
+    outline: Outline
+    total: np.ndarray
+    edge: np.ndarray
+
+
+def _grown(head: Template, camera: Camera, hair: HairMask, settings: ShellSettings) -> _Grown:
     sphere = HeadSphere(head, settings)
     outline = Outline.of(hair, sphere, camera, settings.bins)
     fine = HeadSphere(head, settings, fine=True)
@@ -68,17 +90,25 @@ def make_shell(
     hairy = angles < edge
     unseen = hairy & ~view.shows(fine.points(longitudes, angles, total))
     total = total + _inside_softly(unseen) * (_rounded(hairy, total, settings) - total)
-    total = meet_outline(fine, camera, outline, hairy, total)
-    left, *_ = _left(fine, view, edge, total, settings)
-    head = lower_skull(head, fine, np.where(left > 0, total - settings.least * head.height, np.inf))
+    return _Grown(outline, meet_outline(fine, camera, outline, hairy, total), edge)
+
+
+def _closed(
+    head: Template, camera: Camera, hair: HairMask, grown: _Grown, settings: ShellSettings
+) -> tuple[Hair, Template]:
+    """The shell that ends where hair does, and the head under it."""
+    fine = HeadSphere(head, settings, fine=True)
+    view = HairView(head, camera, hair, grown.outline)
+    left, *_ = _left(fine, view, grown.edge, grown.total, settings)
+    head = lower_skull(head, fine, np.where(left > 0, grown.total - settings.least * head.height, np.inf))
     fine = HeadSphere(head, settings, fine=True)
     # The skull is flat between its vertices, where a shell may be hollow.
-    total = np.where(left > 0, np.maximum(total, fine.radii + settings.least * head.height), total)
-    view = HairView(head, camera, hair, outline)
-    left, free, hidden, seen = _left(fine, view, edge, total, settings)
+    total = np.where(left > 0, np.maximum(grown.total, fine.radii + settings.least * head.height), grown.total)
+    view = HairView(head, camera, hair, grown.outline)
+    left, free, hidden, seen = _left(fine, view, grown.edge, total, settings)
     # Seen skin says itself where hair ends, down to some way below the edge.
-    row = np.clip(np.searchsorted(fine.angles, edge), 0, len(fine.angles) - 1)
-    lower = edge + settings.below * seen[row, np.arange(len(edge))]
+    row = np.clip(np.searchsorted(fine.angles, grown.edge), 0, len(fine.angles) - 1)
+    lower = grown.edge + settings.below * seen[row, np.arange(len(grown.edge))]
     lower = np.maximum(lower, np.pi / len(left) * (np.cumprod(left > 0, axis=0).sum(0) + 0.5))
     return _mesh(_Surface(fine, total, left, free, hidden, lower), view, settings), tuck_ears(head, view, settings)
 

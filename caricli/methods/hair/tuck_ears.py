@@ -18,18 +18,20 @@ def tuck_ears(head: Template, view: HairView, settings: ShellSettings) -> Templa
     Hair ends before that part, and what is hidden beside it would stick out of the hair.
     view: HairView of the head.
     """
-    sphere = HeadSphere(head, settings, fine=True)
-    _, mean = vertex_neighbours(head.faces, len(head.vertices))
-    longitudes, angles, radii = sphere.seen_from(head.vertices)
-    above = np.maximum(radii - sphere.sample(sphere.radii, longitudes, angles) - settings.least * head.height, 0)
-    hidden = np.zeros(len(radii))
+    hidden = np.zeros(len(head.vertices))
     for name in EARS:
         ids = head.annotation.regions[name]
         bare = view.bare(head.vertices[ids])
         if 0 < bare.mean() <= MOSTLY:
             hidden[ids] = ~bare
+    if not hidden.any():
+        return head
+    _, mean = vertex_neighbours(head.faces, len(head.vertices))
     ears = head.mask(*EARS)
     for _ in range(_ROUNDS):
         hidden = np.where(ears, mean @ hidden, 0)
+    sphere = HeadSphere(head, settings, fine=True)
+    longitudes, angles, radii = sphere.seen_from(head.vertices)
+    above = np.maximum(radii - sphere.sample(sphere.radii, longitudes, angles) - settings.least * head.height, 0)
     share = 1 - hidden * above / np.maximum(radii, np.finfo(float).tiny)
     return head.with_vertices(sphere.middle + share[:, None] * (head.vertices - sphere.middle))

@@ -5,11 +5,8 @@ import numpy as np
 import pytest
 
 from caricli.errors import InputError
-from caricli.methods.hair import dress_hair as module
 from caricli.methods.hair.bare_skin import bare_skin
 from caricli.methods.hair.dress_hair import dress_hair, hair_picture
-from caricli.methods.hair.make_shell import make_shell
-from caricli.methods.hair.settings import ShellSettings
 from caricli.methods.texture.parsed_head import ParsedHead
 from caricli.methods.texture.settings import PaintSettings
 from tests.methods.hair.conftest import BROWN
@@ -74,22 +71,6 @@ def test_a_line_in_the_colour_of_the_hair_along_the_border_of_the_face_is_left_t
     drawn = np.where((border | cheek)[..., None], BROWN, sitter.image).astype(np.uint8)
     plain, lined = (bare_skin(ParsedHead(skin, skin, ear), dressed, image) for image in (sitter.image, drawn))
     assert plain[border].all() and not lined[border].any() and lined[cheek].all()
-
-
-def test_a_head_that_is_bare_at_its_sides_in_the_picture_is_so(sitter, monkeypatch):
-    """Where a shell that goes on there covers too little of what the picture shows, or too much beside it."""
-    tried = []
-
-    def watched(head, camera, mask, settings):
-        tried.append(settings.aside)
-        return make_shell(head, camera, mask, settings)
-
-    monkeypatch.setattr(module, "make_shell", watched)
-    dress_hair(sitter.face, sitter.head, sitter.image, SMALL)
-    assert tried == [ShellSettings().aside]
-    monkeypatch.setattr(module, "union_share", lambda first, second: 0.7)
-    dress_hair(sitter.face, sitter.head, sitter.image, SMALL)
-    assert tried[1:] == [ShellSettings().aside, 0.0]
 
 
 def test_none_auto_and_shell(sitter):

@@ -83,6 +83,16 @@ def test_skin_that_is_seen_from_aside_hardly_says_that_there_is_no_hair(sitter):
     assert np.quantile(facing, 0.9) < 0.4 and np.median(facing) < 0.2
 
 
+def test_a_head_that_is_bare_at_its_sides_in_the_picture_is_so(sitter):
+    """Where a shell that goes on there is far from the mask."""
+    brows = int(sitter.face.landmarks[17:27, 1].min())
+    mask = bare_beside(sitter, slice(brows - 20, brows + 30))
+    settings = (ShellSettings(told=0.0), ShellSettings(told=1.0), ShellSettings(aside=0.0))
+    usual, bare, cut = (make_shell(sitter.head, CAMERA, mask, own)[0].shell.vertices for own in settings)
+    np.testing.assert_array_equal(bare, cut)
+    assert np.abs(usual - bare).max() > 0.001
+
+
 def creases(shell):
     """(N,) degrees by which quads side by side are turned, behind the head and away from the rim."""
     columns, rows = ShellSettings.columns, ShellSettings.rows
