@@ -1,29 +1,37 @@
 """What of a head in a picture is skin that no hair covers or colours."""
 
+import cv2
 import numpy as np
+from scipy.ndimage import binary_dilation, label
 
 from caricli.methods.hair.dress_hair import DressedHair
 from caricli.methods.texture.another_colour import lab_colours, of_another_colour
 from caricli.methods.texture.distance_to import distance_to
 from caricli.methods.texture.mean_colours import mean_colours
 from caricli.methods.texture.parsed_head import ParsedHead
+from caricli.structures.landmarks import BROW_LEFT, BROW_RIGHT, EYE_LEFT, EYE_RIGHT
 
 _MARGIN = 0.015  # of the face's height: as far around hair the skin has its colour or its shadow
 _BORDER = 0.05  # of the same: so near to its border a head may show hair that no shell holds, or a line
+_STRAND = 0.3  # of the same: so near to hair what has its colour and hangs together with it is a strand
+_FEATURE = 0.05  # of the same: around brows and eyes, which have that colour, too
 _ACROSS = 0.1  # of the face's height: standard deviation of means of the skin's colours
 
 
 def bare_skin(head: ParsedHead, dressed: DressedHair, image: np.ndarray) -> np.ndarray:
     """(H, W) bool: what is left of the paint of a head where no hair covers or colours the skin.
 
-    At the border of the face a line as dark as the hair, or locks that no shell holds, would be spread over the side.
-    image: (H, W, 3) uint8.
+    At the border of the face a line as dark as the hair, or locks that no shell holds, would be spread over the side;
+    strands before the forehead would be drawn on it. image: (H, W, 3) uint8.
     """
     height = np.ptp(dressed.face.require_landmarks()[:, 1])
     hair = dressed.mask.pixels
     face = head.whole if head.ears is None else head.whole & ~head.ears
     border = distance_to(~face) <= _BORDER * height
-    coloured = hair | _like_hair(head.paint & face & ~hair, border, hair, image, _ACROSS * height)
+    skin = head.paint & face & ~hair
+    near = skin & (distance_to(hair) <= _STRAND * height) & (distance_to(_features(dressed)) > _FEATURE * height)
+    coloured = hair | _like_hair(skin, border, hair, image, _ACROSS * height)
+    coloured |= _strands(near, hair, image, mean_colours(image, skin, _ACROSS * height))
     reach = max(_MARGIN * height, 1.0)
     bare = head.paint & (distance_to(coloured) > reach)
     # What is left in slivers between lines and the border is half of their colour.
@@ -42,3 +50,24 @@ def _like_hair(skin: np.ndarray, border: np.ndarray, hair: np.ndarray, image: np
         return near
     around = mean_colours(image, skin & ~near, reach)
     return of_another_colour(image, near, around, np.median(lab_colours(image, hair), axis=0))
+
+
+def _features(dressed: DressedHair) -> np.ndarray:
+    """(H, W) bool: lines along the brows and eyes of a face."""
+    marks = np.rint(dressed.face.require_landmarks()).astype(np.int32)
+    lines = np.zeros(dressed.mask.pixels.shape, np.uint8)
+    cv2.polylines(lines, [marks[list(part)] for part in (BROW_RIGHT, BROW_LEFT, EYE_RIGHT, EYE_LEFT)], False, 1)
+    return lines > 0
+
+
+def _strands(near: np.ndarray, hair: np.ndarray, image: np.ndarray, around: np.ndarray) -> np.ndarray:
+    """(H, W) bool: what of skin near hair (H, W) bool looks like it, and hangs together with it.
+
+    around: (H, W, 3) CIELAB, colours of the skin around.
+    """
+    if not near.any():
+        return near
+    alike = of_another_colour(image, near, around, np.median(lab_colours(image, hair), axis=0))
+    parts, _ = label(binary_dilation(alike | hair))
+    strands: np.ndarray = alike & np.isin(parts, np.unique(parts[hair]))
+    return strands

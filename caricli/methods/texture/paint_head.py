@@ -105,8 +105,7 @@ def paint_head(
     )
     whole = choose_parts(add_parts(whole, face_parts(face, template, settings.head)), settings.head)
     # None of these waits for another.
-    sight = Sight(camera, image, ground.skin, ground.mask)
-    jobs: list[Callable[[], Any]] = [partial(_skin_texture, head, sight, ground.texels, settings)]
+    jobs: list[Callable[[], Any]] = [partial(_skin_texture, head, ground.sight, ground.texels, settings)]
     if hair is not None:
         jobs += [partial(hair_picture, hair, image, settings), partial(Scalp, head, hair.hair, settings.size)]
     if settings.sky:
@@ -120,7 +119,7 @@ def paint_head(
         texture = scalp.shaded(skin_texture, hair_texture, np.random.default_rng(settings.seed))
     bare = replace(bare, pictures=Pictures(texture))
     wall = wall_pixels(head, camera, (image.shape[1], image.shape[0]))
-    error = photometric_error(bare, face, image, ground.skin & ~wall, skin_texture.light)
+    error = photometric_error(bare, face, image, ground.sight.mask & ~wall, skin_texture.light)
     pictures = Pictures(texture, whole.pictures.eyes, hair_texture, neck_picture(head, texture))
     seen = float(skin_texture.seen[skin_texture.covered].mean())
     whole = replace(whole, pictures=pictures)
@@ -131,12 +130,12 @@ def paint_head(
 class _Groundwork:
     """What is known before anything is painted.
 
-    mask, skin: (H, W) bool, the head in the picture and what of it is bare skin. hair: DressedHair, or None. texels:
+    mask: (H, W) bool, the head in the picture. sight: Sight of its bare skin. hair: DressedHair, or None. texels:
     Texels, or None where the view has to tell their number first, or has a layout of its own. eyes: picture of an eye.
     """
 
     mask: np.ndarray
-    skin: np.ndarray
+    sight: Sight
     hair: DressedHair | None
     texels: Texels | None
     eyes: np.ndarray
@@ -169,9 +168,11 @@ def _lay_groundwork(
         looks.append(partial(cut_openings, image, regions, landmarks))
     hair, eyes, _, *openings = do_in_parallel(*looks)
     skin = parts.paint if hair is None else bare_skin(parts, hair, image)
+    beside = parts.whole & ~skin
     for opening in openings:
         skin = skin & ~opening
-    return _Groundwork(parts.whole, skin, hair, texels, eyes)
+    sight = Sight(face.require_camera(), image, skin, parts.whole, beside)
+    return _Groundwork(parts.whole, sight, hair, texels, eyes)
 
 
 def _find_texels(template: Template, settings: PaintSettings) -> Texels | None:

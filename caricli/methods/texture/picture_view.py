@@ -63,12 +63,15 @@ class Sight:
 
     camera: Camera. image: (H, W, 3) uint8. mask: (H, W) bool, what is to be painted in it. whole: (H, W) bool, that
     with what is before it and was left out, as hair; None for nothing. Only the border of the whole is an outline.
+    beside: (H, W) bool, what of it was left out so that paint fades out beside it; None for nothing. It ends sharply at
+    lips and lids.
     """
 
     camera: Camera
     image: np.ndarray
     mask: np.ndarray
     whole: np.ndarray | None = None
+    beside: np.ndarray | None = None
 
 
 class PictureView:
@@ -85,6 +88,8 @@ class PictureView:
         self.corners = head.uvs[head.uv_faces]
         self.pictured = diffuse_background(sight.image, mask)
         self.inside = self._inside(mask, mask if sight.whole is None else sight.whole)
+        if sight.beside is not None and sight.beside.any():
+            self.inside *= self._faded(sight.beside)
         rows, columns = mask.shape
         self.zoom = min(1.0, settings.buffer / max(rows, columns))
         size = (round(columns * self.zoom), round(rows * self.zoom))
@@ -164,10 +169,9 @@ class PictureView:
         """(H, W) float32 from 0 to 1, how far pixels show what the mask (H, W) bool is of.
 
         Near the border of the whole (H, W) a picture may show the outline of the drawing, or what is behind: there
-        counts what looks as that which is nearest to it and farther inside. Beside what was left out pixels count the
-        less the nearer they are, or paint would end there in an edge.
+        counts what looks as that which is nearest to it and farther inside.
         """
-        reach = max(self.settings.edge * self.camera.scale * self.height, 1.0)
+        reach = self._band
         depth = cv2.distanceTransform(np.pad(whole, 1).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)[1:-1, 1:-1]
         inside = (mask * np.clip(depth / reach - 0.5, 0, 1)).astype(np.float32)
         deep = mask & (inside == 1)
@@ -178,11 +182,17 @@ class PictureView:
             like = likeness(self.pictured[rim], usual, self.settings.other) ** 2
             # The outermost pixel is a mixture.
             inside[rim] = np.maximum(inside[rim], np.clip(depth[rim] - 1, 0, 1) * like)
-        left_out = whole & ~mask
-        if left_out.any():
-            away = cv2.distanceTransform((~left_out).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
-            inside *= np.clip(away / reach, 0, 1)
         return inside
+
+    def _faded(self, beside: np.ndarray) -> np.ndarray:
+        """(H, W) float32 from 0 to 1, the less the nearer a pixel is to what paint fades out beside (H, W) bool."""
+        away = cv2.distanceTransform((~beside).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
+        return np.minimum(away / self._band, 1)
+
+    @property
+    def _band(self) -> float:
+        """Pixels, width of the band inside a border that hardly counts."""
+        return max(self.settings.edge * self.camera.scale * self.height, 1.0)
 
     def _range(self, x: np.ndarray, y: np.ndarray, colours: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Least and largest colours (N, 3) that texels may take: their own, and those of the pixels around."""

@@ -25,6 +25,7 @@ class TextureSettings:
     trust: how far a texel must be seen to take nothing but the picture.
     glimpse: how far a vertex must be seen for what is hardly seen around it to look as it does in the picture, and a
     texel for its own colour to count where this is like what fills it.
+    neck: how far a neck must be seen in the mean to take anything of the picture: what a collar leaves is a patch.
     burnt: sRGB from which on a pixel may have been brighter than it is in the picture.
     keep_light: whether light and shade of the picture stay in the texture.
     rounds: of giving back what a rendering blurs; alone: weight that keeps texels which no pixel shows near the others.
@@ -42,6 +43,7 @@ class TextureSettings:
     other: float = 0.08
     trust: float = 0.35
     glimpse: float = 0.01
+    neck: float = 0.08
     burnt: int = 250
     keep_light: bool = False
     rounds: int = 8

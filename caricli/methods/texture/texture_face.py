@@ -1,6 +1,6 @@
 """A texture from the picture that a face was fitted to (portrait paper, section 3.2.3), right from every side."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -46,8 +46,8 @@ def texture_face(
     may be; where it is not, that of its mirror image, if this is; the rest is filled over the surface from what is
     seen. What is hardly seen takes its own colour as far as this is like what fills it. Background never enters: it is
     replaced by diffused colours of the face first; nor do teeth enter the wall of the mouth, which is dark red. A neck
-    takes, unless light is kept, what is like the skin: shadows of chins and collars stay out. What a rendering
-    blurs of this is then given back to the texels that are seen.
+    takes, unless light is kept, what is like the skin, where enough of it is seen: shadows of chins and collars stay
+    out. What a rendering blurs of this is then given back to the texels that are seen.
 
     head: Template with UVs, in the shape of the face. sight: Sight of it. size: texels, width and height, or the Texels
     of a head of the same topology; where there is none, the power of two, within limits, with which texels of what is
@@ -66,12 +66,12 @@ def texture_face(
         light = _find_light(head, normals, usual, sight)
     shade = np.ones_like(normals) if light is None else light.shade(normals)
     usual = usual.unlit(shade)
-    skin = None if settings.keep_light else skin_colour(head, usual)
+    neck = None if settings.keep_light else _Neck.of(head, usual, vertices, settings)
     points, own_shade = texels.points(vertices, shade)
     own = view.look(points)
     # What is full white may have been brighter.
     burnt = (own.colours >= settings.burnt) & (own_shade > 1)
-    own = _without_collar(own.unlit(own_shade), points, skin, settings)
+    own = _counted(own.unlit(own_shade), points, neck)
     rest = (own.seen < settings.trust) | burnt.any(1)
     colours = own.colours.copy()
     trust = np.ones((len(colours), 1), np.float32)
@@ -80,10 +80,10 @@ def texture_face(
     both = hardly
     if head.annotation.mirror is not None:
         points_there, shade_there = some.mirrored(head.annotation.mirror).points(vertices, shade)
-        there = _without_collar(view.look(points_there).unlit(shade_there), points_there, skin, settings)
+        there = _counted(view.look(points_there).unlit(shade_there), points_there, neck)
         both = both.completed(there, settings.mirrored * (1 - _trust(both.seen, settings)[:, 0]))
     trust[rest] = _trust(both.seen, settings)
-    filled = _fill(head, _without_collar(usual, vertices, skin, settings), hardly, some, settings)
+    filled = _fill(head, _counted(usual, vertices, neck), hardly, some, settings)
     bare = np.where(burnt[rest], np.maximum(both.colours, filled), both.colours)
     colours[rest] = trust[rest] * bare + (1 - trust[rest]) * filled
     lit = own_shade * colours
@@ -110,20 +110,36 @@ def _vertices(head: Template, normals: np.ndarray) -> SurfacePoints:
     return SurfacePoints(head.vertices, normals, pockets, mouth_wall(head), neck, scalp)
 
 
-def _without_collar(
-    seen: SeenColours, points: SurfacePoints, skin: np.ndarray | None, settings: TextureSettings
-) -> SeenColours:
-    """What is seen of points without light, of a neck only as far as it is like the skin: no collar, and no shadow.
+@dataclass(frozen=True, eq=False)
+class _Neck:
+    """What of a neck counts. skin: (3,) colour that it is like, or it is a collar or a shadow. other: as in
+    TextureSettings. shown: whether enough of it is seen for any to count."""
 
-    skin: (3,) its colour, or None where light is kept, and shadows with it.
-    """
-    if skin is None:
-        return seen
-    neck = np.broadcast_to(points.neck, seen.seen.shape)
-    rows = np.flatnonzero(neck)
-    shares = seen.seen.copy()
-    shares[rows] *= 1 - neck[rows] * (1 - likeness(seen.colours[rows], skin, settings.other))
-    return SeenColours(seen.colours, shares)
+    skin: np.ndarray
+    other: float
+    shown: bool = True
+
+    @staticmethod
+    def of(head: Template, usual: SeenColours, vertices: SurfacePoints, settings: TextureSettings) -> "_Neck":
+        """Of a head whose vertices are seen so, without light."""
+        neck = _Neck(skin_colour(head, usual), settings.other)
+        rows = head.mask("neck")
+        shown = bool(rows.any()) and float(neck.counted(usual, vertices).seen[rows].mean()) >= settings.neck
+        return replace(neck, shown=shown)
+
+    def counted(self, seen: SeenColours, points: SurfacePoints) -> SeenColours:
+        """What is seen of points without light, of a neck what counts."""
+        neck = np.broadcast_to(points.neck, seen.seen.shape)
+        rows = np.flatnonzero(neck)
+        like = likeness(seen.colours[rows], self.skin, self.other) if self.shown else 0.0
+        shares = seen.seen.copy()
+        shares[rows] *= 1 - neck[rows] * (1 - like)
+        return SeenColours(seen.colours, shares)
+
+
+def _counted(seen: SeenColours, points: SurfacePoints, neck: _Neck | None) -> SeenColours:
+    """What is seen of points that counts: all where light is kept, and shadows with it."""
+    return seen if neck is None else neck.counted(seen, points)
 
 
 def _fill(

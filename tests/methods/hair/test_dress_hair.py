@@ -73,6 +73,25 @@ def test_a_line_in_the_colour_of_the_hair_along_the_border_of_the_face_is_left_t
     assert plain[border].all() and not lined[border].any() and lined[cheek].all()
 
 
+def test_a_strand_that_hangs_from_the_hair_is_left_to_be_filled(dressed, sitter):
+    """One in the middle of the forehead; another that begins below the hair stays, and so does a brow beside it."""
+    skin = ~sitter.hair.behind & ~sitter.hair.pixels
+    marks = sitter.face.landmarks
+    middle = round(marks[27, 0])
+    end = np.flatnonzero(dressed.mask.pixels[:, middle])[-1]
+    strand, mark, brow = (np.zeros_like(skin) for _ in range(3))
+    strand[end + 1 : end + 9, middle - 1 : middle + 1] = True
+    mark[end + 6 : end + 12, middle + 14 : middle + 16] = True
+    x, y = np.rint(marks[19]).astype(int)
+    brow[y - 1 : y + 1, x - 4 : x + 4] = True
+    assert skin[strand].all() and skin[mark].all() and skin[brow].all()
+    drawn = np.where((strand | mark | brow)[..., None], BROWN, sitter.image).astype(np.uint8)
+    plain, lined = (bare_skin(ParsedHead(skin, skin), dressed, image) for image in (sitter.image, drawn))
+    below = strand & plain
+    assert below.any() and not lined[below].any()
+    assert lined[mark].all() and lined[brow & plain].all()
+
+
 def test_none_auto_and_shell(sitter):
     assert dress_hair(sitter.face, sitter.head, sitter.image, replace(SMALL, hair="none")) is None
     assert dress_hair(sitter.face, sitter.head, sitter.bald, SMALL) is None

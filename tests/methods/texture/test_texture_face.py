@@ -330,6 +330,23 @@ def test_hair_before_the_skin_is_no_outline(scenes, face, template):
     assert middle.sum() > 300 and wrong[False] < 12 and wrong[True] > 3 * wrong[False], wrong
 
 
+def test_what_a_collar_leaves_of_a_neck_is_not_painted(scenes, face, template):
+    """A neck a little darker than the face: seen whole it is so, of a strip of it nothing is seen."""
+    scene = scenes[0]
+    head = template.with_vertices(face)
+    shown = rasterise(scene.camera.place(face), template.faces, SIDE, SIDE).face
+    neck = template.mask("neck")[template.faces].all(1)[shown] & (shown >= 0)
+    image = np.where(neck[..., None], [190, 139, 111], [205, 150, 120]).astype(np.uint8)
+    rows = np.flatnonzero(neck.any(1))
+    collar = neck & (np.arange(SIDE)[:, None] > rows[0] + 0.3 * len(rows))
+    seen = []
+    for mask in (shown >= 0, (shown >= 0) & ~collar):
+        texture = texture_face(head, Sight(scene.camera, image, mask, shown >= 0), SIZE)
+        again = photograph(face, template, np.uint8(255 * texture.seen)[..., None].repeat(3, 2), scene.camera)
+        seen.append(again[binary_erosion(neck, iterations=2)].mean() / 255)
+    assert seen[0] > 0.3 and seen[1] < 0.01, seen
+
+
 def test_paint_fades_out_beside_what_is_left_out(scenes, face, template):
     """A square in the middle of the face."""
     scene = scenes[0]
@@ -338,14 +355,16 @@ def test_paint_fades_out_beside_what_is_left_out(scenes, face, template):
     mask = scene.mask.copy()
     mask[middle] = False
     settings = replace(KEPT, edge=0.06)
-    view = PictureView(template.with_vertices(face), Sight(scene.camera, scene.image, mask, scene.mask), settings)
+    sharp = Sight(scene.camera, scene.image, mask, scene.mask)
+    faded = replace(sharp, beside=scene.mask & ~mask)
+    edged, view = (PictureView(template.with_vertices(face), sight, settings) for sight in (sharp, faded))
     reach = settings.edge * scene.camera.scale * template.with_vertices(face).height
     away = distance_transform_edt(mask | ~scene.mask)
     inside = distance_transform_edt(scene.mask) > 2 * reach
     assert reach > 8 and not view.inside[middle].any()
     beside = inside & (away > 0) & (away <= reach)
     np.testing.assert_allclose(view.inside[beside], away[beside] / reach, atol=0.05)
-    assert (view.inside[inside & (away > reach)] == 1).all()
+    assert (view.inside[inside & (away > reach)] == 1).all() and (edged.inside[inside & mask] == 1).all()
 
 
 def test_skin_under_hair_is_not_seen(scenes, face, template):
