@@ -4,6 +4,7 @@ A section is chosen by a command in its heading, such as `sample`; it takes what
 what `portrait` makes first of all. Without any, all are run, which takes hours.
 """
 
+import argparse
 import os
 import re
 import shutil
@@ -49,4 +50,8 @@ def beside(pictures):
 
 
 if __name__ == "__main__":
-    draw(Path(sys.argv[1]), sys.argv[2:])
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("sections", nargs="*")
+    arguments = parser.parse_args()
+    draw(arguments.folder, arguments.sections)
