@@ -30,8 +30,9 @@ def bare_skin(head: ParsedHead, dressed: DressedHair, image: np.ndarray) -> np.n
     border = distance_to(~face) <= _BORDER * height
     skin = head.paint & face & ~hair
     near = skin & (distance_to(hair) <= _STRAND * height) & (distance_to(_features(dressed)) > _FEATURE * height)
-    coloured = hair | _like_hair(skin, border, hair, image, _ACROSS * height)
-    coloured |= _strands(near, hair, image, mean_colours(image, skin, _ACROSS * height))
+    lines = _like_hair(skin & border, skin & ~border, hair, image, _ACROSS * height)
+    strands = _hanging(_like_hair(near, skin, hair, image, _ACROSS * height), hair)
+    coloured = hair | lines | strands
     reach = max(_MARGIN * height, 1.0)
     bare = head.paint & (distance_to(coloured) > reach)
     # What is left in slivers between lines and the border is half of their colour.
@@ -40,16 +41,14 @@ def bare_skin(head: ParsedHead, dressed: DressedHair, image: np.ndarray) -> np.n
     return bare if bare.any() else head.paint
 
 
-def _like_hair(skin: np.ndarray, border: np.ndarray, hair: np.ndarray, image: np.ndarray, reach: float) -> np.ndarray:
-    """(H, W) bool: what of skin at the border (H, W) bool of a face looks like its hair, and not like the skin around.
+def _like_hair(near: np.ndarray, skin: np.ndarray, hair: np.ndarray, image: np.ndarray, reach: float) -> np.ndarray:
+    """(H, W) bool: which of some pixels look like hair (H, W) bool, and not like the skin (H, W) bool around them.
 
-    reach: pixels, standard deviation of what is around.
+    near: (H, W) bool. reach: pixels, standard deviation of what is around.
     """
-    near = skin & border
     if not near.any():
         return near
-    around = mean_colours(image, skin & ~near, reach)
-    return of_another_colour(image, near, around, np.median(lab_colours(image, hair), axis=0))
+    return of_another_colour(image, near, mean_colours(image, skin, reach), np.median(lab_colours(image, hair), axis=0))
 
 
 def _features(dressed: DressedHair) -> np.ndarray:
@@ -60,14 +59,8 @@ def _features(dressed: DressedHair) -> np.ndarray:
     return lines > 0
 
 
-def _strands(near: np.ndarray, hair: np.ndarray, image: np.ndarray, around: np.ndarray) -> np.ndarray:
-    """(H, W) bool: what of skin near hair (H, W) bool looks like it, and hangs together with it.
-
-    around: (H, W, 3) CIELAB, colours of the skin around.
-    """
-    if not near.any():
-        return near
-    alike = of_another_colour(image, near, around, np.median(lab_colours(image, hair), axis=0))
+def _hanging(alike: np.ndarray, hair: np.ndarray) -> np.ndarray:
+    """(H, W) bool: what of pixels that look like hair (H, W) bool hangs together with it."""
     parts, _ = label(binary_dilation(alike | hair))
     strands: np.ndarray = alike & np.isin(parts, np.unique(parts[hair]))
     return strands

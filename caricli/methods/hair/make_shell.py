@@ -57,25 +57,30 @@ def make_shell(
     and the head, its skull below them.
     """
     grown = _grown(head, camera, hair, settings)
-    shell, under = _closed(head, camera, hair, grown, settings)
+    shell, under = _closed(grown, settings)
     if settings.aside:
         shown = visible_hair(under, shell, camera, hair.pixels.shape)
-        if union_share(shown, hair.pixels) < settings.told:
-            shell, under = _closed(head, camera, hair, grown, replace(settings, aside=0.0))
+        if union_share(shown, hair.pixels) < settings.overlap:
+            shell, under = _closed(grown, replace(settings, aside=0.0))
     return shell, under
 
 
 @dataclass(frozen=True, eq=False)
 class _Grown:
-    """Hair without an end: outline of the picture's, and (R, C) metres, how far out it is, and (C,) angles where it
-    ends, on a fine HeadSphere."""
+    """Hair that does not end yet.
 
-    outline: Outline
+    sphere: HeadSphere of the head. view: HairView of the same. total: (R, C) metres, how far out hair is. edge: (C,)
+    angles where it ends as seen from the whorl.
+    """
+
+    sphere: HeadSphere
+    view: HairView
     total: np.ndarray
     edge: np.ndarray
 
 
 def _grown(head: Template, camera: Camera, hair: HairMask, settings: ShellSettings) -> _Grown:
+    """Hair whose outline is that of a mask."""
     sphere = HeadSphere(head, settings)
     outline = Outline.of(hair, sphere, camera, settings.bins)
     fine = HeadSphere(head, settings, fine=True)
@@ -90,21 +95,18 @@ def _grown(head: Template, camera: Camera, hair: HairMask, settings: ShellSettin
     hairy = angles < edge
     unseen = hairy & ~view.shows(fine.points(longitudes, angles, total))
     total = total + _inside_softly(unseen) * (_rounded(hairy, total, settings) - total)
-    return _Grown(outline, meet_outline(fine, camera, outline, hairy, total), edge)
+    return _Grown(fine, view, meet_outline(fine, camera, outline, hairy, total), edge)
 
 
-def _closed(
-    head: Template, camera: Camera, hair: HairMask, grown: _Grown, settings: ShellSettings
-) -> tuple[Hair, Template]:
+def _closed(grown: _Grown, settings: ShellSettings) -> tuple[Hair, Template]:
     """The shell that ends where hair does, and the head under it."""
-    fine = HeadSphere(head, settings, fine=True)
-    view = HairView(head, camera, hair, grown.outline)
-    left, *_ = _left(fine, view, grown.edge, grown.total, settings)
-    head = lower_skull(head, fine, np.where(left > 0, grown.total - settings.least * head.height, np.inf))
+    left, *_ = _left(grown.sphere, grown.view, grown.edge, grown.total, settings)
+    head = grown.sphere.head
+    head = lower_skull(head, grown.sphere, np.where(left > 0, grown.total - settings.least * head.height, np.inf))
     fine = HeadSphere(head, settings, fine=True)
     # The skull is flat between its vertices, where a shell may be hollow.
     total = np.where(left > 0, np.maximum(grown.total, fine.radii + settings.least * head.height), grown.total)
-    view = HairView(head, camera, hair, grown.outline)
+    view = HairView(head, grown.view.camera, grown.view.hair, grown.view.outline)
     left, free, hidden, seen = _left(fine, view, grown.edge, total, settings)
     # Seen skin says itself where hair ends, down to some way below the edge.
     row = np.clip(np.searchsorted(fine.angles, grown.edge), 0, len(fine.angles) - 1)

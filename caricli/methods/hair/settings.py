@@ -92,8 +92,8 @@ class ShellSettings:
     under: how far below the skin its edge ends. deep: the same, at most, of what is between its edge and the last hair.
     below: radians below the edge down to which the picture says where hair ends.
     aside: cosine between surface and view from which on it says so in full: what is seen from aside is easily another
-    place of the head; with 0 all that is seen does. told: least intersection over union of a shell with the hair of the
-    picture; with less of it heads are bare at the sides, and all that is seen counts.
+    place of the head; with 0 all that is seen does. overlap: least intersection over union of a shell with the hair of
+    the picture; with less of it heads are bare at the sides, and all that is seen counts.
     """
 
     columns: int = 192
@@ -125,4 +125,4 @@ class ShellSettings:
     deep: float = 0.06
     below: float = 0.15
     aside: float = 0.4
-    told: float = 0.75
+    overlap: float = 0.75

@@ -88,8 +88,9 @@ class PictureView:
         self.corners = head.uvs[head.uv_faces]
         self.pictured = diffuse_background(sight.image, mask)
         self.inside = self._inside(mask, mask if sight.whole is None else sight.whole)
-        if sight.beside is not None and sight.beside.any():
-            self.inside *= self._faded(sight.beside)
+        if sight.beside is not None:
+            away = cv2.distanceTransform((~sight.beside).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
+            self.inside *= np.minimum(away / self._band, 1)
         rows, columns = mask.shape
         self.zoom = min(1.0, settings.buffer / max(rows, columns))
         size = (round(columns * self.zoom), round(rows * self.zoom))
@@ -183,11 +184,6 @@ class PictureView:
             # The outermost pixel is a mixture.
             inside[rim] = np.maximum(inside[rim], np.clip(depth[rim] - 1, 0, 1) * like)
         return inside
-
-    def _faded(self, beside: np.ndarray) -> np.ndarray:
-        """(H, W) float32 from 0 to 1, the less the nearer a pixel is to what paint fades out beside (H, W) bool."""
-        away = cv2.distanceTransform((~beside).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
-        return np.minimum(away / self._band, 1)
 
     @property
     def _band(self) -> float:

@@ -87,7 +87,7 @@ def test_a_head_that_is_bare_at_its_sides_in_the_picture_is_so(sitter):
     """Where a shell that goes on there is far from the mask."""
     brows = int(sitter.face.landmarks[17:27, 1].min())
     mask = bare_beside(sitter, slice(brows - 20, brows + 30))
-    settings = (ShellSettings(told=0.0), ShellSettings(told=1.0), ShellSettings(aside=0.0))
+    settings = (ShellSettings(overlap=0.0), ShellSettings(overlap=1.0), ShellSettings(aside=0.0))
     usual, bare, cut = (make_shell(sitter.head, CAMERA, mask, own)[0].shell.vertices for own in settings)
     np.testing.assert_array_equal(bare, cut)
     assert np.abs(usual - bare).max() > 0.001

@@ -2,9 +2,11 @@ import numpy as np
 import pytest
 
 from caricli.methods.hair import shade_scalp as module
+from caricli.methods.hair.dress_hair import dress_hair
 from caricli.methods.hair.make_shell import make_shell
 from caricli.methods.hair.settings import ShellSettings
 from caricli.methods.hair.shade_scalp import Scalp
+from caricli.methods.texture.settings import PaintSettings
 from caricli.methods.texture.texture_face import FaceTexture
 from caricli.render.uv_map import uv_map
 from tests.methods.hair.conftest import BROWN, CAMERA, SKIN
@@ -12,11 +14,8 @@ from tests.methods.hair.conftest import BROWN, CAMERA, SKIN
 SIZE = 192
 
 
-@pytest.fixture(scope="module")
-def scalp(sitter):
-    """What is painted on a head of one colour of which nothing or all is seen, and where regions are in it; its hair
-    ends where the picture says so, at its sides, too."""
-    hair, head = make_shell(sitter.head, CAMERA, sitter.hair, ShellSettings(aside=0.0))
+def shading(head, hair):
+    """What is painted on a head of one colour of which nothing or all is seen, and where regions are in it."""
     face, _ = uv_map(head, SIZE)
     plain = np.full((SIZE, SIZE, 3), SKIN, np.uint8)
 
@@ -31,14 +30,23 @@ def scalp(sitter):
     return painted, where
 
 
+@pytest.fixture(scope="module")
+def scalp(sitter):
+    """The shading of a head whose hair is that of a picture."""
+    dressed = dress_hair(sitter.face, sitter.head, sitter.image, PaintSettings(SIZE))
+    return shading(sitter.head.with_vertices(dressed.face.vertices), dressed.hair)
+
+
 def test_skin_under_hair_has_its_colour(scalp):
     painted, where = scalp
     away = np.abs(painted(0.0).astype(int) - BROWN).max(-1)
     assert np.median(away[where("scalp")]) <= 1 and (away[where("scalp")] < 60).mean() > 0.8
 
 
-def test_skin_shines_through_light_hair(scalp):
-    painted, _ = scalp
+def test_skin_shines_through_light_hair(sitter):
+    """Where it is cropped beside a shell that ends where the picture says so, at its sides, too."""
+    hair, head = make_shell(sitter.head, CAMERA, sitter.hair, ShellSettings(aside=0.0))
+    painted, _ = shading(head, hair)
     dark, light = (
         (painted(0.0, colour).astype(float) - SKIN).mean(-1) / (np.array(colour) - SKIN).mean()
         for colour in (BROWN, (250, 250, 250))

@@ -39,6 +39,11 @@ def test_the_border_is_that_of_the_mask(shell, snapped, sitter):
     assert after > 0.97 and 1 - after < 0.5 * (1 - before)
 
 
+def test_a_shell_as_it_is_made_usually_meets_the_mask_as_well(sitter):
+    hair, head = make_shell(sitter.head, CAMERA, sitter.hair)
+    assert snap_border(hair, head, CAMERA, sitter.hair)[2] > 0.97
+
+
 def test_only_what_is_near_the_border_moves(shell, snapped, sitter):
     hair, head, _ = snapped
     away = np.linalg.norm(hair.shell.vertices - shell.shell.vertices, axis=1) / sitter.head.height
