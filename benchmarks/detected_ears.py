@@ -27,6 +27,7 @@ from caricli.methods.evaluate.ratio_interval import ratio_interval
 from caricli.methods.reconstruct.fit_landmarks import fit_landmarks
 from caricli.store.detector import load_detector
 from caricli.store.models import load_model
+from caricli.structures.detection import ParsedPicture
 from caricli.structures.landmarks import COUNT, EAR_LEFT, EAR_RIGHT
 
 SMALLEST = 80
@@ -54,11 +55,12 @@ def faces(folder, split):
 def measure(image, points, visible, seen, model):
     """For each ear of a face that can be seen: errors alone and with the picture, and whether one was found."""
     diagonal = np.linalg.norm(np.ptp(points[:COUNT], axis=0))
+    marks = seen.landmarks
     places = []
     seconds = []
-    for pixels in (None, image):
+    for picture in (None, ParsedPicture(image, seen.regions)):
         start = time.process_time()
-        fit = fit_landmarks(seen.head_points, model, image=pixels, spreads=seen.spreads)
+        fit = fit_landmarks(marks.head_points, model, picture=picture, spreads=marks.spreads)
         seconds.append(time.process_time() - start)
         places.append(fit.face.landmarks)
     rows = []
@@ -88,10 +90,10 @@ def main(folder, count=60, split=None):
     seconds = []
     for image, points, visible in faces(Path(folder), split):
         try:
-            seen = see_face(image, detector).landmarks
+            seen = see_face(image, detector)
         except CaricliError:
             continue
-        off = np.nanmean(np.linalg.norm(seen.head_points - points, axis=1)[:COUNT])
+        off = np.nanmean(np.linalg.norm(seen.landmarks.head_points - points, axis=1)[:COUNT])
         if off > MISTAKEN * np.linalg.norm(np.ptp(points[:COUNT], axis=0)):
             continue
         rows, own = measure(image, points, visible, seen, model)

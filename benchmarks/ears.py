@@ -40,7 +40,9 @@ from caricli.models.intrinsic.config import IntrinsicConfig
 from caricli.models.intrinsic.model import IntrinsicModel
 from caricli.render.rasterise import rasterise
 from caricli.render.smooth_normals import smooth_normals
+from caricli.store.face_pictures import FaceReader
 from caricli.store.models import load_model
+from caricli.structures.detection import ParsedPicture
 from caricli.structures.landmarks import EAR_LEFT, EAR_RIGHT, FOREHEAD
 
 TRAINED_ON = 0
@@ -184,12 +186,13 @@ def skull_errors(face, portrait, template):
     return shares[:-1].mean(), shares[-1]
 
 
-def measure(portrait, model):
+def measure(portrait, model, reader):
     """Figures of one portrait without its picture and with it, and how its ears are turned away (6,) in degrees."""
     figures = []
-    for image in (None, portrait.image):
+    parsed = ParsedPicture(portrait.image, reader.parse(portrait.image, portrait.points))
+    for picture in (None, parsed):
         start = time.process_time()
-        fit = fit_landmarks(portrait.points, model, image=image)
+        fit = fit_landmarks(portrait.points, model, picture=picture)
         seconds = time.process_time() - start
         skull = skull_errors(fit.face, portrait, model.template)
         figures.append((*errors(fit.face, portrait, model.template), fit.nme, 100 * fit.flipped, *skull, seconds))
@@ -228,8 +231,9 @@ def main():
     model = load_model(kind="intrinsic")
     model.prepare()
     people = Eared(seed, count)
-    measure(people.portrait(0), model)
-    rows, summary = table([measure(people.portrait(number), model) for number in range(count)])
+    reader = FaceReader()
+    measure(people.portrait(0), model, reader)
+    rows, summary = table([measure(people.portrait(number), model, reader) for number in range(count)])
     print(f"{'ears':6} {'number':>6}  picture: alone, with it, fall   space: alone, with it")
     for name, row in rows.items():
         picture, space = row["picture"], row["space"]

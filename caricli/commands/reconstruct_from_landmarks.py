@@ -28,6 +28,12 @@ from caricli.methods.reconstruct.settings import METHODS
 @out_folder_option("Write the faces of many inputs into this folder, each under the name of its input.")
 @image_option
 @click.option(
+    "--parsing",
+    type=PATH,
+    metavar="LABELS.png",
+    help="Look for ears by this label map of --image, as `caricli detect` writes it.  [default: seen by the detector]",
+)
+@click.option(
     "--method",
     type=click.Choice(METHODS),
     help="Let the surface follow the landmarks elastically (intrinsic), or stay inside the model (latent).  "
@@ -61,6 +67,7 @@ def command(
     out,
     out_dir,
     image,
+    parsing,
     method,
     model,
     prior_weight,
@@ -89,6 +96,6 @@ def command(
     from caricli.commands.shared.landmark_batch import LandmarkFiles
     from caricli.store.face_pictures import FaceReader
 
-    files = LandmarkFiles(landmarks, out, out_dir, image, FaceReader(detector, pts_origin), overwrite)
+    files = LandmarkFiles(landmarks, out, out_dir, image, FaceReader(detector, pts_origin), overwrite, parsing)
     task = replace(elastic_task(files, model, method, prior_weight, outline), levels=levels, head=head)
     run_batch(ctx, files.jobs(), task.run, "faces")

@@ -174,7 +174,7 @@ class StyliseTask:
         pixels = read_image(source)
         with naming(source):
             seen = self.reader.see(pixels)
-        return FacePicture(seen.landmarks.first(count), pixels, seen)
+        return FacePicture(seen.landmarks.first(count), pixels, seen, seen.regions)
 
     def _sources(self, source: Path) -> list[Path | None]:
         """Files that a picture comes from."""

@@ -52,7 +52,7 @@ class FaceReader:
         pixels = read_image(path)
         with naming(path):
             seen = self.see(pixels)
-        return FacePicture(seen.landmarks.first(count), pixels, seen)
+        return FacePicture(seen.landmarks.first(count), pixels, seen, seen.regions)
 
     def parse(self, pixels: np.ndarray, points: np.ndarray) -> np.ndarray | None:
         """(H, W) uint8 values of Region, what a picture shows whose face has landmarks.

@@ -112,16 +112,34 @@ class SeenFace:
 
 
 @dataclass(frozen=True, eq=False)
+class ParsedPicture:
+    """A picture, and what it shows.
+
+    pixels: (H, W, 3) uint8. regions: (H, W) uint8 values of Region, or None where nobody said.
+    """
+
+    pixels: np.ndarray
+    regions: np.ndarray | None = None
+
+
+@dataclass(frozen=True, eq=False)
 class FacePicture:
     """The landmarks of a face, and the picture that they belong to.
 
     landmarks: Landmarks. pixels: (H, W, 3) uint8, or None where there is no picture. seen: SeenFace that the landmarks
-    are of, or None where they were given.
+    are of, or None where they were given. regions: (H, W) uint8 values of Region, or None where nobody said what the
+    picture shows.
     """
 
     landmarks: Landmarks
     pixels: np.ndarray | None = None
     seen: SeenFace | None = None
+    regions: np.ndarray | None = None
+
+    @property
+    def parsed(self) -> ParsedPicture | None:
+        """The picture, where there is one."""
+        return None if self.pixels is None else ParsedPicture(self.pixels, self.regions)
 
     def figures(self) -> dict[str, Any]:
         """What reports say of a face that was seen, as JSON."""

@@ -4,12 +4,15 @@ from collections.abc import Callable
 from dataclasses import astuple
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import click
 
 from caricli.commands.shared.landmark_batch import FitTask, LandmarkFiles
+from caricli.methods.reconstruct.landmark_fit import LandmarkFit
 from caricli.methods.reconstruct.settings import MorphableWeights
 from caricli.store.models import DEFAULT_ELASTIC, DEFAULT_LATENT, load_model, load_morphable
+from caricli.structures.detection import FacePicture
 
 
 def elastic_task(
@@ -27,11 +30,16 @@ def elastic_task(
     shape_model.prepare()
     # Edits go on in the model that is the best for them, unless another one was asked for.
     latents = load_model(kind=DEFAULT_LATENT) if model is None and method == "intrinsic" else None
-    fit = partial(fit_landmarks, model=shape_model, method=method, prior_weight=prior_weight)
-    about = {"method": method, "prior_weight": prior_weight, "outline": outline, "model_id": shape_model.model_id}
     looks = outline == "auto"
+
+    def fit(picture: FacePicture) -> LandmarkFit:
+        marks = picture.landmarks
+        shown = picture.parsed if looks else None
+        return fit_landmarks(marks.head_points, shape_model, method, prior_weight, shown, marks.spreads)
+
+    about = {"method": method, "prior_weight": prior_weight, "outline": outline, "model_id": shape_model.model_id}
     return FitTask(
-        "reconstruct-from-landmarks", files, shape_model, 0, fit, about, [model], latents=latents, looks=looks
+        "reconstruct-from-landmarks", files, shape_model, 0, fit, about, [model], latents=latents, parses=looks
     )
 
 
@@ -49,7 +57,9 @@ def morphable_task(
     if photometric:
         from caricli.methods.morphable.fit_photometric import fit_photometric as fitting
     else:
-        from caricli.methods.reconstruct.fit_morphable import fit_morphable as fitting
+        from caricli.methods.reconstruct.fit_morphable import fit_morphable
+
+        fitting = _of_marks(fit_morphable)
     shape_model = load_morphable(model)
     kept, note = load_identity(identity, shape_model) if expression_only else (None, None)
     if note:
@@ -58,9 +68,7 @@ def morphable_task(
     about = {"model_id": shape_model.model_id, "weights": astuple(weights), "expression_only": expression_only}
     about["photometric"] = photometric
     worn = None if identity is None or photometric else load_worn_face(identity, shape_model)
-    return FitTask(
-        "fit-morphable", files, shape_model, 0, fit, about, [model], [identity], worn=worn, whole=photometric
-    )
+    return FitTask("fit-morphable", files, shape_model, 0, fit, about, [model], [identity], worn=worn)
 
 
 def network_task(
@@ -71,9 +79,22 @@ def network_task(
     from caricli.store.coarse import load_coarse_pair
 
     teller, shape_model = load_coarse_pair(network, model)
-    fit = partial(fit_coarse, model=shape_model, network=teller, alone=alone)
+
+    def fit(picture: FacePicture) -> LandmarkFit:
+        marks = picture.landmarks
+        return fit_coarse(marks.head_points, shape_model, teller, picture.pixels, alone, marks.spreads)
+
     about = {"model_id": shape_model.model_id, "network_id": teller.model_id, "alone": alone}
-    return FitTask("fit-coarse", files, shape_model, 0, fit, about, [model, network], looks=True)
+    return FitTask("fit-coarse", files, shape_model, 0, fit, about, [model, network])
+
+
+def _of_marks(fitting: Callable[..., LandmarkFit]) -> Callable[..., LandmarkFit]:
+    """The fit to a FacePicture that is one to its landmarks alone."""
+
+    def fit(picture: FacePicture, **options: Any) -> LandmarkFit:
+        return fitting(picture.landmarks.head_points, spreads=picture.landmarks.spreads, **options)
+
+    return fit
 
 
 COARSE_TASKS: dict[str, Callable[..., FitTask]] = {

@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from pathlib import Path
 from typing import Any
@@ -12,6 +12,7 @@ import numpy as np
 from caricli.commands.shared.batch import named_jobs
 from caricli.commands.shared.face_outputs import note_source, staged_face
 from caricli.commands.shared.picture import write_picture
+from caricli.io.image import is_image_file
 from caricli.io.mesh import MESH_SUFFIXES
 from caricli.io.provenance import provenance
 from caricli.io.strict_json import write_json
@@ -21,7 +22,7 @@ from caricli.methods.reconstruct.landmark_fit import LandmarkFit
 from caricli.models.shape_model import ShapeModel
 from caricli.store.face_files import write_face_files
 from caricli.store.face_pictures import FaceReader, seen_files
-from caricli.store.pictures import find_picture
+from caricli.store.pictures import find_picture, load_regions
 from caricli.structures import Face, HeadChoice
 from caricli.structures.detection import FacePicture
 from caricli.structures.head_choice import WHOLE
@@ -34,6 +35,7 @@ class LandmarkFiles:
 
     landmarks: paths of them, or of pictures. out: of one result; out_dir: folder of many. image: path of the picture of
     landmarks, or a folder of them. reader: FaceReader of the paths. overwrite: whether files that exist are replaced.
+    parsing: path of the label map of one picture, or None to let the detector see what pictures show.
     """
 
     landmarks: Sequence[Path]
@@ -42,10 +44,13 @@ class LandmarkFiles:
     image: Path | None
     reader: FaceReader
     overwrite: bool
+    parsing: Path | None = None
 
     def __post_init__(self) -> None:
         """Refuse wrong usage before anything is loaded."""
         self.jobs()
+        if self.parsing is not None and (self.out is None or is_image_file(self.landmarks[0])):
+            raise click.UsageError("--parsing is of the picture of one file of landmarks; without it the detector looks.")
 
     def jobs(self) -> list[tuple[Path, Path]]:
         """Pairs of a landmark file and the mesh to write. Raises click.UsageError where one or many do not fit."""
@@ -57,11 +62,10 @@ class FitTask:
     """What is done with every file.
 
     command: its name. files: what is read and written. model: ShapeModel. levels: how often the polygons of what is
-    written for other tools are split. fit: of points (L, 2), and where it ``looks`` of the picture, called ``image``.
+    written for other tools are split. fit: of a FacePicture, with what the picture shows where it is one that ``parses``.
     about: what the JSON says of the run. inputs: files that the model is from; sources: others that results come from.
     worn: Face whose pictures the results wear, or None. head: HeadChoice, or None, as of FaceDrawing. latents:
-    ShapeModel of the same mesh, whose latent results get instead of that of ``model``, or None. whole: whether the fit
-    is of a FacePicture instead.
+    ShapeModel of the same mesh, whose latent results get instead of that of ``model``, or None.
     """
 
     command: str
@@ -75,8 +79,7 @@ class FitTask:
     worn: Face | None = None
     head: HeadChoice | None = None
     latents: ShapeModel | None = None
-    looks: bool = False
-    whole: bool = False
+    parses: bool = False
 
     @cached_property
     def fine(self) -> FineMesh:
@@ -86,12 +89,12 @@ class FitTask:
     def run(self, path: Path, target: Path) -> str:
         """Fit a face to a landmark file, write it, and say how near it came."""
         image = find_picture(self.files.image, path, many=self.files.out is None)
-        inputs = (*self.files.landmarks, *self.inputs, *self.sources, image, self.files.reader.path)
+        labels = self.files.parsing if self.parses else None
+        inputs = (*self.files.landmarks, *self.inputs, *self.sources, image, labels, self.files.reader.path)
         with staged_face(target, self.files.overwrite, inputs, optional=seen_files(path, target)) as files:
-            count = len(self.model.template.annotation.landmarks)
-            picture = self.files.reader.read(path, count, image)
+            picture = self._read(path, image, labels)
             start = time.perf_counter()
-            fit = self._fitted(picture)
+            fit = self.fit(picture)
             seconds = time.perf_counter() - start
             face = fit.face if self.worn is None else fit.face.wearing(self.worn)
             finer = subdivide_face(face, self.model, self.fine)
@@ -101,19 +104,21 @@ class FitTask:
             write_face_files(mesh, npz, face, self._shown(face, finer))
             about = self.about | {"latent_model_id": face.model_id, "subdivide": self.levels}
             about |= note_source(mesh, picture, path)
-            report = provenance(self.command, [path, image, *self.sources], **about)
+            report = provenance(self.command, [path, image, labels, *self.sources], **about)
             write_json(json, report | fit.figures() | {"seconds": seconds})
             points = fit.shown(picture.landmarks.head_points)
             write_picture(png, partial(self._sheet, face, finer, points, picture.pixels))
         return f"{target}: {fit.describe()}"
 
-    def _fitted(self, picture: FacePicture) -> LandmarkFit:
-        """The fit to a picture's landmarks."""
-        if self.whole:
-            return self.fit(picture)
-        marks = picture.landmarks
-        looked = {"image": picture.pixels} if self.looks else {}
-        return self.fit(marks.head_points, spreads=marks.spreads, **looked)
+    def _read(self, path: Path, image: Path | None, labels: Path | None) -> FacePicture:
+        """Landmarks and their picture, or the picture at path itself, with what it shows where that is asked for."""
+        picture = self.files.reader.read(path, len(self.model.template.annotation.landmarks), image)
+        if not self.parses or picture.pixels is None or picture.seen is not None:
+            return picture
+        if labels is not None:
+            size = (picture.pixels.shape[1], picture.pixels.shape[0])
+            return replace(picture, regions=load_regions(labels, size))
+        return replace(picture, regions=self.files.reader.parse(picture.pixels, picture.landmarks.points))
 
     def _shown(self, face: Face, finer: FineMesh) -> Face:
         """What the mesh file holds of a face: its skin, or the head that was chosen."""

@@ -131,8 +131,9 @@ class PortraitChain:
             styled = head / "styled.png"
             steps.append(partial(replace(self.styling, marks=given).run, picture, styled))
             picture, given = styled, styled.with_suffix(".json")
-        files = LandmarkFiles((marks,), head / "face.obj", None, picture, FaceReader(), False)
-        painting = TextureTask(settings=self.paint, parsing=None if given else head / "landmarks-regions.png")
+        labels = None if given else head / "landmarks-regions.png"
+        files = LandmarkFiles((marks,), head / "face.obj", None, picture, FaceReader(), False, labels)
+        painting = TextureTask(settings=self.paint, parsing=labels)
         rigging = RigTask(head=self.paint.head, seed=self.paint.seed)
         return [
             *steps,

@@ -69,8 +69,8 @@ def fit_photometric(
     observation = Observation(points, model.template, spreads=spreads)
     marks = observation.points * observation.diagonal + observation.centre
     window = PictureWindow(picture.pixels, marks, _SETTINGS.diagonal, _SETTINGS.margin)
-    if picture.seen is not None:
-        window.trust(skin_pixels(picture.seen.regions))
+    if picture.regions is not None:
+        window.trust(skin_pixels(picture.regions))
     search = PhotometricSearch(model, observation, window, _SETTINGS)
     search.begin(start.face)
     before = search.difference()

@@ -10,6 +10,7 @@ from caricli.methods.reconstruct.outline import SIDES, Outline
 from caricli.methods.reconstruct.picture_evidence import PictureEvidence, picture_evidence
 from caricli.methods.reconstruct.settings import EarSettings, TrustSettings
 from caricli.structures import Face
+from caricli.structures.detection import ParsedPicture
 from caricli.structures.landmarks import COUNT, EXTRA, FOREHEAD
 from caricli.template.template import Template
 
@@ -18,7 +19,7 @@ _TRUST = TrustSettings()
 
 
 def find_outline(
-    face: Face, template: Template, points: np.ndarray, image: np.ndarray, generator: np.random.Generator
+    face: Face, template: Template, points: np.ndarray, picture: ParsedPicture, generator: np.random.Generator
 ) -> Outline:
     """Find ears and forehead of a face in its picture.
 
@@ -29,10 +30,10 @@ def find_outline(
     out clearly has little confidence, or none. The forehead follows from where the head ends, see ``find_forehead``.
 
     face: Face with the camera of the picture, as the 68 landmarks alone fit it. template: of its topology, see
-    ``outline.can_find_outline``. points: (68, 2) pixels. image: (H, W, 3) uint8. generator: of the draws.
+    ``outline.can_find_outline``. points: (68, 2) pixels. picture: ParsedPicture. generator: of the draws.
     Raises InputError when the landmarks are outside the picture.
     """
-    window = picture_evidence(face, points, image)
+    window = picture_evidence(face, points, picture)
     shapes = {side: EarShapes(face, template, side, window) for side in SIDES}
     places = np.full((len(EXTRA), 2), np.nan)
     confidence = np.zeros(len(EXTRA))

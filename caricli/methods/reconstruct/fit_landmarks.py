@@ -16,6 +16,7 @@ from caricli.methods.reconstruct.settings import METHODS, IntrinsicSettings, Lat
 from caricli.models.intrinsic.model import IntrinsicModel
 from caricli.models.shape_model import ShapeModel
 from caricli.structures import Face
+from caricli.structures.detection import ParsedPicture
 from caricli.structures.landmarks import COUNT
 from caricli.template.template import Template
 
@@ -32,7 +33,7 @@ def fit_landmarks(
     model: ShapeModel,
     method: str | None = None,
     prior_weight: float = 1.0,
-    image: np.ndarray | None = None,
+    picture: ParsedPicture | None = None,
     spreads: np.ndarray | None = None,
 ) -> LandmarkFit:
     """Fit a face elastically, or inside the model.
@@ -42,22 +43,22 @@ def fit_landmarks(
 
     points: (L, 2) pixels, y down, NaN where unknown. model: ShapeModel, for "intrinsic" an IntrinsicModel. method: of
     METHODS, or None for the one that the model allows, see ``fitting_method``. prior_weight: larger stays nearer to
-    plausible faces, smaller nearer to the landmarks. image: (H, W, 3) uint8, the picture, or None to look at none.
+    plausible faces, smaller nearer to the landmarks. picture: ParsedPicture that they belong to, or None to look at none.
     spreads: (L, 2, 2) covariances of the points' errors, square pixels, or None where nothing is known of them.
     Returns LandmarkFit. Raises InputError, NumericsError.
     """
     look = None
-    if image is not None and can_find_outline(points, model.template, spreads):
-        look = partial(_look, template=model.template, points=points, image=image)
+    if picture is not None and can_find_outline(points, model.template, spreads):
+        look = partial(_look, template=model.template, points=points, picture=picture)
     return _method(model, method or fitting_method(model), prior_weight)(points, look=look, spreads=spreads)
 
 
-def _look(face: Face, template: Template, points: np.ndarray, image: np.ndarray) -> Outline:
+def _look(face: Face, template: Template, points: np.ndarray, picture: ParsedPicture) -> Outline:
     """What is found in a picture around a face that fits landmarks (L, 2)."""
     # OpenCV takes a while to start, and most fits have no picture.
     from caricli.methods.reconstruct.find_outline import find_outline
 
-    outline = find_outline(face, template, points[:COUNT], image, np.random.default_rng(_SEED))
+    outline = find_outline(face, template, points[:COUNT], picture, np.random.default_rng(_SEED))
     return outline if len(points) == COUNT else outline.sure_ears
 
 

@@ -10,10 +10,13 @@ from caricli.methods.reconstruct.settings import EvidenceSettings
 from caricli.render.covered_pixels import covered_pixels
 from caricli.render.inside_polygon import inside_polygon
 from caricli.structures import Face
+from caricli.structures.detection import ParsedPicture
 from caricli.structures.landmarks import BROW_LEFT, BROW_RIGHT, EYE_LEFT, EYE_RIGHT, JAW, LIPS, OUTLINE
+from caricli.structures.parsing import Region
 
 _SETTINGS = EvidenceSettings()
 _FEATURES = (EYE_LEFT, EYE_RIGHT, LIPS, BROW_LEFT, BROW_RIGHT)
+_ELSEWHERE = (Region.BACKGROUND, Region.HAIR, Region.HAT, Region.NECK, Region.CLOTH, Region.OTHER)
 _LEVELS = 256
 _TAILS = 4  # standard deviations, to where a colour is spread
 
@@ -22,7 +25,8 @@ _TAILS = 4  # standard deviations, to where a colour is spread
 class PictureEvidence:
     """A window of a picture at the size that it is looked at, where the landmarks' diagonal is always the same.
 
-    skin: (H, W) from -1, surely not of the face's skin by its colour, to 1. gradient: (H, W, 2), how colours change to
+    skin: (H, W) from -1, surely not of the face's skin by its colour, to 1; what is seen to be an ear counts more, and
+    what is seen to be no part of a face less. gradient: (H, W, 2), how colours change to
     the right and down, levels of Lab a pixel; none on the face and along its marked outline. inside: (H, W) bool, what
     the landmarks enclose. covered: (H, W) bool, what the fitted mesh covers. lab: (H, W, 3) uint8, the colours.
     corner: (2,) pixels of the picture, where the window begins. zoom: (2,) of its axes.
@@ -45,16 +49,16 @@ class PictureEvidence:
         return (pixels + 0.5) / self.zoom + self.corner - 0.5
 
 
-def picture_evidence(face: Face, points: np.ndarray, image: np.ndarray) -> PictureEvidence:
+def picture_evidence(face: Face, points: np.ndarray, picture: ParsedPicture) -> PictureEvidence:
     """Look at a picture around landmarks.
 
     Skin has the colours that are seen inside the outline, without eyes, brows and mouth; the rest has those of what
     neither the landmarks enclose nor the fitted mesh covers.
 
     face: Face with the camera of the picture. points: (L, 2) pixels, NaN where unknown; all of the 68 that stand on
-    the outline are known. image: (H, W, 3) uint8. Raises InputError when the landmarks are outside.
+    the outline are known. picture: ParsedPicture. Raises InputError when the landmarks are outside.
     """
-    corner, crop = _window(points, image)
+    corner, crop = _window(points, picture.pixels)
     scale = _SETTINGS.diagonal / np.linalg.norm(np.nanmax(points, axis=0) - np.nanmin(points, axis=0))
     size = np.maximum(np.rint(scale * np.array(crop.shape[1::-1])).astype(int), 1)
     zoom = size / crop.shape[1::-1]
@@ -66,6 +70,10 @@ def picture_evidence(face: Face, points: np.ndarray, image: np.ndarray) -> Pictu
     covered = covered_pixels(placed, face.faces, *lab.shape[1::-1])
     inside = inside_polygon(marks[list(OUTLINE)], lab.shape[:2])
     skin = _skin_odds(lab, _bare_skin(inside, marks), ~(inside | _grown(covered, 1)))
+    if picture.regions is not None:
+        first = corner.astype(int)
+        labels = picture.regions[first[1] : first[1] + len(crop), first[0] : first[0] + crop.shape[1]]
+        skin = np.clip(skin + _SETTINGS.label * _ear_odds(labels, size), -1, 1)
     gradient = _gradient(lab)
     jaw = np.zeros(inside.shape, np.uint8)
     cv2.polylines(jaw, [np.rint(marks[list(JAW)]).astype(np.int32)], False, 1, 2 * _SETTINGS.line)
@@ -110,6 +118,13 @@ def _skin_odds(lab: np.ndarray, skin: np.ndarray, rest: np.ndarray) -> np.ndarra
         for mask, spread in ((skin, _SETTINGS.skin_spread), (rest, _SETTINGS.rest_spread))
     ]
     return np.clip((odds[0] - odds[1]) / _SETTINGS.certain, -1, 1)
+
+
+def _ear_odds(labels: np.ndarray, size: np.ndarray) -> np.ndarray:
+    """(H, W) in a window of a size (2,): 1 where labels (H', W') say ear, -1 where they say no part of a face."""
+    near = cv2.resize(labels, size.tolist(), interpolation=cv2.INTER_NEAREST)
+    ears = cv2.GaussianBlur((near == Region.EARS).astype(np.float32), (0, 0), _SETTINGS.label_blur) > 0.5
+    return np.where(ears, 1.0, -1.0 * np.isin(near, _ELSEWHERE))
 
 
 def _histogram(lab: np.ndarray, mask: np.ndarray, spread: tuple[float, ...]) -> np.ndarray:

@@ -148,7 +148,9 @@ class EvidenceSettings:
     histogram of colours, along L, a and b. skin_spread, rest_spread: bins, standard deviations, by which the colours of
     the skin and of the rest are spread: ears lie in other light than cheeks. rare: share of a colour that was never
     seen. certain: logarithm of the odds that counts as sure. blur, edge_blur: standard deviations, before colours and
-    edges are read. margin: around eyes, brows and mouth. line: half the width of a drawn outline.
+    edges are read. margin: around eyes, brows and mouth. line: half the width of a drawn outline. label: how
+    much it counts beside colours that a network takes something for an ear, or for no part of a face; label_blur:
+    standard deviation, before what is an ear by the network is read.
     """
 
     diagonal: float = 220.0
@@ -162,6 +164,8 @@ class EvidenceSettings:
     edge_blur: float = 1.2
     margin: int = 4
     line: int = 3
+    label: float = 0.5
+    label_blur: float = 2.0
 
 
 @dataclass(frozen=True)

@@ -44,7 +44,7 @@ def scene(model):
 
 
 def picture_of(points, image, regions=None):
-    return FacePicture(Landmarks(points, (SIDE, SIDE)), image, None if regions is None else SeenFace(None, regions))
+    return FacePicture(Landmarks(points, (SIDE, SIDE)), image, regions=regions)
 
 
 @pytest.fixture(scope="module")

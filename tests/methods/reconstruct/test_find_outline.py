@@ -12,6 +12,7 @@ from caricli.methods.reconstruct.fit_landmarks import fit_landmarks
 from caricli.methods.reconstruct.fit_landmarks_intrinsic import fit_landmarks_intrinsic
 from caricli.methods.reconstruct.outline import Outline, can_find_outline
 from caricli.render.overlay import overlay_mesh
+from caricli.structures.detection import ParsedPicture
 from caricli.structures.landmarks import EAR_LEFT, EAR_RIGHT, EXTRA_NAMES
 
 EARS = [*EAR_RIGHT, *EAR_LEFT]
@@ -38,7 +39,7 @@ def frontal(portrait, intrinsic):
     """Truth and picture of a face from the front, its fit to 68 landmarks alone, and with the picture."""
     truth, image = portrait()
     points = truth.points[:68]
-    return truth, image, fit_landmarks(points, intrinsic), fit_landmarks(points, intrinsic, image=image)
+    return truth, image, fit_landmarks(points, intrinsic), fit_landmarks(points, intrinsic, picture=ParsedPicture(image))
 
 
 def ear_errors(face, truth, intrinsic):
@@ -64,7 +65,7 @@ def test_giant_ears_come_out_of_the_picture(frontal, intrinsic):
 @pytest.mark.parametrize(("yaw", "near", "far"), [(28, EAR_RIGHT, EAR_LEFT), (-28, EAR_LEFT, EAR_RIGHT)])
 def test_the_far_ear_is_like_the_near_one(portrait, intrinsic, yaw, near, far):
     truth, image = portrait(yaw)
-    face = fit_landmarks(truth.points[:68], intrinsic, image=image).face
+    face = fit_landmarks(truth.points[:68], intrinsic, picture=ParsedPicture(image)).face
     ratio = ear_height(face.vertices, intrinsic, far) / ear_height(face.vertices, intrinsic, near)
     assert 0.75 < ratio < 1.33
     assert ear_errors(face, truth, intrinsic).mean() < 0.06 * 620
@@ -75,7 +76,7 @@ def test_a_picture_that_shows_no_ears_leaves_the_usual_ones(frontal, intrinsic, 
     truth, image, alone, _ = frontal
     generator = np.random.default_rng(3)
     empty = np.full_like(image, 90) if kind == "plain" else generator.integers(0, 255, image.shape).astype(np.uint8)
-    looked = fit_landmarks(truth.points[:68], intrinsic, image=empty)
+    looked = fit_landmarks(truth.points[:68], intrinsic, picture=ParsedPicture(empty))
     assert looked.outline.confidence[3:9].max() < 0.3
     for ear in (EAR_RIGHT, EAR_LEFT):
         usual = ear_height(alone.face.vertices, intrinsic, ear)
@@ -94,8 +95,8 @@ def test_the_forehead_follows_where_the_head_ends(head, intrinsic, seen):
         ids = [*intrinsic.template.annotation.landmarks[68:71], np.argmax(intrinsic.template.vertices[:, 1])]
         true = truth.camera.project(truth.vertices[ids])
         gone = []
-        for picture in (None, image):
-            face = fit_landmarks(truth.points[:68], intrinsic, image=picture).face
+        for picture in (None, ParsedPicture(image)):
+            face = fit_landmarks(truth.points[:68], intrinsic, picture=picture).face
             gone.append(np.linalg.norm(face.camera.project(face.vertices[ids]) - true, axis=1).mean())
         assert gone[1] < 0.9 * gone[0]
 
@@ -111,7 +112,7 @@ def test_what_is_found_is_said(frontal):
 
 def test_the_same_picture_gives_the_same_face(frontal, intrinsic):
     truth, image, _, looked = frontal
-    assert np.array_equal(fit_landmarks(truth.points[:68], intrinsic, image=image).face.vertices, looked.face.vertices)
+    assert np.array_equal(fit_landmarks(truth.points[:68], intrinsic, picture=ParsedPicture(image)).face.vertices, looked.face.vertices)
 
 
 def test_size_and_place_of_the_picture_do_not_matter(frontal, intrinsic):
@@ -120,14 +121,14 @@ def test_size_and_place_of_the_picture_do_not_matter(frontal, intrinsic):
     camera = alone.face.camera.zoomed(2, np.array([-70.0, -40.0]))
     points = 2 * (truth.points[:68] + [70, 40])
     face = replace(alone.face, camera=camera)
-    other = find_outline(face, intrinsic.template, points, large, np.random.default_rng(0))
+    other = find_outline(face, intrinsic.template, points, ParsedPicture(large), np.random.default_rng(0))
     assert np.allclose(other.points[3:9] / 2 - [70, 40], looked.outline.points[3:9], atol=15)
 
 
 def test_given_ears_pull_as_before(frontal, intrinsic):
     truth, image, _, _ = frontal
     alone = fit_landmarks(truth.points, intrinsic)
-    looked = fit_landmarks(truth.points, intrinsic, image=image)
+    looked = fit_landmarks(truth.points, intrinsic, picture=ParsedPicture(image))
     assert looked.outline is None and "found_landmarks" not in looked.figures()
     assert np.array_equal(looked.face.vertices, alone.face.vertices)
 
@@ -138,12 +139,12 @@ def test_ears_that_stand_out_count_beside_detected_ones(frontal, intrinsic):
     detected = np.array(truth.points)
     detected[EARS] += (truth.points[30] - truth.points[EARS]) * 0.15
     alone = fit_landmarks(detected, intrinsic, spreads=spreads)
-    looked = fit_landmarks(detected, intrinsic, image=image, spreads=spreads)
+    looked = fit_landmarks(detected, intrinsic, picture=ParsedPicture(image), spreads=spreads)
     assert ear_errors(looked.face, truth, intrinsic).mean() < 0.7 * ear_errors(alone.face, truth, intrinsic).mean()
     assert looked.face.landmarks.shape == (81, 2) and np.array_equal(looked.shown(detected), detected)
     assert set(looked.figures()["found_landmarks"]) == set(EXTRA_NAMES[3:9])
     empty = np.full_like(image, 90)
-    same = fit_landmarks(detected, intrinsic, image=empty, spreads=spreads)
+    same = fit_landmarks(detected, intrinsic, picture=ParsedPicture(empty), spreads=spreads)
     assert np.array_equal(same.face.vertices, alone.face.vertices)
 
 
@@ -181,7 +182,7 @@ def test_confidence_is_how_strongly_ears_pull(frontal, intrinsic):
 def test_inside_a_model_too(frontal, pca):
     truth, image, _, _ = frontal
     alone = fit_landmarks(truth.points[:68], pca, "latent")
-    looked = fit_landmarks(truth.points[:68], pca, "latent", image=image)
+    looked = fit_landmarks(truth.points[:68], pca, "latent", picture=ParsedPicture(image))
     assert ear_errors(looked.face, truth, pca).mean() < 0.8 * ear_errors(alone.face, truth, pca).mean()
 
 
@@ -209,4 +210,4 @@ def replace_annotation(template, note):
 def test_landmarks_outside_the_picture_are_refused(frontal, intrinsic):
     truth, image, fit, _ = frontal
     with pytest.raises(InputError, match="found them outside"):
-        find_outline(fit.face, intrinsic.template, truth.points[:68] + 5000, image, np.random.default_rng(0))
+        find_outline(fit.face, intrinsic.template, truth.points[:68] + 5000, ParsedPicture(image), np.random.default_rng(0))
