@@ -12,6 +12,7 @@ import numpy as np
 from caricli.commands.shared.batch import named_jobs
 from caricli.commands.shared.face_outputs import note_source, staged_face
 from caricli.commands.shared.picture import write_picture
+from caricli.errors import UsageError
 from caricli.io.image import is_image_file
 from caricli.io.mesh import MESH_SUFFIXES
 from caricli.io.provenance import provenance
@@ -50,7 +51,7 @@ class LandmarkFiles:
         """Refuse wrong usage before anything is loaded."""
         self.jobs()
         if self.parsing is not None and (self.out is None or is_image_file(self.landmarks[0])):
-            raise click.UsageError("--parsing is of the picture of one file of landmarks; without it the detector looks.")
+            raise UsageError("--parsing is of the picture of one landmark file; without it the detector looks")
 
     def jobs(self) -> list[tuple[Path, Path]]:
         """Pairs of a landmark file and the mesh to write. Raises click.UsageError where one or many do not fit."""
@@ -62,10 +63,10 @@ class FitTask:
     """What is done with every file.
 
     command: its name. files: what is read and written. model: ShapeModel. levels: how often the polygons of what is
-    written for other tools are split. fit: of a FacePicture, with what the picture shows where it is one that ``parses``.
-    about: what the JSON says of the run. inputs: files that the model is from; sources: others that results come from.
-    worn: Face whose pictures the results wear, or None. head: HeadChoice, or None, as of FaceDrawing. latents:
-    ShapeModel of the same mesh, whose latent results get instead of that of ``model``, or None.
+    written for other tools are split. fit: of a FacePicture, with what it shows where the fit ``parses``. about: what
+    the JSON says of the run. inputs: files that the model is from; sources: others that results come from. worn: Face
+    whose pictures the results wear, or None. head: HeadChoice, or None, as of FaceDrawing. latents: ShapeModel of the
+    same mesh, whose latent results get instead of that of ``model``, or None.
     """
 
     command: str

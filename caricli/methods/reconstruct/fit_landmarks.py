@@ -43,8 +43,8 @@ def fit_landmarks(
 
     points: (L, 2) pixels, y down, NaN where unknown. model: ShapeModel, for "intrinsic" an IntrinsicModel. method: of
     METHODS, or None for the one that the model allows, see ``fitting_method``. prior_weight: larger stays nearer to
-    plausible faces, smaller nearer to the landmarks. picture: ParsedPicture that they belong to, or None to look at none.
-    spreads: (L, 2, 2) covariances of the points' errors, square pixels, or None where nothing is known of them.
+    plausible faces, smaller nearer to the landmarks. picture: ParsedPicture that they belong to, or None to look at
+    none. spreads: (L, 2, 2) covariances of the points' errors, square pixels, or None where nothing is known of them.
     Returns LandmarkFit. Raises InputError, NumericsError.
     """
     look = None

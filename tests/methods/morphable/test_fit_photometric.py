@@ -12,7 +12,7 @@ from caricli.methods.morphable.wear_colours import wear_colours
 from caricli.methods.reconstruct.fit_morphable import fit_morphable
 from caricli.store.models import load_morphable
 from caricli.structures import Face, Landmarks
-from caricli.structures.detection import FacePicture, SeenFace
+from caricli.structures.detection import FacePicture
 from caricli.structures.parsing import Region
 
 SIDE = 200

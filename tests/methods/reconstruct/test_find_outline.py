@@ -39,7 +39,8 @@ def frontal(portrait, intrinsic):
     """Truth and picture of a face from the front, its fit to 68 landmarks alone, and with the picture."""
     truth, image = portrait()
     points = truth.points[:68]
-    return truth, image, fit_landmarks(points, intrinsic), fit_landmarks(points, intrinsic, picture=ParsedPicture(image))
+    looked = fit_landmarks(points, intrinsic, picture=ParsedPicture(image))
+    return truth, image, fit_landmarks(points, intrinsic), looked
 
 
 def ear_errors(face, truth, intrinsic):
@@ -112,7 +113,8 @@ def test_what_is_found_is_said(frontal):
 
 def test_the_same_picture_gives_the_same_face(frontal, intrinsic):
     truth, image, _, looked = frontal
-    assert np.array_equal(fit_landmarks(truth.points[:68], intrinsic, picture=ParsedPicture(image)).face.vertices, looked.face.vertices)
+    again = fit_landmarks(truth.points[:68], intrinsic, picture=ParsedPicture(image))
+    assert np.array_equal(again.face.vertices, looked.face.vertices)
 
 
 def test_size_and_place_of_the_picture_do_not_matter(frontal, intrinsic):
@@ -210,4 +212,5 @@ def replace_annotation(template, note):
 def test_landmarks_outside_the_picture_are_refused(frontal, intrinsic):
     truth, image, fit, _ = frontal
     with pytest.raises(InputError, match="found them outside"):
-        find_outline(fit.face, intrinsic.template, truth.points[:68] + 5000, ParsedPicture(image), np.random.default_rng(0))
+        far = truth.points[:68] + 5000
+        find_outline(fit.face, intrinsic.template, far, ParsedPicture(image), np.random.default_rng(0))
