@@ -21,7 +21,7 @@ from caricli.render.sample_texture import sample_pixels
 from caricli.structures import Camera, Hair, Mesh
 from caricli.template.template import Template
 
-_WIDTHS = (0.015, 0.01, 0.006, 0.004)
+_WIDTHS = (0.015, 0.01, 0.006, 0.004, 0.003)
 _GOOD = 0.93  # intersection over union from which on no skull is raised
 _RAISE = 0.02  # of the head's height, by which it is at most
 _TRIM = 2  # round from which on what stands before bare skin goes under it
@@ -30,10 +30,12 @@ _BESIDE = 0.02  # the same of the background, where borders move
 _REACH = 0.06  # of the head's height: borders farther apart than this are not of the same place
 _FADING = 0.05  # of what a straight border weighs: less of it near moves less
 _BACK = (-0.6, -0.2)  # cosines between surface and view, from which on and with which it moves along
-_SKIN = (0.2, 0.6)  # cosines from which on and with which it stays as high above the skin
-_SPREAD = 30  # rounds of bringing movements to neighbours, which reach so many edges behind what is seen
-_TOGETHER = 0.3  # weight of the neighbours' movement, beside the share of what the picture says
-_STILL = 0.02  # weight of not moving
+_SKIN = (0.2, 0.6)  # cosines with which at most it moves out and in, and from which on along the skin
+_STEEPEST = 0.5  # of the way out of a head, that is seen at least where hair is moved out and in
+_HOLD = ((-0.6, -0.2, 0.2, 0.6), (0.0, 0.3, 0.3, 1.0))  # of cosines, how much counts what the picture says
+_TOGETHER = 0.3  # weight of the neighbours' movement beside that
+_STILL = 0.002  # weight of not moving
+_ROUNDS = 10  # of bringing movements to neighbours, which reach so many edges behind what is seen
 _SLOPES = (0.6, 3.0)  # at these cosines, in which hair rises at most from where it goes under the skin
 _JOINED = 0.3  # of the least thickness of hair: what is less far above the skin holds nothing together
 _SOFT = 1.5  # pixels over which the way out of a border is looked for
@@ -66,6 +68,7 @@ def snap_border(
     lowest = np.where(above, np.minimum(heights, settings.least * head.height), -np.inf)
     over = np.zeros(len(heights), bool)
     _, mean = vertex_neighbours(hair.shell.faces, len(heights))
+    start = hair.shell
     size = camera.scale * head.height
     outside = _outside(mask, size)
     seen = _seen_faces(head, hair, camera, mask.pixels.shape)
@@ -73,7 +76,8 @@ def snap_border(
     wanted = _border(mask.pixels, size)
     for number, width in enumerate((*_WIDTHS, None)):
         if width is not None:
-            points = _moved(hair.shell, sphere, camera, _field(seen >= 0, wanted, size, width), mean)
+            points = _moved(hair.shell, sphere, camera, _field(seen >= 0, wanted, size, width))
+            points = start.vertices + _spread(mean, points - start.vertices, np.interp(_cosines(start, camera), *_HOLD))
         elif best[0] < _GOOD:
             points = hair.shell.vertices
             wrong = _seen_places(head, hair, camera, outside & ~mask.behind)
@@ -236,27 +240,34 @@ def _border(mask: np.ndarray, height: float) -> np.ndarray:
     return np.column_stack([columns, rows, _REACH * height * outwards])
 
 
-def _moved(shell: Mesh, sphere: HeadSphere, camera: Camera, field: np.ndarray, mean: sp.csr_matrix) -> np.ndarray:
-    """(V, 3) vertices of a shell, moved as a field (H, W, 2) of its picture says. mean: of `vertex_neighbours`."""
+def _moved(shell: Mesh, sphere: HeadSphere, camera: Camera, field: np.ndarray) -> np.ndarray:
+    """(V, 3) vertices of a shell, moved as a field (H, W, 2) of its picture says.
+
+    What faces the camera moves along the skin; what is seen from aside farther out or in, for along the skin it would
+    part or be in heaps.
+    """
     placed = camera.project(shell.vertices)
     move = np.column_stack([sample_pixels(field[..., k], placed[:, 0], placed[:, 1], border=0.0) for k in range(2)])
     cosine = _cosines(shell, camera)
-    move = _spread(mean, move, np.clip((cosine - _BACK[0]) / (_BACK[1] - _BACK[0]), 0, 1)[:, None])
-    points = shell.vertices + move / camera.scale @ camera.rotation[:2]
+    move *= np.interp(cosine, _BACK, (0, 1))[:, None]
     longitudes, angles, radii = sphere.seen_from(shell.vertices)
     above = radii - sphere.sample(sphere.radii, longitudes, angles)
-    longitudes, angles, radii = sphere.seen_from(points)
-    along = sphere.sample(sphere.radii, longitudes, angles) + above
-    share = np.clip((cosine - _SKIN[0]) / (_SKIN[1] - _SKIN[0]), 0, 1)
-    return sphere.points(longitudes, angles, radii + share * (along - radii))
+    outwards = sphere.directions(longitudes, angles) @ camera.rotation[:2].T * camera.scale
+    length = np.maximum((outwards**2).sum(1), (_STEEPEST * camera.scale) ** 2)
+    rise = np.interp(cosine, _SKIN, (1, 0)) * (move * outwards).sum(1) / length
+    move -= rise[:, None] * outwards
+    longitudes, angles, _ = sphere.seen_from(shell.vertices + move / camera.scale @ camera.rotation[:2])
+    return sphere.points(longitudes, angles, sphere.sample(sphere.radii, longitudes, angles) + above + rise)
 
 
 def _spread(mean: sp.csr_matrix, wanted: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """(V, 2): movements that are wanted (V, 2) with weights (V, 1), which fade out smoothly over what has no weight.
+    """(V, 3): movements that are wanted (V, 3) with weights (V,), which go over smoothly into those of neighbours.
 
-    Without this what is seen and what is not would part in a crease.
+    Without this what is seen and what is not would part in a crease, and what is seen from aside, where a pixel is much
+    of a surface, would be torn. mean: of `vertex_neighbours`.
     """
-    moves = weights * wanted
-    for _ in range(_SPREAD):
-        moves = (weights * wanted + _TOGETHER * (mean @ moves)) / (weights + _TOGETHER + _STILL)
+    held = weights[:, None]
+    moves = wanted
+    for _ in range(_ROUNDS):
+        moves = (held * wanted + _TOGETHER * (mean @ moves)) / (held + _TOGETHER + _STILL)
     return moves
