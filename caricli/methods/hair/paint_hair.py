@@ -30,7 +30,7 @@ def paint_hair(hair: Hair, view: PictureView, size: int, generator: np.random.Ge
     colours = cv2.resize(look.colours, (side, side), interpolation=cv2.INTER_AREA)
     trust = view.settings.trust
     seen = cv2.resize(look.seen, (side, side), interpolation=cv2.INTER_AREA) > trust
-    seen = _inner(seen & _usual(colours, seen))
+    seen = _inner(seen & _usual(colours, _inner(seen)))
     elsewhere = cv2.resize(continue_strands(colours, seen, generator), (size, size), interpolation=cv2.INTER_CUBIC)
     # What is seen and unusual, as skin at the border, is not hair's.
     usual = cv2.GaussianBlur(seen.astype(np.float32), (0, 0), _SOFT)

@@ -24,7 +24,7 @@ from caricli.template.template import Template
 _WIDTHS = (0.015, 0.01, 0.006, 0.004, 0.003)
 _GOOD = 0.93  # intersection over union from which on no skull is raised
 _RAISE = 0.02  # of the head's height, by which it is at most
-_TRIM = 2  # round from which on what stands before bare skin goes under it
+_TRIM = 3  # round from which on what stands before bare skin goes under it
 _BEFORE = 0.004  # of the head's height: so far from the mask hair is not before bare skin
 _BESIDE = 0.02  # the same of the background, where borders move
 _REACH = 0.06  # of the head's height: borders farther apart than this are not of the same place
@@ -34,7 +34,7 @@ _SKIN = (0.2, 0.6)  # cosines with which at most it moves out and in, and from w
 _STEEPEST = 0.5  # of the way out of a head, that is seen at least where hair is moved out and in
 _HOLD = ((-0.6, -0.2, 0.2, 0.6), (0.0, 0.3, 0.3, 1.0))  # of cosines, how much counts what the picture says
 _TOGETHER = 0.3  # weight of the neighbours' movement beside that
-_STILL = 0.002  # weight of not moving
+_STILL = 0.03  # weight of not moving, of what is behind
 _ROUNDS = 10  # of bringing movements to neighbours, which reach so many edges behind what is seen
 _SLOPES = (0.6, 3.0)  # at these cosines, in which hair rises at most from where it goes under the skin
 _JOINED = 0.3  # of the least thickness of hair: what is less far above the skin holds nothing together
@@ -77,7 +77,7 @@ def snap_border(
     for number, width in enumerate((*_WIDTHS, None)):
         if width is not None:
             points = _moved(hair.shell, sphere, camera, _field(seen >= 0, wanted, size, width))
-            points = start.vertices + _spread(mean, points - start.vertices, np.interp(_cosines(start, camera), *_HOLD))
+            points = start.vertices + _spread(mean, points - start.vertices, _cosines(start, camera))
         elif best[0] < _GOOD:
             points = hair.shell.vertices
             wrong = _seen_places(head, hair, camera, outside & ~mask.behind)
@@ -260,14 +260,15 @@ def _moved(shell: Mesh, sphere: HeadSphere, camera: Camera, field: np.ndarray) -
     return sphere.points(longitudes, angles, sphere.sample(sphere.radii, longitudes, angles) + above + rise)
 
 
-def _spread(mean: sp.csr_matrix, wanted: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """(V, 3): movements that are wanted (V, 3) with weights (V,), which go over smoothly into those of neighbours.
+def _spread(mean: sp.csr_matrix, wanted: np.ndarray, cosines: np.ndarray) -> np.ndarray:
+    """(V, 3): movements that are wanted (V, 3), which go over smoothly into those of neighbours.
 
     Without this what is seen and what is not would part in a crease, and what is seen from aside, where a pixel is much
-    of a surface, would be torn. mean: of `vertex_neighbours`.
+    of a surface, would be torn. mean: of `vertex_neighbours`. cosines: (V,) between surface and view.
     """
-    held = weights[:, None]
+    held = np.interp(cosines, *_HOLD)[:, None]
+    still = np.interp(cosines, _BACK, (_STILL, 0))[:, None]
     moves = wanted
     for _ in range(_ROUNDS):
-        moves = (held * wanted + _TOGETHER * (mean @ moves)) / (held + _TOGETHER + _STILL)
+        moves = (held * wanted + _TOGETHER * (mean @ moves)) / (held + _TOGETHER + still)
     return moves
