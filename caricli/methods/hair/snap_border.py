@@ -7,6 +7,7 @@ import cv2
 import igl
 import numpy as np
 import scipy.sparse as sp
+from scipy.ndimage import minimum_filter
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import KDTree
 
@@ -23,6 +24,8 @@ from caricli.template.template import Template
 
 _WIDTHS = (0.015, 0.01, 0.006, 0.004, 0.003)
 _GOOD = 0.93  # intersection over union from which on no skull is raised
+_CORNERS = 5  # rows and columns around a direction, in which nothing of hair is nearer than the skull
+_INSIDE = 41  # the same, in which hair does not end
 _RAISE = 0.02  # of the head's height, by which it is at most
 _TRIM = 3  # round from which on what stands before bare skin goes under it
 _BEFORE = 0.004  # of the head's height: so far from the mask hair is not before bare skin
@@ -99,7 +102,22 @@ def snap_border(
         best = max(best, (union_share(seen >= 0, mask.pixels), hair, head), key=itemgetter(0))
     _, hair, head = best
     hair = _hanging_together(hair, head, camera, mean, settings)
+    head = _clear_of(hair, head, settings)
     return hair, head, union_share(_seen_faces(head, hair, camera, mask.pixels.shape) >= 0, mask.pixels)
+
+
+def _clear_of(hair: Hair, head: Template, settings: ShellSettings) -> Template:
+    """The head whose skull is under hair between its vertices, too, and where it is drawn rounder than it is; not near
+    the hair's ends, which it would uncover."""
+    sphere = HeadSphere(head, settings, fine=True)
+    longitudes, angles, radii = sphere.seen_from(hair.shell.vertices)
+    above = radii > sphere.sample(sphere.radii, longitudes, angles)
+    outer = hair.shell.faces[above[hair.shell.faces].all(1)]
+    most = sphere.cover(hair.shell.vertices, outer, *np.meshgrid(sphere.longitudes, sphere.angles))
+    mode = ("nearest", "wrap")
+    inside = minimum_filter(np.isfinite(most), _INSIDE, mode=mode)
+    lowest = minimum_filter(most, _CORNERS, mode=mode) - settings.least * head.height
+    return lower_skull(head, sphere, np.where(inside, lowest, np.inf))
 
 
 def _hanging_together(hair: Hair, head: Template, camera: Camera, mean: sp.csr_matrix, settings: ShellSettings) -> Hair:

@@ -76,6 +76,21 @@ def test_the_skull_is_lowered_where_hair_is_pressed_on_it(shell, sitter):
     assert after > _overlap(sitter.head, shell, low) + 0.25
 
 
+def test_the_skull_is_well_under_the_hair_where_this_is_thin(shell, sitter):
+    """In a dent of the hair that is hardly above the skin, and no larger than the skull's triangles."""
+    least = ShellSettings.least * sitter.head.height
+    sphere = HeadSphere(sitter.head, ShellSettings(), fine=True)
+    longitudes, angles, radii = sphere.seen_from(shell.shell.vertices)
+    dent = np.hypot(angles - 0.3, np.sin(longitudes) * 0.3) < 0.05
+    radii[dent] = sphere.sample(sphere.radii, longitudes, angles)[dent] + 0.1 * least
+    points = sphere.points(longitudes, angles, radii)
+    head = module._clear_of(replace(shell, shell=shell.shell.with_vertices(points)), sitter.head, ShellSettings())
+    after = HeadSphere(head, ShellSettings(), fine=True)
+    longitudes, angles, radii = after.seen_from(points[dent])
+    gaps = radii - after.sample(after.radii, longitudes, angles)
+    assert dent.sum() > 5 and np.median(gaps) > 0.8 * least and gaps.min() > 0.2 * least
+
+
 def test_hair_before_bare_skin_goes_under_it(shell, sitter):
     """A side of the mask without hair, wider than borders move."""
     columns = np.nonzero(sitter.hair.pixels.any(0))[0]
