@@ -13,6 +13,7 @@ from caricli.structures.landmarks import BROW_LEFT, BROW_RIGHT, EYE_LEFT, EYE_RI
 
 _MARGIN = 0.015  # of the face's height: as far around hair the skin has its colour or its shadow
 _BORDER = 0.05  # of the same: so near to its border a head may show hair that no shell holds, or a line
+_INWARDS = 0.15  # of the same: so far in goes what hangs together with that
 _STRAND = 0.3  # of the same: so near to hair what has its colour and hangs together with it is a strand
 _FEATURE = 0.05  # of the same: around brows and eyes, which have that colour, too
 _ACROSS = 0.1  # of the face's height: standard deviation of means of the skin's colours
@@ -21,16 +22,21 @@ _ACROSS = 0.1  # of the face's height: standard deviation of means of the skin's
 def bare_skin(head: ParsedHead, dressed: DressedHair, image: np.ndarray) -> np.ndarray:
     """(H, W) bool: what is left of the paint of a head where no hair covers or colours the skin.
 
-    At the border of the face a line as dark as the hair, or locks that no shell holds, would be spread over the side;
-    strands before the forehead would be drawn on it. image: (H, W, 3) uint8.
+    At the border of the face a line as dark as the hair, or locks that no shell holds, would be spread over the side,
+    and what of it goes on inwards would end there; strands before the forehead would be drawn on it. image: (H, W, 3)
+    uint8.
     """
     height = np.ptp(dressed.face.require_landmarks()[:, 1])
     hair = dressed.mask.pixels
     face = head.whole if head.ears is None else head.whole & ~head.ears
-    border = distance_to(~face) <= _BORDER * height
+    inwards = distance_to(~face)
+    border = inwards <= _BORDER * height
     skin = head.paint & face & ~hair
-    near = skin & (distance_to(hair) <= _STRAND * height) & (distance_to(_features(dressed)) > _FEATURE * height)
-    lines = _like_hair(skin & border, skin & ~border, hair, image, _ACROSS * height)
+    plain = skin & (distance_to(_features(dressed)) > _FEATURE * height)
+    near = plain & (distance_to(hair) <= _STRAND * height)
+    broad = inwards <= _INWARDS * height
+    dark = _like_hair(plain & broad, skin & ~broad, hair, image, _ACROSS * height)
+    lines = _hanging(dark, dark & border)
     strands = _hanging(_like_hair(near, skin, hair, image, _ACROSS * height), hair)
     coloured = hair | lines | strands
     reach = max(_MARGIN * height, 1.0)
@@ -60,7 +66,7 @@ def _features(dressed: DressedHair) -> np.ndarray:
 
 
 def _hanging(alike: np.ndarray, hair: np.ndarray) -> np.ndarray:
-    """(H, W) bool: what of pixels that look like hair (H, W) bool hangs together with it."""
+    """(H, W) bool: what of pixels that look like hair hangs together with some (H, W) bool of it."""
     parts, _ = label(binary_dilation(alike | hair))
     strands: np.ndarray = alike & np.isin(parts, np.unique(parts[hair]))
     return strands

@@ -73,6 +73,23 @@ def test_a_line_in_the_colour_of_the_hair_along_the_border_of_the_face_is_left_t
     assert plain[border].all() and not lined[border].any() and lined[cheek].all()
 
 
+def test_a_fold_that_goes_on_inwards_from_a_line_at_the_border_is_left_to_be_filled(dressed, sitter):
+    """As far in, a spot that does not hang together with the line stays."""
+    skin = ~sitter.hair.behind & ~sitter.hair.pixels
+    middle = round(sitter.face.landmarks[30, 1])
+    line, fold, spot = (np.zeros_like(skin) for _ in range(3))
+    for row in range(middle - 8, middle + 8):
+        first = np.flatnonzero(skin[row])[0]
+        line[row, first + 1 : first + 3] = True
+    first = np.flatnonzero(skin[middle])[0]
+    fold[middle : middle + 2, first + 3 : first + 18] = True
+    below = np.flatnonzero(skin[middle + 12])[0]
+    spot[middle + 12 : middle + 14, below + 9 : below + 14] = True
+    drawn = np.where((line | fold | spot)[..., None], BROWN, sitter.image).astype(np.uint8)
+    plain, lined = (bare_skin(ParsedHead(skin, skin), dressed, image) for image in (sitter.image, drawn))
+    assert plain[fold].all() and not lined[fold].any() and lined[spot].all()
+
+
 def test_a_strand_that_hangs_from_the_hair_is_left_to_be_filled(dressed, sitter):
     """One in the middle of the forehead; another that begins below the hair stays, and so does a brow beside it."""
     skin = ~sitter.hair.behind & ~sitter.hair.pixels
