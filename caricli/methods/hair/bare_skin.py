@@ -15,7 +15,7 @@ _MARGIN = 0.015  # of the face's height: as far around hair the skin has its col
 _BORDER = 0.05  # of the same: so near to its border a head may show hair that no shell holds, or a line
 _INWARDS = 0.15  # of the same: so far in goes what hangs together with that
 _STRAND = 0.3  # of the same: so near to hair what has its colour and hangs together with it is a strand
-_FEATURE = 0.05  # of the same: around brows and eyes, which have that colour, too
+_FEATURE = 0.03  # of the same: around brows and eyes, which have that colour, too
 _ACROSS = 0.1  # of the face's height: standard deviation of means of the skin's colours
 
 
