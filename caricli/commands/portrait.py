@@ -54,9 +54,9 @@ def command(ctx, pictures, out_dir, style, coarse, landmarks, size, head, pts_or
     In every picture the largest face is found, reconstructed, moved exactly onto its landmarks, painted with the
     picture, brought to rest where it shows an expression, and given the 52 expressions of ARKit. Of drawing.png the
     folder drawing holds what the single commands write, to go on from there: landmarks.json of `detect`, face.obj of
-    `reconstruct-from-landmarks`, `fit-coarse` or `fit-morphable`, refined.obj of `refine`, textured of `texture` by the
-    label map of `detect`, rig.glb of `rig`; with --style also styled.png of `stylise`. index.html shows all heads of
-    the folder, to be turned in a browser.
+    `reconstruct-from-landmarks` (by the label map of `detect`), `fit-coarse` or `fit-morphable`, refined.obj of
+    `refine`, textured of `texture` by the same label map, rig.glb of `rig`; with --style also styled.png of `stylise`.
+    index.html shows all heads of the folder, to be turned in a browser.
 
     \b
     Example:

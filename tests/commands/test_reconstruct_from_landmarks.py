@@ -9,10 +9,12 @@ from caricli.io.image import read_image, write_png
 from caricli.io.landmarks import write_landmarks
 from caricli.io.mesh import read_mesh
 from caricli.io.obj import read_obj
+from caricli.io.parsing import legend, write_parsing
 from caricli.io.strict_json import read_json, write_json
 from caricli.render.overlay import overlay_mesh
 from caricli.store.models import DEFAULT_LATENT, load_model
 from caricli.structures import Camera, Landmarks
+from caricli.structures.parsing import Region
 from caricli.template.head import load_head
 
 COMMAND = "reconstruct-from-landmarks"
@@ -414,3 +416,18 @@ def test_ears_are_found_in_the_picture_unless_nobody_shall_look(run, head_templa
     assert reports["auto"]["found_landmarks"]["ear_left_outer"]["confidence"] > 0.1
     assert "found_landmarks" not in reports["none"]
     assert reports["auto"]["width"] > 1.1 * reports["none"]["width"]
+
+
+def test_a_label_map_is_of_the_picture_of_one_landmark_file(run, refused, photo, reconstructed, tmp_path):
+    _, marks = reconstructed
+    labels = tmp_path / "labels.png"
+    write_parsing(labels, np.full((400, 400), Region.SKIN, np.uint8))
+    write_json(labels.with_suffix(".json"), legend(Region))
+    given = (COMMAND, marks, "--image", photo, "--parsing", labels, "--out", tmp_path / "face.obj")
+    assert run(*given).exit_code == 0
+    assert set(read_json(tmp_path / "face.json")["inputs"]) == {str(marks), str(photo), str(labels)}
+    for picture, where in ((photo, "--out"), (marks, "--out-dir")):
+        said = refused(COMMAND, picture, "--parsing", labels, where, tmp_path / "other.obj", code=2)
+        assert "--parsing is of the picture of one landmark file" in said
+    write_parsing(labels, np.full((200, 400), Region.SKIN, np.uint8))
+    assert f"{labels}: expected the picture's size, 400 x 400, found 400 x 200" in refused(*given, "--overwrite")

@@ -12,8 +12,10 @@ from caricli.methods.reconstruct.fit_landmarks import fit_landmarks
 from caricli.methods.reconstruct.fit_landmarks_intrinsic import fit_landmarks_intrinsic
 from caricli.methods.reconstruct.outline import Outline, can_find_outline
 from caricli.render.overlay import overlay_mesh
+from caricli.render.rasterise import rasterise
 from caricli.structures.detection import ParsedPicture
 from caricli.structures.landmarks import EAR_LEFT, EAR_RIGHT, EXTRA_NAMES
+from caricli.structures.parsing import Region
 
 EARS = [*EAR_RIGHT, *EAR_LEFT]
 GIANT = {"ear-scale-incr": 1.6, "ear-wing-incr": 2.0}
@@ -100,6 +102,24 @@ def test_the_forehead_follows_where_the_head_ends(head, intrinsic, seen):
             face = fit_landmarks(truth.points[:68], intrinsic, picture=picture).face
             gone.append(np.linalg.norm(face.camera.project(face.vertices[ids]) - true, axis=1).mean())
         assert gone[1] < 0.9 * gone[0]
+
+
+def test_labels_tell_ears_before_a_background_of_their_colour(head, intrinsic, seen):
+    both = {f"{side}-{name}": weight for side in "lr" for name, weight in GIANT.items()}
+    truth = seen(head.evaluate(changes=both), count=81)
+    mesh = intrinsic.template.with_vertices(truth.vertices)
+    plain = np.full((640, 640, 3), 230, np.uint8)
+    skin = np.median(overlay_mesh(plain, mesh, truth.camera, opacity=1)[300:340, 280:360].reshape(-1, 3), axis=0)
+    image = overlay_mesh(np.full_like(plain, np.round(skin)), mesh, truth.camera, opacity=1)
+    owner = rasterise(truth.camera.place(mesh.vertices), mesh.faces, 640, 640).face
+    ears = intrinsic.template.mask("ear_left", "ear_right")[mesh.faces].all(1)
+    regions = np.where(owner < 0, Region.BACKGROUND, np.where(ears[owner], Region.EARS, Region.SKIN)).astype(np.uint8)
+    faces = [
+        fit_landmarks(truth.points[:68], intrinsic, picture=ParsedPicture(image, labels)).face
+        for labels in (None, regions)
+    ]
+    by_colours, by_labels = (ear_errors(face, truth, intrinsic).mean() for face in faces)
+    assert by_labels < 0.7 * by_colours
 
 
 def test_what_is_found_is_said(frontal):
