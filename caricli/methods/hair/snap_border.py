@@ -56,9 +56,10 @@ def snap_border(
 
     Every pixel of either border wants to be at the nearest of the other one; what they want, averaged with weights that
     fall with the distance, moves what is near them, in smaller and smaller neighbourhoods. Where the surface faces the
-    camera it goes along the skin. In the last round the skull is raised where hair is seen still and the picture has
-    skin: a forehead that is too low shows the hair behind. The best of the rounds counts, without its loose parts.
-    Movements fade out over what is not seen, and what stands before bare skin goes under it in a slope.
+    camera it goes along the skin, where it is seen from aside out and in. In the last round the skull is raised where
+    hair is seen still and the picture has skin: a forehead that is too low shows the hair behind. The best of the
+    rounds counts, without its loose parts. Movements go over smoothly into what is not seen and fade out there, and
+    what stands before bare skin goes under it in a slope.
 
     hair: Hair on the head. head: Template in the shape of the face. camera: of the picture. mask: HairMask.
     Returns Hair with the same polygons and roots, the head, and the intersection over union of what the camera sees of
@@ -271,8 +272,8 @@ def _moved(shell: Mesh, sphere: HeadSphere, camera: Camera, field: np.ndarray) -
     longitudes, angles, radii = sphere.seen_from(shell.vertices)
     above = radii - sphere.sample(sphere.radii, longitudes, angles)
     outwards = sphere.directions(longitudes, angles) @ camera.rotation[:2].T * camera.scale
-    length = np.maximum((outwards**2).sum(1), (_STEEPEST * camera.scale) ** 2)
-    rise = np.interp(cosine, _SKIN, (1, 0)) * (move * outwards).sum(1) / length
+    squares = np.maximum((outwards**2).sum(1), (_STEEPEST * camera.scale) ** 2)
+    rise = np.interp(cosine, _SKIN, (1, 0)) * (move * outwards).sum(1) / squares
     move -= rise[:, None] * outwards
     longitudes, angles, _ = sphere.seen_from(shell.vertices + move / camera.scale @ camera.rotation[:2])
     return sphere.points(longitudes, angles, sphere.sample(sphere.radii, longitudes, angles) + above + rise)

@@ -26,10 +26,10 @@ class PictureEvidence:
     """A window of a picture at the size that it is looked at, where the landmarks' diagonal is always the same.
 
     skin: (H, W) from -1, surely not of the face's skin by its colour, to 1; what is seen to be an ear counts more, and
-    what is seen to be no part of a face less. gradient: (H, W, 2), how colours change to
-    the right and down, levels of Lab a pixel; none on the face and along its marked outline. inside: (H, W) bool, what
-    the landmarks enclose. covered: (H, W) bool, what the fitted mesh covers. lab: (H, W, 3) uint8, the colours.
-    corner: (2,) pixels of the picture, where the window begins. zoom: (2,) of its axes.
+    what is seen to be no part of a face less. gradient: (H, W, 2), how colours change to the right and down, levels of
+    Lab a pixel; none on the face and along its marked outline. inside: (H, W) bool, what the landmarks enclose.
+    covered: (H, W) bool, what the fitted mesh covers. lab: (H, W, 3) uint8, the colours. corner: (2,) pixels of the
+    picture, where the window begins. zoom: (2,) of its axes.
     """
 
     skin: np.ndarray
