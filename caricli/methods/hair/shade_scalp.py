@@ -20,11 +20,11 @@ from caricli.template.template import Template
 _SEEN = 0.005  # of the head's height, over which hair fades out where the picture shows the skin beside it
 _HIDDEN = (0.03, 0.015)  # the same where it does not, of dark hair and of light hair
 _FADE = (-0.01, 0.045)  # of the same, to the usual hairline: from where on and with which skin is as dark as hair
-_THIN = (0.95, 0.4)  # of the colour of hair, that cropped hair has at most: skin shines through light hair
+_THIN = (0.95, 0.7)  # of the colour of hair, that cropped hair has at most: skin shines through light hair
 _LIGHTER = (0, 60)  # levels of 255 by which hair is lighter than skin, from where on it is no dark and with which light
 _UNSEEN = 0.25  # from which on the picture decides, not what is usual
 _EAR = (0.3, 0.9)  # of a triangle that is not an ear's, from where on and with which hair may grow
-_GRAIN = 0.2  # of the share of hair, that it varies from texel to texel
+_GRAIN = (0.2, 0.1)  # of the share of hair, that it varies from texel to texel, of dark and of light hair
 _HARDLY = 0.02  # from which on a texel is seen at all
 _GLIMPSE = 0.003  # of a texture: what is seen of skin is more than this, or does not count
 _SPECK = 20  # directions of a sphere's: a sliver of hair that comes out of the skin alone is none
@@ -84,11 +84,11 @@ class Scalp:
         seen = np.where(_glimpses(texture.seen)[skin.rows, skin.columns], 0, texture.seen[skin.rows, skin.columns])
         colours = sample_texture(picture, skin.in_hair)
         shaded = texture.image.copy()
-        hidden, thin = _limits(colours, shaded[skin.rows, skin.columns][skin.to_hair < 0])
+        hidden, thin, rough = _limits(colours, shaded[skin.rows, skin.columns][skin.to_hair < 0])
         beside = smooth_step(skin.to_hair, -(hidden + seen * (_SEEN - hidden)), 0)
         cropped = smooth_step(seen, _UNSEEN, 0) * smooth_step(skin.usual, *_FADE)
         share = np.maximum(beside, thin * cropped) * skin.bare
-        grain = generator.normal(0, _GRAIN, len(share))
+        grain = generator.normal(0, rough, len(share))
         share = np.clip(share + 4 * grain * share * (1 - share), 0, 1)
         shaded[skin.rows, skin.columns] = np.round(mix(shaded[skin.rows, skin.columns], colours, share))
         return pad_texture(shaded, texture.covered)
@@ -114,12 +114,13 @@ class Scalp:
         )
 
 
-def _limits(hair: np.ndarray, skin: np.ndarray) -> tuple[float, float]:
+def _limits(hair: np.ndarray, skin: np.ndarray) -> tuple[float, float, float]:
     """Of hair and skin of colours (N, 3) and (M, 3): over which share of the head's height hair fades out where it is
-    not seen, and how much of its colour cropped hair has at most."""
+    not seen, how much of its colour cropped hair has at most, and its grain."""
     lighter = hair.mean() - skin.mean() if len(skin) else 0.0
     light = smooth_step(lighter, *_LIGHTER)
-    return float(np.interp(light, (0, 1), _HIDDEN)), float(np.interp(light, (0, 1), _THIN))
+    hidden, thin, rough = (float(np.interp(light, (0, 1), limits)) for limits in (_HIDDEN, _THIN, _GRAIN))
+    return hidden, thin, rough
 
 
 def _without_specks(covered: np.ndarray) -> np.ndarray:
