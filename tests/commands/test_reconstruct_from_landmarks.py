@@ -426,8 +426,8 @@ def test_a_label_map_is_of_the_picture_of_one_landmark_file(run, refused, photo,
     given = (COMMAND, marks, "--image", photo, "--parsing", labels, "--out", tmp_path / "face.obj")
     assert run(*given).exit_code == 0
     assert set(read_json(tmp_path / "face.json")["inputs"]) == {str(marks), str(photo), str(labels)}
-    for picture, where in ((photo, "--out"), (marks, "--out-dir")):
-        said = refused(COMMAND, picture, "--parsing", labels, where, tmp_path / "other.obj", code=2)
-        assert "--parsing is of the picture of one landmark file" in said
+    for wrong in ((photo, "--out"), (marks, "--out"), (marks, "--image", tmp_path, "--out-dir")):
+        said = refused(COMMAND, *wrong, tmp_path / "other.obj", "--parsing", labels, code=2)
+        assert "--parsing is of the --image of one landmark file" in said
     write_parsing(labels, np.full((200, 400), Region.SKIN, np.uint8))
     assert f"{labels}: expected the picture's size, 400 x 400, found 400 x 200" in refused(*given, "--overwrite")

@@ -51,8 +51,8 @@ class LandmarkFiles:
     def __post_init__(self) -> None:
         """Refuse wrong usage before anything is loaded."""
         self.jobs()
-        if self.parsing is not None and (self.out is None or is_image_file(self.landmarks[0])):
-            raise UsageError("--parsing is of the picture of one landmark file; without it the detector looks")
+        if self.parsing is not None and (self.out is None or self.image is None or is_image_file(self.landmarks[0])):
+            raise UsageError("--parsing is of the --image of one landmark file; without it the detector looks")
 
     def jobs(self) -> list[tuple[Path, Path]]:
         """Pairs of a landmark file and the mesh to write. Raises click.UsageError where one or many do not fit."""
