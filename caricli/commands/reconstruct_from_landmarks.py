@@ -19,6 +19,7 @@ from caricli.commands.shared.options import (
     subdivide_option,
 )
 from caricli.commands.shared.picture import picture_option
+from caricli.errors import UsageError
 from caricli.methods.reconstruct.settings import METHODS
 
 
@@ -96,6 +97,8 @@ def command(
     from caricli.commands.shared.landmark_batch import LandmarkFiles
     from caricli.store.face_pictures import FaceReader
 
+    if parsing and outline == "none":
+        raise UsageError("--parsing says where ears are, and --outline none looks for none: give one of them")
     files = LandmarkFiles(landmarks, out, out_dir, image, FaceReader(detector, pts_origin), overwrite, parsing)
     task = replace(elastic_task(files, model, method, prior_weight, outline), levels=levels, head=head)
     run_batch(ctx, files.jobs(), task.run, "faces")

@@ -429,5 +429,6 @@ def test_a_label_map_is_of_the_picture_of_one_landmark_file(run, refused, photo,
     for wrong in ((photo, "--out"), (marks, "--out"), (marks, "--image", tmp_path, "--out-dir")):
         said = refused(COMMAND, *wrong, tmp_path / "other.obj", "--parsing", labels, code=2)
         assert "--parsing is of the --image of one landmark file" in said
+    assert "--outline none looks for none" in refused(*given, "--overwrite", "--outline", "none", code=2)
     write_parsing(labels, np.full((200, 400), Region.SKIN, np.uint8))
     assert f"{labels}: expected the picture's size, 400 x 400, found 400 x 200" in refused(*given, "--overwrite")
