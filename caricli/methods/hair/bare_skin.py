@@ -34,8 +34,8 @@ def bare_skin(head: ParsedHead, dressed: DressedHair, image: np.ndarray) -> np.n
     skin = head.paint & face & ~hair
     plain = skin & (distance_to(_features(dressed)) > _FEATURE * height)
     near = plain & (distance_to(hair) <= _STRAND * height)
-    broad = inwards <= _INWARDS * height
-    dark = _like_hair(skin & border | plain & broad, skin & ~broad, hair, image, _ACROSS * height)
+    outer = inwards <= _INWARDS * height
+    dark = _like_hair(skin & border | plain & outer, skin & ~outer, hair, image, _ACROSS * height)
     lines = _hanging(dark, dark & border)
     strands = _hanging(_like_hair(near, skin, hair, image, _ACROSS * height), hair)
     coloured = hair | lines | strands

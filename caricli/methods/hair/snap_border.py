@@ -102,36 +102,44 @@ def snap_border(
         seen = _seen_faces(head, hair, camera, mask.pixels.shape)
         best = max(best, (union_share(seen >= 0, mask.pixels), hair, head), key=itemgetter(0))
     _, hair, head = best
-    hair = _hanging_together(hair, head, camera, mean, settings)
-    head = _clear_of(hair, head, settings)
+    hair, head = _tidied(hair, head, camera, mean, settings)
     return hair, head, union_share(_seen_faces(head, hair, camera, mask.pixels.shape) >= 0, mask.pixels)
 
 
-def _clear_of(hair: Hair, head: Template, settings: ShellSettings) -> Template:
-    """The head whose skull is under hair between its vertices, too, and where it is drawn rounder than it is; not near
-    the hair's ends, which it would uncover."""
-    sphere = HeadSphere(head, settings, fine=True)
+def _tidied(
+    hair: Hair, head: Template, camera: Camera, mean: sp.csr_matrix, settings: ShellSettings
+) -> tuple[Hair, Template]:
+    """Hair without loose parts, and the head whose skull is well under it. mean: of `vertex_neighbours`."""
+    skin = HeadSphere(head, settings, fine=True)
+    hair = _hanging_together(hair, skin, camera, mean, settings)
+    return hair, _clear_of(hair, skin, settings)
+
+
+def _clear_of(hair: Hair, sphere: HeadSphere, settings: ShellSettings) -> Template:
+    """The head of a sphere whose skull is under hair between its vertices, too, and where it is drawn rounder than it
+    is; not near the hair's ends, which it would uncover."""
     longitudes, angles, radii = sphere.seen_from(hair.shell.vertices)
     above = radii > sphere.sample(sphere.radii, longitudes, angles)
     outer = hair.shell.faces[above[hair.shell.faces].all(1)]
     most = sphere.cover(hair.shell.vertices, outer, *np.meshgrid(sphere.longitudes, sphere.angles))
     mode = ("nearest", "wrap")
     inside = minimum_filter(np.isfinite(most), _INSIDE, mode=mode)
-    lowest = minimum_filter(most, _CORNERS, mode=mode) - settings.least * head.height
-    return lower_skull(head, sphere, np.where(inside, lowest, np.inf))
+    lowest = minimum_filter(most, _CORNERS, mode=mode) - settings.least * sphere.head.height
+    return lower_skull(sphere.head, sphere, np.where(inside, lowest, np.inf))
 
 
-def _hanging_together(hair: Hair, head: Template, camera: Camera, mean: sp.csr_matrix, settings: ShellSettings) -> Hair:
+def _hanging_together(
+    hair: Hair, skin: HeadSphere, camera: Camera, mean: sp.csr_matrix, settings: ShellSettings
+) -> Hair:
     """Hair whose loose parts are under the skin where they are seen from aside; those before a forehead are locks.
 
-    mean: of `vertex_neighbours`.
+    skin: HeadSphere of the head. mean: of `vertex_neighbours`.
     """
-    skin = HeadSphere(head, settings, fine=True)
     longitudes, angles, radii = skin.seen_from(hair.shell.vertices)
     ground = skin.sample(skin.radii, longitudes, angles)
-    joined = _largest_part(radii > ground + _JOINED * settings.least * head.height, mean)
+    joined = _largest_part(radii > ground + _JOINED * settings.least * skin.head.height, mean)
     kept = joined | (_cosines(hair.shell, camera) >= _SKIN[1])
-    buried = np.where(kept, radii, np.minimum(radii, ground - settings.under * head.height))
+    buried = np.where(kept, radii, np.minimum(radii, ground - settings.under * skin.head.height))
     return replace(hair, shell=hair.shell.with_vertices(skin.points(longitudes, angles, buried)))
 
 

@@ -16,7 +16,7 @@ from caricli.structures.parsing import Region
 
 _SETTINGS = EvidenceSettings()
 _FEATURES = (EYE_LEFT, EYE_RIGHT, LIPS, BROW_LEFT, BROW_RIGHT)
-_ELSEWHERE = (Region.BACKGROUND, Region.HAIR, Region.HAT, Region.NECK, Region.CLOTH, Region.OTHER)
+_NO_FACE = (Region.BACKGROUND, Region.HAIR, Region.HAT, Region.NECK, Region.CLOTH, Region.OTHER)
 _LEVELS = 256
 _TAILS = 4  # standard deviations, to where a colour is spread
 
@@ -124,7 +124,7 @@ def _ear_odds(labels: np.ndarray, size: np.ndarray) -> np.ndarray:
     """(H, W) in a window of a size (2,): 1 where labels (H', W') say ear, -1 where they say no part of a face."""
     near = cv2.resize(labels, size.tolist(), interpolation=cv2.INTER_NEAREST)
     ears = cv2.GaussianBlur((near == Region.EARS).astype(np.float32), (0, 0), _SETTINGS.label_blur) > 0.5
-    return np.where(ears, 1.0, -1.0 * np.isin(near, _ELSEWHERE))
+    return np.where(ears, 1.0, -1.0 * np.isin(near, _NO_FACE))
 
 
 def _histogram(lab: np.ndarray, mask: np.ndarray, spread: tuple[float, ...]) -> np.ndarray:

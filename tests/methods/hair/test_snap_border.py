@@ -84,7 +84,7 @@ def test_the_skull_is_well_under_the_hair_where_this_is_thin(shell, sitter):
     dent = np.hypot(angles - 0.3, np.sin(longitudes) * 0.3) < 0.05
     radii[dent] = sphere.sample(sphere.radii, longitudes, angles)[dent] + 0.1 * least
     points = sphere.points(longitudes, angles, radii)
-    head = module._clear_of(replace(shell, shell=shell.shell.with_vertices(points)), sitter.head, ShellSettings())
+    head = module._clear_of(replace(shell, shell=shell.shell.with_vertices(points)), sphere, ShellSettings())
     after = HeadSphere(head, ShellSettings(), fine=True)
     longitudes, angles, radii = after.seen_from(points[dent])
     gaps = radii - after.sample(after.radii, longitudes, angles)
