@@ -11,7 +11,7 @@ from caricli.models.half_precision import in_half_precision
 
 def network_weights(network: torch.nn.Module) -> dict[str, np.ndarray]:
     """Arrays by name: weights in half precision, statistics of normalisation and other columns in single."""
-    return in_half_precision({name: value.numpy() for name, value in _weights(network).items()})
+    return in_half_precision({name: value.cpu().numpy() for name, value in _weights(network).items()})
 
 
 def load_weights(network: torch.nn.Module, tensors: Mapping[str, np.ndarray]) -> None:

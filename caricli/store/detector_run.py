@@ -1,9 +1,14 @@
 """The training of a detector in its folder."""
 
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from copy import copy
+from functools import partial
 from pathlib import Path
 
+from caricli.cores import usable_cores
 from caricli.data.picture_set import read_picture_set
+from caricli.data.worker_pool import worker_pool
 from caricli.errors import naming
 from caricli.methods.evaluate.evaluate_detector import DetectorTally, JudgedPicture, evaluate_detector
 from caricli.methods.train.fit_jaw_places import fit_jaw_places
@@ -18,20 +23,33 @@ from caricli.store.training_run import MODEL, RunFolder
 
 
 def load_training(
-    folders: Sequence[Path], config: DetectorConfig, share: Share, start: Path | None
+    folders: Sequence[Path], config: DetectorConfig, share: Share, device: str, start: Path | None
 ) -> DetectorTraining:
     """A training on folders of pictures, together.
 
-    share: of this process. start: file of the detector with whose weights it begins, or None for random ones.
+    share: of this process. device: "cpu" or "cuda". start: file of the detector with whose weights it begins, or None
+    for random ones.
     Raises InputError when it is no such folder or file.
     """
     training, unseen = (_joined(folders, split) for split in ("train", "validation"))
     with naming(", ".join(map(str, folders))):
-        run = DetectorTraining(training, unseen, config, share)
+        run = DetectorTraining(training, unseen, config, share, device)
     if start is not None:
         with naming(start):
             run.start_from(network_of(load_detector(start)))
     return run
+
+
+@contextmanager
+def drawing_ahead(training: DetectorTraining) -> Iterator[None]:
+    """Let one process for every core but this one draw what a GPU learns from; a CPU draws beside what it learns."""
+    cores = usable_cores()
+    if training.device == "cpu" or cores < 2:
+        yield
+        return
+    with worker_pool(cores - 1, partial(copy, training.windows)) as run:
+        training.draw_ahead(run)
+        yield
 
 
 def _joined(folders: Sequence[Path], split: str) -> JoinedPictures:

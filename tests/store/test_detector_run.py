@@ -27,7 +27,7 @@ def pictures(head_template, tmp_path_factory):
 def begin(pictures, folder, resume=False, start=None):
     config = read_config(config_path("detector/tiny.yaml"), DetectorConfig, SETTINGS)
     recipe = {"config": asdict(config), "inputs": {"pictures.json": "0" * 64}}
-    return DetectorRun(folder, recipe, Beginning(resume=resume)), load_training([pictures], config, ALL, start)
+    return DetectorRun(folder, recipe, Beginning(resume=resume)), load_training([pictures], config, ALL, "cpu", start)
 
 
 def test_a_run_that_was_left_goes_on_to_the_same_bytes(pictures, tmp_path):
@@ -70,7 +70,7 @@ def test_a_training_begins_with_the_weights_of_another(pictures, tmp_path):
             assert not value.is_floating_point() or torch.equal(value, first.state_dict()[name]), name
     config = read_config(config_path("detector/tiny.yaml"), DetectorConfig, [*SETTINGS, "width=8"])
     with pytest.raises(InputError, match="expected a detector of DetectorSize"):
-        load_training([pictures], config, ALL, tmp_path / "first" / MODEL)
+        load_training([pictures], config, ALL, "cpu", tmp_path / "first" / MODEL)
 
 
 def test_what_is_bundled_says_how_it_was_made_and_is_small():

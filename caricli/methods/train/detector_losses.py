@@ -1,6 +1,8 @@
 """What a detector is asked for in its training: faces, landmarks with their doubt, and regions."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import torch
@@ -42,13 +44,18 @@ class FaceTargets:
     one. values: (B, 5, h, w) shift, size and turn as in FaceGrid. near: (B, h, w) bool where these count.
     """
 
-    heat: np.ndarray
-    counts: np.ndarray
-    values: np.ndarray
-    near: np.ndarray
+    heat: Any
+    counts: Any
+    values: Any
+    near: Any
+
+    @property
+    def parts(self) -> tuple[Any, Any, Any, Any]:
+        """All four."""
+        return self.heat, self.counts, self.values, self.near
 
     @staticmethod
-    def of(windows: list[MarkedPicture], size: int) -> "FaceTargets":
+    def of(windows: Sequence[MarkedPicture], size: int) -> "FaceTargets":
         """The targets of windows of (size, size) pixels; faces of which little is seen may be found or not."""
         cells = size // COARSE
         shape = (len(windows), cells, cells)
@@ -91,10 +98,7 @@ class FaceTargets:
 
 def face_loss(grid: FaceGrid, targets: FaceTargets) -> torch.Tensor:
     """Focal loss of where faces are (Zhou et al. 2019, equation 1), and smooth distances of what is said of them."""
-    heat, counts, values, near = (
-        torch.from_numpy(part).to(grid.score.device)
-        for part in (targets.heat, targets.counts, targets.values, targets.near)
-    )
+    heat, counts, values, near = map(torch.as_tensor, targets.parts)
     chance = torch.sigmoid(grid.score)
     is_face = heat == 1
     misses = -((1 - chance) ** 2) * functional.logsigmoid(grid.score)
@@ -131,20 +135,18 @@ def landmark_loss(
     return loss, (lengths * clear).sum() / clear.sum().clamp_min(1)
 
 
-def region_loss(logits: torch.Tensor, regions: np.ndarray) -> torch.Tensor:
+def region_loss(logits: torch.Tensor, regions: torch.Tensor) -> torch.Tensor:
     """Cross entropy of regions, those of small regions counting more, and how little they overlap with the truth.
 
-    logits: (B, h, w, 4, R) as ``DetectorNetwork.parse`` gives them. regions: (B, H, W) uint8.
+    logits: (B, h, w, 4, R) as ``DetectorNetwork.parse`` gives them. regions: (B, 2 h, 2 w) uint8.
 
     The latter is one minus the Dice coefficient of what all windows together show of a region, meaned over those that
     are there (Milletari et al. 2016, equation 1, with sizes in the place of their squares): to it a hat in a few of the
     windows is worth as much as the background of all.
     """
-    half = regions[:, ::HALF, ::HALF]
-    count, height, width = half.shape
     step = FINE // HALF
-    cells = half.reshape(count, height // step, step, width // step, step).transpose(0, 1, 3, 2, 4)
-    truth = torch.from_numpy(np.ascontiguousarray(cells).astype(np.int64)).to(logits.device).view(-1)
+    cells = regions.unflatten(2, (-1, step)).unflatten(1, (-1, step)).transpose(2, 3)
+    truth = cells.flatten().long()
     weights = torch.tensor(_REGION_WEIGHTS, device=logits.device)
     likely = functional.log_softmax(logits.reshape(-1, len(Region)), -1)
     entropy = functional.nll_loss(likely, truth, weights, ignore_index=BEYOND)
@@ -154,11 +156,11 @@ def region_loss(logits: torch.Tensor, regions: np.ndarray) -> torch.Tensor:
 def _apart(likely: torch.Tensor, truth: torch.Tensor) -> torch.Tensor:
     """One minus the mean Dice coefficient of regions. likely: (N, R) logarithms. truth: (N,), BEYOND where not told."""
     told = truth != BEYOND
-    own = torch.where(told, truth, 0)
     chances = torch.exp(likely) * told[:, None]
-    right = chances.gather(1, own[:, None])[:, 0]
-    common = torch.zeros(likely.shape[1], device=likely.device).index_add(0, own, right)
-    pixels = torch.bincount(own, told.float(), likely.shape[1])
+    # A sum over all, because on a GPU one by indices is another each time.
+    own = truth[:, None] == torch.arange(likely.shape[1], device=likely.device)
+    common = torch.where(own, chances, 0).sum(0)
+    pixels = own.sum(0)
     there = pixels > 0
     shares = 2 * common / (chances.sum(0) + pixels).clamp_min(1)
     return 1 - (shares * there).sum() / there.sum().clamp_min(1)

@@ -127,7 +127,7 @@ class NetworkTraining(ABC):
 
     def _train_epoch(self) -> tuple[float, float]:
         self.network.train()
-        sums = torch.zeros(2)
+        sums: Any = 0.0
         with ThreadPoolExecutor(1) as drawer:
             # The windows of the next step are drawn while this one is taken.
             next_draw = drawer.submit(self._draw, 0)
@@ -136,7 +136,9 @@ class NetworkTraining(ABC):
                 if step + 1 < self.config.steps:
                     next_draw = drawer.submit(self._draw, step + 1)
                 self._set_rate(self.epoch * self.config.steps + step)
-                sums += self._step(step, drawn)
+                sums = sums + self._step(step, drawn)
+        if not torch.isfinite(sums).all():
+            raise NumericsError(f"the loss of epoch {self.epoch + 1} is not finite: a smaller learning_rate may help")
         if self.share.count > 1:
             self._share_buffers()
         loss, error = (sums / self.config.steps).tolist()
@@ -148,8 +150,6 @@ class NetworkTraining(ABC):
         figures = torch.stack([loss.detach(), error]) / self.share.count
         if self.share.count > 1:
             torch.distributed.all_reduce(figures)
-        if not torch.isfinite(figures).all():
-            raise NumericsError(f"the loss of epoch {self.epoch + 1} is not finite: a smaller learning_rate may help")
         self._descend(self.network, loss, self.optimiser, self.muon)
         self._follow(self.epoch * self.config.steps + step)
         return figures

@@ -17,8 +17,9 @@ REACH = 64.0
 """Side of a face, pixels, that the grid gives the size 0."""
 
 _RANGES = {
-    "stem": (4, 512), "width": (8, 512), "depth": (1, 16), "size": (64, 512), "epochs": (1, 10**6), "steps": (1, 10**6),
-    "batch": (2, 4096), "crops": (0.1, 0.9), "learning_rate": (1e-9, 1), "kernel_rate": (1e-9, 1),
+    "stem": (4, 512), "width": (8, 512), "depth": (1, 16), "finer": (0, 16), "size": (64, 512), "epochs": (1, 10**6),
+    "steps": (1, 10**6), "rounds": (1, 1000), "batch": (2, 4096), "crops": (0.1, 0.9), "learning_rate": (1e-9, 1),
+    "kernel_rate": (1e-9, 1),
     "weight_decay": (0, 10), "decay": (0, 0.99999),
     "heat_weight": (0, 1e6), "place_weight": (0, 1e6), "doubt_weight": (0, 1e6), "visible_weight": (0, 1e6),
     "parsing_weight": (0, 1e6), "face_weight": (0, 1e6), "validation": (1, 10**5), "validate_every": (1, 10**6),
@@ -33,17 +34,18 @@ class DetectorSize:
     """Size of the network.
 
     stem: channels at half of the window's size. width: channels at a quarter; below it there are 3/2, 2 and 5/2 as
-    many. depth: residual blocks at the two lowest levels.
+    many. depth: residual blocks at the two lowest levels. finer: residual blocks more at a quarter, at the end.
     Raises ValueError for impossible sizes.
     """
 
     stem: int = 16
     width: int = 64
     depth: int = 2
+    finer: int = 0
 
     def __post_init__(self) -> None:
         """Refuse impossible sizes."""
-        check_ranges(self, {name: _RANGES[name] for name in ("stem", "width", "depth")})
+        check_ranges(self, {name: _RANGES[name] for name in ("stem", "width", "depth", "finer")})
 
     @property
     def widths(self) -> tuple[int, int, int, int]:
@@ -57,22 +59,25 @@ class DetectorConfig:
 
     With the defaults the network has 5.3 MB in half precision.
 
-    stem, width, depth: see DetectorSize. size: of the windows that it is trained on, pixels; a multiple of 32. epochs;
-    steps: in an epoch; batch: windows a step, of which ``crops`` hold one face as it is cut out for its landmarks, the
-    others any part of a picture at any scale. learning_rate: of AdamW, with a cosine schedule. kernel_rate: of Muon,
-    by which the kernels of convolutions learn, likewise. weight_decay: of both. decay: of the weights' moving average,
-    a step. heat_weight, place_weight, doubt_weight, visible_weight, parsing_weight, face_weight: of the losses.
-    precision: of the convolutions. validation: faces measured at a validation. validate_every: epochs.
-    checkpoint_seconds: between two checkpoints.
+    stem, width, depth, finer: see DetectorSize. size: of the windows that it is trained on, pixels; a multiple of 32.
+    epochs; steps: in an epoch; rounds: how often its windows are learnt from, for machines that learn faster than they
+    draw: from the second time on picked, mirrored and lit by chance. batch: windows a step, of which ``crops`` hold one
+    face as it is cut out for its landmarks, the others any part of a picture at any scale. learning_rate: of AdamW,
+    with a cosine schedule. kernel_rate: of Muon, by which the kernels of convolutions learn, likewise. weight_decay: of
+    both. decay: of the weights' moving average, a step. heat_weight, place_weight, doubt_weight, visible_weight,
+    parsing_weight, face_weight: of the losses. precision: of the convolutions. validation: faces measured at a
+    validation. validate_every: epochs. checkpoint_seconds: between two checkpoints.
     Raises ValueError for impossible sizes.
     """
 
     stem: int = 16
     width: int = 64
     depth: int = 2
+    finer: int = 0
     size: int = 128
     epochs: int = 330
     steps: int = 50
+    rounds: int = 1
     batch: int = 32
     crops: float = 0.65
     learning_rate: float = 2e-3
@@ -95,7 +100,9 @@ class DetectorConfig:
         """Refuse impossible sizes."""
         check_ranges(self, _RANGES)
         check_windows(self.size, _STEP, self.precision)
+        if self.steps % self.rounds:
+            raise ValueError(f"steps must be a multiple of rounds, {self.rounds}, found {self.steps}")
 
     def network(self) -> DetectorSize:
         """The DetectorSize."""
-        return DetectorSize(self.stem, self.width, self.depth)
+        return DetectorSize(self.stem, self.width, self.depth, self.finer)

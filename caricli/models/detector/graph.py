@@ -33,6 +33,8 @@ def detector_graph(weights: DetectorWeights, regions: int) -> bytes:
         if number == 0:
             near = graph.unit("near_face", features, Kernel(third, first))
             graph.node("Identity", graph.convolution("face", near, first, 6), name=FACES)
+    for block in range(size.finer):
+        features = graph.residual(f"finer.{block}", features, first)
     graph.node("Identity", features, name=FEATURES)
     fine = graph.convolution("regions", features, first, HALF**2 * regions)
     edges = _edges(graph, levels.pop(), size.stem, HALF**2 * regions)

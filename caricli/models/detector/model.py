@@ -194,10 +194,12 @@ def _jaw(tensors: Mapping[str, np.ndarray]) -> JawPlaces | None:
 
 def _size(about: Any) -> DetectorSize:
     names = [field.name for field in fields(DetectorSize)]
+    if isinstance(about, dict):
+        about = {"finer": 0} | about  # which detectors of before had not
     if not isinstance(about, dict) or sorted(about) != sorted(names):
         raise InputError(f"expected a network of {', '.join(names)}, found {shown(about, 60)!r}")
     try:
-        return DetectorSize(**{name: whole_number(about[name], (1, 512), name) for name in names})
+        return DetectorSize(**{name: whole_number(about[name], (0, 512), name) for name in names})
     except ValueError as error:
         raise InputError(str(error)) from error
 

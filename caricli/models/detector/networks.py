@@ -75,6 +75,7 @@ class DetectorNetwork(nn.Module):
         )
         self.up = nn.ModuleList([unit(b, a, kernel=1) for a, b in ((third, fourth), (second, third), (first, second))])
         self.join = nn.ModuleList([Residual(width) for width in (third, second, first)])
+        self.finer = nn.ModuleList([Residual(first) for _ in range(size.finer)])
         self.near_face = unit(third, first)
         self.face = nn.Conv2d(first, 6, 1)
         self.heat = nn.Conv2d(first, landmarks, 1)
@@ -101,6 +102,8 @@ class DetectorNetwork(nn.Module):
         """Features at a quarter of the windows' size."""
         for up, join, level in zip(self.up[1:], self.join[1:], reversed(levels[1:]), strict=True):
             features = join(level + _twice(up(features)))
+        for block in self.finer:
+            features = block(features)
         return features
 
     def parse(self, features: torch.Tensor, levels: list[torch.Tensor]) -> torch.Tensor:

@@ -114,11 +114,11 @@ def test_a_small_region_that_is_missed_costs_as_much_as_a_large_one():
 
 
 def test_regions_are_asked_for_where_they_are_read():
-    regions = np.random.default_rng(0).integers(0, 16, (2, 64, 64)).astype(np.uint8)
-    regions[:, :8] = 255
+    regions = np.random.default_rng(0).integers(0, 16, (2, 32, 32)).astype(np.uint8)
+    regions[:, :4] = 255
     logits = torch.zeros(2, 16, 16, 4, 16, requires_grad=True)
-    region_loss(logits, regions).backward()
+    region_loss(logits, torch.from_numpy(regions)).backward()
     likeliest = by_pixels(-logits.grad.numpy()).argmax(-1)
-    told = regions[:, ::2, ::2] < 16
-    np.testing.assert_array_equal(likeliest[told], regions[:, ::2, ::2][told])
+    told = regions < 16
+    np.testing.assert_array_equal(likeliest[told], regions[told])
     assert not logits.grad.view(2, 16, 16, -1)[:, :2].any(), "nothing is asked for beyond the picture"

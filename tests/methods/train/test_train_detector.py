@@ -1,9 +1,10 @@
 import copy
+from functools import partial
 
-import numpy as np
 import pytest
 import torch
 
+from caricli.data.worker_pool import worker_pool
 from caricli.errors import InputError
 from caricli.io.bundled import config_path
 from caricli.io.config import read_config
@@ -47,6 +48,31 @@ def test_left_after_any_epoch_it_goes_on_to_the_same_bytes(pictures):
     assert left.state()["counters"] == states[-1]["counters"]
 
 
+def test_windows_that_are_learnt_from_again_go_on_to_the_same_bytes_too(pictures):
+    few = (*FEW, "steps=6", "rounds=3", "finer=1")
+    whole = begin(pictures, *few)
+    states = [copy.deepcopy(whole.state()) for _ in whole.epochs()]
+    left = begin(pictures, *few)
+    left.load_state(states[0])
+    list(left.epochs())
+    for name, value in left.average.state_dict().items():
+        assert torch.equal(value, whole.average.state_dict()[name]), name
+
+
+def test_other_processes_draw_the_same_windows(pictures):
+    few = (*FEW, "steps=4", "rounds=2")
+    alone = begin(pictures, *few)
+    helped = begin(pictures, *few)
+    with worker_pool(2, partial(copy.copy, helped.windows)) as run:
+        helped.draw_ahead(run)
+        assert [record.loss for record in helped.epochs()] == [record.loss for record in alone.epochs()]
+
+
+def test_rounds_that_do_not_fit_the_steps_are_refused():
+    with pytest.raises(ValueError, match="steps must be a multiple of rounds, 2, found 3"):
+        DetectorConfig(steps=3, rounds=2)
+
+
 def test_the_state_of_another_training_is_refused(pictures):
     training = begin(pictures, *FEW)
     other = begin(pictures, *FEW, "width=8")
@@ -56,12 +82,11 @@ def test_the_state_of_another_training_is_refused(pictures):
 
 def test_processes_share_the_windows_of_a_batch(pictures):
     whole = begin(pictures, *FEW)
-    windows, crops = whole._draw(0)
+    windows = whole._draw(0)
     parts = [begin(pictures, *FEW, share=Share(process, 2))._draw(0) for process in (0, 1)]
-    assert crops == 6 and [count for _, count in parts] == [3, 3]
-    for number, window in enumerate(windows):
-        own = parts[number % 2][0][number // 2]
-        np.testing.assert_array_equal(own.pixels, window.pixels)
+    assert len(windows.points) == 6 and [len(part.points) for part in parts] == [3, 3]
+    for number, pixels in enumerate(windows.pixels):
+        assert torch.equal(parts[number % 2].pixels[number // 2], pixels)
 
 
 def test_pictures_without_faces_are_not_enough(head_template):

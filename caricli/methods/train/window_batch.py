@@ -1,0 +1,211 @@
+"""The windows of a step of a detector's training: drawn by any process, learnt from on any device, and again."""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Protocol
+
+import numpy as np
+import torch
+
+from caricli.methods.train.detector_losses import FaceTargets
+from caricli.methods.train.disguise_picture import disguise_window
+from caricli.methods.train.split_pictures import evenly_jawed
+from caricli.methods.train.train_autodecoder import Share
+from caricli.methods.train.windows import WindowSettings, any_window, face_window
+from caricli.models.detector.config import HALF, DetectorConfig
+from caricli.seeds import TrainingSeed
+from caricli.structures.detection import MarkedPicture
+from caricli.structures.landmarks import MIRRORED
+
+_EXPONENT = 0.2
+_CONTRAST = 0.15
+_BRIGHTNESS = 0.05
+_MIX = 0.1
+"""Deviations of what a window is lit by when it is learnt from again: of the logarithms of exponent and contrast, of
+what is added, and of what colours are mixed by.
+"""
+
+
+class Pictures(Protocol):
+    """Pictures with truth, by number."""
+
+    @property
+    def numbers(self) -> Sequence[int]:
+        """Of the pictures."""
+
+    @property
+    def faces(self) -> Sequence[tuple[int, int]]:
+        """Of every face the number of its picture, and its own there."""
+
+    def marked(self, number: int) -> MarkedPicture:
+        """A picture with its truth."""
+
+    def landmarks(self) -> np.ndarray:
+        """(F, L, 2) true landmarks of all faces, pixels of their pictures."""
+
+
+@dataclass(frozen=True, eq=False)
+class WindowBatch:
+    """B windows of S pixels, of which the first C hold one face each, as arrays or, on a device, as tensors.
+
+    pixels: (B, S, S, 3) uint8. regions: (B, S / 2, S / 2) uint8, every other pixel. points: (C, L, 2) pixels and
+    visible: (C, L) bool, of the first. targets: FaceTargets of the others.
+    """
+
+    pixels: Any
+    regions: Any
+    points: Any
+    visible: Any
+    targets: FaceTargets
+
+    @staticmethod
+    def of(windows: Sequence[MarkedPicture], crops: int) -> "WindowBatch":
+        """Windows as arrays. crops: how many of them, the first, hold one face."""
+        faces = windows[:crops]
+        return WindowBatch(
+            np.stack([np.rint(255 * window.pixels).astype(np.uint8) for window in windows]),
+            np.stack([window.regions[::HALF, ::HALF] for window in windows]),
+            np.stack([window.landmarks[0] for window in faces]).astype(np.float32),
+            np.stack([window.visible[0] for window in faces]),
+            FaceTargets.of(windows[crops:], len(windows[0].pixels)),
+        )
+
+    def on(self, device: str) -> "WindowBatch":
+        """The same as tensors on a device."""
+        pixels, regions, points, visible, *targets = (
+            torch.from_numpy(np.ascontiguousarray(array)).to(device)
+            for array in (self.pixels, self.regions, self.points, self.visible, *self.targets.parts)
+        )
+        return WindowBatch(pixels, regions, points, visible, FaceTargets(*targets))
+
+
+@dataclass(frozen=True)
+class WindowSource:
+    """Draws the windows of a step, the same in any process. share: which part of a step's are drawn."""
+
+    pictures: Pictures
+    config: DetectorConfig
+    share: Share
+
+    def draw(self, epoch: int, step: int) -> WindowBatch:
+        """The windows of a step, as arrays."""
+        config = self.config
+        crops = round(config.crops * config.batch)
+        rows = range(self.share.process, config.batch, self.share.count)
+        windows = []
+        for row in rows:
+            generator = np.random.default_rng([config.seed, TrainingSeed.STEP, epoch, step, row])
+            windows.append(self._window(row < crops, generator))
+        return WindowBatch.of(windows, sum(row < crops for row in rows))
+
+    def _window(self, of_face: bool, generator: np.random.Generator) -> MarkedPicture:
+        settings = WindowSettings()
+        size = self.config.size
+        if of_face:
+            number, face = self.pictures.faces[int(generator.integers(len(self.pictures.faces)))]
+            window = evenly_jawed(face_window(self.pictures.marked(number), face, size, settings, generator))
+        else:
+            number = self.pictures.numbers[int(generator.integers(len(self.pictures.numbers)))]
+            window = any_window(self.pictures.marked(number), size, settings, generator)
+        return disguise_window(window, generator)
+
+
+def draw_step(source: WindowSource, job: tuple[int, int]) -> WindowBatch:
+    """The windows of an epoch and a step, as a job of a ``worker_pool`` of sources."""
+    return source.draw(*job)
+
+
+class WindowsAhead:
+    """Windows that other processes draw while a training learns: those of an epoch and of the next."""
+
+    def __init__(self, run: Callable[..., Iterator[WindowBatch]], config: DetectorConfig) -> None:
+        """run: of a ``worker_pool`` of WindowSources."""
+        self._run = run
+        self._config = config
+        self._drawn: dict[int, Iterator[WindowBatch]] = {}
+
+    def draw(self, epoch: int, step: int) -> WindowBatch:
+        """The windows of a step, which must be asked for one after the other."""
+        if step == 0:
+            for later in (epoch, epoch + 1):
+                if later not in self._drawn and later < self._config.epochs:
+                    steps = range(self._config.steps // self._config.rounds)
+                    self._drawn[later] = self._run(draw_step, [(later, number) for number in steps])
+            self._drawn.pop(epoch - 1, None)
+        return next(self._drawn[epoch])
+
+
+# ---------------------------------------------------------------- learnt from again
+
+
+def joined_windows(batches: Sequence[WindowBatch]) -> WindowBatch:
+    """The windows of several batches of tensors as one."""
+    crops = [len(batch.points) for batch in batches]
+    pixels = _faces_first([batch.pixels for batch in batches], crops)
+    regions = _faces_first([batch.regions for batch in batches], crops)
+    points = torch.cat([batch.points for batch in batches])
+    visible = torch.cat([batch.visible for batch in batches])
+    targets = FaceTargets(*map(torch.cat, zip(*(batch.targets.parts for batch in batches), strict=True)))
+    return WindowBatch(pixels, regions, points, visible, targets)
+
+
+def _faces_first(parts: Sequence[torch.Tensor], crops: Sequence[int]) -> torch.Tensor:
+    """Of every part so many, then the others."""
+    pairs = list(zip(parts, crops, strict=True))
+    return torch.cat([part[:count] for part, count in pairs] + [part[count:] for part, count in pairs])
+
+
+def picked_windows(windows: WindowBatch, like: WindowBatch, generator: torch.Generator) -> WindowBatch:
+    """As many windows as another batch has, and of its kinds, picked by chance, mirrored by chance and lit anew.
+
+    generator: on the windows' device.
+    """
+    crops = len(like.points)
+    faces = _picks(len(windows.points), crops, generator)
+    others = _picks(len(windows.targets.heat), len(like.targets.heat), generator)
+    rows = torch.cat([faces, len(windows.points) + others])
+    targets = FaceTargets(*(part[others] for part in windows.targets.parts))
+    picked = WindowBatch(
+        windows.pixels[rows], windows.regions[rows], windows.points[faces], windows.visible[faces], targets
+    )
+    turned = mirrored_windows(picked, _picks(2, len(rows), generator).bool())
+    return replace(turned, pixels=_lit(turned.pixels, generator))
+
+
+def _picks(count: int, size: int, generator: torch.Generator) -> torch.Tensor:
+    return torch.randint(count, (size,), generator=generator, device=generator.device)
+
+
+def mirrored_windows(windows: WindowBatch, which: torch.Tensor) -> WindowBatch:
+    """Windows of which some, (B,) bool, are mirrored."""
+    crops = len(windows.points)
+    size = windows.pixels.shape[2]
+    flip = which[:, None, None]
+    order = torch.tensor(MIRRORED, device=which.device)
+    away = torch.tensor([size - 1, 0], device=which.device)
+    points = (away + windows.points * torch.tensor([-1.0, 1.0], device=which.device))[:, order]
+    targets = windows.targets
+    signs = torch.tensor([-1.0, 1, 1, 1, -1], device=which.device)[:, None, None]
+    grids = [torch.where(flip[crops:], part.flip(-1), part) for part in (targets.heat, targets.counts, targets.near)]
+    values = torch.where(flip[crops:, None], targets.values.flip(-1) * signs, targets.values)
+    return WindowBatch(
+        torch.where(flip[..., None], windows.pixels.flip(2), windows.pixels),
+        torch.where(flip, windows.regions.flip(2), windows.regions),
+        torch.where(flip[:crops], points, windows.points),
+        torch.where(which[:crops, None], windows.visible[:, order], windows.visible),
+        FaceTargets(grids[0], grids[1], values, grids[2]),
+    )
+
+
+def _lit(pixels: torch.Tensor, generator: torch.Generator) -> torch.Tensor:
+    """Pixels (B, S, S, 3) uint8 in other light and in colours that are mixed from one another."""
+
+    def normal(*shape: int) -> torch.Tensor:
+        return torch.randn(len(pixels), *shape, generator=generator, device=generator.device)
+
+    mix = torch.eye(3, device=generator.device) + _MIX * normal(3, 3)
+    mix = mix / mix.sum(2, keepdim=True)
+    values = (pixels.flatten(1, 2).float() / 255).clamp_min(1e-3) ** torch.exp(_EXPONENT * normal(1, 1)) @ mix.mT
+    contrast = torch.exp(_CONTRAST * normal(1, 1))
+    values = (values - 0.5) * contrast + 0.5 + _BRIGHTNESS * normal(1, 1)
+    return (255 * values).round().clamp(0, 255).to(torch.uint8).view_as(pixels)
