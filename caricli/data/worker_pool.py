@@ -68,6 +68,8 @@ def _start(make: Callable[[], Any]) -> None:
     global _worker
     _belong_to_parent()
     threadpool_limits(1)
+    # OpenCV has threads of its own, and reads this when it is imported, which no work has done yet.
+    os.environ["OPENCV_FOR_THREADS_NUM"] = "1"
     _worker = make()
 
 

@@ -10,9 +10,9 @@ REACH = 2.5
 LEAST = 0.56
 """Factor, above which nothing folds."""
 
-_ROUNDS = 30
-_CLOSE = 1e-5
-"""Gap, in the plane's units, from which one more step, whose gap is about the square of this, is the last."""
+_ROUNDS = 4
+_SHARES = np.linspace(0, 1, 17)
+"""How often and at which shares of what is left a distance is looked for."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,7 +35,7 @@ class PartScale:
     def sources(self, points: np.ndarray) -> np.ndarray:
         """Where what is afterwards at points (..., 2) came from."""
         apart = points - self.centre
-        weight = _weight(np.linalg.norm(apart / self.radii, axis=-1))[0]
+        weight = _weight(np.linalg.norm(apart / self.radii, axis=-1))
         return self.centre + apart * (1 + weight[..., None] * (1 / self.factors - 1))
 
     def places(self, points: np.ndarray) -> np.ndarray:
@@ -51,42 +51,32 @@ class PartScale:
         return places.reshape(points.shape)
 
     def _solved(self, goal: np.ndarray) -> np.ndarray:
-        """(N, 2) whose sources are (N, 2), by Newton's method with steps that are halved until they help."""
-        places = goal
-        gap = self.sources(places) - goal
-        for _ in range(_ROUNDS):
-            size = np.abs(gap).max(1)
-            step = self._step(places, gap)
-            if size.max() < _CLOSE:
-                return places - step
-            for _ in range(_ROUNDS):
-                left = self.sources(places - step) - goal
-                worse = np.abs(left).max(1) > size
-                if not worse.any():
-                    break
-                step[worse] /= 2
-            places = places - step
-            gap = left
-        return places
+        """(N, 2) outside the ellipse whose sources are (N, 2).
 
-    def _step(self, points: np.ndarray, gap: np.ndarray) -> np.ndarray:
-        """(N, 2) what the sources of points (N, 2) must be moved by to change by (N, 2), were they linear.
-
-        Their derivative is a diagonal and a product of two vectors, whose inverse is that of Sherman and Morrison.
+        At a distance r, sources tell which p that were; the r that p then has is larger than r up to the true one, and
+        smaller beyond. It is looked for between both, by the share of the way from 1 to REACH that its logarithm is.
         """
-        apart = points - self.centre
-        distance = np.linalg.norm(apart / self.radii, axis=1)
-        weight, slope = _weight(distance)
+        apart = goal - self.centre
         change = 1 / self.factors - 1
-        growth = (slope / np.maximum(distance, 1.0))[:, None] * apart / self.radii**2
-        own = 1 + weight[:, None] * change
-        plain = gap / own
-        product = apart * change / own
-        return plain - product * ((growth * plain).sum(1) / (1 + (growth * product).sum(1)))[:, None]
+        low = np.zeros(len(goal))
+        width = 1.0
+        for _ in range(_ROUNDS):
+            far = low[:, None] + width * _SHARES
+            places = apart[:, None] / (1 + _following(far)[..., None] * change)
+            gap = np.log(np.linalg.norm(places / self.radii, axis=-1)) / np.log(REACH) - far
+            before = (gap[:, 1:] > 0).sum(1).clip(max=len(_SHARES) - 2)[:, None]
+            low = np.take_along_axis(far, before, 1)[:, 0]
+            width /= len(_SHARES) - 1
+        ends = [np.take_along_axis(gap, before + end, 1)[:, 0] for end in (0, 1)]
+        far = (low + width * ends[0] / (ends[0] - ends[1])).clip(0, 1)
+        return self.centre + apart / (1 + _following(far)[:, None] * change)
 
 
-def _weight(distance: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """How far what is at a distance follows, from 1 to 0, and the derivative."""
-    far = np.clip(np.log(np.maximum(distance, 1.0)) / np.log(REACH), 0, 1)
-    slope = -6 * far * (1 - far) / (np.log(REACH) * np.maximum(distance, 1.0))
-    return 1 - far**2 * (3 - 2 * far), slope
+def _following(far: np.ndarray) -> np.ndarray:
+    """How far what is at a distance follows, from 1 to 0. far: its logarithm as a share of REACH's."""
+    return 1 - far**2 * (3 - 2 * far)
+
+
+def _weight(distance: np.ndarray) -> np.ndarray:
+    """How far what is at a distance follows, from 1 to 0."""
+    return _following(np.clip(np.log(np.maximum(distance, 1.0)) / np.log(REACH), 0, 1))

@@ -6,6 +6,7 @@ from typing import Any, Protocol
 
 import numpy as np
 import torch
+from torch.nn import functional
 
 from caricli.methods.train.detector_losses import FaceTargets
 from caricli.methods.train.disguise_picture import disguise_window
@@ -16,13 +17,28 @@ from caricli.models.detector.config import HALF, DetectorConfig
 from caricli.seeds import TrainingSeed
 from caricli.structures.detection import MarkedPicture
 from caricli.structures.landmarks import MIRRORED
+from caricli.structures.parsing import BEYOND
+
+_TURN = 0.1
+_SCALE = 0.08
+_STRETCH = 0.06
+_SHIFT = 0.03
+_BEND = 0.012
+"""Deviations of what windows of a face that are learnt from again are turned by, radians, scaled and stretched by,
+logarithms, and moved and bent by, of the window's side.
+"""
+
+_STEPS = 8
+"""In which it is found where points went: each leaves a quarter of what was missing."""
 
 _EXPONENT = 0.2
 _CONTRAST = 0.15
 _BRIGHTNESS = 0.05
-_MIX = 0.1
+_SATURATION = 0.3
+_MIX = 0.08
+_GRAIN = 0.02
 """Deviations of what a window is lit by when it is learnt from again: of the logarithms of exponent and contrast, of
-what is added, and of what colours are mixed by.
+what is added, of saturation and what colours are mixed by, and of the deviation of grain.
 """
 
 
@@ -156,8 +172,9 @@ def _faces_first(parts: Sequence[torch.Tensor], crops: Sequence[int]) -> torch.T
 
 
 def picked_windows(windows: WindowBatch, like: WindowBatch, generator: torch.Generator) -> WindowBatch:
-    """As many windows as another batch has, and of its kinds, picked by chance, mirrored by chance and lit anew.
+    """As many windows as another batch has, and of its kinds, picked by chance and looked at anew.
 
+    All are mirrored by chance and lit; those of one face are turned, scaled, stretched, moved and bent, too.
     generator: on the windows' device.
     """
     crops = len(like.points)
@@ -169,11 +186,65 @@ def picked_windows(windows: WindowBatch, like: WindowBatch, generator: torch.Gen
         windows.pixels[rows], windows.regions[rows], windows.points[faces], windows.visible[faces], targets
     )
     turned = mirrored_windows(picked, _picks(2, len(rows), generator).bool())
-    return replace(turned, pixels=_lit(turned.pixels, generator))
+    bent = bent_windows(turned, _random_moves(crops, turned.pixels.shape[1], generator))
+    return replace(bent, pixels=_lit(bent.pixels, generator))
 
 
 def _picks(count: int, size: int, generator: torch.Generator) -> torch.Tensor:
     return torch.randint(count, (size,), generator=generator, device=generator.device)
+
+
+def _random_moves(count: int, size: int, generator: torch.Generator) -> torch.Tensor:
+    """(C, S, S, 2) pixels from the places of windows to where they are taken from."""
+
+    def normal(*shape: int) -> torch.Tensor:
+        return torch.randn(count, *shape, generator=generator, device=generator.device)
+
+    turn = _TURN * normal(1, 1) * torch.tensor([[0.0, -1.0], [1.0, 0.0]], device=generator.device)
+    scale = _SCALE * normal(1, 1) * torch.eye(2, device=generator.device)
+    linear = torch.matrix_exp(turn + scale + _STRETCH * normal(2, 2)) - torch.eye(2, device=generator.device)
+    places = torch.arange(size, device=generator.device) - (size - 1) / 2
+    across, down = torch.meshgrid(places, places, indexing="xy")
+    affine = torch.stack([across, down], -1) @ linear[:, None].mT + _SHIFT * size * normal(1, 1, 2)
+    knots = _BEND * size * normal(2, 5, 5)
+    bend = functional.interpolate(knots, (size, size), mode="bicubic", align_corners=True)
+    return affine + bend.permute(0, 2, 3, 1)
+
+
+def bent_windows(windows: WindowBatch, moves: torch.Tensor) -> WindowBatch:
+    """Windows of which the first C, those of one face, are taken from elsewhere.
+
+    moves: (C, S, S, 2) pixels from their places to where they come from.
+    """
+    crops, size = moves.shape[:2]
+    places = torch.arange(size, device=moves.device)
+    sources = torch.stack(torch.meshgrid(places, places, indexing="xy"), -1) + moves
+    shares = (2 * sources + 1) / size - 1
+    pixels = windows.pixels[:crops].permute(0, 3, 1, 2).float()
+    pixels = functional.grid_sample(pixels, shares, padding_mode="border", align_corners=False)
+    # Every other pixel has a region; what lies beyond the window has the one after the last.
+    coarse = (sources[:, ::HALF, ::HALF] / HALF + 0.5) / (size / HALF) * 2 - 1
+    regions = windows.regions[:crops, None].float() - BEYOND
+    regions = functional.grid_sample(regions, coarse, mode="nearest", align_corners=False)[:, 0] + BEYOND
+    return replace(
+        windows,
+        pixels=torch.cat([pixels.round().to(torch.uint8).permute(0, 2, 3, 1), windows.pixels[crops:]]),
+        regions=torch.cat([regions.to(torch.uint8), windows.regions[crops:]]),
+        points=_gone(windows.points, moves),
+    )
+
+
+def _gone(points: torch.Tensor, moves: torch.Tensor) -> torch.Tensor:
+    """Where points (C, L, 2) are in windows that are taken from elsewhere."""
+    size = moves.shape[1]
+    fields = moves.permute(0, 3, 1, 2)
+    places = points
+    # What is at p comes from p + moves(p).
+    for _ in range(_STEPS):
+        shares = (2 * places[:, None] + 1) / size - 1
+        moved = functional.grid_sample(fields, shares, padding_mode="border", align_corners=False)
+        places = points - moved[:, :, 0].mT
+    return places
 
 
 def mirrored_windows(windows: WindowBatch, which: torch.Tensor) -> WindowBatch:
@@ -203,9 +274,11 @@ def _lit(pixels: torch.Tensor, generator: torch.Generator) -> torch.Tensor:
     def normal(*shape: int) -> torch.Tensor:
         return torch.randn(len(pixels), *shape, generator=generator, device=generator.device)
 
-    mix = torch.eye(3, device=generator.device) + _MIX * normal(3, 3)
+    saturation = 1 + _SATURATION * normal(1, 1)
+    mix = saturation * torch.eye(3, device=generator.device) + (1 - saturation) / 3 + _MIX * normal(3, 3)
     mix = mix / mix.sum(2, keepdim=True)
     values = (pixels.flatten(1, 2).float() / 255).clamp_min(1e-3) ** torch.exp(_EXPONENT * normal(1, 1)) @ mix.mT
     contrast = torch.exp(_CONTRAST * normal(1, 1))
     values = (values - 0.5) * contrast + 0.5 + _BRIGHTNESS * normal(1, 1)
+    values = values + _GRAIN * normal(1, 1) * normal(*values.shape[1:])
     return (255 * values).round().clamp(0, 255).to(torch.uint8).view_as(pixels)

@@ -1,10 +1,19 @@
+import cv2
 import numpy as np
 import pytest
 import torch
 
 from caricli.methods.train.detector_losses import FaceTargets
-from caricli.methods.train.window_batch import WindowBatch, joined_windows, mirrored_windows, picked_windows
+from caricli.methods.train.window_batch import (
+    WindowBatch,
+    _random_moves,
+    bent_windows,
+    joined_windows,
+    mirrored_windows,
+    picked_windows,
+)
 from caricli.methods.train.windows import mirrored, moved_window
+from caricli.structures.parsing import BEYOND
 from tests.drawn_pictures import drawn_picture, mean_shape
 
 SIZE = 160
@@ -60,7 +69,8 @@ def test_windows_are_picked_from_all_that_were_joined(windows):
     generator = torch.Generator().manual_seed(0)
     picked = [picked_windows(together, few[0], generator) for _ in range(20)]
     assert {len(each.pixels) for each in picked} == {2} and {len(each.points) for each in picked} == {1}
-    nearest = {int((each.points - together.points).abs().sum((1, 2)).argmin()) for each in picked}
+    faces = torch.stack([together.points, mirrored_windows(together, torch.ones(6, dtype=torch.bool)).points], 1)
+    nearest = {int((each.points - faces).abs().sum((2, 3)).amin(1).argmin()) for each in picked}
     assert nearest == {0, 1, 2}, "also of other steps"
     assert len({each.pixels[0].float().mean().item() for each in picked}) == 20, "each in a light of its own"
 
@@ -68,3 +78,33 @@ def test_windows_are_picked_from_all_that_were_joined(windows):
 def test_targets_are_in_the_order_in_which_they_are_made(windows):
     targets = FaceTargets.of(windows, SIZE)
     assert all(a is b for a, b in zip(FaceTargets(*targets.parts).parts, targets.parts, strict=True))
+
+
+def test_what_is_marked_stays_where_windows_are_bent(windows):
+    whole = batch_of(windows, 3)
+    moves = _random_moves(3, SIZE, torch.Generator().manual_seed(5))
+    assert moves.abs().amax((1, 2, 3)).min() > 3
+    bent = bent_windows(whole, moves)
+    assert torch.equal(bent.pixels[3:], whole.pixels[3:]) and torch.equal(bent.regions[3:], whole.regions[3:])
+    for number in range(3):
+        # The same by OpenCV.
+        x, y = np.meshgrid(np.arange(SIZE, dtype=np.float32), np.arange(SIZE, dtype=np.float32))
+        source = np.stack([x, y], -1) + moves[number].numpy()
+        pixels = cv2.remap(
+            whole.pixels[number].numpy(), source, None, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE
+        )
+        assert np.abs(pixels.astype(int) - bent.pixels[number].numpy()).mean() < 1
+        half = np.rint(source[::2, ::2] / 2).astype(int)
+        inside = ((half >= 0) & (half < SIZE // 2)).all(-1)
+        told = bent.regions[number].numpy()
+        cells = half.clip(0, SIZE // 2 - 1)
+        expected = np.where(inside, whole.regions[number].numpy()[cells[..., 1], cells[..., 0]], BEYOND)
+        assert (told == expected).mean() > 0.999
+        # A landmark is where its place came from.
+        for before, after in zip(whole.points[number].numpy(), bent.points[number].numpy(), strict=True):
+            if (after > 1).all() and (after < SIZE - 2).all():
+                corner = np.floor(after).astype(int)
+                (a, b), (c, d) = source[corner[1] : corner[1] + 2, corner[0] : corner[0] + 2]
+                right, down = after - corner
+                came = (a * (1 - right) + b * right) * (1 - down) + (c * (1 - right) + d * right) * down
+                assert np.abs(came - before).max() < 0.02
