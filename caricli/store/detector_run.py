@@ -42,12 +42,12 @@ def load_training(
 
 @contextmanager
 def drawing_ahead(training: DetectorTraining) -> Iterator[None]:
-    """Let one process for every core but this one draw what a GPU learns from; a CPU draws beside what it learns."""
+    """Let a process for every core but two draw what a GPU learns from; a CPU draws beside what it learns."""
     cores = usable_cores()
-    if training.device == "cpu" or cores < 2:
+    if training.device == "cpu" or cores < 3:
         yield
         return
-    with worker_pool(cores - 1, partial(copy, training.windows)) as run:
+    with worker_pool(cores - 2, partial(copy, training.windows)) as run:
         training.draw_ahead(run)
         yield
 
