@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from copy import copy
 from functools import partial
 from pathlib import Path
 
@@ -15,6 +14,7 @@ from caricli.methods.train.fit_jaw_places import fit_jaw_places
 from caricli.methods.train.split_pictures import JoinedPictures, SplitPictures, marked_by_people
 from caricli.methods.train.train_autodecoder import Share
 from caricli.methods.train.train_detector import DetectorTraining, evenly
+from caricli.methods.train.window_batch import WindowSource
 from caricli.models.detector.config import DetectorConfig
 from caricli.models.detector.model import TRUST, detector_to_checkpoint
 from caricli.models.detector.networks import detector_of, network_of
@@ -41,15 +41,23 @@ def load_training(
 
 
 @contextmanager
-def drawing_ahead(training: DetectorTraining) -> Iterator[None]:
-    """Let a process for every core but two draw what a GPU learns from; a CPU draws beside what it learns."""
+def drawing_ahead(training: DetectorTraining, folders: Sequence[Path]) -> Iterator[None]:
+    """Let a process for every core but two draw what a GPU learns from; a CPU draws beside what it learns.
+
+    folders: of the training's pictures.
+    """
     cores = usable_cores()
     if training.device == "cpu" or cores < 3:
         yield
         return
-    with worker_pool(cores - 2, partial(copy, training.windows)) as run:
+    # Each reads what is true of the pictures itself: handed over to one after the other, they would start in a minute.
+    with worker_pool(cores - 2, partial(_window_source, folders, training.config, training.share)) as run:
         training.draw_ahead(run)
         yield
+
+
+def _window_source(folders: Sequence[Path], config: DetectorConfig, share: Share) -> WindowSource:
+    return WindowSource(_joined(folders, "train"), config, share)
 
 
 def _joined(folders: Sequence[Path], split: str) -> JoinedPictures:

@@ -64,7 +64,7 @@ def command(pictures, out, config, overrides, start, resume, device, overwrite):
         recipe = provenance("train detector", sources, config=asdict(settings))
         run = DetectorRun(out, recipe, Beginning(resume, overwrite, writes=share.process == 0))
         training = load_training(pictures, settings, share, place, start)
-        with drawing_ahead(training), training_bar(settings.epochs, quiet=not run.writes) as show:
+        with drawing_ahead(training, pictures), training_bar(settings.epochs, quiet=not run.writes) as show:
             for line in run.follow(training):
                 show(line)
         if run.writes:
