@@ -7,7 +7,7 @@ import cv2
 import numpy as np
 from scipy.ndimage import distance_transform_edt
 
-_SIDES = (0.2, 0.14, 0.1, 0.07, 0.05, 0.035)  # of the picture: patches, the largest of which there are enough
+_SIDES = (0.2, 0.14, 0.1, 0.07, 0.05, 0.035, 0.025)  # of the picture: patches, the largest of which there are enough
 _ENOUGH = 24  # patches
 _FULL = 0.7  # of a patch: with less of it seen it is none
 _BORDER = 0.003  # of the picture: so near to what is not seen no patch is taken
