@@ -39,10 +39,10 @@ def trained(head_template):
     config = read_config(config_path("detector/tiny.yaml"), DetectorConfig, settings)
     training = DetectorTraining(DrawnPictures(shape, 80, 0), unseen, config)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("caricli.methods.train.train_detector.disguise_window", as_it_is)
+        patch.setattr("caricli.methods.train.window_batch.disguise_window", as_it_is)
         patch.setattr("caricli.methods.train.windows.distort_picture", lambda picture, *_: picture)
         varied = partial(WindowSettings, turn=0.2, bent=0.25, cut=0.15)  # there are so few pictures
-        patch.setattr("caricli.methods.train.train_detector.WindowSettings", varied)
+        patch.setattr("caricli.methods.train.window_batch.WindowSettings", varied)
         list(training.epochs())
     return detector_of(training.average, 64), unseen
 
