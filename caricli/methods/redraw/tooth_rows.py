@@ -52,7 +52,9 @@ def _below(original: Original) -> np.ndarray:
     middle = mouth & (height >= _HIGH * height.max())
     bright = original.window.sampled(original.picture).mean(2)[middle]
     bins = np.minimum((share[middle] * _BINS).astype(int), _BINS - 1)
-    profile = np.bincount(bins, bright, _BINS) / np.maximum(np.bincount(bins, minlength=_BINS), 1)
+    samples = np.bincount(bins, minlength=_BINS)
+    # In a low mouth there are heights of which there is nothing, and that is not dark.
+    profile = np.where(samples > 0, np.bincount(bins, bright, _BINS) / np.maximum(samples, 1), np.inf)
     first = int(_BITE[0] * _BINS)
     last = int(_BITE[1] * _BINS)
     darkest = first + int(profile[first:last].argmin())
