@@ -40,7 +40,7 @@ def command(pictures, out, config, overrides, start, resume, device, overwrite):
 
     The model of the best validation is in RUN_DIR/model.safetensors, with recipe and errors in model.json. Killed at
     any moment, the same command with --resume ends in the same model. Under torchrun every process takes its share of
-    each batch, which on two cores is faster than two threads; for a GPU one process a core draws what is learnt from.
+    each batch, which on two cores is faster than two threads; what a GPU learns from is drawn by all cores but two.
     People of the dataset's validation and test splits are not trained with.
 
     \b

@@ -12,14 +12,8 @@ from caricli.methods.train.kernel_muon import normalised_kernels
 from caricli.methods.train.network_training import NetworkTraining, require_faces
 from caricli.methods.train.split_pictures import evenly_jawed
 from caricli.methods.train.train_autodecoder import ALL, Share
-from caricli.methods.train.window_batch import (
-    Pictures,
-    WindowBatch,
-    WindowsAhead,
-    WindowSource,
-    joined_windows,
-    picked_windows,
-)
+from caricli.methods.train.window_batch import Pictures, WindowBatch, WindowsAhead, WindowSource
+from caricli.methods.train.windows_again import joined_windows, picked_windows
 from caricli.models.detector.config import FINE, DetectorConfig
 from caricli.models.detector.networks import DetectorNetwork
 from caricli.render.cut_window import cut_window
@@ -42,7 +36,7 @@ class DetectorTraining(NetworkTraining):
 
     A step is on windows of random pictures, of which a part hold one face as it is cut out for its landmarks and the
     others anything; the former are asked for landmarks, the latter for faces, all for regions. With several rounds the
-    windows of an epoch are learnt from again, picked by chance, mirrored and in other light. Errors are mean
+    windows of an epoch are learnt from again, picked by chance, mirrored, bent and in other light. Errors are mean
     distances of landmarks, in training as a share of the window's side, in validation of the diagonal of the face.
     """
 
@@ -61,6 +55,7 @@ class DetectorTraining(NetworkTraining):
         self.windows = WindowSource(training, config, share)
         self._ahead: WindowsAhead | None = None
         self._kept: list[WindowBatch] = []
+        self._together: WindowBatch | None = None
 
     def _kernels(self) -> Sequence[torch.Tensor]:
         return normalised_kernels(self.network)
@@ -85,7 +80,7 @@ class DetectorTraining(NetworkTraining):
             if config.rounds > 1:
                 self._kept = [*(self._kept if step else []), batch]
             return batch
-        if step == config.steps // config.rounds:
+        if self._together is None or step == config.steps // config.rounds:
             self._together = joined_windows(self._kept)
         key = np.random.SeedSequence([config.seed, TrainingSeed.EXTRA, self.epoch, step, self.share.process])
         generator = torch.Generator(self.device).manual_seed(int(key.generate_state(1)[0]))

@@ -4,15 +4,15 @@ import pytest
 import torch
 
 from caricli.methods.train.detector_losses import FaceTargets
-from caricli.methods.train.window_batch import (
-    WindowBatch,
+from caricli.methods.train.window_batch import WindowBatch
+from caricli.methods.train.windows import mirrored, moved_window
+from caricli.methods.train.windows_again import (
     _random_moves,
     bent_windows,
     joined_windows,
     mirrored_windows,
     picked_windows,
 )
-from caricli.methods.train.windows import mirrored, moved_window
 from caricli.structures.parsing import BEYOND
 from tests.drawn_pictures import drawn_picture, mean_shape
 
