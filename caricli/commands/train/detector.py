@@ -48,6 +48,7 @@ def command(pictures, out, config, overrides, start, resume, device, overwrite):
       caricli train detector --pictures pictures --out run
       caricli train detector --pictures pictures --out run --resume
       caricli train detector --pictures pictures --pictures more --start run/model.safetensors --out further
+      caricli train detector --pictures pictures --out run --config configs/detector/gpu.yaml --device cuda
     """
     from caricli.commands.shared.progress import progress_bar, training_bar
     from caricli.commands.shared.tables import detector_figures
