@@ -1,6 +1,6 @@
 """Landmarks beyond the 68 that a picture shows: ears and forehead."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -75,7 +75,11 @@ class _EarSearch:
             self.spread = (own + alike) ** -0.5
 
     def find(self, generator: np.random.Generator) -> _Ear:
-        """The most likely ear, or one like the other where that is much surer."""
+        """The most likely ear, or one like the other where that is much surer; less sure where hair may hide of it."""
+        ear = self._likeliest(generator)
+        return replace(ear, confidence=ear.confidence * self.bare(ear.numbers) ** _TRUST.bare)
+
+    def _likeliest(self, generator: np.random.Generator) -> _Ear:
         ears, likelihood = self.draw(generator)
         share = np.exp(likelihood - likelihood.max())
         landmarks = self.shapes.landmarks(ears)
@@ -109,6 +113,15 @@ class _EarSearch:
         score = _EARS.edge * edge + _EARS.contrast * (inner - outer) / 2 + _EARS.colour * inner
         unusual = (((ears - self.mean) / self.spread) ** 2).sum(1) / 2
         return _EARS.trust * score * self.shapes.sizes(ears) ** _EARS.growth - unusual
+
+    def bare(self, ear: np.ndarray) -> float:
+        """Share of what is around the upper part of an ear (7,) that is neither hair nor a hat, from 0 to 1."""
+        rim = self.shapes.rims(ear[None])[0]
+        around = rim.mean(0) + _TRUST.around * (rim - rim.mean(0))
+        upper = np.rint(around[: int(_TRUST.upper * len(rim))]).astype(int)
+        hiding = self.window.hiding
+        height, width = hiding.shape
+        return float(1 - hiding[upper[:, 1].clip(0, height - 1), upper[:, 0].clip(0, width - 1)].mean())
 
     def clearness(self, ear: np.ndarray) -> float:
         """How clearly an ear (7,) stands out, from 0 to 1."""

@@ -17,6 +17,7 @@ from caricli.structures.parsing import Region
 _SETTINGS = EvidenceSettings()
 _FEATURES = (EYE_LEFT, EYE_RIGHT, LIPS, BROW_LEFT, BROW_RIGHT)
 _NO_FACE = (Region.BACKGROUND, Region.HAIR, Region.HAT, Region.NECK, Region.CLOTH, Region.OTHER)
+_HIDING = (Region.HAIR, Region.HAT)
 _LEVELS = 256
 _TAILS = 4  # standard deviations, to where a colour is spread
 
@@ -27,13 +28,15 @@ class PictureEvidence:
 
     skin: (H, W) from -1, surely not of the face's skin by its colour, to 1; what is seen to be an ear counts more, and
     what is seen to be no part of a face less. gradient: (H, W, 2), how colours change to the right and down, levels of
-    Lab a pixel; none on the face and along its marked outline. inside: (H, W) bool, what the landmarks enclose.
+    Lab a pixel; none on the face and along its marked outline. hiding: (H, W) bool, hair and hats that are seen, behind
+    which there may be more of an ear. inside: (H, W) bool, what the landmarks enclose.
     covered: (H, W) bool, what the fitted mesh covers. lab: (H, W, 3) uint8, the colours. corner: (2,) pixels of the
     picture, where the window begins. zoom: (2,) of its axes.
     """
 
     skin: np.ndarray
     gradient: np.ndarray
+    hiding: np.ndarray
     inside: np.ndarray
     covered: np.ndarray
     lab: np.ndarray
@@ -70,15 +73,18 @@ def picture_evidence(face: Face, points: np.ndarray, picture: ParsedPicture) -> 
     covered = covered_pixels(placed, face.faces, *lab.shape[1::-1])
     inside = inside_polygon(marks[list(OUTLINE)], lab.shape[:2])
     skin = _skin_odds(lab, _bare_skin(inside, marks), ~(inside | _grown(covered, 1)))
+    hiding = np.zeros(skin.shape, bool)
     if picture.regions is not None:
         first = corner.astype(int)
         labels = picture.regions[first[1] : first[1] + len(crop), first[0] : first[0] + crop.shape[1]]
-        skin = np.clip(skin + _SETTINGS.label * _ear_odds(labels, size), -1, 1)
+        labels = cv2.resize(labels, size.tolist(), interpolation=cv2.INTER_NEAREST)
+        skin = np.clip(skin + _SETTINGS.label * _ear_odds(labels), -1, 1)
+        hiding = np.isin(labels, _HIDING)
     gradient = _gradient(lab)
     jaw = np.zeros(inside.shape, np.uint8)
     cv2.polylines(jaw, [np.rint(marks[list(JAW)]).astype(np.int32)], False, 1, 2 * _SETTINGS.line)
     gradient[inside | (jaw > 0)] = 0
-    return PictureEvidence(skin, gradient, inside, covered, lab, corner, zoom)
+    return PictureEvidence(skin, gradient, hiding, inside, covered, lab, corner, zoom)
 
 
 def _window(points: np.ndarray, image: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -120,11 +126,10 @@ def _skin_odds(lab: np.ndarray, skin: np.ndarray, rest: np.ndarray) -> np.ndarra
     return np.clip((odds[0] - odds[1]) / _SETTINGS.certain, -1, 1)
 
 
-def _ear_odds(labels: np.ndarray, size: np.ndarray) -> np.ndarray:
-    """(H, W) in a window of a size (2,): 1 where labels (H', W') say ear, -1 where they say no part of a face."""
-    near = cv2.resize(labels, size.tolist(), interpolation=cv2.INTER_NEAREST)
-    ears = cv2.GaussianBlur((near == Region.EARS).astype(np.float32), (0, 0), _SETTINGS.label_blur) > 0.5
-    return np.where(ears, 1.0, -1.0 * np.isin(near, _NO_FACE))
+def _ear_odds(labels: np.ndarray) -> np.ndarray:
+    """(H, W): 1 where labels (H, W) say ear, -1 where they say no part of a face."""
+    ears = cv2.GaussianBlur((labels == Region.EARS).astype(np.float32), (0, 0), _SETTINGS.label_blur) > 0.5
+    return np.where(ears, 1.0, -1.0 * np.isin(labels, _NO_FACE))
 
 
 def _histogram(lab: np.ndarray, mask: np.ndarray, spread: tuple[float, ...]) -> np.ndarray:

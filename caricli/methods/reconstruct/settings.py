@@ -207,7 +207,9 @@ class TrustSettings:
     least: colour inside, contrast and edge, see ``ear_shapes.agreement``, below which it is none. rise: how much more
     of them makes it sure. vague: pixels of the window, standard deviation of a landmark that halves its confidence.
     small: heights of the fitted ear, below which confidence falls. inherited: share of an ear's confidence that one has
-    which is taken from it, and below which it is.
+    which is taken from it, and below which it is. around: distance, in those of its outline from its middle, at which
+    is what may hide more of an ear; upper: share of the outline, from above, where that counts; bare: power of the
+    share that nothing hides, by which confidence falls.
     """
 
     least: tuple[float, float, float] = (0.05, 0.3, 0.4)
@@ -215,6 +217,9 @@ class TrustSettings:
     vague: float = 6.0
     small: float = 0.8
     inherited: float = 0.5
+    around: float = 1.25
+    upper: float = 0.66
+    bare: float = 2.0
 
 
 @dataclass(frozen=True)

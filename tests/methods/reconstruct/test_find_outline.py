@@ -234,3 +234,25 @@ def test_landmarks_outside_the_picture_are_refused(frontal, intrinsic):
     with pytest.raises(InputError, match="found them outside"):
         far = truth.points[:68] + 5000
         find_outline(fit.face, intrinsic.template, far, ParsedPicture(image), np.random.default_rng(0))
+
+
+def test_where_hair_may_hide_the_upper_part_of_an_ear_what_is_seen_of_it_counts_little(frontal, intrinsic):
+    truth, image, alone, _ = frontal
+    image = image.copy()
+    regions = np.full(image.shape[:2], Region.SKIN, np.uint8)
+    for ear in (EAR_RIGHT, EAR_LEFT):
+        (left, top), (right, bottom) = (
+            np.rint(f(truth.points[list(ear)], axis=0)).astype(int) for f in (np.min, np.max)
+        )
+        hidden = np.s_[top - 40 : (top + bottom) // 2, left - 40 : right + 40]
+        image[hidden] = BACKGROUND
+        regions[hidden] = Region.HAIR
+    beside = np.where(regions == Region.HAIR, Region.BACKGROUND, regions).astype(np.uint8)
+    hair, wall = (
+        find_outline(
+            alone.face, intrinsic.template, truth.points[:68], ParsedPicture(image, labels), np.random.default_rng(0)
+        )
+        for labels in (regions, beside)
+    )
+    assert wall.confidence[3:9].max() > 0.2
+    assert hair.confidence[3:9].max() < 0.5 * wall.confidence[3:9].max()
