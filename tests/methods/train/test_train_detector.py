@@ -37,26 +37,16 @@ def test_it_learns_where_landmarks_are(pictures):
     assert records[-1].validation_error < 0.05
 
 
-def test_left_after_any_epoch_it_goes_on_to_the_same_bytes(pictures):
-    whole = begin(pictures, *FEW)
+@pytest.mark.parametrize("more", [(), ("steps=6", "rounds=3", "finer=1")], ids=["once", "again"])
+def test_left_after_any_epoch_it_goes_on_to_the_same_bytes(pictures, more):
+    whole = begin(pictures, *FEW, *more)
     states = [copy.deepcopy(whole.state()) for _ in whole.epochs()]
-    left = begin(pictures, *FEW)
+    left = begin(pictures, *FEW, *more)
     left.load_state(states[0])
     list(left.epochs())
     for name, value in left.average.state_dict().items():
         assert torch.equal(value, whole.average.state_dict()[name]), name
     assert left.state()["counters"] == states[-1]["counters"]
-
-
-def test_windows_that_are_learnt_from_again_go_on_to_the_same_bytes_too(pictures):
-    few = (*FEW, "steps=6", "rounds=3", "finer=1")
-    whole = begin(pictures, *few)
-    states = [copy.deepcopy(whole.state()) for _ in whole.epochs()]
-    left = begin(pictures, *few)
-    left.load_state(states[0])
-    list(left.epochs())
-    for name, value in left.average.state_dict().items():
-        assert torch.equal(value, whole.average.state_dict()[name]), name
 
 
 def test_other_processes_draw_the_same_windows(pictures):
