@@ -1,6 +1,7 @@
 from dataclasses import asdict
 from pathlib import Path
 
+import numpy as np
 import pytest
 import torch
 
@@ -12,7 +13,7 @@ from caricli.methods.train.train_autodecoder import ALL
 from caricli.models.detector.config import DetectorConfig
 from caricli.models.detector.networks import network_of
 from caricli.store.detector import load_detector
-from caricli.store.detector_run import DetectorRun, load_training
+from caricli.store.detector_run import DetectorRun, drawing_ahead, load_training
 from caricli.store.training_run import FILES, MODEL, Beginning
 from tests.drawn_pictures import mean_shape, write_drawn_set
 
@@ -52,6 +53,15 @@ def test_a_run_that_was_left_goes_on_to_the_same_bytes(pictures, tmp_path):
     assert report["model_id"] == detector.model_id and report["trust"] == detector.trust
     assert report["validation"] == figures and report["epochs"] == 3
     assert detector.recipe["inputs"] == {"pictures.json": "0" * 64}
+
+
+def test_what_a_gpu_learns_from_other_processes_draw_alike(pictures, tmp_path, monkeypatch):
+    monkeypatch.setattr("caricli.store.detector_run.usable_cores", lambda: 4)
+    _, training = begin(pictures, tmp_path / "run")
+    training.device = "cuda"
+    with drawing_ahead(training, [pictures]):
+        drawn = training._ahead.draw(0, 0)
+    assert np.array_equal(drawn.pixels, training.windows.draw(0, 0).pixels)
 
 
 def test_without_a_detector_it_is_said_how_to_make_one(monkeypatch, tmp_path):
