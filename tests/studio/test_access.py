@@ -10,6 +10,9 @@ AXE = """async () => {
     .map(each => `${each.id}: ${each.nodes.map(node => node.html.slice(0, 160)).join(" | ")}`);
 }"""
 
+STILL = """() => document.getAnimations().every(each => each.effect.getComputedTiming().iterations === Infinity)"""
+"""Nothing fades any more: what does is pale for a moment."""
+
 
 @pytest.mark.parametrize("dark", [False, True])
 def test_nothing_serious_stands_in_the_way(tab, dark):
@@ -19,8 +22,12 @@ def test_nothing_serious_stands_in_the_way(tab, dark):
         tab.page.locator("body.body--dark").wait_for()
     tabs = tab.page.get_by_role("tab")
     for number in range(tabs.count()):
+        before = tab.page.locator(".caricli-panel").element_handle()
         tabs.nth(number).click()
+        if number:
+            before.wait_for_element_state("hidden")
         tab.page.wait_for_timeout(700)
+        tab.page.wait_for_function(STILL)
         tab.page.add_script_tag(content=script.read_text("utf-8"))
         assert tab.page.evaluate(AXE) == [], number
 
