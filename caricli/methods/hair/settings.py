@@ -53,7 +53,7 @@ class MaskSettings:
     floor: float = -12.8
     lowest: float = -20.0
     apart: float = 8.0
-    least: float = 0.04
+    least: float = 0.035
     speckle: float = 0.02
     bridge: float = 0.03
     doubt: float = 0.4

@@ -13,6 +13,7 @@ from scipy.spatial import KDTree
 
 from caricli.geometry.join_meshes import join_meshes
 from caricli.geometry.vertex_neighbours import vertex_neighbours
+from caricli.methods.hair.hair_view import HeadView
 from caricli.methods.hair.head_sphere import HeadSphere
 from caricli.methods.hair.mask_hair import HairMask
 from caricli.methods.hair.move_skull import lower_skull, raise_skull
@@ -23,7 +24,8 @@ from caricli.structures import Camera, Hair, Mesh
 from caricli.template.template import Template
 
 _WIDTHS = (0.015, 0.01, 0.006, 0.004, 0.003)
-_GOOD = 0.93  # intersection over union from which on no skull is raised
+_LAST_WIDTH = 0.006  # the same once hair is laid where it lacks
+_GOOD = 0.93  # intersection over union from which on no skull is raised and no gap filled
 _CORNERS = 5  # rows and columns around a direction, in which nothing of hair is nearer than the skull
 _INSIDE = 41  # the same, in which hair does not end
 _RAISE = 0.02  # of the head's height, by which it is at most
@@ -54,12 +56,13 @@ def snap_border(
 ) -> tuple[Hair, Template, float]:
     """Move a shell so that what the camera sees of it ends where the mask ends, and the skull so that it is under it.
 
-    Every pixel of either border wants to be at the nearest of the other one; what they want, averaged with weights that
-    fall with the distance, moves what is near them, in smaller and smaller neighbourhoods. Where the surface faces the
-    camera it goes along the skin, where it is seen from aside out and in. In the last round the skull is raised where
-    hair is seen still and the picture has skin: a forehead that is too low shows the hair behind. The best of the
-    rounds counts, without its loose parts. Movements go over smoothly into what is not seen and fade out there, and
-    what stands before bare skin goes under it in a slope.
+    Every pixel of either border wants to be at the nearest of the other one; what they want, averaged with weights
+    that fall with the distance, moves what is near them, in smaller and smaller neighbourhoods. Where the surface
+    faces the camera it goes along the skin, where it is seen from aside out and in. In the last round the skull is
+    raised where hair is seen still and the picture has skin: a forehead that is too low shows the hair behind. The
+    best of the rounds counts, its gaps filled where it is far from the mask, without its loose parts. Movements go
+    over smoothly into what is not seen and fade out there, and what stands before bare skin goes under it in a
+    slope.
 
     hair: Hair on the head. head: Template in the shape of the face. camera: of the picture. mask: HairMask.
     Returns Hair with the same polygons and roots, the head, and the intersection over union of what the camera sees of
@@ -101,18 +104,51 @@ def snap_border(
         hair = replace(hair, shell=hair.shell.with_vertices(points))
         seen = _seen_faces(head, hair, camera, mask.pixels.shape)
         best = max(best, (union_share(seen >= 0, mask.pixels), hair, head), key=itemgetter(0))
-    _, hair, head = best
-    hair, head = _tidied(hair, head, camera, mean, settings)
+    share, hair, head = best
+    skin = HeadSphere(head, settings, fine=True)
+    if share < _GOOD:
+        hair = _filled(hair, skin, camera, mask, mean, settings)
+    hair = _hanging_together(hair, skin, camera, mean, settings)
+    head = _clear_of(hair, skin, settings)
     return hair, head, union_share(_seen_faces(head, hair, camera, mask.pixels.shape) >= 0, mask.pixels)
 
 
-def _tidied(
-    hair: Hair, head: Template, camera: Camera, mean: sp.csr_matrix, settings: ShellSettings
-) -> tuple[Hair, Template]:
-    """Hair without loose parts, and the head whose skull is well under it. mean: of `vertex_neighbours`."""
-    skin = HeadSphere(head, settings, fine=True)
-    hair = _hanging_together(hair, skin, camera, mean, settings)
-    return hair, _clear_of(hair, skin, settings)
+def _filled(
+    hair: Hair, skin: HeadSphere, camera: Camera, mask: HairMask, mean: sp.csr_matrix, settings: ShellSettings
+) -> Hair:
+    """Hair that is there wherever the picture shows it: slopes and a raised skull took some. Laid thinly, it ends where
+    its polygons do, and its border moves once more.
+
+    skin: HeadSphere of the head. mean: of `vertex_neighbours`.
+    """
+    size = camera.scale * skin.head.height
+    seen = HeadView(skin.head, camera, mask.pixels.shape)
+    hair = _laid(hair, skin, seen, mask, mean, settings)
+    shown = visible_hair(skin.head, hair, camera, mask.pixels.shape)
+    field = _field(shown, _border(mask.pixels, size), size, _LAST_WIDTH)
+    start = hair.shell.vertices
+    moves = _spread(mean, _moved(hair.shell, skin, camera, field) - start, _cosines(hair.shell, camera))
+    return _laid(replace(hair, shell=hair.shell.with_vertices(start + moves)), skin, seen, mask, mean, settings)
+
+
+def _laid(
+    hair: Hair, skin: HeadSphere, seen: HeadView, mask: HairMask, mean: sp.csr_matrix, settings: ShellSettings
+) -> Hair:
+    """Hair that lies at least thinly where the picture shows it on the skin, as far as whole triangles of it hang
+    together with the rest.
+
+    skin: HeadSphere of the head. seen: HeadView of it. mean: of `vertex_neighbours`.
+    """
+    longitudes, angles, radii = skin.seen_from(hair.shell.vertices)
+    ground = skin.sample(skin.radii, longitudes, angles)
+    feet = skin.points(longitudes, angles, ground)
+    x, y = seen.camera.project(feet).T
+    hairy = seen.shows(feet) & (sample_pixels(mask.pixels.astype(np.float32), x, y, border=0.0) > 0.5)
+    least = ground + settings.least * skin.head.height
+    there = radii > least
+    whole = _largest_part(_with_faces(hair.shell.faces, hairy | there), mean)
+    laid = np.where(hairy & whole & (whole & there).any(), np.maximum(radii, least), radii)
+    return replace(hair, shell=hair.shell.with_vertices(skin.points(longitudes, angles, laid)))
 
 
 def _clear_of(hair: Hair, sphere: HeadSphere, settings: ShellSettings) -> Template:
@@ -141,6 +177,13 @@ def _hanging_together(
     kept = joined | (_cosines(hair.shell, camera) >= _SKIN[1])
     buried = np.where(kept, radii, np.minimum(radii, ground - settings.under * skin.head.height))
     return replace(hair, shell=hair.shell.with_vertices(skin.points(longitudes, angles, buried)))
+
+
+def _with_faces(faces: np.ndarray, chosen: np.ndarray) -> np.ndarray:
+    """(V,) bool: of vertices (V,) bool those of faces (F, 3) whose corners are all among them."""
+    whole = np.zeros_like(chosen)
+    whole[faces[chosen[faces].all(1)]] = True
+    return whole
 
 
 def _largest_part(chosen: np.ndarray, mean: sp.csr_matrix) -> np.ndarray:

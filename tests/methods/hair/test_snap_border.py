@@ -144,6 +144,20 @@ def test_a_shell_that_is_under_the_skin_stays_there(shell, sitter):
     assert after == 0 and np.isfinite(hair.shell.vertices).all()
 
 
+def test_hair_is_laid_where_the_picture_shows_it(shell, sitter, monkeypatch):
+    """Slopes beside what goes under the skin had left a gap on a temple."""
+    sphere = HeadSphere(sitter.head, ShellSettings(), fine=True)
+    longitudes, angles, radii = sphere.seen_from(shell.shell.vertices)
+    gap = (np.abs(longitudes - 0.3) < 0.3) & (angles < 1.2)
+    buried = np.where(gap, sphere.sample(sphere.radii, longitudes, angles) - 0.01 * sitter.head.height, radii)
+    torn = replace(shell, shell=shell.shell.with_vertices(sphere.points(longitudes, angles, buried)))
+    overlaps = []
+    for good in (0, 1):
+        monkeypatch.setattr(module, "_GOOD", good)
+        overlaps.append(snap_border(torn, sitter.head, CAMERA, sitter.hair)[2])
+    assert overlaps[0] < 0.92 and overlaps[1] > 0.97, overlaps
+
+
 def test_a_skull_that_is_too_low_is_raised_before_hair(shell, sitter, monkeypatch):
     sphere = HeadSphere(sitter.head, ShellSettings(), fine=True)
     low = lower_skull(sitter.head, sphere, 0.94 * sphere.radii)
