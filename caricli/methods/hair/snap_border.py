@@ -104,13 +104,27 @@ def snap_border(
         hair = replace(hair, shell=hair.shell.with_vertices(points))
         seen = _seen_faces(head, hair, camera, mask.pixels.shape)
         best = max(best, (union_share(seen >= 0, mask.pixels), hair, head), key=itemgetter(0))
-    share, hair, head = best
+    hair, head = _tidied(best, camera, mask, mean, settings)
+    return hair, head, union_share(_seen_faces(head, hair, camera, mask.pixels.shape) >= 0, mask.pixels)
+
+
+def _tidied(
+    snapped: tuple[float, Hair, Template],
+    camera: Camera,
+    mask: HairMask,
+    mean: sp.csr_matrix,
+    settings: ShellSettings,
+) -> tuple[Hair, Template]:
+    """Hair without loose parts, nor gaps where it is far from the mask, and the head whose skull is well under it.
+
+    snapped: intersection over union with the mask, Hair and head. mean: of `vertex_neighbours`.
+    """
+    share, hair, head = snapped
     skin = HeadSphere(head, settings, fine=True)
     if share < _GOOD:
         hair = _filled(hair, skin, camera, mask, mean, settings)
     hair = _hanging_together(hair, skin, camera, mean, settings)
-    head = _clear_of(hair, skin, settings)
-    return hair, head, union_share(_seen_faces(head, hair, camera, mask.pixels.shape) >= 0, mask.pixels)
+    return hair, _clear_of(hair, skin, settings)
 
 
 def _filled(
