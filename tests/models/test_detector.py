@@ -7,11 +7,13 @@ from caricli.models.detector.config import DetectorConfig, DetectorSize
 from caricli.models.detector.jaw_places import JawPlaces
 from caricli.models.detector.model import (
     JAW_BIAS,
+    JAW_USUAL,
     JAW_WEIGHT,
     detector_from_checkpoint,
     detector_to_checkpoint,
 )
 from caricli.models.detector.networks import DetectorNetwork, _moments, _spread, detector_of, network_of
+from caricli.models.detector.usual_shapes import UsualShapes
 from caricli.structures.parsing import Region
 
 
@@ -23,7 +25,9 @@ def detector():
     for parameter in network.parameters():
         if not parameter.any():
             torch.nn.init.uniform_(parameter, 0, 0.5, generator)
-    jaw = JawPlaces(np.random.default_rng(0).normal(size=(14, 136)), np.linspace(0, 1, 14))
+    numbers = np.random.default_rng(0)
+    usual = UsualShapes.of(numbers.normal(size=(40, 136)), 3)
+    jaw = JawPlaces(numbers.normal(size=(14, 136)), np.linspace(0, 1, 14), usual)
     return detector_of(network, 64, 1.5, {"seed": 0}, jaw)
 
 
@@ -90,6 +94,15 @@ def test_a_checkpoint_rebuilds_it(detector):
     np.testing.assert_allclose(again.read(window).points, detector.read(window).points, atol=0.5)
     np.testing.assert_allclose(again.jaw.weight, detector.jaw.weight, rtol=1e-6)
     np.testing.assert_allclose(again.jaw.bias, detector.jaw.bias, rtol=1e-6)
+    for name in ("middle", "axes", "spreads"):
+        np.testing.assert_allclose(getattr(again.jaw.usual, name), getattr(detector.jaw.usual, name), rtol=1e-6)
+
+
+def test_a_detector_of_before_knows_no_usual_faces(detector):
+    tensors, about = detector_to_checkpoint(detector)
+    before = {name: value for name, value in tensors.items() if name not in JAW_USUAL}
+    jaw = detector_from_checkpoint(before, about, "it").jaw
+    assert jaw.usual is None and jaw.weight.any()
 
 
 def test_a_detector_of_before_marks_jaws_at_equal_distances(detector):
@@ -111,7 +124,11 @@ def test_a_detector_of_before_marks_jaws_at_equal_distances(detector):
         (lambda t, a: t.pop("about"), "expected the weights of such a network, found others \\(about\\)"),
         (lambda t, a: t.update(about=t["about"][:1]), "about: expected \\(81, 16, 3\\), found"),
         (lambda t, a: t.update(about=t["about"] * np.nan), "about: "),
-        (lambda t, a: t.pop(JAW_BIAS), "expected jaw.weight and jaw.bias, found one of them"),
+        (lambda t, a: t.pop(JAW_BIAS), "expected jaw.weight, jaw.bias, found 1 of them"),
+        (lambda t, a: t.pop(JAW_USUAL[1]), "expected jaw.middle, jaw.axes, jaw.spreads, found 2 of them"),
+        (lambda t, a: t.update({JAW_USUAL[1]: np.ones((2, 136))}), "usual shapes that fit each other"),
+        (lambda t, a: t.update({JAW_USUAL[2]: np.zeros(4)}), "spreads of usual shapes above zero"),
+        (lambda t, a: t.update({JAW_USUAL[0]: t[JAW_USUAL[0]] * np.nan}), "usual shapes' middle: "),
         (lambda t, a: t.update({JAW_BIAS: np.ones(13)}), "jaw's bias: expected \\(14,\\), found \\(13,\\)"),
         (lambda t, a: t.update({JAW_WEIGHT: t[JAW_WEIGHT] * np.inf}), "jaw's weight: "),
     ],

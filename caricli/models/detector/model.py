@@ -1,6 +1,6 @@
 """The detector as it is used: weights, the size of its windows, and how far its doubts are to be trusted."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, fields
 from typing import Any
 
@@ -14,6 +14,7 @@ from caricli.models.checks import check_schema, whole_number
 from caricli.models.detector.config import COARSE, FINE, HALF, REACH, DetectorSize
 from caricli.models.detector.jaw_places import JawPlaces
 from caricli.models.detector.landmark_heads import LandmarkHeads
+from caricli.models.detector.usual_shapes import UsualShapes
 from caricli.models.detector.weights import CHANCES, FACES, FEATURES, WINDOWS, DetectorWeights
 from caricli.models.half_precision import in_half_precision
 from caricli.models.network_session import network_session
@@ -31,6 +32,7 @@ _SIDES = (64, 512)
 
 JAW_WEIGHT = "jaw.weight"
 JAW_BIAS = "jaw.bias"
+JAW_USUAL = ("jaw.middle", "jaw.axes", "jaw.spreads")
 """Names of the arrays of JawPlaces in a file."""
 
 
@@ -97,8 +99,12 @@ class Detector:
 
     def tensors(self) -> dict[str, np.ndarray]:
         """Arrays by name: of the network, in half precision, and where the jaw's points are."""
-        jaw = {JAW_WEIGHT: self.jaw.weight.astype(np.float32), JAW_BIAS: self.jaw.bias.astype(np.float32)}
-        return {**in_half_precision(self.weights.arrays), **jaw}
+        jaw = {JAW_WEIGHT: self.jaw.weight, JAW_BIAS: self.jaw.bias}
+        usual = self.jaw.usual
+        if usual is not None:
+            jaw |= dict(zip(JAW_USUAL, (usual.middle, usual.axes, usual.spreads), strict=True))
+        exact = {name: array.astype(np.float32) for name, array in jaw.items()}
+        return {**in_half_precision(self.weights.arrays), **exact}
 
     def search(self, window: np.ndarray) -> tuple[FaceCells, np.ndarray]:
         """What is at every cell of a window (H, W, 3) uint8 of any size, sides multiples of 32 pixels.
@@ -178,18 +184,29 @@ def detector_from_checkpoint(tensors: Mapping[str, np.ndarray], metadata: Mappin
         trust = metadata.get("trust")
         if not isinstance(trust, float) or not TRUST[0] <= trust <= TRUST[1]:
             raise InputError(f"expected a trust from {TRUST[0]:g} to {TRUST[1]:g}, found {shown(trust, 60)!r}")
-        own = {name: array for name, array in tensors.items() if name not in (JAW_WEIGHT, JAW_BIAS)}
+        own = {name: array for name, array in tensors.items() if name not in (JAW_WEIGHT, JAW_BIAS, *JAW_USUAL)}
         weights = DetectorWeights(own, _size(metadata.get("network")))
         return Detector(weights, size, trust, metadata.get("recipe"), _jaw(tensors))
 
 
 def _jaw(tensors: Mapping[str, np.ndarray]) -> JawPlaces | None:
     """Where the jaw's points are, or None where a detector of before does not tell."""
-    if JAW_WEIGHT not in tensors and JAW_BIAS not in tensors:
+    told = _together(tensors, (JAW_WEIGHT, JAW_BIAS))
+    usual = _together(tensors, JAW_USUAL)
+    if told is None:
         return None
-    if JAW_WEIGHT not in tensors or JAW_BIAS not in tensors:
-        raise InputError(f"expected {JAW_WEIGHT} and {JAW_BIAS}, found one of them")
-    return JawPlaces(tensors[JAW_WEIGHT].astype(np.float64), tensors[JAW_BIAS].astype(np.float64))
+    weight, bias = told
+    return JawPlaces(weight, bias, None if usual is None else UsualShapes(*usual))
+
+
+def _together(tensors: Mapping[str, np.ndarray], names: Sequence[str]) -> list[np.ndarray] | None:
+    """Arrays of names, float64, or None where there is none of them. Raises InputError where there are but some."""
+    there = [name in tensors for name in names]
+    if not any(there):
+        return None
+    if not all(there):
+        raise InputError(f"expected {', '.join(names)}, found {sum(there)} of them")
+    return [tensors[name].astype(np.float64) for name in names]
 
 
 def _size(about: Any) -> DetectorSize:
