@@ -21,4 +21,5 @@ def test_shapes_that_hardly_differ_have_fewer_axes():
     rng = np.random.default_rng(0)
     usual = UsualShapes.of(np.ones((5, 30)), 20)
     assert len(usual.axes) == 4
-    assert np.isfinite(usual.distances(rng.normal(size=(3, 30)))).all()
+    alone = UsualShapes.of(np.ones((1, 30)), 20)
+    assert all(np.isfinite(each.distances(rng.normal(size=(3, 30)))).all() for each in (usual, alone))

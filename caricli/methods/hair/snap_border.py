@@ -24,7 +24,7 @@ from caricli.structures import Camera, Hair, Mesh
 from caricli.template.template import Template
 
 _WIDTHS = (0.015, 0.01, 0.006, 0.004, 0.003)
-_LAST_WIDTH = 0.006  # the same once hair is laid where it lacks
+_LAST_WIDTH = 0.006  # of the head's height, over which a border's movements are spread once hair is laid
 _GOOD = 0.93  # intersection over union from which on no skull is raised and no gap filled
 _CORNERS = 5  # rows and columns around a direction, in which nothing of hair is nearer than the skull
 _INSIDE = 41  # the same, in which hair does not end

@@ -37,10 +37,10 @@ class UsualShapes:
 
     @classmethod
     def of(cls, shapes: np.ndarray, count: int) -> "UsualShapes":
-        """Of shapes (M, N), with ``count`` axes, or as many as they differ along."""
+        """Of shapes (M, N), with ``count`` axes, or fewer where there are no more shapes."""
         middle = shapes.mean(0)
         _, lengths, axes = np.linalg.svd(shapes - middle, full_matrices=False)
-        count = min(count, len(axes) - 1)
+        count = min(count, max(len(axes) - 1, 1))
         along, rest = np.split(lengths**2 / len(shapes), [count])
         variances = np.append(along, rest.sum() / (len(middle) - count))
         return cls(middle, axes[:count], np.maximum(np.sqrt(variances), _LEAST))
