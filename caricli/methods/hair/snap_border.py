@@ -43,6 +43,8 @@ _STILL = 0.03  # weight of not moving, of what is behind
 _ROUNDS = 10  # of bringing movements to neighbours, which reach so many edges behind what is seen
 _SLOPES = (0.6, 3.0)  # at these cosines, in which hair rises at most from where it goes under the skin
 _JOINED = 0.3  # of the least thickness of hair: what is less far above the skin holds nothing together
+_EVEN = ((-0.4, -0.1, 0.5, 0.8), (0.0, 0.5, 0.5, 0.0))  # of cosines, how far a height is evened in a round
+_EVEN_ROUNDS = 3
 _SOFT = 1.5  # pixels over which the way out of a border is looked for
 _EDGE = 2  # pixels: the picture's end is no border
 
@@ -115,7 +117,7 @@ def _tidied(
     mean: sp.csr_matrix,
     settings: ShellSettings,
 ) -> tuple[Hair, Template]:
-    """Hair without loose parts, nor gaps where it is far from the mask, and the head whose skull is well under it.
+    """Hair without loose parts, ridges, and gaps where it is far from the mask, and the head whose skull is well under.
 
     snapped: intersection over union with the mask, Hair and head. mean: of `vertex_neighbours`.
     """
@@ -124,6 +126,7 @@ def _tidied(
     if share < _GOOD:
         hair = _filled(hair, skin, camera, mask, mean, settings)
     hair = _hanging_together(hair, skin, camera, mean, settings)
+    hair = _nearer(_evened(hair, skin, camera, mean), skin, camera, mask, mean)
     return hair, _clear_of(hair, skin, settings)
 
 
@@ -135,14 +138,21 @@ def _filled(
 
     skin: HeadSphere of the head. mean: of `vertex_neighbours`.
     """
-    size = camera.scale * skin.head.height
     seen = HeadView(skin.head, camera, mask.pixels.shape)
-    hair = _laid(hair, skin, seen, mask, mean, settings)
+    hair = _nearer(_laid(hair, skin, seen, mask, mean, settings), skin, camera, mask, mean)
+    return _laid(hair, skin, seen, mask, mean, settings)
+
+
+def _nearer(hair: Hair, skin: HeadSphere, camera: Camera, mask: HairMask, mean: sp.csr_matrix) -> Hair:
+    """Hair whose border has moved to that of the mask once more. skin: HeadSphere of the head. mean: of
+    `vertex_neighbours`.
+    """
+    size = camera.scale * skin.head.height
     shown = visible_hair(skin.head, hair, camera, mask.pixels.shape)
     field = _field(shown, _border(mask.pixels, size), size, _LAST_WIDTH)
     start = hair.shell.vertices
     moves = _spread(mean, _moved(hair.shell, skin, camera, field) - start, _cosines(hair.shell, camera))
-    return _laid(replace(hair, shell=hair.shell.with_vertices(start + moves)), skin, seen, mask, mean, settings)
+    return replace(hair, shell=hair.shell.with_vertices(start + moves))
 
 
 def _laid(
@@ -198,6 +208,21 @@ def _with_faces(faces: np.ndarray, chosen: np.ndarray) -> np.ndarray:
     whole = np.zeros_like(chosen)
     whole[faces[chosen[faces].all(1)]] = True
     return whole
+
+
+def _evened(hair: Hair, skin: HeadSphere, camera: Camera, mean: sp.csr_matrix) -> Hair:
+    """Hair as high above the skin as around where it is seen from aside: what moved it there left ridges.
+
+    skin: HeadSphere of the head. mean: of `vertex_neighbours`.
+    """
+    longitudes, angles, radii = skin.seen_from(hair.shell.vertices)
+    ground = skin.sample(skin.radii, longitudes, angles)
+    share = np.interp(_cosines(hair.shell, camera), *_EVEN)
+    heights = np.maximum(radii - ground, 0)
+    for _ in range(_EVEN_ROUNDS):
+        heights += share * (mean @ heights - heights)
+    even = np.where(radii > ground, ground + heights, radii)
+    return replace(hair, shell=hair.shell.with_vertices(skin.points(longitudes, angles, even)))
 
 
 def _largest_part(chosen: np.ndarray, mean: sp.csr_matrix) -> np.ndarray:
