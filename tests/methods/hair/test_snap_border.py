@@ -135,6 +135,24 @@ def test_hair_that_is_seen_from_aside_hangs_together(shell, sitter):
     assert (facing < 0).sum() < 25
 
 
+def test_hair_that_is_seen_from_aside_has_no_ridges(shell, sitter, monkeypatch):
+    """A dented shell is evened there, and where it faces the camera it is as it was."""
+    sphere = HeadSphere(sitter.head, ShellSettings(), fine=True)
+    longitudes, angles, radii = sphere.seen_from(shell.shell.vertices)
+    dents = 0.01 * sitter.head.height * np.random.default_rng(0).random(len(radii))
+    dented = replace(shell, shell=shell.shell.with_vertices(sphere.points(longitudes, angles, radii - dents)))
+    cosines = -igl.per_vertex_normals(shell.shell.vertices, shell.shell.faces) @ CAMERA.rotation[2]
+    _, mean = vertex_neighbours(shell.shell.faces, len(radii))
+    rough = []
+    for rounds in (0, 3):
+        monkeypatch.setattr(module, "_EVEN_ROUNDS", rounds)
+        points = snap_border(dented, sitter.head, CAMERA, sitter.hair)[0].shell.vertices
+        away = np.linalg.norm(points - mean @ points, axis=1)
+        rough.append([np.median(away[part]) for part in ((cosines > 0) & (cosines < 0.4), cosines > 0.9)])
+    assert rough[1][0] < 0.8 * rough[0][0], rough
+    np.testing.assert_allclose(rough[1][1], rough[0][1], rtol=0.05)
+
+
 def test_a_shell_that_is_under_the_skin_stays_there(shell, sitter):
     sphere = HeadSphere(sitter.head, ShellSettings())
     points = sphere.middle + 0.5 * (shell.shell.vertices - sphere.middle)
