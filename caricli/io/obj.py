@@ -252,8 +252,10 @@ class _Faces:
             block = rows[start : start + _BLOCK_ROWS]
             text = b"\n".join([self.corners[k] for k in block])
             if not pattern.fullmatch(text):
-                bad = next(k for k in block if not pattern.fullmatch(self.corners[k]))
-                self.fail(bad, f"corners of the form {kind}")
+                # Python before 3.11.5 may take what matches line by line for something else as a whole (gh-106052).
+                bad = [k for k in block if not pattern.fullmatch(self.corners[k])]
+                if bad:
+                    self.fail(bad[0], f"corners of the form {kind}")
             words = text.replace(b"/", b" ").split()
             blocks.append(np.fromiter(map(int, words), np.int64, len(words)).reshape(-1, columns)[:, :2])
         return np.concatenate(blocks)
