@@ -1,3 +1,5 @@
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -221,3 +223,17 @@ def test_what_cannot_be_written_is_refused(tmp_path):
     with pytest.raises(OutputError, match="cannot be written"):
         write_obj(tmp_path / "missing" / "a.obj", square())
     assert list(tmp_path.iterdir()) == []
+
+
+def test_faces_that_match_one_by_one_are_read_where_they_do_not_together(tmp_path, monkeypatch):
+    """As fuzzing once found it: nothing is wrong in any line, so none is refused."""
+    path = tmp_path / "two.obj"
+    path.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 3 4\n")
+    faces = read_obj(path).faces
+    whole = obj._CORNERS["v"]
+    alone = SimpleNamespace(fullmatch=lambda text: None if b"\n" in text else whole.fullmatch(text))
+    monkeypatch.setitem(obj._CORNERS, "v", alone)
+    np.testing.assert_array_equal(read_obj(path).faces, faces)
+    path.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 2 a\n")
+    with pytest.raises(InputError, match="f 1 2 a"):
+        read_obj(path)
