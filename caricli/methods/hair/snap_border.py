@@ -12,26 +12,27 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import KDTree
 
 from caricli.geometry.join_meshes import join_meshes
-from caricli.geometry.vertex_neighbours import vertex_neighbours
 from caricli.methods.hair.hair_view import HeadView
 from caricli.methods.hair.head_sphere import HeadSphere
 from caricli.methods.hair.mask_hair import HairMask
 from caricli.methods.hair.move_skull import lower_skull, raise_skull
 from caricli.methods.hair.settings import ShellSettings
+from caricli.methods.hair.shell_net import ShellNet
 from caricli.render.rasterise import Raster, rasterise
 from caricli.render.sample_texture import sample_pixels
 from caricli.structures import Camera, Hair, Mesh
 from caricli.template.template import Template
 
-_WIDTHS = (0.015, 0.01, 0.006, 0.004, 0.003)
+_WIDTHS = (0.015, 0.01, 0.006, 0.004, 0.003, 0.003, 0.003)
+_FEWEST = 5  # rounds, after which a shell that is near to the mask is good
 _LAST_WIDTH = 0.006  # of the head's height, over which a border's movements are spread once hair is laid
 _GOOD = 0.93  # intersection over union from which on no skull is raised and no gap filled
 _CORNERS = 5  # rows and columns around a direction, in which nothing of hair is nearer than the skull
 _INSIDE = 41  # the same, in which hair does not end
 _RAISE = 0.02  # of the head's height, by which it is at most
-_TRIM = 3  # round from which on what stands before bare skin goes under it
+_TRIMS = (3, 5, 6)  # rounds in which what stands before bare skin goes under it
 _BEFORE = 0.004  # of the head's height: so far from the mask hair is not before bare skin
-_BESIDE = 0.02  # the same of the background, where borders move
+_BESIDE = 0.01  # the same of the background, where borders move
 _REACH = 0.06  # of the head's height: borders farther apart than this are not of the same place
 _FADING = 0.05  # of what a straight border weighs: less of it near moves less
 _BACK = (-0.6, -0.2)  # cosines between surface and view, from which on and with which it moves along
@@ -43,6 +44,7 @@ _STILL = 0.03  # weight of not moving, of what is behind
 _ROUNDS = 10  # of bringing movements to neighbours, which reach so many edges behind what is seen
 _SLOPES = (0.6, 3.0)  # at these cosines, in which hair rises at most from where it goes under the skin
 _JOINED = 0.3  # of the least thickness of hair: what is less far above the skin holds nothing together
+_LOOSE = 0.1  # of the largest part of hair: a part with less of it is loose
 _EVEN = ((-0.4, -0.1, 0.5, 0.8), (0.0, 0.5, 0.5, 0.0))  # of cosines, how far a height is evened in a round
 _EVEN_ROUNDS = 3
 _SOFT = 1.5  # pixels over which the way out of a border is looked for
@@ -76,7 +78,7 @@ def snap_border(
     above = heights > 0
     lowest = np.where(above, np.minimum(heights, settings.least * head.height), -np.inf)
     over = np.zeros(len(heights), bool)
-    _, mean = vertex_neighbours(hair.shell.faces, len(heights))
+    net = ShellNet(hair.shell, sphere)
     start = hair.shell
     size = camera.scale * head.height
     outside = _outside(mask, size)
@@ -84,17 +86,16 @@ def snap_border(
     best = (union_share(seen >= 0, mask.pixels), hair, head)
     wanted = _border(mask.pixels, size)
     for number, width in enumerate((*_WIDTHS, None)):
+        if number >= _FEWEST and best[0] >= _GOOD:
+            break
         if width is not None:
-            points = _moved(hair.shell, sphere, camera, _field(seen >= 0, wanted, size, width))
-            points = start.vertices + _spread(mean, points - start.vertices, _cosines(start, camera))
-        elif best[0] < _GOOD:
+            points = _brought(hair.shell, start, sphere, camera, _field(seen >= 0, wanted, size, width), net)
+        else:
             points = hair.shell.vertices
             wrong = _seen_places(head, hair, camera, outside & ~mask.behind)
             head = raise_skull(head, sphere, sphere.farthest(wrong), _RAISE * head.height)
             lowest = np.full_like(lowest, -np.inf)
-        else:
-            break
-        if number == _TRIM or width is None:
+        if number in _TRIMS or width is None:
             over = over | _over(seen, hair, camera, outside)
         inner = hair.shell.faces[(above & ~over)[hair.shell.faces].all(1)]
         most = sphere.cover(points, inner, *np.meshgrid(sphere.longitudes, sphere.angles))
@@ -106,7 +107,7 @@ def snap_border(
         hair = replace(hair, shell=hair.shell.with_vertices(points))
         seen = _seen_faces(head, hair, camera, mask.pixels.shape)
         best = max(best, (union_share(seen >= 0, mask.pixels), hair, head), key=itemgetter(0))
-    hair, head = _tidied(best, camera, mask, mean, settings)
+    hair, head = _tidied(best, camera, mask, net, settings)
     return hair, head, union_share(_seen_faces(head, hair, camera, mask.pixels.shape) >= 0, mask.pixels)
 
 
@@ -114,54 +115,50 @@ def _tidied(
     snapped: tuple[float, Hair, Template],
     camera: Camera,
     mask: HairMask,
-    mean: sp.csr_matrix,
+    net: ShellNet,
     settings: ShellSettings,
 ) -> tuple[Hair, Template]:
     """Hair without loose parts, ridges, and gaps where it is far from the mask, and the head whose skull is well under.
 
-    snapped: intersection over union with the mask, Hair and head. mean: of `vertex_neighbours`.
+    snapped: intersection over union with the mask, Hair and head. net: ShellNet of the hair.
     """
     share, hair, head = snapped
     skin = HeadSphere(head, settings, fine=True)
     if share < _GOOD:
-        hair = _filled(hair, skin, camera, mask, mean, settings)
-    hair = _hanging_together(hair, skin, camera, mean, settings)
-    hair = _nearer(_evened(hair, skin, camera, mean), skin, camera, mask, mean)
+        hair = _filled(hair, skin, camera, mask, net, settings)
+    hair = _hanging_together(hair, skin, camera, net, settings)
+    hair = _nearer(_evened(hair, skin, camera, net), skin, camera, mask, net)
     return hair, _clear_of(hair, skin, settings)
 
 
 def _filled(
-    hair: Hair, skin: HeadSphere, camera: Camera, mask: HairMask, mean: sp.csr_matrix, settings: ShellSettings
+    hair: Hair, skin: HeadSphere, camera: Camera, mask: HairMask, net: ShellNet, settings: ShellSettings
 ) -> Hair:
     """Hair that is there wherever the picture shows it: slopes and a raised skull took some. Laid thinly, it ends where
     its polygons do, and its border moves once more.
 
-    skin: HeadSphere of the head. mean: of `vertex_neighbours`.
+    skin: HeadSphere of the head. net: ShellNet of the hair.
     """
     seen = HeadView(skin.head, camera, mask.pixels.shape)
-    hair = _nearer(_laid(hair, skin, seen, mask, mean, settings), skin, camera, mask, mean)
-    return _laid(hair, skin, seen, mask, mean, settings)
+    hair = _nearer(_laid(hair, skin, seen, mask, net, settings), skin, camera, mask, net)
+    return _laid(hair, skin, seen, mask, net, settings)
 
 
-def _nearer(hair: Hair, skin: HeadSphere, camera: Camera, mask: HairMask, mean: sp.csr_matrix) -> Hair:
-    """Hair whose border has moved to that of the mask once more. skin: HeadSphere of the head. mean: of
-    `vertex_neighbours`.
+def _nearer(hair: Hair, skin: HeadSphere, camera: Camera, mask: HairMask, net: ShellNet) -> Hair:
+    """Hair whose border has moved to that of the mask once more. skin: HeadSphere of the head. net: ShellNet of
+    the hair.
     """
     size = camera.scale * skin.head.height
     shown = visible_hair(skin.head, hair, camera, mask.pixels.shape)
     field = _field(shown, _border(mask.pixels, size), size, _LAST_WIDTH)
-    start = hair.shell.vertices
-    moves = _spread(mean, _moved(hair.shell, skin, camera, field) - start, _cosines(hair.shell, camera))
-    return replace(hair, shell=hair.shell.with_vertices(start + moves))
+    return replace(hair, shell=hair.shell.with_vertices(_brought(hair.shell, hair.shell, skin, camera, field, net)))
 
 
-def _laid(
-    hair: Hair, skin: HeadSphere, seen: HeadView, mask: HairMask, mean: sp.csr_matrix, settings: ShellSettings
-) -> Hair:
+def _laid(hair: Hair, skin: HeadSphere, seen: HeadView, mask: HairMask, net: ShellNet, settings: ShellSettings) -> Hair:
     """Hair that lies at least thinly where the picture shows it on the skin, as far as whole triangles of it hang
     together with the rest.
 
-    skin: HeadSphere of the head. seen: HeadView of it. mean: of `vertex_neighbours`.
+    skin: HeadSphere of the head. seen: HeadView of it. net: ShellNet of the hair.
     """
     longitudes, angles, radii = skin.seen_from(hair.shell.vertices)
     ground = skin.sample(skin.radii, longitudes, angles)
@@ -170,7 +167,7 @@ def _laid(
     hairy = seen.shows(feet) & (sample_pixels(mask.pixels.astype(np.float32), x, y, border=0.0) > 0.5)
     least = ground + settings.least * skin.head.height
     there = radii > least
-    whole = _largest_part(_with_faces(hair.shell.faces, hairy | there), mean)
+    whole = _large_parts(_with_faces(hair.shell.faces, hairy | there), net)
     laid = np.where(hairy & whole & (whole & there).any(), np.maximum(radii, least), radii)
     return replace(hair, shell=hair.shell.with_vertices(skin.points(longitudes, angles, laid)))
 
@@ -188,16 +185,14 @@ def _clear_of(hair: Hair, sphere: HeadSphere, settings: ShellSettings) -> Templa
     return lower_skull(sphere.head, sphere, np.where(inside, lowest, np.inf))
 
 
-def _hanging_together(
-    hair: Hair, skin: HeadSphere, camera: Camera, mean: sp.csr_matrix, settings: ShellSettings
-) -> Hair:
+def _hanging_together(hair: Hair, skin: HeadSphere, camera: Camera, net: ShellNet, settings: ShellSettings) -> Hair:
     """Hair whose loose parts are under the skin where they are seen from aside; those before a forehead are locks.
 
-    skin: HeadSphere of the head. mean: of `vertex_neighbours`.
+    skin: HeadSphere of the head. net: ShellNet of the hair.
     """
     longitudes, angles, radii = skin.seen_from(hair.shell.vertices)
     ground = skin.sample(skin.radii, longitudes, angles)
-    joined = _largest_part(radii > ground + _JOINED * settings.least * skin.head.height, mean)
+    joined = _large_parts(radii > ground + _JOINED * settings.least * skin.head.height, net, _LOOSE)
     kept = joined | (_cosines(hair.shell, camera) >= _SKIN[1])
     buried = np.where(kept, radii, np.minimum(radii, ground - settings.under * skin.head.height))
     return replace(hair, shell=hair.shell.with_vertices(skin.points(longitudes, angles, buried)))
@@ -210,30 +205,31 @@ def _with_faces(faces: np.ndarray, chosen: np.ndarray) -> np.ndarray:
     return whole
 
 
-def _evened(hair: Hair, skin: HeadSphere, camera: Camera, mean: sp.csr_matrix) -> Hair:
+def _evened(hair: Hair, skin: HeadSphere, camera: Camera, net: ShellNet) -> Hair:
     """Hair as high above the skin as around where it is seen from aside: what moved it there left ridges.
 
-    skin: HeadSphere of the head. mean: of `vertex_neighbours`.
+    skin: HeadSphere of the head. net: ShellNet of the hair.
     """
     longitudes, angles, radii = skin.seen_from(hair.shell.vertices)
     ground = skin.sample(skin.radii, longitudes, angles)
     share = np.interp(_cosines(hair.shell, camera), *_EVEN)
     heights = np.maximum(radii - ground, 0)
     for _ in range(_EVEN_ROUNDS):
-        heights += share * (mean @ heights - heights)
+        heights += share * (net.mean @ heights - heights)
     even = np.where(radii > ground, ground + heights, radii)
     return replace(hair, shell=hair.shell.with_vertices(skin.points(longitudes, angles, even)))
 
 
-def _largest_part(chosen: np.ndarray, mean: sp.csr_matrix) -> np.ndarray:
-    """(V,) bool: of vertices (V,) bool the most that hang together."""
+def _large_parts(chosen: np.ndarray, net: ShellNet, least: float = 1.0) -> np.ndarray:
+    """(V,) bool: of vertices (V,) bool the most that hang together, and others that are so many times as many."""
     ids = np.flatnonzero(chosen)
     if not len(ids):
         return chosen
-    _, parts = connected_components(mean[ids][:, ids], directed=False)
-    largest = np.zeros_like(chosen)
-    largest[ids[parts == np.bincount(parts).argmax()]] = True
-    return largest
+    _, parts = connected_components(net.adjacency[ids][:, ids], directed=False)
+    counts = np.bincount(parts)
+    large = np.zeros_like(chosen)
+    large[ids[(counts >= least * counts.max())[parts]]] = True
+    return large
 
 
 def union_share(first: np.ndarray, second: np.ndarray) -> float:
@@ -349,6 +345,17 @@ def _border(mask: np.ndarray, height: float) -> np.ndarray:
     return np.column_stack([columns, rows, _REACH * height * outwards])
 
 
+def _brought(
+    shell: Mesh, start: Mesh, skin: HeadSphere, camera: Camera, field: np.ndarray, net: ShellNet
+) -> np.ndarray:
+    """(V, 3) vertices of a shell, moved as a field (H, W, 2) of its picture says, smoothly and without folds.
+
+    start: the shell that movements are smooth from. skin: HeadSphere of the head.
+    """
+    moves = _moved(shell, skin, camera, field) - start.vertices
+    return net.unfolded(start.vertices + _spread(net.mean, moves, _cosines(start, camera)), skin)
+
+
 def _moved(shell: Mesh, sphere: HeadSphere, camera: Camera, field: np.ndarray) -> np.ndarray:
     """(V, 3) vertices of a shell, moved as a field (H, W, 2) of its picture says.
 
@@ -373,7 +380,7 @@ def _spread(mean: sp.csr_matrix, wanted: np.ndarray, cosines: np.ndarray) -> np.
     """(V, 3): movements that are wanted (V, 3), which go over smoothly into those of neighbours.
 
     Without this what is seen and what is not would part in a crease, and what is seen from aside, where a pixel is much
-    of a surface, would be torn. mean: of `vertex_neighbours`. cosines: (V,) between surface and view.
+    of a surface, would be torn. net: ShellNet of the hair. cosines: (V,) between surface and view.
     """
     held = np.interp(cosines, *_HOLD)[:, None]
     still = np.interp(cosines, _BACK, (_STILL, 0))[:, None]

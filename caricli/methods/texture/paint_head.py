@@ -17,6 +17,7 @@ from caricli.methods.parts.face_parts import chosen_attachment, face_parts
 from caricli.methods.rig.add_eyeballs import TEXTURE, add_eyeballs, fit_eyeballs
 from caricli.methods.rig.add_parts import add_parts, choose_parts
 from caricli.methods.texture.estimate_light import Light
+from caricli.methods.texture.lips_behind_nose import lips_behind_nose
 from caricli.methods.texture.mask_head import mask_head, mesh_pixels
 from caricli.methods.texture.mouth_wall import wall_pixels
 from caricli.methods.texture.parsed_head import ParsedHead, parsed_head
@@ -164,14 +165,16 @@ def _lay_groundwork(
     looks.append(lambda: paint_eye(TEXTURE, np.random.default_rng(settings.seed), *eye_colours(image, landmarks)))
     # Nothing here needs this, but what comes next, and one processor is free.
     looks.append(partial(chosen_attachment, template, settings.head))
+    camera = face.require_camera()
     if regions is not None:
         looks.append(partial(cut_openings, image, regions, landmarks))
-    hair, eyes, _, *openings = do_in_parallel(*looks)
+        looks.append(partial(lips_behind_nose, template.with_vertices(face.vertices), camera, regions))
+    hair, eyes, _, *no_skin = do_in_parallel(*looks)
     skin = parts.paint if hair is None else bare_skin(parts, hair, image)
     beside = parts.whole & ~skin
-    for opening in openings:
-        skin = skin & ~opening
-    sight = Sight(face.require_camera(), image, skin, parts.whole, beside)
+    for pixels in no_skin:
+        skin = skin & ~pixels
+    sight = Sight(camera, image, skin, parts.whole, beside)
     return _Groundwork(parts.whole, sight, hair, texels, eyes)
 
 

@@ -1,0 +1,76 @@
+"""The net of a shell of hair, whose vertices move around a head without folds."""
+
+import numpy as np
+import scipy.sparse as sp
+
+from caricli.geometry.cholesky import Cholesky
+from caricli.geometry.vertex_neighbours import vertex_neighbours
+from caricli.methods.hair.head_sphere import HeadSphere
+from caricli.structures import Mesh
+
+_LEAST = 0.05  # of its area at first: with less, as seen from the middle of the head, a triangle is folded
+_RINGS = (1, 2, 3, 4, 6)  # of vertices around folds that are laid anew, farther where folds are left
+_OWN = 1e-6  # weight of where a vertex is, beside one of its neighbours
+
+
+class ShellNet:
+    """Which vertices of a shell hang together, and where around the head they were at first.
+
+    mean: (V, V) the operator that takes the mean of every vertex's neighbours.
+    """
+
+    def __init__(self, shell: Mesh, sphere: HeadSphere) -> None:
+        """shell: as it was made, without folds. sphere: HeadSphere of the head that it is on."""
+        self.faces = shell.faces
+        self.adjacency, self.mean = vertex_neighbours(shell.faces, len(shell.vertices))
+        self.start = _directions(shell.vertices, sphere)
+        self.areas = self._areas(self.start)
+
+    def unfolded(self, points: np.ndarray, skin: HeadSphere) -> np.ndarray:
+        """(V, 3) metres: the shell's vertices (V, 3) as far above the skin, without folds as seen from its middle.
+
+        Where triangles that are above the skin have turned over, movements since the first places are laid anew between
+        those of what is around them, as a membrane; farther around where this does not do.
+        """
+        longitudes, angles, radii = skin.seen_from(points)
+        above = radii - skin.sample(skin.radii, longitudes, angles)
+        directions = skin.directions(longitudes, angles)
+        shown = (above > 0)[self.faces].any(1)
+        for rings in _RINGS:
+            folded = shown & (self._areas(directions) * self.areas < _LEAST * self.areas**2)
+            if not folded.any():
+                break
+            directions = self._laid_anew(directions, self._around(self.faces[folded], rings))
+        longitudes, angles, _ = skin.seen_from(skin.middle + directions)
+        return skin.points(longitudes, angles, skin.sample(skin.radii, longitudes, angles) + above)
+
+    def _around(self, faces: np.ndarray, rings: int) -> np.ndarray:
+        """(V,) bool: vertices of faces (F, 3), and so many rings, with these as the first, around them."""
+        near = np.zeros(len(self.start), bool)
+        near[faces] = True
+        for _ in range(rings - 1):
+            near |= self.adjacency @ near > 0
+        return near
+
+    def _laid_anew(self, directions: np.ndarray, loose: np.ndarray) -> np.ndarray:
+        """(V, 3) directions, movements of loose ones (V,) bool the smoothest between those of the others."""
+        moves = directions - self.start
+        own, rest = np.flatnonzero(loose), np.flatnonzero(~loose)
+        rows = self.adjacency[own]
+        weights = sp.diags(np.asarray(rows.sum(1)).ravel() + _OWN) - rows[:, own]
+        moves[own] = Cholesky(weights).solve(rows[:, rest] @ moves[rest] + _OWN * moves[own])
+        laid = self.start + moves
+        unit: np.ndarray = laid / np.linalg.norm(laid, axis=1, keepdims=True)
+        return unit
+
+    def _areas(self, directions: np.ndarray) -> np.ndarray:
+        """(F,) areas of triangles of directions (V, 3), twice as large, below zero for what has turned over."""
+        first, second, third = (directions[self.faces[:, k]] for k in range(3))
+        areas: np.ndarray = np.einsum("fk,fk->f", np.cross(second - first, third - first), first)
+        return areas
+
+
+def _directions(points: np.ndarray, sphere: HeadSphere) -> np.ndarray:
+    """(V, 3) unit vectors from the middle of a head to points (V, 3)."""
+    longitudes, angles, _ = sphere.seen_from(points)
+    return sphere.directions(longitudes, angles)

@@ -1,0 +1,19 @@
+"""Lips that a drawn nose hangs over."""
+
+import numpy as np
+
+from caricli.render.rasterise import rasterise
+from caricli.structures import Camera
+from caricli.structures.parsing import Region
+from caricli.template.template import Template
+
+
+def lips_behind_nose(head: Template, camera: Camera, regions: np.ndarray) -> np.ndarray:
+    """(H, W) bool: pixels where a head has lips and its picture a nose, which is no paint for them.
+
+    head: Template in the shape of the face. camera: Camera of the picture. regions: (H, W) values of Region.
+    """
+    rows, columns = regions.shape
+    raster = rasterise(camera.place(head.vertices), head.faces, columns, rows)
+    of_lips = head.mask("lips")[head.faces].any(axis=1)
+    return (raster.face >= 0) & of_lips[raster.face] & (regions == Region.NOSE)
