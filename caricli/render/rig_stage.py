@@ -19,7 +19,7 @@ from caricli.structures import Rig
 
 _FILL = 0.82  # of the picture: jaws drop and heads turn
 _SUPERSAMPLE = 2  # its square is the number of rays through a border's pixel; frames are small, or on the move
-_HIDDEN = 0.25  # of the sky of a free vertex; what sees less at rest, as the mouth does, may come out
+_HIDDEN = 0.7  # of the sky of a free vertex; what sees less at rest, as the mouth does, may come out
 
 
 class RigStage:

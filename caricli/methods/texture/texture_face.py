@@ -6,6 +6,7 @@ import numpy as np
 
 from caricli.methods.texture.estimate_light import Light, estimate_light
 from caricli.methods.texture.fill_unseen import fill_unseen, skin_colour, skin_weights
+from caricli.methods.texture.folded_lids import folded_lids
 from caricli.methods.texture.grow_grain import grow_grain
 from caricli.methods.texture.mouth_wall import mouth_wall, wall_colour
 from caricli.methods.texture.picture_view import PictureView, SeenColours, Sight, SurfacePoints, likeness
@@ -45,7 +46,8 @@ def texture_face(
     A texel takes the colour at its projection as far as it is seen, not at a grazing angle, and not where an outline
     may be; where it is not, that of its mirror image, if this is; the rest is filled over the surface from what is
     seen. What is hardly seen takes its own colour as far as this is like what fills it. Background never enters: it is
-    replaced by diffused colours of the face first; nor do teeth enter the wall of the mouth, which is dark red. A neck
+    replaced by diffused colours of the face first; nor do teeth enter the wall of the mouth, which is dark red, nor the
+    lines of open eyes their lids, which a blink would draw out. A neck
     takes, unless light is kept, what is like the skin, where enough of it is seen: shadows of chins and collars stay
     out. What a rendering blurs of this is then given back to the texels that are seen.
 
@@ -107,7 +109,8 @@ def _find_light(head: Template, normals: np.ndarray, vertices: SeenColours, sigh
 def _vertices(head: Template, normals: np.ndarray) -> SurfacePoints:
     """The vertices of a head, whose normals are (V, 3)."""
     pockets, neck, scalp = (head.mask(*names).astype(np.float64) for names in (CAVITIES, ("neck",), ("scalp",)))
-    return SurfacePoints(head.vertices, normals, pockets, mouth_wall(head), neck, scalp)
+    hidden = np.maximum(mouth_wall(head), folded_lids(head))
+    return SurfacePoints(head.vertices, normals, pockets, hidden, neck, scalp)
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,0 +1,73 @@
+"""Upper lids of open eyes: folded skin of which a picture shows lines and shadows, and a blink much more."""
+
+from functools import cache
+
+import numpy as np
+
+from caricli.geometry.triangle_normals import triangle_normals
+from caricli.geometry.vertex_neighbours import vertex_neighbours
+from caricli.methods.rig.head_expressions import BLINKS, open_head_expressions
+from caricli.structures.landmarks import EYE_LEFT, EYE_RIGHT
+from caricli.template.template import Template
+
+_MOVED = (0.05, 0.25)  # of what a blink moves at most, from where on and with which skin is of a lid that comes down
+_STRETCHED = (1.1, 1.7)  # times as large in a blink, from where on and with which skin comes out of a fold
+_OPEN = 0.5  # of how open an eye usually is, from which on its lid is folded
+_SOCKETS = ("eye_socket_left", "eye_socket_right")
+_EDGES = ("eye_upper_left", "eye_upper_right")
+
+
+def folded_lids(head: Template) -> np.ndarray:
+    """(V,) from 0 to 1, how far vertices are of an upper lid that is folded; its edge is not, where lashes are drawn.
+
+    head: Template in the shape of a face; of a topology other than the open head's nothing is known, and none is.
+    """
+    actions = open_head_expressions()
+    if head.topology_id != actions.mesh.topology_id:
+        return np.zeros(len(head.vertices))
+    marks, usual = (vertices[head.annotation.landmarks] for vertices in (head.vertices, actions.neutral))
+    folded = np.zeros(len(head.vertices))
+    for eye, lid in zip((EYE_LEFT, EYE_RIGHT), _lids(), strict=True):
+        openness = _openness(marks[list(eye)]) / _openness(usual[list(eye)])
+        folded = np.maximum(folded, min(openness / _OPEN, 1.0) * lid)
+    return folded
+
+
+@cache
+def _lids() -> list[np.ndarray]:
+    """The open head's lids, left and right, (V,) from 0 to 1."""
+    actions = open_head_expressions()
+    faces = actions.mesh.faces
+    assert actions.annotation is not None
+    adjacency, _ = vertex_neighbours(faces, len(actions.neutral))
+    socket = np.zeros(len(actions.neutral), bool)
+    socket[np.concatenate([actions.annotation.regions[name] for name in _SOCKETS])] = True
+    edge = socket | (adjacency @ socket > 0)
+    edge[np.concatenate([actions.annotation.curves[name] for name in _EDGES])] = True
+    before = _areas(actions.neutral, faces)
+    lids = []
+    for name in BLINKS:
+        moves = actions.deltas[actions.names.index(name)]
+        moved = _step(-moves[:, 1] / np.abs(moves[:, 1]).max(), _MOVED)
+        stretched = _step(_areas(actions.neutral + moves, faces) / before, _STRETCHED)
+        lids.append(np.where(edge, 0, np.maximum(moved, stretched)))
+    return lids
+
+
+def _openness(ring: np.ndarray) -> float:
+    """Height of an eye of its width, by landmarks (6, 3) around it from one corner on."""
+    corner, above, over, other, under, below = ring
+    height = np.linalg.norm(above - below) + np.linalg.norm(over - under)
+    return float(height / np.linalg.norm(corner - other) / 2)
+
+
+def _areas(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
+    """(V,) areas of the faces around every vertex, times two."""
+    areas = np.linalg.norm(triangle_normals(vertices, faces), axis=1)
+    return np.bincount(faces.ravel(), np.repeat(areas, 3), len(vertices))
+
+
+def _step(values: np.ndarray, limits: tuple[float, float]) -> np.ndarray:
+    """From 0 at the first limit to 1 at the second."""
+    step: np.ndarray = np.interp(values, limits, (0.0, 1.0))
+    return step
