@@ -13,6 +13,7 @@ wp.set_module_options({"enable_backward": False})
 
 SKIN, EYE, HAIR, BUST = (wp.constant(int(material)) for material in PICTURED)
 
+EYE_SHADOW = wp.constant(0.5)  # of what lids take from an eye's light: its colours, from a picture, lack it already
 UNLIKE = wp.constant(0.2)  # linear light between neighbouring pixels: from there on they show their steps
 
 
@@ -239,7 +240,8 @@ def sample_at(scene: Scene, x: float, y: float):
         sample.material = int(place[2] + 0.5)
         finish = scene.finishes[sample.material]
         if sample.material == EYE:
-            rgb = mesh_eye_colour(scene, hit.face, place, albedo, n, light)
+            shaded = EYE_SHADOW * light + (1.0 - EYE_SHADOW) * wp.vec3(1.0)
+            rgb = mesh_eye_colour(scene, hit.face, place, albedo, n, shaded)
         else:
             rgb = lit(albedo, n, light, finish) + 0.5 * finish[2] * light[0] * softbox(n) * wp.vec3(1.0)
         sample.colour = wp.vec4(rgb[0], rgb[1], rgb[2], 1.0)

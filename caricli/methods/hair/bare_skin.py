@@ -13,6 +13,7 @@ from caricli.structures.landmarks import BROW_LEFT, BROW_RIGHT, EYE_LEFT, EYE_RI
 
 _MARGIN = 0.015  # of the face's height: as far around hair the skin has its colour or its shadow
 _BORDER = 0.05  # of the same: so near to its border a head may show hair that no shell holds, or a line
+_EAR = 0.03  # of the same: so near to the face an ear may show a line, too
 _INWARDS = 0.15  # of the same: so far in goes what hangs together with that
 _STRAND = 0.3  # of the same: so near to hair what has its colour and hangs together with it is a strand
 _FEATURE = 0.03  # of the same: around brows and eyes, which have that colour, too
@@ -35,8 +36,9 @@ def bare_skin(head: ParsedHead, dressed: DressedHair, image: np.ndarray) -> np.n
     plain = skin & (distance_to(_features(dressed)) > _FEATURE * height)
     near = plain & (distance_to(hair) <= _STRAND * height)
     outer = inwards <= _INWARDS * height
-    dark = _like_hair(skin & border | plain & outer, skin & ~outer, hair, image, _ACROSS * height)
-    lines = _hanging(dark, dark & border)
+    ears = head.paint & head.whole & ~face & ~hair & (distance_to(face) <= _EAR * height)
+    dark = _like_hair(skin & border | plain & outer | ears, skin & ~outer, hair, image, _ACROSS * height)
+    lines = _hanging(dark, dark & (border | ears))
     strands = _hanging(_like_hair(near, skin, hair, image, _ACROSS * height), hair)
     coloured = hair | lines | strands
     reach = max(_MARGIN * height, 1.0)
