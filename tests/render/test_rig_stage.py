@@ -101,6 +101,19 @@ def test_what_comes_out_of_hiding_is_drawn_as_if_it_had_never_hidden(sphere):
     assert picture[48, 48].min() > 40
 
 
+def test_what_is_in_a_fold_at_rest_is_not_in_its_shade_when_it_comes_out():
+    x, y = np.meshgrid(np.linspace(-1, 1, 61), np.linspace(-1, 1, 61))
+    fold = np.stack([x, y, -0.3 * np.exp(-40 * y**2)], -1).reshape(-1, 3).astype(np.float32)
+    k = np.arange(61 * 61).reshape(61, 61)
+    a, b, c, d = (q.ravel() for q in (k[:-1, :-1], k[:-1, 1:], k[1:, 1:], k[1:, :-1]))
+    deltas = np.zeros((1, *fold.shape), np.float32)
+    deltas[0, :, 2] = -fold[:, 2]
+    rig = Rig(("flat",), Mesh(fold, np.concatenate([np.stack([a, b, c], 1), np.stack([a, c, d], 1)])), deltas)
+    folded, flat = (RigStage(rig, "front", 96).picture(rig.neutral + w * deltas[0]).astype(int) for w in (0, 1))
+    assert folded[40:56, 48].min() < flat[30, 48].min() - 40
+    assert np.abs(flat[30:66, 48] - flat[30, 48]).max() < 25
+
+
 def test_many_frames_are_those_that_come_one_by_one_though_each_is_overwritten(rig):
     stage = RigStage(rig, "front", 48)
     shapes = [rig.neutral + [0.01 * k, 0, 0] for k in range(6)]

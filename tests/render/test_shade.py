@@ -150,7 +150,7 @@ def test_an_eye_has_a_highlight_towards_the_light_wherever_it_looks(sphere):
         assert (bright.mean(0) < SIZE / 2 - 2).all()
 
 
-def test_a_wet_mouth_is_lit_where_skin_in_its_place_is_dark():
+def test_a_wet_mouth_and_an_eye_are_lit_where_skin_in_their_place_is_dark():
     """At the bottom of a pit."""
     x, y = np.meshgrid(np.linspace(-1, 1, 61), np.linspace(-1, 1, 61))
     pit = np.stack([x, y, -1.5 * np.exp(-20 * (x**2 + y**2))], -1).reshape(-1, 3)
@@ -158,10 +158,18 @@ def test_a_wet_mouth_is_lit_where_skin_in_its_place_is_dark():
     a, b, c, d = (q.ravel() for q in (k[:-1, :-1], k[:-1, 1:], k[1:, 1:], k[1:, :-1]))
     faces = np.concatenate([np.stack([a, b, c], 1), np.stack([a, c, d], 1)])
     deep = {}
-    for material in (Material.SKIN, Material.TEETH):
+    for material in (Material.SKIN, Material.TEETH, Material.EYE):
         coat = Coat(np.zeros((1, 2)), np.zeros_like(faces), np.full(len(faces), material), Pictures())
         deep[material] = grey(shade(in_picture(pit, 30.0), faces, SIZE, SIZE, Look(coat=coat)))[32, 32]
-    assert deep[Material.TEETH] > 1.3 * deep[Material.SKIN]
+    assert min(deep[Material.TEETH], deep[Material.EYE]) > 1.3 * deep[Material.SKIN]
+
+
+def test_the_border_of_a_dark_body_is_no_bright_line(sphere):
+    """Before another one it is a pixel wide, and dotted."""
+    points, faces = in_picture(sphere[0]), sphere[1]
+    drawn = shade(points, faces, SIZE, SIZE, Look(colour=(25, 25, 25))).astype(float)
+    solid = drawn[..., 3] == 255
+    assert drawn[solid][:, :3].mean(1).max() < 105, drawn[solid][:, :3].mean(1).max()
 
 
 def test_an_eye_of_the_mesh_is_drawn_as_one_beside_it(sphere):

@@ -73,6 +73,20 @@ def test_a_line_in_the_colour_of_the_hair_along_the_border_of_the_face_is_left_t
     assert plain[border].all() and not lined[border].any() and lined[cheek].all()
 
 
+def test_such_a_line_may_be_on_the_pixels_of_an_ear(dressed, sitter):
+    """Where this begins; a hollow of the ear stays."""
+    skin = ~sitter.hair.behind & ~sitter.hair.pixels
+    ear, line, hollow = (np.zeros_like(skin) for _ in range(3))
+    for row in round(sitter.face.landmarks[30, 1]) + np.arange(16):
+        first = np.flatnonzero(skin[row])[0]
+        ear[row, first : first + 30] = True
+        line[row, first + 28 : first + 30] = True
+        hollow[row, first + 12 : first + 14] = True
+    drawn = np.where((line | hollow)[..., None], BROWN, sitter.image).astype(np.uint8)
+    plain, lined = (bare_skin(ParsedHead(skin, skin, ear), dressed, image) for image in (sitter.image, drawn))
+    assert plain[line].all() and not lined[line].any() and lined[hollow].mean() > 0.4
+
+
 def test_a_fold_that_goes_on_inwards_from_a_line_at_the_border_is_left_to_be_filled(dressed, sitter):
     """As far in, a spot that does not hang together with the line stays."""
     skin = ~sitter.hair.behind & ~sitter.hair.pixels
