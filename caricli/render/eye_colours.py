@@ -7,7 +7,7 @@ from caricli.structures.landmarks import EYE_LEFT, EYE_RIGHT
 
 _IRIS = 0.2  # of the eye's width, from its middle: as far the iris is sure to reach
 _FEWEST = 12  # pixels between the lids: fewer say nothing about a colour
-_IRIS_SHADES = (0.4, 0.9)  # quantiles of brightness: pupil and reflections are the extremes of what is inside
+_IRIS_SHADES = (0.3, 0.8)  # quantiles of brightness: pupil and reflections are the extremes of what is inside
 _WHITE_SHADE = 0.8  # quantile of brightness: lashes and shadows of the lids are darker than the white
 
 
