@@ -145,8 +145,9 @@ def _filled(
 
 
 def _nearer(hair: Hair, skin: HeadSphere, camera: Camera, mask: HairMask, net: ShellNet) -> Hair:
-    """Hair whose border has moved to that of the mask once more. skin: HeadSphere of the head. net: ShellNet of
-    the hair.
+    """Hair whose border has moved to that of the mask once more.
+
+    skin: HeadSphere of the head. net: ShellNet of the hair.
     """
     size = camera.scale * skin.head.height
     shown = visible_hair(skin.head, hair, camera, mask.pixels.shape)
@@ -350,7 +351,7 @@ def _brought(
 ) -> np.ndarray:
     """(V, 3) vertices of a shell, moved as a field (H, W, 2) of its picture says, smoothly and without folds.
 
-    start: the shell that movements are smooth from. skin: HeadSphere of the head.
+    start: the shell that movements are smooth from. skin: HeadSphere of the head. net: ShellNet of the shell.
     """
     moves = _moved(shell, skin, camera, field) - start.vertices
     return net.unfolded(start.vertices + _spread(net.mean, moves, _cosines(start, camera)), skin)
@@ -380,7 +381,7 @@ def _spread(mean: sp.csr_matrix, wanted: np.ndarray, cosines: np.ndarray) -> np.
     """(V, 3): movements that are wanted (V, 3), which go over smoothly into those of neighbours.
 
     Without this what is seen and what is not would part in a crease, and what is seen from aside, where a pixel is much
-    of a surface, would be torn. net: ShellNet of the hair. cosines: (V,) between surface and view.
+    of a surface, would be torn. mean: of ShellNet. cosines: (V,) between surface and view.
     """
     held = np.interp(cosines, *_HOLD)[:, None]
     still = np.interp(cosines, _BACK, (_STILL, 0))[:, None]

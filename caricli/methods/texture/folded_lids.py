@@ -58,7 +58,7 @@ def _openness(ring: np.ndarray) -> float:
     """Height of an eye of its width, by landmarks (6, 3) around it from one corner on."""
     corner, above, over, other, under, below = ring
     height = np.linalg.norm(above - below) + np.linalg.norm(over - under)
-    return float(height / np.linalg.norm(corner - other) / 2)
+    return float(height / max(np.linalg.norm(corner - other), 1e-12) / 2)
 
 
 def _areas(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
