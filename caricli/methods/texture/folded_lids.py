@@ -57,8 +57,8 @@ def _lids() -> list[np.ndarray]:
 def _openness(ring: np.ndarray) -> float:
     """Height of an eye of its width, by landmarks (6, 3) around it from one corner on."""
     corner, above, over, other, under, below = ring
-    height = np.linalg.norm(above - below) + np.linalg.norm(over - under)
-    return float(height / max(np.linalg.norm(corner - other), 1e-12) / 2)
+    height = (np.linalg.norm(above - below) + np.linalg.norm(over - under)) / 2
+    return float(height / np.maximum(np.linalg.norm(corner - other), 1e-12))
 
 
 def _areas(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
