@@ -34,7 +34,7 @@ def read_parsing(path: str | Path) -> tuple[np.ndarray, dict[str, int]]:
     Returns (H,W) uint8, and the numbers of the labels by their names.
     Raises InputError when it is no such picture, too large, or the legend is malformed.
     """
-    from PIL import Image
+    from PIL import Image, UnidentifiedImageError
 
     data = read_bytes(path, MAX_IMAGE_BYTES, "a label map")
     try:
@@ -46,6 +46,8 @@ def read_parsing(path: str | Path) -> tuple[np.ndarray, dict[str, int]]:
             labels = np.array(image.convert("L") if image.mode == "1" else image)
     except InputError:
         raise
+    except UnidentifiedImageError:
+        raise InputError(f"{shown(path)}: expected a PNG of label numbers, found another kind of file") from None
     except Exception as error:  # Pillow's decoders raise whatever they meet
         raise InputError(f"{shown(path)}: expected a PNG of label numbers, found none: {shown(error, 120)}") from error
     beside = Path(path).with_suffix(".json")

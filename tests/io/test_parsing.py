@@ -119,5 +119,5 @@ def test_other_files_are_refused(content, tmp_path):
 
 def test_a_jpeg_is_no_label_map(tmp_path):
     Image.fromarray(LABELS).save(tmp_path / "a.png", "JPEG")
-    with pytest.raises(InputError, match="expected a PNG of label numbers"):
+    with pytest.raises(InputError, match="expected a PNG of label numbers, found another kind of file"):
         read_parsing(tmp_path / "a.png")
