@@ -23,7 +23,8 @@ class ShellNet:
         """shell: as it was made, without folds. sphere: HeadSphere of the head that it is on."""
         self.faces = shell.faces
         self.adjacency, self.mean = vertex_neighbours(shell.faces, len(shell.vertices))
-        self.start = _directions(shell.vertices, sphere)
+        longitudes, angles, _ = sphere.seen_from(shell.vertices)
+        self.start = sphere.directions(longitudes, angles)
         self.areas = self._areas(self.start)
 
     def unfolded(self, points: np.ndarray, skin: HeadSphere) -> np.ndarray:
@@ -68,9 +69,3 @@ class ShellNet:
         first, second, third = (directions[self.faces[:, k]] for k in range(3))
         areas: np.ndarray = np.einsum("fk,fk->f", np.cross(second - first, third - first), first)
         return areas
-
-
-def _directions(points: np.ndarray, sphere: HeadSphere) -> np.ndarray:
-    """(V, 3) unit vectors from the middle of a head to points (V, 3)."""
-    longitudes, angles, _ = sphere.seen_from(points)
-    return sphere.directions(longitudes, angles)

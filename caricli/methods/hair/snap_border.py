@@ -24,13 +24,12 @@ from caricli.structures import Camera, Hair, Mesh
 from caricli.template.template import Template
 
 _WIDTHS = (0.015, 0.01, 0.006, 0.004, 0.003, 0.003, 0.003)
-_FEWEST = 5  # rounds, after which a shell that is near to the mask is good
 _LAST_WIDTH = 0.006  # of the head's height, over which a border's movements are spread once hair is laid
-_GOOD = 0.93  # intersection over union from which on no skull is raised and no gap filled
+_GOOD = 0.93  # intersection over union from which on a shell is not far: no skull is raised and no gap filled
 _CORNERS = 5  # rows and columns around a direction, in which nothing of hair is nearer than the skull
 _INSIDE = 41  # the same, in which hair does not end
 _RAISE = 0.02  # of the head's height, by which it is at most
-_TRIMS = (3, 5, 6)  # rounds in which what stands before bare skin goes under it
+_TRIM = 3  # round in which what stands before bare skin goes under it, and from the second after it on where it is far
 _BEFORE = 0.004  # of the head's height: so far from the mask hair is not before bare skin
 _BESIDE = 0.01  # the same of the background, where borders move
 _REACH = 0.06  # of the head's height: borders farther apart than this are not of the same place
@@ -46,7 +45,7 @@ _SLOPES = (0.6, 3.0)  # at these cosines, in which hair rises at most from where
 _JOINED = 0.3  # of the least thickness of hair: what is less far above the skin holds nothing together
 _LOOSE = 0.1  # of the largest part of hair: a part with less of it is loose
 _EVEN = ((-0.4, -0.1, 0.5, 0.8), (0.0, 0.5, 0.5, 0.0))  # of cosines, how far a height is evened in a round
-_EVEN_ROUNDS = 3
+_EVEN_ROUNDS = 2
 _SOFT = 1.5  # pixels over which the way out of a border is looked for
 _EDGE = 2  # pixels: the picture's end is no border
 
@@ -86,16 +85,16 @@ def snap_border(
     best = (union_share(seen >= 0, mask.pixels), hair, head)
     wanted = _border(mask.pixels, size)
     for number, width in enumerate((*_WIDTHS, None)):
-        if number >= _FEWEST and best[0] >= _GOOD:
-            break
         if width is not None:
             points = _brought(hair.shell, start, sphere, camera, _field(seen >= 0, wanted, size, width), net)
-        else:
+        elif best[0] < _GOOD:
             points = hair.shell.vertices
             wrong = _seen_places(head, hair, camera, outside & ~mask.behind)
             head = raise_skull(head, sphere, sphere.farthest(wrong), _RAISE * head.height)
             lowest = np.full_like(lowest, -np.inf)
-        if number in _TRIMS or width is None:
+        else:
+            break
+        if number == _TRIM or (number > _TRIM + 1 and best[0] < _GOOD):
             over = over | _over(seen, hair, camera, outside)
         inner = hair.shell.faces[(above & ~over)[hair.shell.faces].all(1)]
         most = sphere.cover(points, inner, *np.meshgrid(sphere.longitudes, sphere.angles))

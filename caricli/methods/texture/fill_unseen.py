@@ -10,6 +10,7 @@ from caricli.geometry.cholesky import Cholesky
 from caricli.geometry.triangle_normals import triangle_normals
 from caricli.geometry.vertex_neighbours import vertex_neighbours
 from caricli.methods.texture.picture_view import SeenColours, likeness
+from caricli.structures import Mesh
 from caricli.template.annotation import CAVITIES
 from caricli.template.template import Template
 
@@ -53,7 +54,7 @@ def skin_colour(head: Template, vertices: SeenColours) -> np.ndarray:
     return _median(vertices.colours, skin_weights(head, vertices.seen) + 1e-12 * vertex_areas(head))
 
 
-def vertex_areas(head: Template) -> np.ndarray:
+def vertex_areas(head: Mesh) -> np.ndarray:
     """(V,) a third of the areas of the triangles around every vertex, square metres."""
     areas = np.linalg.norm(triangle_normals(head.vertices, head.faces), axis=1) / 6
     return np.bincount(head.faces.ravel(), np.repeat(areas, 3), len(head.vertices))

@@ -4,9 +4,9 @@ from functools import cache
 
 import numpy as np
 
-from caricli.geometry.triangle_normals import triangle_normals
 from caricli.geometry.vertex_neighbours import vertex_neighbours
 from caricli.methods.rig.head_expressions import BLINKS, open_head_expressions
+from caricli.methods.texture.fill_unseen import vertex_areas
 from caricli.structures.landmarks import EYE_LEFT, EYE_RIGHT
 from caricli.template.template import Template
 
@@ -37,19 +37,19 @@ def folded_lids(head: Template) -> np.ndarray:
 def _lids() -> list[np.ndarray]:
     """The open head's lids, left and right, (V,) from 0 to 1."""
     actions = open_head_expressions()
-    faces = actions.mesh.faces
     assert actions.annotation is not None
-    adjacency, _ = vertex_neighbours(faces, len(actions.neutral))
+    adjacency, _ = vertex_neighbours(actions.faces, len(actions.neutral))
     socket = np.zeros(len(actions.neutral), bool)
     socket[np.concatenate([actions.annotation.regions[name] for name in _SOCKETS])] = True
     edge = socket | (adjacency @ socket > 0)
     edge[np.concatenate([actions.annotation.curves[name] for name in _EDGES])] = True
-    before = _areas(actions.neutral, faces)
+    before = vertex_areas(actions.mesh)
     lids = []
     for name in BLINKS:
         moves = actions.deltas[actions.names.index(name)]
-        moved = _step(-moves[:, 1] / np.abs(moves[:, 1]).max(), _MOVED)
-        stretched = _step(_areas(actions.neutral + moves, faces) / before, _STRETCHED)
+        moved = np.interp(-moves[:, 1] / np.abs(moves[:, 1]).max(), _MOVED, (0, 1))
+        after = vertex_areas(actions.mesh.with_vertices(actions.neutral + moves))
+        stretched = np.interp(after / before, _STRETCHED, (0, 1))
         lids.append(np.where(edge, 0, np.maximum(moved, stretched)))
     return lids
 
@@ -59,15 +59,3 @@ def _openness(ring: np.ndarray) -> float:
     corner, above, over, other, under, below = ring
     height = (np.linalg.norm(above - below) + np.linalg.norm(over - under)) / 2
     return float(height / np.maximum(np.linalg.norm(corner - other), 1e-12))
-
-
-def _areas(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
-    """(V,) areas of the faces around every vertex, times two."""
-    areas = np.linalg.norm(triangle_normals(vertices, faces), axis=1)
-    return np.bincount(faces.ravel(), np.repeat(areas, 3), len(vertices))
-
-
-def _step(values: np.ndarray, limits: tuple[float, float]) -> np.ndarray:
-    """From 0 at the first limit to 1 at the second."""
-    step: np.ndarray = np.interp(values, limits, (0.0, 1.0))
-    return step

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from caricli.render.rasterise import rasterise
+from caricli.render.vertex_pixels import vertex_pixels
 from caricli.structures import Camera
 from caricli.structures.parsing import Region
 from caricli.template.template import Template
@@ -14,6 +14,4 @@ def lips_behind_nose(head: Template, camera: Camera, regions: np.ndarray) -> np.
     head: Template in the shape of the face. camera: Camera of the picture. regions: (H, W) values of Region.
     """
     rows, columns = regions.shape
-    raster = rasterise(camera.place(head.vertices), head.faces, columns, rows)
-    of_lips = head.mask("lips")[head.faces].any(axis=1)
-    return (raster.face >= 0) & of_lips[raster.face] & (regions == Region.NOSE)
+    return vertex_pixels(head, head.mask("lips"), camera, (columns, rows)) & (regions == Region.NOSE)

@@ -3,7 +3,7 @@
 import numpy as np
 
 from caricli.geometry.vertex_neighbours import vertex_neighbours
-from caricli.render.rasterise import rasterise
+from caricli.render.vertex_pixels import vertex_pixels
 from caricli.structures import Camera, Material
 from caricli.structures.materials import FINISHES
 from caricli.template.template import Template
@@ -35,6 +35,4 @@ def wall_colour(colours: np.ndarray) -> np.ndarray:
 
 def wall_pixels(head: Template, camera: Camera, size: tuple[int, int]) -> np.ndarray:
     """(H, W) bool, where a picture of a head shows the wall of its mouth. size: (W, H) of the picture, pixels."""
-    raster = rasterise(camera.place(head.vertices), head.faces, *size)
-    of_wall = mouth_wall(head)[head.faces].any(axis=1)
-    return (raster.face >= 0) & of_wall[raster.face]
+    return vertex_pixels(head, mouth_wall(head) > 0, camera, size)

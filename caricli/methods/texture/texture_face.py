@@ -47,9 +47,9 @@ def texture_face(
     may be; where it is not, that of its mirror image, if this is; the rest is filled over the surface from what is
     seen. What is hardly seen takes its own colour as far as this is like what fills it. Background never enters: it is
     replaced by diffused colours of the face first; nor do teeth enter the wall of the mouth, which is dark red, nor the
-    lines of open eyes their lids, which a blink would draw out. A neck
-    takes, unless light is kept, what is like the skin, where enough of it is seen: shadows of chins and collars stay
-    out. What a rendering blurs of this is then given back to the texels that are seen.
+    lines of open eyes their lids, which a blink would draw out. A neck takes, unless light is kept, what is like the
+    skin, where enough of it is seen: shadows of chins and collars stay out. What a rendering blurs of this is then
+    given back to the texels that are seen.
 
     head: Template with UVs, in the shape of the face. sight: Sight of it. size: texels, width and height, or the Texels
     of a head of the same topology; where there is none, the power of two, within limits, with which texels of what is
