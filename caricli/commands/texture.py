@@ -254,7 +254,7 @@ class TextureTask:
         with naming(", ".join(str(path) for path in inputs if path)):
             painted = paint_head(seen, shape_model.template, picture, white, settings, regions)
         seconds = time.perf_counter() - start
-        jobs: list[Callable[[], None]] = [partial(write_painted_head, folder, painted, seen)]
+        jobs: list[Callable[[], None]] = [partial(write_painted_head, folder, painted)]
         if chart is not None:
             from caricli.methods.dynamic.face_in_chart import face_in_chart
             from caricli.store.faces import write_charted_face

@@ -36,6 +36,7 @@ _STORED = {
     "uvs": np.float64,
     "uv_polygons": np.int32,
     "materials": np.int32,
+    "teeth": np.float32,
     "hair_vertices": np.float32,
     "hair_polygons": np.int32,
     "hair_uvs": np.float64,
@@ -94,7 +95,7 @@ def write_face(path: str | Path, face: Face, names: PictureNames | None = None) 
     mesh = face.mesh
     camera = face.camera
     values: dict = {"vertices": mesh.vertices} | mesh_to_arrays(mesh)
-    values |= {key: getattr(face, key) for key in (*_OWN, "materials")}
+    values |= {key: getattr(face, key) for key in (*_OWN, "materials", "teeth")}
     names = write_pictures(Path(path), face.pictures) if names is None else names
     values |= dict(zip(_PICTURES, names, strict=True))
     values |= _hair_arrays(face.hair)
@@ -119,7 +120,7 @@ def _face(values: dict) -> Face:
     if given and len(given) < len(_CAMERA):
         raise InputError(f"camera: expected {', '.join(_CAMERA)}, found only {', '.join(given)}")
     camera = Camera(*(values[key] for key in _CAMERA)) if given else None
-    others: dict[str, Any] = {key: values.get(key) for key in (*_OWN, "materials")}
+    others: dict[str, Any] = {key: values.get(key) for key in (*_OWN, "materials", "teeth")}
     return Face(mesh, camera, hair=_hair(values), **others)
 
 

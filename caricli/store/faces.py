@@ -135,10 +135,10 @@ def load_identity(path: Path | None, model: MorphableModel) -> tuple[np.ndarray,
     return model.parts(code.latent)[0], note
 
 
-def write_painted_head(folder: Path, painted: "Painted", face: Face) -> None:
+def write_painted_head(folder: Path, painted: "Painted") -> None:
     """Write a textured head: OBJ with material and pictures, NPZ for the next command, GLB with eyes.
 
-    folder: of face.obj, .mtl, .npz and .glb, texture.png and eyes.png. face: Face that was painted.
+    folder: of face.obj, .mtl, .npz and .glb, texture.png and eyes.png.
     Raises OutputError when a file cannot be written.
     """
     rig = painted.rig
@@ -148,9 +148,7 @@ def write_painted_head(folder: Path, painted: "Painted", face: Face) -> None:
             write_png(folder / FILES[name], picture)
     mesh = _trimmed(painted.head)
     write_obj(folder / "face.obj", mesh, names.skin, others=names.others)
-    dressed = painted.hair
-    face = replace(face, hair=None) if dressed is None else replace(dressed.face, hair=dressed.hair)
-    write_face(folder / "face.npz", replace(face, mesh=mesh, pictures=painted.pictures, materials=None), names)
+    write_face(folder / "face.npz", replace(painted.face, mesh=mesh, pictures=painted.pictures, materials=None), names)
     write_gltf(folder / "face.glb", rig)
 
 

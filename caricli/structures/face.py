@@ -31,6 +31,8 @@ class Face:
     pictures: Pictures that it wears, none unless it is painted; they lie on the UVs of the mesh.
     materials: (P,) int32, a Material for every polygon; all skin where there are none.
     hair: Hair that stands on the mesh.
+    teeth: (2,) metres, how far its picture shows upper teeth below the rim of the upper lip, and lower ones above that
+    of the lower lip; 0 where it shows none.
     Raises InputError when an array has another shape or holds what is not finite or beyond the caps.
     """
 
@@ -43,6 +45,7 @@ class Face:
     pictures: Pictures = Pictures()  # noqa: RUF009 (frozen)
     materials: np.ndarray | None = None
     hair: Hair | None = None
+    teeth: np.ndarray | None = None
 
     def __post_init__(self) -> None:
         """Check that the parts fit each other."""
@@ -56,6 +59,10 @@ class Face:
             if landmarks.shape not in [(count, 2) for count in SCHEMES]:
                 refuse(f"landmarks: expected the shape (68,2) or (81,2), found {landmarks.shape}")
             refuse(coordinate_problem("landmarks", landmarks))
+        if self.teeth is not None:
+            refuse(shape_problem("teeth", np.asarray(self.teeth), (2,)))
+            if np.min(self.teeth) < 0:
+                refuse(f"teeth: expected lengths, found {np.min(self.teeth)}")
         refuse(material_problem(self.materials, len(self.mesh.polygons)))
         if self.pictures and self.mesh.uvs is None:
             refuse("uvs: expected them on a face with pictures, found none")
@@ -73,9 +80,10 @@ class Face:
         return bare.with_vertices(vertices)
 
     def wearing(self, other: "Face") -> "Face":
-        """The same face in the polygons, pictures and hair of another of its topology."""
+        """The same face in the polygons, pictures, hair and teeth of another of its topology."""
         worn = other.posed(self.vertices)
-        return replace(self, mesh=worn.mesh, pictures=worn.pictures, materials=worn.materials, hair=worn.hair)
+        dressed = replace(self, mesh=worn.mesh, pictures=worn.pictures, materials=worn.materials, hair=worn.hair)
+        return replace(dressed, teeth=other.teeth)
 
     def without_latent(self) -> "Face":
         """The same face without what a model says of it."""

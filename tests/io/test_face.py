@@ -114,6 +114,7 @@ def test_round_trip(tmp_path_factory, data):
             arrays(np.float64, 2, elements=st.floats(-1e6, 1e6)),
         ),
         "landmarks": arrays(np.float64, (81, 2), elements=st.floats(-1e6, 1e6)),
+        "teeth": arrays(np.float32, 2, elements=st.floats(0, 1, width=32)),
         "model_id": st.text(st.characters(exclude_categories=["Cs", "Cc"]), min_size=1, max_size=9),
     }
     chosen = data.draw(st.fixed_dictionaries({}, optional=optional))

@@ -51,6 +51,8 @@ def test_what_is_required_is_given_or_named():
     [
         ({"latent": np.zeros((2, 2))}, r"latent: expected the shape \(\*\), found \(2, 2\)"),
         ({"latent": np.zeros(0)}, "latent: expected the shape"),
+        ({"teeth": np.zeros(3)}, r"teeth: expected the shape \(2\), found \(3,\)"),
+        ({"teeth": np.array([0.01, -0.01])}, "teeth: expected lengths, found -0.01"),
         ({"latent": np.array([1e300])}, "latent: expected finite numbers"),
         ({"latent": np.array([np.nan])}, "latent: expected finite numbers"),
         ({"residual": np.zeros((3, 9))}, r"residual: expected the shape \(4,9\), found \(3, 9\)"),

@@ -59,15 +59,20 @@ class Attachment:
         return self.animate(mesh, (), np.zeros((0, *mesh.vertices.shape)))
 
     def animate(
-        self, mesh: Mesh, names: Sequence[str], deltas: np.ndarray, given: np.ndarray | None = None
+        self,
+        mesh: Mesh,
+        names: Sequence[str],
+        deltas: np.ndarray,
+        given: np.ndarray | None = None,
+        teeth: np.ndarray | None = None,
     ) -> tuple[Part, ...]:
         """The parts of a face with expressions.
 
         mesh: Mesh of its skin, metres, in the template's topology. names: K. deltas: (K, V, 3) metres, what the
         expressions do to the skin. given: (V, 3) metres, the face with the expression that this neutral one was found
-        from, whose lips may have shown teeth; or None.
+        from, whose lips may have shown teeth; or None. teeth: (2,) metres, of a Face, or None where no picture tells.
         """
-        face = Posed(np.asarray(mesh.vertices, float), tuple(names), np.asarray(deltas, float), given)
+        face = Posed(np.asarray(mesh.vertices, float), tuple(names), np.asarray(deltas, float), given, teeth)
         mouths = self._mouths(face)
         return tuple(hold.place(face) if isinstance(hold, Lids) else hold.place(face, mouths) for hold in self.holds)
 

@@ -70,13 +70,14 @@ class Posed:
     """The skin of a face and its expressions.
 
     neutral: (V, 3) metres. names: K. deltas: (K, V, 3) metres. given: (V, 3) metres, the face with the expression that
-    the neutral one was found from, or None.
+    the neutral one was found from, or None. teeth: (2,) metres, of a Face, or None.
     """
 
     neutral: np.ndarray
     names: tuple[str, ...]
     deltas: np.ndarray
     given: np.ndarray | None = None
+    teeth: np.ndarray | None = None
 
     def only(self, k: int) -> "Posed":
         """With expression k alone."""
@@ -126,7 +127,7 @@ class Bone:
         # Gums and tongue give way where teeth do not.
         firm = teeth[teeth >= 0] if len(teeth) else np.arange(len(self.shape))
         self.firm = firm[:: max(len(firm) // _FIRM, 1)]
-        self.room = RoomSettings() if self.incisors is None else UPPER
+        self.room = UPPER if self.incisors is not None and not self.incisors.row else RoomSettings()
         self.moves = room_moves(self.shape, self.firm)
         self.guides = Guides(self.shape, AROUND * template.height)
 
@@ -167,7 +168,7 @@ class Bone:
             return shape, to_face
         if self.incisors is not None:
             up = to_face[:, 1] / np.linalg.norm(to_face[:, 1])
-            shape = shape + self._shown(self.incisors, face, shape, up, mouths.height) * up
+            shape = self._with_teeth(self.incisors, face, shape, up, mouths.height)
         return self._settled(mouths.rest, shape, to_face, mouths.height), to_face
 
     def _follow(self, skin: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -175,6 +176,16 @@ class Bone:
         scales, rotation, shift = axis_similarity(self.frames.points, self.weights @ skin[self.around], UNEVEN)
         to_face = rotation * scales
         return self.shape @ to_face.T + shift, to_face
+
+    def _with_teeth(
+        self, incisors: Incisors, face: Posed, shape: np.ndarray, up: np.ndarray, height: float
+    ) -> np.ndarray:
+        """The part (W, 3) with its teeth as far up (3,) that lips show them as they do."""
+        if face.teeth is not None:
+            return incisors.as_pictured(face.neutral, shape, up, float(face.teeth[incisors.row]), height)
+        if incisors.row:
+            return shape
+        return shape + self._shown(incisors, face, shape, up, height) * up
 
     def _shown(self, incisors: Incisors, face: Posed, shape: np.ndarray, up: np.ndarray, height: float) -> float:
         """Metres, at most 0, by which the upper teeth (W, 3) go up (3,) so that lips show them as they do."""

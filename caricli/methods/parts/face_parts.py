@@ -35,7 +35,7 @@ def face_parts(
     if isinstance(template, Template) and template.topology_id == face.mesh.topology_id:
         moves = np.zeros((0, *face.vertices.shape)) if deltas is None else deltas
         attachment = chosen_attachment(template, choice)
-        parts = [] if attachment is None else [*attachment.animate(face.mesh, names, moves, given)]
+        parts = [] if attachment is None else [*attachment.animate(face.mesh, names, moves, given, face.teeth)]
         close = add_shoulders if choice.shoulders else close_neck
         neck = close(template, face.vertices, names, moves)
         parts += [] if neck is None else [neck]

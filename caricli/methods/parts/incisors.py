@@ -1,4 +1,6 @@
-"""How far the upper teeth show below the lip."""
+"""How far teeth show between the lips."""
+
+from functools import cached_property
 
 import numpy as np
 
@@ -9,6 +11,12 @@ SHOWN = 0.6
 """Of an open mouth's height, what the upper teeth fill at least, and"""
 CROWN = 0.75
 """of their own height, what shows of them at most."""
+
+BARE = 0.62
+"""Of the height of teeth, what stands out of the gums."""
+
+LONGEST = 4.0
+"""Times their height, what teeth grow to at most that a picture shows longer."""
 
 BEHIND = 0.01
 """Of the head's height, how much higher than the lip's rim they end at most."""
@@ -21,16 +29,17 @@ _MIDDLE = 0.25
 
 
 class Incisors:
-    """The middle teeth of an upper arch, and the lips before them.
+    """The middle teeth of an arch, and the lips before them.
 
     A wall of the mouth that a laugh draws up takes the teeth along that stand by it, as none of a skull do: these are
     hidden then, where a drawing shows them.
     """
 
     def __init__(self, template: Template, part: Part) -> None:
-        """part: with teeth, on the skull. The template has curves for the inner rims of both lips."""
+        """part: with teeth, on skull or jaw. The template has curves for the inner rims of both lips."""
         curves = template.annotation.curves
         self.lips = [int(curves[name][len(curves[name]) // 2]) for name in ("mouth_inner_upper", "mouth_inner_lower")]
+        self.row = 0 if part.hangs_on == "skull" else 1
         teeth = np.unique(part.mesh.polygons[part.materials == Material.TEETH])
         teeth = teeth[teeth >= 0]
         points = np.asarray(part.mesh.vertices, float)[teeth]
@@ -39,12 +48,17 @@ class Incisors:
         depth = points[:, 2]
         self.front = teeth[middle & (depth > np.median(depth[middle]))]
 
+    @cached_property
+    def outwards(self) -> int:
+        """Whether teeth stand up (1) or down (-1)."""
+        return (-1, 1)[self.row]
+
     def edge(self, shape: np.ndarray, up: np.ndarray) -> float:
         """Where the teeth of a part (W, 3) end, metres along the way up (3,), of unit length."""
-        return float((shape[self.front] @ up).min())
+        return self.outwards * float((self.outwards * shape[self.front] @ up).max())
 
     def highest(self, skin: np.ndarray, shape: np.ndarray, up: np.ndarray, height: float) -> float:
-        """Where the teeth of a part (W, 3) may end at most in a face (V, 3) of some height, metres upwards."""
+        """Where the upper teeth of a part (W, 3) may end at most in a face (V, 3) of some height, metres upwards."""
         upper, lower = skin[self.lips] @ up
         shown = min(SHOWN * max(upper - lower, 0), CROWN * float(np.ptp(shape[self.front] @ up)))
         return float(upper - shown + max(BEHIND * height - shown, 0))
@@ -53,10 +67,27 @@ class Incisors:
         """Where teeth that showed in a laugh may end at least in a face (V, 3) of some height, metres upwards."""
         return float(skin[self.lips[0]] @ up - LAUGHED * height)
 
+    def as_pictured(
+        self, skin: np.ndarray, shape: np.ndarray, up: np.ndarray, shown: float, height: float
+    ) -> np.ndarray:
+        """The part (W, 3) with its teeth beyond the rim of their lip as far as a picture shows them.
+
+        They grow, so that no gum shows between lip and teeth. skin: (V, 3) metres, of a face of some height. up: (3,)
+        of unit length. shown: metres; at 0 they are behind the lip.
+        """
+        crown = BARE * float(np.ptp(shape[self.front] @ up))
+        growth = np.clip(shown / crown, 1, LONGEST) - 1
+        edge = self.edge(shape, up)
+        end = skin[self.lips[self.row]] @ up + self.outwards * (shown or -BEHIND * height)
+        move = end - edge
+        if not shown:
+            move = self.outwards * min(self.outwards * move, 0)
+        return shape + np.outer((shape @ up - edge) * growth + move, up)
+
 
 def incisors_of(template: Template, part: Part) -> Incisors | None:
-    """The Incisors of a part, None where it is not of the upper teeth or the template does not tell its lips."""
+    """The Incisors of a part, None where it has no teeth or the template does not tell its lips."""
     curves = template.annotation.curves
     told = "mouth_inner_upper" in curves and "mouth_inner_lower" in curves
     has_teeth = bool((part.materials == Material.TEETH).any())
-    return Incisors(template, part) if told and has_teeth and part.hangs_on == "skull" else None
+    return Incisors(template, part) if told and has_teeth and part.hangs_on in ("skull", "jaw") else None

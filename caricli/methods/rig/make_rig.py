@@ -71,7 +71,7 @@ def make_rig(
     on the open head, whose topology the bundled models have. deltas: (K, V, 3) metres, what their expressions do to the
     face; None for deformation transfer, lids and lips meeting as they do on the templates. A tongue that is put in may
     part the lips farther than they. given: Face that the neutral one was found from, whose hair it wears, and whose
-    laugh tells how far its teeth show.
+    laugh tells how far its teeth show; where they are the same, so does its picture.
     Raises InputError for another topology, NumericsError for triangles without area.
     """
     templates = templates or open_head_expressions()
@@ -88,6 +88,7 @@ def make_rig(
     rig = add_eyeballs(rig, eyeballs, np.random.default_rng(settings.seed), pictures.eyes)
     hair = None if given is None else given.with_vertices(mesh.vertices).hair
     laugh = None if given is None else given.vertices
+    teeth = given.teeth if given is not None and np.array_equal(given.vertices, mesh.vertices) else None
     dress = partial(face_parts, template=templates.mesh, choice=settings.head, given=laugh)
-    rig = add_parts(rig, dress(Face(mesh, hair=hair), names=rig.names, deltas=deltas))
+    rig = add_parts(rig, dress(Face(mesh, hair=hair, teeth=teeth), names=rig.names, deltas=deltas))
     return RigResult(rig, measures, eyeballs, fine, dress)

@@ -25,6 +25,7 @@ from caricli.methods.texture.photometric_error import photometric_error
 from caricli.methods.texture.picture_view import Sight
 from caricli.methods.texture.project_picture import project_picture
 from caricli.methods.texture.settings import PaintSettings
+from caricli.methods.texture.shown_teeth import shown_teeth
 from caricli.methods.texture.texels import Texels
 from caricli.methods.texture.texture_face import FaceTexture, texture_face
 from caricli.render.diffuse_background import diffuse_background
@@ -40,6 +41,7 @@ from caricli.template.template import Template
 class Painted:
     """A textured head and how it was come by.
 
+    face: Face that was painted, with its skull under its hair, and teeth as far as the picture shows them.
     head: Template in the shape of the face, with the UVs of its texture.
     rig: Rig of the whole head, without expressions; the vertices of the face come first.
     error: photometric error of the skin but for the wall of the mouth, which teeth hide; of full scale.
@@ -50,6 +52,7 @@ class Painted:
     sky: (V, D) of the rig's mesh as `mesh_sky` gives it, where it was asked for, or None.
     """
 
+    face: Face
     head: Template
     rig: Rig
     error: float
@@ -98,6 +101,7 @@ def paint_head(
     ground = _lay_groundwork(face, template, image, mask, settings, regions)
     hair = ground.hair
     face = replace(face, hair=None) if hair is None else replace(hair.face, hair=hair.hair)
+    face = replace(face, teeth=ground.teeth)
     head = _laid_out(template.with_vertices(face.vertices), image, camera, settings)
     still = np.zeros((0, *head.vertices.shape), np.float32)
     bare = Rig((), head.with_vertices(head.vertices.astype(np.float32)), still)
@@ -124,7 +128,7 @@ def paint_head(
     pictures = Pictures(texture, whole.pictures.eyes, hair_texture, neck_picture(head, texture))
     seen = float(skin_texture.seen[skin_texture.covered].mean())
     whole = replace(whole, pictures=pictures)
-    return Painted(head, whole, error, seen, float(ground.mask.mean()), skin_texture.light, hair, sky)
+    return Painted(face, head, whole, error, seen, float(ground.mask.mean()), skin_texture.light, hair, sky)
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,6 +137,7 @@ class _Groundwork:
 
     mask: (H, W) bool, the head in the picture. sight: Sight of its bare skin. hair: DressedHair, or None. texels:
     Texels, or None where the view has to tell their number first, or has a layout of its own. eyes: picture of an eye.
+    teeth: (2,) metres, see Face, or None.
     """
 
     mask: np.ndarray
@@ -140,6 +145,7 @@ class _Groundwork:
     hair: DressedHair | None
     texels: Texels | None
     eyes: np.ndarray
+    teeth: np.ndarray | None
 
 
 def _lay_groundwork(
@@ -166,16 +172,19 @@ def _lay_groundwork(
     # Nothing here needs this, but what comes next, and one processor is free.
     looks.append(partial(chosen_attachment, template, settings.head))
     camera = face.require_camera()
+    teeth = None
     if regions is not None:
+        head = template.with_vertices(face.vertices)
+        teeth = shown_teeth(face, head, regions)
         looks.append(partial(cut_openings, image, regions, landmarks))
-        looks.append(partial(lips_behind_nose, template.with_vertices(face.vertices), camera, regions))
+        looks.append(partial(lips_behind_nose, head, camera, regions))
     hair, eyes, _, *no_skin = do_in_parallel(*looks)
     skin = parts.paint if hair is None else bare_skin(parts, hair, image)
     beside = parts.whole & ~skin
     for pixels in no_skin:
         skin = skin & ~pixels
     sight = Sight(camera, image, skin, parts.whole, beside)
-    return _Groundwork(parts.whole, sight, hair, texels, eyes)
+    return _Groundwork(parts.whole, sight, hair, texels, eyes, teeth)
 
 
 def _find_texels(template: Template, settings: PaintSettings) -> Texels | None:

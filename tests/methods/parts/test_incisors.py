@@ -47,6 +47,23 @@ def test_those_that_a_laugh_drew_up_come_down_when_the_lips_close(head_template)
     assert hidden < shown <= (LAUGHED + 0.002) * head_template.height and opening < 0.002 * head_template.height
 
 
-def test_a_row_without_teeth_has_no_incisors(head_template):
-    lower = next(hold.part for hold in open_head_attachment().holds if hold.part.name == "teeth_lower")
-    assert incisors_of(head_template, lower) is None
+@pytest.mark.parametrize("shown", [0.0, 0.01, 0.03])
+def test_teeth_end_where_a_picture_shows_it(head_template, laughing, shown):
+    mesh = head_template.with_vertices(laughing)
+    up = np.array([0.0, 1, 0])
+    usual = {part.name: part for part in open_head_attachment().attach(mesh)}
+    teeth = np.array([shown, 0.004])
+    for part in open_head_attachment().animate(mesh, (), NONE, teeth=teeth)[:2]:
+        incisors = incisors_of(head_template, part)
+        before, now = usual[part.name].mesh.vertices, part.mesh.vertices
+        beyond = incisors.outwards * (incisors.edge(now, up) - laughing[incisors.lips[incisors.row], 1])
+        wanted = teeth[incisors.row] or -BEHIND * head_template.height
+        # The wall of the mouth pushes lower ones up a little.
+        assert abs(beyond - wanted) < (0.002, 0.004)[incisors.row], part.name
+        growth = np.ptp(now[incisors.front, 1]) / np.ptp(before[incisors.front, 1])
+        assert (growth > 1.5) == (wanted == 0.03), part.name
+
+
+def test_what_has_no_teeth_has_no_incisors(head_template):
+    tongue = next(hold.part for hold in open_head_attachment().holds if hold.part.name == "tongue")
+    assert incisors_of(head_template, tongue) is None

@@ -72,6 +72,15 @@ def test_a_whole_head_has_teeth_tongue_lashes_and_the_hair_of_the_face(templates
         assert 1.02 < grown < 1.25, material
 
 
+def test_teeth_show_as_in_a_picture_of_the_same_face_alone(templates, face, deltas):
+    long = Face(face, teeth=np.array([0.02, 0.0]))
+    usual = make_rig(face, templates, deltas=deltas).rig
+    for given, lowered in ((long, True), (replace(long, mesh=face.with_vertices(1.01 * face.vertices)), False)):
+        rig = make_rig(face, templates, deltas=deltas, given=given).rig
+        drop = part(usual.neutral, usual, "upper")[:, 1].min() - part(rig.neutral, rig, "upper")[:, 1].min()
+        assert (drop > 0.005) == lowered
+
+
 def part(values, rig, side):
     """Values of the teeth of one row."""
     ids = np.unique(rig.faces[rig.triangle_materials == Material.TEETH])

@@ -1,0 +1,61 @@
+import numpy as np
+import pytest
+
+from caricli.methods.texture.shown_teeth import shown_teeth
+from caricli.structures import Camera, Face
+from caricli.structures.landmarks import LIP_PAIRS
+from caricli.structures.parsing import Region
+
+CAMERA = Camera(1000.0, np.diag([1.0, -1, -1]), np.array([150.0, 200.0]))
+WAYS = {"jawOpen": 1.0, "mouthUpperUpLeft": 1.0, "mouthUpperUpRight": 1.0}
+
+
+@pytest.fixture(scope="module")
+def laughing(head, head_template):
+    """A head with an open mouth."""
+    moves = sum(weight * head.actions[head.action_names.index(name)] for name, weight in WAYS.items())
+    return head_template.with_vertices(head_template.vertices + moves)
+
+
+def shares(head, rows):
+    """Shares of the open mouth's height that are told of a picture with such rows in it, None where nothing is told.
+
+    rows: Region, and to which share of the way between the lips.
+    """
+    points = CAMERA.project(head.vertices[head.annotation.landmarks])
+    middle = points[list(LIP_PAIRS[1])]
+    regions = np.full((400, 300), Region.LIPS, np.uint8)
+    start = 0.0
+    for region, end in rows:
+        first, last = (round(middle[0, 1] + share * (middle[1, 1] - middle[0, 1])) for share in (start, end))
+        regions[first:last] = region
+        start = end
+    face = Face(head.with_vertices(head.vertices), CAMERA, landmarks=points)
+    lengths = shown_teeth(face, head, regions)
+    curves = [head.annotation.curves[f"mouth_inner_{side}"] for side in ("upper", "lower")]
+    lips = head.vertices[[curve[len(curve) // 2] for curve in curves]]
+    return None if lengths is None else lengths / np.linalg.norm(lips[0] - lips[1])
+
+
+@pytest.mark.parametrize(
+    ("rows", "expected"),
+    [
+        ([(Region.TEETH, 1.0)], (1, 0)),
+        ([(Region.MOUTH, 1.0)], (0, 0)),
+        ([(Region.TEETH, 0.4), (Region.MOUTH, 1.0)], (0.4, 0)),
+        ([(Region.MOUTH, 0.7), (Region.TEETH, 1.0)], (0, 0.3)),
+        ([(Region.MOUTH, 0.1), (Region.TEETH, 0.9), (Region.MOUTH, 1.0)], (0.9, 0)),
+        ([(Region.TEETH, 0.3), (Region.MOUTH, 0.8), (Region.TEETH, 1.0)], (0.3, 0.2)),
+        ([(Region.LIPS, 1.0)], None),
+    ],
+)
+def test_rows_of_teeth_are_told(laughing, rows, expected):
+    told = shares(laughing, rows)
+    if expected is None:
+        assert told is None
+    else:
+        np.testing.assert_allclose(told, expected, atol=0.12)
+
+
+def test_closed_lips_tell_nothing(head_template):
+    assert shares(head_template, [(Region.TEETH, 1.0)]) is None
