@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
+from caricli.methods.detect.eye_liner import eye_liner
 from caricli.methods.hair.colour_border import agreeing_chances, depth_inside
 from caricli.methods.hair.colour_mixture import AskedColours, ColourMixture
 from caricli.render.cut_window import cut_window
@@ -22,15 +23,15 @@ _INSIDE = (Region.MOUTH, Region.TEETH)
 class OpeningSettings:
     """How openings are told from the skin around them. Lengths are shares of the side of the face's frame.
 
-    side: pixels, of the window that is looked at; share: its side, of the face's.
-    beyond: how far from the border of what a network takes for an opening colours are asked. around: as many times as
-    far colours of skin are learnt. components: Gaussians of the colours of an opening, and of what is around it;
-    spread: added to their variances, of CIELAB. samples: pixels that these are fitted to; fewest: with less there is
-    nothing to compare. rounds: of colours and pixels in turns. colour: natural logarithm of the odds that a colour
-    counts at most; place: the same of the distance from the border, per side. radius, smoothness: of the filter that
-    makes neighbours agree, pixels and shares of full scale. part: share of the largest piece of lips that another has
-    to have to be one. steps: of so far, that a mouth may be wider than its regions. margin: pixels of the window,
-    around an opening, where its colours are mixed with the skin's.
+    side: pixels, of the window that is looked at; share: its side, of the face's. beyond: how far from the border of
+    what a network takes for an opening colours are asked. around: as many times as far colours of skin are learnt.
+    components: Gaussians of the colours of an opening, and of what is around it; spread: added to their variances, of
+    CIELAB. samples: pixels that these are fitted to; fewest: with less there is nothing to compare. rounds: of colours
+    and pixels in turns. colour: natural logarithm of the odds that a colour counts at most; place: the same of the
+    distance from the border, per side. radius, smoothness: of the filter that makes neighbours agree, pixels and shares
+    of full scale. blur: of the picture, pixels. part: share of the largest piece of lips that another has to have to be
+    one. steps: of so far, that a mouth may be wider than its regions. margin: pixels of the window, around an opening,
+    where its colours are mixed with the skin's.
     """
 
     side: int = 256
@@ -46,6 +47,7 @@ class OpeningSettings:
     place: float = 80.0
     radius: int = 2
     smoothness: float = 0.05
+    blur: float = 0.8
     part: float = 0.2
     steps: int = 6
     gain: float = 1.03
@@ -97,6 +99,13 @@ class FaceWindow:
             cv2.fillConvexPoly(filled, cv2.convexHull(piece), 1)
         return filled > 0
 
+    def liner(self, eyes: np.ndarray) -> np.ndarray:
+        """(S, S) bool: ink beyond the corners of eyes (S, S) bool, see ``eye_liner``."""
+        smooth = cv2.GaussianBlur(self.picture, (0, 0), _SETTINGS.blur)
+        lightness = cv2.cvtColor(smooth, cv2.COLOR_RGB2LAB)[..., 0]
+        skin = np.isin(self.labels, (Region.SKIN, Region.NOSE))
+        return eye_liner(lightness, eyes, skin, np.isin(self.labels, _KEPT) & (self.labels != Region.NOSE))
+
     def mouth(self, seed: np.ndarray) -> np.ndarray:
         """(S, S) bool: the inside of the mouth of which a seed (S, S) bool is a part."""
         for _ in range(_SETTINGS.steps):
@@ -127,13 +136,14 @@ def cut_openings(image: np.ndarray, regions: np.ndarray, points: np.ndarray) -> 
 
     Regions are coarse, and of an unusual eye or grin often only a part: what is near to them, hangs together with them
     and looks as they do rather than as what is farther off belongs to them. So does what stands between lips, and what
-    the rest of an eye surrounds.
+    the rest of an eye surrounds. Ink that prolongs eyes is found besides.
 
     image: (H, W, 3) uint8. regions: (H, W) values of Region. points: (68 or 81, 2) pixels, landmarks of the face, all
     known. Returns (H, W) bool.
     """
     window = FaceWindow.of(image, regions, points)
-    opening = window.eyes() | window.mouth(window.labelled_mouth)
+    eyes = window.eyes()
+    opening = eyes | window.liner(eyes) | window.mouth(window.labelled_mouth)
     around = np.ones((2 * _SETTINGS.margin + 1,) * 2, np.uint8)
     sure = cv2.dilate(opening.astype(np.uint8), around).astype(np.float32)
     way = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
@@ -150,7 +160,7 @@ def _alike(picture: np.ndarray, seed: np.ndarray, kept: np.ndarray) -> np.ndarra
     settings = _SETTINGS
     away = depth_inside(seed) / _UNIT
     near = away > -settings.around * settings.beyond
-    smooth = cv2.GaussianBlur(picture, (0, 0), 0.8)
+    smooth = cv2.GaussianBlur(picture, (0, 0), settings.blur)
     asked = AskedColours(cv2.cvtColor(smooth, cv2.COLOR_RGB2LAB).astype(np.float32))
     opening = seed
     # What is next to the seed may be of it, and says nothing of what is around it at first.
