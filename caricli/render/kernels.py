@@ -5,7 +5,7 @@
 
 import warp as wp
 
-from caricli.render.light_functions import DEEP, eye_albedo, lit, picture_colour, softbox, to_srgb, wet_eye
+from caricli.render.light_functions import DEEP, eye_albedo, hair_lit, lit, picture_colour, softbox, to_srgb, wet_eye
 from caricli.structures.pictures import PICTURED
 
 # Nothing differentiates through these kernels; leaving the adjoints out halves the time to compile them.
@@ -150,25 +150,44 @@ def ball_colour(n: wp.vec3, scene: Scene):
 
 
 @wp.func
-def mesh_eye_colour(scene: Scene, face: int, place: wp.vec3, albedo: wp.vec3, n: wp.vec3, light: wp.vec3):
-    """Linear colour of an eyeball of the mesh; its places in the picture are unrolled from its front, at the middle."""
+def outward_way(scene: Scene, face: int, place: wp.vec3, n: wp.vec3):
+    """The way (unit length) on a triangle's surface along which the place in its picture moves off the picture's
+    middle; zero where there is none."""
     a = scene.places[wp.mesh_get_index(scene.mesh, face * 3)]
     b = scene.places[wp.mesh_get_index(scene.mesh, face * 3 + 1)]
     c = scene.places[wp.mesh_get_index(scene.mesh, face * 3 + 2)]
     p = wp.mesh_get_point(scene.mesh, face * 3)
     along = wp.mesh_get_point(scene.mesh, face * 3 + 1) - p
     aside = wp.mesh_get_point(scene.mesh, face * 3 + 2) - p
-    # The way on the surface along which the place in the picture moves off its middle.
     x = place[0] - 0.5
     y = place[1] - 0.5
     twice = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
-    away = 2.0 * wp.pi * wp.sqrt(x * x + y * y)
-    if wp.abs(twice) < 1.0e-12 or away > 1.6:
-        return lit(albedo, n, light, wp.vec3(1.0, 0.3, 0.0))
+    if wp.abs(twice) < 1.0e-12:
+        return wp.vec3(0.0)
     outward = (x * (c[1] - a[1]) - y * (c[0] - a[0])) * along + (y * (b[0] - a[0]) - x * (b[1] - a[1])) * aside
     outward = outward * wp.sign(twice)
-    outward = wp.normalize(outward - wp.dot(outward, n) * n)
+    return wp.normalize(outward - wp.dot(outward, n) * n)
+
+
+@wp.func
+def mesh_eye_colour(scene: Scene, face: int, place: wp.vec3, albedo: wp.vec3, n: wp.vec3, light: wp.vec3):
+    """Linear colour of an eyeball of the mesh; its places in the picture are unrolled from its front, at the middle."""
+    outward = outward_way(scene, face, place, n)
+    away = 2.0 * wp.pi * wp.length(wp.vec2(place[0] - 0.5, place[1] - 0.5))
+    if wp.length(outward) == 0.0 or away > 1.6:
+        return lit(albedo, n, light, wp.vec3(1.0, 0.3, 0.0))
     return wet_eye(albedo, n, light, away, outward)
+
+
+@wp.func
+def hair_colour(scene: Scene, face: int, place: wp.vec3, albedo: wp.vec3, n: wp.vec3, light: wp.vec3):
+    """Linear colour of hair, whose strands run outwards from the middle of its picture."""
+    outward = outward_way(scene, face, place, n)
+    if wp.length(outward) == 0.0:
+        return lit(albedo, n, light, scene.finishes[HAIR])
+    x = place[0] - 0.5
+    y = place[1] - 0.5
+    return hair_lit(albedo, n, light, outward, wp.vec2(wp.atan2(x, y) / (2.0 * wp.pi) + 0.5, wp.sqrt(x * x + y * y)))
 
 
 @wp.func
@@ -242,6 +261,8 @@ def sample_at(scene: Scene, x: float, y: float):
         if sample.material == EYE:
             shaded = EYE_SHADOW * light + (1.0 - EYE_SHADOW) * wp.vec3(1.0)
             rgb = mesh_eye_colour(scene, hit.face, place, albedo, n, shaded)
+        elif sample.material == HAIR:
+            rgb = hair_colour(scene, hit.face, place, albedo, n, light)
         else:
             rgb = lit(albedo, n, light, finish) + 0.5 * finish[2] * light[0] * softbox(n) * wp.vec3(1.0)
         sample.colour = wp.vec4(rgb[0], rgb[1], rgb[2], 1.0)

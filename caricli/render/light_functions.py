@@ -7,6 +7,9 @@ import warp as wp
 
 from caricli.render import lights
 
+STRANDS = wp.constant(400)  # fine unevennesses around a head,
+LOCKS = wp.constant(70)  # and coarse ones
+STRAND_SEED = wp.constant(wp.uint32(7))
 DEEP = wp.constant(0.024)  # light that reaches the deepest fold, and all that the inside of the surface gets
 KEY = wp.constant(wp.vec3(*lights.KEY))
 FILL = wp.constant(wp.vec3(*lights.FILL))
@@ -77,6 +80,40 @@ def lit(albedo: wp.vec3, n: wp.vec3, light: wp.vec3, finish: wp.vec3):
     edge = wp.pow(1.0 - wp.clamp(wp.dot(n, VIEW), 0.25, 1.0), 3.0)
     glow = wp.lerp(0.2, 0.5, wp.smoothstep(0.0, 0.3, brightness)) * light[2] * edge * wp.max(wp.dot(n, RIM) + 0.25, 0.0)
     return wp.cw_mul(albedo, received) + wp.vec3(gloss + glow * 0.9, gloss + glow * 0.95, gloss + glow)
+
+
+@wp.func
+def strand_shine(along: wp.vec3, n: wp.vec3, way: wp.vec3, power: float):
+    """Light from one way that strands throw at the camera (Kajiya and Kay 1989). along: their way."""
+    half = wp.normalize(way + VIEW)
+    slant = wp.dot(along, half)
+    return wp.pow(wp.max(1.0 - slant * slant, 0.0), 0.5 * power) * wp.smoothstep(-0.1, 0.4, wp.dot(n, way))
+
+
+@wp.func
+def hair_lit(albedo: wp.vec3, n: wp.vec3, light: wp.vec3, along: wp.vec3, place: wp.vec2):
+    """Linear colour of hair. along: the way of strands on its surface. place: around and along them, turns and shares.
+
+    Strands lie beside each other unevenly, so that highlights, which run across them, break up into lines (Scheuermann
+    2004): a white one nearer to the root, one in the colour of hair nearer to the end.
+    """
+    fine = wp.pnoise(STRAND_SEED, wp.vec2(place[0] * float(STRANDS), place[1] * 6.0), STRANDS, 64)
+    locks = wp.pnoise(STRAND_SEED, wp.vec2(place[0] * float(LOCKS), place[1] * 3.0), LOCKS, 64)
+    uneven = 0.6 * fine + 0.6 * locks
+    side = wp.cross(n, along)
+    turned = wp.normalize(n + 0.35 * uneven * side)
+    colour = lit((1.0 + 0.3 * uneven) * albedo, turned, light, wp.vec3(1.0, 0.0, 0.0))
+    first = wp.normalize(along + (0.12 + 0.25 * uneven) * n)
+    second = wp.normalize(along + (-0.12 + 0.25 * uneven) * n)
+    for k in range(2):
+        way = KEY
+        strength = light[0]
+        if k == 1:
+            way = FILL
+            strength = 0.35 * light[1]
+        colour += 0.05 * strength * strand_shine(first, n, way, 90.0) * wp.vec3(1.0)
+        colour += 0.45 * strength * strand_shine(second, n, way, 25.0) * (1.0 + uneven) * (albedo + wp.vec3(0.004))
+    return colour
 
 
 @wp.func

@@ -140,6 +140,24 @@ def test_wet_materials_mirror_the_window_and_dry_ones_do_not(sphere):
     )
 
 
+def test_light_on_hair_runs_across_its_strands_and_is_uneven_from_one_to_the_next(sphere):
+    """Strands run down from the top, the middle of the picture of the hair."""
+    points, faces = in_picture(sphere[0]), sphere[1]
+    x, y, z = sphere[0].T
+    turn, share = np.arctan2(x, -z), 0.5 * np.arccos(np.clip(y, -1, 1)) / np.pi
+    strands = 0.5 + share[:, None] * np.stack([np.sin(turn), np.cos(turn)], 1)
+    drawn = {}
+    for name, uvs in (("strands", strands), ("plain", np.zeros_like(strands))):
+        coat = Coat(uvs, faces, np.full(len(faces), Material.HAIR), Pictures())
+        drawn[name] = grey(shade(points, faces, SIZE, SIZE, Look(colour=(60, 50, 40), coat=coat)))
+    facing = np.s_[16:48, 16:48]
+    uneven = {name: np.abs(np.diff(grey_levels[facing], axis=1)).mean() for name, grey_levels in drawn.items()}
+    along = np.abs(np.diff(drawn["strands"][facing], axis=0)).mean()
+    assert uneven["strands"] > 1.5 * uneven["plain"] and uneven["strands"] > along
+    across = drawn["strands"][facing].mean(1)
+    assert across.argmax() not in (0, len(across) - 1) and across.max() > across[[0, -1]].max() + 3
+
+
 def test_an_eye_has_a_highlight_towards_the_light_wherever_it_looks(sphere):
     far = in_picture(sphere[0] * 0.1) + [0, 0, 90]
     middle = [(SIZE - 1) / 2, (SIZE - 1) / 2, 0.0]
