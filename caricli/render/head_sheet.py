@@ -7,7 +7,9 @@ from caricli.render.crop_portrait import crop_portrait
 from caricli.render.rig_stage import RigStage
 from caricli.structures import Rig
 
-_REST = "three-quarter"
+_VIEWS = ("front", "three-quarter")
+"""Of the head as it was drawn."""
+
 _MOODS = {
     "glad": {"mouthSmile": 0.8, "cheekSquint": 0.5, "eyeSquint": 0.4},
     "surprised": {"browInnerUp": 1.0, "browOuterUp": 1.0, "eyeWide": 1.0, "jawOpen": 0.7},
@@ -17,15 +19,15 @@ _MOODS = {
 """Weights of ARKit's expressions, or of those of both sides."""
 
 
-def head_sheet(picture: np.ndarray, points: np.ndarray, rig: Rig, size: int) -> np.ndarray:
-    """A row of the face in its picture, the head at rest from one side, and some moods of it.
+def head_sheet(picture: np.ndarray, points: np.ndarray, drawn: Rig, rig: Rig, size: int) -> np.ndarray:
+    """A row of the face in its picture, the head as it was drawn, and some moods of it.
 
-    picture: (H, W, 3) uint8. points: (L, 2) pixels, landmarks in it, NaN where unknown. rig: Rig. size: pixels of each.
-    Returns (H, W, 3) uint8.
+    picture: (H, W, 3) uint8. points: (L, 2) pixels, landmarks in it, NaN where unknown. drawn: Rig of the head with the
+    expression of the picture, and rig: Rig of it with expressions. size: pixels of each. Returns (H, W, 3) uint8.
     """
-    rest = RigStage(rig, _REST, size).picture(rig.neutral)
+    heads = [RigStage(drawn, view, size).picture(drawn.neutral) for view in _VIEWS]
     moods = RigStage(rig, "front", size).pictures(_shape(rig, weights) for weights in _MOODS.values())
-    return contact_sheet([crop_portrait(picture, points, size), rest, *moods], 2 + len(_MOODS))
+    return contact_sheet([crop_portrait(picture, points, size), *heads, *moods], 1 + len(_VIEWS) + len(_MOODS))
 
 
 def _shape(rig: Rig, weights: dict[str, float]) -> np.ndarray:

@@ -121,7 +121,7 @@ def test_doubts_and_failures_are_told(heads):
     assert re.search(r'<td class="failed">[^<]*broken\.png: expected', page)
     for link in re.findall(r'(?:href|src)="([^"#]+)', page):
         assert (out / link).is_file(), link
-    assert read_image(out / "seen" / "sheet.png").shape[1] > 6 * 64
+    assert read_image(out / "seen" / "sheet.png").shape[1] > 7 * 64
     assert read_image(out / "thumbnails" / "seen" / "picture.jpg").shape == (SIDE, SIDE, 3)
 
 

@@ -142,7 +142,7 @@ class PortraitChain:
             partial(RefineTask(picture).run, head / "face.npz", marks, head / "refined.obj"),
             partial(painting.run, head / "refined.npz", picture, head / "textured"),
             partial(rigging.run, head / "textured" / "face.npz", head / "rig.glb"),
-            partial(_draw, picture, marks, head / "rig.npz"),
+            partial(_draw, picture, marks, head),
         ]
 
     def _fit(self, files: LandmarkFiles, marks: Path) -> None:
@@ -156,9 +156,11 @@ class PortraitChain:
         write_landmarks(marks, load_marked_picture(given, picture, self.files.pts_origin)[0])
 
 
-def _draw(picture: Path, marks: Path, rig: Path) -> None:
-    """Draw the picture and its head."""
+def _draw(picture: Path, marks: Path, head: Path) -> None:
+    """Draw the picture and its head, whose files are in a folder."""
     # What draws takes a while to start, and failures come first.
     from caricli.render.head_sheet import head_sheet
 
-    write_png(rig.with_name(SHEET), head_sheet(read_image(picture), read_landmarks(marks).points, load_rig(rig), SIZE))
+    drawn, rig = (load_rig(head / name) for name in ("textured/face.glb", "rig.npz"))
+    points = read_landmarks(marks).points
+    write_png(head / SHEET, head_sheet(read_image(picture), points, drawn, rig, SIZE))
