@@ -43,7 +43,8 @@ _STILL = 0.03  # weight of not moving, of what is behind
 _ROUNDS = 10  # of bringing movements to neighbours, which reach so many edges behind what is seen
 _SLOPES = (0.6, 3.0)  # at these cosines, in which hair rises at most from where it goes under the skin
 _JOINED = 0.3  # of the least thickness of hair: what is less far above the skin holds nothing together
-_LOOSE = 0.1  # of the largest part of hair: a part with less of it is loose
+_LOOSE = 0.1  # of the largest part of hair: a part with less of it is loose,
+_LOCK = 0.01  # and one with still less is no lock
 _EVEN = ((-0.4, -0.1, 0.5, 0.8), (0.0, 0.5, 0.5, 0.0))  # of cosines, how far a height is evened in a round
 _EVEN_ROUNDS = 2
 _SOFT = 1.5  # pixels over which the way out of a border is looked for
@@ -125,8 +126,9 @@ def _tidied(
     skin = HeadSphere(head, settings, fine=True)
     if share < _GOOD:
         hair = _filled(hair, skin, camera, mask, net, settings)
-    hair = _hanging_together(hair, skin, camera, net, settings)
     hair = _nearer(_evened(hair, skin, camera, net), skin, camera, mask, net)
+    # What moved to the mask may hang together no longer.
+    hair = _hanging_together(hair, skin, camera, net, settings)
     return hair, _clear_of(hair, skin, settings)
 
 
@@ -186,14 +188,15 @@ def _clear_of(hair: Hair, sphere: HeadSphere, settings: ShellSettings) -> Templa
 
 
 def _hanging_together(hair: Hair, skin: HeadSphere, camera: Camera, net: ShellNet, settings: ShellSettings) -> Hair:
-    """Hair whose loose parts are under the skin where they are seen from aside; those before a forehead are locks.
+    """Hair whose loose parts are under the skin where they are slivers, or are seen from aside; others are locks.
 
     skin: HeadSphere of the head. net: ShellNet of the hair.
     """
     longitudes, angles, radii = skin.seen_from(hair.shell.vertices)
     ground = skin.sample(skin.radii, longitudes, angles)
-    joined = _large_parts(radii > ground + _JOINED * settings.least * skin.head.height, net, _LOOSE)
-    kept = joined | (_cosines(hair.shell, camera) >= _SKIN[1])
+    above = radii > ground + _JOINED * settings.least * skin.head.height
+    joined, locks = (_large_parts(above, net, least) for least in (_LOOSE, _LOCK))
+    kept = joined | (locks & (_cosines(hair.shell, camera) >= _SKIN[1]))
     buried = np.where(kept, radii, np.minimum(radii, ground - settings.under * skin.head.height))
     return replace(hair, shell=hair.shell.with_vertices(skin.points(longitudes, angles, buried)))
 

@@ -11,7 +11,7 @@ from caricli.methods.parts.clear_way import Bends, clear_way
 from caricli.methods.parts.flesh import Flesh, Hide
 from caricli.methods.parts.follow import follow_weights
 from caricli.methods.parts.guides import Guides
-from caricli.methods.parts.incisors import Incisors, incisors_of
+from caricli.methods.parts.incisors import BEHIND_LIPS, Incisors, incisors_of
 from caricli.methods.parts.let_out import PARTINGS, far_enough, part_more, tongue_bends
 from caricli.methods.parts.make_room import RoomSettings, make_room, room_moves
 from caricli.methods.parts.pocket import Mouth, Mouths
@@ -181,8 +181,10 @@ class Bone:
         self, incisors: Incisors, face: Posed, shape: np.ndarray, up: np.ndarray, height: float
     ) -> np.ndarray:
         """The part (W, 3) with its teeth as far up (3,) that lips show them as they do."""
-        if face.teeth is not None:
-            return incisors.as_pictured(face.neutral, shape, up, float(face.teeth[incisors.row]), height)
+        shown = 0.0 if face.teeth is None else float(face.teeth[incisors.row])
+        if face.teeth is not None and face.given is None:
+            return incisors.as_pictured(face.neutral, shape, up, shown, height)
+        shape = incisors.grown(shape, up, shown, BEHIND_LIPS)
         if incisors.row:
             return shape
         return shape + self._shown(incisors, face, shape, up, height) * up
@@ -233,23 +235,27 @@ class Bone:
         more = np.zeros_like(shape)
         way = np.tensordot(mouths.uses[k], moved, 1)
         # What the wall cannot come near on its way need not be looked at.
-        free = distance - np.linalg.norm(way, axis=1) - mouths.moves(k)
+        reach = np.linalg.norm(way, axis=1) + mouths.moves(k)
+        free = distance - reach
         touch = PRESSED * mouths.height
-        near = np.flatnonzero(free < touch)
+        # What lacks at rest no expression makes good: many of them at once would do so many times.
+        least = np.minimum(distance, touch)
+        near = np.flatnonzero((free < least) & (reach > STILL))
         firm = np.intersect1d(near, self.firm)
         walls = {amount: mouths.mouth(k, amount) for amount in WAY} if len(near) else {}
         # Mostly it is the end that touches.
         ends = reversed(walls.items())
-        if any((wall.room(shape[firm] + amount * way[firm])[0] < touch).any() for amount, wall in ends):
+        if any((wall.room(shape[firm] + amount * way[firm])[0] < least[firm]).any() for amount, wall in ends):
             points, ways = shape[self.firm], way[self.firm]
-            more += clear_way(walls, points, ways, _shifts(len(points)), self.room.margin * mouths.height)[0]
-            near = np.flatnonzero(free - np.linalg.norm(more, axis=1) < touch)
+            margin = self.room.margin * mouths.height
+            more += clear_way(walls, points, ways, _shifts(len(points)), margin, distance[self.firm])[0]
+            near = np.flatnonzero(free - np.linalg.norm(more, axis=1) < least)
         for _ in range(GIVEN_WAY):
             pressed = np.zeros(len(near), bool)
             for amount, wall in walls.items():
                 # On the way it may touch: what is pressed there goes much farther at its end.
-                margin = touch if amount == 1 else -touch
-                push = wall.pushes(shape[near] + amount * (way + more)[near], margin)
+                margins = np.minimum(least[near], touch if amount == 1 else -touch)
+                push = wall.pushes(shape[near] + amount * (way + more)[near], margins)
                 more[near] += push / amount
                 pressed |= push.any(1)
             near = near[pressed]

@@ -36,7 +36,12 @@ class Bends:
 
 
 def clear_way(
-    rooms: Mapping[float, Room], points: np.ndarray, way: np.ndarray, bends: Bends, margin: float
+    rooms: Mapping[float, Room],
+    points: np.ndarray,
+    way: np.ndarray,
+    bends: Bends,
+    margin: float,
+    least: np.ndarray | float = np.inf,
 ) -> tuple[np.ndarray, float]:
     """Amounts of changes that keep points clear of walls on the straight way from where they are.
 
@@ -44,6 +49,7 @@ def clear_way(
     amounts within bounds.
 
     rooms: by shares of the way. points: (N, 3) at its beginning. way: (N, 3) metres. margin: metres from the walls.
+    least: (N,) metres, what points keep that have not so much at its beginning.
     Returns (M,) metres, and what the worst point lacks of its margin, metres.
     """
 
@@ -52,7 +58,7 @@ def clear_way(
         rows = []
         for share, room in rooms.items():
             distance, out = room.room(points + share * changed)
-            lack = np.maximum(margin - distance, 0.0)
+            lack = np.maximum(np.minimum(margin, least) - distance, 0.0)
             rows.append((lack, -share * np.einsum("nc,ncm->nm", np.where(lack[:, None] > 0, out, 0.0), bends.moves)))
         held = [bends.hold * (amounts - bends.wish)], [np.diag(bends.hold)]
         values, slopes = (

@@ -16,7 +16,9 @@ BARE = 0.62
 """Of the height of teeth, what stands out of the gums."""
 
 LONGEST = 4.0
-"""Times their height, what teeth grow to at most that a picture shows longer."""
+"""Times their height, what teeth grow to at most that a picture shows longer, and"""
+BEHIND_LIPS = 1.4
+"""where lips close before them."""
 
 BEHIND = 0.01
 """Of the head's height, how much higher than the lip's rim they end at most."""
@@ -75,14 +77,19 @@ class Incisors:
         They grow, so that no gum shows between lip and teeth. skin: (V, 3) metres, of a face of some height. up: (3,)
         of unit length. shown: metres; at 0 they are behind the lip.
         """
-        crown = BARE * float(np.ptp(shape[self.front] @ up))
-        growth = np.clip(shown / crown, 1, LONGEST) - 1
         edge = self.edge(shape, up)
         end = skin[self.lips[self.row]] @ up + self.outwards * (shown or -BEHIND * height)
         move = end - edge
         if not shown:
             move = self.outwards * min(self.outwards * move, 0)
-        return shape + np.outer((shape @ up - edge) * growth + move, up)
+        return self.grown(shape, up, shown, LONGEST) + move * up
+
+    def grown(self, shape: np.ndarray, up: np.ndarray, shown: float, most: float) -> np.ndarray:
+        """The part (W, 3) from the edge of its teeth on so much longer, at most so many times, that they stand as far
+        out of their gums as a picture shows them, metres. up: (3,) of unit length."""
+        crown = BARE * float(np.ptp(shape[self.front] @ up))
+        growth = np.clip(shown / crown, 1, most) - 1
+        return shape + np.outer((shape @ up - self.edge(shape, up)) * growth, up)
 
 
 def incisors_of(template: Template, part: Part) -> Incisors | None:

@@ -93,7 +93,7 @@ class Mouth:
         sign = np.where(outside, -1.0, 1.0)
         return sign * distance, sign[:, None] * away / np.maximum(distance, 1e-9)[:, None]
 
-    def pushes(self, points: np.ndarray, margin: float) -> np.ndarray:
+    def pushes(self, points: np.ndarray, margin: np.ndarray | float) -> np.ndarray:
         """(N, 3) the way of points (N, 3) into the mouth, zero for those that are, margin metres from its wall.
 
         What keeps so far from the wall may still be in the rim of a lip that rolls in: it goes the way out of that.

@@ -87,8 +87,8 @@ def make_rig(
     rig = Rig(templates.names, shape, finer.astype(np.float32), pictures=replace(pictures, eyes=None))
     rig = add_eyeballs(rig, eyeballs, np.random.default_rng(settings.seed), pictures.eyes)
     hair = None if given is None else given.with_vertices(mesh.vertices).hair
-    laugh = None if given is None else given.vertices
-    teeth = given.teeth if given is not None and np.array_equal(given.vertices, mesh.vertices) else None
+    laugh = None if given is None or np.array_equal(given.vertices, mesh.vertices) else given.vertices
+    teeth = None if given is None else given.teeth
     dress = partial(face_parts, template=templates.mesh, choice=settings.head, given=laugh)
     rig = add_parts(rig, dress(Face(mesh, hair=hair, teeth=teeth), names=rig.names, deltas=deltas))
     return RigResult(rig, measures, eyeballs, fine, dress)

@@ -4,7 +4,7 @@ from scipy.spatial.transform import Rotation
 
 from caricli.geometry.components import mesh_components
 from caricli.methods.parts.attachment import attachment_for, open_head_attachment
-from caricli.methods.parts.bones import Bone, Posed
+from caricli.methods.parts.bones import PRESSED, Bone, Posed
 from caricli.methods.parts.pocket import Mouths, Pocket
 from caricli.structures import Material, Mesh
 from caricli.template.head import load_head
@@ -122,3 +122,18 @@ def test_parts_stay_behind_a_lip_that_was_pushed_in(head, template):
             for amount in (0.25, 0.5, 0.75, 1.0):
                 moved = part.mesh.vertices + amount * np.tensordot(mouths.uses[k], part.deltas, 1)
                 assert mouths.mouth(k, amount).room(moved)[0].min() > -0.003 * face.height
+
+
+def test_an_expression_far_from_a_mouth_that_is_too_small_leaves_its_teeth(head, template):
+    small = template.vertices.copy()
+    wall = template.annotation.regions["inner_mouth"]
+    middle = small[wall].mean(0)
+    small[wall] = middle + (small[wall] - middle) * [0.8, 0.3, 0.8]
+    small[wall] += np.random.default_rng(0).normal(0, 0.003, (len(wall), 3))
+    names = ("browInnerUp", "browDownLeft", "jawOpen")
+    deltas = np.asarray(head.actions, float)[[head.action_names.index(name) for name in names]]
+    mouths = Mouths(Pocket(template, wall), small, names, deltas)
+    for part in open_head_attachment().animate(template.with_vertices(small), names, deltas)[:2]:
+        assert mouths.rest.room(part.mesh.vertices)[0].min() < PRESSED * mouths.height, "no room for it at rest"
+        moves = np.abs(part.deltas).max((1, 2))
+        assert moves[:2].max() < 1e-9 and moves[2] > 1e-4, part.name
