@@ -219,10 +219,15 @@ def _even(picture: np.ndarray, seen: np.ndarray) -> np.ndarray:
 
     A shadow that is taken with a patch is a blotch wherever the patch is laid.
     """
-    tones = _blurred(_weighted(picture, seen), _BLOTCH * len(picture))
-    tones = tones[..., :3] / np.maximum(tones[..., 3:], 1e-3)
+    tones = seen_tones(picture, seen, _BLOTCH * len(picture))
     mean = picture[seen > 0].mean(0) if seen.any() else 0
     return np.where(seen[..., None] > 0, np.clip(picture - _EVEN * (tones - mean), 0, 255), picture).astype(np.float32)
+
+
+def seen_tones(picture: np.ndarray, seen: np.ndarray, spread: float) -> np.ndarray:
+    """(S, S, 3) mean colours within so many pixels of a picture (S, S, 3) that is seen (S, S) from 0 to 1."""
+    tones = _blurred(_weighted(picture, seen), spread)
+    return tones[..., :3] / np.maximum(tones[..., 3:], 1e-3)
 
 
 def _blurred(values: np.ndarray, spread: float) -> np.ndarray:

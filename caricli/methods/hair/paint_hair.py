@@ -4,7 +4,7 @@ import cv2
 import numpy as np
 import scipy.sparse as sp
 
-from caricli.methods.hair.continue_strands import continue_strands
+from caricli.methods.hair.continue_strands import continue_strands, seen_tones
 from caricli.methods.texture.picture_view import PictureView, SeenColours, SurfacePoints
 from caricli.render.smooth_normals import smooth_normals
 from caricli.render.uv_map import pad_texture, uv_map
@@ -16,6 +16,9 @@ _SPECK = 7  # texels of those in which strands are continued: what is seen in le
 _PART = 0.1  # of the largest part that is seen, what another has to have to count
 _SOFT = 1.5  # of the same, over which what is seen goes over into continued strands
 _SIDE = 384  # texels, at most, in which strands are continued
+_SHADE = 0.06  # of the picture, over which what is darker or lighter is in shade or light
+_TAKEN = 0.6  # power of what it is darker or lighter by, that is taken out
+_DARKEST = 4.0  # levels of 255, below which nothing is told of light
 
 
 def paint_hair(hair: Hair, view: PictureView, size: int, generator: np.random.Generator) -> np.ndarray:
@@ -31,13 +34,33 @@ def paint_hair(hair: Hair, view: PictureView, size: int, generator: np.random.Ge
     trust = view.settings.trust
     seen = cv2.resize(look.seen, (side, side), interpolation=cv2.INTER_AREA) > trust
     seen = _inner(seen & _usual(colours, _inner(seen)))
+    shown = look.colours
+    if not view.settings.keep_light:
+        gain = _gain(colours, seen)
+        colours = _lit(colours, gain)
+        shown = _lit(shown, cv2.resize(gain, (size, size), interpolation=cv2.INTER_LINEAR))
     elsewhere = cv2.resize(continue_strands(colours, seen, generator), (size, size), interpolation=cv2.INTER_CUBIC)
     # What is seen and unusual, as skin at the border, is not hair's.
     usual = cv2.GaussianBlur(seen.astype(np.float32), (0, 0), _SOFT)
     usual = cv2.resize(usual, (size, size), interpolation=cv2.INTER_LINEAR)
     share = np.clip(np.minimum(look.seen / trust, 2 * usual - 1), 0, 1)[..., None]
     share = share * share * (3 - 2 * share)
-    return np.clip(np.round(share * look.colours + (1 - share) * elsewhere), 0, 255).astype(np.uint8)
+    return np.clip(np.round(share * shown + (1 - share) * elsewhere), 0, 255).astype(np.uint8)
+
+
+def _gain(colours: np.ndarray, seen: np.ndarray) -> np.ndarray:
+    """(S, S) float32, how many times as bright colours (S, S, 3) get where shade or light on them is taken out.
+
+    seen: (S, S) bool, colours that count."""
+    if not seen.any():
+        return np.ones(seen.shape, np.float32)
+    tones = seen_tones(colours, seen.astype(np.float32), _SHADE * len(seen)).mean(-1)
+    gain: np.ndarray = ((colours[seen].mean() + _DARKEST) / (tones + _DARKEST)) ** _TAKEN
+    return gain.astype(np.float32)
+
+
+def _lit(colours: np.ndarray, gain: np.ndarray) -> np.ndarray:
+    return np.clip(gain[..., None] * colours, 0, 255).astype(np.float32)
 
 
 def _inner(seen: np.ndarray) -> np.ndarray:

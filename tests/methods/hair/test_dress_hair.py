@@ -52,6 +52,18 @@ def test_small_parts_of_hair_that_are_seen_by_themselves_do_not_count(dressed, s
     assert (painted((place > columns.mean()) & (place < end)) != plain).mean() > 0.05
 
 
+def test_shade_on_hair_is_taken_out_of_its_picture_unless_light_is_kept(dressed, sitter):
+    """One side of the picture is half as bright."""
+    columns = np.indices(dressed.mask.pixels.shape)[1]
+    shaded = np.where((columns > columns.mean())[..., None], 0.5 * sitter.image, sitter.image).astype(np.uint8)
+    sides = {}
+    for kept in (True, False):
+        settings = replace(SMALL, size=384, texture=replace(SMALL.texture, keep_light=kept))
+        picture = hair_picture(dressed, shaded, settings)[192:].astype(float)
+        sides[kept] = picture[:, :192].mean() - picture[:, 192:].mean()
+    assert sides[True] > 10 and abs(sides[False]) < 0.6 * sides[True]
+
+
 def test_the_skin_under_it_is_left_to_be_filled(dressed, sitter):
     shown = ~sitter.hair.behind
     bare = bare_skin(ParsedHead(shown, shown), dressed, sitter.image)
