@@ -99,7 +99,7 @@ def hair_lit(albedo: wp.vec3, n: wp.vec3, light: wp.vec3, along: wp.vec3, place:
     """
     fine = wp.pnoise(STRAND_SEED, wp.vec2(place[0] * float(STRANDS), place[1] * 6.0), STRANDS, 64)
     locks = wp.pnoise(STRAND_SEED, wp.vec2(place[0] * float(LOCKS), place[1] * 3.0), LOCKS, 64)
-    uneven = 0.6 * fine + 0.6 * locks
+    uneven = 0.3 * fine + 0.6 * locks
     side = wp.cross(n, along)
     turned = wp.normalize(n + 0.35 * uneven * side)
     colour = lit((1.0 + 0.3 * uneven) * albedo, turned, light, wp.vec3(1.0, 0.0, 0.0))
