@@ -1,7 +1,5 @@
 """How far teeth show between the lips."""
 
-from functools import cached_property
-
 import numpy as np
 
 from caricli.structures import Material, Part
@@ -42,6 +40,8 @@ class Incisors:
         curves = template.annotation.curves
         self.lips = [int(curves[name][len(curves[name]) // 2]) for name in ("mouth_inner_upper", "mouth_inner_lower")]
         self.row = 0 if part.hangs_on == "skull" else 1
+        # Teeth of the skull stand down, those of the jaw up.
+        self.outwards = (-1, 1)[self.row]
         teeth = np.unique(part.mesh.polygons[part.materials == Material.TEETH])
         teeth = teeth[teeth >= 0]
         points = np.asarray(part.mesh.vertices, float)[teeth]
@@ -49,11 +49,6 @@ class Incisors:
         middle = aside < _MIDDLE * np.ptp(points[:, 0])
         depth = points[:, 2]
         self.front = teeth[middle & (depth > np.median(depth[middle]))]
-
-    @cached_property
-    def outwards(self) -> int:
-        """Whether teeth stand up (1) or down (-1)."""
-        return (-1, 1)[self.row]
 
     def edge(self, shape: np.ndarray, up: np.ndarray) -> float:
         """Where the teeth of a part (W, 3) end, metres along the way up (3,), of unit length."""
