@@ -24,6 +24,9 @@ BEHIND = 0.01
 LAUGHED = 0.012
 """Of the head's height, how much lower than it they end at most where lips meet that were open in a laugh."""
 
+LEAN = 0.75
+"""Of how far one lip is behind the other: with all of it teeth meet the wall behind that lip."""
+
 _MIDDLE = 0.25
 """Of the width of the arch, how far incisors are from its middle."""
 
@@ -69,15 +72,19 @@ class Incisors:
     ) -> np.ndarray:
         """The part (W, 3) with its teeth beyond the rim of their lip as far as a picture shows them.
 
-        They grow, so that no gum shows between lip and teeth. skin: (V, 3) metres, of a face of some height. up: (3,)
-        of unit length. shown: metres; at 0 they are behind the lip.
+        They grow, so that no gum shows between lip and teeth, and lean as the way from lip to lip does. skin: (V, 3)
+        metres, of a face of some height. up: (3,) of unit length. shown: metres; at 0 they are behind the lip.
         """
-        edge = self.edge(shape, up)
-        end = skin[self.lips[self.row]] @ up + self.outwards * (shown or -BEHIND * height)
-        move = end - edge
+        own, other = skin[self.lips[self.row]], skin[self.lips[1 - self.row]]
+        move = own @ up + self.outwards * (shown or -BEHIND * height) - self.edge(shape, up)
         if not shown:
-            move = self.outwards * min(self.outwards * move, 0)
-        return self.grown(shape, up, shown, LONGEST) + move * up
+            return shape + self.outwards * min(self.outwards * move, 0) * up
+        placed = self.grown(shape, up, shown, LONGEST) + move * up
+        across = other - own
+        # Lips that meet tell no way.
+        gap = max(self.outwards * float(across @ up), BEHIND * height)
+        beyond = np.clip(self.outwards * (placed - own) @ up / gap, 0, 1)
+        return placed + LEAN * np.outer(beyond, across - across @ up * up)
 
     def grown(self, shape: np.ndarray, up: np.ndarray, shown: float, most: float) -> np.ndarray:
         """The part (W, 3) from the edge of its teeth on so much longer, at most so many times, that they stand as far

@@ -47,7 +47,7 @@ def test_those_that_a_laugh_drew_up_come_down_when_the_lips_close(head_template)
     assert hidden < shown <= (LAUGHED + 0.002) * head_template.height and opening < 0.002 * head_template.height
 
 
-@pytest.mark.parametrize("shown", [0.0, 0.01, 0.03])
+@pytest.mark.parametrize("shown", [0.0, 0.01, 0.02])
 def test_teeth_end_where_a_picture_shows_it(head_template, laughing, shown):
     mesh = head_template.with_vertices(laughing)
     up = np.array([0.0, 1, 0])
@@ -61,7 +61,32 @@ def test_teeth_end_where_a_picture_shows_it(head_template, laughing, shown):
         # The wall of the mouth pushes lower ones up a little.
         assert abs(beyond - wanted) < (0.002, 0.004)[incisors.row], part.name
         growth = np.ptp(now[incisors.front, 1]) / np.ptp(before[incisors.front, 1])
-        assert (growth > 1.5) == (wanted == 0.03), part.name
+        assert (growth > 1.5) == (wanted == 0.02), part.name
+
+
+def test_long_teeth_lean_as_the_lips_do(head_template, laughing):
+    part = next(hold.part for hold in open_head_attachment().holds if hold.part.name == "teeth_upper")
+    incisors, shape = incisors_of(head_template, part), part.mesh.vertices
+    assert incisors is not None
+    up = np.array([0.0, 1, 0])
+    overhung = laughing.copy()
+    overhung[incisors.lips[1], 2] -= 0.01
+    straight, leaning = (
+        incisors.as_pictured(skin, shape, up, 0.02, head_template.height) for skin in (laughing, overhung)
+    )
+    back = (straight - leaning)[incisors.front, 2]
+    lowest = straight[incisors.front, 1].argmin()
+    assert 0.006 < back[lowest] < 0.0076 and back.min() >= 0 and np.isclose(back.max(), back[lowest])
+
+
+def test_teeth_between_lips_that_meet_stay_finite(head_template):
+    part = next(hold.part for hold in open_head_attachment().holds if hold.part.name == "teeth_upper")
+    incisors, shape = incisors_of(head_template, part), part.mesh.vertices
+    assert incisors is not None
+    shut = head_template.vertices.copy()
+    shut[incisors.lips[1]] = shut[incisors.lips[0]]
+    teeth = incisors.as_pictured(shut, shape, np.array([0.0, 1, 0]), 0.02, head_template.height)
+    assert np.isfinite(teeth).all() and np.abs(teeth - shape).max() < 0.06
 
 
 def test_what_has_no_teeth_has_no_incisors(head_template):
