@@ -38,10 +38,9 @@ class Incisors:
     hidden then, where a drawing shows them.
     """
 
-    def __init__(self, template: Template, part: Part) -> None:
-        """part: with teeth, on skull or jaw. The template has curves for the inner rims of both lips."""
-        curves = template.annotation.curves
-        self.lips = [int(curves[name][len(curves[name]) // 2]) for name in ("mouth_inner_upper", "mouth_inner_lower")]
+    def __init__(self, part: Part, lips: list[int]) -> None:
+        """part: with teeth, on skull or jaw. lips: of ``lip_middles``."""
+        self.lips = lips
         self.row = 0 if part.hangs_on == "skull" else 1
         # Teeth of the skull stand down, those of the jaw up.
         self.outwards = (-1, 1)[self.row]
@@ -96,7 +95,13 @@ class Incisors:
 
 def incisors_of(template: Template, part: Part) -> Incisors | None:
     """The Incisors of a part, None where it has no teeth or the template does not tell its lips."""
-    curves = template.annotation.curves
-    told = "mouth_inner_upper" in curves and "mouth_inner_lower" in curves
+    lips = lip_middles(template)
     has_teeth = bool((part.materials == Material.TEETH).any())
-    return Incisors(template, part) if told and has_teeth and part.hangs_on in ("skull", "jaw") else None
+    return Incisors(part, lips) if lips and has_teeth and part.hangs_on in ("skull", "jaw") else None
+
+
+def lip_middles(template: Template) -> list[int] | None:
+    """The vertices in the middle of the inner rims of the upper and the lower lip, None where these are not told."""
+    curves = template.annotation.curves
+    rims = [curves[name] for name in ("mouth_inner_upper", "mouth_inner_lower") if name in curves]
+    return [int(rim[len(rim) // 2]) for rim in rims] if len(rims) == 2 else None

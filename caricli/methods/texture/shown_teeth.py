@@ -3,6 +3,7 @@
 import cv2
 import numpy as np
 
+from caricli.methods.parts.incisors import lip_middles
 from caricli.render.sample_texture import sample_pixels
 from caricli.structures import Face
 from caricli.structures.landmarks import LIP_PAIRS
@@ -27,13 +28,12 @@ def shown_teeth(face: Face, head: Template, regions: np.ndarray) -> np.ndarray |
     face: Face with landmarks. head: Template in its shape. regions: (H, W) values of Region.
     Returns None where the mouth is closed, or the template does not tell its lips.
     """
-    curves = head.annotation.curves
-    rims = [curves.get(f"mouth_inner_{side}") for side in ("upper", "lower")]
+    lips = lip_middles(head)
     points = face.require_landmarks()
     shares = [row for row in (_row(regions, *points[list(pair)]) for pair in LIP_PAIRS) if row is not None]
-    if not shares or any(rim is None for rim in rims):
+    if not shares or lips is None:
         return None
-    upper, lower = (head.vertices[rim[len(rim) // 2]] for rim in rims if rim is not None)
+    upper, lower = head.vertices[lips]
     return np.median(shares, axis=0) * np.linalg.norm(upper - lower)
 
 

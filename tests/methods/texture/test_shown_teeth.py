@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 
+from caricli.methods.parts.incisors import lip_middles
 from caricli.methods.texture.shown_teeth import shown_teeth
 from caricli.structures import Camera, Face
 from caricli.structures.landmarks import LIP_PAIRS
@@ -30,10 +31,8 @@ def shares(head, rows):
         first, last = (round(middle[0, 1] + share * (middle[1, 1] - middle[0, 1])) for share in (start, end))
         regions[first:last] = region
         start = end
-    face = Face(head.with_vertices(head.vertices), CAMERA, landmarks=points)
-    lengths = shown_teeth(face, head, regions)
-    curves = [head.annotation.curves[f"mouth_inner_{side}"] for side in ("upper", "lower")]
-    lips = head.vertices[[curve[len(curve) // 2] for curve in curves]]
+    lengths = shown_teeth(Face(head, CAMERA, landmarks=points), head, regions)
+    lips = head.vertices[lip_middles(head)]
     return None if lengths is None else lengths / np.linalg.norm(lips[0] - lips[1])
 
 
