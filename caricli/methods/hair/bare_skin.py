@@ -16,6 +16,8 @@ _BORDER = 0.05  # of the same: so near to its border a head may show hair that n
 _EAR = 0.03  # of the same: so near to the face an ear may show a line, too
 _INWARDS = 0.15  # of the same: so far in goes what hangs together with that
 _STRAND = 0.3  # of the same: so near to hair what has its colour and hangs together with it is a strand
+_SHADED = 0.05  # of the same: so near to hair skin is under fine strands or their shadow
+_MIXED = 3.0  # times as far from the hair's colour as from the skin's, at most, is what is mixed of both
 _FEATURE = 0.03  # of the same: around brows and eyes, which have that colour, too
 _ACROSS = 0.1  # of the face's height: standard deviation of means of the skin's colours
 
@@ -40,7 +42,9 @@ def bare_skin(head: ParsedHead, dressed: DressedHair, image: np.ndarray) -> np.n
     dark = _like_hair(skin & border | plain & outer | ears, skin & ~outer, hair, image, _ACROSS * height)
     lines = _hanging(dark, dark & (border | ears))
     strands = _hanging(_like_hair(near, skin, hair, image, _ACROSS * height), hair)
-    coloured = hair | lines | strands
+    beside = distance_to(hair) <= _SHADED * height
+    shaded = _hanging(_like_hair(plain & beside, skin & ~beside, hair, image, _ACROSS * height, _MIXED), hair)
+    coloured = hair | lines | strands | shaded
     reach = max(_MARGIN * height, 1.0)
     bare = head.paint & (distance_to(coloured) > reach)
     # What is left in slivers between lines and the border is half of their colour.
@@ -49,14 +53,17 @@ def bare_skin(head: ParsedHead, dressed: DressedHair, image: np.ndarray) -> np.n
     return bare if bare.any() else head.paint
 
 
-def _like_hair(near: np.ndarray, skin: np.ndarray, hair: np.ndarray, image: np.ndarray, reach: float) -> np.ndarray:
+def _like_hair(
+    near: np.ndarray, skin: np.ndarray, hair: np.ndarray, image: np.ndarray, reach: float, like: float = 0.5
+) -> np.ndarray:
     """(H, W) bool: which of some pixels look like hair (H, W) bool, and not like the skin (H, W) bool around them.
 
-    near: (H, W) bool. reach: pixels, standard deviation of what is around.
+    near: (H, W) bool. reach: pixels, standard deviation of what is around. like: see `of_another_colour`.
     """
     if not near.any():
         return near
-    return of_another_colour(image, near, mean_colours(image, skin, reach), np.median(lab_colours(image, hair), axis=0))
+    colour = np.median(lab_colours(image, hair), axis=0)
+    return of_another_colour(image, near, mean_colours(image, skin, reach), colour, like)
 
 
 def _features(dressed: DressedHair) -> np.ndarray:

@@ -52,6 +52,9 @@ FREE = 1.0
 AROUND = 0.02
 """Of the head's height: how far points are from the one that tells whether the wall may be near them."""
 
+_YIELDS = (0, 1, 2, 10)
+"""Of `room_moves`, what expressions may call for: shifts, and a narrower back of the arch."""
+
 _FIRM = 80
 """Points of what does not give way that are looked at."""
 
@@ -103,10 +106,24 @@ def plain_frames(part: Part) -> Frames:
     return Frames(points, (np.zeros((0, 0, 3)), np.zeros((0, len(points), 3))))
 
 
+@dataclass(frozen=True, eq=False)
+class _AtRest:
+    """A part without expression.
+
+    shape: (W, 3) metres. distance: (W,) metres from the wall of the mouth. bends: (W, 3, M), what it can do to make
+    room in an expression, of amounts of a metre.
+    """
+
+    shape: np.ndarray
+    distance: np.ndarray
+    bends: np.ndarray
+
+
 class Bone:
     """A part that stands by what surrounds it, and that expressions move as rigidly as they move the jaw.
 
-    It is turned and scaled along its width, height and depth, and bent only to make room for the wall of the mouth.
+    It is turned and scaled along its width, height and depth, and bent only to make room for the wall of the mouth: in
+    an expression the back of an arch becomes narrower where cheeks do not let the molars down with the jaw.
     """
 
     def __init__(self, template: Template, part: Part, frames: Frames, jaw: "Jaw | None") -> None:
@@ -136,12 +153,13 @@ class Bone:
         shape, to_face = self._at_rest(face, mouths)
         moved = self._moved(face, shape, to_face)
         if mouths is not None and face.names:
-            distance, _ = mouths.rest.room(shape)
+            bends = (self.moves[:, _YIELDS] @ to_face.T).transpose(0, 2, 1)
+            rest = _AtRest(shape, mouths.rest.room(shape)[0], bends)
             for k in mouths.order:
                 if face.names[k] in self.own:
                     moved[k] += self._way_out(face.only(k), shape, moved[k], mouths.height)[0]
                 else:
-                    moved[k] += self._kept_in(mouths, shape, distance, moved, int(k))
+                    moved[k] += self._kept_in(mouths, rest, moved, int(k))
         return replace(self.part, mesh=self.part.mesh.with_vertices(shape), names=face.names, deltas=moved)
 
     def let_out(self, face: Posed, mouths: Mouths) -> np.ndarray:
@@ -225,13 +243,12 @@ class Bone:
         """Ids of those of the part (W, 3) that may be nearer than so many metres to the wall of a mouth."""
         return self.guides.near(shape, margin, lambda guides: mouth.room(guides)[0])
 
-    def _kept_in(
-        self, mouths: Mouths, shape: np.ndarray, distance: np.ndarray, moved: np.ndarray, k: int
-    ) -> np.ndarray:
+    def _kept_in(self, mouths: Mouths, rest: "_AtRest", moved: np.ndarray, k: int) -> np.ndarray:
         """(W, 3) what expression k has to do besides, so that the part stays in the mouth on the way.
 
-        shape, distance: (W, 3) and (W,) metres, the part at rest and how far it is from the wall. moved: (K, W, 3).
+        moved: (K, W, 3) metres, what all do.
         """
+        shape, distance = rest.shape, rest.distance
         more = np.zeros_like(shape)
         way = np.tensordot(mouths.uses[k], moved, 1)
         # What the wall cannot come near on its way need not be looked at.
@@ -248,7 +265,8 @@ class Bone:
         if any((wall.room(shape[firm] + amount * way[firm])[0] < least[firm]).any() for amount, wall in ends):
             points, ways = shape[self.firm], way[self.firm]
             margin = self.room.margin * mouths.height
-            more += clear_way(walls, points, ways, _shifts(len(points)), margin, distance[self.firm])[0]
+            amounts, _ = clear_way(walls, points, ways, _free(rest.bends[self.firm]), margin, distance[self.firm])
+            more += rest.bends @ amounts
             near = np.flatnonzero(free - np.linalg.norm(more, axis=1) < least)
         for _ in range(GIVEN_WAY):
             pressed = np.zeros(len(near), bool)
@@ -345,9 +363,10 @@ def _lips(template: Template) -> np.ndarray:
     return np.concatenate(rims) if rims else template.region("mouth")
 
 
-def _shifts(count: int) -> Bends:
-    """Moves of so many points as a whole."""
-    return Bends(np.tile(np.eye(3), (count, 1, 1)), np.full(3, SHIFT), np.full(3, -np.inf), np.zeros(3))
+def _free(moves: np.ndarray) -> Bends:
+    """Moves (N, 3, M) of points, which have no bounds."""
+    count = moves.shape[2]
+    return Bends(moves, np.full(count, SHIFT), np.full(count, -np.inf), np.zeros(count))
 
 
 def _largest(weights: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

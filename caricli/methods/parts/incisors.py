@@ -13,6 +13,9 @@ CROWN = 0.75
 BARE = 0.62
 """Of the height of teeth, what stands out of the gums."""
 
+NECK = 0.4
+"""Of it, from the edge, where gums begin to rise between them: so far teeth grow, and gums stay as they are."""
+
 LONGEST = 4.0
 """Times their height, what teeth grow to at most that a picture shows longer, and"""
 BEHIND_LIPS = 1.4
@@ -30,6 +33,9 @@ LEAN = 0.75
 _MIDDLE = 0.25
 """Of the width of the arch, how far incisors are from its middle."""
 
+_COLUMNS = 8
+"""Of teeth on either side, whose ends are told one by one."""
+
 
 class Incisors:
     """The middle teeth of an arch, and the lips before them.
@@ -45,12 +51,12 @@ class Incisors:
         # Teeth of the skull stand down, those of the jaw up.
         self.outwards = (-1, 1)[self.row]
         teeth = np.unique(part.mesh.polygons[part.materials == Material.TEETH])
-        teeth = teeth[teeth >= 0]
-        points = np.asarray(part.mesh.vertices, float)[teeth]
-        aside = np.abs(points[:, 0] - (points[:, 0].min() + points[:, 0].max()) / 2)
-        middle = aside < _MIDDLE * np.ptp(points[:, 0])
-        depth = points[:, 2]
-        self.front = teeth[middle & (depth > np.median(depth[middle]))]
+        self.teeth = teeth[teeth >= 0]
+        across, _, depth = np.asarray(part.mesh.vertices, float).T
+        ends = across[self.teeth].min(), across[self.teeth].max()
+        self.aside = np.abs(across - np.mean(ends)) / np.ptp(ends)
+        middle = self.teeth[self.aside[self.teeth] < _MIDDLE]
+        self.front = middle[depth[middle] > np.median(depth[middle])]
 
     def edge(self, shape: np.ndarray, up: np.ndarray) -> float:
         """Where the teeth of a part (W, 3) end, metres along the way up (3,), of unit length."""
@@ -86,11 +92,21 @@ class Incisors:
         return placed + LEAN * np.outer(beyond, across - across @ up * up)
 
     def grown(self, shape: np.ndarray, up: np.ndarray, shown: float, most: float) -> np.ndarray:
-        """The part (W, 3) from the edge of its teeth on so much longer, at most so many times, that they stand as far
-        out of their gums as a picture shows them, metres. up: (3,) of unit length."""
-        crown = BARE * float(np.ptp(shape[self.front] @ up))
-        growth = np.clip(shown / crown, 1, most) - 1
-        return shape + np.outer((shape @ up - self.edge(shape, up)) * growth, up)
+        """The part (W, 3) with teeth so much longer, at most so many times, that they stand as far out of their gums as
+        a picture shows them, metres; their edge stays. up: (3,) of unit length."""
+        height = float(np.ptp(shape[self.front] @ up))
+        crown = BARE * height
+        longer = crown * (np.clip(shown / crown, 1, most) - 1)
+        inwards = self._inwards(-self.outwards * (shape @ up))
+        return shape - self.outwards * longer * np.outer(np.clip(inwards / (NECK * height), 0, 1), up)
+
+    def _inwards(self, heights: np.ndarray) -> np.ndarray:
+        """(W,) heights towards the gums from the ends of the teeth that are as far aside on, of heights (W,)."""
+        column = np.minimum(2 * _COLUMNS * self.aside[self.teeth], _COLUMNS - 1).astype(int)
+        ends = np.full(_COLUMNS, np.inf)
+        np.minimum.at(ends, column, heights[self.teeth])
+        inwards: np.ndarray = heights - np.interp(2 * _COLUMNS * self.aside, np.arange(_COLUMNS) + 0.5, ends)
+        return inwards
 
 
 def incisors_of(template: Template, part: Part) -> Incisors | None:

@@ -22,7 +22,9 @@ class LightSettings:
     where on a colour counts as another thing than skin. weights: of the spread against the mean square of the
     logarithms, of which that is taken that foretells left-out parts best. folds: left-out parts. gain: share of the
     left-out error that light has to explain before it is believed in. rounds: of reweighting. range: least and greatest
-    light, of the mean one. least: points of skin, with fewer nothing is told.
+    light, of the mean one. least: points of skin, with fewer nothing is told. brightest: mean light on the skin that is
+    seen, at most: none of 150 generated heads in random light has more, but drawings whose outlines are dark look as if
+    lit from before them.
     """
 
     spread: tuple[float, float] = (0.5, 0.25)
@@ -34,6 +36,7 @@ class LightSettings:
     rounds: int = 12
     range: tuple[float, float] = (0.3, 2.5)
     least: int = 60
+    brightest: float = 1.3
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,8 +107,10 @@ def estimate_light(
     dome = _dome()
     # An incident light meter beside the face would say one.
     light = light / np.maximum(harmonics(dome[dome @ view > 0]) @ light, _LEVEL).mean(0)
-    lit = np.quantile(harmonics(normals[used]) @ light, [0.01, 0.99], axis=0)
-    return Light(light, np.clip(lit, *settings.range), float(explained))
+    lit = harmonics(normals[used]) @ light
+    dimmed = min(settings.brightest / max(float(np.average(lit, 0, weights[used]).mean()), _LEVEL), 1.0)
+    light, lit = light * dimmed, lit * dimmed
+    return Light(light, np.clip(np.quantile(lit, [0.01, 0.99], axis=0), *settings.range), float(explained))
 
 
 class _Fit:

@@ -135,6 +135,21 @@ def test_a_strand_that_hangs_from_the_hair_is_left_to_be_filled(dressed, sitter)
     assert lined[mark].all() and lined[brow & plain].all()
 
 
+def test_what_is_mixed_of_skin_and_hair_beside_it_is_left_to_be_filled(dressed, sitter):
+    """Fine strands, or a shadow, under the hair; a like one in the middle of the forehead stays."""
+    skin = ~sitter.hair.behind & ~sitter.hair.pixels
+    middle = round(sitter.face.landmarks[27, 0])
+    end = np.flatnonzero(dressed.mask.pixels[:, middle])[-1]
+    shade, mark = (np.zeros_like(skin) for _ in range(2))
+    shade[end + 1 : end + 4, middle - 6 : middle + 6] = True
+    mark[end + 12 : end + 14, middle - 6 : middle + 6] = True
+    mixed = (0.6 * sitter.image + 0.4 * np.array(BROWN)).astype(np.uint8)
+    drawn = np.where((shade | mark)[..., None], mixed, sitter.image)
+    plain, shaded = (bare_skin(ParsedHead(skin, skin), dressed, image) for image in (sitter.image, drawn))
+    below = shade & plain
+    assert below.any() and not shaded[below].any() and shaded[mark].all()
+
+
 def test_none_auto_and_shell(sitter):
     assert dress_hair(sitter.face, sitter.head, sitter.image, replace(SMALL, hair="none")) is None
     assert dress_hair(sitter.face, sitter.head, sitter.bald, SMALL) is None

@@ -5,6 +5,7 @@ from scipy.spatial.transform import Rotation
 from caricli.geometry.components import mesh_components
 from caricli.methods.parts.attachment import attachment_for, open_head_attachment
 from caricli.methods.parts.bones import PRESSED, Bone, Posed
+from caricli.methods.parts.incisors import incisors_of
 from caricli.methods.parts.pocket import Mouths, Pocket
 from caricli.structures import Material, Mesh
 from caricli.template.head import load_head
@@ -137,3 +138,19 @@ def test_an_expression_far_from_a_mouth_that_is_too_small_leaves_its_teeth(head,
         assert mouths.rest.room(part.mesh.vertices)[0].min() < PRESSED * mouths.height, "no room for it at rest"
         moves = np.abs(part.deltas).max((1, 2))
         assert moves[:2].max() < 1e-9 and moves[2] > 1e-4, part.name
+
+
+def test_lower_teeth_follow_the_jaw_where_cheeks_keep_the_molars(head, template):
+    """Cheeks that close on the molars of a jaw which opens: the row becomes narrower behind, and is not held up."""
+    wall = template.annotation.regions["inner_mouth"]
+    names = ("jawOpen",)
+    usual = np.asarray(head.actions, float)[[head.action_names.index(name) for name in names]]
+    closing = usual.copy()
+    places = template.vertices[wall]
+    teeth = open_head_attachment().attach(template)[1].mesh.vertices
+    behind = places[:, 2] < teeth[:, 2].mean()
+    closing[0, wall[behind], 0] -= 0.02 * template.height * np.sign(places[behind, 0])
+    incisors = incisors_of(template, open_head_attachment().attach(template)[1])
+    assert incisors is not None
+    free, kept = (open_head_attachment().animate(template, names, deltas)[1].deltas[0] for deltas in (usual, closing))
+    assert kept[incisors.front, 1].mean() < 0.6 * free[incisors.front, 1].mean() < -0.01

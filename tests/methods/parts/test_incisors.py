@@ -3,6 +3,7 @@ import pytest
 
 from caricli.methods.parts.attachment import open_head_attachment
 from caricli.methods.parts.incisors import BEHIND, CROWN, LAUGHED, SHOWN, incisors_of
+from caricli.structures import Material
 
 NONE = np.zeros((0, 4200, 3))
 
@@ -77,6 +78,20 @@ def test_long_teeth_lean_as_the_lips_do(head_template, laughing):
     back = (straight - leaning)[incisors.front, 2]
     lowest = straight[incisors.front, 1].argmin()
     assert 0.006 < back[lowest] < 0.0076 and back.min() >= 0 and np.isclose(back.max(), back[lowest])
+
+
+def test_long_teeth_keep_their_gums_and_their_edges(head_template):
+    """Gums go up as they are, not stretched between the teeth, and every tooth ends where it did."""
+    part = next(hold.part for hold in open_head_attachment().holds if hold.part.name == "teeth_upper")
+    incisors, shape = incisors_of(head_template, part), np.asarray(part.mesh.vertices, float)
+    assert incisors is not None
+    grown = incisors.grown(shape, np.array([0.0, 1, 0]), 0.02, 4.0)
+    gums = np.unique(part.mesh.polygons[part.materials == Material.GUMS])
+    moved = (grown - shape)[:, 1]
+    crowns = incisors.teeth.reshape(14, -1)
+    longer = np.ptp(grown[crowns, 1], axis=1) - np.ptp(shape[crowns, 1], axis=1)
+    assert moved.max() > 0.012 and moved[gums].min() > 0.7 * moved.max() and longer.min() > 0.6 * moved.max()
+    assert (grown[crowns, 1].min(1) - shape[crowns, 1].min(1)).max() < 0.15 * moved.max()
 
 
 def test_teeth_between_lips_that_meet_stay_finite(head_template):

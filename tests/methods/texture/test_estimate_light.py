@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from caricli.methods.texture.estimate_light import GAMMA, estimate_light, harmonics
+from caricli.methods.texture.estimate_light import GAMMA, LightSettings, estimate_light, harmonics
 
 VIEW = np.array([0.0, 0, 1])
 SKIN = np.array([205.0, 160, 130])
@@ -68,6 +68,14 @@ def test_the_mean_of_what_a_camera_sees_stays(surface):
     ways = generator.normal(size=(20_000, 3))
     ways /= np.linalg.norm(ways, axis=1, keepdims=True)
     np.testing.assert_allclose((harmonics(ways[ways @ VIEW > 0]) @ light.coefficients).mean(0), 1, atol=0.03)
+
+
+def test_no_light_is_brighter_on_the_face_than_lamps_are(surface):
+    """A flat face in a drawing whose colours darken towards its outlines, as if lit from the camera alone."""
+    towards = surface[0] @ VIEW
+    normals, places = (each[towards > 0.5] for each in surface)
+    light = estimated(SKIN * (normals @ VIEW)[:, None] ** (2 / GAMMA), (normals, places))
+    assert np.isclose((harmonics(normals) @ light.coefficients).mean(), LightSettings().brightest)
 
 
 def test_a_brighter_picture_has_the_same_light(surface):
