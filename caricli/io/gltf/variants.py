@@ -30,7 +30,7 @@ def add_variants(document: dict, skin: dict, moods: tuple[Mood, ...], view: Call
         document["textures"].append({"sampler": 0, "source": len(document["images"])})
         document["images"].append({"mimeType": "image/png", "bufferView": view(png_bytes(mood.skin))})
     skin["extensions"] = {EXTENSION: {"mappings": mappings}}
-    document["extensionsUsed"] = [EXTENSION]
+    document.setdefault("extensionsUsed", []).append(EXTENSION)
     document["extensions"] = {EXTENSION: {"variants": [{"name": mood.name} for mood in moods]}}
 
 

@@ -10,6 +10,7 @@ from caricli.errors import OutputError, shown
 from caricli.io.gltf.changes import add_changes
 from caricli.io.gltf.container import write_container
 from caricli.io.gltf.format import DTYPES, SOURCE_VERTEX, TYPES, VERSION
+from caricli.io.gltf.strands import add_strands, has_strands, strand_tangents
 from caricli.io.gltf.variants import add_variants
 from caricli.io.image import png_bytes
 from caricli.structures import Animation, Rig
@@ -31,10 +32,10 @@ def write_gltf(path: str | Path, rig: Rig, sparse: bool = False, animation: Anim
 
     One node with one mesh; one primitive for every material; morph targets of positions and normals, their names in
     ``mesh.extras.targetNames``; targets that move nothing share their zeros. Teeth and tongue have colours of vertices
-    (`mouth_light`). Hair that keeps still is a node of its own
-    below the head's. Moods are variants of the skin's material (`add_variants`), changes a texture beside it
-    (`add_changes`). Vertices are split where the UVs have a seam, and `SOURCE_VERTEX` leads back; those of no polygon
-    stand at the end of the first primitive.
+    (`mouth_light`). Hair that keeps still is a node of its own below the head's; where it has a picture it shines
+    across its strands (`add_strands`). Moods are variants of the skin's material (`add_variants`), changes a texture
+    beside it (`add_changes`). Vertices are split where the UVs have a seam, and `SOURCE_VERTEX` leads back; those of no
+    polygon stand at the end of the first primitive.
     path: a GLB, or, where it ends in .gltf, one text with all inside. sparse: whether of a target only the vertices
     that move are stored. animation: weights of the rig's shapes over time, or None.
     Raises OutputError when the animation does not fit the rig, the file would be larger than what is read, or it
@@ -53,6 +54,8 @@ def write_gltf(path: str | Path, rig: Rig, sparse: bool = False, animation: Anim
     }
     if rig.pictures.skin is not None and rig.mesh.uvs is not None and (rig.triangle_materials == Material.SKIN).any():
         _add_expressions(document, rig, buffer)
+    if has_strands(rig):
+        add_strands(document, np.unique(rig.triangle_materials).tolist().index(Material.HAIR))
     if animation is not None and (rig.names or animation.rotations is not None):
         document["animations"] = [_animation(animation, buffer)]
     document |= {"accessors": buffer.accessors, "bufferViews": buffer.views}
@@ -211,6 +214,9 @@ def _primitives(rig: Rig, sparse: bool, buffer: _Buffer) -> list[dict]:
             # glTF counts v from the top.
             flipped = np.stack([uvs[corner, 0], 1 - uvs[corner, 1]], axis=1).astype(np.float32)
             attributes["TEXCOORD_0"] = buffer.accessor(flipped, _FOR_VERTICES)
+        if material == Material.HAIR and has_strands(rig):
+            tangents = strand_tangents(rig.mesh, materials == Material.HAIR, normals)
+            attributes["TANGENT"] = buffer.accessor(tangents[source], _FOR_VERTICES)
         if material in _INSIDE:
             attributes["COLOR_0"] = buffer.accessor(np.repeat(light[source, None], 3, axis=1), _FOR_VERTICES)
         indices = indices.ravel().astype(_index_dtype(len(source)))
