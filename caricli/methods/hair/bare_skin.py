@@ -16,6 +16,7 @@ _BORDER = 0.05  # of the same: so near to its border a head may show hair that n
 _EAR = 0.03  # of the same: so near to the face an ear may show a line, too
 _INWARDS = 0.15  # of the same: so far in goes what hangs together with that
 _STRAND = 0.3  # of the same: so near to hair what has its colour and hangs together with it is a strand
+_SLIVER = 0.03  # of the same: half as wide as skin is that is left there, at least
 _SHADED = 0.05  # of the same: so near to hair skin is under fine strands or their shadow
 _MIXED = 3.0  # times as far from the hair's colour as from the skin's, at most, is what is mixed of both
 _FEATURE = 0.03  # of the same: around brows and eyes, which have that colour, too
@@ -48,9 +49,15 @@ def bare_skin(head: ParsedHead, dressed: DressedHair, image: np.ndarray) -> np.n
     reach = max(_MARGIN * height, 1.0)
     bare = head.paint & (distance_to(coloured) > reach)
     # What is left in slivers between lines and the border is half of their colour.
-    broad = distance_to(distance_to(~bare) > reach) <= reach
-    bare &= broad | ~border
+    slivers = ~_broad(bare, reach) & border | ~_broad(bare, _SLIVER * height) & face & outer
+    bare &= ~slivers
     return bare if bare.any() else head.paint
+
+
+def _broad(mask: np.ndarray, reach: float) -> np.ndarray:
+    """(H, W) bool: what of a mask discs of a radius, pixels, fit into."""
+    broad: np.ndarray = distance_to(distance_to(~mask) > reach) <= reach
+    return broad
 
 
 def _like_hair(

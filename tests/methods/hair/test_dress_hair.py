@@ -116,6 +116,23 @@ def test_a_fold_that_goes_on_inwards_from_a_line_at_the_border_is_left_to_be_fil
     assert plain[fold].all() and not lined[fold].any() and lined[spot].all()
 
 
+def test_no_tongue_of_skin_is_left_between_two_such_lines(dressed, sitter):
+    """A fold beside a line at the border, joined with it below; skin beyond the fold stays."""
+    skin = ~sitter.hair.behind & ~sitter.hair.pixels
+    middle = round(sitter.face.landmarks[30, 1])
+    lines, tongue, beyond = (np.zeros_like(skin) for _ in range(3))
+    for row in range(middle - 10, middle + 10):
+        first = np.flatnonzero(skin[row])[0]
+        lines[row, first + 1 : first + 3] = True
+        lines[row, first + 10 : first + 12] = True
+        tongue[row, first + 6 : first + 8] = row > middle
+        beyond[row, first + 30 : first + 40] = True
+        lines[row, first + 1 : first + 12] |= row >= middle + 8
+    drawn = np.where(lines[..., None], BROWN, sitter.image).astype(np.uint8)
+    plain, lined = (bare_skin(ParsedHead(skin, skin), dressed, image) for image in (sitter.image, drawn))
+    assert plain[tongue].all() and not lined[tongue].any() and lined[beyond].all()
+
+
 def test_a_strand_that_hangs_from_the_hair_is_left_to_be_filled(dressed, sitter):
     """One in the middle of the forehead; another that begins below the hair stays, and so does a brow beside it."""
     skin = ~sitter.hair.behind & ~sitter.hair.pixels
