@@ -121,13 +121,13 @@ def test_no_tongue_of_skin_is_left_between_two_such_lines(dressed, sitter):
     skin = ~sitter.hair.behind & ~sitter.hair.pixels
     middle = round(sitter.face.landmarks[30, 1])
     lines, tongue, beyond = (np.zeros_like(skin) for _ in range(3))
-    for row in range(middle - 10, middle + 10):
+    for row in range(middle - 16, middle + 4):
         first = np.flatnonzero(skin[row])[0]
         lines[row, first + 1 : first + 3] = True
         lines[row, first + 10 : first + 12] = True
-        tongue[row, first + 6 : first + 8] = row > middle
+        tongue[row, first + 6 : first + 8] = middle - 8 < row < middle
         beyond[row, first + 30 : first + 40] = True
-        lines[row, first + 1 : first + 12] |= row >= middle + 8
+        lines[row, first + 1 : first + 12] |= row >= middle + 2
     drawn = np.where(lines[..., None], BROWN, sitter.image).astype(np.uint8)
     plain, lined = (bare_skin(ParsedHead(skin, skin), dressed, image) for image in (sitter.image, drawn))
     assert plain[tongue].all() and not lined[tongue].any() and lined[beyond].all()
