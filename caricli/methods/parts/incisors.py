@@ -105,7 +105,8 @@ class Incisors:
         column = np.minimum(2 * _COLUMNS * self.aside[self.teeth], _COLUMNS - 1).astype(int)
         ends = np.full(_COLUMNS, np.inf)
         np.minimum.at(ends, column, heights[self.teeth])
-        inwards: np.ndarray = heights - np.interp(2 * _COLUMNS * self.aside, np.arange(_COLUMNS) + 0.5, ends)
+        there = np.flatnonzero(np.isfinite(ends))  # there may be gaps between teeth
+        inwards: np.ndarray = heights - np.interp(2 * _COLUMNS * self.aside, there + 0.5, ends[there])
         return inwards
 
 
