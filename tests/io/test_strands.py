@@ -13,7 +13,7 @@ SIDE = 9
 
 @pytest.fixture
 def cap():
-    """A bowl of hair whose picture is unrolled around its whorl, mirrored in half of its triangles' UVs."""
+    """A bowl of hair whose picture is unrolled around its whorl."""
     x, y = (grid.ravel() for grid in np.meshgrid(np.linspace(-1, 1, SIDE), np.linspace(-1, 1, SIDE)))
     vertices = 0.1 * np.column_stack([x, y, 0.3 * (2 - x * x - y * y)])
     ids = np.arange(SIDE * SIDE).reshape(SIDE, SIDE)

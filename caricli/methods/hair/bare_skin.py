@@ -5,7 +5,7 @@ import numpy as np
 from scipy.ndimage import binary_dilation, label
 
 from caricli.methods.hair.dress_hair import DressedHair
-from caricli.methods.texture.another_colour import lab_colours, of_another_colour
+from caricli.methods.texture.another_colour import LIKE, lab_colours, of_another_colour
 from caricli.methods.texture.distance_to import distance_to
 from caricli.methods.texture.mean_colours import mean_colours
 from caricli.methods.texture.parsed_head import ParsedHead
@@ -61,7 +61,7 @@ def _broad(mask: np.ndarray, reach: float) -> np.ndarray:
 
 
 def _like_hair(
-    near: np.ndarray, skin: np.ndarray, hair: np.ndarray, image: np.ndarray, reach: float, like: float = 0.5
+    near: np.ndarray, skin: np.ndarray, hair: np.ndarray, image: np.ndarray, reach: float, like: float = LIKE
 ) -> np.ndarray:
     """(H, W) bool: which of some pixels look like hair (H, W) bool, and not like the skin (H, W) bool around them.
 

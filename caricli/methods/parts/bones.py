@@ -13,7 +13,7 @@ from caricli.methods.parts.follow import follow_weights
 from caricli.methods.parts.guides import Guides
 from caricli.methods.parts.incisors import BEHIND_LIPS, Incisors, incisors_of
 from caricli.methods.parts.let_out import PARTINGS, far_enough, part_more, tongue_bends
-from caricli.methods.parts.make_room import RoomSettings, make_room, room_moves
+from caricli.methods.parts.make_room import YIELDING, RoomSettings, make_room, room_moves
 from caricli.methods.parts.pocket import Mouth, Mouths
 from caricli.structures import Material, Part
 from caricli.template.template import Template
@@ -51,9 +51,6 @@ FREE = 1.0
 
 AROUND = 0.02
 """Of the head's height: how far points are from the one that tells whether the wall may be near them."""
-
-_YIELDS = (0, 1, 2, 10)
-"""Of `room_moves`, what expressions may call for: shifts, and a narrower back of the arch."""
 
 _FIRM = 80
 """Points of what does not give way that are looked at."""
@@ -153,7 +150,7 @@ class Bone:
         shape, to_face = self._at_rest(face, mouths)
         moved = self._moved(face, shape, to_face)
         if mouths is not None and face.names:
-            bends = (self.moves[:, _YIELDS] @ to_face.T).transpose(0, 2, 1)
+            bends = (self.moves[:, YIELDING] @ to_face.T).transpose(0, 2, 1)
             rest = _AtRest(shape, mouths.rest.room(shape)[0], bends)
             for k in mouths.order:
                 if face.names[k] in self.own:

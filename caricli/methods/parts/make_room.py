@@ -26,6 +26,10 @@ class RoomSettings:
     enough: float = 0.03
 
 
+YIELDING = (0, 1, 2, 10)
+"""Of `room_moves`, what expressions may call for: shifts, and a back of the arch that is narrower, x by x z."""
+
+
 def room_moves(shape: np.ndarray, firm: np.ndarray) -> np.ndarray:
     """What a part can do to make room, (W, M, 3): moves of its points, of amounts of a metre.
 

@@ -4,11 +4,13 @@ import cv2
 import numpy as np
 
 _UNLIKE = 12.0  # in CIELAB: what is no farther from the colours around it is of their kind
-_LIKE = 0.5  # of the distance to these, what one to others is at most where nothing else is asked
+
+LIKE = 0.5
+"""Of the distance to these, what one to others is at most where nothing else is asked."""
 
 
 def of_another_colour(
-    image: np.ndarray, pixels: np.ndarray, around: np.ndarray, other: np.ndarray, like: float = _LIKE
+    image: np.ndarray, pixels: np.ndarray, around: np.ndarray, other: np.ndarray, like: float = LIKE
 ) -> np.ndarray:
     """(H, W) bool: which of some pixels are unlike the colours around them, and near to others.
 

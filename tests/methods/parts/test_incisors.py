@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -92,6 +94,20 @@ def test_long_teeth_keep_their_gums_and_their_edges(head_template):
     longer = np.ptp(grown[crowns, 1], axis=1) - np.ptp(shape[crowns, 1], axis=1)
     assert moved.max() > 0.012 and moved[gums].min() > 0.7 * moved.max() and longer.min() > 0.6 * moved.max()
     assert (grown[crowns, 1].min(1) - shape[crowns, 1].min(1)).max() < 0.15 * moved.max()
+
+
+def test_gums_go_up_where_a_tooth_is_lost(head_template):
+    """Between canines, where an arch has none."""
+    part = next(hold.part for hold in open_head_attachment().holds if hold.part.name == "teeth_upper")
+    crowns = np.unique(part.mesh.polygons[part.materials == Material.TEETH]).reshape(14, -1)
+    kept = np.isin(part.mesh.polygons, crowns[[0, 5, 8, 13]]).any(1)
+    incisors = incisors_of(head_template, replace(part, materials=np.where(kept, part.materials, Material.GUMS)))
+    assert incisors is not None
+    shape = np.asarray(part.mesh.vertices, float)
+    moved = (incisors.grown(shape, np.array([0.0, 1, 0]), 0.02, 4.0) - shape)[:, 1]
+    gums = np.unique(part.mesh.polygons[part.materials == Material.GUMS])
+    middle = gums[incisors.aside[gums] < 0.03]
+    assert moved[middle].min() > 0 and np.isclose(moved[middle].max(), moved.max()) and moved.max() > 0.012
 
 
 def test_teeth_between_lips_that_meet_stay_finite(head_template):
