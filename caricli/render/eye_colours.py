@@ -1,18 +1,26 @@
 """The colours of the eyes in a picture."""
 
+from operator import itemgetter
+
 import cv2
 import numpy as np
 
+from caricli.render.cut_window import cut_window
 from caricli.structures.landmarks import EYE_LEFT, EYE_RIGHT
 
-_IRIS = 0.2  # of the eye's width, from its middle: as far the iris is sure to reach
 _FEWEST = 12  # pixels between the lids: fewer say nothing about a colour
-_IRIS_SHADES = (0.3, 0.8)  # quantiles of brightness: pupil and reflections are the extremes of what is inside
-_WHITE_SHADE = 0.8  # quantile of brightness: lashes and shadows of the lids are darker than the white
+_WIDTH = 64  # of an eye that is looked at, pixels
+_RADII = np.arange(0.12, 0.42, 0.02) * _WIDTH  # of an iris
+_LIDS = 0.1 * _WIDTH  # pixels from the lids, nearer than which lashes and shadows make a pixel count less
+_INSIDE, _OUTSIDE = 0.9, 1.1  # of an iris' radius: within is its colour, and beyond is the white's
+_IRIS_SHADES = (0.4, 0.85)  # quantiles of brightness: pupil and reflections are the extremes of what is inside
+_WHITE_SHADE = 0.7  # quantile of brightness: lashes and shadows of the lids are darker than the white
 
 
 def eye_colours(image: np.ndarray, points: np.ndarray) -> tuple[np.ndarray | None, np.ndarray | None]:
     """Colours of iris and white, from the pixels between the lids.
+
+    The iris is the disc there that differs most from what is around it, and is darker.
 
     image: (H, W, 3) uint8. points: (L, 2) landmarks, pixels, NaN where unknown.
     Returns two (3,) arrays, sRGB 0 to 255, or None for either that cannot be seen.
@@ -21,24 +29,64 @@ def eye_colours(image: np.ndarray, points: np.ndarray) -> tuple[np.ndarray | Non
     whites: list[np.ndarray] = []
     for eye in (EYE_RIGHT, EYE_LEFT):
         outline = points[list(eye)]
-        if not np.isfinite(outline).all():
+        if not _is_seen(outline, image):
             continue
-        mask = np.zeros(image.shape[:2], np.uint8)
-        cv2.fillPoly(mask, [np.round(outline).astype(np.int32)], 1)
-        rows, columns = np.nonzero(mask)
-        if len(rows) < _FEWEST:
-            continue
-        colours = image[rows, columns].astype(float)
-        away = np.hypot(columns - outline[:, 0].mean(), rows - outline[:, 1].mean())
-        inside = away < _IRIS * np.ptp(outline[:, 0])
+        picture, opening = _looked_at(image, outline)
+        middle, radius = _iris(picture, opening)
+        rows, columns = np.nonzero(opening)
+        colours = picture[rows, columns].astype(float)
         light = colours.mean(1)
-        if inside.sum() >= _FEWEST // 2:
+        away = np.hypot(columns - middle[0], rows - middle[1]) / radius
+        inside = away < _INSIDE
+        outside = away > _OUTSIDE
+        if inside.sum() >= _FEWEST:
             low, high = np.quantile(light[inside], _IRIS_SHADES)
             irises.append(np.median(colours[inside & (light >= low) & (light <= high)], axis=0))
-        if (~inside).sum() >= _FEWEST // 2:
-            bright = light >= np.quantile(light[~inside], _WHITE_SHADE)
-            whites.append(np.median(colours[~inside & bright], axis=0))
+        if outside.sum() >= _FEWEST:
+            bright = light >= np.quantile(light[outside], _WHITE_SHADE)
+            whites.append(np.median(colours[outside & bright], axis=0))
     return _mean(irises), _mean(whites)
+
+
+def _is_seen(outline: np.ndarray, image: np.ndarray) -> bool:
+    """Whether the picture shows enough of an eye with an outline (6, 2)."""
+    if not np.isfinite(outline).all() or cv2.contourArea(outline.astype(np.float32)) < _FEWEST:
+        return False
+    middle = outline.mean(0)
+    return bool((middle >= 0).all() and (middle < image.shape[1::-1]).all())
+
+
+def _looked_at(image: np.ndarray, outline: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """An eye with an outline (6, 2) by itself, always as wide: its picture (S, S, 3) uint8, and (S, S) bool, what is
+    between its lids."""
+    scale = _WIDTH / np.ptp(outline, axis=0).max()
+    shift = _WIDTH - scale * outline.mean(0)
+    size = (2 * _WIDTH, 2 * _WIDTH)
+    picture = cut_window(image, np.column_stack([scale * np.eye(2), shift]), size)
+    opening = cv2.fillPoly(np.zeros(size, np.uint8), [np.rint(scale * outline + shift).astype(np.int32)], 1)
+    return picture, opening > 0
+
+
+def _iris(picture: np.ndarray, opening: np.ndarray) -> tuple[np.ndarray, float]:
+    """Middle (2,) and radius of the disc that parts the pixels between lids best, by their variance (Otsu 1979).
+
+    picture: (S, S, 3) uint8. opening: (S, S) bool. What counts of a colour is its least channel, of which skin has less
+    than whites.
+    """
+    depth = cv2.distanceTransform(opening.astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
+    counted = np.minimum(depth / _LIDS, 1).astype(np.float32)
+    light = counted * picture.min(-1)
+    best = (-1.0, np.zeros(2), 1.0)
+    for radius in _RADII:
+        reach = int(radius)
+        disc = (np.hypot(*np.mgrid[-reach : reach + 1, -reach : reach + 1]) <= radius).astype(np.float32)
+        inner, lit = (cv2.filter2D(each, -1, disc, borderType=cv2.BORDER_CONSTANT) for each in (counted, light))
+        outer = counted.sum() - inner
+        darker = (light.sum() - lit) / np.maximum(outer, 1e-3) - lit / np.maximum(inner, 1e-3)
+        between = np.where(opening, inner * outer * np.maximum(darker, 0) ** 2, -1)
+        row, column = np.unravel_index(between.argmax(), between.shape)
+        best = max(best, (float(between[row, column]), np.array([column, row]), float(radius)), key=itemgetter(0))
+    return best[1:]
 
 
 def _mean(colours: list[np.ndarray]) -> np.ndarray | None:

@@ -24,6 +24,7 @@ _VEINED = (214, 178, 164)
 _RIM = (38, 24, 16)
 _OUTER = (104, 68, 40)
 _INNER = (150, 108, 66)
+_IRIS = (127, 88, 53)  # what is half-way between them, and what is seen of an iris
 _BLACK = 8.0
 _LIGHT = 250.0
 
@@ -46,8 +47,8 @@ def paint_eye(
     # The rest of the picture has none, and they take most of the time.
     fibrous = radius < IRIS + _EDGE
     waves[fibrous] = _waves(np.arctan2(y[fibrous], x[fibrous]), generator)
-    sclera, veined = _tinted(white, _WHITE, _VEINED)
-    inner, outer, rim = _tinted(iris, _INNER, _OUTER, _RIM)
+    sclera, veined = _tinted(white, _WHITE, _WHITE, _VEINED)
+    inner, outer, rim = _tinted(iris, _IRIS, _INNER, _OUTER, _RIM)
     picture = mix(sclera, veined, smooth_step(radius, *_VEINS))
     depth = smooth_step(radius, PUPIL, IRIS)[..., None]
     fibres = (1 - depth) * inner + depth * outer
@@ -72,7 +73,7 @@ def _waves(angle: np.ndarray, generator: np.random.Generator) -> np.ndarray:
     return waves
 
 
-def _tinted(colour: np.ndarray | None, *usual: tuple[int, int, int]) -> np.ndarray:
-    """The usual colours, scaled so that the first becomes another where one is given."""
+def _tinted(colour: np.ndarray | None, seen: tuple[int, int, int], *usual: tuple[int, int, int]) -> np.ndarray:
+    """The usual colours, scaled so that the one that is seen of them becomes another where one is given."""
     colours = np.array(usual, float)
-    return colours if colour is None else np.clip(colours * (np.asarray(colour, float) / colours[0]), 0, 255)
+    return colours if colour is None else np.clip(colours * np.asarray(colour, float) / seen, 0, 255)
