@@ -5,13 +5,13 @@ from operator import itemgetter
 import cv2
 import numpy as np
 
-from caricli.render.cut_window import cut_window
-from caricli.structures.landmarks import EYE_LEFT, EYE_RIGHT
+from caricli.render.eye_window import WIDTH, eye_windows
+from caricli.render.inside_polygon import inside_polygon
 
 _FEWEST = 12  # pixels between the lids: fewer say nothing about a colour
-_WIDTH = 64  # of an eye that is looked at, pixels
-_RADII = np.arange(0.12, 0.42, 0.02) * _WIDTH  # of an iris
-_LIDS = 0.1 * _WIDTH  # pixels from the lids, nearer than which lashes and shadows make a pixel count less
+_WINDOW = 2.0  # side of what is looked at, in widths of the eye
+_RADII = np.arange(0.12, 0.42, 0.02) * WIDTH  # of an iris
+_LIDS = 0.1 * WIDTH  # pixels from the lids, nearer than which lashes and shadows make a pixel count less
 _INSIDE, _OUTSIDE = 0.9, 1.1  # of an iris' radius: within is its colour, and beyond is the white's
 _IRIS_SHADES = (0.4, 0.85)  # quantiles of brightness: pupil and reflections are the extremes of what is inside
 _WHITE_SHADE = 0.7  # quantile of brightness: lashes and shadows of the lids are darker than the white
@@ -27,14 +27,13 @@ def eye_colours(image: np.ndarray, points: np.ndarray) -> tuple[np.ndarray | Non
     """
     irises: list[np.ndarray] = []
     whites: list[np.ndarray] = []
-    for eye in (EYE_RIGHT, EYE_LEFT):
-        outline = points[list(eye)]
-        if not _is_seen(outline, image):
+    for window in eye_windows(image, points, _WINDOW):
+        opening = inside_polygon(window.outline, window.picture.shape[:2])
+        if opening.sum() < _FEWEST * window.zoom**2:
             continue
-        picture, opening = _looked_at(image, outline)
-        middle, radius = _iris(picture, opening)
+        middle, radius = _iris(window.picture, opening)
         rows, columns = np.nonzero(opening)
-        colours = picture[rows, columns].astype(float)
+        colours = window.picture[rows, columns].astype(float)
         light = colours.mean(1)
         away = np.hypot(columns - middle[0], rows - middle[1]) / radius
         inside = away < _INSIDE
@@ -46,25 +45,6 @@ def eye_colours(image: np.ndarray, points: np.ndarray) -> tuple[np.ndarray | Non
             bright = light >= np.quantile(light[outside], _WHITE_SHADE)
             whites.append(np.median(colours[outside & bright], axis=0))
     return _mean(irises), _mean(whites)
-
-
-def _is_seen(outline: np.ndarray, image: np.ndarray) -> bool:
-    """Whether the picture shows enough of an eye with an outline (6, 2)."""
-    if not np.isfinite(outline).all() or cv2.contourArea(outline.astype(np.float32)) < _FEWEST:
-        return False
-    middle = outline.mean(0)
-    return bool((middle >= 0).all() and (middle < image.shape[1::-1]).all())
-
-
-def _looked_at(image: np.ndarray, outline: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """An eye with an outline (6, 2) by itself, always as wide: its picture (S, S, 3) uint8, and (S, S) bool, what is
-    between its lids."""
-    scale = _WIDTH / np.ptp(outline, axis=0).max()
-    shift = _WIDTH - scale * outline.mean(0)
-    size = (2 * _WIDTH, 2 * _WIDTH)
-    picture = cut_window(image, np.column_stack([scale * np.eye(2), shift]), size)
-    opening = cv2.fillPoly(np.zeros(size, np.uint8), [np.rint(scale * outline + shift).astype(np.int32)], 1)
-    return picture, opening > 0
 
 
 def _iris(picture: np.ndarray, opening: np.ndarray) -> tuple[np.ndarray, float]:

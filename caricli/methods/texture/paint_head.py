@@ -17,6 +17,7 @@ from caricli.methods.parts.face_parts import chosen_attachment, face_parts
 from caricli.methods.rig.add_eyeballs import TEXTURE, add_eyeballs, fit_eyeballs
 from caricli.methods.rig.add_parts import add_parts, choose_parts
 from caricli.methods.texture.estimate_light import Light
+from caricli.methods.texture.lid_lines import LidLine, draw_lid_lines, seen_lid_line
 from caricli.methods.texture.lips_behind_nose import lips_behind_nose
 from caricli.methods.texture.mask_head import mask_head, mesh_pixels
 from caricli.methods.texture.mouth_wall import wall_pixels
@@ -110,7 +111,7 @@ def paint_head(
     )
     whole = choose_parts(add_parts(whole, face_parts(face, template, settings.head)), settings.head)
     # None of these waits for another.
-    jobs: list[Callable[[], Any]] = [partial(_skin_texture, head, ground.sight, ground.texels, settings)]
+    jobs: list[Callable[[], Any]] = [partial(_skin_texture, head, ground, settings)]
     if hair is not None:
         jobs += [partial(hair_picture, hair, image, settings), partial(Scalp, head, hair.hair, settings.size)]
     if settings.sky:
@@ -137,7 +138,7 @@ class _Groundwork:
 
     mask: (H, W) bool, the head in the picture. sight: Sight of its bare skin. hair: DressedHair, or None. texels:
     Texels, or None where the view has to tell their number first, or has a layout of its own. eyes: picture of an eye.
-    teeth: (2,) metres, see Face, or None.
+    lids: LidLine, or None. teeth: (2,) metres, see Face, or None.
     """
 
     mask: np.ndarray
@@ -145,6 +146,7 @@ class _Groundwork:
     hair: DressedHair | None
     texels: Texels | None
     eyes: np.ndarray
+    lids: LidLine | None
     teeth: np.ndarray | None
 
 
@@ -184,7 +186,7 @@ def _lay_groundwork(
     for pixels in no_skin:
         skin = skin & ~pixels
     sight = Sight(camera, image, skin, parts.whole, beside)
-    return _Groundwork(parts.whole, sight, hair, texels, eyes, teeth)
+    return _Groundwork(parts.whole, sight, hair, texels, eyes, seen_lid_line(image, landmarks), teeth)
 
 
 def _find_texels(template: Template, settings: PaintSettings) -> Texels | None:
@@ -203,13 +205,16 @@ def _laid_out(head: Template, image: np.ndarray, camera: Camera, settings: Paint
     return head
 
 
-def _skin_texture(head: Template, sight: Sight, texels: Texels | None, settings: PaintSettings) -> FaceTexture:
-    """The texture of a head as its UVs are laid out. texels: of its topology, or None to find them."""
+def _skin_texture(head: Template, ground: _Groundwork, settings: PaintSettings) -> FaceTexture:
+    """The texture of a head as its UVs are laid out."""
+    sight = ground.sight
     if settings.project_uv:
         everywhere = np.ones(sight.mask.shape, bool)
         image = diffuse_background(sight.image, sight.mask if sight.whole is None else sight.whole)
         return FaceTexture(image, everywhere.astype(np.float32), everywhere, None)
-    return texture_face(head, sight, texels or settings.size, settings.texture, np.random.default_rng(settings.seed))
+    size = ground.texels or settings.size
+    texture = texture_face(head, sight, size, settings.texture, np.random.default_rng(settings.seed))
+    return texture if ground.lids is None else replace(texture, image=draw_lid_lines(texture.image, head, ground.lids))
 
 
 def _find_head(face: Face, image: np.ndarray, mask: np.ndarray | None, pixels: np.ndarray) -> ParsedHead:
