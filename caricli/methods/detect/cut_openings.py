@@ -30,8 +30,8 @@ class OpeningSettings:
     and pixels in turns. colour: natural logarithm of the odds that a colour counts at most; place: the same of the
     distance from the border, per side. radius, smoothness: of the filter that makes neighbours agree, pixels and shares
     of full scale. blur: of the picture, pixels. part: share of the largest piece of lips that another has to have to be
-    one. steps: of so far, that a mouth may be wider than its regions. margin: pixels of the window, around an opening,
-    where its colours are mixed with the skin's.
+    one. steps: of so far, that a mouth may be wider than its regions. margin, around_eyes: pixels of the window, around
+    a mouth and an eye, where its colours are mixed with the skin's.
     """
 
     side: int = 256
@@ -52,6 +52,7 @@ class OpeningSettings:
     steps: int = 6
     gain: float = 1.03
     margin: int = 2
+    around_eyes: int = 3
 
 
 _SETTINGS = OpeningSettings()
@@ -143,12 +144,17 @@ def cut_openings(image: np.ndarray, regions: np.ndarray, points: np.ndarray) -> 
     """
     window = FaceWindow.of(image, regions, points)
     eyes = window.eyes()
-    opening = eyes | window.liner(eyes) | window.mouth(window.labelled_mouth)
-    around = np.ones((2 * _SETTINGS.margin + 1,) * 2, np.uint8)
-    sure = cv2.dilate(opening.astype(np.uint8), around).astype(np.float32)
+    mouth = window.mouth(window.labelled_mouth)
+    sure = np.maximum(_wider(eyes | window.liner(eyes), _SETTINGS.around_eyes), _wider(mouth, _SETTINGS.margin))
     way = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
-    there = cv2.warpAffine(sure, window.matrix, image.shape[1::-1], flags=way)
+    there = cv2.warpAffine(sure.astype(np.float32), window.matrix, image.shape[1::-1], flags=way)
     return (there > 0.5) | np.isin(regions, (Region.EYES, *_INSIDE))
+
+
+def _wider(mask: np.ndarray, margin: int) -> np.ndarray:
+    """(S, S) uint8: a mask (S, S) bool and so many pixels around it."""
+    wider: np.ndarray = cv2.dilate(mask.astype(np.uint8), np.ones((2 * margin + 1,) * 2, np.uint8))
+    return wider
 
 
 def _alike(picture: np.ndarray, seed: np.ndarray, kept: np.ndarray) -> np.ndarray:
