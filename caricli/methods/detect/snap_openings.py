@@ -34,10 +34,10 @@ class BorderSettings:
     least: float = 0.8
     narrowest: float = 0.1
     gap: int = 4
-    wider: float = 2.0
+    wider: float = 1.2
     holds: float = 0.75
     farthest: float = 30.0
-    deviation: float = 0.02
+    deviation: float = 0.015
 
 
 _SETTINGS = BorderSettings()
