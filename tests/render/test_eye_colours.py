@@ -56,3 +56,19 @@ def test_closed_far_and_unknown_eyes_have_no_colours(picture, points):
     closed[36:48, 0] = points[36:48, 0] / 10
     for marks in (closed, points + 1000, np.full((68, 2), np.nan)):
         assert eye_colours(picture, marks) == (None, None)
+
+
+def test_an_eye_that_hair_covers_hardly_counts(picture, points):
+    picture[:, 105:] = (70, 45, 30)
+    iris, white = eye_colours(picture, points)
+    np.testing.assert_allclose(iris, BLUE, atol=12)
+    np.testing.assert_allclose(white, WHITE, atol=6)
+
+
+def test_an_iris_that_looks_aside_is_found(picture, points):
+    for centre in (LEFT, RIGHT):
+        cv2.ellipse(picture, centre, (30, 13), 0, 0, 360, WHITE, -1)
+        cv2.circle(picture, (centre[0] + 14, centre[1]), 9, BLUE, -1)
+    iris, white = eye_colours(picture, points)
+    np.testing.assert_allclose(iris, BLUE, atol=12)
+    np.testing.assert_allclose(white, WHITE, atol=6)
