@@ -7,7 +7,7 @@ import numpy as np
 
 from caricli.methods.detect.cut_openings import FaceWindow
 from caricli.render.inside_polygon import inside_polygon
-from caricli.structures.landmarks import COUNT, EYE_LEFT, EYE_RIGHT, LIPS_INSIDE, MOUTH, Landmarks
+from caricli.structures.landmarks import COUNT, EYE_LEFT, EYE_RIGHT, EYES, LIPS_INSIDE, MOUTH, Landmarks
 from caricli.structures.parsing import Region
 
 _INNER = {49: 61, 50: 61, 51: 62, 52: 63, 53: 63, 55: 65, 56: 65, 57: 66, 58: 67, 59: 67}
@@ -27,7 +27,7 @@ class BorderSettings:
     the window's side; narrower ones are seen from the side. gap: pixels of the window, between pieces of a lip.
     wider: area of an eye in the picture for that between landmarks, from which on these are asked; holds: share of the
     latter that it has, without which it is another thing. farthest: pixels of the window, from an eye's landmark.
-    deviation: of what is found so, along each axis, as a share of the landmarks' diagonal.
+    lids, lips: standard deviation of those that are found so, along each axis, as a share of the landmarks' diagonal.
     """
 
     agree: float = 0.6
@@ -37,7 +37,8 @@ class BorderSettings:
     wider: float = 1.2
     holds: float = 0.75
     farthest: float = 30.0
-    deviation: float = 0.015
+    lids: float = 0.012
+    lips: float = 0.02
 
 
 _SETTINGS = BorderSettings()
@@ -67,7 +68,8 @@ def snap_openings(image: np.ndarray, regions: np.ndarray, marks: Landmarks) -> L
         return marks
     targets = (places[rows] - window.matrix[:, 2]) @ np.linalg.inv(window.matrix[:, :2]).T
     own = marks.spreads[rows]
-    border = np.eye(2) * (_SETTINGS.deviation * marks.diagonal) ** 2
+    deviations = marks.diagonal * np.where(np.isin(rows, EYES), _SETTINGS.lids, _SETTINGS.lips)
+    border = np.eye(2) * deviations[:, None, None] ** 2
     shares = own @ np.linalg.inv(own + border)
     moved = marks.points.copy()
     moved[rows] += np.einsum("kab,kb->ka", shares, targets - moved[rows])
