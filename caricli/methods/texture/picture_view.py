@@ -14,6 +14,9 @@ from caricli.render.rasterise import rasterise
 from caricli.render.sample_texture import sample_pixels, texture_matrix
 from caricli.structures import Camera, Mesh
 
+_BESIDE = 4.0  # widths of the band inside a border: so far from what was left out, what is unlike the rest counts less
+_AROUND = 6.0  # the same, as far as the rest is
+
 
 @dataclass(frozen=True, eq=False)
 class SurfacePoints:
@@ -89,8 +92,7 @@ class PictureView:
         self.pictured = diffuse_background(sight.image, mask)
         self.inside = self._inside(mask, mask if sight.whole is None else sight.whole)
         if sight.beside is not None:
-            away = cv2.distanceTransform((~sight.beside).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
-            self.inside *= np.minimum(away / self._band, 1)
+            self.inside *= self._apart(mask, sight.beside)
         rows, columns = mask.shape
         self.zoom = min(1.0, settings.buffer / max(rows, columns))
         size = (round(columns * self.zoom), round(rows * self.zoom))
@@ -184,6 +186,19 @@ class PictureView:
             # The outermost pixel is a mixture.
             inside[rim] = np.maximum(inside[rim], np.clip(depth[rim] - 1, 0, 1) * like)
         return inside
+
+    def _apart(self, mask: np.ndarray, beside: np.ndarray) -> np.ndarray:
+        """(H, W) from 0 to 1, how far paint, (H, W) bool, counts beside what was left out of it, (H, W) bool.
+
+        It ends softly, and what is unlike the colours around, as a fold that goes on there, sooner.
+        """
+        away = cv2.distanceTransform((~beside).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE) / self._band
+        share: np.ndarray = np.minimum(away, 1)
+        near = mask & (away < _BESIDE)
+        usual = _blur(self.pictured, mask, _AROUND * self._band)[near]
+        like = likeness(self.pictured[near], usual, self.settings.other) ** 2
+        share[near] *= like + (1 - like) * away[near] / _BESIDE
+        return share
 
     @property
     def _band(self) -> float:

@@ -348,8 +348,8 @@ def test_what_a_collar_leaves_of_a_neck_is_not_painted(scenes, face, template):
 
 
 def test_paint_fades_out_beside_what_is_left_out(scenes, face, template):
-    """A square in the middle of the face."""
-    scene = scenes[0]
+    """A square in the middle of the face, of one colour."""
+    scene = replace(scenes[0], image=np.full_like(scenes[0].image, 150))
     rows, columns = np.nonzero(scene.mask)
     middle = np.s_[int(rows.mean()) - 20 : int(rows.mean()) + 20, int(columns.mean()) - 20 : int(columns.mean()) + 20]
     mask = scene.mask.copy()
@@ -364,7 +364,8 @@ def test_paint_fades_out_beside_what_is_left_out(scenes, face, template):
     assert reach > 8 and not view.inside[middle].any()
     beside = inside & (away > 0) & (away <= reach)
     np.testing.assert_allclose(view.inside[beside], away[beside] / reach, atol=0.05)
-    assert (view.inside[inside & (away > reach)] == 1).all() and (edged.inside[inside & mask] == 1).all()
+    np.testing.assert_allclose(view.inside[inside & (away > reach)], 1, atol=1e-6)
+    assert (edged.inside[inside & mask] == 1).all()
 
 
 def test_skin_under_hair_is_not_seen(scenes, face, template):
@@ -443,3 +444,17 @@ def test_a_collar_before_the_neck_stays_out_with_the_light(scenes, face, templat
         colours = texture.image[texture.covered].astype(int)
         blue.append((colours[:, 2] > colours[:, 0]).mean())
     assert blue[0] > 0.01 and blue[1] < 0.02 * blue[0], blue
+
+
+def test_a_fold_that_goes_on_in_what_was_left_out_fades_before_it(pictured):
+    camera = pictured.face.camera
+    nose = np.round(pictured.face.landmarks[30]).astype(int)
+    image = np.where(pictured.mask[..., None], (200, 160, 130), (255, 0, 255)).astype(np.uint8)
+    image[nose[1] - 1 : nose[1] + 2, nose[0] - 30 :] = (90, 60, 50)
+    beside = np.zeros(pictured.mask.shape, bool)
+    beside[:, : nose[0] - 14] = True
+    paint = pictured.mask & ~beside
+    inside = PictureView(pictured.head, Sight(camera, image, paint, pictured.mask, beside), TextureSettings()).inside
+    fold, skin = inside[nose[1], nose[0] - 14 : nose[0]], inside[nose[1] + 8, nose[0] - 14 : nose[0]]
+    assert (skin[2:6] > 0.75).all() and (fold[2:6] < 0.6).all()
+    assert (np.diff(fold) >= -1e-6).all() and fold[-1] > 0.9
