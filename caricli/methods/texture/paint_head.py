@@ -173,6 +173,7 @@ def _lay_groundwork(
     looks.append(lambda: paint_eye(TEXTURE, np.random.default_rng(settings.seed), *eye_colours(image, landmarks)))
     # Nothing here needs this, but what comes next, and one processor is free.
     looks.append(partial(chosen_attachment, template, settings.head))
+    looks.append(partial(seen_lid_line, image, landmarks))
     camera = face.require_camera()
     teeth = None
     if regions is not None:
@@ -180,13 +181,13 @@ def _lay_groundwork(
         teeth = shown_teeth(face, head, regions)
         looks.append(partial(cut_openings, image, regions, landmarks))
         looks.append(partial(lips_behind_nose, head, camera, regions))
-    hair, eyes, _, *no_skin = do_in_parallel(*looks)
+    hair, eyes, _, lids, *no_skin = do_in_parallel(*looks)
     skin = parts.paint if hair is None else bare_skin(parts, hair, image)
     beside = parts.whole & ~skin
     for pixels in no_skin:
         skin = skin & ~pixels
     sight = Sight(camera, image, skin, parts.whole, beside)
-    return _Groundwork(parts.whole, sight, hair, texels, eyes, seen_lid_line(image, landmarks), teeth)
+    return _Groundwork(parts.whole, sight, hair, texels, eyes, lids, teeth)
 
 
 def _find_texels(template: Template, settings: PaintSettings) -> Texels | None:
