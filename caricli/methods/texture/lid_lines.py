@@ -41,14 +41,15 @@ def seen_lid_line(image: np.ndarray, points: np.ndarray) -> LidLine | None:
     It is darker than the skin above it, next to both corners of an eye, where no iris is below it.
 
     image: (H, W, 3) uint8. points: (L, 2) landmarks, pixels, NaN where unknown.
-    Returns LidLine, the mean of both eyes, or None where neither shows one.
+    Returns LidLine, the mean of both eyes by how strong theirs are, or None where neither shows one.
     """
     lines = [_of_eye(window) for window in eye_windows(image, points, _WINDOW)]
-    if not lines:
+    strengths = [line.strength for line in lines]
+    if not any(strengths):
         return None
-    colour = np.mean([line.colour for line in lines], axis=0)
-    strength, width = np.mean([(line.strength, line.width) for line in lines], axis=0)
-    return LidLine(colour, float(strength), float(width)) if strength > 0 else None
+    colour = np.average([line.colour for line in lines], axis=0, weights=strengths)
+    width = np.average([line.width for line in lines], weights=strengths)
+    return LidLine(colour, float(np.mean(strengths)), float(width))
 
 
 def draw_lid_lines(picture: np.ndarray, head: Template, line: LidLine) -> np.ndarray:

@@ -216,7 +216,7 @@ class PictureView:
         """Pixels and depth (N, 3) of points (N, 3), as exact as these are."""
         camera = self.camera
         matrix = np.column_stack([camera.scale * camera.rotation, [*camera.translation, 0]])
-        # Where two threads multiply matrices, one waits.
+        # Of two threads that multiply matrices one waits for the other.
         return cv2.transform(np.ascontiguousarray(points)[None], matrix)[0]
 
     def _shrunk(self, placed: np.ndarray) -> np.ndarray:

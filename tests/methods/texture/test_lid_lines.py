@@ -50,6 +50,14 @@ def test_a_faint_line_counts_in_part():
     assert 0.2 < line.strength < 0.8
 
 
+def test_an_eye_without_a_line_lends_it_no_colour():
+    image = drawing(7)
+    image[:, 200:] = drawing()[:, 200:]
+    line = seen_lid_line(image, marks())
+    assert line.strength == pytest.approx(0.5, abs=0.05)
+    np.testing.assert_allclose(line.colour, INK, atol=12)
+
+
 @pytest.mark.parametrize("points", [np.full((68, 2), np.nan), np.zeros((68, 2)), marks() + 1000])
 def test_nothing_is_told_of_eyes_that_are_not_seen(points):
     assert seen_lid_line(drawing(7), points) is None
