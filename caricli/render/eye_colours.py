@@ -69,7 +69,7 @@ def _iris(picture: np.ndarray, opening: np.ndarray) -> tuple[float, np.ndarray, 
         row, column = np.unravel_index(variance.argmax(), variance.shape)
         best = max(best, (float(variance[row, column]), np.array([column, row]), float(radius)), key=itemgetter(0))
     between, middle, radius = best
-    return max(between, 0.0) ** 0.5 / float(counted.sum()), middle, radius
+    return between**0.5 / float(counted.sum()), middle, radius
 
 
 def _mean(colours: list[tuple[np.ndarray, float]]) -> np.ndarray | None:

@@ -8,7 +8,7 @@ from caricli.errors import InputError
 from caricli.models.sketch.config import SketchSize
 from caricli.models.sketch.model import SketchModel, sketch_from_checkpoint, sketch_to_checkpoint, window_camera
 from caricli.models.sketch.networks import CAMERA, SketchNetwork
-from caricli.models.sketch.window import POINTS, Window, along, curve_points
+from caricli.models.sketch.window import POINTS, Window, curve_points
 from caricli.structures.sketch import Sketch, Stroke, StrokeKind
 
 SMALL = SketchSize(8, (8, 12, 16), (0, 1, 1), 16, 24, 6)
@@ -49,22 +49,6 @@ def told_of(model, sketch):
     ink, points, window = model.look(sketch)
     numbers = model.read(ink[None], points[None])[0]
     return numbers[:-CAMERA], window_camera(numbers[-CAMERA:], window)
-
-
-def test_along_agrees_with_interpolation_by_length():
-    generator = np.random.default_rng(0)
-    lines = generator.normal(size=(4, 7, 2))
-    shares = generator.uniform(0, 1, (4, 11))
-    for line, asked, found in zip(lines, shares, along(lines, shares), strict=True):
-        reached = np.append(0, np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1)))
-        expected = np.stack([np.interp(asked * reached[-1], reached, line[:, k]) for k in (0, 1)], 1)
-        np.testing.assert_allclose(found, expected, atol=1e-12)
-
-
-def test_along_goes_on_beyond_both_ends():
-    line = np.array([[[0.0, 0], [1, 0], [1, 3]]])
-    np.testing.assert_allclose(along(line, np.array([[-0.5, 1.5]])), [[[-2, 0], [1, 5]]], atol=1e-12)
-    np.testing.assert_array_equal(along(np.zeros((1, 3, 2)), np.array([[0.0, 1]])), np.zeros((1, 2, 2)))
 
 
 def test_a_curve_is_read_in_the_direction_in_which_it_usually_runs(model):

@@ -3,7 +3,6 @@
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-import cv2
 import numpy as np
 
 from caricli.data.build_settings import EXPONENTS
@@ -25,6 +24,7 @@ from caricli.methods.texture.settings import TextureSettings
 from caricli.methods.texture.texels import Texels
 from caricli.methods.texture.texture_face import FaceTexture, texture_face
 from caricli.render.srgb import to_srgb
+from caricli.render.widen_mask import widen_mask
 from caricli.seeds import TextureSeed
 from caricli.structures import Camera, Face
 from caricli.structures.arkit import ARKIT_NAMES
@@ -180,9 +180,8 @@ class TextureSource:
     def _sight(self, camera: Camera, image: np.ndarray, regions: np.ndarray) -> Sight:
         """What the camera saw of the head; regions (H, W) are true, so that openings need not be looked for."""
         whole = regions != Region.BACKGROUND
-        others = np.isin(regions, _UNPAINTED).astype(np.uint8)
-        around = np.ones((2 * self.settings.edge + 1,) * 2, np.uint8)
-        return Sight(camera, image, whole & (cv2.dilate(others, around) == 0), whole)
+        others = widen_mask(np.isin(regions, _UNPAINTED), self.settings.edge)
+        return Sight(camera, image, whole & ~others, whole)
 
     def _charted(self, texture: FaceTexture, face: Face, image: np.ndarray) -> np.ndarray:
         """(S, S, 3) uint8, the picture of the chart."""
@@ -195,8 +194,7 @@ class TextureSource:
         """
         grid = self.grid
         beard = picture_to_chart(np.dstack(3 * [255 * (regions == Region.BEARD).astype(np.uint8)]), face, grid)
-        around = np.ones((2 * self.settings.rim + 1,) * 2, np.uint8)
-        lips = cv2.dilate(grid.mouth.astype(np.uint8), around) == 0
+        lips = ~widen_mask(grid.mouth, self.settings.rim)
         skin = texture_to_chart(texture.seen, face.mesh, grid) >= self.settings.seen
         return grid.covered & skin & (beard[..., 0] == 0) & lips | grid.mouth
 

@@ -9,6 +9,7 @@ from caricli.methods.detect.eye_liner import eye_liner
 from caricli.methods.hair.colour_border import agreeing_chances, depth_inside
 from caricli.methods.hair.colour_mixture import AskedColours, ColourMixture
 from caricli.render.cut_window import cut_window
+from caricli.render.widen_mask import widen_mask
 from caricli.structures.detection import FaceFrame
 from caricli.structures.parsing import Region
 
@@ -30,8 +31,8 @@ class OpeningSettings:
     and pixels in turns. colour: natural logarithm of the odds that a colour counts at most; place: the same of the
     distance from the border, per side. radius, smoothness: of the filter that makes neighbours agree, pixels and shares
     of full scale. blur: of the picture, pixels. part: share of the largest piece of lips that another has to have to be
-    one. steps: of so far, that a mouth may be wider than its regions. margin, around_eyes: pixels of the window, around
-    a mouth and an eye, where its colours are mixed with the skin's.
+    one. steps: of so far, that a mouth may be wider than its regions. around_mouth,
+    around_eyes: pixels of the window, around a mouth and an eye, where its colours are mixed with the skin's.
     """
 
     side: int = 256
@@ -51,7 +52,7 @@ class OpeningSettings:
     part: float = 0.2
     steps: int = 6
     gain: float = 1.03
-    margin: int = 2
+    around_mouth: int = 2
     around_eyes: int = 3
 
 
@@ -144,17 +145,11 @@ def cut_openings(image: np.ndarray, regions: np.ndarray, points: np.ndarray) -> 
     """
     window = FaceWindow.of(image, regions, points)
     eyes = window.eyes()
-    mouth = window.mouth(window.labelled_mouth)
-    sure = np.maximum(_wider(eyes | window.liner(eyes), _SETTINGS.around_eyes), _wider(mouth, _SETTINGS.margin))
+    sure = widen_mask(eyes | window.liner(eyes), _SETTINGS.around_eyes)
+    sure |= widen_mask(window.mouth(window.labelled_mouth), _SETTINGS.around_mouth)
     way = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
     there = cv2.warpAffine(sure.astype(np.float32), window.matrix, image.shape[1::-1], flags=way)
     return (there > 0.5) | np.isin(regions, (Region.EYES, *_INSIDE))
-
-
-def _wider(mask: np.ndarray, margin: int) -> np.ndarray:
-    """(S, S) uint8: a mask (S, S) bool and so many pixels around it."""
-    wider: np.ndarray = cv2.dilate(mask.astype(np.uint8), np.ones((2 * margin + 1,) * 2, np.uint8))
-    return wider
 
 
 def _alike(picture: np.ndarray, seed: np.ndarray, kept: np.ndarray) -> np.ndarray:

@@ -9,6 +9,7 @@ from caricli.errors import InputError
 from caricli.methods.reconstruct.settings import EvidenceSettings
 from caricli.render.covered_pixels import covered_pixels
 from caricli.render.inside_polygon import inside_polygon
+from caricli.render.widen_mask import widen_mask
 from caricli.structures import Face
 from caricli.structures.detection import ParsedPicture
 from caricli.structures.landmarks import BROW_LEFT, BROW_RIGHT, EYE_LEFT, EYE_RIGHT, JAW, LIPS, OUTLINE
@@ -72,7 +73,7 @@ def picture_evidence(face: Face, points: np.ndarray, picture: ParsedPicture) -> 
     placed[:, :2] -= corner * zoom + 0.5
     covered = covered_pixels(placed, face.faces, *lab.shape[1::-1])
     inside = inside_polygon(marks[list(OUTLINE)], lab.shape[:2])
-    skin = _skin_odds(lab, _bare_skin(inside, marks), ~(inside | _grown(covered, 1)))
+    skin = _skin_odds(lab, _bare_skin(inside, marks), ~(inside | widen_mask(covered, 1)))
     hiding = np.zeros(skin.shape, bool)
     if picture.regions is not None:
         first = corner.astype(int)
@@ -100,18 +101,14 @@ def _window(points: np.ndarray, image: np.ndarray) -> tuple[np.ndarray, np.ndarr
     return first.astype(float), np.ascontiguousarray(image[first[1] : last[1], first[0] : last[0]])
 
 
-def _grown(mask: np.ndarray, pixels: int) -> np.ndarray:
-    return cv2.dilate(mask.astype(np.uint8), np.ones((2 * pixels + 1, 2 * pixels + 1), np.uint8)) > 0
-
-
 def _bare_skin(inside: np.ndarray, marks: np.ndarray) -> np.ndarray:
     """(H, W) bool: well inside the outline, and off eyes, brows and mouth."""
-    bare = ~_grown(~inside, 2)
+    bare = ~widen_mask(~inside, 2)
     for numbers in _FEATURES:
         feature = marks[[k for k in numbers if np.isfinite(marks[k]).all()]]
         if len(feature) > 1:
             hull = cv2.convexHull(np.rint(feature).astype(np.int32))[:, 0]
-            bare &= ~_grown(inside_polygon(hull, inside.shape), _SETTINGS.margin)
+            bare &= ~widen_mask(inside_polygon(hull, inside.shape), _SETTINGS.margin)
     return bare
 
 

@@ -6,6 +6,7 @@ import cv2
 import numpy as np
 from scipy.spatial import KDTree
 
+from caricli.geometry.along_lines import along
 from caricli.render.eye_window import WIDTH, EyeWindow, eye_windows
 from caricli.render.paint import mix, smooth_step
 from caricli.render.uv_map import uv_map
@@ -68,15 +69,15 @@ def draw_lid_lines(picture: np.ndarray, head: Template, line: LidLine) -> np.nda
 def _of_eye(window: EyeWindow) -> LidLine:
     """What is the darkest along the upper lid of an eye."""
     lid = window.outline[:4]
-    along = np.concatenate([np.linspace(*part, 10) for part in _CORNERS])
+    shares = np.concatenate([np.linspace(*part, 10) for part in _CORNERS])
     axis = (lid[3] - lid[0]) / max(np.linalg.norm(lid[3] - lid[0]), 1e-9)
     heights = np.arange(-_NEAR, _SKIN[1], _STEP)
-    ways = _points_along(lid, along)[:, None] + WIDTH * heights[:, None] * np.array([axis[1], -axis[0]])
+    ways = along(lid[None], shares[None])[0][:, None] + WIDTH * heights[:, None] * np.array([axis[1], -axis[0]])
     x, y = np.moveaxis(ways.astype(np.float32), 2, 0)
     colours = cv2.remap(window.picture, x, y, cv2.INTER_LINEAR).astype(float)
     light = colours.mean(-1)
     skin = np.quantile(light[:, heights >= _SKIN[0]], _LIGHT, axis=1)
-    each = np.arange(len(along))
+    each = np.arange(len(shares))
     darkest = light[:, heights <= _NEAR].argmin(1)
     least = light[each, darkest]
     above = (light >= (skin + least)[:, None] / 2) & (np.arange(len(heights)) > darkest[:, None])
@@ -85,18 +86,12 @@ def _of_eye(window: EyeWindow) -> LidLine:
     return LidLine(np.median(colours[each, darkest], axis=0), strength, float(np.clip(np.median(widths), *_WIDTHS)))
 
 
-def _points_along(line: np.ndarray, shares: np.ndarray) -> np.ndarray:
-    """(N, D) points of a polyline (K, D) at shares (N,) of its length."""
-    way = np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))])
-    return np.stack([np.interp(shares * way[-1], way, each) for each in line.T], 1)
-
-
 def _along_lid(head: Template, side: str, line: LidLine, size: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Rows, columns and shares (N,) of the texels of a texture of a size that a line along one lid colours."""
     lid = head.vertices[head.annotation.curves[f"eye_upper_{side}"]]
     width = line.width * np.linalg.norm(lid[-1] - lid[0])
     shares = np.linspace(0, 1, _POINTS)
-    tree = KDTree(_points_along(lid, shares))
+    tree = KDTree(along(lid[None], shares[None])[0])
     corners = head.vertices[head.faces]
     edges = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(1)
     near = tree.query(corners.mean(1))[0] < _EDGE[0] * width + edges

@@ -92,7 +92,7 @@ class PictureView:
         self.pictured = diffuse_background(sight.image, mask)
         self.inside = self._inside(mask, mask if sight.whole is None else sight.whole)
         if sight.beside is not None:
-            self.inside *= self._apart(mask, sight.beside)
+            self.inside *= self._fading(mask, sight.beside)
         rows, columns = mask.shape
         self.zoom = min(1.0, settings.buffer / max(rows, columns))
         size = (round(columns * self.zoom), round(rows * self.zoom))
@@ -187,7 +187,7 @@ class PictureView:
             inside[rim] = np.maximum(inside[rim], np.clip(depth[rim] - 1, 0, 1) * like)
         return inside
 
-    def _apart(self, mask: np.ndarray, beside: np.ndarray) -> np.ndarray:
+    def _fading(self, mask: np.ndarray, beside: np.ndarray) -> np.ndarray:
         """(H, W) from 0 to 1, how far paint, (H, W) bool, counts beside what was left out of it, (H, W) bool.
 
         It ends softly, and what is unlike the colours around, as a fold that goes on there, sooner.

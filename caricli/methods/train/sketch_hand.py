@@ -5,10 +5,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from caricli.geometry.along_lines import along
 from caricli.geometry.head_rotation import head_rotation
 from caricli.methods.sketch.fit_lines import FRONT
 from caricli.models.sketch.networks import CAMERA
-from caricli.models.sketch.window import CANVAS_FILL, FILL, POINTS, along
+from caricli.models.sketch.window import CANVAS_FILL, FILL, POINTS
 from caricli.template.feature_curves import FeatureCurve
 
 LINE = 31

@@ -9,12 +9,12 @@ from typing import Self
 import numpy as np
 
 from caricli.data.worker_pool import worker_pool
+from caricli.geometry.along_lines import along
 from caricli.io.kept import kept_arrays
 from caricli.methods.sketch.draw_sketch import canvas_camera
 from caricli.methods.sketch.sketch_artist import ArtistSettings, SketchArtist
 from caricli.methods.train.sketch_hand import LINE, Wrinkles
 from caricli.methods.train.stages import Report, unwatched
-from caricli.models.sketch.window import along
 from caricli.template.template import Template
 
 MOST = 12

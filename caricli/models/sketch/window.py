@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from caricli.errors import InputError
+from caricli.geometry.along_lines import along
 from caricli.structures.sketch import Sketch, Stroke, StrokeKind
 
 FILL = 0.86
@@ -72,18 +73,3 @@ def curve_points(strokes: Sequence[Stroke], window: Window, curves: Sequence[str
         centred = usual[row] - usual[row].mean(0)
         points[row] = line if (centred * (line - line[::-1])).sum() >= 0 else line[::-1]
     return points
-
-
-def along(lines: np.ndarray, shares: np.ndarray) -> np.ndarray:
-    """Points (B, P, 2) at shares (B, P) of the length of polylines (B, N, 2), at least two points each.
-
-    Below 0 and above 1 the first and the last piece go on.
-    """
-    pieces = np.linalg.norm(np.diff(lines, axis=1), axis=2)
-    reached = np.cumsum(np.concatenate([np.zeros((len(lines), 1)), pieces], 1), 1)
-    asked = shares * reached[:, -1:]
-    piece = np.clip((reached[:, None, 1:-1] <= asked[:, :, None]).sum(2), 0, pieces.shape[1] - 1)
-    rows = np.arange(len(lines))[:, None]
-    part = (asked - reached[rows, piece]) / np.maximum(pieces[rows, piece], 1e-12)
-    first = lines[rows, piece]
-    return first + part[..., None] * (lines[rows, piece + 1] - first)

@@ -6,6 +6,7 @@ import pytest
 import torch
 
 from caricli.errors import InputError
+from caricli.geometry.along_lines import along
 from caricli.methods.faces.encode_landmarks import landmark_encoder
 from caricli.methods.sketch.line_handles import lines_by_curve
 from caricli.methods.sketch.model_coarse import misfit
@@ -15,7 +16,7 @@ from caricli.methods.sketch.see_sketch import see_sketch
 from caricli.models.sketch.config import SketchSize
 from caricli.models.sketch.model import SketchModel
 from caricli.models.sketch.networks import SketchNetwork
-from caricli.models.sketch.window import POINTS, along
+from caricli.models.sketch.window import POINTS
 from caricli.store.models import load_model
 from caricli.structures.sketch import Sketch, Stroke
 

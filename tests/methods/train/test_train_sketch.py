@@ -7,6 +7,7 @@ import pytest
 import torch
 
 from caricli.errors import InputError
+from caricli.geometry.along_lines import along
 from caricli.geometry.head_rotation import head_rotation
 from caricli.io.bundled import config_path
 from caricli.io.config import read_config
@@ -17,7 +18,6 @@ from caricli.methods.train.train_sketch import SketchTraining
 from caricli.models.pca.config import PcaConfig
 from caricli.models.pca.model import PcaModel
 from caricli.models.sketch.config import SketchConfig
-from caricli.models.sketch.window import along
 from caricli.template.feature_curves import feature_curves
 
 FEW = ("epochs=3", "steps=3", "batch=8", "validate_every=1", "validation=4")
