@@ -5,10 +5,12 @@ from dataclasses import replace
 
 import numpy as np
 
+from caricli.geometry.comb_hair import CombedHair, comb_hair
 from caricli.geometry.join_meshes import join_meshes
 from caricli.render.coat import mesh_coat
 from caricli.render.place_eyeballs import place_eyeballs
 from caricli.render.shade import Look
+from caricli.render.smooth_normals import smooth_normals
 from caricli.structures import Face, Material, Mesh, Part, Pictures
 from caricli.structures.materials import FINISHES
 from caricli.template.annotation import bundled_annotation
@@ -26,6 +28,7 @@ def face_look(face: Face, eyeballs: bool = True) -> Look:
         vertex_colours=None if materials is None else plain_colours(face.mesh, materials),
         eyeballs=place_eyeballs(face.mesh, bundled_annotation()) if eyeballs and not has_eyes else (),
         coat=mesh_coat(face.mesh, face.pictures, materials),
+        hair=None if materials is None else combed_hair(face.mesh, materials),
     )
 
 
@@ -57,7 +60,17 @@ def with_parts(mesh: Mesh, look: Look, parts: Sequence[Part]) -> tuple[Mesh, Loo
         look,
         vertex_colours=np.concatenate([colours, plain_colours(added, materials[len(own) :])]),
         coat=mesh_coat(joined, Pictures() if look.coat is None else look.coat.pictures, materials),
+        hair=combed_hair(joined, materials),
     )
+
+
+def combed_hair(mesh: Mesh, materials: np.ndarray) -> CombedHair | None:
+    """How the hair of a mesh is shaded; None where it has none. materials: (F,) of the triangles."""
+    hair = materials == Material.HAIR
+    if not hair.any():
+        return None
+    normals = smooth_normals(mesh.vertices, mesh.faces)
+    return comb_hair(mesh.vertices, mesh.faces, normals, hair, materials == Material.SKIN)
 
 
 def plain_colours(mesh: Mesh, materials: np.ndarray) -> np.ndarray:

@@ -118,6 +118,7 @@ class Scene:
     reach: float
     normals: wp.array(dtype=wp.vec3)
     colours: wp.array(dtype=wp.vec3)
+    shine: wp.array(dtype=float)  # how much strands of hair shine
     light: wp.array(dtype=wp.vec3)  # how much of the key light, the fill light and the sky reaches the vertex
     places: wp.array(dtype=wp.vec3)  # of the vertices in the pictures: u, v, and the Material
     finishes: wp.array(dtype=wp.vec3)  # by Material: roughness, how far light wanders under it, and how wet it is
@@ -149,10 +150,23 @@ def ball_colour(n: wp.vec3, scene: Scene):
     return wet_eye(albedo, n, light, away, outward)
 
 
+@wp.struct
+class Spot:
+    """A point of a surface: its triangle, and what lies there of what the vertices carry."""
+
+    face: int
+    place: wp.vec3
+    n: wp.vec3
+    light: wp.vec3
+    shine: float
+
+
 @wp.func
-def outward_way(scene: Scene, face: int, place: wp.vec3, n: wp.vec3):
+def outward_way(scene: Scene, spot: Spot):
     """The way (unit length) on a triangle's surface along which the place in its picture moves off the picture's
     middle; zero where there is none."""
+    face = spot.face
+    place = spot.place
     a = scene.places[wp.mesh_get_index(scene.mesh, face * 3)]
     b = scene.places[wp.mesh_get_index(scene.mesh, face * 3 + 1)]
     c = scene.places[wp.mesh_get_index(scene.mesh, face * 3 + 2)]
@@ -166,28 +180,31 @@ def outward_way(scene: Scene, face: int, place: wp.vec3, n: wp.vec3):
         return wp.vec3(0.0)
     outward = (x * (c[1] - a[1]) - y * (c[0] - a[0])) * along + (y * (b[0] - a[0]) - x * (b[1] - a[1])) * aside
     outward = outward * wp.sign(twice)
-    return wp.normalize(outward - wp.dot(outward, n) * n)
+    return wp.normalize(outward - wp.dot(outward, spot.n) * spot.n)
 
 
 @wp.func
-def mesh_eye_colour(scene: Scene, face: int, place: wp.vec3, albedo: wp.vec3, n: wp.vec3, light: wp.vec3):
+def mesh_eye_colour(scene: Scene, spot: Spot, albedo: wp.vec3):
     """Linear colour of an eyeball of the mesh; its places in the picture are unrolled from its front, at the middle."""
-    outward = outward_way(scene, face, place, n)
-    away = 2.0 * wp.pi * wp.length(wp.vec2(place[0] - 0.5, place[1] - 0.5))
+    outward = outward_way(scene, spot)
+    away = 2.0 * wp.pi * wp.length(wp.vec2(spot.place[0] - 0.5, spot.place[1] - 0.5))
+    light = EYE_SHADOW * spot.light + (1.0 - EYE_SHADOW) * wp.vec3(1.0)
     if wp.length(outward) == 0.0 or away > 1.6:
-        return lit(albedo, n, light, wp.vec3(1.0, 0.3, 0.0))
-    return wet_eye(albedo, n, light, away, outward)
+        return lit(albedo, spot.n, light, wp.vec3(1.0, 0.3, 0.0))
+    return wet_eye(albedo, spot.n, light, away, outward)
 
 
 @wp.func
-def hair_colour(scene: Scene, face: int, place: wp.vec3, albedo: wp.vec3, n: wp.vec3, light: wp.vec3):
+def hair_colour(scene: Scene, spot: Spot, albedo: wp.vec3):
     """Linear colour of hair, whose strands run outwards from the middle of its picture."""
-    outward = outward_way(scene, face, place, n)
+    outward = outward_way(scene, spot)
     if wp.length(outward) == 0.0:
-        return lit(albedo, n, light, scene.finishes[HAIR])
-    x = place[0] - 0.5
-    y = place[1] - 0.5
-    return hair_lit(albedo, n, light, outward, wp.vec2(wp.atan2(x, y) / (2.0 * wp.pi) + 0.5, wp.sqrt(x * x + y * y)))
+        return lit(albedo, spot.n, spot.light, scene.finishes[HAIR])
+    x = spot.place[0] - 0.5
+    y = spot.place[1] - 0.5
+    around = wp.atan2(x, y) / (2.0 * wp.pi) + 0.5
+    place = wp.vec2(around, wp.sqrt(x * x + y * y))
+    return hair_lit(albedo, spot.n, spot.light, outward, place, spot.shine)
 
 
 @wp.func
@@ -249,22 +266,25 @@ def sample_at(scene: Scene, x: float, y: float):
         b = wp.mesh_get_index(scene.mesh, hit.face * 3 + 1)
         c = wp.mesh_get_index(scene.mesh, hit.face * 3 + 2)
         w = 1.0 - hit.u - hit.v
-        n = wp.normalize(hit.u * scene.normals[a] + hit.v * scene.normals[b] + w * scene.normals[c])
-        place = hit.u * scene.places[a] + hit.v * scene.places[b] + w * scene.places[c]
+        spot = Spot()
+        spot.face = hit.face
+        spot.n = wp.normalize(hit.u * scene.normals[a] + hit.v * scene.normals[b] + w * scene.normals[c])
+        spot.place = hit.u * scene.places[a] + hit.v * scene.places[b] + w * scene.places[c]
+        spot.shine = hit.u * scene.shine[a] + hit.v * scene.shine[b] + w * scene.shine[c]
         plain = hit.u * scene.colours[a] + hit.v * scene.colours[b] + w * scene.colours[c]
-        albedo = painted(scene, place, plain)
+        albedo = painted(scene, spot.place, plain)
         light = hit.u * scene.light[a] + hit.v * scene.light[b] + w * scene.light[c]
         # On an edge a weight may be a rounding error below zero, and powers of negative light are not numbers.
-        light = wp.max(light, wp.vec3(0.0))
-        sample.material = int(place[2] + 0.5)
+        spot.light = wp.max(light, wp.vec3(0.0))
+        sample.material = int(spot.place[2] + 0.5)
         finish = scene.finishes[sample.material]
         if sample.material == EYE:
-            shaded = EYE_SHADOW * light + (1.0 - EYE_SHADOW) * wp.vec3(1.0)
-            rgb = mesh_eye_colour(scene, hit.face, place, albedo, n, shaded)
+            rgb = mesh_eye_colour(scene, spot, albedo)
         elif sample.material == HAIR:
-            rgb = hair_colour(scene, hit.face, place, albedo, n, light)
+            rgb = hair_colour(scene, spot, albedo)
         else:
-            rgb = lit(albedo, n, light, finish) + 0.5 * finish[2] * light[0] * softbox(n) * wp.vec3(1.0)
+            wet = 0.5 * finish[2] * spot.light[0] * softbox(spot.n)
+            rgb = lit(albedo, spot.n, spot.light, finish) + wet * wp.vec3(1.0)
         sample.colour = wp.vec4(rgb[0], rgb[1], rgb[2], 1.0)
         sample.depth = hit.t
     elif hit.found == -1:

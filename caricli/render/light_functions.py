@@ -75,7 +75,7 @@ def lit(albedo: wp.vec3, n: wp.vec3, light: wp.vec3, finish: wp.vec3):
     gloss = light[0] * shine(n, KEY, finish[0]) + 0.35 * light[1] * shine(n, FILL, finish[0])
     # What is dark on skin is painted hair, which does not shine as skin does.
     brightness = (albedo[0] + albedo[1] + albedo[2]) / 3.0
-    gloss *= wp.lerp(1.0, wp.smoothstep(-0.08, 0.15, brightness), soft)
+    gloss *= wp.lerp(1.0, wp.smoothstep(0.0, 0.1, brightness), soft)
     # Borders within a head are a pixel wide: as bright as its outline could be, they would be dotted lines.
     edge = wp.pow(1.0 - wp.clamp(wp.dot(n, VIEW), 0.25, 1.0), 3.0)
     glow = wp.lerp(0.2, 0.5, wp.smoothstep(0.0, 0.3, brightness)) * light[2] * edge * wp.max(wp.dot(n, RIM) + 0.25, 0.0)
@@ -91,8 +91,10 @@ def strand_shine(along: wp.vec3, n: wp.vec3, way: wp.vec3, power: float):
 
 
 @wp.func
-def hair_lit(albedo: wp.vec3, n: wp.vec3, light: wp.vec3, along: wp.vec3, place: wp.vec2):
-    """Linear colour of hair. along: the way of strands on its surface. place: around and along them, turns and shares.
+def hair_lit(albedo: wp.vec3, n: wp.vec3, light: wp.vec3, along: wp.vec3, place: wp.vec2, shine: float):
+    """Linear colour of hair.
+
+    along: the way of strands on its surface. place: around and along them, turns and shares. shine: 0 to 1, of strands.
 
     Strands lie beside each other unevenly, so that highlights, which run across them, break up into lines (Scheuermann
     2004): a white one nearer to the root, one in the colour of hair nearer to the end.
@@ -107,10 +109,10 @@ def hair_lit(albedo: wp.vec3, n: wp.vec3, light: wp.vec3, along: wp.vec3, place:
     second = wp.normalize(along + (-0.12 + 0.25 * uneven) * n)
     for k in range(2):
         way = KEY
-        strength = light[0]
+        strength = shine * light[0]
         if k == 1:
             way = FILL
-            strength = 0.35 * light[1]
+            strength = 0.35 * shine * light[1]
         colour += 0.05 * strength * strand_shine(first, n, way, 90.0) * wp.vec3(1.0)
         colour += 0.45 * strength * strand_shine(second, n, way, 25.0) * (1.0 + uneven) * (albedo + wp.vec3(0.004))
     return colour

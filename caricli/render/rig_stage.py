@@ -8,7 +8,7 @@ import numpy as np
 from caricli.errors import InputError
 from caricli.render.backdrop import on_backdrop
 from caricli.render.coat import rig_coat
-from caricli.render.face_look import plain_colours
+from caricli.render.face_look import combed_hair, plain_colours
 from caricli.render.in_parallel import in_parallel
 from caricli.render.lights import KEY
 from caricli.render.shade import Look, shade
@@ -42,13 +42,16 @@ class RigStage:
         high = neutral.max(0)
         self.scale = _FILL * size / ((high - low)[:2].max() or 1)
         self.shift = np.array([(size - 1) / 2, (size - 1) / 2, 0]) - self.scale * (low + high) / 2
+        hair = combed_hair(rig.mesh, rig.triangle_materials)
         normals = smooth_normals(rig.neutral, rig.faces)
+        normals = normals if hair is None else hair.normals(normals)
         ways = np.concatenate([DIRECTIONS, key_directions(KEY) @ self.rotation])
         sky, key = np.split(sky_visibility(rig.neutral, rig.faces, normals, None, ways), [len(DIRECTIONS)], axis=1)
         coat = rig_coat(rig)
         self.look = Look(
             vertex_colours=plain_colours(rig.mesh, rig.triangle_materials),
             coat=None if coat is None else coat.shrunk(self._placed(rig.neutral), rig.faces),
+            hair=hair,
             visibility=sky,
             key=key,
             rotation=self.rotation,

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from caricli.geometry.comb_hair import CombedHair
 from caricli.render.coat import Coat
 from caricli.render.curved_triangles import split_long_edges
 from caricli.render.lights import FILL, KEY
@@ -32,6 +33,7 @@ class Look:
     colour: sRGB, 0 to 255.
     vertex_colours: (V, 3) sRGB, 0 to 255, instead of ``colour``; or None.
     coat: Coat of the mesh, with colours of its own where it has pictures; or None.
+    hair: CombedHair of the mesh; or None where it is shaded as its surface is.
     supersample: its square is the number of rays per pixel where a border or a crease runs.
     eyeballs: pairs of centre (3,) and radius in the frame of the vertices, drawn as eyes.
     gaze: (3,) unit, where the eyes look.
@@ -45,6 +47,7 @@ class Look:
     colour: Sequence[float] = CLAY
     vertex_colours: np.ndarray | None = None
     coat: Coat | None = None
+    hair: CombedHair | None = None
     supersample: int = 3
     eyeballs: Sequence[tuple[np.ndarray, float]] = ()
     gaze: Sequence[float] | np.ndarray = (0, 0, -1)
@@ -73,7 +76,10 @@ def shade(points: np.ndarray, faces: np.ndarray, width: int, height: int, look: 
         return picture.astype(np.uint8).reshape(height, width, 4)
     placed = Mesh(points, triangles)
     normals = smooth_normals(points, triangles)
-    scene, mesh = _scene(placed, normals, _light(placed, normals, width, height, look), look)
+    shaded = normals if look.hair is None else look.hair.normals(normals)
+    shine = np.ones(len(points)) if look.hair is None else look.hair.shine
+    carried = [shaded, _light(placed, shaded, width, height, look), shine]
+    scene, mesh = _scene(placed, normals, carried, look)
     scene.mesh = mesh.id
     centres = wp.zeros(len(picture), dtype=kernels.Sample, device="cpu")
     wp.launch(kernels.centre_sample, len(picture), [scene, width], [centres], device="cpu")
@@ -107,15 +113,20 @@ def _light(mesh: Mesh, normals: np.ndarray, width: int, height: int, look: Look)
     return np.column_stack([key, wide])
 
 
-def _scene(mesh: Mesh, normals: np.ndarray, light: np.ndarray, look: Look) -> tuple[Any, Any]:
-    """The kernels' Scene of a Mesh in pixels, and warp's mesh, which must outlive it."""
+def _scene(mesh: Mesh, normals: np.ndarray, carried: list[np.ndarray], look: Look) -> tuple[Any, Any]:
+    """The kernels' Scene of a Mesh in pixels, and warp's mesh, which must outlive it.
+
+    normals: (V, 3) of its surface. carried: of its vertices, the normals that they are shaded with, their light, and
+    how much strands shine.
+    """
     kernels = warp_start()
     import warp as wp
 
     points = mesh.vertices
     triangles = mesh.faces
     colours = np.broadcast_to(look.colour if look.vertex_colours is None else look.vertex_colours, points.shape)
-    carried: list[np.ndarray] = [to_linear(np.asarray(colours, float) / 255), light, np.zeros((len(points), 3))]
+    carried = [*carried, to_linear(np.asarray(colours, float) / 255)]
+    places = np.zeros((len(points), 3))
     pictures = Pictures()
     if look.coat is not None:
         largest = max((radius for _, radius in look.eyeballs), default=0.0)
@@ -123,12 +134,14 @@ def _scene(mesh: Mesh, normals: np.ndarray, light: np.ndarray, look: Look) -> tu
         at, triangles, places = look.coat.cut(triangles)
         points = points[at]
         normals = normals[at]
-        carried = [*(array[at] for array in carried[:2]), places]
-    points, triangles, normals, finer = split_long_edges(points, triangles, normals, carried, _LONGEST_EDGE)
+        carried = [array[at] for array in carried]
+    points, triangles, _, finer = split_long_edges(points, triangles, normals, [*carried, places], _LONGEST_EDGE)
+    shaded, light, shine, colours, places = finer
     scene = kernels.Scene()
     scene.start, scene.reach = depth_range(points)
-    arrays = (normals, *finer)
+    arrays = (shaded, colours, light, places)
     scene.normals, scene.colours, scene.light, scene.places = (_on_device(array, wp.vec3) for array in arrays)
+    scene.shine = _on_device(shine, float)
     for name, worn in pictures.items():
         texels = _NO_PICTURE if worn is None else np.ascontiguousarray(worn)
         setattr(scene, name, wp.array(texels, dtype=wp.uint8, device="cpu", copy=False))

@@ -7,6 +7,7 @@ import scipy.sparse as sp
 
 from caricli import __version__
 from caricli.errors import OutputError, shown
+from caricli.geometry.comb_hair import comb_hair
 from caricli.io.gltf.changes import add_changes
 from caricli.io.gltf.container import write_container
 from caricli.io.gltf.format import DTYPES, SOURCE_VERTEX, TYPES, VERSION
@@ -72,7 +73,7 @@ def _add_expressions(document: dict, rig: Rig, buffer: "_Buffer") -> None:
 
 
 def shading_normals(rig: Rig) -> tuple[np.ndarray, np.ndarray]:
-    """Area-weighted unit normals of the neutral, and what every shape adds to them.
+    """Area-weighted unit normals of the neutral, hair combed (`comb_hair`), and what every shape adds to them.
 
     Returns (V,3) and (K,V,3) float32; +z where a vertex has no triangle with an area; what is added is zero where no
     neighbour moves.
@@ -92,7 +93,9 @@ def shading_normals(rig: Rig) -> tuple[np.ndarray, np.ndarray]:
     added = np.empty(np.shape(rig.deltas), np.float32)
     for k, delta in enumerate(rig.deltas):
         added[k] = normals(neutral + delta) - still
-    return still.astype(np.float32), added
+    materials = rig.triangle_materials
+    hair = comb_hair(neutral, triangles, still, materials == Material.HAIR, materials == Material.SKIN)
+    return (still if hair is None else hair.normals(still)).astype(np.float32), added
 
 
 def mouth_light(rig: Rig) -> np.ndarray:

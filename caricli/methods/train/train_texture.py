@@ -1,11 +1,13 @@
 """A network that paints a face's texture as another expression would show it (expressions paper, section 3.3)."""
 
+from collections.abc import Sequence
 from functools import partial
 from typing import Any
 
 import numpy as np
 import torch
 
+from caricli.methods.train.kernel_muon import normalised_kernels
 from caricli.methods.train.network_training import NetworkTraining
 from caricli.methods.train.texture_losses import (
     TextureBatch,
@@ -53,6 +55,9 @@ class TextureTraining(NetworkTraining):
         self.judging = torch.optim.AdamW(
             self.critic.parameters(), lr=config.critic_rate, betas=_MOMENTS, weight_decay=config.weight_decay
         )
+
+    def _kernels(self) -> Sequence[torch.Tensor]:
+        return normalised_kernels(self.network) if self.config.kernel_rate else ()
 
     def _parts(self) -> dict[str, Any]:
         return super()._parts() | {"critic": self.critic, "judging": self.judging}

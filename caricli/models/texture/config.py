@@ -8,7 +8,7 @@ _SIZES = {"width": (4, 512), "narrow": (4, 512), "atlas": (0, 64)}
 _RANGES = _SIZES | {
     "size": (32, 512), "epochs": (1, 10**6), "steps": (1, 10**6), "batch": (2, 4096), "looks": (0, 64),
     "plain": (0, 1), "mirrored": (0, 1), "unpaired": (0, 1), "learning_rate": (1e-9, 1),
-    "critic_rate": (1e-9, 1), "weight_decay": (0, 10), "decay": (0, 0.99999),
+    "kernel_rate": (0, 1), "critic_rate": (1e-9, 1), "weight_decay": (0, 10), "decay": (0, 0.99999),
     "judge_every": (1, 10**6), "critic_width": (4, 512), "penalty": (0, 1e6),
     "attention_weight": (0, 1e6), "colour_weight": (0, 1e6), "cycle_weight": (0, 1e6), "adversarial_weight": (0, 1e6),
     "expression_weight": (0, 1e6), "mouth": (1, 1e3), "validation": (1, 10**5), "validate_every": (1, 10**6),
@@ -56,7 +56,8 @@ class TextureConfig:
     32. epochs; steps: in an epoch; batch: pairs of expressions a step. looks: styles that every person is painted in
     beside the own one. plain: share of the pairs in the own look. mirrored: share of those that are mirrored. unpaired:
     share of the epochs, the last ones, that are trained without pairs, by cycles. learning_rate, critic_rate,
-    weight_decay: of AdamW, with a cosine schedule. decay: of the weights' moving average, a step. judge_every: one of
+    weight_decay: of AdamW, with a cosine schedule. kernel_rate: of Muon, by which the kernels of convolutions learn; 0
+    lets them learn as all else. decay: of the weights' moving average, a step. judge_every: one of
     so many steps has the critic, whose gradients of gradients cost most. critic_width: its channels at half of the
     chart's size. penalty: of its gradients. attention_weight, colour_weight, cycle_weight, adversarial_weight,
     expression_weight: of the losses (section 4.1). mouth: by how much an opened mouth counts more than skin. precision:
@@ -81,6 +82,7 @@ class TextureConfig:
     mirrored: float = 0.5
     unpaired: float = 0.05
     learning_rate: float = 1e-3
+    kernel_rate: float = 0.0
     critic_rate: float = 2e-4
     weight_decay: float = 1e-2
     decay: float = 0.995
