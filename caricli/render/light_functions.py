@@ -34,15 +34,15 @@ def shine(n: wp.vec3, way: wp.vec3, roughness: float):
 
 @wp.func
 def softbox(n: wp.vec3):
-    """How much of the key light's window a wet surface mirrors into the camera, 0 to 1."""
+    """How much of the key light, a round softbox, a wet surface mirrors into the camera, 0 to 1."""
     mirrored = 2.0 * wp.dot(n, VIEW) * n - VIEW
     toward = wp.dot(mirrored, KEY)
     if toward <= 0.0:
         return 0.0
     across = wp.normalize(wp.cross(wp.vec3(0.0, 1.0, 0.0), KEY))
-    x = wp.abs(wp.dot(mirrored, across)) / toward
-    y = wp.abs(wp.dot(mirrored, wp.cross(KEY, across))) / toward
-    return wp.smoothstep(0.42, 0.30, x) * wp.smoothstep(0.48, 0.36, y)
+    x = wp.dot(mirrored, across) / toward
+    y = wp.dot(mirrored, wp.cross(KEY, across)) / toward
+    return wp.smoothstep(0.38, 0.24, wp.sqrt(x * x + y * y))
 
 
 @wp.func
