@@ -34,28 +34,30 @@ def paint_eye(
     generator: np.random.Generator,
     iris: np.ndarray | None = None,
     white: np.ndarray | None = None,
+    reach: float = IRIS,
 ) -> np.ndarray:
     """Paint sclera, iris and pupil for UVs that unroll a ball from its front, at the middle.
 
     size: pixels, width and height. generator: numpy Generator, of the fibres of the iris. iris, white: (3,)
-    sRGB, 0 to 255, or None for the usual ones.
+    sRGB, 0 to 255, or None for the usual ones. reach: of the iris, a share of the width; the pupil goes with it.
     Returns (size, size, 3) uint8 sRGB.
     """
     y, x = (np.mgrid[:size, :size] + 0.5) / size - 0.5
     radius = np.hypot(x, y)
+    pupil = PUPIL / IRIS * reach
     waves = np.zeros_like(radius)
     # The rest of the picture has none, and they take most of the time.
-    fibrous = radius < IRIS + _EDGE
+    fibrous = radius < reach + _EDGE
     waves[fibrous] = _waves(np.arctan2(y[fibrous], x[fibrous]), generator)
     sclera, veined = _tinted(white, _WHITE, _WHITE, _VEINED)
     inner, outer, rim = _tinted(iris, _IRIS, _INNER, _OUTER, _RIM)
     picture = mix(sclera, veined, smooth_step(radius, *_VEINS))
-    depth = smooth_step(radius, PUPIL, IRIS)[..., None]
+    depth = smooth_step(radius, pupil, reach)[..., None]
     fibres = (1 - depth) * inner + depth * outer
     fibres *= 1 + _CONTRAST * waves[..., None] / np.sqrt(_FIBRES / 2)
-    fibres = mix(fibres, rim, smooth_step(radius, _RIM_START * IRIS, IRIS))
-    picture = mix(fibres, picture, smooth_step(radius, IRIS - _EDGE / 2, IRIS + _EDGE / 2))
-    picture = mix(np.full(3, _BLACK), picture, smooth_step(radius, PUPIL - _EDGE / 2, PUPIL + _EDGE / 2))
+    fibres = mix(fibres, rim, smooth_step(radius, _RIM_START * reach, reach))
+    picture = mix(fibres, picture, smooth_step(radius, reach - _EDGE / 2, reach + _EDGE / 2))
+    picture = mix(np.full(3, _BLACK), picture, smooth_step(radius, pupil - _EDGE / 2, pupil + _EDGE / 2))
     # A light that stays, because the engines' own reflections hardly show on small eyes.
     glint = smooth_step(np.hypot(x + _GLINT[0], y + _GLINT[1]), *_GLINT_RADII)
     picture = mix(picture, np.full(3, _LIGHT), _GLINT_STRENGTH * glint)

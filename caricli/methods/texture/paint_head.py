@@ -14,9 +14,10 @@ from caricli.methods.hair.dress_hair import DressedHair, dress_hair, hair_pictur
 from caricli.methods.hair.shade_scalp import Scalp
 from caricli.methods.parts.close_neck import neck_picture
 from caricli.methods.parts.face_parts import chosen_attachment, face_parts
-from caricli.methods.rig.add_eyeballs import TEXTURE, add_eyeballs, fit_eyeballs
+from caricli.methods.rig.add_eyeballs import add_eyeballs, fit_eyeballs
 from caricli.methods.rig.add_parts import add_parts, choose_parts
 from caricli.methods.texture.estimate_light import Light
+from caricli.methods.texture.eye_picture import eye_picture
 from caricli.methods.texture.lid_lines import LidLine, draw_lid_lines, seen_lid_line
 from caricli.methods.texture.lips_behind_nose import lips_behind_nose
 from caricli.methods.texture.mask_head import mask_head, mesh_pixels
@@ -30,9 +31,7 @@ from caricli.methods.texture.shown_teeth import shown_teeth
 from caricli.methods.texture.texels import Texels
 from caricli.methods.texture.texture_face import FaceTexture, texture_face
 from caricli.render.diffuse_background import diffuse_background
-from caricli.render.eye_colours import eye_colours
 from caricli.render.in_parallel import do_in_parallel
-from caricli.render.paint_eye import paint_eye
 from caricli.render.sky import mesh_sky
 from caricli.structures import Camera, Face, Pictures, Rig
 from caricli.template.template import Template
@@ -170,7 +169,8 @@ def _lay_groundwork(
     parts = _find_head(face, image, mask, pixels) if parsed is None else parsed
     regions = None if parsed is None else regions
     looks: list[Callable[[], Any]] = [partial(dress_hair, face, template, image, settings, regions, pixels)]
-    looks.append(lambda: paint_eye(TEXTURE, np.random.default_rng(settings.seed), *eye_colours(image, landmarks)))
+    generator = np.random.default_rng(settings.seed)
+    looks.append(partial(eye_picture, face, template.annotation, image, generator))
     # Nothing here needs this, but what comes next, and one processor is free.
     looks.append(partial(chosen_attachment, template, settings.head))
     looks.append(partial(seen_lid_line, image, landmarks))
