@@ -20,7 +20,8 @@ class LashStyle:
     spacing: metres between roots along the lid. thickness: metres at the root. fan: how far the outermost lashes lean
     away from the middle of the lid, of the lid's length. shortest: length of the shortest lash, of the strip's width.
     clump: how far the tips of neighbours come together, of their spacing. rows: where a lash has a ring of vertices or
-    its tip, from where the strip is in the lid (0) to its free edge (1).
+    its tip, from where the strip is in the lid (0) to its free edge (1). lower, fine: length and thickness of lashes
+    that hang down, of those that stand up.
     """
 
     spacing: float = 0.0011
@@ -29,6 +30,8 @@ class LashStyle:
     shortest: float = 0.72
     clump: float = 0.8
     rows: tuple[float, ...] = (0.22, 0.45, 0.72, 1.0)
+    lower: float = 0.5
+    fine: float = 0.6
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,13 +59,16 @@ def lash_hairs(strips: Mesh, style: LashStyle = LashStyle()) -> LashHairs:  # no
         grid = quad_grid(own)
         rooted = grid if strips.vertices[grid[0], 2].mean() < strips.vertices[grid[-1], 2].mean() else grid[::-1]
         along, lean, reach = _spread(strips.vertices[rooted], style)
-        across = reach[:, None] * np.array(style.rows)
+        hanging = strips.vertices[rooted[-1], 1].mean() < strips.vertices[rooted[0], 1].mean()
+        rows = np.array(style.rows)
+        across = reach[:, None] * (rows[0] + (style.lower if hanging else 1.0) * (rows - rows[0]))
+        thickness = (style.fine if hanging else 1.0) * style.thickness
         lines = _on_grid(
             rooted, (along[:, None] + lean[:, None] * across).ravel(), across.ravel(), len(strips.vertices)
         )
         first = len(style.rows) * np.arange(len(along))
         weights.append(lines[(first[:, None] + rings).ravel()])
-        offsets.append(_rings((lines @ strips.vertices).reshape(*across.shape, 3), style.thickness))
+        offsets.append(_rings((lines @ strips.vertices).reshape(*across.shape, 3), thickness))
         count += len(along)
     moved = sp.vstack(weights).tocsr()
     polygons, uvs = _hair(len(style.rows), count)
