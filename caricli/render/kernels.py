@@ -6,6 +6,7 @@
 import warp as wp
 
 from caricli.render.light_functions import DEEP, eye_albedo, hair_lit, lit, picture_colour, softbox, to_srgb, wet_eye
+from caricli.structures import Material
 from caricli.structures.pictures import PICTURED
 
 # Nothing differentiates through these kernels; leaving the adjoints out halves the time to compile them.
@@ -14,6 +15,8 @@ wp.set_module_options({"enable_backward": False})
 SKIN, EYE, HAIR, BUST = (wp.constant(int(material)) for material in PICTURED)
 
 EYE_SHADOW = wp.constant(0.5)  # of what lids take from an eye's light: its colours, from a picture, lack it already
+TEETH = wp.constant(int(Material.TEETH))
+TEETH_SHADOW = wp.constant(0.75)  # of what lips take from the light of teeth: a mouth throws light about
 UNLIKE = wp.constant(0.2)  # linear light between neighbouring pixels: from there on they show their steps
 
 
@@ -283,6 +286,8 @@ def sample_at(scene: Scene, x: float, y: float):
         elif sample.material == HAIR:
             rgb = hair_colour(scene, spot, albedo)
         else:
+            if sample.material == TEETH:
+                spot.light = TEETH_SHADOW * spot.light + (1.0 - TEETH_SHADOW) * wp.vec3(1.0)
             wet = 0.5 * finish[2] * spot.light[0] * softbox(spot.n)
             rgb = lit(albedo, spot.n, spot.light, finish) + wet * wp.vec3(1.0)
         sample.colour = wp.vec4(rgb[0], rgb[1], rgb[2], 1.0)
