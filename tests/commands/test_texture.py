@@ -52,7 +52,7 @@ def small_pictures():
     """Small views and eyes, which otherwise are much of the time."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("caricli.commands.texture.SIZE", 48)
-        patch.setattr("caricli.methods.texture.paint_head.TEXTURE", 64)
+        patch.setattr("caricli.methods.texture.eye_picture.TEXTURE", 64)
         yield
 
 

@@ -14,10 +14,11 @@ _STRANGE = 3.5  # of the median distance from the median colour
 _NEVER_STRANGE = 6.0  # CIELAB
 _SPECK = 7  # texels of those in which strands are continued: what is seen in less of them is not shown
 _PART = 0.1  # of the largest part that is seen, what another has to have to count
-_SOFT = 1.5  # of the same, over which what is seen goes over into continued strands
+_SOFT = 3.0  # of the same, over which what is seen goes over into continued strands
 _SIDE = 384  # texels, at most, in which strands are continued
 _SHADE = 0.06  # of the picture, over which what is darker or lighter is in shade or light
 _TAKEN = 0.6  # power of what it is darker or lighter by, that is taken out
+_SPREAD = (10.0, 0.35)  # levels of 255, and share of the mean: how far from the usual colour hair may be
 _DARKEST = 4.0  # levels of 255, below which nothing is told of light
 
 
@@ -39,6 +40,9 @@ def paint_hair(hair: Hair, view: PictureView, size: int, generator: np.random.Ge
         gain = _gain(colours, seen)
         colours = _lit(colours, gain)
         shown = _lit(shown, cv2.resize(gain, (size, size), interpolation=cv2.INTER_LINEAR))
+        usual_colour = colours[seen].mean(0) if seen.any() else colours.mean((0, 1))
+        colours = _calm(colours, usual_colour)
+        shown = np.maximum(shown, _calm(shown, usual_colour))
     elsewhere = cv2.resize(continue_strands(colours, seen, generator), (size, size), interpolation=cv2.INTER_CUBIC)
     # What is seen and unusual, as skin at the border, is not hair's.
     usual = cv2.GaussianBlur(seen.astype(np.float32), (0, 0), _SOFT)
@@ -57,6 +61,17 @@ def _gain(colours: np.ndarray, seen: np.ndarray) -> np.ndarray:
     tones = seen_tones(colours, seen.astype(np.float32), _SHADE * len(seen)).mean(-1)
     gain: np.ndarray = ((colours[seen].mean() + _DARKEST) / (tones + _DARKEST)) ** _TAKEN
     return gain.astype(np.float32)
+
+
+def _calm(colours: np.ndarray, usual: np.ndarray) -> np.ndarray:
+    """Colours (S, S, 3) with what is much lighter or darker than a usual one (3,) brought nearer to it: a highlight that
+    comes again and again all over a head is a speck, and a deep shade a hole."""
+    light = colours.mean(-1, keepdims=True)
+    mean = usual.mean()
+    most = _SPREAD[0] + _SPREAD[1] * mean
+    nearer = mean + most * np.tanh((light - mean) / most)
+    calm: np.ndarray = np.clip(colours + (nearer - light) * (usual + 1) / (mean + 1), 0, 255).astype(np.float32)
+    return calm
 
 
 def _lit(colours: np.ndarray, gain: np.ndarray) -> np.ndarray:

@@ -19,7 +19,7 @@ SMALL = PaintSettings(size=96, hair="none")
 @pytest.fixture(scope="module", autouse=True)
 def small_eyes():
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("caricli.methods.texture.paint_head.TEXTURE", 64)
+        patch.setattr("caricli.methods.texture.eye_picture.TEXTURE", 64)
         yield
 
 
