@@ -51,3 +51,19 @@ def test_hair_without_a_picture_has_no_strands(cap, tmp_path):
     write_gltf(tmp_path / "a.glb", replace(cap, pictures=Pictures()))
     gltf = pygltflib.GLTF2.load(tmp_path / "a.glb")
     assert not gltf.extensionsUsed and gltf.meshes[0].primitives[0].attributes.TANGENT is None
+
+
+def test_hair_is_shaded_as_the_skin_on_which_it_lies(cap):
+    """A dented layer of hair, at most 1 mm above a smooth bowl of skin, which is 200 mm high."""
+    count = len(cap.mesh.vertices)
+    dents = np.random.default_rng(0).uniform(1e-4, 1e-3, count)
+    dented = (cap.mesh.vertices + dents[:, None] * [0, 0, 1]).astype(np.float32)
+    quads = np.concatenate([cap.mesh.polygons, cap.mesh.polygons + count])
+    both = Mesh(np.concatenate([cap.mesh.vertices, dented]), quads)
+    materials = np.repeat([Material.SKIN, Material.HAIR], len(quads) // 2).astype(np.int32)
+    rig = Rig((), both, np.zeros((0, 2 * count, 3), np.float32), materials=materials)
+    plain, _ = shading_normals(replace(rig, materials=None))
+    normals, _ = shading_normals(rig)
+    np.testing.assert_array_equal(normals[:count], plain[:count])
+    away = {name: np.abs(each[count:] - each[:count]).max() for name, each in (("plain", plain), ("combed", normals))}
+    assert away["combed"] < 0.5 * away["plain"]

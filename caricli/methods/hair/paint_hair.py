@@ -64,8 +64,10 @@ def _gain(colours: np.ndarray, seen: np.ndarray) -> np.ndarray:
 
 
 def _calm(colours: np.ndarray, usual: np.ndarray) -> np.ndarray:
-    """Colours (S, S, 3) with what is much lighter or darker than a usual one (3,) brought nearer to it: a highlight that
-    comes again and again all over a head is a speck, and a deep shade a hole."""
+    """Colours (S, S, 3) with what is much lighter or darker than a usual one (3,) brought nearer to it.
+
+    A highlight that comes again and again all over a head is a speck, and a deep shade seen from aside a hole.
+    """
     light = colours.mean(-1, keepdims=True)
     mean = usual.mean()
     most = _SPREAD[0] + _SPREAD[1] * mean

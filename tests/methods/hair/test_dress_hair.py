@@ -180,3 +180,19 @@ def test_a_head_whose_scalp_has_no_name(sitter):
     assert dress_hair(sitter.face, head, sitter.image, SMALL) is None
     with pytest.raises(InputError, match="expected an annotation with the region 'scalp'"):
         dress_hair(sitter.face, head, sitter.image, replace(SMALL, hair="shell"))
+
+
+def test_a_highlight_is_no_speck_all_over_the_head(dressed, sitter):
+    """A bright spot in the middle of dark hair that is lighter and darker."""
+    hair = dressed.mask.pixels
+    lighter = np.random.default_rng(0).uniform(10, 50, [-(-side // 8) for side in hair.shape])
+    lighter = np.kron(lighter, np.ones((8, 8)))[: hair.shape[0], : hair.shape[1]]
+    dark = np.where(hair[..., None], lighter[..., None] * [1.1, 1, 0.9], sitter.image).astype(np.uint8)
+    rows, columns = np.nonzero(cv2.erode(hair.astype(np.uint8), np.ones((15, 15), np.uint8)))
+    k = len(rows) // 5
+    cv2.circle(dark, (int(columns[k]), int(rows[k])), 6, (77, 70, 63), -1)
+    specks = {}
+    for kept in (True, False):
+        settings = replace(SMALL, size=384, texture=replace(SMALL.texture, keep_light=kept))
+        specks[kept] = (hair_picture(dressed, dark, settings).mean(-1) > 55).sum()
+    assert 0 < specks[False] < 0.3 * specks[True]

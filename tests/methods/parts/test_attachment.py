@@ -154,3 +154,16 @@ def test_lower_teeth_follow_the_jaw_where_cheeks_keep_the_molars(head, template)
     assert incisors is not None
     free, kept = (open_head_attachment().animate(template, names, deltas)[1].deltas[0] for deltas in (usual, closing))
     assert kept[incisors.front, 1].mean() < 0.6 * free[incisors.front, 1].mean() < -0.01
+
+
+def test_lower_lashes_are_shorter_and_finer_than_upper_ones(template):
+    lashes = by_name(open_head_attachment().attach(template))["lashes"].mesh
+    labels = mesh_components(lashes.vertices, lashes.faces).labels
+    hairs = [lashes.vertices[labels == k] for k in range(labels.max() + 1)]
+    # Rings from the root on, and the tip.
+    rises = np.array([hair[-1, 1] - hair[:3, 1].mean() for hair in hairs])
+    lengths = np.array([np.linalg.norm(hair[-1] - hair[:3].mean(0)) for hair in hairs])
+    thickness = np.array([np.linalg.norm(hair[0] - hair[1]) for hair in hairs])
+    assert 0.3 < (rises < 0).mean() < 0.7
+    for values, most in ((lengths, 0.75), (thickness, 0.7)):
+        assert np.median(values[rises < 0]) < most * np.median(values[rises > 0])
