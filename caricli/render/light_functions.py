@@ -42,7 +42,7 @@ def softbox(n: wp.vec3):
     across = wp.normalize(wp.cross(wp.vec3(0.0, 1.0, 0.0), KEY))
     x = wp.dot(mirrored, across) / toward
     y = wp.dot(mirrored, wp.cross(KEY, across)) / toward
-    return wp.smoothstep(0.38, 0.24, wp.sqrt(x * x + y * y))
+    return wp.smoothstep(0.40, 0.28, wp.sqrt(x * x + y * y))
 
 
 @wp.func
