@@ -131,8 +131,9 @@ def command(
     What the picture does not show comes from the other side of the face, and else has the colour of its skin, of what
     is seen of ears and neck, and of the hair; background, glasses, hats and hands never enter. The light of the picture
     is estimated and taken out, so that the head can stand in any other; face.json says what it was. eyes.png is painted
-    in the colours of the eyes, upper lids have the line of lashes or ink that the picture shows along them, and teeth
-    of an open mouth are as long as the label map shows them. `caricli rig` takes both pictures along.
+    in the colours of the eyes, with irises as large as the picture tells, upper lids have the line of lashes or ink
+    that the picture shows along them, and teeth of an open mouth are as long as the label map shows them.
+    `caricli rig` takes both pictures along.
 
     With --expressions there are pictures of the skin, wrinkles and lips with it, for expressions that the picture does
     not show; FILE is as for `caricli blendshapes`, and `caricli rig --mood NAME=texture-NAME.png` takes them along.
