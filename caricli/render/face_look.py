@@ -7,10 +7,12 @@ import numpy as np
 
 from caricli.geometry.comb_hair import CombedHair, comb_hair
 from caricli.geometry.join_meshes import join_meshes
+from caricli.geometry.mouth_light import mouth_light
 from caricli.render.coat import mesh_coat
 from caricli.render.place_eyeballs import place_eyeballs
 from caricli.render.shade import Look
 from caricli.render.smooth_normals import smooth_normals
+from caricli.render.srgb import to_linear, to_srgb
 from caricli.structures import Face, Material, Mesh, Part, Pictures
 from caricli.structures.materials import FINISHES
 from caricli.template.annotation import bundled_annotation
@@ -74,8 +76,14 @@ def combed_hair(mesh: Mesh, materials: np.ndarray) -> CombedHair | None:
 
 
 def plain_colours(mesh: Mesh, materials: np.ndarray) -> np.ndarray:
-    """(V, 3) sRGB of vertices where no picture is, by their finish. materials: (F,) of the triangles."""
+    """(V, 3) sRGB of vertices where no picture is, by their finish, darker far back in the mouth.
+
+    materials: (F,) of the triangles.
+    """
     colours = np.tile(np.array(FINISHES[Material.SKIN].colour, float), (len(mesh.vertices), 1))
     for material in np.unique(materials):
         colours[mesh.faces[materials == material]] = FINISHES[Material(material)].colour
+    light = mouth_light(mesh.vertices, mesh.faces, materials)
+    inside = light < 1
+    colours[inside] = 255 * to_srgb(light[inside, None] * to_linear(colours[inside] / 255))
     return colours

@@ -55,6 +55,9 @@ MATERIALS = {finish.name: material for material, finish in FINISHES.items()}
 """Materials by their names in files."""
 
 
+IN_MOUTH = (Material.TEETH, Material.GUMS, Material.TONGUE)
+"""What lies behind the lips."""
+
 HEAD_PARTS = {
     "skin": (Material.SKIN,),
     "eyes": (Material.EYE,),

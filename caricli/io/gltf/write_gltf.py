@@ -8,6 +8,7 @@ import scipy.sparse as sp
 from caricli import __version__
 from caricli.errors import OutputError, shown
 from caricli.geometry.comb_hair import comb_hair
+from caricli.geometry.mouth_light import mouth_light
 from caricli.io.gltf.changes import add_changes
 from caricli.io.gltf.container import write_container
 from caricli.io.gltf.format import DTYPES, SOURCE_VERTEX, TYPES, VERSION
@@ -15,17 +16,13 @@ from caricli.io.gltf.strands import add_strands, has_strands, strand_tangents
 from caricli.io.gltf.variants import add_variants
 from caricli.io.image import png_bytes
 from caricli.structures import Animation, Rig
-from caricli.structures.materials import FINISHES, Material
+from caricli.structures.materials import FINISHES, IN_MOUTH, Material
 
 _CODES = {dtype: code for code, dtype in DTYPES.items()}
 _FOR_VERTICES = 34962
 _FOR_INDICES = 34963
 _LINEAR = 9729
 _LINEAR_MIPMAP_LINEAR = 9987
-
-_INSIDE = (Material.TEETH, Material.GUMS, Material.TONGUE)
-_THROAT = 0.1
-"""Share of the light that comes to the backmost of what is inside the mouth, of that before its foremost."""
 
 
 def write_gltf(path: str | Path, rig: Rig, sparse: bool = False, animation: Animation | None = None) -> None:
@@ -96,20 +93,6 @@ def shading_normals(rig: Rig) -> tuple[np.ndarray, np.ndarray]:
     materials = rig.triangle_materials
     hair = comb_hair(neutral, triangles, still, materials == Material.HAIR, materials == Material.SKIN)
     return (still if hair is None else hair.normals(still)).astype(np.float32), added
-
-
-def mouth_light(rig: Rig) -> np.ndarray:
-    """(V,) float32 share of the light that comes to vertices of teeth, gums and tongue, others 1.
-
-    It falls off from front to back: most viewers let light through cheeks, and show the throat as bright as lips.
-    """
-    inside = np.unique(rig.faces[np.isin(rig.triangle_materials, _INSIDE)])
-    light = np.ones(len(rig.neutral), np.float32)
-    if len(inside):
-        front = rig.neutral[inside, 2]
-        depth = (front.max() - front) / max(np.ptp(front), np.finfo(float).tiny)
-        light[inside] = _THROAT + (1 - _THROAT) * (1 - depth) ** 2
-    return light
 
 
 class _Buffer:
@@ -199,7 +182,7 @@ def _primitives(rig: Rig, sparse: bool, buffer: _Buffer) -> list[dict]:
     corners = rig.mesh.uv_faces if rig.mesh.uvs is not None else np.zeros_like(triangles)
     neutral = np.asarray(rig.neutral, np.float32)
     normals, normal_deltas = shading_normals(rig)
-    light = mouth_light(rig)
+    light = mouth_light(neutral, rig.faces, rig.triangle_materials)
     keys = triangles.astype(np.int64) * len(uvs) + corners
     loose = np.setdiff1d(np.arange(len(neutral)), triangles) * len(uvs)
     apart = _hair_apart(rig)
@@ -220,7 +203,7 @@ def _primitives(rig: Rig, sparse: bool, buffer: _Buffer) -> list[dict]:
         if material == Material.HAIR and has_strands(rig):
             tangents = strand_tangents(rig.mesh, materials == Material.HAIR, normals)
             attributes["TANGENT"] = buffer.accessor(tangents[source], _FOR_VERTICES)
-        if material in _INSIDE:
+        if material in IN_MOUTH:
             attributes["COLOR_0"] = buffer.accessor(np.repeat(light[source, None], 3, axis=1), _FOR_VERTICES)
         indices = indices.ravel().astype(_index_dtype(len(source)))
         primitive = {"attributes": attributes, "indices": buffer.accessor(indices, _FOR_INDICES), "material": number}

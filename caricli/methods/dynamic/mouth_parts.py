@@ -9,9 +9,9 @@ import numpy as np
 from caricli.methods.parts.attachment import attachment_for
 from caricli.render.rasterise import rasterise
 from caricli.structures import Material, Part
+from caricli.structures.materials import IN_MOUTH
 from caricli.template.template import Template
 
-_INSIDE = (Material.TEETH, Material.GUMS, Material.TONGUE)
 _PIXEL = 0.005  # of the face's width
 _LONGEST = 256  # pixels, of what is looked at
 _MARGIN = 2  # pixels
@@ -34,7 +34,7 @@ class MouthParts:
     @classmethod
     def of(cls, parts: Sequence[Part]) -> "MouthParts | None":
         """Those of a head's parts that are inside the mouth, or None."""
-        inside = [part for part in parts if np.isin(part.materials, _INSIDE).all()]
+        inside = [part for part in parts if np.isin(part.materials, IN_MOUTH).all()]
         if not inside:
             return None
         starts = np.cumsum([0, *(len(part.mesh.vertices) for part in inside)])

@@ -27,7 +27,7 @@ def head():
 def looked_at(head, radius):
     """The iris of a head whose eyes are as a picture's, 60 pixels wide, with irises of a radius in pixels."""
     image, marks = eyes(radius)
-    ball = np.mean([each for _, each in place_eyeballs(head, head.annotation)])
+    ball = float(np.mean([each for _, each in place_eyeballs(head, head.annotation)]))
     # Eyeballs as large as openings are wide.
     camera = Camera(30 / ball, np.diag([1.0, -1.0, -1.0]), np.zeros(2))
     face = Face(head.with_vertices(head.vertices), camera=camera, landmarks=marks)
