@@ -10,7 +10,7 @@ from caricli.render.place_eyeballs import place_eyeballs
 from caricli.structures import Face
 from caricli.template.annotation import Annotation
 
-_SMALLEST, _LARGEST = 0.7 * IRIS, 1.5 * IRIS
+_SMALLEST, _LARGEST = 0.7 * IRIS, 1.5 * IRIS  # whatever a picture tells
 
 
 def eye_picture(face: Face, annotation: Annotation, image: np.ndarray, generator: np.random.Generator) -> np.ndarray:
