@@ -82,7 +82,7 @@ class TextureConfig:
     mirrored: float = 0.5
     unpaired: float = 0.05
     learning_rate: float = 1e-3
-    kernel_rate: float = 0.0
+    kernel_rate: float = 6e-3
     critic_rate: float = 2e-4
     weight_decay: float = 1e-2
     decay: float = 0.995
