@@ -135,8 +135,11 @@ def _scene(mesh: Mesh, normals: np.ndarray, carried: list[np.ndarray], look: Loo
         points = points[at]
         normals = normals[at]
         carried = [array[at] for array in carried]
-    points, triangles, _, finer = split_long_edges(points, triangles, normals, [*carried, places], _LONGEST_EDGE)
+    points, triangles, normals, finer = split_long_edges(points, triangles, normals, [*carried, places], _LONGEST_EDGE)
     shaded, light, shine, colours, places = finer
+    if look.hair is None:
+        # Of unit length between vertices, too.
+        shaded = normals
     scene = kernels.Scene()
     scene.start, scene.reach = depth_range(points)
     arrays = (shaded, colours, light, places)
