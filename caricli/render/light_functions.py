@@ -162,16 +162,16 @@ def eye_albedo(away: float):
 def wet_eye(albedo: wp.vec3, n: wp.vec3, light: wp.vec3, away: float, outward: wp.vec3):
     """Linear colour of an eyeball at an angle from its front; outward: the way on its surface that leads from there.
 
-    The cornea bulges before the iris and mirrors the window, and nothing else of the lights, or a veil would lie on the
-    pupil; what falls through it lights the iris' far side.
+    The cornea bulges before the iris and mirrors the key light alone, or a veil would lie on the pupil; what falls
+    through it lights the iris' far side.
     """
     before_iris = wp.smoothstep(0.62, 0.40, away)
     bulge = 0.8 * away * before_iris
     cornea = wp.cos(bulge) * n + wp.sin(bulge) * outward
     across = wp.smoothstep(0.18, 0.30, away) * before_iris * wp.max(-wp.dot(outward, KEY), 0.0)
     colour = lit((1.0 + 0.9 * light[0] * across) * albedo, n, light, wp.vec3(1.0, 0.3, 0.0))
-    window = (0.2 + 0.65 * before_iris) * (0.6 + 0.4 * wp.smoothstep(0.05, 0.40, light[0])) * softbox(cornea)
-    return colour + window * wp.vec3(1.0)
+    highlight = (0.2 + 0.65 * before_iris) * (0.6 + 0.4 * wp.smoothstep(0.05, 0.40, light[0])) * softbox(cornea)
+    return colour + highlight * wp.vec3(1.0)
 
 
 @wp.func

@@ -129,7 +129,7 @@ def test_red_light_reaches_further_round_skin_than_round_hair(sphere):
     assert warmth[Material.SKIN] > warmth[Material.HAIR] + 1
 
 
-def test_wet_materials_mirror_the_window_and_dry_ones_do_not(sphere):
+def test_wet_materials_mirror_the_light_and_dry_ones_do_not(sphere):
     points, faces = in_picture(sphere[0]), sphere[1]
     brightest = {}
     for material in (Material.SKIN, Material.TEETH, Material.TONGUE, Material.HAIR):
