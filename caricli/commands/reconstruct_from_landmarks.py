@@ -52,8 +52,8 @@ from caricli.methods.reconstruct.settings import METHODS
     "--outline",
     type=click.Choice(["auto", "none"]),
     default="auto",
-    help="Find in the picture ears and forehead, which pull weakly, where 68 landmarks come with --image, and ears "
-    "beside detected landmarks (auto); or leave them as such a face has them (none).",
+    help="Find in the picture ears and forehead, which pull weakly, where 68 landmarks come with --image, ears beside "
+    "detected landmarks, and a thin neck (auto); or leave them as such a face has them (none).",
 )
 @detector_option
 @pts_origin_option

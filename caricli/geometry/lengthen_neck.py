@@ -1,4 +1,4 @@
-"""A neck that goes down with the chin."""
+"""A neck that goes down with the chin, and is as wide as it is seen."""
 
 from functools import cached_property
 
@@ -24,7 +24,7 @@ class Neck:
 
     Data end at the cut, so a chin that sinks below it, as drawn, would hang before the void. ``weights`` (V,) say how
     much of such a sinking a vertex makes: all on the edge and on what lies below the chin in the template, nothing on
-    the face and beyond ``REACH`` of the neck, in between as a plate bends.
+    the face and beyond ``REACH`` of the neck, in between as a plate bends. edge: (E,) vertices of the cut.
     """
 
     def __init__(self, vertices: np.ndarray, faces: np.ndarray, neck: np.ndarray, chin: int, still: np.ndarray) -> None:
@@ -35,19 +35,19 @@ class Neck:
         self._mesh = (vertices, faces)
         self._neck = neck
         self._still = still
-        self._edge = np.intersect1d(neck, igl.boundary_facets(faces)[0].ravel())
-        self.front = int(self._edge[vertices[self._edge, 1].argmin()]) if len(self._edge) else chin
+        self.edge = np.intersect1d(neck, igl.boundary_facets(faces)[0].ravel())
+        self.front = int(self.edge[vertices[self.edge, 1].argmin()]) if len(self.edge) else chin
 
     @cached_property
     def weights(self) -> np.ndarray:
         """(V,) solved for on first use: few chins sink."""
         vertices, faces = self._mesh
-        if not len(self._edge):
+        if not len(self.edge):
             return np.zeros(len(vertices))
         from scipy.spatial import cKDTree
 
         neck = self._neck
-        hanging = np.union1d(self._edge, neck[vertices[neck, 1] < vertices[self.chin, 1]])
+        hanging = np.union1d(self.edge, neck[vertices[neck, 1] < vertices[self.chin, 1]])
         still = self._still | (cKDTree(vertices[neck]).query(vertices)[0] > REACH * self.height)
         still[hanging] = False
         laplacian = -igl.cotmatrix(vertices, faces)
@@ -65,3 +65,8 @@ class Neck:
         """Vertices (V, 3) with the neck as far down as the chin needs, and no farther. vertices: (V, 3)."""
         missing = vertices[self.front, 1] - vertices[self.chin, 1] + CLEARANCE * self.height
         return vertices - missing * self.weights[:, None] * [0.0, 1.0, 0.0] if missing > 0 else vertices
+
+    def widen(self, vertices: np.ndarray, ratio: float, shift: np.ndarray) -> np.ndarray:
+        """Vertices (V, 3) whose neck is so many times as wide and deep, and moved. shift: (3,) metres, of its edge."""
+        away = vertices - vertices[self.edge].mean(0)
+        return vertices + self.weights[:, None] * ((ratio - 1) * away + shift)

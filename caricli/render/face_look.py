@@ -84,6 +84,6 @@ def plain_colours(mesh: Mesh, materials: np.ndarray) -> np.ndarray:
     for material in np.unique(materials):
         colours[mesh.faces[materials == material]] = FINISHES[Material(material)].colour
     light = mouth_light(mesh.vertices, mesh.faces, materials)
-    inside = light < 1
-    colours[inside] = 255 * to_srgb(light[inside, None] * to_linear(colours[inside] / 255))
+    inside = (light < 1).any(1)
+    colours[inside] = 255 * to_srgb(light[inside] * to_linear(colours[inside] / 255))
     return colours

@@ -5,7 +5,7 @@
 
 import warp as wp
 
-from caricli.render.light_functions import DEEP, eye_albedo, hair_lit, lit, picture_colour, softbox, to_srgb, wet_eye
+from caricli.render.light_functions import DEEP, eye_albedo, hair_lit, lit, picture_colour, to_srgb, wet_eye
 from caricli.structures import Material
 from caricli.structures.pictures import PICTURED
 
@@ -288,8 +288,7 @@ def sample_at(scene: Scene, x: float, y: float):
         else:
             if sample.material == TEETH:
                 spot.light = TEETH_SHADOW * spot.light + (1.0 - TEETH_SHADOW) * wp.vec3(1.0)
-            wet = 0.5 * finish[2] * spot.light[0] * softbox(spot.n)
-            rgb = lit(albedo, spot.n, spot.light, finish) + wet * wp.vec3(1.0)
+            rgb = lit(albedo, spot.n, spot.light, finish)
         sample.colour = wp.vec4(rgb[0], rgb[1], rgb[2], 1.0)
         sample.depth = hit.t
     elif hit.found == -1:

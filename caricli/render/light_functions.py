@@ -76,6 +76,9 @@ def lit(albedo: wp.vec3, n: wp.vec3, light: wp.vec3, finish: wp.vec3):
     # What is dark on skin is painted hair, which does not shine as skin does.
     brightness = (albedo[0] + albedo[1] + albedo[2]) / 3.0
     gloss *= wp.lerp(1.0, wp.smoothstep(0.0, 0.1, brightness), soft)
+    # Nor does what is far back in a mouth, and painted darker for it, mirror what is before the lips.
+    gloss += 0.5 * finish[2] * light[0] * softbox(n)
+    gloss *= wp.lerp(1.0, wp.smoothstep(0.0, 0.25, brightness), finish[2])
     # Borders within a head are a pixel wide: as bright as its outline could be, they would be dotted lines.
     edge = wp.pow(1.0 - wp.clamp(wp.dot(n, VIEW), 0.25, 1.0), 3.0)
     glow = wp.lerp(0.2, 0.5, wp.smoothstep(0.0, 0.3, brightness)) * light[2] * edge * wp.max(wp.dot(n, RIM) + 0.25, 0.0)

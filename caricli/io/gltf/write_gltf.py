@@ -204,7 +204,7 @@ def _primitives(rig: Rig, sparse: bool, buffer: _Buffer) -> list[dict]:
             tangents = strand_tangents(rig.mesh, materials == Material.HAIR, normals)
             attributes["TANGENT"] = buffer.accessor(tangents[source], _FOR_VERTICES)
         if material in IN_MOUTH:
-            attributes["COLOR_0"] = buffer.accessor(np.repeat(light[source, None], 3, axis=1), _FOR_VERTICES)
+            attributes["COLOR_0"] = buffer.accessor(light[source], _FOR_VERTICES)
         indices = indices.ravel().astype(_index_dtype(len(source)))
         primitive = {"attributes": attributes, "indices": buffer.accessor(indices, _FOR_INDICES), "material": number}
         deltas = np.asarray(rig.deltas, np.float32)[:, source]

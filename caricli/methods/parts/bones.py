@@ -201,7 +201,7 @@ class Bone:
             return incisors.as_pictured(face.neutral, shape, up, shown, height)
         shape = incisors.grown(shape, up, shown, BEHIND_LIPS)
         if incisors.row:
-            return shape
+            return shape + incisors.lifted(face.neutral, shape, up, height) * up
         return shape + self._shown(incisors, face, shape, up, height) * up
 
     def _shown(self, incisors: Incisors, face: Posed, shape: np.ndarray, up: np.ndarray, height: float) -> float:

@@ -27,6 +27,10 @@ BEHIND = 0.01
 LAUGHED = 0.012
 """Of the head's height, how much lower than it they end at most where lips meet that were open in a laugh."""
 
+LOWER = (-0.011, 0.005)
+"""Of the head's height, how much higher than their lip's rim lower teeth end behind lips that meet: as nine of ten
+people's do."""
+
 LEAN = 0.75
 """Of how far one lip is behind the other: with all of it teeth meet the wall behind that lip."""
 
@@ -67,6 +71,13 @@ class Incisors:
         upper, lower = skin[self.lips] @ up
         shown = min(SHOWN * max(upper - lower, 0), CROWN * float(np.ptp(shape[self.front] @ up)))
         return float(upper - shown + max(BEHIND * height - shown, 0))
+
+    def lifted(self, skin: np.ndarray, shape: np.ndarray, up: np.ndarray, height: float) -> float:
+        """Metres by which the lower teeth of a part (W, 3) go up (3,) in a face (V, 3) of some height at rest."""
+        upper, lower = skin[self.lips] @ up
+        above = self.edge(shape, up) - float(lower)
+        low, high = np.array(LOWER) * height + (0, max(upper - lower, 0))
+        return float(np.clip(above, low, high)) - above
 
     def lowest(self, skin: np.ndarray, up: np.ndarray, height: float) -> float:
         """Where teeth that showed in a laugh may end at least in a face (V, 3) of some height, metres upwards."""

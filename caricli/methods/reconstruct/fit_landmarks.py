@@ -8,6 +8,8 @@ from typing import cast
 import numpy as np
 
 from caricli.errors import InputError
+from caricli.geometry.flipped_triangles import flipped_triangles
+from caricli.geometry.untangle import untangle
 from caricli.methods.reconstruct.fit_landmarks_intrinsic import fit_landmarks_intrinsic
 from caricli.methods.reconstruct.fit_landmarks_latent import fit_landmarks_latent
 from caricli.methods.reconstruct.landmark_fit import LandmarkFit
@@ -39,7 +41,8 @@ def fit_landmarks(
     """Fit a face elastically, or inside the model.
 
     Where 68 landmarks come with a picture, ears and forehead that are seen there pull weakly (``find_outline``); where
-    further ones were detected, ears that stand out there count beside them.
+    further ones were detected, ears that stand out there count beside them. A face that is fitted elastically gets a
+    neck as thin as the picture shows it (``fit_neck``).
 
     points: (L, 2) pixels, y down, NaN where unknown. model: ShapeModel, for "intrinsic" an IntrinsicModel. method: of
     METHODS, or None for the one that the model allows, see ``fitting_method``. prior_weight: larger stays nearer to
@@ -50,7 +53,10 @@ def fit_landmarks(
     look = None
     if picture is not None and can_find_outline(points, model.template, spreads):
         look = partial(_look, template=model.template, points=points, picture=picture)
-    return _method(model, method or fitting_method(model), prior_weight)(points, look=look, spreads=spreads)
+    fit = _method(model, method or fitting_method(model), prior_weight)(points, look=look, spreads=spreads)
+    return (
+        fit if picture is None or fit.face.residual is None else _with_neck(fit, cast(IntrinsicModel, model), picture)
+    )
 
 
 def _look(face: Face, template: Template, points: np.ndarray, picture: ParsedPicture) -> Outline:
@@ -60,6 +66,20 @@ def _look(face: Face, template: Template, points: np.ndarray, picture: ParsedPic
 
     outline = find_outline(face, template, points[:COUNT], picture, np.random.default_rng(_SEED))
     return outline if len(points) == COUNT else outline.sure_ears
+
+
+def _with_neck(fit: LandmarkFit, model: IntrinsicModel, picture: ParsedPicture) -> LandmarkFit:
+    """A fit whose neck is as thin as a picture shows it. model: of its latent."""
+    from caricli.methods.reconstruct.find_neck import fit_neck
+
+    gradients = model.template.gradients
+    seen, neck = fit_neck(fit.face, model.template, picture)
+    if seen is fit.face:
+        return fit
+    vertices = untangle(seen.vertices, gradients)
+    residual = gradients.features(vertices) - model.features(seen.require_latent())
+    face = replace(seen.with_vertices(vertices), residual=residual)
+    return replace(fit, face=face, flipped=float(flipped_triangles(vertices, gradients).mean()), neck=neck)
 
 
 def _method(model: ShapeModel, method: str, prior_weight: float) -> Callable[..., LandmarkFit]:

@@ -42,6 +42,7 @@ class LandmarkFit:
     rounds: iterations that it took.
     settings: IntrinsicSettings or LatentSettings.
     outline: Outline of what was found in the picture besides, or None where nobody looked; in no error.
+    neck: how many times as wide as landmarks alone tell it the neck is, because the picture shows it so.
     """
 
     face: Face
@@ -54,6 +55,7 @@ class LandmarkFit:
     rounds: int
     settings: IntrinsicSettings | LatentSettings
     outline: Outline | None = None
+    neck: float = 1.0
 
     def figures(self) -> dict[str, Any]:
         """What reports say of the fit, as JSON."""
@@ -65,6 +67,7 @@ class LandmarkFit:
             "part_errors": self.part_errors,
             "prior_rms": self.prior_rms,
             "flipped": self.flipped,
+            "neck": self.neck,
             "pose": {
                 "scale": camera.scale,
                 "rotation": camera.rotation,

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 from scipy.ndimage import label
-from scipy.spatial import KDTree
 
 from caricli.methods.texture.another_colour import of_another_colour
+from caricli.methods.texture.collar import BARE, find_collar
 from caricli.methods.texture.distance_to import distance_to
 from caricli.methods.texture.mean_colours import mean_colours
 from caricli.structures.parsing import Region
@@ -18,10 +18,6 @@ _SKIN = (
 )
 _PAINT = (*_SKIN, Region.HAIR)
 _WORN = (Region.GLASSES, Region.HAT)
-_BARE = (Region.SKIN, Region.NOSE)
-_COLOURS = 500  # of bare skin, to compare a neck's with
-_SEVERAL = 15  # of them a neck has to be like: highlights on skin are white, too
-_UNLIKE = 12.0  # in CIELAB: what is no nearer to so many is a collar
 _AROUND = 0.006  # of the mesh's height in the picture: border of a collar, and least half of a neck's breadth
 _REACH = 0.04  # of the same: so near to what is behind a head its region may show this
 _LEAST = 0.2  # of what the mesh covers: with less skin and hair in it, this head was not seen
@@ -57,7 +53,7 @@ def parsed_head(regions: np.ndarray, pixels: np.ndarray, image: np.ndarray) -> P
     own = whole & pixels
     height = np.ptp(np.flatnonzero(pixels.any(1)))
     around = round(_AROUND * height)
-    collar = _collar(regions, own, image)
+    collar = find_collar(regions, own, image)
     if collar.any():
         # Beyond the mesh, too, whose outermost vertices see what is beside it.
         collar = whole & (regions == Region.NECK) & ~_bare_neck(regions, own & ~collar, collar, around)
@@ -90,20 +86,6 @@ def _bare_neck(regions: np.ndarray, head: np.ndarray, collar: np.ndarray, around
     disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * around + 1, 2 * around + 1))
     neck = head & (regions == Region.NECK) & (cv2.dilate(collar.astype(np.uint8), disc) == 0)
     neck = cv2.morphologyEx(neck.astype(np.uint8), cv2.MORPH_OPEN, disc) > 0
-    bare = head & np.isin(regions, _BARE)
+    bare = head & np.isin(regions, BARE)
     parts, _ = label(neck | (cv2.dilate(bare.astype(np.uint8), disc) > 0))
     return neck & np.isin(parts, np.unique(parts[bare]))
-
-
-def _collar(regions: np.ndarray, head: np.ndarray, image: np.ndarray) -> np.ndarray:
-    """(H, W) bool: what of a neck has none of the colours of the bare skin of the same head (H, W) bool."""
-    neck = head & (regions == Region.NECK)
-    bare = head & np.isin(regions, _BARE)
-    collar = np.zeros_like(neck)
-    if neck.any() and bare.any():
-        colours = cv2.cvtColor(image.astype(np.float32) / 255, cv2.COLOR_RGB2LAB)
-        own = colours[bare]
-        some = own[np.linspace(0, len(own) - 1, min(_COLOURS, len(own))).astype(int)]
-        away, _ = KDTree(some).query(colours[neck], k=[min(_SEVERAL, len(some))])
-        collar[neck] = away[:, 0] > _UNLIKE
-    return collar

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from caricli.methods.parts.attachment import open_head_attachment
-from caricli.methods.parts.incisors import BEHIND, CROWN, LAUGHED, SHOWN, incisors_of
+from caricli.methods.parts.incisors import BEHIND, CROWN, LAUGHED, LOWER, SHOWN, incisors_of
 from caricli.structures import Material
 
 NONE = np.zeros((0, 4200, 3))
@@ -35,6 +35,20 @@ def test_an_open_mouth_shows_the_upper_teeth(head_template, laughing):
 def test_behind_closed_lips_they_are_where_the_skull_has_them(head_template):
     shown, _, _ = upper_teeth(head_template, head_template.vertices)
     assert -BEHIND * head_template.height <= shown < 0
+
+
+@pytest.mark.parametrize("sunk", [0.03, -0.03])
+def test_lower_teeth_end_near_their_lip_when_lips_meet(head_template, sunk):
+    part = next(hold.part for hold in open_head_attachment().holds if hold.part.name == "teeth_lower")
+    incisors, shape = incisors_of(head_template, part), np.asarray(part.mesh.vertices, float)
+    assert incisors is not None
+    up = np.array([0.0, 1, 0])
+    moved = shape - sunk * head_template.height * up
+    skin, height = head_template.vertices, head_template.height
+    lifted = moved + incisors.lifted(skin, moved, up, height) * up
+    above = (incisors.edge(lifted, up) - skin[incisors.lips[1], 1]) / height
+    assert abs(above - LOWER[int(sunk < 0)]) < 1e-3
+    assert incisors.lifted(skin, shape, up, height) == 0
 
 
 def test_those_that_a_laugh_drew_up_come_down_when_the_lips_close(head_template):
