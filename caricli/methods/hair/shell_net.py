@@ -2,6 +2,8 @@
 
 import numpy as np
 import scipy.sparse as sp
+from scipy.ndimage import label
+from scipy.sparse.csgraph import connected_components
 
 from caricli.geometry.cholesky import Cholesky
 from caricli.geometry.vertex_neighbours import vertex_neighbours
@@ -22,6 +24,8 @@ class ShellNet:
     def __init__(self, shell: Mesh, sphere: HeadSphere) -> None:
         """shell: as it was made, without folds. sphere: HeadSphere of the head that it is on."""
         self.faces = shell.faces
+        # Around the whorl, which is the first vertex, there are as many in every ring.
+        self.columns = int((shell.faces == 0).any(1).sum())
         self.adjacency, self.mean = vertex_neighbours(shell.faces, len(shell.vertices))
         longitudes, angles, _ = sphere.seen_from(shell.vertices)
         self.start = sphere.directions(longitudes, angles)
@@ -44,6 +48,35 @@ class ShellNet:
             directions = self._laid_anew(directions, self._around(self.faces[folded], rings))
         longitudes, angles, _ = skin.seen_from(skin.middle + directions)
         return skin.points(longitudes, angles, skin.sample(skin.radii, longitudes, angles) + above)
+
+    def large_parts(self, chosen: np.ndarray, least: float = 1.0) -> np.ndarray:
+        """(V,) bool: of vertices (V,) bool the most that hang together, and others that are so many times as many."""
+        ids = np.flatnonzero(chosen)
+        if not len(ids):
+            return chosen
+        _, parts = connected_components(self.adjacency[ids][:, ids], directed=False)
+        counts = np.bincount(parts)
+        large = np.zeros_like(chosen)
+        large[ids[(counts >= least * counts.max())[parts]]] = True
+        return large
+
+    def without_strips(self, chosen: np.ndarray) -> np.ndarray:
+        """(V,) bool: of vertices (V,) bool those within two edges of one all of whose neighbours are among them."""
+        near = chosen & ~(self.adjacency @ ~chosen > 0)
+        for _ in range(2):
+            near = near | (self.adjacency @ near > 0)
+        return chosen & near
+
+    def out_again(self, above: np.ndarray, points: np.ndarray, length: float) -> np.ndarray:
+        """(V,) bool: of vertices above the skin (V,) bool those that come out of it for less than a length, once the
+        shell has gone under it on the way from the whorl. points: (V, 3) metres."""
+        grid = above[1:].reshape(-1, self.columns)
+        places = points[1:].reshape(*grid.shape, 3)
+        steps = np.linalg.norm(np.diff(places, axis=0, prepend=places[:1]), axis=2)
+        runs, count = label(grid, [[0, 1, 0]] * 3)
+        lengths = np.bincount(runs.ravel(), (steps * grid).ravel(), count + 1)
+        again = grid & ~np.logical_and.accumulate(grid, axis=0) & (lengths[runs] < length)
+        return np.append(False, again)
 
     def _around(self, faces: np.ndarray, rings: int) -> np.ndarray:
         """(V,) bool: vertices of faces (F, 3), and so many rings, with these as the first, around them."""

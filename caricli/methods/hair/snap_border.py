@@ -8,7 +8,6 @@ import igl
 import numpy as np
 import scipy.sparse as sp
 from scipy.ndimage import minimum_filter
-from scipy.sparse.csgraph import connected_components
 from scipy.spatial import KDTree
 
 from caricli.geometry.join_meshes import join_meshes
@@ -45,6 +44,7 @@ _SLOPES = (0.6, 3.0)  # at these cosines, in which hair rises at most from where
 _JOINED = 0.3  # of the least thickness of hair: what is less far above the skin holds nothing together
 _LOOSE = 0.1  # of the largest part of hair: a part with less of it is loose,
 _LOCK = 0.01  # and one with still less is no lock
+_STRIP = 0.03  # of the head's height: what comes out of the skin once more is at least so long
 _EVEN = ((-0.4, -0.1, 0.5, 0.8), (0.0, 0.5, 0.5, 0.0))  # of cosines, how far a height is evened in a round
 _EVEN_ROUNDS = 2
 _SOFT = 1.5  # pixels over which the way out of a border is looked for
@@ -169,7 +169,7 @@ def _laid(hair: Hair, skin: HeadSphere, seen: HeadView, mask: HairMask, net: She
     hairy = seen.shows(feet) & (sample_pixels(mask.pixels.astype(np.float32), x, y, border=0.0) > 0.5)
     least = ground + settings.least * skin.head.height
     there = radii > least
-    whole = _large_parts(_with_faces(hair.shell.faces, hairy | there), net)
+    whole = net.large_parts(_with_faces(hair.shell.faces, hairy | there))
     laid = np.where(hairy & whole & (whole & there).any(), np.maximum(radii, least), radii)
     return replace(hair, shell=hair.shell.with_vertices(skin.points(longitudes, angles, laid)))
 
@@ -190,12 +190,14 @@ def _clear_of(hair: Hair, sphere: HeadSphere, settings: ShellSettings) -> Templa
 def _hanging_together(hair: Hair, skin: HeadSphere, camera: Camera, net: ShellNet, settings: ShellSettings) -> Hair:
     """Hair whose loose parts are under the skin where they are slivers, or are seen from aside; others are locks.
 
+    Strips along the edge that hang on it at an end are slivers, too, and those that come out once more beyond it.
     skin: HeadSphere of the head. net: ShellNet of the hair.
     """
     longitudes, angles, radii = skin.seen_from(hair.shell.vertices)
     ground = skin.sample(skin.radii, longitudes, angles)
-    above = radii > ground + _JOINED * settings.least * skin.head.height
-    joined, locks = (_large_parts(above, net, least) for least in (_LOOSE, _LOCK))
+    above = net.without_strips(radii > ground + _JOINED * settings.least * skin.head.height)
+    above &= ~net.out_again(above, hair.shell.vertices, _STRIP * skin.head.height)
+    joined, locks = (net.large_parts(above, least) for least in (_LOOSE, _LOCK))
     kept = joined | (locks & (_cosines(hair.shell, camera) >= _SKIN[1]))
     buried = np.where(kept, radii, np.minimum(radii, ground - settings.under * skin.head.height))
     return replace(hair, shell=hair.shell.with_vertices(skin.points(longitudes, angles, buried)))
@@ -221,18 +223,6 @@ def _evened(hair: Hair, skin: HeadSphere, camera: Camera, net: ShellNet) -> Hair
         heights += share * (net.mean @ heights - heights)
     even = np.where(radii > ground, ground + heights, radii)
     return replace(hair, shell=hair.shell.with_vertices(skin.points(longitudes, angles, even)))
-
-
-def _large_parts(chosen: np.ndarray, net: ShellNet, least: float = 1.0) -> np.ndarray:
-    """(V,) bool: of vertices (V,) bool the most that hang together, and others that are so many times as many."""
-    ids = np.flatnonzero(chosen)
-    if not len(ids):
-        return chosen
-    _, parts = connected_components(net.adjacency[ids][:, ids], directed=False)
-    counts = np.bincount(parts)
-    large = np.zeros_like(chosen)
-    large[ids[(counts >= least * counts.max())[parts]]] = True
-    return large
 
 
 def union_share(first: np.ndarray, second: np.ndarray) -> float:

@@ -41,8 +41,8 @@ def fit_landmarks(
     """Fit a face elastically, or inside the model.
 
     Where 68 landmarks come with a picture, ears and forehead that are seen there pull weakly (``find_outline``); where
-    further ones were detected, ears that stand out there count beside them. A face that is fitted elastically gets a
-    neck as thin as the picture shows it (``fit_neck``).
+    further ones were detected, ears that stand out there count beside them. A face that is fitted elastically gets the
+    outline of ears (``fit_ears``) and a neck as thin (``fit_neck``) as the picture shows them.
 
     points: (L, 2) pixels, y down, NaN where unknown. model: ShapeModel, for "intrinsic" an IntrinsicModel. method: of
     METHODS, or None for the one that the model allows, see ``fitting_method``. prior_weight: larger stays nearer to
@@ -54,9 +54,9 @@ def fit_landmarks(
     if picture is not None and can_find_outline(points, model.template, spreads):
         look = partial(_look, template=model.template, points=points, picture=picture)
     fit = _method(model, method or fitting_method(model), prior_weight)(points, look=look, spreads=spreads)
-    return (
-        fit if picture is None or fit.face.residual is None else _with_neck(fit, cast(IntrinsicModel, model), picture)
-    )
+    if picture is None or fit.face.residual is None:
+        return fit
+    return _as_pictured(fit, cast(IntrinsicModel, model), picture)
 
 
 def _look(face: Face, template: Template, points: np.ndarray, picture: ParsedPicture) -> Outline:
@@ -68,18 +68,21 @@ def _look(face: Face, template: Template, points: np.ndarray, picture: ParsedPic
     return outline if len(points) == COUNT else outline.sure_ears
 
 
-def _with_neck(fit: LandmarkFit, model: IntrinsicModel, picture: ParsedPicture) -> LandmarkFit:
-    """A fit whose neck is as thin as a picture shows it. model: of its latent."""
-    from caricli.methods.reconstruct.find_neck import fit_neck
+def _as_pictured(fit: LandmarkFit, model: IntrinsicModel, picture: ParsedPicture) -> LandmarkFit:
+    """A fit whose ears end where a picture shows it, and whose neck is as thin. model: of its latent."""
+    # OpenCV takes a while to start, and most fits have no picture.
+    from caricli.methods.reconstruct.fit_ears import fit_ears
+    from caricli.methods.reconstruct.fit_neck import fit_neck
 
-    gradients = model.template.gradients
-    seen, neck = fit_neck(fit.face, model.template, picture)
+    template = model.template
+    seen, neck = fit_neck(fit_ears(fit.face, template, picture), template, picture)
     if seen is fit.face:
         return fit
-    vertices = untangle(seen.vertices, gradients)
-    residual = gradients.features(vertices) - model.features(seen.require_latent())
-    face = replace(seen.with_vertices(vertices), residual=residual)
-    return replace(fit, face=face, flipped=float(flipped_triangles(vertices, gradients).mean()), neck=neck)
+    vertices = untangle(seen.vertices, template.gradients)
+    residual = template.gradients.features(vertices) - model.features(seen.require_latent())
+    landmarks = seen.require_camera().project(vertices[fit.anchors])
+    face = replace(seen.with_vertices(vertices), landmarks=landmarks, residual=residual)
+    return replace(fit, face=face, flipped=float(flipped_triangles(vertices, template.gradients).mean()), neck=neck)
 
 
 def _method(model: ShapeModel, method: str, prior_weight: float) -> Callable[..., LandmarkFit]:

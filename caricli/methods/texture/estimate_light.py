@@ -4,7 +4,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 GAMMA = 2.2
 """Exponent from sRGB to linear light, near enough for ratios."""
@@ -20,18 +19,18 @@ class LightSettings:
     spread: of the coefficients of the first and the second order, standard deviations for that of the constant one.
     noise: standard deviation of the skin's own colour, of logarithms. outlier: in units of the residuals' spread, from
     where on a colour counts as another thing than skin. weights: of the spread against the mean square of the
-    logarithms, of which that is taken that foretells left-out parts best. folds: left-out parts. gain: share of the
-    left-out error that light has to explain before it is believed in. rounds: of reweighting. range: least and greatest
-    light, of the mean one. least: points of skin, with fewer nothing is told. brightest: mean light on the skin that is
-    seen, at most: none of 150 generated heads in random light has more, but drawings whose outlines are dark look as if
-    lit from before them.
+    logarithms, of which that is taken that foretells left-out parts best. halvings: into these parts. gain: share of
+    the left-out error that light has to explain before it is believed in. rounds: of reweighting. range: least and
+    greatest light, of the mean one. least: points of skin, with fewer nothing is told. brightest: mean light on the
+    skin that is seen, at most: none of 150 generated heads in random light has more, but drawings whose outlines are
+    dark look as if lit from before them.
     """
 
     spread: tuple[float, float] = (0.5, 0.25)
     noise: float = 0.1
     outlier: float = 2.5
     weights: tuple[float, ...] = (1e-4, 1e-3, 1e-2)
-    folds: int = 8
+    halvings: int = 3
     gain: float = 0.1
     rounds: int = 12
     range: tuple[float, float] = (0.3, 2.5)
@@ -96,7 +95,7 @@ def estimate_light(
         return None
     logs = GAMMA * np.log(np.clip(colours[used], 1, 255) / 255)
     fit = _Fit(harmonics(normals[used]), logs, weights[used] / weights[used].sum(), settings)
-    folds = _folds(places[used], settings.folds)
+    folds = _folds(places[used], weights[used], settings.halvings)
     constant = fit.missed(folds, np.inf)
     missed = [fit.missed(folds, weight) for weight in settings.weights]
     best = int(np.argmin(missed))
@@ -162,13 +161,22 @@ class _Fit:
         return total
 
 
-def _folds(places: np.ndarray, count: int) -> np.ndarray:
-    """(N,) int: parts of a surface, each around one of points that are far from each other."""
-    centres = [places[np.argmax(np.linalg.norm(places - places.mean(0), axis=1))]]
-    while len(centres) < count:
-        nearest = cKDTree(np.array(centres)).query(places)[0]
-        centres.append(places[np.argmax(nearest)])
-    return cKDTree(np.array(centres)).query(places)[1]
+def _folds(places: np.ndarray, weights: np.ndarray, halvings: int) -> np.ndarray:
+    """(N,) int: parts of a surface, halves of halves by weight across the way in which each is widest.
+
+    A point more or less changes them little, and so whether light is believed in.
+    """
+    parts = np.zeros(len(places), int)
+    for _ in range(halvings):
+        halves = np.zeros_like(parts)
+        for part in range(parts.max() + 1):
+            rows = np.flatnonzero(parts == part)
+            axis = int(np.argmax(np.cov(places[rows].T, aweights=weights[rows]).diagonal()))
+            order = rows[np.argsort(places[rows, axis], kind="stable")]
+            share = np.cumsum(weights[order])
+            halves[order] = 2 * part + (share > share[-1] / 2)
+        parts = halves
+    return parts
 
 
 def _weighted_median(values: np.ndarray, weights: np.ndarray) -> float:

@@ -63,3 +63,32 @@ def test_hair_that_is_moved_far_has_no_folds(shell, sitter):
     hair, head, _ = snap_border(shell, sitter.head, CAMERA, replace(sitter.hair, pixels=ragged))
     folds = _folds(hair.shell.vertices, shell, HeadSphere(head, ShellSettings(), fine=True))
     assert folds.sum() < 10
+
+
+def test_what_comes_out_again_beyond_the_edge_is_told(shell, sphere):
+    """A gap of a row near the edge of a quarter of the columns, and a long lock beyond another."""
+    net = ShellNet(shell.shell, sphere)
+    points = shell.shell.vertices
+    rows = (len(points) - 1) // net.columns
+    above = np.ones((rows, net.columns), bool)
+    above[-1] = False  # the rim, which is under the skin
+    above[rows - 4, : net.columns // 4] = False
+    above[rows // 3, net.columns // 2] = False
+    flat = np.append(True, above.ravel())
+    again = net.out_again(flat, points, 0.03 * sphere.head.height)
+    expected = np.zeros_like(above)
+    expected[rows - 3 : -1, : net.columns // 4] = True
+    np.testing.assert_array_equal(again, np.append(False, expected.ravel()))
+
+
+def test_strips_are_narrower_than_what_has_an_inside(shell, sphere):
+    net = ShellNet(shell.shell, sphere)
+    rows = (len(shell.shell.vertices) - 1) // net.columns
+    chosen = np.zeros((rows, net.columns), bool)
+    chosen[: rows // 2] = True
+    wide = np.append(True, chosen.ravel())
+    chosen[rows // 2 :, 5] = True
+    narrow = np.append(True, chosen.ravel())
+    np.testing.assert_array_equal(net.without_strips(wide), wide)
+    left = net.without_strips(narrow)
+    assert (left >= wide).all() and (left & ~wide).sum() <= 2

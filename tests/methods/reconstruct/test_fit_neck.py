@@ -3,7 +3,7 @@ import numpy as np
 import pytest
 
 from caricli.geometry.flipped_triangles import flipped_triangles
-from caricli.methods.reconstruct.find_neck import fit_neck
+from caricli.methods.reconstruct.fit_neck import fit_neck
 from caricli.structures import Camera, Face
 from caricli.structures.detection import ParsedPicture
 from caricli.structures.landmarks import POINT_NAMES
