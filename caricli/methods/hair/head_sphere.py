@@ -2,9 +2,11 @@
 
 from functools import cached_property
 
+import igl
 import numpy as np
 import scipy.sparse as sp
 from scipy.ndimage import maximum_filter
+from scipy.spatial import KDTree
 
 from caricli.methods.hair.settings import ShellSettings
 from caricli.render.nearest_pixel import nearest_pixel
@@ -13,6 +15,7 @@ from caricli.template.template import Template
 
 _FINE = 512  # pixels, side of the map of directions
 _NEAR = 5  # cells of a grid that are near each other: vertices of a skull are farther apart than one
+_NEAR_EAR = 0.02  # of the head's height: points so far from an ear may be in it
 EARS = ("ear_left", "ear_right")
 """Regions of an annotation."""
 
@@ -81,6 +84,18 @@ class HeadSphere:
         _, _, radii = self.seen_from(points)
         np.maximum.at(farthest, self._cells(farthest.shape, points), radii)
         return maximum_filter(farthest, _NEAR, mode=("nearest", "wrap"))
+
+    def near_ears(self, points: np.ndarray) -> np.ndarray:
+        """(N,) bool: which of points (N, 3) are near an ear."""
+        near: np.ndarray = KDTree(np.concatenate(self.ears)).query(points)[0] < _NEAR_EAR * self.head.height
+        return near
+
+    def in_ears(self, points: np.ndarray) -> np.ndarray:
+        """(N,) bool: which of points (N, 3) near an ear are in its flesh, or in the head behind it."""
+        near = self.near_ears(points)
+        faces = np.asarray(self.head.faces, np.int64)
+        near[near] = igl.winding_number(self.head.vertices.astype(float), faces, points[near]) > 0.5
+        return near
 
     def _cells(self, shape: tuple[int, ...], points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Rows and columns (N,) of the directions of points (N, 3) in maps of a shape."""
