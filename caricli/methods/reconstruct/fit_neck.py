@@ -20,6 +20,9 @@ _OUTSIDE = 255
 _HIDING = (Region.SKIN, Region.BEARD, Region.EARS, Region.OTHER, _OUTSIDE)
 """What a neck may go on behind."""
 
+_WAYS = 65
+"""Places on a way from the outside of a neck to its middle."""
+
 
 @dataclass(frozen=True)
 class NeckSettings:
@@ -29,8 +32,10 @@ class NeckSettings:
     above, below: the chin, where necks are looked for. aside: how far lines go on either side. least: of a neck's lines
     that are seen. flare: times the narrowest line above it, from which on one shows shoulders or clothes. thin, usual:
     of the width of the head's neck, down to which what is seen is believed less and less, since collars hide what is
-    beside it, and from which on not at all. thinnest: of it, what it is brought to at least. lightness: how much it
-    counts in telling clothes from skin, which is in the shadow of the chin.
+    beside it, and from which on not at all. thinnest: of it, what it is brought to at least; alike: from where on it
+    stays as it is. lightness: how much it counts in telling clothes from skin, which is in the shadow of the chin.
+    weight, outer: of the neck's weights, and shares of its half width, above which its vertices may not stand before
+    what is behind the head; several: of them that do at least, on a side; quantile: of what they call for.
     """
 
     step: float = 1 / 300
@@ -42,7 +47,12 @@ class NeckSettings:
     thin: float = 0.6
     usual: float = 0.85
     thinnest: float = 0.35
+    alike: float = 0.95
     lightness: float = 0.3
+    weight: float = 0.25
+    outer: float = 0.6
+    several: int = 10
+    quantile: float = 0.25
 
 
 _SETTINGS = NeckSettings()
@@ -72,32 +82,62 @@ def fit_neck(face: Face, template: Template, picture: ParsedPicture) -> tuple[Fa
 
     Landmarks end at the jaw, and what they tell of a neck is a usual one: drawings put large heads on thin necks. Below
     the chin lines across the neck are read from its labels, from where the jaw hides neither side of it down to where
-    shoulders or clothes begin; the widest is the width of the neck, and the edge of the head gets it.
+    shoulders or clothes begin; the widest is the width of the neck, and the edge of the head gets it. Where the
+    picture shows what is behind the head beside the jaw, the neck does not stand before that, either.
 
     face: Face with the camera of the picture. template: of its topology. picture: with its regions.
     Returns the Face, and how many times as wide its neck is: the same one and 1 where no neck is seen that is thinner
     than the head's. A wider one is easily clothes.
     """
     camera = face.require_camera()
-    edge = camera.project(face.vertices[template.neck.edge])
-    if not len(edge) or picture.regions is None:
+    if not len(template.neck.edge) or picture.regions is None:
         return face, 1.0
     axes = _Axes.of(face, camera, template)
+    own = camera.project(face.vertices[template.neck.edge]) @ axes.across
+    own = np.array([own.min(), own.max()])
+    places = camera.project(face.vertices)
+    seen = min((_below(picture, axes, own), _beside(picture.regions, template, places, axes, own)), key=np.ptp)
+    times = max(float(np.ptp(seen) / np.ptp(own)), _SETTINGS.thinnest)
+    if times > _SETTINGS.alike:
+        return face, 1.0
+    shift = (seen.mean() - own.mean()) / camera.scale * axes.across @ camera.rotation[:2]
+    return face.with_vertices(template.neck.widen(face.vertices, times, shift)), times
+
+
+def _below(picture: ParsedPicture, axes: _Axes, own: np.ndarray) -> np.ndarray:
+    """Where a neck begins and ends (2,), pixels across, by what is seen below the chin. own: (2,) of the head's."""
+    assert picture.regions is not None
     everywhere = np.ones(picture.regions.shape, bool)
     collar = find_collar(picture.regions, everywhere, picture.pixels, _SETTINGS.lightness)
     seen = _sides(np.where(collar, np.uint8(Region.CLOTH), picture.regions), axes)
     if seen is None:
-        return face, 1.0
+        return own
     sides = axes.start @ axes.across + seen
-    own = edge @ axes.across
-    ratio = max(float(np.ptp(sides) / np.ptp(own)), _SETTINGS.thinnest)
-    believed = float(np.interp(ratio, (_SETTINGS.thin, _SETTINGS.usual), (1, 0)))
-    if not believed:
-        return face, 1.0
-    aside = (sides.mean() - (own.min() + own.max()) / 2) / camera.scale
-    shift = believed * aside * axes.across @ camera.rotation[:2]
-    times = 1 - believed * (1 - ratio)
-    return face.with_vertices(template.neck.widen(face.vertices, times, shift)), times
+    believed = np.interp(np.ptp(sides) / np.ptp(own), (_SETTINGS.thin, _SETTINGS.usual), (1, 0))
+    return own + believed * (sides - own)
+
+
+def _beside(regions: np.ndarray, template: Template, places: np.ndarray, axes: _Axes, own: np.ndarray) -> np.ndarray:
+    """The same by where nothing of the head is seen beside the jaw. places: (V, 2) pixels of the head's vertices.
+
+    What would stand there says how far the neck's side has to come in, so that by its weight it comes to the nearest
+    of the head on the way to the middle.
+    """
+    weights = template.neck.weights
+    aside = (places @ axes.across - own.mean()) / (np.ptp(own) / 2)
+    outer = (weights > _SETTINGS.weight) & (np.abs(aside) > _SETTINGS.outer)
+    shares = np.linspace(0, 1, _WAYS)
+    ways = places[outer, None] - shares[:, None] * (aside[outer] * np.ptp(own) / 2)[:, None, None] * axes.across
+    x, y = ways.reshape(-1, 2).T
+    behind = sample_pixels(regions, x, y, cv2.INTER_NEAREST, _OUTSIDE).reshape(-1, _WAYS) == Region.BACKGROUND
+    wanted = 1 - shares[np.argmin(behind, axis=1)] / weights[outer]
+    stands_out = behind[:, 0] & ~behind.all(1)
+    sides = own.copy()
+    for k, side in enumerate((aside[outer] < 0, aside[outer] > 0)):
+        if (stands_out & side).sum() >= _SETTINGS.several:
+            come_in = max(float(np.quantile(wanted[stands_out & side], _SETTINGS.quantile)), _SETTINGS.thinnest)
+            sides[k] = own.mean() + come_in * (own[k] - own.mean())
+    return sides
 
 
 def _sides(regions: np.ndarray, axes: _Axes) -> np.ndarray | None:
@@ -115,7 +155,7 @@ def _sides(regions: np.ndarray, axes: _Axes) -> np.ndarray | None:
     narrowest = np.inf
     for number in np.flatnonzero(depths > 0):
         line = labels[number]
-        ends = _below(line == Region.NECK)
+        ends = _middle_row(line == Region.NECK)
         seen = len(ends) > 0 and not np.isin(line[np.clip(ends + [-1, 1], 0, len(line) - 1)], _HIDING).any()
         if seen and np.ptp(ends) <= _SETTINGS.flare * narrowest:
             narrowest = min(narrowest, float(np.ptp(ends)))
@@ -125,12 +165,12 @@ def _sides(regions: np.ndarray, axes: _Axes) -> np.ndarray | None:
     if len(lines) < max(_SETTINGS.least * axes.height / step, 3):
         return None
     parts, _ = label(labels[: lines[-1] + 1] == Region.NECK)
-    own = parts[lines[0], _below(labels[lines[0]] == Region.NECK)[0]]
+    own = parts[lines[0], _middle_row(labels[lines[0]] == Region.NECK)[0]]
     across = along[(parts == own).any(0)]
     return across[[0, -1]]
 
 
-def _below(line: np.ndarray) -> np.ndarray:
+def _middle_row(line: np.ndarray) -> np.ndarray:
     """The first and the last (2,) of the row of true places on a line (N,) bool that is nearest to its middle, below
     the chin; none (0,) without any."""
     changes = np.diff(line.astype(np.int8), prepend=0, append=0)

@@ -75,10 +75,8 @@ def test_a_usual_neck_stays(head_template, width):
 
 def test_where_no_neck_is_seen_it_stays(head_template):
     face, picture = drawn(head_template, 0.4)
-    hidden = ParsedPicture(
-        picture.pixels, np.where(picture.regions == Region.NECK, np.uint8(Region.CLOTH), picture.regions)
-    )
-    for other in (hidden, ParsedPicture(picture.pixels)):
+    hidden = np.where(picture.regions == Region.SKIN, picture.regions, np.uint8(Region.CLOTH))
+    for other in (ParsedPicture(picture.pixels, hidden), ParsedPicture(picture.pixels)):
         assert fit_neck(face, head_template, other) == (face, 1.0)
 
 
@@ -92,3 +90,16 @@ def test_a_neck_that_goes_on_beside_the_jaw_is_no_thin_one(head_template):
     regions[beside] = Region.NECK
     image = np.where(beside[..., None], np.array(NECK, np.uint8), picture.pixels)
     assert fit_neck(face, head_template, ParsedPicture(image, regions))[1] > 0.9
+
+
+@pytest.mark.parametrize("side", [-1, 1])
+def test_a_neck_does_not_stand_before_what_is_behind_the_head(head_template, side):
+    """A shirt hides it up to the chin, and beside the jaw, on one side, the background is seen."""
+    face, picture = drawn(head_template, 0.5)
+    regions = np.where(picture.regions == Region.NECK, np.uint8(Region.CLOTH), picture.regions)
+    covered = (np.arange(SIZE) - SIZE // 2) * side > 0
+    regions[:, covered] = np.where(regions[:, covered] == Region.BACKGROUND, Region.CLOTH, regions[:, covered])
+    thin, times = fit_neck(face, head_template, ParsedPicture(picture.pixels, regions))
+    edge = head_template.neck.edge
+    own, now = (each.vertices[edge, 0] * side for each in (face, thin))
+    assert times < 0.9 and now.min() > own.min() + 0.01 and abs(now.max() - own.max()) < 0.003
