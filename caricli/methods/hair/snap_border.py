@@ -17,6 +17,7 @@ from caricli.methods.hair.mask_hair import HairMask
 from caricli.methods.hair.move_skull import lower_skull, raise_skull
 from caricli.methods.hair.settings import ShellSettings
 from caricli.methods.hair.shell_net import ShellNet
+from caricli.methods.hair.slope_edges import slope_edges
 from caricli.render.rasterise import Raster, rasterise
 from caricli.render.sample_texture import sample_pixels
 from caricli.structures import Camera, Hair, Mesh
@@ -129,6 +130,7 @@ def _tidied(
     hair = _nearer(_evened(hair, skin, camera, net), skin, camera, mask, net)
     # What moved to the mask may hang together no longer.
     hair = _hanging_together(hair, skin, camera, net, settings)
+    hair = slope_edges(hair, skin, camera, visible_hair(head, hair, camera, mask.pixels.shape), settings)
     return hair, _clear_of(hair, skin, settings)
 
 
