@@ -31,8 +31,9 @@ class OpeningSettings:
     and pixels in turns. colour: natural logarithm of the odds that a colour counts at most; place: the same of the
     distance from the border, per side. radius, smoothness: of the filter that makes neighbours agree, pixels and shares
     of full scale. blur: of the picture, pixels. part: share of the largest piece of lips that another has to have to be
-    one. steps: of so far, that a mouth may be wider than its regions. around_mouth,
-    around_eyes: pixels of the window, around a mouth and an eye, where its colours are mixed with the skin's.
+    one. steps: of so far, that a mouth may be wider than its regions. around_mouth, around_eyes: pixels of the window,
+    around a mouth and an eye, where its colours are mixed with the skin's. beside: the same, around what is labelled
+    mouth, within which lips may be labelled so, too.
     """
 
     side: int = 256
@@ -54,6 +55,7 @@ class OpeningSettings:
     gain: float = 1.03
     around_mouth: int = 2
     around_eyes: int = 3
+    beside: int = 2
 
 
 _SETTINGS = OpeningSettings()
@@ -108,17 +110,21 @@ class FaceWindow:
         skin = np.isin(self.labels, (Region.SKIN, Region.NOSE))
         return eye_liner(lightness, eyes, skin, np.isin(self.labels, _KEPT) & (self.labels != Region.NOSE))
 
-    def mouth(self, seed: np.ndarray) -> np.ndarray:
-        """(S, S) bool: the inside of the mouth of which a seed (S, S) bool is a part."""
+    def mouth(self, seed: np.ndarray, lips: np.ndarray | None = None) -> np.ndarray:
+        """(S, S) bool: the inside of the mouth of which a seed (S, S) bool is a part.
+
+        lips: (S, S) bool, what shows the colours of lips, which are none of its; None where nobody knows.
+        """
         for _ in range(_SETTINGS.steps):
-            grown = seed | self._grown(seed)
+            grown = seed | self._grown(seed, lips)
             if grown.sum() < _SETTINGS.gain * seed.sum():
                 return grown
             seed = grown
         return seed
 
-    def _grown(self, seed: np.ndarray) -> np.ndarray:
-        """(S, S) bool: what an opening is of which a seed (S, S) bool is a part, by the colours around it."""
+    def _grown(self, seed: np.ndarray, other: np.ndarray | None = None) -> np.ndarray:
+        """(S, S) bool: what an opening is of which a seed (S, S) bool is a part, by the colours around it and by those
+        of other places (S, S) bool that are none of it."""
         rows, columns = np.nonzero(seed)
         if len(rows) < _SETTINGS.fewest:
             return seed
@@ -129,7 +135,8 @@ class FaceWindow:
         ]
         kept = np.isin(self.labels[part], _KEPT) & ~seed[part]
         grown = seed.copy()
-        grown[part] = _alike(np.ascontiguousarray(self.picture[part]), seed[part], kept)
+        others = np.zeros_like(kept) if other is None else other[part]
+        grown[part] = _alike(np.ascontiguousarray(self.picture[part]), seed[part], kept, others)
         return grown
 
 
@@ -146,14 +153,17 @@ def cut_openings(image: np.ndarray, regions: np.ndarray, points: np.ndarray) -> 
     window = FaceWindow.of(image, regions, points)
     eyes = window.eyes()
     sure = widen_mask(eyes | window.liner(eyes), _SETTINGS.around_eyes)
-    sure |= widen_mask(window.mouth(window.labelled_mouth), _SETTINGS.around_mouth)
+    seed = window.labelled_mouth
+    lips = (window.labels == Region.LIPS) & ~widen_mask(seed, _SETTINGS.beside)
+    sure |= widen_mask(window.mouth(seed, lips), _SETTINGS.around_mouth)
     way = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
     there = cv2.warpAffine(sure.astype(np.float32), window.matrix, image.shape[1::-1], flags=way)
     return (there > 0.5) | np.isin(regions, (Region.EYES, *_INSIDE))
 
 
-def _alike(picture: np.ndarray, seed: np.ndarray, kept: np.ndarray) -> np.ndarray:
-    """(h, w) bool: what looks as a seed does, near to it, in a picture (h, w, 3) uint8, but for what is kept.
+def _alike(picture: np.ndarray, seed: np.ndarray, kept: np.ndarray, other: np.ndarray) -> np.ndarray:
+    """(h, w) bool: what looks as a seed does, near to it, in a picture (h, w, 3) uint8, but for what is kept, and for
+    what looks as other places do.
 
     Odds are those of mixtures of Gaussians of the colours of the seed and of what is farther off, up to a bound, times
     those of the place; a guided filter (He et al. 2013) makes neighbours agree.
@@ -167,7 +177,7 @@ def _alike(picture: np.ndarray, seed: np.ndarray, kept: np.ndarray) -> np.ndarra
     # What is next to the seed may be of it, and says nothing of what is around it at first.
     rest = away < -settings.beyond
     for _ in range(settings.rounds):
-        pixels = (opening, rest & near)
+        pixels = (opening & ~other, rest & near | other)
         if min(int(own.sum()) for own in pixels) < settings.fewest:
             return seed
         scores = [_likelihoods(asked, own, k) for own, k in zip(pixels, settings.components, strict=True)]

@@ -1,9 +1,13 @@
+import cv2
 import numpy as np
 import pytest
 
 from caricli.methods.detect.cut_openings import cut_openings
 from caricli.structures.parsing import Region
 from tests.grinning_face import GrinningFace
+
+LIPS = 12
+"""Pixels, how thick they are."""
 
 
 @pytest.fixture(scope="module")
@@ -30,3 +34,16 @@ def test_a_shut_mouth_has_no_opening(face):
 def test_without_eyes_and_mouth_there_is_nothing(face):
     skin = np.full_like(face.regions, Region.SKIN)
     assert not cut_openings(face.image, skin, face.marks.points).any()
+
+
+def test_lips_are_none_of_a_mouth_that_is_labelled_a_little_too_large(face):
+    """Painted red around it, and a rim of them is labelled mouth, too."""
+    mouth = face.mouth.astype(np.uint8)
+    lips, labelled = (
+        cv2.dilate(mouth, np.ones((2 * wide + 1, 2 * wide + 1), np.uint8)) > 0 for wide in (LIPS, LIPS // 4)
+    )
+    image = np.where((lips & ~face.mouth)[..., None], np.array([170, 40, 50], np.uint8), face.image)
+    regions = np.where(labelled, Region.MOUTH, np.where(lips, Region.LIPS, face.regions)).astype(np.uint8)
+    openings = cut_openings(image, regions, face.marks.points)
+    assert openings[face.mouth].mean() > 0.95
+    assert openings[lips & ~labelled].mean() < 0.4
