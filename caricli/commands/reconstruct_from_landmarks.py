@@ -53,7 +53,7 @@ from caricli.methods.reconstruct.settings import METHODS
     type=click.Choice(["auto", "none"]),
     default="auto",
     help="Find in the picture ears and forehead, which pull weakly, where 68 landmarks come with --image, ears beside "
-    "detected landmarks, and a thin neck (auto); or leave them as such a face has them (none).",
+    "detected landmarks, the outline of ears, and a thin neck (auto); or leave them as such a face has them (none).",
 )
 @detector_option
 @pts_origin_option

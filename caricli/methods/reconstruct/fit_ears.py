@@ -65,7 +65,8 @@ def fit_ears(face: Face, template: Template, picture: ParsedPicture) -> Face:
     if zoom < 1:
         size = [max(round(zoom * side), 1) for side in regions.shape[1::-1]]
         regions = cv2.resize(regions, size, interpolation=cv2.INTER_NEAREST)
-        camera = camera.zoomed(zoom)
+        # Pixels are where their middles are.
+        camera = camera.zoomed(zoom, np.full(2, 0.5 / zoom - 0.5))
     vertices = np.array(face.vertices, float)
     places = camera.project(vertices)
     for name, mask in _labelled(template, regions, places).items():

@@ -35,7 +35,8 @@ class NeckSettings:
     beside it, and from which on not at all. thinnest: of it, what it is brought to at least; alike: from where on it
     stays as it is. lightness: how much it counts in telling clothes from skin, which is in the shadow of the chin.
     weight, outer: of the neck's weights, and shares of its half width, above which its vertices may not stand before
-    what is behind the head; several: of them that do at least, on a side; quantile: of what they call for.
+    what is behind the head; several: of them that do at least, on a side; quantile: of what they call for. frontal:
+    cosine of a head's turn, below which nothing is told of its neck.
     """
 
     step: float = 1 / 300
@@ -53,6 +54,7 @@ class NeckSettings:
     outer: float = 0.6
     several: int = 10
     quantile: float = 0.25
+    frontal: float = 0.5
 
 
 _SETTINGS = NeckSettings()
@@ -69,8 +71,8 @@ class _Axes:
 
     @staticmethod
     def of(face: Face, camera: Camera, template: Template) -> "_Axes":
-        """Of a Face of the template's topology, seen by a Camera."""
-        across = camera.rotation[:2, 0] / max(np.linalg.norm(camera.rotation[:2, 0]), np.finfo(float).tiny)
+        """Of a Face of the template's topology, seen by a Camera, not from its side."""
+        across = camera.rotation[:2, 0] / np.linalg.norm(camera.rotation[:2, 0])
         down = np.array([-across[1], across[0]])
         places = camera.project(face.vertices)
         chin = places[template.annotation.landmarks[POINT_NAMES["chin"]]]
@@ -90,7 +92,8 @@ def fit_neck(face: Face, template: Template, picture: ParsedPicture) -> tuple[Fa
     than the head's. A wider one is easily clothes.
     """
     camera = face.require_camera()
-    if not len(template.neck.edge) or picture.regions is None:
+    frontal = np.linalg.norm(camera.rotation[:2, 0])
+    if not len(template.neck.edge) or picture.regions is None or frontal < _SETTINGS.frontal:
         return face, 1.0
     axes = _Axes.of(face, camera, template)
     own = camera.project(face.vertices[template.neck.edge]) @ axes.across

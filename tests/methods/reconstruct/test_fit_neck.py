@@ -103,3 +103,10 @@ def test_a_neck_does_not_stand_before_what_is_behind_the_head(head_template, sid
     edge = head_template.neck.edge
     own, now = (each.vertices[edge, 0] * side for each in (face, thin))
     assert times < 0.9 and now.min() > own.min() + 0.01 and abs(now.max() - own.max()) < 0.003
+
+
+def test_of_a_head_that_is_seen_from_its_side_nothing_is_told(head_template):
+    face, picture = drawn(head_template, 0.4)
+    aside = np.array([[0.0, 0, -1], [0, -1, 0], [-1, 0, 0]])
+    turned = Face(head_template, Camera(face.camera.scale, aside, face.camera.translation))
+    assert fit_neck(turned, head_template, picture) == (turned, 1.0)
