@@ -7,11 +7,10 @@ import cv2
 import igl
 import numpy as np
 import scipy.sparse as sp
-from scipy.ndimage import label
 from scipy.spatial import KDTree
 
 from caricli.geometry.cholesky import Cholesky
-from caricli.render.rasterise import rasterise
+from caricli.render.covered_pixels import covered_pixels
 from caricli.structures import Camera, Face
 from caricli.structures.detection import ParsedPicture
 from caricli.structures.parsing import Region
@@ -68,8 +67,8 @@ def fit_ears(face: Face, template: Template, picture: ParsedPicture) -> Face:
         # Pixels are where their middles are.
         camera = camera.zoomed(zoom, np.full(2, 0.5 / zoom - 0.5))
     vertices = np.array(face.vertices, float)
-    places = camera.project(vertices)
-    for name, mask in _labelled(template, regions, places).items():
+    places = camera.place(vertices)
+    for name, mask in _labelled(template, regions, places[:, :2]).items():
         ear = _Ear(template, name, mask, regions, places)
         for _ in range(_SETTINGS.rounds if ear.is_seen else 0):
             vertices[ear.ids] += ear.pulled(vertices, camera)
@@ -79,9 +78,9 @@ def fit_ears(face: Face, template: Template, picture: ParsedPicture) -> Face:
 def _labelled(template: Template, regions: np.ndarray, places: np.ndarray) -> dict[str, np.ndarray]:
     """(H, W) bool by ear: what of the labelled ears is nearer to it than to the other one. places: (V, 2) pixels."""
     names = [name for name in EARS if name in template.annotation.regions]
-    parts, count = label(regions == Region.EARS)
+    count, parts = cv2.connectedComponents((regions == Region.EARS).astype(np.uint8), connectivity=4)
     masks = {name: np.zeros(regions.shape, bool) for name in names}
-    for number in range(1, count + 1 if names else 0):
+    for number in range(1, count if names else 0):
         part = parts == number
         middle = np.argwhere(part).mean(0)[::-1]
         away = [np.linalg.norm(places[template.annotation.regions[name]].mean(0) - middle) for name in names]
@@ -95,18 +94,18 @@ class _Ear:
     def __init__(
         self, template: Template, name: str, mask: np.ndarray, regions: np.ndarray, places: np.ndarray
     ) -> None:
-        """name: of EARS. mask: (H, W) bool, the labelled ear. regions: (H, W) values of Region. places: (V, 2) pixels,
+        """name: of EARS. mask: (H, W) bool, the labelled ear. regions: (H, W) values of Region. places: (V, 3) pixels,
         where the head's vertices are."""
         self.ids = template.annotation.regions[name]
-        self.faces = template.faces
         self.height = template.height
-        inside = template.mask(name)
-        self.own = inside[template.faces].all(1)
+        own = template.mask(name)[template.faces].all(1)
+        self.faces = template.faces[own]
+        self.others = covered_pixels(places, template.faces[~own], *mask.shape[::-1])
         self.bending = _bending(template)[self.ids][:, self.ids]
         self.mask = mask
         beside = cv2.dilate(np.isin(regions, _BEHIND).astype(np.uint8), np.ones((3, 3), np.uint8)) > 0
         self.border = np.argwhere(mask & beside)[:, ::-1].astype(float)
-        self.side = float(np.sqrt(cv2.contourArea(cv2.convexHull(places[self.ids].astype(np.float32)))))
+        self.side = float(np.sqrt(cv2.contourArea(cv2.convexHull(places[self.ids, :2].astype(np.float32)))))
 
     @property
     def is_seen(self) -> bool:
@@ -117,10 +116,8 @@ class _Ear:
     def pulled(self, vertices: np.ndarray, camera: Camera) -> np.ndarray:
         """(E, 3) metres, by which its vertices of a head (V, 3) bring its outline nearer to the label's."""
         places = camera.place(vertices)
-        raster = rasterise(places, self.faces, *self.mask.shape[::-1])
-        covered = raster.face >= 0
-        shown = covered & self.own[raster.face]
-        around = cv2.dilate((~covered).astype(np.uint8), np.ones((3, 3), np.uint8)) > 0
+        shown = covered_pixels(places, self.faces, *self.mask.shape[::-1])
+        around = cv2.dilate((~(shown | self.others)).astype(np.uint8), np.ones((3, 3), np.uint8)) > 0
         rim = np.argwhere(shown & around)[:, ::-1]
         if not len(rim):
             return np.zeros((len(self.ids), 3))

@@ -4,7 +4,6 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
-from scipy.ndimage import label
 
 from caricli.methods.texture.collar import find_collar
 from caricli.render.sample_texture import sample_pixels
@@ -167,7 +166,8 @@ def _sides(regions: np.ndarray, axes: _Axes) -> np.ndarray | None:
             break
     if len(lines) < max(_SETTINGS.least * axes.height / step, 3):
         return None
-    parts, _ = label(labels[: lines[-1] + 1] == Region.NECK)
+    necks = (labels[: lines[-1] + 1] == Region.NECK).astype(np.uint8)
+    _, parts = cv2.connectedComponents(necks, connectivity=4)
     own = parts[lines[0], _middle_row(labels[lines[0]] == Region.NECK)[0]]
     across = along[(parts == own).any(0)]
     return across[[0, -1]]
