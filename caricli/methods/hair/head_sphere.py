@@ -90,12 +90,11 @@ class HeadSphere:
         near: np.ndarray = KDTree(np.concatenate(self.ears)).query(points)[0] < _NEAR_EAR * self.head.height
         return near
 
-    def in_ears(self, points: np.ndarray) -> np.ndarray:
-        """(N,) bool: which of points (N, 3) near an ear are in its flesh, or in the head behind it."""
-        near = self.near_ears(points)
+    def encloses(self, points: np.ndarray) -> np.ndarray:
+        """(N,) bool: which of points (N, 3) are in the flesh of the head, ears included."""
         faces = np.asarray(self.head.faces, np.int64)
-        near[near] = igl.winding_number(self.head.vertices.astype(float), faces, points[near]) > 0.5
-        return near
+        inside: np.ndarray = igl.winding_number(self.head.vertices.astype(float), faces, points) > 0.5
+        return inside
 
     def _cells(self, shape: tuple[int, ...], points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Rows and columns (N,) of the directions of points (N, 3) in maps of a shape."""

@@ -199,12 +199,13 @@ def _hanging_together(hair: Hair, skin: HeadSphere, camera: Camera, net: ShellNe
     ground = skin.sample(skin.radii, longitudes, angles)
     above = net.without_strips(radii > ground + _JOINED * settings.least * skin.head.height)
     # What comes out in the hollow of an ear hangs on nothing but what is in its flesh.
-    above &= ~skin.in_ears(hair.shell.vertices)
+    near_ears = skin.near_ears(hair.shell.vertices)
+    above[near_ears] &= ~skin.encloses(hair.shell.vertices[near_ears])
     above &= ~net.out_again(above, hair.shell.vertices, _STRIP * skin.head.height)
     joined, locks = (net.large_parts(above, least) for least in (_LOOSE, _LOCK))
     kept = joined | (locks & (_cosines(hair.shell, camera) >= _SKIN[1]))
     # The hollow of an ear is deeper than the skin between what is around it.
-    depth = np.where(skin.near_ears(hair.shell.vertices), settings.deep, settings.under) * skin.head.height
+    depth = np.where(near_ears, settings.deep, settings.under) * skin.head.height
     buried = np.where(kept, radii, np.minimum(radii, ground - depth))
     return replace(hair, shell=hair.shell.with_vertices(skin.points(longitudes, angles, buried)))
 

@@ -69,11 +69,10 @@ class _Axes:
     height: float
 
     @staticmethod
-    def of(face: Face, camera: Camera, template: Template) -> "_Axes":
-        """Of a Face of the template's topology, seen by a Camera, not from its side."""
+    def of(places: np.ndarray, camera: Camera, template: Template) -> "_Axes":
+        """Of a head whose vertices are at pixels (V, 2), seen by a Camera, not from its side."""
         across = camera.rotation[:2, 0] / np.linalg.norm(camera.rotation[:2, 0])
         down = np.array([-across[1], across[0]])
-        places = camera.project(face.vertices)
         chin = places[template.annotation.landmarks[POINT_NAMES["chin"]]]
         return _Axes(across, down, chin, float(np.ptp(places @ down)))
 
@@ -94,10 +93,10 @@ def fit_neck(face: Face, template: Template, picture: ParsedPicture) -> tuple[Fa
     frontal = np.linalg.norm(camera.rotation[:2, 0])
     if not len(template.neck.edge) or picture.regions is None or frontal < _SETTINGS.frontal:
         return face, 1.0
-    axes = _Axes.of(face, camera, template)
-    own = camera.project(face.vertices[template.neck.edge]) @ axes.across
-    own = np.array([own.min(), own.max()])
     places = camera.project(face.vertices)
+    axes = _Axes.of(places, camera, template)
+    edge = places[template.neck.edge] @ axes.across
+    own = np.array([edge.min(), edge.max()])
     seen = min((_below(picture, axes, own), _beside(picture.regions, template, places, axes, own)), key=np.ptp)
     times = max(float(np.ptp(seen) / np.ptp(own)), _SETTINGS.thinnest)
     if times > _SETTINGS.alike:

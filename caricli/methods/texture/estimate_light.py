@@ -171,6 +171,9 @@ def _folds(places: np.ndarray, weights: np.ndarray, halvings: int) -> np.ndarray
         halves = np.zeros_like(parts)
         for part in range(parts.max() + 1):
             rows = np.flatnonzero(parts == part)
+            if len(rows) < 2:
+                halves[rows] = 2 * part
+                continue
             axis = int(np.argmax(np.cov(places[rows].T, aweights=weights[rows]).diagonal()))
             order = rows[np.argsort(places[rows, axis], kind="stable")]
             share = np.cumsum(weights[order])

@@ -84,3 +84,19 @@ def test_a_brighter_picture_has_the_same_light(surface):
     first = estimated(pictured, surface)
     second = estimated(1.3 * pictured, surface)
     np.testing.assert_allclose(first.coefficients, second.coefficients, rtol=1e-3, atol=1e-3)
+
+
+def test_a_point_far_from_all_others_hardly_changes_what_is_explained(surface):
+    """Parts that are left out are of equal weight, wherever single points are."""
+    normals, places = surface
+    pictured = SKIN * lit(normals) ** (1 / GAMMA)
+    usual = estimated(pictured, surface)
+    places = np.concatenate([places, [[0.0, -9.0, 0.0]]])
+    normals = np.concatenate([normals, [VIEW]])
+    pictured = np.concatenate([pictured, [SKIN]])
+    weights = np.ones(len(places))
+    light = estimate_light(pictured, normals, places, weights, VIEW)
+    assert abs(light.explained - usual.explained) < 0.02
+    # Where it is nearly all that counts, no part but its own has any weight.
+    weights[-1] = 1e9
+    assert estimate_light(pictured, normals, places, weights, VIEW) is None
