@@ -72,8 +72,12 @@ def dress_hair(
         raise InputError("expected hair around the face, found none; --hair none goes without")
     head = template.with_vertices(face.vertices)
     camera, near = _near(head, face.require_camera(), mask)
-    head = sink_skull(head, camera, near)
-    hair, head, overlap = snap_border(*make_shell(head, camera, near), camera, near)
+    shell = make_shell(sink_skull(head, camera, near), camera, near)
+    if shell is None:
+        if settings.hair == "auto":
+            return None
+        raise InputError("expected hair on the scalp, found none there; --hair none goes without")
+    hair, head, overlap = snap_border(*shell, camera, near)
     sunk = replace(face, mesh=face.mesh.with_vertices(head.vertices), residual=None)
     return DressedHair(sunk, hair, mask, overlap)
 

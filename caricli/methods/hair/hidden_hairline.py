@@ -63,7 +63,9 @@ def _tufts(sphere: HeadSphere, settings: ShellSettings) -> np.ndarray:
 def hidden_reach(sphere: HeadSphere, ends: np.ndarray, settings: ShellSettings) -> np.ndarray:
     """(R, C) metres along the skin to where hair ends at angles (C,), in tufts, below zero beyond."""
     turn = sphere.longitudes[1] - sphere.longitudes[0]
-    rise = (np.roll(ends, -1) - np.roll(ends, 1)) / (2 * turn) / np.sin(ends)
+    # Where there is no hair, it ends at the whorl, around which no way is long.
+    around = np.maximum(np.sin(ends), np.sin(turn))
+    rise = (np.roll(ends, -1) - np.roll(ends, 1)) / (2 * turn) / around
     along = (ends - sphere.angles[:, None]) * sphere.radii
     return along / np.sqrt(1 + rise**2) + _tufts(sphere, settings)
 

@@ -44,7 +44,7 @@ def make_shell(
     camera: Camera,
     hair: HairMask,
     settings: ShellSettings = ShellSettings(),  # noqa: B008 (frozen)
-) -> tuple[Hair, Template]:
+) -> tuple[Hair, Template] | None:
     """Build a shell of hair.
 
     It leaves the skin along rays from the middle of the head, which a smooth field makes longer so that its outline is
@@ -54,9 +54,11 @@ def make_shell(
 
     head: Template in the shape of the face, whose annotation names ears and scalp. camera: of the picture.
     hair: HairMask. Returns Hair, its quads from the whorl outwards, its picture unrolled around the whorl,
-    and the head, its skull below them.
+    and the head, its skull below them; or None where the picture shows none of it: what the mask has is no hair's.
     """
     grown = _grown(head, camera, hair, settings)
+    if not grown.is_seen:
+        return None
     shell, under = _closed(grown, settings)
     if settings.aside:
         shown = visible_hair(under, shell, camera, hair.pixels.shape)
@@ -77,6 +79,13 @@ class _Grown:
     view: HairView
     total: np.ndarray
     edge: np.ndarray
+
+    @property
+    def is_seen(self) -> bool:
+        """Whether the picture shows any of it as hair."""
+        longitudes, angles = np.meshgrid(self.sphere.longitudes, self.sphere.angles)
+        points = self.sphere.points(longitudes, angles, self.total)
+        return bool(((angles < self.edge) & self.view.shows(points) & (self.view.to_bare(points) > 0)).any())
 
 
 def _grown(head: Template, camera: Camera, hair: HairMask, settings: ShellSettings) -> _Grown:

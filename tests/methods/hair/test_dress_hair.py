@@ -3,13 +3,16 @@ from dataclasses import replace
 import cv2
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from caricli.errors import InputError
 from caricli.methods.hair.bare_skin import bare_skin
 from caricli.methods.hair.dress_hair import dress_hair, hair_picture
 from caricli.methods.texture.parsed_head import ParsedHead
 from caricli.methods.texture.settings import PaintSettings
-from tests.methods.hair.conftest import BROWN
+from caricli.render.rasterise import rasterise
+from caricli.structures.parsing import Region
+from tests.methods.hair.conftest import BROWN, CAMERA, SIDE, SKIN, WALL
 
 SMALL = PaintSettings(size=128)
 
@@ -63,6 +66,24 @@ def test_shade_on_hair_is_taken_out_of_its_picture_unless_light_is_kept(dressed,
         picture = hair_picture(dressed, shaded, settings)[192:].astype(float)
         sides[kept] = picture[:, :192].mean() - picture[:, 192:].mean()
     assert sides[True] > 10 and abs(sides[False]) < 0.6 * sides[True]
+
+
+@pytest.mark.parametrize("turn", [(0, 0, 60), (0, 30, 60), (30, 0, 60), (0, 0, 80)])
+def test_what_is_taken_for_hair_on_the_neck_alone_is_no_hair(sitter, turn):
+    """A neck seen from the side, turned by degrees about z, x and y, lies in a shadow that has the colour of hair."""
+    turned = CAMERA.rotation @ Rotation.from_euler("zxy", turn, degrees=True).as_matrix()
+    camera = replace(CAMERA, rotation=turned)
+    camera = replace(camera, translation=SIDE / 2 - camera.project(sitter.head.vertices).mean(0) + camera.translation)
+    shown = rasterise(camera.place(sitter.head.vertices), sitter.head.faces, SIDE, SIDE).face
+    heights = sitter.head.vertices[sitter.head.faces].mean(1)[:, 1]
+    neck = (shown >= 0) & (heights[shown] < sitter.head.vertices[sitter.head.annotation.landmarks[8], 1])
+    regions = np.select([neck, shown >= 0], [Region.HAIR, Region.SKIN], Region.BACKGROUND)
+    image = np.select([neck[..., None], (shown >= 0)[..., None]], [BROWN, SKIN], WALL).astype(np.uint8)
+    marks = camera.project(sitter.head.vertices[sitter.head.annotation.landmarks[:68]])
+    face = replace(sitter.face, camera=camera, landmarks=marks)
+    assert dress_hair(face, sitter.head, image, SMALL, regions) is None
+    with pytest.raises(InputError, match="expected hair on the scalp, found none there"):
+        dress_hair(face, sitter.head, image, replace(SMALL, hair="shell"), regions)
 
 
 def test_the_skin_under_it_is_left_to_be_filled(dressed, sitter):

