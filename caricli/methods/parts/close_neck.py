@@ -11,13 +11,22 @@ from caricli.render.sample_texture import sample_texture
 from caricli.structures import Material, Mesh, Part
 from caricli.template.template import Template
 
-RINGS = ((0.0, 0.0), (0.03, 0.03), (0.1, 0.06), (0.22, 0.075), (0.42, 0.08), (0.7, 0.08))
-"""How far from the edge to its middle, a share, and how far below it, shares of its mean radius: a rounded rim."""
+WALL = (0.0, 0.2, 0.45, 0.7, 1.0)
+"""Shares of the way from the edge down to a level foot."""
+
+RINGS = ((0.03, 0.03), (0.1, 0.06), (0.22, 0.075), (0.42, 0.08), (0.7, 0.08))
+"""How far from the foot's border to its middle, a share, and how far below it, shares of its mean radius: a rounded
+rim."""
+
+BELOW = 0.02
+"""Of the head's height: how far below its lowest place, the edge or the chin, the foot begins."""
 
 WIDTH, HEIGHT = 256, 32
-"""Pixels of the picture: once around the neck, from the edge to the middle."""
+"""Pixels of the picture: once around the neck, from the edge to the middle of the foot."""
 
-_SMOOTH = 0.05  # of the way around: the middle of the cap has no spots
+DOWN = np.array([0.0, -1.0, 0.0])
+
+_SMOOTH = 0.05  # of the way around: the middle of the foot has no spots
 
 
 @lru_cache(maxsize=4)
@@ -33,38 +42,60 @@ def neck_edge(template: Template) -> np.ndarray:
 def close_neck(
     template: Template, vertices: np.ndarray, names: Sequence[str] = (), deltas: np.ndarray | None = None
 ) -> Part | None:
-    """A cap on the open neck: it begins at the edge itself, so there is no gap on any face, and moves with it.
+    """The rest of an open neck, down to a level foot that the head stands on.
+
+    It begins at the edge itself, so there is no gap on any face, and moves with it.
 
     template: Template whose annotation names the neck. vertices: (V, 3) metres, the face. names, deltas: K expressions
     and (K, V, 3) metres, what they do to the face.
-    Returns a Part, whose picture goes once around the neck and down to the middle of the cap; None for a head whose
+    Returns a Part, whose picture goes once around the neck and down to the middle of the foot; None for a head whose
     neck is closed or has no name.
     """
     edge = neck_edge(template)
     if not len(edge):
         return None
-    rim = np.asarray(vertices, float)[edge]
-    middle = rim.mean(0)
-    # As seen from outside the edge goes round the other way than the cap.
-    area = np.cross(rim - middle, np.roll(rim, -1, axis=0) - middle).sum(0)
-    down = -area / max(float(np.linalg.norm(area)), 1e-12)
-    radius = float(np.linalg.norm(rim - middle, axis=1).mean())
-    moves = np.zeros((0, *rim.shape)) if deltas is None else np.asarray(deltas, float)[:, edge]
+    vertices = np.asarray(vertices, float)
+    rim = vertices[edge]
+    radius = float(np.linalg.norm(rim - rim.mean(0), axis=1).mean())
+    foot = rim.copy()
+    foot[:, 1] = vertices[:, 1].min() - BELOW * np.ptp(vertices[:, 1])
+    wall = _wall(rim, foot, _way_down(template, vertices))
+    middle = foot.mean(0)
     inward = np.array([share for share, _ in RINGS])[:, None, None]
-    sink = np.array([depth for _, depth in RINGS])[:, None, None] * radius * down
-    # What is uneven at the edge is soon flat.
-    uneven = ((rim - middle) @ down)[:, None] * down * ((1 - inward) ** 3 - (1 - inward))
-    places = (rim + inward * (middle - rim) + sink + uneven).reshape(-1, 3)
-    centre = middle + RINGS[-1][1] * radius * down
+    sink = np.array([depth for _, depth in RINGS])[:, None, None] * radius * DOWN
+    places = np.concatenate([wall, foot + inward * (middle - foot) + sink]).reshape(-1, 3)
+    moves = np.zeros((0, *rim.shape)) if deltas is None else np.asarray(deltas, float)[:, edge]
+    # The foot is as stiff as it is level.
+    stiff = np.append(WALL, np.ones(len(RINGS)))[:, None, None]
     carried = moves.mean(1)[:, None]
-    moved = (moves[:, None] * (1 - inward) + carried[:, None] * inward).reshape(len(moves), len(RINGS) * len(edge), 3)
-    mesh = _disc(np.vstack([places, centre]), len(edge))
+    moved = (moves[:, None] * (1 - stiff) + carried[:, None] * stiff).reshape(len(moves), len(places), 3)
+    mesh = _disc(np.vstack([places, middle + RINGS[-1][1] * radius * DOWN]), len(edge))
     materials = np.full(len(mesh.polygons), Material.BUST, np.int32)
     return Part("neck", mesh, materials, "neck", tuple(names), np.concatenate([moved, carried], axis=1))
 
 
+def _way_down(template: Template, vertices: np.ndarray) -> np.ndarray:
+    """(L, 3) directions in which the skin of a face (V, 3) ends at its edge."""
+    edge = neck_edge(template)
+    beside = igl.adjacency_matrix(np.asarray(template.faces, np.int64))[edge].toarray().astype(float)
+    beside[:, edge] = 0
+    ways = vertices[edge] - beside @ vertices / np.maximum(beside.sum(1), 1)[:, None]
+    lengths = np.maximum(np.linalg.norm(ways, axis=1), 1e-12)
+    return np.asarray(ways / lengths[:, None])
+
+
+def _wall(rim: np.ndarray, foot: np.ndarray, ways: np.ndarray) -> np.ndarray:
+    """(W, L, 3) rings from an edge (L, 3) down to a foot (L, 3): Hermite's curves, which begin in the ways (L, 3) that
+    the skin goes and end upright."""
+    share = np.array(WALL)[:, None, None]
+    length = np.linalg.norm(foot - rim, axis=1)[:, None]
+    begin = (share**3 - 2 * share**2 + share) * length * ways
+    end = (share**3 - share**2) * length * DOWN
+    return rim + (3 * share**2 - 2 * share**3) * (foot - rim) + begin + end
+
+
 def neck_picture(template: Template, texture: np.ndarray) -> np.ndarray | None:
-    """The picture on the cap of a neck: the colours of the skin at its edge, towards the middle ever smoother.
+    """The picture on what closes a neck: the colours of the skin at its edge, towards the middle ever smoother.
 
     template: Template with UVs. texture: (S, S, 3) uint8, the skin's. Returns (HEIGHT, WIDTH, 3) uint8, or None.
     """

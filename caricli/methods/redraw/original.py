@@ -29,7 +29,7 @@ from caricli.template.template import Template
 if TYPE_CHECKING:
     from caricli.methods.redraw.tooth_rows import ToothRows
 
-_DRAWN = (Material.SKIN, Material.EYE, Material.TEETH, Material.GUMS, Material.TONGUE, Material.BUST)
+_DRAWN = (Material.SKIN, Material.EYE, Material.TEETH, Material.GUMS, Material.TONGUE)
 _HEAD = (
     *(Region.SKIN, Region.BROWS, Region.EYES, Region.NOSE, Region.LIPS, Region.MOUTH, Region.TEETH, Region.EARS),
     *(Region.BEARD, Region.NECK),
@@ -81,7 +81,7 @@ class Original:
 
     @cached_property
     def kept(self) -> np.ndarray:
-        """(F,) bool: the triangles that are drawn; hair and lashes are in the picture."""
+        """(F,) bool: the triangles that are drawn; hair, lashes and what is below the neck are in the picture."""
         return np.isin(self.rig.triangle_materials, _DRAWN)
 
     @cached_property

@@ -33,6 +33,28 @@ def test_it_is_below_and_has_a_place_in_its_picture(head_template, face):
     assert cap.mesh.uvs.min() == 0 and cap.mesh.uvs.max() == 1
 
 
+def test_a_head_stands_on_a_level_foot(head_template, face):
+    places = close_neck(head_template, face).mesh.vertices
+    edge = neck_edge(head_template)
+    foot = places[-len(edge) - 1 :]
+    assert np.ptp(foot[:, 1]) < 1e-12 and (foot[:, 1] < face[:, 1].min()).all()
+    middle = face[edge].mean(0)
+    widest = np.linalg.norm((face[edge] - middle)[:, [0, 2]], axis=1).max()
+    assert np.linalg.norm((foot - middle)[:, [0, 2]], axis=1).max() < 0.5 * widest
+
+
+def test_the_skin_goes_on_in_its_own_direction(head, head_template):
+    """Down from the nape, and not from where it is cut."""
+    vertices = head.evaluate(gender=0.2, age=0.8)
+    edge = neck_edge(head_template)
+    places = close_neck(head_template, vertices).mesh.vertices.reshape(-1, 3)
+    nape = vertices[head_template.mask("neck")]
+    above = nape[np.linalg.norm(nape - vertices[edge[0]], axis=1).argsort()[1:9]]
+    skin = vertices[edge[0]] - above[above[:, 1].argmax()]
+    wall = places[len(edge)] - places[0]
+    assert skin @ wall > 0.85 * np.linalg.norm(skin) * np.linalg.norm(wall)
+
+
 def test_it_moves_with_its_edge(head_template, face):
     shift = np.array([0.01, -0.02, 0.03])
     deltas = np.stack([np.tile(shift, (len(face), 1)), np.zeros_like(face)])

@@ -5,13 +5,15 @@ import numpy as np
 import pytest
 
 from caricli.errors import InputError
+from caricli.methods.redraw.original import Original
 from caricli.methods.redraw.redraw_picture import redraw_picture
-from caricli.structures import Material, Pictures
+from caricli.methods.rig.add_parts import choose_parts
+from caricli.structures import Camera, Depiction, HeadChoice, Material, Pictures
 from caricli.structures.landmarks import EYE_LEFT
 from caricli.structures.materials import FINISHES
 from caricli.structures.parsing import Region
 from caricli.structures.texture_change import TextureChange
-from tests.methods.redraw.conftest import CAMERA, WALL
+from tests.methods.redraw.conftest import CAMERA, SIDE, WALL
 
 OPEN = {"jawOpen": 0.8}
 
@@ -47,6 +49,19 @@ def test_what_the_chin_uncovers_is_filled(stage):
     assert bare.sum() > 20
     again = redraw_picture(original, stage.rig.neutral)
     assert error(again, truth, bare) < 0.4 * error(original.picture, truth, bare)
+
+
+def test_what_closes_the_neck_of_a_head_is_not_drawn_over_a_collar(stage):
+    """The head is so small that its neck is in the picture, and all of it goes to one side."""
+    camera = Camera(500.0, CAMERA.rotation, np.array([100.0, 150.0]))
+    picture = np.random.default_rng(0).integers(0, 256, (SIDE, SIDE, 3)).astype(np.uint8)
+    drawn = []
+    for rig in (stage.rig, choose_parts(stage.rig, HeadChoice(("skin", "eyes", "teeth", "tongue", "lashes")))):
+        aside = np.tile(np.float32([0.01, 0, 0]), (1, len(rig.neutral), 1))
+        depiction = Depiction(camera, rig.neutral.astype(np.float32))
+        moved = replace(rig, names=("aside",), deltas=aside, depiction=depiction)
+        drawn.append(redraw_picture(Original(moved, stage.template, picture), rig.neutral + aside[0]))
+    np.testing.assert_array_equal(*drawn)
 
 
 def test_what_is_held_before_the_mouth_stays(stage):
