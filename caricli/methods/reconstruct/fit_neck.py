@@ -111,9 +111,13 @@ def _below(picture: ParsedPicture, axes: _Axes, own: np.ndarray) -> np.ndarray:
     everywhere = np.ones(picture.regions.shape, bool)
     collar = find_collar(picture.regions, everywhere, picture.pixels, _SETTINGS.lightness)
     seen = _sides(np.where(collar, np.uint8(Region.CLOTH), picture.regions), axes)
+    chin = float(axes.start @ axes.across)
     if seen is None:
         return own
-    sides = axes.start @ axes.across + seen
+    sides = chin + seen
+    if sides[0] > max(chin, own.mean()) or sides[1] < min(chin, own.mean()):
+        # No neck is beside both the chin and where the head has it.
+        return own
     believed = np.interp(np.ptp(sides) / np.ptp(own), (_SETTINGS.thin, _SETTINGS.usual), (1, 0))
     return own + believed * (sides - own)
 

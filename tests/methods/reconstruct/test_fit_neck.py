@@ -80,6 +80,19 @@ def test_where_no_neck_is_seen_it_stays(head_template):
         assert fit_neck(face, head_template, other) == (face, 1.0)
 
 
+@pytest.mark.parametrize("side", [-1, 1])
+def test_what_is_labelled_neck_beside_the_middle_is_none(head_template, side):
+    face, picture = drawn(head_template, 0.4)
+    chin = face.camera.project(face.vertices)[head_template.annotation.landmarks[POINT_NAMES["chin"]]].astype(int)
+    bare = np.where(picture.regions == Region.SKIN, picture.regions, np.uint8(Region.CLOTH))
+    patches = []
+    for shift in (0, 26):
+        patch = bare.copy()
+        patch[chin[1] + 4 : chin[1] + 24, SIZE // 2 + side * shift - 12 : SIZE // 2 + side * shift + 12] = Region.NECK
+        patches.append(fit_neck(face, head_template, ParsedPicture(picture.pixels, patch))[1])
+    assert patches[0] < 0.6 and patches[1] == 1
+
+
 def test_a_neck_that_goes_on_beside_the_jaw_is_no_thin_one(head_template):
     """A sweater hides all of it but a strip below the chin, and what is beside the jaw."""
     face, picture = drawn(head_template, 0.4)
