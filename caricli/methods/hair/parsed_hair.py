@@ -17,6 +17,9 @@ from caricli.structures.parsing import Region
 _AROUND = (Region.BACKGROUND, Region.CLOTH)
 _NEVER = (Region.EYES, Region.NOSE, Region.LIPS, Region.MOUTH, Region.TEETH, Region.GLASSES)
 _SPECKS = 0.1  # of hats and hair: with less of a hat than that among it, colours tell hair there, too
+_SAME_COLOUR = 5.5  # levels of CIELAB in 8 bits, between the mean colours of hair and of what is labelled hat
+_LIGHTNESS = 0.5  # how much of its difference counts there: hair is lighter where it shines
+_PATCH = 0.35  # of the hair: larger parts that are labelled hat are one, whatever their colour
 _CERTAIN = 0.4  # probabilities that are farther from a half
 
 
@@ -41,6 +44,7 @@ def parsed_hair(
     size = float(np.ptp(points, axis=0).max())
     hats = regions == Region.HAT
     regions = np.where(hats & ~_on_head(hats, pixels), Region.BACKGROUND, regions)
+    regions = np.where(_coloured_as_hair(regions, image), Region.HAIR, regions)
     hair = regions == Region.HAIR
     own = _on_head(hair, pixels, settings.crumb * size**2, settings.gap * size)
     worn = (_on_head(np.isin(regions, (Region.HAT, Region.HAIR)), pixels) & (regions == Region.HAT)).sum()
@@ -61,6 +65,24 @@ def parsed_hair(
     enclosed = cv2.contourArea(cv2.convexHull(points[np.isfinite(points).all(1)].astype(np.float32)))
     enough = own.sum() >= settings.least * enclosed
     return HairMask(own, np.isin(beside, _AROUND) & ~own, doubt, bool(enough and doubt <= settings.doubt))
+
+
+def _coloured_as_hair(regions: np.ndarray, image: np.ndarray) -> np.ndarray:
+    """(H, W) bool: small parts of what is labelled hat that have the mean colour of the hair: drawn hair often has
+    large even places."""
+    parts, count = label(regions == Region.HAT)
+    parts = np.where(regions == Region.HAIR, count + 1, parts)
+    sizes = np.bincount(parts.ravel(), minlength=count + 2)
+    if not count or not sizes[-1]:
+        return np.zeros(parts.shape, bool)
+    channels = cv2.split(cv2.cvtColor(image, cv2.COLOR_RGB2LAB))
+    sums = np.stack([np.bincount(parts.ravel(), values.ravel(), count + 2) for values in channels], axis=1)
+    means = sums / np.maximum(sizes, 1)[:, None] * [_LIGHTNESS, 1, 1]
+    alike = np.linalg.norm(means - means[-1], axis=1) < _SAME_COLOUR
+    alike &= sizes < _PATCH * sizes[-1]
+    alike[0] = False
+    own: np.ndarray = alike[parts]
+    return own
 
 
 def _on_head(mask: np.ndarray, pixels: np.ndarray, least: float = 0.0, gap: float = 0.0) -> np.ndarray:

@@ -94,28 +94,34 @@ def _wall(rim: np.ndarray, foot: np.ndarray, ways: np.ndarray) -> np.ndarray:
     return rim + (3 * share**2 - 2 * share**3) * (foot - rim) + begin + end
 
 
-def neck_picture(template: Template, texture: np.ndarray) -> np.ndarray | None:
-    """The picture on what closes a neck: the colours of the skin at its edge, towards the middle ever smoother.
+def neck_picture(template: Template, texture: np.ndarray, skin: np.ndarray | None = None) -> np.ndarray | None:
+    """The picture on what closes a neck: the colours at its edge, and soon those of the skin there, ever smoother.
 
-    template: Template with UVs. texture: (S, S, 3) uint8, the skin's. Returns (HEIGHT, WIDTH, 3) uint8, or None.
+    template: Template with UVs. texture: (S, S, 3) uint8, the skin's. skin: the same without the shade of hair, which
+    ends at the edge; or None where there is none. Returns (HEIGHT, WIDTH, 3) uint8, or None.
     """
     edge = neck_edge(template)
     if not len(edge) or template.uvs is None:
         return None
-    assert template.uv_polygons is not None
+    row = _once_around(template, edge, texture)
+    bare = row if skin is None else _once_around(template, edge, skin)
+    thrice = np.tile(bare, (3, 1))[None].astype(np.float32)
+    smooth = cv2.GaussianBlur(thrice, (0, 0), sigmaX=_SMOOTH * WIDTH, sigmaY=1e-3)[0, WIDTH : 2 * WIDTH]
+    share = np.linspace(0, 1, HEIGHT)[:, None, None]
+    near = row + np.minimum(4 * share, 1) * (smooth - row)
+    picture = near + np.maximum(share - 0.25, 0) / 0.75 * (bare.mean(0) - near)
+    return np.clip(np.round(picture), 0, 255).astype(np.uint8)
+
+
+def _once_around(template: Template, edge: np.ndarray, texture: np.ndarray) -> np.ndarray:
+    """(WIDTH, 3) colours of a texture (S, S, 3) along an edge (L,)."""
+    assert template.uvs is not None and template.uv_polygons is not None
     used = template.polygons >= 0
     place = np.zeros(len(template.vertices), np.int64)
     place[template.polygons[used]] = template.uv_polygons[used]
     colours = sample_texture(texture, template.uvs[place[np.append(edge, edge[0])]])
     across = (np.arange(WIDTH) + 0.5) / WIDTH * len(edge)
-    row = np.stack([np.interp(across, np.arange(len(edge) + 1), channel) for channel in colours.T], 1)
-    size = _SMOOTH * WIDTH
-    thrice = np.tile(row, (3, 1))[None].astype(np.float32)
-    smooth = cv2.GaussianBlur(thrice, (0, 0), sigmaX=size, sigmaY=1e-3)[0, WIDTH : 2 * WIDTH]
-    share = np.linspace(0, 1, HEIGHT)[:, None, None]
-    near = row + np.minimum(4 * share, 1) * (smooth - row)
-    picture = near + np.maximum(share - 0.25, 0) / 0.75 * (row.mean(0) - near)
-    return np.clip(np.round(picture), 0, 255).astype(np.uint8)
+    return np.stack([np.interp(across, np.arange(len(edge) + 1), channel) for channel in colours.T], 1)
 
 
 def _disc(places: np.ndarray, around: int) -> Mesh:

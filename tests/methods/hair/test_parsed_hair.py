@@ -72,14 +72,29 @@ def test_beside_much_of_a_hat_colours_decide(face, pixels):
     assert mask.doubt > 0.99 * 25 / 125
 
 
-def test_a_speck_of_a_hat_in_the_colour_of_the_hair_is_hair(face, pixels):
+def test_a_speck_of_a_hat_in_colours_of_the_hair_is_hair(face, pixels):
+    """These are of two colours, of which the speck has one."""
     regions = labels((Region.HAIR, (5, 25), (15, 65)), (Region.SKIN, (25, 70), (15, 65)))
     image = painted(regions)
+    image[5:25, 15:40] += np.uint8([30, 30, 0])
     speck = labels((Region.HAT, (12, 16), (61, 65))) > 0
     regions[speck] = Region.HAT
     assert parsed_hair(face, regions, pixels, image).pixels[speck].all()
     regions[5:18, 15:24] = Region.HAT
     assert not parsed_hair(face, regions, pixels, image).pixels[speck].any()
+
+
+def test_places_of_hair_that_are_labelled_hat_are_hair_if_they_have_its_colour(face, pixels):
+    """Two of them, together a fifth of the hair; the upper half of it, in its colour, is a hat."""
+    hair = labels((Region.HAIR, (5, 25), (15, 65)))
+    skin = labels((Region.SKIN, (25, 70), (15, 65)))
+    patches = labels((1, (5, 17), (17, 26)), (1, (5, 17), (54, 63))) > 0
+    upper = labels((1, (5, 14), (15, 65))) > 0
+    for hat, colours, whole in ((patches, hair, True), (patches, np.where(patches, Region.HAT, hair), False),
+                                (upper, hair, False)):  # fmt: skip
+        regions = (np.where(hat, Region.HAT, hair) + skin).astype(np.uint8)
+        mask = parsed_hair(face, regions, pixels, painted(colours + skin))
+        assert mask is None or (mask.pixels[hat].mean() > 0.9) == whole
 
 
 def test_a_wall_beside_the_hair_is_no_hat(face, pixels):
