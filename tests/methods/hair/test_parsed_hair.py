@@ -76,7 +76,7 @@ def test_a_speck_of_a_hat_in_colours_of_the_hair_is_hair(face, pixels):
     """These are of two colours, of which the speck has one."""
     regions = labels((Region.HAIR, (5, 25), (15, 65)), (Region.SKIN, (25, 70), (15, 65)))
     image = painted(regions)
-    image[5:25, 15:40] += np.uint8([30, 30, 0])
+    image[5:25, 15:40] += np.array([30, 30, 0], np.uint8)
     speck = labels((Region.HAT, (12, 16), (61, 65))) > 0
     regions[speck] = Region.HAT
     assert parsed_hair(face, regions, pixels, image).pixels[speck].all()

@@ -57,11 +57,11 @@ def test_what_closes_the_neck_of_a_head_is_not_drawn_over_a_collar(stage):
     picture = np.random.default_rng(0).integers(0, 256, (SIDE, SIDE, 3)).astype(np.uint8)
     drawn = []
     for rig in (stage.rig, choose_parts(stage.rig, HeadChoice(("skin", "eyes", "teeth", "tongue", "lashes")))):
-        aside = np.tile(np.float32([0.01, 0, 0]), (1, len(rig.neutral), 1))
+        aside = np.tile(np.array([0.01, 0, 0], np.float32), (1, len(rig.neutral), 1))
         depiction = Depiction(camera, rig.neutral.astype(np.float32))
         moved = replace(rig, names=("aside",), deltas=aside, depiction=depiction)
         drawn.append(redraw_picture(Original(moved, stage.template, picture), rig.neutral + aside[0]))
-    np.testing.assert_array_equal(*drawn)
+    np.testing.assert_array_equal(drawn[0], drawn[1])
 
 
 def test_what_is_held_before_the_mouth_stays(stage):
