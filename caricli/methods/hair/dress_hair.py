@@ -21,6 +21,7 @@ from caricli.template.template import Template
 
 _NEEDED = ("ear_left", "ear_right", "scalp")
 _AROUND = 0.1  # of the head's height: farther from head and hair a picture says nothing of hair
+_LIKE = 2 / 3  # overlap of a shell with hair that was told by colours alone, below which it is something else
 _PIXELS = 750  # height of the head in the picture that a shell is made by at most; its quads are four of them
 _SIZE = 1024  # texels of hair where none are asked for
 
@@ -78,6 +79,8 @@ def dress_hair(
             return None
         raise InputError("expected hair on the scalp, found none there; --hair none goes without")
     hair, head, overlap = snap_border(*shell, camera, near)
+    if settings.hair == "auto" and parsed is None and overlap < _LIKE:
+        return None
     sunk = replace(face, mesh=face.mesh.with_vertices(head.vertices), residual=None)
     return DressedHair(sunk, hair, mask, overlap)
 

@@ -8,6 +8,7 @@ from scipy.spatial.transform import Rotation
 from caricli.errors import InputError
 from caricli.methods.hair.bare_skin import bare_skin
 from caricli.methods.hair.dress_hair import dress_hair, hair_picture
+from caricli.methods.hair.mask_hair import HairMask
 from caricli.methods.texture.parsed_head import ParsedHead
 from caricli.methods.texture.settings import PaintSettings
 from caricli.render.rasterise import rasterise
@@ -84,6 +85,17 @@ def test_what_is_taken_for_hair_on_the_neck_alone_is_no_hair(sitter, turn):
     assert dress_hair(face, sitter.head, image, SMALL, regions) is None
     with pytest.raises(InputError, match="expected hair on the scalp, found none there"):
         dress_hair(face, sitter.head, image, replace(SMALL, hair="shell"), regions)
+
+
+def test_what_no_shell_looks_like_is_no_hair_where_colours_alone_tell_it(sitter, monkeypatch):
+    """A wall beside a bald head."""
+    wall = np.zeros_like(sitter.hair.pixels)
+    wall[20:160, 20:130] = True
+    mask = HairMask(wall & sitter.hair.behind, sitter.hair.behind & ~wall, 0.0, True)
+    monkeypatch.setattr("caricli.methods.hair.dress_hair.mask_hair", lambda *_: mask)
+    assert dress_hair(sitter.face, sitter.head, sitter.image, SMALL) is None
+    asked = dress_hair(sitter.face, sitter.head, sitter.image, replace(SMALL, hair="shell"))
+    assert 0 < asked.overlap < 0.6
 
 
 def test_the_skin_under_it_is_left_to_be_filled(dressed, sitter):
