@@ -9,6 +9,7 @@ from caricli.render.blend import over
 from caricli.render.shade import Look, shade
 from caricli.structures import Camera, Mesh
 from caricli.structures.landmarks import COUNT, POLYLINES, RINGS
+from caricli.structures.materials import HEAD_PARTS
 
 _DOT = 0.006  # of the picture's shorter side: radius of a landmark
 _SMALLEST_DOT = 1.5  # pixels
@@ -23,16 +24,22 @@ def overlay_mesh(
     opacity: float = 0.7,
     look: Look = Look(),  # noqa: B008 (frozen)
 ) -> np.ndarray:
-    """Draw a mesh over a picture.
+    """Draw a mesh over a picture, but for what is below its neck: the picture shows what is there.
 
     image: (H, W, 3) uint8. mesh: Mesh in the face frame. camera: Camera. opacity: 0 to 1. look: Look of the mesh, its
     eyeballs in the face frame.
     Returns (H, W, 3) uint8.
     """
+    faces = mesh.faces
+    if look.coat is not None:
+        head = ~np.isin(look.coat.materials, HEAD_PARTS["bust"])
+        faces = faces[head]
+        coat = replace(look.coat, uv_faces=look.coat.uv_faces[head], materials=look.coat.materials[head])
+        look = replace(look, coat=coat)
     balls = [(camera.place(centre), camera.scale * radius) for centre, radius in look.eyeballs]
     look = replace(look, eyeballs=balls, gaze=camera.rotation[:, 2])
     height, width = image.shape[:2]
-    return over(shade(camera.place(mesh.vertices), mesh.faces, width, height, look), image, opacity)
+    return over(shade(camera.place(mesh.vertices), faces, width, height, look), image, opacity)
 
 
 def draw_landmarks(

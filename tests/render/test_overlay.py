@@ -3,8 +3,11 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from caricli.errors import InputError
+from caricli.geometry.join_meshes import join_meshes
+from caricli.render.coat import mesh_coat
 from caricli.render.overlay import draw_landmarks, overlay_mesh
-from caricli.structures import Camera, Mesh
+from caricli.render.shade import Look
+from caricli.structures import Camera, Material, Mesh, Pictures
 from caricli.structures.landmarks import POLYLINES, RINGS
 
 
@@ -44,6 +47,19 @@ def test_the_picture_is_not_changed(sphere):
     overlay_mesh(paper, Mesh(*sphere), Camera(12.0, turned(), [20.0, 20]))
     draw_landmarks(paper, [[3.0, 3.0]])
     assert (paper == 200).all()
+
+
+@pytest.mark.parametrize("material", [Material.BUST, Material.CLOTH, Material.GUMS])
+def test_what_is_below_a_neck_is_left_to_the_picture(sphere, material):
+    paper = np.full((60, 40, 3), 200, np.uint8)
+    head, below = Mesh(*sphere), Mesh(sphere[0] - [0, 2.5, 0], sphere[1])
+    both = join_meshes([head, below])
+    materials = np.repeat([Material.SKIN, material], len(sphere[1]))
+    look = Look(coat=mesh_coat(both, Pictures(), materials))
+    camera = Camera(10.0, turned(), [20.0, 15])
+    whole = overlay_mesh(paper, both, camera, look=look)
+    assert ((whole[30:] == paper[30:]).all()) == (material != Material.GUMS)
+    assert (whole[15, 20] != paper[15, 20]).any()
 
 
 @pytest.mark.parametrize(
