@@ -2,6 +2,7 @@
 
 import json
 import re
+from importlib import import_module
 
 import click
 import numpy as np
@@ -66,6 +67,9 @@ def heads(run, sitter, tmp_path_factory):
         return Detection([DetectedFace(FaceFrame.of(points), 0.5, marks)], np.ones(pixels.shape[:2], np.uint8))
 
     with pytest.MonkeyPatch.context() as patch:
+        # What imports it for the first time now would keep it.
+        for name in ("see_face", "parse_face"):
+            import_module(f"caricli.methods.detect.{name}")
         patch.setattr("caricli.methods.detect.detect_faces.detect_faces", detect)
         pictures = [folder / f"{name}.png" for name in ("seen", "broken", "given")]
         result = run("portrait", *pictures, "--landmarks", folder / "marks", *QUICK, "--out-dir", folder / "heads")
