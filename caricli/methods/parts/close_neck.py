@@ -25,6 +25,7 @@ WIDTH, HEIGHT = 256, 32
 """Pixels of the picture: once around the neck, from the edge to the middle of the foot."""
 
 DOWN = np.array([0.0, -1.0, 0.0])
+"""On a head that stands upright."""
 
 _SMOOTH = 0.05  # of the way around: the middle of the foot has no spots
 
@@ -77,9 +78,10 @@ def close_neck(
 def _way_down(template: Template, vertices: np.ndarray) -> np.ndarray:
     """(L, 3) directions in which the skin of a face (V, 3) ends at its edge."""
     edge = neck_edge(template)
-    beside = igl.adjacency_matrix(np.asarray(template.faces, np.int64))[edge].toarray().astype(float)
-    beside[:, edge] = 0
-    ways = vertices[edge] - beside @ vertices / np.maximum(beside.sum(1), 1)[:, None]
+    beside = igl.adjacency_matrix(np.asarray(template.faces, np.int64))[edge]
+    inner = np.ones(len(vertices))
+    inner[edge] = 0
+    ways = vertices[edge] - beside @ (inner[:, None] * vertices) / np.maximum(beside @ inner, 1)[:, None]
     lengths = np.maximum(np.linalg.norm(ways, axis=1), 1e-12)
     return np.asarray(ways / lengths[:, None])
 
