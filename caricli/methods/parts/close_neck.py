@@ -6,6 +6,7 @@ from functools import lru_cache
 import cv2
 import igl
 import numpy as np
+import scipy.sparse as sp
 
 from caricli.render.sample_texture import sample_texture
 from caricli.structures import Material, Mesh, Part
@@ -77,13 +78,19 @@ def close_neck(
 
 def _way_down(template: Template, vertices: np.ndarray) -> np.ndarray:
     """(L, 3) directions in which the skin of a face (V, 3) ends at its edge."""
-    edge = neck_edge(template)
-    beside = igl.adjacency_matrix(np.asarray(template.faces, np.int64))[edge]
-    inner = np.ones(len(vertices))
-    inner[edge] = 0
-    ways = vertices[edge] - beside @ (inner[:, None] * vertices) / np.maximum(beside @ inner, 1)[:, None]
+    ways = vertices[neck_edge(template)] - _above_edge(template) @ vertices
     lengths = np.maximum(np.linalg.norm(ways, axis=1), 1e-12)
     return np.asarray(ways / lengths[:, None])
+
+
+@lru_cache(maxsize=4)
+def _above_edge(template: Template) -> sp.csr_matrix:
+    """(L, V) weights of the mean of those neighbours of each vertex of the edge that are not of it."""
+    edge = neck_edge(template)
+    inner = np.ones(len(template.vertices))
+    inner[edge] = 0
+    beside = igl.adjacency_matrix(np.asarray(template.faces, np.int64))[edge]
+    return sp.diags(1 / np.maximum(beside @ inner, 1)) @ beside @ sp.diags(inner)
 
 
 def _wall(rim: np.ndarray, foot: np.ndarray, ways: np.ndarray) -> np.ndarray:
