@@ -103,17 +103,17 @@ def _wall(rim: np.ndarray, foot: np.ndarray, ways: np.ndarray) -> np.ndarray:
     return rim + (3 * share**2 - 2 * share**3) * (foot - rim) + begin + end
 
 
-def neck_picture(template: Template, texture: np.ndarray, skin: np.ndarray | None = None) -> np.ndarray | None:
+def neck_picture(template: Template, texture: np.ndarray, skin: np.ndarray) -> np.ndarray | None:
     """The picture on what closes a neck: the colours at its edge, and soon those of the skin there, ever smoother.
 
     template: Template with UVs. texture: (S, S, 3) uint8, the skin's. skin: the same without the shade of hair, which
-    ends at the edge; or None where there is none. Returns (HEIGHT, WIDTH, 3) uint8, or None.
+    ends at the edge. Returns (HEIGHT, WIDTH, 3) uint8, or None.
     """
     edge = neck_edge(template)
     if not len(edge) or template.uvs is None:
         return None
     row = _once_around(template, edge, texture)
-    bare = row if skin is None else _once_around(template, edge, skin)
+    bare = _once_around(template, edge, skin)
     thrice = np.tile(bare, (3, 1))[None].astype(np.float32)
     smooth = cv2.GaussianBlur(thrice, (0, 0), sigmaX=_SMOOTH * WIDTH, sigmaY=1e-3)[0, WIDTH : 2 * WIDTH]
     share = np.linspace(0, 1, HEIGHT)[:, None, None]

@@ -111,9 +111,9 @@ def _below(picture: ParsedPicture, axes: _Axes, own: np.ndarray) -> np.ndarray:
     everywhere = np.ones(picture.regions.shape, bool)
     collar = find_collar(picture.regions, everywhere, picture.pixels, _SETTINGS.lightness)
     seen = _sides(np.where(collar, np.uint8(Region.CLOTH), picture.regions), axes)
-    chin = float(axes.start @ axes.across)
     if seen is None:
         return own
+    chin = float(axes.start @ axes.across)
     sides = chin + seen
     if sides[0] > max(chin, own.mean()) or sides[1] < min(chin, own.mean()):
         # No neck is beside both the chin and where the head has it.

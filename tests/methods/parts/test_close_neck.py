@@ -47,7 +47,7 @@ def test_the_skin_goes_on_in_its_own_direction(head, head_template):
     """Down from the nape, and not from where it is cut."""
     vertices = head.evaluate(gender=0.2, age=0.8)
     edge = neck_edge(head_template)
-    places = close_neck(head_template, vertices).mesh.vertices.reshape(-1, 3)
+    places = close_neck(head_template, vertices).mesh.vertices
     nape = vertices[head_template.mask("neck")]
     above = nape[np.linalg.norm(nape - vertices[edge[0]], axis=1).argsort()[1:9]]
     skin = vertices[edge[0]] - above[above[:, 1].argmax()]
@@ -75,7 +75,7 @@ def test_the_colours_of_its_rim_are_those_of_the_skin(head_template):
     size = 256
     texture = np.zeros((size, size, 3), np.uint8)
     texture[..., 0] = np.linspace(60, 220, size).astype(np.uint8)
-    picture = neck_picture(head_template, texture)
+    picture = neck_picture(head_template, texture, texture)
     assert picture.shape == (HEIGHT, WIDTH, 3)
     edge = neck_edge(head_template)
     first = head_template.uv_polygons[np.nonzero(head_template.polygons == edge[5])][0]
@@ -85,8 +85,14 @@ def test_the_colours_of_its_rim_are_those_of_the_skin(head_template):
     assert np.ptp(picture[-1].astype(float), axis=0).max() < 0.1 * np.ptp(picture[0].astype(float), axis=0).max()
 
 
+def test_the_shade_of_hair_ends_at_the_edge(head_template):
+    dark, light = np.full((2, 64, 64, 3), [[[[40]]], [[[200]]]], np.uint8)
+    picture = neck_picture(head_template, dark, light)
+    assert (picture[0] == 40).all() and (picture[HEIGHT // 3 :] == 200).all()
+
+
 def test_a_neck_without_a_name_stays_as_it_is(head_template, face):
     source = {"ibug68": head_template.annotation.source["ibug68"]}
     annotation = parse_annotation(source, len(face), "own.json")
     own = Template(face, head_template.polygons, annotation=annotation)
-    assert close_neck(own, face) is None and neck_picture(own, np.zeros((8, 8, 3), np.uint8)) is None
+    assert close_neck(own, face) is None and neck_picture(own, *np.zeros((2, 8, 8, 3), np.uint8)) is None
