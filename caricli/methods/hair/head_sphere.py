@@ -8,7 +8,9 @@ import scipy.sparse as sp
 from scipy.ndimage import maximum_filter
 from scipy.spatial import KDTree
 
+from caricli.geometry.join_meshes import join_meshes
 from caricli.methods.hair.settings import ShellSettings
+from caricli.methods.parts.close_neck import close_neck, neck_edge
 from caricli.render.nearest_pixel import nearest_pixel
 from caricli.render.rasterise import rasterise
 from caricli.template.template import Template
@@ -94,6 +96,19 @@ class HeadSphere:
         """(N,) bool: which of points (N, 3) are in the flesh of the head, ears included."""
         faces = np.asarray(self.head.faces, np.int64)
         inside: np.ndarray = igl.winding_number(self.head.vertices.astype(float), faces, points) > 0.5
+        return inside
+
+    def in_neck(self, points: np.ndarray) -> np.ndarray:
+        """(N,) bool: which of points (N, 3) are in the neck, also in what it stands on below the end of the skin."""
+        inside = np.zeros(len(points), bool)
+        foot = close_neck(self.head, self.head.vertices)
+        if foot is None:
+            return inside
+        low = points[:, 1] < self.head.vertices[neck_edge(self.head), 1].max()
+        body = join_meshes([self.head, foot.mesh])
+        inside[low] = (
+            igl.winding_number(body.vertices.astype(float), np.asarray(body.faces, np.int64), points[low]) > 0.5
+        )
         return inside
 
     def _cells(self, shape: tuple[int, ...], points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -201,6 +201,7 @@ def _hanging_together(hair: Hair, skin: HeadSphere, camera: Camera, net: ShellNe
     # What comes out in the hollow of an ear hangs on nothing but what is in its flesh.
     near_ears = skin.near_ears(hair.shell.vertices)
     above[near_ears] &= ~skin.encloses(hair.shell.vertices[near_ears])
+    above &= ~skin.in_neck(hair.shell.vertices)
     above &= ~net.out_again(above, hair.shell.vertices, _STRIP * skin.head.height)
     joined, locks = (net.large_parts(above, least) for least in (_LOOSE, _LOCK))
     kept = joined | (locks & (_cosines(hair.shell, camera) >= _SKIN[1]))

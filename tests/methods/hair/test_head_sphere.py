@@ -1,8 +1,11 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from caricli.methods.hair.head_sphere import HeadSphere
 from caricli.methods.hair.settings import ShellSettings
+from caricli.methods.parts.close_neck import BELOW, neck_edge
 
 
 @pytest.mark.parametrize("coarse", [(6, 8), (5, 12)])
@@ -30,3 +33,21 @@ def test_bending_is_that_of_a_slow_computation(sitter, coarse):
             bending += flow**2 / (np.sin(sphere.angles[row]) * step * turn)
     assert values.ravel() @ matrix @ values.ravel() == pytest.approx(bending)
     assert areas.sum() == pytest.approx(4 * np.pi, rel=0.05)
+
+
+def test_the_neck_goes_on_to_the_foot_that_a_head_stands_on(sitter):
+    head = sitter.head
+    sphere = HeadSphere(head, ShellSettings())
+    rim = head.vertices[neck_edge(head)]
+    middle = rim.mean(0)
+    down = np.array([0, head.vertices[:, 1].min() - BELOW / 2 * head.height - middle[1], 0])
+    beside = middle + [2 * np.ptp(rim[:, 0]), 0, 0]
+    places = np.array([middle, middle + down, middle + 3 * down, beside, [middle[0], rim[:, 1].max() + 1.0, middle[2]]])
+    assert sphere.in_neck(places).tolist() == [True, True, False, False, False]
+
+
+def test_a_head_without_an_end_has_no_neck_below_it(sitter):
+    head = sitter.head
+    elsewhere = {name: ids for name, ids in head.annotation.regions.items() if name != "neck"}
+    nameless = replace(head, annotation=replace(head.annotation, regions=elsewhere))
+    assert not HeadSphere(nameless, ShellSettings()).in_neck(head.vertices - [0, 0.01, 0]).any()

@@ -12,7 +12,9 @@ from caricli.methods.hair.head_sphere import HeadSphere
 from caricli.methods.hair.make_shell import make_shell
 from caricli.methods.hair.move_skull import lower_skull
 from caricli.methods.hair.settings import ShellSettings
+from caricli.methods.hair.shell_net import ShellNet
 from caricli.methods.hair.snap_border import snap_border, union_share, visible_hair
+from caricli.methods.parts.close_neck import neck_edge
 from caricli.render.rasterise import rasterise
 from tests.methods.hair.conftest import CAMERA, SIDE
 
@@ -133,6 +135,23 @@ def test_hair_that_is_seen_from_aside_hangs_together(shell, sitter):
     facing = -igl.per_vertex_normals(points, faces)[loose] @ CAMERA.rotation[2]
     # Burying some turns their neighbours.
     assert (facing < 0).sum() < 25
+
+
+def test_hair_in_the_neck_below_the_skin_holds_nothing_together(shell, sitter):
+    """The shell's last rings are in the neck below the nape's end, and one of their vertices far below its foot."""
+    head = sitter.head
+    sphere = HeadSphere(head, ShellSettings(), fine=True)
+    net = ShellNet(shell.shell, sphere)
+    rim = head.vertices[neck_edge(head)]
+    inwards = rim[0] + 0.2 * (rim.mean(0) - rim[0])
+    points = shell.shell.vertices.copy()
+    points[-20 * net.columns :] = [inwards[0], (inwards[1] + head.vertices[:, 1].min()) / 2, inwards[2]]
+    points[-1, 1] -= 0.2 * head.height
+    assert not sphere.in_neck(points[-1:]).any()
+    low = replace(shell, shell=shell.shell.with_vertices(points))
+    after = module._hanging_together(low, sphere, CAMERA, net, ShellSettings()).shell.vertices
+    assert sphere.in_neck(after[-20 * net.columns :]).all()
+    np.testing.assert_allclose(after[1 : net.columns], points[1 : net.columns], atol=1e-12)
 
 
 def test_hair_that_is_seen_from_aside_has_no_ridges(shell, sitter, monkeypatch):
