@@ -13,6 +13,7 @@ from caricli.methods.hair.settings import ShellSettings
 from caricli.methods.parts.close_neck import close_neck, neck_edge
 from caricli.render.nearest_pixel import nearest_pixel
 from caricli.render.rasterise import rasterise
+from caricli.structures import Mesh
 from caricli.template.template import Template
 
 _FINE = 512  # pixels, side of the map of directions
@@ -94,9 +95,7 @@ class HeadSphere:
 
     def encloses(self, points: np.ndarray) -> np.ndarray:
         """(N,) bool: which of points (N, 3) are in the flesh of the head, ears included."""
-        faces = np.asarray(self.head.faces, np.int64)
-        inside: np.ndarray = igl.winding_number(self.head.vertices.astype(float), faces, points) > 0.5
-        return inside
+        return _inside(self.head, points)
 
     def in_neck(self, points: np.ndarray) -> np.ndarray:
         """(N,) bool: which of points (N, 3) are in the neck, also in what it stands on below the end of the skin."""
@@ -105,10 +104,7 @@ class HeadSphere:
         if foot is None:
             return inside
         low = points[:, 1] < self.head.vertices[neck_edge(self.head), 1].max()
-        body = join_meshes([self.head, foot.mesh])
-        inside[low] = (
-            igl.winding_number(body.vertices.astype(float), np.asarray(body.faces, np.int64), points[low]) > 0.5
-        )
+        inside[low] = _inside(join_meshes([self.head, foot.mesh]), points[low])
         return inside
 
     def _cells(self, shape: tuple[int, ...], points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -205,3 +201,9 @@ class HeadSphere:
 def _disc(longitudes: np.ndarray, angles: np.ndarray) -> np.ndarray:
     """(2, ...) pixels of directions (...) on the map of directions, the whorl in the middle."""
     return _FINE / 2 * (1 + angles / np.pi * np.stack([np.sin(longitudes), np.cos(longitudes)])) - 0.5
+
+
+def _inside(body: Mesh, points: np.ndarray) -> np.ndarray:
+    """(N,) bool: which of points (N, 3) are in a body."""
+    inside: np.ndarray = igl.winding_number(body.vertices.astype(float), np.asarray(body.faces, np.int64), points) > 0.5
+    return inside
