@@ -18,7 +18,8 @@ class GrinningFace:
     what is seen of them. truth: (81, 2) landmarks. marks: Landmarks whose mouth is shut, unsure.
     """
 
-    def __init__(self, template):
+    def __init__(self, template, wide=1.6):
+        """wide: how many times as large eyes are as landmarks have them."""
         closed = 240 * mean_shape(template) + [200, 180]
         self.truth = closed.copy()
         middle = closed[list(LIPS_INSIDE)].mean(0)
@@ -26,7 +27,7 @@ class GrinningFace:
         self.truth[list(LIPS_INSIDE)] = self.truth[[48, 50, 51, 52, 54, 56, 57, 58]] * 0.75 + 0.25 * middle
         for eye in (EYE_RIGHT, EYE_LEFT):
             own = closed[list(eye)].mean(0)
-            self.truth[list(eye)] = own + 1.6 * (closed[list(eye)] - own)
+            self.truth[list(eye)] = own + wide * (closed[list(eye)] - own)
         paper = np.random.default_rng(0).normal(0, 4, (400, 400, 3))
         self.image = np.clip(SKIN + paper, 0, 255).astype(np.uint8)
         self.mouth = self._enclosed(self.truth[list(LIPS_INSIDE)])

@@ -7,7 +7,7 @@ import numpy as np
 
 from caricli.methods.detect.cut_openings import FaceWindow
 from caricli.render.inside_polygon import inside_polygon
-from caricli.structures.landmarks import COUNT, EYE_LEFT, EYE_RIGHT, EYES, LIPS_INSIDE, MOUTH, Landmarks
+from caricli.structures.landmarks import COUNT, EYE_LEFT, EYE_RIGHT, LIPS_INSIDE, MOUTH, Landmarks
 from caricli.structures.parsing import Region
 
 _INNER = {49: 61, 50: 61, 51: 62, 52: 63, 53: 63, 55: 65, 56: 65, 57: 66, 58: 67, 59: 67}
@@ -28,6 +28,8 @@ class BorderSettings:
     wider: area of an eye in the picture for that between landmarks, from which on these are asked; holds: share of the
     latter that it has, without which it is another thing. farthest: pixels of the window, from an eye's landmark.
     lids, lips: standard deviation of those that are found so, along each axis, as a share of the landmarks' diagonal.
+    usual: area of an eye, as a share of the window's, that of 95 % of generated faces; of a larger one landmarks know
+    less, and its border counts the more.
     """
 
     agree: float = 0.6
@@ -39,6 +41,7 @@ class BorderSettings:
     farthest: float = 30.0
     lids: float = 0.012
     lips: float = 0.02
+    usual: float = 0.0122
 
 
 _SETTINGS = BorderSettings()
@@ -50,7 +53,7 @@ def snap_openings(image: np.ndarray, regions: np.ndarray, marks: Landmarks) -> L
     Inside of the lips is the border of the mouth as regions and colours show it; outside the end of what is labelled
     lips there, or as far from the inside as before. Lids go to the border of the eye, away from its middle. Of both
     places each counts as it is sure: with covariances S of the landmark and T of the border the mean by S^-1 and T^-1
-    is taken.
+    is taken. An eye larger than usual ones is none that landmarks were learnt from: its border is all the surer.
 
     image: (H, W, 3) uint8. regions: (H, W) values of Region. marks: Landmarks with spreads.
     Returns Landmarks, the same ones where there is nothing to move.
@@ -59,7 +62,7 @@ def snap_openings(image: np.ndarray, regions: np.ndarray, marks: Landmarks) -> L
         return marks
     window = FaceWindow.of(image, regions, marks.points)
     points = marks.points[:COUNT] @ window.matrix[:, :2].T + window.matrix[:, 2]
-    places = _snapped_eyes(window, points)
+    places, deviations = _snapped_eyes(window, points)
     mouth = _open_mouth(window, points)
     if mouth is not None:
         places = _on_border(places, mouth, window.labels == Region.LIPS)
@@ -68,8 +71,7 @@ def snap_openings(image: np.ndarray, regions: np.ndarray, marks: Landmarks) -> L
         return marks
     targets = (places[rows] - window.matrix[:, 2]) @ np.linalg.inv(window.matrix[:, :2]).T
     own = marks.spreads[rows]
-    deviations = marks.diagonal * np.where(np.isin(rows, EYES), _SETTINGS.lids, _SETTINGS.lips)
-    border = np.eye(2) * deviations[:, None, None] ** 2
+    border = np.eye(2) * (marks.diagonal * deviations[rows, None, None]) ** 2
     shares = own @ np.linalg.inv(own + border)
     moved = marks.points.copy()
     moved[rows] += np.einsum("kab,kb->ka", shares, targets - moved[rows])
@@ -79,10 +81,15 @@ def snap_openings(image: np.ndarray, regions: np.ndarray, marks: Landmarks) -> L
     return replace(marks, points=moved, spreads=spreads)
 
 
-def _snapped_eyes(window: FaceWindow, points: np.ndarray) -> np.ndarray:
-    """Landmarks (68, 2) of a window with those of eyes on the border of eyes that are much larger."""
+def _snapped_eyes(window: FaceWindow, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Landmarks (68, 2) of a window with those of eyes on the border of eyes that are much larger.
+
+    And the standard deviations (68,) of all that are on a border, as shares of the landmarks' diagonal.
+    """
     _, parts = cv2.connectedComponents(window.eyes().astype(np.uint8))
     places = points.copy()
+    deviations = np.full(COUNT, _SETTINGS.lips)
+    usual = _SETTINGS.usual * parts.size
     for eye in (list(EYE_RIGHT), list(EYE_LEFT)):
         told = inside_polygon(points[eye], parts.shape)
         own = np.bincount(parts[told & (parts > 0)], minlength=1)
@@ -90,7 +97,8 @@ def _snapped_eyes(window: FaceWindow, points: np.ndarray) -> np.ndarray:
         held = own.max() / max(told.sum(), 1)
         if own.max() and held > _SETTINGS.holds and shown.sum() > _SETTINGS.wider * told.sum():
             places[eye] = _away_from_middle(points[eye], shown)
-    return places
+            deviations[eye] = _SETTINGS.lids * min((usual / shown.sum()) ** 2, 1)
+    return places, deviations
 
 
 def _away_from_middle(points: np.ndarray, shown: np.ndarray) -> np.ndarray:

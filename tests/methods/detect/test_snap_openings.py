@@ -36,6 +36,16 @@ def test_they_are_surer_then_and_what_was_sure_stays(face):
     np.testing.assert_allclose(snap_openings(face.image, face.regions, sure).points, sure.points, atol=0.1)
 
 
+def test_lids_of_eyes_larger_than_usual_ones_go_nearer_to_the_border(head_template):
+    left = []
+    for wide in (1.2, 1.6):
+        face = GrinningFace(head_template, wide)
+        marks = replace(face.marks, spreads=face.marks.spreads / 16)
+        snapped = snap_openings(face.image, face.regions, marks)
+        left.append(_errors(snapped, face.truth, EYES) / _errors(marks, face.truth, EYES))
+    assert left[1] < 0.8 * left[0]
+
+
 def test_landmarks_that_the_picture_bears_out_stay(face):
     regions = face.regions.copy()
     regions[face.mouth] = Region.TEETH
