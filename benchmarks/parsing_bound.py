@@ -59,7 +59,7 @@ def shares(regions, matrix, size):
 def told(picture, chances, settings):
     """The regions of a MarkedPicture as they would be put together."""
     regions = np.where(picture.regions < COUNT, picture.regions, 0).astype(np.uint8)
-    glances = find_faces(picture.pixels, Blind(), settings)[1]
+    glances = find_faces(picture.pixels, Blind(), settings.sides, settings)[1]
     sizes = [(HALF * glance.chances.shape[1], HALF * glance.chances.shape[0]) for glance in glances]
     pairs = zip(glances, sizes, strict=True)
     whole = mean_regions([WindowRegions(chances(regions, own.matrix, size), own.matrix) for own, size in pairs])

@@ -1,6 +1,7 @@
 """Faces of a picture, with their landmarks, and its regions."""
 
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
+from statistics import median
 
 import numpy as np
 
@@ -23,26 +24,20 @@ _STEEP = 8  # so that faces whose landmarks are sure keep their score, and other
 def detect_faces(picture: np.ndarray, detector: Detector, settings: DetectSettings | None = None) -> Detection:
     """Find all faces of a picture, read their landmarks, and say what every pixel shows.
 
-    The picture is searched at several scales; each place that may hold a face is looked at in the frame that the search
-    gave, and in that of the landmarks that were seen there. A face is what search and last look are sure of, and whose
-    landmarks are somewhere. Lips, lids and jaw go to where the picture shows them, then all points to where people
-    mark them. Of regions the mean of what all scales show counts, and where a face is that of it and the last look.
+    The picture is searched at several scales, and where faces are small or none is found at a finer one, too; each
+    place that may hold a face is looked at in the frame that the search gave, and in that of the landmarks that were
+    seen there. A face is what search and last look are sure of, and whose landmarks are somewhere. Lips, lids and jaw
+    go to where the picture shows them, then all points to where people mark them. Of regions the mean of what all
+    scales show counts, and where a face is that of it and the last look.
     picture: (H, W, 3) uint8.
     """
-    settings = settings or DetectSettings()
-    candidates, glances = find_faces(picture, detector, settings)
-    size = (picture.shape[1], picture.shape[0])
-    pairs: list[tuple[DetectedFace, ReadFace]] = []
-    for candidate in candidates:
-        # What a face that was found covers needs no look.
-        if _is_new(candidate.frame, pairs, settings):
-            read = look_at_face(picture, candidate.frame, detector, settings)
-            face = _face(candidate, read, size, settings)
-            if face is not None and _is_new(face.frame, pairs, settings):
-                pairs.append((face, read))
-    pairs.sort(key=lambda pair: -pair[0].frame.side)
+    search = _Search(picture, detector, settings or DetectSettings())
+    search.at(search.settings.sides)
+    if search.shows_small_faces():
+        search.at(search.settings.finer)
+    pairs = sorted(search.pairs, key=lambda pair: -pair[0].frame.side)
     faces = [face for face, _ in pairs]
-    whole = mean_regions(glances)
+    whole = mean_regions(search.glances)
     own = [mean_regions([whole, WindowRegions(read.regions, read.matrix)]) for _, read in pairs]
     regions = parse_picture(picture.shape[:2], whole, own)
     snapped = [snap_jaw(regions, snap_openings(picture, regions, face.landmarks)) for face in faces]
@@ -50,8 +45,39 @@ def detect_faces(picture: np.ndarray, detector: Detector, settings: DetectSettin
     return Detection([replace(face, landmarks=own) for face, own in zip(faces, marks, strict=True)], regions)
 
 
-def _is_new(frame: FaceFrame, pairs: list[tuple[DetectedFace, ReadFace]], settings: DetectSettings) -> bool:
-    return all(common_share(frame, face.frame) <= settings.overlap for face, _ in pairs)
+@dataclass(frozen=True, eq=False)
+class _Search:
+    """What is found in a picture (H, W, 3) uint8.
+
+    pairs: faces with what they were read as, each once. glances: what the picture shows by every scale.
+    """
+
+    picture: np.ndarray
+    detector: Detector
+    settings: DetectSettings
+    pairs: list[tuple[DetectedFace, ReadFace]] = field(default_factory=list)
+    glances: list[WindowRegions] = field(default_factory=list)
+
+    def at(self, sides: tuple[float, ...]) -> None:
+        """Search the picture at some scales, its longer sides, and look at what may be a face there."""
+        candidates, glances = find_faces(self.picture, self.detector, sides, self.settings)
+        self.glances.extend(glances)
+        size = (self.picture.shape[1], self.picture.shape[0])
+        for candidate in candidates:
+            # What a face that was found covers needs no look.
+            if self._is_new(candidate.frame):
+                read = look_at_face(self.picture, candidate.frame, self.detector, self.settings)
+                face = _face(candidate, read, size, self.settings)
+                if face is not None and self._is_new(face.frame):
+                    self.pairs.append((face, read))
+
+    def shows_small_faces(self) -> bool:
+        """Whether its faces are small, most of them, or none was found."""
+        sides = [face.frame.side for face, _ in self.pairs]
+        return not sides or median(sides) < self.settings.small * max(self.picture.shape[:2])
+
+    def _is_new(self, frame: FaceFrame) -> bool:
+        return all(common_share(frame, face.frame) <= self.settings.overlap for face, _ in self.pairs)
 
 
 def _face(candidate: Candidate, read: ReadFace, size: tuple[int, int], settings: DetectSettings) -> DetectedFace | None:

@@ -27,15 +27,15 @@ class Candidate:
 
 
 def find_faces(
-    picture: np.ndarray, detector: Detector, settings: DetectSettings
+    picture: np.ndarray, detector: Detector, sides: tuple[float, ...], settings: DetectSettings
 ) -> tuple[list[Candidate], list[WindowRegions]]:
-    """Search a picture (H, W, 3) uint8 at several scales.
+    """Search a picture (H, W, 3) uint8 at several scales. sides: its longer ones, in those of a detector's windows.
 
     Returns where faces may be, the best first and each once, and what the picture shows by every scale.
     """
     candidates: list[Candidate] = []
     glances = []
-    for side in settings.sides:
+    for side in sides:
         scale = side * detector.size / max(picture.shape[:2])
         size = [_MULTIPLE * ceil((round(length * scale) + 1) / _MULTIPLE) for length in picture.shape[1::-1]]
         shift = [(size[k] - scale * picture.shape[1 - k]) / 2 + (scale - 1) / 2 for k in range(2)]

@@ -53,6 +53,17 @@ def shrunk(picture, side):
     return cv2.resize(picture, (side, side), interpolation=cv2.INTER_AREA)
 
 
+def test_of_several_faces_smaller_than_a_twelfth_each_is_seen(detector, portrait):
+    corners = np.array([(x, y) for x in (100, 550) for y in (100, 550)])
+    picture = np.full((1000, 1000, 3), 150, np.uint8)
+    for x, y in corners:
+        picture[y : y + 358, x : x + 358] = shrunk(portrait[0], 358)
+    seen = see_face(picture, detector)
+    assert seen.doubt is None and seen.others == len(corners) - 1
+    truths = (portrait[1] + 0.5) * 358 / 512 - 0.5 + corners[:, None]
+    assert min(error(seen, truth) for truth in truths) < 4
+
+
 def test_a_face_is_seen_without_doubt(detector, portrait):
     seen = see_face(portrait[0], detector)
     assert error(seen, portrait[1]) < 4 and seen.doubt is None and seen.others == 0

@@ -29,7 +29,8 @@ def test_a_place_is_the_same_at_every_scale(size):
     picture = np.zeros((*size, 3), np.uint8)
     x, y, side = size[1] // 2, size[0] // 3, min(size) // 3
     picture[y : y + side, x : x + side] = 255
-    candidates, glances = find_faces(picture, Seer(), DetectSettings())
+    settings = DetectSettings()
+    candidates, glances = find_faces(picture, Seer(), settings.sides, settings)
     assert len(candidates) == 1 and len(glances) == 3
     middle = np.array([x, y]) + (side - 1) / 2
     np.testing.assert_allclose(candidates[0].frame.centre, middle, atol=0.02 * max(size))
