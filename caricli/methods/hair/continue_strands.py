@@ -17,7 +17,7 @@ _PASSES = 2  # over all of them: a patch that is seen in part leaves holes
 _CANDIDATES = 80  # places that a patch may be taken from
 _LIKELY = 1.1  # of the least difference: those with no more are drawn from
 _USED = 0.5  # how much worse a patch is each time that it was taken, so that nothing repeats
-_FEATHER = 0.12  # of a patch's side, over which it fades into what was there
+_FEATHER = 0.2  # of a patch's side, over which it fades into what was there
 _TONE = 0.3  # of a patch's side, over which it takes on the tone of what it joins
 _OWN = 0.1  # how much of its own tone it keeps, so that tones do not drift
 _BLOTCH = 0.015  # of the picture: what is as dark or light over more than this is a shadow or a light
@@ -63,7 +63,8 @@ def continue_strands(image: np.ndarray, seen: np.ndarray, generator: np.random.G
     is taken where it differs least from what it joins, and the less, the oftener it was taken.
 
     image: (S, S, 3) from 0 to 255. seen: (S, S) bool. generator: of the choice among equals.
-    Returns (S, S, 3) float32, what is seen unchanged. All else is its mean colour where too little is seen for a patch.
+    Returns (S, S, 3) float32, what is seen unchanged but for its border, over which patches fade into it. All else is
+    its mean colour where too little is seen for a patch.
     """
     canvas = image.astype(np.float32)
     if not seen.any() or seen.all():
@@ -73,7 +74,6 @@ def continue_strands(image: np.ndarray, seen: np.ndarray, generator: np.random.G
     if len(quilt.patches):
         for frame in _PASSES * quilt.frames():
             quilt.lay(frame)
-    quilt.canvas[seen] = image[seen]
     return quilt.canvas
 
 
