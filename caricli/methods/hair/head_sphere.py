@@ -1,6 +1,8 @@
 """A head seen from its middle: directions on a sphere, and how far out the skin is in each."""
 
+from copy import copy
 from functools import cached_property
+from typing import Self
 
 import igl
 import numpy as np
@@ -45,6 +47,15 @@ class HeadSphere:
         self.axes = np.stack([np.array([1.0, 0, 0]), front, up])
         self.longitudes = 2 * np.pi * np.arange(columns) / columns
         self.angles = np.pi * (np.arange(rows) + 0.5) / rows
+
+    def with_head(self, head: Template) -> Self:
+        """The same directions around a head whose skull has moved along them: what is outermost there stays so."""
+        moved = copy(self)
+        moved._skin = self._skin
+        moved.head = head
+        for name in ("_grid_roots", "radii"):
+            moved.__dict__.pop(name, None)
+        return moved
 
     def points(self, longitudes: np.ndarray, angles: np.ndarray, radii: np.ndarray) -> np.ndarray:
         """(..., 3) metres, so far (...) from the middle in directions (...)."""

@@ -112,7 +112,7 @@ def _closed(grown: _Grown, settings: ShellSettings) -> tuple[Hair, Template]:
     left, *_ = _left(grown.sphere, grown.view, grown.edge, grown.total, settings)
     head = grown.sphere.head
     head = lower_skull(head, grown.sphere, np.where(left > 0, grown.total - settings.least * head.height, np.inf))
-    fine = HeadSphere(head, settings, fine=True)
+    fine = grown.sphere.with_head(head)
     # The skull is flat between its vertices, where a shell may be hollow.
     total = np.where(left > 0, np.maximum(grown.total, fine.radii + settings.least * head.height), grown.total)
     view = HairView(head, grown.view.camera, grown.view.hair, grown.view.outline)
@@ -121,7 +121,7 @@ def _closed(grown: _Grown, settings: ShellSettings) -> tuple[Hair, Template]:
     row = np.clip(np.searchsorted(fine.angles, grown.edge), 0, len(fine.angles) - 1)
     lower = grown.edge + settings.below * seen[row, np.arange(len(grown.edge))]
     lower = np.maximum(lower, np.pi / len(left) * (np.cumprod(left > 0, axis=0).sum(0) + 0.5))
-    return _mesh(_Surface(fine, total, left, free, hidden, lower), view, settings), tuck_ears(head, view, settings)
+    return _mesh(_Surface(fine, total, left, free, hidden, lower), view, settings), tuck_ears(fine, view, settings)
 
 
 def _rounded(hairy: np.ndarray, total: np.ndarray, settings: ShellSettings) -> np.ndarray:

@@ -84,15 +84,16 @@ def snap_border(
     size = camera.scale * head.height
     outside = _outside(mask, size)
     seen = _seen_faces(head, hair, camera, mask.pixels.shape)
-    best = (union_share(seen >= 0, mask.pixels), hair, head)
+    skin = sphere
+    best = (union_share(seen >= 0, mask.pixels), hair, skin)
     wanted = _border(mask.pixels, size)
     for number, width in enumerate((*_WIDTHS, None)):
         if width is not None:
             points = _brought(hair.shell, start, sphere, camera, _field(seen >= 0, wanted, size, width), net)
         elif best[0] < _GOOD:
             points = hair.shell.vertices
-            wrong = _seen_places(head, hair, camera, outside & ~mask.behind)
-            head = raise_skull(head, sphere, sphere.farthest(wrong), _RAISE * head.height)
+            wrong = _seen_places(skin.head, hair, camera, outside & ~mask.behind)
+            skin = sphere.with_head(raise_skull(skin.head, sphere, sphere.farthest(wrong), _RAISE * head.height))
             lowest = np.full_like(lowest, -np.inf)
         else:
             break
@@ -101,19 +102,19 @@ def snap_border(
         inner = hair.shell.faces[(above & ~over)[hair.shell.faces].all(1)]
         most = sphere.cover(points, inner, *np.meshgrid(sphere.longitudes, sphere.angles))
         # Triangles of the skull are larger than those of hair: without a gap they come through between their corners.
-        head = lower_skull(head, sphere, most - settings.least * head.height)
+        skin = sphere.with_head(lower_skull(skin.head, sphere, most - settings.least * head.height))
         ramp = _ramp(hair.shell.with_vertices(points), over, camera)
         depths = np.where(over, settings.deep, settings.under) * head.height
-        points = _seated(points, lowest, np.where(above & ~over, ramp, -depths), head, settings)
+        points = _seated(points, lowest, np.where(above & ~over, ramp, -depths), skin)
         hair = replace(hair, shell=hair.shell.with_vertices(points))
-        seen = _seen_faces(head, hair, camera, mask.pixels.shape)
-        best = max(best, (union_share(seen >= 0, mask.pixels), hair, head), key=itemgetter(0))
+        seen = _seen_faces(skin.head, hair, camera, mask.pixels.shape)
+        best = max(best, (union_share(seen >= 0, mask.pixels), hair, skin), key=itemgetter(0))
     hair, head = _tidied(best, camera, mask, net, settings)
     return hair, head, union_share(_seen_faces(head, hair, camera, mask.pixels.shape) >= 0, mask.pixels)
 
 
 def _tidied(
-    snapped: tuple[float, Hair, Template],
+    snapped: tuple[float, Hair, HeadSphere],
     camera: Camera,
     mask: HairMask,
     net: ShellNet,
@@ -121,16 +122,15 @@ def _tidied(
 ) -> tuple[Hair, Template]:
     """Hair without loose parts, ridges, and gaps where it is far from the mask, and the head whose skull is well under.
 
-    snapped: intersection over union with the mask, Hair and head. net: ShellNet of the hair.
+    snapped: intersection over union with the mask, Hair and HeadSphere of the head. net: ShellNet of the hair.
     """
-    share, hair, head = snapped
-    skin = HeadSphere(head, settings, fine=True)
+    share, hair, skin = snapped
     if share < _GOOD:
         hair = _filled(hair, skin, camera, mask, net, settings)
     hair = _nearer(_evened(hair, skin, camera, net), skin, camera, mask, net)
     # What moved to the mask may hang together no longer.
     hair = _hanging_together(hair, skin, camera, net, settings)
-    hair = slope_edges(hair, skin, camera, visible_hair(head, hair, camera, mask.pixels.shape), settings)
+    hair = slope_edges(hair, skin, camera, visible_hair(skin.head, hair, camera, mask.pixels.shape), settings)
     return hair, _clear_of(hair, skin, settings)
 
 
@@ -257,11 +257,8 @@ def _cosines(shell: Mesh, camera: Camera) -> np.ndarray:
     return cosines
 
 
-def _seated(
-    points: np.ndarray, lowest: np.ndarray, highest: np.ndarray, head: Template, settings: ShellSettings
-) -> np.ndarray:
+def _seated(points: np.ndarray, lowest: np.ndarray, highest: np.ndarray, skin: HeadSphere) -> np.ndarray:
     """Points (N, 3) moved until they are from lowest to highest (N,) metres above the skin."""
-    skin = HeadSphere(head, settings, fine=True)
     longitudes, angles, radii = skin.seen_from(points)
     ground = skin.sample(skin.radii, longitudes, angles)
     return skin.points(longitudes, angles, np.clip(radii, ground + lowest, ground + highest))

@@ -12,12 +12,13 @@ from caricli.template.template import Template
 _ROUNDS = 4  # of bringing to neighbours what is hidden of an ear, so that it bends
 
 
-def tuck_ears(head: Template, view: HairView, settings: ShellSettings) -> Template:
-    """The head with what hair hides of its ears laid against it, where a part of them shows.
+def tuck_ears(sphere: HeadSphere, view: HairView, settings: ShellSettings) -> Template:
+    """The head of a sphere with what hair hides of its ears laid against it, where a part of them shows.
 
     Hair ends before that part, and what is hidden beside it would stick out of the hair.
     view: HairView of the head.
     """
+    head = sphere.head
     hidden = np.zeros(len(head.vertices))
     for name in EARS:
         ids = head.annotation.regions[name]
@@ -30,7 +31,6 @@ def tuck_ears(head: Template, view: HairView, settings: ShellSettings) -> Templa
     ears = head.mask(*EARS)
     for _ in range(_ROUNDS):
         hidden = np.where(ears, mean @ hidden, 0)
-    sphere = HeadSphere(head, settings, fine=True)
     longitudes, angles, radii = sphere.seen_from(head.vertices)
     above = np.maximum(radii - sphere.sample(sphere.radii, longitudes, angles) - settings.least * head.height, 0)
     share = 1 - hidden * above / np.maximum(radii, np.finfo(float).tiny)

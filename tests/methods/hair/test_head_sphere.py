@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from caricli.methods.hair.head_sphere import HeadSphere
+from caricli.methods.hair.move_skull import lower_skull
 from caricli.methods.hair.settings import ShellSettings
 from caricli.methods.parts.close_neck import BELOW, neck_edge
 
@@ -33,6 +34,17 @@ def test_bending_is_that_of_a_slow_computation(sitter, coarse):
             bending += flow**2 / (np.sin(sphere.angles[row]) * step * turn)
     assert values.ravel() @ matrix @ values.ravel() == pytest.approx(bending)
     assert areas.sum() == pytest.approx(4 * np.pi, rel=0.05)
+
+
+def test_a_head_whose_skull_has_moved_is_seen_as_if_anew(sitter):
+    sphere = HeadSphere(sitter.head, ShellSettings())
+    assert sphere.radii.any()
+    most = np.where(sphere.region("scalp") > 0.5, 0.8 * sphere.radii, np.inf)
+    lower = lower_skull(sitter.head, sphere, most)
+    moved, anew = sphere.with_head(lower), HeadSphere(lower, ShellSettings())
+    assert np.abs(anew.radii - sphere.radii).max() > 0.1 * sitter.head.height
+    np.testing.assert_allclose(moved.radii, anew.radii, atol=1e-4 * sitter.head.height)
+    np.testing.assert_allclose(moved.region("scalp"), anew.region("scalp"), atol=0.01)
 
 
 def test_the_neck_goes_on_to_the_foot_that_a_head_stands_on(sitter):

@@ -35,7 +35,7 @@ def standing_out(head):
 
 def test_what_is_under_hair_lies_against_the_head_and_the_lobe_stays(sitter):
     view = covered(sitter, 0.75)
-    tucked = tuck_ears(sitter.head, view, SETTINGS)
+    tucked = tuck_ears(HeadSphere(sitter.head, SETTINGS, fine=True), view, SETTINGS)
     ears = sitter.head.mask(*EARS)
     np.testing.assert_allclose(tucked.vertices[~ears], sitter.head.vertices[~ears], rtol=0, atol=1e-12)
     for name in EARS:
@@ -49,5 +49,5 @@ def test_what_is_under_hair_lies_against_the_head_and_the_lobe_stays(sitter):
 
 @pytest.mark.parametrize("share", [0.2, 1.2])
 def test_ears_that_mostly_show_or_not_at_all_stay(sitter, share):
-    tucked = tuck_ears(sitter.head, covered(sitter, share), SETTINGS)
+    tucked = tuck_ears(HeadSphere(sitter.head, SETTINGS, fine=True), covered(sitter, share), SETTINGS)
     np.testing.assert_allclose(tucked.vertices, sitter.head.vertices, rtol=0, atol=1e-12)
