@@ -26,9 +26,12 @@ def find_edge(votes: np.ndarray, steady: float) -> np.ndarray:
     most = min(_STEPS, rows)
     steps = np.arange(-most, most + 1)
     costs = steady * np.abs(steps)
+    # Of every row those that it can be reached from, in the order of steps.
+    padded = np.full(rows + 1 + 2 * most, -np.inf)
+    from_there = sliding_window_view(padded, len(steps))[:, ::-1]
     for column in range(1, columns):
-        # Of every row those that it can be reached from, in the order of steps.
-        around = sliding_window_view(np.pad(score, most, constant_values=-np.inf), len(steps))[:, ::-1] - costs
+        padded[most : most + rows + 1] = score
+        around = from_there - costs
         best = around.argmax(1)
         came[column] = steps[best]
         score = around[np.arange(rows + 1), best] + gains[:, column]

@@ -16,6 +16,7 @@ _ARC = 0.25  # of a turn: so much of an outline, at most, goes on round beyond t
 _SECTORS = 60  # directions in each of which one point of a surface is outermost; a coarse grid has one in each
 _TURNS = 3  # of meeting the outline
 _STEEP = 8  # power of the share of the way to the outline with which what is inside follows
+_SETTLED = 1e-6  # of the head's height, by which a surface changes where another round changes nothing
 _STEPS = (0.03, 0.06)  # of the way to the outline, beyond it: there is the background
 
 
@@ -146,7 +147,7 @@ def fit_outline(
     """Radii (R, C) of the smoothest surface around the skin whose outline is that of the hair.
 
     Minimises the bending of what is added to the skin, a weak pull towards the usual thickness, and the distances
-    between the outlines, which are compared anew in rounds.
+    between the outlines, which are compared anew in rounds, until nothing changes.
 
     hairy: (R, C) bool, directions where there may be hair. Where the skin is outside the outline, so is less than it.
     """
@@ -172,5 +173,8 @@ def fit_outline(
         matrix = settings.smooth * 1e-2 * bending
         matrix[-1] += hold + pull
         right = pull * usual + hold * np.where(hold > 0, target, 0)
+        before = added
         added = solveh_banded(matrix, right, overwrite_ab=True, check_finite=False).reshape(skin.shape)
+        if np.abs(added - before).max() < _SETTLED * height:
+            break
     return skin + added

@@ -52,6 +52,7 @@ class HeadSphere:
         """The same directions around a head whose skull has moved along them: what is outermost there stays so."""
         moved = copy(self)
         moved._skin = self._skin
+        moved._grid_rays = self._grid_rays
         moved.head = head
         for name in ("_grid_roots", "radii"):
             moved.__dict__.pop(name, None)
@@ -144,11 +145,17 @@ class HeadSphere:
 
         Over ears and beyond the neck's end it is the nearest place of the skin elsewhere.
         """
+        return self._met(*self._rays(longitudes, angles))
+
+    def _rays(self, longitudes: np.ndarray, angles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Corners (N, 3) of the triangles that directions (N,) meet, and the directions (N, 3)."""
         faces, owner = self._skin
         x, y = _disc(longitudes, angles)
         column, row = (np.clip(np.round(a).astype(int), 0, _FINE - 1) for a in (x, y))
-        corners = faces[owner[row, column]]
-        rays = self.directions(longitudes, angles)
+        return faces[owner[row, column]], self.directions(longitudes, angles)
+
+    def _met(self, corners: np.ndarray, rays: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Those corners (N, 3) int32 and their weights (N, 3) where rays (N, 3) from the middle meet the triangles."""
         a, b, c = np.swapaxes(self.head.vertices[corners] - self.middle, 0, 1)
         weights = np.stack([np.einsum("nc,nc->n", rays, np.cross(*edge)) for edge in ((b, c), (c, a), (a, b))], 1)
         total = weights.sum(1, keepdims=True)
@@ -158,8 +165,13 @@ class HeadSphere:
     @cached_property
     def _grid_roots(self) -> tuple[np.ndarray, np.ndarray]:
         """`roots` of all directions of the grid, row by row."""
+        return self._met(*self._grid_rays)
+
+    @cached_property
+    def _grid_rays(self) -> tuple[np.ndarray, np.ndarray]:
+        """`_rays` of all directions of the grid, row by row."""
         longitudes, angles = np.meshgrid(self.longitudes, self.angles)
-        return self.roots(longitudes.ravel(), angles.ravel())
+        return self._rays(longitudes.ravel(), angles.ravel())
 
     def cover(self, vertices: np.ndarray, faces: np.ndarray, longitudes: np.ndarray, angles: np.ndarray) -> np.ndarray:
         """How far out triangles (F, 3) of vertices (V, 3) are in directions (N,), infinite where there are none."""

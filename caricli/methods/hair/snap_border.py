@@ -26,6 +26,7 @@ from caricli.template.template import Template
 _WIDTHS = (0.015, 0.01, 0.006, 0.004, 0.003, 0.003, 0.003)
 _LAST_WIDTH = 0.006  # of the head's height, over which a border's movements are spread once hair is laid
 _GOOD = 0.93  # intersection over union from which on a shell is not far: no skull is raised and no gap filled
+_MET = 0.96  # the same from which on a border is met, once what stands before bare skin has gone under it
 _CORNERS = 5  # rows and columns around a direction, in which nothing of hair is nearer than the skull
 _INSIDE = 41  # the same, in which hair does not end
 _RAISE = 0.02  # of the head's height, by which it is at most
@@ -61,13 +62,13 @@ def snap_border(
 ) -> tuple[Hair, Template, float]:
     """Move a shell so that what the camera sees of it ends where the mask ends, and the skull so that it is under it.
 
-    Every pixel of either border wants to be at the nearest of the other one; what they want, averaged with weights
-    that fall with the distance, moves what is near them, in smaller and smaller neighbourhoods. Where the surface
-    faces the camera it goes along the skin, where it is seen from aside out and in. In the last round the skull is
-    raised where hair is seen still and the picture has skin: a forehead that is too low shows the hair behind. The
-    best of the rounds counts, its gaps filled where it is far from the mask, without its loose parts. Movements go
-    over smoothly into what is not seen and fade out there, and what stands before bare skin goes under it in a
-    slope.
+    Every pixel of either border wants to be at the nearest of the other one; what they want, averaged with weights that
+    fall with the distance, moves what is near them, in smaller and smaller neighbourhoods. Where the surface faces the
+    camera it goes along the skin, where it is seen from aside out and in. In the last round the skull is raised where
+    hair is seen still and the picture has skin: a forehead that is too low shows the hair behind. The best of the
+    rounds counts, the last where the border is met, its gaps filled where it is far from the mask, without its loose
+    parts. Movements go over smoothly into what is not seen and fade out there, and what stands before bare skin goes
+    under it in a slope.
 
     hair: Hair on the head. head: Template in the shape of the face. camera: of the picture. mask: HairMask.
     Returns Hair with the same polygons and roots, the head, and the intersection over union of what the camera sees of
@@ -88,6 +89,8 @@ def snap_border(
     best = (union_share(seen >= 0, mask.pixels), hair, skin)
     wanted = _border(mask.pixels, size)
     for number, width in enumerate((*_WIDTHS, None)):
+        if number > _TRIM and best[0] >= _MET:
+            break
         if width is not None:
             points = _brought(hair.shell, start, sphere, camera, _field(seen >= 0, wanted, size, width), net)
         elif best[0] < _GOOD:
