@@ -26,7 +26,7 @@ from caricli.template.template import Template
 _WIDTHS = (0.015, 0.01, 0.006, 0.004, 0.003, 0.003, 0.003)
 _LAST_WIDTH = 0.006  # of the head's height, over which a border's movements are spread once hair is laid
 _GOOD = 0.93  # intersection over union from which on a shell is not far: no skull is raised and no gap filled
-_MET = 0.96  # the same from which on a border is met, once what stands before bare skin has gone under it
+_MET = 0.98  # the same from which on a border is met, once what stands before bare skin has gone under it
 _CORNERS = 5  # rows and columns around a direction, in which nothing of hair is nearer than the skull
 _INSIDE = 41  # the same, in which hair does not end
 _RAISE = 0.02  # of the head's height, by which it is at most
