@@ -12,7 +12,7 @@ from caricli.methods.redraw.view import Window
 from caricli.methods.texture.estimate_light import GAMMA
 from caricli.render.paint import smooth_step
 from caricli.render.sky import DIRECTIONS, light_received, sky_visibility
-from caricli.render.smooth_normals import smooth_normals
+from caricli.render.smooth_normals import even_normals, smooth_normals
 from caricli.structures import Material
 
 _NEAR = 0.012  # of the head's height: what is so little behind the surface is on it
@@ -235,8 +235,8 @@ class MovedHead:
         if light is None:
             return np.ones((1, 1, 3), np.float32)
         faces = self.original.faces
-        before = light.shade(smooth_normals(self.original.depiction.vertices, faces))
-        after = light.shade(smooth_normals(self.vertices, faces))
+        before = light.shade(even_normals(self.original.depiction.vertices, faces))
+        after = light.shade(even_normals(self.vertices, faces))
         ratio = self.view.carried(np.clip(after / before, *self.original.settings.light))
         return np.where(self.view.covered[..., None], ratio, 1)
 
@@ -246,7 +246,7 @@ class MovedHead:
         faces = self.original.faces
         normals = smooth_normals(self.vertices, faces)
         light = self.original.light
-        shade = np.ones_like(normals) if light is None else light.shade(normals)
+        shade = np.ones_like(normals) if light is None else light.shade(even_normals(self.vertices, faces))
         inside = np.flatnonzero(self.original.wall > 0)
         sky = sky_visibility(self.vertices, faces, normals, inside)
         wall = self.original.wall[inside, None]

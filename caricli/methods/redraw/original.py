@@ -19,7 +19,7 @@ from caricli.methods.texture.mouth_wall import mouth_wall
 from caricli.methods.texture.picture_view import PictureView, Sight, SurfacePoints
 from caricli.methods.texture.settings import TextureSettings
 from caricli.render.sample_texture import sample_pixels
-from caricli.render.smooth_normals import smooth_normals
+from caricli.render.smooth_normals import even_normals, smooth_normals
 from caricli.structures import Depiction, Material, Rig
 from caricli.structures.landmarks import EYE_LEFT, EYE_RIGHT, LIPS
 from caricli.structures.parsing import Region
@@ -323,7 +323,8 @@ class Original:
         normals = smooth_normals(head.vertices, head.faces)
         seen = view.look(SurfacePoints(head.vertices, normals, np.zeros(len(normals)), mouth_wall(head)))
         weights = skin_weights(head, seen.seen)
-        return estimate_light(seen.colours, normals, head.vertices, weights, -camera.rotation[2])
+        even = even_normals(head.vertices, head.faces)
+        return estimate_light(seen.colours, even, head.vertices, weights, -camera.rotation[2])
 
 
 def blurred(samples: np.ndarray, spread: float) -> np.ndarray:

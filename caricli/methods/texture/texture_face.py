@@ -12,7 +12,7 @@ from caricli.methods.texture.mouth_wall import mouth_wall, wall_colour
 from caricli.methods.texture.picture_view import PictureView, SeenColours, Sight, SurfacePoints, likeness
 from caricli.methods.texture.settings import TextureSettings
 from caricli.methods.texture.texels import Texels
-from caricli.render.smooth_normals import smooth_normals
+from caricli.render.smooth_normals import even_normals, smooth_normals
 from caricli.template.annotation import CAVITIES
 from caricli.template.template import Template
 
@@ -61,12 +61,13 @@ def texture_face(
     view = PictureView(head, sight, settings)
     texels = size if isinstance(size, Texels) else Texels(head, size or view.size())
     normals = smooth_normals(head.vertices, head.faces)
+    even = even_normals(head.vertices, head.faces)
     vertices = _vertices(head, normals)
     usual = view.look(vertices)
     light = None if like is None else like.light
     if like is None and not settings.keep_light:
-        light = _find_light(head, normals, usual, sight)
-    shade = np.ones_like(normals) if light is None else light.shade(normals)
+        light = _find_light(head, even, usual, sight)
+    shade = np.ones_like(normals) if light is None else light.shade(even)
     usual = usual.unlit(shade)
     neck = None if settings.keep_light else _Neck.of(head, usual, vertices, settings)
     points, own_shade = texels.points(vertices, shade)
