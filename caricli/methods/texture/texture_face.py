@@ -60,14 +60,13 @@ def texture_face(
     """
     view = PictureView(head, sight, settings)
     texels = size if isinstance(size, Texels) else Texels(head, size or view.size())
-    normals = smooth_normals(head.vertices, head.faces)
     even = even_normals(head.vertices, head.faces)
-    vertices = _vertices(head, normals)
+    vertices = _vertices(head)
     usual = view.look(vertices)
     light = None if like is None else like.light
     if like is None and not settings.keep_light:
         light = _find_light(head, even, usual, sight)
-    shade = np.ones_like(normals) if light is None else light.shade(even)
+    shade = np.ones_like(even) if light is None else light.shade(even)
     usual = usual.unlit(shade)
     neck = None if settings.keep_light else _Neck.of(head, usual, vertices, settings)
     points, own_shade = texels.points(vertices, shade)
@@ -107,8 +106,9 @@ def _find_light(head: Template, normals: np.ndarray, vertices: SeenColours, sigh
     return estimate_light(vertices.colours, normals, head.vertices, weights, -sight.camera.rotation[2])
 
 
-def _vertices(head: Template, normals: np.ndarray) -> SurfacePoints:
-    """The vertices of a head, whose normals are (V, 3)."""
+def _vertices(head: Template) -> SurfacePoints:
+    """The vertices of a head."""
+    normals = smooth_normals(head.vertices, head.faces)
     pockets, neck, scalp = (head.mask(*names).astype(np.float64) for names in (CAVITIES, ("neck",), ("scalp",)))
     hidden = np.maximum(mouth_wall(head), folded_lids(head))
     return SurfacePoints(head.vertices, normals, pockets, hidden, neck, scalp)
