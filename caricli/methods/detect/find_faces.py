@@ -29,8 +29,9 @@ class Candidate:
 def find_faces(
     picture: np.ndarray, detector: Detector, sides: tuple[float, ...], settings: DetectSettings
 ) -> tuple[list[Candidate], list[WindowRegions]]:
-    """Search a picture (H, W, 3) uint8 at several scales. sides: its longer ones, in those of a detector's windows.
+    """Search a picture (H, W, 3) uint8 at several scales.
 
+    sides: what its longer side is made for each, in sides of the detector's windows.
     Returns where faces may be, the best first and each once, and what the picture shows by every scale.
     """
     candidates: list[Candidate] = []
