@@ -66,7 +66,7 @@ def snap_border(
     fall with the distance, moves what is near them, in smaller and smaller neighbourhoods. Where the surface faces the
     camera it goes along the skin, where it is seen from aside out and in. In the last round the skull is raised where
     hair is seen still and the picture has skin: a forehead that is too low shows the hair behind. The best of the
-    rounds counts, the last where the border is met, its gaps filled where it is far from the mask, without its loose
+    rounds counts, which end where the border is met, its gaps filled where it is far from the mask, without its loose
     parts. Movements go over smoothly into what is not seen and fade out there, and what stands before bare skin goes
     under it in a slope.
 

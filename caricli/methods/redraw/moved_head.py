@@ -12,7 +12,7 @@ from caricli.methods.redraw.view import Window
 from caricli.methods.texture.estimate_light import GAMMA
 from caricli.render.paint import smooth_step
 from caricli.render.sky import DIRECTIONS, light_received, sky_visibility
-from caricli.render.smooth_normals import even_normals, smooth_normals
+from caricli.render.smooth_normals import smooth_normals
 from caricli.structures import Material
 
 _NEAR = 0.012  # of the head's height: what is so little behind the surface is on it
@@ -234,19 +234,22 @@ class MovedHead:
         light = self.original.light
         if light is None:
             return np.ones((1, 1, 3), np.float32)
-        faces = self.original.faces
-        before = light.shade(even_normals(self.original.depiction.vertices, faces))
-        after = light.shade(even_normals(self.vertices, faces))
-        ratio = self.view.carried(np.clip(after / before, *self.original.settings.light))
+        before = light.shade_mesh(self.original.depiction.vertices, self.original.faces)
+        ratio = self.view.carried(np.clip(self._lit / before, *self.original.settings.light))
         return np.where(self.view.covered[..., None], ratio, 1)
+
+    @cached_property
+    def _lit(self) -> np.ndarray:
+        """(V, 3) factors of sRGB with which the light of the old picture falls on the vertices."""
+        light = self.original.light
+        return np.ones_like(self.vertices) if light is None else light.shade_mesh(self.vertices, self.original.faces)
 
     @cached_property
     def shade(self) -> np.ndarray:
         """(H, W, 3) float32 factors of sRGB by which what is drawn anew is lit; a mouth is dark in its depth."""
         faces = self.original.faces
         normals = smooth_normals(self.vertices, faces)
-        light = self.original.light
-        shade = np.ones_like(normals) if light is None else light.shade(even_normals(self.vertices, faces))
+        shade = self._lit.copy()
         inside = np.flatnonzero(self.original.wall > 0)
         sky = sky_visibility(self.vertices, faces, normals, inside)
         wall = self.original.wall[inside, None]

@@ -13,13 +13,13 @@ from caricli.methods.dynamic.chart_pictures import ChartGrid
 from caricli.methods.dynamic.dress_texture import inside_chart
 from caricli.methods.redraw.settings import RedrawSettings
 from caricli.methods.redraw.view import View, Window
-from caricli.methods.texture.estimate_light import Light, estimate_light
-from caricli.methods.texture.fill_unseen import skin_weights
+from caricli.methods.texture.estimate_light import Light
+from caricli.methods.texture.light_on_head import light_on_head
 from caricli.methods.texture.mouth_wall import mouth_wall
 from caricli.methods.texture.picture_view import PictureView, Sight, SurfacePoints
 from caricli.methods.texture.settings import TextureSettings
 from caricli.render.sample_texture import sample_pixels
-from caricli.render.smooth_normals import even_normals, smooth_normals
+from caricli.render.smooth_normals import smooth_normals
 from caricli.structures import Depiction, Material, Rig
 from caricli.structures.landmarks import EYE_LEFT, EYE_RIGHT, LIPS
 from caricli.structures.parsing import Region
@@ -322,9 +322,7 @@ class Original:
         view = PictureView(head, Sight(camera, self.picture, whole), TextureSettings())
         normals = smooth_normals(head.vertices, head.faces)
         seen = view.look(SurfacePoints(head.vertices, normals, np.zeros(len(normals)), mouth_wall(head)))
-        weights = skin_weights(head, seen.seen)
-        even = even_normals(head.vertices, head.faces)
-        return estimate_light(seen.colours, even, head.vertices, weights, -camera.rotation[2])
+        return light_on_head(head, seen, camera)
 
 
 def blurred(samples: np.ndarray, spread: float) -> np.ndarray:

@@ -5,6 +5,8 @@ from typing import Any
 
 import numpy as np
 
+from caricli.render.smooth_normals import even_normals
+
 GAMMA = 2.2
 """Exponent from sRGB to linear light, near enough for ratios."""
 
@@ -64,6 +66,10 @@ class Light:
     def shade(self, normals: np.ndarray) -> np.ndarray:
         """(N, 3) factors of sRGB with which unlit colours come to light. normals: (N, 3) unit length."""
         return np.clip(harmonics(normals) @ self.coefficients, *self.range) ** (1 / GAMMA)
+
+    def shade_mesh(self, vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
+        """The same factors (V, 3) for the vertices (V, 3) of a mesh with faces (F, 3)."""
+        return self.shade(even_normals(vertices, faces))
 
 
 def harmonics(normals: np.ndarray) -> np.ndarray:

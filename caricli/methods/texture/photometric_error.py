@@ -5,7 +5,6 @@ import numpy as np
 from caricli.methods.texture.estimate_light import Light
 from caricli.render.rasterise import rasterise
 from caricli.render.render_textured import textured_colours
-from caricli.render.smooth_normals import even_normals
 from caricli.structures import Face, Rig
 
 
@@ -22,6 +21,6 @@ def photometric_error(rig: Rig, face: Face, image: np.ndarray, mask: np.ndarray,
     again = textured_colours(rig, placed, width, height, raster=raster)
     both = mask & (raster.face >= 0)
     if light is not None:
-        shade = light.shade(even_normals(face.vertices, face.faces))[rig.faces[raster.face[both]]]
+        shade = light.shade_mesh(face.vertices, face.faces)[rig.faces[raster.face[both]]]
         again[both] = np.minimum(again[both] * np.einsum("nk,nkc->nc", raster.barycentric[both], shade), 255)
     return float(np.abs(np.round(again[both]) - image[both]).mean() / 255)

@@ -4,15 +4,16 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from caricli.methods.texture.estimate_light import Light, estimate_light
-from caricli.methods.texture.fill_unseen import fill_unseen, skin_colour, skin_weights
+from caricli.methods.texture.estimate_light import Light
+from caricli.methods.texture.fill_unseen import fill_unseen, skin_colour
 from caricli.methods.texture.folded_lids import folded_lids
 from caricli.methods.texture.grow_grain import grow_grain
+from caricli.methods.texture.light_on_head import light_on_head
 from caricli.methods.texture.mouth_wall import mouth_wall, wall_colour
 from caricli.methods.texture.picture_view import PictureView, SeenColours, Sight, SurfacePoints, likeness
 from caricli.methods.texture.settings import TextureSettings
 from caricli.methods.texture.texels import Texels
-from caricli.render.smooth_normals import even_normals, smooth_normals
+from caricli.render.smooth_normals import smooth_normals
 from caricli.template.annotation import CAVITIES
 from caricli.template.template import Template
 
@@ -60,13 +61,12 @@ def texture_face(
     """
     view = PictureView(head, sight, settings)
     texels = size if isinstance(size, Texels) else Texels(head, size or view.size())
-    even = even_normals(head.vertices, head.faces)
     vertices = _vertices(head)
     usual = view.look(vertices)
     light = None if like is None else like.light
     if like is None and not settings.keep_light:
-        light = _find_light(head, even, usual, sight)
-    shade = np.ones_like(even) if light is None else light.shade(even)
+        light = light_on_head(head, usual, sight.camera)
+    shade = np.ones_like(head.vertices) if light is None else light.shade_mesh(head.vertices, head.faces)
     usual = usual.unlit(shade)
     neck = None if settings.keep_light else _Neck.of(head, usual, vertices, settings)
     points, own_shade = texels.points(vertices, shade)
@@ -98,12 +98,6 @@ def texture_face(
         sharp = grow_grain(sharp[texels.owner], seen, texels.regions(head), generator)[texels.covered]
     picture = np.round(np.clip(sharp, 0, 255)).astype(np.uint8)[texels.owner]
     return FaceTexture(picture, seen, texels.covered, light)
-
-
-def _find_light(head: Template, normals: np.ndarray, vertices: SeenColours, sight: Sight) -> Light | None:
-    """The light in which the vertices of a head, whose normals are (V, 3), are seen."""
-    weights = skin_weights(head, vertices.seen)
-    return estimate_light(vertices.colours, normals, head.vertices, weights, -sight.camera.rotation[2])
 
 
 def _vertices(head: Template) -> SurfacePoints:
