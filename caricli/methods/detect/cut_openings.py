@@ -31,9 +31,10 @@ class OpeningSettings:
     and pixels in turns. colour: natural logarithm of the odds that a colour counts at most; place: the same of the
     distance from the border, per side. radius, smoothness: of the filter that makes neighbours agree, pixels and shares
     of full scale. blur: of the picture, pixels. part: share of the largest piece of lips that another has to have to be
-    one. steps: of so far, that a mouth may be wider than its regions. around_mouth, around_eyes: pixels of the window,
-    around a mouth and an eye, where its colours are mixed with the skin's. beside: the same, around what is labelled
-    mouth, within which lips may be labelled so, too.
+    one. steps: of so far, that a mouth, and whites of eyes, may be wider than their regions; gain: in area, below which
+    such a step is the last. around_mouth, around_eyes: pixels of the window, around a mouth and an eye, where its
+    colours are mixed with the skin's. beside: the same, around what is labelled mouth, within which lips may be
+    labelled so, too. whiter: levels of 255 by which whites of eyes are lighter than skin is in the median.
     """
 
     side: int = 256
@@ -56,6 +57,7 @@ class OpeningSettings:
     around_mouth: int = 2
     around_eyes: int = 3
     beside: int = 2
+    whiter: int = 10
 
 
 _SETTINGS = OpeningSettings()
@@ -101,26 +103,45 @@ class FaceWindow:
         pieces, _ = cv2.findContours(filled, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
         for piece in pieces:
             cv2.fillConvexPoly(filled, cv2.convexHull(piece), 1)
-        return filled > 0
+        return self._with_whites(filled > 0)
+
+    def _with_whites(self, eyes: np.ndarray) -> np.ndarray:
+        """(S, S) bool: eyes (S, S) bool with what of their whites goes on beyond them, lighter than the skin."""
+        skin = np.isin(self.labels, (Region.SKIN, Region.NOSE)) & ~eyes
+        if not skin.any():
+            return eyes
+        light = self._lightness > np.median(self._lightness[skin]) + _SETTINGS.whiter
+        return self._grown_in_steps(eyes, light)
 
     def liner(self, eyes: np.ndarray) -> np.ndarray:
         """(S, S) bool: ink beyond the corners of eyes (S, S) bool, see ``eye_liner``."""
-        smooth = cv2.GaussianBlur(self.picture, (0, 0), _SETTINGS.blur)
-        lightness = cv2.cvtColor(smooth, cv2.COLOR_RGB2LAB)[..., 0]
         skin = np.isin(self.labels, (Region.SKIN, Region.NOSE))
-        return eye_liner(lightness, eyes, skin, np.isin(self.labels, _KEPT) & (self.labels != Region.NOSE))
+        return eye_liner(self._lightness, eyes, skin, np.isin(self.labels, _KEPT) & (self.labels != Region.NOSE))
 
     def mouth(self, seed: np.ndarray, lips: np.ndarray | None = None) -> np.ndarray:
         """(S, S) bool: the inside of the mouth of which a seed (S, S) bool is a part.
 
         lips: (S, S) bool, what shows the colours of lips, which are none of its; None where nobody knows.
         """
+        return self._grown_in_steps(seed, True, lips)
+
+    def _grown_in_steps(
+        self, seed: np.ndarray, within: np.ndarray | bool, other: np.ndarray | None = None
+    ) -> np.ndarray:
+        """(S, S) bool: a seed grown again and again within (S, S) bool, or everywhere; for the others see `_grown`."""
         for _ in range(_SETTINGS.steps):
-            grown = seed | self._grown(seed, lips)
+            grown = seed | (self._grown(seed, other) & within)
             if grown.sum() < _SETTINGS.gain * seed.sum():
                 return grown
             seed = grown
         return seed
+
+    @property
+    def _lightness(self) -> np.ndarray:
+        """(S, S) uint8, a little blurred."""
+        smooth = cv2.GaussianBlur(self.picture, (0, 0), _SETTINGS.blur)
+        lightness: np.ndarray = cv2.cvtColor(smooth, cv2.COLOR_RGB2LAB)[..., 0]
+        return lightness
 
     def _grown(self, seed: np.ndarray, other: np.ndarray | None = None) -> np.ndarray:
         """(S, S) bool: what an opening is of which a seed (S, S) bool is a part, by the colours around it and by those

@@ -24,6 +24,17 @@ def test_what_looks_as_a_part_of_an_eye_and_what_stands_between_lips_is_no_skin(
     assert others.sum() < 0.5 * (face.eyes | face.mouth).sum(), "their margins"
 
 
+def test_whites_are_no_skin_however_far_they_go(head_template):
+    face = GrinningFace(head_template, wide=2.7)
+    assert cut_openings(face.image, face.regions, face.marks.points)[face.eyes].mean() > 0.95
+
+
+def test_shadows_around_eyes_are_skin(face, head_template):
+    shadow = GrinningFace(head_template, wide=3).eyes & ~face.eyes
+    image = np.where(shadow[..., None], np.array([80, 60, 60], np.uint8), face.image)
+    assert cut_openings(image, face.regions, face.marks.points)[shadow].mean() < 0.3, "their margins"
+
+
 def test_a_shut_mouth_has_no_opening(face):
     regions = np.where(face.mouth, Region.LIPS, face.regions).astype(np.uint8)
     openings = cut_openings(face.image, regions, face.marks.points)
