@@ -17,7 +17,9 @@ from caricli.template.template import Template
 FEATURES = ("brow_left", "brow_right", "lips", "nostril_left", "nostril_right", *CAVITIES)
 """Regions whose colours are not those of the skin around them."""
 
-REGIONS = (("ear_left", "ear_right"), ("neck",), ("scalp",))
+EARS = ("ear_left", "ear_right")
+
+REGIONS = (EARS, ("neck",), ("scalp",))
 """Regions that keep a colour of their own."""
 
 

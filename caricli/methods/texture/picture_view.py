@@ -24,7 +24,7 @@ class SurfacePoints:
 
     places: (N, 3) metres. normals: (N, 3) of any length. pockets: (N,) from 0 to 1, how far they are in the mouth or an
     eye socket: nobody looks there from the side. hidden: (N,) from 0 to 1, how far they are not what the picture shows
-    there, or that for all. neck, scalp: the same of how far they are on the neck, and on the scalp or hair.
+    there, or that for all. neck, scalp, ears: the same of how far they are on the neck, on scalp or hair, on an ear.
     """
 
     places: np.ndarray
@@ -33,6 +33,7 @@ class SurfacePoints:
     hidden: np.ndarray | float = 0.0
     neck: np.ndarray | float = 0.0
     scalp: np.ndarray | float = 0.0
+    ears: np.ndarray | float = 0.0
 
 
 @dataclass(frozen=True, eq=False)

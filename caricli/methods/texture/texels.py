@@ -51,9 +51,9 @@ class Texels:
 
     def points(self, vertices: SurfacePoints, shade: np.ndarray) -> tuple[SurfacePoints, np.ndarray]:
         """Points and shade (N, 3), of what they are at the vertices."""
-        shares = [vertices.pockets, vertices.hidden, vertices.neck, vertices.scalp]
+        shares = [vertices.pockets, vertices.hidden, vertices.neck, vertices.scalp, vertices.ears]
         values = self.mix @ np.column_stack([vertices.places, vertices.normals, *shares, shade]).astype(np.float32)
-        return SurfacePoints(values[:, :3], values[:, 3:6], *values[:, 6:10].T), values[:, 10:]
+        return SurfacePoints(values[:, :3], values[:, 3:6], *values[:, 6:11].T), values[:, 11:]
 
     def regions(self, head: Template) -> np.ndarray:
         """(S, S) int, 2 on the scalp, 1 on other plain skin, 0 elsewhere."""

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from caricli.methods.texture.estimate_light import Light
-from caricli.methods.texture.fill_unseen import fill_unseen, skin_colour
+from caricli.methods.texture.fill_unseen import EARS, fill_unseen, skin_colour
 from caricli.methods.texture.folded_lids import folded_lids
 from caricli.methods.texture.grow_grain import grow_grain
 from caricli.methods.texture.light_on_head import light_on_head
@@ -13,9 +13,12 @@ from caricli.methods.texture.mouth_wall import mouth_wall, wall_colour
 from caricli.methods.texture.picture_view import PictureView, SeenColours, Sight, SurfacePoints, likeness
 from caricli.methods.texture.settings import TextureSettings
 from caricli.methods.texture.texels import Texels
+from caricli.render.paint import smooth_step
 from caricli.render.smooth_normals import smooth_normals
 from caricli.template.annotation import CAVITIES
 from caricli.template.template import Template
+
+_BEHIND = (0.5, 0.2)  # likeness to skin of what of an ear is lighter, below which it may be light from behind, and is
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,9 +51,9 @@ def texture_face(
     may be; where it is not, that of its mirror image, if this is; the rest is filled over the surface from what is
     seen. What is hardly seen takes its own colour as far as this is like what fills it. Background never enters: it is
     replaced by diffused colours of the face first; nor do teeth enter the wall of the mouth, which is dark red, nor the
-    lines of open eyes their lids, which a blink would draw out. A neck takes, unless light is kept, what is like the
-    skin, where enough of it is seen: shadows of chins and collars stay out. What a rendering blurs of this is then
-    given back to the texels that are seen.
+    lines of open eyes their lids, which a blink would draw out. Unless light is kept, a neck takes what is like the
+    skin, where enough of it is seen: shadows of chins and collars stay out. Ears take what is no lighter than it: light
+    from behind stays out. What a rendering blurs of this is then given back to the texels that are seen.
 
     head: Template with UVs, in the shape of the face. sight: Sight of it. size: texels, width and height, or the Texels
     of a head of the same topology; where there is none, the power of two, within limits, with which texels of what is
@@ -68,12 +71,12 @@ def texture_face(
         light = light_on_head(head, usual, sight.camera)
     shade = np.ones_like(head.vertices) if light is None else light.shade_mesh(head.vertices, head.faces)
     usual = usual.unlit(shade)
-    neck = None if settings.keep_light else _Neck.of(head, usual, vertices, settings)
+    plain = None if settings.keep_light else _PlainSkin.of(head, usual, vertices, settings)
     points, own_shade = texels.points(vertices, shade)
     own = view.look(points)
     # What is full white may have been brighter.
     burnt = (own.colours >= settings.burnt) & (own_shade > 1)
-    own = _counted(own.unlit(own_shade), points, neck)
+    own = _counted(own.unlit(own_shade), points, plain)
     rest = (own.seen < settings.trust) | burnt.any(1)
     colours = own.colours.copy()
     trust = np.ones((len(colours), 1), np.float32)
@@ -82,10 +85,10 @@ def texture_face(
     both = hardly
     if head.annotation.mirror is not None:
         points_there, shade_there = some.mirrored(head.annotation.mirror).points(vertices, shade)
-        there = _counted(view.look(points_there).unlit(shade_there), points_there, neck)
+        there = _counted(view.look(points_there).unlit(shade_there), points_there, plain)
         both = both.completed(there, settings.mirrored * (1 - _trust(both.seen, settings)[:, 0]))
     trust[rest] = _trust(both.seen, settings)
-    filled = _fill(head, _counted(usual, vertices, neck), hardly, some, settings)
+    filled = _fill(head, _counted(usual, vertices, plain), hardly, some, settings)
     bare = np.where(burnt[rest], np.maximum(both.colours, filled), both.colours)
     colours[rest] = trust[rest] * bare + (1 - trust[rest]) * filled
     lit = own_shade * colours
@@ -103,41 +106,51 @@ def texture_face(
 def _vertices(head: Template) -> SurfacePoints:
     """The vertices of a head."""
     normals = smooth_normals(head.vertices, head.faces)
-    pockets, neck, scalp = (head.mask(*names).astype(np.float64) for names in (CAVITIES, ("neck",), ("scalp",)))
+    parts = (CAVITIES, ("neck",), ("scalp",), EARS)
+    pockets, neck, scalp, ears = (head.mask(*names).astype(np.float64) for names in parts)
     hidden = np.maximum(mouth_wall(head), folded_lids(head))
-    return SurfacePoints(head.vertices, normals, pockets, hidden, neck, scalp)
+    return SurfacePoints(head.vertices, normals, pockets, hidden, neck, scalp, ears)
 
 
 @dataclass(frozen=True, eq=False)
-class _Neck:
-    """What of a neck counts. skin: (3,) colour that it is like, or it is a collar or a shadow. other: as in
-    TextureSettings. shown: whether enough of it is seen for any to count."""
+class _PlainSkin:
+    """What of neck and ears is skin like that of the face. colour: (3,) that it has. other: as in TextureSettings.
+    neck: whether enough of the neck is seen for any to count."""
 
-    skin: np.ndarray
+    colour: np.ndarray
     other: float
-    shown: bool = True
+    neck: bool = True
 
     @staticmethod
-    def of(head: Template, usual: SeenColours, vertices: SurfacePoints, settings: TextureSettings) -> "_Neck":
+    def of(head: Template, usual: SeenColours, vertices: SurfacePoints, settings: TextureSettings) -> "_PlainSkin":
         """Of a head whose vertices are seen so, without light."""
-        neck = _Neck(skin_colour(head, usual), settings.other)
+        plain = _PlainSkin(skin_colour(head, usual), settings.other)
         rows = head.mask("neck")
-        shown = bool(rows.any()) and float(neck.counted(usual, vertices).seen[rows].mean()) >= settings.neck
-        return replace(neck, shown=shown)
+        neck = bool(rows.any()) and float(plain.counted(usual, vertices).seen[rows].mean()) >= settings.neck
+        return replace(plain, neck=neck)
 
     def counted(self, seen: SeenColours, points: SurfacePoints) -> SeenColours:
-        """What is seen of points without light, of a neck what counts."""
-        neck = np.broadcast_to(points.neck, seen.seen.shape)
-        rows = np.flatnonzero(neck)
-        like = likeness(seen.colours[rows], self.skin, self.other) if self.shown else 0.0
+        """What is seen of points without light, of neck and ears what counts."""
         shares = seen.seen.copy()
-        shares[rows] *= 1 - neck[rows] * (1 - like)
+        neck, rows = _among(points.neck, shares)
+        like = likeness(seen.colours[rows], self.colour, self.other) if self.neck else 0.0
+        shares[rows] *= 1 - neck * (1 - like)
+        ears, rows = _among(points.ears, shares)
+        lighter = np.maximum(seen.colours[rows], self.colour)
+        shares[rows] *= 1 - ears * smooth_step(likeness(lighter, self.colour, self.other), *_BEHIND)
         return SeenColours(seen.colours, shares)
 
 
-def _counted(seen: SeenColours, points: SurfacePoints, neck: _Neck | None) -> SeenColours:
+def _among(part: np.ndarray | float, shares: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """How far points are in a part, of all or (N,), of those that are: (K,), and which they are. shares: (N,)."""
+    inside = np.broadcast_to(part, shares.shape)
+    rows = np.flatnonzero(inside)
+    return inside[rows], rows
+
+
+def _counted(seen: SeenColours, points: SurfacePoints, plain: _PlainSkin | None) -> SeenColours:
     """What is seen of points that counts: all where light is kept, and shadows with it."""
-    return seen if neck is None else neck.counted(seen, points)
+    return seen if plain is None else plain.counted(seen, points)
 
 
 def _fill(

@@ -445,6 +445,23 @@ def test_a_collar_before_the_neck_stays_out_with_the_light(scenes, face, templat
     assert blue[0] > 0.01 and blue[1] < 0.02 * blue[0], blue
 
 
+def test_light_from_behind_stays_off_the_ears_but_darker_ears_are_as_seen(scenes, face, template):
+    scene = scenes[0]
+    head = template.with_vertices(face)
+    shown = rasterise(scene.camera.place(face), template.faces, SIDE, SIDE).face
+    ears = template.mask("ear_left", "ear_right")[template.faces].all(1)[shown] & (shown >= 0)
+    off = {}
+    for colour in ((235, 215, 140), (170, 90, 70)):
+        image = np.where(ears[..., None], colour, [205, 150, 120]).astype(np.uint8)
+        for settings in (KEPT, TextureSettings()):
+            texture = texture_face(head, Sight(scene.camera, image, shown >= 0), SIZE, settings)
+            again = photograph(face, template, texture.image, scene.camera)[binary_erosion(ears, iterations=2)]
+            off[colour, settings.keep_light] = np.abs(again - np.array(colour, float)).mean()
+    lit, dark = ((235, 215, 140), (170, 90, 70))
+    assert off[lit, True] < 10 and off[lit, False] > 25, "skin in the place of light"
+    assert off[dark, True] < 10 and off[dark, False] < 15, "as red as drawn"
+
+
 def test_a_fold_that_goes_on_in_what_was_left_out_fades_before_it(pictured):
     camera = pictured.face.camera
     nose = np.round(pictured.face.landmarks[30]).astype(int)
