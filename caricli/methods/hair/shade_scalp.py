@@ -20,7 +20,7 @@ from caricli.template.template import Template
 _SEEN = 0.005  # of the head's height, over which hair fades out where the picture shows the skin beside it
 _HIDDEN = (0.03, 0.015)  # the same where it does not, of dark hair and of light hair
 _FADE = (-0.01, 0.045)  # of the same, to the usual hairline: from where on and with which skin is as dark as hair
-_THIN = (0.99, 0.35)  # of the colour of hair, that cropped hair has at most: skin shines through light hair
+_THIN = (0.98, 0.35)  # of the colour of hair, that cropped hair has at most: skin shines through light hair
 _LIGHTER = (0, 60)  # levels of 255 by which hair is lighter than skin, from where on it is no dark and with which light
 _UNSEEN = 0.25  # from which on the picture decides, not what is usual
 _EAR = (0.3, 0.9)  # of a triangle that is not an ear's, from where on and with which hair may grow
