@@ -18,6 +18,7 @@ FEATURES = ("brow_left", "brow_right", "lips", "nostril_left", "nostril_right", 
 """Regions whose colours are not those of the skin around them."""
 
 EARS = ("ear_left", "ear_right")
+"""Regions on which drawings have light from behind."""
 
 REGIONS = (EARS, ("neck",), ("scalp",))
 """Regions that keep a colour of their own."""

@@ -450,14 +450,14 @@ def test_light_from_behind_stays_off_the_ears_but_darker_ears_are_as_seen(scenes
     head = template.with_vertices(face)
     shown = rasterise(scene.camera.place(face), template.faces, SIDE, SIDE).face
     ears = template.mask("ear_left", "ear_right")[template.faces].all(1)[shown] & (shown >= 0)
+    lit, dark = (235, 215, 140), (170, 90, 70)
     off = {}
-    for colour in ((235, 215, 140), (170, 90, 70)):
+    for colour in (lit, dark):
         image = np.where(ears[..., None], colour, [205, 150, 120]).astype(np.uint8)
         for settings in (KEPT, TextureSettings()):
             texture = texture_face(head, Sight(scene.camera, image, shown >= 0), SIZE, settings)
             again = photograph(face, template, texture.image, scene.camera)[binary_erosion(ears, iterations=2)]
             off[colour, settings.keep_light] = np.abs(again - np.array(colour, float)).mean()
-    lit, dark = ((235, 215, 140), (170, 90, 70))
     assert off[lit, True] < 10 and off[lit, False] > 25, "skin in the place of light"
     assert off[dark, True] < 10 and off[dark, False] < 15, "as red as drawn"
 
