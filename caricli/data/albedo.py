@@ -25,6 +25,7 @@ from caricli.structures.landmarks import (
     UPPER_LIP,
     UPPER_LIP_INSIDE,
 )
+from caricli.template.annotation import EARS
 from caricli.template.template import Template
 
 ALBEDOS = 600
@@ -85,7 +86,7 @@ class AlbedoPainter:
         """How far every place belongs to a region, from 0 to 1."""
         self.scalp = self._mask("scalp", rounds=6)
         self.cavities = self._mask("inner_mouth")
-        self.ears = self._mask("ear_left", "ear_right", rounds=6)
+        self.ears = self._mask(*EARS, rounds=6)
         self.sockets = self._mask("eye_socket_left", "eye_socket_right")
         self.nostrils = self._mask("nostril_left", "nostril_right")
 

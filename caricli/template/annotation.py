@@ -16,6 +16,9 @@ from caricli.structures.parts import Hold
 CAVITIES = ("inner_mouth", "eye_socket_left", "eye_socket_right")
 """Regions that turn inwards, which neither landmarks nor pictures see."""
 
+EARS = ("ear_left", "ear_right")
+"""Regions of the two ears."""
+
 DELICATE = ("eyes_left", "eyes_right", "eye_socket_left", "eye_socket_right", "mouth", "inner_mouth")
 """Regions where curvature says nothing about character: exaggeration by it leaves them as they are."""
 

@@ -15,7 +15,7 @@ from caricli.geometry.turn_upright import turn_upright
 from caricli.io.kept import kept_arrays
 from caricli.structures.chart import FaceChart
 from caricli.structures.landmarks import LIPS_INSIDE, POINT_NAMES
-from caricli.template.annotation import CAVITIES
+from caricli.template.annotation import CAVITIES, EARS
 from caricli.template.head import load_head
 from caricli.template.template import Template
 
@@ -98,7 +98,7 @@ def _laid_out(template: Template, settings: ChartSettings) -> dict[str, np.ndarr
 def _face_triangles(template: Template, before: float) -> np.ndarray:
     """(S,) triangles of the face in one piece, that around the tip of the nose. before: of ChartSettings.ears."""
     within = template.mask("face") & ~template.mask(*CAVITIES, *NOSTRILS)
-    ears = template.mask("ear_left", "ear_right")
+    ears = template.mask(*EARS)
     if ears.any():
         away, _ = cKDTree(template.vertices[ears]).query(template.vertices)
         within &= away > before * np.ptp(template.vertices[within, 0])

@@ -14,7 +14,7 @@ from caricli.geometry.tuck_cavities import Cavities
 from caricli.io.kept import kept_arrays
 from caricli.structures import Mesh, Part
 from caricli.structures.landmarks import POINT_NAMES
-from caricli.template.annotation import CAVITIES, Annotation
+from caricli.template.annotation import CAVITIES, EARS, Annotation
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,7 +53,7 @@ class Template(Mesh):
     def neck(self) -> Neck:
         """The neck below the chin, as far as the annotation names it, prepared on first use."""
         note = self.annotation
-        still = self.mask("ear_left", "ear_right")
+        still = self.mask(*EARS)
         still[note.landmarks] = True
         neck = note.regions.get("neck", np.zeros(0, np.int64))
         return Neck(self.vertices, self.faces, neck, int(note.landmarks[POINT_NAMES["chin"]]), still)

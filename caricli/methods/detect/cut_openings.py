@@ -1,6 +1,7 @@
 """Eyes, teeth and the inside of the mouth in a picture: what is seen between lids and lips, and is no skin."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import cv2
 import numpy as np
@@ -136,7 +137,7 @@ class FaceWindow:
             seed = grown
         return seed
 
-    @property
+    @cached_property
     def _lightness(self) -> np.ndarray:
         """(S, S) uint8, a little blurred."""
         smooth = cv2.GaussianBlur(self.picture, (0, 0), _SETTINGS.blur)

@@ -17,9 +17,10 @@ from caricli.methods.texture.mask_head import mesh_pixels
 from caricli.methods.texture.picture_view import PictureView, Sight
 from caricli.methods.texture.settings import PaintSettings
 from caricli.structures import Camera, Face, Hair
+from caricli.template.annotation import EARS
 from caricli.template.template import Template
 
-_NEEDED = ("ear_left", "ear_right", "scalp")
+_NEEDED = (*EARS, "scalp")
 _AROUND = 0.1  # of the head's height: farther from head and hair a picture says nothing of hair
 _LIKE = 2 / 3  # overlap of a shell with hair that was told by colours alone, below which it is something else
 _PIXELS = 750  # height of the head in the picture that a shell is made by at most; its quads are four of them

@@ -16,13 +16,12 @@ from caricli.methods.parts.close_neck import close_neck, neck_edge
 from caricli.render.nearest_pixel import nearest_pixel
 from caricli.render.rasterise import rasterise
 from caricli.structures import Mesh
+from caricli.template.annotation import EARS
 from caricli.template.template import Template
 
 _FINE = 512  # pixels, side of the map of directions
 _NEAR = 5  # cells of a grid that are near each other: vertices of a skull are farther apart than one
 _NEAR_EAR = 0.02  # of the head's height: points so far from an ear may be in it
-EARS = ("ear_left", "ear_right")
-"""Regions of an annotation."""
 
 
 class HeadSphere:

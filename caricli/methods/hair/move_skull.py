@@ -9,6 +9,7 @@ from caricli.methods.hair.head_sphere import HeadSphere
 from caricli.methods.hair.mask_hair import HairMask
 from caricli.methods.hair.settings import ShellSettings
 from caricli.structures import Camera
+from caricli.template.annotation import EARS
 from caricli.template.template import Template
 
 _SMALLEST = 0.3  # of a radius: no skull is smaller
@@ -92,7 +93,7 @@ def raise_skull(head: Template, sphere: HeadSphere, least: np.ndarray, limit: fl
 def _led(head: Template, sphere: HeadSphere, moves: np.ndarray, ramp: int) -> Template:
     """The head with its skull moved outwards (V,) metres, and a ramp of vertices around what moves leading there."""
     _, _, radii = sphere.seen_from(head.vertices)
-    skull = ~head.mask("ear_left", "ear_right")
+    skull = ~head.mask(*EARS)
     wanted = np.where(skull, np.abs(moves), 0)
     _, mean = vertex_neighbours(head.faces, len(head.vertices))
     led = wanted

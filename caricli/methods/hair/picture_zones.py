@@ -9,6 +9,7 @@ from caricli.render.inside_polygon import inside_polygon
 from caricli.render.rasterise import rasterise
 from caricli.structures import Face
 from caricli.structures.landmarks import OUTLINE
+from caricli.template.annotation import EARS
 from caricli.template.template import Template
 
 _FEATURES = (range(17, 22), range(22, 27), range(36, 42), range(42, 48), range(48, 60))
@@ -49,7 +50,7 @@ class PictureZones:
         self.behind = self.far & self.above_chin
         if self.behind.sum() < _FEWEST:
             self.behind = self.far
-        ear = self.mesh & template.mask("ear_left", "ear_right")[face.faces].any(1)[raster.face]
+        ear = self.mesh & template.mask(*EARS)[face.faces].any(1)[raster.face]
         self.ears = self._ears(ear, rows, settings)
         self.prior = self._prior(rows, settings)
 

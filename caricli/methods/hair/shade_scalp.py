@@ -15,6 +15,7 @@ from caricli.render.paint import mix, smooth_step
 from caricli.render.sample_texture import sample_texture
 from caricli.render.uv_map import pad_texture, uv_map
 from caricli.structures import Hair, Mesh
+from caricli.template.annotation import EARS
 from caricli.template.template import Template
 
 _SEEN = 0.005  # of the head's height, over which hair fades out where the picture shows the skin beside it
@@ -102,7 +103,7 @@ class Scalp:
         weights = weights[rows, columns]
         points = np.einsum("nk,nkc->nc", weights, self.part.vertices[corners])
         longitudes, angles, _ = sphere.seen_from(points)
-        bare = ~self.head.mask("ear_left", "ear_right")[corners]
+        bare = ~self.head.mask(*EARS)[corners]
         ends = _ends(self.hair, sphere, self.settings, longitudes)
         return _Skin(
             rows,
@@ -147,7 +148,7 @@ def _near(head: Template, sphere: HeadSphere, places: np.ndarray) -> Mesh:
     longitudes, angles, _ = sphere.seen_from(head.vertices)
     near = sphere.sample(places.astype(float), longitudes, angles) > 0
     near &= ~head.mask("inner_mouth", "eye_socket_left", "eye_socket_right", "nostril_left", "nostril_right")
-    chosen = near[head.faces].any(1) & ~head.mask("ear_left", "ear_right")[head.faces].all(1)
+    chosen = near[head.faces].any(1) & ~head.mask(*EARS)[head.faces].all(1)
     return Mesh(head.vertices, head.faces[chosen], head.uvs, head.uv_faces[chosen])
 
 

@@ -4,9 +4,10 @@ import numpy as np
 
 from caricli.geometry.vertex_neighbours import vertex_neighbours
 from caricli.methods.hair.hair_view import HairView
-from caricli.methods.hair.head_sphere import EARS, HeadSphere
+from caricli.methods.hair.head_sphere import HeadSphere
 from caricli.methods.hair.hidden_hairline import MOSTLY
 from caricli.methods.hair.settings import ShellSettings
+from caricli.template.annotation import EARS
 from caricli.template.template import Template
 
 _ROUNDS = 4  # of bringing to neighbours what is hidden of an ear, so that it bends

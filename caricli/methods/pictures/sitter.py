@@ -28,6 +28,7 @@ from caricli.structures import Material, Part
 from caricli.structures.landmarks import POINT_NAMES
 from caricli.structures.materials import FINISHES
 from caricli.structures.parsing import Region
+from caricli.template.annotation import EARS
 from caricli.template.fine_mesh import fine_mesh
 from caricli.template.template import Template
 
@@ -87,7 +88,7 @@ class Wardrobe:
         self.cartoon = attachment_for(template, "cartoon") if self.open_head else None
         self.regions = self._skin_regions()
         self.beards = self._beards()
-        self.stiff = template.mask("ear_left", "ear_right", "inner_mouth", "eye_socket_left", "eye_socket_right")
+        self.stiff = template.mask(*EARS, "inner_mouth", "eye_socket_left", "eye_socket_right")
 
     def seat(self, vertices: np.ndarray, generator: np.random.Generator) -> Sitter:
         """Dress a face (V, 3), metres, at random."""
@@ -116,7 +117,7 @@ class Wardrobe:
         for region, names in (
             (Region.NECK, ("neck",)),
             (Region.NOSE, ("nose",)),
-            (Region.EARS, ("ear_left", "ear_right")),
+            (Region.EARS, EARS),
             (Region.MOUTH, ("inner_mouth",)),
         ):
             labels[self.fine.weights @ template.mask(*names).astype(float) > 0.5] = region
@@ -133,7 +134,7 @@ class Wardrobe:
         below = smooth_step(y, marks[POINT_NAMES["nose_base"], 1] + 0.02, marks[POINT_NAMES["nose_base"], 1] - 0.06)
         above = smooth_step(y, marks[62, 1] - 0.12, marks[62, 1])
         bare = smooth_step(lips, 0.0, 0.03) * below
-        bare *= ~self.template.mask("inner_mouth", "ear_left", "ear_right", "neck")
+        bare *= ~self.template.mask("inner_mouth", *EARS, "neck")
         jaw = np.maximum(smooth_step(painter.jaw[:count], 0.4, 0.15), smooth_step(painter.chin[:count], 0.35, 0.15))
         around = smooth_step(lips, 0.28, 0.12)
         front = painter.places[:count, 2] > marks[[0, 16], 2].mean() - 0.1
@@ -189,7 +190,7 @@ class Wardrobe:
     ) -> tuple[list[Piece], float]:
         """Hair and hat, and how much of the scalp is painted with hair."""
         settings = self.settings
-        if not {"ear_left", "ear_right", "scalp"} <= head.annotation.regions.keys():
+        if not {*EARS, "scalp"} <= head.annotation.regions.keys():
             return [], appearance.scalp
         kind = generator.random()
         hatted = generator.random() < settings.hat

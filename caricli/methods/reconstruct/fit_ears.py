@@ -14,10 +14,8 @@ from caricli.render.covered_pixels import covered_pixels
 from caricli.structures import Camera, Face
 from caricli.structures.detection import ParsedPicture
 from caricli.structures.parsing import Region
+from caricli.template.annotation import EARS
 from caricli.template.template import Template
-
-EARS = ("ear_left", "ear_right")
-"""Regions of the annotation."""
 
 _BEHIND = (Region.BACKGROUND, Region.CLOTH)
 """What an ear ends before; hair may cover more of it."""

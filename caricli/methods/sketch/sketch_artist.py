@@ -12,6 +12,7 @@ from caricli.methods.sketch.suggestive_contours import ContourFinder, ContourSet
 from caricli.render.seen_points import seen_points
 from caricli.structures.camera import Camera
 from caricli.structures.sketch import CANVAS, Sketch, Stroke, StrokeKind
+from caricli.template.annotation import EARS
 from caricli.template.feature_curves import FeatureCurve, feature_curves
 from caricli.template.template import Template
 
@@ -83,7 +84,7 @@ class SketchArtist:
         return Sketch((*strokes, *further), size)
 
     def _outline(self, vertices: np.ndarray, camera: Camera, size: tuple[int, int]) -> list[Stroke]:
-        neck = self.template.mask("neck", "ear_left", "ear_right", "inner_mouth")
+        neck = self.template.mask("neck", *EARS, "inner_mouth")
         faces = self.template.faces
         points = head_outline(camera.place(vertices), faces[~neck[faces].any(1)], size)
         return [] if points is None else [Stroke(points, StrokeKind.SILHOUETTE)]

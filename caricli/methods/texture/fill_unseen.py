@@ -11,14 +11,11 @@ from caricli.geometry.triangle_normals import triangle_normals
 from caricli.geometry.vertex_neighbours import vertex_neighbours
 from caricli.methods.texture.picture_view import SeenColours, likeness
 from caricli.structures import Mesh
-from caricli.template.annotation import CAVITIES
+from caricli.template.annotation import CAVITIES, EARS
 from caricli.template.template import Template
 
 FEATURES = ("brow_left", "brow_right", "lips", "nostril_left", "nostril_right", *CAVITIES)
 """Regions whose colours are not those of the skin around them."""
-
-EARS = ("ear_left", "ear_right")
-"""Regions on which drawings have light from behind."""
 
 REGIONS = (EARS, ("neck",), ("scalp",))
 """Regions that keep a colour of their own."""

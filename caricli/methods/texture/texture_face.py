@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from caricli.methods.texture.estimate_light import Light
-from caricli.methods.texture.fill_unseen import EARS, fill_unseen, skin_colour
+from caricli.methods.texture.fill_unseen import fill_unseen, skin_colour
 from caricli.methods.texture.folded_lids import folded_lids
 from caricli.methods.texture.grow_grain import grow_grain
 from caricli.methods.texture.light_on_head import light_on_head
@@ -15,10 +15,10 @@ from caricli.methods.texture.settings import TextureSettings
 from caricli.methods.texture.texels import Texels
 from caricli.render.paint import smooth_step
 from caricli.render.smooth_normals import smooth_normals
-from caricli.template.annotation import CAVITIES
+from caricli.template.annotation import CAVITIES, EARS
 from caricli.template.template import Template
 
-_BEHIND = (0.5, 0.2)  # likeness to skin of what of an ear is lighter, below which it may be light from behind, and is
+_LIGHT_FROM_BEHIND = (0.5, 0.2)  # likeness to skin of what of an ear is lighter, from where on and with which it is
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,7 +137,7 @@ class _PlainSkin:
         shares[rows] *= 1 - neck * (1 - like)
         ears, rows = _among(points.ears, shares)
         lighter = np.maximum(seen.colours[rows], self.colour)
-        shares[rows] *= 1 - ears * smooth_step(likeness(lighter, self.colour, self.other), *_BEHIND)
+        shares[rows] *= 1 - ears * smooth_step(likeness(lighter, self.colour, self.other), *_LIGHT_FROM_BEHIND)
         return SeenColours(seen.colours, shares)
 
 

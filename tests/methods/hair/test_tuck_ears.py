@@ -5,9 +5,10 @@ import pytest
 
 from caricli.methods.hair.fit_outline import Outline
 from caricli.methods.hair.hair_view import HairView
-from caricli.methods.hair.head_sphere import EARS, HeadSphere
+from caricli.methods.hair.head_sphere import HeadSphere
 from caricli.methods.hair.settings import ShellSettings
 from caricli.methods.hair.tuck_ears import tuck_ears
+from caricli.template.annotation import EARS
 from tests.methods.hair.conftest import CAMERA
 
 SETTINGS = ShellSettings()
