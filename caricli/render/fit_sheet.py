@@ -15,6 +15,7 @@ from caricli.render.in_parallel import in_parallel
 from caricli.render.overlay import draw_landmarks, overlay_mesh
 from caricli.render.shade import Look
 from caricli.structures import Face
+from caricli.structures.zoomed_pixels import zoomed_pixels
 from caricli.template.fine_mesh import FineMesh
 from caricli.template.template import Template
 
@@ -43,9 +44,9 @@ def fit_sheet(
     corner, window = _window(given, camera.project(face.vertices) if image is None else None)
     zoom = size / window
     picture = _crop(image, corner, window, size)
-    dotted = draw_landmarks(picture, (fitted - corner) * zoom, FITTED)
+    dotted = draw_landmarks(picture, zoomed_pixels(fitted, zoom, corner), FITTED)
     circle = max(1.5, size / 120)
-    marked = draw_landmarks(dotted, (given - corner) * zoom, GIVEN, radius=circle, hollow=True, lines=False)
+    marked = draw_landmarks(dotted, zoomed_pixels(given, zoom, corner), GIVEN, radius=circle, hollow=True, lines=False)
     mesh, plain = head_look(head)
     sky = head_sky(head)
     before = replace(plain, visibility=sky, rotation=camera.rotation)

@@ -11,6 +11,7 @@ from caricli.render.fit_sheet import FITTED, GIVEN
 from caricli.render.overlay import draw_landmarks, overlay_mesh
 from caricli.render.views import render_views
 from caricli.structures import Face, Rig
+from caricli.structures.zoomed_pixels import zoomed_pixels
 from caricli.template.template import Template
 
 SIDES = ("three-quarter", "three-quarter-right")
@@ -42,5 +43,5 @@ def _fit(picture: np.ndarray, zoom: float, given: np.ndarray, face: Face, head: 
     mesh, look = head_look(head)
     paper = blank_paper(*picture.shape[:2])
     drawn = overlay_mesh(paper, mesh, face.require_camera().zoomed(zoom), opacity=1, look=look)
-    drawn = draw_landmarks(drawn, zoom * given, GIVEN, radius=2, hollow=True, lines=False)
-    return draw_landmarks(drawn, zoom * face.require_landmarks(), FITTED, radius=1, lines=False)
+    drawn = draw_landmarks(drawn, zoomed_pixels(given, zoom), GIVEN, radius=2, hollow=True, lines=False)
+    return draw_landmarks(drawn, zoomed_pixels(face.require_landmarks(), zoom), FITTED, radius=1, lines=False)

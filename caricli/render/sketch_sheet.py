@@ -14,6 +14,7 @@ from caricli.render.overlay import overlay_mesh
 from caricli.render.shade import Look
 from caricli.structures import Face
 from caricli.structures.sketch import Sketch, Stroke, StrokeKind
+from caricli.structures.zoomed_pixels import zoomed_pixels
 from caricli.template.fine_mesh import FineMesh
 from caricli.template.template import Template
 
@@ -53,7 +54,7 @@ def sketch_sheet(
     mesh, plain = head_look(head)
     sky = head_sky(head)
     before = replace(plain, visibility=sky, rotation=camera.rotation)
-    over = overlay_mesh(paper, mesh, camera.zoomed(zoom, (0.5 / zoom - 0.5,) * 2), look=before)
+    over = overlay_mesh(paper, mesh, camera.zoomed(zoom), look=before)
     over = _with_lines(over, sketch.strokes, zoom, 1)
     for line in curves.values():
         over = _polyline(over, line, zoom, _CURVE, 1)
@@ -86,6 +87,6 @@ def _with_lines(picture: np.ndarray, strokes: Iterable[Stroke], zoom: float, wid
 def _polyline(picture: np.ndarray, line: np.ndarray, zoom: float, colour: tuple[int, ...], width: int) -> np.ndarray:
     import cv2
 
-    pixels = np.clip((line + 0.5) * zoom - 0.5, -_FAR, _FAR)
+    pixels = np.clip(zoomed_pixels(line, zoom), -_FAR, _FAR)
     fixed = np.rint(pixels * (1 << _BITS)).astype(np.int32)
     return cv2.polylines(picture.copy(), [fixed], False, colour, width, cv2.LINE_AA, _BITS)

@@ -6,6 +6,7 @@ import numpy as np
 
 from caricli.limits import MAX_CAMERA_SCALE, MAX_COORDINATE, MIN_CAMERA_SCALE
 from caricli.structures.checks import refuse, shape_problem
+from caricli.structures.zoomed_pixels import zoomed_pixels
 
 _ORTHOGONAL = 1e-4
 
@@ -55,5 +56,5 @@ class Camera:
         return camera @ self.rotation
 
     def zoomed(self, zoom: float, corner: np.ndarray | tuple[float, float] = (0.0, 0.0)) -> "Camera":
-        """The camera of the picture that begins at ``corner``, in pixels, and is ``zoom`` times as large."""
-        return Camera(self.scale * zoom, self.rotation, (self.translation - corner) * zoom)
+        """The camera of the picture that `zoomed_pixels` goes to, for its zoom and corner."""
+        return Camera(self.scale * zoom, self.rotation, zoomed_pixels(self.translation, zoom, corner))

@@ -44,12 +44,14 @@ def test_lift_meets_the_pixels_and_keeps_the_depth():
 def test_zoomed_sees_the_cut_out_picture(zoom, x, y):
     corner = np.array([x, y])
     zoomed = some().zoomed(zoom, corner)
-    np.testing.assert_allclose(zoomed.project(POINTS), (some().project(POINTS) - corner) * zoom, rtol=1e-9, atol=1e-6)
+    np.testing.assert_allclose(
+        zoomed.project(POINTS), (some().project(POINTS) - corner + 0.5) * zoom - 0.5, rtol=1e-9, atol=1e-6
+    )
     np.testing.assert_array_equal(zoomed.rotation, some().rotation)
 
 
-def test_zoomed_by_default_keeps_the_corner():
-    np.testing.assert_allclose(some().zoomed(2).project(POINTS), 2 * some().project(POINTS))
+def test_zoomed_by_default_keeps_the_border_of_the_picture():
+    np.testing.assert_allclose(some().zoomed(2).project(POINTS) + 0.5, 2 * (some().project(POINTS) + 0.5))
 
 
 def test_what_a_camera_holds():

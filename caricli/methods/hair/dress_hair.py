@@ -106,8 +106,6 @@ def _near(head: Template, camera: Camera, mask: HairMask) -> tuple[Camera, HairM
     zoom = _PIXELS / size
     if zoom < 1:
         pixels, behind = (_smaller(each, zoom) for each in (pixels, behind))
-        # Pixels are where their middles are.
-        start = start + 0.5 / zoom - 0.5
     return camera.zoomed(min(zoom, 1.0), start), replace(mask, pixels=pixels, behind=behind)
 
 

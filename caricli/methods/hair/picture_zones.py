@@ -9,6 +9,7 @@ from caricli.render.inside_polygon import inside_polygon
 from caricli.render.rasterise import rasterise
 from caricli.structures import Face
 from caricli.structures.landmarks import OUTLINE
+from caricli.structures.zoomed_pixels import zoomed_pixels
 from caricli.template.annotation import EARS
 from caricli.template.template import Template
 
@@ -38,7 +39,7 @@ class PictureZones:
         self.features = facial_features(points, self.size, self.shape, settings)
         self.inner = (distance_transform_edt(self.enclosed) > settings.core * self.size) & ~self.features
         self.brows = points[17:27, 1].mean()
-        placed = self.zoom * (face.require_camera().place(face.vertices) - [*self.corner, 0])
+        placed = face.require_camera().zoomed(self.zoom, self.corner).place(face.vertices)
         raster = rasterise(placed, face.faces, self.shape[1], self.shape[0])
         self.mesh = raster.face >= 0
         skull = self.mesh & (rows < points[_NASION, 1])
@@ -81,7 +82,7 @@ class PictureZones:
         self.zoom = zoom
         self.corner = start
         self.size = zoom * size
-        self.points = zoom * (points - start)
+        self.points = zoomed_pixels(points, zoom, start)
 
     def _ears(self, ear: np.ndarray, rows: np.ndarray, settings: MaskSettings) -> np.ndarray:
         level = (rows > self.brows) & (rows < self.points[list(_EAR_ENDS), 1].mean())

@@ -3,6 +3,7 @@
 import numpy as np
 
 from caricli.render.cut_window import cut_window
+from caricli.structures.zoomed_pixels import zoomed_pixels
 
 
 class PictureWindow:
@@ -33,7 +34,7 @@ class PictureWindow:
 
     def to_window(self, pixels: np.ndarray) -> np.ndarray:
         """Pixels (..., 2) of the picture to those of the window."""
-        return (pixels + 0.5 - self.corner) * self.zoom - 0.5
+        return zoomed_pixels(pixels, self.zoom, self.corner)
 
     def to_picture(self, pixels: np.ndarray) -> np.ndarray:
         """Pixels (..., 2) of the window to those of the picture."""

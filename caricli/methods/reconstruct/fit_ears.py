@@ -61,9 +61,8 @@ def fit_ears(face: Face, template: Template, picture: ParsedPicture) -> Face:
     zoom = min(_SETTINGS.height / max(np.ptp(camera.project(face.vertices)[:, 1]), 1.0), 1.0)
     if zoom < 1:
         size = [max(round(zoom * side), 1) for side in regions.shape[1::-1]]
-        regions = cv2.resize(regions, size, interpolation=cv2.INTER_NEAREST)
-        # Pixels are where their middles are.
-        camera = camera.zoomed(zoom, np.full(2, 0.5 / zoom - 0.5))
+        regions = cv2.resize(regions, size, interpolation=cv2.INTER_NEAREST_EXACT)
+        camera = camera.zoomed(zoom)
     vertices = np.array(face.vertices, float)
     places = camera.place(vertices)
     for name, mask in _labelled(template, regions, places[:, :2]).items():

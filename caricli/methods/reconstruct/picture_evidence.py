@@ -14,6 +14,7 @@ from caricli.structures import Face
 from caricli.structures.detection import ParsedPicture
 from caricli.structures.landmarks import BROW_LEFT, BROW_RIGHT, EYE_LEFT, EYE_RIGHT, JAW, LIPS, OUTLINE
 from caricli.structures.parsing import Region
+from caricli.structures.zoomed_pixels import zoomed_pixels
 
 _SETTINGS = EvidenceSettings()
 _FEATURES = (EYE_LEFT, EYE_RIGHT, LIPS, BROW_LEFT, BROW_RIGHT)
@@ -68,9 +69,9 @@ def picture_evidence(face: Face, points: np.ndarray, picture: ParsedPicture) -> 
     zoom = size / crop.shape[1::-1]
     way = cv2.INTER_AREA if scale < 1 else cv2.INTER_LINEAR
     lab = cv2.cvtColor(cv2.resize(crop, size.tolist(), interpolation=way), cv2.COLOR_RGB2LAB)
-    marks = (points + 0.5 - corner) * zoom - 0.5
-    placed = (face.require_camera().place(face.vertices) + [0.5, 0.5, 0]) * [*zoom, scale]
-    placed[:, :2] -= corner * zoom + 0.5
+    marks = zoomed_pixels(points, zoom, corner)
+    placed = face.require_camera().place(face.vertices)
+    placed[:, :2] = zoomed_pixels(placed[:, :2], zoom, corner)
     covered = covered_pixels(placed, face.faces, *lab.shape[1::-1])
     inside = inside_polygon(marks[list(OUTLINE)], lab.shape[:2])
     skin = _skin_odds(lab, _bare_skin(inside, marks), ~(inside | widen_mask(covered, 1)))

@@ -7,6 +7,7 @@ from caricli.errors import InputError
 from caricli.render.covered_pixels import covered_pixels
 from caricli.structures import Face, Landmarks
 from caricli.structures.landmarks import OUTLINE
+from caricli.structures.zoomed_pixels import zoomed_pixels
 
 _LEAST = 1e-4  # of a picture: its face fills at least this share; with less it is of another picture
 _SIDE = 800  # pixels; finer than this the outline of a region is no more exact
@@ -45,7 +46,7 @@ def mask_head(face: Face, image: np.ndarray, points: np.ndarray | None = None) -
     head = _covered(face, small.shape[0], small.shape[1], shrink)
     enclosed = np.zeros(head.shape, np.uint8)
     given = np.isfinite(points).all(1)
-    outline = np.round(shrink * points[[k for k in OUTLINE if given[k]]]).astype(np.int32)
+    outline = np.round(zoomed_pixels(points[[k for k in OUTLINE if given[k]]], shrink)).astype(np.int32)
     cv2.fillPoly(enclosed, [outline], 1)
     labels = _first_guess(head, enclosed, outline)
     inner = labels == cv2.GC_FGD
@@ -58,7 +59,7 @@ def mask_head(face: Face, image: np.ndarray, points: np.ndarray | None = None) -
 
 def _covered(face: Face, height: int, width: int, zoom: float = 1.0) -> np.ndarray:
     """(height, width) bool: pixels that the mesh covers in the picture, made that much larger."""
-    placed = zoom * face.require_camera().place(face.vertices)
+    placed = face.require_camera().zoomed(zoom).place(face.vertices)
     return covered_pixels(placed, face.faces, width, height)
 
 
