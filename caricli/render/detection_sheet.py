@@ -6,6 +6,7 @@ from caricli.render.blend import over
 from caricli.render.overlay import draw_landmarks
 from caricli.structures.detection import DetectedFace, Detection
 from caricli.structures.parsing import REGION_COLOURS
+from caricli.structures.zoomed_pixels import zoomed_pixels
 
 SEEN = (0, 200, 120)
 HIDDEN = (255, 140, 0)
@@ -17,17 +18,27 @@ _ONE = 1.0
 """Ellipses are drawn at one standard deviation."""
 
 
+LONGEST = 2048
+"""Pixels of the longer side of a picture that faces are drawn over, at most."""
+
+
 def detection_sheet(picture: np.ndarray, detection: Detection, opacity: float = 0.6) -> np.ndarray:
     """Draw faces over a picture, and its regions over the same beside it.
 
     Frames in yellow; landmarks in green, hidden ones in orange; around each an ellipse of one standard deviation.
-    picture: (H, W, 3) uint8. opacity: of the regions, 0 to 1. Returns (H, 2 W, 3) uint8.
+    picture: (H, W, 3) uint8. opacity: of the regions, 0 to 1.
+    Returns (h, 2 w, 3) uint8, of the size of the picture or, where this is longer than LONGEST, smaller.
     """
-    left = picture
+    import cv2
+
+    drawn = smaller(picture, LONGEST)
+    zoom = drawn.shape[1] / picture.shape[1]
+    left = drawn
     for face in detection.faces:
-        left = _draw_face(left, face)
-    colours = np.array(REGION_COLOURS, np.uint8)[detection.regions]
-    return np.concatenate([left, over(colours, picture, opacity)], 1)
+        left = _draw_face(left, face, zoom)
+    regions = cv2.resize(detection.regions, drawn.shape[1::-1], interpolation=cv2.INTER_NEAREST_EXACT)
+    colours = np.array(REGION_COLOURS, np.uint8)[regions]
+    return np.concatenate([left, over(colours, drawn, opacity)], 1)
 
 
 def smaller(image: np.ndarray, side: int) -> np.ndarray:
@@ -39,21 +50,26 @@ def smaller(image: np.ndarray, side: int) -> np.ndarray:
     return cv2.resize(image, size, interpolation=cv2.INTER_AREA)
 
 
-def _draw_face(image: np.ndarray, face: DetectedFace) -> np.ndarray:
+def _draw_face(image: np.ndarray, face: DetectedFace, zoom: float) -> np.ndarray:
+    """A face over a picture (H, W, 3) so many times as large as the one that it was found in."""
     import cv2
 
     picture = np.ascontiguousarray(image).copy()
     width = max(1, round(0.003 * min(image.shape[:2])))
-    cv2.polylines(picture, [np.rint(face.frame.corners).astype(np.int32)], True, FRAME, width, cv2.LINE_AA)
+    cv2.polylines(
+        picture, [np.rint(zoomed_pixels(face.frame.corners, zoom)).astype(np.int32)], True, FRAME, width, cv2.LINE_AA
+    )
     marks = face.landmarks
     assert marks.spreads is not None and marks.visibility is not None
-    ellipses = [_ellipse(*each) for each in zip(marks.points[marks.known], marks.spreads[marks.known], strict=True)]
+    points = zoomed_pixels(marks.points, zoom)
+    spreads = zoom**2 * marks.spreads
+    ellipses = [_ellipse(*each) for each in zip(points[marks.known], spreads[marks.known], strict=True)]
     for colour, pixels in DOUBT:
         for ellipse in ellipses:
             cv2.ellipse(picture, ellipse, colour, pixels, cv2.LINE_AA)
     seen = marks.visibility >= 0.5
-    hidden = np.where(seen[:, None], np.nan, marks.points)
-    picture = draw_landmarks(picture, np.where(seen[:, None], marks.points, np.nan), SEEN)
+    hidden = np.where(seen[:, None], np.nan, points)
+    picture = draw_landmarks(picture, np.where(seen[:, None], points, np.nan), SEEN)
     return draw_landmarks(picture, hidden, HIDDEN, lines=False)
 
 

@@ -4,6 +4,7 @@ from caricli.render.detection_sheet import detection_sheet, smaller
 from caricli.structures.detection import DetectedFace, Detection, FaceFrame
 from caricli.structures.landmarks import Landmarks
 from caricli.structures.parsing import REGION_COLOURS, Region
+from caricli.structures.zoomed_pixels import zoomed_pixels
 from tests.drawn_pictures import drawn_picture, mean_shape
 
 
@@ -20,6 +21,21 @@ def test_faces_and_regions_are_drawn(head_template):
     left = np.abs(sheet[:, :160].astype(int) - picture.pixels).max(2) > 30
     places = np.rint(np.delete(picture.landmarks[0], 3, 0)).astype(int)
     assert left[places[:, 1], places[:, 0]].all()
+
+
+def test_a_large_picture_is_drawn_over_smaller(head_template, monkeypatch):
+    picture = drawn_picture(mean_shape(head_template), np.random.default_rng(0))
+    marks = Landmarks(picture.landmarks[0], (160, 160), np.tile(np.eye(2), (81, 1, 1)), np.ones(81))
+    found = Detection([DetectedFace(FaceFrame.of(picture.landmarks[0]), 0.9, marks)], picture.regions)
+    whole = detection_sheet(picture.pixels, found)
+    monkeypatch.setattr("caricli.render.detection_sheet.LONGEST", 160)
+    large = np.repeat(np.repeat(picture.pixels, 4, 0), 4, 1)
+    points = zoomed_pixels(picture.landmarks[0], 4)
+    marks = Landmarks(points, (640, 640), np.tile(16 * np.eye(2), (81, 1, 1)), np.ones(81))
+    regions = np.repeat(np.repeat(picture.regions, 4, 0), 4, 1)
+    np.testing.assert_array_equal(
+        detection_sheet(large, Detection([DetectedFace(FaceFrame.of(points), 0.9, marks)], regions)), whole
+    )
 
 
 def test_large_pictures_become_small_ones():
