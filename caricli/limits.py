@@ -24,6 +24,8 @@ MAX_CAMERA_SCALE = 1e6
 
 MAX_IMAGE_BYTES = 2**28
 MAX_IMAGE_PIXELS = 64_000_000
+MAX_IMAGE_SIDE = 32_000
+"""Pixels: OpenCV looks at none that are 32,767 wide or high."""
 
 MAX_NPZ_BYTES = 2**30
 """Largest sum of the expanded members of one NPZ."""

@@ -14,7 +14,7 @@ import numpy as np
 from caricli.errors import InputError, OutputError, shown
 from caricli.io.files import content_kind, opened, read_bytes
 from caricli.io.outputs import writing
-from caricli.limits import MAX_IMAGE_BYTES, MAX_IMAGE_PIXELS
+from caricli.limits import MAX_IMAGE_BYTES, MAX_IMAGE_PIXELS, MAX_IMAGE_SIDE
 
 EFFORT = 3  # of PNG, from 0 to 9: the usual 6 saves a tenth of the bytes and takes twice as long
 _MOST_PACKED = 4  # that a head wears
@@ -37,7 +37,7 @@ def read_image(path: str | Path) -> np.ndarray:
 
     It is turned upright as its EXIF orientation says; transparent pixels are laid over white paper; of an animation
     the first frame is read; 16-bit greys are scaled to 8 bits.
-    path: a PNG, JPEG, WebP, BMP, TIFF or GIF of at most MAX_IMAGE_PIXELS.
+    path: a PNG, JPEG, WebP, BMP, TIFF or GIF of at most MAX_IMAGE_PIXELS, at most MAX_IMAGE_SIDE wide or high.
     Returns (H,W,3) uint8.
     Raises InputError when it is no such picture, damaged, or too large; its size is checked before it is decoded.
     """
@@ -51,9 +51,7 @@ def read_image(path: str | Path) -> np.ndarray:
             warnings.simplefilter("ignore")
             with Image.open(io.BytesIO(data), formats=_FORMATS) as image:
                 width, height = image.size
-                if width * height > MAX_IMAGE_PIXELS:
-                    size = f"{width} x {height}"
-                    raise InputError(f"{shown(path)}: expected at most {MAX_IMAGE_PIXELS} pixels, found {size}")
+                check_size(path, width, height)
                 image.load()
                 return _rgb(ImageOps.exif_transpose(image), Image)
     except InputError:
@@ -64,6 +62,15 @@ def read_image(path: str | Path) -> np.ndarray:
     # Pillow's decoders raise whatever they meet (SyntaxError, struct.error, ...); all of it means a damaged file.
     except Exception as error:
         raise InputError(f"{shown(path)}: expected an image, found a damaged one: {shown(error, 120)}") from error
+
+
+def check_size(path: str | Path, width: int, height: int) -> None:
+    """Raise InputError for a picture of too many pixels, before it is decoded."""
+    if width * height > MAX_IMAGE_PIXELS:
+        raise InputError(f"{shown(path)}: expected at most {MAX_IMAGE_PIXELS} pixels, found {width} x {height}")
+    if max(width, height) > MAX_IMAGE_SIDE:
+        side = f"at most {MAX_IMAGE_SIDE} pixels wide and high"
+        raise InputError(f"{shown(path)}: expected {side}, found {width} x {height}")
 
 
 @cache

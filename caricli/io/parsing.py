@@ -10,10 +10,10 @@ import numpy as np
 
 from caricli.errors import InputError, shown
 from caricli.io.files import read_bytes
-from caricli.io.image import EFFORT
+from caricli.io.image import EFFORT, check_size
 from caricli.io.outputs import writing
 from caricli.io.strict_json import read_json
-from caricli.limits import MAX_IMAGE_BYTES, MAX_IMAGE_PIXELS
+from caricli.limits import MAX_IMAGE_BYTES
 
 SCHEMA = "caricli.parsing/1"
 
@@ -40,10 +40,11 @@ def read_parsing(path: str | Path) -> tuple[np.ndarray, dict[str, int]]:
     try:
         # Pillow warns of sizes above a cap of its own; the cap here is lower and refuses.
         with warnings.catch_warnings(action="ignore"), Image.open(io.BytesIO(data), formats=("PNG",)) as image:
-            if image.width * image.height > MAX_IMAGE_PIXELS or image.mode not in ("L", "P", "1"):
+            check_size(path, *image.size)
+            if image.mode not in ("L", "P", "1"):
                 kind = f"{image.width} x {image.height} of mode {image.mode}"
                 raise InputError(f"{shown(path)}: expected a PNG of label numbers, one byte a pixel, found {kind}")
-            labels = np.array(image.convert("L") if image.mode == "1" else image)
+            labels = np.array(image).astype(np.uint8)
     except InputError:
         raise
     except UnidentifiedImageError:

@@ -92,6 +92,12 @@ def test_the_cap_counts_pixels(tmp_path, monkeypatch):
     assert read_image(tmp_path / "a.png").shape == (5, 7, 3)
 
 
+def test_no_side_is_longer_than_opencv_reads(tmp_path):
+    write_png(tmp_path / "a.png", np.zeros((2, 32_001, 3), np.uint8))
+    with pytest.raises(InputError, match="at most 32000 pixels wide and high, found 32001 x 2"):
+        read_image(tmp_path / "a.png")
+
+
 @pytest.mark.parametrize("kind", ["PNG", "JPEG", "BMP", "GIF"])
 def test_truncated(tmp_path, kind):
     stream = io.BytesIO()

@@ -37,10 +37,7 @@ def test_numbers_are_read_as_they_are_stored(mode, tmp_path):
     image.save(tmp_path / "a.png")
     labels, legend = read_parsing(tmp_path / "a.png")
     assert labels.dtype == np.uint8 and legend == CELEBAMASK_HQ
-    if mode == "1":
-        np.testing.assert_array_equal(labels > 0, LABELS > 9)
-    else:
-        np.testing.assert_array_equal(labels, LABELS)
+    np.testing.assert_array_equal(labels, LABELS > 9 if mode == "1" else LABELS)
 
 
 def test_the_legend_beside_it_goes_first(tmp_path):
@@ -103,7 +100,7 @@ def claiming(width, height):
 @pytest.mark.parametrize("side", [100_000, 10_000, 8001])
 def test_pixel_bombs_are_refused_before_they_are_decoded(side, tmp_path):
     (tmp_path / "a.png").write_bytes(claiming(side, side))
-    with pytest.raises(InputError, match="a.png: expected a PNG of label numbers") as refused:
+    with pytest.raises(InputError, match="a.png: expected (a PNG of label numbers|at most 64000000 pixels)") as refused:
         read_parsing(tmp_path / "a.png")
     assert "decompression bomb" in str(refused.value) or f"found {side} x {side}" in str(refused.value)
     assert "\n" not in str(refused.value)
