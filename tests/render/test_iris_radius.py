@@ -41,3 +41,10 @@ def test_one_eye_alone_says_nothing():
     assert iris_radius(image, marks) == (0, 0)
     plain = np.full_like(image, 128)
     assert iris_radius(plain, eyes(10)[1])[1] == 0
+
+
+@pytest.mark.parametrize("colour", [(255, 255, 255), (90, 50, 20)])
+def test_eyes_of_one_colour_have_no_iris(colour):
+    image, marks = eyes(10)
+    image[:] = colour
+    assert iris_radius(image, marks) == (0, 0)

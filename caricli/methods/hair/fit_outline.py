@@ -47,8 +47,7 @@ class Outline:
     def bald(self, shape: tuple[int, int]) -> np.ndarray:
         """(H, W) bool: pixels of a picture in directions in which no hair reaches beyond the head."""
         y, x = np.indices(shape)
-        turns = np.mod(np.arctan2(y - self.centre[1], x - self.centre[0]), 2 * np.pi) / (2 * np.pi)
-        return np.isfinite(self.limits)[np.floor(turns * len(self.limits)).astype(int) % len(self.limits)]
+        return np.isfinite(self.limits)[_directions(np.stack([x, y], -1) - self.centre, len(self.limits))]
 
     def compare(self, points: np.ndarray, allowed: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """How far points (N, 2) are from the outline.
@@ -58,11 +57,10 @@ class Outline:
         """
         away = points - self.centre
         radii = np.hypot(*away.T)
-        turns = np.mod(np.arctan2(away[:, 1], away[:, 0]), 2 * np.pi) / (2 * np.pi)
-        number = np.floor(turns * len(self.radii)).astype(int)
+        number = _directions(away, len(self.radii))
         limited = np.isfinite(self.limits)[number]
         share = np.where(limited, self.limits[number], self.radii[number]) / np.maximum(radii, 1e-9)
-        sector = np.floor(turns * _SECTORS).astype(int)
+        sector = _directions(away, _SECTORS)
         order = np.lexsort([np.where(allowed, radii, -1), sector])
         outermost = np.zeros(len(points), bool)
         outermost[order[np.append(np.diff(sector[order]) > 0, True)]] = True
@@ -84,18 +82,25 @@ def meet_outline(
     for _ in range(_TURNS):
         away = camera.project(sphere.points(longitudes, angles, total)).reshape(-1, 2) - outline.centre
         radii = np.hypot(*away.T)
-        turns = np.mod(np.arctan2(away[:, 1], away[:, 0]), 2 * np.pi) / (2 * np.pi) * bins
+        number = _directions(away, bins)
         outermost = np.zeros(bins)
         chosen = hairy.ravel()
-        np.maximum.at(outermost, np.floor(turns[chosen]).astype(int), radii[chosen])
+        np.maximum.at(outermost, number[chosen], radii[chosen])
         outermost = np.where(outermost > 0, outermost, np.inf)
         factors = np.where(np.isnan(outline.radii), np.fmin(outline.limits / outermost, 1), outline.radii / outermost)
         factors = _filled(np.where(np.isinf(outermost), np.nan, factors))
-        place = turns - 0.5
+        place = np.arctan2(away[:, 1], away[:, 0]) / (2 * np.pi) * bins - 0.5
         factor = np.interp(place, np.arange(bins), factors, period=bins)
-        nearness = np.clip(radii / outermost[np.floor(turns).astype(int)], 0, 1) ** _STEEP
+        nearness = np.clip(radii / outermost[number], 0, 1) ** _STEEP
         total = total * (1 + nearness * (factor - 1)).reshape(total.shape)
     return total
+
+
+def _directions(away: np.ndarray, count: int) -> np.ndarray:
+    """(...) int from 0 to count - 1: in which of so many directions, clockwise from the right, ways (..., 2) go."""
+    turns = np.arctan2(away[..., 1], away[..., 0]) / (2 * np.pi)
+    # What is a rounding error before the right is a whole turn after it.
+    return np.floor(np.mod(turns, 1.0) * count).astype(int) % count
 
 
 def _filled(factors: np.ndarray) -> np.ndarray:
@@ -110,7 +115,7 @@ def _farthest(mask: np.ndarray, behind: np.ndarray, centre: np.ndarray, bins: in
     """(bins,) pixels, how far a mask (H, W) reaches in each direction, NaN where no background (H, W) is beyond it."""
     rows, columns = np.nonzero(mask)
     away = np.column_stack([columns, rows]) - centre
-    number = np.floor(np.mod(np.arctan2(away[:, 1], away[:, 0]), 2 * np.pi) / (2 * np.pi) * bins).astype(int)
+    number = _directions(away, bins)
     farthest = np.full(bins, -np.inf)
     np.maximum.at(farthest, number, np.hypot(*away.T) + 0.5)
     turns = 2 * np.pi * (np.arange(bins) + 0.5) / bins

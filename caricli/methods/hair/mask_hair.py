@@ -56,9 +56,13 @@ def mask_hair(
     probabilities, a guided filter makes neighbours agree (Hosni et al. 2013), and the mixtures are fitted again.
 
     face: Face with camera and landmarks. template: of its topology. image: (H, W, 3) uint8.
-    Returns HairMask. Raises InputError when the face has no camera or no landmarks.
+    Returns HairMask, an empty one where the picture shows no skin within the landmarks, as in a profile, or nothing
+    around the head. Raises InputError when the face has no camera or no landmarks.
     """
     zones = PictureZones(face, template, image, settings)
+    if not (zones.inner.any() and zones.behind.any()):
+        nowhere = np.zeros(image.shape[:2], bool)
+        return HairMask(nowhere, nowhere, 1.0, False)
     classes = _Classes(zones, settings)
     for _ in range(settings.rounds - 1):
         if not classes.learn():

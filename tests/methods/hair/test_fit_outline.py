@@ -23,3 +23,10 @@ def test_hair_that_the_border_of_the_picture_cuts_off_goes_on_round(sitter):
         assert np.isfinite(outline.radii[upwards]).all() == some
         if some:
             np.testing.assert_allclose(outline.radii[upwards], whole.radii[upwards], rtol=0.12)
+
+
+def test_what_is_a_rounding_error_before_the_right_is_there():
+    outline = Outline(np.array([50.0, 50.0]), np.full(240, 20.0), np.full(240, np.nan))
+    share, outermost = outline.compare(np.array([[90.0, 50 - 7.2e-15]]), np.array([True]))
+    np.testing.assert_allclose(share, 0.5)
+    assert outermost.all()

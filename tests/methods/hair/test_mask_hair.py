@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import cv2
 import numpy as np
 import pytest
@@ -35,6 +37,23 @@ def test_a_wall_of_the_colour_of_hair_leaves_doubt(sitter):
     image = sitter.image.copy()
     image[sitter.hair.behind] = image[sitter.hair.pixels].mean(0).astype(np.uint8)
     assert not mask_hair(sitter.face, sitter.head, image).trusted
+
+
+@pytest.mark.parametrize("view", ["profile", "close"])
+def test_a_picture_without_skin_or_wall_has_no_hair_that_is_trusted(view, sitter):
+    """Exactly from the side landmarks enclose nothing; a picture of the middle of a face shows nothing behind it."""
+    face = sitter.face
+    image = sitter.image
+    marks = face.landmarks
+    if view == "profile":
+        face = replace(face, landmarks=np.column_stack([np.full(len(marks), 100.0), marks[:, 1]]))
+    else:
+        margin = 0.2 * np.ptp(marks, axis=0)
+        low, high = np.round([marks.min(0) + margin, marks.max(0) - margin]).astype(int)
+        image = np.ascontiguousarray(image[low[1] : high[1], low[0] : high[0]])
+        face = replace(face, landmarks=marks - low, camera=face.camera.zoomed(1.0, low))
+    mask = mask_hair(face, sitter.head, image)
+    assert not mask.trusted and not mask.pixels.any() and mask.pixels.shape == image.shape[:2]
 
 
 def test_a_glow_around_hair_is_the_wall(sitter):
