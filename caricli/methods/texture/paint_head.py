@@ -18,6 +18,7 @@ from caricli.methods.rig.add_eyeballs import add_eyeballs, fit_eyeballs
 from caricli.methods.rig.add_parts import add_parts, choose_parts
 from caricli.methods.texture.estimate_light import Light
 from caricli.methods.texture.eye_picture import eye_picture
+from caricli.methods.texture.head_picture import HeadPicture
 from caricli.methods.texture.lid_lines import LidLine, draw_lid_lines, seen_lid_line
 from caricli.methods.texture.lips_behind_nose import lips_behind_nose
 from caricli.methods.texture.mask_head import mask_head, mesh_pixels
@@ -26,6 +27,7 @@ from caricli.methods.texture.parsed_head import ParsedHead, parsed_head
 from caricli.methods.texture.photometric_error import photometric_error
 from caricli.methods.texture.picture_view import Sight
 from caricli.methods.texture.project_picture import project_picture
+from caricli.methods.texture.seen_eyes import seen_eyes
 from caricli.methods.texture.settings import PaintSettings
 from caricli.methods.texture.shown_teeth import shown_teeth
 from caricli.methods.texture.texels import Texels
@@ -33,8 +35,10 @@ from caricli.methods.texture.texture_face import FaceTexture, texture_face
 from caricli.render.diffuse_background import diffuse_background
 from caricli.render.in_parallel import do_in_parallel
 from caricli.render.sky import mesh_sky
-from caricli.structures import Camera, Face, Pictures, Rig
+from caricli.structures import Face, Pictures, Rig
 from caricli.template.template import Template
+
+_BESIDE = 1e-3  # of a texture: so far beyond its border UVs may be
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,22 +101,23 @@ def paint_head(
     Returns Painted. Raises InputError when the template has no UVs and is to have a texture of its own, when the face
     has no camera or no landmarks, and when it is not where picture and mask show a head.
     """
-    camera = face.require_camera()
-    ground = _lay_groundwork(face, template, image, mask, settings, regions)
+    given = HeadPicture(face, image, mask, regions)
+    picture = given if settings.project_uv else given.near_head(_most_pixels(settings))
+    ground = _lay_groundwork(picture, template, settings)
     hair = ground.hair
-    face = replace(face, hair=None) if hair is None else replace(hair.face, hair=hair.hair)
-    face = replace(face, teeth=ground.teeth)
-    head = _laid_out(template.with_vertices(face.vertices), image, camera, settings)
+    seen_face = replace(picture.face, hair=None) if hair is None else replace(hair.face, hair=hair.hair)
+    seen_face = replace(seen_face, teeth=ground.teeth)
+    head = _laid_out(template.with_vertices(seen_face.vertices), picture, settings)
     still = np.zeros((0, *head.vertices.shape), np.float32)
     bare = Rig((), head.with_vertices(head.vertices.astype(np.float32)), still)
     whole = add_eyeballs(
         bare, fit_eyeballs(head, head.annotation, still), np.random.default_rng(settings.seed), ground.eyes
     )
-    whole = choose_parts(add_parts(whole, face_parts(face, template, settings.head)), settings.head)
+    whole = choose_parts(add_parts(whole, face_parts(seen_face, template, settings.head)), settings.head)
     # None of these waits for another.
     jobs: list[Callable[[], Any]] = [partial(_skin_texture, head, ground, settings)]
     if hair is not None:
-        jobs += [partial(hair_picture, hair, image, settings), partial(Scalp, head, hair.hair, settings.size)]
+        jobs += [partial(hair_picture, hair, picture.image, settings), partial(Scalp, head, hair.hair, settings.size)]
     if settings.sky:
         jobs.append(partial(mesh_sky, whole.mesh.vertices, whole.mesh.faces))
     skin_texture, *rest = do_in_parallel(*jobs)
@@ -123,13 +128,21 @@ def paint_head(
         hair_texture, scalp = rest
         texture = scalp.shaded(skin_texture, hair_texture, np.random.default_rng(settings.seed))
     bare = replace(bare, pictures=Pictures(texture))
-    wall = wall_pixels(head, camera, (image.shape[1], image.shape[0]))
-    error = photometric_error(bare, face, image, ground.sight.mask & ~wall, skin_texture.light)
-    neck = neck_picture(head, texture, skin_texture.image)
+    wall = wall_pixels(head, ground.sight.camera, picture.size)
+    error = photometric_error(bare, seen_face, picture.image, ground.sight.mask & ~wall, skin_texture.light)
+    neck = neck_picture(head.with_vertices(template.vertices), texture, skin_texture.image)
     pictures = Pictures(texture, whole.pictures.eyes, hair_texture, neck)
     seen = float(skin_texture.seen[skin_texture.covered].mean())
     whole = replace(whole, pictures=pictures)
-    return Painted(face, head, whole, error, seen, float(ground.mask.mean()), skin_texture.light, hair, sky)
+    filled = picture.share * float(ground.mask.mean())
+    painted = replace(seen_face, camera=face.camera, landmarks=face.landmarks)
+    return Painted(painted, head, whole, error, seen, filled, skin_texture.light, hair, sky)
+
+
+def _most_pixels(settings: PaintSettings) -> int:
+    """Pixels of the head, its longer side, beyond which a picture tells its texture nothing more."""
+    limits = settings.texture
+    return min(max(settings.size or limits.buffer, limits.smallest), limits.buffer)
 
 
 @dataclass(frozen=True, eq=False)
@@ -150,31 +163,27 @@ class _Groundwork:
     teeth: np.ndarray | None
 
 
-def _lay_groundwork(
-    face: Face,
-    template: Template,
-    image: np.ndarray,
-    mask: np.ndarray | None,
-    settings: PaintSettings,
-    regions: np.ndarray | None,
-) -> _Groundwork:
+def _lay_groundwork(picture: HeadPicture, template: Template, settings: PaintSettings) -> _Groundwork:
     """Look at a picture; for the arguments see `paint_head`."""
+    face = picture.face
+    image = picture.image
     landmarks = face.require_landmarks()
     pixels = mesh_pixels(face, image)
-    parsing = None if mask is not None else regions
+    parsing = None if picture.mask is not None else picture.regions
     # Neither of these waits for the other.
     parsed, texels = do_in_parallel(
         lambda: None if parsing is None else parsed_head(parsing, pixels, image),
         partial(_find_texels, template, settings),
     )
-    parts = _find_head(face, image, mask, pixels) if parsed is None else parsed
-    regions = None if parsed is None else regions
+    parts = _find_head(picture, pixels) if parsed is None else parsed
+    regions = None if parsed is None else parsing
     looks: list[Callable[[], Any]] = [partial(dress_hair, face, template, image, settings, regions, pixels)]
     generator = np.random.default_rng(settings.seed)
-    looks.append(partial(eye_picture, face, template.annotation, image, generator))
+    eyes_seen = landmarks if regions is None else seen_eyes(landmarks, regions)
+    looks.append(partial(eye_picture, face, eyes_seen, template.annotation, image, generator))
     # Nothing here needs this, but what comes next, and one processor is free.
     looks.append(partial(chosen_attachment, template, settings.head))
-    looks.append(partial(seen_lid_line, image, landmarks))
+    looks.append(partial(seen_lid_line, image, eyes_seen))
     camera = face.require_camera()
     teeth = None
     if regions is not None:
@@ -185,8 +194,10 @@ def _lay_groundwork(
     hair, eyes, _, lids, *no_skin = do_in_parallel(*looks)
     skin = parts.paint if hair is None else bare_skin(parts, hair, image)
     beside = parts.whole & ~skin
-    for pixels in no_skin:
-        skin = skin & ~pixels
+    for opening in no_skin:
+        skin = skin & ~opening
+    if not (skin & pixels).any():
+        raise InputError("expected skin where the face was fitted, found none there")
     sight = Sight(camera, image, skin, parts.whole, beside)
     return _Groundwork(parts.whole, sight, hair, texels, eyes, lids, teeth)
 
@@ -198,12 +209,15 @@ def _find_texels(template: Template, settings: PaintSettings) -> Texels | None:
     return Texels(template, settings.size)
 
 
-def _laid_out(head: Template, image: np.ndarray, camera: Camera, settings: PaintSettings) -> Template:
+def _laid_out(head: Template, picture: HeadPicture, settings: PaintSettings) -> Template:
     """The head with the UVs of its texture. Raises InputError where there are none, and none are made."""
     if settings.project_uv:
-        return project_picture(head, camera, image)
+        return project_picture(head, picture.face.require_camera(), picture.image)
     if head.uvs is None:
         raise InputError("expected a model whose mesh has UVs, found none; --project-uv needs none")
+    least, most = head.uvs.min(), head.uvs.max()
+    if least < -_BESIDE or most > 1 + _BESIDE:
+        raise InputError(f"expected a mesh whose UVs are from 0 to 1, found them from {least:.3g} to {most:.3g}")
     return head
 
 
@@ -219,13 +233,14 @@ def _skin_texture(head: Template, ground: _Groundwork, settings: PaintSettings) 
     return texture if ground.lids is None else replace(texture, image=draw_lid_lines(texture.image, head, ground.lids))
 
 
-def _find_head(face: Face, image: np.ndarray, mask: np.ndarray | None, pixels: np.ndarray) -> ParsedHead:
-    """The head in a picture by a mask, or else by its colours. Raises InputError where there is none.
+def _find_head(picture: HeadPicture, pixels: np.ndarray) -> ParsedHead:
+    """The head in a picture by its mask, or else by its colours. Raises InputError where there is none.
 
     pixels: (H, W) bool, those that the face's mesh covers.
     """
+    mask = picture.mask
     if mask is None:
-        mask = mask_head(face, image)
+        mask = mask_head(picture.face, picture.image)
     elif not (mask & pixels).any():
         raise InputError("expected a mask that is white where the head is, found none there")
     return ParsedHead(mask, mask)

@@ -95,13 +95,9 @@ class PictureView:
         if sight.beside is not None:
             self.inside *= self._fading(mask, sight.beside)
         rows, columns = mask.shape
-        self.zoom = min(1.0, settings.buffer / max(rows, columns))
-        size = (round(columns * self.zoom), round(rows * self.zoom))
-        self.small = cv2.resize(self.pictured, size, interpolation=cv2.INTER_AREA)
-        placed = self._shrunk(camera.place(head.vertices))
-        self.raster = rasterise(placed, head.faces, *size)
+        placed = camera.place(head.vertices)
+        self.raster = rasterise(placed, head.faces, columns, rows)
         face = self.raster.face
-        mask = cv2.resize(mask.astype(np.uint8), size, interpolation=cv2.INTER_NEAREST) > 0
         self.pixels = mask & (face >= 0) & (triangle_normals(placed, head.faces)[face, 2] < 0)
         flat = placed[head.faces]
         self.areas = np.abs(np.linalg.det(flat[:, 1:, :2] - flat[:, :1, :2]))
@@ -122,9 +118,7 @@ class PictureView:
         y = placed[:, 1]
         colours = sample_pixels(self.pictured, x, y).astype(placed.dtype)
         inside = sample_pixels(self.inside, x, y, border=0.0)
-        shrunk = self._shrunk(placed)
-        nearest = sample_pixels(self.raster.depth, shrunk[:, 0], shrunk[:, 1], cv2.INTER_NEAREST, float("inf"))
-        behind = placed[:, 2] - nearest / self.zoom
+        behind = placed[:, 2] - sample_pixels(self.raster.depth, x, y, cv2.INTER_NEAREST, float("inf"))
         lengths = np.sqrt(np.einsum("nk,nk->n", points.normals, points.normals))
         cosine = -(points.normals @ self.camera.rotation[2].astype(placed.dtype)) / np.maximum(lengths, 1e-9)
         # A surface at an angle is behind itself by the width of a pixel.
@@ -148,16 +142,18 @@ class PictureView:
         face = self.raster.face[self.pixels]
         weights = self.raster.barycentric[self.pixels]
         lookup = texture_matrix(owner, len(colours), np.einsum("nk,nkc->nc", weights, self.corners[face]))
-        missing = np.zeros(self.small.shape, np.float32)
+        missing = np.zeros(self.pictured.shape, np.float32)
         # Only once as far as it is seen: in rounds, what is hardly seen would take on the picture all the same.
-        missing[self.pixels] = (lookup @ trust) * (self.small[self.pixels] - lookup @ colours)
+        missing[self.pixels] = (lookup @ trust) * (self.pictured[self.pixels] - lookup @ colours)
         sharper = colours.copy()
         seen = trust[:, 0] > 0
+        if not seen.any():
+            return sharper
         lookup = _columns(lookup, seen)
         back = lookup.T.tocsr()
         alone = self.settings.alone
         total = back @ np.ones((len(face), 1), np.float32) + alone
-        x, y, _ = self._shrunk(self._place(places[seen])).T
+        x, y, _ = self._place(places[seen]).T
         current = before = colours[seen]
         least, most = self._range(x, y, current)
         for number in range(self.settings.rounds):
@@ -209,8 +205,8 @@ class PictureView:
     def _range(self, x: np.ndarray, y: np.ndarray, colours: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Least and largest colours (N, 3) that texels may take: their own, and those of the pixels around."""
         square = np.ones((3, 3), np.uint8)
-        darkest = sample_pixels(cv2.erode(self.small, square), x, y, cv2.INTER_NEAREST)
-        brightest = sample_pixels(cv2.dilate(self.small, square), x, y, cv2.INTER_NEAREST)
+        darkest = sample_pixels(cv2.erode(self.pictured, square), x, y, cv2.INTER_NEAREST)
+        brightest = sample_pixels(cv2.dilate(self.pictured, square), x, y, cv2.INTER_NEAREST)
         return np.minimum(darkest, colours), np.maximum(brightest, colours)
 
     def _place(self, points: np.ndarray) -> np.ndarray:
@@ -219,12 +215,6 @@ class PictureView:
         matrix = np.column_stack([camera.scale * camera.rotation, [*camera.translation, 0]])
         # Of two threads that multiply matrices one waits for the other.
         return cv2.transform(np.ascontiguousarray(points)[None], matrix)[0]
-
-    def _shrunk(self, placed: np.ndarray) -> np.ndarray:
-        """Places (N, 3) in the smaller picture; its pixels' centres are whole numbers too."""
-        if self.zoom == 1:
-            return placed
-        return self.zoom * placed + np.array([(self.zoom - 1) / 2, (self.zoom - 1) / 2, 0], placed.dtype)
 
 
 def _columns(matrix: sp.csr_matrix, kept: np.ndarray) -> sp.csr_matrix:

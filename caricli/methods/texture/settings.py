@@ -30,7 +30,8 @@ class TextureSettings:
     keep_light: whether light and shade of the picture stay in the texture.
     rounds: of giving back what a rendering blurs; alone: weight that keeps texels which no pixel shows near the others.
     smallest, largest: texels, limits of the size that follows the picture.
-    buffer: pixels, longest side of what is rasterised; more than the largest texture can hold tell nothing.
+    buffer: pixels, the most of a head's longer side in its picture; more than the largest texture can hold tell
+    nothing.
     """
 
     grazing: float = 0.2

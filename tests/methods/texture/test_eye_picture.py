@@ -31,7 +31,7 @@ def looked_at(head, radius):
     # Eyeballs as large as openings are wide.
     camera = Camera(30 / ball, np.diag([1.0, -1.0, -1.0]), np.zeros(2))
     face = Face(head.with_vertices(head.vertices), camera=camera, landmarks=marks)
-    return eye_picture(face, head.annotation, image, np.random.default_rng(0))
+    return eye_picture(face, face.landmarks, head.annotation, image, np.random.default_rng(0))
 
 
 def test_irises_are_as_large_as_the_picture_tells(head):
@@ -46,5 +46,5 @@ def test_a_picture_that_tells_nothing_leaves_the_usual_eye(head):
     image, marks = eyes(10)
     face = Face(head.with_vertices(head.vertices), camera=Camera(1000.0, np.eye(3), np.zeros(2)), landmarks=marks)
     away = replace(face, landmarks=marks + 1000)
-    usual = eye_picture(away, head.annotation, image, np.random.default_rng(0))
+    usual = eye_picture(away, away.landmarks, head.annotation, image, np.random.default_rng(0))
     assert abs(reach(usual) - IRIS) < 0.004

@@ -1,5 +1,6 @@
 from dataclasses import replace
 
+import cv2
 import numpy as np
 import pytest
 
@@ -12,6 +13,7 @@ from caricli.render.rasterise import rasterise
 from caricli.render.sky import mesh_sky
 from caricli.render.smooth_normals import smooth_normals
 from caricli.structures import Material
+from caricli.structures.parsing import Region
 
 SMALL = PaintSettings(size=96, hair="none")
 
@@ -84,6 +86,60 @@ def test_a_face_of_no_picture_is_refused(pictured):
 def test_a_mask_that_shows_no_head_is_refused(pictured):
     with pytest.raises(InputError, match="expected a mask that is white where the head is, found none there"):
         paint_head(pictured.face, pictured.head, pictured.image, np.zeros_like(pictured.mask), SMALL)
+
+
+def test_a_small_head_of_a_large_picture_is_painted_as_by_itself(painted, pictured):
+    rows, columns = pictured.mask.shape
+    image = np.repeat(pictured.image[:1, :1], 3 * rows, 0).repeat(3 * columns, 1)
+    mask = np.zeros(image.shape[:2], bool)
+    middle = np.s_[rows : 2 * rows, columns : 2 * columns]
+    image[middle] = pictured.image
+    mask[middle] = pictured.mask
+    corner = np.array([columns, rows])
+    camera = pictured.face.camera.zoomed(1.0, -corner)
+    face = replace(pictured.face, camera=camera, landmarks=pictured.face.landmarks + corner)
+    settings = replace(SMALL, texture=TextureSettings(buffer=max(rows, columns), smallest=max(rows, columns)))
+    again = paint_head(face, pictured.head, image, mask, settings)
+    assert np.abs(again.rig.pictures.skin.astype(int) - painted.rig.pictures.skin).mean() < 0.5
+    assert abs(again.error - painted.error) < 1e-3 and abs(9 * again.filled - painted.filled) < 1e-6
+    assert again.face.camera is camera and again.face.landmarks is face.landmarks
+
+
+def test_a_picture_that_shows_no_skin_is_refused(pictured):
+    regions = np.where(pictured.mask, Region.HAIR, Region.BACKGROUND).astype(np.uint8)
+    regions[_between_eyes(pictured) > 0] = Region.EYES
+    with pytest.raises(InputError, match="expected skin where the face was fitted, found none there"):
+        paint_head(pictured.face, pictured.head, pictured.image, None, replace(SMALL, hair="auto"), regions)
+
+
+def test_a_mask_of_one_pixel_paints_nothing_and_breaks_nothing(pictured, painted):
+    mask = np.zeros_like(pictured.mask)
+    row, column = np.argwhere(pictured.mask).mean(0).astype(int)
+    mask[row, column] = True
+    hardly = paint_head(pictured.face, pictured.head, pictured.image, mask, SMALL)
+    assert hardly.seen < 0.01 and hardly.rig.pictures.skin.shape == painted.rig.pictures.skin.shape
+
+
+def test_uvs_beyond_the_texture_are_refused(pictured):
+    tile = replace(pictured.head, uvs=pictured.head.uvs + [1, 0])
+    with pytest.raises(InputError, match="expected a mesh whose UVs are from 0 to 1, found them from 0.* to 2"):
+        paint_head(pictured.face, tile, pictured.image, pictured.mask, SMALL)
+
+
+def test_dark_glasses_are_no_eyes(pictured):
+    lenses = cv2.dilate(_between_eyes(pictured), np.ones((9, 9), np.uint8)) > 0
+    image = pictured.image.copy()
+    image[lenses] = (20, 20, 25)
+    regions = np.where(pictured.mask, Region.SKIN, Region.BACKGROUND).astype(np.uint8)
+    regions[lenses] = Region.GLASSES
+    eyes = paint_head(pictured.face, pictured.head, image, None, SMALL, regions).rig.pictures.eyes
+    assert eyes[32, 2].mean() > 120
+
+
+def _between_eyes(pictured):
+    """(H, W) uint8, 1 at the eyes and between them."""
+    outline = cv2.convexHull(pictured.face.landmarks[36:48].astype(np.float32))
+    return cv2.fillPoly(np.zeros(pictured.mask.shape, np.uint8), [np.round(outline).astype(np.int32)], 1)
 
 
 def test_light_is_taken_out_and_the_error_measured_in_it(pictured):

@@ -3,6 +3,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from caricli.errors import InputError
 from caricli.methods.texture.estimate_light import Light
 from caricli.methods.texture.photometric_error import photometric_error
 from caricli.render.render_textured import textured_colours
@@ -36,3 +37,8 @@ def test_light_is_put_back_before_anything_is_rounded(pictured):
     image = np.where(pictured.mask[..., None], np.round(lit), pictured.image).astype(np.uint8)
     assert photometric_error(pictured.rig, pictured.face, image, pictured.mask, light) < 1e-5
     assert photometric_error(pictured.rig, pictured.face, image, pictured.mask) > 0.03
+
+
+def test_a_head_that_its_mask_does_not_show_is_refused(pictured):
+    with pytest.raises(InputError, match="expected a mask that shows skin of the head, found none of it there"):
+        photometric_error(pictured.rig, pictured.face, pictured.image, np.zeros_like(pictured.mask))
