@@ -11,23 +11,26 @@ from caricli.render.coat import rig_coat
 from caricli.render.face_look import combed_hair, plain_colours
 from caricli.render.in_parallel import in_parallel
 from caricli.render.lights import KEY
+from caricli.render.seen_vertices import seen_vertices
 from caricli.render.shade import Look, shade
 from caricli.render.sky import DIRECTIONS, key_directions, sky_visibility
 from caricli.render.smooth_normals import smooth_normals
 from caricli.render.views import TO_PICTURE, VIEWS, turn_about_y
-from caricli.structures import Rig
+from caricli.structures import Material, Rig
 
 _FILL = 0.82  # of the picture: jaws drop and heads turn
 _SUPERSAMPLE = 2  # its square is the number of rays through a border's pixel; frames are small, or on the move
 _HIDDEN = 0.7  # of the sky of a free vertex; what sees less at rest, as the mouth does, may come out
+_BEHIND_LIPS = (Material.TEETH, Material.GUMS, Material.TONGUE)  # these come out of a shadow that moves
+_STILL = 1e-3  # of the rig's height: a vertex that moves less sees of the sky what it sees at rest
 
 
 class RigStage:
     """What the frames of a rig share: the camera, which depends on the neutral face alone, so that they follow each
     other calmly, the pictures, and what its vertices see of the sky.
 
-    Without a picture a material is as plain as its finish. What is hidden in the neutral face looks around anew where
-    it is seen, so that an open mouth shows its wall.
+    Without a picture a material is as plain as its finish. What is hidden in the neutral face, and moves or comes into
+    sight, looks around anew, so that an open mouth shows its wall.
     """
 
     def __init__(self, rig: Rig, view: str = "front", size: int = 512) -> None:
@@ -45,20 +48,23 @@ class RigStage:
         hair = combed_hair(rig.mesh, rig.triangle_materials)
         normals = smooth_normals(rig.neutral, rig.faces)
         normals = normals if hair is None else hair.normals(normals)
+        placed = self._placed(rig.neutral)
         ways = np.concatenate([DIRECTIONS, key_directions(KEY) @ self.rotation])
         sky, key = np.split(sky_visibility(rig.neutral, rig.faces, normals, None, ways), [len(DIRECTIONS)], axis=1)
         coat = rig_coat(rig)
         self.look = Look(
             vertex_colours=plain_colours(rig.mesh, rig.triangle_materials),
-            coat=None if coat is None else coat.shrunk(self._placed(rig.neutral), rig.faces),
+            coat=None if coat is None else coat.shrunk(placed, rig.faces),
             hair=hair,
             visibility=sky,
             key=key,
             rotation=self.rotation,
             supersample=_SUPERSAMPLE,
-            # Half of the directions are behind a surface.
-            hidden=sky.mean(1) < _HIDDEN / 2,
         )
+        # Half of the directions are behind a surface.
+        self.hidden = sky.mean(1) < _HIDDEN / 2
+        self.shown = seen_vertices(placed, rig.faces, size, size)
+        self.shown[rig.faces[np.isin(rig.triangle_materials, _BEHIND_LIPS)]] = False
 
     def picture(self, vertices: np.ndarray, skin: np.ndarray | None = None) -> np.ndarray:
         """Draw one frame.
@@ -70,7 +76,8 @@ class RigStage:
         if vertices.shape != self.rig.neutral.shape:
             expected = self.rig.neutral.shape
             raise InputError(f"a frame of this rig needs vertices of shape {expected}, found {vertices.shape}")
-        look = self.look
+        moved = np.linalg.norm(vertices - self.rig.neutral, axis=1) > _STILL * np.ptp(self.rig.neutral[:, 1])
+        look = replace(self.look, hidden=self.hidden & (moved | ~self.shown))
         if skin is not None and look.coat is not None:
             worn = replace(look.coat.pictures, skin=skin)
             look = replace(look, coat=replace(look.coat, pictures=worn))

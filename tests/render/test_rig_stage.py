@@ -114,6 +114,22 @@ def test_what_is_in_a_fold_at_rest_is_not_in_its_shade_when_it_comes_out():
     assert np.abs(flat[30:66, 48] - flat[30, 48]).max() < 25
 
 
+def test_what_stays_in_the_dark_does_not_look_around_again(rig, monkeypatch):
+    """The ball is dark around the smaller one in front of it, wherever both are."""
+    looked = []
+
+    def sky_visibility(vertices, faces, normals, ids, directions):
+        looked.append(len(ids))
+        return np.ones((len(ids), len(directions)), np.float32)
+
+    stage = RigStage(rig, "front", 96)
+    assert (stage.hidden & stage.shown).any()
+    monkeypatch.setattr("caricli.render.shade.sky_visibility", sky_visibility)
+    stage.picture(rig.neutral)
+    stage.picture(rig.neutral + [0.02, 0, 0])
+    assert looked[0] == 0 < looked[1]
+
+
 def test_many_frames_are_those_that_come_one_by_one_though_each_is_overwritten(rig):
     stage = RigStage(rig, "front", 48)
     shapes = [rig.neutral + [0.01 * k, 0, 0] for k in range(6)]
