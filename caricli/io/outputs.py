@@ -7,6 +7,7 @@ import shutil
 import tempfile
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
+from contextvars import ContextVar
 from pathlib import Path
 
 from caricli import signals
@@ -25,6 +26,21 @@ _WRITE_ERRORS = {
     errno.ENAMETOOLONG,
 }
 
+_ITEM: ContextVar[tuple[Path, dict[Path, Path]] | None] = ContextVar("item", default=None)
+
+
+@contextmanager
+def written_for(source: Path, writers: dict[Path, Path]) -> Iterator[None]:
+    """Let what is staged inside be the outputs of one item of a batch, which replace those of no other item.
+
+    source: the item's input. writers: by output, the input that it was written for; the items of a batch share it.
+    """
+    token = _ITEM.set((source, writers))
+    try:
+        yield
+    finally:
+        _ITEM.reset(token)
+
 
 @contextmanager
 def staged(
@@ -41,7 +57,8 @@ def staged(
     file system.
     On success all are synced and renamed; on any exception, KeyboardInterrupt included, all are removed, and so are the
     parent folders made here that are empty.
-    Raises OutputError when an output exists without `overwrite`, is an input, is given twice or cannot be written.
+    Raises OutputError when an output exists without `overwrite`, is an input, is given twice, is that of another item
+    of the batch, or cannot be written.
     """
     required = len(paths)
     paths = (*paths, *optional)
@@ -170,7 +187,19 @@ def _resolved(path: str | Path, inputs: Iterable[Path | None], asked: str | Path
                     raise OutputError(f"{shown(path)}: expected an output, found one of the inputs{beside}")
     except ValueError as error:
         raise OutputError(f"{shown(path)}: expected a path, found {shown(error)}") from error
+    _check_item(path, final)
     return final
+
+
+def _check_item(path: str | Path, final: Path) -> None:
+    """Refuse what another item of the batch wrote."""
+    item = _ITEM.get()
+    if item is None:
+        return
+    source, writers = item
+    writer = writers.get(final, source)
+    if writer != source:
+        raise OutputError(f"{shown(path)}: expected an output of its own, found what was written for {shown(writer)}")
 
 
 def _same(first: Path, second: Path) -> bool:
@@ -266,6 +295,10 @@ def _publish(files: Sequence[tuple[Path, Path, str | Path]], overwrite: bool) ->
                 if backup is not None:
                     os.replace(backup, final)
             raise
+    item = _ITEM.get()
+    if item is not None:
+        source, writers = item
+        writers.update({final: source for _, final, _ in files})
     for parent in {final.parent for _, final, _ in files}:
         _sync_folder(parent)
 

@@ -1,4 +1,5 @@
 import json
+import shutil
 
 import numpy as np
 import pytest
@@ -81,6 +82,18 @@ def test_all_faces_are_written_where_they_are_asked_for(run, detector, pictures,
     assert result.exit_code == 0 and "2 faces" in result.stdout
     sides = [np.ptp(read_landmarks(tmp_path / "marks" / name).points[:17, 0]) for name in ("pair.json", "pair-2.json")]
     assert len(set(sides)) == 2
+
+
+def test_second_faces_do_not_replace_another_picture_s(run, detector, pictures, tmp_path):
+    folder, _ = pictures
+    shutil.copy(folder / "pair.png", folder / "pair-2.png")
+    paths = (folder / "pair.png", folder / "pair-2.png")
+    result = run("detect", *paths, "--all", "--detector", detector, "--out-dir", tmp_path / "marks", "--overwrite")
+    assert result.exit_code == 1 and "1 of 2 failed" in result.stderr
+    assert f"pair-2.json: expected an output of its own, found what was written for {paths[0]}\n" in result.stderr
+    assert {path.name for path in (tmp_path / "marks").glob("*.json")} == {
+        "pair.json", "pair-2.json", "pair-regions.json"
+    }  # fmt: skip
 
 
 def test_a_picture_without_a_face_fails_alone(run, refused, detector, pictures, tmp_path):

@@ -8,6 +8,7 @@ import click
 from caricli.commands.shared.notes import echo_result
 from caricli.commands.shared.progress import progress_bar
 from caricli.errors import CaricliError, shown
+from caricli.io.outputs import written_for
 
 
 def named_jobs(
@@ -48,13 +49,16 @@ def run_batch(
 
     items: tuples, the first entry the path that a failure is reported under. work: called with the entries of an item,
     returns the line to print. description: of the progress. finish: called at the end with the items that failed and
-    why. A single item fails as any command does.
+    why. A single item fails as any command does. An item never replaces what another one wrote, and fails instead.
     """
     failures: list[tuple[Path, CaricliError]] = []
+    writers: dict[Path, Path] = {}
     with progress_bar(description) as report:
         for number, item in enumerate(items):
             try:
-                echo_result(work(*item))
+                with written_for(item[0], writers):
+                    line = work(*item)
+                echo_result(line)
             except CaricliError as error:
                 if len(items) == 1:
                     raise

@@ -1,10 +1,12 @@
 from pathlib import Path
 
 import click
+import pytest
 from click.testing import CliRunner
 
 from caricli.commands.shared.batch import run_batch
 from caricli.errors import InputError
+from caricli.io.outputs import staged
 
 
 def test_what_failed_is_named_once():
@@ -21,3 +23,28 @@ def test_what_failed_is_named_once():
     result = CliRunner().invoke(command)
     assert result.exit_code == 1
     assert "failed: a.png: expected a face\n" in result.stderr and "failed: b.png: expected a face\n" in result.stderr
+
+
+@pytest.mark.parametrize("overwrite", [False, True])
+def test_an_item_never_replaces_what_another_one_wrote(overwrite, tmp_path):
+    (tmp_path / "b").write_text("old")
+
+    @click.command()
+    @click.pass_context
+    def command(ctx):
+        def work(path, *names):
+            with staged(*(tmp_path / name for name in names), overwrite=overwrite) as files:
+                for file in files:
+                    file.write_text(path.name)
+            return str(path)
+
+        items = [(Path("one"), "a", "a-2"), (Path("two"), "a-2", "a-3"), (Path("three"), "a-3"), (Path("four"), "b")]
+        run_batch(ctx, items, work, "pictures")
+
+    for _ in range(1 + overwrite):  # another call replaces what this one wrote
+        result = CliRunner().invoke(command)
+        assert result.exit_code == 1
+        assert "a-2: expected an output of its own, found what was written for one\n" in result.stderr
+        assert ("b exists" in result.stderr) != overwrite
+        written = {path.name: path.read_text() for path in tmp_path.iterdir()}
+        assert written == {"a": "one", "a-2": "one", "a-3": "three", "b": "four" if overwrite else "old"}
