@@ -8,6 +8,7 @@ import tempfile
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from contextvars import ContextVar
+from dataclasses import dataclass
 from pathlib import Path
 
 from caricli import signals
@@ -62,14 +63,17 @@ def staged(
     """
     required = len(paths)
     paths = (*paths, *optional)
-    finals = [_checked_file(path, overwrite, inputs, paths[0]) for path in paths]
-    for k, final in enumerate(finals):
-        if final in finals[:k]:
-            raise OutputError(f"{shown(paths[k])}: expected different outputs, found the same one twice")
+    sources = _Inputs.of(inputs)
+    finals: dict[Path, str | Path] = {}
+    for path in paths:
+        final = _checked_file(path, overwrite, sources, paths[0])
+        if final in finals:
+            raise OutputError(f"{shown(path)}: expected different outputs, found the same one twice")
+        finals[final] = path
     with _write_errors(paths), _staging({final.parent for final in finals}) as folders:
         temporaries = tuple(folders[final.parent] / final.name for final in finals)
         yield temporaries[:required]
-        rows = list(zip(temporaries, finals, paths, strict=True))
+        rows = [(temporary, *names) for temporary, names in zip(temporaries, finals.items(), strict=True)]
         written = rows[:required] + [row for row in rows[required:] if row[0].is_file()]
         for temporary, _, path in written:
             if not temporary.is_file():
@@ -90,7 +94,7 @@ def staged_folder(
     Yields a temporary folder, renamed on success and removed on any exception.
     Raises OutputError as `staged` does, and when the folder to replace holds an input or the current folder.
     """
-    final = _checked_folder(path, overwrite, inputs, marker)
+    final = _checked_folder(path, overwrite, _Inputs.of(inputs), marker)
     with _write_errors([path]), _staging({final.parent}) as folders:
         temporary = folders[final.parent] / final.name
         temporary.mkdir()
@@ -107,15 +111,16 @@ def check_outputs(*paths: str | Path, overwrite: bool = False, inputs: Iterable[
 
     Leaves nothing behind. Raises OutputError.
     """
+    sources = _Inputs.of(inputs)
     for path in paths:
-        check_folder(_checked_file(path, overwrite, inputs).parent)
+        check_folder(_checked_file(path, overwrite, sources).parent)
 
 
 def check_output_folder(
     path: str | Path, overwrite: bool = False, inputs: Iterable[Path | None] = (), marker: str | None = None
 ) -> None:
     """Refuse at once what ``staged_folder`` would refuse, before work that is long. Raises OutputError."""
-    check_folder(_checked_folder(path, overwrite, inputs, marker).parent)
+    check_folder(_checked_folder(path, overwrite, _Inputs.of(inputs), marker).parent)
 
 
 def check_folder(path: str | Path) -> None:
@@ -175,18 +180,52 @@ def _write_errors(paths: Sequence[str | Path]) -> Iterator[None]:
         raise type(error)(_STAGING_FOLDER.sub("", str(error))) from error
 
 
-def _resolved(path: str | Path, inputs: Iterable[Path | None], asked: str | Path | None = None) -> Path:
-    """Where a path leads, which must be no input. asked: the output that this one goes beside, or None."""
-    follows = asked is not None and path != asked and Path(path).name.startswith(Path(asked).stem)
-    beside = f"; it goes beside {shown(asked)}: give that another name" if follows else ""
+@dataclass(frozen=True)
+class _Inputs:
+    """What must not be written to, looked up once for many outputs.
+
+    places: where the paths lead, each with the path itself. files: device and inode of what is there, which all names
+    of a file share.
+    """
+
+    places: dict[Path, Path]
+    files: set[tuple[int, int]]
+
+    @staticmethod
+    def of(paths: Iterable[Path | None]) -> "_Inputs":
+        places = {_place(path): path for path in paths if path is not None}
+        identities = map(_identity, places)
+        return _Inputs(places, {identity for identity in identities if identity is not None})
+
+    def hold(self, final: Path) -> bool:
+        return final in self.places or _identity(final) in self.files
+
+
+def _place(path: str | Path) -> Path:
+    """Where a path leads."""
     try:
-        final = Path(os.path.realpath(path))
         with writing(path):
-            for source in inputs:
-                if source is not None and (final == Path(os.path.realpath(source)) or _same(final, source)):
-                    raise OutputError(f"{shown(path)}: expected an output, found one of the inputs{beside}")
+            return Path(os.path.realpath(path))
     except ValueError as error:
         raise OutputError(f"{shown(path)}: expected a path, found {shown(error)}") from error
+
+
+def _identity(place: Path) -> tuple[int, int] | None:
+    """Device and inode, or None where nothing is."""
+    try:
+        status = os.stat(place)
+    except OSError:
+        return None
+    return status.st_dev, status.st_ino
+
+
+def _resolved(path: str | Path, inputs: _Inputs, asked: str | Path | None = None) -> Path:
+    """Where a path leads, which must be no input. asked: the output that this one goes beside, or None."""
+    final = _place(path)
+    if inputs.hold(final):
+        follows = asked is not None and path != asked and Path(path).name.startswith(Path(asked).stem)
+        beside = f"; it goes beside {shown(asked)}: give that another name" if follows else ""
+        raise OutputError(f"{shown(path)}: expected an output, found one of the inputs{beside}")
     _check_item(path, final)
     return final
 
@@ -202,21 +241,12 @@ def _check_item(path: str | Path, final: Path) -> None:
         raise OutputError(f"{shown(path)}: expected an output of its own, found what was written for {shown(writer)}")
 
 
-def _same(first: Path, second: Path) -> bool:
-    try:
-        return os.path.samefile(first, second)
-    except OSError:
-        return False
-
-
 def _is_there(final: Path) -> bool:
     """Whether something stands in the place, be it a link that leads to itself, which ``exists`` does not see."""
     return final.exists() or final.is_symlink()
 
 
-def _checked_file(
-    path: str | Path, overwrite: bool, inputs: Iterable[Path | None], asked: str | Path | None = None
-) -> Path:
+def _checked_file(path: str | Path, overwrite: bool, inputs: _Inputs, asked: str | Path | None = None) -> Path:
     final = _resolved(path, inputs, asked)
     with writing(path):
         if _is_there(final):
@@ -228,7 +258,7 @@ def _checked_file(
     return final
 
 
-def _checked_folder(path: str | Path, overwrite: bool, inputs: Iterable[Path | None], marker: str | None) -> Path:
+def _checked_folder(path: str | Path, overwrite: bool, inputs: _Inputs, marker: str | None) -> Path:
     final = _resolved(path, inputs)
     with writing(path):
         if not _is_there(final):
@@ -239,9 +269,10 @@ def _checked_folder(path: str | Path, overwrite: bool, inputs: Iterable[Path | N
             raise OutputError(f"{shown(path)} exists; give --overwrite to replace it")
         if Path.cwd().is_relative_to(final) or final == Path(os.path.realpath(os.path.expanduser("~"))):
             raise OutputError(f"{shown(path)}: expected a folder to replace, found the current or the home folder")
-        for source in inputs:
-            if source is not None and Path(os.path.realpath(source)).is_relative_to(final):
-                raise OutputError(f"{shown(path)}: expected an output, found a folder that holds the input {source}")
+        for place, source in inputs.places.items():
+            if place.is_relative_to(final):
+                held = f"a folder that holds the input {shown(source)}"
+                raise OutputError(f"{shown(path)}: expected an output, found {held}")
         if marker is not None and not (final / marker).is_file() and any(final.iterdir()):
             raise OutputError(f"{shown(path)}: expected a folder with {marker} to replace, found other files")
     return final

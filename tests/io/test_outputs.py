@@ -3,7 +3,7 @@ import os
 import resource
 import stat
 from contextlib import contextmanager
-from pathlib import Path
+from pathlib import Path, PurePath
 
 import numpy as np
 import pytest
@@ -147,6 +147,27 @@ def test_other_inputs_do_not_disturb(tmp_path):
     assert tree(tmp_path) == ["in.obj", "out.obj"]
 
 
+def test_every_path_is_looked_up_once(tmp_path, monkeypatch):
+    calls = {"resolved": 0, "compared": 0}
+    resolve, equal = os.path.realpath, PurePath.__eq__
+
+    def resolved(path, **options):
+        calls["resolved"] += 1
+        return resolve(path, **options)
+
+    def compared(first, second):
+        calls["compared"] += 1
+        return equal(first, second)
+
+    results = [tmp_path / f"{k}.obj" for k in range(200)]
+    sources = [tmp_path / f"{k}.jpg" for k in range(50)]
+    monkeypatch.setattr(outputs.os.path, "realpath", resolved)
+    monkeypatch.setattr(PurePath, "__eq__", compared)
+    with pytest.raises(KeyboardInterrupt), staged(*results, inputs=sources):
+        assert calls["resolved"] == 250 and calls["compared"] < 1000
+        raise KeyboardInterrupt
+
+
 def test_an_overwritten_link_stays_a_link(tmp_path):
     (tmp_path / "real").write_text("old")
     (tmp_path / "link").symlink_to(tmp_path / "real")
@@ -282,6 +303,8 @@ def test_outputs_can_be_checked_before_the_work(tmp_path, monkeypatch):
     with pytest.raises(OutputError, match="exists"):
         check_outputs(tmp_path / "new" / "a", tmp_path / "b")
     check_outputs(tmp_path / "b", overwrite=True)
+    with pytest.raises(OutputError, match="b: expected an output, found one of the inputs"):
+        check_outputs(tmp_path / "a", tmp_path / "b", overwrite=True, inputs=iter([tmp_path / "b"]))
 
     def refuse(*_, **__):
         raise PermissionError(errno.EACCES, "Permission denied")
