@@ -2,12 +2,13 @@
 
 import html
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
+from caricli.errors import InputError
 from caricli.io.outputs import check_output_folder, check_outputs, staged, staged_folder
 from caricli.io.page import SMALL, VIEWER_FILE, PageFolder, SmallCopy
 from caricli.io.strict_json import read_json
@@ -29,6 +30,10 @@ SHEET = "sheet.png"
 
 _PAGE = "index.html"
 
+TAKEN = (_PAGE, SMALL)
+"""Names beside the folders of heads, which no head can have."""
+
+_COPY = "picture.jpg"
 _SHEET = (1600, 1600)  # pixels: heads of it stay large enough to see
 _PICTURE = (1600, 480)
 _SHEETS = {
@@ -66,16 +71,20 @@ class PortraitHead:
     failed: str = ""
 
 
-def portrait_heads(home: Path, failures: Mapping[Path, str]) -> list[PortraitHead]:
-    """The heads in a folder, of this run and of others, and those that failed now. failures: why, by the picture."""
-    heads = {path.parent.name: _finished(path) for path in home.glob(f"*/{REPORT}")}
+def portrait_heads(home: Path, pictures: Sequence[Path], failures: Mapping[Path, str]) -> list[PortraitHead]:
+    """The heads in a folder, of this run and of others, and those that failed now; folders of something else are none.
+
+    pictures: of this run. failures: why, by the picture.
+    """
+    given = {path.stem: path for path in pictures}
+    heads = {}
+    for report in home.glob(f"*/{REPORT}"):
+        name = report.parent.name
+        if _told(report, "command") == "portrait":
+            # What another run was given is shown as the page has it: a path in a file is not followed elsewhere.
+            heads[name] = PortraitHead(name, given.get(name, home / SMALL / name / _COPY), Path(name))
     heads |= {path.stem: PortraitHead(path.stem, path, Path(path.stem), text) for path, text in failures.items()}
     return [heads[name] for name in sorted(heads, key=_natural)]
-
-
-def _finished(report: Path) -> PortraitHead:
-    picture = next(iter(read_json(report)["inputs"]))
-    return PortraitHead(report.parent.name, Path(picture), Path(report.parent.name))
 
 
 def _natural(name: str) -> list[tuple[bool, int, str]]:
@@ -101,20 +110,19 @@ def write_page(home: Path, heads: list[PortraitHead], overwrite: bool, inputs: I
         write_portrait_page(page, PageFolder(home, small.parent), heads)
 
 
-def _found(folder: Path) -> dict[str, Any] | None:
-    """What is known of the face that was found, where one was looked for."""
-    regions, styled = (_read(folder / f"{name}.json") for name in ("landmarks-regions", "styled-report"))
-    if not regions:
-        return styled.get("detected") if styled else None
+def _found(folder: Path) -> dict[str, Any]:
+    """What is known of the face that was found; nothing where none was looked for."""
+    regions = folder / "landmarks-regions.json"
+    faces = _told(regions, "faces") if regions.is_file() else [_told(folder / "styled-report.json", "detected")]
+    faces = [face for face in faces if isinstance(face, dict)] if isinstance(faces, list) else []
     # The largest that nothing speaks against, or the largest: that is the face whose landmarks `detect` wrote.
-    faces = regions["faces"]
-    return next((face for face in faces if face["doubt"] is None), faces[0])
+    return next((face for face in faces if face.get("doubt") is None), faces[0] if faces else {})
 
 
 def doubt_of_head(folder: Path) -> str | None:
     """What speaks against the face that a head was made of, or None."""
-    face = _found(folder)
-    return face["doubt"] if face else None
+    doubt = _found(folder).get("doubt")
+    return doubt if isinstance(doubt, str) else None
 
 
 def describe_head(folder: Path) -> str:
@@ -138,18 +146,29 @@ def write_portrait_page(page: Path, where: PageFolder, heads: list[PortraitHead]
 def _figures(folder: Path) -> list[str]:
     """What the table says of a head: how sure its landmarks are, NME before and after refine, photometric error;
     percent, empty where unknown."""
-    face = _found(folder)
-    refined, textured = (_read(folder / name) for name in ("refined.json", "textured/face.json"))
+    refined = folder / "refined.json"
     return [
-        f"{100 * face['spread']:.1f}" if face else "",
-        f"{refined['before']['all']:.2f}" if refined else "",
-        f"{refined['after']['all']:.3f}" if refined else "",
-        f"{100 * textured['photometric_error']:.2f}" if textured else "",
+        _number(_found(folder).get("spread"), 100, 1),
+        _number(_told(refined, "before", "all"), 1, 2),
+        _number(_told(refined, "after", "all"), 1, 3),
+        _number(_told(folder / "textured/face.json", "photometric_error"), 100, 2),
     ]
 
 
-def _read(path: Path) -> Any:
-    return read_json(path) if path.is_file() else None
+def _number(value: Any, unit: int, digits: int) -> str:
+    """The text of a number of units, or nothing where it is none."""
+    return f"{unit * value:.{digits}f}" if isinstance(value, float) else ""
+
+
+def _told(path: Path, *keys: str) -> Any:
+    """What a report says under keys, or None where it says nothing: anybody may have written it."""
+    try:
+        value = read_json(path) if path.is_file() else None
+    except InputError:
+        return None
+    for key in keys:
+        value = value.get(key) if isinstance(value, dict) else None
+    return value
 
 
 def _row(head: PortraitHead, where: PageFolder) -> str:
@@ -170,7 +189,7 @@ def _said(head: PortraitHead, where: PageFolder, tag: str) -> str:
 def _section(head: PortraitHead, where: PageFolder) -> str:
     """What there is of the head of one picture."""
     small = Path(head.name)
-    shown = _figure(SmallCopy(head.picture, small / "picture.jpg", _PICTURE), "picture", where)
+    shown = _figure(SmallCopy(head.picture, small / _COPY, _PICTURE), "picture", where)
     for caption, file in _SHEETS.items():
         copy = SmallCopy(where.home / head.folder / file, small / f"{caption}.jpg", _SHEET)
         shown += _figure(copy, caption, where, head.folder / file)

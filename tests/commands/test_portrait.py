@@ -145,6 +145,9 @@ def test_wrong_usage(refused, heads, tmp_path):
     marks = heads[0].parent / "marks" / "given.json"
     told = refused("portrait", picture, heads[0].parent / "given.png", "--landmarks", marks, "--out-dir", tmp_path)
     assert "expected a folder of landmarks" in told
+    for name in ("thumbnails", "index.html"):
+        told = refused("portrait", picture, tmp_path / f"{name}.jpg", "--out-dir", tmp_path)
+        assert f"{name}.jpg: expected a name that is not the page's, found {name}\n" in told
     assert json.loads((heads[0] / "seen" / "portrait.json").read_text())["coarse"] == "elastic"
 
 

@@ -1,5 +1,60 @@
+import numpy as np
+import pytest
+
+from caricli.io.image import write_png
 from caricli.io.strict_json import write_json
-from caricli.store.portrait_page import doubt_of_head
+from caricli.store.portrait_page import doubt_of_head, portrait_heads, write_page
+
+
+@pytest.fixture
+def home(tmp_path):
+    """A folder with the head ours, made of a picture elsewhere, of which only its report is there."""
+    (tmp_path / "elsewhere").mkdir()
+    write_png(tmp_path / "elsewhere" / "ours.png", np.full((9, 9, 3), 80, np.uint8))
+    write_json(report_of(tmp_path / "home", "ours"), report(tmp_path))
+    return tmp_path / "home"
+
+
+def report_of(home, name):
+    """Where the report of a head is, in a folder that is there."""
+    (home / name).mkdir(parents=True)
+    return home / name / "portrait.json"
+
+
+def report(folder):
+    """What a run says that was given a picture in a folder."""
+    return {"command": "portrait", "inputs": {str(folder / "elsewhere" / "ours.png"): "0" * 64}}
+
+
+def page_of(home, pictures=(), failures=None):
+    """Write the page of a folder, and return it."""
+    write_page(home, portrait_heads(home, pictures, failures or {}), True, pictures)
+    return (home / "index.html").read_text("utf-8")
+
+
+@pytest.mark.parametrize("text", ["{}", '{"inputs": {}}', "[]", "{", '{"command": "evaluate portrait", "inputs": {}}'])
+def test_folders_of_something_else_are_left_off_the_page(home, text):
+    report_of(home, "other").write_text(text)
+    page = page_of(home)
+    assert "1 of 1 finished" in page and "ours" in page and "other" not in page
+
+
+@pytest.mark.parametrize("text", ["{}", "[]", "{", '{"faces": []}', '{"faces": [{"doubt": 1, "spread": "a"}, 2]}'])
+def test_reports_that_somebody_changed_leave_their_cells_empty(home, text):
+    for name in ("landmarks-regions", "refined"):
+        (home / "ours" / f"{name}.json").write_text(text)
+    row = 'ours</a></td><td></td><td></td><td></td><td></td><td class="failed"></td>'
+    assert row in page_of(home)
+    assert row.removesuffix("</td>") + "no face</td>" in page_of(home, (), {home / "ours.png": "no face"})
+
+
+def test_no_path_leads_out_of_the_folder_but_to_what_was_given(home):
+    copy = home / "thumbnails" / "ours" / "picture.jpg"
+    page = page_of(home)
+    assert "picture.jpg" not in page and not copy.exists()
+    for pictures in ([home.parent / "elsewhere" / "ours.png"], ()):  # another run keeps what the page has
+        page = page_of(home, pictures)
+        assert "thumbnails/ours/picture.jpg" in page and copy.is_file()
 
 
 def test_the_doubt_of_a_head_is_that_of_the_face_that_was_taken(tmp_path):

@@ -30,6 +30,7 @@ from caricli.store.pictures import MARKS, load_marked_picture
 from caricli.store.portrait_page import (
     REPORT,
     SHEET,
+    TAKEN,
     check_page,
     describe_head,
     doubt_of_head,
@@ -60,6 +61,11 @@ class PortraitFiles:
         """Refuse before the work what would be refused after it."""
         if self.landmarks is not None and not self.landmarks.is_dir() and len(self.pictures) > 1:
             raise InputError(f"{shown(self.landmarks)}: expected a folder of landmarks, as there are many pictures")
+        for picture in self.pictures:
+            if picture.stem in TAKEN:
+                raise InputError(
+                    f"{shown(picture)}: expected a name that is not the page's, found {shown(picture.stem)}"
+                )
         check_page(self.out_dir, self.overwrite, [*self.pictures, self.landmarks])
 
     def marks(self, picture: Path) -> Path | None:
@@ -71,7 +77,7 @@ class PortraitFiles:
 
     def write_page(self, failures: Sequence[tuple[Path, CaricliError]]) -> None:
         """Write the page of all heads, and of pictures that failed."""
-        heads = portrait_heads(self.out_dir, {path: str(error) for path, error in failures})
+        heads = portrait_heads(self.out_dir, self.pictures, {path: str(error) for path, error in failures})
         write_page(self.out_dir, heads, self.overwrite, [*self.pictures, self.landmarks])
 
 
