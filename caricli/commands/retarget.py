@@ -144,7 +144,7 @@ def command(
     driven = _load_rig(rig, normal, head)
     painter = load_painter(driven, rig, painting, normal.template)
     loaded, retargeting = _load(driven, paths, normal, reader, painter)
-    results = _Results(paths, given, loaded, retargeting, {"model_id": normal.model_id, "drivers": len(loaded.faces)})
+    results = _Results(paths, given, loaded, retargeting, {"model_id": normal.model_id, "drivers": len(loaded.rows)})
     redrawing = None if picture is None else Redrawing(paths.again, retargeting, reader)
     results.write_moving(redrawing, fps)
     if redrawing is None:
@@ -242,7 +242,8 @@ def _load(driven, paths, normal, reader, painter):
         loaded = load_drivers(paths.drivers, normal, reader, progress, bool(paths.moving))
     if not loaded.faces:
         return loaded, None
-    return loaded, replace(retarget_rig(list(loaded.faces.values()), driven, normal, calm), painter=painter)
+    faces = [loaded.faces[path] for path in loaded.rows]
+    return loaded, replace(retarget_rig(faces, driven, normal, calm), painter=painter)
 
 
 @dataclass(frozen=True, eq=False)

@@ -35,17 +35,26 @@ def load_driven_rig(path: Path, model: MorphableModel) -> Rig:
 
 @dataclass(frozen=True, eq=False)
 class Drivers:
-    """Drivers by path, the FacePictures of those that are landmarks, and the failures of those that cannot be read."""
+    """Drivers by path, the FacePictures of those that are landmarks, and the failures of those that cannot be read.
 
+    paths: in the order that was asked for, in which a driver may come again.
+    """
+
+    paths: Sequence[Path]
     faces: dict[Path, Driver] = field(default_factory=dict)
     sources: dict[Path, FacePicture] = field(default_factory=dict)
     failures: dict[Path, CaricliError] = field(default_factory=dict)
 
+    @property
+    def rows(self) -> list[Path]:
+        """The paths whose drivers could be read, in their order."""
+        return [path for path in self.paths if path in self.faces]
+
     def row(self, path: Path) -> int:
-        """The number of a driver among those that could be read. Raises the failure of one that could not."""
+        """The first row of a driver. Raises the failure of one that could not be read."""
         if path in self.failures:
             raise self.failures[path]
-        return list(self.faces).index(path)
+        return self.rows.index(path)
 
 
 def load_drivers(
@@ -60,8 +69,9 @@ def load_drivers(
     reader: FaceReader of landmarks and pictures. progress: called with how many are read, and of how many.
     whole: whether one that cannot be read ends everything.
     """
-    drivers = Drivers()
-    for number, path in enumerate(paths, 1):
+    drivers = Drivers(paths)
+    distinct = dict.fromkeys(paths)
+    for number, path in enumerate(distinct, 1):
         try:
             if is_driving_mesh(path):
                 drivers.faces[path] = DrivingMesh(load_face(path, model).vertices)
@@ -75,5 +85,5 @@ def load_drivers(
             if whole:
                 raise
             drivers.failures[path] = error
-        progress(number, len(paths))
+        progress(number, len(distinct))
     return drivers

@@ -74,7 +74,10 @@ def test_a_take_gives_pictures_and_a_film(run, sitting, tmp_path):
     assert len([*(tmp_path / "frames").glob("*.png")]) == 3
     report = read_json(film.with_suffix(".json"))
     np.testing.assert_allclose(report["weights"]["jawOpen"], [0, 0.8, 0], atol=0.02)
-    assert run(*arguments(sitting, 0, 1), "--film", tmp_path / "alone.gif").exit_code == 0
+    result = run(*arguments(sitting, 0, 1, 0), "--film", tmp_path / "alone.gif", "--fps", 5)
+    assert "alone.gif: 3 frames at 5 a second" in result.stdout
+    weights = read_json(tmp_path / "alone.json")["weights"]["jawOpen"]
+    np.testing.assert_allclose(weights, [0, 0.8, 0], atol=0.02)
 
 
 def test_bad_input_is_one_line_and_leaves_nothing(refused, sitting, tmp_path):

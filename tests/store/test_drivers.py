@@ -38,7 +38,7 @@ def test_meshes_and_landmarks_drive(files, model):
     drivers = load_drivers(files, model, progress=lambda k, total: done.append((k, total)))
     assert done == [(1, 3), (2, 3), (3, 3)] and list(drivers.faces) == [mesh, marks]
     assert isinstance(drivers.faces[mesh], DrivingMesh) and isinstance(drivers.faces[marks], DrivingLandmarks)
-    assert drivers.row(marks) == 1
+    assert drivers.row(marks) == 1 and load_drivers([mesh, marks, mesh], model).rows == [mesh, marks, mesh]
     with pytest.raises(InputError, match="ball.obj: expected the topology"):
         drivers.row(other)
     with pytest.raises(InputError, match="ball.obj: expected the topology"):
