@@ -9,6 +9,7 @@ import click
 
 from caricli.commands.shared.face_outputs import staged_face
 from caricli.commands.shared.head_options import mesh_head_options
+from caricli.commands.shared.notes import echo_notes
 from caricli.commands.shared.options import (
     FACE_FILES,
     PATH,
@@ -132,8 +133,7 @@ class _Task:
             description = provenance("caricaturize", [source, picture, self.path], **self.about, **figures)
             draw = partial(caricature_sheet, degrees, strengths, self.drawing, regular.portrait)
             write_face_result(files, degrees[-1], self.drawing, description, draw)
-        if regular.note:
-            click.echo(regular.note, err=True)
+        echo_notes(regular.note)
         return f"{target}: {_summary(figures)}"
 
 

@@ -13,9 +13,9 @@ from caricli.data.expressions import NEUTRAL
 from caricli.data.mesh_names import MeshName, read_level, read_mesh_name
 from caricli.data.units import UNITS, measured_unit
 from caricli.data.write_dataset import SHARD_SIZE, DatasetWriter
-from caricli.errors import InputError, naming
+from caricli.errors import InputError, naming, shown
 from caricli.geometry.flipped_triangles import flipped_triangles
-from caricli.io.files import read_text
+from caricli.io.files import is_utf8, read_text
 from caricli.io.mesh import mesh_files, read_mesh
 from caricli.io.parse_number import parse_number
 from caricli.io.strict_json import read_json
@@ -72,8 +72,8 @@ class ImportSummary:
 
     def describe(self) -> str:
         """What is printed of it."""
-        shown = f"people {self.people}, expressions {self.expressions}"
-        return f"{self.meshes} meshes, {shown}, {self.height:.3f} m high, taken as given in {self.unit}"
+        who = f"people {self.people}, expressions {self.expressions}"
+        return f"{self.meshes} meshes, {who}, {self.height:.3f} m high, taken as given in {self.unit}"
 
 
 def import_dataset(
@@ -96,6 +96,9 @@ def import_dataset(
     files = mesh_files(mesh_folder)
     if len(files) < 2:
         raise InputError(f"{mesh_folder}: expected at least two OBJ files or other meshes, found {len(files)}")
+    for path in files:
+        if not is_utf8(path.name):
+            raise InputError(f"{shown(path)}: expected a name in UTF-8, found another")
     first = read_mesh(files[0])
     if len(files) * first.vertices.size * 4 > MAX_DATASET_BYTES:
         raise InputError(f"{mesh_folder}: {len(files)} meshes of {len(first.vertices)} vertices do not fit in memory")
@@ -161,7 +164,7 @@ def read_labels(path: Path | None, files: Sequence[str]) -> Labels:
 
 def _labels(header: list[str], lines: list[list[str]], files: Sequence[str]) -> Labels:
     names = [name for name in header if name not in _OWN_COLUMNS]
-    shown: dict[str, MeshName] = {}
+    said: dict[str, MeshName] = {}
     values: dict[str, list[float]] = {}
     for number, line in enumerate(lines, 2):
         if not line:
@@ -173,12 +176,12 @@ def _labels(header: list[str], lines: list[list[str]], files: Sequence[str]) -> 
             file = row["file"]
             if file in values:
                 raise InputError(f"{file!r} comes twice")
-            shown[file] = _shown(row)
+            said[file] = _shown(row)
             values[file] = _numbers([row[name] for name in names])
     missing = [file for file in files if file not in values]
     if missing:
         raise InputError(f"no row for {missing[0]} ({len(missing)} files without one)")
-    ordered = tuple(shown[file] for file in files)
+    ordered = tuple(said[file] for file in files)
     return Labels(ordered, np.array(names, dtype=str), np.array([values[file] for file in files], np.float32))
 
 

@@ -106,3 +106,12 @@ def decode_text(data: bytes, name: object, kind: str) -> str:
         return data.decode("utf-8")
     except UnicodeDecodeError as error:
         raise InputError(f"{shown(name)}: expected {kind} in UTF-8, found an invalid byte at {error.start}") from None
+
+
+def is_utf8(name: str) -> bool:
+    """Whether the name of a file is text that can be written into another one: the file system takes any bytes."""
+    try:
+        name.encode("utf-8")
+    except UnicodeEncodeError:
+        return False
+    return True

@@ -48,11 +48,15 @@ def write_npz(path: str | Path, arrays: Mapping[str, np.ndarray], packed: bool =
 
     arrays: bool, int, float or text by name; their order is kept. packed: compressed, or as they are,
     to be read sooner.
-    Raises OutputError when it cannot be written or is more than `read_npz` takes; TypeError for another kind of array.
+    Raises OutputError when it cannot be written, is more than `read_npz` takes or holds codes that are no characters,
+    as names of files do that are not UTF-8; TypeError for another kind of array.
     """
     total = sum(np.asarray(value).nbytes for value in arrays.values())
     if total > MAX_NPZ_BYTES * 0.99:
         raise OutputError(f"{shown(path)}: expected at most {MAX_NPZ_BYTES} bytes of arrays, found {total}")
+    for name, array in arrays.items():
+        if not _is_text(np.asarray(array)):
+            raise OutputError(f"{shown(path)}: {shown(name)}: expected text, found codes that are no characters")
     with writing(path), zipfile.ZipFile(path, "w") as archive:
         for name, array in arrays.items():
             value = np.asarray(array)
@@ -86,11 +90,17 @@ def read_array(stream: IO[bytes], size: int, name: str) -> np.ndarray:
         array = array.astype(dtype.newbyteorder("="), copy=False)
         if dtype.kind == "f":
             array[np.isnan(array)] = np.nan  # those that signal would warn wherever they are computed with
-        if dtype.kind == "U":
-            codes = np.ascontiguousarray(array).reshape(-1).view(np.uint32)
-            if (codes > 0x10FFFF).any() or ((codes >= 0xD800) & (codes < 0xE000)).any():
-                raise InputError("expected text, found codes that are no characters")
+        if not _is_text(array):
+            raise InputError("expected text, found codes that are no characters")
         return array
+
+
+def _is_text(array: np.ndarray) -> bool:
+    """Whether an array, where it is of text, holds characters alone: halves of a surrogate pair are none."""
+    if array.dtype.kind != "U" or array.dtype.itemsize == 0:
+        return True
+    codes = np.ascontiguousarray(array, array.dtype.newbyteorder("=")).reshape(-1).view(np.uint32)
+    return not ((codes > 0x10FFFF) | ((codes >= 0xD800) & (codes < 0xE000))).any()
 
 
 def _read_header(stream: IO[bytes]) -> tuple[np.dtype, tuple[int, ...], Literal["C", "F"], int]:

@@ -4,12 +4,13 @@ import base64
 import gzip
 import html
 import json
+import os
 import shutil
 from dataclasses import dataclass
 from pathlib import Path
 from urllib.parse import quote
 
-from caricli.errors import InputError
+from caricli.errors import InputError, shown
 from caricli.io.bundled import asset_path
 from caricli.io.image import read_image
 from caricli.io.outputs import writing
@@ -78,10 +79,10 @@ class PageFolder:
 
     def thumbnail(self, copy: SmallCopy, caption: str, link: Path | None = None) -> str:
         """A small copy of a picture, with a link to a file in home if there is one; nothing where it cannot be read."""
-        shown = self._shrunk(copy)
-        if shown is None:
+        size = self._shrunk(copy)
+        if size is None:
             return ""
-        about = f'alt="{html.escape(caption)}" width="{shown[0]}" height="{shown[1]}" loading="lazy"'
+        about = f'alt="{html.escape(caption)}" width="{size[0]}" height="{size[1]}" loading="lazy"'
         image = f'<img src="{_url(Path(SMALL) / copy.small)}" {about}>'
         return f'<a href="{_url(link)}">{image}</a>' if link else image
 
@@ -123,7 +124,7 @@ class PageFolder:
         with writing(path):
             path.write_text(f"heads[{json.dumps(url)}] = {json.dumps(packed)};\n", "utf-8")
         viewer = _url(_VIEWER / "model-viewer-umd.min.js")
-        about = f'data-head="{url}" data-viewer="{viewer}" data-name="{html.escape(name)}"'
+        about = f'data-head="{url}" data-viewer="{viewer}" data-name="{html.escape(shown(name))}"'
         return f'<p><button class="turn" {about}>turn it</button></p>\n'
 
     def write(self, page: Path, title: str, body: str) -> None:
@@ -144,4 +145,4 @@ class PageFolder:
 
 
 def _url(path: Path) -> str:
-    return quote(path.as_posix())
+    return quote(os.fsencode(path.as_posix()))

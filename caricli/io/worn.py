@@ -5,7 +5,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass, fields
 from pathlib import Path
 
-from caricli.errors import InputError, shown
+from caricli.errors import InputError, OutputError, shown
+from caricli.io.files import is_utf8
 from caricli.io.image import read_image, write_png
 from caricli.structures import Pictures
 from caricli.structures.pictures import PICTURED
@@ -44,6 +45,8 @@ def worn_paths(path: Path) -> list[Path]:
 
 def write_pictures(path: Path, pictures: Pictures) -> PictureNames:
     """Write what there is as PATH-skin.png, PATH-eyes.png and so on. path: of the face. Raises OutputError."""
+    if not is_utf8(path.name) and any(picture is not None for picture in pictures):
+        raise OutputError(f"{shown(path)}: expected a name in UTF-8, as those of its pictures are kept, found another")
     names = []
     for file, picture in zip(picture_paths(path), pictures, strict=True):
         if picture is not None:

@@ -1,6 +1,7 @@
 """The page of heads that were made of pictures."""
 
 import html
+import os
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -8,7 +9,7 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
-from caricli.errors import InputError
+from caricli.errors import InputError, shown
 from caricli.io.outputs import check_output_folder, check_outputs, staged, staged_folder
 from caricli.io.page import SMALL, VIEWER_FILE, PageFolder, SmallCopy
 from caricli.io.strict_json import read_json
@@ -174,8 +175,13 @@ def _told(path: Path, *keys: str) -> Any:
 def _row(head: PortraitHead, where: PageFolder) -> str:
     """Its line of the table."""
     cells = "".join(f"<td>{cell}</td>" for cell in _figures(where.home / head.folder))
-    name = f'<a href="#{quote(head.name)}">{html.escape(head.name)}</a>'
+    name = f'<a href="#{_anchor(head)}">{html.escape(shown(head.name))}</a>'
     return f"<tr><td>{name}</td>{cells}{_said(head, where, 'td')}</tr>"
+
+
+def _anchor(head: PortraitHead) -> str:
+    """What the line of a head in the table leads to; names need not be UTF-8."""
+    return quote(os.fsencode(head.name))
 
 
 def _said(head: PortraitHead, where: PageFolder, tag: str) -> str:
@@ -189,17 +195,17 @@ def _said(head: PortraitHead, where: PageFolder, tag: str) -> str:
 def _section(head: PortraitHead, where: PageFolder) -> str:
     """What there is of the head of one picture."""
     small = Path(head.name)
-    shown = _figure(SmallCopy(head.picture, small / _COPY, _PICTURE), "picture", where)
+    figures = _figure(SmallCopy(head.picture, small / _COPY, _PICTURE), "picture", where)
     for caption, file in _SHEETS.items():
         copy = SmallCopy(where.home / head.folder / file, small / f"{caption}.jpg", _SHEET)
-        shown += _figure(copy, caption, where, head.folder / file)
-    title = f'<h2 id="{quote(head.name)}">{html.escape(head.name)}</h2>\n{_said(head, where, "p")}'
+        figures += _figure(copy, caption, where, head.folder / file)
+    title = f'<h2 id="{_anchor(head)}">{html.escape(shown(head.name))}</h2>\n{_said(head, where, "p")}'
     turning = where.turntable(where.home / head.folder / FILES["rig"], small / "rig.js", head.name)
     links = where.links(head.folder, _LINKS)
-    return f'{title}{turning}<div class="row">\n{shown}</div>\n<p>{links}</p>\n'
+    return f'{title}{turning}<div class="row">\n{figures}</div>\n<p>{links}</p>\n'
 
 
 def _figure(copy: SmallCopy, caption: str, where: PageFolder, link: Path | None = None) -> str:
     """A small copy of a picture with its caption; nothing where it cannot be read."""
-    shown = where.thumbnail(copy, caption, link)
-    return f"<figure>{shown}<figcaption>{caption}</figcaption></figure>\n" if shown else ""
+    image = where.thumbnail(copy, caption, link)
+    return f"<figure>{image}<figcaption>{caption}</figcaption></figure>\n" if image else ""

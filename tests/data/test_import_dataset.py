@@ -218,6 +218,13 @@ def renamed(folder, names):
         path.rename(folder / f"{name}.obj")
 
 
+def test_names_that_are_not_utf8_are_refused(barrels, out):
+    path = min(barrels[0].glob("*.obj"))
+    path.rename(path.with_stem("b\udcff"))
+    with pytest.raises(InputError, match=r"b\\udcff\.obj: expected a name in UTF-8, found another"):
+        import_dataset(barrels[0], out, barrels[2])
+
+
 def test_names_of_files_say_person_expression_and_level(barrels, out):
     names = ["a__jawOpen__2", "a__neutral", "b", "b__jawOpen", "b__neutral__3", "c__smile", "d", "e", "f", "g"]
     renamed(barrels[0], [*names, "generic_neutral_mesh", "browInnerUp_L"])

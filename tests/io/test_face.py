@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from caricli.errors import InputError
+from caricli.errors import InputError, OutputError
 from caricli.io.face import read_face, read_picture_names, write_face
 from caricli.io.npz import read_npz, write_npz
 from caricli.io.obj import write_obj
@@ -75,6 +75,15 @@ def test_pictures_lie_beside_the_face(tmp_path):
     (tmp_path / "a-eyes.png").unlink()
     with pytest.raises(InputError, match=r"a\.npz: expected its picture a-eyes\.png beside it, found none"):
         read_face(tmp_path / "a.npz")
+
+
+def test_a_name_that_is_not_utf8_is_for_faces_without_pictures(tmp_path):
+    path = tmp_path / "e\udcff.npz"
+    with pytest.raises(OutputError, match=r"e\\udcff\.npz: expected a name in UTF-8"):
+        write_face(path, full())
+    assert not [*tmp_path.iterdir()]
+    write_face(path, dataclasses.replace(full(), pictures=Pictures()))
+    read_face(path)
 
 
 @pytest.mark.parametrize("name", ["../x.png", "/etc/x.png", "a/b.png", "a\\b.png", "C:x.png"])

@@ -51,6 +51,15 @@ def test_same_arrays_same_bytes(tmp_path, monkeypatch):
     assert (tmp_path / "a.npz").read_bytes() == (tmp_path / "b.npz").read_bytes()
 
 
+@pytest.mark.parametrize("order", "<>")
+def test_text_that_could_not_be_read_again_is_not_written(tmp_path, order):
+    names = np.array(["a", "b\udcff"]).astype(f"{order}U2")
+    with pytest.raises(OutputError, match=r"a\.npz: names: expected text, found codes that are no characters"):
+        write_npz(tmp_path / "a.npz", {"x": np.zeros(3), "names": names})
+    assert not (tmp_path / "a.npz").exists()
+    write_npz(tmp_path / "a.npz", {"names": names[:1], "none": np.zeros(2, "<U0")})
+
+
 @pytest.mark.parametrize("save", [np.savez, np.savez_compressed])
 def test_files_of_numpy(tmp_path, save):
     save(tmp_path / "a.npz", x=np.asfortranarray(np.arange(6.0).reshape(2, 3)), y=np.arange(3, dtype=">i2"))

@@ -48,6 +48,12 @@ def test_reports_that_somebody_changed_leave_their_cells_empty(home, text):
     assert row.removesuffix("</td>") + "no face</td>" in page_of(home, (), {home / "ours.png": "no face"})
 
 
+def test_a_name_need_not_be_utf8(home):
+    write_json(report_of(home, "n\udcff"), report(home.parent))
+    page = page_of(home, [home.parent / "elsewhere" / "n\udcff.png"], {home / "m\udcff.png": "no face"})
+    assert '<a href="#n%FF">n\\udcff</a>' in page and '<h2 id="m%FF">m\\udcff</h2>' in page
+
+
 def test_no_path_leads_out_of_the_folder_but_to_what_was_given(home):
     copy = home / "thumbnails" / "ours" / "picture.jpg"
     page = page_of(home)

@@ -5,6 +5,7 @@ import numpy as np
 
 from caricli.commands.shared.notes import echo_result
 from caricli.commands.shared.options import PATH, WholeRange, out_option, overwrite_option, seed_option
+from caricli.errors import shown
 from caricli.io.image import write_png
 from caricli.io.outputs import staged
 
@@ -40,7 +41,7 @@ def command(dataset, out, faces, size, seed, overwrite):
             write_png(temporary, draw())
         echo_result(f"{out}: drawn")
     for line in lines:
-        click.echo(line)
+        click.echo(shown(line))
 
 
 def _meshes(folder, count, size, generator):

@@ -130,7 +130,7 @@ def _print(tally: Any) -> None:
         change = f"{gain['before']:.3f} to {gain['after']:.3f} %, lower on {gain['better']} of {gain['faces']} faces"
         click.echo(f"refine takes the 3D error of {name} from {change}")
     for where, reason in tally.refused.items():
-        click.echo(f"refused: {where}: {reason}", err=True)
+        echo_notes(f"refused: {where}: {reason}")
 
 
 def _figures(row: dict) -> list[float | None]:

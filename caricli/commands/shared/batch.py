@@ -5,7 +5,7 @@ from pathlib import Path
 
 import click
 
-from caricli.commands.shared.notes import echo_result
+from caricli.commands.shared.notes import echo_notes, echo_result
 from caricli.commands.shared.progress import progress_bar
 from caricli.errors import CaricliError, shown
 from caricli.io.outputs import written_for
@@ -67,13 +67,14 @@ def run_batch(
     if finish is not None:
         finish(failures)
     for path, failure in failures:
-        click.echo(f"caricli: failed: {_named(path, failure)}", err=True)
+        echo_notes(f"caricli: failed: {_named(path, failure)}")
     if failures:
-        click.echo(f"caricli: {len(failures)} of {len(items)} failed", err=True)
+        echo_notes(f"caricli: {len(failures)} of {len(items)} failed")
         ctx.exit(1)
 
 
 def _named(path: Path, failure: CaricliError) -> str:
     """What failed and why, the path named once: messages about the file itself begin with it."""
-    text = str(failure)
-    return text if text.startswith((f"{path}: ", f"{shown(path)}: ")) else f"{path}: {text}"
+    text = shown(failure)
+    start = f"{shown(path)}: "
+    return text if text.startswith(start) else start + text

@@ -6,9 +6,8 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-import click
-
 from caricli.commands.shared.landmark_batch import FitTask, LandmarkFiles
+from caricli.commands.shared.notes import echo_notes
 from caricli.methods.reconstruct.landmark_fit import LandmarkFit
 from caricli.methods.reconstruct.settings import MorphableWeights
 from caricli.store.models import DEFAULT_ELASTIC, DEFAULT_LATENT, load_model, load_morphable
@@ -62,8 +61,7 @@ def morphable_task(
         fitting = _of_marks(fit_morphable)
     shape_model = load_morphable(model)
     kept, note = load_identity(identity, shape_model) if expression_only else (None, None)
-    if note:
-        click.echo(note, err=True)
+    echo_notes(note)
     fit = partial(fitting, model=shape_model, weights=weights, identity=kept)
     about = {"model_id": shape_model.model_id, "weights": astuple(weights), "expression_only": expression_only}
     about["photometric"] = photometric

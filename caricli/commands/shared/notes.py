@@ -3,6 +3,7 @@
 import click
 
 from caricli.commands.shared.waited import waited
+from caricli.errors import shown
 
 
 def echo_result(line: str, *notes: str | None) -> None:
@@ -10,11 +11,11 @@ def echo_result(line: str, *notes: str | None) -> None:
     is none.
     """
     echo_notes(*notes)
-    click.echo(f"{line}, {waited()}")
+    click.echo(f"{shown(line)}, {waited()}")
 
 
 def echo_notes(*notes: str | None) -> None:
     """Print what is worth knowing besides, on stderr; a note that is None is none."""
     for note in notes:
         if note:
-            click.echo(note, err=True)
+            click.echo(shown(note), err=True)

@@ -116,7 +116,7 @@ class PortraitChain:
         """Make the head of a picture, in a folder of its own, and say what came of it."""
         given = self.files.marks(picture)
         folders = staged_folder(folder, self.files.overwrite, (picture, given), REPORT)
-        with folders as head, progress_bar(picture.name) as report:
+        with folders as head, progress_bar(shown(picture.name)) as report:
             steps = self._steps(picture, given, head)
             for number, step in enumerate(steps):
                 report(number, len(steps))

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import click
 
-from caricli.commands.shared.notes import echo_result
+from caricli.commands.shared.notes import echo_notes, echo_result
 from caricli.commands.shared.options import (
     WholeRange,
     data_option,
@@ -64,5 +64,5 @@ def command(dataset, out, model, wanted, count, seed, overwrite):
         write_json(files[1], recipe | figures)
     print_directions(learnt)
     for name, reason in skipped.items():
-        click.echo(f"{name}: left out, {reason}", err=True)
+        echo_notes(f"{name}: left out, {reason}")
     echo_result(f"{out}: {len(learnt.names)} labels from {learnt.count} meshes")

@@ -48,3 +48,22 @@ def test_an_item_never_replaces_what_another_one_wrote(overwrite, tmp_path):
         assert ("b exists" in result.stderr) != overwrite
         written = {path.name: path.read_text() for path in tmp_path.iterdir()}
         assert written == {"a": "one", "a-2": "one", "a-3": "three", "b": "four" if overwrite else "old"}
+
+
+def test_names_that_are_not_utf8_are_told_and_end_nothing():
+    @click.command()
+    @click.pass_context
+    def command(ctx):
+        def work(path, ending):
+            if ending is None:
+                raise InputError(f"{path}: expected a face")
+            return f"{path}: {ending}"
+
+        run_batch(
+            ctx, [(Path("a\udcff.png"), "one"), (Path("b\udcff.png"), None), (Path("c.png"), "two")], work, "pictures"
+        )
+
+    result = CliRunner().invoke(command)
+    assert result.exit_code == 1 and isinstance(result.exception, SystemExit)
+    assert result.stdout.startswith("a\\udcff.png: one, ") and "c.png: two" in result.stdout
+    assert "failed: b\\udcff.png: expected a face\n" in result.stderr
