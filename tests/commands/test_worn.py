@@ -145,6 +145,29 @@ def test_it_keeps_what_the_face_wears(run, painted, rig, tmp_path, name):
     assert any(seen), files
 
 
+LINKED = {
+    "new.obj": WEARERS["edit-semantic"],
+    "new.glb": WEARERS["edit-semantic"].replace(".obj", ".glb"),
+    "new.npz": WEARERS["encode"],
+    "face.npz": "encode {face} --out-dir {out}",
+}
+
+
+@pytest.mark.parametrize("name", LINKED)
+def test_what_goes_beside_a_file_goes_where_its_link_leads(run, painted, rig, tmp_path, name):
+    links = tmp_path / "links"
+    links.mkdir()
+    (links / name).symlink_to(tmp_path / "real" / f"own{name[-4:]}")
+    result = run(*typed(LINKED[name], painted, rig, links), "--overwrite")
+    assert result.exit_code == 0, result.output
+    assert [path.name for path in links.iterdir()] == [name] and (links / name).is_symlink()
+    files = sorted((tmp_path / "real").iterdir())
+    assert {"own.npz", "own.json", "own-skin.png"} < {path.name for path in files}
+    assert all(path.name.startswith("own") for path in files)
+    uvs = read_face(painted / "face.npz").mesh.uvs
+    assert any(check(path, uvs) for path in files for check in (obj_wears, npz_wears))
+
+
 def draws(name):
     """Whether a command can be told not to draw."""
     module = importlib.import_module(f"caricli.commands.{COMMANDS[name][0]}")

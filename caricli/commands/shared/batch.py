@@ -6,6 +6,7 @@ from pathlib import Path
 import click
 
 from caricli.commands.shared.notes import echo_notes, echo_result
+from caricli.commands.shared.options import followed
 from caricli.commands.shared.progress import progress_bar
 from caricli.errors import CaricliError, shown
 from caricli.io.outputs import written_for
@@ -35,7 +36,7 @@ def _target(path: Path, out: Path | None, out_dir: Path | None, suffix: str) -> 
     if out is not None:
         return out
     assert out_dir is not None
-    return out_dir / f"{path.stem}{suffix}"
+    return followed(out_dir / f"{path.stem}{suffix}")
 
 
 def run_batch(

@@ -6,6 +6,7 @@ that something failed by raising a `CaricliError`. Paths are not checked here: t
 missing file is a failure (exit 1), not wrong usage (exit 2).
 """
 
+import os
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
@@ -41,10 +42,23 @@ def _parsed(kind, parse, value, param, ctx):
         return kind.fail(f"{value!r} is {error}.", param, ctx)
 
 
+def followed(path: Path) -> Path:
+    """Where an output goes whose path is a link: what is named after it has to lie beside the file, not the link."""
+    return Path(os.path.realpath(path)) if os.path.islink(path) else path
+
+
+def _followed(ctx, param, value):
+    """``followed`` for an option."""
+    return None if value is None else followed(value)
+
+
 def named(*suffixes: str) -> Callable:
-    """Return a click callback that refuses a file whose name ends in none of `suffixes`, such as ".png"."""
+    """Return a click callback that follows a link, and refuses an output whose name ends in none of `suffixes`, such as
+    ".png".
+    """
 
     def check(ctx, param, value):
+        value = _followed(ctx, param, value)
         # A folder has its own refusal.
         if value is not None and value.suffix.lower() not in suffixes and not value.is_dir():
             raise UsageError(f"{shown(value)}: expected a name that ends in {' or '.join(suffixes)}")
@@ -193,7 +207,7 @@ def out_option(
 
     suffix: that its name must end in, if any. check: a callback of click instead, such as ``named_mesh``.
     """
-    check = named(suffix) if suffix else check
+    check = named(suffix) if suffix else check or _followed
     return click.option("-o", "--out", type=PATH, metavar=metavar, required=required, help=help, callback=check)
 
 
