@@ -13,7 +13,8 @@ def command(path, as_json):
     """Say what a file holds, and whether it is whole.
 
     FILE is anything that caricli writes (a face, a rig, a model, a landmark map, directions, landmarks, weights, a
-    session, a report, a dataset folder), or anybody's OBJ, PLY, STL, GLB or glTF. Said are counts, sizes and what
+    session, a report, a label map's legend, a folder of a dataset, of pictures, sketches or textures, or a file of
+    it), or anybody's OBJ, PLY, STL, GLB or glTF. Said are counts, sizes and what
     unit they may be in, whether the topology is that of the bundled models, names, and what lies beside it. A mesh
     is whole where no triangle is turned over or without area, no vertex is unused, and triangles side by side are
     wound alike. Of rigs every shape is looked at, and compared with the names that ARKit's face tracking drives.

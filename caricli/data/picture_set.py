@@ -76,6 +76,12 @@ class PictureSet:
         """Rows of the truth that are faces of a picture."""
         return np.flatnonzero(self.truth["picture"] == number)
 
+    @property
+    def missing(self) -> int:
+        """How many pictures are not there with their label maps."""
+        files = ((self.folder / picture_name(k), self.folder / labels_name(k)) for k in range(self.count))
+        return sum(not (picture.is_file() and labels.is_file()) for picture, labels in files)
+
     def pictures_of(self, split: str) -> np.ndarray:
         """Numbers of the pictures that show nobody but people of a split of the dataset, or nobody."""
         people = self.manifest["splits"][split]

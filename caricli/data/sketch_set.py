@@ -58,6 +58,12 @@ class SketchSet:
         with naming(self.folder / self.manifest["shards"][shard]["file"]):
             return _unpacked(arrays, self.manifest["curves"], self.side)
 
+    @property
+    def missing(self) -> int:
+        """How many pictures of sketches are not there."""
+        files = (self.folder / picture_name(number) for number in range(self.manifest["count"]))
+        return sum(not picture.is_file() for picture in files)
+
     def rows_of(self, split: str) -> np.ndarray:
         """Numbers of the sketches of a split's people."""
         return np.flatnonzero(np.isin(self.truth["person"], self.manifest["splits"][split]))

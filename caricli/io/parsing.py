@@ -52,7 +52,7 @@ def read_parsing(path: str | Path) -> tuple[np.ndarray, dict[str, int]]:
     except Exception as error:  # Pillow's decoders raise whatever they meet
         raise InputError(f"{shown(path)}: expected a PNG of label numbers, found none: {shown(error, 120)}") from error
     beside = Path(path).with_suffix(".json")
-    return labels, _read_legend(beside) if beside.is_file() else dict(CELEBAMASK_HQ)
+    return labels, read_legend(beside)["labels"] if beside.is_file() else dict(CELEBAMASK_HQ)
 
 
 def write_parsing(path: str | Path, labels: np.ndarray) -> None:
@@ -72,9 +72,10 @@ def legend(labels: type[IntEnum], **more: Any) -> dict[str, Any]:
     return {"schema": SCHEMA, "labels": {label.name.lower(): label.value for label in labels}} | more
 
 
-def _read_legend(path: str | Path) -> dict[str, int]:
+def read_legend(path: str | Path) -> dict[str, Any]:
+    """The JSON beside a label map, as ``legend`` gives it. Raises InputError when it is another, or malformed."""
     value = read_json(path)
     names = value.get("labels") if isinstance(value, dict) and value.get("schema") == SCHEMA else None
     if not isinstance(names, dict) or not all(type(n) is int and 0 <= n < 256 for n in names.values()):
         raise InputError(f"{shown(path)}: expected schema {SCHEMA!r} and labels from 0 to 255, found another JSON")
-    return names
+    return value

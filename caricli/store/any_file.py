@@ -5,11 +5,14 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
+from caricli.data import picture_set, sketch_set, texture_set
 from caricli.data.dataset import SCHEMA as DATASET_SCHEMA
 from caricli.data.dataset import read_dataset
 from caricli.data.expressions import NEUTRAL, read_expressions
 from caricli.errors import InputError, shown
-from caricli.io import cues, directions, face, landmarks, rig, session, sketch, track
+from caricli.io import cues, directions, face, landmarks, parsing, rig, session, sketch, track
 from caricli.io.bundled import asset_path
 from caricli.io.checkpoint import read_checkpoint
 from caricli.io.files import content_kind, read_start
@@ -24,7 +27,7 @@ from caricli.io.ply import read_ply
 from caricli.io.stl import read_stl
 from caricli.io.strict_json import read_json
 from caricli.io.svg import is_svg
-from caricli.methods.inspect.inspection import Acquaintances, Animated
+from caricli.methods.inspect.inspection import Acquaintances, Animated, FolderPart
 from caricli.models.checkpoint import model_from_checkpoint
 from caricli.models.coarse.model import SCHEMA as COARSE_SCHEMA
 from caricli.models.coarse.model import coarse_from_checkpoint
@@ -58,8 +61,28 @@ _JSON: dict[str, Callable[[Path], Any]] = {
     track.SCHEMA: track.read_weights,
     sketch.SCHEMA: sketch.read_sketch,
     session.SCHEMA: session.read_session,
+    parsing.SCHEMA: parsing.read_legend,
     DATASET_SCHEMA: lambda path: read_dataset(path.parent),
+    picture_set.SCHEMA: lambda path: picture_set.read_picture_set(path.parent),
+    sketch_set.SCHEMA: lambda path: sketch_set.read_sketch_set(path.parent),
+    texture_set.SCHEMA: lambda path: texture_set.read_texture_set(path.parent),
 }
+_FOLDERS: dict[str, Callable[[Path], Any]] = {
+    picture_set.MANIFEST: picture_set.read_picture_set,
+    sketch_set.MANIFEST: sketch_set.read_sketch_set,
+    texture_set.MANIFEST: texture_set.read_texture_set,
+}
+_PARTS = (
+    ("a dataset", "identity", "meshes", {"vertices", "identity", "expression", "level"}),
+    ("a dataset", "attributes", "labels", {"attributes", "measures", "labels"}),
+    ("a dataset", "vertices", "vertices", {"vertices", "faces", "polygons"}),
+    ("a dataset", "albedo", "albedos", {"albedo"}),
+    ("pictures", "picture", "faces", set(picture_set.COLUMNS)),
+    ("sketches", "strokes", "sketches", {"strokes", "lengths", "points", *sketch_set.TRUTH}),
+    ("textures", "person", "people", set(texture_set.COLUMNS)),
+)
+"""Files of folders, which have no schema: the folder, the array that counts, what it counts, arrays that are there."""
+
 _WEIGHTS: dict[Any, Callable[..., Any]] = {
     LANDMARK_MAP_SCHEMA: map_from_checkpoint,
     DETECTOR_SCHEMA: detector_from_checkpoint,
@@ -72,14 +95,15 @@ _WEIGHTS: dict[Any, Callable[..., Any]] = {
 
 
 def load_any(path: Path) -> Any:
-    """What a file or folder holds, told by its content: one of the structures, a Dataset, a ShapeModel, a LandmarkMap,
-    a Detector, a CoarseModel, a SketchModel, a StyleModel, a GestureModel, a TextureModel, the dict of a report or of
-    expressions, or the array of a picture.
+    """What a file or folder holds, told by its content: one of the structures, a Dataset, a PictureSet, a SketchSet, a
+    TextureSet, a FolderPart, a ShapeModel, a LandmarkMap, a Detector, a CoarseModel, a SketchModel, a StyleModel, a
+    GestureModel, a TextureModel, the dict of a report, a legend or expressions, or the array of a picture.
 
     Raises InputError when it is none of them, or damaged.
     """
     if path.is_dir():
-        return read_dataset(path)
+        reader = next((read for name, read in _FOLDERS.items() if (path / name).exists()), read_dataset)
+        return reader(path)
     return _reader(read_start(path, _START, _EXPECTED), path)(path)
 
 
@@ -155,8 +179,11 @@ def _read_arrays(path: Path) -> Any:
         return _NPZ[schema](path)
     if {"names", "weights"} <= set(arrays):
         return track.read_weights(path)
-    names = shown(", ".join(arrays), 60)
-    raise InputError(f"{shown(path)}: expected a face, a rig, directions or weights, found an NPZ with {names}")
+    for folder, key, counted, names in _PARTS:
+        if names <= set(arrays):
+            return FolderPart(folder, len(np.atleast_1d(arrays[key])), counted, tuple(arrays))
+    listed = shown(", ".join(arrays), 60)
+    raise InputError(f"{shown(path)}: expected a face, a rig, directions or weights, found an NPZ with {listed}")
 
 
 def _read_gltf(path: Path) -> Any:

@@ -3,18 +3,23 @@ import json
 import numpy as np
 import pytest
 
+from caricli.data.sketch_set import SketchWriter
 from caricli.io.bundled import asset_path
 from caricli.io.face import write_face
 from caricli.io.gltf.write_gltf import write_gltf
 from caricli.io.image import write_png
 from caricli.io.mesh import write_mesh
+from caricli.io.parsing import legend
 from caricli.io.rig import write_rig
 from caricli.io.session import format_session
 from caricli.io.strict_json import write_json
 from caricli.io.track import write_weights
 from caricli.store.models import load_model
-from caricli.structures import Animation, Camera, Face, Mesh, Operation, Rig, Session, Track
+from caricli.structures import Animation, Camera, Face, Mesh, Operation, Rig, Session, Sketch, Stroke, StrokeKind, Track
 from caricli.structures.arkit import ARKIT_NAMES
+from caricli.structures.parsing import Region
+from tests.acted_textures import write_acted_set
+from tests.drawn_pictures import mean_shape, write_drawn_set
 
 COMMAND = "inspect"
 
@@ -183,6 +188,64 @@ def test_a_dataset(inspect, dataset):
     assert lines[0].startswith(f"{dataset}: dataset, 16 meshes of 4 people, 4200 vertices")
     assert report["meshes"] == 16 and sum(report["splits"].values()) == 16 and report["flipped_worst"] < 0.05
     assert inspect(dataset / "dataset.json")[1]["meshes"] == 16
+
+
+def test_files_of_a_dataset(inspect, dataset):
+    lines, report = inspect(dataset / "shard-0000.npz")
+    assert lines[0].endswith("a part of a dataset, 16 meshes") and report["meshes"] == 16
+    assert lines[1].startswith("holds: ") and "vertices, identity" in lines[1] and "level" in lines[1]
+    for name, words in (("labels", " labels"), ("template", "4200 vertices")):
+        assert inspect(dataset / f"{name}.npz")[0][0].endswith(words)
+
+
+def test_folders_of_pictures(inspect, refused, head_template, tmp_path):
+    folder = write_drawn_set(tmp_path / "set", mean_shape(head_template), 8, 0)
+    for path in (folder, folder / "pictures.json"):
+        lines, report = inspect(path)
+        assert lines[0].endswith("pictures, 8 pictures, 8 faces of 3 people") and "made as: 8 flat" in lines
+        assert report["pictures"] == report["faces"] == 8
+    assert inspect(folder / "truth.npz")[0][0].endswith("a part of pictures, 8 faces")
+    (folder / "labels" / "000003.png").unlink()
+    assert inspect(folder)[0][-1] == "not whole: 1 pictures missing"
+    (folder / "truth.npz").write_bytes(b"PK")
+    assert "the file was changed" in refused(COMMAND, folder)
+
+
+def test_folders_of_sketches(inspect, head_template, tmp_path):
+    writer = SketchWriter(tmp_path / "set", ("nose",))
+    truth = {"row": 1, "person": 0, "expression": 2, "level": 1, "scale": 2.0, "translation": np.ones(2)}
+    for _ in range(3):
+        sketch = Sketch((Stroke(np.array([[1.0, 2], [30, 40]]), StrokeKind.FEATURE, "nose"),), (64, 64))
+        writer.add(sketch, b"", truth | {"rotation": np.eye(3)})
+    splits = {"train": [0], "validation": [1], "test": [2]}
+    writer.finish({"side": 64, "splits": splits, "topology_id": head_template.topology_id})
+    for path in (tmp_path / "set", tmp_path / "set" / "sketches.json"):
+        lines, report = inspect(path)
+        assert lines[0].endswith("sketches, 3 sketches of 1 people, 64 x 64 pixels") and report["sketches"] == 3
+        assert lines[1:4] == [
+            "splits: 3 train, 0 validation, 0 test", "curves: nose", "topology: that of the bundled models"
+        ]  # fmt: skip
+    assert inspect(tmp_path / "set" / "strokes-0000.npz")[0][0].endswith("a part of sketches, 3 sketches")
+
+
+def test_folders_of_textures(inspect, head, tmp_path):
+    folder = write_acted_set(tmp_path / "set", head, 8)
+    for path in (folder, folder / "textures.json"):
+        lines, report = inspect(path)
+        assert lines[0].endswith("textures, 8 people with 4 expressions, 8 x 8 texels") and report["people"] == 8
+    assert inspect(folder / "shard-0000.npz")[0][0].endswith("a part of textures, 8 people")
+
+
+def test_legends(inspect, refused, tmp_path):
+    path = tmp_path / "p-regions.json"
+    write_json(path, legend(Region, command="detect", inputs={"p.jpg": "0"}, faces=[{}, {}]))
+    lines, report = inspect(path)
+    assert lines[0].endswith("legend, 16 labels of a label map") and report["labels"]["skin"] == 1
+    assert "made from: p.jpg" in lines and "faces: 2" in lines
+    write_json(path, {"schema": "caricli.parsing/1", "labels": {"skin": 1}})
+    assert inspect(path)[1]["faces"] is None
+    write_json(path, {"schema": "caricli.parsing/1", "labels": {"skin": 999}})
+    assert "labels from 0 to 255" in refused(COMMAND, path)
 
 
 def test_a_report(inspect, tmp_path):

@@ -38,7 +38,7 @@ from caricli.io.landmarks import read_landmarks, write_landmarks
 from caricli.io.mesh import MESH_SUFFIXES, read_mesh, write_mesh
 from caricli.io.mtl import material_pictures
 from caricli.io.npz import read_npz, write_npz
-from caricli.io.parsing import read_parsing
+from caricli.io.parsing import read_legend, read_parsing
 from caricli.io.provenance import sha256_file
 from caricli.io.rig import read_rig, write_rig
 from caricli.io.session import read_session, write_session
@@ -635,6 +635,7 @@ def _all() -> list[Reader]:
             _picture("BMP"),
         )),
         Reader("parsing.png", read_parsing, (_picture_of_eyes,)),
+        Reader("legend.json", read_legend, (_json({"schema": "caricli.parsing/1", "labels": {"skin": 1}}),)),
         Reader("value.json", read_json, (_json(TREE),), mutate_json),
         Reader("settings.yaml", _STEPS, (_text("latent: 4\nlearning_rate: 1e-3\nschedule: cosine\n"),)),
         Reader("expressions.yaml", _ACTIONS, (_text("neutral: {}\nsmile: {mouthSmile: 0.5, jawOpen: 1}\n"),)),

@@ -8,10 +8,16 @@ from typing import Any
 import numpy as np
 
 from caricli.data.dataset import SPLITS, Dataset
+from caricli.data.picture_set import PictureSet
+from caricli.data.sketch_set import SketchSet
+from caricli.data.summarise_pictures import summarise_pictures
+from caricli.data.summarise_textures import summarise_textures
+from caricli.data.texture_set import TextureSet
 from caricli.errors import shown
 from caricli.geometry.deformation_gradients import DeformationGradients
 from caricli.geometry.flipped_triangles import flipped_triangles
-from caricli.methods.inspect.inspection import Acquaintances, Animated, Inspection, MeshWords
+from caricli.io.parsing import SCHEMA as PARSING_SCHEMA
+from caricli.methods.inspect.inspection import Acquaintances, Animated, FolderPart, Inspection, MeshWords
 from caricli.methods.rig.check_rig import RigCheck, check_rig
 from caricli.models.coarse.model import CoarseModel
 from caricli.models.detector.model import Detector
@@ -292,6 +298,56 @@ def _(value: Dataset, around: Acquaintances) -> Inspection:
     return Inspection("dataset", summary, tuple(lines), values | words.values, tuple(problems))
 
 
+@describe.register
+def _(value: PictureSet, around: Acquaintances) -> Inspection:
+    faces = len(value.truth["picture"])
+    values = {"pictures": value.count, "faces": faces, "people": len(np.unique(value.truth["person"]))}
+    lines = (*map(shown, summarise_pictures(value)[1:]), _topology(value.manifest, around))
+    summary = f"{value.count} pictures, {faces} faces of {values['people']} people"
+    return Inspection("pictures", summary, lines, values, _missing(value))
+
+
+@describe.register
+def _(value: SketchSet, around: Acquaintances) -> Inspection:
+    count = value.manifest["count"]
+    people = len(np.unique(value.truth["person"]))
+    splits = {split: len(value.rows_of(split)) for split in SPLITS}
+    lines = (
+        f"splits: {', '.join(f'{number} {split}' for split, number in splits.items())}",
+        f"curves: {shown(_listed(value.manifest['curves']), 400)}",
+        _topology(value.manifest, around),
+    )
+    values = {"sketches": count, "people": people, "splits": splits, "side": value.side}
+    summary = f"{count} sketches of {people} people, {value.side} x {value.side} pixels"
+    return Inspection("sketches", summary, lines, values, _missing(value))
+
+
+@describe.register
+def _(value: TextureSet, around: Acquaintances) -> Inspection:
+    lines = (*summarise_textures(value), _topology(value.manifest, around))
+    values = {"people": value.count, "expressions": value.shown, "size": value.size}
+    summary = f"{value.count} people with {value.shown} expressions, {value.size} x {value.size} texels"
+    return Inspection("textures", summary, lines, values)
+
+
+@describe.register
+def _(value: FolderPart, around: Acquaintances) -> Inspection:
+    names = shown(_listed(value.arrays), 400)
+    values = {"folder": value.folder, value.counted: value.count, "arrays": list(value.arrays)}
+    return Inspection(f"a part of {value.folder}", f"{value.count} {value.counted}", (f"holds: {names}",), values)
+
+
+def _topology(manifest: dict[str, Any], around: Acquaintances) -> str:
+    same = manifest.get("topology_id") == around.head.topology_id
+    return f"topology: {'that of the bundled models' if same else 'not known'}"
+
+
+def _missing(value: PictureSet | SketchSet) -> tuple[str, ...]:
+    """The problem that pictures are not there, if they are not."""
+    missing = value.missing
+    return (f"{missing} pictures missing",) if missing else ()
+
+
 def _flipped_share(data: Dataset) -> np.ndarray:
     """(N,) share of triangles of every mesh that are turned over against the template."""
     gradients = DeformationGradients(data.template.vertices, data.template.faces)
@@ -301,15 +357,21 @@ def _flipped_share(data: Dataset) -> np.ndarray:
 
 @describe.register
 def _(value: dict, around: Acquaintances) -> Inspection:
-    """A report of ours, or weights of actions by expression."""
+    """A report of ours, the legend of a label map, or weights of actions by expression."""
+    inputs = value.get("inputs")
+    source = [f"made from: {_listed(list(inputs))}"] if inputs and isinstance(inputs, dict) else []
+    if value.get("schema") == PARSING_SCHEMA:
+        faces = value.get("faces")
+        count = len(faces) if isinstance(faces, list) else None
+        lines = [*source, shown(_listed(list(value["labels"])), 400), *([] if count is None else [f"faces: {count}"])]
+        values = {"labels": value["labels"], "faces": count}
+        return Inspection("legend", f"{len(value['labels'])} labels of a label map", tuple(lines), values)
     if "command" not in value:
         actions = sorted({action for weights in value.values() for action in weights})
         lines = [_listed(list(value)), f"of {len(actions)} actions: {_listed(actions)}"]
         return Inspection("expressions", f"{len(value)} of them", tuple(lines), {"expressions": value})
     about = ("command", "version", "inputs", "seed")
-    inputs = value.get("inputs", {})
-    lines = [f"made from: {_listed(list(inputs))}"] if inputs else []
-    lines.append(f"holds: {_listed([key for key in value if key not in about])}")
+    lines = [*source, f"holds: {_listed([key for key in value if key not in about])}"]
     values = {key: value[key] for key in about if key in value} | {"keys": [key for key in value if key not in about]}
     return Inspection("report", f"caricli {value['command']}, version {value.get('version')}", tuple(lines), values)
 

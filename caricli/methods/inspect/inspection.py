@@ -46,6 +46,20 @@ class Animated:
     clips: tuple[Clip, ...]
 
 
+@dataclass(frozen=True)
+class FolderPart:
+    """Arrays that belong to a folder.
+
+    folder: what it holds, such as "pictures". count: how many there are in this file, of what ``counted`` says. arrays:
+    their names.
+    """
+
+    folder: str
+    count: int
+    counted: str
+    arrays: tuple[str, ...]
+
+
 @dataclass(frozen=True, eq=False)
 class Acquaintances:
     """What files can refer to.
