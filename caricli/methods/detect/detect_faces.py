@@ -24,11 +24,28 @@ _STEEP = 8  # so that faces whose landmarks are sure keep their score, and other
 def detect_faces(picture: np.ndarray, detector: Detector, settings: DetectSettings | None = None) -> Detection:
     """Find all faces of a picture, read their landmarks, and say what every pixel shows.
 
+    Lips, lids and jaw of what `seek_faces` reads go to where the picture shows them, then all points to where people
+    mark them.
+    picture: (H, W, 3) uint8.
+    """
+    return snap_faces(picture, seek_faces(picture, detector, settings), detector)
+
+
+def snap_faces(picture: np.ndarray, sought: Detection, detector: Detector) -> Detection:
+    """What `detect_faces` makes of what was sought in a picture (H, W, 3) uint8."""
+    regions = sought.regions
+    snapped = [snap_jaw(regions, snap_openings(picture, regions, face.landmarks)) for face in sought.faces]
+    marks = [mark_as_people(face, detector.jaw) for face in snapped]
+    return Detection([replace(face, landmarks=own) for face, own in zip(sought.faces, marks, strict=True)], regions)
+
+
+def seek_faces(picture: np.ndarray, detector: Detector, settings: DetectSettings | None = None) -> Detection:
+    """Find all faces of a picture, and say what every pixel shows, with landmarks as the network reads them.
+
     The picture is searched at several scales, and where faces are small or none is found at a finer one, too; each
     place that may hold a face is looked at in the frame that the search gave, and in that of the landmarks that were
-    seen there. A face is what search and last look are sure of, and whose landmarks are somewhere. Lips, lids and jaw
-    go to where the picture shows them, then all points to where people mark them. Of regions the mean of what all
-    scales show counts, and where a face is that of it and the last look.
+    seen there. A face is what search and last look are sure of, and whose landmarks are somewhere. Of regions the mean
+    of what all scales show counts, and where a face is that of it and the last look.
     picture: (H, W, 3) uint8.
     """
     search = _Search(picture, detector, settings or DetectSettings())
@@ -36,13 +53,9 @@ def detect_faces(picture: np.ndarray, detector: Detector, settings: DetectSettin
     if search.shows_small_faces():
         search.at(search.settings.finer)
     pairs = sorted(search.pairs, key=lambda pair: -pair[0].frame.side)
-    faces = [face for face, _ in pairs]
     whole = mean_regions(search.glances)
     own = [mean_regions([whole, WindowRegions(read.regions, read.matrix)]) for _, read in pairs]
-    regions = parse_picture(picture.shape[:2], whole, own)
-    snapped = [snap_jaw(regions, snap_openings(picture, regions, face.landmarks)) for face in faces]
-    marks = [mark_as_people(face, detector.jaw) for face in snapped]
-    return Detection([replace(face, landmarks=own) for face, own in zip(faces, marks, strict=True)], regions)
+    return Detection([face for face, _ in pairs], parse_picture(picture.shape[:2], whole, own))
 
 
 @dataclass(frozen=True, eq=False)

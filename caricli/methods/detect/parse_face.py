@@ -5,7 +5,7 @@ from functools import cached_property
 
 import numpy as np
 
-from caricli.methods.detect.detect_faces import detect_faces
+from caricli.methods.detect.detect_faces import seek_faces, snap_faces
 from caricli.methods.detect.find_faces import frames_overlap
 from caricli.methods.detect.parse_picture import WindowRegions, parse_picture
 from caricli.methods.detect.read_faces import ReadFace, read_face
@@ -40,9 +40,9 @@ class GivenFace:
     settings: DetectSettings = DetectSettings()  # noqa: RUF009 (frozen)
 
     @cached_property
-    def detection(self) -> Detection:
-        """What is found in the whole picture."""
-        return detect_faces(self.picture, self.detector, self.settings)
+    def sought(self) -> Detection:
+        """What `seek_faces` finds in the whole picture."""
+        return seek_faces(self.picture, self.detector, self.settings)
 
     @cached_property
     def parsed(self) -> "ParsedFace":
@@ -57,14 +57,14 @@ class GivenFace:
         what is read around the landmarks alone.
         """
         frame = FaceFrame.of(_filled(self.points))
-        if any(frames_overlap(frame, face.frame) >= _SAME for face in self.detection.faces):
-            return self.detection.regions
+        if any(frames_overlap(frame, face.frame) >= _SAME for face in self.sought.faces):
+            return self.sought.regions
         return self.parsed.regions
 
     @property
     def elsewhere(self) -> bool:
         """Whether the picture surely shows a face, and none, sure or not, where the landmarks are."""
-        faces = self.detection.faces
+        faces = snap_faces(self.picture, self.sought, self.detector).faces
         sure = any(doubt_of(face, self.settings) is None for face in faces)
         if not sure or any(self._is_near(face.landmarks.head_points) for face in faces):
             return False
