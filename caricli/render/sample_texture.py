@@ -27,9 +27,15 @@ def sample_pixels(
     return samples.reshape(-1, *image.shape[2:])[: len(x)]
 
 
+def uv_pixels(uvs: np.ndarray, size: tuple[int, int]) -> np.ndarray:
+    """(..., 2) where UVs (..., 2) are in a picture of H and W texels, the centre of the top-left one at (0, 0)."""
+    height, width = size
+    return np.stack([uvs[..., 0] * width - 0.5, (1 - uvs[..., 1]) * height - 0.5], axis=-1)
+
+
 def sample_texture(texture: np.ndarray, uvs: np.ndarray) -> np.ndarray:
     """Bilinear samples (N, C). texture: (H, W, C) uint8, the top row first. uvs: (N, 2), origin bottom left."""
-    places = _pixels(texture, uvs)
+    places = uv_pixels(uvs, texture.shape[:2])
     return sample_pixels(texture, places[:, 0], places[:, 1]).astype(np.float64)
 
 
@@ -40,7 +46,7 @@ def texture_matrix(owner: np.ndarray, count: int, uvs: np.ndarray) -> sp.csr_mat
     Returns (N, count), sparse, float32; a colour that several texels of a sample have is there as often.
     """
     height, width = owner.shape
-    places = _pixels(owner, uvs)
+    places = uv_pixels(uvs, owner.shape)
     first = np.floor(places).astype(int)
     rest = (places - first).astype(np.float32)
     owners = np.empty((len(uvs), 4), np.int32)
@@ -52,9 +58,3 @@ def texture_matrix(owner: np.ndarray, count: int, uvs: np.ndarray) -> sp.csr_mat
         parts[:, corner] = np.abs(1 - right - rest[:, 0]) * np.abs(1 - down - rest[:, 1])
     ends = np.arange(0, owners.size + 1, 4)
     return sp.csr_matrix((parts.ravel(), owners.ravel(), ends), (len(uvs), count))
-
-
-def _pixels(texture: np.ndarray, uvs: np.ndarray) -> np.ndarray:
-    """Where UVs (N, 2) are in a picture: x and y (N, 2), the centre of the top-left texel at (0, 0)."""
-    height, width = texture.shape[:2]
-    return np.stack([uvs[:, 0] * width - 0.5, (1 - uvs[:, 1]) * height - 0.5], axis=1)

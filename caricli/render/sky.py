@@ -17,7 +17,7 @@ _KEY_RAYS = 16
 _KEY_REACH = np.radians(16)  # half the angle that the key light fills: the wider the softer its shadows
 
 
-def _sphere(count: int) -> np.ndarray:
+def sphere_directions(count: int) -> np.ndarray:
     """Directions spread evenly over the sphere on a Fibonacci spiral, (count, 3)."""
     k = np.arange(count) + 0.5
     y = 1 - 2 * k / count
@@ -26,7 +26,7 @@ def _sphere(count: int) -> np.ndarray:
     return np.stack([r * np.cos(turn), y, r * np.sin(turn)], 1)
 
 
-DIRECTIONS = _sphere(48)
+DIRECTIONS = sphere_directions(48)
 """Ways to the sky, (D, 3)."""
 
 

@@ -25,6 +25,12 @@ class Region(IntEnum):
     """Hands, microphones and what else is held before a face."""
 
 
+HEAD_REGIONS = (
+    *(Region.SKIN, Region.BROWS, Region.EYES, Region.NOSE, Region.LIPS, Region.MOUTH, Region.TEETH, Region.EARS),
+    *(Region.BEARD, Region.NECK),
+)
+"""What a head shows of itself, but for its hair."""
+
 BEYOND = 255
 """Stands in label maps for what lies beyond the picture: nothing is told of it."""
 

@@ -6,7 +6,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from caricli.errors import InputError
-from caricli.render.sample_texture import sample_pixels
+from caricli.render.sample_texture import sample_pixels, uv_pixels
 from caricli.render.uv_map import pad_texture, uv_map
 from caricli.structures import Face, Mesh
 from caricli.structures.chart import FaceChart
@@ -56,7 +56,7 @@ def texture_to_chart(picture: np.ndarray, template: Mesh, grid: ChartGrid) -> np
     Returns (S, S, C) of the picture's type. Raises InputError where the mesh has no UVs or is not the chart's.
     """
     chart = grid.chart
-    places = _pixels(_corners(template, chart), picture.shape[:2])[grid.face[grid.covered]]
+    places = uv_pixels(_corners(template, chart), picture.shape[:2])[grid.face[grid.covered]]
     samples = np.zeros((grid.size, grid.size, *picture.shape[2:]), np.float32)
     at = np.einsum("nk,nkc->nc", grid.weights[grid.covered], places)
     image = _floats(picture)
@@ -78,7 +78,7 @@ def chart_to_texture(picture: np.ndarray, template: Mesh, grid: ChartGrid, size:
     face, weights = _face_in_texture(template, grid.chart, size)
     shown = face >= 0
     padded = pad_texture(picture, grid.covered) if picture.shape[:2] == grid.covered.shape else picture
-    places = _pixels(grid.chart.uvs, picture.shape[:2])[grid.chart.faces[face[shown]]]
+    places = uv_pixels(grid.chart.uvs, picture.shape[:2])[grid.chart.faces[face[shown]]]
     at = np.einsum("nk,nkc->nc", weights[shown], places)
     texture = np.zeros((size, size, *picture.shape[2:]), np.float32)
     texture[shown] = sample_pixels(_floats(padded), at[:, 0], at[:, 1])
@@ -123,17 +123,11 @@ def _corners(template: Mesh, chart: FaceChart) -> np.ndarray:
 
 def _rim_colours(image: np.ndarray, template: Mesh, chart: FaceChart) -> np.ndarray:
     """(N, C) colours of the chart's vertices."""
-    corners = _pixels(_corners(template, chart)[~chart.membrane], image.shape[:2]).reshape(-1, 2)
+    corners = uv_pixels(_corners(template, chart)[~chart.membrane], image.shape[:2]).reshape(-1, 2)
     rows = chart.faces[~chart.membrane].ravel()
     samples = sample_pixels(image, corners[:, 0], corners[:, 1]).reshape(len(rows), -1)
     sums = sp.csr_matrix((np.ones(len(rows)), (rows, np.arange(len(rows)))), (len(chart.vertices), len(rows)))
     return (sums @ samples) / np.asarray(sums.sum(1))
-
-
-def _pixels(uvs: np.ndarray, size: tuple[int, int]) -> np.ndarray:
-    """(..., 2) where UVs (..., 2) are in a picture of H and W texels, the centre of the top-left one at (0, 0)."""
-    height, width = size
-    return np.stack([uvs[..., 0] * width - 0.5, (1 - uvs[..., 1]) * height - 0.5], axis=-1)
 
 
 def _floats(picture: np.ndarray) -> np.ndarray:

@@ -2,12 +2,12 @@
 
 import cv2
 import numpy as np
-import scipy.sparse as sp
 
 from caricli.methods.hair.continue_strands import continue_strands, seen_tones
 from caricli.methods.texture.picture_view import PictureView, SeenColours, SurfacePoints
+from caricli.methods.texture.texels import Texels
+from caricli.render.paint import smooth_step
 from caricli.render.smooth_normals import smooth_normals
-from caricli.render.uv_map import pad_texture, uv_map
 from caricli.structures import Hair
 
 _STRANGE = 3.5  # of the median distance from the median colour
@@ -47,8 +47,7 @@ def paint_hair(hair: Hair, view: PictureView, size: int, generator: np.random.Ge
     # What is seen and unusual, as skin at the border, is not hair's.
     usual = cv2.GaussianBlur(seen.astype(np.float32), (0, 0), _SOFT)
     usual = cv2.resize(usual, (size, size), interpolation=cv2.INTER_LINEAR)
-    share = np.clip(np.minimum(look.seen / trust, 2 * usual - 1), 0, 1)[..., None]
-    share = share * share * (3 - 2 * share)
+    share = smooth_step(np.minimum(look.seen / trust, 2 * usual - 1), 0, 1)[..., None]
     return np.clip(np.round(share * shown + (1 - share) * elsewhere), 0, 255).astype(np.uint8)
 
 
@@ -97,18 +96,11 @@ def _inner(seen: np.ndarray) -> np.ndarray:
 def _look(hair: Hair, view: PictureView, size: int) -> SeenColours:
     """What the picture shows of the texels: colours (size, size, 3), seen (size, size)."""
     shell = hair.shell
-    face, weights = uv_map(shell, size)
-    covered = face >= 0
-    corners = shell.faces[face[covered]]
+    texels = Texels(shell, size)
     columns = np.column_stack([shell.vertices, smooth_normals(shell.vertices, shell.faces)]).astype(np.float32)
-    ends = np.arange(0, corners.size + 1, 3)
-    mix = sp.csr_matrix((weights[covered].ravel(), corners.ravel(), ends), (len(corners), len(columns)))
-    points = mix @ columns
+    points = texels.mix @ columns
     looked = view.look(SurfacePoints(points[:, :3], points[:, 3:], np.zeros(len(points), np.float32), scalp=1.0))
-    texels = np.zeros((size, size, 4), np.float32)
-    texels[covered] = np.column_stack([looked.colours, looked.seen])
-    texels = pad_texture(texels, covered)
-    return SeenColours(texels[..., :3], texels[..., 3])
+    return SeenColours(looked.colours[texels.owner], looked.seen[texels.owner].astype(np.float32))
 
 
 def _usual(colours: np.ndarray, seen: np.ndarray) -> np.ndarray:

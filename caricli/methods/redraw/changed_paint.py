@@ -6,6 +6,7 @@ import cv2
 import numpy as np
 
 from caricli.methods.redraw.moved_head import MovedHead
+from caricli.render.sample_texture import uv_pixels
 from caricli.structures.texture_change import TextureChange
 
 _MIDDLING = 160.0
@@ -37,8 +38,7 @@ def changed_paint(head: MovedHead, change: TextureChange) -> ChangedPaint:
     original = head.original
     places = head.view.carried(original.charted)
     size = len(change.gain)
-    columns = places[..., 0] * size - 0.5
-    rows = (1 - places[..., 1]) * size - 0.5
+    columns, rows = np.moveaxis(uv_pixels(places[..., :2], (size, size)), -1, 0)
 
     # What is drawn between lips, teeth above all, is no paint of the skin.
     skin = (places[..., 2] * (1 - head.look(original.openings)))[..., None]

@@ -18,11 +18,11 @@ from caricli.methods.texture.light_on_head import light_on_head
 from caricli.methods.texture.mouth_wall import mouth_wall
 from caricli.methods.texture.picture_view import PictureView, Sight, SurfacePoints
 from caricli.methods.texture.settings import TextureSettings
-from caricli.render.sample_texture import sample_pixels
+from caricli.render.sample_texture import sample_pixels, uv_pixels
 from caricli.render.smooth_normals import smooth_normals
 from caricli.structures import Depiction, Material, Rig
 from caricli.structures.landmarks import EYE_LEFT, EYE_RIGHT, LIPS
-from caricli.structures.parsing import Region
+from caricli.structures.parsing import HEAD_REGIONS, Region
 from caricli.template.chart import face_chart
 from caricli.template.template import Template
 
@@ -30,11 +30,8 @@ if TYPE_CHECKING:
     from caricli.methods.redraw.tooth_rows import ToothRows
 
 _DRAWN = (Material.SKIN, Material.EYE, Material.TEETH, Material.GUMS, Material.TONGUE)
-_HEAD = (
-    *(Region.SKIN, Region.BROWS, Region.EYES, Region.NOSE, Region.LIPS, Region.MOUTH, Region.TEETH, Region.EARS),
-    *(Region.BEARD, Region.NECK),
-)
 _HELD = (Region.GLASSES, Region.HAT, Region.OTHER)
+_SHOWN = (*HEAD_REGIONS, *_HELD, Region.HAIR)
 _LAID = (Region.HAIR, Region.CLOTH)
 _OPENINGS = (Region.EYES, Region.MOUTH, Region.TEETH)
 _OPEN_MOUTH = 2e-3  # of the square of the head's height
@@ -70,7 +67,7 @@ class Original:
         height, width = self.picture.shape[:2]
         inside = (self.placed[:, :2] > 0).all(1) & (self.placed[:, :2] < [width, height]).all(1)
         pixels = self.window.means(self.view.covered.astype(np.float32)) > 0.5
-        seen = None if self.regions is None else np.isin(self.window.cut(self.regions), (*_HEAD, *_HELD, Region.HAIR))
+        seen = None if self.regions is None else np.isin(self.window.cut(self.regions), _SHOWN)
         if inside.mean() < _LEAST or (seen is not None and (seen & pixels).sum() < _LEAST * pixels.sum()):
             raise InputError("expected the picture that the face was fitted to, in its size, found no head where it is")
 
@@ -161,7 +158,7 @@ class Original:
         """(H, W) float32 from 0 to 1: how far samples show the head, without hair and what is before it."""
         if self.regions is None:
             return self.view.covered.astype(np.float32)
-        return self.of_regions(*_HEAD)
+        return self.of_regions(*HEAD_REGIONS)
 
     @cached_property
     def openings(self) -> np.ndarray:
@@ -257,7 +254,7 @@ class Original:
         """
         grid = ChartGrid(face_chart(self.template), _CHART)
         chart = grid.chart
-        at = np.column_stack([chart.uvs[:, 0], 1 - chart.uvs[:, 1]]) * _CHART - 0.5
+        at = uv_pixels(chart.uvs, (_CHART, _CHART))
         charted = np.zeros((len(self.rig.neutral), 3))
         charted[chart.vertices] = np.column_stack([chart.uvs, sample_pixels(inside_chart(grid), at[:, 0], at[:, 1])])
         return charted

@@ -5,6 +5,8 @@ from typing import Any
 
 import numpy as np
 
+from caricli.geometry.weighted_medians import weighted_medians
+from caricli.render.sky import sphere_directions
 from caricli.render.smooth_normals import even_normals
 
 GAMMA = 2.2
@@ -109,7 +111,7 @@ def estimate_light(
     if explained < settings.gain:
         return None
     light = fit.solve(np.ones(len(logs)), settings.weights[best])
-    dome = _dome()
+    dome = sphere_directions(_DOME)
     # An incident light meter beside the face would say one.
     light = light / np.maximum(harmonics(dome[dome @ view > 0]) @ light, _LEVEL).mean(0)
     lit = harmonics(normals[used]) @ light
@@ -132,7 +134,7 @@ class _Fit:
     def solve(self, kept: np.ndarray, weight: float) -> np.ndarray:
         """(9, 3) coefficients by points that are kept, (N,) 0 or 1; of a weight of their spread, inf for no light."""
         weights = self.weights * kept
-        middle = np.exp([_weighted_median(log, weights) for log in self.logs.T])
+        middle = np.exp(weighted_medians(self.logs, weights))
         light = np.zeros((9, 3))
         light[0] = middle / self.basis[0, 0]
         for _ in range(self.settings.rounds):
@@ -151,7 +153,7 @@ class _Fit:
     def trust(self, rest: np.ndarray, weights: np.ndarray) -> np.ndarray:
         """(N,) from 0 to 1, how much residuals (N, 3) are those of skin."""
         size = np.sqrt((rest**2).mean(1))
-        spread = max(1.4826 * _weighted_median(size, weights), self.settings.noise)
+        spread = max(1.4826 * float(weighted_medians(size[:, None], weights)[0]), self.settings.noise)
         return 1 / (1 + (size / (self.settings.outlier * spread)) ** 2) ** 2
 
     def missed(self, folds: np.ndarray, weight: float) -> float:
@@ -186,18 +188,3 @@ def _folds(places: np.ndarray, weights: np.ndarray, halvings: int) -> np.ndarray
             halves[order] = 2 * part + (share > share[-1] / 2)
         parts = halves
     return parts
-
-
-def _weighted_median(values: np.ndarray, weights: np.ndarray) -> float:
-    order = np.argsort(values)
-    total = np.cumsum(weights[order])
-    return float(values[order[np.searchsorted(total, total[-1] / 2)]])
-
-
-def _dome() -> np.ndarray:
-    """(N, 3) ways all around."""
-    k = np.arange(_DOME) + 0.5
-    y = 1 - 2 * k / _DOME
-    turn = np.pi * (1 + np.sqrt(5)) * k
-    across = np.sqrt(1 - y * y)
-    return np.stack([across * np.cos(turn), y, across * np.sin(turn)], 1)

@@ -9,6 +9,7 @@ import scipy.sparse as sp
 from caricli.geometry.cholesky import Cholesky
 from caricli.geometry.triangle_normals import triangle_normals
 from caricli.geometry.vertex_neighbours import vertex_neighbours
+from caricli.geometry.weighted_medians import weighted_medians
 from caricli.methods.texture.picture_view import SeenColours, likeness
 from caricli.structures import Mesh
 from caricli.template.annotation import CAVITIES, EARS
@@ -51,7 +52,7 @@ def skin_weights(head: Template, seen: np.ndarray) -> np.ndarray:
 
 def skin_colour(head: Template, vertices: SeenColours) -> np.ndarray:
     """(3,) sRGB, the median of the face's plain skin. vertices: SeenColours of the head, without light."""
-    return _median(vertices.colours, skin_weights(head, vertices.seen) + 1e-12 * vertex_areas(head))
+    return weighted_medians(vertices.colours, skin_weights(head, vertices.seen) + 1e-12 * vertex_areas(head))
 
 
 def vertex_areas(head: Mesh) -> np.ndarray:
@@ -106,17 +107,9 @@ def region_colours(head: Template, vertices: SeenColours, areas: np.ndarray, set
         else:
             seen = seen * like**2
         share = seen.sum() / areas[region].sum()
-        own = _median(vertices.colours, seen + 1e-12 * areas * region)
+        own = weighted_medians(vertices.colours, seen + 1e-12 * areas * region)
         usual[region] += share / (share + proof) * (own - skin)
     _, mean = vertex_neighbours(head.faces, len(areas))
     for _ in range(settings.soft):
         usual = (usual + mean @ usual) / 2
     return usual
-
-
-def _median(colours: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """(C,) weighted medians of colours (N, C)."""
-    order = np.argsort(colours, axis=0)
-    total = np.cumsum(weights[order], axis=0)
-    at = (total < total[-1] / 2).sum(0)
-    return np.take_along_axis(colours, np.take_along_axis(order, at[None], 0), 0)[0]

@@ -10,13 +10,9 @@ from caricli.methods.texture.another_colour import of_another_colour
 from caricli.methods.texture.collar import BARE, find_collar
 from caricli.methods.texture.distance_to import distance_to
 from caricli.methods.texture.mean_colours import mean_colours
-from caricli.structures.parsing import Region
+from caricli.structures.parsing import HEAD_REGIONS, Region
 
-_SKIN = (
-    *(Region.SKIN, Region.BROWS, Region.EYES, Region.NOSE, Region.LIPS, Region.MOUTH, Region.TEETH, Region.EARS),
-    *(Region.BEARD, Region.NECK),
-)
-_PAINT = (*_SKIN, Region.HAIR)
+_PAINT = (*HEAD_REGIONS, Region.HAIR)
 _WORN = (Region.GLASSES, Region.HAT)
 _AROUND = 0.006  # of the mesh's height in the picture: border of a collar, and least half of a neck's breadth
 _REACH = 0.04  # of the same: so near to what is behind a head its region may show this
@@ -67,7 +63,7 @@ def _behind(regions: np.ndarray, head: np.ndarray, image: np.ndarray, reach: flo
 
     reach: pixels, so near to the border of the head colours are asked, and so far from it they are learnt.
     """
-    skin = head & np.isin(regions, _SKIN)
+    skin = head & np.isin(regions, HEAD_REGIONS)
     back = regions == Region.BACKGROUND
     near = skin & (distance_to(back) <= reach)
     if not near.any():

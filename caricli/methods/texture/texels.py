@@ -8,6 +8,7 @@ import scipy.sparse as sp
 from caricli.methods.texture.fill_unseen import FEATURES
 from caricli.methods.texture.picture_view import SurfacePoints
 from caricli.render.uv_map import pad_texture, uv_map
+from caricli.structures import Mesh
 from caricli.template.template import Template
 
 
@@ -18,8 +19,8 @@ class Texels:
     shows; beyond the islands the nearest. corners, weights: (N, 3) vertices that mix, int32, and how much, float32.
     """
 
-    def __init__(self, head: Template, size: int) -> None:
-        """head: Template with UVs, in any shape. size: texels, width and height of the texture."""
+    def __init__(self, head: Mesh, size: int) -> None:
+        """head: Mesh with UVs, in any shape. size: texels, width and height of the texture."""
         face, weights = uv_map(head, size)
         self.covered = face >= 0
         self.corners = head.faces[face[self.covered]].astype(np.int32)

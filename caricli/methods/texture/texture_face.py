@@ -175,5 +175,4 @@ def _fill(
 
 def _trust(seen: np.ndarray, settings: TextureSettings) -> np.ndarray:
     """(N, 1) from 0 to 1, how much of the picture texels take that are seen as far as (N,)."""
-    trust = np.clip(seen / settings.trust, 0, 1)[:, None]
-    return trust * trust * (3 - 2 * trust)
+    return smooth_step(seen, 0, settings.trust)[:, None]
