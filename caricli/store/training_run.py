@@ -2,8 +2,9 @@
 
 import json
 import math
+import os
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Protocol
@@ -28,7 +29,8 @@ MODEL = "model.safetensors"
 REPORT = "model.json"
 LOG = "log.jsonl"
 CURVES = "loss.png"
-FILES = (STATE, MODEL, REPORT, LOG, CURVES)
+FILES = (REPORT, STATE, MODEL, LOG, CURVES)
+"""In the order in which old ones go: stopped between any two, ``--resume`` still knows what to do."""
 
 MEASURED = 100
 """Meshes of a split that the finished model is measured on, at most: encoding takes a second each."""
@@ -42,12 +44,14 @@ class Beginning:
     """How a training treats a folder that holds one already.
 
     resume: go on from its state; begin where there is none. overwrite: begin anew. writes: whether this process is the
-    one that writes.
+    one that writes. inputs: files and folders that the training reads, to none of which it may write (None entries are
+    skipped).
     """
 
     resume: bool = False
     overwrite: bool = False
     writes: bool = True
+    inputs: tuple[Path | None, ...] = ()
 
 
 class Training(Protocol):
@@ -79,10 +83,11 @@ class RunFolder:
     """What the learning curve is called, and its errors are."""
 
     def __init__(self, folder: Path, recipe: dict, beginning: Beginning) -> None:
-        """Read the state to go on from, or make room for a new one.
+        """Read the state to go on from. Files of an older training stay until the first epoch of the new one is done.
 
         recipe: JSON object, how it is trained.
-        Raises InputError when there is a training with other settings or data, OutputError when files are in the way.
+        Raises InputError when there is a training with other settings or data, OutputError when files are in the way or
+        an input would be written to.
         """
         self.folder = folder
         self.recipe = recipe
@@ -92,7 +97,7 @@ class RunFolder:
         self.seconds = 0.0
         self.started = time.monotonic()
         if self.writes:
-            self._check_folder()
+            self._check_folder(beginning.inputs)
         path = folder / STATE
         if beginning.resume and path.exists():
             self.state, trained = read_state(path)
@@ -102,7 +107,7 @@ class RunFolder:
             self.log = self.state["log"]
             self.seconds = self.state["seconds"]
         elif self.writes:
-            self._prepare(beginning.overwrite or beginning.resume)
+            self._check_old(beginning)
 
     def record(self, training: Training, unit: float, checkpoint: Callable[[], tuple[dict, dict]]) -> Iterator[dict]:
         """Train to the end; log, checkpoint and keep the best model on the way.
@@ -118,7 +123,11 @@ class RunFolder:
                 self._write_curves()
         last = time.monotonic()
         for record in training.epochs():
+            begins = not self.log
             self.log.append(self._line(record, unit))
+            if self.writes and begins:
+                self._remove_old()
+                self._write_log()  # says of the first model that its training has not ended
             if self.writes and record.best:
                 self.write_model(checkpoint())
             if self.writes and (training.ended or time.monotonic() - last >= training.config.checkpoint_seconds):
@@ -141,16 +150,32 @@ class RunFolder:
         with staged(self.folder / MODEL, overwrite=True) as (temporary,):
             write_checkpoint(temporary, *checkpoint)
 
-    def _check_folder(self) -> None:
+    def _check_folder(self, inputs: Sequence[Path | None]) -> None:
         if self.folder.exists() and not self.folder.is_dir():
             raise OutputError(f"{self.folder}: expected a folder to write, found a file")
-        check_outputs(*(self.folder / name for name in FILES), overwrite=True)
+        place = os.path.realpath(self.folder)
+        if any(path is not None and os.path.realpath(path) == place for path in inputs):
+            raise OutputError(f"{self.folder}: expected a folder to write, found one of the inputs")
+        check_outputs(*(self.folder / name for name in FILES), overwrite=True, inputs=inputs)
 
-    def _prepare(self, overwrite: bool) -> None:
-        old = [path for path in (self.folder / name for name in FILES) if path.exists() or path.is_symlink()]
-        if old and not overwrite:
+    def _old(self) -> list[Path]:
+        return [path for path in (self.folder / name for name in FILES) if path.exists() or path.is_symlink()]
+
+    def _check_old(self, beginning: Beginning) -> None:
+        """Refuse to replace anything but what a training leaves that was stopped before its first state."""
+        old = self._old()
+        if beginning.overwrite or not old:
+            return
+        if not beginning.resume:
             raise OutputError(f"{old[0]} exists; give --resume to go on or --overwrite to begin anew")
-        for path in old:
+        left = {path.name for path in old}
+        if REPORT in left or (MODEL in left and LOG not in left):
+            raise OutputError(
+                f"{old[0]}: expected {STATE} beside it to go on from, found none; --overwrite begins anew"
+            )
+
+    def _remove_old(self) -> None:
+        for path in self._old():
             path.unlink()
 
     def _line(self, record: EpochRecord, unit: float) -> dict:

@@ -11,7 +11,7 @@ from caricli.models.deformable.config import DeformableConfig
 from caricli.models.deformable.model import UnitBox
 from caricli.models.deformable.networks import HyperSiren
 from caricli.store.models import load_model
-from caricli.store.training_run import FILES, LOG, MODEL, STATE, Beginning, TrainingRun
+from caricli.store.training_run import FILES, LOG, MODEL, REPORT, STATE, Beginning, TrainingRun
 from caricli.template.annotation import parse_annotation
 from caricli.template.template import Template
 
@@ -73,7 +73,7 @@ def test_other_settings_or_data_are_said(training, template, tmp_path):
     TrainingRun(tmp_path, RECIPE | {"inputs": {"elsewhere.json": "0" * 64}}, Beginning(resume=True))
 
 
-def test_what_is_there_is_kept_unless_it_is_to_be_replaced(tmp_path):
+def test_what_is_there_is_kept_unless_it_is_to_be_replaced(training, template, tmp_path):
     (tmp_path / STATE).write_text("mine")
     (tmp_path / "thesis.txt").write_text("mine")
     with pytest.raises(OutputError, match="--resume"):
@@ -81,10 +81,58 @@ def test_what_is_there_is_kept_unless_it_is_to_be_replaced(tmp_path):
     assert (tmp_path / STATE).exists()
     TrainingRun(tmp_path, RECIPE, Beginning(overwrite=True, writes=False))
     assert (tmp_path / STATE).exists()
-    TrainingRun(tmp_path, RECIPE, Beginning(overwrite=True))
-    assert [path.name for path in tmp_path.iterdir()] == ["thesis.txt"]
+    (tmp_path / REPORT).write_text("mine")
+    run = TrainingRun(tmp_path, RECIPE, Beginning(overwrite=True))
+    assert (tmp_path / STATE).read_text() == (tmp_path / REPORT).read_text() == "mine"
+    next(run.follow(training(), template))
+    assert sorted(path.name for path in tmp_path.iterdir()) == [LOG, "thesis.txt"]
     with pytest.raises(OutputError, match="found a file"):
         TrainingRun(tmp_path / "thesis.txt", RECIPE, Beginning())
+
+
+def test_a_finished_model_without_its_state_is_kept(tmp_path):
+    for left in ((MODEL, REPORT, LOG), (MODEL,), (REPORT,)):
+        for name in left:
+            (tmp_path / name).write_text("mine")
+        with pytest.raises(
+            OutputError, match=r"model\.(json|safetensors): expected state\.pt .*; --overwrite begins anew"
+        ):
+            TrainingRun(tmp_path, RECIPE, Beginning(resume=True))
+        assert {path.name for path in tmp_path.iterdir()} == set(left)
+        for path in tmp_path.iterdir():
+            path.unlink()
+
+
+def test_a_run_that_was_left_before_its_first_state_begins_anew(training, template, tmp_path):
+    whole = TrainingRun(tmp_path / "whole", RECIPE, Beginning())
+    list(whole.follow(training(), template))
+    left = tmp_path / "left"
+    for line in TrainingRun(left, RECIPE, Beginning()).follow(training(), template):
+        if line["epoch"] == 2:
+            break
+    assert sorted(path.name for path in left.iterdir()) == [LOG, MODEL]
+    assert len(list(TrainingRun(left, RECIPE, Beginning(resume=True)).follow(training(), template))) == 4
+    assert (left / MODEL).read_bytes() == (tmp_path / "whole" / MODEL).read_bytes()
+
+
+def test_stopped_among_old_files_it_can_be_resumed(training, template, tmp_path):
+    """Old files go one after the other; whichever are left, --resume goes on from a state or begins anew."""
+    list(TrainingRun(tmp_path, RECIPE, Beginning()).follow(training(), template))
+    (tmp_path / REPORT).write_text("{}")
+    for name in FILES:
+        (tmp_path / name).unlink()
+        run = TrainingRun(tmp_path, RECIPE, Beginning(resume=True))
+        assert (run.state is None) == (name != REPORT)
+
+
+def test_an_input_is_no_output(tmp_path):
+    (tmp_path / MODEL).write_text("mine")
+    for source in (tmp_path / MODEL, tmp_path, tmp_path / "." / "x" / ".."):
+        for beginning in (Beginning(overwrite=True, inputs=(None, source)), Beginning(resume=True, inputs=(source,))):
+            with pytest.raises(OutputError, match="found one of the inputs"):
+                TrainingRun(tmp_path, RECIPE, beginning)
+    assert (tmp_path / MODEL).read_text() == "mine"
+    TrainingRun(tmp_path, RECIPE, Beginning(overwrite=True, inputs=(tmp_path / "others.safetensors",)))
 
 
 def test_a_process_that_does_not_write_leaves_nothing(training, template, tmp_path):

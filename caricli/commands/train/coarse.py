@@ -66,7 +66,8 @@ def command(datasets, pictures, out, model, detector, config, overrides, resume,
         sources = [*(folder / "dataset.json" for folder in datasets), model, detector]
         recipe = provenance("train coarse", sources, config=asdict(settings))
         recipe |= given.recipe | {"inputs": recipe["inputs"] | given.inputs}
-        run = CoarseRun(out, recipe, Beginning(resume, overwrite, writes=share.process == 0))
+        beginning = Beginning(resume, overwrite, share.process == 0, (*datasets, *pictures, model, detector, config))
+        run = CoarseRun(out, recipe, beginning)
         training = CoarseTraining(given.sources, given.model, given.detector, settings, share)
         with training_bar(settings.epochs, quiet=not run.writes) as show:
             for line in run.follow(training):

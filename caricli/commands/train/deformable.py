@@ -61,7 +61,7 @@ def command(dataset, out, config, overrides, resume, device, template, overwrite
         data = read_dataset(dataset)
         recipe = provenance("train deformable", [dataset / "dataset.json", template], config=asdict(settings))
         recipe |= seen_people(data).as_recipe()
-        run = TrainingRun(out, recipe, Beginning(resume, overwrite, writes=share.process == 0))
+        run = TrainingRun(out, recipe, Beginning(resume, overwrite, share.process == 0, (dataset, template, config)))
         training = train_deformable(data, network_points(data.template, template), settings, place, share)
         with training_bar(settings.epochs, quiet=not run.writes) as show:
             for line in run.follow(training, data.template):

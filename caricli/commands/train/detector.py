@@ -63,7 +63,7 @@ def command(pictures, out, config, overrides, start, resume, device, overwrite):
     with training_processes(place) as share:
         sources = [*(folder / "pictures.json" for folder in pictures), *([] if start is None else [start])]
         recipe = provenance("train detector", sources, config=asdict(settings))
-        run = DetectorRun(out, recipe, Beginning(resume, overwrite, writes=share.process == 0))
+        run = DetectorRun(out, recipe, Beginning(resume, overwrite, share.process == 0, (*pictures, start, config)))
         training = load_training(pictures, settings, share, place, start)
         with drawing_ahead(training, pictures), training_bar(settings.epochs, quiet=not run.writes) as show:
             for line in run.follow(training):

@@ -39,7 +39,7 @@ def command(out, config, overrides, resume, overwrite):
     settings = read_config(config, GestureConfig, overrides)
     with training_processes("cpu") as share:
         recipe = provenance("train gesture", [], config=asdict(settings))
-        run = GestureRun(out, recipe, Beginning(resume, overwrite, writes=share.process == 0))
+        run = GestureRun(out, recipe, Beginning(resume, overwrite, share.process == 0, (config,)))
         training = GestureTraining(settings, share)
         with training_bar(settings.epochs, quiet=not run.writes) as show:
             for line in run.follow(training):

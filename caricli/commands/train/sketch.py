@@ -56,7 +56,7 @@ def command(datasets, out, model, config, overrides, resume, overwrite):
         people, basis = load_sketch_ingredients(datasets, model, settings)
         sources = [*(folder / "dataset.json" for folder in datasets), model]
         recipe = provenance("train sketch", sources, config=asdict(settings)) | everybody(people).as_recipe()
-        run = SketchRun(out, recipe, Beginning(resume, overwrite, writes=share.process == 0))
+        run = SketchRun(out, recipe, Beginning(resume, overwrite, share.process == 0, (*datasets, model, config)))
         with progress_bar("wrinkles") as report:
             training = sketch_training(people, basis, settings, share, report)
         with training_bar(settings.epochs, quiet=not run.writes) as show:

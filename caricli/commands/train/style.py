@@ -47,7 +47,7 @@ def command(drawings, out, config, overrides, resume, overwrite):
     with training_processes("cpu") as share:
         pictures, notes = ({}, []) if drawings is None else load_style_drawings(drawings)
         recipe = provenance("train style", pictures, config=asdict(settings))
-        run = StyleRun(out, recipe, Beginning(resume, overwrite, writes=share.process == 0))
+        run = StyleRun(out, recipe, Beginning(resume, overwrite, share.process == 0, (drawings, config)))
         echo_notes(*(f"caricli: {note}" for note in notes if run.writes))
         with progress_bar("painting") as report:
             training = style_training(list(pictures.values()), settings, share, report)

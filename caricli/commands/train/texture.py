@@ -62,7 +62,8 @@ def command(folders, out, styles, drawings, config, overrides, resume, overwrite
         book, notes = load_style_book(styles, None, settings.seed)
         sources = texture_sources(folders, drawings, styles)
         recipe = provenance("train texture", sources, config=asdict(settings))
-        run = TextureRun(out, recipe, Beginning(resume, overwrite, writes=share.process == 0))
+        beginning = Beginning(resume, overwrite, share.process == 0, (*folders, drawings, styles, config))
+        run = TextureRun(out, recipe, beginning)
         echo_notes(*(f"caricli: {note}" for note in notes if run.writes))
         with progress_bar("painting") as report:
             ingredients = load_texture_ingredients(folders, drawings, settings, book, report)

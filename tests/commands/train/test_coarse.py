@@ -68,6 +68,12 @@ def test_as_many_datasets_as_folders_of_pictures(refused, dataset, pictures, det
     assert "expected one --data, or 1," in refused("train", "coarse", "--data", dataset, "--data", dataset, *options)
 
 
+def test_an_input_is_no_output(refused, dataset, pictures, detector):
+    options = ("--data", dataset, "--pictures", pictures, "--detector", detector, *SMALL, "--overwrite")
+    for folder in (dataset, pictures):
+        assert "found one of the inputs" in refused("train", "coarse", *options, "--out", folder)
+
+
 def test_a_face_that_the_network_tells(run, refused, trained, points, tmp_path):
     marks = tmp_path / "marks.json"
     write_landmarks(marks, Landmarks(points[:68], (400, 400)))

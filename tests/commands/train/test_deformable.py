@@ -101,6 +101,8 @@ def test_a_folder_that_cannot_be_written_is_refused_before_it_trains(refused, da
 def test_an_existing_run_is_kept(refused, trained, dataset, tiny):
     line = refused("train", "deformable", "--data", dataset, "--config", tiny, "--out", trained)
     assert "--resume" in line and "--overwrite" in line
+    line = refused("train", "deformable", "--data", dataset, "--config", tiny, "--out", dataset, "--overwrite")
+    assert "found one of the inputs" in line
 
 
 def test_other_settings_cannot_go_on(refused, trained, dataset, tiny):

@@ -57,6 +57,17 @@ def test_it_trains_on_several_folders_together(run, trained, pictures, head_temp
     assert list(report["inputs"]) == [*map(str, sources), str(trained / "model.safetensors")]
 
 
+def test_what_it_reads_and_what_stands_there_is_kept(refused, trained, pictures, head_template, tmp_path):
+    files = {path.name: path.read_bytes() for path in trained.iterdir()}
+    start = trained / "model.safetensors"
+    told = refused("train", "detector", "--pictures", pictures, "--start", start, "--out", trained, "--overwrite")
+    assert f"{start}: expected an output, found one of the inputs" in told
+    few = write_drawn_set(tmp_path / "few", mean_shape(head_template), 1, 0)
+    told = refused("train", "detector", "--pictures", few, "--out", trained, "--overwrite")
+    assert "to validate on" in told
+    assert {path.name: path.read_bytes() for path in trained.iterdir()} == files
+
+
 def test_other_settings_are_refused_and_what_is_no_folder_of_pictures(refused, trained, pictures, tmp_path):
     told = refused("train", "detector", "--pictures", pictures, "--out", trained, *SMALL, "--resume", "--set=seed=3")
     assert "seed 0 there, 3 here" in told

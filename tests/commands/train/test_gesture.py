@@ -41,6 +41,13 @@ def test_it_goes_on_and_refuses_other_settings(run, refused, trained):
     )
 
 
+def test_an_input_is_no_output(refused, tmp_path):
+    settings = tmp_path / "model.safetensors"
+    settings.write_text("steps: 4\n")
+    told = refused("train", "gesture", "--config", settings, "--out", tmp_path, "--overwrite")
+    assert "found one of the inputs" in told and settings.read_text() == "steps: 4\n"
+
+
 def test_evaluate_measures_it(run, trained, tmp_path):
     words = ("--network", trained / "model.safetensors", "--count", 3, "--out", tmp_path / "pen.json")
     result = run("evaluate", "gesture", *words)

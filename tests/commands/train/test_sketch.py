@@ -102,6 +102,8 @@ def test_bad_input_is_one_line(refused, dataset, models, tmp_path):
     assert "size" in refused("train", "sketch", "--data", dataset, "--out", out, "--set", "size=100", code=2)
     assert "missing" in refused("train", "sketch", "--data", tmp_path / "missing", "--out", out)
     assert not out.exists()
+    told = refused("train", "sketch", "--data", dataset, "--out", dataset, "--overwrite")
+    assert "found one of the inputs" in told
 
 
 def test_a_network_of_another_model_is_refused(trained):

@@ -56,3 +56,5 @@ def test_it_goes_on_and_refuses_other_settings(run, refused, trained, drawings):
     assert result.exit_code == 0 and (trained / "model.safetensors").read_bytes() == before
     empty = drawings.parent
     assert "no picture in it" in refused("train", "style", "--drawings", empty, "--out", trained.parent / "new", *TINY)
+    told = refused("train", "style", "--drawings", drawings, "--out", drawings, *TINY, "--overwrite")
+    assert "found one of the inputs" in told

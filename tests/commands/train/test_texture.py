@@ -87,6 +87,7 @@ def test_what_is_no_folder_of_textures_is_refused(refused, trained, textures, tm
     assert "textures.json" in told(tmp_path, tmp_path / "run")
     assert "--overwrite to begin anew" in told(textures, trained)
     assert "expected a folder of drawings" in told(textures, tmp_path / "run", "--styles", tmp_path / "none")
+    assert "found one of the inputs" in told(textures, textures, "--overwrite")
     assert "at least 64 texels, found 32" in told(textures, tmp_path / "large", "--set", "size=64")
 
 
