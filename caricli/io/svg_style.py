@@ -7,7 +7,6 @@ from xml.etree.ElementTree import Element
 
 _NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(px|pt|pc|mm|cm|in|)\s*")
 _UNITS = {"": 1.0, "px": 1.0, "pt": 96 / 72, "pc": 16.0, "mm": 96 / 25.4, "cm": 96 / 2.54, "in": 96.0}
-_RULE = re.compile(r"([^{}]{1,1000})\{([^{}]{0,4000})\}")
 _CLASS = re.compile(r"\.([\w-]+)\s*$")
 _KEYS = ("stroke", "stroke-width", "display", "visibility")
 _LARGEST = 1e9
@@ -25,11 +24,13 @@ def length_in_pixels(text: str | None) -> float | None:
 def style_rules(text: str) -> dict[str, dict[str, str]]:
     """Declarations by class of a style sheet; other selectors than classes are passed over."""
     rules: dict[str, dict[str, str]] = {}
-    for selectors, body in _RULE.findall(text):
-        for selector in selectors.split(","):
+    for rule in text.split("}")[:-1]:
+        before, _, body = rule.rpartition("{")
+        declarations = _declarations(body)
+        for selector in before.rpartition("{")[2].split(","):
             match = _CLASS.search(selector.strip())
             if match:
-                rules.setdefault(match[1], {}).update(_declarations(body))
+                rules.setdefault(match[1], {}).update(declarations)
     return rules
 
 

@@ -98,6 +98,13 @@ def test_backgrounds_and_what_is_hidden_are_left_out(tmp_path):
     assert len(stroke.points) == 2 and stroke.width == 3
 
 
+def test_a_style_sheet_of_any_length_is_read(tmp_path):
+    filling = 400_000 * "a"
+    sheet = f"@media print {{ p, {1000 * '.p, '}.b {{ {1000 * 'fill: none; '}stroke-width: 3px }} }} {filling}"
+    (stroke,) = read(tmp_path, f'<style>{sheet}</style><path class="b" d="M1 1 L2 2"/>').strokes
+    assert stroke.width == 3
+
+
 def test_shapes_are_lines(tmp_path):
     body = (
         '<polygon points="1,2 3,4 5,6"/><rect x="1" y="2" width="3" height="4"/><circle cx="5" cy="6" r="2"/>'
