@@ -1,3 +1,5 @@
+import tracemalloc
+
 import numpy as np
 
 from caricli.geometry.line_distances import line_distances
@@ -18,3 +20,17 @@ def test_a_long_line_is_looked_at_whole():
     circle = 10 * np.stack([np.cos(turn), np.sin(turn)], axis=1)
     points = np.array([[0.0, 0], [9, 0], [0, -12]])
     np.testing.assert_allclose(line_distances(points, [circle]), [10, 1, 2], atol=1e-3)
+
+
+def test_many_points_take_little_memory():
+    rng = np.random.default_rng(0)
+    points = rng.normal(size=(20_000, 2))
+    line = rng.normal(size=(300, 2))
+    tracemalloc.start()
+    try:
+        distances = line_distances(points, [line])
+        peak = tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+    np.testing.assert_array_equal(distances[[0, 7000, -1]], line_distances(points[[0, 7000, -1]], [line]))
+    assert peak < 100e6

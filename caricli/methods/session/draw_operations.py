@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from caricli.errors import InputError
+from caricli.geometry.line_distances import line_distances
 from caricli.methods.faces.encode_face import encode_face
 from caricli.methods.session.parameters import Parameters, number, only, points
 from caricli.methods.session.tools import Tools
@@ -32,7 +33,7 @@ def draw(work: Work, parameters: Parameters, tools: Tools) -> Work:
 def erase(work: Work, parameters: Parameters, tools: Tools) -> Work:
     """Rub out what lies under the path of an eraser; a stroke may become two.
 
-    points: rows [x, y], pixels of the canvas, near each other. radius: pixels.
+    points: rows [x, y], pixels of the canvas. radius: pixels.
     """
     only(parameters, "points", "radius")
     path = points(parameters, "points")
@@ -76,9 +77,7 @@ def rubbed(stroke: Stroke, path: np.ndarray, radius: float) -> list[Stroke]:
 
     path: (N, 2) pixels. radius: pixels.
     """
-    along = _dense(path, radius)
-    gaps = np.linalg.norm(stroke.points[:, None] - along[None], axis=2).min(1)
-    left = gaps > radius
+    left = line_distances(stroke.points, [path]) > radius
     if left.all():
         return [stroke]
     ends = np.flatnonzero(np.diff(np.concatenate([[0], left.astype(int), [0]])))
@@ -88,14 +87,6 @@ def rubbed(stroke: Stroke, path: np.ndarray, radius: float) -> list[Stroke]:
             pressure = None if stroke.pressure is None else stroke.pressure[first:last]
             pieces.append(replace(stroke, points=stroke.points[first:last], pressure=pressure))
     return pieces
-
-
-def _dense(path: np.ndarray, radius: float) -> np.ndarray:
-    """The path with points no farther apart than half the radius."""
-    steps = np.linalg.norm(np.diff(path, axis=0), axis=1)
-    counts = np.maximum(1, np.ceil(2 * steps / radius)).astype(int)
-    pieces = [path[k] + np.arange(count)[:, None] / count * (path[k + 1] - path[k]) for k, count in enumerate(counts)]
-    return np.concatenate([*pieces, path[-1:]])
 
 
 def _seen(work: Work, sketch: Sketch, tools: Tools) -> Work:

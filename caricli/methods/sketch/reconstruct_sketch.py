@@ -11,6 +11,7 @@ from caricli.geometry.flipped_triangles import flipped_triangles
 from caricli.geometry.line_distances import line_distances
 from caricli.geometry.match_line import resample
 from caricli.geometry.untangle import untangle
+from caricli.limits import MAX_SKETCH_POINTS
 from caricli.methods.faces.encode_face import encode_face
 from caricli.methods.sketch.fit_lines import Lines
 from caricli.methods.sketch.follow_lines import LineFollower
@@ -23,7 +24,7 @@ from caricli.structures.sketch import Sketch, StrokeKind
 from caricli.template.feature_curves import feature_curves
 
 _SPACING = 0.004
-"""Of the canvas: between points at which lines are compared."""
+"""Of the canvas: between points at which lines are compared; more where these would be more than a sketch may have."""
 _UNSURE = 0.5
 """Share of strokes from which on it is said that they draw no face."""
 
@@ -240,7 +241,8 @@ def _distances(lines: Lines, curves: dict[str, np.ndarray], side: float) -> dict
 def _dense(lines: Sequence[np.ndarray], side: float) -> np.ndarray:
     """Points (N, 2) along lines."""
     lengths = [np.linalg.norm(np.diff(line, axis=0), axis=1).sum() for line in lines]
-    counts = [max(2, int(length / (_SPACING * side))) for length in lengths]
+    spacing = max(_SPACING * side, sum(lengths) / MAX_SKETCH_POINTS)
+    counts = [max(2, int(length / spacing)) for length in lengths]
     return np.concatenate([resample(line, count) for line, count in zip(lines, counts, strict=True)])
 
 

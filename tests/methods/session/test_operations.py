@@ -1,10 +1,13 @@
+import tracemalloc
 from dataclasses import replace
+from itertools import groupby, pairwise
 
 import numpy as np
 import pytest
 from threadpoolctl import threadpool_info, threadpool_limits
 
 from caricli.errors import CaricliError, InputError
+from caricli.methods.session.draw_operations import rubbed
 from caricli.methods.session.history import History
 from caricli.methods.session.operations import OPERATIONS, operate
 from caricli.methods.session.replay import replay
@@ -95,6 +98,31 @@ def test_lines_can_be_followed(start, tools):
     }
     assert np.median(list(gaps.values())) < 1.5  # pixels of 512
     assert np.abs(near.face.vertices - half.face.vertices).max() > 1e-4 and near.sketch is drawn.sketch
+
+
+def test_an_eraser_takes_what_is_nearer_to_its_path_than_its_radius():
+    rng = np.random.default_rng(0)
+    line = Stroke(np.cumsum(rng.normal(0, 4, (400, 2)), axis=0), pressure=rng.random(400))
+    path = rng.normal(0, 40, (5, 2))
+    share = np.linspace(0, 1, 4001)[:, None]
+    everywhere = np.concatenate([a + share * (b - a) for a, b in pairwise(path)])
+    left = [min(np.linalg.norm(everywhere - point, axis=1)) > 12 for point in line.points]
+    runs = [list(run) for stays, run in groupby(range(400), key=left.__getitem__) if stays]
+    pieces = rubbed(line, path, 12)
+    assert len(pieces) > 2
+    for piece, run in zip(pieces, [run for run in runs if len(run) > 1], strict=True):
+        assert np.array_equal(piece.points, line.points[run]) and np.array_equal(piece.pressure, line.pressure[run])
+
+
+def test_a_long_way_of_an_eraser_takes_no_memory():
+    line = Stroke(np.array([[-3.0, 0], [-2, 1], [5, 2], [1e5, -0.05]]))
+    tracemalloc.start()
+    try:
+        (piece,) = rubbed(line, np.array([[-1e6, 0], [1e6, 0]]), 0.1)
+        peak = tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+    assert np.array_equal(piece.points, line.points[1:3]) and peak < 1e6
 
 
 @pytest.mark.parametrize(

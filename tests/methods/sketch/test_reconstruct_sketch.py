@@ -5,6 +5,7 @@ import pytest
 
 from caricli.errors import InputError
 from caricli.geometry.match_line import resample
+from caricli.limits import MAX_SKETCH_POINTS
 from caricli.methods.faces.encode_face import decode_face
 from caricli.methods.faces.encode_landmarks import landmark_encoder
 from caricli.methods.sketch import reconstruct_sketch
@@ -148,3 +149,9 @@ def test_strokes_that_go_with_no_others_do_not_tear_the_face(monkeypatch):
     assert fit.left and "goes with no other line" in fit.describe()
     monkeypatch.setattr(reconstruct_sketch, "_ROUNDS", 0)
     assert own.reconstruct(sketch).errors["all"] > 1.5 * fit.errors["all"]
+
+
+def test_lines_that_leave_the_canvas_far_behind_are_compared_at_few_points():
+    far = np.array([[-1e6, 0], [1e6, 0], [-1e6, 9], [1e6, 9]])
+    distances = reconstruct_sketch._distances({"nose": [far]}, {"nose": np.zeros((1, 2))}, 256)["nose"]
+    assert 1000 < len(distances) <= MAX_SKETCH_POINTS and distances.max() == pytest.approx(1e8 / 256)
