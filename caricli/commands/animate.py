@@ -148,10 +148,11 @@ def command(
     with ExitStack() as stack:
         temporary = dict(zip(files, stack.enter_context(staged(*files, **given)), strict=True)) if files else {}
         folder = stack.enter_context(staged_folder(frames, marker=REPORT, **given)) if frames else None
-        settings = AnimationSettings(fps, smooth, factors, not no_head)
         loaded = _load(rig, head)
         painter = load_painter(loaded, rig, model)
-        performance = animate_rig(loaded, load_track(weights, source_fps, fps), settings)
+        track = load_track(weights, source_fps, fps)
+        with naming(rig):
+            performance = animate_rig(loaded, track, AnimationSettings(fps, smooth, factors, not no_head))
         drawing = _Drawing(performance, painter, view, size)
         _write_moving(temporary.get(out), temporary.get(video), drawing)
         if folder is not None:

@@ -20,7 +20,7 @@ _SHOWN = 60
 
 
 def expand_sides(weights: Mapping[str, float], action_names: Collection[str]) -> dict[str, float]:
-    """Give both sides what a name without a side says.
+    """Give both sides what a name without a side says; what a side's own name says counts the more.
 
     weights: from ARKit action names, with or without Left or Right, to values in [0, 1]. action_names: those there are.
     Returns weights by full names. Raises InputError for other names.
@@ -31,7 +31,7 @@ def expand_sides(weights: Mapping[str, float], action_names: Collection[str]) ->
         if not sides:
             raise InputError(f"no ARKit action is named {name!r}")
         expanded.update(dict.fromkeys(sides, float(weight)))
-    return expanded
+    return expanded | {name: float(weight) for name, weight in weights.items() if name in action_names}
 
 
 def named_expressions(action_names: Collection[str]) -> dict[str, dict[str, float]]:
@@ -55,8 +55,8 @@ def read_expressions(path: Path, action_names: Collection[str]) -> dict[str, dic
     """Read expressions: YAML or JSON, names with actions and their weights, among them ``neutral`` without any.
 
     Returns actions with weights, as of ``expand_sides``, by names, the neutral one first. Raises InputError for
-    duplicate names, an unknown action, a weight below 0 or above ``MAX_WEIGHT``, and where the neutral one is missing
-    or moves.
+    duplicate names and such as are no text, an unknown action, a weight below 0 or above ``MAX_WEIGHT``, and where the
+    neutral one is missing or moves.
     """
     table = read_yaml(path)
     with naming(path):
@@ -69,16 +69,23 @@ def read_expressions(path: Path, action_names: Collection[str]) -> dict[str, dic
             raise InputError(f"expected an expression {NEUTRAL!r} without actions, found {given}")
         expressions: dict[str, dict[str, float]] = {NEUTRAL: {}}
         for name, weights in table.items():
+            _check_name(name)
             with naming(shown(name, _SHOWN)):
                 _check_weights(weights)
                 expressions[name] = expand_sides(weights, action_names)
         return expressions
 
 
+def _check_name(name: Any) -> None:
+    if not isinstance(name, str):
+        raise InputError(f"expected names that are text, found {shown(name, _SHOWN)}; in YAML write it in quotes")
+
+
 def _check_weights(weights: Any) -> None:
     if not isinstance(weights, dict) or not weights:
         raise InputError(f"expected actions with weights, found {shown(weights, _SHOWN)}")
     for action, weight in weights.items():
+        _check_name(action)
         if isinstance(weight, bool) or not isinstance(weight, int | float) or not 0 <= weight <= MAX_WEIGHT:
             given = f"{shown(action, _SHOWN)}: {shown(weight, _SHOWN)}"
             raise InputError(f"expected weights from 0 to {MAX_WEIGHT}, found {given}")

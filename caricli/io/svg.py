@@ -22,6 +22,8 @@ _MAX_DEPTH = 64
 _MAX_ELEMENTS = 50_000
 _LARGEST = 4096.0
 """Pixels of the longer side of a canvas, at most; smaller ones than CANVAS become as large."""
+_SMALLEST = 1e-9
+"""Units of the longer side of a drawing, at least."""
 
 _GROUPS = {"svg", "g", "a", "switch", "symbol"}
 _LINES = {"path", "line", "polyline", "polygon", "rect", "circle", "ellipse"}
@@ -173,8 +175,8 @@ class _Reader:
                     yield from self._walk(child, inner)
 
     def _lines(self, element: Element, place: _Place) -> Iterator[tuple[Stroke, bool]]:
-        scale = float(np.sqrt(abs(np.linalg.det(place.matrix[:, :2]))))
         with np.errstate(all="ignore"):
+            scale = float(np.sqrt(abs(np.linalg.det(place.matrix[:, :2]))))
             for line in outline_points(element, _name(element), scale):
                 self.points += len(line)
                 if self.points > MAX_SKETCH_POINTS:
@@ -250,13 +252,19 @@ def _coordinate(element: Element, key: str) -> float:
 
 
 def _view_box(root: Element) -> tuple[float, float, float, float] | None:
-    """Left, top, width and height in the units of the drawing, or None where nothing says them."""
+    """Left, top, width and height in the units of the drawing, or None where nothing says them.
+
+    Raises InputError for a drawing too small to be drawn larger.
+    """
     words = re.split(r"[\s,]+", (root.get("viewBox") or "").strip())
     numbers: list[Any] = [length_in_pixels(word) for word in words]
     if len(numbers) != 4 or None in numbers:
         numbers = [0.0, 0.0, length_in_pixels(root.get("width")), length_in_pixels(root.get("height"))]
     if None in numbers or not (numbers[2] > 0 and numbers[3] > 0):
         return None
+    if max(numbers[2:]) < _SMALLEST:
+        size = f"{numbers[2]:g} x {numbers[3]:g}"
+        raise InputError(f"viewBox: expected a drawing of at least {_SMALLEST:g} units, found one of {size}")
     return tuple(numbers)
 
 

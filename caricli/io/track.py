@@ -98,7 +98,7 @@ def write_weights(path: str | Path, track: Track) -> None:
 
 
 def _from_csv(text: str, fps: float | None) -> Track:
-    lines = text.removeprefix("\ufeff").splitlines()
+    lines = text.removeprefix("\ufeff").splitlines() or [""]
     header = [word.strip().strip('"') for word in lines[0].split(",")]
     columns = _columns(header, lines[0])
     has_head = any(name.lower() in columns for name in HEAD_ANGLES)

@@ -8,6 +8,7 @@ from scipy.spatial.transform import Rotation
 from caricli.io.gltf.read_gltf import read_gltf
 from caricli.io.gltf.write_gltf import write_gltf
 from caricli.io.image import read_image
+from caricli.io.mesh import write_mesh
 from caricli.io.obj import read_obj
 from caricli.io.rig import read_rig, write_rig
 from caricli.io.strict_json import read_json
@@ -198,7 +199,7 @@ def test_a_glb_is_a_rig_too_and_names_are_listed(run, rig_file, tmp_path):
     np.testing.assert_allclose(made[0], posed(read_rig(rig_file), [0, 0, 0, 0, 1]), atol=1e-6)
 
 
-def test_bad_input_is_one_line_and_leaves_nothing(refused, rig_file, values, tmp_path):
+def test_bad_input_is_one_line_and_leaves_nothing(refused, rig_file, ball, values, tmp_path):
     good, place = live_link(tmp_path / "take.csv", values), tmp_path / "new"
     out = ("--out", place / "a.glb", "--frames", place / "frames")
 
@@ -229,6 +230,9 @@ def test_bad_input_is_one_line_and_leaves_nothing(refused, rig_file, values, tmp
     fast = ours(tmp_path / "fast.json", np.zeros((3, 5)), times=np.arange(3) / 60)
     check("at most 50 frames a second for .gif", source=fast, options=("--video", place / "a.gif"))
     check("did you mean 'jawOpen'", options=(*out, "--scale", "jawopen=1"))
+    still = tmp_path / "still.glb"
+    write_mesh(still, Mesh(*ball))
+    check("still.glb: expected a rig with expressions", rig=still, options=(*out, "--scale", "jawOpen=1"))
     for text in ("jawOpen", "jawOpen=", "jawOpen=nan", "jawOpen=4", "jawOpen=-1", "=1"):
         check("NAME=K", options=(*out, "--scale", text), code=2)
     check("every expression once", options=(*out, "--scale", "jawOpen=1", "--scale", "jawOpen=2"), code=2)

@@ -12,6 +12,11 @@ def test_a_name_without_a_side_stands_for_both():
     assert expand_sides({"browDownLeft": 0.2}, NAMES) == {"browDownLeft": 0.2}
 
 
+def test_a_side_that_is_named_itself_has_its_own_weight_in_either_order():
+    for weights in ({"browDownLeft": 1, "browDown": 0.2}, {"browDown": 0.2, "browDownLeft": 1}):
+        assert expand_sides(weights, NAMES) == {"browDownLeft": 1.0, "browDownRight": 0.2}
+
+
 def test_an_unknown_name_is_refused():
     with pytest.raises(InputError, match="earWiggle"):
         expand_sides({"earWiggle": 1.0}, NAMES)
@@ -54,6 +59,9 @@ def test_a_file_is_read_with_the_neutral_one_first(tmp_path):
         ("neutral: {}\na: {jawOpen: .nan}", "expected weights from 0 to 1.5"),
         ("neutral: {}\na: {jawOpen: yes}", "expected weights from 0 to 1.5"),
         ("neutral: {}\na: {earWiggle: 1}", "a: no ARKit action is named 'earWiggle'"),
+        ("neutral: {}\na: {1: 0.5}", "a: expected names that are text, found 1"),
+        ("neutral: {}\nno: {jawOpen: 1}", "expected names that are text, found False; in YAML write it in quotes"),
+        ("neutral: {}\n~: {jawOpen: 1}", "expected names that are text, found None"),
         ("neutral: {}\na: {}", "a: expected actions with weights, found {}"),
         ("neutral: {}", "expected 2 to"),
         ("[neutral, smile]", "expected 2 to"),

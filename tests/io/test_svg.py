@@ -156,6 +156,22 @@ def test_what_is_no_drawing_is_refused(tmp_path, body, start, message):
     )
 
 
+@pytest.mark.parametrize("side", ["1e-310", "1e-300", "9e-10"])
+def test_a_drawing_too_small_to_be_drawn_larger_is_refused(tmp_path, side):
+    with pytest.raises(
+        InputError, match=f"s.svg: viewBox: expected a drawing of at least 1e-09 units, found .* {side}"
+    ):
+        read(tmp_path, '<line x2="1"/>', head=f'viewBox="0 0 {side} {side}"')
+    sketch = read(tmp_path, '<line x2="1e-9"/>', head=f'viewBox="0 0 {side} 1e-9"')
+    np.testing.assert_allclose(np.ptp(sketch.strokes[0].points, axis=0), [256, 0])
+
+
+@pytest.mark.filterwarnings("error")
+def test_scales_beyond_all_numbers_say_nothing_but_the_error(tmp_path):
+    with pytest.raises(InputError, match="expected finite coordinates"):
+        read(tmp_path, '<g transform="scale(1e200)"><line x2="1"/></g>')
+
+
 def test_uses_that_multiply_end(tmp_path):
     layers = "".join(f'<g id="a{k + 1}">' + f'<use href="#a{k}"/>' * 10 + "</g>" for k in range(8))
     with pytest.raises(InputError, match="found more"):

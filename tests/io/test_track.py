@@ -186,6 +186,8 @@ def test_bad_takes_say_the_line(tmp_path):
     check(2, lambda line: value(line, 53, "-inf"), "line 2: TongueOut: expected a number", "found '-inf'")
     check(2, lambda line: value(line, 54, "99"), "line 2", "angles of the head in radians")
     check(2, lambda line: value(line, 55, "90"), "line 2", "angles of the head in radians")
+    path.write_bytes(b"\xef\xbb\xbf")
+    refused(path, "a.csv: expected weights (CSV, JSON or NPZ), found ''")
     path.write_text(lines[0] + "\n\n")
     refused(path, "at least one frame")
 

@@ -96,8 +96,11 @@ def animate_rig(
 
     What only means something on top of another action goes no further than that: ``mouthClose`` undoes what ``jawOpen``
     opens, and alone would pull the chin over the lips.
-    Raises InputError when a scaled expression is not the rig's, no name is common, or frames are too many.
+    Raises InputError when the rig has no expressions, a scaled one is not the rig's, no name is common, or frames are
+    too many.
     """
+    if not rig.names:
+        raise InputError("expected a rig with expressions, found one without")
     unknown = [name for name in settings.scales if name not in rig.names]
     if unknown:
         near = get_close_matches(unknown[0], rig.names, 1, 0.0)[0]

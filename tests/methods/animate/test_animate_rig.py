@@ -41,6 +41,13 @@ def test_the_head_may_keep_still(rig, track):
     np.testing.assert_allclose(last, rig.neutral + rig.deltas[0], atol=1e-6)
 
 
+def test_a_rig_without_expressions_is_refused(rig, track):
+    still = Rig((), rig.mesh, rig.deltas[:0])
+    for scales in ({}, {"jawOpen": 1.0}):
+        with pytest.raises(InputError, match="expected a rig with expressions"):
+            animate_rig(still, track, AnimationSettings(scales=scales))
+
+
 def test_only_expressions_of_the_rig_are_scaled(rig, track):
     with pytest.raises(InputError, match="jawopen: not among the rig's 2; did you mean 'jawOpen'"):
         animate_rig(rig, track, AnimationSettings(scales={"jawopen": 1.0}))
