@@ -9,11 +9,8 @@ from caricli.errors import InputError, OutputError, shown
 from caricli.io.landmarks import read_landmarks, write_landmarks
 from caricli.io.outputs import staged
 from caricli.store.face_pictures import FaceReader
-from caricli.store.pictures import PICTURES, load_marked_picture
+from caricli.store.pictures import MARKS, PICTURES, load_marked_picture
 from caricli.structures import Landmarks
-
-FORMATS = (".json", ".pts", ".txt", ".npy")
-"""Of landmark files beside a picture; where there are several, the first counts."""
 
 
 @dataclass(frozen=True)
@@ -37,7 +34,7 @@ class MarkedFolder:
 
     def file(self, picture: Path) -> Path:
         """The landmark file beside a picture; where there is none, where it will be."""
-        files = [picture.with_suffix(suffix) for suffix in FORMATS]
+        files = [picture.with_suffix(suffix) for suffix in MARKS]
         return next((file for file in files if file.is_file()), files[0])
 
     def is_done(self, picture: Path) -> bool:

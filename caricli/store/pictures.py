@@ -14,8 +14,8 @@ from caricli.structures.parsing import Region
 
 PICTURES = (".png", ".jpg", ".jpeg", ".webp", ".bmp", ".tif", ".tiff", ".gif")
 
-MARKS = (".json", ".txt", ".pts", ".npy")
-"""Suffixes of landmark files."""
+MARKS = (".json", ".pts", ".txt", ".npy")
+"""Suffixes of landmark files; where a picture has several, the first counts."""
 
 _EYE_LABELS = ("eye_left", "eye_right", "eyes")
 """Labels of a parsed picture that show an eye."""

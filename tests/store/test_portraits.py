@@ -3,8 +3,11 @@ import pytest
 
 from caricli.errors import InputError
 from caricli.io.image import write_png
+from caricli.io.landmarks import write_landmarks
 from caricli.methods.evaluate.reconstruct_portrait import NETWORK
+from caricli.store.marked_folder import MarkedFolder
 from caricli.store.portraits import load_portrait, load_rivals, portrait_files
+from caricli.structures import Landmarks
 
 
 @pytest.fixture
@@ -29,6 +32,14 @@ def test_pictures_go_with_the_landmarks_of_their_name(folder, points):
     portrait = load_portrait(*pair)
     assert portrait.name == "one.png" and portrait.image.shape == (400, 400, 3) and portrait.truth is None
     np.testing.assert_allclose(portrait.points, points[:68])
+
+
+def test_of_several_landmark_files_all_take_the_same(folder, points):
+    for suffix in (".npy", ".txt", ".pts", ".json"):
+        write_landmarks(folder / f"one{suffix}", Landmarks(points[:68]))
+        ((picture, marks),) = portrait_files(folder)
+        assert marks == MarkedFolder.of(folder).file(picture)
+    assert marks.suffix == ".json"
 
 
 def test_the_first_pixel_of_a_pts_file_is_as_it_is_said(folder, points):
