@@ -86,8 +86,8 @@ def command(face, texts, file, pins, symmetric, out, norm, avoid, steps, baselin
     settings = HandleSettings(norm=1 if norm == "l1" else 2)
     with staged_face(out, overwrite, (face, file, model), "pulling") as files:
         before, note = load_latent_face(face, drawing.model, anew=model is None)
-        head = drawing.model.template.with_vertices(before.vertices)
-        handles = handle_points(asked + load_handles(file), pins, head, symmetric)
+        template = drawing.model.template.with_vertices(before.vertices)
+        handles = handle_points(asked + load_handles(file), pins, template, symmetric)
         start = time.perf_counter()
         edit = edit_handles(before, drawing.model, handles, settings, avoid)
         seconds = time.perf_counter() - start

@@ -9,7 +9,7 @@ from caricli.io.image import write_png
 from caricli.io.outputs import staged
 from caricli.io.provenance import provenance
 from caricli.io.strict_json import write_json
-from caricli.io.worn import picture_paths
+from caricli.io.worn import picture_outputs
 
 SIZE = 320
 
@@ -44,7 +44,7 @@ def command(ctx, faces, out, out_dir, model, overwrite):
 
     def encode(path, target):
         paths = [target.with_suffix(".npz"), target.with_suffix(".json"), *picture_files(target.with_suffix(".png"))]
-        with staged(*paths, overwrite=overwrite, inputs=(*faces, model), optional=picture_paths(target)) as files:
+        with staged(*paths, overwrite=overwrite, inputs=(*faces, model), optional=picture_outputs(target)) as files:
             code = encode_face(load_worn_face(path, shape_model).without_latent(), shape_model)
             write_face(files[0], code)
             error = {"millimetres": code.millimetres, "percent": code.percent}

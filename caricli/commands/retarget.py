@@ -25,7 +25,7 @@ from caricli.commands.shared.options import (
     pts_origin_option,
 )
 from caricli.commands.shared.picture import no_picture_option, write_picture
-from caricli.commands.shared.redrawing import PicturePaths, Redrawing, film_files
+from caricli.commands.shared.redrawing import Redrawing, RedrawPaths, film_files
 from caricli.errors import naming, shown
 from caricli.io.outputs import check_folder, check_outputs, staged
 from caricli.io.provenance import provenance
@@ -134,7 +134,7 @@ def command(
     from caricli.store.face_pictures import FaceReader
     from caricli.store.models import load_morphable
 
-    paths = RetargetPaths(rig, drivers, neutral, out, out_dir, animation, PicturePaths(picture, parsing, film), network)
+    paths = RetargetPaths(rig, drivers, neutral, out, out_dir, animation, RedrawPaths(picture, parsing, film), network)
     jobs = paths.jobs()
     given = {"overwrite": overwrite, "inputs": (*paths.inputs, model, detector)}
     paths.check_outputs(given)
@@ -157,7 +157,7 @@ def command(
 class RetargetPaths:
     """What is read and written.
 
-    rig, drivers, neutral, out, out_dir, animation: as the options. again: PicturePaths of what is drawn again. network:
+    rig, drivers, neutral, out, out_dir, animation: as the options. again: RedrawPaths of what is drawn again. network:
     path of the texture network, or None.
     """
 
@@ -167,7 +167,7 @@ class RetargetPaths:
     out: Path | None
     out_dir: Path | None
     animation: Path | None
-    again: PicturePaths
+    again: RedrawPaths
     network: Path | None = None
 
     @property

@@ -134,11 +134,11 @@ class RigTask:
         from caricli.methods.rig.rig_figures import describe_rig
         from caricli.render.in_parallel import do_in_parallel
         from caricli.store.expression_templates import load_templates
-        from caricli.store.rig_sources import picture_paths
+        from caricli.store.rig_sources import picture_sources
 
         expressions, template_files = load_templates(self.templates)
         given = read_face(face)
-        pictures = picture_paths(face, self.texture)
+        pictures = picture_sources(face, self.texture)
         inputs = [face, *pictures.files, *self.moods.values(), *template_files]
         settings = RigSettings(self.levels, self.head, self.seed)
         paths = [*_paths(out, self.usd), *picture_files(out.with_suffix(".png"))]

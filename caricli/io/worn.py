@@ -33,14 +33,14 @@ class PictureNames:
         return (getattr(self, field.name) for field in fields(self))
 
 
-def picture_paths(path: Path) -> list[Path]:
-    """Files of the pictures that a face may wear, in the order of ``Pictures``. path: of mesh or NPZ."""
+def picture_outputs(path: Path) -> list[Path]:
+    """Where the pictures of a face are written, in the order of ``Pictures``. path: of mesh or NPZ."""
     return [path.with_name(f"{path.stem}-{name}.png") for name in PICTURED.values()]
 
 
 def worn_paths(path: Path) -> list[Path]:
     """Files that may go beside a face: those of its pictures, and the material of an OBJ. path: of mesh or NPZ."""
-    return [*picture_paths(path), path.with_suffix(".mtl")]
+    return [*picture_outputs(path), path.with_suffix(".mtl")]
 
 
 def write_pictures(path: Path, pictures: Pictures) -> PictureNames:
@@ -48,7 +48,7 @@ def write_pictures(path: Path, pictures: Pictures) -> PictureNames:
     if not is_utf8(path.name) and any(picture is not None for picture in pictures):
         raise OutputError(f"{shown(path)}: expected a name in UTF-8, as those of its pictures are kept, found another")
     names = []
-    for file, picture in zip(picture_paths(path), pictures, strict=True):
+    for file, picture in zip(picture_outputs(path), pictures, strict=True):
         if picture is not None:
             write_png(file, picture)
         names.append(None if picture is None else file.name)

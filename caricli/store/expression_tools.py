@@ -15,7 +15,7 @@ from caricli.store.face_pictures import FaceReader
 from caricli.store.faces import load_worn_face
 from caricli.store.landmark_maps import landmark_map_path, load_landmark_map
 from caricli.store.models import DEFAULT_LATENT, load_model, load_morphable
-from caricli.store.rig_sources import PicturePaths, picture_paths
+from caricli.store.rig_sources import PictureSources, picture_sources
 from caricli.structures import Face, Mesh
 from caricli.structures.detection import FacePicture
 from caricli.template.template import Template
@@ -75,12 +75,12 @@ def _on_template(actions: ExpressionTemplates, template: Template) -> Expression
 class Caricature:
     """What expressions are to be of.
 
-    face: Face with the camera of its picture. worn: PicturePaths of what it wears. source: FacePicture that it was
+    face: Face with the camera of its picture. worn: PictureSources of what it wears. source: FacePicture that it was
     reconstructed from, or None where it was there.
     """
 
     face: Face
-    worn: PicturePaths
+    worn: PictureSources
     source: FacePicture | None = None
 
 
@@ -105,7 +105,7 @@ def load_caricature(
         face = load_worn_face(source, morphable)
         with naming(source):
             face.require_camera()
-        return Caricature(face, picture_paths(source, texture))
+        return Caricature(face, picture_sources(source, texture))
     intrinsic = load_model()
     if intrinsic.template.topology_id != morphable.template.topology_id:
         raise InputError(f"{shown(source)}: expected a FACE.npz for a model of another mesh, found landmarks")
@@ -113,4 +113,4 @@ def load_caricature(
     picture = reader.read(source, count)
     fit = fit_landmarks(picture.landmarks.head_points, intrinsic, spreads=picture.landmarks.spreads)
     face = Face(morphable.template.with_vertices(fit.face.vertices), fit.face.camera, fit.face.landmarks)
-    return Caricature(face, PicturePaths(texture), picture)
+    return Caricature(face, PictureSources(texture), picture)

@@ -17,15 +17,15 @@ from caricli.methods.faces.encode_face import EncodedFace, encode_face
 from caricli.models.morphable.model import MorphableModel
 from caricli.models.shape_model import ShapeModel
 from caricli.store.models import DEFAULT_ELASTIC, bundled_kind, load_model, model_name
-from caricli.store.rig_sources import EYES_FILE, load_pictures
+from caricli.store.rig_sources import BUST_FILE, EYES_FILE, load_pictures
 from caricli.structures import Face, Mesh, Pictures
 
 if TYPE_CHECKING:
     from caricli.methods.dynamic.face_in_chart import ChartedFace
     from caricli.methods.texture.paint_head import Painted
 
-FILES = {"skin": "texture.png", "eyes": EYES_FILE, "hair": "hair.png", "bust": "bust.png"}
-"""Name of the picture of the skin beside its OBJ."""
+FILES = {"skin": "texture.png", "eyes": EYES_FILE, "hair": "hair.png", "bust": BUST_FILE}
+"""Names of the pictures beside their OBJ, by what wears them."""
 
 CHARTED = "face-arap"
 CHARTED_PICTURE = "texture-arap.png"

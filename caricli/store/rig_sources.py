@@ -17,18 +17,17 @@ from caricli.structures import Face, Material, Pictures, Rig
 EYES_FILE = "eyes.png"
 """Name of the picture of the eyes beside that of the skin."""
 
+BUST_FILE = "bust.png"
+"""That of the bust."""
+
 
 def load_rig(path: Path) -> Rig:
     """The Rig of an NPZ, or of a GLB, ours or another program's. Raises InputError."""
     return read_gltf(path) if path.suffix.lower() == ".glb" else read_rig(path)
 
 
-BUST_FILE = "bust.png"
-"""Beside the picture of the skin."""
-
-
 @dataclass(frozen=True)
-class PicturePaths:
+class PictureSources:
     """Where the pictures on a face are. skin, eyes, hair, bust: paths, or None."""
 
     skin: Path | None = None
@@ -46,7 +45,7 @@ class PicturePaths:
         return Pictures(*(None if path is None else read_image(path) for path in astuple(self)))
 
 
-def picture_paths(face: Path, texture: Path | None = None) -> PicturePaths:
+def picture_sources(face: Path, texture: Path | None = None) -> PictureSources:
     """The pictures on a face: the given one, else what the NPZ names, or the OBJ, itself or beside the NPZ; and of the
     eyes what they name, or the `eyes.png` beside the skin's, as of the bust `bust.png`.
 
@@ -55,7 +54,7 @@ def picture_paths(face: Path, texture: Path | None = None) -> PicturePaths:
     if texture is None and face.suffix.lower() == ".npz" and face.is_file():
         names = read_picture_names(face)
         if names != PictureNames():
-            return PicturePaths(*(None if name is None else face.with_name(name) for name in names))
+            return PictureSources(*(None if name is None else face.with_name(name) for name in names))
     mesh = face if face.suffix.lower() == ".obj" else face.with_suffix(".obj")
     named = material_pictures(mesh) if texture is None and mesh.is_file() else {}
     eyes = named.pop(EYES, None)
@@ -63,7 +62,7 @@ def picture_paths(face: Path, texture: Path | None = None) -> PicturePaths:
     if skin is not None and eyes is None and skin.with_name(EYES_FILE).is_file():
         eyes = skin.with_name(EYES_FILE)
     bust = None if skin is None else skin.with_name(BUST_FILE)
-    return PicturePaths(skin, eyes, bust=bust if bust is not None and bust.is_file() else None)
+    return PictureSources(skin, eyes, bust=bust if bust is not None and bust.is_file() else None)
 
 
 def load_shown_face(path: Path) -> Face:
@@ -80,7 +79,7 @@ def load_shown_face(path: Path) -> Face:
     if face.mesh.uvs is None or face.pictures:
         return face
     with naming(path):
-        return replace(face, pictures=picture_paths(path).load())
+        return replace(face, pictures=picture_sources(path).load())
 
 
 def _gltf_face(path: Path) -> Face:
@@ -101,7 +100,7 @@ def _rig_face(rig: Rig) -> Face:
 
 
 def load_pictures(face: Path) -> Pictures:
-    """What is on a face: as ``picture_paths`` has it, or in a GLB or glTF. face: path of any."""
+    """What is on a face: as ``picture_sources`` has it, or in a GLB or glTF. face: path of any."""
     if face.suffix.lower() in (".glb", ".gltf"):
         return read_gltf(face).pictures
-    return picture_paths(face).load()
+    return picture_sources(face).load()

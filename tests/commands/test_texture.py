@@ -23,7 +23,7 @@ from caricli.models.checkpoint import model_to_checkpoint
 from caricli.models.pca.model import PcaModel
 from caricli.render.rasterise import rasterise
 from caricli.render.render_textured import render_textured
-from caricli.store.rig_sources import PicturePaths, picture_paths
+from caricli.store.rig_sources import PictureSources, picture_sources
 from caricli.structures import Camera, Face, Material, Pictures, Rig
 from caricli.template.annotation import parse_annotation
 from caricli.template.chart import face_chart
@@ -160,10 +160,10 @@ def test_rig_takes_both_pictures_along(run, textured, tmp_path, monkeypatch):
 
 
 def test_pictures_of_a_face(textured, tmp_path):
-    expected = PicturePaths(*(textured / name for name in ("texture.png", "eyes.png")), bust=textured / "bust.png")
-    assert picture_paths(textured / "face.npz") == picture_paths(textured / "face.obj") == expected
-    assert picture_paths(textured / "face.npz", tmp_path / "other.png") == PicturePaths(tmp_path / "other.png")
-    assert picture_paths(tmp_path / "none.npz") == PicturePaths()
+    expected = PictureSources(*(textured / name for name in ("texture.png", "eyes.png")), bust=textured / "bust.png")
+    assert picture_sources(textured / "face.npz") == picture_sources(textured / "face.obj") == expected
+    assert picture_sources(textured / "face.npz", tmp_path / "other.png") == PictureSources(tmp_path / "other.png")
+    assert picture_sources(tmp_path / "none.npz") == PictureSources()
 
 
 @pytest.fixture(scope="module")

@@ -6,7 +6,7 @@ from caricli.io.face import write_face
 from caricli.io.mesh import write_mesh
 from caricli.store.expression_templates import load_action_units, load_templates
 from caricli.store.expression_tools import ToolPaths, load_caricature, load_tools
-from caricli.store.rig_sources import PicturePaths
+from caricli.store.rig_sources import PictureSources
 from caricli.structures import Camera, Face
 from caricli.structures.arkit import ARKIT_NAMES
 
@@ -65,7 +65,7 @@ def test_a_caricature_has_a_camera(tools, head_template, tmp_path):
     write_face(tmp_path / "seen.npz", Face(head_template, camera))
     caricature = load_caricature(tmp_path / "seen.npz", tools)
     face, pictures = caricature.face, caricature.worn
-    assert face.camera is not None and pictures == PicturePaths() and pictures.files == []
+    assert face.camera is not None and pictures == PictureSources() and pictures.files == []
     write_face(tmp_path / "blind.npz", Face(head_template))
     with pytest.raises(InputError, match="blind.npz: expected a face with the camera"):
         load_caricature(tmp_path / "blind.npz", tools)

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class PicturePaths:
+class RedrawPaths:
     """What is drawn again. picture: path, or None for nothing. parsing: path of its label map, or None to let the
     detector see. film: path of the film to write, or None.
     """
@@ -36,11 +36,11 @@ class PicturePaths:
 class Redrawing:
     """A picture that is drawn again with the expressions of a Retargeting.
 
-    paths: PicturePaths. retargeting: Retargeting of a rig that has a camera. reader: FaceReader that sees what is in
+    paths: RedrawPaths. retargeting: Retargeting of a rig that has a camera. reader: FaceReader that sees what is in
     the picture where no label map says it.
     """
 
-    paths: PicturePaths
+    paths: RedrawPaths
     retargeting: "Retargeting"
     reader: "FaceReader"
 
