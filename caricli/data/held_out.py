@@ -1,8 +1,11 @@
 """Faces of people who are trained with that no training sees: a random share of them (sketch paper, section 4.4)."""
 
+from collections.abc import Collection
+
 import numpy as np
 
 from caricli.data.dataset import Dataset
+from caricli.errors import InputError
 from caricli.seeds import TrainingSeed
 
 VALIDATED = 5
@@ -24,3 +27,25 @@ def held_out(data: Dataset, share: float, seed: int) -> dict[str, np.ndarray]:
         "test": np.delete(held, slice(None, None, VALIDATED)),
     }
     return {name: np.sort(part) for name, part in parts.items()}
+
+
+def held_out_by_all(data: Dataset, choices: Collection[tuple[float, int] | None], count: int) -> dict[str, np.ndarray]:
+    """Row numbers of the faces that several trainings held out alike, ascending, by "validation" and "test".
+
+    choices: distinct ones of the trainings, each the share and seed of ``held_out``, or None where nothing is said.
+    count: of faces to test with, at most, evenly spread.
+    Raises InputError where there are several choices, or no face was held out to test with.
+    """
+    choice = next(iter(choices)) if len(choices) == 1 else None
+    if choice is None or not choice[0]:
+        several = ", ".join(sorted(_told(each) for each in choices))
+        raise InputError(f"expected trainings that held the same faces out, found {several}")
+    parts = held_out(data, *choice)
+    tested = parts["test"]
+    if not len(tested):
+        raise InputError("expected faces that the trainings held out, found none")
+    return {"validation": parts["validation"], "test": tested[:: -(-len(tested) // count)]}
+
+
+def _told(choice: tuple[float, int] | None) -> str:
+    return "none held out" if choice is None or not choice[0] else f"a share of {choice[0]:g} by seed {choice[1]}"

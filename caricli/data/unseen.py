@@ -69,18 +69,30 @@ def everybody(datasets: Sequence[Dataset]) -> SeenPeople:
     return SeenPeople(*parts)
 
 
+def all_tested(data: Dataset) -> Dataset:
+    """The dataset with all of its people in the test split, those of the validation split among them."""
+    return _with_splits(data, {"train": [], "validation": [], "test": sorted(set(data.identity.tolist()))})
+
+
+def training_tested(data: Dataset) -> Dataset:
+    """The dataset with its training people in the test split, too; on those of the validation split, who stay apart,
+    settings of what is measured can be chosen."""
+    splits = data.manifest["splits"]
+    tested = sorted(splits["train"] + splits["test"])
+    return _with_splits(data, {"train": [], "validation": splits["validation"], "test": tested})
+
+
 def unseen_data(data: Dataset, seen: Mapping[str, SeenPeople | None], everyone: bool = False) -> UnseenData:
     """Leave out of a dataset's splits whom models have seen.
 
     A person of the test split goes where any of them was trained or validated with it; one of the validation split,
     where trained. The training split stays.
 
-    seen: by what messages call the model; None for one that does not say. everyone: test with all people there are.
+    seen: by what messages call the model; None for one that does not say. everyone: as ``all_tested``.
     Raises InputError when there were test people and none remain.
     """
     if everyone:
-        splits = {"train": [], "validation": [], "test": sorted(set(data.identity.tolist()))}
-        data = replace(data, manifest=data.manifest | {"splits": splits})
+        data = all_tested(data)
     kept = {split: _strangers(data, split, seen) for split in SPLITS}
     people = data.manifest["splits"]["test"]
     left = len(kept["test"])
@@ -96,8 +108,11 @@ def unseen_data(data: Dataset, seen: Mapping[str, SeenPeople | None], everyone: 
     silent = [name for name, own in seen.items() if own is None]
     if silent:
         notes.append(f"{', '.join(silent)}: no word of whom they were trained with, who may be among the test people")
-    unseen = replace(data, manifest=data.manifest | {"splits": kept})
-    return UnseenData(unseen, left, len(people), "; ".join(notes) or None)
+    return UnseenData(_with_splits(data, kept), left, len(people), "; ".join(notes) or None)
+
+
+def _with_splits(data: Dataset, splits: dict[str, list[int]]) -> Dataset:
+    return replace(data, manifest=data.manifest | {"splits": splits})
 
 
 def _strangers(data: Dataset, split: str, seen: Mapping[str, SeenPeople | None]) -> list[int]:

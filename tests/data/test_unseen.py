@@ -8,7 +8,7 @@ from caricli.data.build_dataset import build_dataset
 from caricli.data.build_settings import BuildSettings
 from caricli.data.dataset import SPLITS, read_dataset
 from caricli.data.import_dataset import import_dataset
-from caricli.data.unseen import fingerprints, seen_people, unseen_data
+from caricli.data.unseen import all_tested, fingerprints, seen_people, training_tested, unseen_data
 from caricli.errors import InputError
 from caricli.io.bundled import config_path
 from caricli.io.obj import read_obj, write_obj
@@ -85,6 +85,13 @@ def test_who_was_trained_with_leaves_the_tests_and_who_remains_is_counted(eight)
     other = seen_people(with_splits(eight, train=[4]))
     assert unseen_data(asked, {"mine": trained, "other": other}).data.manifest["splits"]["test"] == [5]
     assert unseen_data(asked, {"mine": trained}, everyone=True).test == 4
+
+
+def test_people_of_the_training_split_can_be_tested_with_and_those_of_the_validation_split(eight):
+    data = with_splits(eight, train=[6, 0], validation=[1], test=[2])
+    assert training_tested(data).manifest["splits"] == {"train": [], "validation": [1], "test": [0, 2, 6]}
+    assert all_tested(data).manifest["splits"] == {"train": [], "validation": [], "test": list(range(8))}
+    assert data.manifest["splits"]["train"] == [6, 0]
 
 
 def test_nobody_left_is_refused_and_everybody_left_needs_no_word(eight):

@@ -7,7 +7,7 @@ import click
 
 from caricli.commands.shared.notes import echo_notes, echo_result
 from caricli.commands.shared.options import PATH, WholeRange, data_option, out_option, overwrite_option, seed_option
-from caricli.errors import InputError, naming, shown
+from caricli.errors import naming, shown
 from caricli.io.image import write_png
 from caricli.io.outputs import staged_folder
 from caricli.io.provenance import provenance
@@ -89,7 +89,7 @@ def command(dataset, networks, models, trained, out, count, everyone, seed, over
 def _rivals(dataset: Path, networks: tuple[Path, ...], models: tuple[Path, ...], everyone: bool) -> tuple[Any, Any]:
     """SketchRivals, and the UnseenData of a dataset."""
     from caricli.data.dataset import read_dataset
-    from caricli.data.unseen import unseen_data
+    from caricli.data.unseen import training_tested, unseen_data
     from caricli.methods.evaluate.evaluate_sketch import SketchRival, SketchRivals
     from caricli.models.linear_model import LinearModel
     from caricli.store.models import check_topology
@@ -104,19 +104,10 @@ def _rivals(dataset: Path, networks: tuple[Path, ...], models: tuple[Path, ...],
         name = "the network" if len(pairs) == 1 else f"network {number}"
         seen |= {name: SeenPeople.of_recipe(network.recipe), f"{name}'s model": basis.seen}
     with naming(dataset):
-        unseen = unseen_data(_with_everyone(data) if everyone else data, seen)
+        unseen = unseen_data(training_tested(data) if everyone else data, seen)
     linear = [basis for _, basis in pairs if isinstance(basis, LinearModel)]
     rivals = [SketchRival.of(network, basis) for network, basis in pairs]
     return SketchRivals.of(rivals, linear[0] if linear else load_sketch_basis()), unseen
-
-
-def _with_everyone(data: Any) -> Any:
-    """A Dataset whose training people are tested with, too."""
-    from dataclasses import replace
-
-    splits = data.manifest["splits"]
-    both = {"train": [], "validation": splits["validation"], "test": sorted(splits["train"] + splits["test"])}
-    return replace(data, manifest=data.manifest | {"splits": both})
 
 
 def _evaluate(rivals: Any, data: Any, trained: Path | None, count: int, seed: int) -> tuple[dict, dict, Any]:
@@ -144,16 +135,12 @@ def _evaluate(rivals: Any, data: Any, trained: Path | None, count: int, seed: in
 def _held_out(rivals: Any, trained: Path, count: int) -> tuple[Any, Any, Any]:
     """A dataset, numbers of the faces of it that all trainings held out, and of those that these validated with."""
     from caricli.data.dataset import read_dataset
-    from caricli.data.held_out import held_out
+    from caricli.data.held_out import held_out_by_all
 
-    settings = {rival.network.held_out for rival in rivals.networks.values()}
-    if len(settings) != 1 or not (held := next(iter(settings))) or not held[0]:
-        raise InputError(f"--trained: expected networks whose trainings held the same faces out, found {settings}")
     data = read_dataset(trained)
-    parts = held_out(data, *held)
-    if not len(parts["test"]):
-        raise InputError(f"{trained}: expected faces that the trainings held out, found none")
-    return data, parts["test"][:: -(-len(parts["test"]) // count)], parts["validation"][:OTHERS]
+    with naming(trained):
+        parts = held_out_by_all(data, {rival.network.held_out for rival in rivals.networks.values()}, count)
+    return data, parts["test"], parts["validation"][:OTHERS]
 
 
 def _print(tables: dict, counts: dict, people: int) -> None:
