@@ -1,5 +1,6 @@
 """2D landmarks: JSON, iBUG .pts, plain text and NPY."""
 
+import codecs
 import io
 from pathlib import Path
 from typing import Any
@@ -29,7 +30,7 @@ def read_landmarks(path: str | Path, pts_origin: int = 1) -> Landmarks:
     pts_origin: 0 or 1, the coordinate of the first pixel in .pts files, subtracted.
     Raises InputError when the file is malformed, or its points are not those of a face or of its picture.
     """
-    data = read_bytes(path, MAX_LANDMARK_BYTES, _KIND)
+    data = read_bytes(path, MAX_LANDMARK_BYTES, _KIND).removeprefix(codecs.BOM_UTF8)
     if data.startswith(b"\x93NUMPY"):
         points = _points_from_npy(data, path)
     elif data.lstrip()[:1] in (b"{", b"["):
@@ -37,7 +38,7 @@ def read_landmarks(path: str | Path, pts_origin: int = 1) -> Landmarks:
         with naming(path):
             return landmarks_from_json(value)
     else:
-        lines = decode_text(data, path, _KIND).removeprefix("\ufeff").splitlines() or [""]
+        lines = decode_text(data, path, _KIND).splitlines() or [""]
         with naming(path):
             if Path(path).suffix.lower() == ".pts" or lines[0].startswith("version"):
                 points = _points_from_pts(lines) - pts_origin

@@ -1,5 +1,6 @@
 """The pictures that an OBJ file's materials name."""
 
+import codecs
 from pathlib import Path
 
 from caricli.errors import InputError, shown
@@ -30,7 +31,7 @@ def _named(data: bytes, key: bytes, path: str | Path) -> dict[str, Path]:
     """By the material above it, the file beside ``path`` that the first line with a key names."""
     files: dict[str, Path] = {}
     material = ""
-    for line in data.splitlines():
+    for line in data.removeprefix(codecs.BOM_UTF8).splitlines():
         words = line.split(maxsplit=1)
         if len(words) == 2 and words[0] == b"newmtl":
             material = words[1].strip().decode("utf-8", "replace")

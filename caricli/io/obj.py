@@ -1,5 +1,6 @@
 """Wavefront OBJ: vertex order, polygons and texture indices are kept exactly."""
 
+import codecs
 import io
 import re
 from collections.abc import Iterator, Mapping
@@ -60,7 +61,7 @@ def read_obj(path: str | Path) -> Mesh:
         if other:
             raise InputError(f"expected {_KIND}, found {other}")
         records = _Records()
-        records.read(data)
+        records.read(data.removeprefix(codecs.BOM_UTF8))
         if not records.vertices.words:
             raise InputError(f"expected {_KIND}, found no vertices")
         if not records.faces.corners:

@@ -45,7 +45,11 @@ def load_face(path: Path, model: ShapeModel) -> Face:
     Raises InputError when its mesh is not the model's, its size not a head's, more than a few of its triangles have no
     area, or its latent is the model's by name but not by length.
     """
-    face = read_face(path)
+    return _checked(read_face(path), path, model)
+
+
+def _checked(face: Face, path: Path, model: ShapeModel) -> Face:
+    """A face of a file that is one of a model; for what is refused see ``load_face``."""
     template = model.template
     if face.mesh.topology_id != template.topology_id:
         counts = f"{len(template.vertices)} vertices, {len(template.faces)} triangles"
@@ -70,14 +74,18 @@ def load_worn_face(path: Path, model: ShapeModel) -> Face:
 
     Raises InputError, too, where a picture that the file names is not there.
     """
-    face = load_face(path, model)
-    with naming(path):
-        pictures = face.pictures or load_pictures(path)
-    if face.mesh.uvs is None:
-        # A picture lies nowhere on a mesh without UVs.
-        pictures = Pictures()
-    elif not face.mesh.same_layout(model.template):
-        return replace(face, pictures=pictures)
+    return _worn(load_face(path, model), path, model)
+
+
+def _worn(face: Face, path: Path, model: ShapeModel) -> Face:
+    """A face of a file with what it wears, see ``load_worn_face``."""
+    pictures = Pictures()
+    # A picture lies nowhere on a mesh without UVs.
+    if face.mesh.uvs is not None:
+        with naming(path):
+            pictures = face.pictures or load_pictures(path)
+        if not face.mesh.same_layout(model.template):
+            return replace(face, pictures=pictures)
     materials = face.materials if len(face.mesh.polygons) == len(model.template.polygons) else None
     return replace(face, mesh=model.template.with_vertices(face.vertices), pictures=pictures, materials=materials)
 
@@ -89,9 +97,10 @@ def load_seen_face(path: Path, model: Path | None = None) -> tuple[Face, ShapeMo
     Returns Face, without a latent that is not the model's, and ShapeModel. Raises InputError for a face without a
     camera.
     """
-    kind = None if model is not None else bundled_kind(read_face(path).model_id)
+    face = read_face(path)
+    kind = None if model is not None else bundled_kind(face.model_id)
     shape_model = load_model(model, kind or DEFAULT_ELASTIC)
-    face = load_worn_face(path, shape_model)
+    face = _worn(_checked(face, path, shape_model), path, shape_model)
     if face.latent is not None and face.model_id != shape_model.model_id:
         face = replace(face, latent=None, residual=None)
     with naming(path):

@@ -243,3 +243,7 @@ def test_what_are_no_spreads_visibilities_or_slides_is_refused(tmp_path, key, va
     (tmp_path / "marks.json").write_text(text)
     with pytest.raises(InputError, match=message):
         read_landmarks(tmp_path / "marks.json")
+
+
+def test_a_byte_order_mark_before_json_is_passed_over(tmp_path):
+    np.testing.assert_allclose(read(tmp_path, "\ufeff" + as_json(circle()), "a.json").points, circle())

@@ -237,3 +237,7 @@ def test_faces_that_match_one_by_one_are_read_where_they_do_not_together(tmp_pat
     path.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 2 a\n")
     with pytest.raises(InputError, match="f 1 2 a"):
         read_obj(path)
+
+
+def test_a_byte_order_mark_is_passed_over(tmp_path):
+    assert len(read(tmp_path, "\ufeff" + TRIANGLE + "f 1 2 3\n").polygons) == 1

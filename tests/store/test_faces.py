@@ -5,7 +5,7 @@ from caricli.errors import InputError
 from caricli.io.face import read_face, write_face
 from caricli.io.obj import write_obj
 from caricli.methods.faces.encode_face import decode_face, encode_face
-from caricli.store.faces import load_face, load_identity, load_latent_face, load_seen_face
+from caricli.store.faces import load_face, load_identity, load_latent_face, load_seen_face, load_worn_face
 from caricli.store.models import load_model, load_morphable
 from caricli.structures import Camera, Face, Mesh
 
@@ -76,6 +76,24 @@ def test_a_seen_face_brings_its_camera_and_its_model(path, model):
     face, own = load_seen_face(path)
     assert own.model_id == model.model_id and face.camera.scale == CAMERA.scale
     assert face.latent is not None and face.residual is not None
+
+
+def test_a_mesh_without_uvs_needs_no_picture(shape, model, tmp_path):
+    path = tmp_path / "plain.obj"
+    write_obj(path, Mesh(shape.vertices, shape.polygons))
+    path.write_text("mtllib missing.mtl\n" + path.read_text("utf-8"), "utf-8")
+    assert not load_worn_face(path, model).pictures
+    write_obj(path, shape)
+    path.write_text("mtllib missing.mtl\n" + path.read_text("utf-8"), "utf-8")
+    with pytest.raises(InputError, match="expected a material file, found no such file"):
+        load_worn_face(path, model)
+
+
+def test_a_seen_face_is_read_once(path, model, monkeypatch):
+    reads = []
+    monkeypatch.setattr("caricli.store.faces.read_face", lambda file: reads.append(file) or read_face(file))
+    load_seen_face(path)
+    assert reads == [path]
 
 
 def test_a_latent_of_another_model_is_left_behind(path, morphable, tmp_path):
