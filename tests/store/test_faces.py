@@ -91,7 +91,12 @@ def test_a_mesh_without_uvs_needs_no_picture(shape, model, tmp_path):
 
 def test_a_seen_face_is_read_once(path, model, monkeypatch):
     reads = []
-    monkeypatch.setattr("caricli.store.faces.read_face", lambda file: reads.append(file) or read_face(file))
+
+    def read(file):
+        reads.append(file)
+        return read_face(file)
+
+    monkeypatch.setattr("caricli.store.faces.read_face", read)
     load_seen_face(path)
     assert reads == [path]
 
