@@ -6,6 +6,7 @@ import igl
 import numpy as np
 import scipy.sparse as sp
 
+from caricli.geometry.smooth_step import smooth_step
 from caricli.geometry.vertex_neighbours import vertex_neighbours
 
 ROUNDS = 6
@@ -70,22 +71,16 @@ def comb_hair(
     under = _unit(below @ normals)
     height = np.ptp(vertices[ground.ravel(), 1])
     thick = ((vertices[at] - places) * under).sum(1) / (height or 1)
-    alike = _ease((_evened(normals[at], around) * under).sum(1) / ALIKE)
+    alike = smooth_step((_evened(normals[at], around) * under).sum(1), 0, ALIKE)
     shine = np.ones(len(vertices))
-    shine[at] = 1 - alike * (1 - _ease(thick / MATT))
-    return CombedHair(at, around, below, alike * (1 - _ease(thick / THIN)), shine)
+    shine[at] = 1 - alike * (1 - smooth_step(thick, 0, MATT))
+    return CombedHair(at, around, below, alike * (1 - smooth_step(thick, 0, THIN)), shine)
 
 
 def _evened(normals: np.ndarray, around: sp.csr_matrix) -> np.ndarray:
     for _ in range(ROUNDS):
         normals = _unit(around @ normals)
     return normals
-
-
-def _ease(share: np.ndarray) -> np.ndarray:
-    """From 0 to 1, slowly at both ends."""
-    share = np.clip(share, 0, 1)
-    return share * share * (3 - 2 * share)
 
 
 def _unit(normals: np.ndarray) -> np.ndarray:

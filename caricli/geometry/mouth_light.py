@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from caricli.geometry.smooth_step import smooth_step
 from caricli.structures.materials import IN_MOUTH, Material
 
 _THROAT = 0.1
@@ -27,7 +28,6 @@ def mouth_light(vertices: np.ndarray, faces: np.ndarray, materials: np.ndarray) 
         teeth = np.unique(faces[materials == Material.TEETH])
         arch = vertices[teeth if len(teeth) else inside, 2]
         depth = (arch.max() - vertices[inside, 2]) / max(_SHADE * np.ptp(arch), np.finfo(float).tiny)
-        dark = np.clip(depth, 0, 1)
-        share = 1 - (1 - _THROAT) * dark**2 * (3 - 2 * dark)
+        share = 1 - (1 - _THROAT) * smooth_step(depth, 0, 1)
         light[inside] = share[:, None] ** _TINT
     return light

@@ -5,8 +5,9 @@ from functools import lru_cache
 
 import numpy as np
 
+from caricli.geometry.smooth_step import smooth_step
 from caricli.render.blend import over
-from caricli.render.paint import mix, smooth_step
+from caricli.render.paint import mix
 
 PAPER = (224, 221, 217)
 """sRGB of the sheets, around and between their pictures."""

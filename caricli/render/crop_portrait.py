@@ -17,7 +17,8 @@ def crop_portrait(picture: np.ndarray, points: np.ndarray, size: int) -> np.ndar
     """
     low = np.nanmin(points, axis=0)
     high = np.nanmax(points, axis=0)
-    middle = (low + high) / 2
+    # Landmarks count from the middle of the first pixel, boxes from its corner.
+    middle = (low + high) / 2 + 0.5
     half = _HALF * (high - low).max()
     box = (*(middle - half), *(middle + half))
     image = Image.fromarray(picture)

@@ -3,15 +3,6 @@
 import numpy as np
 
 
-def smooth_step(value: float | np.ndarray, start: float | np.ndarray, end: float | np.ndarray) -> np.ndarray:
-    """0 before the start, 1 after the end, which may be the smaller one, smooth between them.
-
-    value: a number or an array of any shape. start, end: numbers, or arrays like it.
-    """
-    t = np.clip((value - start) / (end - start), 0, 1)
-    return t * t * (3 - 2 * t)
-
-
 def mix(first: np.ndarray, second: np.ndarray, share: np.ndarray | float) -> np.ndarray:
     """Colours (..., 3) that are the first at a share of 0 and the second at 1. share: (...) or a number."""
     return first + np.asarray(share)[..., None] * (second - first)

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from caricli.render.paint import mix, smooth_step
+from caricli.geometry.smooth_step import smooth_step
+from caricli.render.paint import mix
 
 IRIS = 0.078
 PUPIL = 0.032

@@ -51,7 +51,7 @@ def textured_colours(
     colours = _looked_up(rig, face, weights, paper)
     # The picture is on the outside; the neck is open.
     colours[triangle_normals(placed, faces)[face, 2] > 0] = INSIDE
-    image = np.full((height, width, 3), paper)
+    image = np.full((height, width, 3), paper, float)
     image[shown] = colours
     return image
 
@@ -63,7 +63,7 @@ def _looked_up(
     assert rig.mesh.uvs is not None
     uvs = np.einsum("nk,nkc->nc", weights, rig.mesh.uvs[rig.mesh.uv_faces[face]])
     materials = rig.triangle_materials[face]
-    colours = np.full((len(face), 3), paper)
+    colours = np.full((len(face), 3), paper, float)
     for material in PICTURED:
         picture = rig.pictures.of(material)
         if picture is not None and (materials == material).any():

@@ -59,7 +59,7 @@ class Pictures:
 
     def mixed(self, other: "Pictures", weight: float) -> "Pictures":
         """Between these and others, which have a weight from 0 to 1: their mean where both have one of the same size,
-        else that of the nearer.
+        the one there is where only one has any, else that of the nearer, in the middle of these.
         """
         return Pictures(*(_mixed(*pair, weight) for pair in zip(self, other, strict=True)))
 
@@ -99,6 +99,6 @@ def _mixed(first: np.ndarray | None, second: np.ndarray | None, weight: float) -
     if first is None or second is None:
         return second if first is None else first
     if first.shape != second.shape or _same(first, second):
-        return first if weight < 0.5 else second
+        return first if weight <= 0.5 else second
     mean = np.multiply(first, 1 - weight, dtype=np.float32) + np.multiply(second, weight, dtype=np.float32)
     return np.rint(mean).astype(np.uint8)

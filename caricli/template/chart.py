@@ -26,8 +26,8 @@ NOSTRILS = ("nostril_left", "nostril_right")
 class ChartSettings:
     """How the face is laid out.
 
-    margin: share of the picture's side that stays free on every side. spur: half the width, for that of the face, of
-    what sticks out of its border and is left out. opening: height for its width of the mouth that the membrane is made
+    margin: share of the picture's side that stays free on every side. ears: how far around the ears the face is left
+    out, for its width. opening: height for its width of the mouth that the membrane is made
     for. mouth: size of the mouth for that of the rest; it changes much, and is small. reach: how far from the line
     between its corners that goes, for its width. hole: weight of what fills eyes and nostrils while the face is
     flattened, beside the surface's.

@@ -16,6 +16,14 @@ def test_the_square_around_the_landmarks():
     assert np.abs(np.argwhere(white).mean(0) - 31.5).max() < 1
 
 
+def test_landmarks_count_from_the_middle_of_a_pixel():
+    picture = np.zeros((21, 21, 3), np.uint8)
+    picture[10, 10] = 255
+    portrait = crop_portrait(picture, np.array([[0.0, 0], [20, 20]]), 640)
+    rows, columns = np.nonzero(portrait[..., 0] > 127)
+    assert abs(rows.mean() - 319.5) < 1 and abs(columns.mean() - 319.5) < 1
+
+
 def test_beyond_the_picture_it_is_paper():
     portrait = crop_portrait(np.full((50, 50, 3), 200, np.uint8), np.array([[0.0, 0], [20, 20]]), 32)
     assert portrait[0, 0].tolist() == [*PAPER] and portrait[-1, -1].tolist() == [200, 200, 200]

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from caricli.render.render_textured import INSIDE, render_textured
+from caricli.render.render_textured import INSIDE, render_textured, textured_colours
 from caricli.structures import Material, Mesh, Pictures, Rig
 
 # Of pictures that are one colour on every side.
@@ -42,6 +42,11 @@ def test_colours_are_where_the_uvs_say(ball):
     assert near(image[50, 30], LEFT, 0) and near(image[50, 70], RIGHT, 0)
     assert (image[2, 2] == WHITE).all()
     np.testing.assert_array_equal(ball.pictures.skin, before)
+
+
+def test_colours_are_no_whole_numbers_whatever_the_paper_is(ball):
+    colours = textured_colours(ball, placed(ball.neutral, 40, 49.5), 100, 100, paper=(255, 0, 255))
+    assert colours.dtype == np.float64 and (colours % 1 > 0).any()
 
 
 def test_paper_is_behind(ball):

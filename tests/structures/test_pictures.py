@@ -15,7 +15,7 @@ def test_pictures_of_one_size_are_mixed_by_their_weight():
 
 def test_else_the_nearer_or_the_only_one_is_taken():
     large = np.full((5, 5, 3), 9, np.uint8)
-    for weight, expected in ((0.4, LIGHT), (0.6, large)):
+    for weight, expected in ((0.4, LIGHT), (0.5, LIGHT), (0.6, large)):
         assert Pictures(LIGHT).mixed(Pictures(large), weight).skin is expected
     assert Pictures().mixed(Pictures(LIGHT), 0.1).skin is LIGHT and Pictures(LIGHT).mixed(Pictures(), 0.9).skin is LIGHT
     assert Pictures(LIGHT).mixed(Pictures(LIGHT.copy()), 0.3).skin is LIGHT

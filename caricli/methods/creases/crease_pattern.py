@@ -6,6 +6,7 @@ from functools import partial
 
 import numpy as np
 
+from caricli.geometry.smooth_step import smooth_step
 from caricli.methods.creases import crease_lines as lines
 
 _SPACING = 0.35  # of a crease's width, between points of its path
@@ -126,7 +127,7 @@ class _Draw:
             x = lines.forehead_line(self.marks, rise)[:, 0]
             gains = {"browInnerUp": middle + (1 - middle) * np.exp(-((x / 0.3) ** 2))}
             for name, side in (("browOuterUpRight", -1), ("browOuterUpLeft", 1)):
-                gains[name] = 0.8 * _ramp(side * x, -0.1, 0.2)
+                gains[name] = 0.8 * smooth_step(side * x, -0.1, 0.2)
             gains["browDownLeft"] = gains["browDownRight"] = np.full(len(x), -0.2)
             yield self.crease("forehead", partial(lines.forehead_line, self.marks, rise), gains, reach=0.85)
 
@@ -204,7 +205,7 @@ class _Draw:
         width = generator.uniform(*usual.width)
         path, at = _wander(line(), usual.wave, _SPACING * width, generator)
         ends = np.array([0, 1]) + np.array([1, -1]) * generator.uniform(0, (1 - reach) / 2 + 0.05, 2)
-        envelope = _ramp(at, ends[0], ends[0] + 0.22) * _ramp(-at, -ends[1], 0.22 - ends[1])
+        envelope = smooth_step(at, ends[0], ends[0] + 0.22) * smooth_step(-at, -ends[1], 0.22 - ends[1])
         envelope *= 1 - generator.uniform(0, 0.5) * np.exp(-(((at - generator.random()) / 0.08) ** 2))
         depth = generator.uniform(*usual.depth) * self.deep * (usual.young + (1 - usual.young) * self.age)
         resting = usual.resting * self.age**1.5 * generator.uniform(0.3, 1.6)
@@ -218,12 +219,6 @@ class _Draw:
 
 def _own(side: int) -> str:
     return "Left" if side > 0 else "Right"
-
-
-def _ramp(values: np.ndarray, low: float, high: float) -> np.ndarray:
-    """From 0 below low to 1 above high, smoothly."""
-    t = np.clip((values - low) / (high - low), 0, 1)
-    return t * t * (3 - 2 * t)
 
 
 def _resampled(value: np.ndarray | float, at: np.ndarray) -> np.ndarray | float:

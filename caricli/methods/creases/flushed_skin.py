@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from caricli.data.albedo import BLOOD, AlbedoPainter
-from caricli.render.paint import smooth_step
+from caricli.geometry.smooth_step import smooth_step
 from caricli.structures.landmarks import POINT_NAMES
 
 _EFFORT = {"browDown": 0.3, "noseSneer": 0.35, "cheekPuff": 0.7, "mouthSmile": 0.25, "jawOpen": 0.25, "mouthFrown": 0.2,

@@ -115,7 +115,8 @@ def _grown(vertices: np.ndarray, strength: float, template: Template) -> np.ndar
     features = gradients.features(vertices)
     whole = OWN * _broad(features, template)
     grown = vertices
-    for amount in (*[STEP] * int(strength / STEP), strength % STEP):
+    rest = strength % STEP
+    for amount in [*[STEP] * int(strength / STEP), *([rest] if rest else [])]:
         more = gradients.vertices_like(features + amount * whole, grown)
         grown = untangle(more, gradients, before=grown)
         features = gradients.features(grown)

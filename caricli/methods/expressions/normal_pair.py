@@ -110,8 +110,7 @@ class NormalPair:
         model = self.tools.latent
         if model is None:
             raise InputError("expected a model whose latent follows landmarks, found none")
-        own = self.camera.project(self.vertices[self.anchors])
-        wanted = [(points - own) / self.camera.scale for points in landmarks]
+        wanted = [(points - self.own) / self.camera.scale for points in landmarks]
         code = model.encode(self.vertices)
         steps = _latent_steps(model, code, self.anchors, self.camera.rotation, np.array(wanted))
         decoded = model.decode(code)

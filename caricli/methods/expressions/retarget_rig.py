@@ -7,7 +7,12 @@ import numpy as np
 
 from caricli.methods.animate.pose_rig import RigPoser
 from caricli.methods.dynamic.rig_moods import MoodPainter
-from caricli.methods.expressions.retarget_expression import Explanation, explain_landmarks, explain_meshes
+from caricli.methods.expressions.retarget_expression import (
+    Explanation,
+    RetargetSettings,
+    explain_landmarks,
+    explain_meshes,
+)
 from caricli.methods.reconstruct.fit_morphable import fit_morphable
 from caricli.methods.reconstruct.landmark_fit import LandmarkFit
 from caricli.models.morphable.model import MorphableModel
@@ -129,5 +134,6 @@ def retarget_rig(
     else:
         points = [driver.points for driver in seen]
         explanation = explain_landmarks([driver.fit for driver in seen], points, deltas, model)
-    explanation = replace(explanation, weights=explanation.weights @ together)
+    weights = np.minimum(explanation.weights @ together, RetargetSettings.strongest)
+    explanation = replace(explanation, weights=weights)
     return Retargeting(rig, model.template, explanation, "mm" if meshes else "percent")

@@ -16,7 +16,8 @@ def interpolate_faces(first: EncodedFace, second: EncodedFace, model: ShapeModel
 
     The ends are the given faces exactly; in between, triangles that flip on the way are turned back. No picture shows
     what is between two faces, so none has a camera. What they wear turns from one into the other where both wear
-    pictures of one layout and size; else a step wears what the nearer end does, or the one that wears any.
+    pictures of one layout and size; else a step wears what the nearer end does, or the one that wears pictures or hair.
+    Teeth grow and shrink on the way.
 
     first, second: EncodedFace of the model. model: ShapeModel. steps: number of faces, both ends included, at least 2.
     Yields an EncodedFace for every step.
@@ -34,15 +35,26 @@ def interpolate_faces(first: EncodedFace, second: EncodedFace, model: ShapeModel
 
 
 def _worn(first: Face, second: Face, weight: float) -> Face:
-    """A Face with the polygons and pictures of a step, in the shape of either end."""
-    if first.pictures and second.pictures:
-        nearer = second if weight > 0.5 else first
-        same = first.mesh.same_layout(second.mesh)
-        pictures = first.pictures.mixed(second.pictures, weight) if same else nearer.pictures
-    else:
-        nearer = first if first.pictures or not second.pictures else second
-        pictures = nearer.pictures
-    return Face(nearer.mesh, pictures=pictures, materials=nearer.materials, hair=nearer.hair)
+    """A Face with what a step wears, in the shape of either end."""
+    dressed = [face for face in (first, second) if face.pictures or face.hair is not None]
+    nearer = dressed[0] if len(dressed) == 1 else second if weight > 0.5 else first
+    pictures = nearer.pictures
+    if first.pictures and second.pictures and first.mesh.same_layout(second.mesh):
+        pictures = first.pictures.mixed(second.pictures, weight)
+    return Face(
+        nearer.mesh,
+        pictures=pictures,
+        materials=nearer.materials,
+        hair=nearer.hair,
+        teeth=_teeth(first.teeth, second.teeth, weight),
+    )
+
+
+def _teeth(first: np.ndarray | None, second: np.ndarray | None, weight: float) -> np.ndarray | None:
+    """How far teeth (2,) are seen between two faces; as on the one whose picture says it, where only one does."""
+    if first is None or second is None:
+        return second if first is None else first
+    return (1 - weight) * first + weight * second
 
 
 def _unseen(face: EncodedFace) -> EncodedFace:

@@ -5,6 +5,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from caricli.errors import InputError
+from caricli.geometry.smooth_step import smooth_step
 from caricli.methods.gesture.changed import Changed
 from caricli.methods.gesture.held_deformation import solved, sound_move
 from caricli.methods.gesture.selection import Selection, around_handles
@@ -85,8 +86,7 @@ class _Patch:
         right = -(system @ height) if len(handles) else self.mass * self.skin
         if len(free):
             height[free] = solved(system.tocsr()[free][:, free], right[free, None])[:, 0]
-        height = np.clip(height / max(float(height.max()), 1e-30), 0, 1)
-        return height**2 * (3 - 2 * height)
+        return smooth_step(height, 0, max(float(height.max()), 1e-30))
 
     def directions(self, length: float) -> np.ndarray:
         """(V, 3) unit normals of the skin, averaged over a length in metres; behind it those of its rim."""

@@ -3,10 +3,10 @@
 import cv2
 import numpy as np
 
+from caricli.geometry.smooth_step import smooth_step
 from caricli.methods.hair.continue_strands import continue_strands, seen_tones
 from caricli.methods.texture.picture_view import PictureView, SeenColours, SurfacePoints
 from caricli.methods.texture.texels import Texels
-from caricli.render.paint import smooth_step
 from caricli.render.smooth_normals import smooth_normals
 from caricli.structures import Hair
 

@@ -6,12 +6,13 @@ import cv2
 import numpy as np
 from scipy.ndimage import label
 
+from caricli.geometry.smooth_step import smooth_step
 from caricli.methods.hair.head_sphere import HeadSphere
 from caricli.methods.hair.hidden_hairline import reach_inside, usual_reach
 from caricli.methods.hair.make_shell import unrolled_to_uv
 from caricli.methods.hair.settings import ShellSettings
 from caricli.methods.texture.texture_face import FaceTexture
-from caricli.render.paint import mix, smooth_step
+from caricli.render.paint import mix
 from caricli.render.sample_texture import sample_texture
 from caricli.render.uv_map import pad_texture, uv_map
 from caricli.structures import Hair, Mesh

@@ -2,9 +2,12 @@
 
 import numpy as np
 
+from caricli.errors import NumericsError
 from caricli.geometry.fit_camera import fit_camera
 from caricli.structures.landmarks import FEWEST, JAW
 from caricli.template.template import Template
+
+_TURNED = 0.25  # of the frontal plane's area, as the picture shows it: about 75 degrees from the front
 
 
 def mirror_map(points: np.ndarray, template: Template) -> np.ndarray:
@@ -17,11 +20,13 @@ def mirror_map(points: np.ndarray, template: Template) -> np.ndarray:
 
     points: (L, 2) pixels, y down, NaN where unknown. The jaw counts only where too few others are known, because its
     points slide as a head turns. template: with those landmarks.
-    Returns (2, 2), its own inverse. Raises NumericsError where the points tell no pose.
+    Returns (2, 2), its own inverse. Raises NumericsError where the points tell no pose, or one from the side.
     """
     given = np.isfinite(points).all(axis=1)
     inner = given & ~np.isin(np.arange(len(points)), JAW)
     chosen = inner if inner.sum() >= FEWEST else given
     places = template.vertices[template.annotation.landmarks[: len(points)]]
     plane = fit_camera(places[chosen], points[chosen]).rotation[:2, :2]
+    if abs(np.linalg.det(plane)) < _TURNED:
+        raise NumericsError("the face is seen from the side, where one half does not tell how the other moves")
     return plane @ np.diag([-1.0, 1.0]) @ np.linalg.inv(plane)

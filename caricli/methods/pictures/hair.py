@@ -4,11 +4,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from caricli.geometry.smooth_step import smooth_step
 from caricli.methods.hair.head_sphere import HeadSphere
 from caricli.methods.pictures.background import random_colour
 from caricli.methods.pictures.piece import Piece, make_piece, seen_from_both_sides
 from caricli.methods.pictures.settings import SitterSettings
-from caricli.render.paint import smooth_step
 from caricli.structures.parsing import Region
 
 COLUMNS = 72

@@ -6,6 +6,7 @@ import numpy as np
 
 from caricli.data.albedo import AlbedoPainter
 from caricli.data.appearance import Appearance, random_appearance
+from caricli.geometry.smooth_step import smooth_step
 from caricli.methods.creases.creased_skin import CreasedSkin
 from caricli.methods.hair.head_sphere import HeadSphere
 from caricli.methods.hair.settings import ShellSettings
@@ -19,7 +20,7 @@ from caricli.methods.pictures.mime import is_usual_head, random_mime
 from caricli.methods.pictures.piece import Piece, join_pieces, make_piece
 from caricli.methods.pictures.settings import SitterSettings
 from caricli.methods.pictures.wrinkles import WrinkleLines
-from caricli.render.paint import mix, smooth_step
+from caricli.render.paint import mix
 from caricli.render.place_eyeballs import place_eyeballs
 from caricli.render.sky import DIRECTIONS, sky_visibility
 from caricli.render.smooth_normals import smooth_normals

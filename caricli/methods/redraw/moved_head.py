@@ -5,12 +5,12 @@ from functools import cached_property
 import cv2
 import numpy as np
 
+from caricli.geometry.smooth_step import smooth_step
 from caricli.methods.redraw.openings import drawn_anew
 from caricli.methods.redraw.original import Original, blurred
 from caricli.methods.redraw.spread_colours import box_around, spread_colours
 from caricli.methods.redraw.view import Window
 from caricli.methods.texture.estimate_light import GAMMA
-from caricli.render.paint import smooth_step
 from caricli.render.sky import DIRECTIONS, light_received, sky_visibility
 from caricli.render.smooth_normals import smooth_normals
 from caricli.structures import Material

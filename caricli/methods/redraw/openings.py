@@ -2,9 +2,9 @@
 
 import numpy as np
 
+from caricli.geometry.smooth_step import smooth_step
 from caricli.methods.redraw.original import Original
 from caricli.methods.redraw.view import View
-from caricli.render.paint import smooth_step
 
 _CLOSED_MOUTH = 1.6e-3
 """Of the square of the head's height: a mouth of so little area is closed."""

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from caricli.geometry.smooth_step import smooth_step
 from caricli.methods.redraw.changed_paint import ChangedPaint, changed_paint
 from caricli.methods.redraw.fill_behind import fill_behind
 from caricli.methods.redraw.moved_head import MovedHead
@@ -9,7 +10,6 @@ from caricli.methods.redraw.original import Original
 from caricli.methods.redraw.spread_colours import box_around, spread_colours
 from caricli.methods.texture.picture_view import likeness
 from caricli.methods.texture.settings import TextureSettings
-from caricli.render.paint import smooth_step
 from caricli.render.sample_texture import sample_texture
 from caricli.structures import Material
 from caricli.structures.materials import FINISHES

@@ -12,6 +12,7 @@ from caricli.errors import InputError
 from caricli.geometry.contact_pairs import closes, closing_pairs, touching_pairs
 from caricli.geometry.deformation_transfer import triangle_frames
 from caricli.geometry.flat_triangles import flat_triangles
+from caricli.geometry.smooth_step import smooth_step
 from caricli.geometry.vertex_neighbours import vertex_neighbours
 from caricli.io.kept import kept_arrays
 from caricli.structures import Mesh
@@ -204,12 +205,11 @@ class ExpressionTemplates:
         closed = closes(np.linalg.norm(before, axis=1), np.linalg.norm(after, axis=1), self.reach)
         moved = shape - self.neutral
         size = np.linalg.norm(moved, axis=1)
-        trust = np.clip(size / (self.settings.faint * size.max()), 0, 1)
         return Motion(
             triangles=triangles,
             maps=triangle_frames(shape, self.faces[triangles]) @ self._unframed[triangles],
             moved=moved,
-            trust=trust**2 * (3 - 2 * trust),
+            trust=smooth_step(size, 0, self.settings.faint * size.max()),
             near=self.fade(size > 0),
             closed=closed & ~self._slides(self.pairs, k, self._contacts["touching"]),
             offsets=after,

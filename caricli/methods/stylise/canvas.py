@@ -5,6 +5,8 @@ from functools import cached_property
 
 import numpy as np
 
+from caricli.geometry.smooth_step import smooth_step
+
 _LIGHT = np.array([0.299, 0.587, 0.114], np.float32)
 
 
@@ -75,5 +77,4 @@ def saturated(image: np.ndarray, amount: float) -> np.ndarray:
 
 def step(values: np.ndarray, width: float) -> np.ndarray:
     """0 below zero and 1 above, rising smoothly over a width."""
-    share = np.clip(values / width + 0.5, 0, 1)
-    return share * share * (3 - 2 * share)
+    return smooth_step(values, -width / 2, width / 2)

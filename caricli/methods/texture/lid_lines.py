@@ -7,8 +7,9 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from caricli.geometry.along_lines import along
+from caricli.geometry.smooth_step import smooth_step
 from caricli.render.eye_window import WIDTH, EyeWindow, eye_windows
-from caricli.render.paint import mix, smooth_step
+from caricli.render.paint import mix
 from caricli.render.uv_map import uv_map
 from caricli.structures import Mesh
 from caricli.template.template import Template

@@ -4,6 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from caricli.geometry.smooth_step import smooth_step
 from caricli.methods.texture.estimate_light import Light
 from caricli.methods.texture.fill_unseen import fill_unseen, skin_colour
 from caricli.methods.texture.folded_lids import folded_lids
@@ -13,7 +14,6 @@ from caricli.methods.texture.mouth_wall import mouth_wall, wall_colour
 from caricli.methods.texture.picture_view import PictureView, SeenColours, Sight, SurfacePoints, likeness
 from caricli.methods.texture.settings import TextureSettings
 from caricli.methods.texture.texels import Texels
-from caricli.render.paint import smooth_step
 from caricli.render.smooth_normals import smooth_normals
 from caricli.template.annotation import CAVITIES, EARS
 from caricli.template.template import Template

@@ -4,6 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from caricli.geometry.smooth_step import smooth_step
+
 REACH = 2.5
 """Distance, in sizes of the part, from which on nothing is moved."""
 
@@ -74,7 +76,7 @@ class PartScale:
 
 def _following(far: np.ndarray) -> np.ndarray:
     """How far what is at a distance follows, from 1 to 0. far: its logarithm as a share of REACH's."""
-    return 1 - far**2 * (3 - 2 * far)
+    return 1 - smooth_step(far, 0, 1)
 
 
 def _weight(distance: np.ndarray) -> np.ndarray:

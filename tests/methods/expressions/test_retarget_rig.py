@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from caricli.errors import InputError
-from caricli.methods.expressions.retarget_expression import Explanation
+from caricli.methods.expressions.retarget_expression import Explanation, RetargetSettings
 from caricli.methods.expressions.retarget_rig import DrivingMesh, Retargeting, retarget_rig
 from caricli.store.models import load_model
 from caricli.structures import Mesh, Rig
@@ -63,3 +63,5 @@ def test_lips_close_on_an_open_jaw_and_no_more_than_it_is(head, head_template, b
     np.testing.assert_allclose(weights[0], [0.5, 0.8, 0.3], atol=0.01)
     # Lips that push through each other are no expression of anybody's.
     assert (weights[:, 0] <= weights[:, 1] + 1e-9).all()
+    wild = [DrivingMesh(neutral + np.tensordot([1.3, 1.8, 0], deltas, 1))]
+    assert retarget_rig(wild, rig, model, neutral).explanation.weights.max() <= RetargetSettings.strongest

@@ -1,10 +1,12 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from caricli.geometry.flipped_triangles import flipped_triangles
 from caricli.methods.faces.encode_face import encode_face
 from caricli.methods.faces.interpolate_faces import interpolate_faces
-from caricli.structures import Camera, Face
+from caricli.structures import Camera, Face, Hair, Mesh
 
 
 def encoded(vertices, model, **more):
@@ -60,3 +62,18 @@ def test_no_camera_sees_what_is_between(pca, strangers):
     walk = list(interpolate_faces(*ends, pca, 3))
     assert all(face.camera is None and face.landmarks is None for face in walk)
     assert walk[0].latent is ends[0].latent and walk[2].mesh is ends[1].mesh
+
+
+def test_teeth_and_hair_are_worn_on_the_way(pca, strangers):
+    first, second = (encoded(vertices, pca) for vertices in strangers[:2])
+    square = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
+    shell = Mesh(square, np.array([[0, 1, 2, 3]]), square[:, :2], np.array([[0, 1, 2, 3]]))
+    hair = Hair(shell, np.zeros((4, 3), np.int64), np.full((4, 3), 1 / 3))
+    first = replace(first, teeth=np.array([0.002, 0]))
+    second = replace(second, teeth=np.array([0.004, 0.001]), hair=hair)
+    walk = list(interpolate_faces(first, second, pca, 5))
+    np.testing.assert_allclose([face.teeth for face in walk], np.linspace(first.teeth, second.teeth, 5))
+    assert [face.hair is not None for face in walk] == [False, True, True, True, True]
+    middle = list(interpolate_faces(first, replace(second, teeth=None, hair=None), pca, 3))[1]
+    np.testing.assert_array_equal(middle.teeth, first.teeth)
+    assert middle.hair is None

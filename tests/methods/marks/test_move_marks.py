@@ -82,6 +82,9 @@ def test_the_map_is_its_own_inverse_and_knows_no_jaw(seen, template):
     assert np.isfinite(mirror_map(few, template)).all()
     with pytest.raises(NumericsError):
         mirror_map(np.full((81, 2), 5.0), template)
+    # Nearly from the side a small move here would be a large one there.
+    with pytest.raises(NumericsError, match="seen from the side"):
+        mirror_map(seen(template.vertices, yaw=85, pitch=10, count=81).points, template)
 
 
 def test_a_point_moves_alone_or_with_its_partner(marks, template):
