@@ -249,7 +249,7 @@ class TextureTask:
         with naming(face):
             points = seen.require_landmarks()
         chart = self._chart_of(shape_model.template, self.model or face)
-        (white, regions), _ = do_in_parallel(partial(self._shown, picture, points), warp_start)
+        (white, regions), _ = do_in_parallel(partial(self._shown, image, picture, points), warp_start)
         sheets = picture_files(folder / "sheet.png")
         settings = replace(self.settings, sky=bool(sheets))
         start = time.perf_counter()
@@ -281,9 +281,11 @@ class TextureTask:
         with naming(source):
             return face_chart(template)
 
-    def _shown(self, picture: np.ndarray, points: np.ndarray) -> tuple[np.ndarray | None, np.ndarray | None]:
-        """Of a picture (H, W, 3) and the landmarks (L, 2) of its face: the mask (H, W) of its head, bool, and (H, W)
-        values of Region; None where there is none.
+    def _shown(
+        self, path: Path, picture: np.ndarray, points: np.ndarray
+    ) -> tuple[np.ndarray | None, np.ndarray | None]:
+        """Of a path's picture (H, W, 3) and the landmarks (L, 2) of its face: the mask (H, W) of its head, bool, and
+        (H, W) values of Region; None where there is none.
         """
         from caricli.store.face_pictures import FaceReader
         from caricli.store.pictures import load_mask, load_regions
@@ -293,7 +295,13 @@ class TextureTask:
             return load_mask(self.mask, size), None
         if self.parsing is not None:
             return None, load_regions(self.parsing, size)
-        return None, FaceReader(self.detector).parse(picture, points)
+        given = FaceReader(self.detector).given(picture, points)
+        if given is None:
+            return None, None
+        if given.elsewhere:
+            other = "shows a face elsewhere, and none where this one is: was this fitted to another picture?"
+            echo_notes(f"{shown(path)}: {other}")
+        return None, given.regions
 
 
 def _retouch(path, image, out, model, overwrite):

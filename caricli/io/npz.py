@@ -12,7 +12,7 @@ from typing import IO, Literal
 import numpy as np
 
 from caricli.errors import InputError, OutputError, naming, shown
-from caricli.io.files import looks_like_pickle, read_bytes
+from caricli.io.files import content_kind, looks_like_pickle, read_bytes
 from caricli.io.outputs import writing
 from caricli.limits import MAX_ARRAY_DIMENSIONS, MAX_NPZ_BYTES, MAX_NPZ_HEADER_BYTES, MAX_NPZ_MEMBERS
 
@@ -107,7 +107,8 @@ def _read_header(stream: IO[bytes]) -> tuple[np.dtype, tuple[int, ...], Literal[
     """Type, shape and order of an NPY array, and how many bytes stand before its values."""
     start = stream.read(8)
     if start[:6] != b"\x93NUMPY" or start[6:] not in (b"\1\0", b"\2\0", b"\3\0"):
-        raise InputError(f"expected an NPY array, found {'a pickle' if looks_like_pickle(start) else 'something else'}")
+        other = "a pickle" if looks_like_pickle(start) else "something else"
+        raise InputError(f"expected an NPY array, found {other}")
     width = 2 if start[6] == 1 else 4
     length = int.from_bytes(stream.read(width), "little")
     if length > MAX_NPZ_HEADER_BYTES:
@@ -152,7 +153,7 @@ def _read_member(archive: zipfile.ZipFile, member: zipfile.ZipInfo, path: str | 
 def _check_directory(data: bytes, path: str | Path) -> None:
     """Refuse a zip directory too large to list before zipfile lists it."""
     if not data.startswith((b"PK\x03\x04", b"PK\x05\x06")):
-        other = "a pickle" if looks_like_pickle(data) else "something else"
+        other = content_kind(data) or "another kind of file"
         raise InputError(f"{shown(path)}: expected an NPZ file, found {other}")
     end = data.rfind(b"PK\x05\x06")
     if end < 0 or len(data) < end + 22:
@@ -217,5 +218,7 @@ def take_texts(arrays: dict[str, np.ndarray], texts: Mapping[str, str], noun: st
     Raises InputError where one is missing or another.
     """
     for key, expected in texts.items():
-        if text_of(arrays.pop(key, None)) != expected:
-            raise InputError(f"expected {noun} with {key} {expected!r}, found another or none")
+        text = text_of(arrays.pop(key, None))
+        if text != expected:
+            other = "none" if text is None else repr(shown(text, 60))
+            raise InputError(f"expected {noun} with {key} {expected!r}, found {other}")

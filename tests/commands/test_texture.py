@@ -314,8 +314,16 @@ def write_labels(path, labels, names=None):
     return path
 
 
+@pytest.mark.parametrize("elsewhere", [True, False])
+def test_it_is_said_where_the_picture_shows_a_face_elsewhere(elsewhere, run, scene, tmp_path, monkeypatch):
+    monkeypatch.setattr("caricli.methods.detect.parse_face.GivenFace.elsewhere", elsewhere)
+    result = run(COMMAND, *inputs(scene)[:2], "--size", 64, "--hair", "none", "--no-picture", "--out", tmp_path / "out")
+    assert result.exit_code == 0, result.output
+    assert ("shows a face elsewhere, and none where this one is" in result.stderr) == elsewhere
+
+
 def test_a_label_map_stands_in_for_the_detector(run, scene, tmp_path, monkeypatch):
-    monkeypatch.setattr("caricli.store.face_pictures.FaceReader.parse", None)  # calling it would fail
+    monkeypatch.setattr("caricli.store.face_pictures.FaceReader.given", None)  # calling it would fail
     face, photo, _, mask = inputs(scene)
     head = read_image(mask)[..., 0] > 0
     labels = write_labels(tmp_path / "labels.png", head.astype(np.uint8))

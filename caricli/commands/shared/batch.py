@@ -23,9 +23,10 @@ def named_jobs(
     """
     if (out is None) == (out_dir is None):
         raise click.UsageError("Give either --out for one result or --out-dir for many.")
-    if out is not None and (len(inputs) > 1 or out.suffix.lower() not in suffixes):
-        ends = " or ".join(suffixes)
-        raise click.UsageError(f"--out takes one {noun} and a name that ends in {ends}; for more use --out-dir.")
+    if out is not None and out.suffix.lower() not in suffixes:
+        raise click.UsageError(f"{shown(out)}: expected a name that ends in {' or '.join(suffixes)}")
+    if out is not None and len(inputs) > 1:
+        raise click.UsageError(f"--out takes one {noun}; for more use --out-dir.")
     jobs = [(path, _target(path, out, out_dir, suffixes[0])) for path in inputs]
     if len({target for _, target in jobs}) < len(jobs):
         raise click.UsageError(f"Two {noun} have the same name; their results would replace each other.")

@@ -31,6 +31,7 @@ no_picture_option = click.option(
     flag_value=False,
     type=bool,
     default=True,
+    show_default=False,
     expose_value=False,
     callback=_keep,
     help="Draw no picture of the result, which saves the time.",

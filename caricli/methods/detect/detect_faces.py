@@ -28,11 +28,7 @@ def detect_faces(picture: np.ndarray, detector: Detector, settings: DetectSettin
     mark them.
     picture: (H, W, 3) uint8.
     """
-    return snap_faces(picture, seek_faces(picture, detector, settings), detector)
-
-
-def snap_faces(picture: np.ndarray, sought: Detection, detector: Detector) -> Detection:
-    """What `detect_faces` makes of what was sought in a picture (H, W, 3) uint8."""
+    sought = seek_faces(picture, detector, settings)
     regions = sought.regions
     snapped = [snap_jaw(regions, snap_openings(picture, regions, face.landmarks)) for face in sought.faces]
     marks = [mark_as_people(face, detector.jaw) for face in snapped]

@@ -5,7 +5,7 @@ from functools import cached_property
 
 import numpy as np
 
-from caricli.methods.detect.detect_faces import seek_faces, snap_faces
+from caricli.methods.detect.detect_faces import seek_faces
 from caricli.methods.detect.find_faces import frames_overlap
 from caricli.methods.detect.parse_picture import WindowRegions, parse_picture
 from caricli.methods.detect.read_faces import ReadFace, read_face
@@ -64,7 +64,7 @@ class GivenFace:
     @property
     def elsewhere(self) -> bool:
         """Whether the picture surely shows a face, and none, sure or not, where the landmarks are."""
-        faces = snap_faces(self.picture, self.sought, self.detector).faces
+        faces = self.sought.faces
         sure = any(doubt_of(face, self.settings) is None for face in faces)
         if not sure or any(self._is_near(face.landmarks.head_points) for face in faces):
             return False

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from caricli.geometry.untangle import untangle
 from caricli.geometry.vertex_neighbours import vertex_neighbours
 from caricli.methods.hair.hair_view import HairView
 from caricli.methods.hair.head_sphere import HeadSphere
@@ -35,4 +36,6 @@ def tuck_ears(sphere: HeadSphere, view: HairView, settings: ShellSettings) -> Te
     longitudes, angles, radii = sphere.seen_from(head.vertices)
     above = np.maximum(radii - sphere.sample(sphere.radii, longitudes, angles) - settings.least * head.height, 0)
     share = 1 - hidden * above / np.maximum(radii, np.finfo(float).tiny)
-    return head.with_vertices(sphere.middle + share[:, None] * (head.vertices - sphere.middle))
+    tucked = sphere.middle + share[:, None] * (head.vertices - sphere.middle)
+    smooth = untangle(tucked, head.gradients, before=head.vertices)
+    return head.with_vertices(np.where(ears[:, None], smooth, head.vertices))

@@ -3,6 +3,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from caricli.geometry.flipped_triangles import flipped_triangles
 from caricli.methods.hair.fit_outline import Outline
 from caricli.methods.hair.hair_view import HairView
 from caricli.methods.hair.head_sphere import HeadSphere
@@ -46,6 +47,13 @@ def test_what_is_under_hair_lies_against_the_head_and_the_lobe_stays(sitter):
         before, after = (np.maximum(standing_out(head)[top], 0).max() for head in (sitter.head, tucked))
         assert after < 0.4 * before
         np.testing.assert_allclose(tucked.vertices[lobe], sitter.head.vertices[lobe], rtol=0, atol=2e-3)
+
+
+@pytest.mark.parametrize("share", [0.6, 0.75, 0.9])
+def test_no_triangle_of_a_tucked_ear_is_turned_over(sitter, share):
+    tucked = tuck_ears(HeadSphere(sitter.head, SETTINGS, fine=True), covered(sitter, share), SETTINGS)
+    before, after = (flipped_triangles(head.vertices, sitter.head.gradients) for head in (sitter.head, tucked))
+    assert not (after & ~before).any()
 
 
 @pytest.mark.parametrize("share", [0.2, 1.2])
