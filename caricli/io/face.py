@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from caricli.errors import InputError, naming, shown
+from caricli.io.files import content_kind, read_start
 from caricli.io.mesh import is_mesh_file, read_mesh
 from caricli.io.mesh_arrays import mesh_from_arrays, mesh_to_arrays
 from caricli.io.npz import read_npz, take_texts, write_npz
@@ -17,6 +18,8 @@ from caricli.structures.mesh import topology_id
 from caricli.structures.pictures import PICTURED
 
 SCHEMA = "caricli.face/1"
+_KIND = "a face (NPZ) or a mesh (OBJ, PLY, STL, GLB, glTF)"
+_START = 256  # bytes that tell one kind of file from another
 UNITS = "m"
 AXES = "+y up, +z front"
 
@@ -60,6 +63,7 @@ def read_face(path: str | Path) -> Face:
     """
     if is_mesh_file(path):
         return Face(read_mesh(path))
+    _check_kind(path)
     arrays = read_npz(path)
     with naming(path):
         take_texts(arrays, _TEXTS, "a face")
@@ -77,6 +81,13 @@ def read_face(path: str | Path) -> Face:
         if topology is None or str(topology) not in (face.mesh.topology_id, topology_id(face.faces)):
             raise InputError("expected a topology_id that matches the faces, found another or none")
         return face
+
+
+def _check_kind(path: str | Path) -> None:
+    """Refuse what neither its name nor its content says to be a face."""
+    start = read_start(path, _START, _KIND)
+    if Path(path).suffix.lower() != ".npz" and content_kind(start) != "a zip archive":
+        raise InputError(f"{shown(path)}: expected {_KIND}, found {content_kind(start) or 'another kind of file'}")
 
 
 def read_picture_names(path: str | Path) -> PictureNames:

@@ -143,6 +143,21 @@ def test_obj_gives_the_geometry(tmp_path):
     assert (tmp_path / "b.obj").read_bytes() == (tmp_path / "a.obj").read_bytes()
 
 
+@pytest.mark.parametrize(
+    ("name", "content", "kind"), [("a.txt", b"hello", "another kind of file"), ("a.png", b"\x89PNG\r\n", "a PNG image")]
+)
+def test_what_no_face_can_be_is_told_what_can(name, content, kind, tmp_path):
+    (tmp_path / name).write_bytes(content)
+    with pytest.raises(InputError, match=rf"{name}: expected a face .NPZ. or a mesh .OBJ, .*, found {kind}"):
+        read_face(tmp_path / name)
+
+
+def test_a_face_of_another_name_is_read(tmp_path):
+    write_face(tmp_path / "a.npz", Face(quad()))
+    (tmp_path / "a.npz").rename(tmp_path / "face")
+    assert len(read_face(tmp_path / "face").vertices) == len(VERTICES)
+
+
 def test_polygons_become_fans(tmp_path):
     text = "".join(f"v {k} {k * k} 0\n" for k in range(5)) + "f 1 2 3\nf 5 4 3 2 1\nf 1 3 5 4\n"
     (tmp_path / "a.obj").write_text(text)
