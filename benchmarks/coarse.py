@@ -7,8 +7,8 @@ are read by the bundled detector from their true frames, as `detect` reads faces
 face of the morphable model, its fit to these landmarks and their spreads (`fit-morphable`), the network's word
 (`fit-coarse --alone`), that word brought to the landmarks (`fit-coarse`), and two bounds: the fit to the true
 landmarks, and the model's best. Errors are mean distances of the face's vertices after alignment in percent of the
-head's height. The interval is that of the change of the mean, from 10,000 draws of the faces with replacement. The last
-line is JSON.
+head's height. The interval is that of the change of the mean, from 10,000 draws of the people with replacement. The
+last line is JSON.
 """
 
 import json
@@ -34,7 +34,7 @@ from caricli.store.coarse import load_coarse_pair
 from caricli.store.detector import load_detector
 
 DRAWS = 10_000
-"""Of the faces, for the interval."""
+"""Of the people, for the interval."""
 
 
 @threadpool_limits.wrap(limits=1)
@@ -50,14 +50,17 @@ def main(dataset, pictures, count=100, network=None):
     faces = TrueFaces(drawn, data, model, "test")
     chosen = np.random.default_rng(0).permutation(len(faces.faces))[: int(count)]
     errors = []
+    people = []
     for done, number in enumerate(chosen, 1):
         errors.append(measure(faces.study(int(number)), model, teller, detector))
+        picture, place = faces.faces[number]
+        people.append(drawn.truth["person"][faces.rows[picture][place]])
         if done % 10 == 0 or done == len(chosen):
             print(done, ", ".join(f"{name} {np.mean([e[name] for e in errors]):.3f}" for name in errors[0]), flush=True)
     columns = {name: np.array([own[name] for own in errors]) for name in errors[0]}
     rows = {name: {"error": float(column.mean())} for name, column in columns.items()}
     for name in ("network", "network and landmarks"):
-        rows[name] |= compare(columns["fit"], columns[name])
+        rows[name] |= compare(columns["fit"], columns[name], np.array(people))
         print(name, "{change:.1f} % ({low:.1f} to {high:.1f}) of the fit's, lower on {lower}".format(**rows[name]))
     print(json.dumps({"faces": len(errors), "errors": rows}))
 
@@ -82,9 +85,9 @@ def measure(face, model, teller, detector):
     return errors | {"landmarks": float(100 * gaps / np.linalg.norm(np.ptp(true[:68], axis=0)))}
 
 
-def compare(before, after):
-    """How the mean error changes, in percent, with its interval, and on how many of the faces it is lower."""
-    change, low, high = ratio_interval(100 * (after - before), before, np.arange(len(before)), DRAWS)
+def compare(before, after, people):
+    """How the mean error of people (N,) changes, in percent, with its interval, and on how many faces it is lower."""
+    change, low, high = ratio_interval(100 * (after - before), before, people, DRAWS)
     return {"change": change, "low": low, "high": high, "lower": int((after < before).sum()), "of": len(before)}
 
 

@@ -7,7 +7,7 @@ Two elastic fits are compared, as `reconstruct-from-landmarks` makes them: to th
 stand out in the picture count beside detected ones (`Outline.joined`, whose constants were chosen on validation
 people). Errors are mean distances of an ear's three landmarks from the truth, in the picture, in percent of the
 diagonal of the 68, of ears of which two can be seen. The interval is that of the change of the mean, from 10,000 draws
-of the faces with replacement. Seconds are medians of processor time for one fit. The last line is JSON.
+of the people with replacement. Seconds are medians of processor time for one fit. The last line is JSON.
 """
 
 import json
@@ -41,7 +41,7 @@ EARS = ([*EAR_RIGHT], [*EAR_LEFT])
 
 
 def faces(folder, split):
-    """Pictures with their landmarks (81, 2) and which of these can be seen."""
+    """Pictures with their landmarks (81, 2), which of these can be seen, and the number of who it is."""
     pictures = read_picture_set(folder)
     splits = SPLITS if split is None else [split]
     for number in sorted(number for name in splits for number in pictures.pictures_of(name)):
@@ -49,7 +49,8 @@ def faces(folder, split):
         if len(rows) == 1:
             points = pictures.truth["landmarks"][rows[0]]
             if np.ptp(points[:COUNT], axis=0).max() >= SMALLEST:
-                yield pictures.picture(int(number)), points, pictures.truth["visible"][rows[0]]
+                visible, person = (pictures.truth[name][rows[0]] for name in ("visible", "person"))
+                yield pictures.picture(int(number)), points, visible, person
 
 
 def measure(image, points, visible, seen, model):
@@ -73,10 +74,10 @@ def measure(image, points, visible, seen, model):
     return rows, seconds
 
 
-def change(measured):
+def change(measured, people):
     """Of the mean error, by which share it changes, with its interval."""
     before, after = (np.array([sum(row[k] for row in rows) for rows in measured]) for k in (0, 1))
-    share, *interval = ratio_interval(after - before, before, np.arange(len(before)), DRAWS)
+    share, *interval = ratio_interval(after - before, before, np.array(people), DRAWS)
     return share, interval
 
 
@@ -87,8 +88,9 @@ def main(folder, count=60, split=None):
     model = load_model(kind="intrinsic")
     model.prepare()
     measured = []
+    people = []
     seconds = []
-    for image, points, visible in faces(Path(folder), split):
+    for image, points, visible, person in faces(Path(folder), split):
         try:
             seen = see_face(image, detector)
         except CaricliError:
@@ -98,12 +100,14 @@ def main(folder, count=60, split=None):
             continue
         rows, own = measure(image, points, visible, seen, model)
         seconds.append(own)
-        measured += [rows] if rows else []
+        if rows:
+            measured.append(rows)
+            people.append(person)
         if len(seconds) == int(count):
             break
     ears = np.array([row for rows in measured for row in rows])
     standing = ears[ears[:, 2] > 0, :2]
-    share, interval = change(measured)
+    share, interval = change(measured, people)
     figures = {
         "all": {
             "ears": len(ears), "alone": ears[:, 0].mean(), "picture": ears[:, 1].mean(),

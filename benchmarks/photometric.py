@@ -4,7 +4,7 @@ Usage: python benchmarks/photometric.py DATASET [COUNT]. The faces are those of 
 --everyone`: people of the dataset whom the model was not trained with, rendered by the studio in random poses, colours
 and light, landmarks displaced by 0.3 % of their diagonal. Errors are mean distances of the face's vertices after
 alignment in percent of the head's height. The interval is that of the mean of the differences, from 10,000 draws of the
-faces with replacement. The last line is JSON.
+people with replacement. The last line is JSON.
 """
 
 import json
@@ -24,7 +24,7 @@ from caricli.methods.reconstruct.fit_morphable import fit_morphable
 from caricli.store.models import load_morphable
 
 DRAWS = 10_000
-"""Of the faces, for the interval."""
+"""Of the people, for the interval."""
 
 
 def main(folder, count=50):
@@ -46,7 +46,8 @@ def main(folder, count=50):
     pairs = np.array(errors)
     regular = data.regular[portraits.rows]
     groups = {"all": np.ones(len(pairs), bool), "regular": regular, "exaggerated": ~regular}
-    figures = {name: compare(pairs[rows]) for name, rows in groups.items() if rows.any()}
+    people = data.identity[portraits.rows]
+    figures = {name: compare(pairs[rows], people[rows]) for name, rows in groups.items() if rows.any()}
     for name, own in figures.items():
         low, high = own["interval"]
         change = (
@@ -56,10 +57,10 @@ def main(folder, count=50):
     print(json.dumps({"errors": figures, "seconds": float(np.median(seconds))}))
 
 
-def compare(pairs):
-    """Figures of errors (N, 2), landmarks alone and with colours."""
+def compare(pairs, people):
+    """Figures of errors (N, 2), landmarks alone and with colours, of people (N,)."""
     change = pairs[:, 1] - pairs[:, 0]
-    mean, *interval = ratio_interval(change, np.ones(len(change)), np.arange(len(change)), DRAWS)
+    mean, *interval = ratio_interval(change, np.ones(len(change)), people, DRAWS)
     return {
         "faces": len(pairs),
         "landmarks": float(pairs[:, 0].mean()),

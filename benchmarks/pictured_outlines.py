@@ -3,8 +3,8 @@
 Usage: python -m benchmarks.pictured_outlines DATASET PICTURES [COUNT]. Of PICTURES (of `dataset pictures DATASET`)
 those that show one face of at least 80 pixels, until COUNT (default: 300) faces were detected and fitted, as `portrait`
 begins. Ears: intersection over union of the true label and the ears that the fitted head shows, where nothing hides
-them, without and with `fit_ears`, and the interval of its change from 10,000 draws of the faces with replacement; of
-those whose ears it moved. Necks: of the width of the neck's edge to that of the true head's, brought to it by a
+them, without and with `fit_ears`, and the interval of its change from 10,000 draws of the people with replacement; of
+faces whose ears it moved. Necks: of the width of the neck's edge to that of the true head's, brought to it by a
 similarity of the face, the median of how far it is from 1, percent, without and with `fit_neck`, and how many became
 thinner, and by more than a fifth: no person of a dataset has a thin neck. The last line is JSON.
 """
@@ -72,7 +72,7 @@ def main(dataset, pictures, count=300):
     sitters = sitter_shapes(drawn, read_dataset(Path(dataset)))
     detector = load_detector()
     model = load_model(kind="intrinsic")
-    ears, necks = [], []
+    ears, necks, people = [], [], []
     for number in range(drawn.count):
         rows = drawn.faces(number)
         points = drawn.truth["landmarks"][rows[:1]]
@@ -91,10 +91,11 @@ def main(dataset, pictures, count=300):
         outlined = fit_ears(face, model.template, picture)
         if outlined is not face:
             ears.append([ear_overlap(each, model.template, drawn.regions(number)) for each in (face, outlined)])
+            people.append(drawn.truth["person"][rows[0]])
         if len(necks) == int(count):
             break
     before, after = np.array(ears).T
-    change, *interval = ratio_interval(after - before, np.ones(len(ears)), np.arange(len(ears)), DRAWS)
+    change, *interval = ratio_interval(after - before, np.ones(len(ears)), np.array(people), DRAWS)
     usual, pictured = np.array(necks).T
     figures = {
         "ear_outlines": {

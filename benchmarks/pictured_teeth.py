@@ -4,7 +4,7 @@ Usage: python -m benchmarks.pictured_teeth PICTURES [COUNT]. Of PICTURES (of `da
 face of at least 80 pixels, until COUNT (default: 60) faces whose open mouths tell of their teeth were detected and
 fitted, as `portrait` begins. Pixels of teeth that a fitted head shows its camera are compared with those of the
 picture's true regions, without what the picture says of teeth (`shown_teeth`) and with it: mean intersection over
-union, and the interval of its change from 10,000 draws of the faces with replacement. The last line is JSON.
+union, and the interval of its change from 10,000 draws of the people with replacement. The last line is JSON.
 """
 
 import json
@@ -64,6 +64,7 @@ def main(folder, count=60):
     detector = load_detector()
     model = load_model(kind="intrinsic")
     rows = []
+    people = []
     for number in range(pictures.count):
         faces = pictures.faces(number)
         if len(faces) != 1 or np.ptp(pictures.truth["landmarks"][faces[0]][:COUNT], axis=0).max() < SMALLEST:
@@ -72,11 +73,13 @@ def main(folder, count=60):
             row = overlaps(pictures.picture(number), pictures.regions(number), detector, model)
         except CaricliError:
             continue
-        rows += [] if row is None else [row]
+        if row is not None:
+            rows.append(row)
+            people.append(pictures.truth["person"][faces[0]])
         if len(rows) == int(count):
             break
     usual, pictured = np.array(rows).T
-    change, *interval = ratio_interval(pictured - usual, np.ones(len(rows)), np.arange(len(rows)), DRAWS)
+    change, *interval = ratio_interval(pictured - usual, np.ones(len(rows)), np.array(people), DRAWS)
     figures = {"faces": len(rows), "usual": usual.mean(), "pictured": pictured.mean()}
     figures |= {"better": int((pictured > usual).sum()), "change": change, "low": interval[0], "high": interval[1]}
     print(json.dumps({"pictured_teeth": figures}))

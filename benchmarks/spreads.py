@@ -6,13 +6,15 @@ pictures` of the dataset PEOPLE; its first COUNT (default: 40) pictures of one t
 and two fifths of the landmarks are seen, and which the detector (default: the bundled one) finds to 15 % of its
 diagonal.
 
-Errors are mean distances on the face after the best similarity, millimetres; of differences the standard error, too.
+Errors are mean distances on the face after the best similarity, millimetres; of differences the interval, too, when
+people are drawn anew.
 The last line is JSON.
 """
 
 import json
 import sys
 from functools import partial
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
@@ -23,6 +25,8 @@ from caricli.data.picture_set import read_picture_set
 from caricli.errors import CaricliError
 from caricli.geometry.similarity import similarity
 from caricli.methods.detect.see_face import see_face
+from caricli.methods.evaluate.ratio_interval import ratio_interval
+from caricli.methods.pictures.sitter_shapes import sitter_shapes
 from caricli.methods.reconstruct.fit_landmarks import fit_landmarks
 from caricli.methods.reconstruct.fit_morphable import fit_morphable
 from caricli.store.detector import load_detector
@@ -56,20 +60,20 @@ def error(vertices, true, region):
 
 
 def measured(pictures, people, half, detector):
-    """Errors of both fits without spreads and with them, for each picture."""
+    """Who a picture shows, and errors of both fits without spreads and with them, for each picture."""
     elastic = load_model()
     ways = (partial(fit_landmarks, model=elastic), partial(fit_morphable, model=load_morphable()))
     region = elastic.template.region("face")
     truth = pictures.truth
+    sitters = sitter_shapes(pictures, people)
     for row in np.flatnonzero(np.isin(truth["picture"], pictures.pictures_of("test"))):
         who = truth["person"][row]
         marks = found_landmarks(pictures, row, detector) if who % 2 == half else None
         if marks is None:
             continue
-        same = (people.identity == who) & (people.expression == truth["expression"][row])
-        true = people.vertices[same & (people.level == truth["level"][row])][0].astype(float)
+        true = sitters.vertices[sitters.places[row]].astype(float)
         fits = [fit(marks.head_points, spreads=spreads) for fit in ways for spreads in (None, marks.spreads)]
-        yield [error(fit.face.vertices, true, region) for fit in fits]
+        yield who, [error(fit.face.vertices, true, region) for fit in fits]
 
 
 @threadpool_limits.wrap(limits=1)
@@ -79,14 +83,14 @@ def main():
     pictures = read_picture_set(Path(sys.argv[1]))
     detector = load_detector(Path(options[2]) if options[2] else None)
     rows = measured(pictures, read_dataset(Path(sys.argv[2])), int(options[1]), detector)
-    errors = np.array([row for _, row in zip(range(int(options[0])), rows, strict=False)])
+    people, errors = map(np.array, zip(*islice(rows, int(options[0])), strict=True))
     summary = {"pictures": len(errors), "detector": detector.model_id}
     for k, name in enumerate(("elastic", "morphable")):
         before, after = errors[:, 2 * k : 2 * k + 2].T
-        change = (after - before).mean()
-        doubt = (after - before).std() / len(errors) ** 0.5
-        summary[name] = {"without": before.mean(), "with": after.mean(), "change": change, "error": doubt}
-        print(f"{name:9} {before.mean():.2f} mm, with spreads {after.mean():.2f} mm ({change:+.2f} +- {doubt:.2f})")
+        change, low, high = ratio_interval(after - before, np.ones(len(errors)), people)
+        summary[name] = {"without": before.mean(), "with": after.mean(), "change": change, "low": low, "high": high}
+        interval = f"{change:+.2f}, {low:+.2f} to {high:+.2f}"
+        print(f"{name:9} {before.mean():.2f} mm, with spreads {after.mean():.2f} mm ({interval})")
     print(json.dumps(summary))
 
 

@@ -56,6 +56,9 @@ def model_from_checkpoint(tensors: Mapping[str, np.ndarray], metadata: Mapping[s
         template = _shared_template(tensors, metadata["annotation"], where)
         own = {name.removeprefix("model."): value for name, value in tensors.items() if name.startswith("model.")}
         model = model_class(kind).from_tensors(template, own, model_id(kind, own))
+        more = {*tensors} - {f"model.{name}" for name in model.tensors()}
+        if more := {name for name in more if not name.startswith("template.")}:
+            raise ValueError(f"with {min(more)}, which is of no {kind} model")
     except KeyError as error:
         raise InputError(f"{shown(where)}: not a valid model: without {shown(error, 60)}") from error
     except (ValueError, IndexError, TypeError) as error:

@@ -6,6 +6,7 @@ from functools import partial
 from pathlib import Path
 
 from caricli.cores import usable_cores
+from caricli.data.evenly import evenly
 from caricli.data.picture_set import read_picture_set
 from caricli.data.worker_pool import worker_pool
 from caricli.errors import naming
@@ -13,7 +14,7 @@ from caricli.methods.evaluate.evaluate_detector import DetectorTally, JudgedPict
 from caricli.methods.train.fit_jaw_places import fit_jaw_places
 from caricli.methods.train.split_pictures import JoinedPictures, SplitPictures, marked_by_people
 from caricli.methods.train.train_autodecoder import Share
-from caricli.methods.train.train_detector import DetectorTraining, evenly
+from caricli.methods.train.train_detector import DetectorTraining
 from caricli.methods.train.window_batch import WindowSource
 from caricli.models.detector.config import DetectorConfig
 from caricli.models.detector.model import TRUST, detector_to_checkpoint

@@ -91,6 +91,13 @@ def test_missing_metadata_is_refused(ball_model, key):
         model_from_checkpoint(tensors, metadata, "m.safetensors")
 
 
+@pytest.mark.parametrize("name", ["model.extra", "junk"])
+def test_a_tensor_that_no_such_model_has_is_refused(name, ball_model):
+    tensors, metadata = model_to_checkpoint(ball_model, {})
+    with pytest.raises(InputError, match=f"not a valid model: with {name}, which is of no {ball_model.kind} model"):
+        model_from_checkpoint(tensors | {name: np.zeros((3, 3), np.float32)}, metadata, "a")
+
+
 def test_a_missing_tensor_is_refused(ball_model):
     tensors, metadata = model_to_checkpoint(ball_model, RECIPE)
     for name in tensors:

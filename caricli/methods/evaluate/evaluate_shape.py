@@ -7,6 +7,7 @@ from functools import partial
 import numpy as np
 
 from caricli.data.dataset import SPLITS, Dataset
+from caricli.data.evenly import evenly
 from caricli.errors import InputError
 from caricli.models.shape_model import ShapeModel
 
@@ -27,7 +28,7 @@ class ShapeError:
 def spread_rows(rows: np.ndarray, count: int) -> np.ndarray:
     """At most ``count`` of the chosen rows, evenly spread. rows: (N,) bool. Returns (n,) ids."""
     ids = np.flatnonzero(rows)
-    return ids[np.linspace(0, len(ids) - 1, min(count, len(ids))).round().astype(int)] if len(ids) else ids
+    return ids[np.array(evenly(range(len(ids)), count), int)]
 
 
 def split_rows(data: Dataset, split: str, least: int, count: int = 0) -> np.ndarray:

@@ -251,7 +251,7 @@ def present(lines: np.ndarray, missing: Missing, generator: np.random.Generator)
     share = generator.random(count) if missing.fixed is None else np.full(count, missing.fixed)
     by_length = np.less(generator.random(count), 0.5 if missing.fixed is None else 0)
     chance = np.where(by_length[:, None], lengths / lengths.mean(1, keepdims=True), 1)
-    # The largest of exponential variables over their rates: a draw without replacement.
+    # The smallest of exponential variables over their rates stay: a draw without replacement.
     order = np.argsort(np.argsort(generator.exponential(size=lengths.shape) / chance, axis=1), axis=1)
     kept = np.maximum(np.rint(curves * (1 - share)), 2)
     return ~lacking[:, None] | (order < kept[:, None])

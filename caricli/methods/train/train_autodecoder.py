@@ -70,7 +70,7 @@ class AutoDecoderTraining:
 
     Minimises, over the network and one latent per training mesh, with points drawn anew every step,
     ``data_weight mean |d_i - S(p_i; z_k)|^2 + latent_weight / M |z_k|^2`` (equation 1) plus
-    ``prior_weight / M |C - I|^2`` with C the second moments of all latents over latent_std^2, plus
+    ``prior_weight / M (|C - I|^2 + |m|^2)`` with m and C mean and second moments of all latents over latent_std, plus
     ``smoothness_weight`` times the roughness of displacements, compared with that of the training shapes, at latents
     drawn from that prior. Of ``mixup`` of the shapes mixtures take their place, of latents and of displacements alike
     (Zhang et al. 2018), so that also the shapes between are what they should be.
@@ -228,7 +228,7 @@ class AutoDecoderTraining:
         return latents, aims + (1 - cosine - sine) * points.values(self.mean)
 
     def _prior_loss(self) -> torch.Tensor:
-        """How far the second moments of all latents are from latent_std^2."""
+        """How far the mean of all latents is from 0, and their second moments from latent_std^2."""
         spread = self.latents / self.config.latent_std
         moments = spread.mT @ spread / len(spread) - torch.eye(self.config.latent, device=spread.device)
         return (moments.square().sum() + spread.mean(0).square().sum()) / self.config.latent

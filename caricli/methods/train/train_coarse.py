@@ -7,6 +7,7 @@ from functools import partial
 import numpy as np
 import torch
 
+from caricli.data.evenly import evenly
 from caricli.errors import InputError
 from caricli.methods.evaluate.reconstruct_portrait import shape_error
 from caricli.methods.morphable.coefficients import CoefficientLayout
@@ -263,9 +264,7 @@ class CoarseTraining(NetworkTraining):
 
     def _unseen(self) -> Iterator[StudiedFace]:
         """The faces to validate with."""
-        count = len(self.sources.unseen.faces)
-        chosen = range(0, count, max(1, count // self.config.validation))
-        for number in chosen[: self.config.validation]:
+        for number in evenly(range(len(self.sources.unseen.faces)), self.config.validation):
             yield self.sources.unseen.study(number)
 
 

@@ -1,11 +1,11 @@
 """A detector, trained on pictures whose truth is known."""
 
 from collections.abc import Callable, Iterator, Sequence
-from typing import TypeVar
 
 import numpy as np
 import torch
 
+from caricli.data.evenly import evenly
 from caricli.errors import InputError
 from caricli.methods.train.detector_losses import face_loss, landmark_loss, region_loss
 from caricli.methods.train.kernel_muon import normalised_kernels
@@ -21,8 +21,6 @@ from caricli.seeds import TrainingSeed
 from caricli.structures.detection import FaceFrame
 from caricli.structures.landmarks import COUNT, SCHEMES
 from caricli.structures.parsing import Region
-
-T = TypeVar("T")
 
 LANDMARKS = max(SCHEMES)
 """How many the network finds."""
@@ -119,11 +117,6 @@ class DetectorTraining(NetworkTraining):
             apart = np.linalg.norm((mean + 0.5) * FINE - 0.5 - places, axis=1)
             errors.append(apart.mean() / np.linalg.norm(np.ptp(places, axis=0)))
         return float(np.mean(errors))
-
-
-def evenly(items: Sequence[T], count: int) -> Sequence[T]:
-    """At most so many of some items, from all over them."""
-    return items[:: max(1, len(items) // count)][:count]
 
 
 def new_network(config: DetectorConfig, generator: torch.Generator) -> DetectorNetwork:

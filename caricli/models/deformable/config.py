@@ -59,10 +59,10 @@ class DeformableConfig:
     step, of which vertex_share are vertices and the others uniform on the surface. learning_rate of the network,
     latent_rate of the latents in units of latent_std; schedule, precision (of the SIREN's hidden layers).
     data_weight and latent_weight: lambda_mse and lambda_reg of equation 1, for the template in [-1, 1]. prior_weight:
-    of the distance of the latents' covariance from latent_std^2. noise: added to latents in units of latent_std.
-    mixup: share of the shapes whose place a mixture of two takes. smoothness_weight: of the roughness beyond that of
-    the training shapes at latents drawn from the prior. validate_every: epochs. validation_steps: of the unseen meshes'
-    codes at a validation. checkpoint_seconds: between two checkpoints.
+    of the distance of the latents' mean from 0, and of their second moments from latent_std^2. noise: added to latents
+    in units of latent_std. mixup: share of the shapes whose place a mixture of two takes. smoothness_weight: of the
+    roughness beyond that of the training shapes at latents drawn from the prior. validate_every: epochs.
+    validation_steps: of the unseen meshes' codes at a validation. checkpoint_seconds: between two checkpoints.
     Raises ValueError for impossible sizes.
     """
 
