@@ -3,7 +3,6 @@
 from dataclasses import dataclass, replace
 from typing import Any
 
-import cv2
 import numpy as np
 
 from caricli.errors import InputError
@@ -16,6 +15,7 @@ from caricli.methods.hair.snap_border import snap_border
 from caricli.methods.texture.mask_head import mesh_pixels
 from caricli.methods.texture.picture_view import PictureView, Sight
 from caricli.methods.texture.settings import PaintSettings
+from caricli.render.smaller_mask import smaller_mask
 from caricli.structures import Camera, Face, Hair
 from caricli.template.annotation import EARS
 from caricli.template.template import Template
@@ -105,14 +105,8 @@ def _near(head: Template, camera: Camera, mask: HairMask) -> tuple[Camera, HairM
     pixels, behind = mask.pixels[part], mask.behind[part]
     zoom = _PIXELS / size
     if zoom < 1:
-        pixels, behind = (_smaller(each, zoom) for each in (pixels, behind))
+        pixels, behind = (smaller_mask(each, zoom) for each in (pixels, behind))
     return camera.zoomed(min(zoom, 1.0), start), replace(mask, pixels=pixels, behind=behind)
-
-
-def _smaller(mask: np.ndarray, zoom: float) -> np.ndarray:
-    """A mask (H, W) bool in a picture so many times as large."""
-    shares = cv2.resize(mask.astype(np.float32), None, fx=zoom, fy=zoom, interpolation=cv2.INTER_AREA)
-    return shares > 0.5
 
 
 def _wants_hair(template: Template, settings: PaintSettings) -> bool:

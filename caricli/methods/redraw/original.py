@@ -14,13 +14,14 @@ from caricli.methods.dynamic.dress_texture import inside_chart
 from caricli.methods.redraw.settings import RedrawSettings
 from caricli.methods.redraw.view import View, Window
 from caricli.methods.texture.estimate_light import Light
+from caricli.methods.texture.head_picture import HeadPicture
 from caricli.methods.texture.light_on_head import light_on_head
 from caricli.methods.texture.mouth_wall import mouth_wall
 from caricli.methods.texture.picture_view import PictureView, Sight, SurfacePoints
 from caricli.methods.texture.settings import TextureSettings
 from caricli.render.sample_texture import sample_pixels, uv_pixels
 from caricli.render.smooth_normals import smooth_normals
-from caricli.structures import Depiction, Material, Rig
+from caricli.structures import Depiction, Face, Material, Rig
 from caricli.structures.landmarks import EYE_LEFT, EYE_RIGHT, LIPS
 from caricli.structures.parsing import HEAD_REGIONS, Region
 from caricli.template.chart import face_chart
@@ -316,7 +317,10 @@ class Original:
         mask = self.window.means(self.head) > 0.5
         whole = np.zeros(self.picture.shape[:2], bool)
         self.window.cut(whole)[:] = mask
-        view = PictureView(head, Sight(camera, self.picture, whole), TextureSettings())
+        settings = TextureSettings()
+        near = HeadPicture(Face(head, camera), self.picture, whole).near_head(settings.buffer)
+        assert near.mask is not None
+        view = PictureView(head, Sight(near.face.require_camera(), near.image, near.mask), settings)
         normals = smooth_normals(head.vertices, head.faces)
         seen = view.look(SurfacePoints(head.vertices, normals, np.zeros(len(normals)), mouth_wall(head)))
         return light_on_head(head, seen, camera)

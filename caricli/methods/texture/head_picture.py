@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 import cv2
 import numpy as np
 
+from caricli.render.smaller_mask import smaller_mask
 from caricli.structures import Face
 from caricli.structures.zoomed_pixels import zoomed_pixels
 
@@ -54,10 +55,8 @@ class HeadPicture:
     def _smaller(self, zoom: float) -> "HeadPicture":
         """The same picture so many times as large."""
         image = cv2.resize(self.image, None, fx=zoom, fy=zoom, interpolation=cv2.INTER_AREA)
-        mask = regions = None
-        if self.mask is not None:
-            shares = cv2.resize(self.mask.astype(np.float32), image.shape[1::-1], interpolation=cv2.INTER_AREA)
-            mask = shares > 0.5
+        mask = None if self.mask is None else smaller_mask(self.mask, zoom)
+        regions = None
         if self.regions is not None:
             regions = cv2.resize(self.regions, image.shape[1::-1], interpolation=cv2.INTER_NEAREST_EXACT)
         return replace(self, face=self._seen(zoom, np.zeros(2)), image=image, mask=mask, regions=regions)
