@@ -56,6 +56,18 @@ def read_config(path: str | Path | None, cls: type[Settings], overrides: Sequenc
         raise kind(f"{name}: {shown(error, 200)}") from error
 
 
+def settings_of(values: dict[str, Any], cls: type[Settings], name: str) -> Settings:
+    """Settings of plain values by name, such as JSON has. cls: as of ``read_config``. name: what messages call them.
+
+    Raises InputError for a wrong type, and for what the class refuses with ValueError.
+    """
+    hints = typing.get_type_hints(cls)
+    try:
+        return cls(**{key: _setting(key, value, hints, name) for key, value in values.items()})
+    except ValueError as error:
+        raise InputError(f"{name}: {shown(error, 200)}") from error
+
+
 def read_yaml(path: str | Path) -> Any:
     """Read a YAML file of plain values. Raises InputError for tags, anchors and duplicate keys."""
     return _parse(read_text(path, MAX_CONFIG_BYTES, "a YAML file"), shown(path))

@@ -1,12 +1,16 @@
 """What a file of weights must hold, and its description say."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from dataclasses import fields
+from typing import Any, TypeVar
 
 import numpy as np
 
 from caricli.errors import InputError, shown
+from caricli.io.config import settings_of
 from caricli.structures.checks import number_problem, refuse
+
+Size = TypeVar("Size")
 
 
 def whole_number(value: Any, limits: Sequence[int], name: str) -> int:
@@ -14,6 +18,14 @@ def whole_number(value: Any, limits: Sequence[int], name: str) -> int:
     if type(value) is not int or not limits[0] <= value <= limits[1]:
         raise InputError(f"expected a {name} from {limits[0]} to {limits[1]}, found {shown(value, 60)!r}")
     return value
+
+
+def network_size(about: Any, kind: type[Size]) -> Size:
+    """The size of a network by a file's description, a JSON object. kind: its dataclass. Raises InputError."""
+    names = [field.name for field in fields(kind)]  # type: ignore[arg-type]
+    if not isinstance(about, dict) or sorted(about) != sorted(names):
+        raise InputError(f"expected a network of {', '.join(names)}, found {shown(about, 60)!r}")
+    return settings_of(about, kind, "network")
 
 
 def check_schema(metadata: Mapping[str, Any], schema: str, kind: str) -> None:

@@ -119,7 +119,7 @@ def test_a_detector_of_before_marks_jaws_at_equal_distances(detector):
         (lambda t, a: a.update(size=7), "expected a size from 64 to 512, found '7'"),
         (lambda t, a: a.update(trust=0.0), "expected a trust from"),
         (lambda t, a: a.update(network={"stem": 8}), "expected a network of stem, width, depth"),
-        (lambda t, a: a["network"].update(width=10**9), "expected a width from"),
+        (lambda t, a: a["network"].update(width=10**9), "width must be from 8 to 512"),
         (lambda t, a: a.update(regions=["skin"]), "regions that caricli knows"),
         (lambda t, a: t.pop("about"), "expected the weights of such a network, found others \\(about\\)"),
         (lambda t, a: t.update(about=t["about"][:1]), "about: expected \\(81, 16, 3\\), found"),

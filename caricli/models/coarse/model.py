@@ -1,14 +1,14 @@
 """The coarse network as it is used: weights, and what its windows and its coefficients are."""
 
 from collections.abc import Mapping
-from dataclasses import asdict, fields
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
 import torch
 
 from caricli.errors import InputError, naming, shown
-from caricli.models.checks import check_schema, whole_number
+from caricli.models.checks import check_schema, network_size, whole_number
 from caricli.models.coarse.config import CoarseSize
 from caricli.models.coarse.networks import CoarseNetwork
 from caricli.models.network_model import NetworkModel
@@ -99,26 +99,7 @@ def coarse_from_checkpoint(
         basis = metadata.get("basis")
         if not isinstance(basis, str):
             raise InputError(f"expected the morphable model that it belongs to, found {shown(basis, 60)!r}")
-        network = CoarseNetwork(_size(metadata.get("network")), LANDMARKS, outputs, torch.Generator())
+        own = network_size(metadata.get("network"), CoarseSize)
+        network = CoarseNetwork(own, LANDMARKS, outputs, torch.Generator())
         load_weights(network, tensors)
         return CoarseModel(network, size, basis, metadata.get("recipe"))
-
-
-def _size(about: Any) -> CoarseSize:
-    names = [field.name for field in fields(CoarseSize)]
-    if not isinstance(about, dict) or sorted(about) != sorted(names):
-        raise InputError(f"expected a network of {', '.join(names)}, found {shown(about, 60)!r}")
-    values = dict(about)
-    for name in ("widths", "blocks"):
-        if not isinstance(values[name], list):
-            raise InputError(f"expected a list of {name}, found {shown(values[name], 60)!r}")
-        values[name] = tuple(whole_number(value, (0, 4096), name) for value in values[name])
-    for name in ("bottleneck", "landmarks"):
-        if type(values[name]) is not bool:
-            raise InputError(f"expected {name} true or false, found {shown(values[name], 60)!r}")
-    for name in ("stem", "kept", "hidden", "glance"):
-        values[name] = whole_number(values[name], (0, 8192), name)
-    try:
-        return CoarseSize(**values)
-    except ValueError as error:
-        raise InputError(str(error)) from error

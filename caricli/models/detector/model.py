@@ -1,7 +1,7 @@
 """The detector as it is used: weights, the size of its windows, and how far its doubts are to be trusted."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
@@ -10,7 +10,7 @@ from scipy.special import expit
 from caricli.errors import InputError, naming, shown
 from caricli.io.kept import kept_arrays
 from caricli.models.checkpoint import model_id
-from caricli.models.checks import check_schema, whole_number
+from caricli.models.checks import check_schema, network_size, whole_number
 from caricli.models.detector.config import COARSE, FINE, HALF, REACH, DetectorSize
 from caricli.models.detector.jaw_places import JawPlaces
 from caricli.models.detector.landmark_heads import LandmarkHeads
@@ -185,7 +185,10 @@ def detector_from_checkpoint(tensors: Mapping[str, np.ndarray], metadata: Mappin
         if not isinstance(trust, float) or not TRUST[0] <= trust <= TRUST[1]:
             raise InputError(f"expected a trust from {TRUST[0]:g} to {TRUST[1]:g}, found {shown(trust, 60)!r}")
         own = {name: array for name, array in tensors.items() if name not in (JAW_WEIGHT, JAW_BIAS, *JAW_USUAL)}
-        weights = DetectorWeights(own, _size(metadata.get("network")))
+        network = metadata.get("network")
+        if isinstance(network, dict):
+            network = {"finer": 0} | network  # which detectors of before had not
+        weights = DetectorWeights(own, network_size(network, DetectorSize))
         return Detector(weights, size, trust, metadata.get("recipe"), _jaw(tensors))
 
 
@@ -207,18 +210,6 @@ def _together(tensors: Mapping[str, np.ndarray], names: Sequence[str]) -> list[n
     if not all(there):
         raise InputError(f"expected {', '.join(names)}, found {sum(there)} of them")
     return [tensors[name].astype(np.float64) for name in names]
-
-
-def _size(about: Any) -> DetectorSize:
-    names = [field.name for field in fields(DetectorSize)]
-    if isinstance(about, dict):
-        about = {"finer": 0} | about  # which detectors of before had not
-    if not isinstance(about, dict) or sorted(about) != sorted(names):
-        raise InputError(f"expected a network of {', '.join(names)}, found {shown(about, 60)!r}")
-    try:
-        return DetectorSize(**{name: whole_number(about[name], (0, 512), name) for name in names})
-    except ValueError as error:
-        raise InputError(str(error)) from error
 
 
 def by_pixels(cells: np.ndarray) -> np.ndarray:

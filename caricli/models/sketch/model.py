@@ -1,7 +1,7 @@
 """The network that sees faces in sketches, as it is used."""
 
 from collections.abc import Mapping
-from dataclasses import asdict, fields
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
@@ -9,7 +9,7 @@ import torch
 
 from caricli.errors import InputError, naming, shown
 from caricli.geometry.head_rotation import head_rotation
-from caricli.models.checks import check_schema, whole_number
+from caricli.models.checks import check_schema, network_size, whole_number
 from caricli.models.network_model import NetworkModel
 from caricli.models.network_weights import load_weights
 from caricli.models.sketch.config import PublishedSize, SketchSize
@@ -173,30 +173,8 @@ def _network(about: Any, size: int, dimension: int, curves: int) -> SketchNetwor
     """A network without weights. about: of the file."""
     generator = torch.Generator()
     if not isinstance(about, dict) or "variant" not in about:
-        own = _sized(about, SketchSize, ("widths", "blocks"), ("stem", "told", "hidden", "components"))
-        return SketchNetwork(own, curves, POINTS, dimension, generator)
-    numbers = ("hidden", "branch", "told", "identity", "expression")
-    published = _sized(about, PublishedSize, ("widths",), numbers)
-    if type(published.local) is not bool or dimension != published.identity + published.expression - 1:
+        return SketchNetwork(network_size(about, SketchSize), curves, POINTS, dimension, generator)
+    published = network_size(about, PublishedSize)
+    if dimension != published.identity + published.expression - 1:
         raise InputError(f"expected a published network of {dimension} numbers, found {shown(about, 60)!r}")
     return PublishedNetwork(published, curves, POINTS, size, generator)
-
-
-def _sized(about: Any, kind: type, lists: tuple[str, ...], numbers: tuple[str, ...]) -> Any:
-    """A size of its description. Raises InputError where that does not fit."""
-    names = [field.name for field in fields(kind)]
-    if not isinstance(about, dict) or sorted(about) != sorted(names):
-        raise InputError(f"expected a network of {', '.join(names)}, found {shown(about, 60)!r}")
-    values = dict(about)
-    for name in lists:
-        if not isinstance(values[name], list):
-            raise InputError(f"expected a list of {name}, found {shown(values[name], 60)!r}")
-        values[name] = tuple(whole_number(value, (0, 4096), name) for value in values[name])
-    for name in numbers:
-        values[name] = whole_number(values[name], (1, 8192), name)
-    if "variant" in values and not isinstance(values["variant"], str):
-        raise InputError(f"expected the name of a variant, found {shown(values['variant'], 60)!r}")
-    try:
-        return kind(**values)
-    except ValueError as error:
-        raise InputError(str(error)) from error

@@ -1,14 +1,14 @@
 """The texture network as it is used: weights, the size of its chart, and the topology whose chart it is."""
 
 from collections.abc import Mapping
-from dataclasses import asdict, fields
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
 import torch
 
 from caricli.errors import InputError, naming, shown
-from caricli.models.checks import check_schema, whole_number
+from caricli.models.checks import check_schema, network_size, whole_number
 from caricli.models.network_model import NetworkModel
 from caricli.models.network_weights import load_weights
 from caricli.models.texture.config import TextureSize
@@ -19,7 +19,6 @@ from caricli.structures.texture_change import Manner, TextureChange
 SCHEMA = "caricli.texture_network/1"
 
 _SIDES = (32, 512)
-_WHOLE = {"width": (4, 512), "narrow": (4, 512), "atlas": (0, 64)}
 _TOPOLOGY = 64
 """Characters of a topology's id."""
 
@@ -79,23 +78,9 @@ def texture_from_checkpoint(
         if not isinstance(topology_id, str) or len(topology_id) != _TOPOLOGY:
             raise InputError(f"expected the id of a topology, found {shown(topology_id, 60)!r}")
         size = whole_number(metadata.get("size"), _SIDES, "size")
-        network = TextureNetwork(_size(metadata.get("network")), torch.Generator())
+        network = TextureNetwork(network_size(metadata.get("network"), TextureSize), torch.Generator())
         load_weights(network, tensors)
         return TextureModel(network, size, topology_id, metadata.get("recipe"))
-
-
-def _size(about: Any) -> TextureSize:
-    names = [field.name for field in fields(TextureSize)]
-    if not isinstance(about, dict) or sorted(about) != sorted(names):
-        raise InputError(f"expected a network of {', '.join(names)}, found {shown(about, 60)!r}")
-    flags = {name: about[name] for name in names if name not in _WHOLE}
-    if not all(isinstance(value, bool) for value in flags.values()):
-        raise InputError(f"expected {', '.join(flags)} to be true or false, found others")
-    widths = {name: whole_number(about[name], span, name) for name, span in _WHOLE.items()}
-    try:
-        return TextureSize(**widths | flags)
-    except ValueError as error:
-        raise InputError(str(error)) from error
 
 
 def _tensor(picture: np.ndarray) -> torch.Tensor:
