@@ -296,8 +296,6 @@ class TextureTask:
         if self.parsing is not None:
             return None, load_regions(self.parsing, size)
         given = FaceReader(self.detector).given(picture, points)
-        if given is None:
-            return None, None
         if given.elsewhere:
             other = "shows a face elsewhere, and none where this one is: was this fitted to another picture?"
             echo_notes(f"{shown(path)}: {other}")

@@ -18,11 +18,6 @@ def load_coarse(path: Path | None = None) -> CoarseModel:
     Raises InputError when it is none, damaged, or not there.
     """
     file = asset_path(BUNDLED) if path is None else path
-    if path is None and not file.is_file():
-        raise InputError(
-            "no trained coarse network comes with this version: `caricli dataset pictures` and `caricli train coarse` "
-            "make one, and --network RUN/model.safetensors takes it"
-        )
     return coarse_from_checkpoint(*read_checkpoint(file), shown(file))
 
 

@@ -31,7 +31,7 @@ class FaceReader:
 
     @cached_property
     def detector(self) -> "Detector":
-        """What finds faces. Raises InputError where it is none, or there is none."""
+        """What finds faces. Raises InputError where it is none."""
         # Landmarks that are given need no detector.
         from caricli.store.detector import load_detector
 
@@ -54,20 +54,8 @@ class FaceReader:
             seen = self.see(pixels)
         return FacePicture(seen.landmarks.first(count), pixels, seen, seen.regions)
 
-    def parse(self, pixels: np.ndarray, points: np.ndarray) -> np.ndarray | None:
-        """(H, W) uint8 values of Region, what a picture shows whose face has landmarks.
-
-        pixels: (H, W, 3) uint8. points: (L, 2). Returns None where no detector is given, and none comes along.
-        """
-        given = self.given(pixels, points)
-        return None if given is None else given.regions
-
-    def given(self, pixels: np.ndarray, points: np.ndarray) -> "GivenFace | None":
-        """The face of landmarks (L, 2) in a picture (H, W, 3) uint8, or None as ``parse``."""
-        from caricli.store.detector import has_detector
-
-        if self.path is None and not has_detector():
-            return None
+    def given(self, pixels: np.ndarray, points: np.ndarray) -> "GivenFace":
+        """The face of landmarks (L, 2) in a picture (H, W, 3) uint8."""
         from caricli.methods.detect.parse_face import GivenFace
 
         return GivenFace(pixels, points, self.detector)

@@ -83,14 +83,10 @@ class MarkedFolder:
 
 
 def seen_marks(pixels: np.ndarray, count: int, reader: FaceReader) -> Landmarks | None:
-    """Landmarks that the detector finds in a picture, or None where it sees no face, or there is no detector.
+    """Landmarks that the detector finds in a picture, or None where it sees no face.
 
     pixels: (H, W, 3) uint8. count: of landmarks that the mesh has.
     """
-    from caricli.store.detector import has_detector
-
-    if reader.path is None and not has_detector():
-        return None
     try:
         return reader.see(pixels).landmarks.first(count)
     except InputError:

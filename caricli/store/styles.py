@@ -29,8 +29,6 @@ def load_style(path: Path | None = None) -> StyleModel:
     Raises InputError when it is none, damaged, or not there.
     """
     file = asset_path(BUNDLED) if path is None else path
-    if path is None and not file.is_file():
-        raise InputError("no trained style network comes with this version: `caricli train style` makes one")
     return style_from_checkpoint(*read_checkpoint(file), shown(file))
 
 
@@ -53,18 +51,13 @@ def load_style_drawings(folder: Path) -> tuple[dict[Path, np.ndarray], list[str]
     return pictures, notes
 
 
-def load_style_book(
-    folder: Path | None = None, network: Path | None = None, seed: int = 0
-) -> tuple[StyleBook, list[str]]:
-    """A StyleBook, and what is wrong with drawings that are left out.
+def load_style_book(folder: Path | None, seed: int) -> tuple[StyleBook, list[str]]:
+    """A StyleBook of the bundled network, and what is wrong with drawings that are left out.
 
-    folder: of drawings, or None for generated ones. network: file, or None for the bundled one; where none comes along
-    and no folder is given, styles are media alone. seed: of generated drawings.
-    Raises InputError as ``load_style`` and ``load_style_drawings`` do.
+    folder: of drawings, or None for generated ones. seed: of generated drawings.
+    Raises InputError as ``load_style_drawings`` does.
     """
-    if folder is None and network is None and not asset_path(BUNDLED).is_file():
-        return StyleBook(), []
-    model = load_style(network)
+    model = load_style()
     if folder is None:
         return StyleBook(model, drawn_faces(load_head().template(), GENERATED, seed)), []
     pictures, notes = load_style_drawings(folder)

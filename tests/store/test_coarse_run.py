@@ -94,12 +94,6 @@ def test_pictures_without_a_face_are_counted(detector, tmp_path):
     assert not seen.faces and len(seen.unseen) == 2
 
 
-def test_without_a_network_it_is_said_how_to_make_one(monkeypatch, tmp_path):
-    monkeypatch.setattr("caricli.store.coarse.asset_path", lambda name: tmp_path / name)
-    with pytest.raises(InputError, match="caricli train coarse"):
-        load_coarse()
-
-
 def test_a_network_for_another_morphable_model_is_refused(folder, detector, tmp_path):
     from caricli.io.checkpoint import write_checkpoint
     from caricli.models.coarse.model import CoarseModel, coarse_to_checkpoint

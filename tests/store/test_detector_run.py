@@ -64,12 +64,6 @@ def test_what_a_gpu_learns_from_other_processes_draw_alike(pictures, tmp_path, m
     assert np.array_equal(drawn.pixels, training.windows.draw(0, 0).pixels)
 
 
-def test_without_a_detector_it_is_said_how_to_make_one(monkeypatch, tmp_path):
-    monkeypatch.setattr("caricli.store.detector.asset_path", lambda name: tmp_path / name)
-    with pytest.raises(InputError, match="caricli train detector"):
-        load_detector()
-
-
 def test_a_training_begins_with_the_weights_of_another(pictures, tmp_path):
     run, training = begin(pictures, tmp_path / "first")
     list(run.follow(training))

@@ -26,5 +26,5 @@ def test_none_that_can_be_read_is_an_error(tmp_path):
 
 
 def test_a_book_needs_no_drawings():
-    book, notes = load_style_book()
+    book, notes = load_style_book(None, 0)
     assert notes == [] and book.draw(np.random.default_rng(0)).paint(np.full((32, 32, 3), 99, np.uint8)).shape[2] == 3

@@ -65,7 +65,7 @@ def command(networks, folder, people, styles, out, count, seed, overwrite):
 
     sources = texture_sources([folder, *([people] if people else [])], None, styles)
     with staged_folder(out, overwrite=overwrite, inputs=(*networks, *sources), marker="texture.json") as target:
-        book, notes = load_style_book(styles, None, seed)
+        book, notes = load_style_book(styles, seed)
         with progress_bar("painting") as report:
             test = load_texture_test(networks, TextureFolders(folder, people), book, seed, report)
         with progress_bar("comparing") as report:

@@ -124,7 +124,7 @@ class FitTask:
         if labels is not None:
             size = (picture.pixels.shape[1], picture.pixels.shape[0])
             return replace(picture, regions=load_regions(labels, size))
-        return replace(picture, regions=self.files.reader.parse(picture.pixels, marks.points))
+        return replace(picture, regions=self.files.reader.given(picture.pixels, marks.points).regions)
 
     def _shown(self, face: Face, finer: FineMesh) -> Face:
         """What the mesh file holds of a face: its skin, or the head that was chosen."""

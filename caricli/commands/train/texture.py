@@ -59,7 +59,7 @@ def command(folders, out, styles, drawings, config, overrides, resume, overwrite
 
     settings = read_config(config, TextureConfig, overrides)
     with training_processes("cpu") as share:
-        book, notes = load_style_book(styles, None, settings.seed)
+        book, notes = load_style_book(styles, settings.seed)
         sources = texture_sources(folders, drawings, styles)
         recipe = provenance("train texture", sources, config=asdict(settings))
         beginning = Beginning(resume, overwrite, share.process == 0, (*folders, drawings, styles, config))

@@ -5,7 +5,8 @@ import pytest
 
 from caricli.io.bundled import config_path
 from caricli.io.image import read_image, write_png
-from caricli.store.styles import load_style, load_style_book
+from caricli.methods.dynamic.styles import StyleBook
+from caricli.store.styles import load_style, load_style_drawings
 
 TINY = ("--config", config_path("style/tiny.yaml"))
 
@@ -43,8 +44,9 @@ def test_inspect_knows_it(run, trained):
 
 
 def test_its_network_lends_the_styles_of_a_folder(trained, drawings):
-    book, notes = load_style_book(drawings, trained / "model.safetensors")
+    pictures, notes = load_style_drawings(drawings)
     assert len(notes) == 1
+    book = StyleBook(load_style(trained / "model.safetensors"), list(pictures.values()))
     generator = np.random.default_rng(0)
     styles = [style for style in (book.draw(generator) for _ in range(20)) if style.name == "drawing"]
     assert styles[0].paint(np.full((2, 32, 32, 3), 90, np.uint8)).shape == (2, 32, 32, 3)
