@@ -74,7 +74,7 @@ def load_shown_face(path: Path) -> Face:
     if suffix in (".glb", ".gltf"):
         return _gltf_face(path)
     if suffix == ".npz" and text_of(read_npz(path).get("schema")) == RIG_SCHEMA:
-        return _rig_face(read_rig(path))
+        return read_rig(path).face
     face = read_face(path)
     if face.mesh.uvs is None or face.pictures:
         return face
@@ -86,17 +86,12 @@ def _gltf_face(path: Path) -> Face:
     """The rig or the one painted mesh of a glTF file, else all that is in the scene, which wears nothing."""
     rig = read_gltf(path)
     if rig.names or Material.EYE in rig.triangle_materials:
-        return _rig_face(rig)
+        return rig.face
     scene = read_gltf_mesh(path)
     worn = rig.pictures or rig.materials is not None
     if worn and rig.mesh.topology_id == scene.topology_id and rig.mesh.same_layout(scene):
-        return replace(_rig_face(rig), mesh=scene)
+        return replace(rig.face, mesh=scene)
     return Face(scene)
-
-
-def _rig_face(rig: Rig) -> Face:
-    pictures = Pictures() if rig.mesh.uvs is None else rig.pictures
-    return Face(rig.mesh, pictures=pictures, materials=rig.materials)
 
 
 def load_pictures(face: Path) -> Pictures:
