@@ -134,8 +134,10 @@ class MeshSource:
 
     def _by_parts(self, vertices: np.ndarray, parts: np.ndarray, hand: np.ndarray) -> np.ndarray:
         assert self.model is not None
-        moved = exaggerate_parts(vertices, parts, hand, self.model)
-        # Size and place of the face are kept, so that the exaggeration is of its proportions.
+        return self._in_place(exaggerate_parts(vertices, parts, hand, self.model), vertices)
+
+    def _in_place(self, moved: np.ndarray, vertices: np.ndarray) -> np.ndarray:
+        """An exaggerated shape in the size and place of the face that it was, so that it is one of its proportions."""
         scale, rotation, translation = similarity(moved[self.face], vertices[self.face])
         return untangle(scale * moved @ rotation.T + translation, self.template.gradients)
 

@@ -8,8 +8,6 @@ from caricli.data.build_settings import DRAW, Exaggeration, OwnSettings
 from caricli.data.exaggerate_own import UsualFace, exaggerate_own, random_whim
 from caricli.data.mesh_source import STRANGERS, DatasetRow, MeshSource, Prior, Recipe
 from caricli.data.move_parts import random_hand, random_part_changes
-from caricli.geometry.similarity import similarity
-from caricli.geometry.untangle import untangle
 from caricli.seeds import DatasetSeed
 
 Usual = tuple[np.ndarray, np.ndarray]
@@ -71,7 +69,4 @@ class OwnSource(MeshSource):
     ) -> np.ndarray:
         assert self.usual is not None
         whim = random_whim(self.template.vertices, self.template.height, generator, mildness)
-        moved = exaggerate_own(vertices, neutral, whim, self.usual)
-        # Size and place of the face are kept, so that the exaggeration is of its proportions.
-        scale, rotation, translation = similarity(moved[self.face], vertices[self.face])
-        return untangle(scale * moved @ rotation.T + translation, self.template.gradients)
+        return self._in_place(exaggerate_own(vertices, neutral, whim, self.usual), vertices)
