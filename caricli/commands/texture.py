@@ -239,7 +239,7 @@ class TextureTask:
         """Paint a face and write the head into a folder. inputs: paths, of face and picture first."""
         from caricli.methods.texture.paint_head import paint_head
         from caricli.render.in_parallel import do_in_parallel
-        from caricli.render.warp_start import warp_start
+        from caricli.render.load_kernels import load_kernels
         from caricli.store.faces import load_seen_face, write_painted_head
 
         face, image, *_ = inputs
@@ -249,7 +249,7 @@ class TextureTask:
         with naming(face):
             points = seen.require_landmarks()
         chart = self._chart_of(shape_model.template, self.model or face)
-        (white, regions), _ = do_in_parallel(partial(self._shown, image, picture, points), warp_start)
+        (white, regions), _ = do_in_parallel(partial(self._shown, image, picture, points), load_kernels)
         sheets = picture_files(folder / "sheet.png")
         settings = replace(self.settings, sky=bool(sheets))
         start = time.perf_counter()

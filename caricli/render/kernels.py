@@ -1,4 +1,4 @@
-"""Warp kernels; imported by `warp_start` alone, after warp has been started."""
+"""Warp kernels; imported by `load_kernels` alone, after warp has been started."""
 
 # mypy: ignore-errors
 # Warp reads the annotations as types of its own language, which no checker of Python knows.

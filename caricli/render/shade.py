@@ -10,12 +10,12 @@ from caricli.geometry.comb_hair import CombedHair
 from caricli.render.coat import Coat
 from caricli.render.curved_triangles import split_long_edges
 from caricli.render.lights import FILL, KEY
+from caricli.render.load_kernels import load_kernels
 from caricli.render.rasterise import depth_range, mesh_arrays, wp_mesh
 from caricli.render.seen_vertices import seen_vertices
 from caricli.render.sky import DIRECTIONS, key_directions, light_received, sky_visibility
 from caricli.render.smooth_normals import smooth_normals
 from caricli.render.srgb import to_linear
-from caricli.render.warp_start import warp_start
 from caricli.structures import Material, Mesh, Pictures
 from caricli.structures.materials import FINISHES
 
@@ -67,7 +67,7 @@ def shade(points: np.ndarray, faces: np.ndarray, width: int, height: int, look: 
     Raises InputError when a coordinate is not finite or an index is out of range.
     """
     look = look or Look()
-    kernels = warp_start()
+    kernels = load_kernels()
     import warp as wp
 
     picture = np.zeros((height * width, 4), np.float32)
@@ -119,7 +119,7 @@ def _scene(mesh: Mesh, normals: np.ndarray, carried: list[np.ndarray], look: Loo
     normals: (V, 3) of its surface. carried: of its vertices, the normals that they are shaded with, their light, and
     how much strands shine.
     """
-    kernels = warp_start()
+    kernels = load_kernels()
     import warp as wp
 
     points = mesh.vertices

@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 
 from caricli.render.in_parallel import in_parallel
+from caricli.render.load_kernels import load_kernels
 from caricli.render.rasterise import mesh_arrays, wp_mesh
 from caricli.render.smooth_normals import smooth_normals
-from caricli.render.warp_start import warp_start
 
 _LIFT = 1e-3  # of the mesh's size: rays start so far above the surface, which they would hit else
 _REACH = 2.0  # of the mesh's size: no ray through it is longer
@@ -55,7 +55,7 @@ def sky_visibility(
     ids: (N,) of the vertices that look around, or None for all. directions: (D, 3), unit length.
     Returns (V or N, D) float32: one for sky; zero for mesh and for directions behind the surface.
     """
-    kernels = warp_start()
+    kernels = load_kernels()
     import warp as wp
 
     points, triangles = mesh_arrays(vertices, faces)
@@ -102,7 +102,7 @@ def light_received(
     sharpness: exponent of a light's cosine lobe; higher is smaller.
     Returns (V, L) float32 in [0, 1]; one where the light is behind the surface.
     """
-    kernels = warp_start()
+    kernels = load_kernels()
     import warp as wp
 
     ways = np.array([np.zeros(3) if light is None else np.asarray(light) for light in lights])

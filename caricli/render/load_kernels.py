@@ -5,7 +5,7 @@ from types import ModuleType
 from caricli.io.start_warp import start_warp
 
 
-def warp_start() -> ModuleType:
+def load_kernels() -> ModuleType:
     """Start warp once per process; returns the module of kernels (`caricli.render.kernels`)."""
     start_warp()
     from caricli.render import kernels
