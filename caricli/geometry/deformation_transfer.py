@@ -6,9 +6,9 @@ import scipy.sparse as sp
 from caricli.errors import NumericsError
 from caricli.geometry.cholesky import Cholesky
 from caricli.geometry.components import BOND, mesh_components
+from caricli.geometry.flat_triangles import flat_triangles
 from caricli.geometry.triangle_normals import triangle_normals
 
-_FLAT = 1e-10  # of the mean: triangles with less area have none
 _HOLD = 1e-8  # of the mean diagonal: makes a part definite that nothing holds, and changes nothing else
 
 
@@ -42,7 +42,7 @@ class DeformationTransfer:
         self.count = len(vertices)
         normals = triangle_normals(vertices, self.faces)
         doubles = np.linalg.norm(normals, axis=1)
-        flat = doubles <= _FLAT * doubles.mean()
+        flat = flat_triangles(vertices, self.faces)
         if flat.any():
             raise NumericsError(f"expected triangles with an area, found {flat.sum()} without")
         corners = vertices[self.faces]

@@ -88,16 +88,21 @@ def _solve(
 ) -> dict[str, np.ndarray]:
     """How a surface moves under a unit force on each of the points: responses (V, K), and compliance (K, K), of the
     points' own surroundings. laplacian: (V, V) sparse."""
-    height = np.ptp(vertices[:, 1])
-    mass = igl.massmatrix(vertices, faces).diagonal()
-    plate = (STIFFNESS_LENGTH * height) ** 2 * laplacian @ sp.diags(1 / mass) @ laplacian
     stiffness = laplacian.diagonal().mean()
     bonds = BOND * stiffness * mesh_components(vertices, faces).stiffness(points)
+    plate = bending_stiffness(vertices, faces, laplacian)
     factor = Cholesky(laplacian + plate + _HOLD * stiffness * sp.identity(len(vertices)) + bonds)
+    mass = igl.massmatrix(vertices, faces).diagonal()
     averages = surrounding_averages(vertices, faces, points)
     responses = factor.solve(averages.T - mass[:, None] / mass.sum())
     responses -= mass @ responses / mass.sum()
     return {"responses": responses, "compliance": averages @ responses}
+
+
+def bending_stiffness(vertices: np.ndarray, faces: np.ndarray, laplacian: sp.csc_matrix) -> sp.csc_matrix:
+    """(V, V) sparse: ``l^2 L M^-1 L`` of ``ElasticAnchors``. laplacian: L of the vertices (V, 3) and faces (F, 3)."""
+    mass = igl.massmatrix(vertices, faces).diagonal()
+    return (STIFFNESS_LENGTH * np.ptp(vertices[:, 1])) ** 2 * laplacian @ sp.diags(1 / mass) @ laplacian
 
 
 def surrounding_averages(vertices: np.ndarray, faces: np.ndarray, points: np.ndarray) -> np.ndarray:

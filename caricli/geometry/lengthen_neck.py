@@ -7,7 +7,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from caricli.geometry.cholesky import Cholesky
-from caricli.geometry.elastic_anchors import STIFFNESS_LENGTH
+from caricli.geometry.elastic_anchors import bending_stiffness
 
 REACH = 0.08
 """Of the head's height: how far around the neck skin goes along, about 2 cm."""
@@ -51,8 +51,7 @@ class Neck:
         still = self._still | (cKDTree(vertices[neck]).query(vertices)[0] > REACH * self.height)
         still[hanging] = False
         laplacian = -igl.cotmatrix(vertices, faces)
-        mass = igl.massmatrix(vertices, faces).diagonal()
-        plate = (STIFFNESS_LENGTH * self.height) ** 2 * laplacian @ sp.diags(1 / mass) @ laplacian
+        plate = bending_stiffness(vertices, faces, laplacian)
         stiffness = laplacian.diagonal().mean()
         held = still.astype(float)
         held[hanging] = 1.0
