@@ -78,10 +78,7 @@ def read_dataset(folder: Path) -> Dataset:
     Raises InputError when a part is missing, damaged or does not fit the others.
     """
     folder = Path(folder)
-    where = folder / MANIFEST
-    if folder.is_dir() and not where.exists():
-        raise InputError(f"{folder}: no {MANIFEST} in this folder: not a dataset, or its build was interrupted")
-    return _read_parts(folder, _read_manifest(where))
+    return _read_parts(folder, _read_manifest(folder))
 
 
 def read_albedos(folder: Path) -> np.ndarray:
@@ -92,30 +89,56 @@ def read_albedos(folder: Path) -> np.ndarray:
     """
     folder = Path(folder)
     where = folder / MANIFEST
-    manifest = _read_manifest(where)
+    manifest = _read_manifest(folder)
     if "albedo" not in manifest:
         raise InputError(f"{where}: a dataset without albedos: build it with --albedo N")
     with naming(where):
         entry = take(manifest, "albedo", dict)
         count = take_whole(entry, "count", 1, MAX_VERTICES)
         size = take_whole(entry, "size", 1, MAX_VERTICES)
-    arrays = _read_checked(folder, entry)
+    arrays = read_named(folder, entry, MANIFEST)
     with naming(folder / entry["file"]):
         return take_array(arrays, "albedo", "u", (count, size, size, 3)).astype(np.uint8, copy=False)
 
 
-def _read_manifest(where: Path) -> dict[str, Any]:
-    """The manifest, with all that every dataset has in it."""
+def read_manifest(folder: Path, name: str, schema: str, kind: str) -> dict[str, Any]:
+    """The manifest of a folder of data, with its splits of people. kind: what the folder is to be, for messages.
+
+    Raises InputError when it is missing, damaged or of another schema.
+    """
+    where = folder / name
+    if folder.is_dir() and not where.exists():
+        raise InputError(f"{folder}: no {name} in this folder: not {kind}, or its making was stopped")
     manifest = read_json(where)
     with naming(where):
-        schema = manifest.get("schema") if isinstance(manifest, dict) else None
-        if schema != SCHEMA:
-            raise InputError(f"expected schema {SCHEMA!r}, found {shown(schema, 60)!r}")
+        given = manifest.get("schema") if isinstance(manifest, dict) else None
+        if given != schema:
+            raise InputError(f"expected schema {schema!r}, found {shown(given, 60)!r}")
+        splits = take(manifest, "splits", dict)
+        if set(splits) != set(SPLITS) or not all(map(_are_people, splits.values())):
+            raise InputError(f"splits: expected lists of people for {', '.join(SPLITS)}, found others")
+    return manifest
+
+
+def read_named(folder: Path, entry: Mapping[str, Any], manifest: str) -> dict[str, np.ndarray]:
+    """The arrays of the file that an entry of a folder's manifest names. manifest: its own file's name.
+
+    Raises InputError where that is no file of the folder, or its bytes are others than there.
+    """
+    name = entry.get("file")
+    if not isinstance(name, str) or Path(name).name != name:
+        raise InputError(f"{folder / manifest}: expected a file of its own folder, found {shown(name, 60)!r}")
+    if sha256_file(folder / name) != entry.get("sha256"):
+        raise InputError(f"{folder / name}: its SHA-256 is not the one in {manifest}: the file was changed")
+    return read_npz(folder / name)
+
+
+def _read_manifest(folder: Path) -> dict[str, Any]:
+    """The manifest, with all that every dataset has in it."""
+    manifest = read_manifest(folder, MANIFEST, SCHEMA, "a dataset")
+    with naming(folder / MANIFEST):
         for key, kind in {"topology_id": str, "annotation": dict, "template": dict, "labels": dict}.items():
             take(manifest, key, kind)
-        splits = take(manifest, "splits", dict)
-        if set(splits) != set(SPLITS) or not all(are_people(people) for people in splits.values()):
-            raise InputError(f"splits: expected lists of people for {', '.join(SPLITS)}, found others")
         for shard in take(manifest, "shards", list):
             if not isinstance(shard, dict):
                 raise InputError(f"shards: expected objects, found {type(shard).__name__}")
@@ -126,7 +149,7 @@ def _read_manifest(where: Path) -> dict[str, Any]:
     return manifest
 
 
-def are_people(numbers: Any) -> bool:
+def _are_people(numbers: Any) -> bool:
     """Whether a JSON value is a list of people's numbers."""
     return isinstance(numbers, list) and all(type(number) is int and abs(number) < 2**62 for number in numbers)
 
@@ -136,7 +159,7 @@ def _read_parts(folder: Path, manifest: dict[str, Any]) -> Dataset:
     columns = _read_columns(folder, manifest, template)
     with naming(folder / MANIFEST):
         _check_splits(manifest["splits"], columns["identity"])
-    labels = _read_checked(folder, manifest["labels"])
+    labels = read_named(folder, manifest["labels"], MANIFEST)
     with naming(folder / manifest["labels"]["file"]):
         attributes = tuple(take_array(labels, "attributes", "U", (None,)).tolist())
         shape = (len(columns["vertices"]), len(attributes))
@@ -163,7 +186,7 @@ def _read_columns(folder: Path, manifest: Mapping[str, Any], template: Template)
         raise InputError(f"{folder / MANIFEST}: expected at most {MAX_DATASET_BYTES} bytes of meshes, found {total}")
     parts: dict[str, list[np.ndarray]] = {}
     for number, entry in enumerate(manifest["shards"]):
-        shard = _read_checked(folder, entry)
+        shard = read_named(folder, entry, MANIFEST)
         with naming(folder / entry["file"]):
             _check_shard(shard, entry["count"], template)
             if number and {name: _form(column) for name, column in shard.items()} != {
@@ -188,17 +211,8 @@ def _check_splits(splits: Mapping[str, list[int]], identity: np.ndarray) -> None
         raise InputError("there are identities that no split names")
 
 
-def _read_checked(folder: Path, entry: Mapping[str, Any]) -> dict[str, np.ndarray]:
-    name = entry.get("file")
-    if not isinstance(name, str) or Path(name).name != name:
-        raise InputError(f"{folder / MANIFEST}: {shown(name, 60)!r} must be a file in the dataset's own folder")
-    if sha256_file(folder / name) != entry.get("sha256"):
-        raise InputError(f"{folder / name}: its SHA-256 is not the one in {MANIFEST}: the file was changed")
-    return read_npz(folder / name)
-
-
 def _read_template(folder: Path, manifest: Mapping[str, Any]) -> Template:
-    arrays = _read_checked(folder, manifest["template"])
+    arrays = read_named(folder, manifest["template"], MANIFEST)
     with naming(folder / manifest["template"]["file"]):
         vertices = take_array(arrays, "vertices", "f", (None, 3))
         faces = take_array(arrays, "faces", "iu", (None, 3))

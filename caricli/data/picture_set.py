@@ -8,13 +8,13 @@ from typing import Any
 
 import numpy as np
 
-from caricli.data.dataset import SPLITS, are_people
-from caricli.errors import InputError, naming, shown
+from caricli.data.dataset import SPLITS, read_manifest, read_named
+from caricli.errors import InputError, naming
 from caricli.io.image import read_image
-from caricli.io.npz import read_npz, take_array, write_npz
+from caricli.io.npz import take_array, write_npz
 from caricli.io.outputs import write_bytes
 from caricli.io.provenance import sha256_file
-from caricli.io.strict_json import read_json, take, take_whole, write_json
+from caricli.io.strict_json import take, take_whole, write_json
 from caricli.limits import MAX_VERTICES
 from caricli.structures.checks import number_problem, refuse
 from caricli.structures.parsing import Region
@@ -167,25 +167,15 @@ def read_picture_set(folder: Path) -> PictureSet:
     Raises InputError when a part is missing, damaged or does not fit the others.
     """
     folder = Path(folder)
-    where = folder / MANIFEST
-    if folder.is_dir() and not where.exists():
-        raise InputError(f"{folder}: no {MANIFEST} in this folder: not a folder of pictures, or its making was stopped")
-    manifest = read_json(where)
-    with naming(where):
-        schema = manifest.get("schema") if isinstance(manifest, dict) else None
-        if schema != SCHEMA:
-            raise InputError(f"expected schema {SCHEMA!r}, found {shown(schema, 60)!r}")
+    manifest = read_manifest(folder, MANIFEST, SCHEMA, "a folder of pictures")
+    with naming(folder / MANIFEST):
         count = take_whole(manifest, "count", 1, MAX_VERTICES)
         media = tuple(map(str, take(manifest, "media", list)))
-        splits = take(manifest, "splits", dict)
         entry = take(manifest, "truth", dict)
-        if len(media) != count or set(splits) != set(SPLITS) or not all(map(are_people, splits.values())):
-            raise InputError(f"expected a medium for each of {count} pictures and splits {', '.join(SPLITS)}")
-    path = folder / TRUTH
-    if sha256_file(path) != entry.get("sha256"):
-        raise InputError(f"{path}: its SHA-256 is not the one in {MANIFEST}: the file was changed")
-    arrays = read_npz(path)
-    with naming(path):
+        if len(media) != count:
+            raise InputError(f"media: expected one for each of {count} pictures, found {len(media)}")
+    arrays = read_named(folder, entry, MANIFEST)
+    with naming(folder / entry["file"]):
         return PictureSet(folder, manifest, count, media, _checked_truth(arrays, count))
 
 

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from caricli.data.dataset import read_named
 from caricli.data.shards import ShardForm
 from caricli.errors import InputError, naming
 from caricli.io.npz import take_array, write_npz
@@ -54,7 +55,7 @@ class SketchSet:
 
     def sketches(self, shard: int) -> list[Sketch]:
         """All Sketches of a file of strokes. Raises InputError when it is missing or damaged."""
-        arrays = FORM.load_shard(self.folder, self.manifest["shards"][shard])
+        arrays = read_named(self.folder, self.manifest["shards"][shard], MANIFEST)
         with naming(self.folder / self.manifest["shards"][shard]["file"]):
             return _unpacked(arrays, self.manifest["curves"], self.side)
 
@@ -126,7 +127,7 @@ def read_sketch_set(folder: Path) -> SketchSet:
             raise InputError("curves: expected names, found others")
     parts = []
     for shard in manifest["shards"]:
-        arrays = FORM.load_shard(folder, shard)
+        arrays = read_named(folder, shard, MANIFEST)
         with naming(folder / shard["file"]):
             columns = {
                 key: take_array(arrays, key, kind, (shard["count"], *form)) for key, (kind, form) in TRUTH.items()

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from caricli.data.dataset import SPLITS
+from caricli.data.dataset import SPLITS, read_named
 from caricli.data.shards import ShardForm
 from caricli.errors import InputError, naming
 from caricli.io.npz import take_array, write_npz
@@ -83,7 +83,7 @@ class TextureSet:
     def shard(self, number: int) -> list[ActedTextures]:
         """All people of a file. Raises InputError where it is missing or damaged."""
         entry = self.manifest["shards"][number]
-        arrays = FORM.load_shard(self.folder, entry)
+        arrays = read_named(self.folder, entry, MANIFEST)
         with naming(self.folder / entry["file"]):
             columns = self._checked(arrays, entry["count"])
             splits = {person: name for name in SPLITS for person in self.manifest["splits"][name]}

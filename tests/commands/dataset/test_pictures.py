@@ -106,7 +106,7 @@ def test_splits_of_anything_but_people_are_refused(refused, folder, tmp_path):
     manifest["splits"]["train"] = [[1, 2], 3]
     (copy / "pictures.json").write_text(json.dumps(manifest))
     (copy / "truth.npz").write_bytes((folder / "truth.npz").read_bytes())
-    assert "splits train, validation, test" in refused("dataset", "show", copy)
+    assert "splits: expected lists of people for train, validation, test" in refused("dataset", "show", copy)
 
 
 def test_damaged_truth_is_refused(refused, folder, tmp_path):
