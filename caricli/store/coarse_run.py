@@ -24,7 +24,7 @@ from caricli.store.coarse import load_coarse
 from caricli.store.datasets import is_picture_set
 from caricli.store.detector import load_detector
 from caricli.store.models import load_morphable
-from caricli.store.pictures import PICTURES
+from caricli.store.pictures import pictures_in
 from caricli.store.training_run import MODEL, RunFolder
 from caricli.structures.detection import FaceFrame, MarkedPicture
 from caricli.structures.parsing import BEYOND
@@ -76,14 +76,14 @@ class PictureFolders:
     @property
     def files(self) -> list[Path]:
         """The pictures of the plain folders."""
-        return [path for folder in self.plain for path in sorted(folder.iterdir()) if path.suffix.lower() in PICTURES]
+        return [path for folder in self.plain for path in pictures_in(folder)]
 
     def inputs(self) -> dict[str, str]:
         """SHA-256 by folder: of the manifest, or of those of all pictures."""
         digests = {str(folder / MANIFEST): sha256_file(folder / MANIFEST) for folder in self.marked}
         for folder in self.plain:
-            files = [path for path in self.files if path.parent == folder]
-            digests[str(folder)] = hashlib.sha256("".join(map(sha256_file, files)).encode()).hexdigest()
+            hashes = "".join(map(sha256_file, pictures_in(folder)))
+            digests[str(folder)] = hashlib.sha256(hashes.encode()).hexdigest()
         return digests
 
 

@@ -9,7 +9,7 @@ from caricli.errors import InputError, OutputError, shown
 from caricli.io.landmarks import read_landmarks, write_landmarks
 from caricli.io.outputs import staged
 from caricli.store.face_pictures import FaceReader
-from caricli.store.pictures import MARKS, PICTURES, load_marked_picture
+from caricli.store.pictures import MARKS, PICTURES, load_marked_picture, marks_beside, pictures_in
 from caricli.structures import Landmarks
 
 
@@ -27,15 +27,14 @@ class MarkedFolder:
         """The pictures of a folder by their names, or one picture. Raises InputError where there are none."""
         if not path.is_dir():
             return MarkedFolder((path,))
-        pictures = tuple(sorted(each for each in path.iterdir() if each.suffix.lower() in PICTURES and each.is_file()))
+        pictures = tuple(pictures_in(path))
         if not pictures:
             raise InputError(f"{shown(path)}: expected pictures ({', '.join(PICTURES)}), found none")
         return MarkedFolder(pictures)
 
     def file(self, picture: Path) -> Path:
         """The landmark file beside a picture; where there is none, where it will be."""
-        files = [picture.with_suffix(suffix) for suffix in MARKS]
-        return next((file for file in files if file.is_file()), files[0])
+        return marks_beside(picture) or picture.with_suffix(MARKS[0])
 
     def is_done(self, picture: Path) -> bool:
         """Whether there are landmarks beside a picture."""

@@ -35,6 +35,17 @@ _WHITE = 127
 """Grey above which a pixel of a mask is white."""
 
 
+def pictures_in(folder: Path) -> list[Path]:
+    """The pictures of a folder, by their names."""
+    return sorted(path for path in folder.iterdir() if path.suffix.lower() in PICTURES and path.is_file())
+
+
+def marks_beside(picture: Path) -> Path | None:
+    """The landmark file beside a picture, or None."""
+    files = (picture.with_suffix(suffix) for suffix in MARKS)
+    return next((file for file in files if file.is_file()), None)
+
+
 def find_picture(image: Path | None, path: Path, many: bool) -> Path | None:
     """The picture of a landmark file: the given one, or where there are many, that of its name in a folder.
 

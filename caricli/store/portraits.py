@@ -8,7 +8,7 @@ from caricli.methods.evaluate.portrait_studio import Portrait
 from caricli.methods.evaluate.reconstruct_portrait import COARSE, NETWORK
 from caricli.store.coarse import load_coarse_pair
 from caricli.store.models import check_topology, load_model
-from caricli.store.pictures import MARKS, PICTURES, load_marked_picture
+from caricli.store.pictures import MARKS, load_marked_picture, marks_beside, pictures_in
 from caricli.template.template import Template
 
 
@@ -18,18 +18,18 @@ def portrait_files(folder: Path | None) -> list[tuple[Path, Path]]:
         return []
     if not folder.is_dir():
         raise InputError(f"{shown(folder)}: expected a folder of pictures, found none")
-    pictures = sorted(path for path in folder.iterdir() if path.suffix.lower() in PICTURES)
+    pictures = pictures_in(folder)
     if not pictures:
         raise InputError(f"{shown(folder)}: expected pictures, found none")
     return [(path, _marks(path)) for path in pictures]
 
 
 def _marks(picture: Path) -> Path:
-    """The landmark file beside a picture."""
-    for suffix in MARKS:
-        if picture.with_suffix(suffix).is_file():
-            return picture.with_suffix(suffix)
-    raise InputError(f"{shown(picture)}: expected landmarks beside it, with one of {', '.join(MARKS)}; found none")
+    """The landmark file beside a picture. Raises InputError where there is none."""
+    marks = marks_beside(picture)
+    if marks is None:
+        raise InputError(f"{shown(picture)}: expected landmarks beside it, with one of {', '.join(MARKS)}; found none")
+    return marks
 
 
 def load_portrait(picture: Path, marks: Path, pts_origin: int = 1) -> Portrait:

@@ -11,7 +11,7 @@ from caricli.io.checkpoint import read_checkpoint
 from caricli.io.image import read_image
 from caricli.methods.dynamic.styles import StyleBook, drawn_faces
 from caricli.models.style.model import StyleModel, style_from_checkpoint
-from caricli.store.pictures import PICTURES
+from caricli.store.pictures import pictures_in
 from caricli.template.head import load_head
 
 BUNDLED = "style.safetensors"
@@ -41,7 +41,7 @@ def load_style_drawings(folder: Path) -> tuple[dict[Path, np.ndarray], list[str]
         raise InputError(f"{shown(folder)}: expected a folder of drawings, found none")
     pictures = {}
     notes = []
-    for path in sorted(path for path in folder.iterdir() if path.suffix.lower() in PICTURES):
+    for path in pictures_in(folder):
         try:
             pictures[path] = _smaller(read_image(path))
         except CaricliError as error:

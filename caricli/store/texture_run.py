@@ -21,7 +21,7 @@ from caricli.methods.train.train_autodecoder import Share
 from caricli.methods.train.train_texture import TextureTraining
 from caricli.models.texture.config import TextureConfig
 from caricli.models.texture.model import TextureModel, texture_to_checkpoint
-from caricli.store.pictures import PICTURES
+from caricli.store.pictures import pictures_in
 from caricli.store.texture_networks import load_texture_network
 from caricli.store.training_run import MODEL, RunFolder
 from caricli.template.chart import face_chart
@@ -50,8 +50,8 @@ class TextureIngredients:
 def texture_sources(folders: Sequence[Path], drawings: Path | None, styles: Path | None) -> list[Path]:
     """Files that a training is made of: what says what is in folders of textures, and style pictures."""
     sets = [*folders, *([] if drawings is None else [drawings])]
-    pictures = [] if styles is None or not styles.is_dir() else sorted(styles.iterdir())
-    return [*(folder / MANIFEST for folder in sets), *(path for path in pictures if path.suffix.lower() in PICTURES)]
+    pictures = [] if styles is None or not styles.is_dir() else pictures_in(styles)
+    return [*(folder / MANIFEST for folder in sets), *pictures]
 
 
 def load_texture_ingredients(
