@@ -12,7 +12,7 @@ from caricli.io.files import decode_text, read_bytes
 from caricli.io.npz import read_array
 from caricli.io.outputs import write_bytes
 from caricli.io.parse_number import parse_number
-from caricli.io.strict_json import parse_json, write_json
+from caricli.io.strict_json import found_value, parse_json, refuse_others, write_json
 from caricli.limits import MAX_COORDINATE, MAX_LANDMARK_BYTES
 from caricli.structures.landmarks import SCHEMES, Landmarks
 
@@ -113,22 +113,20 @@ def _points_from_json(value: Any) -> np.ndarray:
     if not isinstance(value, dict):
         raise InputError(f"expected landmarks as an object of the schema {SCHEMA!r}, found a list")
     if value.get("schema") != SCHEMA:
-        raise InputError(f"expected the schema {SCHEMA!r}, found {_given(value.get('schema'))}")
-    unknown = set(value) - set(_KEYS)
-    if unknown:
-        raise InputError(f"expected {', '.join(_KEYS[:-1])} and {_KEYS[-1]}, found {shown(min(unknown), 60)!r}")
+        raise InputError(f"expected the schema {SCHEMA!r}, found {found_value(value.get('schema'))}")
+    refuse_others(value, _KEYS)
     entries = value.get("points")
     if not isinstance(entries, list):
-        raise InputError(f"expected points to be a list, found {_given(entries)}")
+        raise InputError(f"expected points to be a list, found {found_value(entries)}")
     if len(entries) in SCHEMES and value.get("scheme") != SCHEMES[len(entries)]:
         expected = f"the scheme {SCHEMES[len(entries)]!r} for {len(entries)} points"
-        raise InputError(f"expected {expected}, found {_given(value.get('scheme'))}")
+        raise InputError(f"expected {expected}, found {found_value(value.get('scheme'))}")
     points = np.full((len(entries), 2), np.nan)
     for k, entry in enumerate(entries):
         if entry is None:
             continue
         if not (isinstance(entry, list) and len(entry) == 2 and all(_is_number(x) for x in entry)):
-            raise InputError(f"point {k}: expected [x, y] or null, found {_given(entry)}")
+            raise InputError(f"point {k}: expected [x, y] or null, found {found_value(entry)}")
         points[k] = entry
     return points
 
@@ -138,12 +136,12 @@ def _spreads_from_json(entries: Any, points: np.ndarray) -> np.ndarray | None:
     if entries is None:
         return None
     if not isinstance(entries, list) or len(entries) != len(points):
-        raise InputError(f"expected a list of {len(points)} spreads, found {_given(entries)}")
+        raise InputError(f"expected a list of {len(points)} spreads, found {found_value(entries)}")
     spreads = np.full((len(points), 2, 2), np.nan)
     for k in np.flatnonzero(np.isfinite(points).all(axis=1)):
         entry = entries[k]
         if not (isinstance(entry, list) and len(entry) == 3 and all(_is_number(x) for x in entry)):
-            raise InputError(f"spread {k}: expected [xx, xy, yy], found {_given(entry)}")
+            raise InputError(f"spread {k}: expected [xx, xy, yy], found {found_value(entry)}")
         spreads[k] = [[entry[0], entry[1]], [entry[1], entry[2]]]
     return spreads
 
@@ -152,7 +150,7 @@ def _visibility(entries: Any) -> np.ndarray | None:
     if entries is None:
         return None
     if not isinstance(entries, list) or not all(_is_number(x) for x in entries):
-        raise InputError(f"expected visibility to be a list of numbers, found {_given(entries)}")
+        raise InputError(f"expected visibility to be a list of numbers, found {found_value(entries)}")
     return np.array(entries, np.float64)
 
 
@@ -161,23 +159,18 @@ def _slides(entries: Any, count: int) -> np.ndarray | None:
     if entries is None:
         return None
     if not isinstance(entries, list) or len(entries) != count:
-        raise InputError(f"expected a list of {count} slides, found {_given(entries)}")
+        raise InputError(f"expected a list of {count} slides, found {found_value(entries)}")
     for k, entry in enumerate(entries):
         if not (isinstance(entry, list) and len(entry) == 2 and all(_is_number(x) for x in entry)):
-            raise InputError(f"slide {k}: expected [x, y], found {_given(entry)}")
+            raise InputError(f"slide {k}: expected [x, y], found {found_value(entry)}")
     return np.array(entries, np.float64)
-
-
-def _given(value: Any) -> str:
-    """A value of the file as messages show it."""
-    return "none" if value is None else shown(repr(value), 60)
 
 
 def _image_size(image: Any) -> tuple[int, int] | None:
     if image is None:
         return None
     if not isinstance(image, dict) or set(image) != {"width", "height"}:
-        raise InputError(f"expected an image with width and height, found {_given(image)}")
+        raise InputError(f"expected an image with width and height, found {found_value(image)}")
     size = (image["width"], image["height"])
     if not all(type(side) is int and 1 <= side <= _MAX_IMAGE_SIDE for side in size):
         raise InputError(f"expected an image size in whole pixels, found {shown(size, 60)}")

@@ -3,15 +3,15 @@
 from pathlib import Path
 from typing import Any
 
-from caricli.errors import InputError, naming, shown
+from caricli.errors import InputError, naming
 from caricli.io.files import read_bytes
 from caricli.io.outputs import write_bytes
-from caricli.io.strict_json import format_json, parse_json, take
+from caricli.io.strict_json import format_json, found_value, parse_json, refuse_others, take
 from caricli.limits import MAX_OPERATIONS, MAX_SESSION_BYTES
 from caricli.structures.session import Operation, Session, Start
 
 SCHEMA = "caricli.session/1"
-_KEYS = {"schema", "start", "operations"}
+_KEYS = ("schema", "start", "operations")
 
 
 def read_session(path: str | Path) -> Session:
@@ -26,9 +26,8 @@ def session_from_json(value: Any) -> Session:
     """The Session of a JSON value. Raises InputError when it is malformed."""
     schema = value.get("schema") if isinstance(value, dict) else None
     if schema != SCHEMA:
-        given = "none" if schema is None else shown(repr(schema), 60)
-        raise InputError(f"expected a session of the schema {SCHEMA!r}, found {given}")
-    _refuse_others(value, _KEYS)
+        raise InputError(f"expected a session of the schema {SCHEMA!r}, found {found_value(schema)}")
+    refuse_others(value, _KEYS)
     entries = take(value, "operations", list)
     if len(entries) > MAX_OPERATIONS:
         raise InputError(f"operations: expected at most {MAX_OPERATIONS}, found {len(entries)}")
@@ -43,7 +42,7 @@ def operation_from_json(entry: Any) -> Operation:
     """The Operation of a JSON value. Raises InputError when it is malformed."""
     if not isinstance(entry, dict):
         raise InputError(f"expected an object with name and parameters, found {type(entry).__name__}")
-    _refuse_others(entry, {"name", "parameters"})
+    refuse_others(entry, ("name", "parameters"))
     return Operation(take(entry, "name", str), take(entry, "parameters", dict, {}))
 
 
@@ -82,11 +81,5 @@ def _start(entry: Any) -> Start | None:
     if not isinstance(entry, dict):
         raise InputError(f"start: expected an object with file and sha256, or null, found {type(entry).__name__}")
     with naming("start"):
-        _refuse_others(entry, {"file", "sha256"})
+        refuse_others(entry, ("file", "sha256"))
         return Start(take(entry, "file", str), take(entry, "sha256", str))
-
-
-def _refuse_others(entry: dict, keys: set[str]) -> None:
-    others = set(entry) - keys
-    if others:
-        raise InputError(f"expected only {', '.join(sorted(keys))}, found {shown(min(others), 60)!r}")

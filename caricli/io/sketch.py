@@ -1,15 +1,14 @@
 """Sketches as JSON and SVG."""
 
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from caricli.errors import InputError, naming, shown
+from caricli.errors import InputError, naming
 from caricli.io.files import read_bytes
 from caricli.io.outputs import write_bytes
-from caricli.io.strict_json import format_json, parse_json, take, take_whole
+from caricli.io.strict_json import format_json, found_value, parse_json, refuse_others, take, take_whole
 from caricli.io.svg import is_svg, read_svg, write_svg
 from caricli.limits import MAX_SKETCH_BYTES, MAX_SKETCH_SIDE, MAX_STROKES
 from caricli.structures.sketch import Sketch, Stroke, StrokeKind
@@ -37,10 +36,10 @@ def sketch_from_json(value: Any) -> Sketch:
     """The Sketch of a JSON value. Raises InputError when it is malformed."""
     if not isinstance(value, dict) or value.get("schema") != SCHEMA:
         schema = value.get("schema") if isinstance(value, dict) else None
-        raise InputError(f"expected a sketch of the schema {SCHEMA!r}, found {_given(schema)}")
-    _refuse_others(value, _KEYS)
+        raise InputError(f"expected a sketch of the schema {SCHEMA!r}, found {found_value(schema)}")
+    refuse_others(value, _KEYS)
     canvas = take(value, "canvas", dict)
-    _refuse_others(canvas, ("width", "height"))
+    refuse_others(canvas, ("width", "height"))
     size = (take_whole(canvas, "width", 1, MAX_SKETCH_SIDE), take_whole(canvas, "height", 1, MAX_SKETCH_SIDE))
     entries = take(value, "strokes", list)
     if len(entries) > MAX_STROKES:
@@ -91,17 +90,17 @@ def _entry(stroke: Stroke) -> dict[str, Any]:
 
 def _stroke(entry: Any) -> Stroke:
     if not isinstance(entry, dict):
-        raise InputError(f"expected an object with kind and points, found {_given(entry)}")
-    _refuse_others(entry, _STROKE_KEYS)
+        raise InputError(f"expected an object with kind and points, found {found_value(entry)}")
+    refuse_others(entry, _STROKE_KEYS)
     kind = take(entry, "kind", str, StrokeKind.UNKNOWN.value)
     if kind not in set(StrokeKind):
-        raise InputError(f"expected the kind {', '.join(StrokeKind)}, found {_given(kind)}")
+        raise InputError(f"expected the kind {', '.join(StrokeKind)}, found {found_value(kind)}")
     points = _numbers(take(entry, "points", list), "points", 2)
     pressure = _numbers(take(entry, "pressure", list), "pressure", 1) if "pressure" in entry else None
     curve = take(entry, "curve", str) if "curve" in entry else None
     width = entry.get("width")
     if not (width is None or type(width) in (int, float)):
-        raise InputError(f"width: expected a number, found {_given(width)}")
+        raise InputError(f"width: expected a number, found {found_value(width)}")
     return Stroke(points, StrokeKind(kind), curve, pressure, width)
 
 
@@ -112,13 +111,3 @@ def _numbers(rows: list, key: str, columns: int) -> np.ndarray:
         expected = "numbers" if columns == 1 else "pairs of numbers [x, y]"
         raise InputError(f"{key}: expected {expected}, found others")
     return np.array(flat, np.float64).reshape((-1, 2) if columns == 2 else -1)
-
-
-def _refuse_others(entry: dict, keys: Sequence[str]) -> None:
-    others = set(entry) - set(keys)
-    if others:
-        raise InputError(f"expected {', '.join(keys[:-1])} and {keys[-1]}, found {shown(min(others), 60)!r}")
-
-
-def _given(value: Any) -> str:
-    return "none" if value is None else shown(repr(value), 60)

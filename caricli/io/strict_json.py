@@ -5,6 +5,7 @@ import math
 import os
 import re
 from collections import Counter
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -74,6 +75,18 @@ def take_whole(parent: dict, key: str, least: int, most: int, default: int | Non
         text = shown(value, 40) if isinstance(value, int | float | str) else type(value).__name__
         raise InputError(f"{shown(key, 40)}: expected a whole number from {least} to {most}, found {text}")
     return value
+
+
+def refuse_others(entry: dict, keys: Sequence[str]) -> None:
+    """Refuse an object with another key than these. Raises InputError."""
+    others = set(entry) - set(keys)
+    if others:
+        raise InputError(f"expected only {', '.join(keys)}, found {shown(min(others), 60)!r}")
+
+
+def found_value(value: Any) -> str:
+    """What messages show of a value that was not expected."""
+    return "none" if value is None else shown(repr(value), 60)
 
 
 def write_json(path: str | Path, value: Any) -> None:

@@ -29,7 +29,7 @@ def test_what_is_written_is_read_again(tmp_path, start, count):
         ([], "expected a session of the schema 'caricli.session/1', found none"),
         ({"schema": "caricli.sketch/1"}, "found 'caricli.sketch/1'"),
         ({"schema": SCHEMA}, "operations: expected list"),
-        ({"schema": SCHEMA, "operations": [], "run": "rm"}, "expected only operations, schema, start, found 'run'"),
+        ({"schema": SCHEMA, "operations": [], "run": "rm"}, "expected only schema, start, operations, found 'run'"),
         ({"schema": SCHEMA, "operations": [3]}, "operation 0: expected an object with name and parameters, found int"),
         ({"schema": SCHEMA, "operations": [{"name": "draw", "x": 1}]}, "operation 0: expected only name, parameters"),
         ({"schema": SCHEMA, "operations": [{"name": 1}]}, "operation 0: name: expected str, found int"),
