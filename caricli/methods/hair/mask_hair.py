@@ -11,6 +11,7 @@ from caricli.methods.hair.colour_mixture import AskedColours, ColourMixture
 from caricli.methods.hair.picture_zones import PictureZones
 from caricli.methods.hair.settings import MaskSettings
 from caricli.render.in_parallel import do_in_parallel
+from caricli.render.widen_mask import widen_mask
 from caricli.structures import Face
 from caricli.template.template import Template
 
@@ -113,7 +114,7 @@ class _Classes:
         away = self.ways[..., BACKGROUND]
         if teaching.any():
             teaching &= away > _APART * np.median(away[teaching])
-        core = cv2.erode(hair.astype(np.uint8), np.ones((3, 3), np.uint8)) > 0
+        core = ~widen_mask(~hair, 1)
         if core.sum() < _FEWEST:
             return False
         behind = sure[..., BACKGROUND] & zones.above_chin | zones.behind
@@ -184,10 +185,7 @@ def _bridges(hair: np.ndarray, above: np.ndarray, width: int) -> np.ndarray:
     thin, count = _parts(hair & ~thick)
     leads = np.ones(len(count), bool)
     for ends in (thick & begins[parts], thick & ~begins[parts]):
-        leads &= (
-            np.bincount(thin[cv2.dilate(ends.astype(np.uint8), np.ones((3, 3), np.uint8)) > 0], minlength=len(count))
-            > 0
-        )
+        leads &= np.bincount(thin[widen_mask(ends, 1)], minlength=len(count)) > 0
     leads[0] = False
     return leads[thin]
 

@@ -10,6 +10,7 @@ from caricli.methods.hair.head_sphere import HeadSphere
 from caricli.methods.hair.settings import ShellSettings
 from caricli.render.rasterise import rasterise
 from caricli.render.sample_texture import sample_pixels
+from caricli.render.widen_mask import widen_mask
 from caricli.structures import Camera, Hair, Mesh
 
 _SLOPE = 0.7  # in which hair rises at most from its edge
@@ -44,5 +45,5 @@ def _to_outline(shown: np.ndarray, head: Mesh, camera: Camera) -> np.ndarray:
     """(H, W) pixels to the border of hair that is shown (H, W) bool where this is not before the head."""
     raster = rasterise(camera.place(head.vertices), head.faces, *shown.shape[::-1])
     behind = (raster.face < 0) & ~shown
-    outline = shown & (cv2.dilate(behind.astype(np.uint8), np.ones((3, 3), np.uint8)) > 0)
+    outline = shown & widen_mask(behind, 1)
     return cv2.distanceTransform((~outline).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)

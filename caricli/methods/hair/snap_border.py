@@ -20,6 +20,7 @@ from caricli.methods.hair.shell_net import ShellNet
 from caricli.methods.hair.slope_edges import slope_edges
 from caricli.render.rasterise import Raster, rasterise
 from caricli.render.sample_texture import sample_pixels
+from caricli.render.widen_mask import widen_mask
 from caricli.structures import Camera, Hair, Mesh
 from caricli.template.template import Template
 
@@ -335,8 +336,7 @@ def _field(shown: np.ndarray, there: np.ndarray, height: float, width: float) ->
 def _border(mask: np.ndarray, height: float) -> np.ndarray:
     """(N, 4): pixels along a mask's border, x and y, and the way out of it there, so long that opposite sides of thin
     hair are not taken for each other. height: pixels of the head."""
-    inner = cv2.erode(mask.astype(np.uint8), np.ones((3, 3), np.uint8), borderValue=1) > 0
-    border = mask & ~inner
+    border = mask & widen_mask(~mask, 1)
     border[:_EDGE] = border[-_EDGE:] = False
     border[:, :_EDGE] = border[:, -_EDGE:] = False
     soft = cv2.GaussianBlur(mask.astype(np.float32), (0, 0), _SOFT)

@@ -11,6 +11,7 @@ from scipy.spatial import KDTree
 
 from caricli.geometry.cholesky import Cholesky
 from caricli.render.covered_pixels import covered_pixels
+from caricli.render.widen_mask import widen_mask
 from caricli.structures import Camera, Face
 from caricli.structures.detection import ParsedPicture
 from caricli.structures.parsing import Region
@@ -100,7 +101,7 @@ class _Ear:
         self.others = covered_pixels(places, template.faces[~own], *mask.shape[::-1])
         self.bending = _bending(template)[self.ids][:, self.ids]
         self.mask = mask
-        beside = cv2.dilate(np.isin(regions, _BEHIND).astype(np.uint8), np.ones((3, 3), np.uint8)) > 0
+        beside = widen_mask(np.isin(regions, _BEHIND), 1)
         self.border = np.argwhere(mask & beside)[:, ::-1].astype(float)
         self.side = float(np.sqrt(cv2.contourArea(cv2.convexHull(places[self.ids, :2].astype(np.float32)))))
 
@@ -114,7 +115,7 @@ class _Ear:
         """(E, 3) metres, by which its vertices of a head (V, 3) bring its outline nearer to the label's."""
         places = camera.place(vertices)
         shown = covered_pixels(places, self.faces, *self.mask.shape[::-1])
-        around = cv2.dilate((~(shown | self.others)).astype(np.uint8), np.ones((3, 3), np.uint8)) > 0
+        around = widen_mask(~(shown | self.others), 1)
         rim = np.argwhere(shown & around)[:, ::-1]
         if not len(rim):
             return np.zeros((len(self.ids), 3))

@@ -6,6 +6,7 @@ import numpy as np
 
 from caricli.errors import InputError
 from caricli.methods.sketch.trace_lines import InkLine, trace_lines
+from caricli.render.widen_mask import widen_mask
 from caricli.structures.sketch import CANVAS, Sketch, Stroke
 
 _EDGE = 0.04
@@ -152,9 +153,9 @@ def _paper(gray: np.ndarray, settings: PaperSettings) -> np.ndarray:
     rest = plain[~sheet]
     told = sheet.mean() > 0.2 and rest.size and np.median(plain[sheet]) > settings.table * np.median(rest)
     # A shadow over the paper is no table: a table has an edge, where brightness falls within a few pixels.
-    edge = cv2.dilate(sheet.astype(np.uint8), np.ones((5, 5), np.uint8)).astype(bool) & ~sheet
-    near = cv2.erode(sheet.astype(np.uint8), np.ones((5, 5), np.uint8), borderValue=1) == 0
-    steep = edge.any() and np.median(plain[near & sheet]) - np.median(plain[edge]) > 0.08
+    edge = widen_mask(sheet, 2) & ~sheet
+    near = widen_mask(~sheet, 2) & sheet
+    steep = edge.any() and np.median(plain[near]) - np.median(plain[edge]) > 0.08
     if not (told and steep):
         return everything
     sheet = _grown(sheet, plain)
