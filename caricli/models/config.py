@@ -44,6 +44,14 @@ def check_ranges(config: object, ranges: Mapping[str, tuple[float, float]]) -> N
             raise ValueError(f"{name} must be from {low:g} to {high:g}, found {value}")
 
 
+def check_levels(config: object, count: int) -> None:
+    """Refuse ``widths`` and ``blocks`` that are not for so many levels of an encoder. Raises ValueError."""
+    for name, (low, high) in (("widths", (4, 4096)), ("blocks", (0, 64))):
+        values = getattr(config, name)
+        if len(values) != count or not all(low <= value <= high for value in values):
+            raise ValueError(f"{name} must be {count} numbers from {low} to {high}, found {values}")
+
+
 def check_windows(size: int, step: int, precision: str) -> None:
     """Refuse windows that a network cannot take.
 

@@ -1,5 +1,7 @@
 """The units that the networks for pictures are made of."""
 
+from collections.abc import Callable, Sequence
+
 import torch
 from torch import nn
 from torch.nn import functional
@@ -37,6 +39,20 @@ def unit(inputs: int, outputs: int, kernel: int = 3, stride: int = 1) -> nn.Sequ
     """A convolution, normalised and rectified."""
     convolution = nn.Conv2d(inputs, outputs, kernel, stride, kernel // 2, bias=False)
     return nn.Sequential(convolution, nn.BatchNorm2d(outputs), nn.ReLU(inplace=True))
+
+
+def encoder_levels(
+    stem: int, widths: Sequence[int], blocks: Sequence[int], block: Callable[[int], nn.Module]
+) -> nn.ModuleList:
+    """Levels of a network, each of half the size of that before it.
+
+    stem: channels that go into the first. widths, blocks: channels, and how many blocks, of each. block: made by width.
+    """
+    levels = zip((stem, *widths), widths, blocks, strict=False)
+    return nn.ModuleList(
+        nn.Sequential(unit(before, width, stride=2), *(block(width) for _ in range(count)))
+        for before, width, count in levels
+    )
 
 
 def start_convolutions(network: nn.Module, generator: torch.Generator | None) -> None:

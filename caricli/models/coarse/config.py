@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, fields
 
-from caricli.models.config import MAX_SEED, check_ranges, check_windows
+from caricli.models.config import MAX_SEED, check_levels, check_ranges, check_windows
 
 _SIZES = {"stem": (4, 512), "kept": (1, 4096), "hidden": (1, 8192), "glance": (0, 256)}
 _RANGES = _SIZES | {
@@ -45,10 +45,7 @@ class CoarseSize:
         check_ranges(self, _SIZES)
         if self.glance and not self.landmarks:
             raise ValueError("glance must be 0 where the network is not told the landmarks")
-        for name, limits in (("widths", (4, 4096)), ("blocks", (0, 64))):
-            values = getattr(self, name)
-            if len(values) != _LEVELS or not all(limits[0] <= value <= limits[1] for value in values):
-                raise ValueError(f"{name} must be {_LEVELS} numbers from {limits[0]} to {limits[1]}, found {values}")
+        check_levels(self, _LEVELS)
 
 
 @dataclass(frozen=True)

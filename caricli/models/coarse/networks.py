@@ -12,7 +12,7 @@ from torch import nn
 from torch.nn import functional
 
 from caricli.models.coarse.config import CoarseSize
-from caricli.models.residual import Bottleneck, Residual, start_convolutions, unit
+from caricli.models.residual import Bottleneck, Residual, encoder_levels, start_convolutions, unit
 
 CELLS = 4
 """Places on a side that the last features are gathered at."""
@@ -61,16 +61,11 @@ class CoarseNetwork(nn.Module):
     def __init__(self, size: CoarseSize, landmarks: int, outputs: int, generator: torch.Generator) -> None:
         """landmarks: L. outputs: D. generator: of the initial weights."""
         super().__init__()
-        block = Bottleneck if size.bottleneck else Residual
         self.size = size
         self.outputs = outputs
         self.stem = unit(12, size.stem)
-        inputs = (size.stem, *size.widths)
-        levels = zip(inputs, size.widths, size.blocks, strict=False)
-        self.down = nn.ModuleList(
-            nn.Sequential(unit(before, width, stride=2), *(block(width) for _ in range(count)))
-            for before, width, count in levels
-        )
+        block = Bottleneck if size.bottleneck else Residual
+        self.down = encoder_levels(size.stem, size.widths, size.blocks, block)
         self.gather = unit(size.widths[-1], size.kept, kernel=1)
         told = (TOLD + 2) * landmarks if size.landmarks else 0
         self.hidden = nn.Linear(size.kept * CELLS**2 + size.glance * landmarks + told, size.hidden)

@@ -5,6 +5,7 @@ from torch import nn
 from torch.nn import functional
 
 from caricli.models.gesture.config import POOLED
+from caricli.models.residual import start_convolutions
 
 _HIDDEN = 256
 
@@ -26,11 +27,9 @@ class GestureNetwork(nn.Module):
         self.third = nn.Conv2d(64, 16, 3, 1, 1)
         self.hidden = nn.Linear(16 * (size // (POOLED * stride)) ** 2, _HIDDEN)
         self.last = nn.Linear(_HIDDEN, outputs)
-        for layer in (self.first, self.second, self.third, self.hidden, self.last):
-            if layer.weight.ndim > 2:  # as processors like it best
-                layer.weight.data = layer.weight.data.contiguous(memory_format=torch.channels_last)
+        start_convolutions(self, generator)
+        for layer in (self.hidden, self.last):
             nn.init.kaiming_normal_(layer.weight, nonlinearity="relu", generator=generator)
-            assert layer.bias is not None
             nn.init.zeros_(layer.bias)
 
     def forward(self, pictures: torch.Tensor) -> torch.Tensor:

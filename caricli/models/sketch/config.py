@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from caricli.models.config import MAX_SEED, check_ranges, check_windows
+from caricli.models.config import MAX_SEED, check_levels, check_ranges, check_windows
 
 MODERN = "modern"
 
@@ -44,10 +44,7 @@ class SketchSize:
     def __post_init__(self) -> None:
         """Refuse impossible sizes."""
         check_ranges(self, _SIZES)
-        for name, limits in (("widths", (4, 4096)), ("blocks", (0, 64))):
-            values = getattr(self, name)
-            if len(values) != _LEVELS or not all(limits[0] <= value <= limits[1] for value in values):
-                raise ValueError(f"{name} must be {_LEVELS} numbers from {limits[0]} to {limits[1]}, found {values}")
+        check_levels(self, _LEVELS)
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ import torch
 from torch import nn
 from torch.nn import functional
 
-from caricli.models.residual import Residual, start_convolutions, unit
+from caricli.models.residual import Residual, encoder_levels, start_convolutions, unit
 from caricli.models.sketch.config import SketchSize
 from caricli.models.sketch.line_space import LineSpace
 
@@ -46,12 +46,7 @@ class SketchNetwork(nn.Module):
         self.size = size
         self.dimension = dimension
         self.stem = unit(QUARTER**2, size.stem)
-        inputs = (size.stem, *size.widths)
-        levels = zip(inputs, size.widths, size.blocks, strict=False)
-        self.down = nn.ModuleList(
-            nn.Sequential(unit(before, width, stride=2), *(Residual(width) for _ in range(count)))
-            for before, width, count in levels
-        )
+        self.down = encoder_levels(size.stem, size.widths, size.blocks, Residual)
         self.seen = nn.Linear(size.widths[-1] * CELLS**2, size.hidden)
         self.last = nn.Linear(size.hidden, dimension + CAMERA)
         self.lines = LineSpace(curves, points, size.components)

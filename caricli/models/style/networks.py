@@ -6,6 +6,8 @@ import torch
 from torch import nn
 from torch.nn import functional
 
+from caricli.models.residual import start_convolutions
+
 Statistics = tuple[torch.Tensor, torch.Tensor]
 """Means and deviations (B, C, 1, 1) of channels."""
 
@@ -60,13 +62,7 @@ class StyleNetwork(nn.Module):
         self.encoder = Encoder(width)
         self.decoder = Decoder(width)
         self.media = nn.Linear(2 * 7 * width, media)
-        for module in self.modules():
-            if isinstance(module, nn.Conv2d):
-                # As processors like it best.
-                module.weight.data = module.weight.data.contiguous(memory_format=torch.channels_last)
-                nn.init.kaiming_normal_(module.weight, nonlinearity="relu", generator=generator)
-                assert module.bias is not None
-                nn.init.zeros_(module.bias)
+        start_convolutions(self, generator)
         nn.init.normal_(self.decoder.last.weight, std=1e-2, generator=generator)
         nn.init.normal_(self.media.weight, std=1e-2, generator=generator)
         nn.init.zeros_(self.media.bias)
