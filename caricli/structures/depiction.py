@@ -6,7 +6,7 @@ import numpy as np
 
 from caricli.structures.camera import Camera
 from caricli.structures.checks import coordinate_problem, refuse
-from caricli.structures.landmarks import SCHEMES
+from caricli.structures.landmarks import fitted_problem
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,7 +29,4 @@ class Depiction:
             refuse(f"depicted: expected (V,3), found {vertices.shape}")
         refuse(coordinate_problem("depicted", vertices))
         if self.landmarks is not None:
-            landmarks = np.asarray(self.landmarks)
-            if landmarks.shape not in [(count, 2) for count in SCHEMES]:
-                refuse(f"landmarks: expected the shape (68,2) or (81,2), found {landmarks.shape}")
-            refuse(coordinate_problem("landmarks", landmarks))
+            refuse(fitted_problem(np.asarray(self.landmarks)))

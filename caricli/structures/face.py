@@ -7,8 +7,8 @@ import numpy as np
 
 from caricli.errors import InputError
 from caricli.structures.camera import Camera
-from caricli.structures.checks import coordinate_problem, refuse, shape_problem
-from caricli.structures.landmarks import SCHEMES
+from caricli.structures.checks import refuse, shape_problem
+from caricli.structures.landmarks import fitted_problem
 from caricli.structures.materials import material_problem
 from caricli.structures.mesh import Mesh
 from caricli.structures.parts import Hair
@@ -55,10 +55,7 @@ class Face:
             if value is not None:
                 refuse(shape_problem(key, np.asarray(value), shape))
         if self.landmarks is not None:
-            landmarks = np.asarray(self.landmarks)
-            if landmarks.shape not in [(count, 2) for count in SCHEMES]:
-                refuse(f"landmarks: expected the shape (68,2) or (81,2), found {landmarks.shape}")
-            refuse(coordinate_problem("landmarks", landmarks))
+            refuse(fitted_problem(np.asarray(self.landmarks)))
         if self.teeth is not None:
             refuse(shape_problem("teeth", np.asarray(self.teeth), (2,)))
             if np.min(self.teeth) < 0:

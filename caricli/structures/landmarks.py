@@ -9,7 +9,7 @@ import numpy as np
 
 from caricli.errors import InputError
 from caricli.limits import MAX_COORDINATE
-from caricli.structures.checks import are_apart, refuse
+from caricli.structures.checks import are_apart, coordinate_problem, refuse
 
 SCHEMES = {68: "ibug68", 81: "ibug68+13"}
 """Names of the layouts by their number of points."""
@@ -113,6 +113,13 @@ def point_label(number: int) -> str:
 
 _INSIDE = 0.5  # least share of the points inside the picture
 _SMALLEST = 8.0  # least diagonal of a face, pixels
+
+
+def fitted_problem(landmarks: np.ndarray) -> str | None:
+    """Whether landmarks that were fitted, pixels, are not those of a layout, all finite."""
+    if landmarks.shape not in [(count, 2) for count in SCHEMES]:
+        return f"landmarks: expected the shape (68,2) or (81,2), found {landmarks.shape}"
+    return coordinate_problem("landmarks", landmarks)
 
 
 @dataclass(frozen=True, eq=False)
