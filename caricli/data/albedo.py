@@ -224,9 +224,17 @@ def albedo_at_vertices(painter: AlbedoPainter, generator: np.random.Generator, s
 
 def vertex_painter(template: Template) -> AlbedoPainter:
     """The AlbedoPainter whose places are the vertices."""
-    corners = template.vertices[template.faces]
+    return mesh_painter(template, sp.identity(len(template.vertices), format="csr"), template.faces)
+
+
+def mesh_painter(template: Template, weights: sp.csr_matrix, faces: np.ndarray) -> AlbedoPainter:
+    """The AlbedoPainter whose places are the vertices of a mesh over the template.
+
+    weights: (P, V) sparse, what makes them of the template's. faces: (F, 3).
+    """
+    corners = (weights @ template.vertices)[faces]
     edges = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2)
-    return AlbedoPainter(template, sp.identity(len(template.vertices), format="csr"), float(np.median(edges)))
+    return AlbedoPainter(template, weights, float(np.median(edges)))
 
 
 def random_albedos(template: Template, seed: int, count: int = ALBEDOS) -> np.ndarray:

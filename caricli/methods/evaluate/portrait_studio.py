@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from caricli.data.albedo import AlbedoPainter
+from caricli.data.albedo import mesh_painter
 from caricli.data.appearance import random_appearance
 from caricli.geometry.head_rotation import TURNS, head_rotation
 from caricli.methods.reconstruct.landmark_vertices import landmark_vertices
@@ -72,9 +72,7 @@ class PortraitStudio:
         self.size = size
         self.settings = settings or StudioSettings()
         self.fine = fine_mesh(template, 1)
-        corners = (self.fine.weights @ template.vertices)[self.fine.mesh.faces]
-        grain = np.median(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2))
-        self.painter = AlbedoPainter(template, self.fine.weights, float(grain))
+        self.painter = mesh_painter(template, self.fine.weights, self.fine.mesh.faces)
 
     def portray(self, name: str, vertices: np.ndarray, generator: np.random.Generator, noise: float = 0.0) -> Portrait:
         """Draw a face from a random side, its landmarks where its vertices are seen, those of the jaw on the outline.

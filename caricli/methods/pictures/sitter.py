@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from caricli.data.albedo import AlbedoPainter
+from caricli.data.albedo import mesh_painter
 from caricli.data.appearance import Appearance, random_appearance
 from caricli.geometry.smooth_step import smooth_step
 from caricli.methods.creases.creased_skin import CreasedSkin
@@ -80,9 +80,7 @@ class Wardrobe:
         self.template = template
         self.settings = settings or SitterSettings()
         self.fine = fine_mesh(template, 1)
-        corners = (self.fine.weights @ template.vertices)[self.fine.mesh.faces]
-        grain = float(np.median(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2)))
-        self.painter = AlbedoPainter(template, self.fine.weights, grain)
+        self.painter = mesh_painter(template, self.fine.weights, self.fine.mesh.faces)
         self.wrinkles = WrinkleLines(self.painter)
         self.attachment = attachment_for(template)
         self.open_head = is_usual_head(template)
