@@ -74,12 +74,12 @@ class Cavities:
         own = np.isin(labels[faces[:, 0]], labels[faces[inside, 0]])
         self.skin = faces[own & ~inside]
 
-    def tuck(self, vertices: np.ndarray, rounds: int = ROUNDS) -> np.ndarray:
-        """Vertices (V, 3) with all pockets inside. vertices: (V, 3). rounds: of moves, at most."""
+    def tuck(self, vertices: np.ndarray) -> np.ndarray:
+        """Vertices (V, 3) with all pockets inside."""
         vertices = np.array(vertices)
         touching = self._moves(vertices, self.pockets, self.touch)
         pockets = [pocket for pocket in self.pockets if touching[pocket.deep].any()]
-        for _ in range(rounds):
+        for _ in range(ROUNDS):
             if not pockets:
                 break
             moves = self._moves(vertices, pockets, self.margin)

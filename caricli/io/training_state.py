@@ -27,16 +27,15 @@ def write_state(path: str | Path, state: dict, recipe: Any) -> None:
         torch.save({"schema": SCHEMA, "recipe": recipe, "state": state}, stream)
 
 
-def read_state(path: str | Path, device: Any = "cpu") -> tuple[dict, Any]:
+def read_state(path: str | Path) -> tuple[dict, Any]:
     """Read the state of a training.
 
-    device: where its tensors go.
     Returns the state and the recipe as `write_state` took them.
     Raises InputError when it is missing, truncated, of another schema or holds anything but plain values.
     """
     data = read_bytes(path, MAX_CHECKPOINT_BYTES, _KIND)
     with naming(path):
-        value = _load(data, device)
+        value = _load(data)
         schema = value.get("schema") if isinstance(value, dict) else None
         if schema != SCHEMA:
             raise InputError(f"expected a training of schema {SCHEMA!r}, found {shown(schema, 60)!r}")
@@ -46,7 +45,7 @@ def read_state(path: str | Path, device: Any = "cpu") -> tuple[dict, Any]:
         return value["state"], value["recipe"]
 
 
-def _load(data: bytes, device: Any) -> Any:
+def _load(data: bytes) -> Any:
     """What torch saved; not what its older versions did, without a zip archive around it."""
     import torch
 
@@ -59,6 +58,6 @@ def _load(data: bytes, device: Any) -> Any:
         # What is strange about a damaged file is said once, by the error.
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            return torch.load(io.BytesIO(data), map_location=device, weights_only=True)
+            return torch.load(io.BytesIO(data), map_location="cpu", weights_only=True)
     except Exception as error:  # both raise whatever they meet
         raise InputError(f"expected {_KIND}, found a damaged or other file; --overwrite begins anew") from error

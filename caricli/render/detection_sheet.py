@@ -14,10 +14,6 @@ FRAME = (255, 220, 0)
 DOUBT = (((60, 60, 60), 2), ((255, 255, 255), 1))
 """Colours and pixels of ellipses, the first beneath the others: on white paper as on dark skin one is seen."""
 
-_ONE = 1.0
-"""Ellipses are drawn at one standard deviation."""
-
-
 LONGEST = 2048
 """Pixels of the longer side of a picture that faces are drawn over, at most."""
 
@@ -74,7 +70,8 @@ def _draw_face(image: np.ndarray, face: DetectedFace, zoom: float) -> np.ndarray
 
 
 def _ellipse(point: np.ndarray, spread: np.ndarray) -> tuple[list[float], list[float], float]:
-    """Middle, axes and angle in degrees, as OpenCV draws them, of a spread (2, 2) around a point (2,)."""
+    """Middle, axes and angle in degrees, as OpenCV draws them, of one standard deviation of a spread (2, 2) around a
+    point (2,)."""
     values, vectors = np.linalg.eigh(spread)
-    axes = 2 * _ONE * np.sqrt(values[::-1])
+    axes = 2 * np.sqrt(values[::-1])
     return point.tolist(), axes.tolist(), float(np.degrees(np.arctan2(vectors[1, 1], vectors[0, 1])))

@@ -13,6 +13,7 @@ from caricli.render.smooth_normals import smooth_normals
 _LIFT = 1e-3  # of the mesh's size: rays start so far above the surface, which they would hit else
 _REACH = 2.0  # of the mesh's size: no ray through it is longer
 _BLOCK = 2048  # vertices that look around at a time
+_SHARPNESS = 8.0  # exponent of the cosine lobe of a wide light: the higher the smaller
 _KEY_RAYS = 16
 _KEY_REACH = np.radians(16)  # half the angle that the key light fills: the wider the softer its shadows
 
@@ -93,20 +94,18 @@ def light_received(
     normals: np.ndarray,
     directions: np.ndarray,
     lights: Sequence[np.ndarray | None],
-    sharpness: float = 8.0,
 ) -> np.ndarray:
     """Share of each light's rays that reach each vertex, of all that could without the mesh in the way.
 
     visibility: (V, D) of `sky_visibility` in directions (D, 3). normals: (V, 3), in the same frame. lights: L times the
     way (3,) to a wide light in that frame, unit length, or None for all directions alike.
-    sharpness: exponent of a light's cosine lobe; higher is smaller.
     Returns (V, L) float32 in [0, 1]; one where the light is behind the surface.
     """
     kernels = load_kernels()
     import warp as wp
 
     ways = np.array([np.zeros(3) if light is None else np.asarray(light) for light in lights])
-    lobes = np.maximum((directions[None] * ways[:, None]).sum(-1), 0) ** sharpness
+    lobes = np.maximum((directions[None] * ways[:, None]).sum(-1), 0) ** _SHARPNESS
     lobes[[light is None for light in lights]] = 1
     share = np.ones((len(normals), len(lights)), np.float32)
     if share.size:
