@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from caricli.errors import InputError
 from caricli.structures.landmarks import COUNT
 from caricli.structures.sketch import CURVES, StrokeKind
 from caricli.template.annotation import Annotation, bundled_annotation
@@ -30,6 +31,14 @@ class FeatureCurve:
     def closed(self) -> bool:
         """Whether it ends where it begins."""
         return bool(self.vertices[0] == self.vertices[-1])
+
+
+def named_curves(annotation: Annotation) -> tuple[FeatureCurve, ...]:
+    """``feature_curves`` of an annotation that names some. Raises InputError for another."""
+    curves = feature_curves(annotation)
+    if not curves:
+        raise InputError("expected a model whose annotation names the curves that a sketch shows, found none")
+    return curves
 
 
 def feature_curves(annotation: Annotation) -> tuple[FeatureCurve, ...]:

@@ -21,7 +21,7 @@ from caricli.methods.sketch.settings import COARSE, FollowSettings
 from caricli.models.shape_model import ShapeModel
 from caricli.structures import Face
 from caricli.structures.sketch import Sketch, StrokeKind
-from caricli.template.feature_curves import feature_curves
+from caricli.template.feature_curves import named_curves
 
 _SPACING = 0.004
 """Of the canvas: between points at which lines are compared; more where these would be more than a sketch may have."""
@@ -133,11 +133,8 @@ class SketchReconstruction:
 
         Raises InputError for a model whose annotation names no curves.
         """
-        curves = feature_curves(model.template.annotation)
-        if not curves:
-            raise InputError("expected a model whose annotation names the curves that a sketch shows, found none")
         self.model = model
-        self.handles = LineHandles(curves)
+        self.handles = LineHandles(named_curves(model.template.annotation))
         self.follower = LineFollower(model.template, self.handles, settings)
         self.name = name
         self._coarse = coarse

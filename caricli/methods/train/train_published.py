@@ -20,13 +20,13 @@ from caricli.methods.train.published_faces import (
 from caricli.methods.train.sketch_hand import Canvas, Missing, SketchBatch, SketchHand
 from caricli.methods.train.stages import Report, unwatched
 from caricli.methods.train.train_autodecoder import ALL, Share
-from caricli.methods.train.train_sketch import named_curves
 from caricli.models.bilinear.model import BilinearModel
 from caricli.models.sketch.config import PublishedSize, SketchConfig
 from caricli.models.sketch.networks import CAMERA
 from caricli.models.sketch.published import PublishedNetwork, plain_linear
 from caricli.models.sketch.window import POINTS
 from caricli.seeds import TrainingSeed
+from caricli.template.feature_curves import named_curves
 
 _BATCH = 64
 """Sketches that are validated at once."""
@@ -62,7 +62,7 @@ class PublishedTraining(NetworkTraining):
         grid.
         """
         self.model = model
-        self.curves = named_curves(model)
+        self.curves = named_curves(model.template.annotation)
         self.canvas = canvas_of(model)
         self.hand = SketchHand(self.curves, config.size, self.canvas)
         self.faces = PublishedFaces.of(datasets, model, self.hand, config, report)
@@ -210,7 +210,7 @@ class PublishedTraining(NetworkTraining):
 
 def canvas_of(model: BilinearModel) -> Canvas:
     """The canvas on which a model's heads are drawn for published networks."""
-    return Canvas.of(model.decode(model.prior.mean), named_curves(model))
+    return Canvas.of(model.decode(model.prior.mean), named_curves(model.template.annotation))
 
 
 def new_published(

@@ -15,13 +15,12 @@ from caricli.methods.train.network_training import NetworkTraining
 from caricli.methods.train.sketch_faces import SketchFaces
 from caricli.methods.train.sketch_hand import DrawnLines, Missing, SketchBatch, SketchHand
 from caricli.methods.train.train_autodecoder import ALL, Share
-from caricli.models.bilinear.model import BilinearModel
 from caricli.models.linear_model import LinearModel
 from caricli.models.sketch.config import SketchConfig, SketchSize
 from caricli.models.sketch.networks import CAMERA, SketchNetwork
 from caricli.models.sketch.window import POINTS
 from caricli.seeds import TrainingSeed
-from caricli.template.feature_curves import FeatureCurve, feature_curves
+from caricli.template.feature_curves import named_curves
 
 _FIRST = 32
 """Batches of sketches from which it is told where points usually are and what they tell linearly."""
@@ -49,7 +48,7 @@ class SketchTraining(NetworkTraining):
         Raises InputError when nobody is there to train or to validate with, or the head has no curves.
         """
         self.model = model
-        self.curves = named_curves(model)
+        self.curves = named_curves(model.template.annotation)
         self.faces = SketchFaces.of(datasets, model, config.held, config.seed)
         self.unseen = _unseen(datasets, config.validation)
         self.hand = SketchHand(self.curves, config.size)
@@ -127,14 +126,6 @@ class SketchTraining(NetworkTraining):
         windows = torch.from_numpy(batch.windows)[:, None].float() / 255
         with torch.autocast("cpu", torch.bfloat16, enabled=half):
             return network(windows, torch.from_numpy(batch.points)).float()
-
-
-def named_curves(model: LinearModel | BilinearModel) -> tuple[FeatureCurve, ...]:
-    """The curves of a model's head. Raises InputError where its annotation names none."""
-    curves = feature_curves(model.template.annotation)
-    if not curves:
-        raise InputError("expected a model whose annotation names the curves that a sketch shows, found none")
-    return curves
 
 
 def new_network(config: SketchConfig, curves: int, dimension: int, generator: torch.Generator) -> SketchNetwork:
