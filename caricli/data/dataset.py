@@ -91,7 +91,7 @@ def read_albedos(folder: Path) -> np.ndarray:
     where = folder / MANIFEST
     manifest = _read_manifest(folder)
     if "albedo" not in manifest:
-        raise InputError(f"{where}: a dataset without albedos: build it with --albedo N")
+        raise InputError(f"{where}: expected a dataset with albedos, found none: build it with --albedo N")
     with naming(where):
         entry = take(manifest, "albedo", dict)
         count = take_whole(entry, "count", 1, MAX_VERTICES)
@@ -206,9 +206,9 @@ def _form(column: np.ndarray) -> tuple:
 def _check_splits(splits: Mapping[str, list[int]], identity: np.ndarray) -> None:
     named = set().union(*splits.values())
     if sum(len(splits[split]) for split in SPLITS) != len(named):
-        raise InputError(f"'splits' must share the identities out among {', '.join(SPLITS)}")
+        raise InputError(f"splits: expected everybody in one of {', '.join(SPLITS)}, found some in two")
     if not set(np.unique(identity).tolist()) <= named:
-        raise InputError("there are identities that no split names")
+        raise InputError("splits: expected everybody of the meshes in one, found some in none")
 
 
 def _read_template(folder: Path, manifest: Mapping[str, Any]) -> Template:
@@ -221,7 +221,7 @@ def _read_template(folder: Path, manifest: Mapping[str, Any]) -> Template:
     with naming(folder / manifest["template"]["file"]):
         template = Template(vertices, polygons, arrays.get("uvs"), arrays.get("uv_polygons"), annotation=annotation)
         if template.topology_id != manifest["topology_id"] or not np.array_equal(template.faces, faces):
-            raise InputError(f"its faces do not fit {MANIFEST}")
+            raise InputError(f"expected the faces that {MANIFEST} tells, found others")
         return replace(template, parts=parts_from_arrays(arrays, template))
 
 

@@ -101,7 +101,8 @@ def import_dataset(
             raise InputError(f"{shown(path)}: expected a name in UTF-8, found another")
     first = read_mesh(files[0])
     if len(files) * first.vertices.size * 4 > MAX_DATASET_BYTES:
-        raise InputError(f"{mesh_folder}: {len(files)} meshes of {len(first.vertices)} vertices do not fit in memory")
+        most = MAX_DATASET_BYTES // (first.vertices.size * 4)
+        raise InputError(f"{mesh_folder}: expected at most {most} such meshes, which fit in memory, found {len(files)}")
     shapes = np.empty((len(files), *first.vertices.shape), dtype=np.float32)
     for number, path in enumerate(files):
         shapes[number] = _vertices_like(path, first, files[0].name)
@@ -140,7 +141,7 @@ def _vertices_like(path: Path, first: Mesh, name: str) -> np.ndarray:
             given = f"{len(mesh.vertices)} and {len(mesh.polygons)}"
             raise InputError(f"expected the topology of {name} ({expected}), found {given}")
         if not np.array_equal(mesh.polygons, first.polygons):
-            raise InputError(f"its faces are not those of {name}")
+            raise InputError(f"expected the faces of {name}, found others")
     return mesh.vertices
 
 
@@ -180,7 +181,7 @@ def _labels(header: list[str], lines: list[list[str]], files: Sequence[str]) -> 
             values[file] = _numbers([row[name] for name in names])
     missing = [file for file in files if file not in values]
     if missing:
-        raise InputError(f"no row for {missing[0]} ({len(missing)} files without one)")
+        raise InputError(f"expected a row for every file, found none for {missing[0]} ({len(missing)} in all)")
     ordered = tuple(said[file] for file in files)
     return Labels(ordered, np.array(names, dtype=str), np.array([values[file] for file in files], np.float32))
 
@@ -204,5 +205,5 @@ def _numbers(texts: list[str]) -> list[float]:
     except ValueError:
         raise InputError("expected a number in every label column") from None
     if not (np.abs(numbers) <= np.finfo(np.float32).max).all():
-        raise InputError("labels must be finite and fit single precision")
+        raise InputError("expected finite labels of single precision, found others")
     return numbers

@@ -80,5 +80,5 @@ def bundled_kind(model_id: str | None) -> str | None:
 def check_topology(template: Template, dataset_template: Template, where: object) -> None:
     """Refuse a model and a dataset of different meshes. where: what the model is called."""
     if template.topology_id != dataset_template.topology_id:
-        expected = f"the dataset's ({len(dataset_template.vertices)} vertices)"
-        raise InputError(f"{where}: its topology ({len(template.vertices)} vertices) is not {expected}")
+        expected = f"the dataset's topology ({len(dataset_template.vertices)} vertices)"
+        raise InputError(f"{where}: expected {expected}, found another ({len(template.vertices)} vertices)")

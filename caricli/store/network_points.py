@@ -19,7 +19,9 @@ def load_network_points(template: Template, path: Path | None = None) -> np.ndar
         face = read_face(path)
         with naming(path):
             if face.mesh.topology_id != template.topology_id:
-                raise InputError(f"its topology is not the dataset's ({len(template.vertices)} vertices)")
+                count = len(face.vertices)
+                expected = f"the dataset's topology ({len(template.vertices)} vertices)"
+                raise InputError(f"expected {expected}, found another ({count} vertices)")
         return face.vertices
     if template.topology_id == load_head().template().topology_id:
         return load_head().open_mouth_template().vertices

@@ -26,7 +26,7 @@ def test_a_model_of_another_mesh_is_refused(head_template):
     model = load_model(kind="pca")
     check_topology(model.template, head_template, "pca")
     fewer = type(head_template)(head_template.vertices, head_template.polygons[1:], annotation=head_template.annotation)
-    with pytest.raises(InputError, match="the model: its topology"):
+    with pytest.raises(InputError, match="the model: expected the dataset's topology"):
         check_topology(model.template, fewer, "the model")
 
 

@@ -38,7 +38,7 @@ def split_rows(data: Dataset, split: str, least: int, count: int = 0) -> np.ndar
     """
     rows = data.rows(split)
     if rows.sum() < least:
-        raise InputError(f"the dataset's {split} split has {rows.sum()} meshes, at least {least} are needed")
+        raise InputError(f"expected at least {least} meshes in the dataset's {split} split, found {rows.sum()}")
     return spread_rows(rows, count or len(rows))
 
 

@@ -91,8 +91,8 @@ def _regular_rows(data: Dataset, rows: np.ndarray) -> np.ndarray:
     regular = rows[data.regular[rows]]
     if len(regular) < FEWEST:
         raise InputError(
-            f"the dataset's train split has {len(regular)} meshes that are not exaggerated, at least {FEWEST} are "
-            "needed; with --set exaggerated=true the others count, too"
+            f"expected at least {FEWEST} meshes in the dataset's train split that are not exaggerated, found "
+            f"{len(regular)}; with --set exaggerated=true the others count, too"
         )
     return regular
 

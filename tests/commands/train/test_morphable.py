@@ -44,7 +44,7 @@ def test_exaggerated_meshes_are_trained_with_where_they_are_asked_for(run, refus
     splits = {"train": [0], "validation": [1], "test": [2, 3]}
     write_json(copy / "dataset.json", read_json(copy / "dataset.json") | {"splits": splits})
     said = refused("train", "morphable", "--data", copy, "--out", tmp_path / "m.safetensors")
-    assert "2 meshes that are not exaggerated, at least 3" in said
+    assert "at least 3 meshes in the dataset's train split that are not exaggerated, found 2" in said
 
 
 def test_same_data_same_bytes(run, trained, dataset, tmp_path):

@@ -37,7 +37,7 @@ def test_what_is_measured_is_what_is_written(data):
 
 def test_too_few_meshes_are_refused(data):
     few = SimpleNamespace(**vars(data) | {"rows": lambda split: np.arange(12) < 2})
-    with pytest.raises(InputError, match="train split has 2 meshes, at least 3"):
+    with pytest.raises(InputError, match="at least 3 meshes in the dataset's train split, found 2"):
         train_linear("pca", few, PcaConfig(), {})
 
 
