@@ -97,7 +97,7 @@ def paint_head(
     face: Face with camera and fitted landmarks. template: Template of its topology. image: (H, W, 3) uint8. mask:
     (H, W) bool, the head in it, or None to find it. settings: PaintSettings. regions: (H, W) values of Region, by which
     the head is found where there is no mask, and its hair, and glasses, hats and hands before it are kept off it; None
-    to tell them by colours, which also do where the regions show no head there.
+    to tell them by colours, which also do where the regions show no head there, or none of its skin.
     Returns Painted. Raises InputError when the template has no UVs and is to have a texture of its own, when the face
     has no camera or no landmarks, and when it is not where picture and mask show a head.
     """
@@ -197,7 +197,10 @@ def _lay_groundwork(picture: HeadPicture, template: Template, settings: PaintSet
     for opening in no_skin:
         skin = skin & ~opening
     if not (skin & pixels).any():
-        raise InputError("expected skin where the face was fitted, found none there")
+        if regions is None:
+            raise InputError("expected skin where the face was fitted, found none there")
+        # What is labelled hair or an opening all over tells nothing of the face.
+        return _lay_groundwork(replace(picture, regions=None), template, settings)
     sight = Sight(camera, image, skin, parts.whole, beside)
     return _Groundwork(parts.whole, sight, hair, texels, eyes, lids, teeth)
 

@@ -105,11 +105,14 @@ def test_a_small_head_of_a_large_picture_is_painted_as_by_itself(painted, pictur
     assert again.face.camera is camera and again.face.landmarks is face.landmarks
 
 
-def test_a_picture_that_shows_no_skin_is_refused(pictured):
+def test_a_face_that_is_labelled_hair_all_over_is_painted_by_its_colours(pictured):
     regions = np.where(pictured.mask, Region.HAIR, Region.BACKGROUND).astype(np.uint8)
     regions[_between_eyes(pictured) > 0] = Region.EYES
-    with pytest.raises(InputError, match="expected skin where the face was fitted, found none there"):
-        paint_head(pictured.face, pictured.head, pictured.image, None, replace(SMALL, hair="auto"), regions)
+    settings = replace(SMALL, hair="auto")
+    by_colours = paint_head(pictured.face, pictured.head, pictured.image, None, settings)
+    labelled = paint_head(pictured.face, pictured.head, pictured.image, None, settings, regions)
+    assert labelled.seen > 0.1
+    np.testing.assert_array_equal(labelled.pictures.skin, by_colours.pictures.skin)
 
 
 def test_a_mask_of_one_pixel_paints_nothing_and_breaks_nothing(pictured, painted):
