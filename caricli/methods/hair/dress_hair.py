@@ -11,7 +11,10 @@ from caricli.methods.hair.mask_hair import HairMask, mask_hair
 from caricli.methods.hair.move_skull import sink_skull
 from caricli.methods.hair.paint_hair import paint_hair
 from caricli.methods.hair.parsed_hair import parsed_hair
+from caricli.methods.hair.settings import MaskSettings
 from caricli.methods.hair.snap_border import snap_border
+from caricli.methods.texture.another_colour import lab_colours
+from caricli.methods.texture.distance_to import distance_to
 from caricli.methods.texture.mask_head import mesh_pixels
 from caricli.methods.texture.picture_view import PictureView, Sight
 from caricli.methods.texture.settings import PaintSettings
@@ -22,7 +25,10 @@ from caricli.template.template import Template
 
 _NEEDED = (*EARS, "scalp")
 _AROUND = 0.1  # of the head's height: farther from head and hair a picture says nothing of hair
-_LIKE = 2 / 3  # overlap of a shell with hair that was told by colours alone, below which it is something else
+_LIKE = 2 / 3  # overlap of a shell with what colours, or labels far from the head, take for hair; with less it is none
+_FAR = MaskSettings(over=0.0)  # how hair is told, however little of it is before the head
+_MEET = 0.05  # of the face's height: so near to each other hair and what is behind it meet
+_UNLIKE = 12.0  # in CIELAB, between the mean colours there: what is no farther from it than this goes on as a wall
 _PIXELS = 750  # height of the head in the picture that a shell is made by at most; its quads are four of them
 _SIZE = 1024  # texels of hair where none are asked for
 
@@ -58,16 +64,32 @@ def dress_hair(
     face: Face with camera and landmarks. template: of its topology. image: (H, W, 3) uint8. settings:
     PaintSettings; their hair is "shell", "auto" for none where it is doubtful which pixels show hair or the template
     does not name ears and scalp, or "none". regions: (H, W) values of Region, what the pixels show, or None to tell
-    hair by its colours, which also do where these contradict the regions. pixels: (H, W) bool, those that the face's
-    mesh covers, or None to find them.
+    hair by its colours, which also do where these contradict the regions. Where most of what is labelled hair is beside
+    the head, it is hair if it has an edge and a shell is like it. pixels: (H, W) bool, those that the face's mesh
+    covers, or None to find them.
     Returns DressedHair, or None. Raises InputError where a shell is asked for and there is no hair or no such name.
     """
     if not _wants_hair(template, settings):
         return None
-    parsed = None
     if regions is not None:
-        parsed = parsed_hair(face, regions, mesh_pixels(face, image) if pixels is None else pixels, image)
-    mask = mask_hair(face, template, image) if parsed is None else parsed
+        pixels = mesh_pixels(face, image) if pixels is None else pixels
+        mask = parsed_hair(face, regions, pixels, image)
+        if mask is not None:
+            return _put_on(face, template, mask, settings)
+        # A wall that is labelled hair, or a wig, which has an edge, and which a shell is like.
+        mask = parsed_hair(face, regions, pixels, image, _FAR)
+        if mask is not None and _stands_out(face, mask, image):
+            dressed = _put_on(face, template, mask, replace(settings, hair="auto"))
+            if dressed is not None and dressed.overlap >= _LIKE:
+                return dressed
+    dressed = _put_on(face, template, mask_hair(face, template, image), settings)
+    if dressed is not None and settings.hair == "auto" and dressed.overlap < _LIKE:
+        return None
+    return dressed
+
+
+def _put_on(face: Face, template: Template, mask: HairMask, settings: PaintSettings) -> DressedHair | None:
+    """A head in the hair of a mask; for the other arguments, None and what is raised see `dress_hair`."""
     if settings.hair == "auto" and not mask.trusted:
         return None
     if not mask.pixels.any():
@@ -80,8 +102,6 @@ def dress_hair(
             return None
         raise InputError("expected hair on the scalp, found none there; --hair none goes without")
     hair, head, overlap = snap_border(*shell, camera, near)
-    if settings.hair == "auto" and parsed is None and overlap < _LIKE:
-        return None
     sunk = replace(face, mesh=face.mesh.with_vertices(head.vertices), residual=None)
     return DressedHair(sunk, hair, mask, overlap)
 
@@ -91,6 +111,17 @@ def hair_picture(dressed: DressedHair, image: np.ndarray, settings: PaintSetting
     sight = Sight(dressed.face.require_camera(), image, dressed.mask.pixels)
     view = PictureView(dressed.hair.shell, sight, settings.texture)
     return paint_hair(dressed.hair, view, settings.size or _SIZE, np.random.default_rng(settings.seed))
+
+
+def _stands_out(face: Face, mask: HairMask, image: np.ndarray) -> bool:
+    """Whether hair has another colour than what is behind it, where they meet."""
+    reach = _MEET * np.ptp(face.require_landmarks()[:, 1])
+    hair = mask.pixels & (distance_to(mask.behind) < reach)
+    behind = mask.behind & (distance_to(mask.pixels) < reach)
+    if not (hair.any() and behind.any()):
+        return False
+    colours = [lab_colours(image, part).mean(0) for part in (hair, behind)]
+    return bool(np.linalg.norm(colours[0] - colours[1]) > _UNLIKE)
 
 
 def _near(head: Template, camera: Camera, mask: HairMask) -> tuple[Camera, HairMask]:

@@ -29,7 +29,7 @@ class MaskSettings:
     odds that a colour counts at most there; place: the same of the distance, per face's size. nearby, alike: radius and
     smoothness of the filter there. crumb: of the squared size, smaller parts of what a network takes for hair are
     dropped. gap: per face's size, what is no farther apart is one part of it. over: the least share of hair that is
-    before the head; on generated heads there is at least 0.32.
+    before the head.
     """
 
     side: int = 300

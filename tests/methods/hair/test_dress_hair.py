@@ -9,6 +9,7 @@ from caricli.errors import InputError
 from caricli.methods.hair.bare_skin import bare_skin
 from caricli.methods.hair.dress_hair import dress_hair, hair_picture
 from caricli.methods.hair.mask_hair import HairMask
+from caricli.methods.hair.parsed_hair import parsed_hair
 from caricli.methods.texture.parsed_head import ParsedHead
 from caricli.methods.texture.settings import PaintSettings
 from caricli.render.rasterise import rasterise
@@ -96,6 +97,29 @@ def test_what_no_shell_looks_like_is_no_hair_where_colours_alone_tell_it(sitter,
     assert dress_hair(sitter.face, sitter.head, sitter.image, SMALL) is None
     asked = dress_hair(sitter.face, sitter.head, sitter.image, replace(SMALL, hair="shell"))
     assert 0 < asked.overlap < 0.6
+
+
+@pytest.mark.parametrize("shown_as", ["wig", "wall", "wall like a wig"])
+def test_hair_that_is_mostly_beside_the_head_is_hair_where_a_shell_is_like_it(sitter, monkeypatch, shown_as):
+    """A large wig, a wall above a bald head, or a part of a wall in the shape of the wig; colours tell nothing."""
+    nowhere = np.zeros((SIDE, SIDE), bool)
+    monkeypatch.setattr(
+        "caricli.methods.hair.dress_hair.mask_hair", lambda *_: HairMask(nowhere, nowhere, 1.0, trusted=False)
+    )
+    shown = rasterise(CAMERA.place(sitter.head.vertices), sitter.head.faces, SIDE, SIDE).face >= 0
+    rows, columns = np.indices((SIDE, SIDE))
+    x, y = sitter.face.landmarks[27]
+    away = np.hypot(columns - x, rows - y)
+    face = np.hypot(1.4 * (columns - x), rows - y - 25) < 80
+    hair = (away < 125) & ~face & (rows < y + 70) if "wig" in shown_as else (rows < y - 60) & ~face
+    regions = np.select([hair, shown], [Region.HAIR, Region.SKIN], Region.BACKGROUND)
+    brown = ~(shown & ~hair) if shown_as == "wall like a wig" else hair
+    image = np.where(brown[..., None], BROWN, sitter.bald).astype(np.uint8)
+    assert parsed_hair(sitter.face, regions, shown, image) is None
+    dressed = dress_hair(sitter.face, sitter.head, image, SMALL, regions)
+    assert (dressed is not None) == (shown_as == "wig")
+    if dressed is not None:
+        assert dressed.overlap > 0.8 and (dressed.mask.pixels != hair).mean() < 0.01
 
 
 def test_the_skin_under_it_is_left_to_be_filled(dressed, sitter):
