@@ -120,9 +120,9 @@ def command(
     or XML, of its letters or of visemes), the face speaks: shapes run into each other, and lips close for p, b and m.
 
     Names are bound by name; those that the rig lacks are listed. Weights are cut to 0 to 1, mouthClose to what jawOpen
-    opens, then scaled. The head turns about the origin of the face frame: positive yaw to its own left, pitch down,
-    roll to its right shoulder. A JSON beside the GLB (GLB's name), or the video (its name and .json), says what was
-    done; among the frames it is animation.json.
+    opens, eyeSquint to what eyeBlink leaves open, then scaled. The head turns about the origin of the face frame:
+    positive yaw to its own left, pitch down, roll to its right shoulder. A JSON beside the GLB (GLB's name), or the
+    video (its name and .json), says what was done; among the frames it is animation.json.
 
     With --dynamic-texture the skin of a textured RIG is painted anew for every frame of --video, and of --frames as
     pictures. Best is an NPZ of `blendshapes`, which says what its picture shows and what its expressions are made of.

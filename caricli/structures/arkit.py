@@ -20,6 +20,12 @@ ARKIT_NAMES = tuple(
 STARTS = {"mouthClose": "jawOpen"}
 """Actions that only mean something on top of others: mouthClose closes the lips while the jaw is open."""
 
+LEFT_OPEN = {"eyeSquintLeft": "eyeBlinkLeft", "eyeSquintRight": "eyeBlinkRight"}
+"""Actions that close what another closes as well: a squint raises the lower lid through the upper one of a blink."""
+
+LEFT = 3.0
+"""Weight of a squint, to one that a blink lacks to its whole: of the way to the other lid a squint goes a third."""
+
 
 _PLAIN = {name.lower(): name for name in ARKIT_NAMES}
 

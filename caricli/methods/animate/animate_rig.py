@@ -14,7 +14,7 @@ from caricli.methods.animate.resample_weights import resample_weights
 from caricli.methods.animate.smooth_weights import smooth_weights
 from caricli.methods.animate.turn_head import turn_head
 from caricli.structures import Animation, Rig, Track
-from caricli.structures.arkit import STARTS
+from caricli.structures.arkit import LEFT, LEFT_OPEN, STARTS
 
 
 @dataclass(frozen=True)
@@ -95,7 +95,8 @@ def animate_rig(
     """Move a rig by a track: weights are smoothed, resampled, bound by name, cut to 0 to 1, then scaled.
 
     What only means something on top of another action goes no further than that: ``mouthClose`` undoes what ``jawOpen``
-    opens, and alone would pull the chin over the lips.
+    opens, and alone would pull the chin over the lips. Nor does what closes lids with a blink go further than they are
+    open: ``eyeSquint`` alone would raise the lower lid over the upper one.
     Raises InputError when the rig has no expressions, a scaled one is not the rig's, no name is common, or frames are
     too many.
     """
@@ -112,16 +113,16 @@ def animate_rig(
     even, fps = resample_weights(replace(track, weights=calm, head=head), settings.fps)
     bound = bind_weights(even, rig.names)
     scales = np.array([settings.scales.get(name, 1.0) for name in rig.names])
-    weights = scales * _with_starts(np.clip(bound.weights, 0, 1), rig.names)
+    weights = scales * _within_reach(np.clip(bound.weights, 0, 1), rig.names)
     rotations = None if even.head is None else turn_head(even.head)
     return Performance(rig, Animation(even.times, weights, rotations), fps, bound, settings)
 
 
-def _with_starts(weights: np.ndarray, names: tuple[str, ...]) -> np.ndarray:
-    """Weights (T, K) of named actions, none of ``STARTS`` above what it starts from, where the rig has that."""
-    weights = weights.copy()
-    for name, start in STARTS.items():
-        if name in names and start in names:
-            column = names.index(name)
-            weights[:, column] = np.minimum(weights[:, column], weights[:, names.index(start)])
-    return weights
+def _within_reach(weights: np.ndarray, names: tuple[str, ...]) -> np.ndarray:
+    """Weights (T, K) of named actions, none above what another, where the rig has that, opens or leaves open to it."""
+    columns = dict(zip(names, weights.T.copy(), strict=True))
+    for name in STARTS.keys() & columns:
+        columns[name] = np.minimum(columns[name], columns.get(STARTS[name], np.inf))
+    for name in LEFT_OPEN.keys() & columns:
+        columns[name] = np.minimum(columns[name], LEFT * (1 - columns.get(LEFT_OPEN[name], 0.0)))
+    return np.stack([*columns.values()], axis=1)

@@ -3,6 +3,7 @@ import pytest
 
 from caricli.errors import InputError
 from caricli.methods.animate.animate_rig import AnimationSettings, animate_rig
+from caricli.methods.rig.head_expressions import open_head_expressions
 from caricli.structures import Mesh, Rig, Track
 
 
@@ -63,3 +64,27 @@ def test_lips_close_only_what_the_jaw_opens(rig):
     np.testing.assert_allclose(moving.animation.weights, expected, atol=1e-12)
     alone = animate_rig(Rig(("mouthClose", "open"), rig.mesh, rig.deltas), track)
     np.testing.assert_allclose(alone.animation.weights[:, 0], [0.7, 0.7, 0.3, 1], atol=1e-12)
+
+
+def test_lids_squint_only_as_far_as_a_blink_leaves_them_open(rig):
+    names = ("eyeSquintLeft", "eyeBlinkLeft")
+    weights = np.array([[0.9, 0.0], [0.9, 0.5], [0.9, 0.9], [0.2, 0.9], [1.2, 1.1]])
+    track = Track(names, np.arange(5) / 10, weights)
+    moving = animate_rig(Rig(names, rig.mesh, rig.deltas), track)
+    expected = np.array([[0.9, 0], [0.9, 0.5], [0.3, 0.9], [0.2, 0.9], [0, 1]])
+    np.testing.assert_allclose(moving.animation.weights, expected, atol=1e-12)
+    alone = animate_rig(Rig(("eyeSquintLeft", "eyeBlinkRight"), rig.mesh, rig.deltas), track)
+    np.testing.assert_allclose(alone.animation.weights[:, 0], [0.9, 0.9, 0.9, 0.2, 1], atol=1e-12)
+
+
+def test_lids_of_squinting_blinks_do_not_cross():
+    templates = open_head_expressions()
+    names = ("eyeBlinkLeft", "eyeSquintLeft")
+    weights = np.array([[blink, 1.0] for blink in np.linspace(0, 1, 9)])
+    deltas = templates.deltas[[templates.names.index(name) for name in names]]
+    moving = animate_rig(Rig(names, templates.mesh, deltas), Track(names, np.arange(9) / 10, weights))
+    upper, lower = (templates.annotation.curves[f"eye_{lid}_left"][1:-1] for lid in ("upper", "lower"))
+    open_ = templates.neutral[upper] - templates.neutral[lower]
+    width = (open_**2).sum(1).mean()
+    gaps = [((v[upper] - v[lower]) * open_).sum(1).mean() / width for v in moving.frames(lambda k, total: None)]
+    assert min(gaps) > -0.03 and gaps[-1] < 0.03
