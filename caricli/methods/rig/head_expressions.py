@@ -16,6 +16,9 @@ from caricli.template.template import Template
 
 BLINKS = ("eyeBlinkLeft", "eyeBlinkRight")
 
+SEALED = ("mouthPressLeft", "mouthPressRight", "cheekPuff")
+"""Actions of lips that stay as near to each other as at rest, as ARKit means them: the base mesh parts them."""
+
 
 @dataclass(frozen=True)
 class MendSettings:
@@ -46,8 +49,8 @@ def head_expressions(
     """The 52 expressions of the open head, its lids and lips stopped where they meet.
 
     The head's blinks close the lids at about 0.8, sooner at the outer than at the inner corner, and pierce beyond: at
-    that strength the margins are brought together. Elsewhere lips that push through each other are held apart. They
-    part for the tongue that comes out.
+    that strength the margins are brought together. Elsewhere lips that push through each other are held apart, and
+    those of ``SEALED`` actions together. They part for the tongue that comes out.
 
     template: Template of its neutral face.
     """
@@ -103,7 +106,12 @@ class _Margins:
         # mouthClose alone pushes the lips through each other: it undoes an opening that is not there.
         if name == "mouthClose":
             closed = self._closing(start, start + moved) & (self.kinds == "lips")
-        solved = self.solver.solve(start + moved, Conditions(closed, self.met, self.normals, self.floors))
+        met = self.met
+        if name in SEALED:
+            closed = self.kinds == "lips"
+            met = self._between(moved)
+            met = met - (met * self.normals).sum(1, keepdims=True) * self.normals
+        solved = self.solver.solve(start + moved, Conditions(closed, met, self.normals, self.floors))
         correction = solved - start - moved
         # What the condition moves apart or together, and what the action moves by itself; the rest of the head stays.
         parted = np.linalg.norm(self._between(correction), axis=1) > self.settings.noticed

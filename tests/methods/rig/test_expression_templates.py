@@ -10,7 +10,7 @@ from caricli.methods.rig.expression_templates import (
     contact_normals,
     thin_pairs,
 )
-from caricli.methods.rig.head_expressions import BLINKS, MendSettings, head_expressions
+from caricli.methods.rig.head_expressions import BLINKS, SEALED, MendSettings, head_expressions
 from caricli.methods.rig.measure_rig import curve_gap
 from caricli.structures import Mesh
 from caricli.structures.arkit import ARKIT_NAMES
@@ -89,6 +89,20 @@ def test_no_expression_pushes_lips_through_each_other(templates, head):
         return worst
 
     assert least(templates.deltas) > -1e-4 > -2e-3 > least(head.actions.astype(float))
+
+
+def test_lips_that_are_pressed_part_no_farther_than_at_rest(templates, head):
+    from caricli.geometry.contact_pairs import touching_pairs
+
+    lips = touching_pairs(templates.neutral, templates.faces, templates.reach)
+    normals = contact_normals(templates.mesh, lips, templates.reach)
+    for name in SEALED:
+        k = templates.names.index(name)
+        parted, raw = (
+            ((moved[k, lips[:, 0]] - moved[k, lips[:, 1]]) * normals).sum(1).max()
+            for moved in (templates.deltas, head.actions.astype(float))
+        )
+        assert parted < 2e-4 < 3e-4 < raw, name
 
 
 def test_pairs_are_vertices_of_lids_and_lips(templates, head_template):
