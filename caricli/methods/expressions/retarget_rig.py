@@ -132,6 +132,8 @@ def retarget_rig(
     if meshes:
         explanation = explain_meshes(meshes, deltas, model, neutral)
     else:
+        # No landmark shows a tongue, and what it does to lips others do as well.
+        deltas[[name == "tongueOut" for name in rig.names]] = 0
         points = [driver.points for driver in seen]
         explanation = explain_landmarks([driver.fit for driver in seen], points, deltas, model)
     weights = np.minimum(explanation.weights @ together, RetargetSettings.strongest)

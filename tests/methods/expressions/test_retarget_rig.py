@@ -3,9 +3,11 @@ import pytest
 
 from caricli.errors import InputError
 from caricli.methods.expressions.retarget_expression import Explanation, RetargetSettings
-from caricli.methods.expressions.retarget_rig import DrivingMesh, Retargeting, retarget_rig
+from caricli.methods.expressions.retarget_rig import DrivingLandmarks, DrivingMesh, Retargeting, retarget_rig
+from caricli.methods.reconstruct.fit_morphable import fit_morphable
 from caricli.store.models import load_model
 from caricli.structures import Mesh, Rig
+from caricli.template.head_parts import part_lips
 
 NAMES = ("jawOpen", "mouthSmileLeft", "browInnerUp", "eyeBlinkLeft")
 
@@ -65,3 +67,19 @@ def test_lips_close_on_an_open_jaw_and_no_more_than_it_is(head, head_template, b
     assert (weights[:, 0] <= weights[:, 1] + 1e-9).all()
     wild = [DrivingMesh(neutral + np.tensordot([1.3, 1.8, 0], deltas, 1))]
     assert retarget_rig(wild, rig, model, neutral).explanation.weights.max() <= RetargetSettings.strongest
+
+
+def test_landmarks_let_no_tongue_out(head, ball):
+    names = ("tongueOut", "mouthUpperUpLeft", "mouthUpperUpRight")
+    deltas = head.actions[[head.action_names.index(name) for name in names]].astype(float)
+    deltas[0] += part_lips(head.action_names, head.actions.astype(float))
+    vertices, faces = ball
+    rig = Rig(names, Mesh(vertices.astype(np.float32), faces), np.zeros((3, *vertices.shape)), normal_deltas=deltas)
+    model = load_model(kind="morphable")
+    open_ = model.template.vertices + deltas[0]
+    points = open_[model.template.annotation.landmarks[:68], :2] * [1500, -1500] + [300, 310]
+    seen = retarget_rig([DrivingLandmarks(points, fit_morphable(points, model))], rig, model).explanation.weights
+    assert seen[0, 0] == 0
+    # A mesh of a neutral face that is given shows how far lips part for it.
+    meshes = retarget_rig([DrivingMesh(open_)], rig, model, model.template.vertices).explanation.weights
+    np.testing.assert_allclose(meshes[0], [1, 0, 0], atol=0.01)
