@@ -19,12 +19,12 @@ from skimage.transform import resize
 
 from caricli.errors import InputError
 from caricli.geometry.cubic_spline import CubicSpline
+from caricli.geometry.trace_lines import trace_lines
 from caricli.io.image import read_image, write_png
 from caricli.io.landmarks import read_landmarks
 from caricli.methods.parts.whole_head import whole_head
 from caricli.methods.sketch.model_coarse import model_coarse
 from caricli.methods.sketch.reconstruct_sketch import SketchReconstruction
-from caricli.methods.sketch.trace_lines import trace_lines
 from caricli.render.sketch_sheet import sketch_sheet
 from caricli.store.landmark_encoders import elastic_encoder
 from caricli.store.models import DEFAULT_LATENT, load_model

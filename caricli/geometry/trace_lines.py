@@ -86,7 +86,7 @@ def _branches(thin: np.ndarray) -> tuple[list[_Branch], np.ndarray]:
             seen.update(p for p in further if len(path) > 1 and max(abs(p[0] - place[0]), abs(p[1] - place[1])) < 2)
             seen.add(place)
             path.append(place)
-        ends = (_crossing_at(path[0], labels), _crossing_at(path[-1], labels))
+        ends = _ends(path, labels)
         if len(path) > 6 and ends == (-1, -1) and path[0] in _next_to(path[-1], places):
             path.append(path[0])
         branches.append(_Branch(np.array(path), ends))
@@ -99,10 +99,19 @@ def _next_to(place: tuple[int, int], places: set[tuple[int, int]]) -> list[tuple
     return [other for other in around if other in places]
 
 
-def _crossing_at(place: tuple[int, int], labels: np.ndarray) -> int:
+def _ends(path: list[tuple[int, int]], labels: np.ndarray) -> tuple[int, int]:
+    """Crossings at the start and the end of a branch, or -1."""
+    starts, ends = (_crossings_at(place, labels) for place in (path[0], path[-1]))
+    first, last = (max(here, default=-1) for here in (starts, ends))
+    if first != last or len(path) > 2:
+        return first, last
+    # So short that both of its ends are near to one crossing: it leads to another, or nowhere.
+    return max(starts - {last}, default=-1), last
+
+
+def _crossings_at(place: tuple[int, int], labels: np.ndarray) -> set[int]:
     r, c = place
-    window = labels[max(r - 1, 0) : r + 2, max(c - 1, 0) : c + 2]
-    return int(window.max()) or -1
+    return set(labels[max(r - 1, 0) : r + 2, max(c - 1, 0) : c + 2].ravel().tolist()) - {0}
 
 
 def _joined(branches: list[_Branch], centres: np.ndarray) -> list[np.ndarray]:

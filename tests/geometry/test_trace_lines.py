@@ -2,7 +2,7 @@ import cv2
 import numpy as np
 from scipy.spatial import cKDTree
 
-from caricli.methods.sketch.trace_lines import trace_lines
+from caricli.geometry.trace_lines import trace_lines
 
 
 def drawn(*lines, width=3, size=200):
@@ -53,3 +53,28 @@ def test_every_pixel_of_a_scribble_is_near_a_line():
     points = np.concatenate([line.points for line in trace_lines(ink, 6)])
     pixels = np.argwhere(ink)[:, ::-1]
     assert (cKDTree(points).query(pixels)[0] < 4).mean() > 0.97
+
+
+ROUGH = """
+.............#
+........#...#.
+.......#.#.#..
+........###...
+.........#....
+.....#...#....
+....#.###.....
+.....###......
+.......#......
+......#.......
+"""
+"""Two crossings with a pixel between them and stubs of two at either."""
+
+
+def test_a_line_goes_on_over_crossings_beside_each_other():
+    ink = np.zeros((60, 60), bool)
+    ink[20:30, 20:34] = [[letter == "#" for letter in row] for row in ROUGH.split()]
+    ends = np.arange(15)
+    ink[19 - ends, 34 + ends] = True
+    ink[30 + ends, 25 - ends] = True
+    (line,) = trace_lines(ink, 8)
+    assert np.ptp(line.points, axis=0).min() > 35
