@@ -12,6 +12,7 @@ import numpy as np
 from caricli.errors import InputError, naming, shown
 from caricli.io.files import read_bytes
 from caricli.io.outputs import write_bytes
+from caricli.io.svg_brush import Brush
 from caricli.io.svg_path import outline_points
 from caricli.io.svg_style import Style, length_in_pixels, style_rules
 from caricli.limits import MAX_COORDINATE, MAX_SKETCH_POINTS, MAX_SKETCH_SIDE, MAX_SVG_BYTES
@@ -53,7 +54,8 @@ def read_svg(path: str | Path) -> Sketch:
     """Read a sketch from an SVG: its paths, lines and shapes with their transforms, in groups and where they are used.
 
     A class, an id or a layer's name that is a kind (silhouette, feature, wrinkle) or a curve of ``CURVES`` says what a
-    stroke, or all in a group, is. Where anything is stroked, what is only filled is left out: it is a background.
+    stroke, or all in a group, is. What is filled, long and thin is what a brush drew: the line in its middle counts.
+    Where there is any line, what else is only filled is left out: it is a background.
     Raises InputError when it is no SVG, is damaged or too large, or holds scripts, entities or references to elsewhere.
     """
     data = read_bytes(path, MAX_SVG_BYTES, KIND)
@@ -134,6 +136,7 @@ class _Reader:
         self.by_id = {key: element for element in elements if (key := element.get("id"))}
         self.visits = 0
         self.points = 0
+        self.brush = Brush()
 
     def sketch(self) -> Sketch:
         """The sketch of all visible lines."""
@@ -177,14 +180,25 @@ class _Reader:
     def _lines(self, element: Element, place: _Place) -> Iterator[tuple[Stroke, bool]]:
         with np.errstate(all="ignore"):
             scale = float(np.sqrt(abs(np.linalg.det(place.matrix[:, :2]))))
-            for line in outline_points(element, _name(element), scale):
-                self.points += len(line)
-                if self.points > MAX_SKETCH_POINTS:
-                    raise InputError(f"expected at most {MAX_SKETCH_POINTS} points, found more")
-                points = line @ place.matrix[:, :2].T + place.matrix[:, 2]
-                if not (np.abs(points) <= MAX_COORDINATE).all():
-                    raise InputError(f"expected finite coordinates of at most {MAX_COORDINATE:g}, found others")
-                yield _stroke(element, points, place, scale), place.style.stroked
+            lines = list(self._outlines(element, place, scale))
+        style = place.style
+        marks = self.brush.lines(lines, style.even_odd) if style.inked and not style.stroked else []
+        for mark in marks:
+            width = float(np.clip(mark.width, 1e-3, MAX_SKETCH_SIDE))
+            yield Stroke(mark.points, place.kind or StrokeKind.UNKNOWN, place.curve, width=width), True
+        if not marks:
+            yield from ((_stroke(element, line, place, scale), style.stroked) for line in lines)
+
+    def _outlines(self, element: Element, place: _Place, scale: float) -> Iterator[np.ndarray]:
+        """Lines (N, 2) of a shape, pixels of the canvas."""
+        for line in outline_points(element, _name(element), scale):
+            self.points += len(line)
+            if self.points > MAX_SKETCH_POINTS:
+                raise InputError(f"expected at most {MAX_SKETCH_POINTS} points, found more")
+            points = line @ place.matrix[:, :2].T + place.matrix[:, 2]
+            if not (np.abs(points) <= MAX_COORDINATE).all():
+                raise InputError(f"expected finite coordinates of at most {MAX_COORDINATE:g}, found others")
+            yield points
 
 
 def _stroke(element: Element, points: np.ndarray, place: _Place, scale: float) -> Stroke:

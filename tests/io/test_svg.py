@@ -105,6 +105,53 @@ def test_a_style_sheet_of_any_length_is_read(tmp_path):
     assert stroke.width == 3
 
 
+@pytest.mark.parametrize("selector", ["path", "g > *", "g > path", "#b", "path.b", "svg .b"])
+def test_a_style_sheet_speaks_of_elements_ids_and_classes(tmp_path, selector):
+    others = "rect{fill:#fff;stroke:none} path:hover{stroke:none}"
+    sheet = f"<style>{selector}{{fill:none;stroke:#222;stroke-width:3px}} {others}</style>"
+    body = '<rect width="300" height="400"/><g><path id="b" class="b" d="M1 1 L2 2"/></g>'
+    (stroke,) = read(tmp_path, sheet + body).strokes
+    assert len(stroke.points) == 2 and stroke.width == 3
+
+
+def outline(line, widths):
+    """The outline of a mark, as a path."""
+    ways = np.gradient(line, axis=0)
+    across = np.stack([-ways[:, 1], ways[:, 0]], 1) / np.linalg.norm(ways, axis=1, keepdims=True) * widths[:, None] / 2
+    return "M " + " ".join(f"{x:.2f},{y:.2f}" for x, y in [*(line + across), *(line - across)[::-1]]) + " z"
+
+
+T = np.linspace(0, 1, 400)
+LINE = np.stack([40 + 200 * T, 200 + 60 * np.sin(6 * T)], 1)
+LOOP = np.stack([150 + 80 * np.cos(6.6 * T), 200 + 80 * np.sin(6.6 * T)], 1)
+PRESSED = 1 + 4 * np.sin(np.pi * T)
+
+
+@pytest.mark.parametrize("line", [LINE, LOOP], ids=["wave", "over itself"])
+@pytest.mark.parametrize("style", ['fill="#1e1e1e" stroke="none"', 'style="fill:#000"', ""])
+def test_marks_of_a_brush_are_the_lines_in_their_middles(tmp_path, line, style):
+    body = f'<rect width="300" height="400" fill="white"/><path id="nose" {style} d="{outline(line, PRESSED)}"/>'
+    (stroke,) = read(tmp_path, body).strokes
+    gaps = np.linalg.norm(stroke.points[:, None] + 0.5 - line, axis=2)
+    assert gaps.min(1).max() < 2.5 and np.median(gaps.min(0)) < 2
+    assert stroke.curve == "nose" and 2 < stroke.width < 5
+
+
+@pytest.mark.parametrize("rule", ["evenodd", "nonzero"])
+def test_a_ring_that_a_tracer_filled_is_one_line(tmp_path, rule):
+    circle = "a{0} {0} 0 1 {1} {2} 0a{0} {0} 0 1 {1} -{2} 0z"
+    rings = f"M50 200{circle.format(80, 1, 160)}M53 200{circle.format(77, 0, 154)}"
+    (stroke,) = read(tmp_path, f'<path fill="#000" fill-rule="{rule}" d="{rings}"/>').strokes
+    assert np.allclose(np.linalg.norm(stroke.points + 0.5 - [130, 200], axis=1), 78.5, atol=0.7)
+    assert stroke.closed and np.isclose(stroke.width, 3, atol=0.8)
+
+
+def test_more_marks_than_a_hand_draws_are_refused(tmp_path):
+    mark = '<path d="M0 0 L0.1 0 L300 400 L299.9 400 z"/>'
+    with pytest.raises(InputError, match="more than a hand draws"):
+        read(tmp_path, 60 * mark)
+
+
 def test_shapes_are_lines(tmp_path):
     body = (
         '<polygon points="1,2 3,4 5,6"/><rect x="1" y="2" width="3" height="4"/><circle cx="5" cy="6" r="2"/>'
