@@ -94,15 +94,18 @@ def _nameless(sketch: Sketch) -> list[int]:
 
 def _laid_over(sketch: Sketch, handles: LineHandles, mean: np.ndarray) -> list[np.ndarray]:
     """(H, 2) pixels of the handles of a face (H, 3) for what a sketch may be of: a head with ears, one without, and a
-    face without a crown; and with an outline, or a jaw, as large as the largest stroke, and features where all others
-    are, with ears and without: jaws of caricatures have any size. Where enough strokes have names, only for the camera
-    that these tell."""
+    face without a crown; where no stroke goes around the others, features alone, with brows and without; and with an
+    outline, or a jaw, as large as the largest stroke, and features where all others are, with ears, without, and
+    without brows: jaws of caricatures have any size, but none is narrower than its features. Where enough strokes have
+    names, only for the camera that these tell."""
     with suppress(InputError):
         return [line_camera(lines_by_curve(sketch), handles, mean).project(mean)]
     flat = mean @ FRONT[:2].T
     every = np.arange(len(flat))
     head = np.setdiff1d(every, handles.rows_of("ear"))
     outline = handles.rows_of(SILHOUETTE)
+    inside = np.setdiff1d(head, outline)
+    lids = np.setdiff1d(inside, np.union1d(handles.rows_of("brow"), handles.rows_of("eye_fold")))
     boxes = [every, head]
     outlines = [outline]
     brows = handles.rows_of("brow")
@@ -112,14 +115,26 @@ def _laid_over(sketch: Sketch, handles: LineHandles, mean: np.ndarray) -> list[n
         outlines.append(outline[below[outline]])
     strokes = [sketch.strokes[number].points for number in _nameless(sketch)]
     strokes.sort(key=lambda points: float(np.linalg.norm(np.ptp(points, axis=0))))
+    if not _frames(strokes):
+        boxes += [box for box in (inside, lids) if len(box)]
     laid = [_over(flat, box, strokes) for box in boxes]
-    for features, part in product((every, head), outlines):
-        if len(strokes) > 1 and len(part):
-            inside = np.setdiff1d(features, outline)
+    for features, part in product((every, head, lids), outlines):
+        within = np.setdiff1d(features, outline)
+        if len(strokes) > 1 and len(part) and len(within):
             placed = _over(flat, part, strokes[-1:])
-            placed[inside] = _over(flat, inside, strokes[:-1])[inside]
-            laid.append(placed)
+            moved = inside if features is lids else within
+            placed[moved] = _over(flat, within, strokes[:-1])[moved]
+            # No face is narrower than what is in it.
+            if np.ptp(placed[part, 0]) > np.ptp(placed[np.intersect1d(within, inside), 0]):
+                laid.append(placed)
     return laid
+
+
+def _frames(strokes: list[np.ndarray]) -> bool:
+    """Whether the last of some strokes goes around most others: as an outline does, and no feature."""
+    low, high = strokes[-1].min(0), strokes[-1].max(0)
+    middles = np.array([(points.min(0) + points.max(0)) / 2 for points in strokes[:-1]]).reshape(-1, 2)
+    return len(middles) > 0 and bool(((middles > low) & (middles < high)).all(1).mean() > 0.5)
 
 
 def _over(flat: np.ndarray, rows: np.ndarray, strokes: list[np.ndarray]) -> np.ndarray:

@@ -47,6 +47,19 @@ def test_strokes_of_a_head_with_a_huge_jaw_find_their_curves(sketch, handles, mo
     assert curves_of(named) == expected
 
 
+@pytest.mark.parametrize(
+    "parts",
+    [("eye_upper", "eye_lower", "mouth_upper", "mouth_lower"), ("eye_upper", "eye_lower", "nose_", "mouth"),
+     ("brow", "eye_upper", "eye_lower", "mouth_upper", "mouth_lower"),
+     ("silhouette", "eye_upper", "eye_lower", "mouth_upper", "mouth_lower")],
+    ids=["eyes and mouth", "eyes, nose and mouth", "brows, eyes and mouth", "no brows"],
+)  # fmt: skip
+def test_features_alone_find_their_curves(sketch, handles, model, parts):
+    drawn = [stroke for stroke in sketch.strokes if stroke.curve.startswith(parts)]
+    named = name_strokes(Sketch(tuple(map(nameless, drawn))), handles, model)
+    assert curves_of(named) == [stroke.curve for stroke in drawn]
+
+
 def test_names_that_are_given_stay_and_others_are_none(sketch, handles, model):
     brow = replace(sketch.strokes[curves_of(sketch).index("brow_left")], curve="brow_right")
     wrinkle = Stroke(np.array([[60.0, 60], [90, 62]]), StrokeKind.WRINKLE)
