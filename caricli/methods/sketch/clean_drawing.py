@@ -21,9 +21,11 @@ class PaperSettings:
     times as dark as the paper's grain ink is at least. faint, ink: least darkness, of the paper's brightness, that
     continues a line and that begins one. pale: darkness of a line, of the usual one's, at least. speck: of a line, what
     is shorter is dirt. thick: half the width of the widest line. solid: share of the ink that may be wider. most: share
-    of the paper that lines cover at most. coarsest: grain, of the paper's brightness, that paper has at most. colours:
-    how far, in steps of Lab, it may change its colour. table: how much brighter the paper is than what lies around it,
-    where it is told from it. fill: of the canvas, the longer side of the drawing.
+    of the paper that lines cover at most. coarsest: grain, of the paper's brightness, that paper has at most. ruling:
+    of the shorter side, ink along a straight line of the paper's own. ruled: how many of one direction there are at
+    least. bold: how many times as dark as these what is drawn on ruled paper is at least. colours: how far, in steps of
+    Lab, it may change its colour. table: how much brighter the paper is than what lies around it, where it is told from
+    it. fill: of the canvas, the longer side of the drawing.
     """
 
     side: int = 1024
@@ -37,6 +39,9 @@ class PaperSettings:
     solid: float = 0.35
     most: float = 0.3
     coarsest: float = 0.09
+    ruling: float = 0.4
+    ruled: int = 6
+    bold: float = 1.4
     colours: float = 40.0
     table: float = 1.35
     fill: float = 0.86
@@ -57,6 +62,7 @@ def clean_drawing(image: np.ndarray, settings: PaperSettings | None = None) -> S
         gray = 1 - gray
     ink, dark = _ink(gray, settings)
     longer = max(gray.shape)
+    ink = _without_ruling(ink, dark, settings)
     _refuse_colours(image, ink, settings)
     share = float(ink.mean())
     if share > settings.most or _solid(ink, settings.thick * longer) > settings.solid:
@@ -132,6 +138,30 @@ def _ink(gray: np.ndarray, settings: PaperSettings) -> tuple[np.ndarray, np.ndar
     low = max(settings.faint, settings.grain * spread) + level
     high = max(settings.ink, 1.6 * settings.grain * spread) + level
     return apply_hysteresis_threshold(dark, low, high) & paper, dark
+
+
+def _without_ruling(ink: np.ndarray, dark: np.ndarray, settings: PaperSettings) -> np.ndarray:
+    """(H, W) bool: ink without the lines of ruled or squared paper, which are straight, many, and paler than a pen."""
+    import cv2
+
+    shorter = min(ink.shape)
+    lines = cv2.HoughLines(ink.astype(np.uint8), 1, np.pi / 360, int(settings.ruling * shorter))
+    if lines is None:
+        return ink
+    distances, angles = lines[:, 0].T
+    usual = np.radians(np.bincount(np.round(np.degrees(angles)).astype(int)).argmax())
+    # At right angles to the usual direction, too; beside each other within a two-hundredth of the paper they are one.
+    along = np.abs((angles - usual + np.pi / 4) % (np.pi / 2) - np.pi / 4) < np.radians(1)
+    places = np.unique(np.round(distances[along & (np.abs(angles - usual) < 0.1)] / (0.005 * shorter)))
+    if np.count_nonzero(np.diff(places) > 1) < settings.ruled - 1:
+        return ink
+    ruling = np.zeros(ink.shape, np.uint8)
+    for distance, angle in zip(distances[along], angles[along], strict=True):
+        foot = np.array([np.cos(angle), np.sin(angle)]) * distance
+        way = np.array([-np.sin(angle), np.cos(angle)]) * 2 * max(ink.shape)
+        cv2.polylines(ruling, [np.round([foot - way, foot + way]).astype(np.int32)], False, 1)
+    pale = float(np.quantile(dark[(ruling > 0) & ink], 0.75))
+    return ink & (dark > settings.bold * pale)
 
 
 def _paper(gray: np.ndarray, settings: PaperSettings) -> np.ndarray:

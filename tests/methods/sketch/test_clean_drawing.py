@@ -62,6 +62,26 @@ PAPERS = {
 }
 
 
+def ruled(picture, directions, spacing, colour=(0.7, 0.78, 0.95)):
+    """A picture on paper with lines in directions, degrees, at a spacing in pixels."""
+    lines = np.ones_like(picture, np.float64)
+    reach = np.array(picture.shape[:2]).max() * 2
+    for angle in np.radians(directions):
+        way, across = np.array([np.cos(angle), np.sin(angle)]), np.array([-np.sin(angle), np.cos(angle)])
+        for step in np.arange(-reach, reach, spacing):
+            ends = [tuple(np.round(16 * (step * across + side * reach * way)).astype(int).tolist()) for side in (-1, 1)]
+            cv2.line(lines, *ends, colour, 1, cv2.LINE_AA, 4)
+    return (picture * lines).astype(np.uint8)
+
+
+@pytest.mark.parametrize("directions", [(0,), (3,), (90,), (-5, 85)], ids=["lined", "aslant", "on its side", "squared"])
+def test_the_lines_of_ruled_paper_are_no_lines_of_the_drawing(sketch, directions):
+    picture = photograph(sketch, np.random.default_rng(1), darkness=0.8)
+    cleaned = clean_drawing(ruled(picture, directions, 24))
+    assert (cKDTree(points_of(cleaned)).query(points_of(sketch))[0] < 3).mean() > 0.9
+    assert (cKDTree(points_of(sketch)).query(points_of(cleaned))[0] < 3).mean() > 0.95
+
+
 @pytest.mark.parametrize("options", PAPERS.values(), ids=PAPERS.keys())
 def test_lines_come_back(sketch, options):
     cleaned = clean_drawing(photograph(sketch, np.random.default_rng(1), **options))
