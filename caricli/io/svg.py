@@ -107,7 +107,10 @@ def _parsed(data: bytes) -> Element:
     try:
         return fromstring(data)
     except DefusedXmlException:
-        raise InputError(f"expected {KIND}, found entities or references to other files") from None
+        raise InputError(
+            f"expected {KIND}, found entities or references to other files; Illustrator leaves them out where its "
+            "editing capabilities are not preserved"
+        ) from None
     except (ParseError, ValueError, LookupError) as error:
         raise InputError(f"expected {KIND}, found {shown(error, 80)}") from None
 
@@ -148,6 +151,8 @@ class _Reader:
         drawn = list(self._walk(self.root, _Place(matrix)))
         stroked = [stroke for stroke, has_stroke in drawn if has_stroke]
         strokes = stroked or [stroke for stroke, _ in drawn]
+        if not strokes and any(_name(element) == "image" for element in self.root.iter()):
+            raise InputError(f"expected {KIND}, found a picture alone: give it as PNG or JPEG")
         if size is None:
             size, strokes = _around(strokes)
         return Sketch(tuple(strokes), size)
@@ -236,7 +241,7 @@ def _target(element: Element) -> str:
     href = element.get("href") or element.get("{http://www.w3.org/1999/xlink}href") or ""
     inside = href.startswith("#") or (_name(element) == "image" and href.startswith("data:"))
     if href and not inside:
-        raise InputError(f"expected {KIND}, found a reference to {shown(href, 40)!r}")
+        raise InputError(f"expected {KIND} and nothing outside the file, found a reference to {shown(href, 40)!r}")
     return href[1:]
 
 
