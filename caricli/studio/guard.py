@@ -32,12 +32,13 @@ class Guard:
         elif scope["type"] == "websocket":
             await receive()
             await send({"type": "websocket.close", "code": 1008})
-        elif self._told(scope):
+        elif self.token is not None and self._told(scope):
             answer = RedirectResponse("/", 303)
             answer.set_cookie(COOKIE, str(self.token), httponly=True, samesite="strict")
             await answer(scope, receive, send)
         else:
-            words = "This studio opens with the address that caricli printed, which ends in a token.\n"
+            end = ", which ends in a token" if self.token else "; --host NAME serves under another one"
+            words = f"This studio opens with the address that caricli printed{end}.\n"
             await PlainTextResponse(words, 403)(scope, receive, send)
 
     def _welcome(self, scope: Scope) -> bool:

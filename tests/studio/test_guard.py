@@ -1,0 +1,43 @@
+import asyncio
+
+import pytest
+
+from caricli.studio.guard import Guard
+
+
+def answer(token, headers, query=b""):
+    """Status and words for somebody who asks so."""
+    sent: list[dict] = []
+
+    async def inside(scope, receive, send):
+        sent.append({"status": 200, "body": b""})
+
+    async def send(message):
+        sent.append(message)
+
+    scope = {"type": "http", "method": "GET", "headers": headers, "query_string": query}
+    asyncio.run(Guard(inside, token)(scope, None, send))
+    return sent[0]["status"], bytes(sent[-1]["body"]).decode()
+
+
+@pytest.mark.parametrize("host", [b"127.0.0.1:8020", b"localhost:8020", b"[::1]:8020"])
+def test_this_machine_comes_in(host):
+    assert answer(None, [(b"host", host)])[0] == 200
+
+
+@pytest.mark.parametrize(
+    "headers", [[(b"host", b"elsewhere:8020")], [(b"host", b"localhost"), (b"origin", b"http://elsewhere")], []]
+)
+def test_other_names_are_told_what_to_do(headers):
+    for query in (b"", b"token=None"):
+        status, words = answer(None, headers, query)
+        assert status == 403 and "--host NAME" in words and "token" not in words
+
+
+def test_without_the_token_it_is_asked_for():
+    assert answer("secret", [(b"host", b"localhost")]) == (
+        403,
+        "This studio opens with the address that caricli printed, which ends in a token.\n",
+    )
+    assert answer("secret", [(b"host", b"localhost")], b"token=secret")[0] == 303
+    assert answer("secret", [(b"cookie", b"caricli_studio=secret")])[0] == 200
