@@ -21,6 +21,8 @@ _MOST = 256
 _SHORTEST = 0.01
 """Of the canvas: what is shorter draws no curve."""
 _QUICK = LineFitSettings(rounds=3)
+_NEARLY = 1.1
+"""Of the least cost: up to this an overlay comes first that names all strokes."""
 _RARE = 0.01
 """Share of points at either side that may be far outside a face."""
 
@@ -51,7 +53,9 @@ def name_strokes(
     # One size for all, so that costs compare.
     unit = float(np.median([np.linalg.norm(np.ptp(own, axis=0)) for own in laid]))
     namings = [_Naming(sketch, handles, own, unit, settings) for own in laid]
-    best = min(namings, key=lambda each: each.cost)
+    # One stroke that fits well is no reason to leave all others where a face has room for every one.
+    least = min(each.cost for each in namings)
+    best = min(namings, key=lambda each: (each.cost > _NEARLY * least, not each.complete, each.cost))
     for _ in range(settings.rounds):
         named = best.named()
         try:
@@ -164,6 +168,11 @@ class _Naming:
         self.chosen: dict[int, Candidate] = {}
         self.cost = self._assign()
         self._continue([stroke.length for stroke in strokes])
+
+    @property
+    def complete(self) -> bool:
+        """Whether every stroke that may draw a curve draws one."""
+        return len(self.chosen) == len(self.numbers)
 
     def named(self) -> Sketch:
         """The sketch with the names, and with two strokes for every one that is a loop."""

@@ -60,6 +60,15 @@ def test_features_alone_find_their_curves(sketch, handles, model, parts):
     assert curves_of(named) == [stroke.curve for stroke in drawn]
 
 
+def test_two_eyes_and_a_mouth_of_a_ring_each_are_no_outline(handles, model):
+    turns = np.linspace(0, 2 * np.pi, 40)
+    places = [((200, 220), (28, 14)), ((312, 220), (28, 14)), ((256, 356), (60, 16))]
+    rings = [Stroke(np.array(at) + np.stack([np.cos(turns), np.sin(turns)], 1) * radii) for at, radii in places]
+    expected = [f"{name}_{side}" for side in ("right", "left") for name in ("eye_upper", "eye_lower")]
+    named = name_strokes(Sketch(tuple(rings), (512, 512)), handles, model)
+    assert curves_of(named) == [*expected, "mouth_upper", "mouth_lower"]
+
+
 def test_names_that_are_given_stay_and_others_are_none(sketch, handles, model):
     brow = replace(sketch.strokes[curves_of(sketch).index("brow_left")], curve="brow_right")
     wrinkle = Stroke(np.array([[60.0, 60], [90, 62]]), StrokeKind.WRINKLE)
