@@ -3,6 +3,8 @@ import pytest
 
 from caricli.errors import InputError
 from caricli.methods.animate.animate_rig import AnimationSettings, animate_rig
+from caricli.methods.animate.smooth_weights import smooth_weights
+from caricli.methods.animate.turn_head import turn_head
 from caricli.methods.rig.head_expressions import open_head_expressions
 from caricli.structures import Mesh, Rig, Track
 
@@ -26,13 +28,20 @@ def test_weights_are_cut_then_scaled_and_the_head_turns(rig, track):
     assert moving.fps == pytest.approx(10) and moving.driven == [0]
     figures = moving.figures()
     assert figures["clipped"] == 1 and figures["unmatched"] == ("grin",) and figures["undriven"] == ("browInnerUp",)
-    assert figures["ranges"] == {"jawOpen": [0.0, 2.0]} and figures["head"] is True
+    assert figures["ranges"] == {"jawOpen": [0.0, 2.0]} and figures["head"] is True and figures["fps"] == moving.fps
     done = []
     frames = [frame.copy() for frame in moving.frames(lambda k, total: done.append((k, total)))]
     assert done == [(1, 3), (2, 3), (3, 3)]
     still = rig.neutral + 2 * rig.deltas[0]
     turned = still @ np.array([[np.cos(0.4), 0, -np.sin(0.4)], [0, 1, 0], [np.sin(0.4), 0, np.cos(0.4)]])
     np.testing.assert_allclose(frames[2], turned, atol=1e-5)
+
+
+def test_weights_and_the_turning_head_are_smoothed_as_asked(rig, track):
+    moving = animate_rig(rig, track, AnimationSettings(smooth=1.5))
+    weights, head = (smooth_weights(values, track.times, 1.5) for values in (track.weights, track.head))
+    np.testing.assert_allclose(moving.animation.weights[:, 0], np.clip(weights[:, 0], 0, 1), atol=1e-12)
+    np.testing.assert_allclose(moving.animation.rotations, turn_head(head), atol=1e-12)
 
 
 def test_the_head_may_keep_still(rig, track):

@@ -26,6 +26,11 @@ def test_what_is_linear_in_time_stays_so_at_any_rate():
         np.testing.assert_allclose(found.weights, track(found.times).weights, atol=1e-12)
 
 
+def test_rounding_takes_no_frame_away():
+    assert 0.29 * 100 < 29
+    assert len(resample_weights(track([0, 0.1, 0.29]), 100)[0].times) == 30
+
+
 def test_uneven_frames_become_even_at_their_usual_rate():
     times = np.delete(np.arange(31) / 30, [4, 5, 17])
     found, fps = resample_weights(track(times))

@@ -54,6 +54,18 @@ def test_however_short_lips_close_in_a_frame_at_least(rate, length, start):
     assert (weight(track, "mouthClose") <= weight(track, "jawOpen") + 1e-12).all()
 
 
+@pytest.mark.parametrize("shape", ["viseme_PP", "viseme_FF", "rhubarb_A", "rhubarb_G"])
+def test_contacts_of_either_alphabet_are_whole_in_the_middle_of_a_short_cue(shape):
+    alone = speak_cues(Cues((shape,), np.zeros(1), 0.5), 10)
+    between = speak_cues(Cues(("viseme_aa", shape, "viseme_aa"), np.array([0, 0.4, 0.43]), 0.8), 200)
+    np.testing.assert_allclose(between.weights[83], alone.weights[2], atol=1e-9)
+
+
+def test_a_mouth_begins_and_ends_in_the_middle_of_a_vowel():
+    track = speak_cues(Cues(("viseme_aa",), np.zeros(1), 0.5), 60)
+    np.testing.assert_allclose(weight(track, "jawOpen"), 0.6)
+
+
 def test_lips_that_close_beside_teeth_close_first():
     track = spoken("aa PP FF aa", length=0.06)
     shut = weight(track, "mouthClose") >= weight(track, "jawOpen") - 1e-9
