@@ -4,7 +4,8 @@ import pytest
 from caricli.errors import InputError
 from caricli.geometry.flipped_triangles import flipped_triangles
 from caricli.geometry.rotation_vectors import rotation_matrices
-from caricli.methods.edit.caricaturize_face import caricature_figures, caricaturize_face, exaggeration
+from caricli.methods.edit.caricaturize_face import _broad, caricature_figures, caricaturize_face, exaggeration
+from caricli.methods.edit.handle_points import vertex_of
 from caricli.methods.faces.encode_face import encode_face
 from caricli.structures import Directions, Face
 from caricli.template.annotation import DELICATE
@@ -37,11 +38,35 @@ def test_the_direction_is_measured_in_its_own_steps(model, directions, strangers
 
 def test_own_grows_in_step_and_nearly_without_flips(model, strangers):
     face = encoded(strangers[0], model)
-    grown = [caricaturize_face(face, model, s, "own") for s in (0, 0.5, 1, 1.5, 2)]
+    grown = [caricaturize_face(face, model, s, "own") for s in (0, 0.1, 0.6, 1.5, 2)]
     distances = [exaggeration(each, model).distance for each in grown]
     assert (np.diff(distances) > 0).all() and distances[-1] > 1.4 * distances[0]
     assert grown[0] is face and exaggeration(face, model).caricature is None
     assert max(flipped_triangles(each.vertices, model.template.gradients).mean() for each in grown) < 0.003
+
+
+def test_own_enlarges_no_details(pca, strangers):
+    """A wart on the forehead."""
+    spot = vertex_of("forehead", pca.template)
+    wart = 0.003 * (np.arange(len(strangers[0])) == spot)[:, None] * [0, 0, 1]
+    plain, warty = (
+        caricaturize_face(encoded(strangers[0] + more, pca), pca, 1.0, "own").vertices for more in (0 * wart, wart)
+    )
+    assert warty[spot, 2] - plain[spot, 2] == pytest.approx(0.003, abs=5e-4)
+
+
+def test_own_leaves_nothing_of_the_mouth_before_the_skin(pca, strangers):
+    grown = caricaturize_face(encoded(strangers[1], pca), pca, 2.0, "own").vertices
+    np.testing.assert_allclose(pca.template.cavities.tuck(grown), grown, atol=1e-4)
+
+
+def test_own_fades_out_over_several_edges(pca):
+    """What is the same everywhere is left whole far from eyes and mouth, nowhere on them, and by steps between."""
+    template = pca.template
+    share = _broad(np.ones((len(template.vertices), 1)), template)[:, 0]
+    edges = np.concatenate([template.faces[:, [k, (k + 1) % 3]] for k in range(3)])
+    assert share.min() == 0 and share.max() == pytest.approx(1)
+    assert np.abs(share[edges[:, 0]] - share[edges[:, 1]]).max() < 0.6
 
 
 def test_own_moves_and_turns_with_the_face(pca, strangers):

@@ -94,6 +94,17 @@ def test_an_edit_is_shortened_before_the_surface_crosses_itself(head_template, k
     assert height == pytest.approx(careful.share * asked[1], rel=0.1)
 
 
+def test_what_crossed_before_shortens_nothing(face, kernel):
+    assert len(self_intersections(face.vertices, face.faces))
+    assert pull(face, kernel, [0, 0, 0.001], avoid=True).share == 1
+
+
+def test_a_face_stays_where_it_is(face, kernel):
+    elsewhere = encode_face(face.with_vertices(face.vertices + 0.3), kernel)
+    here, there = (pull(each, kernel, [0, 0, 0.01]).face.vertices for each in (face, elsewhere))
+    np.testing.assert_allclose(there - 0.3, here, atol=1e-6)
+
+
 def test_camera_and_landmarks_travel_with_the_face(strangers, kernel):
     camera = Camera(900.0, np.diag([1.0, -1, -1]), np.ones(2))
     given = encoded(strangers[1], kernel, camera=camera, landmarks=np.zeros((68, 2)))
@@ -122,3 +133,11 @@ def test_as_rigid_as_possible_moves_a_free_ball_and_bends_a_held_one(ball):
     held = deform_arap(vertices, faces, [top, bottom], np.array([[0, 0, 0.3], [0, 0, 0]])) - vertices
     assert np.allclose(held[[top, bottom]], [[0, 0, 0.3], [0, 0, 0]])
     assert np.linalg.norm(held - held.mean(0), axis=1).max() > 0.1
+
+
+def test_as_rigid_as_possible_takes_other_components_along(ball):
+    vertices, faces = ball
+    both = np.concatenate([vertices, 0.2 * vertices + [0, 0, 1.5]])
+    top = vertices[:, 2].argmax()
+    moved = deform_arap(both, np.concatenate([faces, faces + len(vertices)]), [top], np.array([[0, 0.3, 0]])) - both
+    np.testing.assert_allclose(moved[len(vertices) :], np.broadcast_to([0, 0.3, 0], vertices.shape), atol=0.03)

@@ -1,9 +1,12 @@
+from copy import copy
+
 import numpy as np
 import pytest
 
 from caricli.errors import InputError
 from caricli.methods.edit.edit_semantic import SemanticEdit, edit_semantic, label_direction
 from caricli.methods.faces.encode_face import encode_face
+from caricli.models.prior import Prior
 from caricli.structures import Directions, Face
 
 
@@ -39,6 +42,17 @@ def test_the_whitened_latent_moves_by_the_strengths(model, directions, strangers
     np.testing.assert_allclose(step, 2 * directions.normals[0] - directions.normals[2], atol=1e-9)
     assert edited.residual is face.residual
     assert np.abs(edited.vertices - face.vertices).max() > 1e-3
+
+
+def test_steps_are_standard_deviations_of_any_prior(pca, strangers):
+    count = len(pca.prior.mean)
+    wide = copy(pca)
+    wide.prior = Prior(pca.prior.mean, 2 * np.eye(count) + np.eye(count, k=-1))
+    known = directions_of(np.random.default_rng(0).normal(size=(3, count)))
+    face = encoded(strangers[1], wide)
+    edited = edit_semantic(face, wide, SemanticEdit(known, {"Old": 1.5}))
+    step = wide.prior.whiten(edited.latent) - wide.prior.whiten(face.latent)
+    np.testing.assert_allclose(step, 1.5 * known.normals[2], atol=1e-9)
 
 
 def test_there_and_back_is_the_same_face(model, directions, strangers):

@@ -7,7 +7,7 @@ import pytest
 
 from caricli.methods.edit.caricature_sheet import caricature_sheet
 from caricli.methods.edit.edit_handles import edit_handles
-from caricli.methods.edit.edit_semantic import SemanticEdit
+from caricli.methods.edit.edit_semantic import SemanticEdit, edit_semantic
 from caricli.methods.edit.handle_points import handle_points
 from caricli.methods.edit.handle_sheet import handle_sheet, handle_strip
 from caricli.methods.edit.semantic_strip import semantic_strip
@@ -54,6 +54,8 @@ def test_labels_before_and_after_or_from_minus_to_plus(pca, face, drawing):
     edit = SemanticEdit(directions, {"Smile": 2.0})
     pair, strip = semantic_strip(face, edit, drawing), semantic_strip(face, edit, drawing, 5)
     assert 2 * pair.shape[1] < strip.shape[1] < 3 * pair.shape[1]
+    first = film_strip([drawing.draw(edit_semantic(face, pca, edit.scaled(-1)))], ["-2"])
+    np.testing.assert_array_equal(strip[:, : first.shape[1]], first)
     # The last head is the same.
     assert np.array_equal(pair[: 2 * 40, -42:], strip[: 2 * 40, -42:])
 
