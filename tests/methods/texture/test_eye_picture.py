@@ -42,6 +42,12 @@ def test_irises_are_as_large_as_the_picture_tells(head):
     assert abs(large - np.arcsin(18 / 30) / (2 * np.pi)) < 0.012
 
 
+@pytest.mark.parametrize(("told", "most"), [(1.0, 0.7), (30.0, 1.5)])
+def test_no_iris_is_a_dot_or_all_of_an_eye(head, monkeypatch, told, most):
+    monkeypatch.setattr("caricli.methods.texture.eye_picture.iris_radius", lambda *_: (told, 1.0))
+    assert reach(looked_at(head, 10)) == pytest.approx(most * IRIS, abs=0.004)
+
+
 def test_a_picture_that_tells_nothing_leaves_the_usual_eye(head):
     image, marks = eyes(10)
     face = Face(head.with_vertices(head.vertices), camera=Camera(1000.0, np.eye(3), np.zeros(2)), landmarks=marks)

@@ -3,10 +3,13 @@ from dataclasses import replace
 import cv2
 import numpy as np
 import pytest
+from scipy.spatial import KDTree
 
+from caricli.geometry.along_lines import along
 from caricli.methods.texture.lid_lines import LidLine, draw_lid_lines, seen_lid_line
 from caricli.methods.texture.paint_head import paint_head
 from caricli.methods.texture.settings import PaintSettings
+from caricli.render.uv_map import uv_map
 
 SKIN, WHITE, IRIS, INK = (205, 165, 140), (235, 230, 225), (50, 30, 20), (30, 20, 25)
 MIDDLES = ((120, 100), (280, 100))
@@ -83,6 +86,21 @@ def test_it_is_drawn_along_upper_lids_alone(head, head_template):
         np.testing.assert_array_equal(colours_at(drawn, shape, lower[4:-4]), np.tile(SKIN, (7, 1)))
     faint = draw_lid_lines(plain, shape, LidLine(np.array(INK, float), 0.5, 0.05))
     assert (faint >= drawn).all() and (faint > drawn).any() and (faint[changed] < plain[changed]).any()
+
+
+def test_it_ends_as_points_and_is_not_drawn_in_sockets(head, head_template):
+    shape = head_template.with_vertices(head.evaluate())
+    plain = np.full((1024, 1024, 3), SKIN, np.uint8)
+    drawn = draw_lid_lines(plain, shape, LidLine(np.array(INK, float), 1.0, 0.09))
+    face, weights = uv_map(shape, 1024)
+    rows, columns = np.nonzero((drawn != plain).any(-1) & (face >= 0))
+    faces = shape.faces[face[rows, columns]]
+    assert not shape.mask("eye_socket_left", "eye_socket_right")[faces].all(1).any()
+    places = np.einsum("nk,nkc->nc", weights[rows, columns], shape.vertices[faces])
+    lid = shape.vertices[shape.annotation.curves["eye_upper_left"]]
+    away, share = KDTree(along(lid[None], np.linspace(0, 1, 101)[None])[0]).query(places[places[:, 0] > 0])
+    ends = np.minimum(share, 100 - share)
+    assert away[ends < 4].max() < 0.6 * away[ends > 15].max()
 
 
 def test_where_no_lids_are_named_there_is_no_line(head_template):

@@ -6,7 +6,7 @@ from caricli.structures.parsing import Region
 from tests.render.test_iris_radius import eyes
 
 
-@pytest.mark.parametrize("before", [Region.GLASSES, Region.HAIR, Region.OTHER])
+@pytest.mark.parametrize("before", [Region.GLASSES, Region.HAT, Region.HAIR, Region.OTHER])
 def test_an_eye_behind_something_is_not_seen(before):
     image, marks = eyes(10)
     regions = np.full(image.shape[:2], Region.SKIN, np.uint8)
