@@ -1,4 +1,4 @@
-from dataclasses import asdict
+from dataclasses import asdict, replace
 
 import numpy as np
 import pytest
@@ -20,6 +20,7 @@ from caricli.methods.expressions.retarget_expression import (
 from caricli.methods.reconstruct.fit_morphable import fit_morphable
 from caricli.methods.rig.head_expressions import head_expressions
 from caricli.store.models import load_model
+from caricli.structures import Camera
 
 FRONT = np.diag([1.0, -1.0, -1.0])
 
@@ -177,6 +178,19 @@ def test_place_and_size_of_landmarks_do_not_matter_and_some_may_be_unknown(model
     np.testing.assert_allclose(there.weights, here.weights, atol=1e-2)
     assert there.errors[0] == pytest.approx(here.errors[0], abs=1e-2) and here.errors[0] < 1
     assert shift(fewer.weights[0], here.weights[0], deltas)[0] < 0.2 * shift(*2 * [here.weights[0]], deltas)[1]
+
+
+def test_where_cameras_start_does_not_matter(model, deltas, people):
+    points = picture(people[2][1], model, 4.0)
+    fit = fit_morphable(points, model)
+    camera = fit.face.camera
+    other = Camera(
+        1.04 * camera.scale, camera.rotation @ rotation_matrices(np.full((1, 3), 0.03))[0], camera.translation + 9
+    )
+    fits = (fit, replace(fit, face=replace(fit.face, camera=other)))
+    here, there = (explain_landmarks([each], [points], deltas, model) for each in fits)
+    np.testing.assert_allclose(there.weights, here.weights, atol=2e-2)
+    assert there.errors[0] == pytest.approx(here.errors[0], abs=2e-2)
 
 
 def test_expressions_that_move_nothing_are_refused_alone_and_left_out_among_others(model, deltas, people):

@@ -3,6 +3,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from caricli.methods.rig.head_expressions import BLINKS, open_head_expressions
+from caricli.methods.texture.fill_unseen import vertex_areas
 from caricli.methods.texture.folded_lids import folded_lids
 from caricli.methods.texture.picture_view import Sight
 from caricli.methods.texture.settings import TextureSettings
@@ -27,6 +29,15 @@ def test_it_is_between_crease_and_edge_of_upper_lids(open_head):
     assert (lids[:, 1] < marks[17:27, 1].max()).all()
     sockets = open_head.mask("eye_socket_left", "eye_socket_right")
     assert not folded[sockets].any() and not folded[open_head.annotation.curves["eye_upper_left"]].any()
+
+
+def test_skin_that_a_blink_draws_out_of_a_fold_is_folded(open_head):
+    actions = open_head_expressions()
+    blink = actions.deltas[[actions.names.index(name) for name in BLINKS]].sum(0)
+    grown = vertex_areas(actions.mesh.with_vertices(actions.neutral + blink)) / vertex_areas(actions.mesh) > 1.7
+    folded = folded_lids(open_head)[grown]
+    # The rest is at the edges of lids.
+    assert len(folded) > 20 and np.isin(folded, [0, 1]).all() and folded.mean() > 0.85
 
 
 def test_lids_of_closed_eyes_are_seen(head, open_head):

@@ -59,7 +59,7 @@ def test_the_same_seed_gives_the_same_grain(skin):
 def test_strong_marks_are_no_grain(skin):
     image, seen, everywhere = skin
     marked = image.copy()
-    marked[20:60, 20:60] *= 1 + 0.25 * (np.indices((40, 40)).sum(0) % 8 < 4)[..., None]
+    marked[20:200, 20:100] *= 1 + 0.25 * (np.indices((180, 80)).sum(0) % 8 < 4)[..., None]
     assert np.abs(fine(grow_grain(marked, seen, everywhere, np.random.default_rng(0)))).max() < 0.2
 
 

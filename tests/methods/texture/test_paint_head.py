@@ -5,14 +5,18 @@ import numpy as np
 import pytest
 
 from caricli.errors import InputError
+from caricli.methods.texture.lips_behind_nose import lips_behind_nose
+from caricli.methods.texture.mask_head import mesh_pixels
 from caricli.methods.texture.paint_head import paint_head
 from caricli.methods.texture.picture_view import Sight
 from caricli.methods.texture.settings import PaintSettings, TextureSettings
+from caricli.methods.texture.shown_teeth import shown_teeth
 from caricli.methods.texture.texture_face import texture_face
 from caricli.render.rasterise import rasterise
 from caricli.render.sky import mesh_sky
 from caricli.render.smooth_normals import smooth_normals
-from caricli.structures import Material
+from caricli.structures import Face, Material
+from caricli.structures.landmarks import LIPS_INSIDE
 from caricli.structures.parsing import Region
 
 SMALL = PaintSettings(size=96, hair="none")
@@ -137,6 +141,34 @@ def test_dark_glasses_are_no_eyes(pictured):
     regions[lenses] = Region.GLASSES
     eyes = paint_head(pictured.face, pictured.head, image, None, SMALL, regions).rig.pictures.eyes
     assert eyes[32, 2].mean() > 120
+
+
+def test_a_nose_before_the_lip_is_no_paint_of_it(pictured):
+    camera = pictured.face.require_camera()
+    regions = np.where(pictured.mask, Region.SKIN, Region.BACKGROUND).astype(np.uint8)
+    above = regions[: round(pictured.face.landmarks[51, 1]) + 3]
+    above[above == Region.SKIN] = Region.NOSE
+    before = lips_behind_nose(pictured.head, camera, regions)
+    assert before.sum() > 10
+    image = np.where(before[..., None], (0, 255, 0), pictured.image).astype(np.uint8)
+    red, green, _ = np.moveaxis(
+        paint_head(pictured.face, pictured.head, image, None, SMALL, regions).pictures.skin.astype(int), 2, 0
+    )
+    assert (green - red).max() < 40
+
+
+def test_teeth_are_as_long_as_the_label_map_shows_them(pictured, head):
+    shape = pictured.head.with_vertices(head.evaluate(gender=0.3, age=0.6, actions={"jawOpen": 1.0}))
+    camera = pictured.face.require_camera()
+    face = Face(shape, camera, camera.project(shape.vertices[shape.annotation.landmarks[:68]]))
+    regions = np.where(mesh_pixels(face, pictured.image), Region.SKIN, Region.BACKGROUND).astype(np.uint8)
+    mouth = np.round(face.landmarks[list(LIPS_INSIDE)]).astype(np.int32)
+    cv2.fillPoly(regions, [mouth], int(Region.MOUTH))
+    upper = regions[: round(mouth[:, 1].mean())]
+    upper[upper == Region.MOUTH] = Region.TEETH
+    teeth = paint_head(face, pictured.head, pictured.image, None, SMALL, regions).face.teeth
+    np.testing.assert_array_equal(teeth, shown_teeth(face, shape, regions))
+    assert teeth[0] > 0.005
 
 
 def _between_eyes(pictured):
