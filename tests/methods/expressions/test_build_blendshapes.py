@@ -9,6 +9,7 @@ from caricli.geometry.exaggerate_curvature import exaggerate_curvature
 from caricli.geometry.head_rotation import head_rotation
 from caricli.methods.expressions.build_blendshapes import build_blendshapes
 from caricli.methods.expressions.measure_blendshapes import measure_blendshapes
+from caricli.methods.expressions.normal_pair import _distinct
 from caricli.methods.expressions.settings import METHODS, BlendshapeSettings
 from caricli.methods.expressions.tools import ExpressionTools
 from caricli.methods.rig.head_expressions import head_expressions
@@ -130,6 +131,12 @@ def test_lips_close_on_an_open_jaw(head_template, caricature, face, tools):
     ids = [head_template.annotation.curves[f"mouth_inner_{lip}"] for lip in ("upper", "lower")]
     neutral, close, wide = made.shapes
     assert curve_gap((wide + close - neutral)[:, :2], *ids) < 0.2 * curve_gap(wide[:, :2], *ids)
+
+
+def test_two_landmarks_of_one_vertex_pull_it_to_their_middle():
+    ids, moves = _distinct(np.array([5, 3, 3]), np.array([[1.0, 0], [0, 2], [4, 0]]))
+    np.testing.assert_array_equal(ids, [3, 5])
+    np.testing.assert_array_equal(moves, [[2, 1], [1, 0]])
 
 
 def test_an_expression_in_the_picture_is_undone(caricature, face, tools):
