@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -21,7 +23,7 @@ class Seer(Detector):
         score = np.where(means == means.max(), 0.9, 0.0).ravel()
         centre = np.tile([x.mean(), y.mean()], (len(cell), 1))
         side = np.full(len(cell), x.max() - x.min() + 1.0)
-        return FaceCells(score, centre, side, np.zeros(len(cell)), cell), np.zeros((height * 8, width * 8, 16))
+        return FaceCells(score, centre, side, np.full(len(cell), 0.3), cell), np.zeros((height * 8, width * 8, 16))
 
 
 @pytest.mark.parametrize("size", [(300, 200), (90, 120), (700, 700)])
@@ -34,8 +36,12 @@ def test_a_place_is_the_same_at_every_scale(size):
     assert len(candidates) == 1 and len(glances) == 3
     middle = np.array([x, y]) + (side - 1) / 2
     np.testing.assert_allclose(candidates[0].frame.centre, middle, atol=0.02 * max(size))
-    assert candidates[0].frame.side == pytest.approx(side, rel=0.25)
+    assert candidates[0].frame.side == pytest.approx(side, rel=0.25) and candidates[0].frame.roll == 0.3
+    assert find_faces(picture, Seer(), settings.sides, replace(settings, most=0))[0] == []
     for glance in glances:
+        # The middle of the picture is that of the window, to a part of a pixel.
+        middles = [(np.array(shape[1::-1]) - 1) / 2 for shape in (picture.shape, 2 * np.array(glance.chances.shape))]
+        np.testing.assert_allclose(glance.matrix[:, :2] @ middles[0] + glance.matrix[:, 2], middles[1])
         corner = glance.matrix[:, :2] @ np.array(size[::-1]) + glance.matrix[:, 2]
         assert (glance.matrix[:, 2] >= -1).all() and (corner <= 2 * np.array(glance.chances.shape[1::-1]) + 1).all()
 

@@ -1,12 +1,15 @@
 """Where landmarks are does not depend on how the picture lies: tested without any training."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
-from caricli.methods.detect.read_faces import look_at_face
+from caricli.methods.detect.read_faces import ReadFace, look_at_face, read_face
 from caricli.methods.detect.settings import DetectSettings
 from caricli.structures.detection import FaceFrame, turn_axes
 from caricli.structures.landmarks import JAW, MIRRORED
+from tests.drawn_pictures import mean_shape
 
 TWICE = DetectSettings(looks=2, start=0)
 """Further looks of one that has learnt nothing go anywhere."""
@@ -25,6 +28,60 @@ def picture():
 @pytest.fixture(scope="module")
 def read(picture, untrained):
     return look_at_face(picture, FRAME, untrained, TWICE)
+
+
+def copier(apart):
+    """Something that sees points in the middles of windows, to the right of them by so many pixels, and as regions
+    what windows show."""
+    order = np.arange(81)
+
+    def read(windows):
+        points = np.full((2, 81, 2), 31.5) + [apart, 0]
+        spreads = np.tile(np.eye(2), (2, 81, 1, 1))
+        visible = np.stack([order, order]) / 81
+        regions = windows[:, ::2, ::2].astype(float)
+        return SimpleNamespace(points=points, covariance=spreads, visible=visible, regions=regions, score=np.ones(2))
+
+    return SimpleNamespace(size=64, read=read)
+
+
+def test_where_a_window_and_its_mirror_image_differ_is_doubt():
+    frame = FaceFrame(np.array([31.5, 31.5]), 64.0, 0.0)
+    for apart in (0.0, 3.0):
+        read = read_face(np.zeros((64, 64, 3), np.uint8), frame, 1.0, copier(apart))
+        np.testing.assert_allclose(read.points, np.full((81, 2), 31.5), atol=1e-9)
+        np.testing.assert_allclose(read.spreads, np.tile(np.diag([1 + apart**2, 1]), (81, 1, 1)), atol=1e-9)
+        mirrored = np.array(MIRRORED)
+        np.testing.assert_allclose(read.visible, (np.arange(81) + mirrored) / 162)
+
+
+def test_regions_of_both_windows_lie_on_each_other():
+    """Of brightness that grows from the left to the right."""
+    ramp = np.broadcast_to(4 * np.arange(64, dtype=np.uint8)[:, None], (64, 64, 3))
+    read = read_face(ramp, FaceFrame(np.array([31.5, 31.5]), 64.0, 0.0), 1.0, copier(0.0))
+    np.testing.assert_allclose(read.regions[8, 1:-1, 0], 8 * np.arange(1, 31), atol=0.6)
+
+
+def test_looks_go_on_until_their_frames_agree(monkeypatch, head_template):
+    """Of one that sees a face half as far away as it is."""
+    truth = 60 * mean_shape(head_template) + [200, 150]
+    place = FaceFrame.of(truth)
+    shares = []
+
+    def read(_picture, frame, share, _detector):
+        shares.append(share)
+        points = truth + (frame.centre - place.centre) / 2
+        return ReadFace(
+            frame, 0.9, points, np.tile(np.eye(2), (81, 1, 1)), np.ones(81), np.eye(2, 3), np.zeros((4, 4, 16))
+        )
+
+    monkeypatch.setattr("caricli.methods.detect.read_faces.read_face", read)
+    settings = DetectSettings(looks=9)
+    found = look_at_face(None, FaceFrame(place.centre + [60, 0], place.side, 0.0), None, settings)
+    assert np.abs(found.points - truth).max() < 0.1 * place.side
+    assert shares == [settings.first] + (len(shares) - 1) * [settings.second] and 3 < len(shares) < 9
+    shares.clear()
+    assert look_at_face(None, place, None, DetectSettings(start=0.95)).score == 0.9 and len(shares) == 1
 
 
 def test_mirrored(picture, untrained, read):
