@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from caricli.methods.detect.snap_openings import snap_openings
-from caricli.structures.landmarks import EYES, LIPS_INSIDE, MOUTH
+from caricli.structures.landmarks import EYE_LEFT, EYE_RIGHT, EYES, LIPS_INSIDE, MOUTH
 from caricli.structures.parsing import Region
 from tests.grinning_face import GrinningFace
 
@@ -52,6 +52,17 @@ def test_landmarks_that_the_picture_bears_out_stay(face):
     regions[face.eyes] = Region.EYES
     right = replace(face.marks, points=face.truth)
     assert snap_openings(face.image, regions, right) is right
+
+
+def test_a_mouth_seen_from_the_side_and_an_eye_beside_another_thing_stay(face):
+    points = face.marks.points.copy()
+    mouth = points[list(MOUTH)]
+    points[list(MOUTH)] = mouth.mean(0) + [0.2, 1] * (mouth - mouth.mean(0))
+    points[list(EYE_LEFT)] += [0, 18]
+    marks = replace(face.marks, points=points)
+    snapped = snap_openings(face.image, face.regions, marks).points
+    np.testing.assert_array_equal(snapped[[*MOUTH, *EYE_LEFT]], points[[*MOUTH, *EYE_LEFT]])
+    assert np.abs(snapped[list(EYE_RIGHT)] - points[list(EYE_RIGHT)]).max() > 1
 
 
 def test_marked_landmarks_and_faces_in_part_stay(face):
