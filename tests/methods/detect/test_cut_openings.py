@@ -35,6 +35,20 @@ def test_shadows_around_eyes_are_skin(face, head_template):
     assert cut_openings(image, face.regions, face.marks.points)[shadow].mean() < 0.3, "their margins"
 
 
+def test_ink_that_prolongs_an_eye_is_no_skin_and_a_white_spot_beside_it_is_skin(face):
+    rows, columns = np.nonzero(face.eyes[:, : face.eyes.shape[1] // 2])
+    row = round(rows[columns == columns.min()].mean())
+    ink, spot = (np.zeros_like(face.eyes) for _ in range(2))
+    ink[row - 1 : row + 2, columns.min() - 12 : columns.min()] = True
+    spot[rows.max() + 8 : rows.max() + 13, round(columns.mean()) - 3 : round(columns.mean()) + 3] = True
+    image = np.where(ink[..., None], (20, 15, 20), face.image).astype(np.uint8)
+    image[spot] = (235, 240, 250)
+    openings = cut_openings(image, face.regions, face.marks.points)
+    far = np.s_[:, columns.min() - 12 : columns.min() - 6]
+    assert not cut_openings(face.image, face.regions, face.marks.points)[far][ink[far]].any()
+    assert openings[ink].mean() > 0.9 and not openings[spot].any()
+
+
 def test_a_shut_mouth_has_no_opening(face):
     regions = np.where(face.mouth, Region.LIPS, face.regions).astype(np.uint8)
     openings = cut_openings(face.image, regions, face.marks.points)

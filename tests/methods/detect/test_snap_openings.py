@@ -46,6 +46,23 @@ def test_lids_of_eyes_larger_than_usual_ones_go_nearer_to_the_border(head_templa
     assert left[1] < 0.8 * left[0]
 
 
+def test_lips_that_are_not_labelled_stay_as_thick_as_they_are(face):
+    regions = np.where(face.regions == Region.LIPS, Region.SKIN, face.regions).astype(np.uint8)
+    regions[face.mouth] = Region.TEETH
+    snapped = snap_openings(face.image, regions, face.marks)
+    for outer, inner in ((51, 62), (57, 66)):
+        before, after = (marks.points[outer, 1] - marks.points[inner, 1] for marks in (face.marks, snapped))
+        assert after == pytest.approx(before, abs=0.3 * abs(before))
+        assert abs(snapped.points[outer, 1] - face.marks.points[outer, 1]) > 3
+
+
+def test_the_corners_of_lips_go_with_those_inside(face):
+    snapped = snap_openings(face.image, face.regions, face.marks)
+    for outer, inner in ((48, 60), (54, 64)):
+        before, after = (marks.points[outer] - marks.points[inner] for marks in (face.marks, snapped))
+        np.testing.assert_allclose(after, before, atol=0.3 * np.linalg.norm(before))
+
+
 def test_landmarks_that_the_picture_bears_out_stay(face):
     regions = face.regions.copy()
     regions[face.mouth] = Region.TEETH
