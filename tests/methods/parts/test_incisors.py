@@ -96,6 +96,19 @@ def test_long_teeth_lean_as_the_lips_do(head_template, laughing):
     assert 0.006 < back[lowest] < 0.0076 and back.min() >= 0 and np.isclose(back.max(), back[lowest])
 
 
+@pytest.mark.parametrize("name", ["teeth_upper", "teeth_lower"])
+def test_teeth_that_a_picture_does_not_show_go_behind_their_lip_and_never_before_it(head_template, laughing, name):
+    part = next(hold.part for hold in open_head_attachment().holds if hold.part.name == name)
+    incisors, shape = incisors_of(head_template, part), part.mesh.vertices
+    assert incisors is not None
+    up = np.array([0.0, 1, 0])
+    hidden = incisors.as_pictured(laughing, shape, up, 0.0, head_template.height)
+    beyond = incisors.outwards * (incisors.edge(hidden, up) - laughing[incisors.lips[incisors.row]] @ up)
+    assert beyond < 0
+    deeper = hidden - 0.01 * incisors.outwards * up
+    np.testing.assert_array_equal(incisors.as_pictured(laughing, deeper, up, 0.0, head_template.height), deeper)
+
+
 def test_long_teeth_keep_their_gums_and_their_edges(head_template):
     """Gums go up as they are, not stretched between the teeth, and every tooth ends where it did."""
     part = next(hold.part for hold in open_head_attachment().holds if hold.part.name == "teeth_upper")

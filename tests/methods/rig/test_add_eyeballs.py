@@ -145,6 +145,19 @@ def test_eyes_retreat_until_the_lids_clear_them(head_template):
     assert distance == pytest.approx(CLEARANCE * pressed.radius, rel=1e-6)
 
 
+def test_eyes_retreat_for_lids_that_are_before_them_only_on_their_way(head_template):
+    """From above to below, and between both flat."""
+    note = head_template.annotation
+    lids = lid_vertices(note, "left")
+    deltas = np.zeros((1, *head_template.vertices.shape))
+    resting = fit_eyeballs(head_template, note, deltas)[0]
+    deltas[0, lids, 1] = 2 * (resting.centre[1] - head_template.vertices[lids, 1])
+    ball = fit_eyeballs(head_template, note, deltas)[0]
+    half = head_template.vertices[lids] + deltas[0, lids] / 2
+    assert np.linalg.norm(half - ball.centre, axis=1).min() >= CLEARANCE * ball.radius - 1e-9
+    assert ball.retreat > resting.retreat + 1e-4
+
+
 def test_lids_are_no_lining(head_template):
     note = head_template.annotation
     for side in ("left", "right"):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from caricli.methods.rig.add_parts import add_parts, choose_parts
-from caricli.structures import HeadChoice, Material, Mesh, Part, Pictures, Rig
+from caricli.structures import Camera, Depiction, HeadChoice, Material, Mesh, Part, Pictures, Rig
 from caricli.structures.head_choice import BARE, WHOLE
 
 SQUARE = np.array([[0, 1, 2, 3]], np.int32)
@@ -46,6 +46,23 @@ def test_what_is_not_chosen_leaves_with_its_vertices(rig):
     skin = choose_parts(whole, BARE)
     np.testing.assert_array_equal(skin.neutral, rig.neutral)
     np.testing.assert_array_equal(skin.deltas, rig.deltas)
+
+
+def test_what_a_picture_shows_gets_and_loses_the_same_parts(rig):
+    camera = Camera(1.0, np.diag([1.0, -1, -1]), np.zeros(2))
+    seen = replace(rig, depiction=Depiction(camera, rig.neutral + np.float32(0.5)))
+    whole = add_parts(seen, [part("tongue", Material.TONGUE), part("teeth", Material.TEETH)])
+    np.testing.assert_array_equal(whole.depiction.vertices[:4], rig.neutral + 0.5)
+    np.testing.assert_array_equal(whole.depiction.vertices[4:], whole.neutral[4:])
+    bare = choose_parts(whole, HeadChoice(("skin", "teeth")))
+    np.testing.assert_array_equal(bare.depiction.vertices, whole.depiction.vertices[[0, 1, 2, 3, 8, 9, 10, 11]])
+
+
+def test_rounding_moves_no_part(rig):
+    whole = add_parts(
+        rig, [part("gums", Material.GUMS, ("smile",), 1e-7), part("teeth", Material.TEETH, ("smile",), 1e-5)]
+    )
+    assert not whole.deltas[0, 4:8].any() and (whole.deltas[0, 8:] == np.float32(1e-5)).all()
 
 
 def test_who_has_all_that_is_chosen_stays_as_it_is(rig):

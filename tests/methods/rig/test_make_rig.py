@@ -72,6 +72,12 @@ def test_a_whole_head_has_teeth_tongue_lashes_and_the_hair_of_the_face(templates
         assert 1.02 < grown < 1.25, material
 
 
+def test_expressions_are_those_that_let_the_tongue_out(templates, face, deltas, monkeypatch):
+    monkeypatch.setattr("caricli.methods.rig.make_rig.let_tongue_out", lambda *given: 1.5 * given[-1])
+    rig = make_rig(face, templates, RigSettings(head=BARE), deltas=deltas).rig
+    np.testing.assert_allclose(rig.deltas, 1.5 * deltas, atol=1e-7)
+
+
 def test_teeth_show_as_in_a_picture_of_the_same_face_alone(templates, face, deltas):
     long = Face(face, teeth=np.array([0.02, 0.0]))
     usual = make_rig(face, templates, deltas=deltas).rig

@@ -4,6 +4,7 @@ import pytest
 from caricli.errors import InputError
 from caricli.methods.sketch.fit_lines import fit_lines, line_camera
 from caricli.methods.sketch.line_handles import lines_by_curve
+from caricli.methods.sketch.settings import LineFitSettings
 
 
 @pytest.fixture(scope="module")
@@ -32,6 +33,22 @@ def test_the_fit_is_nearer_than_the_mean(lines, handles, model, person, camera):
     own = seen.project(face.vertices[handles.vertices])
     assert np.nanmean(np.linalg.norm(handles.places(lines, own) - own, axis=1)) < 0.01 * 256
     assert model.prior.rms(face.latent) < 2
+
+
+def test_no_smaller_latent_is_likelier(lines, handles, model):
+    """By what is minimised, with the places on the lines where they are found."""
+    face = fit_lines(lines, handles, model)
+    camera = face.require_camera()
+    places = handles.places(lines, camera.project(face.vertices[handles.vertices]))
+    met = np.isfinite(places).all(1)
+    noise = LineFitSettings.noise * np.linalg.norm(np.ptp(places[met], axis=0))
+
+    def energy(share):
+        whitened = share * model.prior.whiten(face.latent)
+        points = model.decode_points(model.prior.colour(whitened), handles.vertices[met])
+        return ((camera.project(points) - places[met]) ** 2).sum() / noise**2 + (whitened**2).sum()
+
+    assert min(energy(0.93), energy(1.07)) > energy(1)
 
 
 def test_few_lines_are_refused(lines, handles, model):

@@ -97,8 +97,19 @@ def test_no_strength_is_the_exact_front():
     none = HandSettings().scaled(0)
     points = np.random.default_rng(0).normal(size=(50, 3))
     camera = hand_camera(points, 100, np.random.default_rng(1), none)
-    assert np.allclose(camera.rotation, np.diag([1.0, -1, -1]))
+    assert np.allclose(camera.rotation, np.diag([1.0, -1, -1])) and none.width == (1, 1)
     placed = camera.project(points)
     assert np.allclose((placed.min(0) + placed.max(0)) / 2, 49.5)
     exact = vary_sketch(SKETCH, np.random.default_rng(1), none)
     assert len(exact.strokes) == len(SKETCH.strokes)
+
+
+def test_views_are_yaw_pitch_and_roll_in_this_order():
+    points = np.random.default_rng(0).normal(size=(9, 3))
+    for k, kept in enumerate((1, 0, 2)):
+        view = tuple(20.0 * (np.arange(3) == k))
+        camera = hand_camera(points, 256, np.random.default_rng(1), HandSettings(view=view))
+        # A turn leaves its own axis where it is: yaw that which goes up, pitch that to the side, roll that in depth.
+        axis = np.eye(3)[kept]
+        assert abs(camera.rotation[kept] @ axis) > 1 - 1e-12
+        assert np.abs(camera.rotation - np.diag([1, -1, -1])).max() > 0.01
