@@ -2,7 +2,7 @@ import cv2
 import numpy as np
 import pytest
 
-from caricli.methods.hair.continue_strands import continue_strands
+from caricli.methods.hair.continue_strands import _Quilt, continue_strands
 
 SIDE = 160
 
@@ -55,6 +55,16 @@ def test_the_generator_decides():
     first, again, other = (continue_strands(image, seen, np.random.default_rng(k)) for k in (1, 1, 2))
     np.testing.assert_array_equal(first, again)
     assert (first != other).any()
+
+
+def test_no_patch_is_taken_again_and_again():
+    image, seen = rays()
+    image = np.clip(image + np.random.default_rng(0).normal(0, 12, (SIDE, SIDE, 1)), 0, 255).astype(np.float32)
+    quilt = _Quilt(image, seen, np.random.default_rng(1))
+    for _ in range(2):
+        for frame in quilt.frames():
+            quilt.lay(frame)
+    assert (quilt.uses > 0).mean() > 0.7 and quilt.uses.max() < 6
 
 
 def test_nothing_seen_all_seen_and_too_little():

@@ -30,6 +30,8 @@ def test_hair_has_the_colour_of_the_picture_on_all_sides(dressed, sitter):
     assert picture.shape == (128, 128, 3)
     away = np.abs(picture.astype(int) - BROWN)
     assert away.mean() < 10 and np.quantile(away, 0.99) < 60
+    assert (hair_picture(dressed, sitter.image, replace(SMALL, seed=1)) != picture).any()
+    np.testing.assert_array_equal(hair_picture(dressed, sitter.image, SMALL), picture)
 
 
 def test_what_is_beside_hair_does_not_colour_its_edge(dressed, sitter):

@@ -48,6 +48,11 @@ def test_covered_ones_are_bent_out_around_their_roots(shape, lashes):
     assert (lengths <= np.linalg.norm(shape - shape[lashes.roots][lashes.labels], axis=1) + 1e-12).all()
 
 
+def test_where_they_end_does_not_depend_on_where_they_come_from(shape, lashes):
+    ends = [lashes.bent({1.0: lid(-0.002)}, start, shape, 1.0) for start in (shape, shape - [0, 0.02, 0])]
+    np.testing.assert_allclose(ends[1], ends[0], atol=1e-9)
+
+
 def test_they_stay_out_on_the_way(shape, lashes):
     lids = {share: lid(-0.002 * share) for share in (0.25, 0.5, 0.75, 1.0)}
     bent = lashes.bent(lids, shape, shape, 1.0)

@@ -48,6 +48,11 @@ def test_what_bounds_forbid_is_said_to_lack():
     assert abs(lack - (0.011 + amounts[0])) < 1e-9
 
 
+def test_what_is_bounded_from_below_never_goes_above_nothing():
+    amounts, lack = clear_way({1.0: Floor(0.01)}, POINTS, AHEAD, lift(low=-0.004), 0.001)
+    assert -0.004 <= amounts[0] <= 0 and abs(lack - (0.011 - amounts[0])) < 1e-9
+
+
 def test_a_way_that_is_wished_through_a_wall_stays_before_it():
     rooms = {0.25: Lip(), 0.5: Lip(), 1.0: Lip()}
     amounts, lack = clear_way(rooms, POINTS + [0.0, 0.002, 0.0], AHEAD, lift(wish=-0.03), 0.001)
