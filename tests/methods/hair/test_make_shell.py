@@ -5,7 +5,7 @@ import pytest
 
 from caricli.geometry.triangle_normals import triangle_normals
 from caricli.methods.hair.head_sphere import HeadSphere
-from caricli.methods.hair.make_shell import _facing, make_shell
+from caricli.methods.hair.make_shell import _facing, _taper, make_shell
 from caricli.methods.hair.move_skull import lower_skull, raise_skull, sink_skull
 from caricli.methods.hair.settings import ShellSettings
 from caricli.methods.hair.snap_border import union_share, visible_hair
@@ -33,6 +33,15 @@ def test_it_is_closed_towards_the_skin_and_faces_outwards(shell):
     middle = mesh.vertices.mean(0)
     outwards = (triangle_normals(mesh.vertices, mesh.faces) * (mesh.vertices[mesh.faces].mean(1) - middle)).sum(1) > 0
     assert outwards.mean() > 0.97
+
+
+def test_where_nobody_sees_it_hair_leads_flat_into_the_skin():
+    left = np.linspace(-0.01, 0.1, 200)
+    seen, hidden = (_taper(left, np.full(200, 0.02), share, 0.24, ShellSettings()) for share in (0.0, 1.0))
+    for taper in (seen, hidden):
+        assert not taper[left <= 0].any() and taper[-1] == 1 and (np.diff(taper) >= 0).all()
+    thin = (left > 0.001) & (left < 0.01)
+    assert (hidden[thin] < 0.5 * seen[thin]).all()
 
 
 def test_its_rim_is_on_the_skin(shell, sitter):

@@ -7,6 +7,7 @@ from caricli.geometry.flipped_triangles import flipped_triangles
 from caricli.methods.hair.fit_outline import Outline
 from caricli.methods.hair.hair_view import HairView
 from caricli.methods.hair.head_sphere import HeadSphere
+from caricli.methods.hair.make_shell import make_shell
 from caricli.methods.hair.settings import ShellSettings
 from caricli.methods.hair.tuck_ears import tuck_ears
 from caricli.template.annotation import EARS
@@ -47,6 +48,13 @@ def test_what_is_under_hair_lies_against_the_head_and_the_lobe_stays(sitter):
         before, after = (np.maximum(standing_out(head)[top], 0).max() for head in (sitter.head, tucked))
         assert after < 0.4 * before
         np.testing.assert_allclose(tucked.vertices[lobe], sitter.head.vertices[lobe], rtol=0, atol=2e-3)
+
+
+def test_the_head_under_a_shell_has_them_so(sitter):
+    _, under = make_shell(sitter.head, CAMERA, covered(sitter, 0.75).hair)
+    moved = np.linalg.norm(under.vertices - sitter.head.vertices, axis=1)
+    ears = sitter.head.mask(*EARS)
+    assert moved[ears].max() > 0.01 * sitter.head.height
 
 
 @pytest.mark.parametrize("share", [0.6, 0.75, 0.9])
