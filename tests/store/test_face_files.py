@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -8,7 +10,7 @@ from caricli.methods.faces.draw_face import FaceDrawing
 from caricli.methods.faces.encode_face import encode_face
 from caricli.store.drawings import load_drawing
 from caricli.store.face_files import FaceSeries, write_face_files, write_face_result
-from caricli.structures import Camera, Face
+from caricli.structures import Camera, Face, Pictures
 
 
 @pytest.fixture(scope="module")
@@ -48,6 +50,16 @@ def test_all_four_files(drawing, face, tmp_path):
     files = [tmp_path / f"a{suffix}" for suffix in (".obj", ".npz", ".json", ".png")]
     write_face_result(files, face, drawing, {"share": 1.0}, lambda: np.zeros((4, 4, 3), np.uint8))
     assert all(path.is_file() for path in files) and read_json(files[2]) == {"share": 1.0}
+
+
+def test_faces_of_a_series_that_wear_the_same_share_its_file(drawing, face, tmp_path):
+    skins = [np.full((4, 4, 3), shade, np.uint8) for shade in (9, 9, 200)]
+    faces = ((replace(face, pictures=Pictures(skin)), {}) for skin in skins)
+    series = FaceSeries(tmp_path, "face", 3, "sheet")
+    series.write(series.files, faces, drawing, (), lambda *_: None)
+    assert sorted(path.name for path in tmp_path.glob("*.png")) == ["face-000-skin.png", "face-002-skin.png"]
+    for stem, skin in zip(series.stems, skins, strict=True):
+        np.testing.assert_array_equal(read_face(tmp_path / f"{stem}.npz").pictures.skin, skin)
 
 
 def test_a_series_is_written_as_it_comes(drawing, face, tmp_path):

@@ -4,8 +4,11 @@ import pytest
 from caricli.errors import InputError
 from caricli.io.image import write_png
 from caricli.io.landmarks import write_landmarks
-from caricli.store.pictures import find_picture, load_eyes, load_marked_picture, load_mask
+from caricli.io.parsing import SCHEMA
+from caricli.io.strict_json import write_json
+from caricli.store.pictures import find_picture, load_eyes, load_marked_picture, load_mask, load_regions
 from caricli.structures import Landmarks
+from caricli.structures.parsing import Region
 
 WIDTH, HEIGHT = 90, 70
 
@@ -82,8 +85,24 @@ def test_eyes_are_the_labels_of_a_parsed_picture(tmp_path):
 def test_a_mask_is_where_it_is_white(tmp_path):
     white = np.zeros((HEIGHT, WIDTH, 3), np.uint8)
     white[10:60, 20:70] = 255
+    white[61:65, 20:70] = 120
     path = tmp_path / "mask.png"
     write_png(path, white)
-    np.testing.assert_array_equal(load_mask(path, (WIDTH, HEIGHT)), white[..., 0] > 0)
+    np.testing.assert_array_equal(load_mask(path, (WIDTH, HEIGHT)), white[..., 0] > 127)
     with pytest.raises(InputError, match="mask.png: expected the picture's size, 90 x 71, found 90 x 70"):
         load_mask(path, (WIDTH, HEIGHT + 1))
+
+
+def test_regions_are_labels_by_the_names_of_either_kind(tmp_path):
+    from PIL import Image
+
+    names = {"background": 0, "skin": 3, "ear_left": 5, "upper_lip": 6, "eye_right": 7, "brow_left": 8, "earring": 9}
+    kinds = (0, Region.SKIN, Region.EARS, Region.LIPS, Region.EYES, Region.BROWS, Region.OTHER)
+    labels = np.array([list(names.values())], np.uint8)
+    path = tmp_path / "labels.png"
+    Image.fromarray(labels).save(path)
+    write_json(path.with_suffix(".json"), {"schema": SCHEMA, "labels": names})
+    np.testing.assert_array_equal(load_regions(path, (7, 1)), [kinds])
+    write_json(path.with_suffix(".json"), {"schema": SCHEMA, "labels": {"skin": 3, "ear_left": 5}})
+    with pytest.raises(InputError, match="labels.png: expected numbers that the legend names, found 0"):
+        load_regions(path, (7, 1))

@@ -1,0 +1,21 @@
+import numpy as np
+
+from caricli.io.image import write_png
+from caricli.io.obj import write_obj
+from caricli.store.rig_sources import PictureSources, picture_sources
+from caricli.structures import Mesh
+
+
+def test_eyes_and_bust_lie_beside_the_picture_of_the_skin(tmp_path):
+    faces = np.array([[0, 1, 2]], np.int32)
+    mesh = Mesh(np.eye(3), faces, np.eye(3)[:, :2], faces)
+    write_obj(tmp_path / "face.obj", mesh, "skin.png")
+    write_png(tmp_path / "skin.png", np.zeros((4, 4, 3), np.uint8))
+    skin = tmp_path / "skin.png"
+    for name, sources in (
+        ("bust.png", PictureSources(skin, bust=tmp_path / "bust.png")),
+        ("eyes.png", PictureSources(skin, tmp_path / "eyes.png", bust=tmp_path / "bust.png")),
+    ):
+        write_png(tmp_path / name, np.zeros((4, 4, 3), np.uint8))
+        assert picture_sources(tmp_path / "face.obj") == picture_sources(tmp_path / "face.npz") == sources
+    assert picture_sources(tmp_path / "face.obj", skin) == sources
