@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from types import SimpleNamespace
+from typing import cast
 
 import cv2
 import numpy as np
@@ -13,6 +14,7 @@ from caricli.methods.detect.find_faces import Candidate
 from caricli.methods.detect.parse_picture import WindowRegions
 from caricli.methods.detect.read_faces import ReadFace
 from caricli.methods.detect.settings import DetectSettings
+from caricli.models.detector.model import Detector
 from caricli.structures.detection import DetectedFace, Detection, FaceFrame
 from caricli.structures.landmarks import EYES, JAW, MOUTH, OUTLINE
 from caricli.structures.parsing import Region
@@ -91,7 +93,7 @@ def test_what_is_read_goes_to_lips_lids_and_jaw_of_the_picture_and_then_to_where
     points[JAW] = points[JAW].mean(0) + 0.9 * (points[JAW] - points[JAW].mean(0))
     read = DetectedFace(FaceFrame.of(points), 0.9, replace(face.marks, points=points))
     monkeypatch.setattr(module, "seek_faces", lambda *_: Detection([read], regions))
-    detection = detect_faces(face.image, SimpleNamespace(jaw=JAW_PLACES))
+    detection = detect_faces(face.image, cast(Detector, SimpleNamespace(jaw=JAW_PLACES)))
     marks = detection.faces[0].landmarks
     for part in (EYES, MOUTH, range(4, 13)):
         before, after = (

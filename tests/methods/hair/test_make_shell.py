@@ -37,7 +37,9 @@ def test_it_is_closed_towards_the_skin_and_faces_outwards(shell):
 
 def test_where_nobody_sees_it_hair_leads_flat_into_the_skin():
     left = np.linspace(-0.01, 0.1, 200)
-    seen, hidden = (_taper(left, np.full(200, 0.02), share, 0.24, ShellSettings()) for share in (0.0, 1.0))
+    seen, hidden = (
+        _taper(left, np.full(200, 0.02), np.full(200, share), 0.24, ShellSettings()) for share in (0.0, 1.0)
+    )
     for taper in (seen, hidden):
         assert not taper[left <= 0].any() and taper[-1] == 1 and (np.diff(taper) >= 0).all()
     thin = (left > 0.001) & (left < 0.01)
