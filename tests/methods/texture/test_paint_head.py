@@ -7,6 +7,7 @@ import pytest
 from caricli.errors import InputError
 from caricli.methods.texture.lips_behind_nose import lips_behind_nose
 from caricli.methods.texture.mask_head import mesh_pixels
+from caricli.methods.texture.mouth_wall import wall_pixels
 from caricli.methods.texture.paint_head import paint_head
 from caricli.methods.texture.picture_view import Sight
 from caricli.methods.texture.settings import PaintSettings, TextureSettings
@@ -155,6 +156,20 @@ def test_a_nose_before_the_lip_is_no_paint_of_it(pictured):
         paint_head(pictured.face, pictured.head, image, None, SMALL, regions).pictures.skin.astype(int), 2, 0
     )
     assert (green - red).max() < 40
+
+
+def test_what_is_seen_in_an_open_mouth_is_no_error(pictured, head):
+    """Teeth would hide the wall behind them."""
+    shape = pictured.head.with_vertices(head.evaluate(gender=0.3, age=0.6, actions={"jawOpen": 1.0}))
+    camera = pictured.face.require_camera()
+    face = Face(shape, camera, camera.project(shape.vertices[shape.annotation.landmarks[:68]]))
+    mask = mesh_pixels(face, pictured.image)
+    wall = wall_pixels(shape, camera, pictured.image.shape[:2])
+    assert wall.sum() > 100
+    skin = np.where(mask[..., None], (205, 150, 120), (255, 0, 255))
+    images = (np.where(wall[..., None], colour, skin).astype(np.uint8) for colour in ((70, 20, 20), (255, 255, 255)))
+    dark, white = (paint_head(face, pictured.head, image, mask, SMALL).error for image in images)
+    assert abs(white - dark) < 0.003
 
 
 def test_teeth_are_as_long_as_the_label_map_shows_them(pictured, head):
