@@ -5,6 +5,7 @@ from caricli.io.face import read_face
 from caricli.io.image import read_image
 from caricli.io.obj import read_obj
 from caricli.io.strict_json import read_json
+from caricli.methods.faces.sample_faces import sample_faces
 from caricli.store.models import load_model
 
 NAMES = ["face-000.npz", "face-000.obj", "face-001.npz", "face-001.obj", "sheet.json", "sheet.png"]
@@ -38,7 +39,10 @@ def test_faces_that_the_next_command_can_read(sampled, models, head):
         np.testing.assert_allclose(model.prior.rms(face.latent), report["faces"][number]["prior_rms"], rtol=1e-5)
         if face.residual is None:
             np.testing.assert_allclose(model.decode(face.latent), face.vertices, atol=1e-6)
-    assert np.abs(read_face(sampled / "face-000.npz").latent - face.latent).max() > 0.1
+    first = read_face(sampled / "face-000.npz").latent
+    assert np.abs(first - face.latent).max() > 0.1
+    drawn = next(iter(sample_faces(model, np.random.default_rng(5), 1.0)))
+    np.testing.assert_allclose(first, drawn.face.latent, atol=1e-6)
 
 
 def test_the_report_and_the_sheet(sampled):
