@@ -13,6 +13,7 @@ from caricli.io.obj import read_obj
 from caricli.io.rig import read_rig, write_rig
 from caricli.io.strict_json import read_json
 from caricli.io.track import write_weights
+from caricli.render.rig_stage import RigStage
 from caricli.structures import Mesh, Rig, Track
 from caricli.structures.arkit import ARKIT_NAMES
 
@@ -151,6 +152,9 @@ def test_pictures_and_videos(run, rig_file, tmp_path):
     pictures = [read_image(frames / f"frame-000{k}.png") for k in range(4)]
     assert pictures[0].shape == (48, 48, 3)
     np.testing.assert_array_equal(pictures[0], pictures[1])
+    rig = read_rig(rig_file)
+    aside = next(iter(RigStage(rig, "profile", 48).pictures([rig.neutral])))
+    np.testing.assert_array_equal(pictures[0], aside)
     assert np.abs(pictures[0].astype(int) - pictures[2]).max() > 50
     assert np.abs(read_image(tmp_path / "a.gif").astype(int) - pictures[0]).mean() < 3
     assert read_json(tmp_path / "a.gif.json") == read_json(frames / "animation.json")

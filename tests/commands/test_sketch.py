@@ -56,6 +56,8 @@ def test_from_aside_hidden_lines_are_left_out(run, face, front, tmp_path):
     assert len(outline) == 1 and outline[0].closed and outline[0].length > 250
     assert ((outline[0].points > 0) & (outline[0].points < 128)).all()
     assert {stroke.curve for stroke in side.strokes if stroke.kind == StrokeKind.WRINKLE} <= {*CURVES, None}
+    assert run("sketch", face, "--out", tmp_path / "w.json", "--view", "-75,0", "--size", 128).exit_code == 0
+    assert len(read_sketch(tmp_path / "w.json").strokes) > len(side.strokes)
 
 
 @pytest.mark.parametrize("view", ["1", "a,b", "100,0", "0,nan", "1,2,3"])
