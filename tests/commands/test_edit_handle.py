@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from caricli.errors import InputError
 from caricli.io.face import read_face, write_face
 from caricli.io.mesh import read_mesh, write_mesh
 from caricli.io.strict_json import read_json, write_json
@@ -99,6 +100,19 @@ def test_bad_handles_are_one_line_and_leave_nothing(refused, face, tmp_path, opt
     code = 2 if "WHERE" in said or "--handle" in said else 1
     assert said in refused("edit-handle", face, "--out", tmp_path / "x.obj", *options, code=code)
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("options", "asked"),
+    [([], (2, False)), (["--norm", "l1"], (1, False)), (["--no-intersections"], (2, True))],
+)
+def test_norm_and_intersections_are_as_asked(refused, face, tmp_path, monkeypatch, options, asked):
+    def tell(_face, _model, _handles, settings, avoid):
+        raise InputError(f"asked for {(settings.norm, avoid)}")
+
+    monkeypatch.setattr("caricli.methods.edit.edit_handles.edit_handles", tell)
+    out = ("--handle", "chin=0,1%,0", "--out", tmp_path / "x.obj")
+    assert f"asked for {asked}" in refused("edit-handle", face, *out, *options)
 
 
 def test_bad_faces_and_files_are_refused(refused, face, tmp_path):
