@@ -25,7 +25,7 @@ from caricli.io.outputs import final_name, staged
 from caricli.io.provenance import provenance
 from caricli.io.rig import write_rig
 from caricli.io.strict_json import write_json
-from caricli.io.usd import write_usd
+from caricli.io.usd import require_usd, write_usd
 from caricli.structures import HeadChoice, Mood
 from caricli.structures.head_choice import WHOLE
 
@@ -136,6 +136,8 @@ class RigTask:
         from caricli.store.expression_templates import load_templates
         from caricli.store.rig_sources import picture_sources
 
+        if self.usd:
+            require_usd(out.with_suffix(".usdz"))
         expressions, template_files = load_templates(self.templates)
         given = read_face(face)
         pictures = picture_sources(face, self.texture)

@@ -19,6 +19,17 @@ _LONG_AGO = 315_705_600
 """Seconds: the second day that a ZIP knows, for the same bytes at any time."""
 
 
+def require_usd(path: str | Path) -> None:
+    """Load the package that writes USD, before any thread starts: beside others' work that may wait for ever.
+
+    path: that is to be written. Raises OutputError when the package is missing.
+    """
+    try:
+        from pxr import Gf, Sdf, Tf, Usd, UsdGeom, UsdShade, UsdSkel, Vt  # noqa: F401
+    except ImportError:
+        raise OutputError(f"{shown(path)}: USD needs a package: pip install 'caricli[usd]'") from None
+
+
 def write_usd(path: str | Path, rig: Rig) -> None:
     """Write a rig as USDZ: metres, +y up, +z front, polygons as they are, UVs by corner.
 
@@ -30,10 +41,8 @@ def write_usd(path: str | Path, rig: Rig) -> None:
     """
     if Path(path).suffix != ".usdz":
         raise OutputError(f"{shown(path)}: expected a name in .usdz, found another")
-    try:
-        from pxr import Sdf, Tf
-    except ImportError:
-        raise OutputError(f"{shown(path)}: USD needs a package: pip install 'caricli[usd]'") from None
+    require_usd(path)
+    from pxr import Sdf, Tf
 
     stage = _stage(rig)
     with writing(path), tempfile.TemporaryDirectory() as folder:

@@ -1,5 +1,6 @@
 import re
 import shutil
+import sys
 from types import SimpleNamespace
 
 import numpy as np
@@ -204,6 +205,13 @@ def test_usd_beside_it(run, scans, target, tmp_path):
     pytest.importorskip("pxr")
     assert run("rig", target, "--templates", scans, "--usd", "--out", tmp_path / "rig.glb").exit_code == 0
     assert (tmp_path / "rig.usdz").stat().st_size > 1000
+
+
+def test_without_its_package_usd_is_refused_before_any_work(refused, target, tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "pxr", None)
+    monkeypatch.setattr("caricli.commands.rig.read_face", lambda _: pytest.fail("read a face"))
+    message = refused("rig", target, "--usd", "--out", tmp_path / "rig.glb")
+    assert "rig.usdz: USD needs a package: pip install 'caricli[usd]'" in message
 
 
 @pytest.fixture(scope="module")
