@@ -29,7 +29,7 @@ from caricli.methods.evaluate.ratio_interval import ratio_interval
 from caricli.methods.evaluate.reconstruct_portrait import shape_error
 from caricli.methods.reconstruct.fit_coarse import fit_coarse
 from caricli.methods.reconstruct.fit_morphable import fit_morphable
-from caricli.methods.train.coarse_faces import TrueFaces
+from caricli.methods.train.coarse.coarse_faces import TrueFaces
 from caricli.store.coarse import load_coarse_pair
 from caricli.store.detector import load_detector
 

@@ -19,7 +19,7 @@ from caricli.io.bundled import asset_path
 from caricli.io.landmarks import read_landmarks
 from caricli.methods.faces.subdivide_face import subdivide_face
 from caricli.methods.reconstruct.fit_landmarks import fit_landmarks
-from caricli.methods.train.surface import Surface, TrainingMeshes
+from caricli.methods.train.deformable.surface import Surface, TrainingMeshes
 from caricli.methods.train.train_autodecoder import AutoDecoderTraining
 from caricli.models.deformable.config import DeformableConfig
 from caricli.models.deformable.networks import HyperSiren, siren

@@ -38,8 +38,8 @@ from caricli.methods.evaluate.portrait_studio import PortraitStudio
 from caricli.methods.reconstruct.fit_landmarks import fit_landmarks
 from caricli.models.intrinsic.config import IntrinsicConfig
 from caricli.models.intrinsic.model import IntrinsicModel
-from caricli.render.rasterise import rasterise
 from caricli.render.smooth_normals import smooth_normals
+from caricli.render.visibility.rasterise import rasterise
 from caricli.store.face_pictures import FaceReader
 from caricli.store.models import load_model
 from caricli.structures.detection import ParsedPicture

@@ -20,10 +20,10 @@ from caricli.methods.detect.find_faces import find_faces
 from caricli.methods.detect.parse_picture import WindowRegions, mean_regions, parse_picture
 from caricli.methods.detect.settings import DetectSettings
 from caricli.methods.evaluate.evaluate_detector import DetectorTally, JudgedPicture
-from caricli.methods.train.split_pictures import marked_picture
+from caricli.methods.train.detector.split_pictures import marked_picture
 from caricli.models.detector.config import HALF
 from caricli.models.detector.model import Detector, FaceCells
-from caricli.render.cut_window import cut_window
+from caricli.render.pixels.cut_window import cut_window
 from caricli.structures.detection import Detection, FaceFrame
 from caricli.structures.parsing import Region
 

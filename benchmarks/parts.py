@@ -36,7 +36,7 @@ from caricli.methods.parts.bones import UNEVEN
 from caricli.methods.parts.lids import Lids
 from caricli.methods.rig.head_expressions import open_head_expressions
 from caricli.methods.rig.transfer_rig import transfer_rig
-from caricli.render.rasterise import rasterise
+from caricli.render.visibility.rasterise import rasterise
 from caricli.structures.arkit import uses
 from caricli.template.annotation import DELICATE
 from caricli.template.head import load_head

@@ -27,7 +27,7 @@ from caricli.methods.pictures.sitter_shapes import sitter_shapes
 from caricli.methods.reconstruct.fit_ears import EARS, fit_ears
 from caricli.methods.reconstruct.fit_landmarks import fit_landmarks
 from caricli.methods.reconstruct.fit_neck import fit_neck
-from caricli.render.rasterise import rasterise
+from caricli.render.visibility.rasterise import rasterise
 from caricli.store.detector import load_detector
 from caricli.store.models import load_model
 from caricli.structures.detection import ParsedPicture

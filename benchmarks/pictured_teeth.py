@@ -23,7 +23,7 @@ from caricli.methods.evaluate.ratio_interval import ratio_interval
 from caricli.methods.parts.whole_head import whole_face
 from caricli.methods.reconstruct.fit_landmarks import fit_landmarks
 from caricli.methods.texture.shown_teeth import shown_teeth
-from caricli.render.rasterise import rasterise
+from caricli.render.visibility.rasterise import rasterise
 from caricli.store.detector import load_detector
 from caricli.store.models import load_model
 from caricli.structures import HeadChoice, Material

@@ -25,7 +25,7 @@ from caricli.io.landmarks import read_landmarks
 from caricli.methods.parts.whole_head import whole_head
 from caricli.methods.sketch.model_coarse import model_coarse
 from caricli.methods.sketch.reconstruct_sketch import SketchReconstruction
-from caricli.render.sketch_sheet import sketch_sheet
+from caricli.render.sheets.sketch_sheet import sketch_sheet
 from caricli.store.landmark_encoders import elastic_encoder
 from caricli.store.models import DEFAULT_LATENT, load_model
 from caricli.structures.landmarks import (

@@ -27,7 +27,7 @@ from caricli.data.dataset import read_dataset
 from caricli.data.unseen import seen_people, unseen_data
 from caricli.methods.evaluate.evaluate_ablation import fit_codes
 from caricli.methods.evaluate.evaluate_shape import split_rows
-from caricli.methods.train.surface import Surface, TrainingMeshes
+from caricli.methods.train.deformable.surface import Surface, TrainingMeshes
 from caricli.methods.train.train_autodecoder import AutoDecoderTraining
 from caricli.models.ablation.config import AblationConfig
 from caricli.models.deformable.model import UnitBox

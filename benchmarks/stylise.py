@@ -19,8 +19,8 @@ from caricli.io.image import write_png
 from caricli.methods.detect.detect_faces import detect_faces
 from caricli.methods.stylise.settings import STYLES, StyliseSettings
 from caricli.methods.stylise.stylise_portrait import stylise_portrait
-from caricli.render.contact_sheet import contact_sheet
-from caricli.render.crop_portrait import crop_portrait
+from caricli.render.sheets.contact_sheet import contact_sheet
+from caricli.render.sheets.crop_portrait import crop_portrait
 from caricli.store.detector import load_detector
 from caricli.store.pictures import load_marked_picture
 from caricli.store.shape_tools import load_shape_tools

@@ -26,7 +26,7 @@ from benchmarks.vertex_mlp import NEVER, UNSEEN, unseen_error
 from caricli.data.dataset import Dataset, read_dataset
 from caricli.io.training_state import read_state, write_state
 from caricli.methods.evaluate.evaluate_shape import evaluate_shape, spread_rows
-from caricli.methods.train.surface import Surface, TrainingMeshes
+from caricli.methods.train.deformable.surface import Surface, TrainingMeshes
 from caricli.methods.train.train_autodecoder import AutoDecoderTraining
 from caricli.models.ablation.config import AblationConfig
 from caricli.models.ablation.networks import ArraySize, VertexArray

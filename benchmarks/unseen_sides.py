@@ -30,11 +30,11 @@ from caricli.geometry.head_rotation import TURNS, head_rotation
 from caricli.methods.texture.picture_view import Sight
 from caricli.methods.texture.settings import TextureSettings
 from caricli.methods.texture.texture_face import texture_face
-from caricli.render.rasterise import rasterise
-from caricli.render.sample_texture import sample_texture
+from caricli.render.pixels.sample_texture import sample_texture
 from caricli.render.sky import DIRECTIONS, light_received, sky_visibility
 from caricli.render.smooth_normals import smooth_normals
-from caricli.render.uv_map import uv_map
+from caricli.render.visibility.rasterise import rasterise
+from caricli.render.visibility.uv_map import uv_map
 from caricli.structures import Camera
 from caricli.template.annotation import CAVITIES
 

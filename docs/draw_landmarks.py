@@ -9,7 +9,7 @@ from PIL import Image, ImageDraw, ImageFont
 
 from caricli.methods.reconstruct.landmark_vertices import landmark_vertices
 from caricli.render.face_look import head_look
-from caricli.render.overlay import draw_landmarks, overlay_mesh
+from caricli.render.sheets.overlay import draw_landmarks, overlay_mesh
 from caricli.render.views import TO_PICTURE
 from caricli.structures import Camera
 from caricli.structures.landmarks import BROWS, COUNT, EXTRA, EYE_LEFT, EYE_RIGHT, JAW, LIPS, LIPS_INSIDE, NOSTRILS

@@ -22,7 +22,7 @@ MODULES = [module.name for module in walk_packages(caricli.__path__, "caricli.")
 # Warp kernels are types of warp's own; commands are called by click alone.
 UNTYPED = (
     "caricli.render.kernels",
-    "caricli.render.raster_kernel",
+    "caricli.render.visibility.raster_kernel",
     "caricli.commands.",
     "caricli.cli",
     "caricli.__main__",

@@ -71,7 +71,7 @@ class DetectTask:
         """Find the faces of a picture, write them, and say what they are."""
         from caricli.methods.detect.detect_faces import detect_faces
         from caricli.methods.detect.see_face import main_face
-        from caricli.render.detection_sheet import detection_sheet
+        from caricli.render.sheets.detection_sheet import detection_sheet
 
         picture = read_image(source)
         detection = detect_faces(picture, self.detector, self.settings)

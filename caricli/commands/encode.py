@@ -61,7 +61,7 @@ def _sheet(code, model):
     """The picture of an EncodedFace beside its latent alone."""
     from caricli.methods.parts.whole_head import whole_head
     from caricli.render.coat import mesh_coat
-    from caricli.render.comparison_sheet import comparison_sheet
+    from caricli.render.sheets.comparison_sheet import comparison_sheet
 
     latent = code.with_vertices(model.decode(code.latent))
     heads = [whole_head(face, model.template) for face in (code, latent)]

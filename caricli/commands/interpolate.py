@@ -41,7 +41,7 @@ def command(first, second, steps, out_dir, model, head, levels, overwrite):
     from caricli.commands.shared.progress import progress_bar
     from caricli.methods.faces.face_figures import soundness
     from caricli.methods.faces.interpolate_faces import interpolate_faces
-    from caricli.render.view_sheets import film_strip
+    from caricli.render.sheets.view_sheets import film_strip
     from caricli.store.drawings import load_drawing
     from caricli.store.face_files import FaceSeries
     from caricli.store.faces import load_latent_face

@@ -52,7 +52,7 @@ def command(landmarks, to, out, map_path, style_seed, pts_origin, overwrite):
     """
     from caricli.methods.edit.map_landmarks import map_landmarks, mean_shift
     from caricli.models.landmark_map.model import other
-    from caricli.render.landmark_pair import landmark_pair
+    from caricli.render.sheets.landmark_pair import landmark_pair
     from caricli.store.landmark_maps import landmark_map_path, load_landmark_map
 
     _check_usage(to, style_seed)

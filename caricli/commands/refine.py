@@ -38,7 +38,7 @@ SIZE = 384
 def _sheet(seen, result, template, head, points, pixels):
     """The picture of a Face before and after its Refinement. head: HeadChoice or None."""
     from caricli.methods.parts.whole_head import whole_head
-    from caricli.render.refine_sheet import refine_sheet
+    from caricli.render.sheets.refine_sheet import refine_sheet
 
     faces = (seen, result.face)
     heads = [whole_head(face, template, head or WHOLE) for face in faces]

@@ -86,7 +86,7 @@ def command(paths, out, views, frames, size, columns, image, head, overwrite):
       caricli render faces/*.obj -o sheet.png --views front --size 256
       caricli render face.npz -o overlay.png --image drawing.png
     """
-    from caricli.render.face_sheet import SheetSettings
+    from caricli.render.sheets.face_sheet import SheetSettings
 
     film = out.suffix.lower() != ".png"
     _check_use(len(paths), film, views, frames, image)
@@ -125,7 +125,7 @@ def _draw(path, faces, names, settings):
     """Write a sheet, or a film where the name of the file says so; returns the sheet or the first frame."""
     from caricli.commands.shared.progress import progress_bar
     from caricli.io.video import write_video
-    from caricli.render.face_sheet import face_sheet, turning_faces
+    from caricli.render.sheets.face_sheet import face_sheet, turning_faces
 
     with progress_bar("pictures") as report:
         if path.suffix.lower() == ".png":
@@ -151,7 +151,7 @@ def _overlay(face, path, head, image):
     """The face as a head of the parts that are chosen, in clay over its picture."""
     from caricli.methods.parts.whole_head import whole_face
     from caricli.render.face_look import face_look
-    from caricli.render.overlay import overlay_mesh
+    from caricli.render.sheets.overlay import overlay_mesh
 
     if face.camera is None:
         raise InputError(f"{shown(path)}: expected a face NPZ with a camera to lay it over a picture, found none")

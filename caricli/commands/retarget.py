@@ -261,7 +261,7 @@ class _Results:
 
     def write_face(self, path, target):
         """Write the files of a caricature with the expression of one driver, and say what it is."""
-        from caricli.render.driver_sheet import driver_sheet
+        from caricli.render.sheets.driver_sheet import driver_sheet
         from caricli.store.face_files import write_face_files
         from caricli.store.face_pictures import seen_files
 

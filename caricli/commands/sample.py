@@ -57,7 +57,7 @@ def command(out_dir, count, spread, seed, model, head, levels, overwrite):
     """
     from caricli.commands.shared.progress import progress_bar
     from caricli.methods.faces.sample_faces import sample_faces
-    from caricli.render.contact_sheet import contact_sheet
+    from caricli.render.sheets.contact_sheet import contact_sheet
     from caricli.store.drawings import load_drawing
     from caricli.store.face_files import FaceSeries
 

@@ -196,7 +196,7 @@ class StyliseTask:
 
     def _sheet(self, image: np.ndarray, stylised: "Stylised") -> np.ndarray:
         """The picture of a portrait before and after."""
-        from caricli.render.stylise_sheet import stylise_sheet
+        from caricli.render.sheets.stylise_sheet import stylise_sheet
 
         shape = {} if self.tools is None else {f"{self.settings.shape} {self.settings.strength:g}": stylised.warped}
         painted = {} if self._paint() == "no paint" else {self._painter(): stylised.picture}

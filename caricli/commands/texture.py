@@ -327,6 +327,6 @@ def _retouch(path, image, out, model, overwrite):
 
 def _draw_sheet(path, picture, points, painted):
     """Write a picture with landmarks (L, 2), and the Painted head beside it."""
-    from caricli.render.texture_sheet import texture_sheet
+    from caricli.render.sheets.texture_sheet import texture_sheet
 
     write_png(path, texture_sheet(picture, points, painted.rig, SIZE, painted.sky))

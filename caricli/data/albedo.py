@@ -11,8 +11,8 @@ from caricli.data.appearance import Appearance, random_appearance
 from caricli.geometry.smooth_step import smooth_step
 from caricli.geometry.triangle_normals import triangle_normals
 from caricli.geometry.vertex_neighbours import vertex_neighbours
-from caricli.render.paint import mix
-from caricli.render.srgb import to_srgb
+from caricli.render.pixels.paint import mix
+from caricli.render.pixels.srgb import to_srgb
 from caricli.structures.landmarks import (
     BROW_LEFT,
     BROW_RIGHT,

@@ -7,7 +7,7 @@ from caricli.data.albedo import AlbedoPainter, to_bytes
 from caricli.data.appearance import Appearance, random_appearance
 from caricli.errors import InputError
 from caricli.geometry.triangle_normals import triangle_normals
-from caricli.render.uv_map import pad_texture, uv_map
+from caricli.render.visibility.uv_map import pad_texture, uv_map
 from caricli.template.template import Template
 
 

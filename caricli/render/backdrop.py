@@ -6,8 +6,8 @@ from functools import lru_cache
 import numpy as np
 
 from caricli.geometry.smooth_step import smooth_step
-from caricli.render.blend import over
-from caricli.render.paint import mix
+from caricli.render.pixels.blend import over
+from caricli.render.pixels.paint import mix
 
 PAPER = (224, 221, 217)
 """sRGB of the sheets, around and between their pictures."""

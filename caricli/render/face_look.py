@@ -9,10 +9,10 @@ from caricli.geometry.comb_hair import CombedHair, comb_hair
 from caricli.geometry.join_meshes import join_meshes
 from caricli.geometry.mouth_light import mouth_light
 from caricli.render.coat import mesh_coat
-from caricli.render.place_eyeballs import place_eyeballs
+from caricli.render.eyes.place_eyeballs import place_eyeballs
+from caricli.render.pixels.srgb import to_linear, to_srgb
 from caricli.render.shade import Look
 from caricli.render.smooth_normals import smooth_normals
-from caricli.render.srgb import to_linear, to_srgb
 from caricli.structures import Face, Material, Mesh, Part, Pictures
 from caricli.structures.materials import FINISHES
 from caricli.template.annotation import bundled_annotation

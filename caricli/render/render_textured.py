@@ -5,8 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from caricli.geometry.triangle_normals import triangle_normals
-from caricli.render.rasterise import Raster, rasterise
-from caricli.render.sample_texture import sample_texture
+from caricli.render.pixels.sample_texture import sample_texture
+from caricli.render.visibility.rasterise import Raster, rasterise
 from caricli.structures import Rig
 from caricli.structures.pictures import PICTURED
 

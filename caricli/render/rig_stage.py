@@ -11,11 +11,11 @@ from caricli.render.coat import rig_coat
 from caricli.render.face_look import combed_hair, plain_colours
 from caricli.render.in_parallel import in_parallel
 from caricli.render.lights import KEY
-from caricli.render.seen_vertices import seen_vertices
 from caricli.render.shade import Look, shade
 from caricli.render.sky import DIRECTIONS, key_directions, sky_visibility
 from caricli.render.smooth_normals import smooth_normals
 from caricli.render.views import TO_PICTURE, VIEWS, turn_about_y
+from caricli.render.visibility.seen_vertices import seen_vertices
 from caricli.structures import Material, Rig
 
 _FILL = 0.82  # of the picture: jaws drop and heads turn

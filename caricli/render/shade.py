@@ -11,11 +11,11 @@ from caricli.render.coat import Coat
 from caricli.render.curved_triangles import split_long_edges
 from caricli.render.lights import FILL, KEY
 from caricli.render.load_kernels import load_kernels
-from caricli.render.rasterise import depth_range, mesh_arrays, wp_mesh
-from caricli.render.seen_vertices import seen_vertices
+from caricli.render.pixels.srgb import to_linear
 from caricli.render.sky import DIRECTIONS, key_directions, light_received, sky_visibility
 from caricli.render.smooth_normals import smooth_normals
-from caricli.render.srgb import to_linear
+from caricli.render.visibility.rasterise import depth_range, mesh_arrays, wp_mesh
+from caricli.render.visibility.seen_vertices import seen_vertices
 from caricli.structures import Material, Mesh, Pictures
 from caricli.structures.materials import FINISHES
 

@@ -7,8 +7,8 @@ import numpy as np
 
 from caricli.render.in_parallel import in_parallel
 from caricli.render.load_kernels import load_kernels
-from caricli.render.rasterise import mesh_arrays, wp_mesh
 from caricli.render.smooth_normals import smooth_normals
+from caricli.render.visibility.rasterise import mesh_arrays, wp_mesh
 
 _LIFT = 1e-3  # of the mesh's size: rays start so far above the surface, which they would hit else
 _REACH = 2.0  # of the mesh's size: no ray through it is longer

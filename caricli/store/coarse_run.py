@@ -15,8 +15,8 @@ from caricli.errors import CaricliError, InputError, naming, shown
 from caricli.io.image import read_image
 from caricli.io.provenance import sha256_file
 from caricli.methods.detect.see_face import see_face
-from caricli.methods.train.coarse_faces import JoinedFaces, StudiedFace, TrueFaces
-from caricli.methods.train.train_coarse import CoarseTraining, Sources
+from caricli.methods.train.coarse.coarse_faces import JoinedFaces, StudiedFace, TrueFaces
+from caricli.methods.train.coarse.train_coarse import CoarseTraining, Sources
 from caricli.models.coarse.model import LANDMARKS, CoarseModel, coarse_to_checkpoint
 from caricli.models.detector.model import Detector
 from caricli.models.morphable.model import MorphableModel

@@ -10,7 +10,7 @@ from caricli.data.picture_set import MANIFEST, PictureSet, read_picture_set
 from caricli.errors import InputError
 from caricli.io.provenance import sha256_file
 from caricli.methods.evaluate.evaluate_detector import UNKNOWN, JudgedPicture
-from caricli.methods.train.split_pictures import marked_by_people, marked_picture
+from caricli.methods.train.detector.split_pictures import marked_by_people, marked_picture
 from caricli.models.detector.model import Detector
 from caricli.store.pictures import load_marked_picture
 from caricli.store.portraits import portrait_files

@@ -9,7 +9,7 @@ import numpy as np
 from caricli.errors import shown
 from caricli.methods.faces.encode_face import EncodedFace
 from caricli.models.shape_model import ShapeModel
-from caricli.render.crop_portrait import crop_portrait
+from caricli.render.sheets.crop_portrait import crop_portrait
 from caricli.store.faces import load_latent_face
 from caricli.store.landmark_encoders import elastic_encoder
 from caricli.store.pictures import load_marked_picture

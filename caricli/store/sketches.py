@@ -8,7 +8,7 @@ from caricli.errors import InputError, naming
 from caricli.io.image import is_image_file, read_image, write_png
 from caricli.io.sketch import read_sketch, write_sketch
 from caricli.methods.sketch.clean_drawing import clean_drawing
-from caricli.render.rasterise_sketch import rasterise_sketch
+from caricli.render.pixels.rasterise_sketch import rasterise_sketch
 from caricli.structures.sketch import CANVAS, Sketch
 
 LINE = 1.4

@@ -17,10 +17,10 @@ from caricli.io.outputs import check_outputs, staged, write_bytes
 from caricli.io.strict_json import write_json
 from caricli.io.training_state import read_state, write_state
 from caricli.methods.evaluate.evaluate_shape import ShapeError, evaluate_splits
+from caricli.methods.train.deformable.train_deformable import trained_model
 from caricli.methods.train.train_autodecoder import AutoDecoderTraining, EpochRecord
-from caricli.methods.train.train_deformable import trained_model
 from caricli.models.checkpoint import model_to_checkpoint
-from caricli.render.plot_curves import plot_curves
+from caricli.render.sheets.plot_curves import plot_curves
 from caricli.store.models import load_model
 from caricli.template.template import Template
 

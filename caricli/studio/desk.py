@@ -10,10 +10,10 @@ from caricli.methods.session.history import History
 from caricli.methods.session.operations import operate
 from caricli.methods.session.pose import Poser, eye_turns
 from caricli.methods.session.work import Work
+from caricli.render.eyes.place_eyeballs import place_eyeballs
 from caricli.render.face_look import with_parts
-from caricli.render.place_eyeballs import place_eyeballs
+from caricli.render.pixels.srgb import to_linear
 from caricli.render.shade import Look
-from caricli.render.srgb import to_linear
 from caricli.store.session_tools import SessionTools, load_start, start_of
 from caricli.structures import Operation, Session, Start
 

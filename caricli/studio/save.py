@@ -15,7 +15,7 @@ from caricli.io.sketch import write_sketch
 from caricli.methods.faces.draw_face import FaceDrawing
 from caricli.methods.rig.make_rig import make_rig
 from caricli.methods.session.mark_operations import placed_marks
-from caricli.render.contact_sheet import contact_sheet
+from caricli.render.sheets.contact_sheet import contact_sheet
 from caricli.store.face_files import write_face_files
 from caricli.structures import Face
 from caricli.studio.desk import Desk

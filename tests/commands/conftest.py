@@ -30,7 +30,7 @@ def small_pictures():
     with pytest.MonkeyPatch.context() as patch:
         for name in ("encode", "sample", "interpolate", "edit_handle", "edit_semantic", "caricaturize", "refine"):
             patch.setattr(f"caricli.commands.{name}.SIZE", 48)
-        patch.setattr("caricli.render.expression_sheet.SIZE", 48)
+        patch.setattr("caricli.render.sheets.expression_sheet.SIZE", 48)
         yield
 
 

@@ -124,7 +124,8 @@ def test_names_that_are_not_arkits(inspect, ball, tmp_path):
 
 def test_the_skin_of_a_rig_with_eyes_is_known(inspect, run, head_template, tmp_path, monkeypatch):
     monkeypatch.setattr(
-        "caricli.render.expression_sheet.expression_sheet", lambda rig, progress, given: np.zeros((4, 4, 3), np.uint8)
+        "caricli.render.sheets.expression_sheet.expression_sheet",
+        lambda rig, progress, given: np.zeros((4, 4, 3), np.uint8),
     )
     write_mesh(tmp_path / "head.obj", head_template)
     assert run("rig", tmp_path / "head.obj", "--out", tmp_path / "rig.glb").exit_code == 0

@@ -11,7 +11,7 @@ from caricli.io.mesh import read_mesh
 from caricli.io.obj import read_obj
 from caricli.io.parsing import legend, write_parsing
 from caricli.io.strict_json import read_json, write_json
-from caricli.render.overlay import overlay_mesh
+from caricli.render.sheets.overlay import overlay_mesh
 from caricli.store.models import DEFAULT_LATENT, load_model
 from caricli.structures import Camera, Landmarks
 from caricli.structures.parsing import Region

@@ -22,7 +22,7 @@ TRUTH = np.array([[0.6, 0, 0, 0.9, 0], [0, 0.8, 0.7, 0, 0.5], [0.2, 0, 0, 0, 1.3
 
 @pytest.fixture(autouse=True)
 def small_sheets(monkeypatch):
-    monkeypatch.setattr("caricli.render.driver_sheet.SIZE", 48)
+    monkeypatch.setattr("caricli.render.sheets.driver_sheet.SIZE", 48)
 
 
 @pytest.fixture(scope="module")

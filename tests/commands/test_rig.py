@@ -27,7 +27,8 @@ WIDE = [1.15, 0.9, 1.2]
 def undrawn(monkeypatch):
     """No contact sheet."""
     monkeypatch.setattr(
-        "caricli.render.expression_sheet.expression_sheet", lambda rig, progress, given: np.zeros((4, 4, 3), np.uint8)
+        "caricli.render.sheets.expression_sheet.expression_sheet",
+        lambda rig, progress, given: np.zeros((4, 4, 3), np.uint8),
     )
 
 

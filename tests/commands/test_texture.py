@@ -21,8 +21,8 @@ from caricli.methods.dynamic.chart_pictures import ChartGrid, texture_to_chart
 from caricli.methods.texture.settings import TextureSettings
 from caricli.models.checkpoint import model_to_checkpoint
 from caricli.models.pca.model import PcaModel
-from caricli.render.rasterise import rasterise
 from caricli.render.render_textured import render_textured
+from caricli.render.visibility.rasterise import rasterise
 from caricli.store.rig_sources import PictureSources, picture_sources
 from caricli.structures import Camera, Face, Material, Pictures, Rig
 from caricli.template.annotation import parse_annotation
@@ -149,7 +149,8 @@ def test_a_head_of_what_is_chosen(run, scene, tmp_path):
 
 def test_rig_takes_both_pictures_along(run, textured, tmp_path, monkeypatch):
     monkeypatch.setattr(
-        "caricli.render.expression_sheet.expression_sheet", lambda rig, progress, given: np.zeros((4, 4, 3), np.uint8)
+        "caricli.render.sheets.expression_sheet.expression_sheet",
+        lambda rig, progress, given: np.zeros((4, 4, 3), np.uint8),
     )
     result = run("rig", textured / "face.npz", "--out", tmp_path / "rig.glb")
     assert result.exit_code == 0, result.output

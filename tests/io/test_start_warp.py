@@ -6,7 +6,7 @@ import pytest
 
 DRAW = """
 import numpy as np
-from caricli.render.rasterise import rasterise
+from caricli.render.visibility.rasterise import rasterise
 r = rasterise(np.array([[0.0, 0, 0], [9, 0, 0], [0, 9, 0]]), [[0, 1, 2]], 4, 4)
 assert (r.face == 0).all()
 import warp
@@ -47,6 +47,6 @@ def test_a_read_only_cache_is_no_obstacle(tmp_path):
 
 
 def test_the_package_does_not_import_warp():
-    modules = "caricli.render.views, caricli.render.overlay, caricli.commands.render"
+    modules = "caricli.render.views, caricli.render.sheets.overlay, caricli.commands.render"
     code = f"import sys, {modules}; sys.exit('warp' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code]).returncode == 0

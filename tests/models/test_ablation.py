@@ -7,7 +7,7 @@ import torch
 from caricli.errors import InputError
 from caricli.io.bundled import config_path
 from caricli.io.config import read_config
-from caricli.methods.train.surface import Surface
+from caricli.methods.train.deformable.surface import Surface
 from caricli.models.ablation.config import AblationConfig
 from caricli.models.ablation.networks import ArraySize, ConditionedSiren, VertexArray
 from caricli.models.deformable.config import NetworkSize

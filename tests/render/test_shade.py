@@ -2,10 +2,10 @@ import numpy as np
 import pytest
 
 from caricli.render.coat import Coat
-from caricli.render.rasterise import rasterise
 from caricli.render.shade import Look, shade
 from caricli.render.sky import DIRECTIONS
 from caricli.render.views import TO_PICTURE, turn_about_y
+from caricli.render.visibility.rasterise import rasterise
 from caricli.structures import Material, Pictures
 
 SIZE = 64

@@ -10,8 +10,8 @@ from caricli.io.bundled import config_path
 from caricli.io.config import read_config
 from caricli.io.image import write_png
 from caricli.io.strict_json import read_json
-from caricli.methods.train.coarse_faces import JoinedFaces, TrueFaces
-from caricli.methods.train.train_coarse import CoarseTraining, Sources
+from caricli.methods.train.coarse.coarse_faces import JoinedFaces, TrueFaces
+from caricli.methods.train.coarse.train_coarse import CoarseTraining, Sources
 from caricli.models.coarse.config import CoarseConfig
 from caricli.models.detector.config import DetectorSize
 from caricli.models.detector.networks import DetectorNetwork, detector_of

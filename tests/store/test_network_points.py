@@ -3,7 +3,7 @@ import pytest
 
 from caricli.errors import InputError
 from caricli.io.face import write_face
-from caricli.methods.train.train_deformable import touching_vertices
+from caricli.methods.train.deformable.train_deformable import touching_vertices
 from caricli.store.network_points import load_network_points
 from caricli.structures import Face, Mesh
 from caricli.template.annotation import parse_annotation

@@ -5,7 +5,7 @@ import pytest
 
 from caricli.errors import InputError, OutputError
 from caricli.io.training_state import read_state, write_state
-from caricli.methods.train.surface import Surface, TrainingMeshes
+from caricli.methods.train.deformable.surface import Surface, TrainingMeshes
 from caricli.methods.train.train_autodecoder import AutoDecoderTraining
 from caricli.models.deformable.config import DeformableConfig
 from caricli.models.deformable.model import UnitBox

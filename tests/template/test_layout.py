@@ -8,7 +8,7 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
 from caricli.geometry.triangle_stretch import triangle_stretch
-from caricli.render.uv_map import uv_map
+from caricli.render.visibility.uv_map import uv_map
 from caricli.template.layout import bundled_layout
 
 FACE = ("face", "nose")

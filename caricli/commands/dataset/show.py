@@ -58,7 +58,7 @@ def _pictures(folder, count, size, generator):
     """The same of a dataset of pictures, which keep their own size."""
     from caricli.data.picture_set import read_picture_set
     from caricli.data.summarise_pictures import chosen_pictures, summarise_pictures
-    from caricli.render.picture_sheet import picture_sheet
+    from caricli.render.sheets.picture_sheet import picture_sheet
 
     pictures = read_picture_set(folder)
     return summarise_pictures(pictures), lambda: picture_sheet(chosen_pictures(pictures, count, generator))
@@ -68,7 +68,7 @@ def _textures(folder, count, size, generator):
     """The same of a dataset of textures."""
     from caricli.data.summarise_textures import chosen_textures, summarise_textures
     from caricli.data.texture_set import read_texture_set
-    from caricli.render.contact_sheet import contact_sheet
+    from caricli.render.sheets.contact_sheet import contact_sheet
 
     textures = read_texture_set(folder)
     lines = summarise_textures(textures)

@@ -91,7 +91,7 @@ def command(dataset, out, config, overrides, seeds, device, overwrite):
 def _write(folder: Path, models: list, recipe: dict) -> None:
     """Write AblationFigures as JSON and Markdown, and their curves."""
     from caricli.methods.evaluate.evaluate_ablation import DRAWN
-    from caricli.render.plot_curves import plot_curves
+    from caricli.render.sheets.plot_curves import plot_curves
 
     curves = {model.mean.name: model.mean.curves for model in models if model.mean.curves}
     write_json(folder / "ablation.json", recipe | {"models": [_figures(model) for model in models], "curves": curves})

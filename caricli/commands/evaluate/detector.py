@@ -66,8 +66,8 @@ def _evaluate(detector: Any, sets: dict) -> tuple[dict, Any]:
     """DetectorTallies of sets of pictures, and a sheet with some of them."""
     from caricli.commands.shared.progress import progress_bar
     from caricli.methods.evaluate.evaluate_detector import DetectorTally, evaluate_detector
-    from caricli.render.contact_sheet import contact_sheet
-    from caricli.render.detection_sheet import detection_sheet, smaller
+    from caricli.render.sheets.contact_sheet import contact_sheet
+    from caricli.render.sheets.detection_sheet import detection_sheet, smaller
 
     tallies = {name: DetectorTally() for name in sets}
     tiles = []

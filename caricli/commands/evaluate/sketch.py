@@ -68,7 +68,7 @@ def command(dataset, networks, models, trained, out, count, everyone, seed, over
       caricli evaluate sketch --data people --network run/model.safetensors --everyone --out figures
     """
     from caricli.methods.evaluate.evaluate_sketch import TENTH, UNSEEN
-    from caricli.render.error_maps import error_maps
+    from caricli.render.sheets.error_maps import error_maps
     from caricli.store.datasets import dataset_files
 
     inputs = [*dataset_files(dataset), *networks, *models, *(dataset_files(trained) if trained else [])]
@@ -115,7 +115,7 @@ def _evaluate(rivals: Any, data: Any, trained: Path | None, count: int, seed: in
     from caricli.commands.shared.progress import progress_bar
     from caricli.methods.evaluate.evaluate_shape import split_rows
     from caricli.methods.evaluate.evaluate_sketch import TENTH, UNSEEN, DrawnHeads, evaluate_sketch
-    from caricli.render.sketch_gallery import sketch_gallery
+    from caricli.render.sheets.sketch_gallery import sketch_gallery
 
     rows = {UNSEEN: (data, split_rows(data, "test", 1, count), split_rows(data, "validation", 0, min(count, OTHERS)))}
     if trained is not None:
@@ -155,7 +155,7 @@ def _print(tables: dict, counts: dict, people: int) -> None:
 
 def _strokes(figures: Any, curves: int) -> Any:
     """The errors over the strokes that are left, as a picture."""
-    from caricli.render.plot_curves import plot_curves
+    from caricli.render.sheets.plot_curves import plot_curves
 
     lines = {}
     for name, own in figures.left.items():

@@ -138,6 +138,6 @@ class FitTask:
         """The picture of a face and the landmarks (L, 2) that it was fitted to."""
         # What draws takes a while to start.
         from caricli.methods.parts.whole_head import whole_head
-        from caricli.render.fit_sheet import fit_sheet
+        from caricli.render.sheets.fit_sheet import fit_sheet
 
         return fit_sheet(face, whole_head(face, self.model.template, self.head or WHOLE), points, pixels, fine=finer)

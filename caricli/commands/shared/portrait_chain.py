@@ -165,7 +165,7 @@ class PortraitChain:
 def _draw(picture: Path, marks: Path, head: Path) -> None:
     """Draw the picture and its head, whose files are in a folder."""
     # What draws takes a while to start, and failures come first.
-    from caricli.render.head_sheet import head_sheet
+    from caricli.render.sheets.head_sheet import head_sheet
 
     drawn, rig = (load_rig(head / name) for name in ("textured/face.glb", "rig.npz"))
     points = read_landmarks(marks).points

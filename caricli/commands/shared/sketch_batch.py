@@ -119,7 +119,7 @@ class SketchTask:
 
             def sheet():
                 # What draws takes a while to start.
-                from caricli.render.sketch_sheet import sketch_sheet
+                from caricli.render.sheets.sketch_sheet import sketch_sheet
 
                 head = whole_head(fit.face, template, self.head or WHOLE)
                 return sketch_sheet(fit.face, head, fit.sketch, fit.curves, pixels, fine=finer)

@@ -27,7 +27,7 @@ def replay_session(path: Path, start: Path | None, out: Path, overwrite: bool) -
     from caricli.methods.faces.draw_face import FaceDrawing
     from caricli.methods.session.pose import Poser
     from caricli.methods.session.replay import replay
-    from caricli.render.contact_sheet import contact_sheet
+    from caricli.render.sheets.contact_sheet import contact_sheet
     from caricli.store.face_files import write_face_files
     from caricli.store.session_tools import SessionTools, find_start, load_start
     from caricli.template.fine_mesh import fine_mesh

@@ -20,7 +20,7 @@ def chosen_device(device: str) -> str:
 
 def network_points(template: Template, path: Path | None = None) -> np.ndarray:
     """(V, 3) the shape that a network deforms, as of ``load_network_points``; say so where parts of it touch."""
-    from caricli.methods.train.train_deformable import touching_vertices
+    from caricli.methods.train.deformable.train_deformable import touching_vertices
     from caricli.store.network_points import load_network_points
 
     points = load_network_points(template, path)

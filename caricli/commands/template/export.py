@@ -35,7 +35,7 @@ def command(out, open_mouth, sheet, size, overwrite):
       caricli template export head.obj --uv-sheet sheet.png
     """
     from caricli.io.mesh import write_mesh
-    from caricli.render.uv_sheet import uv_sheet
+    from caricli.render.sheets.uv_sheet import uv_sheet
     from caricli.template.head import load_head
 
     outputs = [path for path in (out, sheet) if path is not None]

@@ -53,8 +53,8 @@ def command(datasets, pictures, out, model, detector, config, overrides, resume,
       caricli train coarse --data people --pictures pictures --data others --pictures their-pictures --out run
     """
     from caricli.commands.shared.progress import progress_bar, training_bar
+    from caricli.methods.train.coarse.train_coarse import CoarseTraining
     from caricli.methods.train.processes import training_processes
-    from caricli.methods.train.train_coarse import CoarseTraining
     from caricli.models.coarse.config import CoarseConfig
     from caricli.store.coarse_run import CoarseRun, load_ingredients
     from caricli.store.training_run import MODEL, Beginning

@@ -50,8 +50,8 @@ def command(dataset, out, config, overrides, resume, device, template, overwrite
     from caricli.commands.shared.training import chosen_device, network_points
     from caricli.data.dataset import read_dataset
     from caricli.data.unseen import seen_people
+    from caricli.methods.train.deformable.train_deformable import train_deformable
     from caricli.methods.train.processes import training_processes
-    from caricli.methods.train.train_deformable import train_deformable
     from caricli.models.deformable.config import DeformableConfig
     from caricli.store.training_run import MODEL, Beginning, TrainingRun
 

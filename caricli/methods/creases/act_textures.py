@@ -23,8 +23,8 @@ from caricli.methods.texture.picture_view import Sight
 from caricli.methods.texture.settings import TextureSettings
 from caricli.methods.texture.texels import Texels
 from caricli.methods.texture.texture_face import FaceTexture, texture_face
-from caricli.render.srgb import to_srgb
-from caricli.render.widen_mask import widen_mask
+from caricli.render.pixels.srgb import to_srgb
+from caricli.render.pixels.widen_mask import widen_mask
 from caricli.seeds import TextureSeed
 from caricli.structures import Camera, Face
 from caricli.structures.arkit import ARKIT_NAMES

@@ -15,10 +15,10 @@ from caricli.methods.pictures.eyes import Eyes
 from caricli.methods.pictures.piece import Piece, join_pieces, make_piece
 from caricli.methods.pictures.settings import SitterSettings
 from caricli.methods.pictures.sitter import Shadows, Sitter, Wardrobe, part_piece
-from caricli.render.place_eyeballs import place_eyeballs
+from caricli.render.eyes.place_eyeballs import place_eyeballs
+from caricli.render.pixels.srgb import to_linear, to_srgb
 from caricli.render.sky import sky_visibility
 from caricli.render.smooth_normals import smooth_normals
-from caricli.render.srgb import to_linear, to_srgb
 from caricli.structures import Part
 from caricli.structures.landmarks import COUNT, POINT_NAMES
 from caricli.structures.parsing import Region

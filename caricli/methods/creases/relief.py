@@ -7,7 +7,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from caricli.methods.creases.crease_pattern import Crease, CreasePattern
-from caricli.render.sample_texture import sample_pixels
+from caricli.render.pixels.sample_texture import sample_pixels
 
 _STEP = 0.006  # widths of the face, between points of the grid
 _LOW = (-0.95, -1.5)

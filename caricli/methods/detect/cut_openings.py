@@ -9,8 +9,8 @@ import numpy as np
 from caricli.methods.detect.eye_liner import eye_liner
 from caricli.methods.hair.colour_border import agreeing_chances, depth_inside
 from caricli.methods.hair.colour_mixture import AskedColours, ColourMixture
-from caricli.render.cut_window import cut_window
-from caricli.render.widen_mask import widen_mask
+from caricli.render.pixels.cut_window import cut_window
+from caricli.render.pixels.widen_mask import widen_mask
 from caricli.structures.detection import FaceFrame
 from caricli.structures.parsing import Region
 

@@ -8,7 +8,7 @@ import numpy as np
 from caricli.methods.detect.parse_picture import WindowRegions
 from caricli.methods.detect.settings import DetectSettings
 from caricli.models.detector.model import Detector, FaceCells
-from caricli.render.cut_window import cut_window
+from caricli.render.pixels.cut_window import cut_window
 from caricli.structures.detection import FaceFrame
 
 _LEAST = 1e-9

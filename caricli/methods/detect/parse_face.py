@@ -12,7 +12,7 @@ from caricli.methods.detect.read_faces import ReadFace, read_face
 from caricli.methods.detect.see_face import doubt_of
 from caricli.methods.detect.settings import DetectSettings
 from caricli.models.detector.model import Detector
-from caricli.render.cut_window import cut_window
+from caricli.render.pixels.cut_window import cut_window
 from caricli.structures.detection import Detection, FaceFrame
 from caricli.structures.landmarks import COUNT, EYES, MOUTH
 

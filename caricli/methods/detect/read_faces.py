@@ -7,7 +7,7 @@ import numpy as np
 from caricli.methods.detect.find_faces import frames_overlap
 from caricli.methods.detect.settings import DetectSettings
 from caricli.models.detector.model import Detector
-from caricli.render.cut_window import cut_window
+from caricli.render.pixels.cut_window import cut_window
 from caricli.structures.detection import FaceFrame
 from caricli.structures.landmarks import MIRRORED
 

@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 
 from caricli.methods.detect.cut_openings import FaceWindow
-from caricli.render.inside_polygon import inside_polygon
+from caricli.render.pixels.inside_polygon import inside_polygon
 from caricli.structures.landmarks import COUNT, EYE_LEFT, EYE_RIGHT, LIPS_INSIDE, MOUTH, Landmarks
 from caricli.structures.parsing import Region
 

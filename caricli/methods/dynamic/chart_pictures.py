@@ -6,8 +6,8 @@ import numpy as np
 import scipy.sparse as sp
 
 from caricli.errors import InputError
-from caricli.render.sample_texture import sample_pixels, uv_pixels
-from caricli.render.uv_map import pad_texture, uv_map
+from caricli.render.pixels.sample_texture import sample_pixels, uv_pixels
+from caricli.render.visibility.uv_map import pad_texture, uv_map
 from caricli.structures import Face, Mesh
 from caricli.structures.chart import FaceChart
 

@@ -9,10 +9,10 @@ from caricli.data.appearance import Appearance
 from caricli.data.texture_painter import TexturePainter
 from caricli.methods.pictures.light import Sky
 from caricli.methods.texture.estimate_light import harmonics
+from caricli.render.pixels.srgb import to_linear, to_srgb
 from caricli.render.sky import DIRECTIONS
 from caricli.render.smooth_normals import smooth_normals
-from caricli.render.srgb import to_linear, to_srgb
-from caricli.render.uv_map import pad_texture
+from caricli.render.visibility.uv_map import pad_texture
 from caricli.template.template import Template
 
 MARGIN = 0.02

@@ -7,7 +7,7 @@ import cv2
 import numpy as np
 
 from caricli.methods.parts.attachment import attachment_for
-from caricli.render.rasterise import rasterise
+from caricli.render.visibility.rasterise import rasterise
 from caricli.structures import Material, Part
 from caricli.structures.materials import IN_MOUTH
 from caricli.template.template import Template

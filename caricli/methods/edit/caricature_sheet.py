@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from caricli.methods.faces.draw_face import FaceDrawing
-from caricli.render.view_sheets import film_strip
+from caricli.render.sheets.view_sheets import film_strip
 from caricli.structures import Face
 
 

@@ -6,7 +6,7 @@ from caricli.methods.edit.deform_arap import deform_arap
 from caricli.methods.edit.edit_handles import HandleEdit, edit_handles
 from caricli.methods.faces.draw_face import FaceDrawing
 from caricli.methods.faces.encode_face import EncodedFace
-from caricli.render.view_sheets import film_strip, view_rows
+from caricli.render.sheets.view_sheets import film_strip, view_rows
 
 VIEWS = ("front", "three-quarter", "profile")
 

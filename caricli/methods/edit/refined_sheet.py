@@ -4,7 +4,7 @@ import numpy as np
 
 from caricli.methods.edit.handle_sheet import VIEWS
 from caricli.methods.faces.draw_face import FaceDrawing
-from caricli.render.view_sheets import view_rows
+from caricli.render.sheets.view_sheets import view_rows
 from caricli.structures import Face
 
 

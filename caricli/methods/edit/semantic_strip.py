@@ -5,7 +5,7 @@ import numpy as np
 from caricli.methods.edit.edit_semantic import SemanticEdit, edit_semantic
 from caricli.methods.faces.draw_face import FaceDrawing
 from caricli.methods.faces.encode_face import EncodedFace
-from caricli.render.view_sheets import film_strip
+from caricli.render.sheets.view_sheets import film_strip
 
 
 def semantic_strip(face: EncodedFace, edit: SemanticEdit, drawing: FaceDrawing, steps: int | None = None) -> np.ndarray:

@@ -8,8 +8,8 @@ from caricli.methods.expressions.rig_blendshapes import rig_blendshapes
 from caricli.methods.expressions.settings import METHODS, BlendshapeSettings
 from caricli.methods.expressions.tools import ExpressionTools
 from caricli.methods.rig.make_rig import RigSettings
-from caricli.render.contact_sheet import contact_sheet
-from caricli.render.expression_row import expression_row
+from caricli.render.sheets.contact_sheet import contact_sheet
+from caricli.render.sheets.expression_row import expression_row
 from caricli.structures import Face, Pictures
 
 

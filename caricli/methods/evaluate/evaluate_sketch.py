@@ -8,9 +8,17 @@ import numpy as np
 from caricli.errors import InputError, shown
 from caricli.methods.evaluate.sketch_fit import NOISES, SketchFit
 from caricli.methods.sketch.see_sketch import see_lines
-from caricli.methods.train.sketch_hand import CALM, Canvas, DrawnLines, HandSettings, Missing, SketchHand, Wrinkles
+from caricli.methods.train.sketch.sketch_hand import (
+    CALM,
+    Canvas,
+    DrawnLines,
+    HandSettings,
+    Missing,
+    SketchHand,
+    Wrinkles,
+)
+from caricli.methods.train.sketch.wrinkle_book import WrinkleBook
 from caricli.methods.train.stages import Report, unwatched
-from caricli.methods.train.wrinkle_book import WrinkleBook
 from caricli.models.linear_model import LinearModel
 from caricli.models.shape_model import ShapeModel
 from caricli.models.sketch.model import SketchModel

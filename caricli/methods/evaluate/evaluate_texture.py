@@ -9,8 +9,8 @@ import torch
 from caricli.methods.dynamic.shape_maps import CHANNELS
 from caricli.methods.evaluate.ratio_interval import ratio_interval
 from caricli.methods.train.stages import Report, unwatched
-from caricli.methods.train.texture_losses import TextureBatch
-from caricli.methods.train.texture_pairs import TexturePairs
+from caricli.methods.train.texture.texture_losses import TextureBatch
+from caricli.methods.train.texture.texture_pairs import TexturePairs
 
 KEPT = "kept"
 """The texture as it is: what every painter is measured against."""

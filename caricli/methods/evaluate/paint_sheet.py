@@ -6,7 +6,7 @@ import numpy as np
 import torch
 
 from caricli.methods.evaluate.evaluate_texture import Painter
-from caricli.methods.train.texture_losses import TextureBatch
+from caricli.methods.train.texture.texture_losses import TextureBatch
 
 
 @torch.no_grad()

@@ -4,8 +4,8 @@ import numpy as np
 
 from caricli.methods.evaluate.evaluate_portrait import PortraitResult
 from caricli.methods.parts.whole_head import whole_head
-from caricli.render.contact_sheet import contact_sheet
-from caricli.render.portrait_row import SIDES, portrait_row
+from caricli.render.sheets.contact_sheet import contact_sheet
+from caricli.render.sheets.portrait_row import SIDES, portrait_row
 from caricli.template.template import Template
 
 SHOWN = ("morphable", "morphable + refine", "elastic + refine")

@@ -9,8 +9,8 @@ from caricli.data.albedo import mesh_painter
 from caricli.data.appearance import random_appearance
 from caricli.geometry.head_rotation import TURNS, head_rotation
 from caricli.methods.reconstruct.landmark_vertices import landmark_vertices
-from caricli.render.blend import over
-from caricli.render.place_eyeballs import place_eyeballs
+from caricli.render.eyes.place_eyeballs import place_eyeballs
+from caricli.render.pixels.blend import over
 from caricli.render.shade import Look, shade
 from caricli.render.sky import mesh_sky
 from caricli.structures import Camera, Landmarks

@@ -4,7 +4,7 @@ import numpy as np
 
 from caricli.geometry.fit_camera import fit_camera
 from caricli.geometry.head_rotation import head_rotation
-from caricli.methods.train.sketch_hand import LINE, DrawnLines, SketchHand
+from caricli.methods.train.sketch.sketch_hand import LINE, DrawnLines, SketchHand
 from caricli.models.linear_model import LinearModel
 
 NOISES = (0.003, 0.01, 0.03, 0.1, 0.3)

@@ -9,8 +9,8 @@ import torch
 from caricli.data.texture_set import ActedTextures
 from caricli.methods.dynamic.chart_pictures import ChartGrid
 from caricli.methods.evaluate.evaluate_texture import Painter
-from caricli.methods.train.texture_losses import TextureBatch
-from caricli.methods.train.texture_pairs import PairChoice, TexturePairs, painted_people
+from caricli.methods.train.texture.texture_losses import TextureBatch
+from caricli.methods.train.texture.texture_pairs import PairChoice, TexturePairs, painted_people
 from caricli.models.texture.config import TextureConfig
 
 FRAMES = 9

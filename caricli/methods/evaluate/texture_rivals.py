@@ -10,8 +10,8 @@ from caricli.methods.dynamic.chart_pictures import ChartGrid
 from caricli.methods.dynamic.own_manner import MannerReader
 from caricli.methods.dynamic.shape_maps import CHANNELS, PART
 from caricli.methods.evaluate.evaluate_texture import Painter
-from caricli.methods.train.texture_losses import TextureBatch
-from caricli.methods.train.texture_pairs import TexturePairs
+from caricli.methods.train.texture.texture_losses import TextureBatch
+from caricli.methods.train.texture.texture_pairs import TexturePairs
 from caricli.models.residual import start_convolutions, unit
 from caricli.models.texture.model import TextureModel
 from caricli.template.head import load_head

@@ -4,8 +4,8 @@ import numpy as np
 
 from caricli.methods.parts.whole_head import whole_head
 from caricli.render.backdrop import row_of
-from caricli.render.contact_sheet import contact_sheet
 from caricli.render.head_views import head_views
+from caricli.render.sheets.contact_sheet import contact_sheet
 from caricli.structures import Face
 from caricli.template.template import Template
 

@@ -13,7 +13,7 @@ from caricli.methods.gesture.held_deformation import held_deformation, sound_mov
 from caricli.methods.gesture.selection import Selection, around_handles, checked_stroke, mirror_map
 from caricli.methods.gesture.settings import GestureSettings
 from caricli.methods.gesture.sight import SeenStroke, Sight
-from caricli.render.seen_points import seen_points
+from caricli.render.visibility.seen_points import seen_points
 from caricli.structures import Camera, Face
 from caricli.template.template import Template
 

@@ -6,8 +6,8 @@ from functools import cached_property
 import numpy as np
 
 from caricli.geometry.triangle_normals import triangle_normals
-from caricli.render.seen_points import seen_points
 from caricli.render.smooth_normals import smooth_normals
+from caricli.render.visibility.seen_points import seen_points
 from caricli.structures import Camera, Mesh
 
 _HIDDEN = 0.003

@@ -18,7 +18,7 @@ from caricli.methods.texture.distance_to import distance_to
 from caricli.methods.texture.mask_head import mesh_pixels
 from caricli.methods.texture.picture_view import PictureView, Sight
 from caricli.methods.texture.settings import PaintSettings
-from caricli.render.smaller_mask import smaller_mask
+from caricli.render.pixels.smaller_mask import smaller_mask
 from caricli.structures import Camera, Face, Hair
 from caricli.template.annotation import EARS
 from caricli.template.template import Template

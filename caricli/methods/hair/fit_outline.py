@@ -8,7 +8,7 @@ from scipy.linalg import solveh_banded
 from caricli.methods.hair.head_sphere import HeadSphere
 from caricli.methods.hair.mask_hair import HairMask
 from caricli.methods.hair.settings import ShellSettings
-from caricli.render.rasterise import rasterise
+from caricli.render.visibility.rasterise import rasterise
 from caricli.structures import Camera
 
 _BORDER = 2  # pixels: a mask that ends at the picture's border says nothing

@@ -5,8 +5,8 @@ import numpy as np
 
 from caricli.methods.hair.fit_outline import Outline
 from caricli.methods.hair.mask_hair import HairMask
-from caricli.render.rasterise import rasterise
-from caricli.render.sample_texture import sample_pixels
+from caricli.render.pixels.sample_texture import sample_pixels
+from caricli.render.visibility.rasterise import rasterise
 from caricli.structures import Camera
 from caricli.template.template import Template
 

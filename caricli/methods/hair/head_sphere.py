@@ -13,8 +13,8 @@ from scipy.spatial import KDTree
 from caricli.geometry.join_meshes import join_meshes
 from caricli.methods.hair.settings import ShellSettings
 from caricli.methods.parts.close_neck import close_neck, neck_edge
-from caricli.render.nearest_pixel import nearest_pixel
-from caricli.render.rasterise import rasterise
+from caricli.render.visibility.nearest_pixel import nearest_pixel
+from caricli.render.visibility.rasterise import rasterise
 from caricli.structures import Mesh
 from caricli.template.annotation import EARS
 from caricli.template.template import Template

@@ -21,7 +21,7 @@ from caricli.methods.hair.move_skull import lower_skull
 from caricli.methods.hair.settings import ShellSettings
 from caricli.methods.hair.snap_border import union_share, visible_hair
 from caricli.methods.hair.tuck_ears import tuck_ears
-from caricli.render.sample_texture import sample_pixels
+from caricli.render.pixels.sample_texture import sample_pixels
 from caricli.structures import Camera, Mesh
 from caricli.structures.parts import Hair
 from caricli.template.template import Template

@@ -5,8 +5,8 @@ import numpy as np
 from scipy.ndimage import distance_transform_edt
 
 from caricli.methods.hair.settings import MaskSettings
-from caricli.render.inside_polygon import inside_polygon
-from caricli.render.rasterise import rasterise
+from caricli.render.pixels.inside_polygon import inside_polygon
+from caricli.render.visibility.rasterise import rasterise
 from caricli.structures import Face
 from caricli.structures.landmarks import OUTLINE
 from caricli.structures.zoomed_pixels import zoomed_pixels

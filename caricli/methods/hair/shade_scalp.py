@@ -12,9 +12,9 @@ from caricli.methods.hair.hidden_hairline import reach_inside, usual_reach
 from caricli.methods.hair.make_shell import unrolled_to_uv
 from caricli.methods.hair.settings import ShellSettings
 from caricli.methods.texture.texture_face import FaceTexture
-from caricli.render.paint import mix
-from caricli.render.sample_texture import sample_texture
-from caricli.render.uv_map import pad_texture, uv_map
+from caricli.render.pixels.paint import mix
+from caricli.render.pixels.sample_texture import sample_texture
+from caricli.render.visibility.uv_map import pad_texture, uv_map
 from caricli.structures import Hair, Mesh
 from caricli.template.annotation import EARS
 from caricli.template.template import Template

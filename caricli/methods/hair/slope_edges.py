@@ -8,9 +8,9 @@ from scipy.spatial import KDTree
 
 from caricli.methods.hair.head_sphere import HeadSphere
 from caricli.methods.hair.settings import ShellSettings
-from caricli.render.rasterise import rasterise
-from caricli.render.sample_texture import sample_pixels
-from caricli.render.widen_mask import widen_mask
+from caricli.render.pixels.sample_texture import sample_pixels
+from caricli.render.pixels.widen_mask import widen_mask
+from caricli.render.visibility.rasterise import rasterise
 from caricli.structures import Camera, Hair, Mesh
 
 _SLOPE = 0.7  # in which hair rises at most from its edge

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from caricli.render.cut_window import cut_window
+from caricli.render.pixels.cut_window import cut_window
 from caricli.structures.zoomed_pixels import zoomed_pixels
 
 

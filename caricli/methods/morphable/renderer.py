@@ -11,7 +11,7 @@ from caricli.methods.morphable.coefficients import CoefficientLayout
 from caricli.methods.reconstruct.landmark_vertices import landmark_vertices
 from caricli.methods.texture.estimate_light import GAMMA
 from caricli.models.morphable.model import MorphableModel
-from caricli.render.rasterise import rasterise
+from caricli.render.visibility.rasterise import rasterise
 
 LAMBERT = (1.0, *[2 / 3] * 3, *[1 / 4] * 5)
 """What a matt surface keeps of each spherical harmonic of the light (Ramamoorthi and Hanrahan 2001), over pi."""

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from caricli.render.uv_map import pad_texture, uv_map
+from caricli.render.visibility.uv_map import pad_texture, uv_map
 from caricli.structures import Face, Pictures
 
 SIZE = 512

@@ -8,7 +8,7 @@ import igl
 import numpy as np
 import scipy.sparse as sp
 
-from caricli.render.sample_texture import sample_texture
+from caricli.render.pixels.sample_texture import sample_texture
 from caricli.structures import Material, Mesh, Part
 from caricli.template.template import Template
 

@@ -14,8 +14,8 @@ from caricli.methods.pictures.media import MEDIA
 from caricli.methods.pictures.pose import random_pose
 from caricli.methods.pictures.settings import PoseSettings, SceneSettings
 from caricli.methods.pictures.sitter import Sitter
+from caricli.render.pixels.srgb import to_srgb
 from caricli.render.sky import DIRECTIONS
-from caricli.render.srgb import to_srgb
 from caricli.structures.parsing import Region
 
 

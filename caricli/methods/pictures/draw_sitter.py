@@ -11,8 +11,8 @@ from caricli.methods.pictures.pose import Pose
 from caricli.methods.pictures.sitter import Sitter
 from caricli.methods.reconstruct.landmark_vertices import landmark_vertices
 from caricli.methods.texture.estimate_light import harmonics
-from caricli.render.rasterise import rasterise
 from caricli.render.sky import DIRECTIONS
+from caricli.render.visibility.rasterise import rasterise
 from caricli.structures.parsing import Region
 
 _TOLERANCE = 0.02  # of the head's height: a landmark that is so far behind what is seen at its pixel is seen itself

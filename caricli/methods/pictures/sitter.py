@@ -20,11 +20,11 @@ from caricli.methods.pictures.mime import is_usual_head, random_mime
 from caricli.methods.pictures.piece import Piece, join_pieces, make_piece
 from caricli.methods.pictures.settings import SitterSettings
 from caricli.methods.pictures.wrinkles import WrinkleLines
-from caricli.render.paint import mix
-from caricli.render.place_eyeballs import place_eyeballs
+from caricli.render.eyes.place_eyeballs import place_eyeballs
+from caricli.render.pixels.paint import mix
+from caricli.render.pixels.srgb import to_linear, to_srgb
 from caricli.render.sky import DIRECTIONS, sky_visibility
 from caricli.render.smooth_normals import smooth_normals
-from caricli.render.srgb import to_linear, to_srgb
 from caricli.structures import Material, Part
 from caricli.structures.landmarks import POINT_NAMES
 from caricli.structures.materials import FINISHES

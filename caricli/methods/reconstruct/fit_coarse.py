@@ -14,7 +14,7 @@ from caricli.methods.reconstruct.landmark_fit import LandmarkFit, Observation
 from caricli.methods.reconstruct.settings import LatentSettings
 from caricli.models.coarse.model import LANDMARKS, SHARE, CoarseModel
 from caricli.models.morphable.model import MorphableModel, ShapeBases
-from caricli.render.cut_window import cut_window
+from caricli.render.pixels.cut_window import cut_window
 from caricli.structures import Camera, Face
 from caricli.structures.detection import FaceFrame
 from caricli.structures.landmarks import COUNT, FEWEST

@@ -10,8 +10,8 @@ import scipy.sparse as sp
 from scipy.spatial import KDTree
 
 from caricli.geometry.cholesky import Cholesky
-from caricli.render.covered_pixels import covered_pixels
-from caricli.render.widen_mask import widen_mask
+from caricli.render.pixels.widen_mask import widen_mask
+from caricli.render.visibility.covered_pixels import covered_pixels
 from caricli.structures import Camera, Face
 from caricli.structures.detection import ParsedPicture
 from caricli.structures.parsing import Region

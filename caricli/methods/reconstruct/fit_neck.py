@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 
 from caricli.methods.texture.collar import find_collar
-from caricli.render.sample_texture import sample_pixels
+from caricli.render.pixels.sample_texture import sample_pixels
 from caricli.structures import Camera, Face
 from caricli.structures.detection import ParsedPicture
 from caricli.structures.landmarks import POINT_NAMES

@@ -7,9 +7,9 @@ import numpy as np
 
 from caricli.errors import InputError
 from caricli.methods.reconstruct.settings import EvidenceSettings
-from caricli.render.covered_pixels import covered_pixels
-from caricli.render.inside_polygon import inside_polygon
-from caricli.render.widen_mask import widen_mask
+from caricli.render.pixels.inside_polygon import inside_polygon
+from caricli.render.pixels.widen_mask import widen_mask
+from caricli.render.visibility.covered_pixels import covered_pixels
 from caricli.structures import Face
 from caricli.structures.detection import ParsedPicture
 from caricli.structures.landmarks import BROW_LEFT, BROW_RIGHT, EYE_LEFT, EYE_RIGHT, JAW, LIPS, OUTLINE

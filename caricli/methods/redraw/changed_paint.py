@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 
 from caricli.methods.redraw.moved_head import MovedHead
-from caricli.render.sample_texture import uv_pixels
+from caricli.render.pixels.sample_texture import uv_pixels
 from caricli.structures.texture_change import TextureChange
 
 _MIDDLING = 160.0

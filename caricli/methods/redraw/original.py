@@ -19,7 +19,7 @@ from caricli.methods.texture.light_on_head import light_on_head
 from caricli.methods.texture.mouth_wall import mouth_wall
 from caricli.methods.texture.picture_view import PictureView, Sight, SurfacePoints
 from caricli.methods.texture.settings import TextureSettings
-from caricli.render.sample_texture import sample_pixels, uv_pixels
+from caricli.render.pixels.sample_texture import sample_pixels, uv_pixels
 from caricli.render.smooth_normals import smooth_normals
 from caricli.structures import Depiction, Face, Material, Rig
 from caricli.structures.landmarks import EYE_LEFT, EYE_RIGHT, LIPS

@@ -10,7 +10,7 @@ from caricli.methods.redraw.original import Original
 from caricli.methods.redraw.spread_colours import box_around, spread_colours
 from caricli.methods.texture.picture_view import likeness
 from caricli.methods.texture.settings import TextureSettings
-from caricli.render.sample_texture import sample_texture
+from caricli.render.pixels.sample_texture import sample_texture
 from caricli.structures import Material
 from caricli.structures.materials import FINISHES
 from caricli.structures.texture_change import TextureChange

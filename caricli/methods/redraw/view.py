@@ -7,8 +7,8 @@ import cv2
 import numpy as np
 import scipy.sparse as sp
 
-from caricli.render.nearest_pixel import nearest_pixel
-from caricli.render.rasterise import rasterise
+from caricli.render.visibility.nearest_pixel import nearest_pixel
+from caricli.render.visibility.rasterise import rasterise
 
 _CROSS = cv2.getStructuringElement(cv2.MORPH_CROSS, (3, 3))
 

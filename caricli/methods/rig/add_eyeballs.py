@@ -7,8 +7,8 @@ import numpy as np
 
 from caricli.geometry.rotation_vectors import rotation_matrices
 from caricli.methods.rig.add_parts import add_parts
-from caricli.render.paint_eye import paint_eye
-from caricli.render.place_eyeballs import place_eyeballs
+from caricli.render.eyes.paint_eye import paint_eye
+from caricli.render.eyes.place_eyeballs import place_eyeballs
 from caricli.structures import Material, Mesh, Part, Rig
 from caricli.template.annotation import Annotation
 

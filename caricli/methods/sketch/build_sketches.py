@@ -13,7 +13,7 @@ from caricli.data.worker_pool import worker_pool
 from caricli.io.image import gray_png
 from caricli.methods.sketch.sketch_artist import ArtistSettings, SketchArtist
 from caricli.methods.sketch.vary_sketch import HandSettings, hand_camera, vary_sketch
-from caricli.render.rasterise_sketch import rasterise_sketch
+from caricli.render.pixels.rasterise_sketch import rasterise_sketch
 from caricli.seeds import SketchSeed
 from caricli.structures.sketch import CANVAS, Sketch
 from caricli.template.feature_curves import feature_curves

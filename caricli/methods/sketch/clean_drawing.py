@@ -6,7 +6,7 @@ import numpy as np
 
 from caricli.errors import InputError
 from caricli.geometry.trace_lines import InkLine, trace_lines
-from caricli.render.widen_mask import widen_mask
+from caricli.render.pixels.widen_mask import widen_mask
 from caricli.structures.sketch import CANVAS, Sketch, Stroke
 
 _EDGE = 0.04

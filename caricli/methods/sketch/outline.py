@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from caricli.render.rasterise import rasterise
+from caricli.render.visibility.rasterise import rasterise
 
 _FINER = 4
 """Pixels of the mask to one of the canvas."""

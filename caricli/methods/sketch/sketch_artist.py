@@ -9,7 +9,7 @@ from caricli.geometry.head_rotation import head_angles
 from caricli.methods.sketch.draw_sketch import draw_curves, framing_camera
 from caricli.methods.sketch.outline import head_outline
 from caricli.methods.sketch.suggestive_contours import ContourFinder, ContourSettings, runs
-from caricli.render.seen_points import seen_points
+from caricli.render.visibility.seen_points import seen_points
 from caricli.structures.camera import Camera
 from caricli.structures.sketch import CANVAS, Sketch, Stroke, StrokeKind
 from caricli.template.annotation import EARS

@@ -9,7 +9,7 @@ from caricli.geometry.smooth_displacement import Borders, Samples, smooth_displa
 from caricli.geometry.triangle_normals import triangle_normals
 from caricli.methods.stylise.picture_warp import PictureWarp
 from caricli.methods.stylise.settings import WarpSettings
-from caricli.render.rasterise import rasterise
+from caricli.render.visibility.rasterise import rasterise
 from caricli.structures import Face
 from caricli.template.template import Template
 

@@ -3,10 +3,10 @@
 import numpy as np
 
 from caricli.methods.rig.add_eyeballs import TEXTURE
-from caricli.render.eye_colours import eye_colours
-from caricli.render.iris_radius import iris_radius
-from caricli.render.paint_eye import IRIS, paint_eye
-from caricli.render.place_eyeballs import place_eyeballs
+from caricli.render.eyes.eye_colours import eye_colours
+from caricli.render.eyes.iris_radius import iris_radius
+from caricli.render.eyes.paint_eye import IRIS, paint_eye
+from caricli.render.eyes.place_eyeballs import place_eyeballs
 from caricli.structures import Face
 from caricli.template.annotation import Annotation
 

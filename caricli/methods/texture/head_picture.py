@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import cv2
 import numpy as np
 
-from caricli.render.smaller_mask import smaller_mask
+from caricli.render.pixels.smaller_mask import smaller_mask
 from caricli.structures import Face
 from caricli.structures.zoomed_pixels import zoomed_pixels
 

@@ -8,9 +8,9 @@ from scipy.spatial import KDTree
 
 from caricli.geometry.along_lines import along
 from caricli.geometry.smooth_step import smooth_step
-from caricli.render.eye_window import WIDTH, EyeWindow, eye_windows
-from caricli.render.paint import mix
-from caricli.render.uv_map import uv_map
+from caricli.render.eyes.eye_window import WIDTH, EyeWindow, eye_windows
+from caricli.render.pixels.paint import mix
+from caricli.render.visibility.uv_map import uv_map
 from caricli.structures import Mesh
 from caricli.template.template import Template
 

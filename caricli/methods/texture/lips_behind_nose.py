@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from caricli.render.vertex_pixels import vertex_pixels
+from caricli.render.visibility.vertex_pixels import vertex_pixels
 from caricli.structures import Camera
 from caricli.structures.parsing import Region
 from caricli.template.template import Template

@@ -4,7 +4,7 @@ import cv2
 import numpy as np
 
 from caricli.errors import InputError
-from caricli.render.covered_pixels import covered_pixels
+from caricli.render.visibility.covered_pixels import covered_pixels
 from caricli.structures import Face, Landmarks
 from caricli.structures.landmarks import OUTLINE
 from caricli.structures.zoomed_pixels import zoomed_pixels

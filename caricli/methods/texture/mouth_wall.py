@@ -3,7 +3,7 @@
 import numpy as np
 
 from caricli.geometry.vertex_neighbours import vertex_neighbours
-from caricli.render.vertex_pixels import vertex_pixels
+from caricli.render.visibility.vertex_pixels import vertex_pixels
 from caricli.structures import Camera, Material
 from caricli.structures.materials import FINISHES
 from caricli.template.template import Template

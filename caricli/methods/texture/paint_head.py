@@ -32,8 +32,8 @@ from caricli.methods.texture.settings import PaintSettings
 from caricli.methods.texture.shown_teeth import shown_teeth
 from caricli.methods.texture.texels import Texels
 from caricli.methods.texture.texture_face import FaceTexture, texture_face
-from caricli.render.diffuse_background import diffuse_background
 from caricli.render.in_parallel import do_in_parallel
+from caricli.render.pixels.diffuse_background import diffuse_background
 from caricli.render.sky import mesh_sky
 from caricli.structures import Face, Pictures, Rig
 from caricli.template.template import Template

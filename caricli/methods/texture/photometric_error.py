@@ -4,8 +4,8 @@ import numpy as np
 
 from caricli.errors import InputError
 from caricli.methods.texture.estimate_light import Light
-from caricli.render.rasterise import rasterise
 from caricli.render.render_textured import textured_colours
+from caricli.render.visibility.rasterise import rasterise
 from caricli.structures import Face, Rig
 
 

@@ -8,10 +8,10 @@ import scipy.sparse as sp
 
 from caricli.geometry.triangle_normals import triangle_normals
 from caricli.methods.texture.settings import TextureSettings
-from caricli.render.diffuse_background import diffuse_background
-from caricli.render.nearest_pixel import nearest_pixel
-from caricli.render.rasterise import rasterise
-from caricli.render.sample_texture import sample_pixels, texture_matrix
+from caricli.render.pixels.diffuse_background import diffuse_background
+from caricli.render.pixels.sample_texture import sample_pixels, texture_matrix
+from caricli.render.visibility.nearest_pixel import nearest_pixel
+from caricli.render.visibility.rasterise import rasterise
 from caricli.structures import Camera, Mesh
 
 _BESIDE = 4.0  # widths of the band inside a border: so far from what was left out, what is unlike the rest counts less

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from caricli.render.inside_polygon import inside_polygon
+from caricli.render.pixels.inside_polygon import inside_polygon
 from caricli.structures.landmarks import EYE_LEFT, EYE_RIGHT
 from caricli.structures.parsing import Region
 

@@ -4,7 +4,7 @@ import cv2
 import numpy as np
 
 from caricli.methods.parts.incisors import lip_middles
-from caricli.render.sample_texture import sample_pixels
+from caricli.render.pixels.sample_texture import sample_pixels
 from caricli.structures import Face
 from caricli.structures.landmarks import LIP_PAIRS
 from caricli.structures.parsing import Region

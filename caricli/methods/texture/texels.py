@@ -7,7 +7,7 @@ import scipy.sparse as sp
 
 from caricli.methods.texture.fill_unseen import FEATURES
 from caricli.methods.texture.picture_view import SurfacePoints
-from caricli.render.uv_map import pad_texture, uv_map
+from caricli.render.visibility.uv_map import pad_texture, uv_map
 from caricli.structures import Mesh
 from caricli.template.template import Template
 

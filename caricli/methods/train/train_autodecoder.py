@@ -8,10 +8,10 @@ import numpy as np
 import torch
 
 from caricli.errors import NumericsError
-from caricli.methods.train.code_fit import CodeFit, square_distances
+from caricli.methods.train.deformable.code_fit import CodeFit, square_distances
+from caricli.methods.train.deformable.roughness import Roughness
+from caricli.methods.train.deformable.surface import Points, TrainingMeshes
 from caricli.methods.train.require_like import optimiser_form, require_like
-from caricli.methods.train.roughness import Roughness
-from caricli.methods.train.surface import Points, TrainingMeshes
 from caricli.models.deformable.config import DeformableConfig
 from caricli.models.principal_components import principal_components
 from caricli.seeds import TrainingSeed

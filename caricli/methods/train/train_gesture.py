@@ -13,7 +13,7 @@ from caricli.methods.train.train_autodecoder import ALL, Share
 from caricli.models.gesture.config import GestureConfig
 from caricli.models.gesture.model import GestureModel
 from caricli.models.gesture.networks import GestureNetwork
-from caricli.render.draw_stroke import draw_stroke
+from caricli.render.pixels.draw_stroke import draw_stroke
 from caricli.seeds import TrainingSeed
 from caricli.structures.gesture import GESTURES
 

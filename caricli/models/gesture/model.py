@@ -13,7 +13,7 @@ from caricli.models.gesture.config import POOLED
 from caricli.models.gesture.networks import GestureNetwork
 from caricli.models.network_model import NetworkModel
 from caricli.models.network_weights import load_weights
-from caricli.render.draw_stroke import draw_stroke
+from caricli.render.pixels.draw_stroke import draw_stroke
 from caricli.structures.gesture import GESTURES
 
 SCHEMA = "caricli.gesture/1"

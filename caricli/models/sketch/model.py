@@ -16,7 +16,7 @@ from caricli.models.sketch.config import PublishedSize, SketchSize
 from caricli.models.sketch.networks import SketchNetwork
 from caricli.models.sketch.published import PublishedNetwork
 from caricli.models.sketch.window import CANVAS_FILL, FILL, POINTS, Window, curve_points, shown_strokes
-from caricli.render.rasterise_sketch import rasterise_sketch
+from caricli.render.pixels.rasterise_sketch import rasterise_sketch
 from caricli.structures import Camera
 from caricli.structures.sketch import NAME_LENGTH, Sketch
 

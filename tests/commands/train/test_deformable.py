@@ -86,7 +86,7 @@ def test_a_folder_that_cannot_be_written_is_refused_before_it_trains(refused, da
     def train(*_, **__):
         raise AssertionError("nothing must be trained")
 
-    monkeypatch.setattr("caricli.methods.train.train_deformable.train_deformable", train)
+    monkeypatch.setattr("caricli.methods.train.deformable.train_deformable.train_deformable", train)
     (tmp_path / "link").symlink_to("link")
     args = ("train", "deformable", "--data", dataset, "--out")
     assert "link: " in refused(*args, tmp_path / "link")

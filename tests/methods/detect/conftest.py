@@ -9,8 +9,8 @@ import torch
 
 from caricli.io.bundled import config_path
 from caricli.io.config import read_config
-from caricli.methods.train.train_detector import DetectorTraining
-from caricli.methods.train.windows import WindowSettings
+from caricli.methods.train.detector.train_detector import DetectorTraining
+from caricli.methods.train.detector.windows import WindowSettings
 from caricli.models.detector.config import DetectorConfig, DetectorSize
 from caricli.models.detector.networks import DetectorNetwork, detector_of
 from caricli.structures.parsing import Region
@@ -39,10 +39,10 @@ def trained(head_template):
     config = read_config(config_path("detector/tiny.yaml"), DetectorConfig, settings)
     training = DetectorTraining(DrawnPictures(shape, 80, 0), unseen, config)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("caricli.methods.train.window_batch.disguise_window", as_it_is)
-        patch.setattr("caricli.methods.train.windows.distort_picture", lambda picture, *_: picture)
+        patch.setattr("caricli.methods.train.detector.window_batch.disguise_window", as_it_is)
+        patch.setattr("caricli.methods.train.detector.windows.distort_picture", lambda picture, *_: picture)
         varied = partial(WindowSettings, turn=0.2, bent=0.25, cut=0.15)  # there are so few pictures
-        patch.setattr("caricli.methods.train.window_batch.WindowSettings", varied)
+        patch.setattr("caricli.methods.train.detector.window_batch.WindowSettings", varied)
         list(training.epochs())
     return detector_of(training.average, 64), unseen
 

@@ -13,7 +13,7 @@ from caricli.methods.edit.handle_sheet import handle_sheet, handle_strip
 from caricli.methods.edit.semantic_strip import semantic_strip
 from caricli.methods.faces.draw_face import FaceDrawing
 from caricli.methods.faces.encode_face import encode_face
-from caricli.render.view_sheets import film_strip, view_rows
+from caricli.render.sheets.view_sheets import film_strip, view_rows
 from caricli.structures import Directions, Face
 from caricli.template.fine_mesh import fine_mesh
 

@@ -14,7 +14,7 @@ from caricli.methods.evaluate.evaluate_ablation import (
     fit_codes,
 )
 from caricli.methods.evaluate.evaluate_shape import evaluate_shape
-from caricli.methods.train.surface import Surface, TrainingMeshes
+from caricli.methods.train.deformable.surface import Surface, TrainingMeshes
 from caricli.methods.train.train_autodecoder import AutoDecoderTraining
 from caricli.models.ablation.config import AblationConfig
 from caricli.models.ablation.networks import ArraySize, VertexArray

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from caricli.render.rasterise import rasterise
+from caricli.render.visibility.rasterise import rasterise
 from tests.methods.evaluate.conftest import SIZE
 
 

@@ -9,7 +9,7 @@ from caricli.methods.dynamic.shape_maps import CHANNELS, PART
 from caricli.methods.evaluate.evaluate_texture import KEPT, TextureChoice, evaluate_texture, regions
 from caricli.methods.evaluate.texture_flicker import FRAMES, flicker, takes_of
 from caricli.methods.evaluate.texture_rivals import linear_painter, spline_painter, train_reader
-from caricli.methods.train.texture_pairs import TexturePairs, painted_people
+from caricli.methods.train.texture.texture_pairs import TexturePairs, painted_people
 from caricli.models.texture.config import TextureConfig
 from caricli.template.chart import face_chart
 from tests.acted_textures import acted_people

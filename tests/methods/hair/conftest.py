@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from caricli.methods.hair.mask_hair import HairMask
-from caricli.render.rasterise import rasterise
+from caricli.render.visibility.rasterise import rasterise
 from caricli.structures import Camera, Face
 from caricli.template.template import Template
 

@@ -12,7 +12,7 @@ from caricli.methods.hair.mask_hair import HairMask
 from caricli.methods.hair.parsed_hair import parsed_hair
 from caricli.methods.texture.parsed_head import ParsedHead
 from caricli.methods.texture.settings import PaintSettings
-from caricli.render.rasterise import rasterise
+from caricli.render.visibility.rasterise import rasterise
 from caricli.structures.parsing import Region
 from tests.methods.hair.conftest import BROWN, CAMERA, SIDE, SKIN, WALL
 

@@ -9,7 +9,7 @@ from caricli.methods.hair.make_shell import _facing, _taper, make_shell
 from caricli.methods.hair.move_skull import lower_skull, raise_skull, sink_skull
 from caricli.methods.hair.settings import ShellSettings
 from caricli.methods.hair.snap_border import union_share, visible_hair
-from caricli.render.rasterise import rasterise
+from caricli.render.visibility.rasterise import rasterise
 from caricli.structures import Mesh
 from tests.methods.hair.conftest import CAMERA
 

@@ -8,7 +8,7 @@ from caricli.methods.hair.settings import ShellSettings
 from caricli.methods.hair.shade_scalp import Scalp
 from caricli.methods.texture.settings import PaintSettings
 from caricli.methods.texture.texture_face import FaceTexture
-from caricli.render.uv_map import uv_map
+from caricli.render.visibility.uv_map import uv_map
 from tests.methods.hair.conftest import BROWN, CAMERA, SKIN
 
 SIZE = 192

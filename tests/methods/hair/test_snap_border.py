@@ -15,7 +15,7 @@ from caricli.methods.hair.settings import ShellSettings
 from caricli.methods.hair.shell_net import ShellNet
 from caricli.methods.hair.snap_border import snap_border, union_share, visible_hair
 from caricli.methods.parts.close_neck import neck_edge
-from caricli.render.rasterise import rasterise
+from caricli.render.visibility.rasterise import rasterise
 from tests.methods.hair.conftest import CAMERA, SIDE
 
 

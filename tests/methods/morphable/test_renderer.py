@@ -7,7 +7,7 @@ from caricli.geometry.triangle_normals import triangle_normals
 from caricli.methods.morphable.renderer import DARKEST, LAMBERT, MorphableRenderer, Posed
 from caricli.methods.reconstruct.landmark_vertices import landmark_vertices
 from caricli.methods.texture.estimate_light import GAMMA, harmonics
-from caricli.render.rasterise import rasterise
+from caricli.render.visibility.rasterise import rasterise
 from caricli.store.models import load_morphable
 
 SIDE = 96

@@ -11,8 +11,8 @@ from caricli.methods.reconstruct.find_outline import find_outline
 from caricli.methods.reconstruct.fit_landmarks import fit_landmarks
 from caricli.methods.reconstruct.fit_landmarks_intrinsic import fit_landmarks_intrinsic
 from caricli.methods.reconstruct.outline import Outline, can_find_outline
-from caricli.render.overlay import overlay_mesh
-from caricli.render.rasterise import rasterise
+from caricli.render.sheets.overlay import overlay_mesh
+from caricli.render.visibility.rasterise import rasterise
 from caricli.structures.detection import ParsedPicture
 from caricli.structures.landmarks import EAR_LEFT, EAR_RIGHT, EXTRA_NAMES
 from caricli.structures.parsing import Region

@@ -7,7 +7,7 @@ from caricli.methods.morphable.coefficients import CoefficientLayout, turned_lig
 from caricli.methods.morphable.renderer import MorphableRenderer
 from caricli.methods.reconstruct.fit_coarse import fit_coarse, see_coarse
 from caricli.methods.reconstruct.fit_morphable import fit_morphable
-from caricli.methods.train.train_coarse import new_coarse_network
+from caricli.methods.train.coarse.train_coarse import new_coarse_network
 from caricli.models.coarse.config import CoarseConfig
 from caricli.models.coarse.model import SHARE, CoarseModel
 from caricli.store.models import load_morphable

@@ -4,7 +4,7 @@ import pytest
 
 from caricli.geometry.flipped_triangles import flipped_triangles
 from caricli.methods.reconstruct.fit_ears import fit_ears
-from caricli.render.rasterise import rasterise
+from caricli.render.visibility.rasterise import rasterise
 from caricli.structures import Camera, Face
 from caricli.structures.detection import ParsedPicture
 from caricli.structures.parsing import Region

@@ -9,8 +9,8 @@ import pytest
 from caricli.data.texture_painter import draw_albedo
 from caricli.methods.redraw.original import Original
 from caricli.methods.rig.make_rig import make_rig
-from caricli.render.rasterise import rasterise
 from caricli.render.render_textured import render_textured
+from caricli.render.visibility.rasterise import rasterise
 from caricli.structures import Camera, Depiction, Material, Pictures, Rig
 from caricli.structures.materials import FINISHES
 from caricli.structures.parsing import Region

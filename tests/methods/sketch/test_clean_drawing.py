@@ -12,7 +12,7 @@ from caricli.errors import InputError
 from caricli.io.image import read_image
 from caricli.methods.sketch.clean_drawing import clean_drawing
 from caricli.methods.sketch.draw_sketch import canvas_camera, draw_sketch
-from caricli.render.rasterise_sketch import rasterise_sketch
+from caricli.render.pixels.rasterise_sketch import rasterise_sketch
 from caricli.structures import StrokeKind
 from caricli.template.feature_curves import feature_curves
 

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from caricli.methods.texture.eye_picture import eye_picture
-from caricli.render.paint_eye import IRIS
-from caricli.render.place_eyeballs import place_eyeballs
+from caricli.render.eyes.paint_eye import IRIS
+from caricli.render.eyes.place_eyeballs import place_eyeballs
 from caricli.structures import Camera, Face
 from caricli.template.head import load_head
-from tests.render.test_iris_radius import eyes
+from tests.render.eyes.test_iris_radius import eyes
 
 RED = 190
 """Of 255: whites of eyes have more, and blue irises less."""

@@ -9,7 +9,7 @@ from caricli.methods.texture.folded_lids import folded_lids
 from caricli.methods.texture.picture_view import Sight
 from caricli.methods.texture.settings import TextureSettings
 from caricli.methods.texture.texture_face import texture_face
-from caricli.render.rasterise import rasterise
+from caricli.render.visibility.rasterise import rasterise
 from caricli.structures import Camera
 
 SIZE = 512

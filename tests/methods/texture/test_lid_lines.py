@@ -9,7 +9,7 @@ from caricli.geometry.along_lines import along
 from caricli.methods.texture.lid_lines import LidLine, draw_lid_lines, seen_lid_line
 from caricli.methods.texture.paint_head import paint_head
 from caricli.methods.texture.settings import PaintSettings
-from caricli.render.uv_map import uv_map
+from caricli.render.visibility.uv_map import uv_map
 
 SKIN, WHITE, IRIS, INK = (205, 165, 140), (235, 230, 225), (50, 30, 20), (30, 20, 25)
 MIDDLES = ((120, 100), (280, 100))

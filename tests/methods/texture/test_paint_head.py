@@ -13,9 +13,9 @@ from caricli.methods.texture.picture_view import Sight
 from caricli.methods.texture.settings import PaintSettings, TextureSettings
 from caricli.methods.texture.shown_teeth import shown_teeth
 from caricli.methods.texture.texture_face import texture_face
-from caricli.render.rasterise import rasterise
 from caricli.render.sky import mesh_sky
 from caricli.render.smooth_normals import smooth_normals
+from caricli.render.visibility.rasterise import rasterise
 from caricli.structures import Face, Material
 from caricli.structures.landmarks import LIPS_INSIDE
 from caricli.structures.parsing import Region

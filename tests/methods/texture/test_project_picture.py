@@ -1,7 +1,7 @@
 import numpy as np
 
 from caricli.methods.texture.project_picture import project_picture
-from caricli.render.sample_texture import sample_texture
+from caricli.render.pixels.sample_texture import sample_texture
 
 
 def test_every_vertex_has_the_pixel_where_it_is_seen(pictured):

@@ -3,7 +3,7 @@ import pytest
 
 from caricli.methods.texture.seen_eyes import seen_eyes
 from caricli.structures.parsing import Region
-from tests.render.test_iris_radius import eyes
+from tests.render.eyes.test_iris_radius import eyes
 
 
 @pytest.mark.parametrize("before", [Region.GLASSES, Region.HAT, Region.HAIR, Region.OTHER])

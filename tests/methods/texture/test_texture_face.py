@@ -10,12 +10,12 @@ from caricli.methods.texture.mouth_wall import MOUTH, mouth_wall
 from caricli.methods.texture.picture_view import PictureView, Sight
 from caricli.methods.texture.settings import TextureSettings
 from caricli.methods.texture.texture_face import texture_face
-from caricli.render.diffuse_background import diffuse_background
-from caricli.render.rasterise import rasterise
+from caricli.render.pixels.diffuse_background import diffuse_background
+from caricli.render.pixels.sample_texture import sample_pixels, sample_texture
 from caricli.render.render_textured import render_textured
-from caricli.render.sample_texture import sample_pixels, sample_texture
 from caricli.render.smooth_normals import smooth_normals
-from caricli.render.uv_map import pad_texture, uv_map
+from caricli.render.visibility.rasterise import rasterise
+from caricli.render.visibility.uv_map import pad_texture, uv_map
 from caricli.structures import Camera, Pictures, Rig
 from caricli.template.annotation import CAVITIES
 

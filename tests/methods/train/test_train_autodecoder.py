@@ -6,7 +6,7 @@ import pytest
 import torch
 
 from caricli.errors import NumericsError
-from caricli.methods.train.surface import Surface, TrainingMeshes
+from caricli.methods.train.deformable.surface import Surface, TrainingMeshes
 from caricli.methods.train.train_autodecoder import ALL, AutoDecoderTraining, Share
 from caricli.models.deformable.config import DeformableConfig
 from caricli.models.deformable.model import UnitBox

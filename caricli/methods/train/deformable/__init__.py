@@ -1,0 +1,1 @@
+"""Training of the hypernetwork that makes shapes."""

@@ -1,0 +1,1 @@
+"""Training of the detector: windows of pictures, and what is asked of them."""

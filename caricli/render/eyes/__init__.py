@@ -1,0 +1,1 @@
+"""Eyes: what a picture shows of them, and eyeballs that look so."""

@@ -1,0 +1,1 @@
+"""Sheets: pictures with several views, before and after, and what a user looks at."""

@@ -1,0 +1,1 @@
+"""What of a surface every pixel shows."""

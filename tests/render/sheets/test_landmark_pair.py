@@ -1,0 +1,16 @@
+import numpy as np
+
+from caricli.render.sheets.landmark_pair import COLOURS, landmark_pair
+
+
+def test_two_sets_side_by_side_at_one_scale():
+    points = np.random.default_rng(0).uniform(0, 100, (68, 2))
+    sheet = landmark_pair({"caricature": points, "normal": 0.5 * points}, 96)
+    assert sheet.shape[1] > 2 * 96 and sheet.shape[0] < 2 * 96
+    columns, widths = [], []
+    for colour in COLOURS.values():
+        places = np.argwhere((sheet == colour).all(-1))
+        columns.append(places[:, 1].mean())
+        widths.append(np.ptp(places[:, 1]))
+    assert columns[1] < columns[0], "the given caricature is on the left"
+    assert widths[0] < 0.65 * widths[1]
