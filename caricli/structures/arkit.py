@@ -64,6 +64,17 @@ def start_delta(names: Sequence[str], deltas: np.ndarray, k: int) -> np.ndarray:
     return deltas[names.index(base)] if base in names else np.zeros_like(deltas[k])
 
 
+def within_reach(weights: np.ndarray, names: Sequence[str]) -> np.ndarray:
+    """Weights (T, K) of named actions, none above what another, where there is that, opens or leaves open to it."""
+    columns = dict(zip(names, weights.T.copy(), strict=True))
+    for name in STARTS.keys() & columns:
+        columns[name] = np.minimum(columns[name], columns.get(STARTS[name], np.inf))
+    for name in LEFT_OPEN.keys() & columns:
+        left = LEFT * (1 - columns.get(LEFT_OPEN[name], 0.0))
+        columns[name] = np.minimum(columns[name], np.maximum(left, 0))
+    return np.stack([*columns.values()], axis=1)
+
+
 def action_codes(expressions: Sequence[Mapping[str, float]]) -> np.ndarray:
     """(K, 52) float32: of expressions, each weights of actions by name, the weights in ARKit's order."""
     return np.array([[weights.get(name, 0.0) for name in ARKIT_NAMES] for weights in expressions], np.float32)

@@ -14,7 +14,7 @@ from caricli.methods.animate.resample_weights import resample_weights
 from caricli.methods.animate.smooth_weights import smooth_weights
 from caricli.methods.animate.turn_head import turn_head
 from caricli.structures import Animation, Rig, Track
-from caricli.structures.arkit import LEFT, LEFT_OPEN, STARTS
+from caricli.structures.arkit import within_reach
 
 
 @dataclass(frozen=True)
@@ -113,16 +113,6 @@ def animate_rig(
     even, fps = resample_weights(replace(track, weights=calm, head=head), settings.fps)
     bound = bind_weights(even, rig.names)
     scales = np.array([settings.scales.get(name, 1.0) for name in rig.names])
-    weights = scales * _within_reach(np.clip(bound.weights, 0, 1), rig.names)
+    weights = scales * within_reach(np.clip(bound.weights, 0, 1), rig.names)
     rotations = None if even.head is None else turn_head(even.head)
     return Performance(rig, Animation(even.times, weights, rotations), fps, bound, settings)
-
-
-def _within_reach(weights: np.ndarray, names: tuple[str, ...]) -> np.ndarray:
-    """Weights (T, K) of named actions, none above what another, where the rig has that, opens or leaves open to it."""
-    columns = dict(zip(names, weights.T.copy(), strict=True))
-    for name in STARTS.keys() & columns:
-        columns[name] = np.minimum(columns[name], columns.get(STARTS[name], np.inf))
-    for name in LEFT_OPEN.keys() & columns:
-        columns[name] = np.minimum(columns[name], LEFT * (1 - columns.get(LEFT_OPEN[name], 0.0)))
-    return np.stack([*columns.values()], axis=1)

@@ -17,7 +17,7 @@ from caricli.methods.reconstruct.fit_morphable import fit_morphable
 from caricli.methods.reconstruct.landmark_fit import LandmarkFit
 from caricli.models.morphable.model import MorphableModel
 from caricli.structures import Animation, Face, Landmarks, Rig
-from caricli.structures.arkit import uses
+from caricli.structures.arkit import uses, within_reach
 from caricli.structures.texture_change import TextureChange
 from caricli.template.template import Template
 
@@ -120,6 +120,7 @@ def retarget_rig(
     """Explain what normal faces of one person do by the expressions of a rig.
 
     One that only means something on top of another comes with it: lips close on an open jaw, and not more than it is.
+    Nor does a squint close more of an eye than a blink leaves open.
 
     drivers: all meshes or all landmarks. neutral: (N, 3) metres, the neutral face of the person in driving meshes, or
     None.
@@ -137,5 +138,5 @@ def retarget_rig(
         points = [driver.points for driver in seen]
         explanation = explain_landmarks([driver.fit for driver in seen], points, deltas, model)
     weights = np.minimum(explanation.weights @ together, RetargetSettings.strongest)
-    explanation = replace(explanation, weights=weights)
+    explanation = replace(explanation, weights=within_reach(weights, rig.names))
     return Retargeting(rig, model.template, explanation, "mm" if meshes else "percent")

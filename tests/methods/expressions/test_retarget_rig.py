@@ -69,6 +69,19 @@ def test_lips_close_on_an_open_jaw_and_no_more_than_it_is(head, head_template, b
     assert retarget_rig(wild, rig, model, neutral).explanation.weights.max() <= RetargetSettings.strongest
 
 
+def test_lids_squint_only_as_far_as_a_blink_leaves_them_open(head, ball):
+    names = ("eyeSquintLeft", "eyeBlinkLeft")
+    deltas = head.actions[[head.action_names.index(name) for name in names]].astype(float)
+    vertices, faces = ball
+    rig = Rig(names, Mesh(vertices.astype(np.float32), faces), np.zeros((2, *vertices.shape)), normal_deltas=deltas)
+    model = load_model(kind="morphable")
+    neutral = model.template.vertices
+    done = [[0.5, 0.2], [1, 0.9], [1, 1.3]]
+    drivers = [DrivingMesh(neutral + np.tensordot(weights, deltas, 1)) for weights in done]
+    weights = retarget_rig(drivers, rig, model, neutral).explanation.weights
+    np.testing.assert_allclose(weights, [[0.5, 0.2], [0.3, 0.9], [0, 1.3]], atol=0.01)
+
+
 def test_landmarks_let_no_tongue_out(head, ball):
     names = ("tongueOut", "mouthUpperUpLeft", "mouthUpperUpRight")
     deltas = head.actions[[head.action_names.index(name) for name in names]].astype(float)
