@@ -11,6 +11,7 @@ from caricli.methods.rig.transfer_rig import transfer_rig
 from caricli.methods.session.tools import Tools
 from caricli.methods.session.work import Work
 from caricli.structures import HeadChoice, Part
+from caricli.structures.arkit import within_reach
 
 DRESSED = HeadChoice(("skin", "teeth", "tongue", "lashes", "hair", "bust"))
 """What the page shows of a head beside its eyes."""
@@ -83,8 +84,14 @@ class Poser:
 
 
 def _moved(rest: np.ndarray, names: Sequence[str], deltas: np.ndarray, work: Work) -> np.ndarray:
-    """Vertices (W, 3) with what the expressions of a work, where they know them, do to them. deltas: (K, W, 3)."""
-    moves = [weight * deltas[names.index(name)] for name, weight in work.weights.items() if name in names]
+    """Vertices (W, 3) with what the expressions of a work, where they know them, do to them. deltas: (K, W, 3).
+
+    None goes farther than another leaves room to.
+    """
+    if not work.weights:
+        return rest
+    reached = within_reach(np.array([[*work.weights.values()]]), tuple(work.weights))[0]
+    moves = [w * deltas[names.index(name)] for name, w in zip(work.weights, reached, strict=True) if name in names]
     return rest + np.sum(moves, axis=0) if moves else rest
 
 

@@ -33,6 +33,14 @@ def test_teeth_and_lashes_go_with_the_expression_and_come_back(poser, start):
     assert poser.vertices(start) is start.face.vertices
 
 
+def test_lids_squint_only_as_far_as_a_blink_leaves_them_open(poser, start):
+    blink = poser.vertices(replace(start, weights={"eyeBlinkLeft": 1.0}))
+    both = replace(start, weights={"eyeSquintLeft": 1.0, "eyeBlinkLeft": 1.0})
+    np.testing.assert_allclose(poser.vertices(both), blink, atol=1e-9)
+    squint = poser.vertices(replace(start, weights={"eyeSquintLeft": 1.0}))
+    assert np.abs(squint - start.face.vertices).max() > 1e-3
+
+
 def test_another_face_has_its_own_expressions_and_parts(poser, start):
     laughing = replace(start, weights={"jawOpen": 1.0})
     before = poser.vertices(laughing)
