@@ -26,6 +26,13 @@ LEFT_OPEN = {"eyeSquintLeft": "eyeBlinkLeft", "eyeSquintRight": "eyeBlinkRight"}
 LEFT = 3.0
 """Weight of a squint, to one that a blink lacks to its whole: of the way to the other lid a squint goes a third."""
 
+OPPOSITES = {"jawLeft": "jawRight", "mouthLeft": "mouthRight"} | {
+    one + side: other + side
+    for one, other in (("mouthSmile", "mouthFrown"), ("eyeLookUp", "eyeLookDown"), ("eyeLookIn", "eyeLookOut"))
+    for side in ("Left", "Right")
+}
+"""Actions that nobody does at once, though both together can look like a wider jaw or mouth."""
+
 
 _PLAIN = {name.lower(): name for name in ARKIT_NAMES}
 
@@ -73,6 +80,12 @@ def within_reach(weights: np.ndarray, names: Sequence[str]) -> np.ndarray:
         left = LEFT * (1 - columns.get(LEFT_OPEN[name], 0.0))
         columns[name] = np.minimum(columns[name], np.maximum(left, 0))
     return np.stack([*columns.values()], axis=1)
+
+
+def opposites(names: Sequence[str]) -> tuple[tuple[int, int], ...]:
+    """Pairs of numbers of expressions that are ``OPPOSITES``. names: (K,) of expressions."""
+    both = [pair for pair in OPPOSITES.items() if set(pair) <= set(names)]
+    return tuple((names.index(one), names.index(other)) for one, other in both)
 
 
 def action_codes(expressions: Sequence[Mapping[str, float]]) -> np.ndarray:

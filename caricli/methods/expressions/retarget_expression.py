@@ -16,6 +16,9 @@ from caricli.methods.reconstruct.settings import LatentSettings
 from caricli.models.morphable.model import MorphableModel
 from caricli.structures import Camera
 
+_SHARED = 1e-6
+"""Weight of the weaker of two opposites, at most: bounds of the solver must differ."""
+
 
 @dataclass(frozen=True)
 class RetargetSettings:
@@ -29,6 +32,7 @@ class RetargetSettings:
     that the model was trained with, and landmarks tell little enough of them.
     rounds: exchanges between identity and weights at most.
     settled: largest step, in the units of motions and identity, that ends them.
+    opposites: pairs of numbers of expressions, of which a face does one at most.
     """
 
     strongest: float = 1.5
@@ -38,6 +42,7 @@ class RetargetSettings:
     caution: float = 0.4
     rounds: int = 20
     settled: float = 1e-3
+    opposites: tuple[tuple[int, int], ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -240,6 +245,7 @@ class BoundedSystem:
         _, self.identity, self.deltas = np.split(upper[len(motions) :], parts, axis=1)
         self._basis = basis[: rows.shape[1]]
         self._strongest = settings.strongest
+        self._opposites = np.array(settings.opposites, int).reshape(-1, 2)
         self._rotation, self._root = np.linalg.qr(self.deltas)
         self._toll = np.linalg.solve(self._root.T, np.full(len(deltas), price))
 
@@ -251,9 +257,18 @@ class BoundedSystem:
     def weights(self, rest: np.ndarray) -> np.ndarray:
         """The best w (K,) for rows of the triangle below the motions."""
         wanted = rest @ self._rotation - self._toll
-        bounds = (0, self._strongest)
-        solution = lsq_linear(self._root, wanted, bounds, "bvls", max_iter=10 * len(wanted)).x
-        return np.clip(solution, *bounds)  # rounding
+        most = np.full(len(wanted), self._strongest)
+        weights = self._within(wanted, most)
+        both = self._opposites[weights[self._opposites].min(1) > _SHARED]
+        if not len(both):
+            return weights
+        most[both[np.arange(len(both)), weights[both].argmin(1)]] = _SHARED
+        return self._within(wanted, most)
+
+    def _within(self, wanted: np.ndarray, most: np.ndarray) -> np.ndarray:
+        """The best w (K,) between 0 and bounds (K,)."""
+        solution = lsq_linear(self._root, wanted, (0, most), "bvls", max_iter=10 * len(wanted)).x
+        return np.clip(solution, 0, most)  # rounding
 
     def motion(self, own: np.ndarray, who: np.ndarray, weights: np.ndarray) -> np.ndarray:
         """The best p (M,) for the motions' own rows, a and w."""

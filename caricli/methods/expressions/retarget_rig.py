@@ -17,7 +17,7 @@ from caricli.methods.reconstruct.fit_morphable import fit_morphable
 from caricli.methods.reconstruct.landmark_fit import LandmarkFit
 from caricli.models.morphable.model import MorphableModel
 from caricli.structures import Animation, Face, Landmarks, Rig
-from caricli.structures.arkit import uses, within_reach
+from caricli.structures.arkit import opposites, uses, within_reach
 from caricli.structures.texture_change import TextureChange
 from caricli.template.template import Template
 
@@ -120,7 +120,8 @@ def retarget_rig(
     """Explain what normal faces of one person do by the expressions of a rig.
 
     One that only means something on top of another comes with it: lips close on an open jaw, and not more than it is.
-    Nor does a squint close more of an eye than a blink leaves open.
+    Nor does a squint close more of an eye than a blink leaves open. Without a neutral face that is given, none does two
+    ``OPPOSITES`` at once.
 
     drivers: all meshes or all landmarks. neutral: (N, 3) metres, the neutral face of the person in driving meshes, or
     None.
@@ -130,13 +131,15 @@ def retarget_rig(
     seen = [driver for driver in drivers if isinstance(driver, DrivingLandmarks)]
     together = uses(rig.names)
     deltas = np.tensordot(together, rig.require_normal_deltas(), 1)
+    # A neutral face that is given leaves no doubt that a face does both.
+    settings = RetargetSettings(opposites=opposites(rig.names) if neutral is None else ())
     if meshes:
-        explanation = explain_meshes(meshes, deltas, model, neutral)
+        explanation = explain_meshes(meshes, deltas, model, neutral, settings)
     else:
         # No landmark shows a tongue, and what it does to lips others do as well.
         deltas[[name == "tongueOut" for name in rig.names]] = 0
         points = [driver.points for driver in seen]
-        explanation = explain_landmarks([driver.fit for driver in seen], points, deltas, model)
+        explanation = explain_landmarks([driver.fit for driver in seen], points, deltas, model, settings)
     weights = np.minimum(explanation.weights @ together, RetargetSettings.strongest)
     explanation = replace(explanation, weights=within_reach(weights, rig.names))
     return Retargeting(rig, model.template, explanation, "mm" if meshes else "percent")

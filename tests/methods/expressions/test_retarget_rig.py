@@ -96,3 +96,21 @@ def test_landmarks_let_no_tongue_out(head, ball):
     # A mesh of a neutral face that is given shows how far lips part for it.
     meshes = retarget_rig([DrivingMesh(open_)], rig, model, model.template.vertices).explanation.weights
     np.testing.assert_allclose(meshes[0], [1, 0, 0], atol=0.01)
+
+
+def test_wide_jaws_do_not_go_to_both_sides_at_once(head, ball):
+    names = ("jawLeft", "jawRight", "jawOpen")
+    deltas = head.actions[[head.action_names.index(name) for name in names]].astype(float)
+    vertices, faces = ball
+    rig = Rig(names, Mesh(vertices.astype(np.float32), faces), np.zeros((3, *vertices.shape)), normal_deltas=deltas)
+    model = load_model(kind="morphable")
+    wide = model.template.vertices + 1.2 * deltas[0] + 0.9 * deltas[1] + 0.5 * deltas[2]
+    points = wide[model.template.annotation.landmarks[:68], :2] * [1500, -1500] + [300, 310]
+    landmarks = retarget_rig([DrivingLandmarks(points, fit_morphable(points, model))], rig, model)
+    mesh = retarget_rig([DrivingMesh(wide)], rig, model)
+    for seen in (landmarks, mesh):
+        left, right, open_ = seen.explanation.weights[0]
+        assert right < 1e-5 and 0.05 < left < 1 and open_ > 0.3
+    # A mesh of a neutral face that is given shows that it does.
+    given = retarget_rig([DrivingMesh(wide)], rig, model, model.template.vertices).explanation.weights
+    np.testing.assert_allclose(given[0], [1.2, 0.9, 0.5], atol=0.01)
