@@ -7,6 +7,7 @@ import warnings
 from contextlib import suppress
 from functools import cache
 from pathlib import Path
+from threading import Lock
 from typing import Any
 
 import numpy as np
@@ -19,6 +20,7 @@ from caricli.limits import MAX_IMAGE_BYTES, MAX_IMAGE_PIXELS, MAX_IMAGE_SIDE
 EFFORT = 3  # of PNG, from 0 to 9: the usual 6 saves a tenth of the bytes and takes twice as long
 _MOST_PACKED = 4  # that a head wears
 _packed: dict[str, bytes] = {}
+_packing = Lock()  # files of a head are written beside each other
 _FORMATS = ("PNG", "JPEG", "WEBP", "BMP", "TIFF", "GIF")
 _BEGINNINGS = (b"\x89PNG", b"\xff\xd8\xff", b"GIF8", b"BM", b"II*\0", b"MM\0*")
 _WEBP = slice(8, 12)
@@ -106,13 +108,16 @@ def png_bytes(image: np.ndarray) -> bytes:
 
     image = np.ascontiguousarray(image)
     key = hashlib.sha256(f"{image.shape}".encode() + image.data).hexdigest()
-    if key not in _packed:
+    packed = _packed.get(key)
+    if packed is None:
         stream = io.BytesIO()
         Image.fromarray(image).save(stream, "PNG", compress_level=EFFORT)
-        while len(_packed) >= _MOST_PACKED:
-            del _packed[next(iter(_packed))]
-        _packed[key] = stream.getvalue()
-    return _packed[key]
+        packed = stream.getvalue()
+        with _packing:
+            while len(_packed) >= _MOST_PACKED:
+                del _packed[next(iter(_packed))]
+            _packed[key] = packed
+    return packed
 
 
 def gray_png(image: np.ndarray) -> bytes:

@@ -146,3 +146,12 @@ def test_a_picture_is_packed_once(tmp_path, monkeypatch):
         png_bytes(image.reshape(30, 40, 3))
     with pytest.raises(TypeError):
         png_bytes(255 - image)
+
+
+def test_what_another_thread_puts_in_the_place_of_a_picture_takes_it_from_nobody(monkeypatch):
+    class Crowded(dict):
+        def __setitem__(self, key, packed):
+            super().__setitem__("another", packed)
+
+    monkeypatch.setattr(image_module, "_packed", Crowded())
+    np.testing.assert_array_equal(np.array(Image.open(io.BytesIO(png_bytes(GRADIENT)))), GRADIENT)
