@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from caricli.errors import InputError, shown
+from caricli.errors import InputError, naming
 from caricli.io.bundled import asset_path
-from caricli.io.strict_json import read_json
+from caricli.io.strict_json import found_value, read_json, take
 from caricli.structures.landmarks import COUNT, EXTRA, JAW
 from caricli.structures.parts import Hold
 
@@ -78,63 +78,58 @@ def parse_annotation(value: Any, vertex_count: int, where: str) -> Annotation:
     if not isinstance(value, dict):
         kind = type(value).__name__
         raise InputError(f"{where}: expected a JSON object with vertex ids under 'ibug68', found {kind}")
+    with naming(where):
+        return _annotation(value, vertex_count)
 
+
+def _annotation(value: dict, vertex_count: int) -> Annotation:
     def ids(key: str, item: Any, count: int | None = None) -> np.ndarray:
         array = np.asarray(item if isinstance(item, list) else None, dtype=object)
         if array.ndim != 1 or not all(type(i) is int and 0 <= i < vertex_count for i in array):
-            raise InputError(f"{where}: '{key}' must be a list of vertex ids from 0 to {vertex_count - 1}")
+            expected = f"a list of vertex ids from 0 to {vertex_count - 1}"
+            raise InputError(f"{key}: expected {expected}, found {found_value(item)}")
         if count is not None and len(array) != count:
-            raise InputError(f"{where}: '{key}' must have {count} vertex ids, found {len(array)}")
+            raise InputError(f"{key}: expected {count} vertex ids, found {len(array)}")
         return array.astype(np.int64)
 
     def table(key: str) -> dict[str, np.ndarray]:
-        entries = value.get(key, {})
-        if not isinstance(entries, dict):
-            raise InputError(f"{where}: '{key}' must map names to lists of vertex ids")
-        return {name: ids(f"{key}.{name}", item) for name, item in entries.items()}
+        return {name: ids(f"{key}.{name}", item) for name, item in take(value, key, dict, {}).items()}
 
-    if "ibug68" not in value:
-        raise InputError(f"{where}: 'ibug68', the 68 landmark vertices, is missing")
-    landmarks = ids("ibug68", value["ibug68"], COUNT)
+    landmarks = ids("ibug68", value.get("ibug68"), COUNT)
     if "extra13" in value:
         landmarks = np.concatenate([landmarks, ids("extra13", value["extra13"], len(EXTRA))])
-    jaw_paths = _jaw_paths(value, landmarks[JAW], ids, where)
+    jaw_paths = _jaw_paths(value, landmarks[JAW], ids)
     mirror = ids("mirror", value["mirror"], vertex_count) if "mirror" in value else None
     if mirror is not None and not np.array_equal(mirror[mirror], np.arange(vertex_count)):
-        raise InputError(f"{where}: 'mirror' must be its own inverse")
-    eyeballs = value.get("eyeballs", {})
-    if not isinstance(eyeballs, dict):
-        raise InputError(f"{where}: 'eyeballs' must be an object")
+        raise InputError("mirror: expected a map that is its own inverse, found another")
     regions = table("regions")
-    holds = _holds(value, regions, where)
+    holds: dict[str, Hold] = {}
+    for name, part in take(value, "parts", dict, {}).items():
+        with naming(f"parts.{name}"):
+            holds[name] = _hold(part, regions)
+    eyeballs = take(value, "eyeballs", dict, {})
     return Annotation(landmarks, jaw_paths, table("curves"), regions, mirror, eyeballs, value, holds)
 
 
-def _holds(value: dict, regions: dict[str, np.ndarray], where: str) -> dict[str, Hold]:
-    """What parts hang on, checked against the regions that say where this is."""
-    parts = value.get("parts", {})
-    if not isinstance(parts, dict) or not all(isinstance(part, dict) for part in parts.values()):
-        raise InputError(f"{where}: 'parts' must map names to objects with 'file' and 'hangs_on'")
-    holds: dict[str, Hold] = {}
-    for name, part in parts.items():
-        hold = part.get("hangs_on")
-        if not isinstance(hold, str) or hold not in HELD_BY:
-            expected = " or ".join(HELD_BY)
-            raise InputError(f"{where}: 'parts.{name}' must hang on {expected}, found {shown(hold, 60)!r}")
-        if not isinstance(part.get("file"), str):
-            raise InputError(f"{where}: 'parts.{name}' must name its file")
-        if not any(len(regions.get(region, ())) for region in HELD_BY[hold]):
-            expected = " or ".join(f"'regions.{region}'" for region in HELD_BY[hold])
-            raise InputError(f"{where}: 'parts.{name}' hangs on the {hold}: {expected}, its vertices, is missing")
-        holds[name] = hold
-    return holds
+def _hold(part: Any, regions: dict[str, np.ndarray]) -> Hold:
+    """What a part hangs on, checked against the regions that say where this is."""
+    hold = part.get("hangs_on") if isinstance(part, dict) else None
+    if not isinstance(hold, str) or hold not in HELD_BY:
+        raise InputError(f"hangs_on: expected {' or '.join(HELD_BY)}, found {found_value(hold)}")
+    take(part, "file", str)
+    if not any(len(regions.get(region, ())) for region in HELD_BY[hold]):
+        expected = " or ".join(f"'regions.{region}'" for region in HELD_BY[hold])
+        raise InputError(f"expected {expected}, the vertices that it hangs on, found none")
+    return hold
 
 
-def _jaw_paths(value: dict, jaw: np.ndarray, ids: Callable, where: str) -> tuple[np.ndarray, ...]:
+def _jaw_paths(value: dict, jaw: np.ndarray, ids: Callable) -> tuple[np.ndarray, ...]:
     paths = value.get("jaw_paths", [[int(i)] for i in jaw])
     if not isinstance(paths, list) or len(paths) != len(JAW):
-        raise InputError(f"{where}: 'jaw_paths' must be {len(JAW)} lists of vertex ids")
+        raise InputError(f"jaw_paths: expected {len(JAW)} lists of vertex ids, found {found_value(paths)}")
     jaw_paths = tuple(ids(f"jaw_paths[{k}]", path) for k, path in enumerate(paths))
-    if any(landmark not in path for landmark, path in zip(jaw, jaw_paths, strict=True)):
-        raise InputError(f"{where}: every path in 'jaw_paths' must contain the jaw landmark that slides along it")
+    without = next((k for k, path in enumerate(jaw_paths) if jaw[k] not in path), None)
+    if without is not None:
+        expected = f"vertex {jaw[without]}, which slides along it"
+        raise InputError(f"jaw_paths[{without}]: expected {expected}, found none")
     return jaw_paths

@@ -70,7 +70,7 @@ class Shapes:
         for names, given in ((self.change_names, changes or {}), (self.action_names, actions or {})):
             unknown = sorted(set(given) - set(names))
             if unknown:
-                raise InputError(f"the head has no change or action named {unknown[0]!r}")
+                raise InputError(f"expected a change or action of the head, found {unknown[0]!r}")
         for name, amount in (changes or {}).items():
             deltas = self.changes_up if amount > 0 else self.changes_down
             vertices += np.float64(abs(amount)) * deltas[self.change_names.index(name)]

@@ -34,7 +34,8 @@ def read_own_parts(template: Template, annotation_path: Path, head: np.ndarray, 
     for name, entry in entries.items():
         file = annotation_path.parent / entry["file"]
         if not file.resolve().is_relative_to(annotation_path.parent.resolve()):
-            raise InputError(f"{annotation_path}: 'parts.{name}' must lie in the folder of this file")
+            elsewhere = shown(entry["file"], 60)
+            raise InputError(f"{shown(annotation_path)}: parts.{name}: expected a file beside it, found {elsewhere!r}")
         mesh = read_mesh(file)
         placed = mesh.with_vertices(np.asarray(mesh.vertices, float) * factor)
         with naming(file):
@@ -97,5 +98,5 @@ def _material(name: str, given: object) -> Material:
         return usual
     if not isinstance(given, str) or given not in MATERIALS:
         expected = ", ".join(MATERIALS)
-        raise InputError(f"expected for 'parts.{name}' a material ({expected}), found {shown(given, 40)!r}")
+        raise InputError(f"parts.{name}: expected a material ({expected}), found {shown(given, 40)!r}")
     return MATERIALS[given]

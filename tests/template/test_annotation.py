@@ -85,7 +85,7 @@ NOT_IDS = {
 @pytest.mark.parametrize("ids", NOT_IDS.values(), ids=NOT_IDS.keys())
 def test_what_is_no_list_of_vertex_ids_is_refused(ids):
     for change in ({"ibug68": ids}, {"curves": {"brow": ids}}, {"regions": {"face": ids}}, {"mirror": ids}):
-        message = f"^a.json: '{next(iter(change))}.* must be a list of vertex ids"
+        message = f"^a.json: {next(iter(change))}.*: expected a list of vertex ids from 0 to 199, found "
         with pytest.raises(InputError, match=message) as refusal:
             parse_annotation(good(**change), COUNT, "a.json")
         assert "\n" not in str(refusal.value)
@@ -94,22 +94,25 @@ def test_what_is_no_list_of_vertex_ids_is_refused(ids):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"ibug68": list(range(67))}, "'ibug68' must have 68 vertex ids, found 67"),
-        ({"ibug68": list(range(69))}, "'ibug68' must have 68 vertex ids, found 69"),
-        ({"ibug68": []}, "'ibug68' must have 68 vertex ids, found 0"),
-        ({"extra13": list(range(12))}, "'extra13' must have 13 vertex ids, found 12"),
-        ({"mirror": list(range(COUNT - 1))}, "'mirror' must have 200 vertex ids, found 199"),
-        ({"mirror": [*range(1, COUNT), 0]}, "'mirror' must be its own inverse"),
-        ({"mirror": [0] * COUNT}, "'mirror' must be its own inverse"),
-        ({"jaw_paths": [[k] for k in range(16)]}, "'jaw_paths' must be 17 lists"),
-        ({"jaw_paths": {"a": [1]}}, "'jaw_paths' must be 17 lists"),
-        ({"jaw_paths": [[k + 1] for k in range(17)]}, "every path in 'jaw_paths' must contain the jaw landmark"),
-        ({"jaw_paths": [[]] + [[k] for k in range(1, 17)]}, "every path in 'jaw_paths' must contain the jaw landmark"),
-        ({"jaw_paths": [[0.0]] + [[k] for k in range(1, 17)]}, "'jaw_paths\\[0\\]' must be a list of vertex ids"),
-        ({"jaw_paths": [0] + [[k] for k in range(1, 17)]}, "'jaw_paths\\[0\\]' must be a list of vertex ids"),
-        ({"curves": [1, 2]}, "'curves' must map names to lists"),
-        ({"regions": None}, "'regions' must map names to lists"),
-        ({"eyeballs": [1]}, "'eyeballs' must be an object"),
+        ({"ibug68": list(range(67))}, "ibug68: expected 68 vertex ids, found 67"),
+        ({"ibug68": list(range(69))}, "ibug68: expected 68 vertex ids, found 69"),
+        ({"ibug68": []}, "ibug68: expected 68 vertex ids, found 0"),
+        ({"extra13": list(range(12))}, "extra13: expected 13 vertex ids, found 12"),
+        ({"mirror": list(range(COUNT - 1))}, "mirror: expected 200 vertex ids, found 199"),
+        ({"mirror": [*range(1, COUNT), 0]}, "mirror: expected a map that is its own inverse, found another"),
+        ({"mirror": [0] * COUNT}, "mirror: expected a map that is its own inverse, found another"),
+        ({"jaw_paths": [[k] for k in range(16)]}, "jaw_paths: expected 17 lists of vertex ids, found "),
+        ({"jaw_paths": {"a": [1]}}, "jaw_paths: expected 17 lists of vertex ids, found "),
+        (
+            {"jaw_paths": [[k + 1] for k in range(17)]},
+            "jaw_paths\\[0\\]: expected vertex 0, which slides",
+        ),
+        ({"jaw_paths": [[]] + [[k] for k in range(1, 17)]}, "jaw_paths\\[0\\]: expected vertex 0, which"),
+        ({"jaw_paths": [[0.0]] + [[k] for k in range(1, 17)]}, "jaw_paths\\[0\\]: expected a list of vertex ids"),
+        ({"jaw_paths": [0] + [[k] for k in range(1, 17)]}, "jaw_paths\\[0\\]: expected a list of vertex ids"),
+        ({"curves": [1, 2]}, "curves: expected dict, found list"),
+        ({"regions": None}, "regions: expected dict, found NoneType"),
+        ({"eyeballs": [1]}, "eyeballs: expected dict, found list"),
     ],
     ids=str,
 )
@@ -125,7 +128,7 @@ def test_what_is_no_object_is_refused(value):
 
 
 def test_missing_landmarks_are_refused():
-    with pytest.raises(InputError, match="'ibug68', the 68 landmark vertices, is missing"):
+    with pytest.raises(InputError, match="ibug68: expected a list of vertex ids from 0 to 199, found none"):
         parse_annotation(without("ibug68"), COUNT, "a.json")
 
 

@@ -153,7 +153,7 @@ def test_the_phenotype_is_continuous_and_clipped(head):
 
 @pytest.mark.parametrize("group", ["changes", "actions"])
 def test_an_unknown_name_is_refused(head, group):
-    with pytest.raises(InputError, match="no change or action named 'nose-of-pinocchio'"):
+    with pytest.raises(InputError, match="expected a change or action of the head, found 'nose-of-pinocchio'"):
         head.evaluate(**{group: {"nose-of-pinocchio": 1.0}})
 
 
