@@ -12,6 +12,7 @@ import numpy as np
 from caricli.errors import InputError, naming, shown
 from caricli.io.files import read_bytes
 from caricli.io.outputs import write_bytes
+from caricli.io.parse_number import parse_number
 from caricli.io.svg_brush import Brush
 from caricli.io.svg_path import outline_points
 from caricli.io.svg_style import Style, length_in_pixels, style_rules
@@ -213,7 +214,7 @@ def _stroke(element: Element, points: np.ndarray, place: _Place, scale: float) -
     text = element.get("data-pressure")
     if text is not None:
         try:
-            pressure = np.array([float(word) for word in text.split()])
+            pressure = np.array([parse_number(word) for word in text.split()])
         except ValueError:
             raise InputError("data-pressure: expected numbers, found others") from None
     return Stroke(points, place.kind or StrokeKind.UNKNOWN, place.curve, pressure, width)

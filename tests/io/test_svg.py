@@ -187,6 +187,7 @@ FILE = '<!DOCTYPE svg [<!ENTITY a SYSTEM "file:///etc/passwd">]>'
         ('<g transform="matrix(1 2 3)"/>', "", "transform: expected one"),
         ('<g transform="scale(1e400)"/>', "", "transform: expected one"),
         ('<line x2="3" data-pressure="0.5 x"/>', "", "data-pressure: expected numbers"),
+        ('<line x2="3" data-pressure="0_1 0.5"/>', "", "data-pressure: expected numbers"),
         ('<line x2="3" data-pressure="0.5 0.5 1"/>', "", "pressure: expected the shape"),
         ('<g id="a"><use href="#a"/><use href="#a"/></g>', "", "elements, 64 deep, found more"),
         ("<g>" * 100 + "</g>" * 100, "", "elements, 64 deep, found more"),
