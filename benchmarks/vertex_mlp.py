@@ -18,7 +18,8 @@ from caricli.data.dataset import Dataset, read_dataset
 from caricli.methods.evaluate.evaluate_ablation import fit_codes
 from caricli.methods.evaluate.evaluate_shape import spread_rows
 from caricli.methods.train.deformable.surface import Surface, TrainingMeshes
-from caricli.methods.train.train_autodecoder import AutoDecoderTraining, EpochRecord
+from caricli.methods.train.stages import EpochRecord
+from caricli.methods.train.train_autodecoder import AutoDecoderTraining
 from caricli.models.ablation.config import AblationConfig
 from caricli.models.ablation.networks import ArraySize, VertexArray
 from caricli.models.deformable.config import DeformableConfig

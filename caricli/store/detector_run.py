@@ -15,7 +15,7 @@ from caricli.methods.train.detector.fit_jaw_places import fit_jaw_places
 from caricli.methods.train.detector.split_pictures import JoinedPictures, SplitPictures, marked_by_people
 from caricli.methods.train.detector.train_detector import DetectorTraining
 from caricli.methods.train.detector.window_batch import WindowSource
-from caricli.methods.train.train_autodecoder import Share
+from caricli.methods.train.processes import Share
 from caricli.models.detector.config import DetectorConfig
 from caricli.models.detector.model import TRUST, detector_to_checkpoint
 from caricli.models.detector.networks import detector_of, network_of

@@ -4,10 +4,10 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from caricli.data.dataset import Dataset, read_dataset
+from caricli.methods.train.processes import Share
 from caricli.methods.train.sketch.train_published import PublishedTraining
 from caricli.methods.train.sketch.train_sketch import SketchTraining
 from caricli.methods.train.stages import Report
-from caricli.methods.train.train_autodecoder import Share
 from caricli.models.bilinear.model import BilinearModel
 from caricli.models.linear_model import LinearModel
 from caricli.models.sketch.config import SketchConfig

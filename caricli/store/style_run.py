@@ -5,9 +5,9 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from caricli.methods.dynamic.media import NAMES
+from caricli.methods.train.processes import Share
 from caricli.methods.train.texture.painted_pairs import Report, painted_pairs
 from caricli.methods.train.texture.train_style import StyleTraining, style_errors
-from caricli.methods.train.train_autodecoder import Share
 from caricli.models.style.config import StyleConfig
 from caricli.models.style.model import StyleModel, style_to_checkpoint
 from caricli.seeds import TrainingSeed

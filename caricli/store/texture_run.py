@@ -14,11 +14,11 @@ from caricli.methods.evaluate.evaluate_texture import Judge, Painter, TextureCho
 from caricli.methods.evaluate.paint_sheet import paint_sheet
 from caricli.methods.evaluate.texture_flicker import flicker, takes_of
 from caricli.methods.evaluate.texture_rivals import linear_painter, network_painter, spline_painter, train_reader
+from caricli.methods.train.processes import Share
 from caricli.methods.train.stages import Report
 from caricli.methods.train.texture.texture_losses import TextureBatch
 from caricli.methods.train.texture.texture_pairs import TexturePairs, painted_people
 from caricli.methods.train.texture.train_texture import TextureTraining
-from caricli.methods.train.train_autodecoder import Share
 from caricli.models.texture.config import TextureConfig
 from caricli.models.texture.model import TextureModel, texture_to_checkpoint
 from caricli.store.pictures import pictures_in

@@ -18,7 +18,8 @@ from caricli.io.strict_json import write_json
 from caricli.io.training_state import read_state, write_state
 from caricli.methods.evaluate.evaluate_shape import ShapeError, evaluate_splits
 from caricli.methods.train.deformable.train_deformable import trained_model
-from caricli.methods.train.train_autodecoder import AutoDecoderTraining, EpochRecord
+from caricli.methods.train.stages import EpochRecord
+from caricli.methods.train.train_autodecoder import AutoDecoderTraining
 from caricli.models.checkpoint import model_to_checkpoint
 from caricli.render.sheets.plot_curves import plot_curves
 from caricli.store.models import load_model

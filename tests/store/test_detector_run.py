@@ -9,7 +9,7 @@ from caricli.errors import InputError
 from caricli.io.bundled import asset_path, config_path
 from caricli.io.config import read_config
 from caricli.io.strict_json import read_json
-from caricli.methods.train.train_autodecoder import ALL
+from caricli.methods.train.processes import ALL
 from caricli.models.detector.config import DetectorConfig
 from caricli.models.detector.networks import network_of
 from caricli.store.detector import load_detector

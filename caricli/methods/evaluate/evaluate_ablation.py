@@ -12,8 +12,8 @@ from caricli.data.dataset import Dataset
 from caricli.methods.evaluate.evaluate_shape import split_rows
 from caricli.methods.train.deformable.code_fit import CodeFit
 from caricli.methods.train.deformable.surface import Points, Surface, TrainingMeshes
-from caricli.methods.train.stages import Report, unwatched
-from caricli.methods.train.train_autodecoder import AutoDecoderTraining, EpochRecord
+from caricli.methods.train.stages import EpochRecord, Report, unwatched
+from caricli.methods.train.train_autodecoder import AutoDecoderTraining
 from caricli.models.ablation.config import AblationConfig
 from caricli.models.ablation.networks import ArraySize, ConditionedSiren, VertexArray
 from caricli.models.deformable.model import UnitBox

@@ -11,8 +11,9 @@ import torch
 
 from caricli.errors import InputError, NumericsError
 from caricli.methods.train.kernel_muon import KernelMuon
+from caricli.methods.train.processes import Share
 from caricli.methods.train.require_like import optimiser_form, require_like
-from caricli.methods.train.train_autodecoder import EpochRecord, Share
+from caricli.methods.train.stages import EpochRecord
 
 WARM_UP = 200
 """Steps in which the learning rate rises, of a training at least ``WARM_UP_SHARE`` times as long."""

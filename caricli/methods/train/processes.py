@@ -3,10 +3,21 @@
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 
 import torch
 
-from caricli.methods.train.train_autodecoder import Share
+
+@dataclass(frozen=True)
+class Share:
+    """Which part of every batch a process takes: one in ``count``, from ``process`` on."""
+
+    process: int = 0
+    count: int = 1
+
+
+ALL = Share()
+"""Of a process that trains alone."""
 
 
 @contextmanager

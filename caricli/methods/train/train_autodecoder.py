@@ -11,7 +11,9 @@ from caricli.errors import NumericsError
 from caricli.methods.train.deformable.code_fit import CodeFit, square_distances
 from caricli.methods.train.deformable.roughness import Roughness
 from caricli.methods.train.deformable.surface import Points, TrainingMeshes
+from caricli.methods.train.processes import ALL, Share
 from caricli.methods.train.require_like import optimiser_form, require_like
+from caricli.methods.train.stages import EpochRecord
 from caricli.models.deformable.config import DeformableConfig
 from caricli.models.principal_components import principal_components
 from caricli.seeds import TrainingSeed
@@ -30,29 +32,6 @@ VALIDATION_RATE = 0.05
 
 PRIOR_CODES = 8
 """Latents drawn from the prior a step, where roughness is measured."""
-
-
-@dataclass(frozen=True)
-class Share:
-    """Which part of every batch a process takes: one in ``count``, from ``process`` on."""
-
-    process: int = 0
-    count: int = 1
-
-
-ALL = Share()
-"""Of a process that trains alone."""
-
-
-@dataclass(frozen=True)
-class EpochRecord:
-    """What an epoch came to: mean loss; mean distance of points, in metres, of training and of unseen meshes."""
-
-    epoch: int
-    loss: float
-    train_error: float
-    validation_error: float | None
-    best: bool
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,7 +9,7 @@ from torch.nn import functional
 
 from caricli.methods.train.gesture_hand import draw_gesture, draw_other
 from caricli.methods.train.network_training import NetworkTraining
-from caricli.methods.train.train_autodecoder import ALL, Share
+from caricli.methods.train.processes import ALL, Share
 from caricli.models.gesture.config import GestureConfig
 from caricli.models.gesture.model import GestureModel
 from caricli.models.gesture.networks import GestureNetwork

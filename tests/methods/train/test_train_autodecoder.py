@@ -7,7 +7,8 @@ import torch
 
 from caricli.errors import NumericsError
 from caricli.methods.train.deformable.surface import Surface, TrainingMeshes
-from caricli.methods.train.train_autodecoder import ALL, AutoDecoderTraining, Share
+from caricli.methods.train.processes import ALL, Share
+from caricli.methods.train.train_autodecoder import AutoDecoderTraining
 from caricli.models.deformable.config import DeformableConfig
 from caricli.models.deformable.model import UnitBox
 from caricli.models.deformable.networks import HyperSiren

@@ -4,7 +4,7 @@ import torch
 
 from caricli.io.bundled import config_path
 from caricli.io.config import read_config
-from caricli.methods.train.train_autodecoder import ALL, Share
+from caricli.methods.train.processes import ALL, Share
 from caricli.methods.train.train_gesture import GestureTraining
 from caricli.models.gesture.config import GestureConfig
 

@@ -32,7 +32,7 @@ from caricli.methods.train.coarse.told_landmarks import (
 )
 from caricli.methods.train.detector.windows import moved_window
 from caricli.methods.train.network_training import NetworkTraining, require_faces
-from caricli.methods.train.train_autodecoder import ALL, Share
+from caricli.methods.train.processes import ALL, Share
 from caricli.models.coarse.config import CoarseConfig
 from caricli.models.coarse.model import LANDMARKS, SHARE, shares, window_marks
 from caricli.models.coarse.networks import CoarseNetwork, WindowFeatures

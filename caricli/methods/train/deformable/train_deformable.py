@@ -9,7 +9,8 @@ from scipy.spatial import cKDTree
 from caricli.data.dataset import Dataset
 from caricli.methods.evaluate.evaluate_shape import split_rows
 from caricli.methods.train.deformable.surface import Surface, TrainingMeshes
-from caricli.methods.train.train_autodecoder import ALL, AutoDecoderTraining, Share
+from caricli.methods.train.processes import ALL, Share
+from caricli.methods.train.train_autodecoder import AutoDecoderTraining
 from caricli.models.deformable.config import DeformableConfig
 from caricli.models.deformable.model import DeformableModel, UnitBox
 from caricli.models.deformable.networks import HyperSiren

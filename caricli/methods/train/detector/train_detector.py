@@ -13,7 +13,7 @@ from caricli.methods.train.detector.window_batch import Pictures, WindowBatch, W
 from caricli.methods.train.detector.windows_again import joined_windows, picked_windows
 from caricli.methods.train.kernel_muon import normalised_kernels
 from caricli.methods.train.network_training import NetworkTraining, require_faces
-from caricli.methods.train.train_autodecoder import ALL, Share
+from caricli.methods.train.processes import ALL, Share
 from caricli.models.detector.config import FINE, DetectorConfig
 from caricli.models.detector.networks import DetectorNetwork
 from caricli.render.pixels.cut_window import cut_window

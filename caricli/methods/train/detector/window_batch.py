@@ -11,7 +11,7 @@ from caricli.methods.train.detector.detector_losses import FaceTargets
 from caricli.methods.train.detector.disguise_picture import disguise_window
 from caricli.methods.train.detector.split_pictures import evenly_jawed
 from caricli.methods.train.detector.windows import WindowSettings, any_window, face_window
-from caricli.methods.train.train_autodecoder import Share
+from caricli.methods.train.processes import Share
 from caricli.models.detector.config import HALF, DetectorConfig
 from caricli.seeds import TrainingSeed
 from caricli.structures.detection import MarkedPicture

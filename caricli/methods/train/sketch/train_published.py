@@ -11,6 +11,7 @@ from torch.nn import functional
 
 from caricli.data.dataset import Dataset
 from caricli.methods.train.network_training import NetworkTraining
+from caricli.methods.train.processes import ALL, Share
 from caricli.methods.train.sketch.published_faces import (
     PublishedFaces,
     drawn_points,
@@ -19,7 +20,6 @@ from caricli.methods.train.sketch.published_faces import (
 )
 from caricli.methods.train.sketch.sketch_hand import Canvas, Missing, SketchBatch, SketchHand
 from caricli.methods.train.stages import Report, unwatched
-from caricli.methods.train.train_autodecoder import ALL, Share
 from caricli.models.bilinear.model import BilinearModel
 from caricli.models.sketch.config import PublishedSize, SketchConfig
 from caricli.models.sketch.networks import CAMERA

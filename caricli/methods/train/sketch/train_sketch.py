@@ -12,9 +12,9 @@ from caricli.data.dataset import Dataset
 from caricli.errors import InputError
 from caricli.methods.evaluate.evaluate_shape import spread_rows
 from caricli.methods.train.network_training import NetworkTraining
+from caricli.methods.train.processes import ALL, Share
 from caricli.methods.train.sketch.sketch_faces import SketchFaces
 from caricli.methods.train.sketch.sketch_hand import DrawnLines, Missing, SketchBatch, SketchHand
-from caricli.methods.train.train_autodecoder import ALL, Share
 from caricli.models.linear_model import LinearModel
 from caricli.models.sketch.config import SketchConfig, SketchSize
 from caricli.models.sketch.networks import CAMERA, SketchNetwork

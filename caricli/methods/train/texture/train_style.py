@@ -12,8 +12,8 @@ from torch.nn import functional
 
 from caricli.methods.dynamic.media import NAMES
 from caricli.methods.train.network_training import NetworkTraining
+from caricli.methods.train.processes import ALL, Share
 from caricli.methods.train.texture.painted_pairs import PaintedPairs
-from caricli.methods.train.train_autodecoder import ALL, Share
 from caricli.models.style.config import StyleConfig
 from caricli.models.style.model import StyleModel
 from caricli.models.style.networks import StyleNetwork, renormalised, statistics

@@ -9,6 +9,7 @@ import torch
 
 from caricli.methods.train.kernel_muon import normalised_kernels
 from caricli.methods.train.network_training import NetworkTraining
+from caricli.methods.train.processes import ALL, Share
 from caricli.methods.train.texture.texture_losses import (
     TextureBatch,
     attention_loss,
@@ -18,7 +19,6 @@ from caricli.methods.train.texture.texture_losses import (
     fooling_loss,
 )
 from caricli.methods.train.texture.texture_pairs import TexturePairs
-from caricli.methods.train.train_autodecoder import ALL, Share
 from caricli.models.texture.config import TextureConfig
 from caricli.models.texture.networks import TextureCritic, TextureNetwork
 from caricli.seeds import TrainingSeed

@@ -10,7 +10,7 @@ from caricli.io.bundled import config_path
 from caricli.io.config import read_config
 from caricli.methods.train.coarse.coarse_faces import JoinedFaces, StudiedFace, TrueFaces
 from caricli.methods.train.coarse.train_coarse import CoarseTraining, Sources, new_coarse_network
-from caricli.methods.train.train_autodecoder import ALL, Share
+from caricli.methods.train.processes import ALL, Share
 from caricli.models.coarse.config import CoarseConfig
 from caricli.models.coarse.model import SHARE
 from caricli.models.detector.config import DetectorSize

@@ -9,7 +9,7 @@ from caricli.errors import InputError
 from caricli.io.bundled import config_path
 from caricli.io.config import read_config
 from caricli.methods.train.detector.train_detector import DetectorTraining
-from caricli.methods.train.train_autodecoder import ALL, Share
+from caricli.methods.train.processes import ALL, Share
 from caricli.models.detector.config import DetectorConfig
 from tests.drawn_pictures import DrawnPictures, mean_shape
 

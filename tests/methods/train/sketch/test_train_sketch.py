@@ -11,10 +11,10 @@ from caricli.geometry.along_lines import along
 from caricli.geometry.head_rotation import head_rotation
 from caricli.io.bundled import config_path
 from caricli.io.config import read_config
+from caricli.methods.train.processes import ALL, Share
 from caricli.methods.train.sketch.sketch_faces import SketchFaces
 from caricli.methods.train.sketch.sketch_hand import LINE, Missing, SketchHand
 from caricli.methods.train.sketch.train_sketch import SketchTraining
-from caricli.methods.train.train_autodecoder import ALL, Share
 from caricli.models.pca.config import PcaConfig
 from caricli.models.pca.model import PcaModel
 from caricli.models.sketch.config import SketchConfig

@@ -7,9 +7,9 @@ import torch
 from caricli.io.bundled import config_path
 from caricli.io.config import read_config
 from caricli.methods.dynamic.media import NAMES
+from caricli.methods.train.processes import ALL, Share
 from caricli.methods.train.texture.painted_pairs import painted_pairs
 from caricli.methods.train.texture.train_style import StyleTraining, local_distance, style_errors
-from caricli.methods.train.train_autodecoder import ALL, Share
 from caricli.models.style.config import StyleConfig
 from caricli.models.style.model import StyleModel
 

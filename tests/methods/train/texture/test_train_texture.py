@@ -11,9 +11,9 @@ from caricli.io.config import read_config
 from caricli.methods.dynamic.chart_pictures import ChartGrid
 from caricli.methods.dynamic.shape_maps import CHANNELS, displacement_attention, shape_maps
 from caricli.methods.dynamic.styles import StyleBook
+from caricli.methods.train.processes import ALL, Share
 from caricli.methods.train.texture.texture_pairs import BRIGHT, UNSEEN, TexturePairs, mirrored, painted_people
 from caricli.methods.train.texture.train_texture import TextureTraining
-from caricli.methods.train.train_autodecoder import ALL, Share
 from caricli.models.texture.config import TextureConfig
 from caricli.models.texture.networks import OPEN
 from caricli.structures.arkit import ARKIT_NAMES
