@@ -1,7 +1,7 @@
 """The training of a coarse network in its folder."""
 
 import hashlib
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -17,6 +17,7 @@ from caricli.io.provenance import sha256_file
 from caricli.methods.detect.see_face import see_face
 from caricli.methods.train.coarse.coarse_faces import JoinedFaces, StudiedFace, TrueFaces
 from caricli.methods.train.coarse.train_coarse import CoarseTraining, Sources
+from caricli.methods.train.stages import Report, unwatched
 from caricli.models.coarse.model import LANDMARKS, CoarseModel, coarse_to_checkpoint
 from caricli.models.detector.model import Detector
 from caricli.models.morphable.model import MorphableModel
@@ -87,9 +88,7 @@ class PictureFolders:
         return digests
 
 
-def see_faces(
-    paths: Sequence[Path], detector: Detector, progress: Callable[[int, int], object] = lambda done, total: None
-) -> SeenFaces:
+def see_faces(paths: Sequence[Path], detector: Detector, progress: Report = unwatched) -> SeenFaces:
     """Look for the faces of pictures. progress: called with those that were looked at, and of how many."""
     seen = SeenFaces()
     for done, path in enumerate(paths, 1):
@@ -124,7 +123,7 @@ def load_ingredients(
     folders: Sequence[Path],
     model: Path | None,
     detector: Path | None,
-    progress: Callable[[int, int], object] = lambda done, total: None,
+    progress: Report = unwatched,
 ) -> Ingredients:
     """Load datasets, pictures of their people, and any others, with their faces.
 

@@ -1,6 +1,6 @@
 """The training of a detector in its folder."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
@@ -16,6 +16,7 @@ from caricli.methods.train.detector.split_pictures import JoinedPictures, SplitP
 from caricli.methods.train.detector.train_detector import DetectorTraining
 from caricli.methods.train.detector.window_batch import WindowSource
 from caricli.methods.train.processes import Share
+from caricli.methods.train.stages import Report, unwatched
 from caricli.models.detector.config import DetectorConfig
 from caricli.models.detector.model import TRUST, detector_to_checkpoint
 from caricli.models.detector.networks import detector_of, network_of
@@ -86,9 +87,7 @@ class DetectorRun(RunFolder):
 
         return self.record(training, 1.0, checkpoint)
 
-    def finish(
-        self, training: DetectorTraining, progress: Callable[[int, int], object] = lambda done, total: None
-    ) -> dict:
+    def finish(self, training: DetectorTraining, progress: Report = unwatched) -> dict:
         """Let the best model tell where jaws are marked, measure it on the pictures that it was validated with, and let
         its doubts agree with its errors.
 

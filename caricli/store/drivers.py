@@ -1,6 +1,6 @@
 """Normal faces that drive a caricature, and the rig that is driven."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -8,6 +8,7 @@ from caricli.errors import CaricliError, InputError, naming
 from caricli.io.mesh import is_mesh_file
 from caricli.io.rig import read_rig
 from caricli.methods.expressions.retarget_rig import Driver, DrivingMesh, fit_driver
+from caricli.methods.train.stages import Report, unwatched
 from caricli.models.morphable.model import MorphableModel
 from caricli.store.face_pictures import FaceReader
 from caricli.store.faces import load_face
@@ -61,7 +62,7 @@ def load_drivers(
     paths: Sequence[Path],
     model: MorphableModel,
     reader: FaceReader = FaceReader(),  # noqa: B008 (frozen)
-    progress: Callable[[int, int], object] = lambda done, total: None,
+    progress: Report = unwatched,
     whole: bool = False,
 ) -> Drivers:
     """The Drivers of meshes of the model's topology, or of landmarks or pictures, whose cameras are found.

@@ -6,7 +6,8 @@ import numpy as np
 
 from caricli.methods.dynamic.media import NAMES
 from caricli.methods.train.processes import Share
-from caricli.methods.train.texture.painted_pairs import Report, painted_pairs
+from caricli.methods.train.stages import Report, unwatched
+from caricli.methods.train.texture.painted_pairs import painted_pairs
 from caricli.methods.train.texture.train_style import StyleTraining, style_errors
 from caricli.models.style.config import StyleConfig
 from caricli.models.style.model import StyleModel, style_to_checkpoint
@@ -17,7 +18,7 @@ from caricli.template.head import load_head
 
 
 def style_training(
-    drawings: Sequence[np.ndarray], config: StyleConfig, share: Share, report: Report = lambda done, total: None
+    drawings: Sequence[np.ndarray], config: StyleConfig, share: Share, report: Report = unwatched
 ) -> StyleTraining:
     """A training on faces of the default head, and on styles of drawings (H, W, 3) uint8, too.
 

@@ -18,7 +18,7 @@ from caricli.io.strict_json import write_json
 from caricli.io.training_state import read_state, write_state
 from caricli.methods.evaluate.evaluate_shape import ShapeError, evaluate_splits
 from caricli.methods.train.deformable.train_deformable import trained_model
-from caricli.methods.train.stages import EpochRecord
+from caricli.methods.train.stages import EpochRecord, Report, unwatched
 from caricli.methods.train.train_autodecoder import AutoDecoderTraining
 from caricli.models.checkpoint import model_to_checkpoint
 from caricli.render.sheets.plot_curves import plot_curves
@@ -222,9 +222,7 @@ class TrainingRun(RunFolder):
             lambda: model_to_checkpoint(trained_model(training, template), self.recipe),
         )
 
-    def finish(
-        self, data: Dataset, progress: Callable[[int, int], object] = lambda done, total: None
-    ) -> dict[str, ShapeError]:
+    def finish(self, data: Dataset, progress: Report = unwatched) -> dict[str, ShapeError]:
         """Measure the best model on meshes that it was not trained on, and write the report.
 
         progress: called with the meshes that are measured, and of how many.

@@ -1,6 +1,6 @@
 """Textures of many expressions for the people of a dataset."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from functools import partial
 
@@ -14,6 +14,7 @@ from caricli.data.worker_pool import worker_pool
 from caricli.errors import InputError
 from caricli.methods.creases.act_textures import ActSettings, Role, TextureSource
 from caricli.methods.creases.crease_pattern import KINDS
+from caricli.methods.train.stages import Report, unwatched
 from caricli.seeds import TextureSeed
 from caricli.template.head import load_head
 
@@ -37,7 +38,7 @@ def build_textures(
     dataset: Dataset,
     settings: TextureSetSettings,
     workers: int | None = None,
-    progress: Callable[[int, int], None] = lambda done, total: None,
+    progress: Report = unwatched,
 ) -> dict[str, float]:
     """Draw people of a generated dataset with expressions and take their textures (expressions paper, section 4.2.2,
     generated instead of gathered). The same settings give the same bytes, whatever the number of workers.

@@ -9,6 +9,7 @@ import numpy as np
 from caricli.data.dataset import SPLITS, Dataset
 from caricli.data.evenly import evenly
 from caricli.errors import InputError
+from caricli.methods.train.stages import Report, unwatched
 from caricli.models.shape_model import ShapeModel
 
 BATCH = 32
@@ -47,7 +48,7 @@ def evaluate_splits(
     data: Dataset,
     splits: Iterable[str] = SPLITS,
     count: int = 0,
-    report: Callable[[int, int], object] = lambda done, total: None,
+    report: Report = unwatched,
 ) -> dict[str, ShapeError]:
     """The ShapeError of every split that has meshes, of at most ``count`` of them, evenly spread; 0 for all.
 
@@ -65,7 +66,7 @@ def evaluate_splits(
     return errors
 
 
-def _report_all(report: Callable[[int, int], object], before: int, total: int, done: int) -> None:
+def _report_all(report: Report, before: int, total: int, done: int) -> None:
     report(before + done, total)
 
 

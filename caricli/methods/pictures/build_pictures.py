@@ -1,6 +1,6 @@
 """Pictures with truth for a whole dataset."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from functools import partial
 from typing import Any
@@ -14,6 +14,7 @@ from caricli.geometry.head_rotation import head_angles
 from caricli.methods.pictures.compose import Composition, Easel, Shown
 from caricli.methods.pictures.settings import PoseSettings, SceneSettings, SitterSettings
 from caricli.methods.pictures.sitter import Sitter, Wardrobe
+from caricli.methods.train.stages import Report, unwatched
 from caricli.models.morphable.model import MorphableModel
 from caricli.seeds import PictureSeed
 from caricli.template.template import Template
@@ -93,7 +94,7 @@ def build_pictures(
     model: MorphableModel,
     settings: PictureSettings,
     workers: int | None = None,
-    progress: Callable[[int, int], None] = lambda done, total: None,
+    progress: Report = unwatched,
 ) -> dict[str, int]:
     """Draw pictures of the people of a dataset. The same settings give the same bytes, whatever the number of workers.
 

@@ -13,6 +13,7 @@ from caricli.data.worker_pool import worker_pool
 from caricli.io.image import gray_png
 from caricli.methods.sketch.sketch_artist import ArtistSettings, SketchArtist
 from caricli.methods.sketch.vary_sketch import HandSettings, hand_camera, vary_sketch
+from caricli.methods.train.stages import Report, unwatched
 from caricli.render.pixels.rasterise_sketch import rasterise_sketch
 from caricli.seeds import SketchSeed
 from caricli.structures.sketch import CANVAS, Sketch
@@ -89,7 +90,7 @@ def build_sketches(
     dataset: Dataset,
     settings: SketchSettings,
     workers: int | None = None,
-    progress: Callable[[int, int], None] = lambda done, total: None,
+    progress: Report = unwatched,
 ) -> dict[str, float]:
     """Draw sketches of the meshes of a dataset, each as often as the next. The same settings give the same bytes,
     whatever the number of workers.

@@ -1,6 +1,5 @@
 """Generated faces with what they look like in a medium: what a style network is trained on and measured with."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,12 +8,11 @@ from caricli.data.appearance import random_appearance
 from caricli.methods.dynamic.lit_faces import LitFaces
 from caricli.methods.dynamic.media import NAMES, random_medium
 from caricli.methods.pictures.light import random_sky
+from caricli.methods.train.stages import Report, unwatched
 from caricli.template.template import Template
 
 TEXELS = 128
 """Sides of the pictures."""
-
-Report = Callable[[int, int], object]
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,9 +29,7 @@ class PaintedPairs:
     media: np.ndarray
 
 
-def painted_pairs(
-    template: Template, count: int, seed: tuple[int, int], report: Report = lambda done, total: None
-) -> PaintedPairs:
+def painted_pairs(template: Template, count: int, seed: tuple[int, int], report: Report = unwatched) -> PaintedPairs:
     """Draw PaintedPairs of a template with UVs.
 
     seed: of the training and of the stream. report: called with faces that are drawn, and of how many.
