@@ -45,7 +45,7 @@ SAVES = {
 class Page:
     """What one tab shows of its desk, and what it does with what a hand does.
 
-    head: Head. desk: Desk. work: of the desk.
+    head: Head. desk: Desk. modes: a Mode for every tab.
     """
 
     def __init__(self, studio: Studio, desk: Desk) -> None:
@@ -57,7 +57,6 @@ class Page:
         self._layout: object = None
         self._wanted: Operation | None = None
         self._busy = False
-        self._kept: dict[str, Any] = {}
 
     def build(self) -> None:
         """Lay the page out."""

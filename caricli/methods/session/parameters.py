@@ -10,6 +10,9 @@ from caricli.limits import MAX_COORDINATE, MAX_SKETCH_POINTS
 
 Parameters = Mapping[str, Any]
 
+_MOST = 100
+"""Texts of a list, and numbers by names, where nothing else is said."""
+
 
 def only(parameters: Parameters, *names: str) -> None:
     """Refuse parameters of other names than these."""
@@ -35,15 +38,15 @@ def choice(parameters: Parameters, name: str, choices: Sequence[str], default: s
     return value
 
 
-def switch(parameters: Parameters, name: str, default: bool = False) -> bool:
-    """True or false. Raises InputError."""
-    value = parameters.get(name, default)
+def switch(parameters: Parameters, name: str) -> bool:
+    """True or false, false where it is not there. Raises InputError."""
+    value = parameters.get(name, False)
     if not isinstance(value, bool):
         raise InputError(f"{name}: expected true or false, found {shown(repr(value), 60)}")
     return value
 
 
-def texts(parameters: Parameters, name: str, most: int = 100) -> list[str]:
+def texts(parameters: Parameters, name: str, most: int = _MOST) -> list[str]:
     """A list of texts, none where it is not there. Raises InputError."""
     value = parameters.get(name, [])
     if not isinstance(value, list) or len(value) > most or not all(isinstance(each, str) for each in value):
@@ -51,11 +54,11 @@ def texts(parameters: Parameters, name: str, most: int = 100) -> list[str]:
     return value
 
 
-def numbers(parameters: Parameters, name: str, most: float, count: int = 100) -> dict[str, float]:
+def numbers(parameters: Parameters, name: str, most: float) -> dict[str, float]:
     """Numbers by names, of a magnitude of at most ``most``. Raises InputError."""
     value = parameters.get(name)
-    if not isinstance(value, dict) or not 0 < len(value) <= count:
-        raise InputError(f"{name}: expected 1 to {count} numbers by names, found {shown(repr(value), 60)}")
+    if not isinstance(value, dict) or not 0 < len(value) <= _MOST:
+        raise InputError(f"{name}: expected 1 to {_MOST} numbers by names, found {shown(repr(value), 60)}")
     return {key: number(value, key, -most, most) for key in value}
 
 
@@ -71,11 +74,3 @@ def points(parameters: Parameters, name: str, columns: int = 2) -> np.ndarray:
     if not (np.abs(array) <= MAX_COORDINATE).all():
         raise InputError(f"{name}: expected coordinates of at most {MAX_COORDINATE:g}, found larger ones")
     return array
-
-
-def vertices(parameters: Parameters, name: str, count: int) -> np.ndarray:
-    """(N,) distinct ids of vertices below count, in ascending order; none is none. Raises InputError."""
-    ids = parameters.get(name)
-    if not isinstance(ids, list) or not all(type(i) is int and 0 <= i < count for i in ids):
-        raise InputError(f"{name}: expected a list of vertices from 0 to {count - 1}, found {shown(repr(ids), 60)}")
-    return np.unique(np.array(ids, int))
