@@ -8,6 +8,7 @@ from scipy.optimize import lsq_linear
 
 from caricli.data.expressions import MAX_WEIGHT, named_expressions
 from caricli.errors import InputError, shown
+from caricli.geometry.eye_openness import eye_openness
 from caricli.methods.dynamic.chart_pictures import ChartGrid, texture_to_chart
 from caricli.methods.dynamic.dress_texture import ChangedTexture
 from caricli.methods.dynamic.mouth_parts import MouthParts
@@ -76,7 +77,7 @@ class MoodPainter:
         self.shown = self.person.fields(seen, weights)
         self.code = weights @ self.codes
         points = seen[template.annotation.landmarks]
-        self.eyes = min(_opening(points[list(eye)]) for eye in (EYE_RIGHT, EYE_LEFT))
+        self.eyes = min(eye_openness(points[list(eye)]) for eye in (EYE_RIGHT, EYE_LEFT))
         fine = texture_to_chart(picture, skin, ChartGrid(self.grid.chart, _FINER * model.size))
         self.own = cv2.resize(fine, (model.size, model.size), interpolation=cv2.INTER_AREA)
         self.manner = MannerReader(self.grid, template).read(self.own)
@@ -123,12 +124,6 @@ class MoodPainter:
         if np.abs(way).max() < _LEAST or not len(columns):
             return np.zeros(len(columns))
         return lsq_linear(columns.T, way, (0, 1)).x
-
-
-def _opening(eye: np.ndarray) -> float:
-    """Height of an eye for its width, of its six landmarks (6, 3)."""
-    lengths = np.linalg.norm(eye[[1, 2, 0]] - eye[[5, 4, 3]], axis=1)
-    return float(lengths[:2].mean() / max(lengths[2], _LEAST))
 
 
 def rig_skin(rig: Rig, template: Template) -> Mesh:

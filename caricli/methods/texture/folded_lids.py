@@ -4,6 +4,7 @@ from functools import cache
 
 import numpy as np
 
+from caricli.geometry.eye_openness import eye_openness
 from caricli.geometry.vertex_neighbours import vertex_neighbours
 from caricli.methods.rig.head_expressions import BLINKS, open_head_expressions
 from caricli.methods.texture.fill_unseen import vertex_areas
@@ -28,7 +29,7 @@ def folded_lids(head: Template) -> np.ndarray:
     marks, usual = (vertices[head.annotation.landmarks] for vertices in (head.vertices, actions.neutral))
     folded = np.zeros(len(head.vertices))
     for eye, lid in zip((EYE_LEFT, EYE_RIGHT), _lids(), strict=True):
-        openness = _openness(marks[list(eye)]) / _openness(usual[list(eye)])
+        openness = eye_openness(marks[list(eye)]) / eye_openness(usual[list(eye)])
         folded = np.maximum(folded, min(openness / _OPEN, 1.0) * lid)
     return folded
 
@@ -52,10 +53,3 @@ def _lids() -> list[np.ndarray]:
         stretched = np.interp(after / before, _STRETCHED, (0, 1))
         lids.append(np.where(edge, 0, np.maximum(moved, stretched)))
     return lids
-
-
-def _openness(ring: np.ndarray) -> float:
-    """Height of an eye of its width, by landmarks (6, 3) around it from one corner on."""
-    corner, above, over, other, under, below = ring
-    height = (np.linalg.norm(above - below) + np.linalg.norm(over - under)) / 2
-    return float(height / np.maximum(np.linalg.norm(corner - other), 1e-12))
