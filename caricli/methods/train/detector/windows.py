@@ -91,10 +91,13 @@ def any_window(
 def _window(
     picture: MarkedPicture, matrix: np.ndarray, size: int, settings: WindowSettings, generator: np.random.Generator
 ) -> MarkedPicture:
-    """The part of a picture that an affine map (2 or 3, 3) leads to; half of them are mirrored."""
-    matrix = mirrored(matrix[:2], size) if generator.random() < 0.5 else matrix[:2]
+    """The part of a picture that an affine map (2, 3) leads to; half are mirrored, some bent."""
+    if generator.random() < 0.5:
+        matrix = mirrored(matrix, size)
     window = moved_window(picture, matrix, size)
-    return _bent(window, settings, generator) if generator.random() < settings.bent else window
+    if generator.random() >= settings.bent:
+        return window
+    return bent_window(window, random_bend(size, settings.bend, generator))
 
 
 def mirrored(matrix: np.ndarray, size: int) -> np.ndarray:
@@ -124,11 +127,6 @@ def around_middle(linear: np.ndarray, size: int) -> np.ndarray:
     """(2, 3) a linear map (2, 2) that leaves the middle of a window in its place."""
     middle = np.full(2, (size - 1) / 2)
     return np.column_stack([linear, middle - linear @ middle])
-
-
-def _bent(window: MarkedPicture, settings: WindowSettings, generator: np.random.Generator) -> MarkedPicture:
-    """Move everything a little, smoothly."""
-    return bent_window(window, random_bend(len(window.regions), settings.bend, generator))
 
 
 def random_bend(size: int, bend: float, generator: np.random.Generator) -> np.ndarray:
