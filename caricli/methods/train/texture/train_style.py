@@ -82,11 +82,12 @@ class StyleTraining(NetworkTraining):
             generator = np.random.default_rng([config.seed, TrainingSeed.STEP, self.epoch, step, row])
             noise = generator.normal(size=(1, config.size, config.size)).astype(np.float32)
             rows.append((*self._windows(row < config.batch // 2, generator), noise))
-        pictures = (np.stack(part) for part in list(zip(*rows, strict=True))[:3])
-        content, style, truth = (torch.from_numpy(part).permute(0, 3, 1, 2).float() / 255 for part in pictures)
-        paired = torch.tensor([float(row[3]) for row in rows])
-        media = torch.tensor([row[4] for row in rows])
-        return StyleWindows(content, style, truth, paired, media, torch.from_numpy(np.stack([row[5] for row in rows])))
+        *pictures, paired, media, grain = zip(*rows, strict=True)
+        content, style, truth = (
+            torch.from_numpy(np.stack(part)).permute(0, 3, 1, 2).float() / 255 for part in pictures
+        )
+        given = (torch.tensor(paired).float(), torch.tensor(media), torch.from_numpy(np.stack(grain)))
+        return StyleWindows(content, style, truth, *given)
 
     def _windows(self, paired: bool, generator: np.random.Generator) -> tuple:
         """Content, style and truth (S, S, 3) uint8, whether they belong together, and the number of the medium."""
