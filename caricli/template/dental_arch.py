@@ -118,7 +118,7 @@ class _Band:
         self.rows = CubicSpline(along / along[-1], np.moveaxis(rows, 1, 0))
 
     def points(self, along: np.ndarray, height: np.ndarray, depth: np.ndarray) -> np.ndarray:
-        """(..., 3) points; along: from 0 to 1; height and depth as in ``FRONT_ROWS``; all of one shape."""
+        """(..., 3) points; along: from 0 to 1; height and depth as in ``FRONT_ROWS``; of shapes that go together."""
         far, line, edge, inner = np.moveaxis(self.rows(np.clip(along, 0, 1)), -2, 0)
         up = np.where(height[..., None] > 0, edge - line, line - far)
         return line + height[..., None] * up + depth[..., None] * (inner - line)
@@ -136,7 +136,7 @@ def _crown(band: _Band, ends: np.ndarray, number: int, style: ArchStyle) -> np.n
     heights = np.where(height > 0, height * reach, height)
     waist = style.waist + (1 - style.waist) * np.sin(0.5 * np.pi * np.clip(above / 0.8, 0, 1))
     round_ = (1 - np.abs(across) ** style.square) ** (1 / style.square)
-    middle = 0.5 + (depth[int(depth.shape[0] / 2)] - 0.5) * above
+    middle = 0.5 + (depth[len(depth) // 2] - 0.5) * above
     depths = middle + (depth - middle) * round_
     along = ends.mean() + across * np.ptp(ends) / 2 * waist
     return band.points(along, heights, depths)
@@ -148,8 +148,7 @@ def _gums(band: _Band, ends: np.ndarray, style: ArchStyle) -> np.ndarray:
     along = np.concatenate([(ends[:-1, None] + np.diff(ends)[:, None] * share).ravel(), ends[-1:]])
     between = np.concatenate([np.tile(np.cos(np.pi * share) ** 4, len(ends) - 1), [1.0]])
     height, depth = np.array(GUM_ROWS).T[:, :, None]
-    heights = np.where(height == 0, style.papilla * between, height + 0 * between)
-    return band.points(along + 0 * heights, heights, depth + 0 * heights)
+    return band.points(along, np.where(height == 0, style.papilla * between, height), depth)
 
 
 def _joined(grids: list[np.ndarray], boxes: list[tuple[float, float, float, float]]) -> Mesh:
@@ -166,4 +165,4 @@ def _joined(grids: list[np.ndarray], boxes: list[tuple[float, float, float, floa
         polygons.append(quads.reshape(-1, 4))
         count += rows * columns
     quads = np.concatenate(polygons).astype(np.int32)
-    return Mesh(np.concatenate(vertices), quads, np.concatenate(uvs), quads.copy())
+    return Mesh(np.concatenate(vertices), quads, np.concatenate(uvs), quads)
