@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from caricli.geometry.arc_lengths import arc_lengths
 from caricli.geometry.cubic_spline import CubicSpline
 from caricli.geometry.quad_grid import quad_grid
 from caricli.structures import Material, Mesh
@@ -114,7 +115,7 @@ class _Band:
 
     def __init__(self, band: Mesh) -> None:
         rows = np.asarray(band.vertices, float)[quad_grid(band.polygons)]
-        along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(rows[1], axis=0), axis=1))])
+        along = arc_lengths(rows[1])
         self.rows = CubicSpline(along / along[-1], np.moveaxis(rows, 1, 0))
 
     def points(self, along: np.ndarray, height: np.ndarray, depth: np.ndarray) -> np.ndarray:

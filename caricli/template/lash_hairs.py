@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.sparse as sp
 
+from caricli.geometry.arc_lengths import arc_lengths
 from caricli.geometry.components import component_labels
 from caricli.geometry.quad_grid import quad_grid
 from caricli.structures import Mesh
@@ -77,7 +78,7 @@ def lash_hairs(strips: Mesh, style: LashStyle = LashStyle()) -> LashHairs:  # no
 
 def _spread(strip: np.ndarray, style: LashStyle) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Where lashes (N,) of a strip (R, C, 3) stand along it, how far they lean by their tips, and their lengths."""
-    lengths = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(strip[-1], axis=0), axis=1))])
+    lengths = arc_lengths(strip[-1])
     count = max(int(lengths[-1] / style.spacing), 2)
     columns = np.arange(len(lengths)) / (len(lengths) - 1)
     along = np.interp((np.arange(count) + 0.5) / count * lengths[-1], lengths, columns)

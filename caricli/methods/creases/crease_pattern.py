@@ -6,6 +6,7 @@ from functools import partial
 
 import numpy as np
 
+from caricli.geometry.arc_lengths import arc_lengths
 from caricli.geometry.smooth_step import smooth_step
 from caricli.methods.creases import crease_lines as lines
 
@@ -232,7 +233,7 @@ def _wander(
     line: np.ndarray, wave: float, spacing: float, generator: np.random.Generator
 ) -> tuple[np.ndarray, np.ndarray]:
     """A line (N, 2) as a hand of nature draws it: points (M, 2), and shares (M,) of its length."""
-    lengths = np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))])
+    lengths = arc_lengths(line)
     at = np.linspace(0, 1, max(int(lengths[-1] / spacing), 5))
     path = np.stack([np.interp(at, lengths / lengths[-1], line[:, k]) for k in (0, 1)], 1)
     phases = generator.uniform(0, 2 * np.pi, (_WAVES, 2))

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from caricli.geometry.arc_lengths import arc_lengths
 from caricli.geometry.fit_camera import fit_camera
 from caricli.geometry.head_rotation import head_rotation
 from caricli.methods.train.sketch.sketch_hand import LINE, DrawnLines, SketchHand
@@ -60,7 +61,6 @@ def _latent(points: np.ndarray, mean: np.ndarray, basis: np.ndarray, turn: np.nd
 
 def _shares(curve: np.ndarray) -> np.ndarray:
     """Weights (LINE, N) of a curve's vertices (N, 3) for points at equal distances along it, seen from the front."""
-    steps = np.linalg.norm(np.diff(curve[:, :2], axis=0), axis=1)
-    reached = np.append(0, np.cumsum(steps))
+    reached = arc_lengths(curve[:, :2])
     places = np.interp(np.linspace(0, reached[-1], LINE), reached, np.arange(len(curve)))
     return np.maximum(1 - np.abs(places[:, None] - np.arange(len(curve))), 0)

@@ -6,6 +6,7 @@ from scipy.sparse.csgraph import dijkstra, minimum_spanning_tree
 from scipy.spatial.distance import cdist
 
 from caricli.errors import InputError
+from caricli.geometry.arc_lengths import arc_lengths
 from caricli.geometry.match_line import resample
 from caricli.geometry.zero_lines import zero_lines
 from caricli.methods.gesture.changed import Changed
@@ -215,7 +216,7 @@ def _outlines(sight: Sight, region: np.ndarray) -> list[tuple[np.ndarray, np.nda
 def _bridged(shown: np.ndarray, points: np.ndarray, extent: float) -> np.ndarray:
     """(N,) bool: what is seen of an outline, points (N, 3) pixels, with what is hidden only shortly."""
     seen = np.flatnonzero(shown)
-    along = np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(points[:, :2], axis=0), axis=1))])
+    along = arc_lengths(points[:, :2])
     bridged = shown.copy()
     for start, end in zip(seen[:-1], seen[1:], strict=True):
         if along[end] - along[start] < _GAP * extent:

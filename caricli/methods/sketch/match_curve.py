@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from caricli.geometry.arc_lengths import arc_lengths
 from caricli.geometry.line_nodes import line_nodes
 from caricli.geometry.match_line import match_line, resample
 from caricli.methods.sketch.settings import CORNERED
@@ -93,7 +94,7 @@ def _between(own: np.ndarray, marks: np.ndarray, line: np.ndarray, shares: np.nd
     NaN for those before the first and after the last."""
     places = np.full(own.shape, np.nan)
     first, last = int(marks[0]), int(marks[-1])
-    along = np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(own, axis=0), axis=1))])
+    along = arc_lengths(own)
     wanted = np.interp(along[first : last + 1], along[marks], shares)
     drawn = _shares(line)
     places[first : last + 1] = np.stack([np.interp(wanted, drawn, column) for column in line.T], axis=1)
@@ -102,7 +103,7 @@ def _between(own: np.ndarray, marks: np.ndarray, line: np.ndarray, shares: np.nd
 
 def _shares(line: np.ndarray) -> np.ndarray:
     """(N,) of a line's length up to its points, 0 to 1."""
-    along = np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))])
+    along = arc_lengths(line)
     return along / along[-1]
 
 

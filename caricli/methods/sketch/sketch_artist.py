@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
+from caricli.geometry.arc_lengths import arc_lengths
 from caricli.geometry.head_rotation import head_angles
 from caricli.methods.sketch.draw_sketch import draw_curves, framing_camera
 from caricli.methods.sketch.outline import head_outline
@@ -137,8 +138,7 @@ class SketchArtist:
 
 def _sampled(points: np.ndarray, step: float) -> np.ndarray:
     """Points (M, 2) along a line (N, 2), at most a step apart."""
-    steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
-    along = np.concatenate([[0], np.cumsum(steps)])
+    along = arc_lengths(points)
     if along[-1] <= 0:
         return points[:1]
     places = np.linspace(0, along[-1], int(np.ceil(along[-1] / max(step, 1e-6))) + 1)

@@ -4,6 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from caricli.geometry.arc_lengths import arc_lengths
 from caricli.geometry.head_rotation import head_rotation
 from caricli.geometry.move_by_handles import move_by_handles
 from caricli.structures.camera import Camera
@@ -200,7 +201,7 @@ def _pressure(stroke: Stroke, generator: np.random.Generator, settings: HandSett
 
 def _sampled(points: np.ndarray, step: float) -> np.ndarray:
     """Points (M, 2) along a line (N, 2), about a step apart, without the corners of a coarse one."""
-    along = np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
+    along = arc_lengths(points)
     if along[-1] <= 0:
         return points[:1]
     places = np.linspace(0, along[-1], max(int(np.ceil(along[-1] / step)), 2) + 1)
