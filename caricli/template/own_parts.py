@@ -33,7 +33,7 @@ def read_own_parts(template: Template, annotation_path: Path, head: np.ndarray, 
     parts = []
     for name, entry in entries.items():
         file = annotation_path.parent / entry["file"]
-        if not file.resolve().is_relative_to(annotation_path.parent.resolve()):
+        if not _is_inside(file, annotation_path.parent):
             elsewhere = shown(entry["file"], 60)
             raise InputError(f"{shown(annotation_path)}: parts.{name}: expected a file beside it, found {elsewhere!r}")
         mesh = read_mesh(file)
@@ -43,6 +43,13 @@ def read_own_parts(template: Template, annotation_path: Path, head: np.ndarray, 
             material = _material(name, entry.get("material"))
         parts.append(_part(name, placed, np.full(len(mesh.polygons), material, np.int32), template.annotation))
     return FittedParts(fitted, tuple(parts))
+
+
+def _is_inside(file: Path, folder: Path) -> bool:
+    try:
+        return file.resolve().is_relative_to(folder.resolve())
+    except (ValueError, RuntimeError):  # a null byte, or a link that leads to itself
+        return False
 
 
 def parts_to_arrays(fitted: FittedParts | None) -> dict[str, np.ndarray]:

@@ -118,6 +118,8 @@ def test_parts_come_with_the_annotation_and_stay_in_a_model(run, eggs, tmp_path)
         (lambda value: value["regions"].pop("jaw"), "lower: expected 'regions.jaw', the vertices that it"),
         (lambda value: value["parts"]["teeth_lower"].pop("file"), "lower: file: expected str"),
         (lambda value: value["parts"]["teeth_lower"].update(file="../teeth.obj"), "parts.teeth_lower: expected a file"),
+        (lambda value: value["parts"]["teeth_lower"].update(file="teeth\0.obj"), "parts.teeth_lower: expected a file"),
+        (lambda value: value["parts"]["teeth_lower"].update(file="loop.obj"), "parts.teeth_lower: expected a file"),
         (
             lambda value: value["parts"]["teeth_lower"].update(file="far.obj"),
             "expected a part that fits the first mesh",
@@ -131,6 +133,7 @@ def test_parts_that_do_not_fit_are_refused(refused, eggs, tmp_path, change, word
     egg = read_obj(eggs / "egg_00.obj")
     value = row_of_teeth(egg, tmp_path)
     teeth = read_obj(tmp_path / "teeth.obj")
+    (tmp_path / "loop.obj").symlink_to("loop.obj")
     write_obj(tmp_path / "far.obj", teeth.with_vertices(teeth.vertices + [0, 5, 0]))
     change(value)
     write_json(tmp_path / "annotation.json", value)
