@@ -152,10 +152,11 @@ class Page:
             while self._wanted is not None:
                 operation = self._wanted
                 self._wanted = None
-                await self.studio.run(self.desk.attempt, operation)
-                self._frame()
-        except CaricliError as error:
-            self.say(str(error))
+                try:
+                    await self.studio.run(self.desk.attempt, operation)
+                    self._frame()
+                except CaricliError as error:
+                    self.say(str(error))
         finally:
             self._busy = False
 

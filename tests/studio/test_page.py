@@ -1,15 +1,21 @@
 """The page in Chromium, played with a pointer as a person would."""
 
+import asyncio
 import json
 import zipfile
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 from click.testing import CliRunner
 
 from caricli.cli import cli
+from caricli.errors import InputError
 from caricli.io.gltf.read_gltf import read_gltf
 from caricli.io.session import read_session
+from caricli.structures import Operation
+from caricli.studio.page import Page
 from tests.studio.conftest import PATIENCE, Server, Tab
 
 TURN = np.linspace(0, 2 * np.pi, 30)
@@ -216,3 +222,23 @@ def test_others_need_the_token(tmp_path, words, browser):
         context.close()
     finally:
         server.kill()
+
+
+def test_what_a_hand_does_while_something_is_refused_is_shown(monkeypatch):
+    tried = []
+
+    async def run(function, operation):
+        tried.append(operation.name)
+        if operation.name == "first":
+            page.attempt(Operation("second"))
+            raise InputError("no")
+
+    studio: Any = SimpleNamespace(run=run)
+    desk: Any = SimpleNamespace(key="", attempt=None)
+    page = Page(studio, desk)
+    said = []
+    monkeypatch.setattr(page, "say", said.append)
+    monkeypatch.setattr(page, "_frame", lambda: said.append("shown"))
+    page._wanted = Operation("first")
+    asyncio.run(page._attempts())
+    assert tried == ["first", "second"] and said == ["no", "shown"]
