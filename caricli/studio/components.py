@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import nicegui
 from nicegui.element import Element
@@ -32,6 +33,18 @@ class Canvas(Element, component="canvas.js"):
         self._props["underlay"] = underlay
         self.style(f"aspect-ratio: {width} / {height}")
         self.update()
+
+
+class LandmarkCanvas(Element, component="landmark_canvas.js"):
+    """A picture with landmarks that are dragged.
+
+    It emits ``try`` while a hand moves, ``do`` when it lets go, ``forget``, ``chosen``, ``switch`` and ``ready``.
+    ``open(scene)`` and ``show(state)`` take what ``Marking`` makes; see ``landmark_canvas.js``.
+    """
+
+    def ask(self, name: str, *values: Any) -> None:
+        """Call what the canvas offers by a name of ``landmark_canvas.js``."""
+        self.run_method("ask", name, *values)
 
 
 class Head(Element, component="head.js", esm={"nicegui-scene": str(_THREE)}):

@@ -12,7 +12,7 @@ from caricli.methods.marks.lay_mean_shape import lay_mean_shape, middle_frame
 from caricli.store.face_pictures import FaceReader
 from caricli.store.marked_folder import seen_marks
 from caricli.structures import Landmarks, Operation
-from caricli.studio.landmark_canvas import LandmarkCanvas
+from caricli.studio.components import LandmarkCanvas
 from caricli.studio.marking import Marking
 from caricli.studio.modes.mode import Mode
 
