@@ -8,6 +8,7 @@ from nicegui import ui
 from nicegui.client import Client
 
 from caricli.errors import CaricliError, InputError, shown
+from caricli.io.files import read_start
 from caricli.io.landmarks import landmarks_to_json, read_landmarks
 from caricli.io.session import operation_from_json, operation_to_json, read_session
 from caricli.io.strict_json import parse_json
@@ -306,11 +307,16 @@ def _plain(name: str) -> str:
 
 
 def _is_session(path: Path) -> bool:
-    return b"caricli.session/" in path.read_bytes()[:4096]
+    return b"caricli.session/" in _start(path)
 
 
 def _is_marks(path: Path) -> bool:
-    return path.suffix.lower() in (".pts", ".txt", ".npy") or b"caricli.landmarks/" in path.read_bytes()[:4096]
+    return path.suffix.lower() in (".pts", ".txt", ".npy") or b"caricli.landmarks/" in _start(path)
+
+
+def _start(path: Path) -> bytes:
+    """What tells a file from others."""
+    return read_start(path, 4096, "a file")
 
 
 def _kept(text: str) -> tuple[Start | None, list[Operation]]:
