@@ -35,11 +35,10 @@ def read_gltf(path: str | Path) -> Rig:
     """Read the first mesh with morph targets of a GLB, or where none has any the first one, ours or another program's.
 
     Vertices with the same `SOURCE_VERTEX` become one again, those of the meshes below its node, such as hair, among
-    them. Transforms of nodes are left aside: the neutral and its
-    displacements stay in the mesh's own frame, as they are stored. Of the materials the base colour's picture is read,
-    where it is embedded; the one named "eyes" is that of the eyes.
-    Variants of the skin's material, with pictures as large as its own, are moods; its changes are read. Skins,
-    animations and weights are left aside.
+    them. Transforms of nodes are left aside: the neutral and its displacements stay in the mesh's own frame, as they
+    are stored. Of the materials the base colour's picture is read, where it is embedded; those named as ours say what
+    they are of. Variants of the skin's material, with pictures as large as its own, are moods; its changes are read.
+    Skins, animations and weights are left aside.
     path: a GLB file, or a .gltf, without external files.
     Returns a Rig of triangles; polygons only beside UVs or materials.
     Raises InputError when it is malformed, compressed, has no mesh or is beyond the caps.
