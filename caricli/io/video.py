@@ -33,7 +33,8 @@ def write_video(path: str | Path, frames: Iterable[np.ndarray], fps: float) -> N
     """
     suffix = Path(path).suffix.lower()
     if suffix not in VIDEO_SUFFIXES:
-        raise OutputError(f"{shown(path)}: expected a name that ends in {' or '.join(VIDEO_SUFFIXES)}")
+        expected = f"a name that ends in {' or '.join(VIDEO_SUFFIXES)}"
+        raise OutputError(f"{shown(path)}: expected {expected}, found {shown(suffix, 20)!r}")
     most = _MAX_GIF_FPS if suffix == ".gif" else 240
     if not 0 < fps <= most:
         expected = f"above 0 and at most {most} frames a second for {suffix}"

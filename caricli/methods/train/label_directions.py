@@ -65,7 +65,8 @@ def label_directions(
     skipped = {name: reason for name, reason in reasons.items() if reason}
     trained = table.columns([k for k, name in enumerate(table.names) if name not in skipped])
     if not trained.names:
-        raise InputError("no label can be trained: " + "; ".join(f"{n}: {r}" for n, r in skipped.items()))
+        none = "; ".join(f"{name}: {reason}" for name, reason in skipped.items())
+        raise InputError(f"expected a label that can be trained, found none: {none}")
     planes = []
     for label in trained.labels.T:
         planes.append(_separate(latents, label, trained.people, seed))

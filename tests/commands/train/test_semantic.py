@@ -81,9 +81,9 @@ def test_bad_input_is_one_line_and_leaves_nothing(refused, labelled, dataset, eg
     check("missing", data=tmp_path / "missing")
     check("'hat'", "nose", options=("--label", "hat"))
     check("label all", "one class", options=("--label", "all", "--label", "nose"))
-    check("no label", "all: all", options=("--label", "all"))
+    check("expected a label that can be trained", "all: all", options=("--label", "all"))
     # Too few of either: 12 training meshes of the small grid.
-    check("no label can be trained", "at least 10", data=dataset)
+    check("expected a label that can be trained, found none", "at least 10", data=dataset)
     plain = tmp_path / "plain"
     assert run("dataset", "import", eggs, plain, "--annotation", eggs.parent / "annotation.json").exit_code == 0
     check("topology", data=plain)
