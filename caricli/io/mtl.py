@@ -3,14 +3,13 @@
 import codecs
 from pathlib import Path
 
-from caricli.errors import InputError, shown
+from caricli.errors import naming
 from caricli.io.files import read_bytes
+from caricli.io.worn import plain_name
 from caricli.limits import MAX_CONFIG_BYTES, MAX_FILE_BYTES
 
 EYES = "eyes"
 """Name of the material of eyes."""
-
-_NAMES = (b"/", b"\\", b"..", b"\0", b":")
 
 
 def material_pictures(path: str | Path) -> dict[str, Path]:
@@ -38,7 +37,6 @@ def _named(data: bytes, key: bytes, path: str | Path) -> dict[str, Path]:
         if len(words) == 2 and words[0] == key and material not in files:
             # Options such as -s 1 1 1 stand before the name.
             name = words[1].split()[-1] if words[1].startswith(b"-") else words[1].strip()
-            if any(part in name for part in _NAMES):
-                raise InputError(f"{shown(path)}: expected the name of a file beside it, found {shown(name, 80)!r}")
-            files[material] = Path(path).parent / name.decode("utf-8", "replace")
+            with naming(path):
+                files[material] = Path(path).parent / plain_name(name.decode("utf-8", "replace"))
     return files

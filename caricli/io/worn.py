@@ -66,7 +66,7 @@ def read_pictures(path: Path, names: PictureNames) -> Pictures:
 def plain_name(name: str) -> str:
     """The name, which must lead to a file beside its own. Raises InputError where it may lead elsewhere."""
     if any(part in name for part in _LEADING_AWAY) or Path(name).name != name:
-        raise InputError(f"expected the name of a picture beside it, found {shown(name, 80)!r}")
+        raise InputError(f"expected the name of a file beside it, found {shown(name, 80)!r}")
     return name
 
 

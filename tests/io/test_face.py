@@ -91,7 +91,7 @@ def test_pictures_elsewhere_are_refused(tmp_path, name):
     write_face(tmp_path / "a.npz", full())
     write_npz(tmp_path / "a.npz", read_npz(tmp_path / "a.npz") | {"skin_picture": np.array(name)})
     for read in (read_face, read_picture_names):
-        with pytest.raises(InputError, match="expected the name of a picture beside it"):
+        with pytest.raises(InputError, match="expected the name of a file beside it"):
             read(tmp_path / "a.npz")
 
 
