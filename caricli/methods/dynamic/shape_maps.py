@@ -23,7 +23,7 @@ CHANNELS = (
     *("target_curvature", "target_area", "target_openness", "target_gap"),
     *("source_teeth", "source_flesh", "source_depth", "target_teeth", "target_flesh", "target_depth"),
 )
-"""Of `shape_maps`, in their order."""
+"""Of `pair_maps`, in their order."""
 
 PART = 0.25
 """Of the neutral face's width: the displacement and the gap between lips that are 1."""
@@ -178,7 +178,13 @@ class PersonShapes:
 
 
 def pair_maps(grid: ChartGrid, source: ShapeFields, target: ShapeFields) -> np.ndarray:
-    """(..., S, S, 23) float32, the maps of ``shape_maps``, of pairs of shapes."""
+    """Maps of two shapes of a person in the chart: what a network sees in the place of codes of expressions.
+
+    Returns (..., S, S, 23) float32, the CHANNELS: displacement from source to target, and of both their normals, how
+    curvature and (as logarithm) area differ from the neutral face's, openness to light from all sides, and on the
+    membrane the gap between the lips and what lies behind it, which `PersonShapes` is told. Lengths are in quarters of
+    the neutral face's width; all is about -1 to 1, zero where nothing is covered.
+    """
     displacement = (target.places - source.places) / PART
     skin = _baked(grid, np.concatenate([displacement, source.values, target.values], axis=-1))
     skin[..., ~grid.mouth, 3 + GAP :: _OWN] = 0
@@ -188,7 +194,13 @@ def pair_maps(grid: ChartGrid, source: ShapeFields, target: ShapeFields) -> np.n
 
 
 def pair_attention(grid: ChartGrid, source: ShapeFields, target: ShapeFields, reach: float = 0.03) -> np.ndarray:
-    """(..., S, S) float32, as ``displacement_attention``, of pairs of shapes."""
+    """Where the paint changes, told from where the surface moves (expressions paper, section 3.3.2).
+
+    ``1 - exp(-moved / reach)``; between the lips what their gap changes counts as moved, too.
+
+    reach: displacement for the neutral face's width that makes it 0.63.
+    Returns (..., S, S) float32 from 0 to 1.
+    """
     moved = np.linalg.norm(target.places - source.places, axis=-1)
     parted = PART * (target.values[..., GAP] - source.values[..., GAP])
     baked = _baked(grid, np.stack([moved, parted], axis=-1))
@@ -202,33 +214,3 @@ def _baked(grid: ChartGrid, values: np.ndarray) -> np.ndarray:
     baked = grid.bake_own(columns.reshape(len(columns), -1))
     texels = baked.reshape(grid.size, grid.size, -1, values.shape[-1]).transpose(2, 0, 1, 3)
     return texels.reshape(*values.shape[:-2], grid.size, grid.size, values.shape[-1])
-
-
-def shape_maps(grid: ChartGrid, neutral: np.ndarray, source: np.ndarray, target: np.ndarray) -> np.ndarray:
-    """Maps of two shapes of a person in the chart: what a network sees in the place of codes of expressions.
-
-    grid: ChartGrid. neutral, source, target: (V, 3) metres, each in whatever place. For many pairs of a person
-    `PersonShapes` keeps what belongs to one shape.
-    Returns (S, S, 23) float32, the CHANNELS: displacement from source to target, and of both their normals, how
-    curvature and (as logarithm) area differ from the neutral face's, openness to light from all sides, and on the
-    membrane the gap between the lips and what lies behind it, which `PersonShapes` is told. Lengths are in quarters of
-    the neutral face's width; all is about -1 to 1, zero where nothing is covered. Raises InputError where the shapes
-    are not of the chart's mesh.
-    """
-    person = PersonShapes(grid, neutral)
-    return pair_maps(grid, person.fields(source), person.fields(target))
-
-
-def displacement_attention(
-    grid: ChartGrid, neutral: np.ndarray, source: np.ndarray, target: np.ndarray, reach: float = 0.03
-) -> np.ndarray:
-    """Where the paint changes, told from where the surface moves (expressions paper, section 3.3.2).
-
-    ``1 - exp(-moved / reach)``; between the lips what their gap changes counts as moved, too.
-
-    grid, neutral, source, target: as for `shape_maps`. reach: displacement for the neutral face's width that makes it
-    0.63.
-    Returns (S, S) float32 from 0 to 1.
-    """
-    person = PersonShapes(grid, neutral)
-    return pair_attention(grid, person.fields(source), person.fields(target), reach)

@@ -43,7 +43,7 @@ class TextureModel(NetworkModel[TextureNetwork]):
     ) -> TextureChange:
         """What the step from one expression to another does to a texture.
 
-        picture: (S, S, 3) uint8 sRGB, in the chart. maps: (S, S, 23) of ``shape_maps``. source, target: (52,) ARKit
+        picture: (S, S, 3) uint8 sRGB, in the chart. maps: (S, S, 23) of ``pair_maps``. source, target: (52,) ARKit
         weights of what the texture shows, and of what it is to show. manner: Manner of the picture.
         """
         codes = torch.from_numpy(np.concatenate([source, target]).astype(np.float32))[None]

@@ -4,8 +4,18 @@ from scipy.spatial.transform import Rotation
 
 from caricli.errors import InputError
 from caricli.methods.dynamic.chart_pictures import ChartGrid
-from caricli.methods.dynamic.shape_maps import BENT, CHANNELS, PART, PersonShapes, displacement_attention, shape_maps
+from caricli.methods.dynamic.shape_maps import BENT, CHANNELS, PART, PersonShapes, pair_attention, pair_maps
 from caricli.template.chart import face_chart
+
+
+def shape_maps(grid, neutral, source, target):
+    person = PersonShapes(grid, neutral)
+    return pair_maps(grid, person.fields(source), person.fields(target))
+
+
+def displacement_attention(grid, neutral, source, target, *reach):
+    person = PersonShapes(grid, neutral)
+    return pair_attention(grid, person.fields(source), person.fields(target), *reach)
 
 
 @pytest.fixture(scope="module")

@@ -9,7 +9,7 @@ from caricli.errors import InputError
 from caricli.io.bundled import config_path
 from caricli.io.config import read_config
 from caricli.methods.dynamic.chart_pictures import ChartGrid
-from caricli.methods.dynamic.shape_maps import CHANNELS, displacement_attention, shape_maps
+from caricli.methods.dynamic.shape_maps import CHANNELS, PersonShapes, pair_attention, pair_maps
 from caricli.methods.dynamic.styles import StyleBook
 from caricli.methods.train.processes import ALL, Share
 from caricli.methods.train.texture.texture_pairs import BRIGHT, UNSEEN, TexturePairs, mirrored, painted_people
@@ -72,14 +72,15 @@ def test_maps_and_attention_are_those_of_the_shapes(pairs, people, grid):
             int(np.flatnonzero((person.weights == code[row].numpy()).all(1))[0])
             for code in (batch.source_code, batch.target_code)
         ]
-        shapes = [person.vertices[each] for each in shown]
-        forth = shape_maps(grid, person.neutral, *shapes).transpose(2, 0, 1)
-        back = shape_maps(grid, person.neutral, *shapes[::-1]).transpose(2, 0, 1)
+        own = PersonShapes(grid, person.neutral)
+        source, target = (own.fields(person.vertices[each]) for each in shown)
+        forth = pair_maps(grid, source, target).transpose(2, 0, 1)
+        back = pair_maps(grid, target, source).transpose(2, 0, 1)
         skin = slice(0, CHANNELS.index("source_teeth"))
         np.testing.assert_allclose(batch.forth[row, skin], forth[skin], atol=1e-5)
         np.testing.assert_allclose(batch.back[row, skin], back[skin], atol=1e-5)
         assert np.ptp(batch.forth[row, CHANNELS.index("target_depth")].numpy()) > 0.01
-        moved = displacement_attention(grid, person.neutral, *shapes)
+        moved = pair_attention(grid, source, target)
         np.testing.assert_allclose(batch.moved[row, 0], OPEN + (1 - OPEN) * moved, atol=1e-5)
 
 
