@@ -10,6 +10,7 @@ from caricli.data.dataset import Dataset
 from caricli.data.face_grid import face_grid
 from caricli.data.held_out import held_out
 from caricli.errors import InputError
+from caricli.methods.train.sketch.sketch_faces import batches
 from caricli.methods.train.sketch.sketch_hand import LINE, Missing, SketchHand
 from caricli.methods.train.sketch.wrinkle_book import WrinkleBook
 from caricli.methods.train.stages import Report, unwatched
@@ -19,9 +20,6 @@ from caricli.models.sketch.config import SketchConfig
 from caricli.models.sketch.published import shown_points
 from caricli.models.sketch.window import POINTS
 from caricli.seeds import TrainingSeed
-
-_BATCH = 256
-"""Faces that are encoded at once."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,16 +55,16 @@ class PublishedFaces:
         Raises InputError where there are none to train or to validate with.
         """
         vertices, person, expression = _own(datasets, config)
-        codes = np.concatenate([model.encode(part.astype(float)) for part in _parts(vertices)])
+        codes = np.concatenate([model.encode(part.astype(float)) for part in batches(vertices)])
         generator = np.random.default_rng([config.seed, TrainingSeed.EXTRA])
         codes = np.concatenate([codes, model.between(codes, config.extra, generator)])
-        between = [model.decode(part).astype(np.float32) for part in _parts(codes[len(vertices) :])]
+        between = [model.decode(part).astype(np.float32) for part in batches(codes[len(vertices) :])]
         everything = np.concatenate([vertices, *between])
         unseen = _unseen(datasets, config)
         wrinkled = config.published is not None and config.published.wrinkles
         books = [WrinkleBook.of(model.template, heads, report) if wrinkled else None for heads in (everything, unseen)]
         weights = importance(model, hand, config.importance)
-        rows = [weighted_rows(model, part.astype(float), weights) for part in _parts(everything)]
+        rows = [weighted_rows(model, part.astype(float), weights) for part in batches(everything)]
         positions = everything[:, hand.ids]
         return cls(positions, codes, np.concatenate(rows), person, expression, books[0], unseen, books[1])
 
@@ -101,11 +99,11 @@ def point_space(dataset: Dataset, hand: SketchHand, model: BilinearModel) -> Bil
 def drawn_points(vertices: np.ndarray, hand: SketchHand) -> np.ndarray:
     """(N, K, P, 2) points that a steady hand draws of heads (N, V, 3) from the front."""
     nobody = np.random.default_rng(0)
-    batches = [
+    lines = [
         hand.draw(part[:, hand.ids].astype(float), np.zeros(len(part)), Missing(), nobody).lines
-        for part in _parts(vertices)
+        for part in batches(vertices)
     ]
-    return np.concatenate(batches)[:, :, :: (LINE - 1) // (POINTS - 1)]
+    return np.concatenate(lines)[:, :, :: (LINE - 1) // (POINTS - 1)]
 
 
 def _own(datasets: Sequence[Dataset], config: SketchConfig) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -135,7 +133,3 @@ def _unseen(datasets: Sequence[Dataset], config: SketchConfig) -> np.ndarray:
     if not sum(map(len, parts)):
         raise InputError("expected a dataset with people of the validation split, found none")
     return np.concatenate(parts)
-
-
-def _parts(array: np.ndarray) -> list[np.ndarray]:
-    return [array[start : start + _BATCH] for start in range(0, len(array), _BATCH)]

@@ -47,7 +47,7 @@ class SketchFaces:
         expressions = []
         for number, data in enumerate(datasets):
             rows = held_out(data, held, seed)["train"]
-            latents += [model.encode(data.vertices[part].astype(float)) for part in _parts(rows)]
+            latents += [model.encode(data.vertices[part].astype(float)) for part in batches(rows)]
             kinds = data.factors.get("kind", np.zeros(len(data.level), int))[rows]
             parts = kinds >= 2  # who is exaggerated by parts is there once
             alone = np.where(parts, 1 + np.arange(len(rows)), 0)
@@ -93,7 +93,8 @@ class SketchFaces:
         return faces
 
 
-def _parts(rows: np.ndarray) -> list[np.ndarray]:
+def batches(rows: np.ndarray) -> list[np.ndarray]:
+    """Rows one after the other, as many at once as are encoded."""
     return [rows[start : start + _BATCH] for start in range(0, len(rows), _BATCH)]
 
 
