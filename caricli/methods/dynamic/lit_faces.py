@@ -18,9 +18,6 @@ from caricli.template.template import Template
 MARGIN = 0.02
 """Around the face in its picture, of the larger side."""
 
-EXPOSURE = 1.0
-"""Mean of the light: white is 1."""
-
 _BANDS = np.repeat([1, 2 / 3, 1 / 4], [1, 3, 5])
 """Shares of the harmonics of light that a dull surface sends back, by their order."""
 
@@ -39,7 +36,7 @@ class LitFaces:
         """Paint an Appearance under a Sky. Returns (S, S, 3) uint8 sRGB, the top row first."""
         albedo = self.painter.painter.draw(appearance)
         light = np.maximum((harmonics(self.normals * [1, -1, -1]) * _BANDS) @ sky.harmonics(DIRECTIONS), 0)
-        light = EXPOSURE * light / max(float(light.mean()), 1e-6)
+        light = light / max(float(light.mean()), 1e-6)  # so bright that white is 1 in the mean
         covered = self.painter.covered
         picture = np.zeros((*covered.shape, 3), np.uint8)
         picture[covered] = to_bytes(to_srgb(to_linear(albedo) * light))
