@@ -11,6 +11,7 @@ from caricli.methods.evaluate.evaluate_blendshapes import (
     KnownCaricature,
     dataset_caricatures,
     dataset_expressions,
+    evaluate_blendshapes,
     random_camera,
     rival_figures,
 )
@@ -67,6 +68,54 @@ def test_a_tally_means_over_what_was_compared():
     assert neutral == {"full_is_nearest_on": 0, "of": 0, "beside_transfer": {}}
     assert tally.differences["transfer"] == beside and [*tally.differences] == [*RIVALS][1:]
     assert tally.summary["caricatures"][1]["rivals"]["full"] == {"error": {"smile": 1.0}, "structure": 1.0}
+
+
+def test_the_nearest_beats_every_rival_and_faces_of_one_person_count_as_one():
+    tally = ComparisonTally(["smile"])
+    for person, initial, transfer in ((0, 0.5, 3), (0, 1, 3), (0, 2, 3), (0, 2, 3), (1, 2, 1.5)):
+        errors = dict.fromkeys(RIVALS, 4.0) | {"full": 1.0, "initial": initial, "transfer": transfer}
+        figures = {name: {"error": np.array([error])} for name, error in errors.items()}
+        tally.add(KnownCaricature(person, 2, np.zeros((1, 4, 3))), SimpleNamespace(figures=figures))
+    smile = tally.by_expression["smile"]
+    assert smile["full_is_nearest_on"] == 3
+    assert smile["beside_transfer"] == tally.differences["transfer"] == {"mean": -1.7, "low": -2, "high": -0.5}
+
+
+def test_errors_are_of_the_whole_head_and_excess_of_what_the_normal_face_moves(head_template):
+    still = head_template.vertices
+    ways = np.zeros((2, *still.shape))
+    ways[1, head_template.mask("chin")] = [0, -0.02, 0]
+    face = Face(head_template.with_vertices(still))
+
+    def figures(shapes):
+        built = SimpleNamespace(shapes=shapes, normal=still + ways, normal_given=still)
+        return rival_figures(built, still + ways, np.array([False, True]), face, head_template)
+
+    own = figures(still + 2.5 * ways)
+    share = 100 * 1.5 * 0.02 * head_template.mask("chin").mean() / face.mesh.height
+    np.testing.assert_allclose(own["error"], [np.nan, share])
+    np.testing.assert_allclose(own["excess"], [np.nan, 150])
+    assert figures(np.stack([still, still * [-1, 1, 1]]))["flipped"] > 1
+
+
+def test_pictures_are_drawn_of_a_seed_and_show_what_is_asked_for(monkeypatch):
+    truth = np.arange(3.0)[:, None, None] * np.ones((2, 3)) * [[0, 0.1, 0], [0, 0, 0]] + [[0, 0.2, 0], [0, 0, 0]]
+    people = [KnownCaricature(number, 2, truth) for number in range(6)]
+
+    def pictures(*options):
+        monkeypatch.setattr(
+            "caricli.methods.evaluate.evaluate_blendshapes.compare_blendshapes",
+            lambda truth, shows, camera, tools: (shows, camera),
+        )
+        return [picture for _, picture in evaluate_blendshapes(people, None, *options)]
+
+    assert {shows for shows, _ in pictures()} == {0}
+    several = pictures("any", 1)
+    assert len({shows for shows, _ in several}) > 1
+    for shows, camera in several:
+        assert camera.scale * np.ptp(truth[shows, :, 1]) == pytest.approx(400)
+    again, other = (pictures("any", seed)[0][1].rotation for seed in (1, 2))
+    assert np.array_equal(again, several[0][1].rotation) and not np.array_equal(other, again)
 
 
 def test_drift_and_strength_are_measured_against_those_of_the_truth(head_template):

@@ -31,6 +31,18 @@ def test_rendered_portraits_are_of_the_test_meshes_and_depend_on_the_seed(head_t
         RenderedPortraits(dataset(head_template, []), RenderSettings())
 
 
+def test_the_meshes_are_chosen_by_chance_and_each_is_drawn_by_itself(head_template, monkeypatch):
+    def studio(template, size):
+        return SimpleNamespace(portray=lambda name, vertices, generator, noise: (name, generator.random(), noise))
+
+    monkeypatch.setattr("caricli.methods.evaluate.evaluate_portrait.PortraitStudio", studio)
+    data = dataset(head_template, [0, 1, 2, 3])
+    chosen = {tuple(RenderedPortraits(data, RenderSettings(count=2, seed=seed)).rows) for seed in range(8)}
+    assert len(chosen) > 2 and all(first < second for first, second in chosen)
+    alone = RenderedPortraits(dataset(head_template, [3]), RenderSettings(noise=0.7))[0]
+    assert alone == RenderedPortraits(data, RenderSettings(noise=0.7))[3] and alone[2] == 0.7
+
+
 def test_a_tally_counts_by_set_and_keeps_what_was_refused():
     tally = PortraitTally()
     figures = {"elastic": {"shape": 2.0}, "elastic" + REFINED: {"shape": 1.0}}
