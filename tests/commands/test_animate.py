@@ -189,6 +189,16 @@ def test_rate_smoothing_scale_and_clipping(run, rig_file, tmp_path):
     assert 0.2 < smooth[3, 2] < 0.98 and np.abs(smooth - plain).max() < 0.8
 
 
+def test_a_recording_that_does_not_say_its_rate_has_the_one_that_is_told(run, rig_file, values, tmp_path):
+    take, cues = mediapipe(tmp_path / "take.json", values), tmp_path / "cues.tsv"
+    cues.write_text("0.0\tX\n0.2\tD\n0.6\tX\n")
+    for source, frames in ((take, 6), (cues, 16)):
+        out = tmp_path / source.suffix[1:] / "anim.glb"
+        result = run("animate", rig_file, source, "--out", out, "--source-fps", 25)
+        assert result.exit_code == 0, result.output
+        np.testing.assert_allclose(glb_animation(out)[0], np.arange(frames) / 25, atol=1e-6)
+
+
 def test_a_glb_is_a_rig_too_and_names_are_listed(run, rig_file, tmp_path):
     write_gltf(tmp_path / "rig.glb", read_rig(rig_file))
     source = ours(tmp_path / "w.json", [[0.5, 1], [1, 0]], names=("TongueOut", "grin"))

@@ -45,6 +45,7 @@ def pictures(head_template, tmp_path, monkeypatch):
             known = np.where((np.arange(81) == 5)[:, None], np.nan, points)
             own = Landmarks(known, (160, 160), np.where(np.isnan(known)[..., None], np.nan, spreads), np.full(81, 0.75))
             faces.append(DetectedFace(FaceFrame.of(points), 0.9, own))
+        faces = [face for face in faces if face.score >= settings.sure]
         return Detection(sorted(faces, key=lambda face: -face.frame.side), truth.regions)
 
     monkeypatch.setattr("caricli.methods.detect.detect_faces.detect_faces", detect)
@@ -82,6 +83,13 @@ def test_all_faces_are_written_where_they_are_asked_for(run, detector, pictures,
     assert result.exit_code == 0 and "2 faces" in result.stdout
     sides = [np.ptp(read_landmarks(tmp_path / "marks" / name).points[:17, 0]) for name in ("pair.json", "pair-2.json")]
     assert len(set(sides)) == 2
+
+
+def test_how_sure_a_face_must_be_is_as_it_is_said(run, refused, detector, pictures, tmp_path):
+    words = ("detect", pictures[0] / "pair.png", "--detector", detector, "--out-dir")
+    assert "expected a face, found none" in refused(*words, tmp_path / "none", "--score", 0.95)
+    assert run(*words, tmp_path / "sure", "--score", 0.85).exit_code == 0
+    assert json.loads((tmp_path / "sure" / "pair-regions.json").read_text())["score"] == 0.85
 
 
 def test_second_faces_do_not_replace_another_picture_s(run, detector, pictures, tmp_path):

@@ -1,14 +1,19 @@
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 from caricli.errors import InputError
 from caricli.io.face import write_face
 from caricli.io.mesh import write_mesh
+from caricli.methods.reconstruct.fit_landmarks import fit_landmarks
 from caricli.store.expression_templates import load_action_units, load_templates
 from caricli.store.expression_tools import ToolPaths, load_caricature, load_tools
 from caricli.store.rig_sources import PictureSources
 from caricli.structures import Camera, Face
 from caricli.structures.arkit import ARKIT_NAMES
+from caricli.structures.detection import FacePicture
+from caricli.structures.landmarks import Landmarks
 
 
 @pytest.fixture(scope="module")
@@ -72,3 +77,18 @@ def test_a_caricature_has_a_camera(tools, head_template, tmp_path):
     write_mesh(tmp_path / "face.obj", head_template)
     with pytest.raises(InputError, match="found a mesh, which has no camera"):
         load_caricature(tmp_path / "face.obj", tools)
+
+
+def test_a_face_is_fitted_to_landmarks_as_sure_as_they_are(head_template, tools, monkeypatch, tmp_path):
+    points = 900 * head_template.vertices[head_template.annotation.landmarks][:, :2] * [1, -1] + 200
+    spreads = np.arange(1, 82)[:, None, None] * np.eye(2)
+    picture = FacePicture(Landmarks(points, None, spreads))
+    asked = []
+
+    def fit(marks, model, spreads):
+        asked.append((marks, spreads))
+        return fit_landmarks(marks, model, spreads=spreads)
+
+    monkeypatch.setattr("caricli.store.expression_tools.fit_landmarks", fit)
+    load_caricature(tmp_path / "a.json", tools, reader=SimpleNamespace(read=lambda source, count: picture))
+    assert np.array_equal(asked[0][0], points) and np.array_equal(asked[0][1], spreads)

@@ -89,6 +89,16 @@ def test_a_mesh_without_uvs_needs_no_picture(shape, model, tmp_path):
         load_worn_face(path, model)
 
 
+def test_materials_are_those_of_the_model_s_polygons(shape, model, tmp_path):
+    materials = np.arange(len(shape.polygons), dtype=np.int32) % 2
+    write_face(tmp_path / "face.npz", Face(shape, materials=materials))
+    np.testing.assert_array_equal(load_worn_face(tmp_path / "face.npz", model).materials, materials)
+    # Those of triangles are none of quads.
+    flat = Mesh(shape.vertices, shape.faces)
+    write_face(tmp_path / "flat.npz", Face(flat, materials=np.zeros(len(flat.polygons), np.int32)))
+    assert load_worn_face(tmp_path / "flat.npz", model).materials is None
+
+
 def test_a_seen_face_is_read_once(path, model, monkeypatch):
     reads = []
 

@@ -34,6 +34,14 @@ def test_pictures_go_with_the_landmarks_of_their_name(folder, points):
     np.testing.assert_allclose(portrait.points, points[:68])
 
 
+def test_portraits_come_in_the_order_of_their_names(folder):
+    names = [f"{number}.png" for number in (7, 3, 9, 1, 5, 8, 2, 6, 4)]
+    for name in names:
+        for suffix in (".png", ".txt"):
+            (folder / name).with_suffix(suffix).write_bytes((folder / "one").with_suffix(suffix).read_bytes())
+    assert [picture.name for picture, _ in portrait_files(folder)] == [*sorted(names), "one.png"]
+
+
 def test_of_several_landmark_files_all_take_the_same(folder, points):
     for suffix in (".npy", ".txt", ".pts", ".json"):
         write_landmarks(folder / f"one{suffix}", Landmarks(points[:68]))

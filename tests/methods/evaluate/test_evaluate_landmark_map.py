@@ -1,3 +1,5 @@
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -8,14 +10,17 @@ from caricli.data.dataset import read_dataset
 from caricli.data.unseen import unseen_data
 from caricli.methods.evaluate.evaluate_landmark_map import (
     NEAREST,
+    FacePairs,
     components,
     draws,
     error_figures,
+    evaluate_landmark_map,
     face_errors,
     face_pairs,
     measure_landmark_map,
     regression,
     spread,
+    true_spread,
 )
 from caricli.methods.train.see_faces import map_faces
 from caricli.models.landmark_map.model import DOMAINS
@@ -65,6 +70,41 @@ def test_regression_finds_a_linear_map(faces):
 
     found = regression(faces, turned(faces))(faces[:5])
     np.testing.assert_allclose(found, turned(faces[:5]), atol=0.15)
+
+
+def test_rivals_learn_from_the_training_alone(faces):
+    """Caricatures are twice as large as faces in the training and three times in the test."""
+    training = FacePairs(faces, 2 * faces, np.arange(400))
+    normal = faces[:20] + np.random.default_rng(2).normal(0, 0.1, (20, 68, 2))
+    pairs = FacePairs(normal, 3 * normal, np.arange(20))
+    flat = np.zeros(136)
+    still = SimpleNamespace(
+        map_aligned=lambda points, to, style=None: points,
+        own_style=lambda face: None, styles=np.zeros((3, 136)), normal=flat, caricature=flat,
+    )  # fmt: skip
+    figures = measure_landmark_map(still, pairs, training)
+    half = face_errors(1.5 * normal, normal).mean()
+    assert figures["normal"]["paired regression"]["error"] == pytest.approx(half, rel=0.1)
+    twice = face_errors(2 * normal, 3 * normal).mean()
+    # Nothing is left to draw of what is linear.
+    for name in ("paired regression", "paired regression with draws"):
+        assert figures["caricature"][name]["error"] == pytest.approx(twice, rel=0.1)
+    nearest = face_errors(np.stack([2 * faces[:20]]), 3 * normal).mean()
+    assert figures["caricature"]["random caricatures"]["error"] > nearest
+    assert figures["caricature"]["mean"]["error"] == pytest.approx(face_errors(0 * normal, 3 * normal).mean())
+    assert true_spread(pairs) > 0.5 * figures["normal"]["identity"]["error"]
+
+
+def test_what_was_learnt_from_is_not_measured(monkeypatch):
+    room = "caricli.methods.evaluate.evaluate_landmark_map."
+    monkeypatch.setattr(room + "has_partners", lambda data: True)
+    monkeypatch.setattr(room + "face_pairs", lambda faces, part: part)
+    monkeypatch.setattr(room + "measure_landmark_map", lambda model, pairs, training: (pairs, training))
+    rows = {part: {"normal": [1], "caricature": [2, 3]} for part in ("training", "held out", "test")}
+    rows["held out"]["caricature"] = []
+    found = evaluate_landmark_map(None, SimpleNamespace(data=None, rows=rows))
+    assert found["error"] == {"test": ("test", "training")}
+    assert found["meshes"]["test"] == {"normal": 1, "caricature": 2}
 
 
 @pytest.fixture(scope="module")
