@@ -1,4 +1,5 @@
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -71,6 +72,18 @@ def test_people_of_an_imported_folder_are_told_by_any_of_their_meshes(barrels, t
     import_dataset(tmp_path / "again", tmp_path / "second", annotation)
     alone = everybody(read_dataset(tmp_path / "second"))
     assert alone[0] < pairs[4] and alone[1] < pairs[1]
+
+
+def test_a_coordinate_of_minus_nothing_is_nothing():
+    """As other programs write it of the same mesh."""
+
+    def marks(nothing):
+        vertices = np.array([[[1.0, nothing, 2.0]]])
+        manifest = {"splits": {"test": [4]}}
+        own = {"rows": lambda split: np.array([True]), "identity": np.array([4]), "factors": {}, "manifest": manifest}
+        return fingerprints(SimpleNamespace(vertices=vertices, **own), "test")
+
+    assert marks(0.0) == marks(-0.0) != marks(1.0)
 
 
 def test_who_was_trained_with_leaves_the_tests_and_who_remains_is_counted(eight):

@@ -1,3 +1,5 @@
+from types import SimpleNamespace
+
 import numpy as np
 
 from caricli.methods.evaluate.evaluate_gesture import DOUBTFUL, OTHER, GestureFigures, evaluate_gesture
@@ -22,6 +24,20 @@ def test_strangers_draw_each_by_its_seed():
         first, again, other = (strange_gesture(name, np.random.default_rng([3, seed])) for seed in (0, 0, 1))
         assert np.array_equal(first, again) and not np.array_equal(first, other) and len(first) > 10
     assert all(len(strange_other(np.random.default_rng([4, seed]))) > 10 for seed in range(20))
+
+
+def test_strokes_are_those_of_the_seed():
+    seen = []
+
+    def probabilities(strokes):
+        seen.append(strokes)
+        return np.eye(len(GESTURES))[[0] * len(strokes)]
+
+    for seed in (7, 7, 8):
+        figures = evaluate_gesture(SimpleNamespace(probabilities=probabilities), 2, seed)
+    assert figures.likeliest == 100 / len(GESTURES) and figures.counts[OTHER][GESTURES[0]] == 2
+    first, again, other = (seen[k * (len(GESTURES) + 1)][0] for k in range(3))
+    assert np.array_equal(first, again) and not np.array_equal(first, other)
 
 
 def test_the_bundled_network_knows_hands_that_it_never_saw():
