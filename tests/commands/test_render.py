@@ -70,6 +70,20 @@ def film_frames(path):
 TURN = ("--views", "turntable", "--size", 24)
 
 
+def test_eyes_are_drawn_where_they_are_among_the_parts(npz, tmp_path, monkeypatch):
+    """In a sheet and over a picture; the head has none of its own."""
+    asked = []
+    monkeypatch.setattr("caricli.render.face_look.place_eyeballs", lambda *mesh: asked.append(mesh) or ())
+    write_png(tmp_path / "photo.png", np.full((60, 80, 3), 255, np.uint8))
+    for words in (("--image", tmp_path / "photo.png"), ("--views", "front", "--size", 32)):
+        drawn = []
+        for parts in ("skin", "skin,eyes"):
+            asked.clear()
+            assert run(npz, "-o", tmp_path / "a.png", *words, "--parts", parts, "--overwrite").exit_code == 0
+            drawn.append(bool(asked))
+        assert drawn == [False, True]
+
+
 def test_a_turn_as_a_strip(obj, tmp_path):
     assert run(obj, "-o", tmp_path / "turn.png", *TURN, "--frames", 6, "--columns", 6).exit_code == 0
     picture = read_image(tmp_path / "turn.png")

@@ -1,8 +1,19 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import torch
+from scipy.stats import multivariate_t
 
-from caricli.methods.train.detector.detector_losses import FaceTargets, _apart, face_loss, landmark_loss, region_loss
+from caricli.methods.train.detector.detector_losses import (
+    TAILS,
+    FaceTargets,
+    _apart,
+    _doubt,
+    face_loss,
+    landmark_loss,
+    region_loss,
+)
 from caricli.models.detector.config import DetectorConfig
 from caricli.models.detector.model import by_pixels, face_cells
 from caricli.models.detector.networks import FaceGrid, HeatMaps
@@ -53,6 +64,17 @@ def test_such_a_grid_costs_nothing_and_another_does(faces):
     assert float(face_loss(blind, targets)) > 100 * max(best, 1e-4)
 
 
+def test_alarms_cost_less_near_a_face_and_nothing_where_one_may_be():
+    """Of four cells a face, one beside it, one of which nothing is asked, and one far away; all say one half."""
+    heat = torch.tensor([[[1.0, 0.5], [0.2, 0.0]]])
+    counts = torch.tensor([[[True, True], [False, True]]])
+    values, near = torch.zeros(1, 5, 2, 2), torch.zeros(1, 2, 2, dtype=torch.bool)
+    grid = FaceGrid(torch.zeros(1, 2, 2), values[:, :2], values[:, 2], values[:, 3:])
+    half = 0.25 * np.log(2)
+    loss = float(face_loss(grid, FaceTargets(heat, counts, values, near)))
+    assert loss == pytest.approx(half * (1 + 0.5**4 + 1))
+
+
 def test_faces_of_other_sizes_are_neither_asked_for_nor_forbidden(head_template):
     face = 8 * mean_shape(head_template) + [64, 64]
     targets = FaceTargets.of([window(face[None])], 128)
@@ -83,6 +105,33 @@ def test_true_places_cost_least(faces):
     for moved in (places + torch.tensor([1.0, 0]), places - torch.tensor([0, 2.0])):
         wrong, apart = landmark_loss(heat_maps(moved, 1.1, 0.02), truth, visible, 128, CONFIG)
         assert float(wrong) > float(right) + 0.1 and float(apart) > 0.03
+
+
+def test_landmarks_beyond_the_window_or_hidden_have_no_error(faces):
+    truth = torch.from_numpy(faces[:1]).float()
+    truth[0, 0, 1] = 140.0
+    visible = torch.ones(1, 81, dtype=torch.bool)
+    visible[0, 1] = False
+    places = (truth + 0.5) / 4 - 0.5
+    far = places.clone()
+    far[0, 0] -= 3
+    right, wrong = (landmark_loss(heat_maps(where, 1.1, 0.02), truth, visible, 128, CONFIG) for where in (places, far))
+    assert torch.equal(right[0], wrong[0])
+    far[0, 1] -= 3
+    hidden = landmark_loss(heat_maps(far, 1.1, 0.02), truth, visible, 128, CONFIG)
+    assert hidden[0] > right[0] and float(hidden[1]) < 1e-6
+
+
+def test_doubt_is_that_of_student_with_the_covariance():
+    covariance = np.array([[4.0, 1.5], [1.5, 1.0]])
+    errors = np.array([[0.0, 0], [2, 0], [0, 2], [2, 1], [-2, 1]])
+    maps = heat_maps(torch.zeros(1, 81, 2), 1.1, 1.0)
+    maps = replace(maps, covariance=torch.from_numpy(covariance).float().expand(1, 81, 2, 2))
+    places = torch.zeros(1, 81, 2)
+    places[0, : len(errors)] = torch.from_numpy(errors)
+    cost = _doubt(maps, places)[0, : len(errors)].numpy()
+    density = multivariate_t.logpdf(errors, shape=covariance, df=TAILS)
+    np.testing.assert_allclose(cost - cost[0], density[0] - density, atol=1e-5)
 
 
 def test_honest_doubt_costs_less_than_any_other(faces):
