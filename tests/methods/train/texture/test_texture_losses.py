@@ -10,11 +10,13 @@ from caricli.methods.train.texture.texture_losses import (
     TextureBatch,
     attention_loss,
     colour_loss,
+    critic_loss,
     cycle_loss,
+    fooling_loss,
     gradient_penalty,
     patch_score,
 )
-from caricli.models.texture.config import TextureSize
+from caricli.models.texture.config import TextureConfig, TextureSize
 from caricli.models.texture.networks import CODES, MAPS, Change, TextureCritic, TextureNetwork
 
 SIDE = 32
@@ -124,6 +126,28 @@ def test_losses_are_means_of_differences(batch):
     weight[0, 0, 3, 4] = 1
     gap = (batch.source - batch.target)[0, :, 3, 4].abs().sum() / batch.source.numel()
     assert colour_loss(batch.source, batch.target, weight).item() == pytest.approx(gap.item(), rel=1e-5)
+
+
+def test_a_painter_is_believed_and_a_critic_tells_apart(batch):
+    """Of a critic whose score is how bright a picture is, and who reads the same of all weights."""
+    batch = replace(batch, weight=torch.ones_like(batch.weight))
+    config = TextureConfig(adversarial_weight=3.0, expression_weight=7.0, penalty=0.0)
+
+    def critic(pictures):
+        bright = pictures.mean((1, 2, 3))
+        return bright[:, None, None], bright[:, None].expand(-1, CODES // 2)
+
+    fake = batch.target / 2
+    bright = {name: own.mean((1, 2, 3)) for name, own in (("fake", fake), ("real", batch.source))}
+    away = {
+        name: (bright[name][:, None] - codes).square().mean()
+        for name, codes in (("fake", batch.target_code), ("real", batch.source_code))
+    }
+    fooled = fooling_loss(critic, batch, fake, config)
+    assert fooled.item() == pytest.approx(float(7 * away["fake"] - 3 * bright["fake"].mean()), rel=1e-5)
+    told = critic_loss(critic, batch, fake, torch.full((3,), 0.5), config)
+    apart = bright["fake"].mean() - bright["real"].mean()
+    assert told.item() == pytest.approx(float(7 * away["real"] + 3 * apart), rel=1e-5)
 
 
 def test_patches_count_by_their_texels():
