@@ -1,3 +1,6 @@
+from dataclasses import replace
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -14,8 +17,6 @@ SIZE = (320, 240)
 
 @pytest.fixture(scope="module")
 def start(tools):
-    from dataclasses import replace
-
     from caricli.store.session_tools import load_start
 
     return replace(load_start(None, tools), picture=np.zeros((SIZE[1], SIZE[0], 3), np.uint8))
@@ -50,6 +51,17 @@ def test_landmarks_are_placed_and_their_face_is_made(start, laid, script, tools)
     wanted = off.landmarks.points[off.landmarks.known]
     apart = np.linalg.norm(face.face.landmarks[off.landmarks.known] - wanted, axis=1)
     assert apart.mean() < 0.01 * off.landmarks.diagonal
+
+
+def test_the_face_is_of_the_heads_own_landmarks_as_sure_as_they_are_and_has_no_strengths(start, laid):
+    asked = []
+    encoder = SimpleNamespace(encode=lambda points, spreads: asked.append((points, spreads)) or ("new", 0))
+    marks = replace(laid, slides=np.full((81, 2), 0.5), spreads=np.tile(np.eye(2), (81, 1, 1)))
+    work = replace(start, landmarks=marks, strengths={"Smile": 1.0}, weights={"jawOpen": 0.5})
+    done = operate(work, Operation("mark_face"), SimpleNamespace(encoder=encoder))
+    ((points, spreads),) = asked
+    assert np.array_equal(points, laid.points + 0.5) and spreads is marks.spreads
+    assert (done.face, done.strengths, done.weights) == ("new", {}, {})
 
 
 def test_the_page_and_the_replay_make_the_same_bytes(start, script, tools):

@@ -3,7 +3,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from caricli.methods.session.pose import Poser
+from caricli.methods.session.pose import Poser, eye_turns
 from caricli.methods.session.pull_basis import dressed_vertices, pull_basis
 
 
@@ -49,6 +49,14 @@ def test_another_face_has_its_own_expressions_and_parts(poser, start):
     breadths = [np.ptp(placed(poser, work)["teeth_upper"][:, 0]) for work in (laughing, wide)]
     assert breadths[1] > 1.1 * breadths[0]
     np.testing.assert_array_equal(poser.vertices(laughing), before)
+
+
+def test_eyes_turn_as_rigs_have_it(start):
+    """In is towards the nose, down is positive about x, to the subject's left positive about y."""
+    weights = {"eyeLookInLeft": 1.0, "eyeLookUpLeft": 0.5, "eyeLookInRight": 0.5, "eyeLookDownRight": 1.0}
+    turns = np.degrees(eye_turns(replace(start, weights=weights)))
+    np.testing.assert_allclose(turns, [[-30, -11], [15, 25]])
+    assert not eye_turns(start).any()
 
 
 def test_parts_follow_a_point_that_is_dragged(tools, start, head_template):
