@@ -66,6 +66,12 @@ def test_other_modes_become_rgb(tmp_path, mode):
     assert read_image(tmp_path / "a").tolist() == [[[0] * 3, [255] * 3]] * 2
 
 
+def test_greys_of_16_bits_are_scaled_and_rounded(tmp_path):
+    values = np.array([[0, 128, 129, 257 * 200, 257 * 200 + 129, 65535]], np.uint16)
+    Image.fromarray(values).save(tmp_path / "a.png")
+    assert read_image(tmp_path / "a.png")[0, :, 0].tolist() == [0, 0, 1, 200, 201, 255]
+
+
 def png_claiming(width, height):
     def chunk(kind, data):
         return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))

@@ -77,3 +77,7 @@ def test_midnight_and_rubbish():
         ["10:00:09:00", "10:00:01:00", "10:00:10:00"],
     ):
         np.testing.assert_allclose(timecode_seconds(timecodes, None, 50.0), np.arange(3) / 50)
+
+
+def test_of_drop_frame_the_rate_that_is_told_counts():
+    assert timecode_seconds(["01:00:00;00", "01:00:00;30"], 60, 30).tolist() == [0, 0.5]

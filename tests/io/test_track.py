@@ -118,6 +118,9 @@ def test_mediapipe_single_results_rates_stamps_and_frames_without_a_face(tmp_pat
         track = read_weights(written(tmp_path / "a.json", value))
         assert track.times.tolist() == [0] and track.weights.shape == (1, 51)
     assert read_weights(written(tmp_path / "a.json", frames), 25).times[1] == 0.04
+    assert read_weights(written(tmp_path / "a.json", [[], frames[0], [], [], frames[1]]), 10).times[1] == pytest.approx(
+        0.3
+    )
     stamped = [{"timestampMs": 1000 + 40 * k, "faceBlendshapes": [{"categories": f}]} for k, f in enumerate(frames)]
     stamped[0]["faceBlendshapes"] = stamped[2]["faceBlendshapes"] = []
     track = read_weights(written(tmp_path / "a.json", stamped))
@@ -138,6 +141,14 @@ def test_our_json_comes_back_as_it_was(tmp_path, times, head):
         np.testing.assert_array_equal(track.head, head)
 
 
+def test_a_rate_is_written_as_it_was_meant(tmp_path):
+    for fps in (24, 25, 29.97, 30, 59.94, 60):
+        for count in range(2, 60):
+            track = Track(("grin",), np.arange(count) / fps, np.zeros((count, 1)))
+            write_weights(tmp_path / "a.json", track)
+            assert json.loads((tmp_path / "a.json").read_text())["fps"] == fps
+
+
 def test_arkits_names_take_arkits_spelling_and_others_keep_theirs(tmp_path):
     value = {"schema": "caricli.weights/1", "fps": 30, "names": ["JawOpen", "Grin"], "weights": [[0, 1]]}
     assert read_weights(written(tmp_path / "a.json", value)).names == ("jawOpen", "Grin")
@@ -150,6 +161,8 @@ def test_npz(tmp_path):
         track = read_weights(tmp_path / "a.npz")
         assert track.names == ("jawOpen", "tongueOut") and track.times[1] == 1 / fps
         np.testing.assert_allclose(track.weights, WEIGHTS[:, :2], atol=1e-7)
+        # Of a recording that says its rate no other is believed.
+        assert read_weights(tmp_path / "a.npz", 50).times[1] == (1 / 12 if more else 1 / 50)
 
 
 def refused(path, *words, fps=None):
