@@ -73,7 +73,12 @@ TURN = ("--views", "turntable", "--size", 24)
 def test_eyes_are_drawn_where_they_are_among_the_parts(npz, tmp_path, monkeypatch):
     """In a sheet and over a picture; the head has none of its own."""
     asked = []
-    monkeypatch.setattr("caricli.render.face_look.place_eyeballs", lambda *mesh: asked.append(mesh) or ())
+
+    def place(*mesh):
+        asked.append(mesh)
+        return ()
+
+    monkeypatch.setattr("caricli.render.face_look.place_eyeballs", place)
     write_png(tmp_path / "photo.png", np.full((60, 80, 3), 255, np.uint8))
     for words in (("--image", tmp_path / "photo.png"), ("--views", "front", "--size", 32)):
         drawn = []

@@ -1,5 +1,6 @@
 from dataclasses import replace
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -81,7 +82,8 @@ def test_a_coordinate_of_minus_nothing_is_nothing():
         vertices = np.array([[[1.0, nothing, 2.0]]])
         manifest = {"splits": {"test": [4]}}
         own = {"rows": lambda split: np.array([True]), "identity": np.array([4]), "factors": {}, "manifest": manifest}
-        return fingerprints(SimpleNamespace(vertices=vertices, **own), "test")
+        data: Any = SimpleNamespace(vertices=vertices, **own)
+        return fingerprints(data, "test")
 
     assert marks(0.0) == marks(-0.0) != marks(1.0)
 

@@ -231,3 +231,14 @@ def test_uses_that_multiply_end(tmp_path):
 def test_units_are_those_of_css(tmp_path, width):
     sketch = read(tmp_path, '<line x2="96" y2="96"/>', head=f'width="{width}" height="{width}"')
     assert sketch.size == (384, 384)
+
+
+def test_lines_grow_with_their_groups_and_what_is_left_over_is_left_out(tmp_path):
+    """Of a polyline the number without a partner, of an arc its radius of nothing, of a symbol what nobody uses."""
+    line = '<line x2="9" fill="none" stroke="#000" stroke-width="3"/>'
+    (stroke,) = read(tmp_path, f'<g transform="scale(2)">{line}</g>', head='viewBox="0 0 2000 2000"').strokes
+    assert stroke.width == pytest.approx(6)
+    body = '<polyline points="1,2 3,4 5"/><path d="M0 0 A5 0 0 0 1 10 0"/>'
+    assert [len(stroke.points) for stroke in read(tmp_path, body).strokes] == [2, 2]
+    symbol = f'<symbol id="s">{line}</symbol>'
+    assert [len(read(tmp_path, symbol + used).strokes) for used in ("", '<use href="#s"/>')] == [0, 1]

@@ -1,4 +1,5 @@
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -90,5 +91,6 @@ def test_a_face_is_fitted_to_landmarks_as_sure_as_they_are(head_template, tools,
         return fit_landmarks(marks, model, spreads=spreads)
 
     monkeypatch.setattr("caricli.store.expression_tools.fit_landmarks", fit)
-    load_caricature(tmp_path / "a.json", tools, reader=SimpleNamespace(read=lambda source, count: picture))
+    reader: Any = SimpleNamespace(read=lambda source, count: picture)
+    load_caricature(tmp_path / "a.json", tools, reader=reader)
     assert np.array_equal(asked[0][0], points) and np.array_equal(asked[0][1], spreads)

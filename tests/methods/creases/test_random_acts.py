@@ -17,3 +17,11 @@ def test_acts_are_expressions_and_blends_of_them():
     right = weights[:, ARKIT_NAMES.index("browDownRight")]
     assert np.abs(left - right).max() > 0.05 and np.corrcoef(left, right)[0, 1] > 0.8
     assert acts == random_acts(named, 60, np.random.default_rng(0))
+
+
+def test_either_side_does_more_than_the_other():
+    named = {"neutral": {}, "grin": {"mouthSmileLeft": 0.4, "mouthSmileRight": 0.4}}
+    acts = random_acts(named, 40, np.random.default_rng(1))[1:]
+    left, right = np.array([[act["mouthSmileLeft"], act["mouthSmileRight"]] for act in acts]).T
+    assert (left > right).any() and (right > left).any()
+    assert np.abs(np.log(left / right)).max() > 0.1

@@ -1,9 +1,12 @@
+from types import SimpleNamespace
+from typing import Any
+
 import numpy as np
 import pytest
 import torch
 
-from caricli.methods.dynamic.media import NAMES
-from caricli.methods.dynamic.styles import StyleBook, drawn_faces
+from caricli.methods.dynamic.media import NAMES, Medium
+from caricli.methods.dynamic.styles import LentLook, Style, StyleBook, drawn_faces
 from caricli.models.style.model import StyleModel
 from caricli.models.style.networks import StyleNetwork
 
@@ -27,6 +30,27 @@ def test_looks_of_drawings_are_among_the_styles(model, drawings):
     generator = np.random.default_rng(0)
     names = [StyleBook(model, drawings).draw(generator).name for _ in range(60)]
     assert 10 < names.count("drawing") < 40
+
+
+def test_two_of_five_styles_are_lent_and_none_of_them_weakly(drawings):
+    generator = np.random.default_rng(0)
+    lender: Any = SimpleNamespace(look=lambda part: part)
+    ways = [StyleBook(lender, drawings).draw(generator).way for _ in range(400)]
+    lent = [way for way in ways if isinstance(way, LentLook)]
+    assert 120 < len(lent) < 200
+    assert 0.6 <= min(way.strength for way in lent) < 0.65 and max(way.strength for way in lent) > 0.95
+
+
+def test_strokes_of_all_expressions_go_the_ways_of_their_mean(monkeypatch):
+    guides = []
+
+    def paint(medium, picture, guide):
+        guides.append(guide)
+        return picture
+
+    monkeypatch.setattr(Medium, "paint", paint)
+    Style(Medium("oil", 2.0, 0)).paint(np.stack([np.full((8, 8, 3), shade, np.uint8) for shade in (40, 100)]))
+    assert len(guides) == 2 and all((guide == 70).all() for guide in guides)
 
 
 def test_a_style_is_the_same_for_all_expressions_and_the_same_again(model, drawings):

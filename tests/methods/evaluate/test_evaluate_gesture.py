@@ -1,4 +1,5 @@
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 
@@ -33,8 +34,9 @@ def test_strokes_are_those_of_the_seed():
         seen.append(strokes)
         return np.eye(len(GESTURES))[[0] * len(strokes)]
 
+    model: Any = SimpleNamespace(probabilities=probabilities)
     for seed in (7, 7, 8):
-        figures = evaluate_gesture(SimpleNamespace(probabilities=probabilities), 2, seed)
+        figures = evaluate_gesture(model, 2, seed)
     assert figures.likeliest == 100 / len(GESTURES) and figures.counts[OTHER][GESTURES[0]] == 2
     first, again, other = (seen[k * (len(GESTURES) + 1)][0] for k in range(3))
     assert np.array_equal(first, again) and not np.array_equal(first, other)

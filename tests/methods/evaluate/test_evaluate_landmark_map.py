@@ -1,4 +1,5 @@
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -78,7 +79,7 @@ def test_rivals_learn_from_the_training_alone(faces):
     normal = faces[:20] + np.random.default_rng(2).normal(0, 0.1, (20, 68, 2))
     pairs = FacePairs(normal, 3 * normal, np.arange(20))
     flat = np.zeros(136)
-    still = SimpleNamespace(
+    still: Any = SimpleNamespace(
         map_aligned=lambda points, to, style=None: points,
         own_style=lambda face: None, styles=np.zeros((3, 136)), normal=flat, caricature=flat,
     )  # fmt: skip
@@ -102,7 +103,9 @@ def test_what_was_learnt_from_is_not_measured(monkeypatch):
     monkeypatch.setattr(room + "measure_landmark_map", lambda model, pairs, training: (pairs, training))
     rows = {part: {"normal": [1], "caricature": [2, 3]} for part in ("training", "held out", "test")}
     rows["held out"]["caricature"] = []
-    found = evaluate_landmark_map(None, SimpleNamespace(data=None, rows=rows))
+    faces: Any = SimpleNamespace(data=None, rows=rows)
+    model: Any = None
+    found = evaluate_landmark_map(model, faces)
     assert found["error"] == {"test": ("test", "training")}
     assert found["meshes"]["test"] == {"normal": 1, "caricature": 2}
 

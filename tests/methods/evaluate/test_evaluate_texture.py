@@ -1,5 +1,6 @@
 from dataclasses import replace
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -84,7 +85,7 @@ def test_all_painters_paint_as_many_pairs_as_are_asked_for_of_a_seed(batch):
         asked.append((count, paired, generator.random()))
         return batch.rows(torch.arange(count) % 4)
 
-    pairs = SimpleNamespace(count=2, grid=SimpleNamespace(mouth=MOUTH), draw=draw)
+    pairs: Any = SimpleNamespace(count=2, grid=SimpleNamespace(mouth=MOUTH), draw=draw)
     tally = evaluate_texture(
         {"own": lambda b: b.target}, lambda b, pictures: b.target_code, pairs, TextureChoice(37, seed=5)
     )

@@ -38,6 +38,14 @@ def test_levels_grow(face, head_template, nose):
         assert first < second < third
 
 
+def test_what_is_beside_a_handle_goes_along_with_it(face, head_template, nose):
+    tip = head_template.annotation.landmarks[30]
+    changed = bulge(face, head_template, replace(nose, handles=np.array([tip])), 2)
+    moved = np.linalg.norm(changed.face.vertices - face.vertices, axis=1)
+    beside = np.unique(face.faces[(face.faces == tip).any(1)])
+    assert moved[tip] == moved.max() and moved[beside].min() > 0.1 * moved[tip]
+
+
 def test_outside_the_region_nothing_changes_by_a_bit(face, head_template, nose):
     outside = np.ones(len(face.vertices), bool)
     outside[nose.region] = False

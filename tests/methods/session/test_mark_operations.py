@@ -1,5 +1,6 @@
 from dataclasses import replace
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -55,10 +56,15 @@ def test_landmarks_are_placed_and_their_face_is_made(start, laid, script, tools)
 
 def test_the_face_is_of_the_heads_own_landmarks_as_sure_as_they_are_and_has_no_strengths(start, laid):
     asked = []
-    encoder = SimpleNamespace(encode=lambda points, spreads: asked.append((points, spreads)) or ("new", 0))
+
+    def encode(points, spreads):
+        asked.append((points, spreads))
+        return "new", 0
+
     marks = replace(laid, slides=np.full((81, 2), 0.5), spreads=np.tile(np.eye(2), (81, 1, 1)))
     work = replace(start, landmarks=marks, strengths={"Smile": 1.0}, weights={"jawOpen": 0.5})
-    done = operate(work, Operation("mark_face"), SimpleNamespace(encoder=encoder))
+    tools: Any = SimpleNamespace(encoder=SimpleNamespace(encode=encode))
+    done = operate(work, Operation("mark_face"), tools)
     ((points, spreads),) = asked
     assert np.array_equal(points, laid.points + 0.5) and spreads is marks.spreads
     assert (done.face, done.strengths, done.weights) == ("new", {}, {})

@@ -1,6 +1,7 @@
 """Losses of textures against slow independent versions."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -133,10 +134,11 @@ def test_a_painter_is_believed_and_a_critic_tells_apart(batch):
     batch = replace(batch, weight=torch.ones_like(batch.weight))
     config = TextureConfig(adversarial_weight=3.0, expression_weight=7.0, penalty=0.0)
 
-    def critic(pictures):
+    def seen(pictures):
         bright = pictures.mean((1, 2, 3))
         return bright[:, None, None], bright[:, None].expand(-1, CODES // 2)
 
+    critic: Any = seen
     fake = batch.target / 2
     bright = {name: own.mean((1, 2, 3)) for name, own in (("fake", fake), ("real", batch.source))}
     away = {
