@@ -1,10 +1,11 @@
 """What rows of teeth leave of the way out of a mouth."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
-from caricli.methods.parts.clear_way import Room
+from caricli.methods.parts.clear_way import Bends, Room, clear_way
 from caricli.structures import Material, Part
 
 _COLUMNS = 32
@@ -12,6 +13,51 @@ _COLUMNS = 32
 
 _AROUND = 0.08
 """Of its width: so far before and behind a row nothing may be beyond its end, for surfaces go on between points."""
+
+SHARES = (1.0, 0.75, 0.5, 0.25)
+"""Of what keeps a tongue clear of the teeth: as much as the lips leave it room for."""
+
+YIELD = 3.0
+"""Times its margin, what the worst point of a tongue may lack of that from lips to which teeth push it."""
+
+
+@dataclass(frozen=True, eq=False)
+class WayOut:
+    """The way of a tongue out of a mouth.
+
+    walls: the lips and what is around them, by shares of the way. points: (N, 3) metres, at its beginning. way: (N, 3)
+    metres. bends: Bends of it. margin: metres from the walls.
+    """
+
+    walls: Mapping[float, Room]
+    points: np.ndarray
+    way: np.ndarray
+    bends: Bends
+    margin: float
+
+    def clear(self) -> tuple[np.ndarray, float]:
+        """Amounts of bends by which it is clear of the walls, and what its worst point lacks, as of ``clear_way``."""
+        return clear_way(self.walls, self.points, self.way, self.bends, self.margin)
+
+    def between(self, rows: Sequence[tuple[np.ndarray, int]], amounts: np.ndarray, lack: float) -> np.ndarray:
+        """Amounts by which it is clear of teeth, too, at its end, before which they hardly part.
+
+        Where there is no room for both it keeps clear of the lips, and of the teeth as far as it can.
+        rows: of teeth, as of ``Bite``. amounts, lack: of ``clear``.
+        """
+        if not rows:
+            return amounts
+        end = max(self.walls)
+        rooms = {**self.walls, end: Bite(self.walls[end], rows)}
+        more = clear_way(rooms, self.points, self.way, self.bends, self.margin)[0] - amounts
+        free = [share for share in SHARES if self._lack(amounts + share * more) <= max(lack, YIELD * self.margin)]
+        return amounts + max(free, default=0.0) * more
+
+    def _lack(self, amounts: np.ndarray) -> float:
+        """Metres that its worst point lacks of its margin."""
+        way = self.way + self.bends.moves @ amounts
+        distances = (room.room(self.points + share * way)[0].min() for share, room in self.walls.items())
+        return self.margin - min(distances)
 
 
 class Bite:

@@ -8,8 +8,8 @@ import numpy as np
 
 from caricli.geometry.axis_similarity import axis_similarity
 from caricli.geometry.weighted_similarities import weighted_similarities
-from caricli.methods.parts.bite import Bite, rows_of_teeth
-from caricli.methods.parts.clear_way import Bends, Room, clear_way, worst_lack
+from caricli.methods.parts.bite import WayOut, rows_of_teeth
+from caricli.methods.parts.clear_way import Bends, clear_way
 from caricli.methods.parts.flesh import Flesh, Hide
 from caricli.methods.parts.follow import follow_weights
 from caricli.methods.parts.guides import Guides
@@ -41,9 +41,6 @@ UPPER = RoomSettings(margin=0.003, bent=10.0)
 
 WAY = (0.25, 0.5, 0.75, 1.0)
 """Weights of expressions at which parts are kept out of the skin."""
-
-SHARES = (1.0, 0.75, 0.5, 0.25)
-"""Of what keeps a tongue clear of the teeth: as much as it can without touching the lips."""
 
 SHIFT = 0.1
 """Weight against moves of what is firm, to one point that is as deep."""
@@ -302,19 +299,12 @@ class Bone:
         of teeth at the end of the way, as of ``Bite``: before it they hardly part.
         Returns also what the worst point lacks of its distance from the skin, metres.
         """
-        margin = PRESSED * height
-        walls: dict[float, Room] = {w: Flesh(self.hide, face.neutral + w * face.deltas[0]) for w in WAY}
+        walls = {w: Flesh(self.hide, face.neutral + w * face.deltas[0]) for w in WAY}
         way, spare = far_enough(shape, move, (face.neutral + face.deltas[0])[self.lips], height)
         bends = tongue_bends(shape, way, spare)
-        amounts, lack = clear_way(walls, shape, way, bends, margin)
-        if rows:
-            bite = {WAY[-1]: Bite(walls[WAY[-1]], rows)}
-            lower = clear_way(walls | bite, shape, way, bends, margin)[0] - amounts
-            for share in SHARES:
-                changed = amounts + share * lower
-                if worst_lack(walls, shape, way + bends.moves @ changed, margin) <= max(lack, margin):
-                    return way - move + bends.moves @ changed, lack
-        return way - move + bends.moves @ amounts, lack
+        out = WayOut(walls, shape, way, bends, PRESSED * height)
+        amounts, lack = out.clear()
+        return way - move + bends.moves @ out.between(rows, amounts, lack), lack
 
     @cached_property
     def own(self) -> dict[str, np.ndarray]:

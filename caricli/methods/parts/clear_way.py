@@ -92,8 +92,3 @@ def clear_way(
         max_nfev=ROUNDS,
     )
     return result.x, float(margin * result.fun[: len(rooms) * len(points)].max())
-
-
-def worst_lack(rooms: Mapping[float, Room], points: np.ndarray, way: np.ndarray, margin: float) -> float:
-    """Metres that the worst of points (N, 3) on their way (N, 3) lacks of its margin from walls; rooms as above."""
-    return max(0.0, *(float((margin - room.room(points + share * way)[0]).max()) for share, room in rooms.items()))

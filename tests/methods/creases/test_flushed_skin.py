@@ -16,7 +16,7 @@ def test_anger_reddens_cheeks_and_stretching_pales_lips():
     stretched = skin.factors({"mouthStretchLeft": 1.0, "mouthStretchRight": 1.0}, 1.0)
     assert stretched[skin.lips > 0.9, 1].min() > 1.05
     np.testing.assert_allclose(skin.factors(anger, 0.0), 1)
-    # Both sides together are as much as an action that has none, one alone is half of it, and lips keep their own colour.
+    # Both sides together are as much as an action without sides, one is half of it; lips keep their own colour.
     acts = [{"mouthSmileLeft": 1.0}, {"mouthSmileLeft": 1.0, "mouthSmileRight": 1.0}, {"jawOpen": 1.0}]
     half, whole, other = (np.log(skin.factors(act, 1.0)[template.mask("cheek_left"), 1]) for act in acts)
     np.testing.assert_allclose(half, whole / 2)
