@@ -445,7 +445,8 @@ def _pictures_bundle(path: Path) -> None:
         "coefficients": np.ones((faces, 5), np.float32),
     }
     splits = {"train": [0, 1], "validation": [2], "test": [3]}
-    manifest = {"schema": "caricli.pictures/1", "count": 3, "media": ["flat"] * 3, "splits": splits, "truth": {}}
+    truth = {"file": "truth.npz"}
+    manifest = {"schema": "caricli.pictures/1", "count": 3, "media": ["flat"] * 3, "splits": splits, "truth": truth}
     write_npz(path, arrays | {"manifest": np.array(json.dumps(manifest))})
 
 
