@@ -1,12 +1,14 @@
 """A server of one's own in another process, and Chromium."""
 
+import asyncio
 import os
 import shutil
 import signal
 import subprocess
 import sys
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Coroutine
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +19,12 @@ FLAGS = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-
 HEAD = "document.querySelector('.caricli-head').caricli.coordinates()"
 PATIENCE = 300_000
 """Milliseconds that a busy machine may need for one step."""
+
+
+def run_apart(work: Coroutine[Any, Any, None]) -> None:
+    """Run what waits in a thread of its own: in this one the browser's loop may be running."""
+    with ThreadPoolExecutor(1) as pool:
+        pool.submit(asyncio.run, work).result()
 
 
 class Server:

@@ -1,8 +1,7 @@
-import asyncio
-
 import pytest
 
 from caricli.studio.guard import Guard
+from tests.studio.conftest import run_apart
 
 
 def answer(token, headers, query=b""):
@@ -16,7 +15,7 @@ def answer(token, headers, query=b""):
         sent.append(message)
 
     scope = {"type": "http", "method": "GET", "headers": headers, "query_string": query}
-    asyncio.run(Guard(inside, token)(scope, None, send))
+    run_apart(Guard(inside, token)(scope, None, send))
     return sent[0]["status"], bytes(sent[-1]["body"]).decode()
 
 

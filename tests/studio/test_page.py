@@ -1,6 +1,5 @@
 """The page in Chromium, played with a pointer as a person would."""
 
-import asyncio
 import json
 import zipfile
 from types import SimpleNamespace
@@ -16,7 +15,7 @@ from caricli.io.gltf.read_gltf import read_gltf
 from caricli.io.session import read_session
 from caricli.structures import Operation
 from caricli.studio.page import Page
-from tests.studio.conftest import PATIENCE, Server, Tab
+from tests.studio.conftest import PATIENCE, Server, Tab, run_apart
 
 TURN = np.linspace(0, 2 * np.pi, 30)
 OUTLINE = np.stack([256 + 150 * np.cos(TURN), 260 + 190 * np.sin(TURN)], axis=1).tolist()
@@ -240,5 +239,5 @@ def test_what_a_hand_does_while_something_is_refused_is_shown(monkeypatch):
     monkeypatch.setattr(page, "say", said.append)
     monkeypatch.setattr(page, "_frame", lambda: said.append("shown"))
     page._wanted = Operation("first")
-    asyncio.run(page._attempts())
+    run_apart(page._attempts())
     assert tried == ["first", "second"] and said == ["no", "shown"]
