@@ -74,10 +74,7 @@ class Attachment:
         """
         face = Posed(np.asarray(mesh.vertices, float), tuple(names), np.asarray(deltas, float), given, teeth)
         mouths = self._mouths(face)
-        placed: list[Part] = []
-        for hold in self.holds:
-            placed.append(hold.place(face) if isinstance(hold, Lids) else hold.place(face, mouths, placed))
-        return tuple(placed)
+        return tuple(hold.place(face) if isinstance(hold, Lids) else hold.place(face, mouths) for hold in self.holds)
 
     def let_out(self, mesh: Mesh, names: Sequence[str], deltas: np.ndarray) -> np.ndarray:
         """(K, V, 3) metres, what expressions do to the skin where lips part as far as a tongue needs to come out.

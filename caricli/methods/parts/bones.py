@@ -1,6 +1,5 @@
 """Parts that are as rigid as bone."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -8,7 +7,6 @@ import numpy as np
 
 from caricli.geometry.axis_similarity import axis_similarity
 from caricli.geometry.weighted_similarities import weighted_similarities
-from caricli.methods.parts.bite import WayOut, rows_of_teeth
 from caricli.methods.parts.clear_way import Bends, clear_way
 from caricli.methods.parts.flesh import Flesh, Hide
 from caricli.methods.parts.follow import follow_weights
@@ -147,12 +145,8 @@ class Bone:
         self.moves = room_moves(self.shape, self.firm)
         self.guides = Guides(self.shape, AROUND * template.height)
 
-    def place(self, face: Posed, mouths: Mouths | None, others: Sequence[Part] = ()) -> Part:
-        """The part in a face.
-
-        mouths: of the same face, None where the wall of its mouth is not told. others: in the same face, between whose
-        teeth the part comes out.
-        """
+    def place(self, face: Posed, mouths: Mouths | None) -> Part:
+        """The part in a face. mouths: of the same face, None where the wall of its mouth is not told."""
         shape, to_face = self._at_rest(face, mouths)
         moved = self._moved(face, shape, to_face)
         if mouths is not None and face.names:
@@ -160,8 +154,7 @@ class Bone:
             rest = _AtRest(shape, mouths.rest.room(shape)[0], bends)
             for k in mouths.order:
                 if face.names[k] in self.own:
-                    rows = rows_of_teeth(others, int(k))
-                    moved[k] += self._way_out(face.only(k), shape, moved[k], mouths.height, rows)[0]
+                    moved[k] += self._way_out(face.only(k), shape, moved[k], mouths.height)[0]
                 else:
                     moved[k] += self._kept_in(mouths, rest, moved, int(k))
         return replace(self.part, mesh=self.part.mesh.with_vertices(shape), names=face.names, deltas=moved)
@@ -283,28 +276,17 @@ class Bone:
             near = near[pressed]
         return more
 
-    def _way_out(
-        self,
-        face: Posed,
-        shape: np.ndarray,
-        move: np.ndarray,
-        height: float,
-        rows: Sequence[tuple[np.ndarray, int]] = (),
-    ) -> tuple[np.ndarray, float]:
-        """(W, 3) what a part that comes out of the mouth has to do besides, so that it does between lips and teeth.
+    def _way_out(self, face: Posed, shape: np.ndarray, move: np.ndarray, height: float) -> tuple[np.ndarray, float]:
+        """(W, 3) what a part that comes out of the mouth has to do besides, so that it does between the lips.
 
-        Where there is no room for both it keeps clear of the lips, and as far of the teeth as it can.
-
-        face: Posed with one expression, which moves the part (W, 3) by itself. height: metres, as of ``Mouths``. rows:
-        of teeth at the end of the way, as of ``Bite``: before it they hardly part.
+        face: Posed with one expression, which moves the part (W, 3) by itself. height: metres, as of ``Mouths``.
         Returns also what the worst point lacks of its distance from the skin, metres.
         """
-        walls = {w: Flesh(self.hide, face.neutral + w * face.deltas[0]) for w in WAY}
+        flesh = {amount: Flesh(self.hide, face.neutral + amount * face.deltas[0]) for amount in WAY}
         way, spare = far_enough(shape, move, (face.neutral + face.deltas[0])[self.lips], height)
         bends = tongue_bends(shape, way, spare)
-        out = WayOut(walls, shape, way, bends, PRESSED * height)
-        amounts, lack = out.clear()
-        return way - move + bends.moves @ out.between(rows, amounts, lack), lack
+        amounts, lack = clear_way(flesh, shape, way, bends, PRESSED * height)
+        return way - move + bends.moves @ amounts, lack
 
     @cached_property
     def own(self) -> dict[str, np.ndarray]:

@@ -2,7 +2,6 @@ import numpy as np
 import pytest
 
 from caricli.methods.parts.attachment import open_head_attachment
-from caricli.methods.parts.bite import Bite, rows_of_teeth
 from caricli.methods.parts.flesh import Flesh, Hide
 from caricli.methods.parts.let_out import AHEAD, PARTING, far_enough, part_more, tongue_bends
 from caricli.template.head import load_head
@@ -67,31 +66,3 @@ def test_the_tongue_comes_out_before_the_lips_and_not_through_them(tight):
     curves = face.annotation.curves
     lips = np.concatenate([curves["mouth_inner_upper"], curves["mouth_inner_lower"]])
     assert (start + way)[:, 2].max() > (face.vertices + opened[k])[lips, 2].max() + 0.5 * AHEAD * face.height
-
-
-def test_the_tongue_comes_out_between_the_teeth(tight):
-    face, names, _, opened = tight
-    k = names.index("tongueOut")
-    parts = open_head_attachment().animate(face, (names[k],), opened[k : k + 1])
-    tongue = next(part for part in parts if part.name == "tongue")
-    room = Bite(Flesh(Hide(face.faces), face.vertices + opened[k]), rows_of_teeth(parts, 0)).room
-    assert room(tongue.mesh.vertices + tongue.deltas[0])[0].min() > -0.003 * face.height
-
-
-def test_where_teeth_leave_no_room_a_tongue_keeps_clear_of_the_lips(tight, monkeypatch):
-    """Teeth of the upper row end two centimetres lower than they do."""
-    face, names, _, opened = tight
-    k = names.index("tongueOut")
-
-    def longer(parts, k):
-        return [
-            (points + min(outwards, 0) * np.array([0, 0.02, 0]), outwards)
-            for points, outwards in rows_of_teeth(parts, k)
-        ]
-
-    monkeypatch.setattr("caricli.methods.parts.bones.rows_of_teeth", longer)
-    parts = open_head_attachment().animate(face, (names[k],), opened[k : k + 1])
-    tongue = next(part for part in parts if part.name == "tongue")
-    for weight in (0.5, 1.0):
-        flesh = Flesh(Hide(face.faces), face.vertices + weight * opened[k])
-        assert flesh.room(tongue.mesh.vertices + weight * tongue.deltas[0])[0].min() > -0.003 * face.height
