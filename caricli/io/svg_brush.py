@@ -32,13 +32,16 @@ class Brush:
         Returns InkLines, the longest first; none where the shape is open, or no mark of a brush. Raises InputError
         where there is more than a hand draws.
         """
+        import cv2
+
         if not rings or not all(len(ring) > 3 and np.allclose(ring[0], ring[-1], atol=1e-3) for ring in rings):
             return []
         length = sum(np.linalg.norm(np.diff(ring, axis=0), axis=1).sum() for ring in rings) / 2
         places = np.concatenate(rings)
         extents = np.ptp(places, axis=0)
         extent = float(extents.max())
-        width = abs(sum(_area(ring) for ring in rings)) / max(length, 1e-9)
+        areas = [cv2.contourArea((ring - ring[0]).astype(np.float32), oriented=True) for ring in rings]
+        width = abs(sum(areas)) / max(length, 1e-9)
         if extent < 1e-6 or width < 1e-6 * extent:
             return []
         least, most = _SIDES
@@ -53,12 +56,6 @@ class Brush:
             return []
         lines = trace_lines(mask, _STUB * across)
         return [InkLine(line.points / zoom + corner, line.width / zoom) for line in lines if len(line.points) > 1]
-
-
-def _area(ring: np.ndarray) -> float:
-    """Signed area within a closed line (N, 2)."""
-    a, b = ring[:-1] - ring[0], ring[1:] - ring[0]
-    return float((a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]).sum() / 2)
 
 
 def _filled(rings: Sequence[np.ndarray], even_odd: bool) -> np.ndarray:

@@ -20,10 +20,10 @@ ARKIT_NAMES = tuple(
 STARTS = {"mouthClose": "jawOpen"}
 """Actions that only mean something on top of others: mouthClose closes the lips while the jaw is open."""
 
-LEFT_OPEN = {"eyeSquintLeft": "eyeBlinkLeft", "eyeSquintRight": "eyeBlinkRight"}
+CLOSES_TOO = {"eyeSquintLeft": "eyeBlinkLeft", "eyeSquintRight": "eyeBlinkRight"}
 """Actions that close what another closes as well: a squint raises the lower lid through the upper one of a blink."""
 
-LEFT = 3.0
+SQUINT_ROOM = 3.0
 """Weight of a squint, to one that a blink lacks to its whole: of the way to the other lid a squint goes a third."""
 
 OPPOSITES = {"jawLeft": "jawRight", "mouthLeft": "mouthRight"} | {
@@ -76,8 +76,8 @@ def within_reach(weights: np.ndarray, names: Sequence[str]) -> np.ndarray:
     columns = dict(zip(names, weights.T.copy(), strict=True))
     for name in STARTS.keys() & columns:
         columns[name] = np.minimum(columns[name], columns.get(STARTS[name], np.inf))
-    for name in LEFT_OPEN.keys() & columns:
-        left = LEFT * (1 - columns.get(LEFT_OPEN[name], 0.0))
+    for name in CLOSES_TOO.keys() & columns:
+        left = SQUINT_ROOM * (1 - columns.get(CLOSES_TOO[name], 0.0))
         columns[name] = np.minimum(columns[name], np.maximum(left, 0))
     return np.stack([*columns.values()], axis=1)
 
