@@ -155,10 +155,10 @@ class Observation:
         doubts[self.given] = spreads[self.ids[self.given]] / self.diagonal**2
         return doubts
 
-    def confidence(self, noise: float) -> np.ndarray | None:
+    def confidence(self, noise: float | np.ndarray) -> np.ndarray | None:
         """(K, 2, 2) how much the places say, of what they would if they were exact; None where they are.
 
-        noise: how far a shape is expected from exact ones, of the diagonal.
+        noise: how far a shape is expected from exact ones, of the diagonal; (K, 1, 1) where places differ in it.
         """
         if self.doubts is None:
             return None

@@ -9,7 +9,7 @@ from caricli.data.move_parts import move_parts, random_hand, random_part_changes
 from caricli.methods.reconstruct.fit_landmarks_intrinsic import fit_landmarks_intrinsic
 from caricli.methods.reconstruct.settings import IntrinsicSettings
 from caricli.structures import Camera
-from caricli.structures.landmarks import EAR_LEFT
+from caricli.structures.landmarks import EAR_LEFT, MOUTH
 
 ALONE = replace(IntrinsicSettings(), turns=0)
 """Without turns of correction and latent."""
@@ -65,3 +65,11 @@ def test_a_face_that_the_model_explains_needs_none(intrinsic, seen):
     points = seen(intrinsic.decode(latent)).points
     faces = [fit_landmarks_intrinsic(points, intrinsic, settings).face for settings in (IntrinsicSettings(), ALONE)]
     assert np.array_equal(faces[0].vertices, faces[1].vertices)
+
+
+def test_doubtful_landmarks_within_a_strange_face_are_met_nearly(drawings, intrinsic):
+    for points in drawings:
+        diagonal = np.linalg.norm(np.ptp(points, axis=0))
+        doubts = np.tile((0.012 * diagonal) ** 2 * np.eye(2), (len(points), 1, 1))
+        gaps = fit_landmarks_intrinsic(points, intrinsic, spreads=doubts).face.landmarks - points
+        assert np.linalg.norm(gaps[list(MOUTH)], axis=1).mean() < 0.005 * diagonal
