@@ -37,6 +37,9 @@ NOSE = range(27, 36)
 EYES = range(36, 48)
 MOUTH = range(48, 68)
 EXTRA = range(68, 81)
+INNER = range(17, 68)
+"""The 51 points of brows, nose, eyes and mouth."""
+
 PARTS = {"jaw": JAW, "brows": BROWS, "nose": NOSE, "eyes": EYES, "mouth": MOUTH, "extra": EXTRA}
 """What errors are told apart by."""
 

@@ -13,7 +13,7 @@ from caricli.methods.reconstruct.outline import Outline
 from caricli.methods.reconstruct.settings import IntrinsicSettings, OutlierSettings
 from caricli.models.intrinsic.model import IntrinsicModel
 from caricli.structures import Camera, Face
-from caricli.structures.landmarks import EAR_LEFT, EAR_RIGHT, JAW
+from caricli.structures.landmarks import EAR_LEFT, EAR_RIGHT, INNER
 
 _OUTLIERS = OutlierSettings()
 
@@ -138,9 +138,9 @@ class _Surface:
         self.camera = likeliest.camera
         # The share that the model leaves unexplained: 0 for faces like its own, towards 1 far from all of them.
         self.strange = 1 - settings.least / likeliest.noise
-        # (K, 1, 1) how far the shape is expected from exact landmarks: a strange face farther, where it has no outline.
-        inside = ~np.isin(observation.ids, JAW)[:, None, None]
-        self.expected = settings.exact * np.where(inside, likeliest.noise / settings.least, 1) ** 2
+        # (K, 1, 1) how far the shape is expected from exact landmarks: within a strange face farther.
+        inner = np.isin(observation.ids, INNER)[:, None, None]
+        self.expected = settings.exact * np.where(inner, likeliest.noise / settings.least, 1) ** 2
         unseen = [name for name, numbers in _EARS.items() if not np.isin(numbers, observation.ids).any()]
         # (V, 1) how much of what a latent makes of the mean face is left out.
         self.usual = self.strange * model.template.mask(*unseen)[:, None]

@@ -24,7 +24,8 @@ class IntrinsicSettings:
     turns: of correction and latent after the rounds.
     corrections: of the surface at the end, each with the outline and the neck that the one before it left.
     exact: spread of a landmark at which it pulls the surface half as strongly as an exact one, as a share of the
-    landmarks' diagonal; within a strange face larger, by the square of how much farther it is from the model's.
+    landmarks' diagonal; of brows, nose, eyes and mouth larger, by the square of how much farther than usual a face is
+    from the model's.
     Strength, misfit, follow and turns were set with six real drawings in sight, see benchmarks/RESULTS.md.
     """
 
