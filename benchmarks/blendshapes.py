@@ -12,8 +12,8 @@ import igl
 import numpy as np
 from portrait import median
 
-from caricli.geometry.exaggerate_curvature import exaggerate_curvature
-from caricli.geometry.head_rotation import head_rotation
+from caricli.geometry.alignment.head_rotation import head_rotation
+from caricli.geometry.deformation.exaggerate_curvature import exaggerate_curvature
 from caricli.methods.expressions.build_blendshapes import build_blendshapes
 from caricli.methods.expressions.optimise_blendshapes import optimise_blendshapes
 from caricli.store.expression_tools import load_tools

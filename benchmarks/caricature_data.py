@@ -14,7 +14,7 @@ import numpy as np
 
 from caricli.data.dataset import read_dataset
 from caricli.data.summarise_dataset import components_for
-from caricli.geometry.self_intersections import self_intersections
+from caricli.geometry.repair.self_intersections import self_intersections
 from caricli.methods.evaluate.evaluate_shape import spread_rows
 
 CROSSED = 60

@@ -20,10 +20,10 @@ import igl
 import numpy as np
 
 from caricli.data.identities import random_identity
-from caricli.geometry.embed_disc import embed_disc
-from caricli.geometry.fill_holes import fill_holes
+from caricli.geometry.flattening.embed_disc import embed_disc
+from caricli.geometry.flattening.triangle_stretch import triangle_stretch
+from caricli.geometry.repair.fill_holes import fill_holes
 from caricli.geometry.triangle_normals import triangle_normals
-from caricli.geometry.triangle_stretch import triangle_stretch
 from caricli.methods.dynamic.chart_pictures import ChartGrid, chart_to_texture, face_texels, texture_to_chart
 from caricli.structures import Mesh
 from caricli.template.chart import ChartSettings, face_chart

@@ -22,7 +22,7 @@ from threadpoolctl import threadpool_limits
 from caricli.data.dataset import read_dataset
 from caricli.data.picture_set import read_picture_set
 from caricli.data.unseen import unseen_data
-from caricli.geometry.space_jaw import space_jaw
+from caricli.geometry.lines.space_jaw import space_jaw
 from caricli.methods.detect.read_faces import look_at_face
 from caricli.methods.detect.settings import DetectSettings
 from caricli.methods.evaluate.ratio_interval import ratio_interval

@@ -30,10 +30,10 @@ from caricli.data.mesh_source import MeshSource
 from caricli.data.move_parts import random_hand, random_part_changes
 from caricli.data.regular_face import align_person, regular_face
 from caricli.errors import InputError
-from caricli.geometry.exaggerate_curvature import exaggerate_curvature
-from caricli.geometry.flipped_triangles import flipped_triangles
-from caricli.geometry.similarity import similarity
-from caricli.geometry.untangle import untangle
+from caricli.geometry.alignment.similarity import similarity
+from caricli.geometry.deformation.exaggerate_curvature import exaggerate_curvature
+from caricli.geometry.repair.flipped_triangles import flipped_triangles
+from caricli.geometry.repair.untangle import untangle
 from caricli.methods.evaluate.portrait_studio import PortraitStudio
 from caricli.methods.reconstruct.fit_landmarks import fit_landmarks
 from caricli.models.intrinsic.config import IntrinsicConfig

@@ -14,8 +14,8 @@ import numpy as np
 from landmarks import ASTRONAUT, landmark_files
 from scipy.spatial import cKDTree
 
-from caricli.geometry.flipped_triangles import flipped_triangles
-from caricli.geometry.self_intersections import self_intersections
+from caricli.geometry.repair.flipped_triangles import flipped_triangles
+from caricli.geometry.repair.self_intersections import self_intersections
 from caricli.io.landmarks import read_landmarks
 from caricli.methods.edit.edit_handles import edit_handles
 from caricli.methods.edit.handle_points import handle_points

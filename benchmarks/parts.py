@@ -27,9 +27,9 @@ from threadpoolctl import threadpool_limits
 
 from caricli.data.build_settings import EXPONENTS, BuildSettings
 from caricli.data.mesh_source import MeshSource
-from caricli.geometry.axis_similarity import axis_similarity
-from caricli.geometry.components import mesh_components
-from caricli.geometry.exaggerate_curvature import exaggerate_curvature
+from caricli.geometry.alignment.axis_similarity import axis_similarity
+from caricli.geometry.deformation.exaggerate_curvature import exaggerate_curvature
+from caricli.geometry.repair.components import mesh_components
 from caricli.io.face import read_face
 from caricli.methods.parts.attachment import open_head_attachment
 from caricli.methods.parts.bones import UNEVEN

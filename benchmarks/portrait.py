@@ -14,7 +14,7 @@ import time
 import igl
 import numpy as np
 
-from caricli.geometry.laplacian_deformation import LaplacianDeformation
+from caricli.geometry.deformation.laplacian_deformation import LaplacianDeformation
 from caricli.methods.evaluate.portrait_studio import PortraitStudio
 from caricli.methods.texture.picture_view import Sight
 from caricli.methods.texture.texture_face import texture_face

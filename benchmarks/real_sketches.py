@@ -18,8 +18,8 @@ from skimage.filters import gaussian
 from skimage.transform import resize
 
 from caricli.errors import InputError
-from caricli.geometry.cubic_spline import CubicSpline
-from caricli.geometry.trace_lines import trace_lines
+from caricli.geometry.lines.cubic_spline import CubicSpline
+from caricli.geometry.lines.trace_lines import trace_lines
 from caricli.io.image import read_image, write_png
 from caricli.io.landmarks import read_landmarks
 from caricli.methods.parts.whole_head import whole_head

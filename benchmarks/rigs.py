@@ -15,7 +15,7 @@ import igl
 import numpy as np
 
 from caricli.data.dataset import read_dataset
-from caricli.io.obj import read_obj
+from caricli.io.meshes.obj import read_obj
 from caricli.methods.evaluate.evaluate_shape import spread_rows
 from caricli.methods.rig.add_eyeballs import fit_eyeballs
 from caricli.methods.rig.expression_templates import ExpressionTemplates

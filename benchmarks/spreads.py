@@ -23,7 +23,7 @@ from threadpoolctl import threadpool_limits
 from caricli.data.dataset import read_dataset
 from caricli.data.picture_set import read_picture_set
 from caricli.errors import CaricliError
-from caricli.geometry.similarity import similarity
+from caricli.geometry.alignment.similarity import similarity
 from caricli.methods.detect.see_face import see_face
 from caricli.methods.evaluate.ratio_interval import ratio_interval
 from caricli.methods.pictures.sitter_shapes import sitter_shapes

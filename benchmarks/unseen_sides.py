@@ -25,8 +25,8 @@ from caricli.data.build_settings import BuildSettings
 from caricli.data.mesh_source import MeshSource
 from caricli.data.regular_face import regular_face
 from caricli.data.texture_painter import TexturePainter
-from caricli.geometry.exaggerate_curvature import exaggerate_curvature
-from caricli.geometry.head_rotation import TURNS, head_rotation
+from caricli.geometry.alignment.head_rotation import TURNS, head_rotation
+from caricli.geometry.deformation.exaggerate_curvature import exaggerate_curvature
 from caricli.methods.texture.picture_view import Sight
 from caricli.methods.texture.settings import TextureSettings
 from caricli.methods.texture.texture_face import texture_face

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from caricli.io.gltf.write_gltf import write_gltf
     from caricli.io.image import read_image
     from caricli.io.landmarks import read_landmarks
-    from caricli.io.mesh import read_mesh, write_mesh
+    from caricli.io.meshes.mesh import read_mesh, write_mesh
     from caricli.methods.animate.animate_rig import animate_rig
     from caricli.methods.edit.caricaturize_face import caricaturize_face
     from caricli.methods.edit.edit_handles import edit_handles
@@ -35,7 +35,7 @@ _HOMES = {
     "caricli.structures": ("Camera", "Face", "Landmarks", "Mesh", "Rig"),
     "caricli.io.image": ("read_image",),
     "caricli.io.landmarks": ("read_landmarks",),
-    "caricli.io.mesh": ("read_mesh", "write_mesh"),
+    "caricli.io.meshes.mesh": ("read_mesh", "write_mesh"),
     "caricli.io.face": ("read_face", "write_face"),
     "caricli.io.gltf.write_gltf": ("write_gltf",),
     "caricli.store.models": ("load_model",),

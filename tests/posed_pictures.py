@@ -5,7 +5,7 @@ import numpy as np
 from caricli.data.appearance import random_appearance
 from caricli.data.dataset import Dataset
 from caricli.data.picture_set import PictureWriter, encode_labels, encode_picture
-from caricli.geometry.head_rotation import head_rotation
+from caricli.geometry.alignment.head_rotation import head_rotation
 from caricli.methods.pictures.build_pictures import PictureSettings, drawing_tasks
 from caricli.methods.pictures.mime import random_mime
 from caricli.methods.pictures.pose import Pose

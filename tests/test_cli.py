@@ -14,7 +14,7 @@ from click.testing import CliRunner
 import caricli
 from caricli.cli import COMMANDS, cli
 from caricli.errors import CaricliError, InputError, NumericsError, OutputError
-from caricli.io.obj import read_obj
+from caricli.io.meshes.obj import read_obj
 
 ROOT = Path(caricli.__file__).parents[1]
 # What reads arrays, pictures or meshes; none of it is needed to say what caricli can do.

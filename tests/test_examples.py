@@ -11,10 +11,10 @@ from caricli.io.checkpoint import read_checkpoint
 from caricli.io.face import read_face
 from caricli.io.gltf.read_gltf import read_gltf
 from caricli.io.image import read_image
-from caricli.io.obj import read_obj
+from caricli.io.meshes.obj import read_obj
 from caricli.io.rig import read_rig
 from caricli.io.strict_json import read_json
-from caricli.io.track import read_weights
+from caricli.io.takes.track import read_weights
 
 ROOT = Path(__file__).parents[1]
 

@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 from caricli.data.dataset import read_dataset
-from caricli.geometry.components import mesh_components
+from caricli.geometry.repair.components import mesh_components
 from caricli.io.face import read_face
 from caricli.io.gltf.read_gltf import read_gltf
-from caricli.io.mesh import read_mesh
+from caricli.io.meshes.mesh import read_mesh
 from caricli.io.rig import read_rig
 from caricli.io.strict_json import read_json
 from caricli.methods.rig.add_parts import choose_parts

@@ -16,7 +16,7 @@ from PIL import Image
 from caricli.io.face import read_face
 from caricli.io.gltf.read_gltf import read_gltf
 from caricli.io.image import read_image
-from caricli.io.obj import write_obj
+from caricli.io.meshes.obj import write_obj
 from caricli.io.strict_json import read_json
 from caricli.structures import Mesh
 

@@ -19,7 +19,7 @@ from caricli.commands.shared.options import (
 )
 from caricli.errors import naming, shown
 from caricli.io.image import write_png
-from caricli.io.mesh import write_mesh
+from caricli.io.meshes.mesh import write_mesh
 from caricli.io.outputs import staged, staged_folder
 from caricli.io.provenance import provenance
 from caricli.io.strict_json import write_json

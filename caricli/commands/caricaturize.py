@@ -78,7 +78,7 @@ def command(
       caricli caricaturize landmarks.json --from-landmarks --image photo.jpg --out caricature.obj
     """
     from caricli.commands.shared.batch import named_jobs, run_batch
-    from caricli.io.mesh import MESH_SUFFIXES
+    from caricli.io.meshes.mesh import MESH_SUFFIXES
     from caricli.store.directions import directions_path, load_directions
     from caricli.store.drawings import load_drawing
     from caricli.store.regular_faces import face_loader, landmark_loader

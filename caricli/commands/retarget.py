@@ -187,7 +187,7 @@ class RetargetPaths:
         and names that two results have.
         """
         from caricli.commands.shared.batch import named_jobs
-        from caricli.io.mesh import MESH_SUFFIXES
+        from caricli.io.meshes.mesh import MESH_SUFFIXES
         from caricli.store.drivers import is_driving_mesh
 
         suffixes = MESH_SUFFIXES if self.again.picture is None else (".png",)

@@ -21,11 +21,11 @@ from caricli.errors import naming
 from caricli.io.face import read_face
 from caricli.io.gltf.write_gltf import write_gltf
 from caricli.io.image import read_image
+from caricli.io.meshes.usd import require_usd, write_usd
 from caricli.io.outputs import final_name, staged
 from caricli.io.provenance import provenance
 from caricli.io.rig import write_rig
 from caricli.io.strict_json import write_json
-from caricli.io.usd import require_usd, write_usd
 from caricli.structures import HeadChoice, Mood
 from caricli.structures.head_choice import WHOLE
 

@@ -14,9 +14,9 @@ from caricli.data.mesh_names import MeshName, read_level, read_mesh_name
 from caricli.data.units import UNITS, measured_unit
 from caricli.data.write_dataset import SHARD_SIZE, DatasetWriter
 from caricli.errors import InputError, naming, shown
-from caricli.geometry.flipped_triangles import flipped_triangles
+from caricli.geometry.repair.flipped_triangles import flipped_triangles
 from caricli.io.files import is_utf8, read_text
-from caricli.io.mesh import mesh_files, read_mesh
+from caricli.io.meshes.mesh import mesh_files, read_mesh
 from caricli.io.parse_number import parse_number
 from caricli.io.strict_json import read_json
 from caricli.limits import MAX_DATASET_BYTES

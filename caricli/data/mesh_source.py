@@ -11,10 +11,10 @@ from caricli.data.expressions import named_expressions
 from caricli.data.identities import random_identity
 from caricli.data.move_parts import NAMES, POINTS, random_hand, random_part_changes
 from caricli.data.regular_face import Person, align_person, regular_face
-from caricli.geometry.exaggerate_curvature import exaggerate_curvature
-from caricli.geometry.flipped_triangles import flipped_triangles
-from caricli.geometry.similarity import similarity
-from caricli.geometry.untangle import untangle
+from caricli.geometry.alignment.similarity import similarity
+from caricli.geometry.deformation.exaggerate_curvature import exaggerate_curvature
+from caricli.geometry.repair.flipped_triangles import flipped_triangles
+from caricli.geometry.repair.untangle import untangle
 from caricli.models.intrinsic.model import IntrinsicModel
 from caricli.seeds import DatasetSeed
 from caricli.template.annotation import DELICATE

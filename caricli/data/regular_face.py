@@ -8,7 +8,7 @@ import numpy as np
 from caricli.data.dataset import Dataset
 from caricli.data.expressions import named_expressions
 from caricli.data.identities import Identity
-from caricli.geometry.similarity import similarity
+from caricli.geometry.alignment.similarity import similarity
 from caricli.template.head import Head, load_head
 from caricli.template.template import Template
 

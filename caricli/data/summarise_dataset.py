@@ -6,7 +6,7 @@ import numpy as np
 from scipy.linalg import eigvalsh
 
 from caricli.data.dataset import SPLITS, Dataset
-from caricli.geometry.flipped_triangles import flipped_triangles
+from caricli.geometry.repair.flipped_triangles import flipped_triangles
 
 _BATCH = 32
 """Meshes whose triangles are compared at once."""

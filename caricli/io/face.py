@@ -8,8 +8,8 @@ import numpy as np
 
 from caricli.errors import InputError, naming, shown
 from caricli.io.files import content_kind, read_start
-from caricli.io.mesh import is_mesh_file, read_mesh
-from caricli.io.mesh_arrays import mesh_from_arrays, mesh_to_arrays
+from caricli.io.meshes.mesh import is_mesh_file, read_mesh
+from caricli.io.meshes.mesh_arrays import mesh_from_arrays, mesh_to_arrays
 from caricli.io.npz import read_npz, take_texts, write_npz
 from caricli.io.worn import PictureNames, plain_name, read_pictures, write_pictures
 from caricli.limits import MAX_VERTICES

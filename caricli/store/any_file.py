@@ -12,21 +12,23 @@ from caricli.data.dataset import SCHEMA as DATASET_SCHEMA
 from caricli.data.dataset import read_dataset
 from caricli.data.expressions import NEUTRAL, read_expressions
 from caricli.errors import InputError, shown
-from caricli.io import cues, directions, face, landmarks, parsing, rig, session, sketch, track
+from caricli.io import directions, face, landmarks, parsing, rig, session
 from caricli.io.bundled import asset_path
 from caricli.io.checkpoint import read_checkpoint
 from caricli.io.files import content_kind, read_start
 from caricli.io.gltf.read_clips import read_clips
 from caricli.io.gltf.read_gltf import read_gltf, read_gltf_mesh
 from caricli.io.image import read_image
-from caricli.io.mesh import ANY_MESH, is_mesh_file, read_mesh
-from caricli.io.mtl import material_pictures
+from caricli.io.meshes.mesh import ANY_MESH, is_mesh_file, read_mesh
+from caricli.io.meshes.mtl import material_pictures
+from caricli.io.meshes.obj import read_obj
+from caricli.io.meshes.ply import read_ply
+from caricli.io.meshes.stl import read_stl
 from caricli.io.npz import read_npz, text_of
-from caricli.io.obj import read_obj
-from caricli.io.ply import read_ply
-from caricli.io.stl import read_stl
+from caricli.io.sketches import sketch
+from caricli.io.sketches.svg import is_svg
 from caricli.io.strict_json import read_json
-from caricli.io.svg import is_svg
+from caricli.io.takes import cues, track
 from caricli.methods.inspect.inspection import Acquaintances, Animated, FolderPart
 from caricli.models.checkpoint import model_from_checkpoint
 from caricli.models.coarse.model import SCHEMA as COARSE_SCHEMA

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from caricli.errors import CaricliError, InputError, naming
-from caricli.io.mesh import is_mesh_file
+from caricli.io.meshes.mesh import is_mesh_file
 from caricli.io.rig import read_rig
 from caricli.methods.expressions.retarget_rig import Driver, DrivingMesh, fit_driver
 from caricli.methods.train.stages import Report, unwatched

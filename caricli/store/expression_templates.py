@@ -8,7 +8,7 @@ import numpy as np
 from caricli.data.expressions import NEUTRAL
 from caricli.errors import InputError, naming, shown
 from caricli.io.bundled import asset_path
-from caricli.io.mesh import mesh_files, read_mesh
+from caricli.io.meshes.mesh import mesh_files, read_mesh
 from caricli.io.strict_json import read_json
 from caricli.methods.rig.expression_templates import ExpressionTemplates, check_templates
 from caricli.methods.rig.head_expressions import open_head_expressions

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from caricli.data.expressions import read_expressions, single_expressions
 from caricli.errors import InputError, naming, shown
-from caricli.io.mesh import is_mesh_file
+from caricli.io.meshes.mesh import is_mesh_file
 from caricli.methods.expressions.tools import ExpressionTools
 from caricli.methods.reconstruct.fit_landmarks import fit_landmarks
 from caricli.methods.rig.expression_templates import ExpressionTemplates

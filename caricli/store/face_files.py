@@ -9,7 +9,7 @@ import numpy as np
 
 from caricli.io.face import write_face
 from caricli.io.image import write_png
-from caricli.io.mesh import keeps_texture, write_mesh
+from caricli.io.meshes.mesh import keeps_texture, write_mesh
 from caricli.io.strict_json import write_json
 from caricli.io.worn import PictureNames, worn_paths, write_pictures
 from caricli.structures import Face, Pictures

@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from caricli.errors import InputError, naming, shown
-from caricli.geometry.flat_triangles import flat_triangles
+from caricli.geometry.repair.flat_triangles import flat_triangles
 from caricli.io.face import read_face, write_face
 from caricli.io.gltf.write_gltf import write_gltf
 from caricli.io.image import write_png
-from caricli.io.obj import write_obj
+from caricli.io.meshes.obj import write_obj
 from caricli.io.worn import PictureNames
 from caricli.methods.faces.encode_face import EncodedFace, encode_face
 from caricli.models.morphable.model import MorphableModel

@@ -7,7 +7,7 @@ from caricli.errors import naming
 from caricli.io.face import read_face, read_picture_names
 from caricli.io.gltf.read_gltf import read_gltf, read_gltf_mesh
 from caricli.io.image import read_image
-from caricli.io.mtl import EYES, material_pictures
+from caricli.io.meshes.mtl import EYES, material_pictures
 from caricli.io.npz import read_npz, text_of
 from caricli.io.rig import SCHEMA as RIG_SCHEMA
 from caricli.io.rig import read_rig

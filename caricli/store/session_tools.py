@@ -6,7 +6,7 @@ from pathlib import Path
 
 from caricli.errors import InputError, naming, shown
 from caricli.io.image import is_image_file, read_image
-from caricli.io.mesh import is_mesh_file
+from caricli.io.meshes.mesh import is_mesh_file
 from caricli.io.provenance import sha256_file
 from caricli.methods.faces.encode_face import encode_face
 from caricli.methods.faces.encode_landmarks import LandmarkEncoder

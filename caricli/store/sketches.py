@@ -6,7 +6,7 @@ import numpy as np
 
 from caricli.errors import InputError, naming
 from caricli.io.image import is_image_file, read_image, write_png
-from caricli.io.sketch import read_sketch, write_sketch
+from caricli.io.sketches.sketch import read_sketch, write_sketch
 from caricli.methods.sketch.clean_drawing import clean_drawing
 from caricli.render.pixels.rasterise_sketch import rasterise_sketch
 from caricli.structures.sketch import CANVAS, Sketch

@@ -4,9 +4,9 @@ from dataclasses import replace
 from pathlib import Path
 
 from caricli.errors import naming
-from caricli.io.cues import is_cues, read_cues
 from caricli.io.files import read_bytes
-from caricli.io.track import KIND, OTHER_FPS, read_weights
+from caricli.io.takes.cues import is_cues, read_cues
+from caricli.io.takes.track import KIND, OTHER_FPS, read_weights
 from caricli.limits import MAX_FILE_BYTES
 from caricli.methods.animate.speak_cues import act_visemes, speak_cues
 from caricli.structures import Track

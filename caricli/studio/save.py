@@ -11,7 +11,7 @@ from caricli.io.gltf.write_gltf import write_gltf
 from caricli.io.image import write_png
 from caricli.io.landmarks import write_landmarks
 from caricli.io.session import format_session
-from caricli.io.sketch import write_sketch
+from caricli.io.sketches.sketch import write_sketch
 from caricli.methods.faces.draw_face import FaceDrawing
 from caricli.methods.rig.make_rig import make_rig
 from caricli.methods.session.mark_operations import placed_marks

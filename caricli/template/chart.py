@@ -8,10 +8,10 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from caricli.errors import InputError
-from caricli.geometry.embed_disc import embed_disc
-from caricli.geometry.fill_holes import fill_holes
-from caricli.geometry.flatten import Sheet, flatten
-from caricli.geometry.turn_upright import turn_upright
+from caricli.geometry.flattening.embed_disc import embed_disc
+from caricli.geometry.flattening.flatten import Sheet, flatten
+from caricli.geometry.flattening.turn_upright import turn_upright
+from caricli.geometry.repair.fill_holes import fill_holes
 from caricli.io.kept import kept_arrays
 from caricli.structures.chart import FaceChart
 from caricli.structures.landmarks import LIPS_INSIDE, POINT_NAMES

@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from caricli.geometry.arc_lengths import arc_lengths
-from caricli.geometry.cubic_spline import CubicSpline
-from caricli.geometry.quad_grid import quad_grid
+from caricli.geometry.flattening.quad_grid import quad_grid
+from caricli.geometry.lines.arc_lengths import arc_lengths
+from caricli.geometry.lines.cubic_spline import CubicSpline
 from caricli.structures import Material, Mesh
 
 COLUMNS = (-1.0, -0.72, 0.0, 0.72, 1.0)

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from caricli.geometry.similarity import similarity
+from caricli.geometry.alignment.similarity import similarity
 from caricli.structures import Material
 from caricli.structures.head_choice import Teeth
 from caricli.structures.parts import Hold, Part

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.sparse as sp
 
-from caricli.geometry.arc_lengths import arc_lengths
-from caricli.geometry.components import component_labels
-from caricli.geometry.quad_grid import quad_grid
+from caricli.geometry.flattening.quad_grid import quad_grid
+from caricli.geometry.lines.arc_lengths import arc_lengths
+from caricli.geometry.repair.components import component_labels
 from caricli.structures import Mesh
 
 SIDES = 3

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from caricli.errors import InputError, naming, shown
-from caricli.io.mesh import read_mesh
+from caricli.io.meshes.mesh import read_mesh
 from caricli.structures import Material, Mesh, Part
 from caricli.structures.materials import MATERIALS
 from caricli.template.annotation import Annotation

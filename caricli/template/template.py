@@ -7,10 +7,10 @@ from typing import Self
 
 import numpy as np
 
-from caricli.geometry.deformation_gradients import DeformationGradients
-from caricli.geometry.elastic_anchors import ElasticAnchors
-from caricli.geometry.lengthen_neck import Neck
-from caricli.geometry.tuck_cavities import Cavities
+from caricli.geometry.deformation.deformation_gradients import DeformationGradients
+from caricli.geometry.deformation.elastic_anchors import ElasticAnchors
+from caricli.geometry.deformation.lengthen_neck import Neck
+from caricli.geometry.repair.tuck_cavities import Cavities
 from caricli.io.kept import kept_arrays
 from caricli.structures import Mesh, Part
 from caricli.structures.landmarks import POINT_NAMES

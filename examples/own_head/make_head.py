@@ -21,10 +21,10 @@ from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
 from caricli.data.identities import random_identity
-from caricli.geometry.exaggerate_curvature import exaggerate_curvature
-from caricli.geometry.similarity import similarity
+from caricli.geometry.alignment.similarity import similarity
+from caricli.geometry.deformation.exaggerate_curvature import exaggerate_curvature
 from caricli.geometry.subdivide import subdivide
-from caricli.io.obj import write_obj
+from caricli.io.meshes.obj import write_obj
 from caricli.io.strict_json import write_json
 from caricli.limits import MAX_VERTICES
 from caricli.structures import Mesh

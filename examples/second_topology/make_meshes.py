@@ -11,7 +11,7 @@ import igl
 import numpy as np
 
 from caricli.data.identities import random_identity
-from caricli.io.obj import write_obj
+from caricli.io.meshes.obj import write_obj
 from caricli.io.strict_json import write_json
 from caricli.structures import Mesh
 from caricli.template.head import load_head

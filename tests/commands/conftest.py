@@ -8,10 +8,10 @@ from click.testing import CliRunner
 from scipy.optimize import linear_sum_assignment
 
 from caricli.cli import cli
-from caricli.geometry.rotation_vectors import rotation_matrices
+from caricli.geometry.alignment.rotation_vectors import rotation_matrices
 from caricli.io.directions import write_directions
 from caricli.io.landmarks import write_landmarks
-from caricli.io.obj import write_obj
+from caricli.io.meshes.obj import write_obj
 from caricli.io.strict_json import write_json
 from caricli.render.sky import DIRECTIONS
 from caricli.store.models import load_model

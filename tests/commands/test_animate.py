@@ -8,11 +8,11 @@ from scipy.spatial.transform import Rotation
 from caricli.io.gltf.read_gltf import read_gltf
 from caricli.io.gltf.write_gltf import write_gltf
 from caricli.io.image import read_image
-from caricli.io.mesh import write_mesh
-from caricli.io.obj import read_obj
+from caricli.io.meshes.mesh import write_mesh
+from caricli.io.meshes.obj import read_obj
 from caricli.io.rig import read_rig, write_rig
 from caricli.io.strict_json import read_json
-from caricli.io.track import write_weights
+from caricli.io.takes.track import write_weights
 from caricli.render.rig_stage import RigStage
 from caricli.structures import Mesh, Rig, Track
 from caricli.structures.arkit import ARKIT_NAMES

@@ -4,7 +4,7 @@ import pytest
 from caricli.io.face import read_face
 from caricli.io.image import read_image, write_png
 from caricli.io.landmarks import read_landmarks
-from caricli.io.obj import read_obj, write_obj
+from caricli.io.meshes.obj import read_obj, write_obj
 from caricli.io.strict_json import read_json
 from caricli.store.models import load_model
 from caricli.structures import Mesh

@@ -9,7 +9,7 @@ from caricli.io.checkpoint import read_checkpoint, write_checkpoint
 from caricli.io.face import read_face
 from caricli.io.gltf.write_gltf import write_gltf
 from caricli.io.image import read_image
-from caricli.io.obj import write_obj
+from caricli.io.meshes.obj import write_obj
 from caricli.io.rig import write_rig
 from caricli.io.strict_json import read_json, write_json
 from caricli.structures import Camera, Depiction, Mesh, Pictures, Rig

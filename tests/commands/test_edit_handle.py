@@ -4,7 +4,7 @@ from PIL import Image
 
 from caricli.errors import InputError
 from caricli.io.face import read_face, write_face
-from caricli.io.mesh import read_mesh, write_mesh
+from caricli.io.meshes.mesh import read_mesh, write_mesh
 from caricli.io.strict_json import read_json, write_json
 from caricli.structures import Face, Mesh
 

@@ -9,11 +9,11 @@ from caricli.cli import COMMANDS
 from caricli.io.face import read_face, write_face
 from caricli.io.gltf.read_gltf import read_gltf
 from caricli.io.image import read_image
-from caricli.io.mesh import read_mesh
-from caricli.io.obj import write_obj
+from caricli.io.meshes.mesh import read_mesh
+from caricli.io.meshes.obj import write_obj
 from caricli.io.rig import read_rig
 from caricli.io.session import write_session
-from caricli.io.sketch import write_sketch
+from caricli.io.sketches.sketch import write_sketch
 from caricli.io.strict_json import write_json
 from caricli.methods.sketch.draw_sketch import draw_sketch
 from caricli.store.models import load_model

@@ -8,12 +8,12 @@ from caricli.io.bundled import asset_path
 from caricli.io.face import write_face
 from caricli.io.gltf.write_gltf import write_gltf
 from caricli.io.image import write_png
-from caricli.io.mesh import write_mesh
+from caricli.io.meshes.mesh import write_mesh
 from caricli.io.parsing import legend
 from caricli.io.rig import write_rig
 from caricli.io.session import format_session
 from caricli.io.strict_json import write_json
-from caricli.io.track import write_weights
+from caricli.io.takes.track import write_weights
 from caricli.store.models import load_model
 from caricli.structures import Animation, Camera, Face, Mesh, Operation, Rig, Session, Sketch, Stroke, StrokeKind, Track
 from caricli.structures.arkit import ARKIT_NAMES

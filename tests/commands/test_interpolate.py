@@ -3,7 +3,7 @@ import pytest
 
 from caricli.io.face import read_face, write_face
 from caricli.io.image import read_image
-from caricli.io.obj import read_obj, write_obj
+from caricli.io.meshes.obj import read_obj, write_obj
 from caricli.io.strict_json import read_json
 from caricli.structures import Face, Mesh
 

@@ -7,8 +7,8 @@ from caricli.io.bundled import asset_path
 from caricli.io.face import read_face
 from caricli.io.image import read_image, write_png
 from caricli.io.landmarks import write_landmarks
-from caricli.io.mesh import read_mesh
-from caricli.io.obj import read_obj
+from caricli.io.meshes.mesh import read_mesh
+from caricli.io.meshes.obj import read_obj
 from caricli.io.parsing import legend, write_parsing
 from caricli.io.strict_json import read_json, write_json
 from caricli.render.sheets.overlay import overlay_mesh

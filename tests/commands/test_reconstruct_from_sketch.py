@@ -3,8 +3,8 @@ import pytest
 
 from caricli.io.face import read_face
 from caricli.io.image import read_image
-from caricli.io.mesh import read_mesh
-from caricli.io.sketch import write_sketch
+from caricli.io.meshes.mesh import read_mesh
+from caricli.io.sketches.sketch import write_sketch
 from caricli.io.strict_json import read_json
 from caricli.methods.sketch.draw_sketch import canvas_camera, draw_sketch
 from caricli.structures.sketch import Sketch, Stroke

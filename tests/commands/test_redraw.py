@@ -8,7 +8,7 @@ import pytest
 from skimage.data import astronaut
 
 from caricli.io.image import read_image, write_png
-from caricli.io.obj import write_obj
+from caricli.io.meshes.obj import write_obj
 from caricli.io.parsing import legend, read_parsing, write_parsing
 from caricli.io.rig import read_rig, write_rig
 from caricli.io.strict_json import read_json, write_json

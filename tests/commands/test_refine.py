@@ -11,7 +11,7 @@ from PIL import Image
 from caricli.io.face import read_face, write_face
 from caricli.io.image import read_image, write_png
 from caricli.io.landmarks import write_landmarks
-from caricli.io.obj import read_obj, write_obj
+from caricli.io.meshes.obj import read_obj, write_obj
 from caricli.io.strict_json import read_json, write_json
 from caricli.methods.faces.encode_face import decode_face, encode_face
 from caricli.store.models import load_model

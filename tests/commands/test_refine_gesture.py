@@ -5,7 +5,7 @@ import pytest
 
 from caricli.io.face import read_face, write_face
 from caricli.io.image import read_image
-from caricli.io.obj import read_obj
+from caricli.io.meshes.obj import read_obj
 from caricli.io.session import write_session
 from caricli.methods.faces.encode_face import decode_face
 from caricli.methods.session.gesture_operations import view_parameters

@@ -9,8 +9,8 @@ from caricli.cli import cli
 from caricli.io.face import write_face
 from caricli.io.gltf.write_gltf import write_gltf
 from caricli.io.image import read_image, write_png
-from caricli.io.mesh import read_mesh, write_mesh
-from caricli.io.obj import write_obj
+from caricli.io.meshes.mesh import read_mesh, write_mesh
+from caricli.io.meshes.obj import write_obj
 from caricli.io.rig import write_rig
 from caricli.structures import Camera, Face, Mesh, Pictures, Rig
 

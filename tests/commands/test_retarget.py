@@ -4,12 +4,12 @@ import numpy as np
 import pygltflib
 import pytest
 
-from caricli.geometry.similarity import similarity
+from caricli.geometry.alignment.similarity import similarity
 from caricli.io.face import read_face, write_face
 from caricli.io.gltf.read_gltf import read_gltf
 from caricli.io.image import read_image
 from caricli.io.landmarks import write_landmarks
-from caricli.io.obj import read_obj, write_obj
+from caricli.io.meshes.obj import read_obj, write_obj
 from caricli.io.rig import read_rig, write_rig
 from caricli.io.strict_json import read_json
 from caricli.store.models import load_model

@@ -11,7 +11,7 @@ from caricli.io.bundled import asset_path
 from caricli.io.face import read_face, write_face
 from caricli.io.gltf.read_gltf import read_gltf
 from caricli.io.image import read_image, write_png
-from caricli.io.obj import read_obj, write_obj
+from caricli.io.meshes.obj import read_obj, write_obj
 from caricli.io.rig import read_rig
 from caricli.io.strict_json import read_json
 from caricli.methods.rig.measure_rig import curve_gap

@@ -3,7 +3,7 @@ import pytest
 
 from caricli.io.face import read_face
 from caricli.io.image import read_image
-from caricli.io.obj import read_obj
+from caricli.io.meshes.obj import read_obj
 from caricli.io.strict_json import read_json
 from caricli.methods.faces.sample_faces import sample_faces
 from caricli.store.models import load_model

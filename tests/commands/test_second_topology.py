@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from caricli.geometry.rotation_vectors import rotation_matrices
-from caricli.geometry.similarity import similarity
+from caricli.geometry.alignment.rotation_vectors import rotation_matrices
+from caricli.geometry.alignment.similarity import similarity
 from caricli.io.face import read_face
 from caricli.io.image import read_image
 from caricli.io.landmarks import write_landmarks
-from caricli.io.obj import read_obj
+from caricli.io.meshes.obj import read_obj
 from caricli.io.strict_json import read_json
 from caricli.structures import Landmarks
 

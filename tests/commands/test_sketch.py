@@ -3,7 +3,7 @@ import pytest
 
 from caricli.io.face import write_face
 from caricli.io.image import read_image
-from caricli.io.sketch import read_sketch
+from caricli.io.sketches.sketch import read_sketch
 from caricli.structures import Face, Mesh, StrokeKind
 from caricli.structures.sketch import CURVES
 

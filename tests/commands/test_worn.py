@@ -9,8 +9,8 @@ from caricli.cli import COMMANDS
 from caricli.io.face import read_face, write_face
 from caricli.io.gltf.read_gltf import read_gltf
 from caricli.io.image import read_image
-from caricli.io.mtl import material_pictures
-from caricli.io.obj import read_obj, write_obj
+from caricli.io.meshes.mtl import material_pictures
+from caricli.io.meshes.obj import read_obj, write_obj
 from caricli.io.rig import read_rig
 from caricli.io.session import write_session
 from caricli.io.strict_json import write_json

@@ -9,7 +9,7 @@ import pytest
 from caricli.data import build_dataset as building
 from caricli.data.build_dataset import build_dataset
 from caricli.data.build_settings import BuildSettings, OwnSettings
-from caricli.io.obj import write_obj
+from caricli.io.meshes.obj import write_obj
 from caricli.io.strict_json import write_json
 from caricli.structures import Mesh
 from caricli.template.annotation import parse_annotation

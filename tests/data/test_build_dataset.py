@@ -14,7 +14,7 @@ from caricli.data.build_settings import KINDS, OWN_KINDS, BuildSettings, OwnSett
 from caricli.data.dataset import read_dataset
 from caricli.data.regular_face import regular_faces
 from caricli.errors import InputError, OutputError
-from caricli.geometry.flipped_triangles import flipped_triangles
+from caricli.geometry.repair.flipped_triangles import flipped_triangles
 from caricli.io.outputs import staged_folder
 from caricli.io.strict_json import read_json
 
@@ -144,7 +144,7 @@ def test_the_first_level_of_a_neutral_face_is_the_aligned_person(grid, head):
     factors = data.factors
     changes = dict(zip(head.change_names, factors["changes"][row].astype(float), strict=True))
     neutral = head.evaluate(factors["gender"][row], factors["age"][row], factors["weight"][row], changes)
-    from caricli.geometry.similarity import similarity
+    from caricli.geometry.alignment.similarity import similarity
 
     scale, rotation, translation = similarity(neutral[face], data.template.vertices[face])
     aligned = scale * neutral @ rotation.T + translation

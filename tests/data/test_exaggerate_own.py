@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from caricli.data.exaggerate_own import STRETCHES, UsualFace, Whim, exaggerate_own, random_field, random_whim
-from caricli.geometry.flipped_triangles import flipped_triangles
-from caricli.geometry.similarity import similarity
-from caricli.geometry.untangle import untangle
+from caricli.geometry.alignment.similarity import similarity
+from caricli.geometry.repair.flipped_triangles import flipped_triangles
+from caricli.geometry.repair.untangle import untangle
 
 
 @pytest.fixture(scope="module")

@@ -4,8 +4,8 @@ import pytest
 from caricli.data.dataset import SPLITS, read_dataset
 from caricli.data.import_dataset import ImportSettings, import_dataset
 from caricli.errors import CaricliError, InputError
-from caricli.io.mesh import write_mesh
-from caricli.io.obj import read_obj, write_obj
+from caricli.io.meshes.mesh import write_mesh
+from caricli.io.meshes.obj import read_obj, write_obj
 from caricli.io.strict_json import write_json
 from caricli.structures import Mesh
 

@@ -13,7 +13,7 @@ from caricli.data.import_dataset import import_dataset
 from caricli.data.unseen import all_tested, fingerprints, seen_people, training_tested, unseen_data
 from caricli.errors import InputError
 from caricli.io.bundled import config_path
-from caricli.io.obj import read_obj, write_obj
+from caricli.io.meshes.obj import read_obj, write_obj
 from caricli.store.directions import load_directions
 from caricli.store.landmark_maps import load_landmark_map
 from caricli.store.models import load_model

@@ -27,7 +27,6 @@ from caricli.data.summarise_textures import summarise_textures
 from caricli.data.texture_set import ActedTextures, TextureWriter, read_texture_set
 from caricli.io.checkpoint import read_checkpoint, write_checkpoint
 from caricli.io.config import read_config
-from caricli.io.cues import read_cues
 from caricli.io.directions import read_directions, write_directions
 from caricli.io.face import read_face, read_picture_names, write_face
 from caricli.io.gltf.read_clips import read_clips
@@ -35,17 +34,18 @@ from caricli.io.gltf.read_gltf import read_gltf
 from caricli.io.gltf.write_gltf import write_gltf
 from caricli.io.image import read_image
 from caricli.io.landmarks import read_landmarks, write_landmarks
-from caricli.io.mesh import MESH_SUFFIXES, read_mesh, write_mesh
-from caricli.io.mtl import material_pictures
+from caricli.io.meshes.mesh import MESH_SUFFIXES, read_mesh, write_mesh
+from caricli.io.meshes.mtl import material_pictures
 from caricli.io.npz import read_npz, write_npz
 from caricli.io.parsing import read_legend, read_parsing
 from caricli.io.provenance import sha256_file
 from caricli.io.rig import read_rig, write_rig
 from caricli.io.session import read_session, write_session
-from caricli.io.sketch import read_sketch, write_sketch
+from caricli.io.sketches.sketch import read_sketch, write_sketch
+from caricli.io.sketches.svg import read_svg
 from caricli.io.strict_json import parse_json, read_json, write_json
-from caricli.io.svg import read_svg
-from caricli.io.track import read_weights, write_weights
+from caricli.io.takes.cues import read_cues
+from caricli.io.takes.track import read_weights, write_weights
 from caricli.io.training_state import read_state, write_state
 from caricli.methods.edit.handle_points import handle_points
 from caricli.models.checkpoint import model_to_checkpoint

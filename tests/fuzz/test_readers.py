@@ -5,11 +5,11 @@ import inspect
 import pkgutil
 import random
 from importlib import import_module
-from pathlib import Path
 
 import pytest
 
-import caricli
+import caricli.data
+import caricli.io
 from caricli.errors import CaricliError
 from tests.fuzz import readers as module
 from tests.fuzz.__main__ import fuzz
@@ -26,10 +26,9 @@ BEHIND_OTHERS = {"read_gltf_mesh", "read_level", "read_pictures", "read_obj", "r
 
 def test_every_reader_is_fuzzed():
     names = set()
-    for folder in ("io", "io/gltf", "data"):
-        package = f"caricli.{folder.replace('/', '.')}"
-        for entry in pkgutil.iter_modules([str(Path(caricli.__file__).parent / folder)]):
-            members = vars(import_module(f"{package}.{entry.name}"))
+    for room in (caricli.io, caricli.data):
+        for entry in pkgutil.walk_packages(room.__path__, f"{room.__name__}."):
+            members = vars(import_module(entry.name))
             names |= {name for name, value in members.items() if name.startswith("read_") and inspect.isfunction(value)}
     text = inspect.getsource(module)
     assert {name for name in names - PARTS - BEHIND_OTHERS if f"{name}" not in text} == set()

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from caricli.geometry.deformation_gradients import DeformationGradients
+from caricli.geometry.deformation.deformation_gradients import DeformationGradients
 
 
 @pytest.fixture(scope="session")

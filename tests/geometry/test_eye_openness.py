@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
+from caricli.geometry.alignment.head_rotation import head_rotation
 from caricli.geometry.eye_openness import eye_openness
-from caricli.geometry.head_rotation import head_rotation
 
 
 def test_openness_is_height_for_width_in_any_size_and_turn():

@@ -20,14 +20,14 @@ from caricli.errors import InputError
 from caricli.io import image as image_module
 from caricli.io.checkpoint import read_checkpoint, write_checkpoint
 from caricli.io.config import read_config
-from caricli.io.cues import read_cues
 from caricli.io.face import read_face, write_face
 from caricli.io.image import read_image, write_png
 from caricli.io.landmarks import read_landmarks, write_landmarks
-from caricli.io.mesh import MESH_SUFFIXES, read_mesh, write_mesh
+from caricli.io.meshes.mesh import MESH_SUFFIXES, read_mesh, write_mesh
+from caricli.io.meshes.obj import read_obj, write_obj
 from caricli.io.npz import read_npz
-from caricli.io.obj import read_obj, write_obj
 from caricli.io.strict_json import read_json
+from caricli.io.takes.cues import read_cues
 from caricli.structures import Face, Landmarks, Mesh
 
 

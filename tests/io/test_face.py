@@ -9,8 +9,8 @@ from hypothesis.extra.numpy import arrays
 
 from caricli.errors import InputError, OutputError
 from caricli.io.face import read_face, read_picture_names, write_face
+from caricli.io.meshes.obj import write_obj
 from caricli.io.npz import read_npz, write_npz
-from caricli.io.obj import write_obj
 from caricli.io.worn import PictureNames
 from caricli.structures import Camera, Face, Material, Mesh, Pictures
 from caricli.structures.checks import are_apart

@@ -14,8 +14,8 @@ from caricli.io.checkpoint import write_checkpoint
 from caricli.io.face import write_face
 from caricli.io.image import write_png
 from caricli.io.landmarks import write_landmarks
+from caricli.io.meshes.obj import write_obj
 from caricli.io.npz import write_npz
-from caricli.io.obj import write_obj
 from caricli.io.outputs import check_outputs, staged, staged_folder, write_bytes
 from caricli.io.strict_json import write_json
 from caricli.structures import Face, Landmarks, Mesh

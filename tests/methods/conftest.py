@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from caricli.data.identities import random_identity
-from caricli.geometry.rotation_vectors import rotation_matrices
-from caricli.geometry.slide_contour import slide_contour
+from caricli.geometry.alignment.rotation_vectors import rotation_matrices
+from caricli.geometry.lines.slide_contour import slide_contour
 from caricli.structures import Camera
 
 FRONT = np.diag([1.0, -1.0, -1.0])

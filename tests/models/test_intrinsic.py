@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from caricli.geometry.flipped_triangles import flipped_triangles
+from caricli.geometry.repair.flipped_triangles import flipped_triangles
 from caricli.models.intrinsic.config import IntrinsicConfig
 from caricli.models.intrinsic.model import IntrinsicModel, feature_weights
 from caricli.models.kinds import config_class, model_class

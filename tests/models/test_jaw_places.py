@@ -1,6 +1,6 @@
 import numpy as np
 
-from caricli.geometry.space_jaw import jaw_shares, space_jaw
+from caricli.geometry.lines.space_jaw import jaw_shares, space_jaw
 from caricli.models.detector.jaw_places import JawPlaces, face_shape
 from tests.drawn_pictures import mean_shape
 

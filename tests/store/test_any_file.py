@@ -8,11 +8,11 @@ from caricli.io.face import write_face
 from caricli.io.gltf.write_gltf import write_gltf
 from caricli.io.image import write_png
 from caricli.io.landmarks import write_landmarks
-from caricli.io.mesh import write_mesh
+from caricli.io.meshes.mesh import write_mesh
 from caricli.io.npz import write_npz
 from caricli.io.rig import write_rig
 from caricli.io.strict_json import write_json
-from caricli.io.track import write_weights
+from caricli.io.takes.track import write_weights
 from caricli.models.landmark_map.model import LandmarkMap
 from caricli.models.pca.model import PcaModel
 from caricli.store.any_file import files_beside, load_acquaintances, load_any

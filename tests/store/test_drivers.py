@@ -6,7 +6,7 @@ import pytest
 
 from caricli.errors import InputError
 from caricli.io.landmarks import write_landmarks
-from caricli.io.mesh import MESH_SUFFIXES, write_mesh
+from caricli.io.meshes.mesh import MESH_SUFFIXES, write_mesh
 from caricli.io.rig import write_rig
 from caricli.methods.expressions.retarget_rig import DrivingLandmarks, DrivingMesh
 from caricli.store.drivers import is_driving_mesh, load_driven_rig, load_drivers

@@ -6,7 +6,7 @@ import pytest
 
 from caricli.errors import InputError
 from caricli.io.face import write_face
-from caricli.io.mesh import write_mesh
+from caricli.io.meshes.mesh import write_mesh
 from caricli.methods.reconstruct.fit_landmarks import fit_landmarks
 from caricli.store.expression_templates import load_action_units, load_templates
 from caricli.store.expression_tools import ToolPaths, load_caricature, load_tools

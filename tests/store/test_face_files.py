@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from caricli.io.face import read_face
-from caricli.io.mesh import read_mesh
+from caricli.io.meshes.mesh import read_mesh
 from caricli.io.strict_json import read_json
 from caricli.methods.faces.draw_face import FaceDrawing
 from caricli.methods.faces.encode_face import encode_face

@@ -3,7 +3,7 @@ import pytest
 
 from caricli.errors import InputError
 from caricli.io.face import read_face, write_face
-from caricli.io.obj import write_obj
+from caricli.io.meshes.obj import write_obj
 from caricli.methods.faces.encode_face import decode_face, encode_face
 from caricli.store.faces import load_face, load_identity, load_latent_face, load_seen_face, load_worn_face
 from caricli.store.models import load_model, load_morphable

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from caricli.data.picture_set import read_picture_set
-from caricli.geometry.head_rotation import head_rotation
+from caricli.geometry.alignment.head_rotation import head_rotation
 from caricli.store.judged_pictures import JudgedPictures
 from tests.drawn_pictures import mean_shape, write_drawn_set
 

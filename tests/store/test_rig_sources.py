@@ -1,7 +1,7 @@
 import numpy as np
 
 from caricli.io.image import write_png
-from caricli.io.obj import write_obj
+from caricli.io.meshes.obj import write_obj
 from caricli.store.rig_sources import PictureSources, picture_sources
 from caricli.structures import Mesh
 

@@ -3,7 +3,7 @@ import pytest
 
 from caricli.errors import InputError
 from caricli.io.image import read_image, write_png
-from caricli.io.sketch import write_sketch
+from caricli.io.sketches.sketch import write_sketch
 from caricli.store.sketches import load_sketch, write_drawing
 from caricli.structures import Sketch, Stroke, StrokeKind
 

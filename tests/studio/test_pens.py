@@ -2,7 +2,7 @@
 
 import pytest
 
-from caricli.io.sketch import read_sketch
+from caricli.io.sketches.sketch import read_sketch
 from tests.studio.conftest import PATIENCE, Tab
 
 LINE = [(160 + 8 * k, 140 + 10 * k) for k in range(20)]

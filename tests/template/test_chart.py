@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from caricli.errors import InputError
-from caricli.geometry.triangle_stretch import triangle_stretch
+from caricli.geometry.flattening.triangle_stretch import triangle_stretch
 from caricli.structures.landmarks import LIPS_INSIDE
 from caricli.template.chart import face_chart
 

@@ -7,7 +7,7 @@ from scipy.ndimage import distance_transform_edt
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
-from caricli.geometry.triangle_stretch import triangle_stretch
+from caricli.geometry.flattening.triangle_stretch import triangle_stretch
 from caricli.render.visibility.uv_map import uv_map
 from caricli.template.layout import bundled_layout
 

@@ -14,7 +14,7 @@ from caricli.commands.shared.face_outputs import note_source, staged_face
 from caricli.commands.shared.picture import write_picture
 from caricli.errors import UsageError
 from caricli.io.image import is_image_file
-from caricli.io.mesh import MESH_SUFFIXES
+from caricli.io.meshes.mesh import MESH_SUFFIXES
 from caricli.io.provenance import provenance
 from caricli.io.strict_json import write_json
 from caricli.methods.faces.encode_face import encode_face

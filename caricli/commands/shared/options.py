@@ -69,7 +69,7 @@ def named(*suffixes: str) -> Callable:
 
 def named_mesh(ctx, param, value):
     """Refuse a file whose name ends in no suffix of a mesh."""
-    from caricli.io.mesh import MESH_SUFFIXES
+    from caricli.io.meshes.mesh import MESH_SUFFIXES
 
     return named(*MESH_SUFFIXES)(ctx, param, value)
 

@@ -12,7 +12,7 @@ from caricli.commands.shared.face_outputs import staged_face
 from caricli.commands.shared.picture import write_picture
 from caricli.errors import InputError, naming
 from caricli.io.image import read_image
-from caricli.io.mesh import MESH_SUFFIXES
+from caricli.io.meshes.mesh import MESH_SUFFIXES
 from caricli.io.provenance import provenance
 from caricli.io.strict_json import write_json
 from caricli.methods.faces.subdivide_face import subdivide_face

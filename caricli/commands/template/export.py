@@ -34,7 +34,7 @@ def command(out, open_mouth, sheet, size, overwrite):
       caricli template export head_open.obj --open-mouth
       caricli template export head.obj --uv-sheet sheet.png
     """
-    from caricli.io.mesh import write_mesh
+    from caricli.io.meshes.mesh import write_mesh
     from caricli.render.sheets.uv_sheet import uv_sheet
     from caricli.template.head import load_head
 

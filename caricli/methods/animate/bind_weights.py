@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from caricli.errors import InputError, shown
-from caricli.io.track import MAX_WEIGHTS
+from caricli.io.takes.track import MAX_WEIGHTS
 from caricli.structures import Track
 from caricli.structures.arkit import arkit_name, is_half
 

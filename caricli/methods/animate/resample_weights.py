@@ -3,7 +3,7 @@
 import numpy as np
 
 from caricli.errors import InputError
-from caricli.io.track import MAX_FRAMES, MAX_WEIGHTS
+from caricli.io.takes.track import MAX_FRAMES, MAX_WEIGHTS
 from caricli.structures import Track
 
 _EVEN = 1e-3

@@ -6,7 +6,7 @@ import numpy as np
 
 from caricli.data.expressions import mouth_shapes
 from caricli.errors import InputError
-from caricli.io.track import MAX_FRAMES
+from caricli.io.takes.track import MAX_FRAMES
 from caricli.structures import Cues, Track
 from caricli.structures.arkit import ARKIT_NAMES
 from caricli.structures.cues import SHAPES

@@ -9,7 +9,7 @@ from caricli.data.build_settings import EXPONENTS
 from caricli.data.expressions import named_expressions
 from caricli.data.regular_face import Person, regular_face
 from caricli.data.texture_set import ActedTextures
-from caricli.geometry.exaggerate_curvature import exaggerate_curvature
+from caricli.geometry.deformation.exaggerate_curvature import exaggerate_curvature
 from caricli.methods.creases.actor import Stage
 from caricli.methods.creases.random_acts import random_acts
 from caricli.methods.dynamic.chart_pictures import ChartGrid, picture_to_chart, texture_to_chart

@@ -6,7 +6,7 @@ from functools import partial
 
 import numpy as np
 
-from caricli.geometry.arc_lengths import arc_lengths
+from caricli.geometry.lines.arc_lengths import arc_lengths
 from caricli.geometry.smooth_step import smooth_step
 from caricli.methods.creases import crease_lines as lines
 

@@ -6,7 +6,7 @@ from statistics import median
 import numpy as np
 
 from caricli.errors import InputError
-from caricli.geometry.space_jaw import space_jaw
+from caricli.geometry.lines.space_jaw import space_jaw
 from caricli.methods.detect.find_faces import Candidate, common_share, find_faces
 from caricli.methods.detect.mark_as_people import mark_as_people
 from caricli.methods.detect.parse_picture import WindowRegions, mean_regions, parse_picture

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from caricli.geometry.mark_lines import mark_lines
+from caricli.geometry.lines.mark_lines import mark_lines
 from caricli.models.detector.jaw_places import JawPlaces
 from caricli.structures.landmarks import COUNT, Landmarks
 

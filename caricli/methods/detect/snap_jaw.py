@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from caricli.geometry.space_jaw import space_jaw
+from caricli.geometry.lines.space_jaw import space_jaw
 from caricli.structures.landmarks import COUNT, JAW, POINT_NAMES, Landmarks
 from caricli.structures.parsing import Region
 

@@ -10,7 +10,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from caricli.errors import InputError
-from caricli.geometry.similarity import similarity
+from caricli.geometry.alignment.similarity import similarity
 from caricli.geometry.triangle_normals import triangle_normals
 from caricli.methods.dynamic.chart_pictures import ChartGrid
 from caricli.methods.dynamic.mouth_parts import MouthParts, look_inside

@@ -7,8 +7,8 @@ import numpy as np
 import scipy.sparse as sp
 
 from caricli.errors import InputError
-from caricli.geometry.similarity import similarity
-from caricli.geometry.untangle import untangle
+from caricli.geometry.alignment.similarity import similarity
+from caricli.geometry.repair.untangle import untangle
 from caricli.geometry.vertex_neighbours import vertex_neighbours
 from caricli.methods.edit.edit_semantic import SemanticEdit, edit_semantic, label_index
 from caricli.methods.faces.encode_face import EncodedFace, encode_face

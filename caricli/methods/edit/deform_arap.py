@@ -4,7 +4,7 @@ import igl
 import numpy as np
 
 from caricli.errors import NumericsError
-from caricli.geometry.components import mesh_components
+from caricli.geometry.repair.components import mesh_components
 
 _STEPS = 50
 """Alternations of rotations and positions; the shape has settled by then."""

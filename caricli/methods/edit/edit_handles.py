@@ -6,10 +6,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.spatial import cKDTree
 
-from caricli.geometry.flipped_triangles import flipped_triangles
 from caricli.geometry.gauss_newton import gauss_newton
-from caricli.geometry.self_intersections import self_intersections
-from caricli.geometry.untangle import untangle
+from caricli.geometry.repair.flipped_triangles import flipped_triangles
+from caricli.geometry.repair.self_intersections import self_intersections
+from caricli.geometry.repair.untangle import untangle
 from caricli.methods.edit.handle_points import Handles
 from caricli.methods.faces.encode_face import EncodedFace, decode_face, encode_face
 from caricli.models.shape_model import ShapeModel

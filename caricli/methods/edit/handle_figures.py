@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from caricli.geometry.self_intersections import self_intersections
+from caricli.geometry.repair.self_intersections import self_intersections
 from caricli.methods.edit.edit_handles import HandleEdit
 from caricli.structures import Face
 

@@ -9,8 +9,8 @@ import numpy as np
 from caricli.data.dataset import Dataset
 from caricli.data.expressions import NEUTRAL, named_expressions
 from caricli.errors import InputError, naming
-from caricli.geometry.flipped_triangles import flipped_triangles
-from caricli.geometry.head_rotation import TURNS, head_rotation
+from caricli.geometry.alignment.head_rotation import TURNS, head_rotation
+from caricli.geometry.repair.flipped_triangles import flipped_triangles
 from caricli.methods.evaluate.paired_interval import paired_interval
 from caricli.methods.expressions.build_blendshapes import Blendshapes, build_blendshapes
 from caricli.methods.expressions.measure_blendshapes import measure_blendshapes

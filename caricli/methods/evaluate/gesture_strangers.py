@@ -7,7 +7,7 @@ that grows or bends on its way, hooks where the pen is set down and lifted, whol
 
 import numpy as np
 
-from caricli.geometry.match_line import resample
+from caricli.geometry.lines.match_line import resample
 from caricli.structures.gesture import roll_level
 
 _DENSE = 300

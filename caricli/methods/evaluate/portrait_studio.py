@@ -7,7 +7,7 @@ import numpy as np
 
 from caricli.data.albedo import mesh_painter
 from caricli.data.appearance import random_appearance
-from caricli.geometry.head_rotation import TURNS, head_rotation
+from caricli.geometry.alignment.head_rotation import TURNS, head_rotation
 from caricli.methods.reconstruct.landmark_vertices import landmark_vertices
 from caricli.render.eyes.place_eyeballs import place_eyeballs
 from caricli.render.pixels.blend import over

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from caricli.errors import CaricliError
-from caricli.geometry.similarity import similarity
+from caricli.geometry.alignment.similarity import similarity
 from caricli.methods.evaluate.portrait_studio import Portrait
 from caricli.methods.morphable.fit_photometric import fit_photometric
 from caricli.methods.reconstruct.fit_coarse import fit_coarse

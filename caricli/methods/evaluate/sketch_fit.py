@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from caricli.geometry.arc_lengths import arc_lengths
-from caricli.geometry.fit_camera import fit_camera
-from caricli.geometry.head_rotation import head_rotation
+from caricli.geometry.alignment.fit_camera import fit_camera
+from caricli.geometry.alignment.head_rotation import head_rotation
+from caricli.geometry.lines.arc_lengths import arc_lengths
 from caricli.methods.train.sketch.sketch_hand import LINE, DrawnLines, SketchHand
 from caricli.models.linear_model import LinearModel
 

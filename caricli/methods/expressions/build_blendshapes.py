@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from caricli.geometry.deformation_transfer import DeformationTransfer, triangle_maps
+from caricli.geometry.deformation.deformation_transfer import DeformationTransfer, triangle_maps
 from caricli.methods.expressions.find_neutral import NeutralFace, neutral_of
 from caricli.methods.expressions.normal_pair import NormalPair
 from caricli.methods.expressions.optimise_blendshapes import UNMOVED, displacement_masks, optimise_blendshapes

@@ -5,10 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from caricli.geometry.deformation_transfer import DeformationTransfer
-from caricli.geometry.flipped_triangles import flipped_triangles
-from caricli.geometry.similarity import similarity
-from caricli.geometry.untangle import untangle
+from caricli.geometry.alignment.similarity import similarity
+from caricli.geometry.deformation.deformation_transfer import DeformationTransfer
+from caricli.geometry.repair.flipped_triangles import flipped_triangles
+from caricli.geometry.repair.untangle import untangle
 from caricli.methods.expressions.normal_pair import NormalPair
 from caricli.methods.expressions.optimise_blendshapes import optimise_blendshapes
 from caricli.methods.expressions.settings import BlendshapeSettings

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from caricli.errors import InputError
-from caricli.geometry.similarity import similarity
+from caricli.geometry.alignment.similarity import similarity
 from caricli.methods.edit.map_landmarks import map_landmarks
 from caricli.methods.expressions.settings import BlendshapeSettings
 from caricli.methods.expressions.tools import ExpressionTools

@@ -8,7 +8,7 @@ import scipy.sparse as sp
 
 from caricli.errors import NumericsError
 from caricli.geometry.cholesky import Cholesky
-from caricli.geometry.components import BOND, mesh_components
+from caricli.geometry.repair.components import BOND, mesh_components
 from caricli.methods.expressions.settings import BlendshapeWeights
 from caricli.structures import Mesh
 

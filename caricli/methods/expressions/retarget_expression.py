@@ -8,8 +8,8 @@ from scipy.optimize import lsq_linear
 from threadpoolctl import threadpool_limits
 
 from caricli.errors import InputError
-from caricli.geometry.rotation_vectors import rotation_matrices
-from caricli.geometry.similarity import similarity
+from caricli.geometry.alignment.rotation_vectors import rotation_matrices
+from caricli.geometry.alignment.similarity import similarity
 from caricli.geometry.vertex_neighbours import vertex_neighbours
 from caricli.methods.reconstruct.landmark_fit import LandmarkFit
 from caricli.methods.reconstruct.settings import LatentSettings

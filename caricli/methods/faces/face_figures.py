@@ -3,7 +3,7 @@
 from typing import Any
 
 from caricli.data.attributes import measure_attributes
-from caricli.geometry.flipped_triangles import flipped_triangles
+from caricli.geometry.repair.flipped_triangles import flipped_triangles
 from caricli.methods.faces.encode_face import EncodedFace
 from caricli.models.shape_model import ShapeModel
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from caricli.geometry.untangle import untangle
+from caricli.geometry.repair.untangle import untangle
 from caricli.methods.faces.encode_face import EncodedFace, decode_face, encode_face
 from caricli.models.shape_model import ShapeModel
 from caricli.structures import Face

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from caricli.errors import NumericsError
-from caricli.geometry.flipped_triangles import flipped_triangles
-from caricli.geometry.untangle import untangle
+from caricli.geometry.repair.flipped_triangles import flipped_triangles
+from caricli.geometry.repair.untangle import untangle
 from caricli.methods.faces.encode_face import EncodedFace, encode_face
 from caricli.methods.morphable.wear_colours import wear_colours
 from caricli.models.morphable.model import MorphableModel

@@ -6,9 +6,9 @@ from scipy.sparse.csgraph import dijkstra, minimum_spanning_tree
 from scipy.spatial.distance import cdist
 
 from caricli.errors import InputError
-from caricli.geometry.arc_lengths import arc_lengths
-from caricli.geometry.match_line import resample
-from caricli.geometry.zero_lines import zero_lines
+from caricli.geometry.lines.arc_lengths import arc_lengths
+from caricli.geometry.lines.match_line import resample
+from caricli.geometry.lines.zero_lines import zero_lines
 from caricli.methods.gesture.changed import Changed
 from caricli.methods.gesture.held_deformation import held_deformation, sound_move
 from caricli.methods.gesture.selection import Selection, around_handles, checked_stroke, mirror_map

@@ -5,8 +5,8 @@ import numpy as np
 import scipy.sparse as sp
 
 from caricli.geometry.cholesky import Cholesky
-from caricli.geometry.flipped_triangles import flipped_triangles
-from caricli.geometry.untangle import untangle
+from caricli.geometry.repair.flipped_triangles import flipped_triangles
+from caricli.geometry.repair.untangle import untangle
 from caricli.methods.gesture.settings import GestureSettings
 from caricli.template.template import Template
 

@@ -8,7 +8,7 @@ import scipy.sparse as sp
 from scipy.sparse.csgraph import dijkstra
 
 from caricli.errors import InputError
-from caricli.geometry.line_distances import line_distances
+from caricli.geometry.lines.line_distances import line_distances
 from caricli.methods.gesture.settings import GestureSettings
 from caricli.methods.gesture.sight import Sight
 from caricli.structures import Camera, Face

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from caricli.geometry.untangle import untangle
+from caricli.geometry.repair.untangle import untangle
 from caricli.geometry.vertex_neighbours import vertex_neighbours
 from caricli.methods.hair.hair_view import HairView
 from caricli.methods.hair.head_sphere import HeadSphere

@@ -6,9 +6,9 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.csgraph import connected_components
 
-from caricli.geometry.deformation_gradients import DeformationGradients
-from caricli.geometry.flat_triangles import flat_triangles
-from caricli.geometry.flipped_triangles import flipped_triangles
+from caricli.geometry.deformation.deformation_gradients import DeformationGradients
+from caricli.geometry.repair.flat_triangles import flat_triangles
+from caricli.geometry.repair.flipped_triangles import flipped_triangles
 from caricli.structures import Mesh
 
 HEAD_HEIGHT = (0.1, 1.0)

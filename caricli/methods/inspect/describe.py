@@ -14,8 +14,8 @@ from caricli.data.summarise_pictures import summarise_pictures
 from caricli.data.summarise_textures import summarise_textures
 from caricli.data.texture_set import TextureSet
 from caricli.errors import shown
-from caricli.geometry.deformation_gradients import DeformationGradients
-from caricli.geometry.flipped_triangles import flipped_triangles
+from caricli.geometry.deformation.deformation_gradients import DeformationGradients
+from caricli.geometry.repair.flipped_triangles import flipped_triangles
 from caricli.io.parsing import SCHEMA as PARSING_SCHEMA
 from caricli.methods.inspect.inspection import Acquaintances, Animated, FolderPart, Inspection, MeshWords
 from caricli.methods.rig.check_rig import RigCheck, check_rig

@@ -3,7 +3,7 @@
 import numpy as np
 
 from caricli.errors import NumericsError
-from caricli.geometry.fit_camera import fit_camera
+from caricli.geometry.alignment.fit_camera import fit_camera
 from caricli.structures.landmarks import FEWEST, JAW
 from caricli.template.template import Template
 

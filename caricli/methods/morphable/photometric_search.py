@@ -4,8 +4,8 @@ import numpy as np
 import torch
 
 from caricli.errors import InputError
+from caricli.geometry.alignment.head_rotation import head_angles, head_rotation
 from caricli.geometry.gauss_newton import Damping
-from caricli.geometry.head_rotation import head_angles, head_rotation
 from caricli.methods.morphable.picture_window import PictureWindow
 from caricli.methods.morphable.pixel_rows import VertexRows, pixel_rows, vertex_rows
 from caricli.methods.morphable.renderer import MorphableRenderer, Patch, Posed, Sight

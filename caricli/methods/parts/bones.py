@@ -5,8 +5,8 @@ from functools import cached_property
 
 import numpy as np
 
-from caricli.geometry.axis_similarity import axis_similarity
-from caricli.geometry.weighted_similarities import weighted_similarities
+from caricli.geometry.alignment.axis_similarity import axis_similarity
+from caricli.geometry.alignment.weighted_similarities import weighted_similarities
 from caricli.methods.parts.clear_way import Bends, clear_way
 from caricli.methods.parts.flesh import Flesh, Hide
 from caricli.methods.parts.follow import follow_weights

@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from caricli.geometry.components import component_labels
-from caricli.geometry.weighted_similarities import weighted_similarities
+from caricli.geometry.alignment.weighted_similarities import weighted_similarities
+from caricli.geometry.repair.components import component_labels
 from caricli.io.kept import kept_arrays
 from caricli.methods.parts.bend_lashes import Lashes
 from caricli.methods.parts.bones import Posed

@@ -10,7 +10,7 @@ import numpy as np
 from caricli.data.dataset import Dataset
 from caricli.data.picture_set import PictureWriter, encode_labels, encode_picture
 from caricli.data.worker_pool import worker_pool
-from caricli.geometry.head_rotation import head_angles
+from caricli.geometry.alignment.head_rotation import head_angles
 from caricli.methods.pictures.compose import Composition, Easel, Shown
 from caricli.methods.pictures.settings import PoseSettings, SceneSettings, SitterSettings
 from caricli.methods.pictures.sitter import Sitter, Wardrobe

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from caricli.geometry.head_rotation import head_rotation
+from caricli.geometry.alignment.head_rotation import head_rotation
 from caricli.methods.pictures.settings import PoseSettings
 from caricli.structures.landmarks import COUNT
 from caricli.template.template import Template

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from caricli.geometry.rotation_vectors import rotation_matrices
+from caricli.geometry.alignment.rotation_vectors import rotation_matrices
 from caricli.structures import Camera
 
 CAMERA = 6

@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 
 from caricli.errors import InputError
-from caricli.geometry.head_rotation import head_rotation
-from caricli.geometry.similarity import similarity
+from caricli.geometry.alignment.head_rotation import head_rotation
+from caricli.geometry.alignment.similarity import similarity
 from caricli.methods.morphable.coefficients import CoefficientLayout, turned_light
 from caricli.methods.reconstruct.fit_landmarks_latent import fit_landmarks_latent
 from caricli.methods.reconstruct.landmark_fit import LandmarkFit, Observation

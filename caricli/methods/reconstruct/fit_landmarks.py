@@ -8,8 +8,8 @@ from typing import cast
 import numpy as np
 
 from caricli.errors import InputError
-from caricli.geometry.flipped_triangles import flipped_triangles
-from caricli.geometry.untangle import untangle
+from caricli.geometry.repair.flipped_triangles import flipped_triangles
+from caricli.geometry.repair.untangle import untangle
 from caricli.methods.reconstruct.fit_landmarks_intrinsic import fit_landmarks_intrinsic
 from caricli.methods.reconstruct.fit_landmarks_latent import fit_landmarks_latent
 from caricli.methods.reconstruct.landmark_fit import LandmarkFit

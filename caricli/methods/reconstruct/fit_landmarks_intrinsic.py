@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from caricli.geometry.untangle import untangle
+from caricli.geometry.repair.untangle import untangle
 from caricli.methods.reconstruct.camera_rows import CAMERA, camera_rows
 from caricli.methods.reconstruct.landmark_fit import LandmarkFit, Observation
 from caricli.methods.reconstruct.outline import Outline

@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 
 from caricli.errors import InputError
-from caricli.geometry.fit_camera import fit_camera
-from caricli.geometry.flipped_triangles import flipped_triangles
+from caricli.geometry.alignment.fit_camera import fit_camera
+from caricli.geometry.repair.flipped_triangles import flipped_triangles
 from caricli.methods.reconstruct.landmark_vertices import landmark_vertices
 from caricli.methods.reconstruct.outline import Outline
 from caricli.methods.reconstruct.settings import IntrinsicSettings, LatentSettings, OutlierSettings

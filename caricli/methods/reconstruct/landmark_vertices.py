@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from caricli.geometry.slide_contour import slide_contour
+from caricli.geometry.lines.slide_contour import slide_contour
 from caricli.structures.landmarks import JAW
 from caricli.template.template import Template
 

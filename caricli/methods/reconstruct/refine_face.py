@@ -6,10 +6,10 @@ from typing import Any
 import numpy as np
 
 from caricli.errors import InputError
-from caricli.geometry.flipped_triangles import flipped_triangles
-from caricli.geometry.laplacian_deformation import LaplacianDeformation
-from caricli.geometry.slide_contour import slide_contour
-from caricli.geometry.untangle import untangle
+from caricli.geometry.deformation.laplacian_deformation import LaplacianDeformation
+from caricli.geometry.lines.slide_contour import slide_contour
+from caricli.geometry.repair.flipped_triangles import flipped_triangles
+from caricli.geometry.repair.untangle import untangle
 from caricli.methods.faces.encode_face import encode_face
 from caricli.methods.reconstruct.settings import RefineSettings
 from caricli.models.shape_model import ShapeModel

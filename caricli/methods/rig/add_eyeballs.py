@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from caricli.geometry.rotation_vectors import rotation_matrices
+from caricli.geometry.alignment.rotation_vectors import rotation_matrices
 from caricli.methods.rig.add_parts import add_parts
 from caricli.render.eyes.paint_eye import paint_eye
 from caricli.render.eyes.place_eyeballs import place_eyeballs

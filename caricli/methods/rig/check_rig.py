@@ -7,8 +7,8 @@ from difflib import get_close_matches
 import numpy as np
 
 from caricli.errors import NumericsError
-from caricli.geometry.deformation_gradients import DeformationGradients
-from caricli.geometry.flipped_triangles import flipped_triangles
+from caricli.geometry.deformation.deformation_gradients import DeformationGradients
+from caricli.geometry.repair.flipped_triangles import flipped_triangles
 from caricli.structures import Rig
 from caricli.structures.arkit import ARKIT_NAMES, arkit_name, plain_name
 

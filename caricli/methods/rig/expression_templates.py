@@ -9,9 +9,9 @@ import numpy as np
 import scipy.sparse as sp
 
 from caricli.errors import InputError
-from caricli.geometry.contact_pairs import closes, closing_pairs, touching_pairs
-from caricli.geometry.deformation_transfer import triangle_frames
-from caricli.geometry.flat_triangles import flat_triangles
+from caricli.geometry.deformation.deformation_transfer import triangle_frames
+from caricli.geometry.repair.contact_pairs import closes, closing_pairs, touching_pairs
+from caricli.geometry.repair.flat_triangles import flat_triangles
 from caricli.geometry.smooth_step import smooth_step
 from caricli.geometry.vertex_neighbours import vertex_neighbours
 from caricli.io.kept import kept_arrays

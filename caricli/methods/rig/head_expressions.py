@@ -5,9 +5,9 @@ from functools import cache
 
 import numpy as np
 
-from caricli.geometry.contact_pairs import closes, touching_pairs
-from caricli.geometry.contact_solver import Conditions, ContactSolver
-from caricli.geometry.deformation_transfer import DeformationTransfer
+from caricli.geometry.deformation.deformation_transfer import DeformationTransfer
+from caricli.geometry.repair.contact_pairs import closes, touching_pairs
+from caricli.geometry.repair.contact_solver import Conditions, ContactSolver
 from caricli.io.kept import kept_arrays
 from caricli.methods.rig.expression_templates import ExpressionTemplates, contact_normals
 from caricli.template.head import Head, load_head

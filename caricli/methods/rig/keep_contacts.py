@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from caricli.geometry.contact_solver import Conditions, ContactSolver
-from caricli.geometry.deformation_transfer import DeformationTransfer
-from caricli.geometry.similarity import similarity
+from caricli.geometry.alignment.similarity import similarity
+from caricli.geometry.deformation.deformation_transfer import DeformationTransfer
+from caricli.geometry.repair.contact_solver import Conditions, ContactSolver
 from caricli.methods.rig.expression_templates import ExpressionTemplates, contact_normals
 
 ASTRAY = 5

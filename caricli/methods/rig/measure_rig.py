@@ -5,9 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from caricli.geometry.deformation_gradients import DeformationGradients
-from caricli.geometry.flipped_triangles import flipped_triangles
-from caricli.geometry.similarity import similarity
+from caricli.geometry.alignment.similarity import similarity
+from caricli.geometry.deformation.deformation_gradients import DeformationGradients
+from caricli.geometry.repair.flipped_triangles import flipped_triangles
 from caricli.methods.rig.add_eyeballs import Eyeball, lid_vertices, moving_vertices
 from caricli.methods.rig.expression_templates import ExpressionTemplates
 from caricli.structures.arkit import start_delta

@@ -3,8 +3,8 @@
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from caricli.geometry.deformation_transfer import DeformationTransfer
-from caricli.geometry.similarity import similarity
+from caricli.geometry.alignment.similarity import similarity
+from caricli.geometry.deformation.deformation_transfer import DeformationTransfer
 from caricli.methods.rig.expression_templates import ExpressionTemplates
 from caricli.methods.rig.keep_contacts import Contacts
 from caricli.structures.arkit import start_delta

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from caricli.errors import InputError
-from caricli.geometry.line_distances import line_distances
+from caricli.geometry.lines.line_distances import line_distances
 from caricli.methods.faces.encode_face import encode_face
 from caricli.methods.session.parameters import Parameters, number, only, points
 from caricli.methods.session.tools import Tools

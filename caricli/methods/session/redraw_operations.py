@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 
 from caricli.errors import InputError
-from caricli.geometry.match_line import resample
-from caricli.geometry.untangle import untangle
+from caricli.geometry.lines.match_line import resample
+from caricli.geometry.repair.untangle import untangle
 from caricli.methods.faces.encode_face import EncodedFace, encode_face
 from caricli.methods.session.draw_operations import stroke_of
 from caricli.methods.session.parameters import Parameters, number, only, points

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from caricli.errors import InputError
-from caricli.geometry.trace_lines import InkLine, trace_lines
+from caricli.geometry.lines.trace_lines import InkLine, trace_lines
 from caricli.render.pixels.widen_mask import widen_mask
 from caricli.structures.sketch import CANVAS, Sketch, Stroke
 

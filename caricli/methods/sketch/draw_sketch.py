@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from caricli.geometry.head_rotation import head_rotation
+from caricli.geometry.alignment.head_rotation import head_rotation
 from caricli.structures.camera import Camera
 from caricli.structures.sketch import CANVAS, Sketch, Stroke
 from caricli.template.feature_curves import FeatureCurve

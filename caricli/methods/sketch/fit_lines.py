@@ -6,7 +6,7 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from caricli.errors import InputError
-from caricli.geometry.rotation_vectors import rotation_vectors
+from caricli.geometry.alignment.rotation_vectors import rotation_vectors
 from caricli.methods.reconstruct.camera_rows import CAMERA, camera_rows, moved_camera
 from caricli.methods.sketch.line_handles import LineHandles
 from caricli.methods.sketch.settings import CORNERED, LineFitSettings

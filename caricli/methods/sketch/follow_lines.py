@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
-from caricli.geometry.laplacian_deformation import LaplacianDeformation
+from caricli.geometry.deformation.laplacian_deformation import LaplacianDeformation
 from caricli.methods.sketch.line_handles import LineHandles
 from caricli.methods.sketch.settings import FollowSettings
 from caricli.structures import Camera, Mesh

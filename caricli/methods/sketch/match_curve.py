@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from caricli.geometry.arc_lengths import arc_lengths
-from caricli.geometry.line_nodes import line_nodes
-from caricli.geometry.match_line import match_line, resample
+from caricli.geometry.lines.arc_lengths import arc_lengths
+from caricli.geometry.lines.line_nodes import line_nodes
+from caricli.geometry.lines.match_line import match_line, resample
 from caricli.methods.sketch.settings import CORNERED
 from caricli.template.feature_curves import FeatureCurve
 

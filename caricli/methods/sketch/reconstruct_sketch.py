@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 
 from caricli.errors import InputError
-from caricli.geometry.flipped_triangles import flipped_triangles
-from caricli.geometry.line_distances import line_distances
-from caricli.geometry.match_line import resample
-from caricli.geometry.untangle import untangle
+from caricli.geometry.lines.line_distances import line_distances
+from caricli.geometry.lines.match_line import resample
+from caricli.geometry.repair.flipped_triangles import flipped_triangles
+from caricli.geometry.repair.untangle import untangle
 from caricli.limits import MAX_SKETCH_POINTS
 from caricli.methods.faces.encode_face import encode_face
 from caricli.methods.sketch.fit_lines import Lines

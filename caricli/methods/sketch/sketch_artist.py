@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
-from caricli.geometry.arc_lengths import arc_lengths
-from caricli.geometry.head_rotation import head_angles
+from caricli.geometry.alignment.head_rotation import head_angles
+from caricli.geometry.lines.arc_lengths import arc_lengths
 from caricli.methods.sketch.draw_sketch import draw_curves, framing_camera
 from caricli.methods.sketch.outline import head_outline
 from caricli.methods.sketch.suggestive_contours import ContourFinder, ContourSettings, runs

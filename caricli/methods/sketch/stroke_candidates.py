@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from caricli.geometry.match_line import resample
+from caricli.geometry.lines.match_line import resample
 from caricli.methods.sketch.line_handles import LineHandles
 from caricli.methods.sketch.settings import NamingSettings
 from caricli.structures.sketch import Stroke, StrokeKind

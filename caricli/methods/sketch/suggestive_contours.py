@@ -6,7 +6,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from caricli.geometry.curvature_tensors import curvature_tensors
-from caricli.geometry.zero_lines import MeshLine, zero_lines
+from caricli.geometry.lines.zero_lines import MeshLine, zero_lines
 from caricli.render.smooth_normals import smooth_normals
 from caricli.render.visibility.seen_points import seen_points
 from caricli.structures.camera import Camera

@@ -4,9 +4,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from caricli.geometry.arc_lengths import arc_lengths
-from caricli.geometry.head_rotation import head_rotation
-from caricli.geometry.move_by_handles import move_by_handles
+from caricli.geometry.alignment.head_rotation import head_rotation
+from caricli.geometry.deformation.move_by_handles import move_by_handles
+from caricli.geometry.lines.arc_lengths import arc_lengths
 from caricli.structures.camera import Camera
 from caricli.structures.sketch import Sketch, Stroke, StrokeKind
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from caricli.errors import InputError
-from caricli.geometry.laplacian_deformation import LaplacianDeformation
+from caricli.geometry.deformation.laplacian_deformation import LaplacianDeformation
 from caricli.methods.edit.caricaturize_face import caricaturize_face
 from caricli.methods.edit.map_landmarks import map_landmarks
 from caricli.methods.faces.encode_face import encode_face

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from caricli.errors import InputError
-from caricli.geometry.smooth_displacement import Borders, Samples, smooth_displacement
+from caricli.geometry.deformation.smooth_displacement import Borders, Samples, smooth_displacement
 from caricli.geometry.triangle_normals import triangle_normals
 from caricli.methods.stylise.picture_warp import PictureWarp
 from caricli.methods.stylise.settings import WarpSettings

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from caricli.geometry.cubic_spline import CubicSpline
+from caricli.geometry.lines.cubic_spline import CubicSpline
 
 _ROUNDS = 400
 _STEP = 0.4  # of the way to a point: where areas stay above zero, and below five times their own, steps come nearer

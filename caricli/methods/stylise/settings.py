@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, field
 
-from caricli.geometry.smooth_displacement import Smoothness
+from caricli.geometry.deformation.smooth_displacement import Smoothness
 
 SHAPES = ("map", "direction", "own", "none")
 """What a face becomes: as the landmark map sees it, more like all caricatures, more like itself, or what it is."""

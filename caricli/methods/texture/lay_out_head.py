@@ -4,10 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from caricli.geometry.embed_disc import embed_disc
-from caricli.geometry.fill_holes import fill_holes
-from caricli.geometry.flatten import Limits, Sheet, flatten
-from caricli.geometry.turn_upright import turn_upright
+from caricli.geometry.flattening.embed_disc import embed_disc
+from caricli.geometry.flattening.flatten import Limits, Sheet, flatten
+from caricli.geometry.flattening.turn_upright import turn_upright
+from caricli.geometry.repair.fill_holes import fill_holes
 from caricli.geometry.vertex_neighbours import vertex_neighbours
 from caricli.structures import Mesh
 from caricli.structures.mesh import triangle_fans

@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 from scipy.spatial import KDTree
 
-from caricli.geometry.along_lines import along
+from caricli.geometry.lines.along_lines import along
 from caricli.geometry.smooth_step import smooth_step
 from caricli.render.eyes.eye_window import WIDTH, EyeWindow, eye_windows
 from caricli.render.pixels.paint import mix

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from caricli.geometry.match_line import resample
+from caricli.geometry.lines.match_line import resample
 from caricli.structures.gesture import GESTURES, roll_level
 
 _DENSE = 240

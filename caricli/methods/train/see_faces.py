@@ -6,7 +6,7 @@ import numpy as np
 
 from caricli.data.dataset import Dataset
 from caricli.data.unseen import seen_people
-from caricli.geometry.head_rotation import TURNS, head_rotation
+from caricli.geometry.alignment.head_rotation import TURNS, head_rotation
 from caricli.methods.reconstruct.landmark_vertices import landmark_vertices
 from caricli.methods.train.stages import Report, unwatched
 from caricli.models.landmark_map.model import DOMAINS, align

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from caricli.errors import InputError
-from caricli.geometry.space_jaw import EVENLY, place_jaw, space_jaw
+from caricli.geometry.lines.space_jaw import EVENLY, place_jaw, space_jaw
 from caricli.models.detector.usual_shapes import UsualShapes
 from caricli.structures.checks import number_problem, refuse
 from caricli.structures.landmarks import COUNT, EYE_LEFT, EYE_RIGHT

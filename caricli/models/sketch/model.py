@@ -8,7 +8,7 @@ import numpy as np
 import torch
 
 from caricli.errors import InputError, naming, shown
-from caricli.geometry.head_rotation import head_rotation
+from caricli.geometry.alignment.head_rotation import head_rotation
 from caricli.models.checks import check_schema, network_size, whole_number
 from caricli.models.network_model import NetworkModel
 from caricli.models.network_weights import load_weights

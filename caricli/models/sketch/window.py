@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from caricli.errors import InputError
-from caricli.geometry.along_lines import along
+from caricli.geometry.lines.along_lines import along
 from caricli.structures.sketch import Sketch, Stroke, StrokeKind
 
 FILL = 0.86

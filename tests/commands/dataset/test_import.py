@@ -5,7 +5,7 @@ import pytest
 
 from caricli.data.dataset import read_dataset
 from caricli.errors import InputError
-from caricli.io.obj import read_obj, write_obj
+from caricli.io.meshes.obj import read_obj, write_obj
 from caricli.io.strict_json import write_json
 from caricli.methods.parts.attachment import attachment_for
 from caricli.store.models import load_model

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from caricli.data.picture_set import read_picture_set
-from caricli.geometry.head_rotation import head_rotation
+from caricli.geometry.alignment.head_rotation import head_rotation
 from caricli.methods.detect.detect_faces import detect_faces
 from caricli.store.detector import load_detector
 from caricli.structures.landmarks import EYE_LEFT, EYE_RIGHT, LIPS

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from caricli.io.image import read_image
-from caricli.io.obj import read_obj
+from caricli.io.meshes.obj import read_obj
 
 
 @pytest.mark.parametrize("flags", [[], ["--open-mouth"]])

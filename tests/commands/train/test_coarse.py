@@ -9,7 +9,7 @@ from caricli.io.checkpoint import write_checkpoint
 from caricli.io.face import read_face
 from caricli.io.image import read_image, write_png
 from caricli.io.landmarks import write_landmarks
-from caricli.io.obj import read_obj
+from caricli.io.meshes.obj import read_obj
 from caricli.models.detector.config import DetectorSize
 from caricli.models.detector.model import detector_to_checkpoint
 from caricli.models.detector.networks import DetectorNetwork, detector_of

@@ -6,8 +6,8 @@ import pytest
 from caricli.data.dataset import read_dataset
 from caricli.io.bundled import asset_path
 from caricli.io.directions import read_directions
+from caricli.io.meshes.obj import write_obj
 from caricli.io.npz import read_npz, write_npz
-from caricli.io.obj import write_obj
 from caricli.io.provenance import sha256_file
 from caricli.io.strict_json import read_json, write_json
 from caricli.store.models import load_model

@@ -2,7 +2,7 @@ import cv2
 import numpy as np
 import pytest
 
-from caricli.geometry.space_jaw import space_jaw
+from caricli.geometry.lines.space_jaw import space_jaw
 from caricli.methods.detect.detect_faces import _face, detect_faces
 from caricli.methods.detect.find_faces import Candidate, frames_overlap
 from caricli.methods.detect.parse_picture import WindowRegions, parse_picture

@@ -1,6 +1,6 @@
 import numpy as np
 
-from caricli.geometry.space_jaw import jaw_shares, space_jaw
+from caricli.geometry.lines.space_jaw import jaw_shares, space_jaw
 from caricli.methods.detect.mark_as_people import mark_as_people
 from caricli.models.detector.jaw_places import JawPlaces
 from caricli.structures import Landmarks

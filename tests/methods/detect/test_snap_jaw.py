@@ -4,7 +4,7 @@ import cv2
 import numpy as np
 import pytest
 
-from caricli.geometry.space_jaw import space_jaw
+from caricli.geometry.lines.space_jaw import space_jaw
 from caricli.methods.detect.snap_jaw import snap_jaw
 from caricli.structures.landmarks import JAW, MIRRORED, OUTLINE, Landmarks
 from caricli.structures.parsing import Region

@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 
 from caricli.errors import InputError
-from caricli.geometry.flipped_triangles import flipped_triangles
-from caricli.geometry.rotation_vectors import rotation_matrices
+from caricli.geometry.alignment.rotation_vectors import rotation_matrices
+from caricli.geometry.repair.flipped_triangles import flipped_triangles
 from caricli.methods.edit.caricaturize_face import _broad, caricature_figures, caricaturize_face, exaggeration
 from caricli.methods.edit.handle_points import vertex_of
 from caricli.methods.faces.encode_face import encode_face

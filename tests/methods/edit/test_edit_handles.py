@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from caricli.geometry.self_intersections import self_intersections
+from caricli.geometry.repair.self_intersections import self_intersections
 from caricli.methods.edit.deform_arap import deform_arap
 from caricli.methods.edit.edit_handles import HandleSettings, edit_handles
 from caricli.methods.edit.handle_figures import handle_figures

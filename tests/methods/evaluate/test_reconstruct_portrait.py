@@ -3,7 +3,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from caricli.geometry.rotation_vectors import rotation_matrices
+from caricli.geometry.alignment.rotation_vectors import rotation_matrices
 from caricli.methods.evaluate.reconstruct_portrait import (
     ADJUSTED,
     COARSE,

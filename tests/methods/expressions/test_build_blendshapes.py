@@ -5,8 +5,8 @@ import pytest
 
 from caricli.data.identities import random_identity
 from caricli.errors import InputError, NumericsError
-from caricli.geometry.exaggerate_curvature import exaggerate_curvature
-from caricli.geometry.head_rotation import head_rotation
+from caricli.geometry.alignment.head_rotation import head_rotation
+from caricli.geometry.deformation.exaggerate_curvature import exaggerate_curvature
 from caricli.methods.expressions.build_blendshapes import build_blendshapes
 from caricli.methods.expressions.measure_blendshapes import measure_blendshapes
 from caricli.methods.expressions.normal_pair import _distinct

@@ -1,10 +1,10 @@
 import numpy as np
 import pytest
 
-from caricli.geometry.flipped_triangles import flipped_triangles
-from caricli.geometry.head_rotation import head_rotation
-from caricli.geometry.rotation_vectors import rotation_matrices
-from caricli.geometry.self_intersections import self_intersections
+from caricli.geometry.alignment.head_rotation import head_rotation
+from caricli.geometry.alignment.rotation_vectors import rotation_matrices
+from caricli.geometry.repair.flipped_triangles import flipped_triangles
+from caricli.geometry.repair.self_intersections import self_intersections
 from caricli.methods.expressions.build_blendshapes import build_blendshapes
 from caricli.methods.expressions.find_neutral import find_neutral
 from caricli.methods.expressions.settings import BlendshapeSettings

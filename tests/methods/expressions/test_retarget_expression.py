@@ -6,8 +6,8 @@ from scipy.optimize import lsq_linear
 
 from caricli.data.identities import random_identity
 from caricli.errors import InputError
-from caricli.geometry.rotation_vectors import rotation_matrices
-from caricli.geometry.similarity import similarity
+from caricli.geometry.alignment.rotation_vectors import rotation_matrices
+from caricli.geometry.alignment.similarity import similarity
 from caricli.io.bundled import asset_path
 from caricli.io.strict_json import read_json
 from caricli.methods.expressions.retarget_expression import (

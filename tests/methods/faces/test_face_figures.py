@@ -1,6 +1,6 @@
 from dataclasses import replace
 
-from caricli.geometry.flipped_triangles import flipped_triangles
+from caricli.geometry.repair.flipped_triangles import flipped_triangles
 from caricli.methods.faces.encode_face import encode_face
 from caricli.methods.faces.face_figures import face_figures, soundness
 from caricli.structures import Face

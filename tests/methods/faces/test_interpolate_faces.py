@@ -3,7 +3,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from caricli.geometry.flipped_triangles import flipped_triangles
+from caricli.geometry.repair.flipped_triangles import flipped_triangles
 from caricli.methods.faces.encode_face import encode_face
 from caricli.methods.faces.interpolate_faces import interpolate_faces
 from caricli.structures import Camera, Face, Hair, Mesh

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from caricli.errors import NumericsError
-from caricli.geometry.flipped_triangles import flipped_triangles
+from caricli.geometry.repair.flipped_triangles import flipped_triangles
 from caricli.methods.faces import sample_faces as module
 from caricli.methods.faces.encode_face import decode_face
 from caricli.methods.faces.sample_faces import MAX_FLIPPED, sample_faces

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from caricli.errors import InputError
-from caricli.geometry.flipped_triangles import flipped_triangles
-from caricli.geometry.rotation_vectors import rotation_matrices
+from caricli.geometry.alignment.rotation_vectors import rotation_matrices
+from caricli.geometry.repair.flipped_triangles import flipped_triangles
 from caricli.methods.gesture.bulge import bulge
 from caricli.methods.gesture.selection import Selection, mark_handles, select_region
 from caricli.render.smooth_normals import smooth_normals

@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 
 from caricli.errors import InputError
-from caricli.geometry.flipped_triangles import flipped_triangles
-from caricli.geometry.line_distances import line_distances
+from caricli.geometry.lines.line_distances import line_distances
+from caricli.geometry.repair.flipped_triangles import flipped_triangles
 from caricli.methods.gesture.follow_line import follow_line
 from caricli.methods.gesture.selection import Selection, mark_handles, select_region
 from caricli.methods.gesture.sight import SeenStroke

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from caricli.errors import InputError
-from caricli.geometry.line_distances import line_distances
+from caricli.geometry.lines.line_distances import line_distances
 from caricli.methods.gesture.selection import (
     Selection,
     inside_ring,

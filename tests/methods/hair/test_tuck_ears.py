@@ -3,7 +3,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from caricli.geometry.flipped_triangles import flipped_triangles
+from caricli.geometry.repair.flipped_triangles import flipped_triangles
 from caricli.methods.hair.fit_outline import Outline
 from caricli.methods.hair.hair_view import HairView
 from caricli.methods.hair.head_sphere import HeadSphere

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 import torch
 
-from caricli.geometry.head_rotation import head_rotation
+from caricli.geometry.alignment.head_rotation import head_rotation
 from caricli.geometry.triangle_normals import triangle_normals
 from caricli.methods.morphable.renderer import DARKEST, LAMBERT, MorphableRenderer, Posed
 from caricli.methods.reconstruct.landmark_vertices import landmark_vertices

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from caricli.geometry.components import mesh_components
+from caricli.geometry.repair.components import mesh_components
 from caricli.methods.parts.attachment import attachment_for, open_head_attachment
 from caricli.methods.parts.bones import PRESSED, Bone, Posed
 from caricli.methods.parts.incisors import incisors_of

@@ -2,7 +2,7 @@ import cv2
 import numpy as np
 import pytest
 
-from caricli.geometry.flipped_triangles import flipped_triangles
+from caricli.geometry.repair.flipped_triangles import flipped_triangles
 from caricli.methods.reconstruct.fit_ears import fit_ears
 from caricli.render.visibility.rasterise import rasterise
 from caricli.structures import Camera, Face

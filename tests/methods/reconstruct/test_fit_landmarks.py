@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from caricli.errors import InputError
-from caricli.geometry.rotation_vectors import rotation_matrices
-from caricli.geometry.similarity import similarity
+from caricli.geometry.alignment.rotation_vectors import rotation_matrices
+from caricli.geometry.alignment.similarity import similarity
 from caricli.io.landmarks import read_landmarks
 from caricli.methods.reconstruct.fit_landmarks_intrinsic import fit_landmarks_intrinsic
 from caricli.methods.reconstruct.fit_landmarks_latent import fit_landmarks_latent

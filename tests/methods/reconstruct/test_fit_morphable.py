@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from caricli.errors import InputError
-from caricli.geometry.rotation_vectors import rotation_matrices
+from caricli.geometry.alignment.rotation_vectors import rotation_matrices
 from caricli.methods.reconstruct.fit_morphable import fit_morphable
 from caricli.methods.reconstruct.settings import MorphableWeights
 from caricli.store.models import load_model

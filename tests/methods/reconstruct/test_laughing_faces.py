@@ -5,7 +5,7 @@ import pytest
 
 from caricli.data.expressions import expand_sides
 from caricli.data.identities import random_identity
-from caricli.geometry.similarity import similarity
+from caricli.geometry.alignment.similarity import similarity
 from caricli.methods.reconstruct.fit_landmarks_intrinsic import fit_landmarks_intrinsic
 
 LAUGH = {"jawOpen": 1.3, "mouthSmile": 0.9, "cheekSquint": 0.6, "mouthUpperUp": 0.5, "mouthLowerDown": 0.5}

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from caricli.errors import InputError
-from caricli.geometry.flipped_triangles import flipped_triangles
-from caricli.geometry.rotation_vectors import rotation_matrices
+from caricli.geometry.alignment.rotation_vectors import rotation_matrices
+from caricli.geometry.repair.flipped_triangles import flipped_triangles
 from caricli.methods.faces.encode_face import decode_face, encode_face
 from caricli.methods.reconstruct.refine_face import refine_face
 from caricli.methods.reconstruct.settings import RefineSettings

@@ -74,7 +74,7 @@ def test_only_blinks_are_weaker_and_only_lips_and_lids_differ(templates, head, h
 
 
 def test_no_expression_pushes_lips_through_each_other(templates, head):
-    from caricli.geometry.contact_pairs import touching_pairs
+    from caricli.geometry.repair.contact_pairs import touching_pairs
 
     lips = touching_pairs(templates.neutral, templates.faces, templates.reach)
     normals = contact_normals(templates.mesh, lips, templates.reach)
@@ -92,7 +92,7 @@ def test_no_expression_pushes_lips_through_each_other(templates, head):
 
 
 def test_lips_that_are_pressed_part_no_farther_than_at_rest(templates, head):
-    from caricli.geometry.contact_pairs import touching_pairs
+    from caricli.geometry.repair.contact_pairs import touching_pairs
 
     lips = touching_pairs(templates.neutral, templates.faces, templates.reach)
     normals = contact_normals(templates.mesh, lips, templates.reach)

@@ -5,7 +5,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from caricli.errors import NumericsError
-from caricli.geometry.exaggerate_curvature import exaggerate_curvature
+from caricli.geometry.deformation.exaggerate_curvature import exaggerate_curvature
 from caricli.geometry.vertex_neighbours import vertex_neighbours
 from caricli.methods.rig.add_eyeballs import fit_eyeballs
 from caricli.methods.rig.head_expressions import head_expressions

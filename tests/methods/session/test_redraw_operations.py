@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from caricli.errors import InputError
-from caricli.geometry.line_distances import line_distances
+from caricli.geometry.lines.line_distances import line_distances
 from caricli.methods.session.operations import operate
 from caricli.methods.session.redraw_operations import face_lines, shown_lines
 from caricli.structures import Operation

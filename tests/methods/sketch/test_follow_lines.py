@@ -37,7 +37,7 @@ def test_handles_of_which_nothing_was_drawn_feel_no_force(follower, model, handl
     places[handles.rows["nose"]] = own[handles.rows["nose"]]
     moved = follower.follow(model.template.vertices, camera, places)
 
-    from caricli.geometry.laplacian_deformation import LaplacianDeformation
+    from caricli.geometry.deformation.laplacian_deformation import LaplacianDeformation
 
     ids = handles.vertices[drawn]
     alone = LaplacianDeformation(model.template.vertices, model.template.faces, ids, FollowSettings().weight)

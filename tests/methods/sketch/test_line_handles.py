@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from caricli.geometry.match_line import resample
+from caricli.geometry.lines.match_line import resample
 from caricli.methods.sketch.line_handles import lines_by_curve
 from caricli.structures.sketch import Sketch, Stroke
 

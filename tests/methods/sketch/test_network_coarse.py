@@ -6,7 +6,7 @@ import pytest
 import torch
 
 from caricli.errors import InputError
-from caricli.geometry.along_lines import along
+from caricli.geometry.lines.along_lines import along
 from caricli.methods.faces.encode_landmarks import landmark_encoder
 from caricli.methods.sketch.line_handles import lines_by_curve
 from caricli.methods.sketch.model_coarse import misfit

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from caricli.errors import InputError
-from caricli.geometry.match_line import resample
+from caricli.geometry.lines.match_line import resample
 from caricli.limits import MAX_SKETCH_POINTS
 from caricli.methods.faces.encode_face import decode_face
 from caricli.methods.faces.encode_landmarks import landmark_encoder

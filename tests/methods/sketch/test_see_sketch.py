@@ -3,7 +3,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from caricli.geometry.head_rotation import head_angles, head_rotation
+from caricli.geometry.alignment.head_rotation import head_angles, head_rotation
 from caricli.methods.sketch.draw_sketch import draw_sketch
 from caricli.methods.sketch.see_sketch import see_sketch
 from caricli.store.sketch_networks import load_sketch_pair

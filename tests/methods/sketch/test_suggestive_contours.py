@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
-from caricli.geometry.head_rotation import head_rotation
+from caricli.geometry.alignment.head_rotation import head_rotation
 from caricli.methods.sketch.suggestive_contours import ContourFinder, ContourSettings
 from caricli.structures import Camera
 from tests.methods.sketch.surfaces import Surface, bump, ellipsoid, torus

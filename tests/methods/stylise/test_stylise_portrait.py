@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from caricli.errors import InputError
-from caricli.geometry.smooth_displacement import least_areas
+from caricli.geometry.deformation.smooth_displacement import least_areas
 from caricli.methods.edit.map_landmarks import map_landmarks
 from caricli.methods.reconstruct.fit_landmarks import fit_landmarks
 from caricli.methods.stylise.exaggerate_portrait import ShapeTools, exaggerate_portrait

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from scipy.spatial import KDTree
 
-from caricli.geometry.along_lines import along
+from caricli.geometry.lines.along_lines import along
 from caricli.methods.texture.lid_lines import LidLine, draw_lid_lines, seen_lid_line
 from caricli.methods.texture.paint_head import paint_head
 from caricli.methods.texture.settings import PaintSettings

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.ndimage import binary_erosion, distance_transform_edt
 
-from caricli.geometry.rotation_vectors import rotation_matrices
+from caricli.geometry.alignment.rotation_vectors import rotation_matrices
 from caricli.methods.texture.estimate_light import Light
 from caricli.methods.texture.mouth_wall import MOUTH, mouth_wall
 from caricli.methods.texture.picture_view import PictureView, Sight

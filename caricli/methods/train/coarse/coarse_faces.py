@@ -10,7 +10,7 @@ from caricli.data.albedo import vertex_painter
 from caricli.data.dataset import Dataset
 from caricli.data.picture_set import PictureSet
 from caricli.errors import InputError
-from caricli.geometry.similarity import similarity
+from caricli.geometry.alignment.similarity import similarity
 from caricli.methods.pictures.sitter_shapes import sitter_shapes
 from caricli.methods.reconstruct.landmark_vertices import landmark_vertices
 from caricli.methods.train.detector.disguise_picture import disguise_window

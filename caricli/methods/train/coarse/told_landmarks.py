@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import torch
 
-from caricli.geometry.space_jaw import space_jaw
+from caricli.geometry.lines.space_jaw import space_jaw
 from caricli.methods.detect.settings import DetectSettings
 from caricli.methods.reconstruct.landmark_vertices import landmark_vertices
 from caricli.methods.train.coarse.coarse_faces import CoarseWindow, TrueFace, in_place

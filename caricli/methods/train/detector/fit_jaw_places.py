@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from caricli.geometry.space_jaw import carry_jaw, jaw_shares, space_jaw
+from caricli.geometry.lines.space_jaw import carry_jaw, jaw_shares, space_jaw
 from caricli.models.detector.jaw_places import JawPlaces, face_shape
 from caricli.models.detector.usual_shapes import UsualShapes
 from caricli.structures.landmarks import MIRRORED

@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 
 from caricli.data.picture_set import PictureSet
-from caricli.geometry.mark_lines import mark_lines
-from caricli.geometry.space_jaw import carry_jaw, space_jaw
+from caricli.geometry.lines.mark_lines import mark_lines
+from caricli.geometry.lines.space_jaw import carry_jaw, space_jaw
 from caricli.structures.detection import MarkedPicture
 
 SEEN = 0.25

@@ -5,8 +5,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from caricli.geometry.along_lines import along
-from caricli.geometry.head_rotation import head_rotation
+from caricli.geometry.alignment.head_rotation import head_rotation
+from caricli.geometry.lines.along_lines import along
 from caricli.methods.sketch.fit_lines import FRONT
 from caricli.models.sketch.networks import CAMERA
 from caricli.models.sketch.window import CANVAS_FILL, FILL, POINTS

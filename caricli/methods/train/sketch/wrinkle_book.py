@@ -9,7 +9,7 @@ from typing import Self
 import numpy as np
 
 from caricli.data.worker_pool import worker_pool
-from caricli.geometry.along_lines import along
+from caricli.geometry.lines.along_lines import along
 from caricli.io.kept import kept_arrays
 from caricli.methods.sketch.draw_sketch import canvas_camera
 from caricli.methods.sketch.sketch_artist import ArtistSettings, SketchArtist

@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 import torch
 
-from caricli.geometry.rotation_vectors import rotation_matrices
-from caricli.geometry.space_jaw import space_jaw
+from caricli.geometry.alignment.rotation_vectors import rotation_matrices
+from caricli.geometry.lines.space_jaw import space_jaw
 from caricli.methods.detect.read_faces import read_face
 from caricli.methods.train.coarse.coarse_faces import CoarseWindow, TrueFace
 from caricli.methods.train.coarse.told_landmarks import FaceMixer, Seer, ToldSettings, cut_landmarks, hand_marked

@@ -1,6 +1,6 @@
 import numpy as np
 
-from caricli.geometry.space_jaw import carry_jaw, space_jaw
+from caricli.geometry.lines.space_jaw import carry_jaw, space_jaw
 from caricli.methods.train.detector.fit_jaw_places import fit_jaw_places
 from caricli.models.detector.jaw_places import face_shape
 from caricli.structures.landmarks import MIRRORED

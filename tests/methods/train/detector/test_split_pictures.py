@@ -1,8 +1,8 @@
 import numpy as np
 
 from caricli.data.picture_set import read_picture_set
-from caricli.geometry.mark_lines import mark_lines
-from caricli.geometry.space_jaw import carry_jaw
+from caricli.geometry.lines.mark_lines import mark_lines
+from caricli.geometry.lines.space_jaw import carry_jaw
 from caricli.methods.train.detector.split_pictures import JoinedPictures, SplitPictures, evenly_jawed, marked_by_people
 from tests.drawn_pictures import mean_shape, write_drawn_set
 

@@ -7,8 +7,8 @@ import pytest
 import torch
 
 from caricli.errors import InputError
-from caricli.geometry.along_lines import along
-from caricli.geometry.head_rotation import head_rotation
+from caricli.geometry.alignment.head_rotation import head_rotation
+from caricli.geometry.lines.along_lines import along
 from caricli.io.bundled import config_path
 from caricli.io.config import read_config
 from caricli.methods.train.processes import ALL, Share

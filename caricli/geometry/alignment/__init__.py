@@ -1,0 +1,1 @@
+"""Rotations, similarities and cameras that bring points onto others."""

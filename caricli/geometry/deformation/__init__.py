@@ -1,0 +1,1 @@
+"""Surfaces that follow what is known of them in places."""

@@ -1,0 +1,1 @@
+"""Lines as points: along them, between them, and from ink."""

@@ -1,0 +1,1 @@
+"""Meshes in every format but glTF, which has its own room."""

@@ -1,0 +1,1 @@
+"""Sketches as JSON and SVG."""

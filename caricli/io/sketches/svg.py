@@ -1,0 +1,308 @@
+"""Sketches as SVG."""
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+from xml.etree.ElementTree import Element
+
+import numpy as np
+
+from caricli.errors import InputError, naming, shown
+from caricli.io.files import read_bytes
+from caricli.io.outputs import write_bytes
+from caricli.io.parse_number import parse_number
+from caricli.io.sketches.svg_brush import Brush
+from caricli.io.sketches.svg_path import outline_points
+from caricli.io.sketches.svg_style import Style, length_in_pixels, style_rules
+from caricli.limits import MAX_COORDINATE, MAX_SKETCH_POINTS, MAX_SKETCH_SIDE, MAX_SVG_BYTES
+from caricli.structures.sketch import CANVAS, CURVES, Sketch, Stroke, StrokeKind
+
+KIND = "an SVG of lines"
+_MAX_DEPTH = 64
+_MAX_ELEMENTS = 50_000
+_LARGEST = 4096.0
+"""Pixels of the longer side of a canvas, at most; smaller ones than CANVAS become as large."""
+_SMALLEST = 1e-9
+"""Units of the longer side of a drawing, at least."""
+
+_GROUPS = {"svg", "g", "a", "switch", "symbol"}
+_LINES = {"path", "line", "polyline", "polygon", "rect", "circle", "ellipse"}
+_WORD = re.compile(r"[^\W\d_]+(?:_[^\W\d_]+)*")
+_ATTRIBUTES = ("id", "class", "{http://www.inkscape.org/namespaces/inkscape}label", "data-name")
+"""Where a drawing program puts the name that somebody gave to a layer or a line."""
+
+
+@dataclass(frozen=True)
+class _Place:
+    """What an element inherits: a matrix (2, 3) to the canvas, style, kind and curve, and how deep it lies."""
+
+    matrix: np.ndarray
+    style: Style = Style()
+    kind: StrokeKind | None = None
+    curve: str | None = None
+    depth: int = 0
+
+
+def is_svg(start: bytes) -> bool:
+    """Whether a file that begins so is an SVG."""
+    head = start.lstrip(b"\xef\xbb\xbf \t\r\n")
+    return head.startswith(b"<") and b"<svg" in head
+
+
+def read_svg(path: str | Path) -> Sketch:
+    """Read a sketch from an SVG: its paths, lines and shapes with their transforms, in groups and where they are used.
+
+    A class, an id or a layer's name that is a kind (silhouette, feature, wrinkle) or a curve of ``CURVES`` says what a
+    stroke, or all in a group, is. What is filled, long and thin is what a brush drew: the line in its middle counts.
+    Where there is any line, what else is only filled is left out: it is a background.
+    Raises InputError when it is no SVG, is damaged or too large, or holds scripts, entities or references to elsewhere.
+    """
+    data = read_bytes(path, MAX_SVG_BYTES, KIND)
+    with naming(path):
+        root = _parsed(data)
+        if _name(root) != "svg":
+            raise InputError(f"expected {KIND}, found <{shown(_name(root), 40)}>")
+        return _Reader(root).sketch()
+
+
+def write_svg(path: str | Path, sketch: Sketch) -> None:
+    """Write a sketch as SVG: a polyline for every stroke, its kind and curve as classes.
+
+    Raises OutputError when the file cannot be written.
+    """
+    width, height = sketch.size
+    # In an SVG the corner of the first pixel, not its centre, is the origin.
+    lines = [
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{height}" '
+        f'viewBox="-0.5 -0.5 {width} {height}">',
+        '<g fill="none" stroke="black" stroke-width="1.4" stroke-linecap="round" stroke-linejoin="round">',
+        *map(_polyline, sketch.strokes),
+        "</g>",
+        "</svg>",
+    ]
+    write_bytes(path, ("\n".join(lines) + "\n").encode())
+
+
+def _polyline(stroke: Stroke) -> str:
+    from xml.sax.saxutils import quoteattr
+
+    words = [f'class="{stroke.kind}"']
+    if stroke.curve is not None:
+        words.append(f"data-curve={quoteattr(stroke.curve)}")
+    if stroke.width is not None:
+        words.append(f'stroke-width="{stroke.width:.9g}"')
+    if stroke.pressure is not None:
+        words.append(f'data-pressure="{" ".join(f"{x:.4g}" for x in stroke.pressure)}"')
+    places = " ".join(f"{round(x, 4):.12g},{round(y, 4):.12g}" for x, y in stroke.points.tolist())
+    return f'<polyline {" ".join(words)} points="{places}"/>'
+
+
+def _parsed(data: bytes) -> Element:
+    from xml.etree.ElementTree import ParseError
+
+    from defusedxml.common import DefusedXmlException
+    from defusedxml.ElementTree import fromstring
+
+    try:
+        return fromstring(data)
+    except DefusedXmlException:
+        raise InputError(
+            f"expected {KIND}, found entities or references to other files; Illustrator leaves them out where its "
+            "editing capabilities are not preserved"
+        ) from None
+    except (ParseError, ValueError, LookupError) as error:
+        raise InputError(f"expected {KIND}, found {shown(error, 80)}") from None
+
+
+def _name(element: Element) -> str:
+    tag = element.tag
+    return tag.rpartition("}")[2] if isinstance(tag, str) else ""
+
+
+class _Reader:
+    """Walks through the elements of an SVG."""
+
+    def __init__(self, root: Element) -> None:
+        self.root = root
+        elements = list(root.iter())
+        if len(elements) > _MAX_ELEMENTS:
+            raise InputError(f"expected at most {_MAX_ELEMENTS} elements, found {len(elements)}")
+        self.rules: dict[str, dict[str, str]] = {}
+        for element in elements:
+            if _name(element) == "script":
+                raise InputError(f"expected {KIND}, found a script")
+            if _name(element) in ("use", "image"):
+                _target(element)
+            if _name(element) == "style":
+                self.rules |= style_rules(element.text or "")
+        self.by_id = {key: element for element in elements if (key := element.get("id"))}
+        self.visits = 0
+        self.points = 0
+        self.brush = Brush()
+
+    def sketch(self) -> Sketch:
+        """The sketch of all visible lines."""
+        box = _view_box(self.root)
+        matrix = np.array([[1.0, 0, 0], [0, 1, 0]])
+        size = None
+        if box is not None:
+            size, matrix = _canvas(*box)
+        drawn = list(self._walk(self.root, _Place(matrix)))
+        stroked = [stroke for stroke, has_stroke in drawn if has_stroke]
+        strokes = stroked or [stroke for stroke, _ in drawn]
+        if not strokes and any(_name(element) == "image" for element in self.root.iter()):
+            raise InputError(f"expected {KIND}, found a picture alone: give it as PNG or JPEG")
+        if size is None:
+            size, strokes = _around(strokes)
+        return Sketch(tuple(strokes), size)
+
+    def _walk(self, element: Element, place: _Place) -> Iterator[tuple[Stroke, bool]]:
+        self.visits += 1
+        if self.visits > _MAX_ELEMENTS or place.depth > _MAX_DEPTH:
+            raise InputError(f"expected at most {_MAX_ELEMENTS} elements, {_MAX_DEPTH} deep, found more")
+        name = _name(element)
+        if name not in _GROUPS | _LINES | {"use"}:
+            return
+        style = place.style.within(element, self.rules)
+        if style.hidden:
+            return
+        matrix = _within(place.matrix, element.get("transform"))
+        inner = _Place(matrix, style, *_meaning(element, place), depth=place.depth + 1)
+        if name == "use":
+            target = self.by_id.get(_target(element))
+            if target is not None:
+                aside = np.array([[1, 0, _coordinate(element, "x")], [0, 1, _coordinate(element, "y")]])
+                yield from self._walk(target, replace(inner, matrix=_composed(matrix, aside)))
+        elif name in _LINES:
+            yield from self._lines(element, inner)
+        else:
+            for child in element:
+                # What a symbol holds is drawn only where it is used.
+                if _name(child) != "symbol":
+                    yield from self._walk(child, inner)
+
+    def _lines(self, element: Element, place: _Place) -> Iterator[tuple[Stroke, bool]]:
+        with np.errstate(all="ignore"):
+            scale = float(np.sqrt(abs(np.linalg.det(place.matrix[:, :2]))))
+            lines = list(self._outlines(element, place, scale))
+        style = place.style
+        marks = self.brush.lines(lines, style.even_odd) if style.inked and not style.stroked else []
+        for mark in marks:
+            width = float(np.clip(mark.width, 1e-3, MAX_SKETCH_SIDE))
+            yield Stroke(mark.points, place.kind or StrokeKind.UNKNOWN, place.curve, width=width), True
+        if not marks:
+            yield from ((_stroke(element, line, place, scale), style.stroked) for line in lines)
+
+    def _outlines(self, element: Element, place: _Place, scale: float) -> Iterator[np.ndarray]:
+        """Lines (N, 2) of a shape, pixels of the canvas."""
+        for line in outline_points(element, _name(element), scale):
+            self.points += len(line)
+            if self.points > MAX_SKETCH_POINTS:
+                raise InputError(f"expected at most {MAX_SKETCH_POINTS} points, found more")
+            points = line @ place.matrix[:, :2].T + place.matrix[:, 2]
+            if not (np.abs(points) <= MAX_COORDINATE).all():
+                raise InputError(f"expected finite coordinates of at most {MAX_COORDINATE:g}, found others")
+            yield points
+
+
+def _stroke(element: Element, points: np.ndarray, place: _Place, scale: float) -> Stroke:
+    width = place.style.width
+    width = None if width is None or not 0 < width * scale < MAX_SKETCH_SIDE else width * scale
+    pressure = None
+    text = element.get("data-pressure")
+    if text is not None:
+        try:
+            pressure = np.array([parse_number(word) for word in text.split()])
+        except ValueError:
+            raise InputError("data-pressure: expected numbers, found others") from None
+    return Stroke(points, place.kind or StrokeKind.UNKNOWN, place.curve, pressure, width)
+
+
+def _meaning(element: Element, place: _Place) -> tuple[StrokeKind | None, str | None]:
+    """Kind and curve that an element says it has, else those around it."""
+    kind = None
+    curve = element.get("data-curve")
+    words = [(key, word) for key in _ATTRIBUTES for word in (element.get(key) or "").split()]
+    for key, word in words:
+        plain = "_".join(_WORD.findall(word.replace("_x5F_", "_").lower().replace("-", "_")))
+        if plain in set(StrokeKind):
+            kind = kind or StrokeKind(plain)
+        # The silhouette is a kind and a curve: a class may be of its parts, an id is of one line.
+        if plain in CURVES and (plain not in set(StrokeKind) or (key != "class" and _name(element) in _LINES)):
+            curve = curve or plain
+    if kind is None and curve in CURVES:
+        kind = CURVES[curve]
+    return kind or place.kind, curve or place.curve
+
+
+def _target(element: Element) -> str:
+    """The id that a use or an image refers to. Raises InputError when it lies elsewhere."""
+    href = element.get("href") or element.get("{http://www.w3.org/1999/xlink}href") or ""
+    inside = href.startswith("#") or (_name(element) == "image" and href.startswith("data:"))
+    if href and not inside:
+        raise InputError(f"expected {KIND} and nothing outside the file, found a reference to {shown(href, 40)!r}")
+    return href[1:]
+
+
+def _within(matrix: np.ndarray, transform: str | None) -> np.ndarray:
+    """The matrix (2, 3) of an element with a transform."""
+    if not transform:
+        return matrix
+    from svgelements import Matrix
+
+    try:
+        own = Matrix(transform[:4096])
+        values = np.array([[own.a, own.c, own.e], [own.b, own.d, own.f]], np.float64)
+    except Exception:  # the library meets what it does not expect in many ways
+        values = np.full((2, 3), np.nan)
+    if not np.isfinite(values).all():
+        raise InputError(f"transform: expected one with finite numbers, found {shown(transform, 40)!r}")
+    return _composed(matrix, values)
+
+
+def _composed(matrix: np.ndarray, own: np.ndarray) -> np.ndarray:
+    with np.errstate(all="ignore"):
+        return np.column_stack([matrix[:, :2] @ own[:, :2], matrix[:, :2] @ own[:, 2] + matrix[:, 2]])
+
+
+def _coordinate(element: Element, key: str) -> float:
+    return length_in_pixels(element.get(key)) or 0.0
+
+
+def _view_box(root: Element) -> tuple[float, float, float, float] | None:
+    """Left, top, width and height in the units of the drawing, or None where nothing says them.
+
+    Raises InputError for a drawing too small to be drawn larger.
+    """
+    words = re.split(r"[\s,]+", (root.get("viewBox") or "").strip())
+    numbers: list[Any] = [length_in_pixels(word) for word in words]
+    if len(numbers) != 4 or None in numbers:
+        numbers = [0.0, 0.0, length_in_pixels(root.get("width")), length_in_pixels(root.get("height"))]
+    if None in numbers or not (numbers[2] > 0 and numbers[3] > 0):
+        return None
+    if max(numbers[2:]) < _SMALLEST:
+        size = f"{numbers[2]:g} x {numbers[3]:g}"
+        raise InputError(f"viewBox: expected a drawing of at least {_SMALLEST:g} units, found one of {size}")
+    return tuple(numbers)
+
+
+def _canvas(left: float, top: float, width: float, height: float) -> tuple[tuple[int, int], np.ndarray]:
+    """Size in pixels and the matrix to them of a drawing's own units."""
+    longer = max(width, height)
+    zoom = float(np.clip(longer, CANVAS, _LARGEST)) / longer
+    size = (max(round(width * zoom), 1), max(round(height * zoom), 1))
+    return size, np.array([[zoom, 0, -left * zoom - 0.5], [0, zoom, -top * zoom - 0.5]])
+
+
+def _around(strokes: list[Stroke]) -> tuple[tuple[int, int], list[Stroke]]:
+    """A canvas around strokes."""
+    if not strokes:
+        return (CANVAS, CANVAS), strokes
+    points = np.concatenate([stroke.points for stroke in strokes])
+    low = points.min(0)
+    extent = np.maximum(np.ptp(points, axis=0), 1e-3)
+    margin = 0.05 * extent.max()
+    size, matrix = _canvas(*(low - margin).tolist(), *(extent + 2 * margin).tolist())
+    return size, [stroke.moved(stroke.points @ matrix[:, :2].T + matrix[:, 2]) for stroke in strokes]

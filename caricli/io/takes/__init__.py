@@ -1,0 +1,1 @@
+"""What moves a face over time: takes of weights, mouth cues, timecodes."""

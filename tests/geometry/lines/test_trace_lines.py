@@ -1,0 +1,80 @@
+import cv2
+import numpy as np
+from scipy.spatial import cKDTree
+
+from caricli.geometry.lines.trace_lines import trace_lines
+
+
+def drawn(*lines, width=3, size=200):
+    ink = np.zeros((size, size), np.uint8)
+    for line in lines:
+        cv2.polylines(ink, [np.array(line, np.int32)], False, 255, width)
+    return ink > 0
+
+
+def test_a_line_from_end_to_end():
+    (line,) = trace_lines(drawn([[20, 50], [180, 50]]), 10)
+    assert np.abs(line.points[:, 1] - 50).max() < 1 and 2 <= line.width <= 6
+    assert abs(np.ptp(line.points[:, 0]) - 160) < 6
+
+
+def test_crossing_lines_go_straight_on():
+    lines = trace_lines(drawn([[20, 20], [180, 180]], [[20, 180], [180, 20]]), 10)
+    assert len(lines) == 2
+    for line in lines:
+        assert abs(np.ptp(line.points[:, 0]) - 160) < 8
+        slope = np.polyfit(*line.points.T, 1)[0]
+        assert abs(abs(slope) - 1) < 0.05
+
+
+def test_a_branch_ends_at_the_line_that_it_meets():
+    lines = trace_lines(drawn([[20, 100], [180, 100]], [[100, 100], [100, 180]]), 10)
+    assert [round(np.ptp(line.points, axis=0).max(), -1) for line in lines] == [160, 80]
+
+
+def test_rings_are_closed():
+    angles = np.linspace(0, 2 * np.pi, 100)
+    ring = np.column_stack([100 + 60 * np.cos(angles), 100 + 60 * np.sin(angles)])
+    (line,) = trace_lines(drawn(ring), 10)
+    assert np.array_equal(line.points[0], line.points[-1])
+    assert np.abs(np.linalg.norm(line.points - 100, axis=1) - 60).max() < 1.5
+
+
+def test_dirt_and_stubs_are_left_out():
+    ink = drawn([[20, 100], [180, 100]], [[100, 100], [100, 106]], [[50, 50], [53, 52]])
+    lines = trace_lines(ink, 12)
+    assert len(lines) == 1
+    assert trace_lines(np.zeros((50, 50), bool), 10) == []
+
+
+def test_every_pixel_of_a_scribble_is_near_a_line():
+    generator = np.random.default_rng(0)
+    ink = drawn(*(generator.integers(10, 190, (4, 2)) for _ in range(5)))
+    points = np.concatenate([line.points for line in trace_lines(ink, 6)])
+    pixels = np.argwhere(ink)[:, ::-1]
+    assert (cKDTree(points).query(pixels)[0] < 4).mean() > 0.97
+
+
+ROUGH = """
+.............#
+........#...#.
+.......#.#.#..
+........###...
+.........#....
+.....#...#....
+....#.###.....
+.....###......
+.......#......
+......#.......
+"""
+"""Two crossings with a pixel between them and stubs of two at either."""
+
+
+def test_a_line_goes_on_over_crossings_beside_each_other():
+    ink = np.zeros((60, 60), bool)
+    ink[20:30, 20:34] = [[letter == "#" for letter in row] for row in ROUGH.split()]
+    ends = np.arange(15)
+    ink[19 - ends, 34 + ends] = True
+    ink[30 + ends, 25 - ends] = True
+    (line,) = trace_lines(ink, 8)
+    assert np.ptp(line.points, axis=0).min() > 35

@@ -1,0 +1,58 @@
+import igl
+import numpy as np
+import pytest
+
+from caricli.geometry.repair.tuck_cavities import Cavities
+
+
+def rim_and_inside(faces, region):
+    rim = np.intersect1d(region, faces[~np.isin(faces, region).all(1)])
+    return rim, np.setdiff1d(region, rim)
+
+
+def outside(vertices, faces, region, ids):
+    """Which vertices lie outside the surface that is left when the pocket is cut off and closed by a fan."""
+    pocket = np.isin(faces, region).all(1)
+    edges = igl.boundary_facets(faces[pocket])[0]
+    fan = np.column_stack([edges, np.full(len(edges), len(vertices))])
+    closed = np.concatenate([vertices, vertices[np.unique(edges)].mean(0, keepdims=True)])
+    return igl.winding_number(closed, np.concatenate([faces[~pocket], fan]), vertices[ids]) < 0.5
+
+
+def test_a_pocket_that_is_inside_stays_untouched(ball):
+    vertices, faces = ball[0].copy(), ball[1]
+    pocket = np.flatnonzero(vertices[:, 2] > 0.6)
+    vertices[pocket, 2] = 1.2 - vertices[pocket, 2]
+    assert not outside(vertices, faces, pocket, rim_and_inside(faces, pocket)[1]).any()
+    assert np.array_equal(Cavities(vertices, faces, [pocket]).tuck(vertices), vertices)
+
+
+def test_without_pockets_nothing_moves(ball):
+    assert np.array_equal(Cavities(*ball, []).tuck(ball[0]), ball[0])
+
+
+@pytest.mark.parametrize("actions", [{}, {"jawOpen": 1.0}, {"mouthPucker": 1.0, "cheekPuff": 1.0}])
+def test_a_regular_head_is_left_alone(head, head_template, actions):
+    vertices = head.evaluate(actions=actions)
+    assert np.array_equal(head_template.cavities.tuck(vertices), vertices)
+
+
+@pytest.mark.parametrize("forwards", [0.01, 0.03])
+def test_a_mouth_cavity_pushed_through_the_lips_goes_back_behind_them(head_template, forwards):
+    vertices, faces, cavities = head_template.vertices, head_template.faces, head_template.cavities
+    mouth = head_template.region("inner_mouth")
+    rim, inside = rim_and_inside(faces, mouth)
+    pushed = vertices.copy()
+    pushed[inside, 2] += forwards
+    before = pushed.copy()
+    tucked = cavities.tuck(pushed)
+    assert np.array_equal(pushed, before)
+    # The first rings behind the rim touch the skin by their nature.
+    near = rim
+    for _ in range(2):
+        near = np.union1d(near, faces[np.isin(faces, near).any(1)])
+    deep = np.setdiff1d(inside, near)
+    assert outside(pushed, faces, mouth, deep).sum() > 20
+    assert not outside(tucked, faces, mouth, deep).any()
+    skin = np.setdiff1d(np.arange(len(vertices)), inside)
+    assert np.array_equal(tucked[skin], pushed[skin])

@@ -1,0 +1,69 @@
+import numpy as np
+import pytest
+
+from caricli.geometry.repair.flipped_triangles import flipped_triangles
+from caricli.geometry.repair.untangle import untangle
+
+
+def pushed(vertices, faces, face):
+    a, b, c = faces[face]
+    moved = vertices.copy()
+    moved[a] += 1.4 * ((vertices[b] + vertices[c]) / 2 - vertices[a])
+    return moved
+
+
+def test_a_shape_without_flipped_triangles_comes_back_as_it_is(ball_gradients):
+    shape = ball_gradients.template * [1.0, 2.0, 0.5]
+    assert untangle(shape, ball_gradients) is shape
+
+
+@pytest.mark.parametrize("face", [10, 300, 590])
+def test_a_triangle_turned_over_turns_back_and_far_vertices_stay(ball_gradients, face):
+    vertices, faces = ball_gradients.template, ball_gradients.faces
+    shape = pushed(vertices, faces, face)
+    before = shape.copy()
+    repaired = untangle(shape, ball_gradients)
+    assert flipped_triangles(shape, ball_gradients).sum() == 1
+    assert not flipped_triangles(repaired, ball_gradients).any()
+    assert np.array_equal(shape, before)
+    corner = faces[face, 0]
+    far = np.linalg.norm(vertices - vertices[corner], axis=1) > 1.2
+    shift = np.linalg.norm(shape[corner] - vertices[corner])
+    assert np.linalg.norm((repaired - shape)[far], axis=1).max() < 0.05 * shift
+    assert np.linalg.norm(repaired[corner] - shape[corner]) > 0.2 * shift
+
+
+def test_a_crumpled_shape_gets_no_worse(ball_gradients):
+    shape = ball_gradients.template + np.random.default_rng(0).normal(0, 0.1, ball_gradients.template.shape)
+    before = flipped_triangles(shape, ball_gradients).sum()
+    after = flipped_triangles(untangle(shape, ball_gradients), ball_gradients).sum()
+    assert 0 < before and after < before
+
+
+def test_without_rounds_nothing_is_done(ball_gradients):
+    shape = pushed(ball_gradients.template, ball_gradients.faces, 10)
+    assert np.array_equal(untangle(shape, ball_gradients, rounds=0), shape)
+
+
+def test_a_head_with_shut_eyes_and_flips_gets_better(head, head_template):
+    shape = head.evaluate(changes={"mouth-scale-horiz-incr": -1.5}, actions={"mouthClose": 1.0, "eyeBlinkLeft": 1.3})
+    gradients = head_template.gradients
+    before = flipped_triangles(shape, gradients).sum()
+    repaired = untangle(shape, gradients)
+    assert 0 < before and flipped_triangles(repaired, gradients).sum() < before
+    away = head_template.region("scalp")
+    assert np.linalg.norm((repaired - shape)[away], axis=1).mean() < 1e-3
+
+
+def test_of_an_edit_kinks_go_and_the_edit_stays(ball, ball_gradients):
+    vertices, _ = ball
+    top = int(vertices[:, 2].argmax())
+    away = np.linalg.norm(vertices - vertices[top], axis=1)
+    edited = vertices + 0.5 * np.exp(-((away / 0.7) ** 2))[:, None] * [0, 0, 1.0]
+    beside = int(np.argsort(away)[4])
+    edited[beside] += 1.4 * (edited[top] - edited[beside])
+    assert flipped_triangles(edited, ball_gradients).sum() > 0
+    found = untangle(edited, ball_gradients, 16, vertices)
+    assert not flipped_triangles(found, ball_gradients).any()
+    moved = found[:, 2] - vertices[:, 2]
+    assert moved[top] - moved[away > 1.5].mean() > 0.4

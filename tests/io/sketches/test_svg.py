@@ -1,0 +1,244 @@
+import numpy as np
+import pytest
+
+from caricli.errors import InputError
+from caricli.io.sketches.sketch import read_sketch, write_sketch
+from caricli.structures import Sketch, Stroke, StrokeKind
+
+HEAD = '<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink" '
+
+
+def read(folder, body, head='viewBox="0 0 300 400"', start=""):
+    path = folder / "s.svg"
+    path.write_text(f"{start}{HEAD}{head}>{body}</svg>", "utf-8")
+    return read_sketch(path)
+
+
+def points(folder, body, **options):
+    """The points in the units of the drawing, whose corner is the origin."""
+    (stroke,) = read(folder, body, **options).strokes
+    return stroke.points + 0.5
+
+
+def test_what_is_written_comes_back(tmp_path):
+    strokes = (
+        Stroke(np.array([[1.25, 2], [3, 4], [1.25, 2]]), StrokeKind.FEATURE, "nose", np.array([0, 0.5, 1]), 2.5),
+        Stroke(np.array([[-7.0, 300]]), StrokeKind.WRINKLE),
+        Stroke(np.array([[1.0, 2], [3, 4.125]]), StrokeKind.SILHOUETTE, 'my "own" <curve>'),
+        Stroke(np.array([[1.0, 2], [3, 4]])),
+    )
+    write_sketch(tmp_path / "s.svg", Sketch(strokes, (300, 256)))
+    back = read_sketch(tmp_path / "s.svg")
+    assert back.size == (300, 256)
+    for stroke, other in zip(strokes, back.strokes, strict=True):
+        assert np.allclose(stroke.points, other.points, atol=1e-4)
+        assert (stroke.kind, stroke.curve) == (other.kind, other.curve)
+    assert back.strokes[0].pressure.tolist() == [0, 0.5, 1] and back.strokes[0].width == 2.5
+
+
+def test_every_command_of_a_path(tmp_path):
+    line = points(tmp_path, '<path d="M10 20 h5 v6 l1,1 L 30 40 H 2 V 3 z"/>')
+    assert np.allclose(line, [[10, 20], [15, 20], [15, 26], [16, 27], [30, 40], [2, 40], [2, 3], [10, 20]])
+    curve = points(tmp_path, '<path d="M0 0 C 0 100 200 100 200 0 S 300 200 200 100"/>')
+    # The middle of a Bezier curve is an eighth of its ends and three eighths of its controls.
+    assert np.abs(curve - [100, 75]).sum(1).min() < 2 and np.allclose(curve[-1], [200, 100])
+    parabola = points(tmp_path, '<path d="M0 0 Q 50 100 100 0 T 200 0"/>')
+    first = parabola[parabola[:, 0] <= 100]
+    assert np.allclose(first[:, 1], first[:, 0] * (100 - first[:, 0]) / 50, atol=1e-6)
+    assert np.isclose(parabola[:, 1].min(), -50, atol=0.2)
+    arc = points(tmp_path, '<path d="M 100 50 A 50 50 0 0 1 50 100"/>')
+    assert np.allclose(np.linalg.norm(arc - 50, axis=1), 50)
+
+
+def test_parts_of_a_path_are_strokes(tmp_path):
+    sketch = read(tmp_path, '<path class="wrinkle" d="M1 2 L3 4 M5 6 L7 8 m1 1 l2 2"/>')
+    assert [len(stroke.points) for stroke in sketch.strokes] == [2, 2, 2]
+    assert {stroke.kind for stroke in sketch.strokes} == {StrokeKind.WRINKLE}
+
+
+def test_transforms_of_groups_are_composed(tmp_path):
+    body = (
+        '<g transform="translate(10 20)"><g transform="rotate(90)"><line x2="5" y2="0" transform="scale(2)"/></g></g>'
+    )
+    assert np.allclose(points(tmp_path, body), [[10, 20], [10, 30]])
+    used = '<defs><line id="a" x2="5"/></defs><use xlink:href="#a" x="100" y="7" transform="scale(2 3)"/>'
+    assert np.allclose(points(tmp_path, used), [[200, 21], [210, 21]])
+
+
+def test_a_view_box_is_the_canvas(tmp_path):
+    sketch = read(tmp_path, '<line x1="10" y1="20" x2="20" y2="40"/>', head='viewBox="10 20 10 20" width="3mm"')
+    assert sketch.size == (128, 256)
+    assert np.allclose(sketch.strokes[0].points + 0.5, [[0, 0], [128, 256]])
+    inches = read(tmp_path, '<line x2="96" y2="96"/>', head='width="4in" height="4in"')
+    assert inches.size == (384, 384)
+    nothing = read(tmp_path, '<line x1="1000" x2="1001" y2="1"/>', head="")
+    assert nothing.size == (256, 256) and (nothing.strokes[0].points > 0).all()
+
+
+def test_names_say_what_is_drawn(tmp_path):
+    body = (
+        '<g id="Features"><g class="feature"><path id="nose_bridge" d="M1 1 L2 2"/><path d="M1 1 L2 2"/></g></g>'
+        '<g id="wrinkle-2"><path d="M1 1 L2 2"/></g><path id="brow-left" d="M1 1 L2 2"/><path id="x" d="M1 1 L2 2"/>'
+        '<path id="silhouette" d="M1 1 L2 2"/><path data-name="mouth_x5F_upper" d="M1 1 L2 2"/>'
+    )
+    drawn = [(str(stroke.kind), stroke.curve) for stroke in read(tmp_path, body).strokes]
+    assert drawn == [
+        ("feature", "nose_bridge"), ("feature", None), ("wrinkle", None), ("feature", "brow_left"), ("unknown", None),
+        ("silhouette", "silhouette"), ("wrinkle", "mouth_upper"),
+    ]  # fmt: skip
+
+
+def test_backgrounds_and_what_is_hidden_are_left_out(tmp_path):
+    body = (
+        "<style>.b { fill:none; stroke: #000; stroke-width: 3px } .c{display:none}</style>"
+        '<rect width="300" height="400" fill="white"/><path class="b" d="M1 1 L2 2"/>'
+        '<g style="display:none"><line stroke="red" x2="4"/></g><line class="c" stroke="red" x2="4"/>'
+    )
+    (stroke,) = read(tmp_path, body).strokes
+    assert len(stroke.points) == 2 and stroke.width == 3
+
+
+def test_a_style_sheet_of_any_length_is_read(tmp_path):
+    filling = 400_000 * "a"
+    sheet = f"@media print {{ p, {1000 * '.p, '}.b {{ {1000 * 'fill: none; '}stroke-width: 3px }} }} {filling}"
+    (stroke,) = read(tmp_path, f'<style>{sheet}</style><path class="b" d="M1 1 L2 2"/>').strokes
+    assert stroke.width == 3
+
+
+@pytest.mark.parametrize("selector", ["path", "g > *", "g > path", "#b", "path.b", "svg .b"])
+def test_a_style_sheet_speaks_of_elements_ids_and_classes(tmp_path, selector):
+    others = "rect{fill:#fff;stroke:none} path:hover{stroke:none}"
+    sheet = f"<style>{selector}{{fill:none;stroke:#222;stroke-width:3px}} {others}</style>"
+    body = '<rect width="300" height="400"/><g><path id="b" class="b" d="M1 1 L2 2"/></g>'
+    (stroke,) = read(tmp_path, sheet + body).strokes
+    assert len(stroke.points) == 2 and stroke.width == 3
+
+
+def outline(line, widths):
+    """The outline of a mark, as a path."""
+    ways = np.gradient(line, axis=0)
+    across = np.stack([-ways[:, 1], ways[:, 0]], 1) / np.linalg.norm(ways, axis=1, keepdims=True) * widths[:, None] / 2
+    return "M " + " ".join(f"{x:.2f},{y:.2f}" for x, y in [*(line + across), *(line - across)[::-1]]) + " z"
+
+
+T = np.linspace(0, 1, 400)
+LINE = np.stack([40 + 200 * T, 200 + 60 * np.sin(6 * T)], 1)
+LOOP = np.stack([150 + 80 * np.cos(6.6 * T), 200 + 80 * np.sin(6.6 * T)], 1)
+PRESSED = 1 + 4 * np.sin(np.pi * T)
+
+
+@pytest.mark.parametrize("line", [LINE, LOOP], ids=["wave", "over itself"])
+@pytest.mark.parametrize("style", ['fill="#1e1e1e" stroke="none"', 'style="fill:#000"', ""])
+def test_marks_of_a_brush_are_the_lines_in_their_middles(tmp_path, line, style):
+    body = f'<rect width="300" height="400" fill="white"/><path id="nose" {style} d="{outline(line, PRESSED)}"/>'
+    (stroke,) = read(tmp_path, body).strokes
+    gaps = np.linalg.norm(stroke.points[:, None] + 0.5 - line, axis=2)
+    assert gaps.min(1).max() < 2.5 and np.median(gaps.min(0)) < 2
+    assert stroke.curve == "nose" and 2 < stroke.width < 5
+
+
+@pytest.mark.parametrize("rule", ["evenodd", "nonzero"])
+def test_a_ring_that_a_tracer_filled_is_one_line(tmp_path, rule):
+    circle = "a{0} {0} 0 1 {1} {2} 0a{0} {0} 0 1 {1} -{2} 0z"
+    rings = f"M50 200{circle.format(80, 1, 160)}M53 200{circle.format(77, 0, 154)}"
+    (stroke,) = read(tmp_path, f'<path fill="#000" fill-rule="{rule}" d="{rings}"/>').strokes
+    assert np.allclose(np.linalg.norm(stroke.points + 0.5 - [130, 200], axis=1), 78.5, atol=0.7)
+    assert stroke.closed and np.isclose(stroke.width, 3, atol=0.8)
+
+
+def test_more_marks_than_a_hand_draws_are_refused(tmp_path):
+    mark = '<path d="M0 0 L0.1 0 L300 400 L299.9 400 z"/>'
+    with pytest.raises(InputError, match="more than a hand draws"):
+        read(tmp_path, 60 * mark)
+
+
+def test_shapes_are_lines(tmp_path):
+    body = (
+        '<polygon points="1,2 3,4 5,6"/><rect x="1" y="2" width="3" height="4"/><circle cx="5" cy="6" r="2"/>'
+        '<ellipse rx="3" ry="5"/><text>words</text>'
+    )
+    strokes = read(tmp_path, body).strokes
+    assert len(strokes) == 4 and all(stroke.closed for stroke in strokes)
+    assert np.allclose(np.ptp(strokes[3].points, axis=0), [6, 10])
+
+
+def test_an_empty_drawing_is_an_empty_sketch(tmp_path):
+    assert read(tmp_path, "").strokes == ()
+
+
+BOMB = '<!DOCTYPE svg [<!ENTITY a "aaaa"><!ENTITY b "&a;&a;">]>'
+FILE = '<!DOCTYPE svg [<!ENTITY a SYSTEM "file:///etc/passwd">]>'
+
+
+@pytest.mark.parametrize(
+    ("body", "start", "message"),
+    [
+        ("<script>alert(1)</script>", "", "found a script"),
+        ("&b;", BOMB, "found entities.*Illustrator"),
+        ('<image href="data:image/png;base64,AA"/>', "", "found a picture alone: give it as PNG"),
+        ("&a;", FILE, "found entities"),
+        ('<use href="http://example.org/a.svg#b"/>', "", "found a reference to 'http"),
+        ('<image xlink:href="../secret.png"/>', "", "nothing outside the file, found a reference to '../secret"),
+        ("<g>", "", "expected an SVG of lines, found"),
+        ('<path d="M 1 nonsense"/>', "", "expected a path"),
+        ('<path d="L 1 1"/>', "", "begins with a move"),
+        ('<path d="M 1e999 1 L 2 2"/>', "", "path with finite numbers"),
+        ('<line x2="1e8"/>', "", "expected finite coordinates"),
+        ('<g transform="matrix(1 2 3)"/>', "", "transform: expected one"),
+        ('<g transform="scale(1e400)"/>', "", "transform: expected one"),
+        ('<line x2="3" data-pressure="0.5 x"/>', "", "data-pressure: expected numbers"),
+        ('<line x2="3" data-pressure="0_1 0.5"/>', "", "data-pressure: expected numbers"),
+        ('<line x2="3" data-pressure="0.5 0.5 1"/>', "", "pressure: expected the shape"),
+        ('<g id="a"><use href="#a"/><use href="#a"/></g>', "", "elements, 64 deep, found more"),
+        ("<g>" * 100 + "</g>" * 100, "", "elements, 64 deep, found more"),
+        ("<polyline points='" + "1,2 " * 250_000 + "'/>", "", "at most 200000 points"),
+    ],
+    ids=lambda value: value[:30],
+)
+def test_what_is_no_drawing_is_refused(tmp_path, body, start, message):
+    with pytest.raises(InputError, match=message) as refusal:
+        read(tmp_path, body, start=start)
+    assert "\n" not in str(refusal.value) and "s.svg" in str(refusal.value)
+    # An ordinary document type is none of these.
+    assert (
+        read(tmp_path, "<g/>", start='<?xml version="1.0"?><!DOCTYPE svg PUBLIC "-//W3C//DTD" "x.dtd">').strokes == ()
+    )
+
+
+@pytest.mark.parametrize("side", ["1e-310", "1e-300", "9e-10"])
+def test_a_drawing_too_small_to_be_drawn_larger_is_refused(tmp_path, side):
+    with pytest.raises(
+        InputError, match=f"s.svg: viewBox: expected a drawing of at least 1e-09 units, found .* {side}"
+    ):
+        read(tmp_path, '<line x2="1"/>', head=f'viewBox="0 0 {side} {side}"')
+    sketch = read(tmp_path, '<line x2="1e-9"/>', head=f'viewBox="0 0 {side} 1e-9"')
+    np.testing.assert_allclose(np.ptp(sketch.strokes[0].points, axis=0), [256, 0])
+
+
+@pytest.mark.filterwarnings("error")
+def test_scales_beyond_all_numbers_say_nothing_but_the_error(tmp_path):
+    with pytest.raises(InputError, match="expected finite coordinates"):
+        read(tmp_path, '<g transform="scale(1e200)"><line x2="1"/></g>')
+
+
+def test_uses_that_multiply_end(tmp_path):
+    layers = "".join(f'<g id="a{k + 1}">' + f'<use href="#a{k}"/>' * 10 + "</g>" for k in range(8))
+    with pytest.raises(InputError, match="found more"):
+        read(tmp_path, f'<line id="a0" x2="1"/>{layers}')
+
+
+@pytest.mark.parametrize("width", ["384", "384px", "288pt", "24pc", "101.6mm", "10.16cm", "4in"])
+def test_units_are_those_of_css(tmp_path, width):
+    sketch = read(tmp_path, '<line x2="96" y2="96"/>', head=f'width="{width}" height="{width}"')
+    assert sketch.size == (384, 384)
+
+
+def test_lines_grow_with_their_groups_and_what_is_left_over_is_left_out(tmp_path):
+    """Of a polyline the number without a partner, of an arc its radius of nothing, of a symbol what nobody uses."""
+    line = '<line x2="9" fill="none" stroke="#000" stroke-width="3"/>'
+    (stroke,) = read(tmp_path, f'<g transform="scale(2)">{line}</g>', head='viewBox="0 0 2000 2000"').strokes
+    assert stroke.width == pytest.approx(6)
+    body = '<polyline points="1,2 3,4 5"/><path d="M0 0 A5 0 0 0 1 10 0"/>'
+    assert [len(stroke.points) for stroke in read(tmp_path, body).strokes] == [2, 2]
+    symbol = f'<symbol id="s">{line}</symbol>'
+    assert [len(read(tmp_path, symbol + used).strokes) for used in ("", '<use href="#s"/>')] == [0, 1]
