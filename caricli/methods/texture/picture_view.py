@@ -121,8 +121,8 @@ class PictureView:
         behind = placed[:, 2] - sample_pixels(self.raster.depth, x, y, cv2.INTER_NEAREST, float("inf"))
         lengths = np.sqrt(np.einsum("nk,nk->n", points.normals, points.normals))
         cosine = -(points.normals @ self.camera.rotation[2].astype(placed.dtype)) / np.maximum(lengths, 1e-9)
-        # A surface at an angle is behind itself by the width of a pixel.
-        allowed = settings.behind * self.camera.scale * self.height / np.clip(cosine, 0.2, 1)
+        # A surface at an angle is behind itself within the width of a pixel.
+        allowed = max(settings.behind * self.camera.scale * self.height, 1.0) / np.clip(cosine, 0.2, 1)
         least = settings.grazing + points.scalp * (settings.grazing_hair - settings.grazing)
         most = settings.facing + points.scalp * (settings.facing_hair - settings.facing)
         facing = np.clip((cosine - least) / (most - least), 0, 1) ** 2
