@@ -18,8 +18,8 @@ class TextureSettings:
     angle one pixel would be smeared over many texels, and outlines and rim light are there. grazing_hair, facing_hair:
     the same of scalp and hair, which are alike all over.
     mirrored: how much the other side counts where a texel is seen itself; small, so that sides keep what is theirs.
-    behind: share of the head's height that a point may be behind the surface that is seen, a pixel at least: rasterising
-    rounds.
+    behind: share of the head's height that a point may be behind the surface that is seen, a pixel at least, for
+    rasterising rounds.
     edge: share of the head's height, width of the band inside the mask's border that hardly counts: outlines are there.
     other: standard deviation of colours, of full scale, from what is farther inside, by which those in that band count
     as another thing; what is like it counts as much.
