@@ -193,9 +193,10 @@ class Page:
     def _frame(self) -> None:
         """Let the head fetch what is shown."""
         self._number += 1
-        mesh = self.desk.work.face.mesh
-        # Faces of one model share the triangles; a painted one has UVs of its own.
-        layout = (mesh.topology_id, None if mesh.uvs is None else mesh.uvs.tobytes())
+        face = self.desk.work.face
+        # Faces of one model share the triangles; a painted one has pictures, hair, and maybe UVs of its own.
+        uvs = None if face.mesh.uvs is None else face.mesh.uvs.tobytes()
+        layout = (face.mesh.topology_id, uvs, bool(face.pictures), face.hair is None)
         if layout != self._layout:
             self._layout = layout
             ui.run_javascript(

@@ -13,7 +13,7 @@ from caricli.cli import cli
 from caricli.errors import InputError
 from caricli.io.gltf.read_gltf import read_gltf
 from caricli.io.session import read_session
-from caricli.structures import Operation
+from caricli.structures import Operation, Pictures
 from caricli.studio.page import Page
 from tests.studio.conftest import PATIENCE, Server, Tab, run_apart
 
@@ -241,3 +241,23 @@ def test_what_a_hand_does_while_something_is_refused_is_shown(monkeypatch):
     page._wanted = Operation("first")
     run_apart(page._attempts())
     assert tried == ["first", "second"] and said == ["no", "shown"]
+
+
+def test_a_face_that_is_drawn_takes_off_what_a_painted_one_wore(monkeypatch):
+    mesh = SimpleNamespace(topology_id="", uvs=np.zeros((1, 2)))
+    bare, dyed, hairy = (
+        SimpleNamespace(mesh=mesh, pictures=pictures, hair=hair)
+        for pictures, hair in ((Pictures(), None), (Pictures(np.zeros((4, 4, 3), np.uint8)), None), (Pictures(), "wig"))
+    )
+    desk: Any = SimpleNamespace(key="", work=SimpleNamespace(face=bare))
+    studio: Any = None
+    page = Page(studio, desk)
+    laid: list[str] = []
+    monkeypatch.setattr("caricli.studio.page.ui.run_javascript", laid.append)
+    monkeypatch.setattr(page, "head", SimpleNamespace(id=1, run_method=lambda *words: None), raising=False)
+    monkeypatch.setattr(page, "_textured", lambda: None)
+    for count, face in enumerate((bare, dyed, bare, hairy, bare), 1):
+        desk.work.face = face
+        page._frame()
+        page._frame()
+        assert len(laid) == count
