@@ -8,6 +8,7 @@ from typing import Any
 from nicegui import ui
 
 from caricli.errors import CaricliError
+from caricli.methods.edit.handle_points import vertex_of
 from caricli.methods.session.pull_basis import pull_basis
 from caricli.structures import Operation
 from caricli.structures.arkit import ARKIT_NAMES
@@ -172,12 +173,14 @@ class FaceMode(Mode):
 
     async def _pull_named(self) -> None:
         lengths = [f"{each.value or 0:g}%" for each in self.lengths]
-        await self.page.do(_handle(self.point.value, lengths, self.symmetric.value and "_" in self.point.value))
+        await self.page.do(_handle(self.point.value, lengths, self._both(self.point.value)))
 
-    def _both(self, vertex: str) -> bool:
-        """Whether the other side does the same; points of the middle have no other side."""
-        mirror = self.page.studio.tools.model.template.annotation.mirror
-        return bool(self.symmetric.value and mirror is not None and mirror[int(vertex)] != int(vertex))
+    def _both(self, where: str) -> bool:
+        """Whether the other side does the same; points of the middle, vertices or names, have no other side."""
+        template = self.page.studio.tools.model.template
+        mirror = template.annotation.mirror
+        vertex = vertex_of(where, template)
+        return bool(self.symmetric.value and mirror is not None and mirror[vertex] != vertex)
 
 
 def _handle(where: str, lengths: list, symmetric: bool) -> Operation:

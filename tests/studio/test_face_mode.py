@@ -1,0 +1,37 @@
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from caricli.methods.edit.handle_points import handle_points
+from caricli.structures.landmarks import POINT_NAMES
+from caricli.studio.modes.face_mode import FaceMode
+from tests.studio.conftest import run_apart
+
+
+@pytest.fixture
+def mode(head_template):
+    """A mode without its page, both sides switched on. done: the operations that it asked for."""
+    done: list[Any] = []
+
+    async def do(operation):
+        done.append(operation)
+
+    tools = SimpleNamespace(model=SimpleNamespace(template=head_template))
+    page: Any = SimpleNamespace(do=do, studio=SimpleNamespace(tools=tools))
+    own: Any = FaceMode(page)
+    own.mirrored = own.symmetric = SimpleNamespace(value=True)
+    own.done = done
+    return own
+
+
+@pytest.mark.parametrize("name", POINT_NAMES)
+def test_points_of_the_middle_are_pulled_aside_alone(mode, head_template, name):
+    mode.point = SimpleNamespace(value=name)
+    mode.lengths = [SimpleNamespace(value=value) for value in (5, 0, None)]
+    run_apart(mode._pull_named())
+    (operation,) = mode.done
+    parameters = operation.parameters
+    handles = handle_points([*parameters["handles"].items()], (), head_template, parameters["symmetric"])
+    sides = "left" in name or "right" in name
+    assert parameters["symmetric"] == sides and len(handles.vertices) == 1 + sides
