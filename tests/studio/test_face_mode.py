@@ -35,3 +35,17 @@ def test_points_of_the_middle_are_pulled_aside_alone(mode, head_template, name):
     handles = handle_points([*parameters["handles"].items()], (), head_template, parameters["symmetric"])
     sides = "left" in name or "right" in name
     assert parameters["symmetric"] == sides and len(handles.vertices) == 1 + sides
+
+
+@pytest.mark.parametrize(
+    ("name", "both"),
+    [
+        ("mouthSmileLeft", ["mouthSmileLeft", "mouthSmileRight"]),
+        ("eyeLookInRight", ["eyeLookInLeft", "eyeLookInRight"]),
+        ("jawOpen", ["jawOpen"]),
+        ("jawLeft", ["jawLeft"]),
+        ("mouthRight", ["mouthRight"]),
+    ],
+)
+def test_jaw_and_mouth_go_to_one_side_at_a_time(mode, name, both):
+    assert [*mode._expression(name, 0.5).parameters["weights"]] == both

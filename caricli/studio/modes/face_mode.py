@@ -22,6 +22,9 @@ _REACH = 4.0
 _AT_HAND = 1000
 """Milliseconds after which a slider is let go: an answer that comes late must not take back a key that came after."""
 
+_TO_A_SIDE = ("jawLeft", "jawRight", "mouthLeft", "mouthRight")
+"""Actions that go to a side: with the same of the other side they would go nowhere."""
+
 _PERCENT = 15.0
 """Of the head's height, the farthest that numbers pull a point."""
 
@@ -135,7 +138,7 @@ class FaceMode(Mode):
 
     def _expression(self, name: str, value: float) -> Operation:
         names = {name}
-        if self.mirrored.value:
+        if self.mirrored.value and name not in _TO_A_SIDE:
             names |= {name.replace("Left", "Right"), name.replace("Right", "Left")} & set(ARKIT_NAMES)
         return Operation("expression", {"weights": dict.fromkeys(sorted(names), float(value))})
 
