@@ -75,6 +75,10 @@ class Desk:
         """Show what an operation would do, and do not keep it. Raises InputError."""
         self.tried = operate(self.history.work, operation, self.tools)
 
+    def forget(self) -> None:
+        """Show the present again, in place of what is tried."""
+        self.tried = None
+
     def undo(self) -> None:
         """One operation back."""
         self.tried = None

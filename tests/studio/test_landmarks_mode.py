@@ -1,6 +1,11 @@
 """Landmarks in Chromium, placed as a person would."""
 
+import asyncio
 import json
+from concurrent.futures import ThreadPoolExecutor
+from threading import Event
+from types import SimpleNamespace
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -8,8 +13,11 @@ from PIL import Image
 
 from caricli.io.landmarks import read_landmarks, write_landmarks
 from caricli.methods.marks.lay_mean_shape import lay_mean_shape
+from caricli.methods.session.work import Work
 from caricli.structures.detection import FaceFrame
-from tests.studio.conftest import PATIENCE, Server, Tab
+from caricli.studio.desk import Desk
+from caricli.studio.modes.landmarks_mode import LandmarksMode
+from tests.studio.conftest import PATIENCE, Server, Tab, run_apart
 from tests.studio.marks import CANVAS, Marks
 
 SIZE = (300, 360)
@@ -134,3 +142,29 @@ def test_a_folder_goes_on_where_it_was_left(browser, folder, laid):
     finally:
         context.close()
         server.kill()
+
+
+def test_a_try_that_is_taken_back_is_gone_however_late_it_is_done(monkeypatch):
+    anything: Any = None
+    present = Work(anything)
+    late = Work(anything, landmarks=cast(Any, "tried"))
+    free = Event()
+    monkeypatch.setattr("caricli.studio.desk.operate", lambda *_: late if free.wait(60) else present)
+    thread = ThreadPoolExecutor(1)
+    studio = SimpleNamespace(run=lambda *call: asyncio.get_running_loop().run_in_executor(thread, *call))
+    desk = Desk(anything, present)
+    page: Any = SimpleNamespace(studio=studio, desk=desk)
+    mode: Any = LandmarksMode(page)
+    mode.laid = False
+    mode.canvas = SimpleNamespace(run_method=lambda *_: None)
+    mode._marking = lambda: SimpleNamespace(state=lambda *_: {})
+
+    async def play():
+        tried = asyncio.create_task(mode._try(SimpleNamespace(args={"name": "mark", "parameters": {}, "seq": 1})))
+        back = asyncio.create_task(mode._forget())
+        await asyncio.sleep(0.1)
+        free.set()
+        await asyncio.gather(tried, back)
+
+    run_apart(play())
+    assert desk.work is present

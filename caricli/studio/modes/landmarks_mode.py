@@ -243,7 +243,7 @@ class LandmarksMode(Mode):
         await self.page.do(Operation(event.args["name"], event.args["parameters"]))
 
     async def _forget(self) -> None:
-        self.page.desk.tried = None
+        await self.page.studio.run(self.page.desk.forget)
         await self.refresh_now()
 
     def _choose(self, event: Any) -> None:
