@@ -3,6 +3,7 @@
 import cv2
 import numpy as np
 
+from caricli.errors import InputError
 from caricli.methods.dynamic.chart_pictures import ChartGrid, chart_to_texture
 from caricli.structures import Mesh
 from caricli.structures.texture_change import TextureChange
@@ -18,7 +19,10 @@ class ChangedTexture:
     """
 
     def __init__(self, picture: np.ndarray, template: Mesh, grid: ChartGrid) -> None:
-        """picture: (H, H, 3) uint8 sRGB, the head's texture. template: Mesh with UVs. grid: of the changes."""
+        """picture: (H, H, 3) uint8 sRGB, the head's texture. template: Mesh with UVs. grid: of the changes.
+
+        Raises InputError where the texture shows nothing of the face.
+        """
         size = len(picture)
         side = np.arange(grid.size, dtype=np.float32)
         places = np.stack(np.meshgrid(side, side), axis=-1)
@@ -26,6 +30,8 @@ class ChangedTexture:
         self.picture = picture
         rows = np.flatnonzero(spots[..., 2].max(1) > 0)
         columns = np.flatnonzero(spots[..., 2].max(0) > 0)
+        if not len(rows):
+            raise InputError("dynamic texture needs UVs that lay the face in its picture, found none of it there")
         self.window = (slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1))
         self.at = spots[self.window][..., :2]
         self.strength = spots[self.window][..., 2:]

@@ -72,6 +72,12 @@ def test_fine_strokes_stay_where_colours_change_slowly(head_template, grid, pict
     assert inside.sum() > 0.5 * face.sum()
 
 
+def test_a_face_that_lies_beside_its_picture_is_refused(head_template, grid, picture):
+    beside = replace(head_template, uvs=head_template.uvs + [1, 0])
+    with pytest.raises(InputError, match="UVs that lay the face in its picture, found none"):
+        ChangedTexture(picture, beside, grid)
+
+
 def test_what_the_picture_shows_is_told_by_the_expressions(head, head_template, rig, picture):
     own = painter(head, head_template, rig, picture, jawOpen=0.5)
     code = dict(zip(ARKIT_NAMES, own.code, strict=True))
