@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+from scipy.spatial import KDTree
 
 from caricli.geometry.alignment.weighted_similarities import weighted_similarities
 from caricli.geometry.repair.components import component_labels
@@ -111,16 +112,13 @@ def _held(
     Returns roots (L,), vertices of lashes; near (L, k) those of the lids near each, and their distance; faces (H, 3) of
     the skin around; over (L, m), numbers among its vertices.
     """
-    # Imported here: it takes longer than all of this, which is mostly kept.
-    from scipy.spatial import cKDTree
-
-    tree = cKDTree(template[lids])
+    tree = KDTree(template[lids])
     distance, _ = tree.query(shape)
     lashes = [np.flatnonzero(labels == k) for k in range(labels.max() + 1)]
     roots = np.array([ids[distance[ids].argmin()] for ids in lashes])
     distance, near = tree.query(shape[roots], min(NEIGHBOURS, len(lids)))
-    reached = cKDTree(shape).query(template)[0] < REACH * np.ptp(template[:, 1])
+    reached = KDTree(shape).query(template)[0] < REACH * np.ptp(template[:, 1])
     around = faces[reached[faces].all(1)]
     skin = template[np.unique(around)]
-    over = cKDTree(skin).query(shape[roots], min(OVER, len(skin)))[1]
+    over = KDTree(skin).query(shape[roots], min(OVER, len(skin)))[1]
     return {"roots": roots, "near": lids[near], "distance": distance, "faces": around, "over": over}
