@@ -3,6 +3,8 @@
 import cv2
 import numpy as np
 
+from caricli.methods.texture.distance_to import exact_distance_to
+
 _BEYOND = 0.4  # of the eye's width, how far from its corners ink may reach, and
 _BEFORE = 0.12  # how far before them it may begin;
 _BESIDE = 0.35  # how far from the eye's long axis
@@ -38,7 +40,7 @@ def _of_eye(lightness: np.ndarray, eye: np.ndarray, skin: np.ndarray, kept: np.n
     _, axes = np.linalg.eigh(np.cov(places.T))
     beside, along = np.moveaxis((np.indices(eye.shape).transpose(1, 2, 0) - middle) @ axes, 2, 0)
     width = np.ptp(along[eye])
-    away = cv2.distanceTransform((~eye).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
+    away = exact_distance_to(eye)
     around = skin & ~kept & (away < _AROUND * width)
     if not around.any():
         return np.zeros(eye.shape, bool)

@@ -3,12 +3,12 @@
 import cv2
 import numpy as np
 
+from caricli.methods.texture.distance_to import distance_to
+
 
 def depth_inside(mask: np.ndarray) -> np.ndarray:
     """(H, W) pixels to the border of a mask (H, W) bool, below zero beyond it."""
-    inside = cv2.distanceTransform(mask.astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_5)
-    outside = cv2.distanceTransform((~mask).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_5)
-    return inside - outside
+    return distance_to(~mask) - distance_to(mask)
 
 
 def agreeing_chances(picture: np.ndarray, odds: np.ndarray, radius: int, alike: float) -> np.ndarray:

@@ -5,6 +5,7 @@ import numpy as np
 
 from caricli.methods.hair.fit_outline import Outline
 from caricli.methods.hair.mask_hair import HairMask
+from caricli.methods.texture.distance_to import exact_distance_to
 from caricli.render.pixels.sample_texture import sample_pixels
 from caricli.render.visibility.rasterise import rasterise
 from caricli.structures import Camera
@@ -54,7 +55,7 @@ class HairView(HeadView):
         self.outline = outline
         bare = ~hair.pixels & (~hair.behind | outline.bald(hair.pixels.shape))
         far = np.full(bare.shape, np.hypot(*bare.shape), np.float32)
-        self._to_bare = _distance(~bare) - _distance(bare) if bare.any() else far
+        self._to_bare = exact_distance_to(bare) - exact_distance_to(~bare) if bare.any() else far
 
     def bare(self, points: np.ndarray) -> np.ndarray:
         """(N,) bool, which of points (N, 3) lie in the picture where it has no hair, whatever is before them."""
@@ -65,8 +66,3 @@ class HairView(HeadView):
         """Metres in the picture from points (..., 3) to where it is bare, below zero inside."""
         x, y, _ = np.moveaxis(self.camera.place(points), -1, 0)
         return sample_pixels(self._to_bare, x.ravel(), y.ravel()).reshape(x.shape) / self.camera.scale
-
-
-def _distance(mask: np.ndarray) -> np.ndarray:
-    """(H, W) pixels from what a mask (H, W) bool is true of to where it is not."""
-    return cv2.distanceTransform(mask.astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)

@@ -10,6 +10,7 @@ import numpy as np
 from caricli.methods.hair.colour_mixture import AskedColours, ColourMixture
 from caricli.methods.hair.picture_zones import PictureZones
 from caricli.methods.hair.settings import MaskSettings
+from caricli.methods.texture.distance_to import exact_distance_to
 from caricli.render.in_parallel import do_in_parallel
 from caricli.render.pixels.widen_mask import widen_mask
 from caricli.structures import Face
@@ -197,5 +198,4 @@ def _parts(mask: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _near(mask: np.ndarray, reach: float) -> np.ndarray:
-    away = cv2.distanceTransform((~mask).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
-    return away <= reach if mask.any() else mask
+    return exact_distance_to(mask) <= reach if mask.any() else mask

@@ -5,6 +5,7 @@ import numpy as np
 from scipy.ndimage import distance_transform_edt
 
 from caricli.methods.hair.settings import MaskSettings
+from caricli.methods.texture.distance_to import exact_distance_to
 from caricli.render.pixels.inside_polygon import inside_polygon
 from caricli.render.visibility.rasterise import rasterise
 from caricli.structures import Face
@@ -118,8 +119,7 @@ def facial_features(points: np.ndarray, size: float, shape: tuple[int, int], set
         cv2.polylines(mask, [line], False, 1, max(1, int(_BROW_WIDTH * size)))
     enclosed = np.any([inside_polygon(_finite(points[list(part)]), shape) for part in _FEATURES], axis=0)
     mask = (mask > 0) | enclosed
-    away = cv2.distanceTransform((~mask).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
-    return away < settings.features * size if mask.any() else mask
+    return exact_distance_to(mask) < settings.features * size if mask.any() else mask
 
 
 def _finite(points: np.ndarray) -> np.ndarray:

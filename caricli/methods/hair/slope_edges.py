@@ -2,12 +2,12 @@
 
 from dataclasses import replace
 
-import cv2
 import numpy as np
 from scipy.spatial import KDTree
 
 from caricli.methods.hair.head_sphere import HeadSphere
 from caricli.methods.hair.settings import ShellSettings
+from caricli.methods.texture.distance_to import exact_distance_to
 from caricli.render.pixels.sample_texture import sample_pixels
 from caricli.render.pixels.widen_mask import widen_mask
 from caricli.render.visibility.rasterise import rasterise
@@ -46,4 +46,4 @@ def _to_outline(shown: np.ndarray, head: Mesh, camera: Camera) -> np.ndarray:
     raster = rasterise(camera.place(head.vertices), head.faces, *shown.shape[::-1])
     behind = (raster.face < 0) & ~shown
     outline = shown & widen_mask(behind, 1)
-    return cv2.distanceTransform((~outline).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
+    return exact_distance_to(outline)

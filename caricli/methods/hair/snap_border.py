@@ -18,6 +18,7 @@ from caricli.methods.hair.move_skull import lower_skull, raise_skull
 from caricli.methods.hair.settings import ShellSettings
 from caricli.methods.hair.shell_net import ShellNet
 from caricli.methods.hair.slope_edges import slope_edges
+from caricli.methods.texture.distance_to import exact_distance_to
 from caricli.render.pixels.sample_texture import sample_pixels
 from caricli.render.pixels.widen_mask import widen_mask
 from caricli.render.visibility.rasterise import Raster, rasterise
@@ -270,8 +271,7 @@ def _seated(points: np.ndarray, lowest: np.ndarray, highest: np.ndarray, skin: H
 
 def _outside(mask: HairMask, height: float) -> np.ndarray:
     """(H, W) bool: where no hair may be seen. height: pixels of the head."""
-    away = cv2.distanceTransform((~mask.pixels).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
-    return away > np.where(mask.behind, _BESIDE, _BEFORE) * height
+    return exact_distance_to(mask.pixels) > np.where(mask.behind, _BESIDE, _BEFORE) * height
 
 
 def _over(seen: np.ndarray, hair: Hair, camera: Camera, outside: np.ndarray) -> np.ndarray:

@@ -7,6 +7,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from caricli.geometry.triangle_normals import triangle_normals
+from caricli.methods.texture.distance_to import exact_distance_to
 from caricli.methods.texture.settings import TextureSettings
 from caricli.render.pixels.diffuse_background import diffuse_background
 from caricli.render.pixels.sample_texture import sample_pixels, texture_matrix
@@ -189,7 +190,7 @@ class PictureView:
 
         It ends softly, and what is unlike the colours around, as a fold that goes on there, sooner.
         """
-        away = cv2.distanceTransform((~beside).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE) / self._band
+        away = exact_distance_to(beside) / self._band
         share: np.ndarray = np.minimum(away, 1)
         near = mask & (away < _BESIDE)
         usual = _blur(self.pictured, mask, _AROUND * self._band)[near]
