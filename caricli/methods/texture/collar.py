@@ -1,9 +1,9 @@
 """What of a neck is none, by its colours."""
 
-import cv2
 import numpy as np
 from scipy.spatial import KDTree
 
+from caricli.methods.texture.another_colour import lab_colours
 from caricli.structures.parsing import Region
 
 BARE = (Region.SKIN, Region.NOSE)
@@ -25,9 +25,8 @@ def find_collar(regions: np.ndarray, head: np.ndarray, image: np.ndarray, lightn
     collar = np.zeros_like(neck)
     if neck.any() and bare.any():
         weights = np.array([lightness, 1, 1], np.float32)
-        colours = cv2.cvtColor(image.astype(np.float32) / 255, cv2.COLOR_RGB2LAB) * weights
-        own = colours[bare]
+        own, colours = (lab_colours(image, part) * weights for part in (bare, neck))
         some = own[np.linspace(0, len(own) - 1, min(_COLOURS, len(own))).astype(int)]
-        away, _ = KDTree(some).query(colours[neck], k=[min(_SEVERAL, len(some))])
+        away, _ = KDTree(some).query(colours, k=[min(_SEVERAL, len(some))])
         collar[neck] = away[:, 0] > _UNLIKE
     return collar
