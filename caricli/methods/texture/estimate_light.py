@@ -128,8 +128,7 @@ class _Fit:
         self.logs = logs
         self.weights = weights
         self.settings = settings
-        orders = np.repeat([0.0, 1, 2], [1, 3, 5])
-        self.stiff = np.where(orders == 0, 0, 1 / np.array([1, *settings.spread])[orders.astype(int)] ** 2)
+        self.stiff = np.repeat([0.0, *(1 / spread**2 for spread in settings.spread)], [1, 3, 5])
 
     def solve(self, kept: np.ndarray, weight: float) -> np.ndarray:
         """(9, 3) coefficients by points that are kept, (N,) 0 or 1; of a weight of their spread, inf for no light."""
