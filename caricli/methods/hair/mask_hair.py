@@ -44,12 +44,7 @@ class HairMask:
     trusted: bool
 
 
-def mask_hair(
-    face: Face,
-    template: Template,
-    image: np.ndarray,
-    settings: MaskSettings = MaskSettings(),  # noqa: B008 (frozen)
-) -> HairMask:
+def mask_hair(face: Face, template: Template, image: np.ndarray) -> HairMask:
     """Tell hair, headwear among it, from skin and background.
 
     Each class has a mixture of Gaussians over CIELAB; skin starts from inside the landmarks, background from far above
@@ -61,6 +56,7 @@ def mask_hair(
     Returns HairMask, an empty one where the picture shows no skin within the landmarks, as in a profile, or nothing
     around the head. Raises InputError when the face has no camera or no landmarks.
     """
+    settings = MaskSettings()
     zones = PictureZones(face, template, image, settings)
     if not (zones.inner.any() and zones.behind.any()):
         nowhere = np.zeros(image.shape[:2], bool)

@@ -19,16 +19,12 @@ _RAMP = 4  # vertices over which a skull that is lowered leads down
 _WIDE_RAMP = 8  # the same of one that is raised
 
 
-def sink_skull(
-    head: Template,
-    camera: Camera,
-    hair: HairMask,
-    settings: ShellSettings = ShellSettings(),  # noqa: B008 (frozen)
-) -> Template:
+def sink_skull(head: Template, camera: Camera, hair: HairMask) -> Template:
     """The head with its skull drawn in where it stands out of the hair of the picture, which landmarks do not say.
 
     head: Template in the shape of the face. camera: of the picture. hair: HairMask.
     """
+    settings = ShellSettings()
     for step in (_shrunk, _tightened):
         sphere = HeadSphere(head, settings)
         outline = Outline.of(hair, sphere, camera, settings.bins)

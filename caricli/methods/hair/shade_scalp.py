@@ -52,25 +52,19 @@ class _Skin:
 class Scalp:
     """What skin around hair is shaded by, that no picture says: the hair's edge, and the usual hairline."""
 
-    def __init__(
-        self,
-        head: Template,
-        hair: Hair,
-        size: int | None = None,
-        settings: ShellSettings = ShellSettings(),  # noqa: B008 (frozen)
-    ) -> None:
+    def __init__(self, head: Template, hair: Hair, size: int | None = None) -> None:
         """head: Template with UVs, its skull under the hair. hair: Hair on it. size: texels, width and height of its
         texture, where they are known before it is there.
         """
         self.head = head
         self.hair = hair
-        self.settings = settings
-        self.sphere = HeadSphere(head, settings, fine=True)
+        self.settings = ShellSettings()
+        self.sphere = HeadSphere(head, self.settings, fine=True)
         around, down = np.meshgrid(self.sphere.longitudes, self.sphere.angles)
         outer = self.sphere.cover(hair.shell.vertices, hair.shell.faces, around, down)
         covered = _without_specks(np.isfinite(outer) & (outer > self.sphere.radii))
         self.to_hair = reach_inside(self.sphere, covered) / head.height
-        self.usual = usual_reach(self.sphere, settings) / head.height
+        self.usual = usual_reach(self.sphere, self.settings) / head.height
         self.part = _near(head, self.sphere, np.maximum(self.to_hair + max(_HIDDEN), self.usual - _FADE[0]) > 0)
         self.skin = None if size is None else self._skin(size)
 

@@ -24,11 +24,7 @@ class FollowSettings:
 
 
 def follow_weights(
-    anchors: np.ndarray,
-    points: np.ndarray,
-    examples: tuple[np.ndarray, np.ndarray],
-    height: float,
-    settings: FollowSettings = FollowSettings(),  # noqa: B008 (frozen)
+    anchors: np.ndarray, points: np.ndarray, examples: tuple[np.ndarray, np.ndarray], height: float
 ) -> np.ndarray:
     """Weights W with ``points = W anchors`` in the template, under every affine map, and as well as can be in examples.
 
@@ -39,6 +35,7 @@ def follow_weights(
     (n, Q, 3) of the points. height: metres, of the head.
     Returns (Q, J).
     """
+    settings = FollowSettings()
     given = (anchors, points, *examples, height, *astuple(settings))
     return kept_arrays("follow", given, lambda: {"weights": _solve(anchors, points, examples, height, settings)})[
         "weights"

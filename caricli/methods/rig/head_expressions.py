@@ -41,11 +41,7 @@ def open_head_expressions() -> ExpressionTemplates:
     return head_expressions(head, head.template())
 
 
-def head_expressions(
-    head: Head,
-    template: Template,
-    settings: MendSettings = MendSettings(),  # noqa: B008 (frozen)
-) -> ExpressionTemplates:
+def head_expressions(head: Head, template: Template) -> ExpressionTemplates:
     """The 52 expressions of the open head, its lids and lips stopped where they meet.
 
     The head's blinks close the lids at about 0.8, sooner at the outer than at the inner corner, and pierce beyond: at
@@ -54,6 +50,7 @@ def head_expressions(
 
     template: Template of its neutral face.
     """
+    settings = MendSettings()
     raw = ExpressionTemplates(head.action_names, template, head.actions.astype(float))
     curves = [
         template.annotation.curves[f"eye_{lid}_{side}"] for lid in ("upper", "lower") for side in ("left", "right")

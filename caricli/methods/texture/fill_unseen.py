@@ -61,11 +61,7 @@ def vertex_areas(head: Mesh) -> np.ndarray:
     return np.bincount(head.faces.ravel(), np.repeat(areas, 3), len(head.vertices))
 
 
-def fill_unseen(
-    head: Template,
-    vertices: SeenColours,
-    settings: FillSettings = FillSettings(),  # noqa: B008 (frozen)
-) -> np.ndarray:
+def fill_unseen(head: Template, vertices: SeenColours) -> np.ndarray:
     """Continue the colours that are seen over all of the surface.
 
     Near to what is seen its colours go on, and farther off those that are usual for the region: skin, ears, neck and
@@ -75,6 +71,7 @@ def fill_unseen(
     head: Template in the shape of the face. vertices: SeenColours of its vertices, without light.
     Returns (V, 3) sRGB, 0 to 255.
     """
+    settings = FillSettings()
     areas = vertex_areas(head)
     usual = region_colours(head, vertices, areas, settings)
     own = likeness(vertices.colours, usual, settings.other) ** 2

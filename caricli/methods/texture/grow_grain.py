@@ -32,13 +32,7 @@ class GrainSettings:
     most: float = 0.25
 
 
-def grow_grain(
-    image: np.ndarray,
-    seen: np.ndarray,
-    regions: np.ndarray,
-    generator: np.random.Generator,
-    settings: GrainSettings = GrainSettings(),  # noqa: B008 (frozen)
-) -> np.ndarray:
+def grow_grain(image: np.ndarray, seen: np.ndarray, regions: np.ndarray, generator: np.random.Generator) -> np.ndarray:
     """Lay the grain of what is seen, as of paper, brush or pores, over what is filled smoothly.
 
     Image quilting (Efros and Freeman 2001) of what is finer than the colours, relative to these: squares, row by row,
@@ -49,6 +43,7 @@ def grow_grain(
     patches that are compared.
     Returns (S, S, 3), what is seen unchanged. All is unchanged where too little is seen.
     """
+    settings = GrainSettings()
     image = image.astype(np.float32)
     grain = _grain(image, (seen == 1) & (regions > 0), settings)
     grown = np.zeros_like(grain)

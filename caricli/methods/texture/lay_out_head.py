@@ -66,7 +66,7 @@ class LayoutSettings:
     )  # fmt: skip
 
 
-def lay_out_head(head: Template, settings: LayoutSettings = LayoutSettings()) -> Mesh:  # noqa: B008 (frozen)
+def lay_out_head(head: Template) -> Mesh:
     """Lay a head out in a picture.
 
     The skin is one chart, cut along the back of the head, its face of one size all over, scalp and neck giving way to
@@ -76,6 +76,7 @@ def lay_out_head(head: Template, settings: LayoutSettings = LayoutSettings()) ->
     head: Template, mirror-symmetric in its polygons, whose annotation has the regions of the settings and the mirror.
     Returns it as a Mesh with the new UVs, multiples of 1 / GRID.
     """
+    settings = LayoutSettings()
     mirror = head.annotation.mirror
     assert mirror is not None
     head = head.with_vertices((head.vertices + head.vertices[mirror] * [-1, 1, 1]) / 2)
