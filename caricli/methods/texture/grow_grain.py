@@ -86,7 +86,7 @@ def _patches(
     grain: np.ndarray, source: np.ndarray, generator: np.random.Generator, settings: GrainSettings
 ) -> np.ndarray | None:
     """(K, P, P, 3) quiet squares of the source (S, S) bool, or None."""
-    side = _side(grain, settings)
+    side = max(int(settings.patch * len(grain)), 4)
     in_square = partial(cv2.boxFilter, ddepth=-1, ksize=(side, side), anchor=(0, 0), borderType=cv2.BORDER_CONSTANT)
     share = in_square(source.astype(np.float32))
     row, column = np.nonzero(share[: len(share) - side + 1, : len(share) - side + 1] >= settings.whole)
@@ -138,7 +138,3 @@ def _quilt(
             total[at] += share * patches[generator.choice(np.flatnonzero(likely))]
             squares[at] += share**2
     return total[wanted] / np.sqrt(np.maximum(squares[wanted], _SMALL))
-
-
-def _side(grain: np.ndarray, settings: GrainSettings) -> int:
-    return max(int(settings.patch * len(grain)), 4)
