@@ -182,12 +182,12 @@ class Original:
     @cached_property
     def held(self) -> np.ndarray:
         """(H, W) float32 from 0 to 1: glasses, hats and hands before the head."""
-        return self.of_regions(*_HELD) * self._before
+        return self.of_regions(*_HELD) * self.view.covered
 
     @cached_property
     def laid(self) -> np.ndarray:
         """(H, W) float32 from 0 to 1: hair and clothes before the head; what is nearer than it covers them, too."""
-        return self.of_regions(*_LAID) * self._before
+        return self.of_regions(*_LAID) * self.view.covered
 
     @cached_property
     def hidden(self) -> np.ndarray:
@@ -212,10 +212,6 @@ class Original:
         labels = cv2.connectedComponents(shown, connectivity=4)[1]
         beside = np.unique(labels[~self.view.covered])
         return np.where(np.isin(labels, beside), self.beyond, 0).astype(np.float32)
-
-    @cached_property
-    def _before(self) -> np.ndarray:
-        return self.view.covered.astype(np.float32)
 
     @cached_property
     def wall(self) -> np.ndarray:
