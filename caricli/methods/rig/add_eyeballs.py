@@ -119,9 +119,9 @@ def _unit_ball() -> Mesh:
     rings = 1 + np.arange((RINGS - 1) * SECTORS).reshape(RINGS - 1, SECTORS)
     after = np.roll(rings, -1, axis=1)
     none = np.full(SECTORS, -1)
-    front = np.column_stack([0 * none, rings[0], after[0], none])
+    front = np.column_stack([np.zeros(SECTORS, int), rings[0], after[0], none])
     sides = [np.column_stack([rings[k], rings[k + 1], after[k + 1], after[k]]) for k in range(RINGS - 2)]
-    back = np.column_stack([rings[-1], 0 * none + len(points) - 1, after[-1], none])
+    back = np.column_stack([rings[-1], np.full(SECTORS, len(points) - 1), after[-1], none])
     quads = np.concatenate([front, *sides, back])
     uv_quads = quads.copy()
     uv_quads[-SECTORS:, 1] += np.arange(SECTORS)
