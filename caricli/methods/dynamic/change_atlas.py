@@ -35,17 +35,17 @@ def change_atlas(painter: MoodPainter) -> ChangeAtlas:
     moved = np.stack([_change(painter, weights, side) - rest for weights in shown])
     parts = np.tensordot(np.linalg.pinv(shown).astype(np.float32), moved, 1)
     changes = np.concatenate([rest[None], parts])
-    ranges = [float(np.abs(changes[:, kind]).max()) for kind in (0, 1)]
+    ranges = [max(float(np.abs(changes[:, kind]).max()), _NONE) for kind in (0, 1)]
     tiles = np.full((columns**2, side, side, 3), NOTHING, np.uint8)
     for kind, most in enumerate(ranges):
-        tiles[kind:count:2] = np.rint(NOTHING + (255 - NOTHING) * changes[:, kind] / max(most, _NONE))
+        tiles[kind:count:2] = np.rint(NOTHING + (255 - NOTHING) * changes[:, kind] / most)
     laid = tiles.reshape(columns, columns, side, side, 3).swapaxes(1, 2).reshape(columns * side, -1, 3)
     picture = np.full((size, size, 3), NOTHING, np.uint8)
     picture[: len(laid), : len(laid)] = laid
     whole = len(painter.texture.picture)
     rows, places = painter.texture.window
     window = (places.start / whole, rows.start / whole, places.stop / whole, rows.stop / whole)
-    return ChangeAtlas(picture, columns, side, window, *(max(most, _NONE) for most in ranges))
+    return ChangeAtlas(picture, columns, side, window, *ranges)
 
 
 def paint_changes(atlas: ChangeAtlas, picture: np.ndarray, weights: np.ndarray) -> np.ndarray:
