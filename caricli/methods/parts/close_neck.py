@@ -63,9 +63,8 @@ def close_neck(
     foot[:, 1] = vertices[:, 1].min() - BELOW * np.ptp(vertices[:, 1])
     wall = _wall(rim, foot, _way_down(template, vertices))
     middle = foot.mean(0)
-    inward = np.array([share for share, _ in RINGS])[:, None, None]
-    sink = np.array([depth for _, depth in RINGS])[:, None, None] * radius * DOWN
-    places = np.concatenate([wall, foot + inward * (middle - foot) + sink]).reshape(-1, 3)
+    inward, below = np.array(RINGS).T[:, :, None, None]
+    places = np.concatenate([wall, foot + inward * (middle - foot) + below * radius * DOWN]).reshape(-1, 3)
     moves = np.zeros((0, *rim.shape)) if deltas is None else np.asarray(deltas, float)[:, edge]
     # The foot is as stiff as it is level.
     stiff = np.append(WALL, np.ones(len(RINGS)))[:, None, None]
