@@ -37,9 +37,7 @@ def whole_face(face: Face, choice: HeadChoice = WHOLE) -> Face:
         if choice.teeth != WHOLE.teeth:
             raise InputError(_OWN_TEETH)
         return choose_head(rig, choice).face
-    head = load_head()
-    same = len(face.vertices) == head.actions.shape[1]
-    return add_parts(rig, face_parts(face, head.template() if same else face.mesh, choice)).face
+    return add_parts(rig, face_parts(face, load_head().template(), choice)).face
 
 
 def mesh_face(face: Face, template: Template, choice: HeadChoice | None, fine: FineMesh) -> Face:
