@@ -10,6 +10,7 @@ import numpy as np
 from caricli.errors import InputError
 from caricli.io.bundled import asset_path
 from caricli.io.npz import read_npz
+from caricli.methods.parts.attachment import open_head_topology
 from caricli.render.smooth_normals import smooth_normals
 from caricli.structures import Material, Mesh, Part
 from caricli.template.head import load_head
@@ -76,7 +77,7 @@ def add_shoulders(
     expressions and (K, V, 3) metres, what they do to the face.
     Returns a Part. Raises InputError for a skin of another topology.
     """
-    if skin.topology_id != load_head().template().topology_id:
+    if skin.topology_id != open_head_topology():
         raise InputError(NO_SHOULDERS)
     bust = open_head_shoulders()
     places = bust.place(np.asarray(vertices, float))
