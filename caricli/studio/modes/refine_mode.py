@@ -68,7 +68,7 @@ class RefineMode(Mode):
     def listen(self) -> None:
         """Strokes on the head; elsewhere it only turns."""
         self.page.head.on("stroke", self._drawn)
-        self.page.tabs.on_value_change(lambda event: self._use())
+        self.page.tabs.on_value_change(self._use)
 
     def refresh(self, answered: int = 0) -> None:
         """What is selected."""
@@ -78,7 +78,7 @@ class RefineMode(Mode):
         parts = [f"{len(work.handles)} handles"] if len(work.handles) else []
         self.chosen.text = ", ".join([*parts, "a region" if region else "all may move"])
 
-    def _use(self, event: Any = None) -> None:
+    def _use(self) -> None:
         tool = self.tool.value if self.shown else "turn"
         self.page.head.run_method("drawing", None if tool == "turn" else tool, _RADIUS)
 
