@@ -55,5 +55,6 @@ def _row(regions: np.ndarray, upper: np.ndarray, lower: np.ndarray) -> tuple[flo
         # The widest gap is that between both rows.
         last = int(gaps.argmax())
         return (places[last] + 1) / len(teeth), 1 - places[last + 1] / len(teeth)
-    upper = places[0] < _UPPER * len(teeth)
-    return ((places[-1] + 1) / len(teeth), 0.0) if upper else (0.0, 1 - places[0] / len(teeth))
+    if places[0] < _UPPER * len(teeth):
+        return (places[-1] + 1) / len(teeth), 0.0
+    return 0.0, 1 - places[0] / len(teeth)
