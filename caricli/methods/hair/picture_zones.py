@@ -9,16 +9,23 @@ from caricli.methods.texture.distance_to import exact_distance_to
 from caricli.render.pixels.inside_polygon import inside_polygon
 from caricli.render.visibility.rasterise import rasterise
 from caricli.structures import Face
-from caricli.structures.landmarks import OUTLINE
+from caricli.structures.landmarks import (
+    BROW_LEFT,
+    BROW_RIGHT,
+    BROWS,
+    COUNT,
+    EYE_LEFT,
+    EYE_RIGHT,
+    LIPS,
+    OUTLINE,
+    POINT_NAMES,
+)
 from caricli.structures.zoomed_pixels import zoomed_pixels
 from caricli.template.annotation import EARS
 from caricli.template.template import Template
 
-_FEATURES = (range(17, 22), range(22, 27), range(36, 42), range(42, 48), range(48, 60))
-_BROWS = _FEATURES[:2]
+_FEATURES = (BROW_RIGHT, BROW_LEFT, EYE_RIGHT, EYE_LEFT, LIPS)
 _BROW_WIDTH = 0.06  # of the face's size
-_CHIN = 8
-_NASION = 27
 _EAR_ENDS = (3, 13)  # of the jaw: the lowest that ears hang
 _FEWEST = 200  # pixels of background
 
@@ -39,15 +46,15 @@ class PictureZones:
         self.enclosed = inside_polygon(_finite(points[list(OUTLINE)]), self.shape)
         self.features = facial_features(points, self.size, self.shape, settings)
         self.inner = (distance_transform_edt(self.enclosed) > settings.core * self.size) & ~self.features
-        self.brows = points[17:27, 1].mean()
+        self.brows = points[list(BROWS), 1].mean()
         placed = face.require_camera().zoomed(self.zoom, self.corner).place(face.vertices)
         raster = rasterise(placed, face.faces, self.shape[1], self.shape[0])
         self.mesh = raster.face >= 0
-        skull = self.mesh & (rows < points[_NASION, 1])
+        skull = self.mesh & (rows < points[POINT_NAMES["nose_root"], 1])
         self.outside = distance_transform_edt(~(self.enclosed | skull)) / self.size
         self.close = self.outside < 0.15
         self.above_brows = rows < self.brows
-        self.above_chin = rows < points[_CHIN, 1]
+        self.above_chin = rows < points[POINT_NAMES["chin"], 1]
         self.far = self.outside > min(settings.far, np.quantile(self.outside, 0.9))
         self.behind = self.far & self.above_chin
         if self.behind.sum() < _FEWEST:
@@ -70,7 +77,7 @@ class PictureZones:
         return large > 0.5
 
     def _cut(self, face: Face, image: np.ndarray, settings: MaskSettings) -> None:
-        points = face.require_landmarks()[:68]
+        points = face.require_landmarks()[:COUNT]
         low = points.min(0)
         high = points.max(0)
         size = max((high - low).max(), 8)
@@ -93,7 +100,7 @@ class PictureZones:
         return near * (level & ~self.enclosed & (self.outside < settings.reach))
 
     def _prior(self, rows: np.ndarray, settings: MaskSettings) -> np.ndarray:
-        below = np.clip((rows - self.points[_CHIN, 1]) / self.size, 0, None)
+        below = np.clip((rows - self.points[POINT_NAMES["chin"], 1]) / self.size, 0, None)
         outer = self.outside
         hair = 0.6 * _falling(outer, settings.reach, settings.blur) * _falling(below, 0.1, 0.08)
         hair = np.where(self.enclosed, 0.02, hair) * (1 - 0.6 * self.ears)
@@ -114,7 +121,7 @@ def facial_features(points: np.ndarray, size: float, shape: tuple[int, int], set
     points: (68, 2) pixels, NaN where unknown. size: pixels, of the face. shape: H and W.
     """
     mask = np.zeros(shape, np.uint8)
-    for part in _BROWS:
+    for part in (BROW_RIGHT, BROW_LEFT):
         line = np.round(_finite(points[list(part)])).astype(np.int32)
         cv2.polylines(mask, [line], False, 1, max(1, int(_BROW_WIDTH * size)))
     enclosed = np.any([inside_polygon(_finite(points[list(part)]), shape) for part in _FEATURES], axis=0)
