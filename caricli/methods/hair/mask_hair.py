@@ -179,10 +179,10 @@ def _bridges(hair: np.ndarray, above: np.ndarray, width: int) -> np.ndarray:
     thick = cv2.morphologyEx(hair.astype(np.uint8), cv2.MORPH_OPEN, disc) > 0
     parts, areas = _parts(thick)
     begins = np.bincount(parts[above], minlength=len(areas)) > 0
-    thin, count = _parts(hair & ~thick)
-    leads = np.ones(len(count), bool)
+    thin, areas = _parts(hair & ~thick)
+    leads = np.ones(len(areas), bool)
     for ends in (thick & begins[parts], thick & ~begins[parts]):
-        leads &= np.bincount(thin[widen_mask(ends, 1)], minlength=len(count)) > 0
+        leads &= np.bincount(thin[widen_mask(ends, 1)], minlength=len(areas)) > 0
     leads[0] = False
     return leads[thin]
 
