@@ -10,7 +10,7 @@ from caricli.methods.session.history import History
 from caricli.methods.session.operations import operate
 from caricli.methods.session.pose import Poser, eye_turns
 from caricli.methods.session.work import Work
-from caricli.render.eyes.place_eyeballs import place_eyeballs
+from caricli.render.eyes.place_eyeballs import place_eyeball
 from caricli.render.face_look import with_parts
 from caricli.render.pixels.srgb import to_linear
 from caricli.render.shade import Look
@@ -96,9 +96,10 @@ class Desk:
         parts = [part.mesh.vertices for part in self.poser.parts(work)]
         vertices = np.concatenate([self.poser.vertices(work), *parts])
         eyes = np.zeros((2, EYES // 2))
-        balls = place_eyeballs(work.face.mesh, self.tools.model.template.annotation)
-        for row, (centre, radius) in enumerate(balls):
-            eyes[row, :4] = [*centre, radius]
+        for row, side in enumerate(("left", "right")):
+            placed = place_eyeball(work.face.mesh, self.tools.model.template.annotation, side)
+            if placed is not None:
+                eyes[row, :4] = [*placed[0], placed[1]]
         eyes[:, 4:] = eye_turns(work)
         return np.concatenate([eyes.ravel(), vertices.ravel()]).astype("<f4").tobytes()
 

@@ -8,7 +8,7 @@ import numpy as np
 from caricli.geometry.alignment.rotation_vectors import rotation_matrices
 from caricli.methods.rig.add_parts import add_parts
 from caricli.render.eyes.paint_eye import paint_eye
-from caricli.render.eyes.place_eyeballs import place_eyeballs
+from caricli.render.eyes.place_eyeballs import place_eyeball
 from caricli.structures import Material, Mesh, Part, Rig
 from caricli.template.annotation import Annotation
 
@@ -48,21 +48,25 @@ def fit_eyeballs(mesh: Mesh, annotation: Annotation, deltas: np.ndarray) -> list
     Returns them without the eyes that the annotation does not know.
     """
     eyeballs = []
-    balls = place_eyeballs(mesh, annotation)
-    for side, (centre, radius) in zip(("left", "right"), balls, strict=False):
+    for side in ("left", "right"):
+        placed = place_eyeball(mesh, annotation, side)
+        if placed is None:
+            continue
+        centre, radius = placed
         ids = lid_vertices(annotation, side)
         away = moving_vertices(mesh.vertices, deltas, ids) - centre
         deep = (CLEARANCE * radius) ** 2 - (away[:, :2] ** 2).sum(1)
         behind = np.where(deep > 0, np.sqrt(np.maximum(deep, 0)) - away[:, 2], 0.0)
-        retreat = max(float(behind.max()), 0.0)
+        retreat = float(behind.max(initial=0.0))
         eyeballs.append(Eyeball(side, centre - [0, 0, retreat], radius, retreat))
     return eyeballs
 
 
 def lid_vertices(annotation: Annotation, side: str) -> np.ndarray:
-    """Vertices of the lids of one eye, without the lining of its socket."""
-    ids = np.union1d(annotation.curves[f"eye_upper_{side}"], annotation.curves[f"eye_lower_{side}"])
-    return np.setdiff1d(np.union1d(ids, annotation.regions[f"eyes_{side}"]), annotation.regions[f"eye_socket_{side}"])
+    """Vertices of the lids of one eye, of their margins alone where they have no region, and none of its socket."""
+    margins = [annotation.curves[f"eye_upper_{side}"], annotation.curves[f"eye_lower_{side}"]]
+    lids = annotation.regions.get(f"eyes_{side}", margins[0])
+    return np.setdiff1d(np.concatenate([*margins, lids]), annotation.regions[f"eye_socket_{side}"])
 
 
 def moving_vertices(neutral: np.ndarray, deltas: np.ndarray, ids: np.ndarray) -> np.ndarray:

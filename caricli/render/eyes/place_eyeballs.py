@@ -18,16 +18,19 @@ def place_eyeballs(mesh: Mesh, annotation: Annotation) -> list[tuple[np.ndarray,
     Returns a list of (centre (3,), radius), in the unit of the vertices; without the eyes that the annotation does not
     know, and empty where it does not fit the faces because it was made for another mesh.
     """
-    vertices = np.asarray(mesh.vertices, float)
+    return [ball for side in ("left", "right") if (ball := place_eyeball(mesh, annotation, side)) is not None]
+
+
+def place_eyeball(mesh: Mesh, annotation: Annotation, side: str) -> tuple[np.ndarray, float] | None:
+    """The one of ``place_eyeballs`` on a side, "left" or "right", or None."""
     curves = annotation.curves
-    eyeballs = []
-    for side in ("left", "right"):
-        lids = [np.asarray(curves[name]) for name in (f"eye_upper_{side}", f"eye_lower_{side}") if name in curves]
-        socket = np.asarray(annotation.regions.get(f"eye_socket_{side}", ()), int)
-        own = f"eyeball_{side}" in annotation.regions
-        if not own and len(lids) == 2 and len(socket) >= 4 and _fits(mesh, lids, socket):
-            eyeballs.append(_ball(vertices[socket], vertices[np.concatenate(lids)]))
-    return eyeballs
+    lids = [np.asarray(curves[name]) for name in (f"eye_upper_{side}", f"eye_lower_{side}") if name in curves]
+    socket = np.asarray(annotation.regions.get(f"eye_socket_{side}", ()), int)
+    own = f"eyeball_{side}" in annotation.regions
+    if own or len(lids) < 2 or len(socket) < 4 or not _fits(mesh, lids, socket):
+        return None
+    vertices = np.asarray(mesh.vertices, float)
+    return _ball(vertices[socket], vertices[np.concatenate(lids)])
 
 
 def _ball(lining: np.ndarray, margin: np.ndarray) -> tuple[np.ndarray, float]:

@@ -166,6 +166,28 @@ def test_lids_are_no_lining(head_template):
         assert not np.isin(ids, note.regions[f"eye_socket_{side}"]).any()
 
 
+@pytest.mark.parametrize("side", ["left", "right"])
+def test_an_eye_that_is_known_alone_is_that_of_its_side(head_template, side):
+    note = head_template.annotation
+    other = "right" if side == "left" else "left"
+    still = np.zeros((0, *head_template.vertices.shape))
+    both = {ball.side: ball for ball in fit_eyeballs(head_template, note, still)}
+    modelled = replace(note, regions=note.regions | {f"eyeball_{other}": np.zeros(0, int)})
+    unnamed = replace(note, curves={name: ids for name, ids in note.curves.items() if not name.endswith(other)})
+    for note_of_one in (modelled, unnamed):
+        (ball,) = fit_eyeballs(head_template, note_of_one, still)
+        assert ball.side == side
+        np.testing.assert_array_equal(ball.centre, both[side].centre)
+
+
+def test_lids_without_a_region_are_their_margins(head_template):
+    note = head_template.annotation
+    bare = replace(note, regions={name: ids for name, ids in note.regions.items() if not name.startswith("eyes_")})
+    still = np.zeros((0, *head_template.vertices.shape))
+    assert [ball.side for ball in fit_eyeballs(head_template, bare, still)] == ["left", "right"]
+    assert np.isin(lid_vertices(bare, "left"), lid_vertices(note, "left")).all()
+
+
 def test_a_mesh_that_the_annotation_does_not_fit_has_no_eyes(head_template):
     coarse = Mesh(head_template.vertices, head_template.faces[:50])
     assert fit_eyeballs(coarse, head_template.annotation, np.zeros((1, 4200, 3))) == []
