@@ -11,6 +11,7 @@ import scipy.sparse as sp
 
 from caricli.errors import InputError
 from caricli.geometry.alignment.similarity import similarity
+from caricli.geometry.alignment.weighted_similarities import weighted_similarities
 from caricli.geometry.triangle_normals import triangle_normals
 from caricli.methods.dynamic.chart_pictures import ChartGrid
 from caricli.methods.dynamic.mouth_parts import MouthParts, look_inside
@@ -124,16 +125,10 @@ class PersonShapes:
     def _way(self, places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """How places (N, 3) come to lie on the neutral face: a rotation (3, 3) and a shift (3,)."""
         # The jaw moves most; what is above it is where the fit starts.
-        weights = (self.grid.chart.uvs[:, 1:] > _ABOVE) + _SMALL
+        weights = (self.grid.chart.uvs[:, 1] > _ABOVE) + _SMALL
         for _ in range(_ROUNDS):
-            total = weights.sum()
-            middle = (weights * places).sum(0) / total
-            there = (weights * self.neutral).sum(0) / total
-            root = np.sqrt(weights)
-            u, _, vt = np.linalg.svd((root * (self.neutral - there)).T @ (root * (places - middle)))
-            turn = (u * [1, 1, np.sign(np.linalg.det(u @ vt))]) @ vt
-            shift = there - middle @ turn.T
-            away = np.linalg.norm(places @ turn.T + shift - self.neutral, axis=1, keepdims=True)
+            _, turn, shift = weighted_similarities(places, self.neutral, weights, scaling=False)
+            away = np.linalg.norm(places @ turn.T + shift - self.neutral, axis=1)
             weights = 1 / (away + _STILL) ** 2
         return turn, shift
 
