@@ -118,12 +118,8 @@ class _Margins:
 
     def _closing(self, before: np.ndarray, after: np.ndarray) -> np.ndarray:
         """(P,) bool: pairs that come together from one displacement (V, 3) to another."""
-        then, now = (np.linalg.norm(self._apart(moved), axis=1) for moved in (before, after))
+        then, now = (np.linalg.norm(self.offsets + self._between(moved), axis=1) for moved in (before, after))
         return closes(then, now, self.raw.reach)
-
-    def _apart(self, moved: np.ndarray) -> np.ndarray:
-        """(P, 3) from the second to the first vertex of pairs after displacements (V, 3)."""
-        return self.offsets + moved[self.pairs[:, 0]] - moved[self.pairs[:, 1]]
 
     def _between(self, values: np.ndarray) -> np.ndarray:
         """(P, 3) differences of (V, 3) over pairs."""
