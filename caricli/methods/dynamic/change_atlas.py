@@ -48,23 +48,6 @@ def change_atlas(painter: MoodPainter) -> ChangeAtlas:
     return ChangeAtlas(picture, columns, side, window, *ranges)
 
 
-def paint_changes(atlas: ChangeAtlas, picture: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """A picture (H, H, 3) uint8 of the skin as an atlas changes it with weights (K,): what a shader shows, uint8."""
-    size = len(picture)
-    left, top, right, bottom = (round(share * size) for share in atlas.window)
-    window = np.s_[top:bottom, left:right]
-    colours = picture[window] / np.float32(255)
-    change = np.zeros((2, atlas.side, atlas.side, 3))
-    for number, weight in enumerate([1.0, *weights]):
-        if weight:
-            change += weight * np.stack(atlas.change(number))
-    shape = colours.shape[1::-1]
-    gain, offset = (cv2.resize(values, shape, interpolation=cv2.INTER_LINEAR) for values in change)
-    painted = picture.copy()
-    painted[window] = np.rint(255 * np.clip(colours + gain * colours + offset, 0, 1))
-    return painted
-
-
 def _shown_weights(names: tuple[str, ...]) -> np.ndarray:
     """(N, K) weights at which the network is asked."""
     together = uses(names)
