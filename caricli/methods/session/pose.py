@@ -7,6 +7,7 @@ import numpy as np
 
 from caricli.methods.faces.encode_face import EncodedFace, encode_face
 from caricli.methods.parts.face_parts import face_parts, let_tongue_out
+from caricli.methods.rig.add_eyeballs import ANGLES
 from caricli.methods.rig.transfer_rig import transfer_rig
 from caricli.methods.session.tools import Tools
 from caricli.methods.session.work import Work
@@ -15,9 +16,6 @@ from caricli.structures.arkit import within_reach
 
 DRESSED = HeadChoice(("skin", "teeth", "tongue", "lashes", "hair", "bust"))
 """What the page shows of a head beside its eyes."""
-
-_TURNS = {"Up": (0.0, -22.0), "Down": (0.0, 25.0), "In": (-30.0, 0.0), "Out": (30.0, 0.0)}
-"""Degrees that the left eye turns at full weight, about y and about x, as rigs have it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,9 +94,10 @@ def _moved(rest: np.ndarray, names: Sequence[str], deltas: np.ndarray, work: Wor
 
 
 def eye_turns(work: Work) -> np.ndarray:
-    """(2, 2) radians, of the left and the right eye about y, to the subject's left, and about x, down."""
+    """(2, 2) radians, of the left and the right eye about y, to the subject's left, and about x, down, as in rigs."""
     turns = np.zeros((2, 2))
     for row, (side, mirror) in enumerate((("Left", 1), ("Right", -1))):
-        for way, (about_y, about_x) in _TURNS.items():
-            turns[row] += work.weights.get(f"eyeLook{way}{side}", 0) * np.array([mirror * about_y, about_x])
+        for way, (about_x, about_y) in ANGLES.items():
+            aside = -mirror * about_y if way == "In" else mirror * about_y
+            turns[row] += work.weights.get(f"eyeLook{way}{side}", 0) * np.array([aside, about_x])
     return np.radians(turns)
