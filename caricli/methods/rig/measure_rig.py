@@ -13,7 +13,8 @@ from caricli.methods.rig.expression_templates import ExpressionTemplates
 from caricli.structures.arkit import start_delta
 
 _OPEN = 1e-9
-"""Least gap of open lids, metres, so that lids that were shut before give a large share and no division by zero."""
+"""Least gap of open lids and lips, metres, so that those that were shut before give a large share or none, and no
+division by zero."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,10 +114,8 @@ class _Expressions:
             return None, None
         k = names.index("mouthClose")
         start = self.starts[k]
-        shut, open_ = (
-            curve_gap(v[:, :2], *lips) / curve_gap(start[:, :2], *lips) for v in (start + self.deltas[k], self.neutral)
-        )
-        return shut, open_
+        shut, resting, jaw = (curve_gap(v[:, :2], *lips) for v in (start + self.deltas[k], self.neutral, start))
+        return shut / max(jaw, _OPEN), resting / max(jaw, _OPEN)
 
     def _polylines(self, upper: str, lower: str) -> tuple[np.ndarray, np.ndarray] | None:
         """Vertex ids of two curves, or None where the mesh does not know both."""

@@ -56,6 +56,14 @@ def templates(neutral, faces, annotation):
     return ExpressionTemplates(NAMES, mesh, lowered(neutral, 3.95, -1, 4.95, 0))
 
 
+def test_lips_that_a_jaw_does_not_open_have_no_gap(templates, neutral):
+    closed = neutral.copy()
+    closed[row(UPPER), 1] = closed[row(LOWER), 1]
+    still = np.zeros_like(templates.deltas)
+    measures = measure_rig(closed, still, replace(templates, names=NAMES, deltas=still))
+    assert measures.lip_gap == measures.lips_open == 0
+
+
 def test_gap_between_polylines():
     x = np.linspace(0, 1, 5)
     line = np.stack([x, 0 * x, 0 * x], axis=1)
