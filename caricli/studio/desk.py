@@ -1,6 +1,7 @@
 """What one tab of the page works on, without the page."""
 
 import secrets
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -33,28 +34,39 @@ class Desk:
         self.tools = tools
         self.poser = Poser(tools)
         self.basis = np.zeros((3, 0, 3))
-        self._begin(work, start)
+        self._begin(History(work, tools), start)
 
     def open(self, path: Path | None) -> None:
         """Begin anew with a file, or an empty canvas. Where it is refused nothing changes. Raises InputError."""
-        self._begin(load_start(path, self.tools), start_of(path))
+        self._begin(History(load_start(path, self.tools), self.tools), start_of(path))
 
-    def _begin(self, work: Work, start: Start | None) -> None:
+    def _begin(self, history: History, start: Start | None) -> None:
         self.start = start
-        self.history = History(work, self.tools)
+        self.history = history
         self.tried: Work | None = None
 
-    def restore(self, start: Start | None, operations: list[Operation]) -> None:
+    def restore(self, start: Start | None, operations: Sequence[Operation]) -> None:
         """Do again what was done before, from the same start. Raises InputError where it is another one."""
         if start != self.start:
             begun = "an empty canvas" if start is None else start.file
             raise InputError(f"expected to go on from {begun}: open it first")
-        origin = History(self.history.start, self.tools)
+        self._begin(self._done_again(self.history.start, operations), start)
+
+    def open_session(self, session: Session) -> None:
+        """Do a session again: one that began with an empty canvas whatever is there, others as ``restore``. Where it
+        is refused nothing changes. Raises InputError."""
+        if session.start is None:
+            self._begin(self._done_again(load_start(None, self.tools), session.operations), None)
+        else:
+            self.restore(session.start, session.operations)
+
+    def _done_again(self, work: Work, operations: Sequence[Operation]) -> History:
+        """The History of operations from a work."""
+        history = History(work, self.tools)
         for number, operation in enumerate(operations):
             with naming(f"operation {number}"):
-                origin.do(operation)
-        self.history = origin
-        self.tried = None
+                history.do(operation)
+        return history
 
     @property
     def session(self) -> Session:

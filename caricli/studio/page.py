@@ -241,10 +241,7 @@ class Page:
         """Open a file that was sent: a face, a picture, a sketch, a session, or landmarks of the picture that is
         there. Raises CaricliError."""
         if path.suffix.lower() == ".json" and _is_session(path):
-            session = read_session(path)
-            if session.start is None and self.desk.start is not None:
-                await self.studio.run(self.desk.open, None)
-            await self.studio.run(self.desk.restore, session.start, list(session.operations))
+            await self.studio.run(self.desk.open_session, read_session(path))
         elif self.desk.work.picture is not None and _is_marks(path):
             given = {"landmarks": landmarks_to_json(read_landmarks(path))}
             await self.studio.run(self.desk.do, Operation("marks", given))

@@ -1,0 +1,57 @@
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from caricli.errors import InputError
+from caricli.io.session import format_session
+from caricli.methods.session.work import Work
+from caricli.structures import Operation, Session, Start
+from caricli.studio.desk import Desk
+from caricli.studio.page import Page
+from tests.studio.conftest import run_apart
+
+BEGUN = Start("face.npz", "0" * 64)
+
+
+@pytest.fixture
+def desk(monkeypatch):
+    """A desk with a face of a file, where all operations but one are done; the work is what is said of it."""
+
+    def operate(work, operation, tools):
+        if operation.name == "refused":
+            raise InputError("no")
+        return Work(work.face, remark=work.remark + operation.name)
+
+    anything: Any = None
+    monkeypatch.setattr("caricli.methods.session.history.operate", operate)
+    monkeypatch.setattr("caricli.studio.desk.load_start", lambda path, tools: Work(anything, remark="empty "))
+    own = Desk(anything, Work(anything, remark="face "), BEGUN)
+    own.do(Operation("a"))
+    return own
+
+
+def test_a_session_from_an_empty_canvas_opens_whatever_is_there(desk):
+    desk.open_session(Session(None, (Operation("b"), Operation("c"))))
+    assert desk.start is None and desk.work.remark == "empty bc"
+    desk.undo()
+    assert desk.work.remark == "empty b"
+
+
+@pytest.mark.parametrize("start", [None, BEGUN, Start("other.npz", "1" * 64)])
+def test_a_session_that_is_refused_changes_nothing(desk, tmp_path, start):
+    path = tmp_path / "session.json"
+    path.write_text(format_session(Session(start, (Operation("b"), Operation("refused")))))
+
+    async def run(function, *values):
+        return function(*values)
+
+    studio: Any = SimpleNamespace(run=run)
+    with pytest.raises(InputError):
+        run_apart(Page(studio, desk).open(path))
+    assert desk.start == BEGUN and desk.work.remark == "face a"
+
+
+def test_a_session_goes_on_from_its_start(desk):
+    desk.open_session(Session(BEGUN, (Operation("b"),)))
+    assert desk.start == BEGUN and desk.work.remark == "face b"
