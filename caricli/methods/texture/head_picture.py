@@ -46,10 +46,10 @@ class HeadPicture:
         if (start >= end).any():
             return self
         part = np.s_[start[1] : end[1], start[0] : end[0]]
-        image, mask, regions = (None if each is None else each[part] for each in (self.image, self.mask, self.regions))
-        assert image is not None
+        image = np.ascontiguousarray(self.image[part])
+        mask, regions = (None if each is None else each[part] for each in (self.mask, self.regions))
         share = self.share * image[..., 0].size / self.image[..., 0].size
-        cut = HeadPicture(self._seen(1.0, start), np.ascontiguousarray(image), mask, regions, share)
+        cut = HeadPicture(self._seen(1.0, start), image, mask, regions, share)
         return cut._smaller(most / longest) if longest > most else cut
 
     def _smaller(self, zoom: float) -> "HeadPicture":
