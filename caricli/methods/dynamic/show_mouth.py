@@ -14,6 +14,7 @@ def show_mouth(texture: np.ndarray, picture: np.ndarray, face: Face, grid: Chart
 
     Where they are not, nobody sees what the chart has between them: it gets one colour, that of the inner lips, lest a
     network learn what chance has left there.
+
     texture: (S, S, 3) uint8, as of ``texture_to_chart``, where between the lips their colours go over into each other.
     picture: (H, W, 3) uint8. face: Face with the camera that it is seen by. grid: ChartGrid of its mesh.
     Returns (S, S, 3) uint8. Raises InputError where the face has no camera or is of another mesh.

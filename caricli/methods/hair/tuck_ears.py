@@ -18,7 +18,8 @@ def tuck_ears(sphere: HeadSphere, view: HairView, settings: ShellSettings) -> Te
     """The head of a sphere with what hair hides of its ears laid against it, where a part of them shows.
 
     Hair ends before that part, and what is hidden beside it would stick out of the hair.
-    view: HairView of the head.
+
+    sphere: HeadSphere of the head. view: HairView of the head.
     """
     head = sphere.head
     hidden = np.zeros(len(head.vertices))

@@ -230,7 +230,9 @@ class MovedHead:
 
     @cached_property
     def light_ratio(self) -> np.ndarray:
-        """(H, W, 3) float32 factors of sRGB by which what moved is brighter than the old picture shows it."""
+        """(H, W, 3) float32 factors of sRGB by which what moved is brighter than the old picture shows it; (1, 1, 3)
+        ones where this tells no light.
+        """
         light = self.original.light
         if light is None:
             return np.ones((1, 1, 3), np.float32)

@@ -58,7 +58,8 @@ class Window:
 class View:
     """A head in a window, and its outlines: where what is nearer ends before what is farther off.
 
-    placed: (V, 3) pixels and depth. face, weights, depth: of `rasterise`, by sample.
+    placed: (V, 3) pixels and depth. face, weights, depth: of `rasterise`, by sample. covered, inside: (H, W) bool,
+    samples that show the head, and those that show what is in its mouth.
     """
 
     def __init__(self, placed: np.ndarray, faces: np.ndarray, window: Window, jump: float, within: np.ndarray) -> None:

@@ -36,7 +36,8 @@ def parsed_head(regions: np.ndarray, pixels: np.ndarray, image: np.ndarray) -> P
     """Find the head that a mesh covers.
 
     A collar is easily taken for neck; it is told by its colours, and what is beyond it is no neck either. So is what is
-    behind the head at its border.
+    behind the head taken for skin at its border, and told by its colours.
+
     regions: (H, W) values of Region. pixels: (H, W) bool, those that the mesh covers. image: (H, W, 3) uint8.
     Returns ParsedHead, or None where it was not seen: there is little skin and hair among these pixels, or none.
     """
