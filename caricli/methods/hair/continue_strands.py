@@ -232,5 +232,6 @@ def seen_tones(picture: np.ndarray, seen: np.ndarray, spread: float) -> np.ndarr
 
 def _blurred(values: np.ndarray, spread: float) -> np.ndarray:
     """Values (S, S, 4), blurred by so many pixels; what is so smooth needs few of them."""
-    small = cv2.resize(values, None, fx=1 / _FEW, fy=1 / _FEW, interpolation=cv2.INTER_AREA)
-    return cv2.resize(cv2.GaussianBlur(small, (0, 0), spread / _FEW), values.shape[1::-1])
+    share = max(1 / _FEW, 1 / len(values))
+    small = cv2.resize(values, None, fx=share, fy=share, interpolation=cv2.INTER_AREA)
+    return cv2.resize(cv2.GaussianBlur(small, (0, 0), share * spread), values.shape[1::-1])

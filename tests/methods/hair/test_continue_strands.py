@@ -49,6 +49,15 @@ def test_what_is_not_seen_never_enters():
     assert filled.max() <= 255
 
 
+def test_the_smallest_patches_are_of_a_few_pixels():
+    image = np.full((64, 64, 3), 80.0)
+    seen = np.zeros((64, 64), bool)
+    seen[50:56, 30:36] = True
+    image[seen] = [90, 60, 30]
+    filled = continue_strands(image, seen, np.random.default_rng(1))
+    np.testing.assert_allclose(filled, np.broadcast_to([90, 60, 30], image.shape), atol=1)
+
+
 def test_the_generator_decides():
     _, seen = rays()
     image = np.random.default_rng(0).normal(100, 5, (SIDE, SIDE, 3))
