@@ -12,7 +12,7 @@ from caricli.methods.animate.bind_weights import BoundWeights, bind_weights
 from caricli.methods.animate.pose_rig import RigPoser
 from caricli.methods.animate.resample_weights import resample_weights
 from caricli.methods.animate.smooth_weights import smooth_weights
-from caricli.methods.animate.turn_head import turn_head
+from caricli.methods.animate.turn_head import turn_head, within_half_turns
 from caricli.structures import Animation, Rig, Track
 from caricli.structures.arkit import within_reach
 
@@ -108,7 +108,7 @@ def animate_rig(
         raise InputError(f"scale: {unknown[0]}: not among the rig's {len(rig.names)}; did you mean {near!r}?")
     head = track.head if settings.head else None
     if head is not None:
-        head = smooth_weights(head, track.times, settings.smooth)
+        head = within_half_turns(smooth_weights(np.unwrap(head, axis=0), track.times, settings.smooth))
     calm = smooth_weights(track.weights, track.times, settings.smooth)
     even, fps = resample_weights(replace(track, weights=calm, head=head), settings.fps)
     bound = bind_weights(even, rig.names)

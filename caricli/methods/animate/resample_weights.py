@@ -4,6 +4,7 @@ import numpy as np
 
 from caricli.errors import InputError
 from caricli.io.takes.track import MAX_FRAMES, MAX_WEIGHTS
+from caricli.methods.animate.turn_head import within_half_turns
 from caricli.structures import Track
 
 _EVEN = 1e-3
@@ -41,7 +42,8 @@ def resample_weights(track: Track, fps: float | None = None) -> tuple[Track, flo
     columns = [np.interp(times, track.times, column) for column in track.weights.T]
     head = None
     if track.head is not None:
-        head = np.stack([np.interp(times, track.times, a) for a in np.unwrap(track.head, axis=0).T], axis=1)
+        angles = np.unwrap(track.head, axis=0)
+        head = within_half_turns(np.stack([np.interp(times, track.times, a) for a in angles.T], axis=1))
     return Track(track.names, times, np.stack(columns, axis=1), head), fps
 
 

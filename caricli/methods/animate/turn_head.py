@@ -18,3 +18,8 @@ def turn_head(angles: np.ndarray) -> np.ndarray:
     against = (turns[1:] * turns[:-1]).sum(1) < 0
     turns[1:] *= np.where(np.cumsum(against) % 2, -1, 1)[:, None]
     return turns
+
+
+def within_half_turns(angles: np.ndarray) -> np.ndarray:
+    """The same turns by angles (T, 3) from minus half a turn to half a turn, radians."""
+    return angles - 2 * np.pi * np.round(angles / (2 * np.pi))

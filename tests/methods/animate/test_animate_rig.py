@@ -44,6 +44,17 @@ def test_weights_and_the_turning_head_are_smoothed_as_asked(rig, track):
     np.testing.assert_allclose(moving.animation.rotations, turn_head(head), atol=1e-12)
 
 
+@pytest.mark.parametrize("fps", [None, 50])
+def test_a_head_that_turns_round_and_round_is_smoothed_as_any_other(rig, fps):
+    times = np.arange(120) / 30
+    angles = np.linspace([0, 0, 3.0], [0, 0, 12.0], 120)
+    told = (angles + np.pi) % (2 * np.pi) - np.pi
+    tracks = [Track(("jawOpen",), times, np.zeros((120, 1)), head) for head in (angles, told)]
+    settings = AnimationSettings(smooth=1, fps=fps)
+    whole, jumping = (animate_rig(rig, track, settings).animation.rotations for track in tracks)
+    np.testing.assert_allclose(np.abs((whole * jumping).sum(1)), 1, atol=1e-9)
+
+
 def test_the_head_may_keep_still(rig, track):
     moving = animate_rig(rig, track, AnimationSettings(head=False, fps=20))
     assert moving.animation.rotations is None and len(moving.animation.times) == 5
