@@ -1,5 +1,6 @@
 """caricli detect: faces, landmarks and regions of pictures."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -49,7 +50,8 @@ def command(ctx, pictures, out, out_dir, everyone, detector, score, overwrite):
     from caricli.store.detector import load_detector
 
     jobs = named_jobs(pictures, "PICTURE", out, out_dir, ".json")
-    task = DetectTask(load_detector(detector), detector, everyone, DetectSettings().sure_of(score), overwrite)
+    settings = DetectSettings().sure_of(score)
+    task = DetectTask(load_detector(detector), detector, everyone, settings, overwrite, pictures)
     run_batch(ctx, jobs, task.run, "pictures")
 
 
@@ -58,7 +60,7 @@ class DetectTask:
     """What is done with every picture.
 
     detector: Detector, and the path of its file or None for the bundled one. everyone: write all faces. settings: of
-    the search. overwrite: whether files that exist are replaced.
+    the search. overwrite: whether files that exist are replaced. inputs: all pictures that are read.
     """
 
     detector: Any
@@ -66,6 +68,7 @@ class DetectTask:
     everyone: bool
     settings: DetectSettings
     overwrite: bool
+    inputs: Sequence[Path] = ()
 
     def run(self, source: Path, target: Path) -> str:
         """Find the faces of a picture, write them, and say what they are."""
@@ -83,7 +86,7 @@ class DetectTask:
             target.with_name(f"{target.stem}-{end}") for end in ("regions.png", "regions.json", "overlay.png")
         )
         files = (*marks, regions, report, overlay)
-        with staged(*files, overwrite=self.overwrite, inputs=(source, self.path)) as temporaries:
+        with staged(*files, overwrite=self.overwrite, inputs=(source, self.path, *self.inputs)) as temporaries:
             *points, labels, about, sheet = temporaries
             for file, face in zip(points, faces, strict=True):
                 write_landmarks(file, face.landmarks)

@@ -104,6 +104,18 @@ def test_second_faces_do_not_replace_another_picture_s(run, detector, pictures, 
     }  # fmt: skip
 
 
+def test_a_picture_that_is_still_to_be_read_is_not_replaced(run, detector, pictures, tmp_path):
+    folder, _ = pictures
+    overlay = folder / "pair-overlay.png"
+    shutil.copy(folder / "pair.png", overlay)
+    paths = (folder / "pair.png", overlay)
+    result = run("detect", *paths, "--detector", detector, "--out-dir", folder, "--overwrite")
+    assert result.exit_code == 1 and "1 of 2 failed" in result.stderr
+    assert "pair-overlay.png: expected an output, found one of the inputs" in result.stderr
+    assert overlay.read_bytes() == paths[0].read_bytes()
+    assert (folder / "pair-overlay.json").exists() and not (folder / "pair.json").exists()
+
+
 def test_a_picture_without_a_face_fails_alone(run, refused, detector, pictures, tmp_path):
     folder, _ = pictures
     told = refused("detect", folder / "wall.png", "--detector", detector, "--out-dir", tmp_path / "one")

@@ -139,6 +139,19 @@ def test_nothing_is_replaced_without_overwrite(heads, refused, tmp_path):
     assert "thumbnails: expected a folder with viewer/turntable.js to replace" in told
 
 
+def test_a_picture_that_is_still_to_be_read_is_not_replaced(run, tmp_path):
+    head = tmp_path / "heads" / "drawing"
+    head.mkdir(parents=True)
+    (head / "portrait.json").write_text("{}")
+    paths = (tmp_path / "drawing.png", head / "styled.png")
+    for path in paths:
+        path.write_text("no picture")
+    result = run("portrait", *paths, "--out-dir", tmp_path / "heads", "--overwrite")
+    assert result.exit_code == 1 and "2 of 2 failed" in result.stderr
+    assert f"expected an output, found a folder that holds the input {paths[1]}" in result.stderr
+    assert paths[1].exists()
+
+
 def test_wrong_usage(refused, heads, tmp_path):
     picture = heads[0].parent / "seen.png"
     assert "--out-dir" in refused("portrait", picture, code=2)

@@ -115,7 +115,7 @@ class PortraitChain:
     def run(self, picture: Path, folder: Path) -> str:
         """Make the head of a picture, in a folder of its own, and say what came of it."""
         given = self.files.marks(picture)
-        folders = staged_folder(folder, self.files.overwrite, (picture, given), REPORT)
+        folders = staged_folder(folder, self.files.overwrite, (*self.files.pictures, given), REPORT)
         with folders as head, progress_bar(shown(picture.name)) as report:
             steps = self._steps(picture, given, head)
             for number, step in enumerate(steps):
