@@ -40,6 +40,9 @@ def command(dataset, out, count, size, model, seed, workers, overwrite):
     morphable = load_morphable(model)
     check_topology(morphable.template, people.template, model or "the bundled morphable model")
     settings = PictureSettings(count, size, seed)
-    with staged_folder(out, overwrite=overwrite, marker=MANIFEST) as temporary, progress_bar("pictures") as report:
+    with (
+        staged_folder(out, overwrite=overwrite, inputs=(dataset, model), marker=MANIFEST) as temporary,
+        progress_bar("pictures") as report,
+    ):
         summary = build_pictures(PictureWriter(temporary), people, morphable, settings, workers, report)
     echo_result(f"{out}: {summary['pictures']} pictures of {summary['faces']} faces")

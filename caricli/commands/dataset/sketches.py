@@ -56,6 +56,9 @@ def command(dataset, out, count, size, hand, seed, workers, overwrite):
 
     people = read_dataset(dataset)
     settings = SketchSettings(count or len(people.vertices), size, hand, seed)
-    with staged_folder(out, overwrite=overwrite, marker=MANIFEST) as temporary, progress_bar("sketches") as report:
+    with (
+        staged_folder(out, overwrite=overwrite, inputs=(dataset,), marker=MANIFEST) as temporary,
+        progress_bar("sketches") as report,
+    ):
         summary = build_sketches(partial(SketchWriter, temporary), people, settings, workers, report)
     echo_result(f"{out}: {summary['sketches']} sketches of {summary['strokes']:.1f} strokes in the mean")

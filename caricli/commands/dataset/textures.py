@@ -40,6 +40,9 @@ def command(dataset, out, count, expressions, size, seed, workers, overwrite):
 
     people = read_dataset(dataset)
     settings = TextureSetSettings(count, expressions, size, seed)
-    with staged_folder(out, overwrite=overwrite, marker=MANIFEST) as temporary, progress_bar("people") as report:
+    with (
+        staged_folder(out, overwrite=overwrite, inputs=(dataset,), marker=MANIFEST) as temporary,
+        progress_bar("people") as report,
+    ):
         summary = build_textures(TextureWriter(temporary), people, settings, workers, report)
     echo_result(f"{out}: {summary['people']} people, {100 * summary['seen']:.0f} % of their textures seen")

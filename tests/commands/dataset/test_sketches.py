@@ -1,3 +1,5 @@
+import shutil
+
 import numpy as np
 import pytest
 
@@ -26,6 +28,16 @@ def test_the_same_seed_gives_the_same_bytes_whatever_the_number_of_workers(run, 
     files = sorted(path.relative_to(folder) for path in folder.rglob("*") if path.is_file())
     assert len(files) == COUNT + 2
     assert all((folder / file).read_bytes() == (again / file).read_bytes() for file in files)
+
+
+@pytest.mark.parametrize("what", ["pictures", "sketches", "textures"])
+def test_a_folder_that_holds_the_dataset_is_not_replaced(refused, dataset, tmp_path, what):
+    out = tmp_path / "out"
+    shutil.copytree(dataset, out / "people")
+    (out / f"{what}.json").write_text("{}")
+    said = refused("dataset", what, out / "people", out, "--count", 1, "--workers", 1, "--overwrite")
+    assert f"found a folder that holds the input {out / 'people'}" in said
+    assert (out / "people" / "dataset.json").exists()
 
 
 def test_exact_lines_are_where_the_camera_sees_them(run, dataset, tmp_path):
