@@ -155,7 +155,7 @@ def command(
     if mask and parsing:
         raise UsageError("--mask and --parsing both say where the head is: give one of them")
     if retouched:
-        if mask or parsing or size or uv != "head" or expressions or network or flat or keep_light or detector:
+        if settings != PaintSettings() or mask or parsing or uv != "head" or expressions or network or detector:
             raise UsageError("--retouched takes no other options than --out, --model and --overwrite")
         echo_result(_retouch(face, image, out, model, overwrite))
         return

@@ -457,7 +457,16 @@ def test_a_chart_that_was_edited_goes_back_onto_the_head(run, refused, textured,
     skin = read_face(tmp_path / "green" / "face.npz").pictures.skin
     green = (np.abs(skin.astype(int) - [20, 200, 40]) < 12).all(-1)
     assert green.sum() > 20 and ((skin != usual).any(-1) & ~green).sum() < 4 * np.sqrt(green.sum()) + 20
-    refused(*line, "--uv", "arap", "--out", tmp_path / "none", code=2)
+    others = (
+        ("--uv", "arap"),
+        ("--hair", "none"),
+        ("--bust",),
+        ("--parts", "skin"),
+        ("--teeth", "cartoon"),
+        ("--seed", 1),
+    )
+    for others_typed in others:
+        refused(*line, *others_typed, "--out", tmp_path / "none", code=2)
 
 
 def test_a_picture_of_another_chart(run, refused, textured, scene, tmp_path):
