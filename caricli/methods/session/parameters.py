@@ -70,7 +70,6 @@ def points(parameters: Parameters, name: str, columns: int = 2) -> np.ndarray:
     flat = [x for row in rows if isinstance(row, list) and len(row) == columns for x in row]
     if len(flat) != columns * len(rows) or not all(type(x) in (int, float) for x in flat):
         raise InputError(f"{name}: expected rows of {columns} numbers, found others")
-    array = np.array(flat, np.float64).reshape(-1, columns)
-    if not (np.abs(array) <= MAX_COORDINATE).all():
+    if not all(abs(x) <= MAX_COORDINATE for x in flat):
         raise InputError(f"{name}: expected coordinates of at most {MAX_COORDINATE:g}, found larger ones")
-    return array
+    return np.array(flat, np.float64).reshape(-1, columns)

@@ -132,6 +132,7 @@ def test_a_long_way_of_an_eraser_takes_no_memory():
         ("draw", {"points": []}),
         ("draw", {"points": [[1, 2, 3]]}),
         ("draw", {"points": [[1e9, 2]]}),
+        ("draw", {"points": [[10**400, 2]]}),
         ("draw", {"points": [[1, True]]}),
         ("draw", {"points": [[1, 2]], "pressure": [0.5, 0.5]}),
         ("draw", {"points": [[1, 2]], "pressure": 1}),
