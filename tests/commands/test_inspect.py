@@ -184,6 +184,13 @@ def test_weights(inspect, tmp_path):
     assert f"always 0: {ARKIT_NAMES[1]}, grin" in lines and report["frames"] == 3
 
 
+def test_names_of_anybody_stay_on_their_line(inspect, tmp_path):
+    write_weights(tmp_path / "take.json", Track(("whole\n\x1b[2J",), np.arange(2) / 10, np.ones((2, 1))))
+    lines, report = inspect(tmp_path / "take.json")
+    assert r"others: whole\n\x1b[2J" in lines[1] and len(lines) == 5
+    assert report["names"] == ["whole\n\x1b[2J"]
+
+
 def test_a_dataset(inspect, dataset):
     lines, report = inspect(dataset)
     assert lines[0].startswith(f"{dataset}: dataset, 16 meshes of 4 people, 4200 vertices")

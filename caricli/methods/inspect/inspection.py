@@ -3,6 +3,7 @@
 from dataclasses import dataclass, field, replace
 from typing import Any
 
+from caricli.errors import shown
 from caricli.methods.inspect.check_mesh import MeshCheck, check_mesh
 from caricli.structures import Material, Mesh, Rig
 from caricli.structures.track import Clip
@@ -30,7 +31,9 @@ class Inspection:
         lines = [f"{name}: {self.kind}, {self.summary}", *self.lines]
         if beside:
             lines.append(f"beside it: {', '.join(beside)}")
-        return "\n".join([*lines, f"not whole: {', '.join(self.problems)}" if self.problems else "whole"])
+        lines.append(f"not whole: {', '.join(self.problems)}" if self.problems else "whole")
+        # Names are anybody's.
+        return "\n".join(map(shown, lines))
 
     def report(self, name: str, beside: list[str]) -> dict[str, Any]:
         """All of it for programs."""
