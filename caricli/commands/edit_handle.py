@@ -75,13 +75,13 @@ def command(face, texts, file, pins, symmetric, out, norm, avoid, steps, baselin
     from caricli.methods.edit.edit_handles import HandleSettings, edit_handles
     from caricli.methods.edit.handle_figures import handle_figures
     from caricli.methods.edit.handle_points import handle_points
-    from caricli.methods.edit.handle_sheet import handle_sheet, handle_strip
     from caricli.store.drawings import load_drawing
     from caricli.store.face_files import write_face_result
     from caricli.store.faces import load_latent_face
     from caricli.store.handles import load_handles
 
     asked = _asked(texts, file)
+    picture = _picture(steps, baseline)
     drawing = load_drawing(model, levels, SIZE, head)
     settings = HandleSettings(norm=1 if norm == "l1" else 2)
     with staged_face(out, overwrite, (face, file, model), "pulling") as files:
@@ -93,8 +93,7 @@ def command(face, texts, file, pins, symmetric, out, norm, avoid, steps, baselin
         seconds = time.perf_counter() - start
         about = {"model_id": before.model_id, "norm": norm, "subdivide": levels, "seconds": seconds}
         about |= handle_figures(edit, before)
-        draw = partial(handle_strip, steps=steps) if steps else partial(handle_sheet, baseline=bool(baseline))
-        draw = partial(draw, before, edit, drawing)
+        draw = partial(picture, before, edit, drawing)
         write_face_result(files, edit.face, drawing, provenance("edit-handle", [face, file], **about), draw)
     echo_result(f"{out}: {_summary(about)}", note)
 
@@ -110,6 +109,15 @@ def _asked(texts, file):
             raise UsageError(f"--handle {shown(text, 60)}: expected WHERE=DX,DY,DZ, such as nose_tip=0,0,5%")
         asked.append((where, lengths.split(",")))
     return asked
+
+
+def _picture(steps, baseline):
+    """What draws an edit: a film strip, or before and after, perhaps with a baseline. Raises UsageError for both."""
+    from caricli.methods.edit.handle_sheet import handle_sheet, handle_strip
+
+    if steps and baseline:
+        raise UsageError("--baseline is drawn beside before and after, not in the strip of --steps: give one of them")
+    return partial(handle_strip, steps=steps) if steps else partial(handle_sheet, baseline=bool(baseline))
 
 
 def _summary(figures):

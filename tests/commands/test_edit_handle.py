@@ -94,10 +94,14 @@ def test_shares_are_of_the_face_that_is_edited(run, face, tmp_path):
         (["--handle", "chin=0,1%,0", "--handle", "l8=0,2%,0"], "contradict"),
         (["--pin", "chin"], "at least one --handle"),
         ([], "at least one --handle"),
+        (
+            ["--handle", "chin=0,0,1%", "--steps", "3", "--baseline", "arap"],
+            "--baseline is drawn beside before and after",
+        ),
     ],
 )
 def test_bad_handles_are_one_line_and_leave_nothing(refused, face, tmp_path, options, said):
-    code = 2 if "WHERE" in said or "--handle" in said else 1
+    code = 2 if "WHERE" in said or said.startswith("--baseline") or "--handle" in said else 1
     assert said in refused("edit-handle", face, "--out", tmp_path / "x.obj", *options, code=code)
     assert list(tmp_path.iterdir()) == []
 
