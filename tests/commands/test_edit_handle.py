@@ -89,6 +89,7 @@ def test_shares_are_of_the_face_that_is_edited(run, face, tmp_path):
         (["--handle", "nose_tip=0,0"], "expected WHERE=DX,DY,DZ"),
         (["--handle", "nose_tip=0,0,nan"], "expected metres or a share"),
         (["--handle", "nose_tip=0,0,9"], "half the head's height"),
+        (["--handle", "nose_tip=0,0,1e-200"], "a handle that moves"),
         (["--handle", "9999=0,0,1%"], "vertex from 0 to 4199"),
         (["--handle", "l99=0,0,1%"], "l0 to l80"),
         (["--handle", "chin=0,1%,0", "--handle", "l8=0,2%,0"], "contradict"),

@@ -62,7 +62,8 @@ def handle_points(
         if np.abs(other - displacement).max() > _SAME:
             raise InputError(f"handles {other_name} and {name} contradict each other: both are vertex {vertex}")
     displacements = np.array([displacement for displacement, _ in handles.values()])
-    if not displacements.any():
+    # Ways whose squares are nothing have no share that was reached.
+    if not (displacements**2).any():
         raise InputError("expected a handle that moves, found none")
     return Handles(np.array(list(handles)), displacements, tuple(name for _, name in handles.values()))
 
