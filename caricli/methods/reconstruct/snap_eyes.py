@@ -12,7 +12,8 @@ def snap_eyes(
     eyes: np.ndarray | None,
     settings: SnapSettings = SnapSettings(),  # noqa: B008 (frozen)
 ) -> tuple[np.ndarray, int]:
-    """Move every eye landmark to the nearest point on the border of the eyes, where one is near.
+    """Move every eye landmark to the nearest point on the border of the eyes, where one is near and no other landmark
+    of the eye went there.
 
     points: (L, 2) pixels, NaN where unknown. eyes: (H, W) bool, pixels that show an eye, or None where
     nobody knows. settings: SnapSettings.
@@ -34,7 +35,9 @@ def snap_eyes(
         width = np.linalg.norm(np.ptp(points[ids], axis=0))
         for k in ids:
             distances = np.linalg.norm(border - points[k], axis=1)
-            if distances.min() <= settings.farthest * width:
-                snapped[k] = border[distances.argmin()]
+            place = border[distances.argmin()]
+            taken = (snapped[[other for other in ids if other != k]] == place).all(axis=1).any()
+            if distances.min() <= settings.farthest * width and not taken:
+                snapped[k] = place
                 moved += 1
     return snapped, moved

@@ -49,6 +49,16 @@ def test_eyes_land_on_the_border_and_nothing_else_moves(parsing, factor):
     np.testing.assert_array_equal(snapped[others], points[others])
 
 
+def test_landmarks_of_an_eye_stay_apart_where_it_is_seen_half_closed(parsing):
+    shut = np.isin(parsing, [4, 5])
+    shut[: int(LEFT[1]) - 1] = shut[int(LEFT[1]) + 1 :] = False
+    shut[:, : int(LEFT[0]) - 8] = shut[:, int(RIGHT[0]) + 8 :] = False
+    snapped, moved = snap_eyes(marks(1.0), shut)
+    assert 4 < moved < 12
+    for eye in (snapped[36:42], snapped[42:48]):
+        assert len(np.unique(eye, axis=0)) == 6
+
+
 def test_no_landmark_goes_further_than_half_its_eye(parsing):
     points = marks(1.0)
     width = np.linalg.norm(np.ptp(points[36:42], axis=0))
