@@ -19,3 +19,20 @@ def test_no_axis_is_stretched_beyond_the_cap():
     scales, rotation, _ = axis_similarity(source, source * [4.0, 1.0, 0.5], uneven=1.5)
     assert scales.max() / scales.min() < 1.5 + 1e-9
     assert np.isclose(np.linalg.det(rotation), 1)
+
+
+def test_a_mirror_image_is_met_by_a_proper_rotation():
+    generator = np.random.default_rng(2)
+    source = generator.normal(size=(40, 3))
+    for uneven in (1.5, np.inf):
+        scales, rotation, shift = axis_similarity(source, source * [-1.0, 1.1, 0.9] + [1, 2, 3], uneven)
+        assert np.isclose(np.linalg.det(rotation), 1)
+        assert np.isfinite(scales).all() and np.isfinite(shift).all()
+
+
+def test_points_that_go_the_wrong_way_do_not_shrink_to_one():
+    """A flat source turned inside out has no scale above zero along an axis; the others keep theirs."""
+    generator = np.random.default_rng(3)
+    source = generator.normal(size=(40, 3))
+    scales, _, _ = axis_similarity(source, source * [-1.0, 1.0, 1.0], 1.5)
+    assert scales.min() > 0.1

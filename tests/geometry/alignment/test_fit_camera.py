@@ -112,3 +112,12 @@ def test_project_takes_batches():
 def test_correspondences_that_determine_nothing_are_refused(points, pixels, weights):
     with pytest.raises(NumericsError, match="landmarks"):
         fit_camera(points, pixels, weights)
+
+
+@pytest.mark.parametrize("across", [[1.0, 2.0], [-2.0, 1.0], [1.0, 0.0]])
+def test_pixels_on_a_line_are_seen_by_a_proper_rotation(across):
+    for seed in range(10):
+        along = POINTS @ np.random.default_rng(seed).normal(size=3)
+        pose = fit_camera(POINTS, 1000 * along[:, None] * across)
+        assert np.allclose(pose.rotation @ pose.rotation.T, np.eye(3), atol=1e-9)
+        assert np.linalg.det(pose.rotation) == pytest.approx(1.0)
