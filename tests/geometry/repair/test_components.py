@@ -6,7 +6,7 @@ from caricli.geometry.deformation.deformation_gradients import DeformationGradie
 from caricli.geometry.deformation.elastic_anchors import ElasticAnchors
 from caricli.geometry.deformation.exaggerate_curvature import exaggerate_curvature
 from caricli.geometry.deformation.laplacian_deformation import LaplacianDeformation
-from caricli.geometry.repair.components import POINTS, mesh_components
+from caricli.geometry.repair.components import POINTS, component_labels, mesh_components
 from caricli.geometry.repair.tuck_cavities import Cavities
 from caricli.methods.edit.deform_arap import deform_arap
 
@@ -48,12 +48,53 @@ def test_the_one_with_most_vertices_is_the_first(balls, ball):
     np.testing.assert_array_equal(single.hang(ball[0], 0 * ball[0]), ball[0])
 
 
+def test_components_are_numbered_by_their_sizes():
+    """Strips of 4, 6, 3, 7 and 6 vertices; of two of one size the one with the first vertex comes first."""
+    sizes = [4, 6, 3, 7, 6]
+    starts = np.cumsum([0, *sizes[:-1]])
+    faces = np.concatenate(
+        [start + np.arange(size - 2)[:, None] + [0, 1, 2] for start, size in zip(starts, sizes, strict=True)]
+    )
+    labels = component_labels(faces[::-1], sum(sizes))
+    np.testing.assert_array_equal(labels, np.repeat([3, 1, 4, 0, 2], sizes))
+
+
 def test_bonds_see_no_affine_map_and_are_no_levers(balls):
     vertices, faces, _ = balls
     components = mesh_components(vertices, faces)
     matrix = np.random.default_rng(1).normal(size=(3, 3))
     assert np.abs(components.bonds @ (vertices @ matrix + [3, -2, 1])).max() < 1e-9
     assert np.abs(components.bonds).sum(1).max() < 6
+
+
+def test_points_that_are_bound_are_spread_over_their_component(balls):
+    vertices, faces, _ = balls
+    components = mesh_components(vertices, faces)
+    for part in (1, 2):
+        own = components.bonds[components.owners == part][:, np.flatnonzero(components.labels == part)].toarray()
+        assert ((own == 0) | (own == 1)).all() and (own.sum(1) == 1).all() and (own.sum(0) <= 1).all()
+        points = own @ vertices[components.labels == part]
+        size = np.ptp(vertices[components.labels == part], axis=0).max()
+        apart = np.linalg.norm(points[:, None] - points, axis=2) + size * np.eye(POINTS)
+        assert apart.min() > 0.4 * size
+
+
+def test_bonds_are_of_those_that_are_not_held_and_others_only_carried(balls):
+    vertices, faces, _ = balls
+    components = mesh_components(vertices, faces)
+    held = np.flatnonzero(components.labels == 2)[[30, 5]]
+    loose = components.bonds[components.owners == 1]
+    np.testing.assert_allclose(components.stiffness(held).toarray(), (loose.T @ loose).toarray(), atol=1e-12)
+    own, others = components.pull(held)
+    np.testing.assert_allclose((own + others).toarray()[components.labels == 0], 0, atol=1e-12)
+    forces = (loose.T @ loose).toarray()[components.labels == 1]
+    np.testing.assert_allclose((own + others).toarray()[components.labels == 1], forces, atol=1e-12)
+    moved = np.random.default_rng(3).normal(size=vertices.shape)
+    carried = components.carry(moved)
+    np.testing.assert_array_equal(carried[components.labels == 0], moved[components.labels == 0])
+    np.testing.assert_allclose(components.hangers @ carried, 0, atol=1e-12)
+    for part in (1, 2):
+        assert np.ptp(carried[components.labels == part], axis=0).max() < 1e-12
 
 
 def test_components_are_hung_and_placed(balls):

@@ -54,6 +54,15 @@ def test_every_vertex_has_its_nearest_partner_once():
     assert listed == nearest
 
 
+def test_of_a_finer_side_every_vertex_has_its_partner_too():
+    vertices, faces = two_plates(0.05)
+    vertices[COUNT:, :2] = 0.3 + 0.4 * (vertices[COUNT:, :2] - 0.3) + [0.013, 0.007]
+    distances = np.linalg.norm(vertices[:COUNT, None] - vertices[COUNT:], axis=-1)
+    nearest = {(k, COUNT + int(distances[k].argmin())) for k in range(COUNT) if distances[k].min() < 0.08}
+    nearest |= {(int(distances[:, k].argmin()), COUNT + k) for k in range(COUNT) if distances[:, k].min() < 0.08}
+    assert set(map(tuple, touching_pairs(vertices, faces, 0.08).tolist())) == nearest
+
+
 def test_neighbours_on_the_surface_do_not_touch():
     vertices, faces, row = fold(np.radians(20))
     found = touching_pairs(vertices, faces, 0.13)
@@ -82,8 +91,8 @@ def test_neighbours_do_not_close():
 
 
 def test_coming_together_is_from_outside_to_inside_and_by_much():
-    before, after = np.array([1.0, 0.1, 1, 0.2, 0.2]), np.array([0.05, 0.05, 0.2, 0.05, 0.09])
-    np.testing.assert_array_equal(closes(before, after, 0.15), [True, False, False, True, False])
+    before, after = np.array([1.0, 0.1, 1, 0.2, 0.2, 0.14]), np.array([0.05, 0.05, 0.2, 0.05, 0.09, 0.01])
+    np.testing.assert_array_equal(closes(before, after, 0.15), [True, False, False, True, False, False])
 
 
 @pytest.mark.parametrize("reach", [1e-6, 0.0])

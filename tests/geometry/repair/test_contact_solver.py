@@ -109,3 +109,22 @@ def test_what_was_given_stays_as_it_was(solver, moved):
     solver.solve(moved, Conditions(*given[1:]))
     for array, copy in zip(given, copies, strict=True):
         np.testing.assert_array_equal(array, copy)
+
+
+def test_vertices_take_their_share_of_the_correction(solver, moved):
+    conditions = Conditions(np.array([True, False, False]), np.full((3, 3), 0.2), NORMALS, FAR)
+    share = np.random.default_rng(4).uniform(0, 1, len(moved)) * (np.arange(len(moved)) % 3 > 0)
+    whole = solver.solve(moved, conditions)
+    found = solver.solve(moved, conditions, share)
+    np.testing.assert_allclose(found, moved + share[:, None] * (whole - moved), atol=1e-12)
+    np.testing.assert_array_equal(found[share == 0], moved[share == 0])
+
+
+def test_what_is_held_stays_and_its_partner_makes_the_whole_way(patch, moved):
+    held = np.arange(len(patch[0])) < 5
+    pairs = np.array([[2, 30], [31, 4]])
+    targets = np.array([[0.1, 0.2, 0.3], [-0.2, 0.0, 0.1]])
+    solver = ContactSolver(DeformationTransfer(*patch, held), pairs)
+    found = solver.solve(moved, Conditions(np.ones(2, bool), targets, NORMALS[:2], FAR[:2]))
+    np.testing.assert_array_equal(found[:5], 0)
+    np.testing.assert_allclose(found[pairs[:, 0]] - found[pairs[:, 1]], targets, atol=5 * SOFTNESS)

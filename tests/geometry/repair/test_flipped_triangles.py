@@ -51,3 +51,12 @@ def test_bending_a_sheet_flips_nothing(patch):
     angle = 1.6 * (x - x.min()) / np.ptp(x)
     bent = np.stack([np.sin(angle) * (1 + z), y, np.cos(angle) * (1 + z)], axis=1)
     assert not flipped_triangles(bent, gradients).any()
+
+
+def test_some_may_be_asked_for(ball_gradients):
+    shape = push_across(ball_gradients.template, ball_gradients.faces, 100)
+    whole = flipped_triangles(shape, ball_gradients)
+    some = np.array([3, 100, 250])
+    np.testing.assert_array_equal(flipped_triangles(shape, ball_gradients, some), [False, True, False])
+    chosen = np.arange(len(whole)) % 4 == 0
+    np.testing.assert_array_equal(flipped_triangles(shape, ball_gradients, chosen), whole[chosen])

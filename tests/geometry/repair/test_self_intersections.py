@@ -21,6 +21,14 @@ def test_triangles_apart_are_not(shift):
     assert len(self_intersections(np.vstack([ACROSS[:3], ACROSS[3:] + shift]), FACES)) == 0
 
 
+def test_long_triangles_are_found_where_they_are_thin():
+    long = np.array([[0.0, 0, 0], [0, 0.02, 0], [9, 0.01, 0]])
+    for x in (0.3, 8.5):
+        small = np.array([[x, 0.01, -0.1], [x + 0.2, 0.01, 0.3], [x - 0.2, 0.01, 0.3]])
+        assert self_intersections(np.vstack([long, small]), FACES).tolist() == [[0, 1]]
+        assert self_intersections(np.vstack([small, long]), FACES).tolist() == [[0, 1]]
+
+
 def test_a_sphere_has_none_until_its_pole_is_pushed_through_the_other(ball):
     vertices, faces = ball
     assert len(self_intersections(vertices, faces)) == 0

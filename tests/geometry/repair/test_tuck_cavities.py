@@ -56,3 +56,23 @@ def test_a_mouth_cavity_pushed_through_the_lips_goes_back_behind_them(head_templ
     assert not outside(tucked, faces, mouth, deep).any()
     skin = np.setdiff1d(np.arange(len(vertices)), inside)
     assert np.array_equal(tucked[skin], pushed[skin])
+
+
+def distances(head_template, vertices):
+    """Of the deep vertices of the mouth's cavity to the skin, as shares of the head's height."""
+    mouth = head_template.region("inner_mouth")
+    faces = head_template.faces
+    near, inside = rim_and_inside(faces, mouth)
+    for _ in range(2):
+        near = np.union1d(near, faces[np.isin(faces, near).any(1)])
+    skin = faces[~np.isin(faces, mouth).all(1)]
+    points = vertices[np.setdiff1d(inside, near)]
+    return np.sqrt(igl.point_mesh_squared_distance(points, vertices, skin)[0]) / head_template.height
+
+
+@pytest.mark.parametrize("forwards", [0.003, 0.01, 0.03])
+def test_a_cavity_that_had_to_move_does_not_shine_through(head_template, forwards):
+    pushed = head_template.vertices.copy()
+    pushed[rim_and_inside(head_template.faces, head_template.region("inner_mouth"))[1], 2] += forwards
+    assert distances(head_template, pushed).min() < 0.006
+    assert distances(head_template, head_template.cavities.tuck(pushed)).min() > 0.019

@@ -67,3 +67,16 @@ def test_of_an_edit_kinks_go_and_the_edit_stays(ball, ball_gradients):
     assert not flipped_triangles(found, ball_gradients).any()
     moved = found[:, 2] - vertices[:, 2]
     assert moved[top] - moved[away > 1.5].mean() > 0.4
+
+
+def test_what_was_flipped_before_an_edit_is_left_as_it_is(ball_gradients):
+    before = pushed(ball_gradients.template, ball_gradients.faces, 10)
+    edited = before * [1.0, 1.1, 1.0]
+    assert untangle(edited, ball_gradients, before=before) is edited
+    both = pushed(edited, ball_gradients.faces, 300)
+    found = untangle(both, ball_gradients, before=before)
+    assert np.flatnonzero(flipped_triangles(found, ball_gradients)).tolist() == [10]
+    corners = ball_gradients.faces[10]
+    np.testing.assert_allclose(
+        found[corners] - found[corners].mean(0), both[corners] - both[corners].mean(0), atol=0.01
+    )
