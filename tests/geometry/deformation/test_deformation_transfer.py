@@ -136,3 +136,10 @@ def test_maps_that_are_not_finite_give_no_shape(patch):
     transfer = DeformationTransfer(vertices, faces, holding(len(vertices), 0))
     with pytest.raises(NumericsError, match="no finite solution"):
         transfer.displacements(np.array([4]), np.full((1, 3, 3), np.nan), np.zeros_like(vertices))
+
+
+def test_triangles_that_lose_their_area_have_finite_maps(ball):
+    vertices, faces = ball
+    maps = triangle_maps(vertices, np.where(vertices[:, 2:] > 0.5, 0.1, vertices), faces)
+    assert np.isfinite(maps).all()
+    np.testing.assert_allclose(maps[(vertices[faces][:, :, 2] > 0.5).all(1)], 0, atol=1e-12)

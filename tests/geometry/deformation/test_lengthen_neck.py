@@ -43,3 +43,21 @@ def test_a_head_without_a_neck_has_nothing_to_lengthen(head_template, sunken):
     still = np.zeros(len(head_template.vertices), bool)
     neck = Neck(head_template.vertices, head_template.faces, none, head_template.neck.chin, still)
     np.testing.assert_array_equal(neck.lengthen(sunken), sunken)
+
+
+def test_a_neck_becomes_so_many_times_as_wide_about_its_edge_and_goes_to_its_place(head_template):
+    neck, vertices = head_template.neck, head_template.vertices
+    shift = np.array([0.01, -0.02, 0.005])
+    wide = neck.widen(vertices, 1.5, shift)
+    edge = vertices[neck.edge]
+    np.testing.assert_allclose(wide[neck.edge], edge.mean(0) + 1.5 * (edge - edge.mean(0)) + shift, atol=1e-6)
+    face = head_template.annotation.landmarks
+    np.testing.assert_allclose(wide[face], vertices[face], atol=1e-6)
+    np.testing.assert_array_equal(neck.widen(vertices, 1.0, np.zeros(3)), vertices)
+
+
+def test_the_chin_keeps_half_of_its_usual_way_to_the_edge(head_template, sunken):
+    neck = head_template.neck
+    longer = neck.lengthen(sunken)
+    usual, left = (shape[neck.chin, 1] - shape[neck.front, 1] for shape in (head_template.vertices, longer))
+    assert 0.3 * usual < left < 0.7 * usual

@@ -39,6 +39,19 @@ def test_on_the_border_of_a_picture_nodes_slide_but_do_not_leave_it():
     assert moves[12, 0, 1] > 0.8
 
 
+@pytest.mark.parametrize("side", ["left", "top", "right", "bottom"])
+def test_only_where_the_picture_goes_on_a_border_stays(side):
+    borders = Borders(*(name == side for name in ("left", "top", "right", "bottom")))
+    moves = smooth_displacement(patch([1.0, -0.5]), SHAPE, borders, Smoothness(4.0))
+    for name, own in (
+        ("left", moves[:, :2]),
+        ("right", moves[:, :-3:-1]),
+        ("top", moves[:2]),
+        ("bottom", moves[:-3:-1]),
+    ):
+        assert (own == 0).all() == (name == side)
+
+
 def test_linear_displacements_are_kept_between_samples():
     """A plate that bends nowhere costs nothing: far from borders an affine displacement is met exactly."""
     x, y = np.meshgrid(np.arange(5, 25), np.arange(5, 19))
@@ -55,6 +68,13 @@ def test_nothing_folds(move):
     moves = smooth_displacement(patch(move), SHAPE, WITHIN, Smoothness())
     assert least_areas(moves).min() >= Smoothness().least
     assert np.linalg.norm(moves[12, 14]) > 1, "but it still goes there"
+
+
+def test_what_no_loosening_unfolds_is_made_weaker_and_no_weaker_than_it_has_to_be():
+    """Samples that weigh so much that a quarter of a quarter of it still folds the grid."""
+    swapped = samples([[12, 12], [16, 12]], [[4, 0], [-4, 0]], 1e7)
+    moves = smooth_displacement(swapped, SHAPE, WITHIN, Smoothness(0.5))
+    assert 0.2 <= least_areas(moves).min() < 0.201
 
 
 def test_samples_that_contradict_each_other_do_not_fold_it_either():
