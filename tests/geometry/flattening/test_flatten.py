@@ -71,6 +71,29 @@ def test_what_counts_more_is_kept_better(cap):
     assert errors[1] < 0.7 * errors[0]
 
 
+def test_triangles_count_by_their_areas():
+    """A strip that has to be smaller on one side gives way there as much, in however many triangles it is divided."""
+    widths = []
+    for columns in (4, 16):
+        steps = np.r_[np.linspace(-1, 0, 5)[:-1], np.linspace(0, 1, columns + 1)]
+        x, y = (a.ravel() for a in np.meshgrid(steps, [0, 1.0]))
+        count = columns + 5
+        corner = np.arange(count - 1)
+        faces = np.concatenate([np.stack([corner, corner + 1, corner + count + 1], 1),
+                                np.stack([corner, corner + count + 1, corner + count], 1)])  # fmt: skip
+        vertices = np.stack([x, y, 0 * x], 1)
+        places = flatten(sheet(vertices, faces), vertices[:, :2] * [0.4, 1], Limits(np.array([[1.0, 0, 0.5]]), 10.0))
+        widths.append(places[corner[-1] + 1, 0] - places[4, 0])
+    np.testing.assert_allclose(*widths, rtol=0.03)
+
+
+def test_triangles_may_have_shapes_of_their_own(cap):
+    vertices, faces = cap
+    given = Sheet(vertices, faces, np.ones(len(vertices)), np.ones(len(faces)), 3 * vertices[faces])
+    places = flatten(given, 3 * started(vertices, faces))
+    np.testing.assert_allclose(places, flatten(sheet(vertices, faces, 3.0), 3 * started(vertices, faces)), atol=1e-6)
+
+
 def test_limits_hold_on_both_sides_and_nothing_turns_over():
     vertices, faces = grid(10, 4)
     lines = np.array([[1.0, 0, 0.4], [0, -1, 0.0], [np.sqrt(0.5), np.sqrt(0.5), 0.5]])
@@ -94,6 +117,36 @@ def test_holes_are_closed_and_the_longest_border_is_left():
     assert set(loop) == {k for k, (x, y, _) in enumerate(vertices) if abs(x) > 0.34 or y in (0.0, vertices[:, 1].max())}
     np.testing.assert_allclose(triangle_stretch(more, closed, more[:, :2], closed), 1)
     assert fill_holes(*grid(3, 3))[1].shape == (18, 3)
+
+
+def test_the_longest_border_is_that_of_the_greatest_length():
+    """Around a hole edges may be short and many."""
+    vertices, faces = grid(3, 3, holes={(1, 1)})
+    hole = faces[:0]
+    ring = np.array([5, 6, 10, 9])
+    inner = vertices[ring].mean(0) + 0.2 * (np.repeat(vertices[ring], 5, 0) - vertices[ring].mean(0))
+    angles = np.linspace(0, 2 * np.pi, 20, endpoint=False) - 3 * np.pi / 4
+    inner[:, :2] = vertices[ring, :2].mean(0) + 0.02 * np.stack([np.cos(angles), np.sin(angles)], 1)
+    ids = len(vertices) + np.arange(20)
+    for k in range(20):
+        own, after = ring[k // 5], ring[(k + 1) // 5 % 4]
+        hole = np.vstack([hole, [[own, ids[(k + 1) % 20], ids[k]]]])
+        if own != after:
+            hole = np.vstack([hole, [[own, after, ids[(k + 1) % 20]]]])
+    _, _, loop = fill_holes(np.vstack([vertices, inner]), np.vstack([faces, hole]))
+    assert len(loop) == 12 and loop.max() < len(vertices)
+
+
+def test_the_border_of_a_disc_keeps_the_shares_of_its_lengths():
+    x = np.array([0, 0.1, 0.5, 0.6, 1.5])
+    vertices, faces = grid(4, 2)
+    vertices = np.stack([x[np.arange(15) % 5], vertices[:, 1] ** 2, 0 * vertices[:, 0]], 1)
+    loop = fill_holes(vertices, faces)[2]
+    places = embed_disc(vertices, faces, loop)
+    first, second = (points[np.append(loop, loop[0])] for points in (vertices, places))
+    lengths = np.linalg.norm(np.diff(first, axis=0), axis=1)
+    angles = 2 * np.arcsin(np.linalg.norm(np.diff(second, axis=0), axis=1) / 2)
+    np.testing.assert_allclose(angles, 2 * np.pi * lengths / lengths.sum(), atol=1e-9)
 
 
 def test_a_disc_is_spread_without_folds_however_it_is_bent(cap):
