@@ -29,7 +29,7 @@ def test_a_line_gives_back_the_points_that_it_was_drawn_through(line):
     np.testing.assert_allclose(line[np.rint(rows).astype(int)], NODES, atol=1e-9)
 
 
-@pytest.mark.parametrize("count", [5, 31, 48, 200])
+@pytest.mark.parametrize("count", [5, 8, 9, 10, 31, 48, 200])
 def test_a_line_with_its_points_at_equal_distances_tells_none(count):
     assert line_nodes(resample(rounded(40), count), len(NODES)) is None
 

@@ -57,3 +57,24 @@ def test_a_line_far_longer_than_expected_is_used_whole():
     places = match_line(ARC, dense(10 * ARC), whole=False)
     assert np.isfinite(places).all()
     np.testing.assert_allclose(places[[0, -1]], 10 * ARC[[0, -1]], atol=1e-9)
+
+
+@pytest.mark.parametrize("whole", [True, False])
+@pytest.mark.parametrize("part", [slice(0, 9), slice(4, 15), slice(2, 12)])
+def test_a_line_from_its_other_end_has_the_same_places(whole, part):
+    places = match_line(ARC, dense(ARC[part]), whole)
+    back = match_line(ARC[::-1], dense(ARC[part])[::-1], whole)[::-1]
+    np.testing.assert_array_equal(np.isnan(back), np.isnan(places))
+    np.testing.assert_allclose(back, places, atol=0.4)
+
+
+@pytest.mark.parametrize("whole", [True, False])
+def test_a_line_far_from_the_corner_of_a_picture_has_the_same_places(whole):
+    places = match_line(ARC, dense(ARC[2:12]), whole)
+    moved = match_line(ARC + [30000, 40000], dense(ARC[2:12]) + [30000, 40000], whole)
+    np.testing.assert_allclose(moved - [30000, 40000], places, atol=1e-6)
+
+
+def test_a_straight_line_may_be_matched():
+    line = np.stack([np.linspace(0, 8, 9), np.full(9, 2.0)], 1)
+    np.testing.assert_allclose(match_line(line, dense(3 * line), whole=True), 3 * line, atol=0.6)

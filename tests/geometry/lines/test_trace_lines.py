@@ -1,5 +1,6 @@
 import cv2
 import numpy as np
+import pytest
 from scipy.spatial import cKDTree
 
 from caricli.geometry.lines.trace_lines import trace_lines
@@ -18,6 +19,23 @@ def test_a_line_from_end_to_end():
     assert abs(np.ptp(line.points[:, 0]) - 160) < 6
 
 
+@pytest.mark.parametrize("width", [3, 5, 9])
+@pytest.mark.parametrize("top", [0, 60])
+def test_a_line_is_as_wide_as_its_ink_also_at_the_edge(width, top):
+    ink = np.zeros((100, 200), bool)
+    ink[top : top + width, 20:180] = True
+    (line,) = trace_lines(ink, 10)
+    assert abs(line.width - width) <= 0.6
+    assert np.abs(line.points[3:-3, 1] - top - (width - 1) / 2).max() < 0.6
+
+
+def test_lines_have_no_steps_of_pixels():
+    (line,) = trace_lines(drawn([[20, 50], [180, 90]]), 10)
+    inner = line.points[2:-2]
+    assert np.abs(np.polyval(np.polyfit(*inner.T, 1), inner[:, 0]) - inner[:, 1]).max() < 0.25
+    assert 2 < np.median(np.linalg.norm(np.diff(line.points, axis=0), axis=1)) < 5
+
+
 def test_crossing_lines_go_straight_on():
     lines = trace_lines(drawn([[20, 20], [180, 180]], [[20, 180], [180, 20]]), 10)
     assert len(lines) == 2
@@ -30,6 +48,7 @@ def test_crossing_lines_go_straight_on():
 def test_a_branch_ends_at_the_line_that_it_meets():
     lines = trace_lines(drawn([[20, 100], [180, 100]], [[100, 100], [100, 180]]), 10)
     assert [round(np.ptp(line.points, axis=0).max(), -1) for line in lines] == [160, 80]
+    assert np.abs(lines[1].points[:, 1] - 100).min() < 1
 
 
 def test_rings_are_closed():

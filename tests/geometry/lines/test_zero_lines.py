@@ -1,4 +1,5 @@
 import numpy as np
+import pytest
 
 from caricli.geometry.lines.zero_lines import zero_lines
 
@@ -33,6 +34,17 @@ def test_a_line_ends_where_the_mesh_does_and_none_is_of_one_sign():
     assert {tuple(edge): share for edge, share in zip(line.ends.tolist(), line.share.tolist(), strict=True)} == expected
     for values in (np.ones(5), -np.ones(5), np.array([1.0, 0, 0, 2, 3])):
         assert zero_lines(values, strip) == []
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_line_is_whole_whatever_the_numbers_of_the_vertices(patch, seed):
+    vertices, faces = patch
+    order = np.random.default_rng(seed).permutation(len(vertices))
+    mixed = np.argsort(order)[faces]
+    values = (vertices @ [1.0, 0.3, 0] - 0.9)[order]
+    (line,) = zero_lines(values, mixed)
+    above = values[mixed] >= 0
+    assert len(line.share) - 1 == (above.any(1) & ~above.all(1)).sum()
 
 
 def test_an_exact_zero_counts_as_positive():
