@@ -42,9 +42,11 @@ def test_another_process_gets_one_that_solves_alike():
 
 
 def test_what_is_kept_until_the_end_is_no_leak():
+    """As a thread that still waits keeps it."""
     script = (
-        "import builtins, scipy.sparse as sp; from caricli.geometry.cholesky import Cholesky; "
-        "builtins.kept = Cholesky(sp.identity(3))"
+        "import threading, time, scipy.sparse as sp; from caricli.geometry.cholesky import Cholesky; "
+        "factor = Cholesky(sp.identity(3)); "
+        "threading.Thread(target=lambda: (time.sleep(60), factor), daemon=True).start()"
     )
     ended = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
     assert ended.stderr == ""

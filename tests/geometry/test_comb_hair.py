@@ -45,18 +45,22 @@ def test_thin_hair_is_shaded_as_the_skin_below_and_does_not_shine(covered):
     assert 0 < slope["shaded"][thick].max() < slope["own"][thick].max()
 
 
-def test_between_thin_and_thick_it_goes_over_slowly(covered):
-    """From the skin up, by the height of both of them, 2."""
+@pytest.mark.parametrize("tall", [1, 3])
+def test_between_thin_and_thick_it_goes_over_slowly(covered, tall):
+    """From the skin up, by its height, twice ``tall``; how far the hair hangs down does not count."""
     skin, faces = sheet(lambda x, y: 0.0)
     hair, _ = sheet(lambda x, y: 0.12 * (x + 1) / 2)
-    vertices = np.concatenate([skin, hair])
+    vertices = np.concatenate([skin * [1, tall, 1], hair * [1, 1.5 * tall, tall]])
     whole = np.concatenate([faces, faces + len(skin)])
     combed = comb_hair(vertices, whole, smooth_normals(vertices, whole), *covered[3:])
-    thickness = hair[:, 2] / 2
+    thickness = hair[:, 2] / 2  # of both, which grow alike
     at = np.argsort(thickness, kind="stable")
     lying = combed.lying[at]
     shine = combed.shine[len(skin) :][at]
     assert lying[0] > 0.99 and (lying[thickness[at] > 1.02 * THIN] == 0).all() and (np.diff(lying) < 1e-6).all()
+    # Half-way up it is half of both.
+    assert abs(np.interp(THIN / 2, thickness[at], lying) - 0.5) < 0.1
+    assert abs(np.interp(MATT / 2, thickness[at], shine) - 0.5) < 0.1
     assert shine[0] < 0.01 and (shine[thickness[at] > 1.02 * MATT] == 1).all() and (np.diff(shine) > -1e-6).all()
 
 
@@ -86,5 +90,12 @@ def test_without_hair_or_skin_nothing_is_combed(covered):
 def test_skin_without_an_area_spoils_nothing(covered):
     vertices, faces, normals, hair, skin = covered
     vertices = np.where(np.arange(len(vertices))[:, None] < 5, vertices[0], vertices)
+    combed = comb_hair(vertices, faces, normals, hair, skin)
+    assert np.isfinite(combed.normals(normals)).all() and np.isfinite(combed.shine).all()
+
+
+def test_skin_in_one_place_spoils_nothing(covered):
+    vertices, faces, normals, hair, skin = covered
+    vertices = np.where(np.arange(len(vertices))[:, None] < SIDE * SIDE, vertices[0], vertices)
     combed = comb_hair(vertices, faces, normals, hair, skin)
     assert np.isfinite(combed.normals(normals)).all() and np.isfinite(combed.shine).all()

@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares
 
+from caricli.errors import NumericsError
 from caricli.geometry.gauss_newton import Damping, gauss_newton
 
 TARGET = np.array([0.3, -0.8, 1.1, 0.4])
@@ -82,3 +83,21 @@ def test_a_damped_step_goes_down_where_a_full_one_overshoots():
     while (x - damping.step(system, gradient)) ** 4 >= x**4:
         damping.reject()
     assert damping.value < 1e4
+
+
+def test_damped_steps_know_no_units():
+    system, right = normal_equations(np.array([0.2, -0.4]))
+    units = np.array([1000.0, 0.01])
+    step = Damping(0.7, 5, 10).step(system, right)
+    other = Damping(0.7, 5, 10).step(system * units[:, None] * units, right * units)
+    np.testing.assert_allclose(units * other, step, rtol=1e-9)
+
+
+@pytest.mark.parametrize("where", ["singular", "system", "right"])
+def test_what_has_no_solution_is_refused(where):
+    system = np.zeros((2, 2)) if where == "singular" else np.eye(2) * (np.nan if where == "system" else 1)
+    right = np.array([1.0, np.inf if where == "right" else 1])
+    with pytest.raises(NumericsError, match="a fit has no solution"):
+        gauss_newton(np.zeros(2), lambda _: (system, right), 1)
+    with pytest.raises(NumericsError, match="a fit has no solution"):
+        Damping(1.0, 5, 10).step(system, right)

@@ -128,10 +128,11 @@ def test_the_head_keeps_its_quads_and_seams(head):
     assert np.array_equal(weights[:4200].indices, np.arange(4200)) and (weights[:4200].data == 1).all()
 
 
-def test_too_many_points_are_refused_before_they_are_made():
-    made = subdivide(POLYGONS, len(POINTS), 2, LIMIT)[0].shape[0]
-    subdivide(POLYGONS, len(POINTS), 2, made)
+@pytest.mark.parametrize("levels", [1, 2, 4])
+def test_too_many_points_are_refused_before_they_are_made(levels):
+    made = subdivide(POLYGONS, len(POINTS), levels, LIMIT)[0].shape[0]
+    subdivide(POLYGONS, len(POINTS), levels, made)
     with pytest.raises(InputError, match=f"memory cap: expected at most {made - 1} points, found {made}"):
-        subdivide(POLYGONS, len(POINTS), 2, made - 1)
+        subdivide(POLYGONS, len(POINTS), levels, made - 1)
     with pytest.raises(InputError, match="memory cap"):
         subdivide(POLYGONS, len(POINTS), 40, LIMIT)

@@ -19,3 +19,7 @@ def test_whole_weights_are_as_many_values():
 
 def test_where_nothing_else_counts_it_is_the_one_that_does():
     assert weighted_medians(np.array([[1.0], [5.0], [9.0]]), np.array([0.0, 0.3, 0.0])) == [5.0]
+
+
+def test_of_two_that_count_the_same_it_is_the_smaller_one():
+    np.testing.assert_array_equal(weighted_medians(np.array([[4.0, 1.0], [3.0, 2.0]]), np.ones(2)), [3, 1])
