@@ -36,6 +36,7 @@ def test_a_slow_decomposition_agrees(grid):
         assert np.abs(np.abs(np.sum(own * expected, 0)) - 1).max() < 1e-6
     core = np.einsum("pem,pi,ek->mik", table, modes.people, modes.expressions)
     assert np.abs(modes.core - core).max() < 1e-9
+    assert (modes.people.sum(0) > 0).all() and (modes.expressions.sum(0) > 0).all()
     rebuilt = np.einsum("mik,pi,ek->pem", modes.core, modes.people, modes.expressions)
     assert np.abs(rebuilt - table).max() < 1e-3
 
@@ -85,6 +86,16 @@ def test_what_is_not_known_does_not_count(model, grid):
     assert np.abs(model.space.encode(spoilt) - model.space.encode(rows)).max() > 1e-2
 
 
+def test_rows_are_encoded_together_as_one_by_one(model, grid):
+    """Some settle sooner than others, and each knows other numbers."""
+    rows = grid[:4, :3].reshape(12, -1) @ model._projector.T
+    rows += np.linspace(0, 3, 12)[:, None] * np.random.default_rng(3).normal(size=rows.shape)
+    weights = np.random.default_rng(4).uniform(0.1, 1, rows.shape)
+    together = model.space.encode(rows, weights)
+    alone = [model.space.encode(rows[[k]], weights[[k]])[0] for k in range(12)]
+    assert np.abs(model.prior.whiten(together) - model.prior.whiten(np.array(alone))).max() < 1e-6
+
+
 def test_the_training_latents_are_white(model, grid):
     whitened = model.prior.whiten(model.encode(grid.reshape(-1, 300, 3)))
     assert np.abs(whitened.mean(0)).max() < 1e-3
@@ -107,6 +118,12 @@ def test_more_faces_lie_between_two(model, grid):
     assert more.shape == (50, len(latents[0]))
     low, high = latents.min(0) - 1e-12, latents.max(0) + 1e-12
     assert ((more >= low) & (more <= high)).all() and np.ptp(more, axis=0).max() > 0
+    # Each somewhere else between the two, and all of it at one place.
+    apart = latents[1] - latents[0]
+    shares = (more - latents[0]) @ apart / (apart @ apart)
+    np.testing.assert_allclose(more, latents[0] + shares[:, None] * apart, atol=1e-12)
+    inner = np.sort(shares[(shares > 0) & (shares < 1)])
+    assert len(inner) > 15 and np.diff(inner).min() > 0
 
 
 def test_a_checkpoint_rebuilds_it(model, grid):

@@ -4,6 +4,7 @@ import pytest
 from caricli.errors import InputError
 from caricli.io.checkpoint import read_checkpoint, write_checkpoint
 from caricli.models.checkpoint import model_from_checkpoint, model_id, model_to_checkpoint
+from caricli.structures import SeenPeople
 
 RECIPE = {"command": "train", "count": 40}
 
@@ -169,3 +170,22 @@ def test_directions_that_say_the_same_are_refused(ball_model):
             model_from_checkpoint(tensors | {"model.basis": twice}, metadata, "m.safetensors")
     with pytest.raises(InputError, match="^m.safetensors: model.basis: expected finite numbers of at most"):
         model_from_checkpoint(tensors | {"model.basis": np.full(1, 1e300)}, metadata, "m.safetensors")
+
+
+def test_models_share_a_template_that_is_the_same_in_everything(ball_model, tmp_path):
+    tensors, metadata = model_to_checkpoint(ball_model, RECIPE)
+    first, same = (model_from_checkpoint(tensors, metadata, "m") for _ in range(2))
+    assert first.template is same.template
+    other = {**metadata["annotation"], "regions": {"face": list(range(10))}}
+    third = model_from_checkpoint(tensors, metadata | {"annotation": other}, "m")
+    assert third.template.mask("face").sum() == 10 < first.template.mask("face").sum()
+    moved = tensors | {"template.vertices": 2 * tensors["template.vertices"]}
+    assert model_from_checkpoint(moved, metadata, "m").template.height == pytest.approx(2 * first.template.height)
+
+
+def test_whom_a_model_was_trained_with_comes_from_its_recipe(ball_model):
+    tensors, metadata = model_to_checkpoint(ball_model, RECIPE)
+    assert model_from_checkpoint(tensors, metadata, "m").seen is None
+    people = SeenPeople(frozenset({"aa", "bb"}), frozenset({"cc"}))
+    recipe = RECIPE | people.as_recipe()
+    assert model_from_checkpoint(tensors, metadata | {"recipe": recipe}, "m").seen == people

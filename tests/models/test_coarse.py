@@ -151,3 +151,14 @@ def _json(about):
     import json
 
     return json.loads(json.dumps(about))
+
+
+def test_marks_are_shares_of_the_window_and_doubts_of_its_area():
+    points = np.array([[[-0.5, 63.5], [31.5, np.nan]]])
+    np.testing.assert_array_equal(window_marks(points, None, 64)[0, :, :2], [[0, 1], [0.5, np.nan]])
+    assert np.isnan(window_marks(points, None, 64)[..., 2:]).all()
+    spreads = np.tile([[4.0, 1.0], [1.0, 9.0]], (1, 2, 1, 1))
+    np.testing.assert_allclose(64**2 * window_marks(points, spreads, 64)[0, :, 2:], [[4, 9, 1]] * 2)
+    # The same face in a window twice as large, pixels counted from the middle of the first.
+    twice = window_marks(2 * points + 0.5, 4 * spreads, 128)
+    np.testing.assert_allclose(twice, window_marks(points, spreads, 64), rtol=1e-6)

@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+import scipy.sparse as sp
 import torch
 
 from caricli.errors import InputError, NumericsError
@@ -153,6 +154,7 @@ def test_impossible_settings_are_refused(change):
         ("network.last.0.weight", lambda t: np.tile(t, (80, 1)), "do not fit each other"),
         ("network.first.weight", lambda t: t[..., :0], "latent must be from 1"),
         ("prior_factor", lambda t: 1e-12 * t, "not a lower triangular factor"),
+        ("prior_factor", lambda t: t.T, "not a lower triangular factor"),
     ],
 )
 def test_what_no_training_leaves_is_refused(model, name, change, words):
@@ -160,3 +162,22 @@ def test_what_no_training_leaves_is_refused(model, name, change, words):
     tensors[f"model.{name}"] = change(tensors[f"model.{name}"])
     with pytest.raises(InputError, match=f"^m: not a valid model: .*{words}"):
         model_from_checkpoint(tensors, metadata, "m")
+
+
+def test_many_points_are_decoded_piece_by_piece_as_at_once(model, monkeypatch):
+    latents = model.prior.sample(np.random.default_rng(3), 2)
+    whole = model.decode(latents)
+    monkeypatch.setattr("caricli.models.deformable.model._CHUNK", 1000)
+    np.testing.assert_allclose(model.decode(latents), whole, atol=1e-6)
+
+
+def test_a_place_at_a_vertex_is_decoded_as_this_vertex(model):
+    """Places lie on the template with its lips apart, as vertices do."""
+    latent = model.prior.sample(np.random.default_rng(4), 1)[0]
+    rows = sp.identity(len(model.template.vertices), format="csr")[[5, 4000, 70]]
+    np.testing.assert_allclose(model.decode_on(latent, rows), model.decode(latent)[[5, 4000, 70]], atol=1e-6)
+    lips = model.template.annotation.landmarks[60:68]
+    apart = np.abs(model.box.points - model.template.vertices)[lips].max()
+    assert apart > 1e-3
+    at_lips = sp.identity(len(model.template.vertices), format="csr")[lips]
+    np.testing.assert_allclose(model.decode_on(latent, at_lips), model.decode(latent)[lips], atol=1e-6)

@@ -11,6 +11,7 @@ from caricli.models.detector.model import (
     JAW_WEIGHT,
     detector_from_checkpoint,
     detector_to_checkpoint,
+    face_cells,
 )
 from caricli.models.detector.networks import DetectorNetwork, _moments, _spread, detector_of, network_of
 from caricli.models.detector.usual_shapes import UsualShapes
@@ -85,6 +86,30 @@ def test_it_sees_what_the_network_sees_that_was_trained(detector):
     np.testing.assert_allclose(reading.visible, torch.sigmoid(maps.visible), atol=1e-5)
 
 
+def test_cells_tell_where_faces_are_in_the_pixels_of_the_window():
+    """Cells of 16 pixels: without a shift a face is in the middle of its cell."""
+    grid = np.zeros((6, 2, 3))
+    grid[4] = 1
+    grid[:, 1, 2] = [2, 1, -0.5, 1, 0, 3]
+    cells = face_cells(grid)
+    np.testing.assert_array_equal(cells.cell, [[0, 0], [0, 1], [0, 2], [1, 0], [1, 1], [1, 2]])
+    np.testing.assert_allclose(cells.centre[:5], [[7.5, 7.5], [23.5, 7.5], [39.5, 7.5], [7.5, 23.5], [23.5, 23.5]])
+    np.testing.assert_allclose(cells.centre[5], [39.5 + 16, 23.5 - 8])
+    assert cells.side[5] == pytest.approx(2 * cells.side[0])
+    np.testing.assert_allclose(cells.roll, [0, 0, 0, 0, 0, np.pi / 2])
+    np.testing.assert_allclose(cells.score, [0.5] * 5 + [1 / (1 + np.exp(-2))])
+    grid[3] = 1e6
+    assert np.isfinite(face_cells(grid).side).all()
+
+
+def test_doubts_are_multiplied_by_the_trust(detector):
+    windows = np.random.default_rng(2).integers(0, 256, (1, 64, 64, 3), np.uint8)
+    twice = detector_of(network_of(detector), 64, 2 * detector.trust)
+    first, second = (each.read(windows) for each in (detector_of(network_of(detector), 64, detector.trust), twice))
+    np.testing.assert_allclose(second.covariance, 4 * first.covariance, rtol=1e-5)
+    np.testing.assert_array_equal(second.points, first.points)
+
+
 def test_a_checkpoint_rebuilds_it(detector):
     tensors, about = detector_to_checkpoint(detector)
     again = detector_from_checkpoint({name: value.astype(np.float32) for name, value in tensors.items()}, about, "it")
@@ -118,6 +143,7 @@ def test_a_detector_of_before_marks_jaws_at_equal_distances(detector):
         (lambda t, a: a.update(schema="other"), "expected a detector of schema"),
         (lambda t, a: a.update(size=7), "expected a size from 64 to 512, found '7'"),
         (lambda t, a: a.update(trust=0.0), "expected a trust from"),
+        (lambda t, a: a.update(trust=101.0), "expected a trust from"),
         (lambda t, a: a.update(network={"stem": 8}), "expected a network of stem, width, depth"),
         (lambda t, a: a["network"].update(width=10**9), "width must be from 8 to 512"),
         (lambda t, a: a.update(regions=["skin"]), "regions that caricli knows"),

@@ -1,3 +1,5 @@
+import weakref
+
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -6,6 +8,7 @@ from caricli.geometry.repair.flipped_triangles import flipped_triangles
 from caricli.models.intrinsic.config import IntrinsicConfig
 from caricli.models.intrinsic.model import IntrinsicModel, feature_weights
 from caricli.models.kinds import config_class, model_class
+from caricli.template.annotation import parse_annotation
 from caricli.template.template import Template
 
 
@@ -119,6 +122,35 @@ def test_components_stay_where_they_belong(head_template, people, ball):
     points = np.array([2, count + 7, 30])
     positions, jacobian = model.points_jacobian(latents[0], points)
     assert np.abs(positions - decoded[0, points]).max() < 1e-9
+    np.testing.assert_allclose(model.decode_points(latents[0], points), positions, atol=1e-12)
     step = 1e-5 * np.eye(39)[4]
     slow = (model.decode(latents[0] + step) - model.decode(latents[0] - step))[points] / 2e-5
     np.testing.assert_allclose(jacobian[..., 4], slow, atol=1e-7)
+
+
+def test_features_are_kept_for_the_last_two_latents_alone_and_are_not_written_to(ball_intrinsic):
+    latents = np.random.default_rng(5).normal(size=(4, 5))
+    first = weakref.ref(ball_intrinsic.features(latents[0]))
+    second = ball_intrinsic.features(latents[1])
+    assert ball_intrinsic.features(latents[1]) is second
+    with pytest.raises(ValueError, match="read-only"):
+        second[0, 0] = 1
+    for latent in latents[2:]:
+        ball_intrinsic.features(latent)
+    assert first() is None
+
+
+def test_the_tangent_is_that_of_its_own_basis_and_its_own_points(ball_intrinsic, ball_template, tmp_path, monkeypatch):
+    """Where it is kept in the user's cache, too."""
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    monkeypatch.setattr("caricli.io.kept.QUICK", 0)
+    model = ball_intrinsic
+    other = IntrinsicModel(ball_template, model.mean, 2 * model.basis[::-1], model.offset)
+    source = {"ibug68": list(range(1, 273, 4))}
+    elsewhere = Template(
+        ball_template.vertices, ball_template.faces, annotation=parse_annotation(source, 300, "elsewhere")
+    )
+    third = IntrinsicModel(elsewhere, model.mean, model.basis, model.offset)
+    for each in (IntrinsicModel(ball_template, model.mean, model.basis, model.offset), other, third):
+        points = each.template.annotation.anchor_ids()
+        np.testing.assert_allclose(each.tangent, each.points_jacobian(np.zeros(5), points)[1], atol=1e-9)

@@ -2,6 +2,7 @@ import numpy as np
 
 from caricli.geometry.lines.space_jaw import jaw_shares, space_jaw
 from caricli.models.detector.jaw_places import JawPlaces, face_shape
+from caricli.models.detector.usual_shapes import UsualShapes
 from tests.drawn_pictures import mean_shape
 
 
@@ -27,3 +28,18 @@ def test_points_go_where_the_map_says_and_no_farther_than_ear_and_chin(head_temp
     wild = JawPlaces(np.random.default_rng(0).normal(size=(14, 136)), bias).mark(shape)
     shares = jaw_shares(wild)
     assert (np.diff(shares, axis=1) >= 0).all() and np.isfinite(wild).all()
+
+
+def test_jaws_of_usual_faces_are_marked_evenly_and_of_strange_ones_as_told(head_template):
+    shape = mean_shape(head_template)
+    bias = np.tile(np.linspace(0, 1, 9)[1:-1] ** 1.5, 2)
+    middle = face_shape(space_jaw(shape))
+    axes = np.eye(136)[:2]
+    for away, share in ((0.0, 0.0), (1.5, 0.0), (3.0, 1.0), (40.0, 1.0)):
+        # All that is left of the face beside the axes is as far as this.
+        aside = np.zeros(136)
+        aside[50] = np.sqrt(2 * 134 * away) * 1e-3
+        places = JawPlaces(np.zeros((14, 136)), bias, UsualShapes(middle + aside, axes, np.full(3, 1e-3)))
+        even = JawPlaces.even().bias
+        found = jaw_shares(places.mark(shape))[:, 1:-1].ravel()
+        assert np.abs(found - (even + share * (bias - even))).max() < 0.01

@@ -2,7 +2,8 @@ import numpy as np
 import pytest
 
 from caricli.models.kernel.config import KernelConfig
-from caricli.models.kernel.model import KernelModel, vertex_weights, with_mirror_images
+from caricli.models.kernel.gaussian_process import gaussian_kernel
+from caricli.models.kernel.model import KernelModel, train_process, vertex_weights, with_mirror_images
 from caricli.models.pca.config import PcaConfig
 from caricli.models.pca.model import PcaModel
 
@@ -64,6 +65,8 @@ def test_vertices_near_landmarks_weigh_more(head_template):
     crown = head_template.vertices[:, 1].argmax()
     assert weights[crown] == pytest.approx(1)
     assert (vertex_weights(head_template, 0.0, 0.02) == 1).all()
+    larger = head_template.with_vertices(10 * head_template.vertices)
+    np.testing.assert_allclose(vertex_weights(larger, 3.0, 0.02), weights)
 
 
 def test_encode_finds_the_nearest_shape(kernel, people):
@@ -73,3 +76,24 @@ def test_encode_finds_the_nearest_shape(kernel, people):
     cost = np.square(kernel.decode(found) - shape).sum()
     for direction in np.random.default_rng(1).normal(size=(20, len(found))):
         assert np.square(kernel.decode(found + 1e-3 * direction) - shape).sum() > cost
+
+
+@pytest.mark.parametrize("width", [0.25, 1.0, 3.0])
+def test_centres_are_training_latents_as_far_apart_as_the_kernel_is_narrow(width):
+    coefficients = np.random.default_rng(4).normal(size=(400, 9))
+    config = KernelConfig(6, components=9, centres=50, width=width)
+    process = train_process(coefficients, np.linspace(2, 1, 9), config)
+    latents = process.centres / process.scale
+    assert len(latents) == 50 and np.abs(latents[:, None] - coefficients[:, :6]).max(2).min(1).max() < 1e-9
+    assert np.sqrt((process.centres**2).sum(1).mean()) == pytest.approx(1 / width, rel=0.15)
+    other = train_process(coefficients, np.linspace(2, 1, 9), KernelConfig(6, 9, 50, width, seed=1))
+    assert not np.array_equal(other.centres, process.centres)
+
+
+def test_the_kernel_is_that_of_slow_distances_and_never_above_one():
+    points = np.random.default_rng(5).normal(size=(7, 4))
+    centres = np.vstack([points[:3], np.random.default_rng(6).normal(size=(5, 4))])
+    slow = np.exp(-((points[:, None] - centres) ** 2).sum(-1) / 2)
+    np.testing.assert_allclose(gaussian_kernel(points, centres), slow, atol=1e-12)
+    far = 1e8 * (1 + np.random.default_rng(7).uniform(size=(200, 4)))
+    assert gaussian_kernel(far, far).max() <= 1

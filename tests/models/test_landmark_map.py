@@ -87,6 +87,9 @@ def test_the_own_style_makes_more_of_what_is_unusual(landmark_map):
     np.testing.assert_allclose(landmark_map.own_style(turned(face)), style, atol=1e-9)
     unusual = face.ravel() - landmark_map.normal
     assert unusual @ (style @ landmark_map.styles) > 0
+    # Of two at once as much as there is of each, however strong styles are.
+    both = align((landmark_map.normal + 0.1 * landmark_map.styles.T @ [0, 3, 0, -1]).reshape(68, 2))[0]
+    assert landmark_map.own_style(both)[3] / landmark_map.own_style(both)[1] == pytest.approx(-1 / 3, abs=0.1)
     usual = landmark_map.own_style(landmark_map.normal.reshape(68, 2))
     assert np.isfinite(usual).all()
 

@@ -6,7 +6,13 @@ import torch
 
 from caricli.errors import InputError
 from caricli.models.sketch.config import SketchSize
-from caricli.models.sketch.model import SketchModel, sketch_from_checkpoint, sketch_to_checkpoint, window_camera
+from caricli.models.sketch.model import (
+    SketchModel,
+    sketch_from_checkpoint,
+    sketch_to_checkpoint,
+    window_camera,
+    window_picture,
+)
 from caricli.models.sketch.networks import CAMERA, SketchNetwork
 from caricli.models.sketch.window import POINTS, Window, curve_points
 from caricli.structures.sketch import Sketch, Stroke, StrokeKind
@@ -131,3 +137,41 @@ def test_what_does_not_fit_is_refused(model, change):
     tensors, about = sketch_to_checkpoint(model)
     with pytest.raises(InputError, match="^it: "):
         sketch_from_checkpoint(tensors, json.loads(json.dumps(about)) | change, "it")
+
+
+def test_points_in_the_mirror_are_those_of_the_curves_of_the_other_side():
+    """They run as those do, whichever way the lines were drawn."""
+    curves = ("eye_left", "nose", "eye_right", "ear_left")
+    network = SketchNetwork(SMALL, len(curves), POINTS, 5, torch.Generator().manual_seed(0))
+    along = np.linspace(-0.1, 0.1, POINTS)
+    usual = np.zeros((4, POINTS, 2))
+    # Both eyes run from their inner corner outwards, the nose down; an ear has no partner.
+    usual[0] = np.stack([0.4 + along, 0 * along], 1)
+    usual[1] = np.stack([0 * along, along], 1)
+    usual[2] = np.stack([-0.4 - along, 0 * along], 1)
+    usual[3] = np.stack([0.9 + 0 * along, along], 1)
+    network.usual[:] = torch.from_numpy(usual)
+    model = SketchModel(network, 64, curves, "a" * 64)
+    drawn = usual + np.random.default_rng(0).normal(0, 0.01, usual.shape)
+    found = model.mirrored(drawn[None])[0]
+    np.testing.assert_allclose(found[0], drawn[2] * [-1, 1])
+    np.testing.assert_allclose(found[1], drawn[1] * [-1, 1])
+    np.testing.assert_allclose(found[2], drawn[0] * [-1, 1])
+    assert np.isnan(found[3]).all()
+    # Where the usual ways of both sides differ, the mirror image is turned around.
+    network.usual[2] = torch.from_numpy(usual[2, ::-1].copy())
+    found = SketchModel(network, 64, curves, "a" * 64).mirrored(drawn[None])[0]
+    np.testing.assert_allclose(found[0], drawn[2, ::-1] * [-1, 1])
+    np.testing.assert_allclose(found[2], drawn[0, ::-1] * [-1, 1])
+
+
+def test_strokes_fill_the_window_as_far_as_they_are_to(sketch):
+    window = Window.around([stroke.points for stroke in sketch.strokes], 200)
+    inside = np.concatenate([window.inside(stroke.points) for stroke in sketch.strokes])
+    assert np.abs(inside).max() == pytest.approx(0.86)
+    np.testing.assert_allclose(inside.min(0) + inside.max(0), 0, atol=1e-9)
+    ink = window_picture(sketch, window, 64)
+    rows, columns = np.nonzero(ink > 100)
+    middles = [(values.min() + values.max()) / 2 for values in (rows, columns)]
+    np.testing.assert_allclose(middles, 31.5, atol=0.51)
+    assert max(np.ptp(rows), np.ptp(columns)) == pytest.approx(0.86 * 63, abs=2.1)

@@ -5,6 +5,7 @@ import pytest
 import torch
 
 from caricli.errors import InputError
+from caricli.models.style.config import STEP
 from caricli.models.style.model import StyleModel, style_from_checkpoint, style_to_checkpoint
 from caricli.models.style.networks import StyleNetwork, renormalised, statistics
 
@@ -69,3 +70,46 @@ def test_what_does_not_fit_is_refused(model, change):
     tensors, about = style_to_checkpoint(model)
     with pytest.raises(InputError, match="^it: "):
         style_from_checkpoint(tensors, json.loads(json.dumps(about)) | change, "it")
+
+
+def test_a_picture_with_its_own_look_stays_as_it_is(model, pictures):
+    own = model.look(pictures[0])
+    same, plain = (model.lend(pictures[:1], own, strength).astype(int) for strength in (1, 0))
+    assert np.abs(same - plain).max() <= 1
+
+
+def test_people_in_another_order_look_the_same(model, pictures):
+    look = model.look(pictures[2])
+    lent, turned = (model.lend(each, look).astype(int) for each in (pictures, pictures[::-1]))
+    assert np.abs(lent - turned[::-1]).max() <= 1
+
+
+def test_what_is_added_to_make_sizes_even_is_cut_off_again(model, pictures):
+    part = pictures[:, :33, :30]
+    wide = np.pad(part, ((0, 0), (0, -33 % STEP), (0, -30 % STEP), (0, 0)), mode="edge")
+    look = model.look(pictures[0])
+    assert wide.shape != part.shape
+    np.testing.assert_array_equal(model.lend(part, look), model.lend(wide, look)[:, :33, :30])
+
+
+def test_the_noise_is_that_of_the_seed(model, pictures):
+    look = model.look(pictures[1])
+    first, same, other = (model.lend(pictures[:1], look, seed=seed) for seed in (3, 3, 4))
+    np.testing.assert_array_equal(first, same)
+    assert (first != other).any()
+
+
+def test_smooth_skin_becomes_no_blotches(model, pictures, monkeypatch):
+    smooth = (120 + np.random.default_rng(1).integers(0, 2, (1, 48, 40, 3))).astype(np.uint8)
+    look = model.look(pictures[1])
+    seen = []
+
+    def decoder(lent, noise):
+        seen.append([level.std((2, 3)) for level in lent])
+        return torch.zeros(1, 3, *noise.shape[2:])
+
+    monkeypatch.setattr(model.network.decoder, "forward", decoder)
+    for strength in (0, 1):
+        model.lend(smooth, look, strength)
+    for plain, lent in zip(*seen, strict=True):
+        assert (lent <= 2.6 * plain + 1e-6).all() and (lent > 1.5 * plain).any()

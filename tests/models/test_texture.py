@@ -121,6 +121,7 @@ def test_the_default_is_small():
         (lambda t, a: a.update(schema="other"), "expected a texture network of schema"),
         (lambda t, a: a.update(expressions=["smile"]), "ARKit's 52 expressions, found one of others"),
         (lambda t, a: a.update(topology_id=3), "the id of a topology"),
+        (lambda t, a: a.update(topology_id="0" * 63), "the id of a topology"),
         (lambda t, a: a.update(size=7), "size from 32 to 512"),
         (lambda t, a: a.update(network={"width": 8}), "expected a network of width"),
         (lambda t, a: a["network"].update(maps=1), "true or false"),
