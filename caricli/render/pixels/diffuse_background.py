@@ -39,6 +39,4 @@ def diffuse_background(image: np.ndarray, mask: np.ndarray) -> np.ndarray:
         flat[fresh] = sum(flat[each] for each in beside.T) / weight[:, None]
         filled.ravel()[fresh] = 1
     rounded = np.rint(colours[1:-1, 1:-1]).astype(np.uint8)
-    diffused = rounded.reshape(-1, 3).take(nearest_index(filled[1:-1, 1:-1] > 0), 0)
-    diffused[mask] = image[mask]
-    return diffused
+    return rounded.reshape(-1, 3).take(nearest_index(filled[1:-1, 1:-1] > 0), 0)
