@@ -166,9 +166,10 @@ def test_what_no_training_leaves_is_refused(model, name, change, words):
 
 def test_many_points_are_decoded_piece_by_piece_as_at_once(model, monkeypatch):
     latents = model.prior.sample(np.random.default_rng(3), 2)
-    whole = model.decode(latents)
-    monkeypatch.setattr("caricli.models.deformable.model._CHUNK", 1000)
-    np.testing.assert_allclose(model.decode(latents), whole, atol=1e-6)
+    with monkeypatch.context() as small:
+        small.setattr("caricli.models.deformable.model._CHUNK", 1000)
+        pieces = [model.decode(each) for each in (-latents, latents)]
+    np.testing.assert_allclose(pieces, [model.decode(each) for each in (-latents, latents)], atol=1e-6)
 
 
 def test_a_place_at_a_vertex_is_decoded_as_this_vertex(model):
