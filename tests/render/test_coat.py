@@ -64,3 +64,29 @@ def test_eyeballs_beside_the_mesh_are_painted(wall):
 def test_no_pictures_or_uvs_are_no_coat(wall):
     assert mesh_coat(wall, Pictures()) is None
     assert mesh_coat(Mesh(wall.vertices, wall.faces), Pictures(np.zeros((2, 2, 3), np.uint8))) is None
+
+
+def test_vertices_are_doubled_where_materials_meet_at_one_place_of_the_pictures():
+    faces = np.array([[0, 1, 2], [0, 2, 3]])
+    materials = np.array([Material.SKIN, Material.EYE])
+    coat = Coat(np.arange(8.0).reshape(4, 2), faces, materials, Pictures())
+    at, cut, places = coat.cut(faces)
+    assert sorted(at) == [0, 0, 1, 2, 2, 3]
+    np.testing.assert_array_equal(at[cut], faces)
+    np.testing.assert_array_equal(places[cut][..., 2], materials[:, None] * [1, 1, 1])
+
+
+def test_wide_pictures_are_shrunk_by_their_area_and_keep_some_colours(wall):
+    coat = mesh_coat(wall, Pictures(np.zeros((SIDE * 2, SIDE * 8, 3), np.uint8)))
+    # 16 texels for every pixel: four times smaller along either side.
+    assert coat.shrunk(wall.vertices, wall.faces).pictures.skin.shape == (SIDE // 2, SIDE * 2, 3)
+    far = mesh_coat(wall, Pictures(np.zeros((320, 320, 3), np.uint8))).shrunk(1e-3 * wall.vertices, wall.faces)
+    assert far.pictures.skin.shape == (16, 16, 3)
+
+
+def test_a_picture_of_eyeballs_alone_is_as_fine_as_they_are_large(wall):
+    """Its width goes once around the ball."""
+    coat = mesh_coat(wall, Pictures(eyes=np.zeros((1024, 1024, 3), np.uint8)))
+    for radius in (10.0, 40.0):
+        side = coat.shrunk(wall.vertices, wall.faces, radius).pictures.eyes.shape[0]
+        assert abs(side - 2 * np.pi * radius) < 2

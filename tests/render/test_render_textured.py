@@ -49,6 +49,13 @@ def test_colours_are_no_whole_numbers_whatever_the_paper_is(ball):
     assert colours.dtype == np.float64 and (colours % 1 > 0).any()
 
 
+def test_what_has_no_picture_has_the_colour_of_the_paper(ball):
+    materials = np.full(len(ball.faces), Material.TEETH, np.int32)
+    bare = Rig((), ball.mesh, ball.deltas, materials, ball.pictures)
+    image = render_textured(bare, placed(ball.neutral, 40, 49.5), 100, 100, paper=(10, 120, 30))
+    assert (image == (10, 120, 30)).all()
+
+
 def test_paper_is_behind(ball):
     image = render_textured(ball, placed(ball.neutral, 40, 49.5), 100, 100, paper=np.array([255.0, 0, 255]))
     assert image[2, 2].tolist() == [255, 0, 255]

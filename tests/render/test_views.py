@@ -67,3 +67,14 @@ def test_a_turntable_starts_in_front_and_comes_round(lopsided):
 def test_an_unknown_view_is_refused(sphere):
     with pytest.raises(InputError, match="'above'.*front"):
         render_views(Mesh(*sphere), ["above"], 16)
+
+
+@pytest.mark.parametrize(("view", "side"), [("front", 0), ("three-quarter", -1), ("three-quarter-right", 1)])
+def test_eyes_look_where_the_head_looks(sphere, view, side):
+    """An eyeball around all of the mesh, whose dark iris is on the side that the head turns to."""
+    vertices, faces = sphere
+    look = Look(eyeballs=[(np.zeros(3), 1.01)])
+    (picture,) = render_views(Mesh(vertices, faces), [view], 96, look)
+    inner = picture[20:76, 12:84, :3].max(-1)
+    middle = (np.nonzero(inner < 120)[1].mean() - 35.5) / (0.46 * 96)
+    assert middle == pytest.approx(side * np.sin(np.radians(35)), abs=0.15)

@@ -48,3 +48,32 @@ def test_eyes_of_one_colour_have_no_iris(colour):
     image, marks = eyes(10)
     image[:] = colour
     assert iris_radius(image, marks) == (0, 0)
+
+
+@pytest.mark.parametrize("times", [0.5, 3])
+def test_the_radius_is_in_pixels_of_the_picture(times):
+    image, marks = eyes(12)
+    larger = cv2.resize(image, None, fx=times, fy=times, interpolation=cv2.INTER_AREA)
+    pixels, explained = iris_radius(larger, (marks + 0.5) * times - 0.5)
+    assert abs(pixels - 12 * times) < 0.15 * 12 * times and explained > 0.75
+
+
+def test_irises_are_of_one_size_where_eyes_are_not():
+    """As of a head that is turned: the lids of one eye are less far apart, the iris is as large."""
+    image, marks = eyes(11)
+    narrow = image[:, 120:180]
+    image[:, 120:180] = np.where(np.abs(np.arange(60) - 30)[:, None] < 15, narrow, (190, 140, 110))
+    marks[42:48, 0] = 150 + (marks[42:48, 0] - 150) / 2
+    pixels, explained = iris_radius(image, marks)
+    assert abs(pixels - 11) < 1.7 and explained > 0.6
+
+
+def test_a_disc_that_is_lighter_is_no_iris():
+    image, marks = eyes(10, iris=(255, 255, 255))
+    dark = np.where((image == (235, 228, 220)).all(-1, keepdims=True), (70, 60, 50), image).astype(np.uint8)
+    assert iris_radius(dark, marks)[1] < 0.3
+
+
+def test_a_blue_iris_is_told_by_what_it_lacks():
+    pixels, explained = iris_radius(*eyes(12, iris=(60, 110, 235)))
+    assert abs(pixels - 12) < 0.15 * 12 and explained > 0.75

@@ -44,3 +44,12 @@ def test_given_colours_take_the_place_of_the_usual_ones():
     iris = picture[(radius > 1.2 * PUPIL) & (radius < 0.6 * IRIS) & ((x > 0) | (y > 0))].mean(0)
     assert iris[2] > iris[1] > iris[0] and np.abs(iris - blue).max() < 40
     np.testing.assert_allclose(picture[(radius > 1.2 * IRIS) & (radius < 0.1)].mean(0), grey, atol=6)
+
+
+def test_the_pupil_is_as_much_larger_as_the_iris():
+    dark = []
+    for reach in (IRIS, 2 * IRIS):
+        radius, x, y = radii()
+        picture = paint_eye(SIZE, np.random.default_rng(0), reach=reach).max(-1)
+        dark.append(radius[(picture < 30) & ((x > 0) | (y > 0))].max())
+    assert abs(dark[1] / dark[0] - 2) < 0.2

@@ -53,3 +53,18 @@ def test_another_mesh_and_an_annotation_without_eyes_give_none(sphere, bare, one
 def test_a_mesh_with_its_own_eyes_gets_none(sphere, one_eye):
     regions = one_eye.regions | {"eyeball_left": np.arange(3)}
     assert place_eyeballs(Mesh(*sphere), replace(one_eye, regions=regions)) == []
+
+
+def test_a_socket_with_one_vertex_too_many_is_of_another_mesh(sphere, one_eye):
+    regions = {"eye_socket_left": np.arange(len(sphere[0]) + 1)}
+    assert place_eyeballs(Mesh(*sphere), replace(one_eye, regions=regions)) == []
+
+
+def test_lids_may_be_borders_in_either_direction(sphere, one_eye):
+    vertices, faces = sphere
+    upper = one_eye.curves["eye_upper_left"]
+    for lid in (upper, upper[::-1]):
+        pairs = {tuple(pair) for pair in np.stack([lid[:-1], lid[1:]], 1).tolist()}
+        edges = faces[:, [[0, 1], [1, 2], [2, 0]]].tolist()
+        open_mesh = faces[[not pairs & {tuple(edge) for edge in face} for face in edges]]
+        assert len(open_mesh) < len(faces) and len(place_eyeballs(Mesh(vertices, open_mesh), one_eye)) == 1

@@ -1,4 +1,5 @@
 import numpy as np
+import pytest
 
 from caricli.render.pixels.rasterise_sketch import rasterise_sketch
 from caricli.structures import Sketch, Stroke
@@ -35,3 +36,21 @@ def test_dots_and_what_leaves_the_canvas():
     far = rasterise_sketch(Sketch((Stroke(np.array([[-1e5, 20], [1e5, 20]])),), (64, 64)), 64)
     assert (far[20, 4:-4] > 200).all()
     assert not rasterise_sketch(Sketch(), 32).any()
+
+
+def test_a_canvas_of_any_shape_and_size_fits_with_its_lines():
+    """Of 200 x 100 pixels on 50: a quarter as large, its lines as well, from border to border."""
+    line = np.array([[0.0, 20], [199, 20]])
+    ink = rasterise_sketch(Sketch((Stroke(line, width=24.0), Stroke(line + [0, 60], width=24.0)), (200, 100)), 50)
+    rows = np.flatnonzero(ink[:, 25] > 127)
+    assert (ink[[17, 32]][:, [0, 49]] > 127).all()
+    assert abs(rows.mean() - 24.5) < 0.5 and 10 <= len(rows) <= 14
+    assert rows.min() == pytest.approx(17 - 3, abs=1.5) and rows.max() == pytest.approx(32 + 3, abs=1.5)
+
+
+def test_the_dark_lies_over_the_light_whichever_was_drawn_first():
+    dark = Stroke(np.array([[5.0, 30], [60, 30]]), width=3.0)
+    light = Stroke(np.array([[30.0, 5], [30, 60]]), pressure=np.full(2, 0.25), width=3.0)
+    for strokes in ((dark, light), (light, dark)):
+        ink = rasterise_sketch(Sketch(strokes, (64, 64)), 64)
+        assert ink[30, 30] == 255 and 40 < ink[15, 30] < 90
