@@ -10,7 +10,7 @@ from caricli.methods.pictures.draw_sitter import draw_sitter, random_strands
 from caricli.methods.pictures.hair import HATS, random_hat
 from caricli.methods.pictures.light import Sky
 from caricli.methods.pictures.mime import random_mime
-from caricli.methods.pictures.pose import random_pose
+from caricli.methods.pictures.pose import Pose, random_pose
 from caricli.methods.pictures.settings import PoseSettings, SceneSettings, SitterSettings
 from caricli.methods.pictures.sitter import Wardrobe
 from caricli.structures.parsing import Region
@@ -173,6 +173,51 @@ def test_pictures_with_several_people_tell_who_hides_whom(wardrobe):
         # Whoever is in front is not hidden by the others.
         assert picture.faces[0].visible.mean() >= min(face.visible.mean() for face in picture.faces)
     assert min(counts) >= 2
+
+
+def test_truth_of_a_picture_is_in_its_own_pixels(wardrobe):
+    """Heads are drawn larger: what is stored is the camera of the picture, and labels lie where landmarks are."""
+    generator = np.random.default_rng(7)
+    sitters = [wardrobe.seat(wardrobe.template.vertices, generator)]
+    easel = Easel(160, SceneSettings(none=0, several=0, held=0), replace(STILL, yaw=15, perspective=0.3))
+    for _ in range(3):
+        picture = easel.compose(sitters, 0, generator)
+        (face,) = picture.faces
+        skin = sitters[0].skin
+        height = float(np.ptp(skin.vertices[:, 1]))
+        stand = Pose(face.rotation, face.scale, face.translation, face.perspective, skin.vertices.mean(0), height)
+        marks = skin.annotation.landmarks[17:68]
+        np.testing.assert_allclose(face.points[17:68], stand.place(skin.vertices[marks])[:, :2], atol=1e-9)
+        for region, numbers in ((Region.NOSE, (28, 29, 30)), (Region.EYES, range(36, 48)), (Region.LIPS, (51, 57))):
+            rows, columns = np.nonzero(picture.region == region)
+            if len(rows):
+                box = face.points[list(numbers)]
+                assert np.abs(np.array([columns.mean(), rows.mean()]) - box.mean(0)).max() < 0.06 * height * face.scale
+        assert not set(np.unique(picture.region).tolist()) - set(map(int, Region))
+
+
+def test_what_is_held_hides_landmarks_and_one_of_several_is_not_drawn_twice(wardrobe):
+    generator = np.random.default_rng(8)
+    sitters = [wardrobe.seat(wardrobe.template.vertices, generator) for _ in range(2)]
+    easel = Easel(128, SceneSettings(none=0, several=0, held=1), STILL)
+    for _ in range(6):
+        picture = easel.compose(sitters, 1, generator)
+        (face,) = picture.faces
+        at = np.clip(np.round(face.points).astype(int), 0, 127)
+        held = picture.region[at[:, 1], at[:, 0]] == Region.OTHER
+        assert face.sitter == 1 and (picture.region == Region.OTHER).any()
+        assert face.visible[held].mean() < 0.2 if held.sum() > 4 else True
+    crowd = Easel(96, SceneSettings(none=0, several=1, held=0, most=4), STILL)
+    for _ in range(6):
+        assert sorted(face.sitter for face in crowd.compose(sitters, 0, generator).faces) == [0, 1]
+
+
+def test_mimes_are_as_large_as_the_face(wardrobe):
+    head = wardrobe.template
+    settings = replace(PLAIN, twisted=1, laughing=1, wide=1)
+    moved, twice = (random_mime(size * head.vertices, head, settings, np.random.default_rng(2)) for size in (1.0, 2.0))
+    np.testing.assert_allclose(twice, 2 * moved, atol=1e-9)
+    assert np.abs(moved).max() > 1e-3
 
 
 def test_skin_that_is_behind_skin_is_not_visible(wardrobe):
