@@ -40,7 +40,7 @@ def test_triangles_count_by_their_angles_however_they_are_cut():
     """The corner of a box: three faces at right angles, one of them cut into a fan of thin triangles."""
     turns = np.linspace(0, np.pi / 2, 7)
     fan = np.stack([np.cos(turns), np.sin(turns), 0 * turns], 1)
-    vertices = np.vstack([[[0.0, 0, 0], [0, 0, 1]], fan])
+    vertices = np.vstack([np.array([[0.0, 0, 0], [0, 0, 1]]), fan])
     thin = [[0, 2 + k, 3 + k] for k in range(6)]
     normals = smooth_normals(vertices, np.array([*thin, [0, 1, 2], [0, 8, 1]]))
     np.testing.assert_allclose(normals[0], np.ones(3) / np.sqrt(3), atol=1e-12)
