@@ -82,7 +82,7 @@ def command(dataset, out, count, everyone, given, faces, seed, overwrite):
             tools = replace(tools, expressions=dataset_expressions(data, tools.actions.names))
             unseen = unseen_data(data, tools.seen, everyone)
             caricatures = dataset_caricatures(unseen.data, count)
-        drawings = {path.stem: load_caricature(path, tools) for path in faces}
+        drawings = [(name, load_caricature(path, tools)) for name, path in zip(_names(faces), faces, strict=True)]
         sheet = BlendshapeSheet(tools, SHOWN, SIZE)
         tally = _evaluate(caricatures, given, seed, sheet)
         _add_drawings(sheet, drawings)
@@ -108,9 +108,15 @@ def _evaluate(caricatures: list, given: str, seed: int, sheet: Any) -> Any:
     return tally
 
 
-def _add_drawings(sheet: Any, drawings: dict) -> None:
-    """Add Caricatures, by name, to a BlendshapeSheet."""
-    for name, caricature in drawings.items():
+def _names(faces: tuple[Path, ...]) -> list[str]:
+    """What the sheet calls faces: by their stems, and their whole paths where several have the same."""
+    stems = [path.stem for path in faces]
+    return [stem if stems.count(stem) == 1 else str(path) for stem, path in zip(stems, faces, strict=True)]
+
+
+def _add_drawings(sheet: Any, drawings: list) -> None:
+    """Add pairs of a name and a Caricature to a BlendshapeSheet."""
+    for name, caricature in drawings:
         sheet.add_face(name, caricature.face, caricature.worn.load())
 
 

@@ -1,9 +1,11 @@
 import numpy as np
 import pytest
 
+from caricli.io.face import write_face
 from caricli.io.image import read_image
 from caricli.io.strict_json import read_json, write_json
 from caricli.methods.evaluate.evaluate_blendshapes import RIVALS
+from caricli.structures import Camera, Face
 
 pytestmark = pytest.mark.usefixtures("quick_pictures")
 
@@ -54,6 +56,23 @@ def test_any_expression_may_be_given(run, dataset, small, tmp_path):
     found = read_json(tmp_path / "a" / "blendshapes.json")
     counts = [found["expressions"][name]["of"] for name in ("neutral", "smile")]
     assert sum(counts) == len(found["caricatures"]) == 4 and counts[0] > 0
+
+
+def test_faces_of_one_name_are_drawn_all(run, dataset, small, head_template, monkeypatch, tmp_path):
+    paths = [tmp_path / folder / "face.npz" for folder in ("first", "second")]
+    camera = Camera(1000.0, np.diag([1.0, -1, -1]), np.array([200.0, 300]))
+    for path in paths:
+        path.parent.mkdir()
+        write_face(
+            path,
+            Face(head_template, camera, camera.project(head_template.vertices[head_template.annotation.landmarks])),
+        )
+    drawn = []
+    sheet = "caricli.methods.evaluate.blendshape_sheet.BlendshapeSheet.add_face"
+    monkeypatch.setattr(sheet, lambda self, name, face, pictures: drawn.append(name))
+    options = ("--everyone", "--count", 1, "--face", paths[0], "--face", paths[1], "--out", tmp_path / "out")
+    assert run(*COMMAND, "--data", dataset, *options).exit_code == 0
+    assert drawn == list(map(str, paths))
 
 
 def test_without_caricatures_there_is_nothing_to_evaluate(refused, run, dataset, tmp_path):
