@@ -1,7 +1,9 @@
 """caricli animate: a rig that moves as a face tracker says."""
 
+import os
 from contextlib import ExitStack
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
@@ -163,11 +165,17 @@ def command(
 
 
 def _first(out, video, frames, drawn):
-    """The first of the outputs. drawn: whether something is, where that is wanted. Raises UsageError."""
+    """The first of the outputs, none of which may lie in the folder of another. drawn: whether something is, where that
+    is wanted. Raises UsageError."""
     if out is None and frames is None and video is None:
         raise click.UsageError("Give at least one of --out, --frames and --video.")
     if not drawn:
         raise click.UsageError("--dynamic-texture is for --video, and for --frames with --format png.")
+    places = [Path(os.path.realpath(path)) for path in (out, video) if path]
+    if frames and any(place.is_relative_to(os.path.realpath(frames)) for place in places):
+        raise click.UsageError(
+            "--out and --video take files outside of the folder of --frames, which is written whole."
+        )
     return out or video or frames
 
 

@@ -264,6 +264,18 @@ def test_outputs_are_never_inputs_and_folders_of_others_stay(refused, rig_file, 
     assert "animation.json" in said and (tmp_path / "mine" / "letter.txt").exists()
 
 
+@pytest.mark.parametrize("option", ["--out", "--video"])
+def test_nothing_is_written_into_the_folder_of_the_frames(run, refused, rig_file, tmp_path, option):
+    source = ours(tmp_path / "a.json", np.zeros((2, 5)))
+    line = ("animate", rig_file, source, "--frames", tmp_path / "frames")
+    assert run(*line).exit_code == 0
+    before = {path.name: path.stat().st_mtime_ns for path in (tmp_path / "frames").iterdir()}
+    inside = tmp_path / "frames" / ("a.glb" if option == "--out" else "a.gif")
+    said = refused(*line, option, inside, "--size", 16, "--overwrite", code=2)
+    assert "outside of the folder of --frames" in said
+    assert before == {path.name: path.stat().st_mtime_ns for path in (tmp_path / "frames").iterdir()}
+
+
 @pytest.mark.parametrize("words", [[], ["--out", "a.glb", "--fps", "0"], ["--out", "a.glb", "--smooth", "nan"]])
 def test_wrong_usage_is_2(run, rig_file, tmp_path, words):
     result = run("animate", rig_file, ours(tmp_path / "w.json", np.zeros((2, 5))), *words)
