@@ -181,10 +181,11 @@ class Expressions:
         if model is None:
             return None
         from caricli.store.expression_tools import ToolPaths, load_tools
+        from caricli.store.faces import CHARTED_PICTURE
 
         tools, files = load_tools(ToolPaths(expressions))
         for name in tools.expressions:
-            if not _FILE_NAME.fullmatch(name):
+            if not _FILE_NAME.fullmatch(name) or f"texture-{name}.png" == CHARTED_PICTURE:
                 raise InputError(f"{shown(expressions)}: expected names that files can have, found {shown(name, 60)!r}")
         return cls(tools, model, [*files, *([network] if network else [])])
 

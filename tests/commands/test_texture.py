@@ -431,6 +431,8 @@ def test_expressions_that_cannot_be_painted_are_told_before_anything_is(refused,
     line = (COMMAND, *inputs(scene), "--out", tmp_path / "out", "--expressions", table)
     table.write_text("neutral: {}\n../up: {jawOpen: 1}\n")
     assert "names that files can have, found '../up'" in refused(*line, "--texture-network", network)
+    table.write_text("neutral: {}\narap: {jawOpen: 1}\n")
+    assert "names that files can have, found 'arap'" in refused(*line, "--texture-network", network)
     table.write_text("neutral: {}\nopen: {jawOpne: 1}\n")
     assert "jawOpne" in refused(*line, "--texture-network", network)
     assert "none.safetensors" in refused(*line, "--texture-network", tmp_path / "none.safetensors")
