@@ -143,12 +143,14 @@ class ComparisonTally:
 def dataset_expressions(data: Dataset, action_names: Sequence[str]) -> dict[str, dict[str, float]]:
     """The named expressions of a generated Dataset, neutral first: weights of actions by name.
 
-    Raises InputError where the names are not those of the bundled table, or the neutral one is missing.
+    Raises InputError where the names are not those of the bundled table, or the neutral one is missing or alone.
     """
     table = named_expressions(action_names)
     names = data.manifest.get("expressions", [])
     if NEUTRAL not in names or not set(names) <= set(table):
         raise InputError("expected a dataset of caricli dataset build, with a neutral expression, found another")
+    if set(names) == {NEUTRAL}:
+        raise InputError(f"expected expressions to compare, found {NEUTRAL} alone; build more with --expressions")
     return {name: table[name] for name in (NEUTRAL, *(name for name in names if name != NEUTRAL))}
 
 

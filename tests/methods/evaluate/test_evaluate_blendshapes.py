@@ -54,6 +54,12 @@ def test_expressions_are_those_of_the_bundled_table(data, head):
             dataset_expressions(data, head.action_names)
 
 
+def test_a_neutral_expression_alone_is_nothing_to_compare(data, head):
+    data.manifest["expressions"] = ["neutral"]
+    with pytest.raises(InputError, match="expected expressions to compare, found neutral alone"):
+        dataset_expressions(data, head.action_names)
+
+
 def test_a_tally_means_over_what_was_compared():
     tally = ComparisonTally(["neutral", "smile"])
     for shift in (0.0, 1.0):
