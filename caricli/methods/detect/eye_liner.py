@@ -3,7 +3,7 @@
 import cv2
 import numpy as np
 
-from caricli.methods.texture.distance_to import exact_distance_to
+from caricli.render.pixels.distance_to import exact_distance_to
 
 _BEYOND = 0.4  # of the eye's width, how far from its corners ink may reach, and
 _BEFORE = 0.12  # how far before them it may begin;

@@ -6,9 +6,9 @@ from scipy.ndimage import binary_dilation, label
 
 from caricli.methods.hair.dress_hair import DressedHair
 from caricli.methods.texture.another_colour import LIKE, lab_colours, of_another_colour
-from caricli.methods.texture.distance_to import distance_to
 from caricli.methods.texture.mean_colours import mean_colours
 from caricli.methods.texture.parsed_head import ParsedHead
+from caricli.render.pixels.distance_to import distance_to
 from caricli.structures.landmarks import BROW_LEFT, BROW_RIGHT, EYE_LEFT, EYE_RIGHT
 
 _MARGIN = 0.015  # of the face's height: as far around hair the skin has its colour or its shadow

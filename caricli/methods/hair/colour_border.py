@@ -3,7 +3,7 @@
 import cv2
 import numpy as np
 
-from caricli.methods.texture.distance_to import distance_to
+from caricli.render.pixels.distance_to import distance_to
 
 
 def depth_inside(mask: np.ndarray) -> np.ndarray:

@@ -14,10 +14,10 @@ from caricli.methods.hair.parsed_hair import parsed_hair
 from caricli.methods.hair.settings import MaskSettings
 from caricli.methods.hair.snap_border import snap_border
 from caricli.methods.texture.another_colour import lab_colours
-from caricli.methods.texture.distance_to import distance_to
 from caricli.methods.texture.mask_head import mesh_pixels
 from caricli.methods.texture.picture_view import PictureView, Sight
 from caricli.methods.texture.settings import PaintSettings
+from caricli.render.pixels.distance_to import distance_to
 from caricli.render.pixels.smaller_mask import smaller_mask
 from caricli.structures import Camera, Face, Hair
 from caricli.template.annotation import EARS

@@ -5,7 +5,7 @@ import numpy as np
 
 from caricli.methods.hair.fit_outline import Outline
 from caricli.methods.hair.mask_hair import HairMask
-from caricli.methods.texture.distance_to import exact_distance_to
+from caricli.render.pixels.distance_to import exact_distance_to
 from caricli.render.pixels.sample_texture import sample_pixels
 from caricli.render.visibility.rasterise import rasterise
 from caricli.structures import Camera

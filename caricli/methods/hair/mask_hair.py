@@ -10,8 +10,8 @@ import numpy as np
 from caricli.methods.hair.colour_mixture import AskedColours, ColourMixture
 from caricli.methods.hair.picture_zones import PictureZones
 from caricli.methods.hair.settings import MaskSettings
-from caricli.methods.texture.distance_to import exact_distance_to
 from caricli.render.in_parallel import do_in_parallel
+from caricli.render.pixels.distance_to import exact_distance_to
 from caricli.render.pixels.widen_mask import widen_mask
 from caricli.structures import Face
 from caricli.template.template import Template

@@ -8,7 +8,7 @@ from caricli.methods.hair.cut_hair import cut_hair
 from caricli.methods.hair.mask_hair import HairMask
 from caricli.methods.hair.picture_zones import facial_features
 from caricli.methods.hair.settings import MaskSettings
-from caricli.methods.texture.distance_to import distance_to
+from caricli.render.pixels.distance_to import distance_to
 from caricli.render.visibility.nearest_pixel import nearest_pixel
 from caricli.structures import Face
 from caricli.structures.landmarks import COUNT

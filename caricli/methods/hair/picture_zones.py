@@ -5,7 +5,7 @@ import numpy as np
 from scipy.ndimage import distance_transform_edt
 
 from caricli.methods.hair.settings import MaskSettings
-from caricli.methods.texture.distance_to import exact_distance_to
+from caricli.render.pixels.distance_to import exact_distance_to
 from caricli.render.pixels.inside_polygon import inside_polygon
 from caricli.render.visibility.rasterise import rasterise
 from caricli.structures import Face

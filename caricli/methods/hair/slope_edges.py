@@ -7,7 +7,7 @@ from scipy.spatial import KDTree
 
 from caricli.methods.hair.head_sphere import HeadSphere
 from caricli.methods.hair.settings import ShellSettings
-from caricli.methods.texture.distance_to import exact_distance_to
+from caricli.render.pixels.distance_to import exact_distance_to
 from caricli.render.pixels.sample_texture import sample_pixels
 from caricli.render.pixels.widen_mask import widen_mask
 from caricli.render.visibility.rasterise import rasterise

@@ -18,7 +18,7 @@ from caricli.methods.hair.move_skull import lower_skull, raise_skull
 from caricli.methods.hair.settings import ShellSettings
 from caricli.methods.hair.shell_net import ShellNet
 from caricli.methods.hair.slope_edges import slope_edges
-from caricli.methods.texture.distance_to import exact_distance_to
+from caricli.render.pixels.distance_to import exact_distance_to
 from caricli.render.pixels.sample_texture import sample_pixels
 from caricli.render.pixels.widen_mask import widen_mask
 from caricli.render.visibility.rasterise import Raster, rasterise

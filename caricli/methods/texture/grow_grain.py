@@ -6,6 +6,8 @@ from functools import partial
 import cv2
 import numpy as np
 
+from caricli.render.pixels.distance_to import exact_distance_to
+
 _COMPARED = 12  # texels along a patch by which it is compared
 _SHRINK = 4  # times that a texture is smaller where its colours are taken
 _SMALL = 1e-6
@@ -59,7 +61,7 @@ def grow_grain(image: np.ndarray, seen: np.ndarray, regions: np.ndarray, generat
             wanted = here & (seen < 1)
             grown[wanted] = _quilt(grain, here & (seen == 1), wanted, patches, generator, settings)
     # A texture goes on elsewhere beyond the border of its islands: there is no grain to be joined.
-    border = cv2.distanceTransform((regions > 0).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
+    border = exact_distance_to(regions <= 0)
     share = (1 - seen) * np.clip(border / (2 * settings.coarse * len(image)), 0, 1)
     return image * (1 + share.astype(np.float32)[..., None] * grown)
 

@@ -8,8 +8,8 @@ from scipy.ndimage import label
 
 from caricli.methods.texture.another_colour import of_another_colour
 from caricli.methods.texture.collar import BARE, find_collar
-from caricli.methods.texture.distance_to import distance_to
 from caricli.methods.texture.mean_colours import mean_colours
+from caricli.render.pixels.distance_to import distance_to
 from caricli.structures.parsing import HEAD_REGIONS, Region
 
 _PAINT = (*HEAD_REGIONS, Region.HAIR)

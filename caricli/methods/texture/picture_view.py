@@ -7,9 +7,9 @@ import numpy as np
 import scipy.sparse as sp
 
 from caricli.geometry.triangle_normals import triangle_normals
-from caricli.methods.texture.distance_to import exact_distance_to
 from caricli.methods.texture.settings import TextureSettings
 from caricli.render.pixels.diffuse_background import diffuse_background
+from caricli.render.pixels.distance_to import exact_distance_to
 from caricli.render.pixels.sample_texture import sample_pixels, texture_matrix
 from caricli.render.visibility.nearest_pixel import nearest_pixel
 from caricli.render.visibility.rasterise import rasterise

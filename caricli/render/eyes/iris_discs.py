@@ -7,6 +7,7 @@ import cv2
 import numpy as np
 
 from caricli.render.eyes.eye_window import WIDTH, EyeWindow, eye_windows
+from caricli.render.pixels.distance_to import exact_distance_to
 from caricli.render.pixels.inside_polygon import inside_polygon
 
 FEWEST = 12
@@ -50,7 +51,7 @@ def iris_discs(eye: OpenEye, radii: Sequence[float] | np.ndarray) -> IrisDiscs:
     What counts of a colour is its least channel, of which skin has less than whites.
     """
     opening = eye.opening
-    depth = cv2.distanceTransform(opening.astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
+    depth = exact_distance_to(~opening)
     counted = np.minimum(depth / _LIDS, 1).astype(np.float32)
     least = eye.window.picture.min(-1)
     light = counted * least
