@@ -3,6 +3,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from caricli.geometry.alignment.head_rotation import head_rotation
 from caricli.methods.hair.head_sphere import HeadSphere
 from caricli.methods.hair.settings import ShellSettings
 from caricli.methods.pictures.compose import Easel
@@ -173,6 +174,61 @@ def test_pictures_with_several_people_tell_who_hides_whom(wardrobe):
         # Whoever is in front is not hidden by the others.
         assert picture.faces[0].visible.mean() >= min(face.visible.mean() for face in picture.faces)
     assert min(counts) >= 2
+
+
+def _at(drawing):
+    """Regions of the pixels that landmarks are in, and whether they are in the picture."""
+    size = len(drawing.region)
+    at = np.round(drawing.points).astype(int)
+    column, row = np.clip(at, 0, size - 1).T
+    return drawing.region[row, column], ((at >= 0) & (at < size)).all(1)
+
+
+def test_landmarks_beyond_the_picture_are_not_seen(wardrobe):
+    generator = np.random.default_rng(0)
+    sitter = wardrobe.seat(wardrobe.template.vertices, generator)
+    stand = random_pose(sitter.skin, 160, 0.6, generator, STILL)
+    aside = replace(stand, translation=stand.translation + [80, 0])
+    drawing = draw_sitter(sitter, aside, 160, EVEN, random_strands(generator), generator)
+    _, inside = _at(drawing)
+    assert 20 < inside[17:68].sum() < 45
+    np.testing.assert_array_equal(drawing.visible[17:68], inside[17:68])
+
+
+@pytest.mark.parametrize("worn", [{"beard": 1}, {"bald": 0, "shaved": 0, "fringe": (90, 100)}])
+def test_what_lies_close_to_the_skin_hides_it_too(wardrobe, worn):
+    wardrobe.settings = replace(PLAIN, **worn)
+    covered = 0
+    for seed in range(5):
+        _, drawing = _drawn(wardrobe, seed)
+        regions, _ = _at(drawing)
+        over = np.isin(regions, [Region.HAIR, Region.BEARD])
+        covered += over.sum()
+        assert not drawing.visible[over].any()
+    assert covered > 10
+
+
+@pytest.mark.parametrize(
+    ("yaw", "near", "far"), [(80, slice(42, 48), slice(36, 42)), (-80, slice(36, 42), slice(42, 48))]
+)
+def test_from_the_side_the_far_eye_is_not_seen(wardrobe, yaw, near, far):
+    _, drawing = _drawn(wardrobe, pose=replace(STILL, around=yaw))
+    assert drawing.visible[near].all() and not drawing.visible[far].any()
+
+
+@pytest.mark.parametrize("roll", [0.0, np.pi])
+def test_the_light_stays_where_it_is_when_a_head_is_upside_down(wardrobe, roll):
+    generator = np.random.default_rng(0)
+    sitter = wardrobe.seat(wardrobe.template.vertices, generator)
+    stand = replace(
+        random_pose(sitter.skin, 160, 0.6, generator, STILL), rotation=head_rotation(np.array([0, 0, roll]))
+    )
+    left = Sky(np.array([[-1.0, 0, 0]]), np.ones((1, 3)), np.full(1, 4.0), np.full(3, 0.01), np.full(3, 0.01))
+    drawing = draw_sitter(sitter, stand, 160, left, random_strands(generator), generator)
+    columns = np.nonzero(drawing.region == Region.SKIN)[1]
+    light = drawing.colours[drawing.region == Region.SKIN].mean(1)
+    middle = np.median(columns)
+    assert light[columns < middle].mean() > 3 * light[columns > middle].mean()
 
 
 def test_truth_of_a_picture_is_in_its_own_pixels(wardrobe):
