@@ -418,6 +418,29 @@ def test_ears_are_found_in_the_picture_unless_nobody_shall_look(run, head_templa
     assert reports["auto"]["width"] > 1.1 * reports["none"]["width"]
 
 
+def test_a_label_map_counts_for_landmarks_that_were_all_marked_by_hand(
+    run, refused, photo, head_template, monkeypatch, tmp_path
+):
+    camera = Camera(1400.0, np.diag([1.0, -1.0, -1.0]), np.array([200.0, 390.0]))
+    marks, labels = tmp_path / "marks.json", tmp_path / "labels.png"
+    points = camera.project(head_template.vertices[head_template.annotation.landmarks])
+    write_landmarks(marks, Landmarks(points, (400, 400)))
+    write_parsing(labels, np.full((400, 400), Region.SKIN, np.uint8))
+    write_json(labels.with_suffix(".json"), legend(Region))
+    seen = []
+
+    def fit_ears(face, template, picture):
+        seen.append(picture.regions)
+        return face
+
+    monkeypatch.setattr("caricli.methods.reconstruct.fit_ears.fit_ears", fit_ears)
+    given = (COMMAND, marks, "--image", photo, "--parsing", labels, "--out", tmp_path / "face.obj")
+    assert len(points) == 81 and run(*given).exit_code == 0
+    np.testing.assert_array_equal(seen, [np.full((400, 400), Region.SKIN)])
+    write_parsing(labels, np.full((200, 400), Region.SKIN, np.uint8))
+    assert f"{labels}: expected the picture's size, 400 x 400, found 400 x 200" in refused(*given, "--overwrite")
+
+
 def test_a_label_map_is_of_the_picture_of_one_landmark_file(run, refused, photo, reconstructed, tmp_path):
     _, marks = reconstructed
     labels = tmp_path / "labels.png"

@@ -119,11 +119,11 @@ class FitTask:
         marks = picture.landmarks
         if not self.parses or picture.pixels is None or picture.seen is not None:
             return picture
-        if not can_find_outline(marks.head_points, template, marks.spreads):
-            return picture
         if labels is not None:
             size = (picture.pixels.shape[1], picture.pixels.shape[0])
             return replace(picture, regions=load_regions(labels, size))
+        if not can_find_outline(marks.head_points, template, marks.spreads):
+            return picture
         return replace(picture, regions=self.files.reader.given(picture.pixels, marks.points).regions)
 
     def _shown(self, face: Face, finer: FineMesh) -> Face:
