@@ -140,7 +140,7 @@ def command(
     from caricli.methods.animate.animate_rig import AnimationSettings, animate_rig
     from caricli.store.tracks import load_track
 
-    first = _first(out, video, frames, drawn=not dynamic or video or (frames and kind == "png"))
+    first = _first(out, video, frames, kind, drawn=not dynamic or video or (frames and kind == "png"))
     model = load_network(network, dynamic)
     factors = named_numbers("--scale", scales, SCALE, "expression", (0, 3))
     # A video often lies beside a rig of its name, whose JSON is another.
@@ -164,11 +164,13 @@ def command(
     _say(first, weights, performance)
 
 
-def _first(out, video, frames, drawn):
+def _first(out, video, frames, kind, drawn):
     """The first of the outputs, none of which may lie in the folder of another. drawn: whether something is, where that
     is wanted. Raises UsageError."""
     if out is None and frames is None and video is None:
         raise click.UsageError("Give at least one of --out, --frames and --video.")
+    if frames is None and kind != "obj":
+        raise click.UsageError("--format is of the files of --frames.")
     if not drawn:
         raise click.UsageError("--dynamic-texture is for --video, and for --frames with --format png.")
     places = [Path(os.path.realpath(path)) for path in (out, video) if path]

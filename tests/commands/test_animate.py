@@ -276,7 +276,10 @@ def test_nothing_is_written_into_the_folder_of_the_frames(run, refused, rig_file
     assert before == {path.name: path.stat().st_mtime_ns for path in (tmp_path / "frames").iterdir()}
 
 
-@pytest.mark.parametrize("words", [[], ["--out", "a.glb", "--fps", "0"], ["--out", "a.glb", "--smooth", "nan"]])
+@pytest.mark.parametrize(
+    "words",
+    [[], *(["--out", "a.glb", *more] for more in (["--fps", "0"], ["--smooth", "nan"], ["--format", "png"]))],
+)
 def test_wrong_usage_is_2(run, rig_file, tmp_path, words):
     result = run("animate", rig_file, ours(tmp_path / "w.json", np.zeros((2, 5))), *words)
     assert result.exit_code == 2 and result.stdout == ""
