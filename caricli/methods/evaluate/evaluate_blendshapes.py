@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from caricli.data.build_settings import Exaggeration
 from caricli.data.dataset import Dataset
 from caricli.data.expressions import NEUTRAL, named_expressions
 from caricli.errors import InputError, naming
@@ -167,10 +168,15 @@ def dataset_caricatures(data: Dataset, count: int = 50) -> list[KnownCaricature]
 
 
 def known_caricatures(data: Dataset, people: Iterable[int]) -> list[KnownCaricature]:
-    """KnownCaricatures of a Dataset: exaggerated people of whom every expression is there."""
+    """KnownCaricatures of a Dataset: exaggerated people of whom every expression is there.
+
+    Meshes that are exaggerated at random, each in a way of its own, are nobody's expressions.
+    """
     names = data.manifest["expressions"]
     columns = (data.identity.tolist(), data.level.tolist(), data.expression.tolist())
-    rows = {key: row for row, key in enumerate(zip(*columns, strict=True))}
+    kinds = data.factors.get("kind", np.zeros(len(data.level)))
+    alike = kinds <= Exaggeration.CURVATURE
+    rows = {key: row for row, key in enumerate(zip(*columns, strict=True)) if alike[row]}
     order = sorted(range(len(names)), key=lambda k: names[k] != NEUTRAL)
     caricatures = []
     for identity in people:

@@ -29,6 +29,7 @@ def data():
         expression=expression,
         vertices=np.arange(len(keys))[:, None, None] * np.ones((1, 4, 3)),
         manifest={"expressions": ["smile", "neutral"], "splits": {"test": [1]}},
+        factors={},
     )
 
 
@@ -43,6 +44,14 @@ def test_caricatures_are_those_of_whom_every_expression_is_there_neutral_first(d
     data.manifest["splits"]["test"] = [2]
     with pytest.raises(InputError, match="expected caricatures with every expression, found none"):
         dataset_caricatures(data)
+
+
+def test_what_is_exaggerated_at_random_is_nobodys_expression(data):
+    data.manifest["splits"]["test"] = [0, 1]
+    data.factors["kind"] = np.where(data.level > 1, 1, 0)
+    assert [caricature.identity for caricature in dataset_caricatures(data)] == [0, 1]
+    data.factors["kind"][2] = 3
+    assert [caricature.identity for caricature in dataset_caricatures(data)] == [1]
 
 
 def test_expressions_are_those_of_the_bundled_table(data, head):
