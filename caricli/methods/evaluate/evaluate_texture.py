@@ -45,25 +45,25 @@ class TextureChoice:
 
 @dataclass(frozen=True, eq=False)
 class TextureTally:
-    """Sums of differences from the true textures, by painter and region, and person.
+    """Sums of differences from the true textures, by painter and region, and textured face.
 
-    sums: arrays (P,) by painter and region. counts: arrays (P,) of texels by region. read: by painter, and of the true
-    textures, squared errors of the weights that a judge reads in them.
+    who: (P,) numbers of the people whose faces they are. sums: arrays (P,) by painter and region. counts: arrays (P,)
+    of texels by region. read: by painter, and of the true textures, squared errors of the weights that a judge reads.
     """
 
-    people: int
+    who: np.ndarray
     sums: dict[str, dict[str, np.ndarray]] = field(default_factory=dict)
     counts: dict[str, np.ndarray] = field(default_factory=dict)
     read: dict[str, list[float]] = field(default_factory=dict)
 
     def add(self, batch: TextureBatch, mouth: np.ndarray, pictures: Mapping[str, torch.Tensor]) -> None:
         """Count what painters made of a batch. mouth: (S, S) bool. pictures: (B, 3, S, S) by painter."""
-        people = batch.people.numpy()
+        rows = batch.people.numpy()
         for region, mask in regions(batch, torch.from_numpy(mouth)).items():
-            self._sum(self.counts, region, people, mask.sum((1, 2)))
+            self._sum(self.counts, region, rows, mask.sum((1, 2)))
             for painter, picture in pictures.items():
                 away = (picture - batch.target).abs().mean(1)
-                self._sum(self.sums.setdefault(painter, {}), region, people, (away * mask).sum((1, 2)))
+                self._sum(self.sums.setdefault(painter, {}), region, rows, (away * mask).sum((1, 2)))
 
     def judge(self, batch: TextureBatch, judge: Judge, pictures: Mapping[str, torch.Tensor]) -> None:
         """Read the expressions of what painters made of a batch, and of the true textures."""
@@ -72,13 +72,18 @@ class TextureTally:
             self.read.setdefault(painter, []).extend(away.tolist())
 
     @property
+    def people(self) -> int:
+        """How many people there are."""
+        return len(np.unique(self.who))
+
+    @property
     def reading(self) -> dict[str, float]:
         """Root mean square error of the weights that are read, by painter, and of the true textures."""
         return {painter: float(np.sqrt(np.mean(values))) for painter, values in self.read.items()}
 
-    def _sum(self, table: dict[str, np.ndarray], region: str, people: np.ndarray, values: torch.Tensor) -> None:
-        total = table.setdefault(region, np.zeros(self.people))
-        np.add.at(total, people, values.double().numpy())
+    def _sum(self, table: dict[str, np.ndarray], region: str, rows: np.ndarray, values: torch.Tensor) -> None:
+        total = table.setdefault(region, np.zeros(len(self.who)))
+        np.add.at(total, rows, values.double().numpy())
 
     def figures(self, seed: int = 0) -> dict[str, dict[str, dict[str, float]]]:
         """By painter and region: ``error``, mean difference of sRGB from 0 to 1; ``percent`` of that of the kept
@@ -93,8 +98,7 @@ class TextureTally:
     def _figure(self, painter: str, region: str, seed: int) -> dict[str, float]:
         own = self.sums[painter][region]
         error = own.sum() / max(self.counts[region].sum(), 1)
-        people = np.arange(self.people)
-        percent, low, high = ratio_interval(100 * own, self.sums[KEPT][region], people, seed=seed)
+        percent, low, high = ratio_interval(100 * own, self.sums[KEPT][region], self.who, seed=seed)
         return {"error": float(error), "percent": percent, "low": low, "high": high}
 
 
@@ -130,7 +134,7 @@ def evaluate_texture(
     painters: by name; the texture kept as it is joins them. judge: that reads expressions. pairs: of people of no
     training. settings: TextureChoice. report: called with pairs done and all.
     """
-    tally = TextureTally(pairs.count)
+    tally = TextureTally(pairs.people.numbers)
     generator = np.random.default_rng(settings.seed)
     for start in range(0, settings.count, _BATCH):
         batch = pairs.draw(min(_BATCH, settings.count - start), generator, paired=True)

@@ -61,7 +61,7 @@ def test_errors_are_means_of_texels_and_percentages_of_those_of_the_kept_texture
     seen[2:, 0, :2] = False
     batch = replace(batch, target=target, seen=seen)
     pictures = {KEPT: batch.source, "half": batch.source + 0.05}
-    tally = TextureTally(2)
+    tally = TextureTally(np.arange(2))
     tally.add(batch, MOUTH, pictures)
     figures = tally.figures()
     kept = (2 * 14 * 0.1 + 2 * 7 * 0.3) / 42
@@ -72,8 +72,18 @@ def test_errors_are_means_of_texels_and_percentages_of_those_of_the_kept_texture
     assert (half["low"], half["high"]) == pytest.approx((50, 250 / 3))
 
 
+def test_faces_of_one_person_are_drawn_together(batch):
+    """Both are of one person, so that draws of the people are all alike."""
+    target = batch.target.clone()
+    target[2:] += 0.2
+    tally = TextureTally(np.array([7, 7]))
+    tally.add(replace(batch, target=target), MOUTH, {KEPT: batch.source, "half": batch.source + 0.05})
+    half = tally.figures()["half"]["outside"]
+    assert tally.people == 1 and (half["low"], half["high"]) == pytest.approx((half["percent"],) * 2)
+
+
 def test_expressions_are_read_against_those_that_were_to_be_painted(batch):
-    tally = TextureTally(2)
+    tally = TextureTally(np.arange(2))
     tally.judge(batch, lambda given, pictures: given.source_code + pictures[:, :1, 0, 0] - 0.5, {KEPT: batch.source})
     assert tally.reading == pytest.approx({KEPT: 1, "true": 0.9})
 
@@ -85,7 +95,8 @@ def test_all_painters_paint_as_many_pairs_as_are_asked_for_of_a_seed(batch):
         asked.append((count, paired, generator.random()))
         return batch.rows(torch.arange(count) % 4)
 
-    pairs: Any = SimpleNamespace(count=2, grid=SimpleNamespace(mouth=MOUTH), draw=draw)
+    people = SimpleNamespace(numbers=np.arange(2))
+    pairs: Any = SimpleNamespace(people=people, grid=SimpleNamespace(mouth=MOUTH), draw=draw)
     tally = evaluate_texture(
         {"own": lambda b: b.target}, lambda b, pictures: b.target_code, pairs, TextureChoice(37, seed=5)
     )

@@ -40,13 +40,15 @@ class PaintedPeople:
     """P people with E expressions each, in L looks, in a chart of S texels.
 
     pictures: (P, L, E, S, S, 3) uint8 sRGB, the own look first. seen: (P, E, S, S) bool, what pictures truly showed.
-    codes: (P, E, 52) ARKit weights. shapes: ShapeFields of (P, E) shapes.
+    codes: (P, E, 52) ARKit weights. shapes: ShapeFields of (P, E) shapes. numbers: (P,) who they are in their dataset:
+    the same one may be there at several levels.
     """
 
     pictures: np.ndarray
     seen: np.ndarray
     codes: np.ndarray
     shapes: ShapeFields
+    numbers: np.ndarray
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,7 +150,8 @@ def painted_people(
         shapes.append(_shapes(one, grid, head))
         report(number + 1, len(people))
     codes = np.stack([one.weights for one in people])
-    return PaintedPeople(np.stack(looks), np.stack(seen), codes, ShapeFields.stacked(shapes))
+    numbers = np.array([one.person for one in people])
+    return PaintedPeople(np.stack(looks), np.stack(seen), codes, ShapeFields.stacked(shapes), numbers)
 
 
 def mirrored(batch: TextureBatch, which: torch.Tensor) -> TextureBatch:
