@@ -73,7 +73,7 @@ def _columns(data: Dataset, names: tuple[str, ...]) -> list[int]:
 def _regular_test_rows(data: Dataset) -> np.ndarray:
     """(I,) the most regular test mesh of every person."""
     test = np.flatnonzero(data.rows("test"))
-    test = test[np.argsort(data.level[test], kind="stable")]
+    test = test[np.lexsort((data.level[test], ~data.regular[test]))]
     _, first = np.unique(data.identity[test], return_index=True)
     return test[first]
 

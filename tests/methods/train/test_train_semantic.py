@@ -21,6 +21,7 @@ def data(pca):
         labels=np.c_[measures[:, 0] > 0, np.ones(60, bool)],
         identity=np.arange(60) % 55,
         level=np.r_[np.ones(57, int), [4, 3, 2]],
+        regular=np.arange(60) < 57,
         rows=lambda split: (np.arange(60) < 50) == (split == "train"),
     )
 
@@ -47,6 +48,14 @@ def test_of_a_person_the_most_regular_mesh_is_kept(data, pca):
     directions, _ = train_semantic(pca, twice, LabelChoice(("Along",), 40))
     expected = pca.prior.whiten(pca.encode(data.vertices[[59]].astype(float)))[0]
     assert len(directions.people) == 8
+    np.testing.assert_allclose(directions.people[-1], expected, atol=1e-6)
+
+
+def test_a_mesh_of_which_parts_are_exaggerated_is_not_the_most_regular(data, pca):
+    """Of the last person both meshes are of the first level."""
+    changes = {"identity": np.r_[np.arange(58), 57, 57], "level": np.ones(60, int), "regular": np.arange(60) == 59}
+    directions, _ = train_semantic(pca, SimpleNamespace(**vars(data) | changes), LabelChoice(("Along",), 40))
+    expected = pca.prior.whiten(pca.encode(data.vertices[[59]].astype(float)))[0]
     np.testing.assert_allclose(directions.people[-1], expected, atol=1e-6)
 
 
