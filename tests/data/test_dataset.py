@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -32,6 +34,12 @@ def test_reads_what_was_written(grid, copy_of_grid):
     assert data.labels.dtype == bool
     assert data.template.uvs is not None and data.template.annotation.has_extra
     assert sum(data.rows(split).sum() for split in SPLITS) == 24
+
+
+def test_what_is_exaggerated_by_parts_alone_is_not_regular(grid):
+    data = replace(read_dataset(grid[0]), level=np.array([1, 1, 3, 3]), factors={"kind": np.array([0, 2, 1, 3])})
+    assert data.regular.tolist() == [True, False, False, False]
+    assert replace(data, factors={}).regular.tolist() == [True, True, False, False]
 
 
 def test_rewriting_without_a_change_is_still_a_dataset(copy_of_grid):

@@ -68,13 +68,6 @@ def map_faces(data: Dataset, views: int, seed: int, report: Report = unwatched) 
     return faces
 
 
-def domain_rows(data: Dataset) -> dict[str, np.ndarray]:
-    """Which meshes (N,) bool belong to each of DOMAINS: what is exaggerated by any means is a caricature."""
-    # Level counts the exaggeration of curvature alone; kind also that of parts.
-    exaggerated = (data.level > 1) | (np.asarray(data.factors.get("kind", 0)) > 0)
-    return {"normal": ~exaggerated, "caricature": exaggerated}
-
-
 def see_faces(vertices: np.ndarray, template: Template, views: int, generator: np.random.Generator) -> np.ndarray:
     """Landmarks of meshes in random poses, those of the jaw on the outline.
 
@@ -100,5 +93,5 @@ def _rows(data: Dataset) -> dict[str, dict[str, np.ndarray]]:
     people = np.array(data.manifest["splits"]["train"])
     held = np.isin(data.identity, people[HELD_OUT - 1 :: HELD_OUT]) | data.rows("validation")
     masks = {"training": data.rows("train") & ~held, "held out": held, "test": data.rows("test")}
-    domains = domain_rows(data)
+    domains = {"normal": data.regular, "caricature": ~data.regular}
     return {part: {name: np.flatnonzero(mask & own) for name, own in domains.items()} for part, mask in masks.items()}

@@ -1,10 +1,8 @@
-from types import SimpleNamespace
-
 import numpy as np
 
 from caricli.data.dataset import Dataset
 from caricli.data.unseen import fingerprints
-from caricli.methods.train.see_faces import domain_rows, map_faces, see_faces
+from caricli.methods.train.see_faces import map_faces, see_faces
 
 
 def test_faces_are_seen_from_random_sides(head_template):
@@ -16,14 +14,6 @@ def test_faces_are_seen_from_random_sides(head_template):
     assert one.std(0).max() > 0.05
     again = see_faces(shapes[:1], head_template, 5, np.random.default_rng(5))
     assert np.abs(again - one).max() > 0.05
-
-
-def test_what_is_exaggerated_by_parts_alone_is_a_caricature():
-    level, kind = np.array([1, 1, 3, 3]), np.array([0, 2, 1, 3])
-    found = domain_rows(SimpleNamespace(level=level, factors={"kind": kind}))
-    assert found["normal"].tolist() == [True, False, False, False]
-    found = domain_rows(SimpleNamespace(level=level, factors={}))
-    assert found["caricature"].tolist() == [False, False, True, True]
 
 
 def test_those_who_are_learnt_from_are_named_apart_from_those_held_out(head_template):
