@@ -8,6 +8,7 @@ import numpy as np
 
 from caricli.data.build_settings import Exaggeration
 from caricli.data.dataset import Dataset
+from caricli.data.evenly import evenly
 from caricli.data.expressions import NEUTRAL, named_expressions
 from caricli.errors import InputError, naming
 from caricli.geometry.alignment.head_rotation import TURNS, head_rotation
@@ -163,8 +164,7 @@ def dataset_caricatures(data: Dataset, count: int = 50) -> list[KnownCaricature]
     caricatures = known_caricatures(data, sorted(data.manifest["splits"]["test"]))
     if not caricatures:
         raise InputError("expected caricatures with every expression, found none; build one without --count")
-    chosen = np.unique(np.linspace(0, len(caricatures) - 1, count).round().astype(int))
-    return [caricatures[k] for k in chosen]
+    return evenly(caricatures, count)
 
 
 def known_caricatures(data: Dataset, people: Iterable[int]) -> list[KnownCaricature]:

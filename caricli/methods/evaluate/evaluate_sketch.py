@@ -5,6 +5,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from caricli.data.evenly import evenly
 from caricli.errors import InputError, shown
 from caricli.methods.evaluate.sketch_fit import NOISES, SketchFit
 from caricli.methods.sketch.see_sketch import see_lines
@@ -179,7 +180,7 @@ class DrawnHeads:
 
     def some(self, count: int) -> "DrawnHeads":
         """At most ``count`` of them, evenly over all."""
-        rows = np.unique(np.linspace(0, len(self.vertices) - 1, count).round().astype(int))
+        rows = np.array(evenly(range(len(self.vertices)), count))
         return DrawnHeads(self.vertices[rows], self.book and self.book.some(rows))
 
 
