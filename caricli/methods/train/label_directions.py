@@ -54,14 +54,14 @@ def label_directions(
 
     C is the one with the best area under the ROC curve in a stratified cross-validation that keeps the meshes of a
     person together; classes count by the inverse of their size. A label with fewer than ``FEWEST`` meshes on either
-    side, or with one person alone, is left out.
+    side, with one person alone, or of people who cannot be divided so, is left out.
 
     latents: (N, D) whitened. seed: of the folds. report: called with the number of finished labels and all.
     Returns Directions without model, recipe and people, gradients and change as a ridge regression has them; and from
     the names that were left out to the reason.
     Raises InputError when no label is left.
     """
-    reasons = {name: _reason(table.labels[:, k], table.people) for k, name in enumerate(table.names)}
+    reasons = {name: _reason(table.labels[:, k], table.people, seed) for k, name in enumerate(table.names)}
     skipped = {name: reason for name, reason in reasons.items() if reason}
     trained = table.columns([k for k, name in enumerate(table.names) if name not in skipped])
     if not trained.names:
@@ -122,7 +122,7 @@ def measure_directions(
     return replace(directions, gradients=gradients, change=change)
 
 
-def _reason(label: np.ndarray, people: np.ndarray) -> str | None:
+def _reason(label: np.ndarray, people: np.ndarray, seed: int) -> str | None:
     """Why a label (N,) bool cannot be trained, or None."""
     with_it = int(label.sum())
     without = int((~label).sum())
@@ -131,7 +131,18 @@ def _reason(label: np.ndarray, people: np.ndarray) -> str | None:
     if min(with_it, without) < FEWEST:
         return f"expected at least {FEWEST} meshes with it and without, found {with_it} and {without}"
     count = _people(label, people)
-    return f"expected at least 2 people with it and without, found {count}" if count < 2 else None
+    if count < 2:
+        return f"expected at least 2 people with it and without, found {count}"
+    return None if _folds(label, people, seed) else "expected people with it and without on either side, found none"
+
+
+def _folds(label: np.ndarray, people: np.ndarray, seed: int) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Rows to learn from and to try with, of the cross-validation, where both have meshes with a label and without."""
+    from sklearn.model_selection import StratifiedGroupKFold
+
+    folds = StratifiedGroupKFold(min(FOLDS, _people(label, people)), shuffle=True, random_state=seed)
+    parts = folds.split(np.zeros((len(label), 1)), label, people)
+    return [(a, b) for a, b in parts if len(set(label[a])) == len(set(label[b])) == 2]
 
 
 def _people(label: np.ndarray, people: np.ndarray) -> int:
@@ -150,15 +161,13 @@ class _Plane:
 
 def _separate(latents: np.ndarray, label: np.ndarray, people: np.ndarray, seed: int) -> _Plane:
     from sklearn.metrics import roc_auc_score
-    from sklearn.model_selection import StratifiedGroupKFold
     from sklearn.svm import LinearSVC
 
     def normal(rows: np.ndarray | slice, cost: float) -> np.ndarray:
         machine = LinearSVC(C=cost, class_weight="balanced", dual=False, random_state=seed)
         return machine.fit(latents[rows], label[rows]).coef_[0]
 
-    folds = StratifiedGroupKFold(min(FOLDS, _people(label, people)), shuffle=True, random_state=seed)
-    parts = [(a, b) for a, b in folds.split(latents, label, people) if len(set(label[a])) == len(set(label[b])) == 2]
+    parts = _folds(label, people, seed)
     scores = {c: np.mean([roc_auc_score(label[b], latents[b] @ normal(a, c)) for a, b in parts]) for c in COSTS}
     best = max(scores, key=lambda cost: scores[cost])
     whole = normal(slice(None), best)

@@ -62,6 +62,17 @@ def test_rare_labels_and_labels_of_one_class_are_left_out(space):
         label_directions(latents, table.columns([3]))
 
 
+def test_a_label_whose_people_cannot_be_divided_is_left_out(space):
+    """Of three people one is never as the label says, one always, and the folds put the third with either."""
+    counts = [11, 3, 4, 10]
+    people = np.repeat([0, 1, 1, 2], counts)
+    alone = np.repeat([False, True, False, True], counts)
+    latents = space[0][: len(people)]
+    table = LabelTable(["mixed", "alone"], np.c_[latents[:, 0] > 0, alone], people)
+    found, skipped = label_directions(latents, table)
+    assert found.names == ("mixed",) and [*skipped] == ["alone"] and "on either side" in skipped["alone"]
+
+
 def test_the_change_is_measured_on_meshes(pca):
     generator = np.random.default_rng(2)
     latents = generator.normal(size=(60, len(pca.prior.mean)))
