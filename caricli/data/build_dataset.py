@@ -22,9 +22,8 @@ from caricli.data.texture_painter import TexturePainter
 from caricli.data.worker_pool import worker_pool
 from caricli.data.write_dataset import SHARD_SIZE, DatasetWriter
 from caricli.errors import InputError
-from caricli.io.npz import write_npz
+from caricli.io.npz import npz_holds, write_npz
 from caricli.io.provenance import sha256_file
-from caricli.limits import MAX_NPZ_BYTES
 from caricli.models.intrinsic.config import IntrinsicConfig
 from caricli.models.intrinsic.model import IntrinsicModel
 from caricli.seeds import DatasetSeed
@@ -35,9 +34,6 @@ PRIOR_SHAPES = 360
 """Faces that the prior of the exaggeration by parts is trained with, that say what is usual, and"""
 PRIOR_DIMENSION = 128
 """dimensions of its latent: as many as faces need that are nobody of the dataset."""
-
-ALBEDO_SHARE = 0.9
-"""Of the largest NPZ that albedos may fill: the rest is for its headers."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,7 +68,7 @@ def build_dataset(
     side.
     Returns the manifest's summary: meshes, flipped triangles. Raises InputError for more albedos than a file can hold.
     """
-    if 3 * albedos * albedo_size**2 > ALBEDO_SHARE * MAX_NPZ_BYTES:
+    if albedos > npz_holds(3 * albedo_size**2):
         raise InputError(f"{albedos} albedos of {albedo_size} texels a side are more than one file can hold")
     template = load_head().template()
     writer = DatasetWriter(folder, template)

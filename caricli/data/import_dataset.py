@@ -17,6 +17,7 @@ from caricli.errors import InputError, naming, shown
 from caricli.geometry.repair.flipped_triangles import flipped_triangles
 from caricli.io.files import is_utf8, read_text
 from caricli.io.meshes.mesh import mesh_files, read_mesh
+from caricli.io.npz import npz_holds
 from caricli.io.parse_number import parse_number
 from caricli.io.strict_json import read_json
 from caricli.limits import MAX_DATASET_BYTES
@@ -122,8 +123,9 @@ def import_dataset(
     splits = split_identities(people, np.random.default_rng(settings.seed))
     flipped = np.mean([flipped_triangles(shape, template.gradients).mean() for shape in shapes])
     writer = DatasetWriter(folder, template)
-    for start in range(0, len(files), SHARD_SIZE):
-        rows = slice(start, start + SHARD_SIZE)
+    together = max(min(SHARD_SIZE, npz_holds(shapes[0].nbytes)), 1)
+    for start in range(0, len(files), together):
+        rows = slice(start, start + together)
         writer.add_shard({"vertices": shapes[rows]} | {name: column[rows] for name, column in columns.items()})
     manifest = {"count": len(files), "seed": settings.seed, "unit": unit, "expressions": labels.expressions}
     manifest |= {"flipped": float(flipped), "splits": splits}

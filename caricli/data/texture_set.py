@@ -10,7 +10,7 @@ import numpy as np
 from caricli.data.dataset import SPLITS, read_named
 from caricli.data.shards import ShardForm
 from caricli.errors import InputError, naming
-from caricli.io.npz import take_array, write_npz
+from caricli.io.npz import npz_holds, take_array, write_npz
 from caricli.io.provenance import sha256_file
 from caricli.io.strict_json import take_whole, write_json
 from caricli.structures.arkit import ARKIT_NAMES
@@ -19,7 +19,7 @@ from caricli.structures.checks import number_problem, refuse
 SCHEMA = "caricli.textures/1"
 MANIFEST = "textures.json"
 SHARD_SIZE = 8
-"""People of one file."""
+"""People of one file, at most."""
 
 FORM = ShardForm(MANIFEST, SCHEMA, "textures", "people", SHARD_SIZE)
 
@@ -131,7 +131,8 @@ class TextureWriter:
         """Write those of one person."""
         self.waiting.append(person)
         self.count += 1
-        if len(self.waiting) == SHARD_SIZE:
+        size = sum(np.asarray(getattr(person, key), kind).nbytes for key, (_, kind) in COLUMNS.items())
+        if len(self.waiting) == SHARD_SIZE or len(self.waiting) >= npz_holds(size):
             self._flush()
 
     def _flush(self) -> None:

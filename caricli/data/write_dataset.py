@@ -14,7 +14,7 @@ from caricli.template.own_parts import parts_to_arrays
 from caricli.template.template import Template
 
 SHARD_SIZE = 512
-"""Meshes of one file: about 26 MB for the open head."""
+"""Meshes of one file, at most: about 26 MB for the open head."""
 
 
 class DatasetWriter:

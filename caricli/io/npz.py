@@ -23,6 +23,8 @@ _HEADER = re.compile(
 # Deflate cannot expand further than this, so a member that claims more is lying.
 _MAX_EXPANSION = 1032
 _CHUNK_BYTES = 2**20
+_FILLED = 0.9
+"""Of the largest file: the rest is for its headers, and for what is small."""
 
 
 def read_npz(path: str | Path, max_bytes: int = MAX_NPZ_BYTES) -> dict[str, np.ndarray]:
@@ -41,6 +43,11 @@ def read_npz(path: str | Path, max_bytes: int = MAX_NPZ_BYTES) -> dict[str, np.n
             return {_key(member): _read_member(archive, member, path) for member in members}
     except (zipfile.BadZipFile, zlib.error, EOFError, OSError, NotImplementedError, ValueError, RuntimeError) as error:
         raise InputError(f"{shown(path)}: expected an NPZ file, found a damaged one: {shown(error, 120)}") from error
+
+
+def npz_holds(size: int) -> int:
+    """How many things of a size in bytes one NPZ file can hold."""
+    return int(_FILLED * MAX_NPZ_BYTES) // size
 
 
 def write_npz(path: str | Path, arrays: Mapping[str, np.ndarray], packed: bool = True) -> None:

@@ -4,6 +4,7 @@ import pytest
 from caricli.data.dataset import SPLITS, read_dataset
 from caricli.data.import_dataset import ImportSettings, import_dataset
 from caricli.errors import CaricliError, InputError
+from caricli.io import npz
 from caricli.io.meshes.mesh import write_mesh
 from caricli.io.meshes.obj import read_obj, write_obj
 from caricli.io.strict_json import write_json
@@ -58,6 +59,15 @@ def test_other_formats_come_in_where_there_is_no_obj(barrels, out, tmp_path):
     data = read_dataset(out)
     np.testing.assert_allclose(data.vertices, shapes, atol=1e-7)
     assert data.factors["file"][0] == "scan_00.ply"
+
+
+def test_meshes_too_large_for_one_file_are_written_into_several(barrels, out, monkeypatch):
+    folder, shapes, annotation = barrels
+    monkeypatch.setattr(npz, "MAX_NPZ_BYTES", 7000)
+    import_dataset(folder, out, annotation)
+    data = read_dataset(out)
+    assert [entry["count"] for entry in data.manifest["shards"]] == [8, 4]
+    np.testing.assert_allclose(data.vertices, shapes, atol=1e-8)
 
 
 def test_without_labels_every_mesh_is_a_person_of_one_split(barrels, out):
