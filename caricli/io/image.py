@@ -38,7 +38,7 @@ def read_image(path: str | Path) -> np.ndarray:
     """Read a picture as RGB.
 
     It is turned upright as its EXIF orientation says; transparent pixels are laid over white paper; of an animation
-    the first frame is read; 16-bit greys are scaled to 8 bits.
+    the first frame is read; 16-bit greys, and fractions that go up to 1, are scaled to 8 bits.
     path: a PNG, JPEG, WebP, BMP, TIFF or GIF of at most MAX_IMAGE_PIXELS, at most MAX_IMAGE_SIDE wide or high.
     Returns (H,W,3) uint8.
     Raises InputError when it is no such picture, damaged, or too large; its size is checked before it is decoded.
@@ -133,8 +133,12 @@ def _rgb(image: Any, pillow: Any) -> np.ndarray:
     if image.mode.startswith("I") or image.mode == "F":
         # Pillow clips these to 255 on conversion instead of scaling them.
         values = np.array(image, np.float32)
-        values /= 257 if image.mode.startswith("I") else 1
-        np.clip(np.nan_to_num(values, copy=False), 0, 255, out=values)
+        np.nan_to_num(values, copy=False)
+        if image.mode.startswith("I"):
+            values /= 257
+        elif values.max() <= 1:
+            values *= 255
+        np.clip(values, 0, 255, out=values)
         grey = values.round(out=values).astype(np.uint8)
         return np.repeat(grey[:, :, None], 3, axis=2)
     if image.has_transparency_data:

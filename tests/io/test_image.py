@@ -72,6 +72,13 @@ def test_greys_of_16_bits_are_scaled_and_rounded(tmp_path):
     assert read_image(tmp_path / "a.png")[0, :, 0].tolist() == [0, 0, 1, 200, 201, 255]
 
 
+@pytest.mark.parametrize("most", [1, 255])
+def test_fractions_are_levels_of_grey_where_they_go_up_to_1(tmp_path, most):
+    values = np.array([[0, 0.2, 0.6, 1]], np.float32) * most
+    Image.fromarray(values).save(tmp_path / "a.tif")
+    assert read_image(tmp_path / "a.tif")[0, :, 0].tolist() == [0, 51, 153, 255]
+
+
 def png_claiming(width, height):
     def chunk(kind, data):
         return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
