@@ -94,7 +94,7 @@ def test_without_caricatures_there_is_nothing_to_evaluate(refused, run, dataset,
 
 
 def test_people_of_the_default_seed_were_trained_with(refused, run, tmp_path):
-    sizes = ("--identities", 2, "--expressions", 1, "--levels", 1)
+    sizes = ("--identities", 2, "--expressions", 2, "--levels", 1)
     assert run("dataset", "build", tmp_path / "calm", *sizes).exit_code == 0
     data = ("--data", tmp_path / "calm")
     said = refused(*COMMAND, *data, "--everyone", "--out", tmp_path / "out")
