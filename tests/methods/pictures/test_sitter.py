@@ -256,13 +256,15 @@ def test_what_is_held_hides_landmarks_and_one_of_several_is_not_drawn_twice(ward
     generator = np.random.default_rng(8)
     sitters = [wardrobe.seat(wardrobe.template.vertices, generator) for _ in range(2)]
     easel = Easel(128, SceneSettings(none=0, several=0, held=1), STILL)
+    seen = []
     for _ in range(6):
         picture = easel.compose(sitters, 1, generator)
         (face,) = picture.faces
         at = np.clip(np.round(face.points).astype(int), 0, 127)
         held = picture.region[at[:, 1], at[:, 0]] == Region.OTHER
         assert face.sitter == 1 and (picture.region == Region.OTHER).any()
-        assert face.visible[held].mean() < 0.2 if held.sum() > 4 else True
+        seen.extend([face.visible[held].mean()] if held.sum() > 4 else [])
+    assert len(seen) > 1 and max(seen) < 0.2
     crowd = Easel(96, SceneSettings(none=0, several=1, held=0, most=4), STILL)
     for _ in range(6):
         assert sorted(face.sitter for face in crowd.compose(sitters, 0, generator).faces) == [0, 1]
