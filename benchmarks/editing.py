@@ -12,7 +12,7 @@ import time
 
 import numpy as np
 from landmarks import ASTRONAUT, landmark_files
-from scipy.spatial import cKDTree
+from scipy.spatial import KDTree
 
 from caricli.geometry.repair.flipped_triangles import flipped_triangles
 from caricli.geometry.repair.self_intersections import self_intersections
@@ -42,7 +42,7 @@ def edited(faces, model):
     codes = [encode_face(face.without_latent(), model) for face in faces]
     for name, (parts, asked) in EDITS.items():
         part = np.concatenate([template.region(region) for region in parts])
-        distance, _ = cKDTree(template.vertices[part]).query(template.vertices)
+        distance, _ = KDTree(template.vertices[part]).query(template.vertices)
         outside = distance > NEIGHBOURHOOD * template.height
         rows = []
         seconds = []

@@ -21,7 +21,7 @@ from pathlib import Path
 import igl
 import numpy as np
 from scipy.interpolate import RBFInterpolator
-from scipy.spatial import cKDTree
+from scipy.spatial import KDTree
 from tested_people import tested_seed
 from threadpoolctl import threadpool_limits
 
@@ -134,7 +134,7 @@ def distances(skin, truth):
             points = hold.frames.points * scales @ rotation.T + shift
             missed[name] = np.linalg.norm(points - truth[name], axis=1).mean()
             moved = stands[name] - (hold.shape * scales @ rotation.T + shift)
-            near = cKDTree(hold.shape).query(hold.frames.points, k=NEAREST)[1]
+            near = KDTree(hold.shape).query(hold.frames.points, k=NEAREST)[1]
             missed[f"{name} with room"] = np.linalg.norm(points + moved[near].mean(1) - truth[name], axis=1).mean()
     return {name: 100 * float(value / height) for name, value in missed.items()}
 
@@ -232,7 +232,7 @@ class Reach:
         points = part.mesh.vertices
         edges = mesh.vertices[mesh.faces] - mesh.vertices[np.roll(mesh.faces, 1, axis=1)]
         self.edge = np.linalg.norm(edges, axis=-1).max()
-        self.to_part = cKDTree(points).query(mesh.vertices)[0]
+        self.to_part = KDTree(points).query(mesh.vertices)[0]
         free = np.sqrt(igl.point_mesh_squared_distance(points, mesh.vertices, flesh.faces)[0])
         self.free = np.where(flesh.depth(mesh.vertices, points) > 0, 0.0, free)
 

@@ -140,7 +140,7 @@ def command(
     from caricli.methods.animate.animate_rig import AnimationSettings, animate_rig
     from caricli.store.tracks import load_track
 
-    first = _first(out, video, frames, kind, drawn=not dynamic or video or (frames and kind == "png"))
+    _check_outputs(out, video, frames, kind, dynamic)
     model = load_network(network, dynamic)
     factors = named_numbers("--scale", scales, SCALE, "expression", (0, 3))
     # A video often lies beside a rig of its name, whose JSON is another.
@@ -161,24 +161,22 @@ def command(
             _write_frames(folder, drawing, kind)
         reports = [folder and folder / REPORT, temporary.get(report_file)]
         _write_reports([path for path in reports if path], [rig, weights, network], drawing)
-    _say(first, weights, performance)
+    _say(out or video or frames, weights, performance)
 
 
-def _first(out, video, frames, kind, drawn):
-    """The first of the outputs, none of which may lie in the folder of another. drawn: whether something is, where that
-    is wanted. Raises UsageError."""
+def _check_outputs(out, video, frames, kind, dynamic):
+    """Refuse outputs that contradict each other. kind: of the files in frames. Raises UsageError."""
     if out is None and frames is None and video is None:
         raise click.UsageError("Give at least one of --out, --frames and --video.")
     if frames is None and kind != "obj":
         raise click.UsageError("--format is of the files of --frames.")
-    if not drawn:
+    if dynamic and not (video or (frames and kind == "png")):
         raise click.UsageError("--dynamic-texture is for --video, and for --frames with --format png.")
     places = [Path(os.path.realpath(path)) for path in (out, video) if path]
     if frames and any(place.is_relative_to(os.path.realpath(frames)) for place in places):
         raise click.UsageError(
             "--out and --video take files outside of the folder of --frames, which is written whole."
         )
-    return out or video or frames
 
 
 def _load(path, head):

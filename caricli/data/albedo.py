@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 import scipy.sparse as sp
-from scipy.spatial import cKDTree
+from scipy.spatial import KDTree
 from skimage.measure import points_in_poly
 
 from caricli.data.appearance import Appearance, random_appearance
@@ -188,7 +188,7 @@ class AlbedoPainter:
 
     def _round(self, centres: np.ndarray, radius: float, hard: bool = False) -> np.ndarray:
         """Round areas about points, soft or with a clear border."""
-        distance = cKDTree(centres).query(self.places)[0] / radius
+        distance = KDTree(centres).query(self.places)[0] / radius
         return smooth_step(distance, 1 + max(self.grain / radius, 0.1), 1.0) if hard else np.exp(-(distance**2))
 
     def _freckles(self, appearance: Appearance) -> np.ndarray:
@@ -204,7 +204,7 @@ class AlbedoPainter:
         chosen = generator.choice(len(chance), appearance.spots, p=chance / chance.sum())
         weights = generator.dirichlet([1, 1, 1], appearance.spots)
         sizes = generator.uniform(0.008, 0.017, appearance.spots) * (1.3 if appearance.flat else 1)
-        distance, nearest = cKDTree((weights[..., None] * corners[chosen]).sum(1)).query(self.places)
+        distance, nearest = KDTree((weights[..., None] * corners[chosen]).sum(1)).query(self.places)
         # A spot smaller than the grain of the places is spread over it, and paler for it.
         size = np.maximum(sizes[nearest], self.grain)
         return (sizes[nearest] / size) ** 2 * smooth_step(distance, size + self.grain / 2, size - self.grain)

@@ -132,7 +132,7 @@ class TextureWriter:
         self.waiting.append(person)
         self.count += 1
         size = sum(np.asarray(getattr(person, key), kind).nbytes for key, (_, kind) in COLUMNS.items())
-        if len(self.waiting) == SHARD_SIZE or len(self.waiting) >= npz_holds(size):
+        if len(self.waiting) >= min(SHARD_SIZE, npz_holds(size)):
             self._flush()
 
     def _flush(self) -> None:

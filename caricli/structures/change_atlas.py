@@ -59,12 +59,3 @@ class ChangeAtlas:
     def count(self) -> int:
         """How many tiles there is room for."""
         return self.columns * (len(self.picture) // self.side)
-
-    def change(self, number: int) -> tuple[np.ndarray, np.ndarray]:
-        """G and O (S, S, 3) of one number."""
-        return self.gain * self._tile(2 * number), self.offset * self._tile(2 * number + 1)
-
-    def _tile(self, number: int) -> np.ndarray:
-        row, column = divmod(number, self.columns)
-        cut = np.s_[row * self.side : (row + 1) * self.side, column * self.side : (column + 1) * self.side]
-        return (self.picture[cut].astype(np.float32) - NOTHING) / (255 - NOTHING)

@@ -5,7 +5,7 @@ from functools import cache, partial
 
 import igl
 import numpy as np
-from scipy.spatial import cKDTree
+from scipy.spatial import KDTree
 
 from caricli.errors import InputError
 from caricli.geometry.flattening.embed_disc import embed_disc
@@ -100,7 +100,7 @@ def _face_triangles(template: Template, before: float) -> np.ndarray:
     within = template.mask("face") & ~template.mask(*CAVITIES, *NOSTRILS)
     ears = template.mask(*EARS)
     if ears.any():
-        away, _ = cKDTree(template.vertices[ears]).query(template.vertices)
+        away, _ = KDTree(template.vertices[ears]).query(template.vertices)
         within &= away > before * np.ptp(template.vertices[within, 0])
     triangles = np.flatnonzero(within[template.faces].all(1))
     faces = np.asarray(template.faces[triangles], np.int64)
@@ -148,7 +148,7 @@ def _sheet(
         ends = vertices[lips[0][[0, -1]]]
         width = np.linalg.norm(ends[1] - ends[0])
         line = np.linspace(ends[0], ends[1], 9)
-        away, _ = cKDTree(line).query(vertices)
+        away, _ = KDTree(line).query(vertices)
         sizes += (settings.mouth - 1) * np.exp(-((away / (settings.reach * width)) ** 2))
         lens = np.zeros_like(vertices)
         shares = [_shares(vertices[line]) for line in lips]

@@ -17,7 +17,7 @@ import numpy as np
 import scipy.sparse as sp
 from rich.console import Console
 from rich.progress import track
-from scipy.spatial import cKDTree
+from scipy.spatial import KDTree
 from scipy.spatial.transform import Rotation
 
 from caricli.data.identities import random_identity
@@ -78,7 +78,7 @@ def head_of(base: np.ndarray, body: np.ndarray, polygons: np.ndarray) -> np.ndar
 
 def following(points: np.ndarray, around: np.ndarray, count: int = 60) -> sp.csr_matrix:
     """Weights (P, V) of the nearest of the vertices around (V, 3) that give the points, also after affine maps."""
-    distance, near = cKDTree(around).query(points, count)
+    distance, near = KDTree(around).query(points, count)
     rows = []
     for point, ids, lengths in zip(points, near, distance, strict=True):
         loose = 1 / (lengths + lengths.mean()) ** 2
@@ -159,7 +159,7 @@ class OwnHead:
         acting = neutral + moved
         for name, ids in self.parts.items():
             if "lashes" in name:
-                distance, near = cKDTree(neutral[:skin]).query(neutral[ids], 4)
+                distance, near = KDTree(neutral[:skin]).query(neutral[ids], 4)
                 share = 1 / (distance + 1e-4) ** 2
                 acting[ids] += np.einsum("pk,pkd->pd", share / share.sum(1, keepdims=True), moved[near])
             elif name in LOWER and any(action.startswith("jaw") for action in actions):
@@ -188,7 +188,7 @@ class OwnHead:
         shape = exaggerate_curvature(acting[:skin], self.template.faces, [EXPONENT], hold)[0]
         result = np.concatenate([shape, acting[skin:]])
         for ids in self.parts.values():
-            nearest = np.unique(cKDTree(acting[:skin]).query(acting[ids], 30)[1])
+            nearest = np.unique(KDTree(acting[:skin]).query(acting[ids], 30)[1])
             scale, rotation, translation = similarity(acting[nearest], shape[nearest])
             result[ids] = scale * acting[ids] @ rotation.T + translation
         return result

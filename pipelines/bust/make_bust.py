@@ -6,7 +6,7 @@ import igl
 import numpy as np
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
-from scipy.spatial import cKDTree
+from scipy.spatial import KDTree
 
 from caricli.io.npz import write_npz
 from caricli.methods.parts.close_neck import neck_edge
@@ -32,7 +32,7 @@ def main(path: str) -> None:
     template = load_head().template()
     edge = neck_edge(template)
     vertices, quads = extract_body()
-    _, own = cKDTree(vertices).query(template.vertices)
+    _, own = KDTree(vertices).query(template.vertices)
     body = _below(vertices, quads, own[template.polygons[(template.polygons >= 0).all(1)]])
     body = _clipped(vertices, body)
     mesh = _numbered(body, template.vertices[edge])
@@ -103,7 +103,7 @@ def _crossing(one: np.ndarray, other: np.ndarray) -> np.ndarray:
 def _numbered(mesh: Mesh, rim: np.ndarray) -> Mesh:
     """The mesh without vertices that it does not use, those at the rim (L, 3) first, connected to it."""
     used = np.unique(mesh.polygons[mesh.polygons >= 0])
-    _, first = cKDTree(mesh.vertices[used]).query(rim)
+    _, first = KDTree(mesh.vertices[used]).query(rim)
     order = np.concatenate([used[first], np.setdiff1d(used, used[first])])
     number = np.full(len(mesh.vertices) + 1, -1, np.int32)
     number[order] = np.arange(len(order))

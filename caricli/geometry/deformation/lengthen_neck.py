@@ -44,11 +44,11 @@ class Neck:
         vertices, faces = self._mesh
         if not len(self.edge):
             return np.zeros(len(vertices))
-        from scipy.spatial import cKDTree
+        from scipy.spatial import KDTree
 
         neck = self._neck
         hanging = np.union1d(self.edge, neck[vertices[neck, 1] < vertices[self.chin, 1]])
-        still = self._still | (cKDTree(vertices[neck]).query(vertices)[0] > REACH * self.height)
+        still = self._still | (KDTree(vertices[neck]).query(vertices)[0] > REACH * self.height)
         still[hanging] = False
         laplacian = -igl.cotmatrix(vertices, faces)
         plate = bending_stiffness(vertices, faces, laplacian)

@@ -130,9 +130,9 @@ def _follow(vertices: np.ndarray, ids: np.ndarray, largest: np.ndarray) -> tuple
     Least ``sum_k (w_k d_k)^2`` with ``sum_k w_k = 1`` and ``sum_k w_k v_k`` the point, d_k the distances.
     """
     # Imported here: it takes a while, and most heads are one component.
-    from scipy.spatial import cKDTree
+    from scipy.spatial import KDTree
 
-    distance, near = cKDTree(vertices[largest]).query(vertices[ids], min(NEAREST, len(largest)))
+    distance, near = KDTree(vertices[largest]).query(vertices[ids], min(NEAREST, len(largest)))
     far = _spread(vertices, largest, SPREAD)
     columns = np.concatenate([largest[near], np.tile(far, (len(ids), 1))], axis=1)
     offsets = vertices[columns] - vertices[ids][:, None]

@@ -84,6 +84,6 @@ def _connected(pairs: np.ndarray, faces: np.ndarray, count: int) -> np.ndarray:
 def _near_pairs(vertices: np.ndarray, reach: float) -> np.ndarray:
     """(P, 2) all pairs of vertices (V, 3) that are within reach."""
     # Imported here: it takes a while, and what comes of it is mostly kept.
-    from scipy.spatial import cKDTree
+    from scipy.spatial import KDTree
 
-    return cKDTree(vertices).query_pairs(reach, output_type="ndarray")
+    return KDTree(vertices).query_pairs(reach, output_type="ndarray")

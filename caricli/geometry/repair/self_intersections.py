@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 import numpy as np
-from scipy.spatial import cKDTree
+from scipy.spatial import KDTree
 
 from caricli.errors import NumericsError
 
@@ -49,8 +49,8 @@ def _near_pairs(corners: np.ndarray) -> Iterator[np.ndarray]:
     limit = np.median(radii)
     small = np.flatnonzero(radii <= limit)
     large = np.flatnonzero(radii > limit)
-    among_small = cKDTree(centres[small])
-    among_all = cKDTree(centres)
+    among_small = KDTree(centres[small])
+    among_all = KDTree(centres)
     counts = among_all.query_ball_point(centres[large], 2 * radii[large], return_length=True).astype(np.int64)
     # Counting takes no memory, listing them may take all of it. Of the small ones each counts itself, and each other.
     near = (among_small.count_neighbors(among_small, 2 * limit) - len(small)) // 2 + int(counts.sum())

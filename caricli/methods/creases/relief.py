@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial import cKDTree
+from scipy.spatial import KDTree
 
 from caricli.methods.creases.crease_pattern import Crease, CreasePattern
 from caricli.render.pixels.sample_texture import sample_pixels
@@ -60,7 +60,7 @@ class _Stamp:
         self.window = np.s_[low[1] : high[1], low[0] : high[0]]
         rows, columns = np.mgrid[self.window]
         places = np.stack([columns, rows], -1) * _STEP + _LOW
-        distance, self.nearest = cKDTree(crease.path).query(places)
+        distance, self.nearest = KDTree(crease.path).query(places)
         along = np.gradient(crease.path, axis=0)
         away = places - crease.path[self.nearest]
         tangent = along[self.nearest]

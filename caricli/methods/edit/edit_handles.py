@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.spatial import cKDTree
+from scipy.spatial import KDTree
 
 from caricli.geometry.gauss_newton import gauss_newton
 from caricli.geometry.repair.flipped_triangles import flipped_triangles
@@ -157,7 +157,7 @@ class _Solver:
         self.settings = settings
         template = model.template
         reach = settings.reach * template.height
-        distance, _ = cKDTree(template.vertices[self.handles]).query(template.vertices)
+        distance, _ = KDTree(template.vertices[self.handles]).query(template.vertices)
         self.far = distance > reach
         stride = max(1, len(template.vertices) // settings.spread)
         others = np.union1d(template.annotation.landmarks, np.arange(0, len(template.vertices), stride))

@@ -1,7 +1,7 @@
 """Lines that age and expressions draw into skin."""
 
 import numpy as np
-from scipy.spatial import cKDTree
+from scipy.spatial import KDTree
 
 from caricli.data.albedo import AlbedoPainter
 from caricli.methods.creases.crease_lines import usual_lines
@@ -17,7 +17,7 @@ class WrinkleLines:
         """painter: AlbedoPainter, whose places get wrinkles."""
         front = painter.places[:, 2] > painter.marks[[0, 16], 2].mean()
         lines = usual_lines(painter.marks[:, :2])
-        distances = [cKDTree(line).query(painter.places[:, :2])[0] for line in lines]
+        distances = [KDTree(line).query(painter.places[:, :2])[0] for line in lines]
         self.distances = [np.where(front, distance, np.inf) for distance in distances]
 
     def draw(self, generator: np.random.Generator) -> np.ndarray:

@@ -140,7 +140,7 @@ class _Surface:
         self.strange = 1 - settings.least / likeliest.noise
         # (K, 1, 1) how far the shape is expected from exact landmarks: within a strange face farther.
         inner = np.isin(observation.ids, INNER)[:, None, None]
-        self.expected = settings.exact * np.where(inner, likeliest.noise / settings.least, 1) ** 2
+        self.exact = settings.exact * np.where(inner, likeliest.noise / settings.least, 1) ** 2
         unseen = [name for name, numbers in _EARS.items() if not np.isin(numbers, observation.ids).any()]
         # (V, 1) how much of what a latent makes of the mean face is left out.
         self.usual = self.strange * model.template.mask(*unseen)[:, None]
@@ -157,7 +157,7 @@ class _Surface:
         anchors = observation.anchors(vertices, self.camera.rotation)
         self.camera = observation.camera(vertices, anchors, observation.shares(weights, self.likeliest.noise))
         gaps = observation.gaps(vertices, self.camera, anchors)
-        confidence = observation.confidence(self.expected)
+        confidence = observation.confidence(self.exact)
         pulls = weights if confidence is None else weights[:, None, None] * confidence
         pull = self.model.template.anchors.move(anchors[observation.ids], gaps, self.settings.strength, pulls)
         return vertices + pull @ self.camera.rotation[:2]

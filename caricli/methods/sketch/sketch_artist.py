@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial import cKDTree
+from scipy.spatial import KDTree
 
 from caricli.geometry.alignment.head_rotation import head_angles
 from caricli.geometry.lines.arc_lengths import arc_lengths
@@ -120,7 +120,7 @@ class SketchArtist:
             StrokeKind.FEATURE: self.settings.near * unit,
             StrokeKind.WRINKLE: self.settings.near * unit,
         }
-        trees = [(cKDTree(_sampled(stroke.points, shortest / 4)), near[stroke.kind]) for stroke in strokes]
+        trees = [(KDTree(_sampled(stroke.points, shortest / 4)), near[stroke.kind]) for stroke in strokes]
         wrinkles: list[tuple[np.ndarray, Stroke]] = []
         for line in self.finder.lines(vertices, camera):
             points = camera.project(line.points)
@@ -130,7 +130,7 @@ class SketchArtist:
             pieces = [(line.points[a:b], Stroke(_smoothed(points[a:b]), StrokeKind.WRINKLE)) for a, b in runs(free)]
             long = [(there, piece) for there, piece in pieces if piece.length > shortest]
             wrinkles += long
-            trees += [(cKDTree(piece.points), near[StrokeKind.WRINKLE]) for _, piece in long]
+            trees += [(KDTree(piece.points), near[StrokeKind.WRINKLE]) for _, piece in long]
             if len(wrinkles) >= self.settings.most:
                 break
         return wrinkles[: self.settings.most]

@@ -176,7 +176,7 @@ def vertex_weights(template: Template, near: float, radius: float) -> np.ndarray
 
     What landmarks see then takes little of the prior's distance to reach.
     """
-    from scipy.spatial import cKDTree
+    from scipy.spatial import KDTree
 
-    distance, _ = cKDTree(template.vertices[template.annotation.landmarks]).query(template.vertices)
+    distance, _ = KDTree(template.vertices[template.annotation.landmarks]).query(template.vertices)
     return 1 + near * np.exp(-((distance / template.height / radius) ** 2))

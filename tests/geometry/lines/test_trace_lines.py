@@ -1,7 +1,7 @@
 import cv2
 import numpy as np
 import pytest
-from scipy.spatial import cKDTree
+from scipy.spatial import KDTree
 
 from caricli.geometry.lines.trace_lines import trace_lines
 
@@ -71,7 +71,7 @@ def test_every_pixel_of_a_scribble_is_near_a_line():
     ink = drawn(*(generator.integers(10, 190, (4, 2)) for _ in range(5)))
     points = np.concatenate([line.points for line in trace_lines(ink, 6)])
     pixels = np.argwhere(ink)[:, ::-1]
-    assert (cKDTree(points).query(pixels)[0] < 4).mean() > 0.97
+    assert (KDTree(points).query(pixels)[0] < 4).mean() > 0.97
 
 
 ROUGH = """

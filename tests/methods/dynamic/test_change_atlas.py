@@ -28,6 +28,13 @@ def linear(head, head_template, rig, picture):  # noqa: F811
     return own
 
 
+def tile(atlas, number):
+    """Tile (S, S, 3) of an atlas, from -1 to 1."""
+    row, column = divmod(number, atlas.columns)
+    places = [slice(first * atlas.side, (first + 1) * atlas.side) for first in (row, column)]
+    return (atlas.picture[tuple(places)].astype(np.float32) - NOTHING) / (255 - NOTHING)
+
+
 def shaded(atlas, skin, weights):
     """A skin (H, H, 3) uint8 as a shader shows it that changes it by an atlas with weights (K,)."""
     size = len(skin)
@@ -37,7 +44,9 @@ def shaded(atlas, skin, weights):
     change = np.zeros((2, atlas.side, atlas.side, 3))
     for number, weight in enumerate([1.0, *weights]):
         if weight:
-            change += weight * np.stack(atlas.change(number))
+            change += weight * np.stack(
+                [atlas.gain * tile(atlas, 2 * number), atlas.offset * tile(atlas, 2 * number + 1)]
+            )
     shape = colours.shape[1::-1]
     gain, offset = (cv2.resize(values, shape, interpolation=cv2.INTER_LINEAR) for values in change)
     painted = skin.copy()

@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 import pytest
 import skimage
-from scipy.spatial import cKDTree
+from scipy.spatial import KDTree
 
 from caricli.errors import InputError
 from caricli.io.image import read_image
@@ -78,8 +78,8 @@ def ruled(picture, directions, spacing, colour=(0.7, 0.78, 0.95)):
 def test_the_lines_of_ruled_paper_are_no_lines_of_the_drawing(sketch, directions):
     picture = photograph(sketch, np.random.default_rng(1), darkness=0.8)
     cleaned = clean_drawing(ruled(picture, directions, 24))
-    assert (cKDTree(points_of(cleaned)).query(points_of(sketch))[0] < 3).mean() > 0.9
-    assert (cKDTree(points_of(sketch)).query(points_of(cleaned))[0] < 3).mean() > 0.95
+    assert (KDTree(points_of(cleaned)).query(points_of(sketch))[0] < 3).mean() > 0.9
+    assert (KDTree(points_of(sketch)).query(points_of(cleaned))[0] < 3).mean() > 0.95
 
 
 @pytest.mark.parametrize("options", PAPERS.values(), ids=PAPERS.keys())
@@ -87,8 +87,8 @@ def test_lines_come_back(sketch, options):
     cleaned = clean_drawing(photograph(sketch, np.random.default_rng(1), **options))
     drawn = points_of(sketch)
     read = points_of(cleaned)
-    assert (cKDTree(read).query(drawn)[0] < 3).mean() > 0.93
-    assert (cKDTree(drawn).query(read)[0] < 3).mean() > 0.98
+    assert (KDTree(read).query(drawn)[0] < 3).mean() > 0.93
+    assert (KDTree(drawn).query(read)[0] < 3).mean() > 0.98
     assert cleaned.size == (256, 256)
     assert {stroke.kind for stroke in cleaned.strokes} == {StrokeKind.UNKNOWN}
     picture = rasterise_sketch(cleaned, 256) > 127
@@ -97,7 +97,7 @@ def test_lines_come_back(sketch, options):
 
 def test_chalk_on_a_blackboard(sketch):
     board = 255 - photograph(sketch, np.random.default_rng(2))
-    assert (cKDTree(points_of(clean_drawing(board))).query(points_of(sketch))[0] < 3).mean() > 0.9
+    assert (KDTree(points_of(clean_drawing(board))).query(points_of(sketch))[0] < 3).mean() > 0.9
 
 
 def colours(generator):

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.spatial import cKDTree
+from scipy.spatial import KDTree
 
 from caricli.geometry.alignment.head_rotation import head_rotation
 from caricli.methods.sketch.suggestive_contours import ContourFinder, ContourSettings
@@ -82,7 +82,7 @@ def test_lines_are_those_of_the_slow_computation(surface, turn, steep):
     # Every point that passes by the slow computation is drawn.
     theirs, seen = lines_by_hand(surface, view, steep)
     assert seen.sum() > 20
-    assert (cKDTree(ours).query(theirs)[0][seen] < 2 * edge).mean() > 0.97
+    assert (KDTree(ours).query(theirs)[0][seen] < 2 * edge).mean() > 0.97
 
 
 @pytest.mark.parametrize("pitch", [10, 20])
@@ -107,7 +107,7 @@ def test_hidden_lines_are_left_out(pitch):
     )
     assert np.abs(surface.normals(points) @ view).max() < 1e-9
     seen = surface.is_seen(points, view, SETTINGS.lift * np.ptp(surface.mesh.vertices[:, 1]))
-    away = cKDTree(ours).query(points)[0]
+    away = KDTree(ours).query(points)[0]
     assert seen.sum() > 100 and (~seen).sum() > 50
     assert (away[seen] < edge).mean() > 0.97 and (away[~seen] > edge).mean() > 0.9
 

@@ -4,7 +4,7 @@ import copy
 
 import numpy as np
 import torch
-from scipy.spatial import cKDTree
+from scipy.spatial import KDTree
 
 from caricli.data.dataset import Dataset
 from caricli.methods.evaluate.evaluate_shape import split_rows
@@ -48,5 +48,5 @@ def trained_model(training: AutoDecoderTraining, template: Template) -> Deformab
 
 def touching_vertices(points: np.ndarray) -> int:
     """How many vertices of a shape (V, 3) lie on others: a network that knows positions alone cannot part them."""
-    nearest = cKDTree(points).query(points, 2)[0][:, 1]
+    nearest = KDTree(points).query(points, 2)[0][:, 1]
     return int(np.sum(nearest < TOUCHING * np.ptp(points[:, 1])))
