@@ -66,7 +66,7 @@ def _views(ctx, param, value):
     "--image",
     type=PATH,
     metavar="IMAGE",
-    help="Draw the face over this picture instead of the views; the face must be an NPZ with a camera.",
+    help="Draw the face over this picture instead of the views, as large; the face must be an NPZ with a camera.",
 )
 @head_options
 @overwrite_option
@@ -89,9 +89,11 @@ def command(paths, out, views, frames, size, columns, image, head, overwrite):
     from caricli.render.sheets.face_sheet import SheetSettings
 
     film = out.suffix.lower() != ".png"
-    _check_use(len(paths), film, views, frames, image)
+    _check_use(film, views, frames)
     turn = (frames or FRAMES[out.suffix.lower()]) if views == (TURN,) else None
     settings = SheetSettings(views, turn, size, columns, "eyes" in head.parts)
+    if image is not None and (len(paths) > 1 or film or replace(settings, eyeballs=True) != SheetSettings()):
+        raise click.UsageError("--image takes one FACE and gives one picture, as .png, as large as IMAGE is.")
     _check_size(out, len(paths) * (1 if film else settings.count), size)
     with staged(out, overwrite=overwrite, inputs=(*paths, image)) as (temporary,):
         if image is None:
@@ -113,10 +115,8 @@ def _whole(path, head):
         return whole_face(face, head)
 
 
-def _check_use(count, film, views, frames, image):
+def _check_use(film, views, frames):
     """Refuse options that do not go together."""
-    if image is not None and (count > 1 or film or views == (TURN,)):
-        raise click.UsageError("--image takes one FACE and gives one picture, as .png.")
     if views != (TURN,) and (film or frames is not None):
         raise click.UsageError(f"A film and --frames are for --views {TURN}.")
 

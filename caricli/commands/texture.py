@@ -152,8 +152,8 @@ def command(
       caricli rig textured/face.npz --out rig.glb
     """
     settings = PaintSettings(size, flat, seed, hair, head, TextureSettings(keep_light=keep_light))
-    if mask and parsing:
-        raise UsageError("--mask and --parsing both say where the head is: give one of them")
+    if sum(path is not None for path in (mask, parsing, detector)) > 1:
+        raise UsageError("--mask, --parsing and --detector all say where the head is: give one of them")
     if retouched:
         if settings != PaintSettings() or mask or parsing or uv != "head" or expressions or network or detector:
             raise UsageError("--retouched takes no other options than --out, --model and --overwrite")

@@ -418,7 +418,7 @@ def test_ears_are_found_in_the_picture_unless_nobody_shall_look(run, head_templa
     assert reports["auto"]["width"] > 1.1 * reports["none"]["width"]
 
 
-def test_a_label_map_counts_for_landmarks_that_were_all_marked_by_hand(
+def test_regions_count_for_landmarks_that_were_all_marked_by_hand(
     run, refused, photo, head_template, monkeypatch, tmp_path
 ):
     camera = Camera(1400.0, np.diag([1.0, -1.0, -1.0]), np.array([200.0, 390.0]))
@@ -437,6 +437,10 @@ def test_a_label_map_counts_for_landmarks_that_were_all_marked_by_hand(
     given = (COMMAND, marks, "--image", photo, "--parsing", labels, "--out", tmp_path / "face.obj")
     assert len(points) == 81 and run(*given).exit_code == 0
     np.testing.assert_array_equal(seen, [np.full((400, 400), Region.SKIN)])
+    assert run(*given[:4], "--out", tmp_path / "looked.obj").exit_code == 0
+    assert len(seen) == 2 and seen[1].shape == (400, 400)
+    assert run(*given[:4], "--out", tmp_path / "blind.obj", "--outline", "none").exit_code == 0
+    assert len(seen) == 2
     write_parsing(labels, np.full((200, 400), Region.SKIN, np.uint8))
     assert f"{labels}: expected the picture's size, 400 x 400, found 400 x 200" in refused(*given, "--overwrite")
 

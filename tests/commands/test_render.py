@@ -179,6 +179,13 @@ def test_lays_a_face_over_its_picture(npz, tmp_path):
     np.testing.assert_allclose([x.mean(), y.mean()], [40, 25], atol=0.3)
 
 
+@pytest.mark.parametrize("options", [["--views", "front"], ["--size", 64], ["--columns", 2], ["--views", "turntable"]])
+def test_an_overlay_has_the_size_and_side_of_its_picture(options, npz, tmp_path):
+    write_png(tmp_path / "photo.png", np.zeros((9, 9, 3), np.uint8))
+    code, said = failure(npz, "-o", tmp_path / "over.png", "--image", tmp_path / "photo.png", *options)
+    assert code == 2 and "as large as IMAGE is" in said and not (tmp_path / "over.png").exists()
+
+
 def failure(*args):
     result = run(*args)
     assert result.output.count("\n") == 1, result.output

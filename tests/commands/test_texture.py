@@ -2,6 +2,7 @@ import struct
 import zlib
 from dataclasses import replace
 from functools import partial
+from itertools import combinations
 
 import numpy as np
 import pytest
@@ -347,8 +348,10 @@ def test_label_maps_that_do_not_fit(refused, scene, tmp_path):
         path = write_labels(tmp_path / f"{name}.png", labels, names)
         said = refused(COMMAND, face, photo, "--parsing", path, "--out", tmp_path / "out")
         assert f"{path}: {words}" in said and not (tmp_path / "out").exists()
-    said = refused(COMMAND, face, photo, flag, mask, "--parsing", path, "--out", tmp_path / "out", code=2)
-    assert "--mask and --parsing both say where the head is" in said
+    ways = {flag: mask, "--parsing": path, "--detector": tmp_path}
+    for first, second in combinations(ways.items(), 2):
+        said = refused(COMMAND, face, photo, *first, *second, "--out", tmp_path / "out", code=2)
+        assert "--mask, --parsing and --detector all say where the head is" in said
 
 
 def test_another_picture(refused, scene, tmp_path):

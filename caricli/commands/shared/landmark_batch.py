@@ -20,7 +20,6 @@ from caricli.io.strict_json import write_json
 from caricli.methods.faces.encode_face import encode_face
 from caricli.methods.faces.subdivide_face import finer_face, subdivide_face
 from caricli.methods.reconstruct.landmark_fit import LandmarkFit
-from caricli.methods.reconstruct.outline import can_find_outline
 from caricli.models.shape_model import ShapeModel
 from caricli.store.face_files import write_face_files
 from caricli.store.face_pictures import FaceReader, seen_files
@@ -114,17 +113,13 @@ class FitTask:
 
     def _read(self, path: Path, image: Path | None, labels: Path | None) -> FacePicture:
         """Landmarks and their picture, or the picture at path itself, with what it shows where that is asked for."""
-        template = self.model.template
-        picture = self.files.reader.read(path, len(template.annotation.landmarks), image)
-        marks = picture.landmarks
+        picture = self.files.reader.read(path, len(self.model.template.annotation.landmarks), image)
         if not self.parses or picture.pixels is None or picture.seen is not None:
             return picture
         if labels is not None:
             size = (picture.pixels.shape[1], picture.pixels.shape[0])
             return replace(picture, regions=load_regions(labels, size))
-        if not can_find_outline(marks.head_points, template, marks.spreads):
-            return picture
-        return replace(picture, regions=self.files.reader.given(picture.pixels, marks.points).regions)
+        return replace(picture, regions=self.files.reader.given(picture.pixels, picture.landmarks.points).regions)
 
     def _shown(self, face: Face, finer: FineMesh) -> Face:
         """What the mesh file holds of a face: its skin, or the head that was chosen."""

@@ -51,7 +51,7 @@ def stylise_portrait(
     warped = image
     landmarks = replace(marks, spreads=None, visibility=None)
     if tools is not None and settings.shape != "none" and settings.strength > 0:
-        fit = fit_landmarks(marks.head_points, tools.model)
+        fit = fit_landmarks(marks.head_points, tools.model, spreads=marks.spreads)
         vertices = exaggerate_portrait(fit, tools, settings.shape, settings.strength)
         size = (image.shape[1], image.shape[0])
         warp = mesh_warp(fit.face, vertices, tools.model.template, size, settings.warp)

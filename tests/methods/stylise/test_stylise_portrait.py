@@ -66,6 +66,22 @@ def test_landmarks_come_nearer_to_those_of_the_map(portrait, tools):
     assert 0.5 < result.moved < 10
 
 
+def test_a_wrong_landmark_pulls_less_where_it_is_unsure(portrait, tools):
+    image, marks = portrait
+    points, tip = np.array(marks.points), 30
+    points[tip] += 20, 0
+    spreads = np.tile(4 * np.eye(2), (len(points), 1, 1))
+    doubted = np.array(spreads)
+    doubted[tip] *= 100**2
+    right, sure, unsure = (
+        stylise_portrait(image, replace(marks, points=places, spreads=doubt), tools, BARE).landmarks.points
+        for places, doubt in ((marks.points, spreads), (points, spreads), (points, doubted))
+    )
+    others = np.delete(np.arange(len(points)), tip)
+    missed, harm = (np.linalg.norm((moved - right)[others], axis=1).mean() for moved in (unsure, sure))
+    assert missed < 0.5 * harm
+
+
 def test_where_nothing_moves_the_picture_stays(portrait, tools):
     image, marks = portrait
     fit = fit_landmarks(marks.points, tools.model)
