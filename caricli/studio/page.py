@@ -163,13 +163,13 @@ class Page:
 
     async def undo(self) -> None:
         """One operation back."""
-        await self._travel(self.desk.undo)
+        await self._travel(self.desk.undo, "undo")
 
     async def redo(self) -> None:
         """One forth."""
-        await self._travel(self.desk.redo)
+        await self._travel(self.desk.redo, "redo")
 
-    async def _travel(self, go: Callable[[], None]) -> None:
+    async def _travel(self, go: Callable[[], None], way: str) -> None:
         before = list(self.desk.history.done)
         try:
             await self.studio.run(go)
@@ -177,9 +177,11 @@ class Page:
             self.say(str(error))
             return
         done = self.desk.history.done
-        if len(done) != len(before):
-            way, operation = ("Undone", before[-1]) if len(done) < len(before) else ("Redone", done[-1])
-            self.say(f"{way}: {_plain(operation.name).lower()}.", "note")
+        if len(done) == len(before):
+            self.say(f"There is nothing to {way}.", "note")
+        else:
+            operation = max(before, done, key=len)[-1]
+            self.say(f"{way.capitalize()}ne: {_plain(operation.name).lower()}.", "note")
         self._after(done[len(before) :])
 
     def refresh(self, answered: int = 0) -> None:

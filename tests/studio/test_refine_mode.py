@@ -21,6 +21,8 @@ def test_gestures_change_the_face_and_arrows_undo_them(refining, head_template, 
     start = tab.head()
     use(tab, "Gesture")
     tip = place(tab, nose)
+    tab.page.keyboard.press("Control+z")
+    tab.told("There is nothing to undo.")
     tab.changed(lambda: stroke(tab, tip + 40 * np.stack([np.cos(TURN), np.sin(TURN)], 1)))
     tab.told("Region.")
     tab.page.get_by_text("a region", exact=True).wait_for()
@@ -31,10 +33,10 @@ def test_gestures_change_the_face_and_arrows_undo_them(refining, head_template, 
     assert bulged[3 * nose + 2] > start[3 * nose + 2] + 0.003
     tab.page.screenshot(path=tmp_path / "bulge.png")
     tab.changed(lambda: stroke(tab, tip + np.array([[40, -40], [20, -20], [0, 0], [20, 20], [40, 40]])))
-    tab.told("An arrow to the left: undone.")
+    tab.told("Undone: bulge.")
     tab.becomes(start)
     tab.changed(lambda: stroke(tab, tip + np.array([[-40, -40], [-20, -20], [0, 0], [-20, 20], [-40, 40]])))
-    tab.told("An arrow to the right: redone.")
+    tab.told("Redone: bulge.")
     tab.becomes(bulged)
     tab.save("session", tmp_path / "session.json")
     assert [each.name for each in read_session(tmp_path / "session.json").operations] == ["region", "bulge"]

@@ -15,6 +15,7 @@ from caricli.methods.reconstruct.landmark_fit import LandmarkFit
 from caricli.methods.reconstruct.settings import LatentSettings
 from caricli.models.morphable.model import MorphableModel
 from caricli.structures import Camera
+from caricli.structures.track import MOST
 
 _SHARED = 1e-6
 """Weight of the weaker of two opposites, at most: bounds of the solver must differ."""
@@ -35,7 +36,7 @@ class RetargetSettings:
     opposites: pairs of numbers of expressions, of which a face does one at most.
     """
 
-    strongest: float = 1.5
+    strongest: float = MOST
     noise: float = 0.007
     sparse: float = 1.0
     weak: float = 1e-4
@@ -70,7 +71,7 @@ def explain_meshes(
     """Explain meshes by one identity, and an expression and a similarity transform for each.
 
     Minimises ``sum_t |H(v_t - n - sum_i a_i U_i - sum_k w_tk N_k)|^2 / noise^2 + |a|^2 + 2 sparse sum w + weak |w|^2``
-    over the identity a, 0 <= w <= 1.5 and the similarities that v_t are seen through: equation 19 with the neutral face
+    over identity a, 0 <= w <= strongest and the similarities that v_t are seen through: equation 19, its neutral face
     unknown. H takes what a vertex differs by from the mean of its neighbours: in that, identities, which vary smoothly,
     resemble expressions, which part lips and lids, less than in positions. Where the neutral face is known, it is n;
     there is neither a nor a price, and H takes off the mean of all vertices.
@@ -142,7 +143,7 @@ def explain_landmarks(
     """Explain landmarks by one identity, and an expression and a camera for each: equation 19 in the picture plane.
 
     Minimises ``sum_t |s_t R_t (n + sum_i a_i U_i + sum_k w_tk N_k) + x_t - q_t|^2 / noise^2 + |caution a|^2 + 2 sparse
-    sum w + weak |w|^2`` over identity, 0 <= w <= 1.5 and cameras, on the landmarks, distances in shares of their
+    sum w + weak |w|^2`` over identity, 0 <= w <= strongest and cameras, on the landmarks, distances in shares of their
     diagonal.
 
     fits: LandmarkFit of ``fit_morphable`` for each: where the cameras start, and what the landmarks stand on. points: T

@@ -103,10 +103,8 @@ class RefineMode(Mode):
             return
         if meant == UNDO:
             await self.page.undo()
-            self.page.say("An arrow to the left: undone.", "note")
         elif meant == REDO:
             await self.page.redo()
-            self.page.say("An arrow to the right: redone.", "note")
         else:
             assert isinstance(meant, Operation)
             await self._do(meant.name, dict(meant.parameters))
