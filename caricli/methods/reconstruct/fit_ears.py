@@ -1,15 +1,14 @@
 """Ears whose outline is that of the ears in their picture."""
 
 from dataclasses import dataclass
-from functools import lru_cache
 
 import cv2
-import igl
 import numpy as np
 import scipy.sparse as sp
 from scipy.spatial import KDTree
 
 from caricli.geometry.cholesky import Cholesky
+from caricli.methods.reconstruct.bending import bending
 from caricli.render.pixels.widen_mask import widen_mask
 from caricli.render.visibility.covered_pixels import covered_pixels
 from caricli.structures import Camera, Face
@@ -99,7 +98,7 @@ class _Ear:
         own = template.mask(name)[template.faces].all(1)
         self.faces = template.faces[own]
         self.others = covered_pixels(places, template.faces[~own], *mask.shape[::-1])
-        self.bending = _bending(template)[self.ids][:, self.ids]
+        self.bending = bending(template)[self.ids][:, self.ids]
         self.mask = mask
         beside = widen_mask(np.isin(regions, _BEHIND), 1)
         self.border = np.argwhere(mask & beside)[:, ::-1].astype(float)
@@ -127,12 +126,3 @@ class _Ear:
         wanted = np.where(follows[:, None], gaps, 0) @ camera.rotation[:2]
         stiff = _SETTINGS.stiffness / self.bending.diagonal().mean() * self.bending
         return Cholesky((sp.diags(follows.astype(float)) + stiff).tocsc()).solve(wanted)
-
-
-@lru_cache(maxsize=4)
-def _bending(template: Template) -> sp.csr_matrix:
-    """(V, V) what bending the surface of a template costs."""
-    vertices = np.asarray(template.vertices, float)
-    laplacian = igl.cotmatrix(vertices, template.faces)
-    mass = igl.massmatrix(vertices, template.faces).diagonal()
-    return sp.csr_matrix(laplacian @ sp.diags(1 / mass) @ laplacian)

@@ -42,7 +42,8 @@ def fit_landmarks(
 
     Where 68 landmarks come with a picture, ears and forehead that are seen there pull weakly (``find_outline``); where
     further ones were detected, ears that stand out there count beside them. A face that is fitted elastically gets the
-    outline of ears (``fit_ears``) and a neck as thin (``fit_neck``) as the picture shows them.
+    outline of ears (``fit_ears``), a neck as thin (``fit_neck``) and sides as far in (``fit_sides``) as the picture
+    shows them.
 
     points: (L, 2) pixels, y down, NaN where unknown. model: ShapeModel, for "intrinsic" an IntrinsicModel. method: of
     METHODS, or None for the one that the model allows, see ``fitting_method``. prior_weight: larger stays nearer to
@@ -69,13 +70,15 @@ def _look(face: Face, template: Template, points: np.ndarray, picture: ParsedPic
 
 
 def _as_pictured(fit: LandmarkFit, model: IntrinsicModel, picture: ParsedPicture) -> LandmarkFit:
-    """A fit whose ears end where a picture shows it, and whose neck is as thin. model: of its latent."""
+    """A fit whose ears and sides end where a picture shows it, and whose neck is as thin. model: of its latent."""
     # OpenCV takes a while to start, and most fits have no picture.
     from caricli.methods.reconstruct.fit_ears import fit_ears
     from caricli.methods.reconstruct.fit_neck import fit_neck
+    from caricli.methods.reconstruct.fit_sides import fit_sides
 
     template = model.template
     seen, neck = fit_neck(fit_ears(fit.face, template, picture), template, picture)
+    seen = fit_sides(seen, template, picture, fit.anchors)
     if seen is fit.face:
         return fit
     vertices = untangle(seen.vertices, template.gradients)
