@@ -1,4 +1,4 @@
-"""Ears and necks of faces that were detected, with truth: as landmarks tell them, and as the picture shows them.
+"""Ears, necks and sides of faces that were detected, with truth: as landmarks tell them, and as the picture shows them.
 
 Usage: python -m benchmarks.pictured_outlines DATASET PICTURES [COUNT]. Of PICTURES (of `dataset pictures DATASET`)
 those that show one face of at least 80 pixels, until COUNT (default: 300) faces were detected and fitted, as `portrait`
@@ -6,7 +6,9 @@ begins. Ears: intersection over union of the true label and the ears that the fi
 them, without and with `fit_ears`, and the interval of its change from 10,000 draws of the people with replacement; of
 faces whose ears it moved. Necks: of the width of the neck's edge to that of the true head's, brought to it by a
 similarity of the face, the median of how far it is from 1, percent, without and with `fit_neck`, and how many became
-thinner, and by more than a fifth: no person of a dataset has a thin neck. The last line is JSON.
+thinner, and by more than a fifth: no person of a dataset has a thin neck. Sides, after both: of faces whose sides came
+in (`fit_sides`), how much of the head is before true background, percent, and how far the skin without ears is from the
+truth, brought to it by a similarity, percent of the head's height, without and with it. The last line is JSON.
 """
 
 import json
@@ -27,12 +29,15 @@ from caricli.methods.pictures.sitter_shapes import sitter_shapes
 from caricli.methods.reconstruct.fit_ears import EARS, fit_ears
 from caricli.methods.reconstruct.fit_landmarks import fit_landmarks
 from caricli.methods.reconstruct.fit_neck import fit_neck
+from caricli.methods.reconstruct.fit_sides import fit_sides
+from caricli.render.visibility.covered_pixels import covered_pixels
 from caricli.render.visibility.rasterise import rasterise
 from caricli.store.detector import load_detector
 from caricli.store.models import load_model
 from caricli.structures.detection import ParsedPicture
 from caricli.structures.landmarks import COUNT
 from caricli.structures.parsing import Region
+from caricli.template.annotation import CAVITIES
 
 BEHIND = (Region.EARS, Region.BACKGROUND, Region.SKIN, Region.NECK, Region.CLOTH)
 """What is labelled where an ear would be seen."""
@@ -65,6 +70,16 @@ def neck_width(face, template, truth):
     return scale * np.ptp(face.vertices[edge, 0]) / np.ptp(truth[edge, 0])
 
 
+def side_figures(face, template, truth, regions):
+    """Of a face, its share before background of true regions (H, W), percent, and its distance from truth (V, 3)."""
+    shown = covered_pixels(face.camera.place(face.vertices), face.faces, *regions.shape[::-1])
+    skin = ~template.mask(*CAVITIES, *EARS)
+    scale, rotation, translation = similarity(face.vertices[skin], truth[skin])
+    places = scale * face.vertices[skin] @ rotation.T + translation
+    away = np.linalg.norm(places - truth[skin], axis=1).mean() / np.ptp(truth[:, 1])
+    return 100 * (shown & (regions == Region.BACKGROUND)).sum() / shown.sum(), 100 * away
+
+
 @threadpool_limits.wrap(limits=1)
 def main(dataset, pictures, count=300):
     """Print the comparison as JSON."""
@@ -72,7 +87,7 @@ def main(dataset, pictures, count=300):
     sitters = sitter_shapes(drawn, read_dataset(Path(dataset)))
     detector = load_detector()
     model = load_model(kind="intrinsic")
-    ears, necks, people = [], [], []
+    ears, necks, sides, people = [], [], [], []
     for number in range(drawn.count):
         rows = drawn.faces(number)
         points = drawn.truth["landmarks"][rows[:1]]
@@ -92,11 +107,17 @@ def main(dataset, pictures, count=300):
         if outlined is not face:
             ears.append([ear_overlap(each, model.template, drawn.regions(number)) for each in (face, outlined)])
             people.append(drawn.truth["person"][rows[0]])
+        usual, _ = fit_neck(outlined, model.template, picture)
+        come_in = fit_sides(usual, model.template, picture, model.template.annotation.landmarks)
+        if come_in is not usual:
+            regions = drawn.regions(number)
+            sides.append([side_figures(each, model.template, truth, regions) for each in (usual, come_in)])
         if len(necks) == int(count):
             break
     before, after = np.array(ears).T
     change, *interval = ratio_interval(after - before, np.ones(len(ears)), np.array(people), DRAWS)
     usual, pictured = np.array(necks).T
+    (wide, far), (narrow, near) = np.mean(sides, axis=0)
     figures = {
         "ear_outlines": {
             "faces": len(ears), "usual": before.mean(), "pictured": after.mean(),
@@ -107,6 +128,7 @@ def main(dataset, pictures, count=300):
             "pictured": 100 * float(np.median(np.abs(np.log(pictured)))),
             "thinner": int((pictured < usual).sum()), "mistaken": int((pictured < 0.8 * usual).sum()),
         },
+        "sides": {"faces": len(sides), "wide": wide, "narrow": narrow, "far": far, "near": near},
     }  # fmt: skip
     print(json.dumps(figures))
 
