@@ -30,8 +30,8 @@ def sink_skull(head: Template, camera: Camera, hair: HairMask) -> Template:
         outline = Outline.of(hair, sphere, camera, settings.bins)
         share = np.clip(step(sphere, camera, outline, settings), _SMALLEST, 1)
         longitudes, angles, _ = sphere.seen_from(head.vertices)
-        hold = np.clip(sphere.sample(_blurred(sphere.region("scalp", "forehead")), longitudes, angles), 0, 1)
-        kept = 1 - hold * (1 - sphere.sample(share, longitudes, angles))
+        follow = np.clip(sphere.sample(_blurred(sphere.region("scalp", "forehead")), longitudes, angles), 0, 1)
+        kept = 1 - (1 - _shown_ears(head)) * follow * (1 - sphere.sample(share, longitudes, angles))
         head = head.with_vertices(sphere.middle + kept[:, None] * (head.vertices - sphere.middle))
     return head
 
@@ -97,6 +97,16 @@ def _led(head: Template, sphere: HeadSphere, moves: np.ndarray, ramp: int) -> Te
         led = np.maximum(wanted, np.where(skull, mean @ led, 0))
     share = 1 + np.sign(moves.sum()) * led / np.maximum(radii, 1e-9)
     return head.with_vertices(sphere.middle + share[:, None] * (head.vertices - sphere.middle))
+
+
+def _shown_ears(head: Template) -> np.ndarray:
+    """(V,) how much vertices stay where the picture shows them: ears, but for where they join the head."""
+    _, mean = vertex_neighbours(head.faces, len(head.vertices))
+    ears = head.mask(*EARS)
+    stay = ears.astype(float)
+    for _ in range(_RAMP):
+        stay = np.where(ears, np.minimum(stay, mean @ stay), 0)
+    return stay
 
 
 def _blurred(values: np.ndarray) -> np.ndarray:

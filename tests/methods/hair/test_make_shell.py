@@ -3,6 +3,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from caricli.geometry.repair.flipped_triangles import flipped_triangles
 from caricli.geometry.triangle_normals import triangle_normals
 from caricli.methods.hair.head_sphere import HeadSphere
 from caricli.methods.hair.make_shell import _facing, _taper, make_shell
@@ -11,6 +12,7 @@ from caricli.methods.hair.settings import ShellSettings
 from caricli.methods.hair.snap_border import union_share, visible_hair
 from caricli.render.visibility.rasterise import rasterise
 from caricli.structures import Mesh
+from caricli.template.annotation import EARS
 from tests.methods.hair.conftest import CAMERA
 
 
@@ -145,6 +147,18 @@ def test_a_skull_that_stands_out_is_drawn_in(sitter):
     assert isinstance(sunk, Mesh)
     untouched = sink_skull(sitter.head, CAMERA, sitter.hair)
     assert np.abs(untouched.vertices - sitter.head.vertices).max() < 0.01 * sitter.head.height
+
+
+def test_ears_stay_where_they_are_seen_beside_a_skull_that_is_drawn_in(sitter):
+    columns = np.nonzero(sitter.hair.pixels.any(0))[0]
+    middle = columns.mean()
+    narrow = np.clip(np.rint(middle + (np.arange(320) - middle) / 0.7), 0, 319).astype(int)
+    seen = replace(sitter.hair, pixels=sitter.hair.pixels[:, narrow], behind=sitter.hair.behind[:, narrow])
+    sunk = sink_skull(sitter.head, CAMERA, seen)
+    moves = np.linalg.norm(sunk.vertices - sitter.head.vertices, axis=1) / sitter.head.height
+    scalp, ears = (moves[sitter.head.mask(*names)] for names in (("scalp",), EARS))
+    assert scalp.max() > 0.03 and np.quantile(ears, 0.75) < 0.005
+    assert flipped_triangles(sunk.vertices, sitter.head.gradients).mean() < 1e-3
 
 
 def test_hair_has_no_holes(sitter):
