@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from caricli.commands.shared.dynamic_texture import dynamic_texture_option, load_network, load_painter
-from caricli.commands.shared.face_outputs import note_source, staged_face
+from caricli.commands.shared.face_outputs import face_files, note_source, staged_face
 from caricli.commands.shared.head_options import made_head_options
 from caricli.commands.shared.notes import echo_result
 from caricli.commands.shared.options import (
@@ -16,7 +16,6 @@ from caricli.commands.shared.options import (
     PATH,
     FiniteRange,
     detector_option,
-    face_files,
     model_option,
     named,
     out_folder_option,

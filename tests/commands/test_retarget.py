@@ -84,6 +84,13 @@ def test_four_files_that_agree_with_each_other(run, rig_file, drivers, tmp_path)
     assert report["left_mm"] < 0.01 and read_image(out.with_suffix(".png")).shape[1] > 96
 
 
+def test_a_picture_of_that_name_is_in_nobodys_way_where_none_is_drawn(run, rig_file, drivers, tmp_path):
+    (tmp_path / "face.png").write_text("mine")
+    result = run(COMMAND, rig_file, drivers[1][0], "--out", tmp_path / "face.obj", "--no-picture")
+    assert result.exit_code == 0, result.output
+    assert (tmp_path / "face.png").read_text() == "mine" and (tmp_path / "face.obj").exists()
+
+
 def test_a_sequence_and_its_animation(run, rig_file, drivers, tmp_path):
     _, meshes, marks = drivers
     for kind, sources, unit in (("mesh", meshes, "left_mm"), ("marks", marks, "left_percent")):

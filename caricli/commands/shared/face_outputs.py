@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import Any
 
 from caricli.commands.shared.notes import echo_notes
-from caricli.commands.shared.options import face_files
 from caricli.commands.shared.picture import picture_files
 from caricli.commands.shared.progress import progress_bar
 from caricli.io.outputs import staged
@@ -28,6 +27,13 @@ def note_source(out: Path, picture: FacePicture | None, source: Path) -> dict[st
     return picture.figures()
 
 
+def face_files(path: Path) -> list[Path]:
+    """The files of a face, of one stem: its mesh with the suffix that was typed, NPZ, JSON, and where a picture is
+    wanted PNG.
+    """
+    return [path, path.with_suffix(".npz"), path.with_suffix(".json"), *picture_files(path.with_suffix(".png"))]
+
+
 @contextmanager
 def staged_face(
     out: Path, overwrite: bool, inputs: Iterable[Path | None], doing: str | None = None, optional: Sequence[Path] = ()
@@ -38,10 +44,10 @@ def staged_face(
     optional: further files that may go beside it.
     """
     bar = nullcontext() if doing is None else progress_bar(doing)
-    *files, picture = face_files(out)
-    wanted = [*files, *picture_files(picture)]
     with (
-        staged(*wanted, overwrite=overwrite, inputs=inputs, optional=[*worn_paths(out), *optional]) as staged_files,
+        staged(
+            *face_files(out), overwrite=overwrite, inputs=inputs, optional=[*worn_paths(out), *optional]
+        ) as staged_files,
         bar,
     ):
         mesh, npz, json, *png = staged_files

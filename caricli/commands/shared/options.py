@@ -75,12 +75,7 @@ def named_mesh(ctx, param, value):
 
 
 FACE_FILES = "as .obj, .ply, .stl, .glb or .gltf; .npz, .json and .png of the same name go beside it."
-"""End of the help of an option that names the mesh among ``face_files``."""
-
-
-def face_files(path: Path) -> list[Path]:
-    """The four files of a face, of one stem: its mesh with the suffix that was typed, NPZ, JSON and PNG."""
-    return [path, *(path.with_suffix(suffix) for suffix in (".npz", ".json", ".png"))]
+"""End of the help of an option that names the mesh among the files of a face."""
 
 
 def named_numbers(
