@@ -190,7 +190,7 @@ class RetargetPaths:
         from caricli.store.drivers import is_driving_mesh
 
         suffixes = MESH_SUFFIXES if self.again.picture is None else (".png",)
-        alone = self.again.film is not None and self.out is None and self.out_dir is None
+        alone = self.moving and self.out is None and self.out_dir is None
         jobs = [] if alone else named_jobs(self.drivers, "NORMAL_FACE", self.out, self.out_dir, *suffixes)
         if self.again.picture is None and (self.again.film or self.again.parsing):
             raise click.UsageError("--film and --parsing are for --picture.")

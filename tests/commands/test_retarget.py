@@ -111,6 +111,13 @@ def test_a_sequence_and_its_animation(run, rig_file, drivers, tmp_path):
     assert weights.max() > 0.5 and values.max() <= 1.5
 
 
+def test_an_animation_needs_no_faces_beside_it(run, rig_file, drivers, tmp_path):
+    result = run(COMMAND, rig_file, *drivers[1], "--neutral", drivers[0], "--animation", tmp_path / "a.glb")
+    assert result.exit_code == 0, result.output
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["a.glb", "a.json"]
+    np.testing.assert_allclose(animated(tmp_path / "a.glb")[1], TRUTH, atol=2e-3)
+
+
 def animated(path):
     """Times and weights (T, K) of the one animation of a GLB, by pygltflib."""
     gltf = pygltflib.GLTF2().load(str(path))
