@@ -18,6 +18,7 @@ from caricli.commands.shared.options import (
     named,
     named_numbers,
     overwrite_option,
+    refuse_typed,
 )
 from caricli.errors import naming, shown
 from caricli.io.image import write_png
@@ -140,7 +141,7 @@ def command(
     from caricli.methods.animate.animate_rig import AnimationSettings, animate_rig
     from caricli.store.tracks import load_track
 
-    _check_outputs(out, video, frames, kind, dynamic)
+    _check_outputs(out, video, frames, kind)
     model = load_network(network, dynamic)
     factors = named_numbers("--scale", scales, SCALE, "expression", (0, 3))
     # A video often lies beside a rig of its name, whose JSON is another.
@@ -164,19 +165,21 @@ def command(
     _say(out or video or frames, weights, performance)
 
 
-def _check_outputs(out, video, frames, kind, dynamic):
-    """Refuse outputs that contradict each other. kind: of the files in frames. Raises UsageError."""
+def _check_outputs(out, video, frames, kind):
+    """Refuse outputs that contradict each other, and options of pictures where none is drawn. kind: of the files in
+    frames. Raises UsageError."""
     if out is None and frames is None and video is None:
         raise click.UsageError("Give at least one of --out, --frames and --video.")
     if frames is None and kind != "obj":
         raise click.UsageError("--format is of the files of --frames.")
-    if dynamic and not (video or (frames and kind == "png")):
-        raise click.UsageError("--dynamic-texture is for --video, and for --frames with --format png.")
     places = [Path(os.path.realpath(path)) for path in (out, video) if path]
     if frames and any(place.is_relative_to(os.path.realpath(frames)) for place in places):
         raise click.UsageError(
             "--out and --video take files outside of the folder of --frames, which is written whole."
         )
+    if not (video or (frames and kind == "png")):
+        message = "--dynamic-texture, --view and --size are for --video, and for --frames with --format png."
+        refuse_typed(message, "dynamic", "view", "size")
 
 
 def _load(path, head):

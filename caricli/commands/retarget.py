@@ -22,6 +22,7 @@ from caricli.commands.shared.options import (
     out_option,
     overwrite_option,
     pts_origin_option,
+    refuse_typed,
 )
 from caricli.commands.shared.picture import no_picture_option, write_picture
 from caricli.commands.shared.redrawing import Redrawing, RedrawPaths, film_files
@@ -182,8 +183,8 @@ class RetargetPaths:
     def jobs(self) -> list[tuple[Path, Path]]:
         """Drivers, each with the mesh or the picture to write of it.
 
-        Raises UsageError for a mixture of drivers, a neutral face beside landmarks, options of a picture without one,
-        and names that two results have.
+        Raises UsageError for a mixture of drivers, a neutral face beside landmarks, options of a picture or of what
+        moves without one, and names that two results have.
         """
         from caricli.commands.shared.batch import named_jobs
         from caricli.io.meshes.mesh import MESH_SUFFIXES
@@ -194,6 +195,8 @@ class RetargetPaths:
         jobs = [] if alone else named_jobs(self.drivers, "NORMAL_FACE", self.out, self.out_dir, *suffixes)
         if self.again.picture is None and (self.again.film or self.again.parsing):
             raise click.UsageError("--film and --parsing are for --picture.")
+        if not self.moving:
+            refuse_typed("--fps is for --animation and --film.", "fps")
         meshes = [is_driving_mesh(path) for path in self.drivers]
         if any(meshes) != all(meshes) or (self.neutral is not None and not meshes[0]):
             raise click.UsageError("Give either meshes, with or without --neutral, or landmarks without it.")

@@ -11,6 +11,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import click
+from click.core import ParameterSource
 
 from caricli.errors import UsageError, shown
 from caricli.io.parse_number import parse_number, parse_whole
@@ -76,6 +77,13 @@ def named_mesh(ctx, param, value):
 
 FACE_FILES = "as .obj, .ply, .stl, .glb or .gltf; .npz, .json and .png of the same name go beside it."
 """End of the help of an option that names the mesh among the files of a face."""
+
+
+def refuse_typed(message: str, *names: str) -> None:
+    """Refuse options that were typed where they say nothing. names: of parameters. Raises click.UsageError."""
+    context = click.get_current_context()
+    if any(context.get_parameter_source(name) is ParameterSource.COMMANDLINE for name in names):
+        raise click.UsageError(message)
 
 
 def named_numbers(
