@@ -3,7 +3,15 @@
 import click
 
 from caricli.commands.shared.notes import echo_result
-from caricli.commands.shared.options import FACE_FILES, PATH, WholeRange, named_mesh, out_option, overwrite_option
+from caricli.commands.shared.options import (
+    FACE_FILES,
+    PATH,
+    WholeRange,
+    named_mesh,
+    out_option,
+    overwrite_option,
+    refuse_typed,
+)
 from caricli.commands.shared.picture import picture_option
 from caricli.commands.shared.studio_run import replay_session, serve_studio
 from caricli.errors import shown
@@ -41,6 +49,9 @@ def command(start, port, host, no_browser, replay, out, overwrite):
     if (replay is None) != (out is None):
         raise click.UsageError("--replay and --out belong together.")
     if replay is not None:
+        refuse_typed(
+            "--replay serves no page: --host, --port and --no-browser are of it.", "host", "port", "no_browser"
+        )
         count = replay_session(replay, start, out, overwrite)
         echo_result(f"{shown(out)}: {count} operations")
     else:

@@ -19,6 +19,7 @@ from caricli.commands.shared.options import (
     out_option,
     overwrite_option,
     pts_origin_option,
+    refuse_typed,
     seed_option,
 )
 from caricli.commands.shared.picture import picture_files, picture_option, write_picture
@@ -113,10 +114,7 @@ def command(
     from caricli.store.generators import load_generator
     from caricli.store.shape_tools import load_shape_tools
 
-    if landmarks is not None and len(portraits) > 1:
-        raise click.UsageError("--landmarks are of one PORTRAIT; without them they are found in each.")
-    if generator is not None and style is not None:
-        raise click.UsageError("Give either --style or --generator.")
+    _check_usage(portraits, style, shape, landmarks, generator)
     jobs = named_jobs(portraits, "PORTRAIT", out, out_dir, ".png")
     settings = StyliseSettings(style or ("none" if generator else USUAL.style), shape, strength, seed)
     painter = None if generator is None else load_generator(generator, timeout)
@@ -125,6 +123,18 @@ def command(
     inputs = (*portraits, landmarks, model, detector)
     task = StyliseTask(reader, landmarks, tools, settings, painter, generator, inputs, overwrite)
     run_batch(ctx, jobs, task.run, "portraits")
+
+
+def _check_usage(portraits, style, shape, landmarks, generator):
+    """Refuse options that contradict each other, or say nothing beside others."""
+    if landmarks is not None and len(portraits) > 1:
+        raise click.UsageError("--landmarks are of one PORTRAIT; without them they are found in each.")
+    if generator is not None and style is not None:
+        raise click.UsageError("Give either --style or --generator.")
+    if generator is None:
+        refuse_typed("--timeout is for the command of --generator.", "timeout")
+    if shape == "none":
+        refuse_typed("--strength and --model are for another --shape than none.", "strength", "model")
 
 
 @dataclass(frozen=True, eq=False)

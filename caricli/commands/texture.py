@@ -154,6 +154,8 @@ def command(
     settings = PaintSettings(size, flat, seed, hair, head, TextureSettings(keep_light=keep_light))
     if sum(path is not None for path in (mask, parsing, detector)) > 1:
         raise UsageError("--mask, --parsing and --detector all say where the head is: give one of them")
+    if flat and (size or keep_light or hair == "shell"):
+        raise UsageError("--project-uv takes the picture as it is, without --size, --keep-light and --hair shell")
     if retouched:
         if settings != PaintSettings() or mask or parsing or uv != "head" or expressions or network or detector:
             raise UsageError("--retouched takes no other options than --out, --model and --overwrite")

@@ -7,6 +7,8 @@ from functools import cached_property, partial
 from pathlib import Path
 from typing import Any
 
+import click
+
 from caricli.commands.shared.batch import named_jobs
 from caricli.commands.shared.face_outputs import staged_face
 from caricli.commands.shared.picture import write_picture
@@ -57,6 +59,8 @@ class SketchTask:
     def __post_init__(self) -> None:
         """Refuse wrong usage before anything is loaded."""
         self.jobs  # noqa: B018 (raises)
+        if self.network is not None and self.coarse == COARSE[1]:
+            raise click.UsageError(f"--network is for --coarse {COARSE[0]}.")
 
     @cached_property
     def jobs(self) -> list[tuple[Path, Path]]:

@@ -21,6 +21,15 @@ FOLDER = Path(caricli.__file__).parent / "commands"
         ["animate", "rig.glb", "take.csv", "--out", "a.glb", "--view", "profile"],
         ["animate", "rig.glb", "take.csv", "--frames", "d", "--size", "64"],
         ["retarget", "b.npz", "smile.obj", "--out", "a.obj", "--fps", "30"],
+        ["stylise", "p.png", "--out", "a.png", "--shape", "none", "--strength", "2"],
+        ["stylise", "p.png", "--out", "a.png", "--shape", "none", "--model", "pca"],
+        ["stylise", "p.png", "--out", "a.png", "--timeout", "3"],
+        ["studio", "--replay", "s.json", "--out", "a.obj", "--port", "0"],
+        ["reconstruct-from-sketch", "s.json", "--out", "a.obj", "--coarse", "model", "--network", "n.safetensors"],
+        *(
+            ["texture", "f.npz", "p.png", "--out", "d", "--project-uv", *more]
+            for more in (["--size", "512"], ["--keep-light"], ["--hair", "shell"])
+        ),
         ["render", "face.npz", "-o", "a.png", "--views", "above"],
         ["render", "face.npz", "-o", "a.png", "--size", "4096", "--views", "turntable", "--frames", "360"],
         ["render", "a.npz", "b.npz", "-o", "a.png", "--image", "c.png"],
