@@ -9,7 +9,14 @@ import click
 import numpy as np
 
 from caricli.commands.shared.batch import named_jobs, run_batch
-from caricli.commands.shared.options import PATH, FiniteRange, out_folder_option, out_option, overwrite_option
+from caricli.commands.shared.options import (
+    PATH,
+    FiniteRange,
+    detector_option,
+    out_folder_option,
+    out_option,
+    overwrite_option,
+)
 from caricli.errors import InputError, shown
 from caricli.io.image import read_image, write_png
 from caricli.io.landmarks import write_landmarks
@@ -25,9 +32,7 @@ from caricli.methods.detect.settings import DetectSettings
 @out_option("MARKS.json", "Write the landmarks of one picture here, and the rest beside it.", required=False)
 @out_folder_option("Write landmarks, regions and overlays into this folder, under the names of the pictures.")
 @click.option("--all", "everyone", is_flag=True, help="Write the landmarks of all faces, not of one alone.")
-@click.option(
-    "--detector", type=PATH, metavar="FILE", help="Use this detector of `caricli train detector`.  [default: caricli's]"
-)
+@detector_option
 @click.option(
     "--score", type=FiniteRange(0, 1), default=DetectSettings().sure, help="Take for faces what is as sure as this."
 )

@@ -5,7 +5,14 @@ import numpy as np
 
 from caricli.commands.shared.head_options import mesh_head_options
 from caricli.commands.shared.notes import echo_result
-from caricli.commands.shared.options import PATH, WholeRange, model_option, overwrite_option, subdivide_option
+from caricli.commands.shared.options import (
+    PATH,
+    WholeRange,
+    model_option,
+    out_folder_option,
+    overwrite_option,
+    subdivide_option,
+)
 from caricli.io.image import write_png
 from caricli.io.outputs import staged
 from caricli.io.provenance import provenance
@@ -19,9 +26,7 @@ SIZE = 256
 @click.argument("first", type=PATH, metavar="A")
 @click.argument("second", type=PATH, metavar="B")
 @click.option("--steps", type=WholeRange(2, 1000), default=7, metavar="N", help="Make N faces, A and B among them.")
-@click.option(
-    "--out-dir", type=PATH, required=True, metavar="DIR", help="Write the faces and their strip into this folder."
-)
+@out_folder_option("Write the faces and their strip into this folder.", required=True)
 @model_option
 @mesh_head_options
 @subdivide_option

@@ -8,10 +8,10 @@ import numpy as np
 from caricli.commands.shared.head_options import mesh_head_options
 from caricli.commands.shared.notes import echo_result
 from caricli.commands.shared.options import (
-    PATH,
     FiniteRange,
     WholeRange,
     model_option,
+    out_folder_option,
     overwrite_option,
     seed_option,
     subdivide_option,
@@ -26,9 +26,7 @@ SIZE = 200
 
 
 @click.command()
-@click.option(
-    "--out-dir", type=PATH, required=True, metavar="DIR", help="Write the faces and their sheet into this folder."
-)
+@out_folder_option("Write the faces and their sheet into this folder.", required=True)
 @click.option("--count", type=WholeRange(1, 10_000), default=20, metavar="N", help="Draw N random faces.")
 @click.option(
     "--spread",

@@ -8,7 +8,6 @@ import click
 
 from caricli.commands.shared.notes import echo_result
 from caricli.commands.shared.options import config_option, data_option, out_option, overwrite_option, set_option
-from caricli.errors import UsageError
 from caricli.io.config import read_config
 from caricli.io.outputs import staged
 from caricli.io.provenance import provenance
@@ -21,7 +20,11 @@ def linear_command(function: Callable) -> click.Command:
         overwrite_option,
         set_option,
         config_option,
-        out_option("MODEL", "Write the model here, as .safetensors; a JSON of the same name goes beside it."),
+        out_option(
+            "MODEL",
+            "Write the model here, as .safetensors; a JSON of the same name goes beside it.",
+            suffix=".safetensors",
+        ),
         data_option,
     ):
         function = option(function)
@@ -41,8 +44,6 @@ def train_and_write(
     from caricli.models.kinds import config_class
     from caricli.store.datasets import dataset_files
 
-    if out.suffix != ".safetensors":
-        raise UsageError(f"{out}: expected a name that ends in .safetensors")
     settings = read_config(config, config_class(kind), overrides)
     inputs = (dataset, config, *dataset_files(dataset))
     with (
