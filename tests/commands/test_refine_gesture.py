@@ -8,9 +8,9 @@ from caricli.io.image import read_image
 from caricli.io.meshes.obj import read_obj
 from caricli.io.session import write_session
 from caricli.methods.faces.encode_face import decode_face
-from caricli.methods.session.gesture_operations import view_parameters
 from caricli.store.models import DEFAULT_LATENT, load_model
 from caricli.structures import Camera, Face, Mesh, Operation, Session
+from tests.seen_views import view_parameters
 
 CAMERA = Camera(1400.0, np.diag([1.0, -1, -1]), np.array([200.0, 400.0]))
 

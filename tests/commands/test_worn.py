@@ -14,10 +14,10 @@ from caricli.io.meshes.obj import read_obj, write_obj
 from caricli.io.rig import read_rig
 from caricli.io.session import write_session
 from caricli.io.strict_json import write_json
-from caricli.methods.session.gesture_operations import view_parameters
 from caricli.store.models import load_model
 from caricli.store.session_tools import start_of
 from caricli.structures import Camera, Face, Hair, Material, Mesh, Operation, Pictures, Session
+from tests.seen_views import view_parameters
 
 CAMERA = Camera(1400.0, np.diag([1.0, -1, -1]), np.array([200.0, 400.0]))
 SKIN = np.array([40, 160, 60], np.uint8)

@@ -123,11 +123,6 @@ def view_of(parameters: Parameters) -> Camera:
     return Camera(scale, rotation, place[0])
 
 
-def view_parameters(camera: Camera) -> dict:
-    """The JSON value of a Camera, as ``view_of`` takes it."""
-    return {"scale": camera.scale, "rotation": camera.rotation.tolist(), "translation": camera.translation.tolist()}
-
-
 def selection_of(work: Work) -> Selection:
     """The handles and the region of a work."""
     chosen = np.zeros(0, np.int64) if work.region is None else work.region

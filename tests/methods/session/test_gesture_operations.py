@@ -3,13 +3,14 @@ import pytest
 
 from caricli.errors import InputError
 from caricli.methods.gesture.selection import Selection
-from caricli.methods.session.gesture_operations import REDO, UNDO, meaning_of, selection_of, view_of, view_parameters
+from caricli.methods.session.gesture_operations import REDO, UNDO, meaning_of, selection_of, view_of
 from caricli.methods.session.operations import operate
 from caricli.methods.session.play_gestures import play_gestures
 from caricli.methods.session.replay import replay
 from caricli.methods.train.gesture_hand import GestureHandSettings, draw_gesture
 from caricli.structures import Camera, Operation
 from caricli.structures.gesture import GESTURES
+from tests.seen_views import view_parameters
 
 CAMERA = Camera(1600.0, np.diag([1.0, -1, -1]), np.array([210.0, 200.0]))
 VIEW = view_parameters(CAMERA)
