@@ -43,7 +43,7 @@ def command(ctx, faces, out, out_dir, model, overwrite):
     shape_model = load_model(model, DEFAULT_LATENT)
 
     def encode(path, target):
-        paths = [target.with_suffix(".npz"), target.with_suffix(".json"), *picture_files(target.with_suffix(".png"))]
+        paths = [target, target.with_suffix(".json"), *picture_files(target.with_suffix(".png"))]
         with staged(*paths, overwrite=overwrite, inputs=(*faces, model), optional=picture_outputs(target)) as files:
             code = encode_face(load_worn_face(path, shape_model).without_latent(), shape_model)
             write_face(files[0], code)

@@ -48,6 +48,12 @@ def test_the_latent_and_what_is_left_over_bring_the_mesh_back(run, smile, models
     assert picture.shape[0] > 3 * 48 and (picture < 205).any(-1).mean() > 0.2
 
 
+def test_the_file_has_the_name_that_was_typed(run, smile, models, tmp_path):
+    result = run("encode", smile, "--out", tmp_path / "out" / "S.NPZ", "--model", models["pca"], "--no-picture")
+    assert result.exit_code == 0, result.output
+    assert names(tmp_path / "out") == ["S.NPZ", "S.json"] and "S.NPZ: " in result.stdout
+
+
 def test_many_faces_and_a_bad_one(run, smile, foreign, models, tmp_path):
     result = run("encode", smile, foreign, "--out-dir", tmp_path / "out", "--model", models["pca"])
     assert result.exit_code == 1
