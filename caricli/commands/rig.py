@@ -147,11 +147,11 @@ class RigTask:
         with staged(*paths, overwrite=self.overwrite, inputs=inputs) as files:
             glb, npz, json, *others = files
             images = given.pictures if given.pictures and self.texture is None else pictures.load()
-            moods = tuple(Mood(name, read_image(path)) for name, path in self.moods.items())
+            moods = [(path, Mood(name, read_image(path))) for name, path in self.moods.items()]
             with naming(face), progress_bar("expressions"):
                 rest = _rest(given, self.neutral)
                 result = make_rig(rest.mesh, expressions, settings, images, given=given)
-                result = replace(result, rig=replace(result.rig, moods=moods))
+            result = replace(result, rig=_changing(result.rig, moods))
             about = {"subdivide": self.levels, "sparse": self.sparse, "units": "m", "axes": "+y up, +z front"}
             description = provenance("rig", inputs, self.seed, **about)
             do_in_parallel(
@@ -177,6 +177,14 @@ def _rest(given, neutral):
 
     tools = load_neutral_tools(given.mesh) if neutral == "auto" else None
     return find_neutral(given, tools) if tools else NeutralFace(given.mesh, given.mesh)
+
+
+def _changing(rig, moods):
+    """A Rig whose skin changes. moods: pairs of the path of a picture and its Mood. Raises InputError."""
+    for path, mood in moods:
+        with naming(path):
+            rig = replace(rig, moods=(*rig.moods, mood))
+    return rig
 
 
 def _report(json, others, result, rest, given, description):

@@ -30,6 +30,7 @@ from caricli.io.outputs import staged
 from caricli.io.provenance import provenance
 from caricli.io.strict_json import write_json
 from caricli.methods.stylise.settings import SHAPES, STYLES, StyliseSettings
+from caricli.store.pictures import load_marked_picture
 from caricli.structures.detection import FacePicture
 from caricli.structures.landmarks import SCHEMES
 
@@ -178,9 +179,9 @@ class StyliseTask:
 
     def _read(self, source: Path) -> FacePicture:
         """A portrait and the landmarks of its face, given or found."""
-        count = max(SCHEMES) if self.tools is None else len(self.tools.model.template.annotation.landmarks)
         if self.marks is not None:
-            return self.reader.read(self.marks, count, source)
+            return FacePicture(*load_marked_picture(self.marks, source, self.reader.pts_origin))
+        count = max(SCHEMES) if self.tools is None else len(self.tools.model.template.annotation.landmarks)
         pixels = read_image(source)
         with naming(source):
             seen = self.reader.see(pixels)

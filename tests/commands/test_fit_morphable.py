@@ -85,7 +85,8 @@ def test_colours_are_fitted_drawn_and_written(run, refused, fitted, tmp_path):
     assert report["photometric"]["after"] < report["photometric"]["before"]
     # A picture of one colour is a face of about that colour.
     assert np.abs(np.median(face.pictures.skin, (0, 1)) - [200, 150, 120]).max() < 60
-    assert "picture" in refused(COMMAND, marks, "--photometric", "--out", tmp_path / "none.obj")
+    told = refused(COMMAND, marks, "--photometric", "--out", tmp_path / "none.obj")
+    assert f"{marks.name}: expected a picture" in told
 
 
 def test_a_bad_file_does_not_stop_the_others(run, fitted, tmp_path):

@@ -196,7 +196,9 @@ def test_moods_are_pictures_by_name(run, refused, scans, target, tmp_path):
     assert "sad.png" in str(read_json(tmp_path / "rig.json")["inputs"])
     again = ("--overwrite",)
     assert "a picture of the skin beside them" in refused(*given, *sad, *again)
-    assert "the skin's shape" in refused(*worn, "--mood", f"big={tmp_path / 'large.png'}", *again)
+    assert "large.png: moods: expected pictures of the skin's shape" in refused(
+        *worn, "--mood", f"big={tmp_path / 'large.png'}", *again
+    )
     for text in ("sad", "=a.png", "sad="):
         assert "expected NAME=IMAGE" in run(*worn, "--mood", text, *again).stderr
     assert "expected NAME=IMAGE" in run(*worn, *sad, *again).stderr

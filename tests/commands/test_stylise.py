@@ -73,6 +73,8 @@ def test_wrong_usage(refused, portrait, marks, tmp_path):
 
 
 def test_landmarks_of_another_picture_are_refused(refused, portrait, tmp_path):
+    told = refused("stylise", portrait, "--landmarks", portrait, "--shape", "none", "--out", tmp_path / "p.png")
+    assert "photo.png: expected a landmark file, found a PNG image" in told
     write_png(tmp_path / "small.png", np.zeros((40, 40, 3), np.uint8))
     (tmp_path / "marks.txt").write_text("\n".join(f"{300 + k} {300 + k % 9}" for k in range(68)))
     told = refused(

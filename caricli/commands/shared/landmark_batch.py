@@ -12,7 +12,7 @@ import numpy as np
 from caricli.commands.shared.batch import named_jobs
 from caricli.commands.shared.face_outputs import note_source, staged_face
 from caricli.commands.shared.picture import write_picture
-from caricli.errors import UsageError
+from caricli.errors import UsageError, naming
 from caricli.io.image import is_image_file
 from caricli.io.meshes.mesh import MESH_SUFFIXES
 from caricli.io.provenance import provenance
@@ -95,7 +95,8 @@ class FitTask:
         with staged_face(target, self.files.overwrite, inputs, optional=seen_files(path, target)) as files:
             picture = self._read(path, image, labels)
             start = time.perf_counter()
-            fit = self.fit(picture)
+            with naming(path):
+                fit = self.fit(picture)
             seconds = time.perf_counter() - start
             face = fit.face if self.worn is None else fit.face.wearing(self.worn)
             finer = subdivide_face(face, self.model, self.fine)

@@ -79,7 +79,9 @@ def test_a_face_that_the_network_tells(run, refused, trained, points, tmp_path):
     write_landmarks(marks, Landmarks(points[:68], (400, 400)))
     write_png(tmp_path / "face.png", np.random.default_rng(0).integers(0, 256, (400, 400, 3), np.uint8))
     common = ("fit-coarse", marks, "--network", trained / "model.safetensors")
-    assert "found landmarks without one" in refused(*common, "--out", tmp_path / "none.obj")
+    assert "marks.json: expected a picture, found landmarks without one" in refused(
+        *common, "--out", tmp_path / "none.obj"
+    )
     model = load_morphable()
     errors = {}
     for name, options in (("near", ()), ("alone", ("--alone",))):
