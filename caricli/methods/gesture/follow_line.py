@@ -168,7 +168,7 @@ def outline_targets(
     drawn = resample(line, _SAMPLES)
     length = np.linalg.norm(np.diff(drawn, axis=0), axis=1).sum()
     best: tuple[float, np.ndarray, np.ndarray] | None = None
-    for ids, points in _outlines(sight, region):
+    for ids, points in _outlines(sight, region, drawn):
         away = np.linalg.norm(drawn[:, None] - points[None], axis=2)
         cost = float(away.min(1).mean())
         first, last = sorted((int(away[0].argmin()), int(away[-1].argmin())))
@@ -191,8 +191,11 @@ def outline_targets(
     return ids, camera.lift(camera.project(own) + places - points, own)
 
 
-def _outlines(sight: Sight, region: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
-    """Parts of the outline that are seen within a region: vertices (N,) at it, and its points (N, 2)."""
+def _outlines(sight: Sight, region: np.ndarray, drawn: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Parts of the outline that are seen within a region: vertices (N,) at it, and its points (N, 2).
+
+    drawn: (M, 2) pixels of a line.
+    """
     vertices = sight.mesh.vertices
     placed = sight.camera.place(vertices)
     extent = float(np.ptp(placed, axis=0).max())
@@ -202,9 +205,9 @@ def _outlines(sight: Sight, region: np.ndarray) -> list[tuple[np.ndarray, np.nda
         ids = np.where(chain.share < 0.5, chain.ends[:, 0], chain.ends[:, 1])
         shown = region[ids] & _bridged(seen_points(points, placed, sight.mesh.faces, _HIDDEN * extent), points, extent)
         closed = (chain.ends[0] == chain.ends[-1]).all()
-        if closed and not shown.all():
-            # Begin a ring where it is not seen, so that no part is cut.
-            turn = int(np.argmin(shown))
+        if closed:
+            # Begin a ring where it is not seen, or else away from the line, so that no part of it is cut there.
+            turn = int(np.where(shown, cdist(points[:, :2], drawn).min(1), np.inf).argmax())
             shown, ids, points = (np.roll(each[:-1], -turn, axis=0) for each in (shown, ids, points))
         borders = np.flatnonzero(np.diff(np.concatenate([[False], shown, [False]]).astype(int)))
         for start, end in borders.reshape(-1, 2):

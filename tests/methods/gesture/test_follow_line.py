@@ -4,9 +4,12 @@ import pytest
 from caricli.errors import InputError
 from caricli.geometry.lines.line_distances import line_distances
 from caricli.geometry.repair.flipped_triangles import flipped_triangles
-from caricli.methods.gesture.follow_line import follow_line
+from caricli.geometry.subdivide import subdivide
+from caricli.methods.gesture.follow_line import follow_line, outline_targets
 from caricli.methods.gesture.selection import Selection, mark_handles, select_region
+from caricli.methods.gesture.settings import GestureSettings
 from caricli.methods.gesture.sight import SeenStroke
+from caricli.structures import Camera, Face, Mesh
 from tests.methods.gesture.conftest import mark, ring, view
 
 BROW = range(17, 22)
@@ -75,6 +78,18 @@ def test_without_handles_the_outline_goes_to_the_line(face, head_template):
     ids = head_template.annotation.landmarks[28:32]
     before, after = (line_distances(camera.project(each.vertices[ids]), [goal]) for each in (face, changed.face))
     assert after.mean() < 0.4 * before.mean()
+
+
+@pytest.mark.parametrize("degrees", range(0, 360, 45))
+def test_an_outline_that_is_a_whole_ring_is_met_wherever_it_begins(ball, degrees):
+    weights, quads = subdivide(ball[1], len(ball[0]), 2, 10_000)
+    points = weights @ ball[0]
+    face = Face(Mesh(points / np.linalg.norm(points, axis=1, keepdims=True), quads))
+    camera = Camera(100.0, np.diag([1.0, -1, -1]), np.zeros(2))
+    turns = np.radians(degrees + np.linspace(-60, 60, 20))
+    line = 105 * np.stack([np.cos(turns), np.sin(turns)], axis=1)
+    ids, _ = outline_targets(face, camera, line, Selection(), GestureSettings())
+    assert line_distances(camera.project(face.vertices[ids]), [line]).max() < 30
 
 
 def test_what_no_line_can_mean_is_refused(face, head_template, brow):
