@@ -19,6 +19,9 @@ _WIDEST = 64.0
 _LARGEST = 1000.0
 """Pixels of the canvas, the radius of the eraser."""
 
+_FINEST = 2000
+"""Points at most that are put between those of a stroke where it is erased."""
+
 
 def draw(work: Work, parameters: Parameters, tools: Tools) -> Work:
     """A further stroke.
@@ -77,16 +80,28 @@ def rubbed(stroke: Stroke, path: np.ndarray, radius: float) -> list[Stroke]:
 
     path: (N, 2) pixels. radius: pixels.
     """
-    left = line_distances(stroke.points, [path]) > radius
+    fine = _denser(stroke, max(radius, stroke.length / _FINEST))
+    left = line_distances(fine.points, [path]) > radius
     if left.all():
         return [stroke]
     ends = np.flatnonzero(np.diff(np.concatenate([[0], left.astype(int), [0]])))
     pieces = []
     for first, last in zip(ends[::2], ends[1::2], strict=True):
         if last - first > 1:
-            pressure = None if stroke.pressure is None else stroke.pressure[first:last]
-            pieces.append(replace(stroke, points=stroke.points[first:last], pressure=pressure))
+            pressure = None if fine.pressure is None else fine.pressure[first:last]
+            pieces.append(replace(fine, points=fine.points[first:last], pressure=pressure))
     return pieces
+
+
+def _denser(stroke: Stroke, apart: float) -> Stroke:
+    """A stroke with points so many pixels apart, or less, between its own that are farther than twice that."""
+    lengths = np.linalg.norm(np.diff(stroke.points, axis=0), axis=1)
+    counts = np.where(lengths > 2 * apart, np.ceil(lengths / apart), 1).astype(int)
+    at = np.concatenate([*(k + np.arange(count) / count for k, count in enumerate(counts)), [len(counts)]])
+    own = np.arange(len(stroke.points))
+    points = np.stack([np.interp(at, own, column) for column in stroke.points.T], axis=1)
+    pressure = None if stroke.pressure is None else np.interp(at, own, stroke.pressure)
+    return replace(stroke, points=points, pressure=pressure)
 
 
 def _seen(work: Work, sketch: Sketch, tools: Tools) -> Work:

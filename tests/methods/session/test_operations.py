@@ -122,7 +122,18 @@ def test_a_long_way_of_an_eraser_takes_no_memory():
         peak = tracemalloc.get_traced_memory()[1]
     finally:
         tracemalloc.stop()
-    assert np.array_equal(piece.points, line.points[1:3]) and peak < 1e6
+    assert np.array_equal(piece.points[:2], line.points[1:3]) and piece.points[-1, 1] > 0.1 and peak < 1e6
+
+
+def test_an_eraser_cuts_between_points_that_are_far_apart():
+    line = Stroke(np.array([[100.0, 100], [400, 100]]), curve="nose", pressure=np.array([0, 1.0]))
+    path = np.array([[180.0, 90], [180, 310]])
+    left, right = rubbed(line, path, 10)
+    for piece, ends in ((left, (100, 160)), (right, (200, 400))):
+        assert np.abs(piece.points[[0, -1], 0] - ends).max() <= 10 and (piece.points[:, 1] == 100).all()
+        np.testing.assert_allclose(piece.pressure, (piece.points[:, 0] - 100) / 300)
+        assert piece.curve == "nose"
+    assert rubbed(line, path + [300, 0], 10) == [line]
 
 
 @pytest.mark.parametrize(
