@@ -58,9 +58,9 @@ def command(face, script, out, head, levels, overwrite):
         start = load_start(face, tools)
         with naming(script):
             history = play_gestures(start, session.operations, tools)
-        about = _figures(history, start)
+        about = {"model_id": tools.model.model_id, "subdivide": levels} | _figures(history, start)
         draw = partial(refined_sheet, start.face, history.work.face, drawing)
-        description = provenance("refine-gesture", [face, script], model_id=tools.model.model_id, **about)
+        description = provenance("refine-gesture", [face, script], **about)
         write_face_result(files, history.work.face, drawing, description, draw)
     echo_result(f"{out}: {len(about['operations'])} operations, moved at most {1000 * about['moved']:.1f} mm")
 
