@@ -126,7 +126,7 @@ def command(
     seed,
     overwrite,
 ):
-    """Paint a face (NPZ with a camera) with the picture that it was fitted to.
+    """Paint a face (NPZ with a camera) with the picture that it was fitted to, before it is edited: edits keep paint.
 
     What the picture does not show comes from the other side of the face, and else has the colour of its skin, of what
     is seen of ears and neck, and of the hair; background, glasses, hats and hands never enter. The light of the picture
