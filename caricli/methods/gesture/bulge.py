@@ -34,7 +34,7 @@ def bulge(
 
     face: Face. template: Template of its topology. selection: Selection with a region, or handles. level: 1 to 3
     raises, -1 to -3 presses in. symmetric: the same on the other side.
-    Returns Changed. Raises InputError for another level, and where nothing is selected.
+    Returns Changed. Raises InputError for another level, and where nothing is selected, or no skin.
     """
     if not 1 <= abs(level) <= LEVELS:
         raise InputError(f"expected a level from 1 to {LEVELS}, or from -{LEVELS} to -1, found {level}")
@@ -44,6 +44,8 @@ def bulge(
         ids = around_handles(face, selection.handles, template.height, settings)
         selection = Selection(selection.handles, ids, np.setdiff1d(ids, _hidden(template)))
     radius = _Patch(face, selection).radius
+    if radius == 0:
+        raise InputError("expected skin to bulge, found only what is hidden behind it")
     if symmetric:
         selection = selection.with_other(selection.mirrored(template))
     patch = _Patch(face, selection, radius)

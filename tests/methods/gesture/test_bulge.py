@@ -8,6 +8,7 @@ from caricli.geometry.alignment.rotation_vectors import rotation_matrices
 from caricli.geometry.repair.flipped_triangles import flipped_triangles
 from caricli.methods.gesture.bulge import bulge
 from caricli.methods.gesture.selection import Selection, mark_handles, select_region
+from caricli.methods.gesture.settings import GestureSettings
 from caricli.render.smooth_normals import smooth_normals
 from tests.methods.gesture.conftest import mark, ring, view
 
@@ -96,3 +97,6 @@ def test_what_cannot_bulge_is_refused(face, head_template, nose):
         bulge(face, head_template, nose, 0)
     with pytest.raises(InputError, match="found neither"):
         bulge(face, head_template, Selection(), 1)
+    hidden = Selection(head_template.annotation.regions["inner_mouth"][:1])
+    with pytest.raises(InputError, match="expected skin to bulge, found only what is hidden"):
+        bulge(face, head_template, hidden, 1, settings=GestureSettings(reach=1e-6))
