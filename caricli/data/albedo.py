@@ -11,6 +11,7 @@ from caricli.data.appearance import Appearance, random_appearance
 from caricli.geometry.smooth_step import smooth_step
 from caricli.geometry.triangle_normals import triangle_normals
 from caricli.geometry.vertex_neighbours import vertex_neighbours
+from caricli.render.pixels.levels import to_bytes
 from caricli.render.pixels.paint import mix
 from caricli.render.pixels.srgb import to_srgb
 from caricli.structures.landmarks import (
@@ -271,8 +272,3 @@ def _signed(points: np.ndarray, outline: np.ndarray) -> np.ndarray:
     """Distance (P,) of points (P, 2) to a closed outline (L, 2), negative inside."""
     distance = _along(points, np.concatenate([outline, outline[:1]]))[0]
     return np.where(points_in_poly(points, outline), -distance, distance)
-
-
-def to_bytes(colour: np.ndarray) -> np.ndarray:
-    """Colours from 0 to 1 as uint8."""
-    return np.round(255 * np.clip(colour, 0, 1)).astype(np.uint8)

@@ -3,10 +3,11 @@
 import numpy as np
 import scipy.sparse as sp
 
-from caricli.data.albedo import AlbedoPainter, to_bytes
+from caricli.data.albedo import AlbedoPainter
 from caricli.data.appearance import Appearance, random_appearance
 from caricli.errors import InputError
 from caricli.geometry.triangle_normals import triangle_normals
+from caricli.render.pixels.levels import to_bytes
 from caricli.render.visibility.uv_map import pad_texture, uv_map
 from caricli.template.template import Template
 

@@ -23,6 +23,7 @@ from caricli.methods.texture.picture_view import Sight
 from caricli.methods.texture.settings import TextureSettings
 from caricli.methods.texture.texels import Texels
 from caricli.methods.texture.texture_face import FaceTexture, texture_face
+from caricli.render.pixels.levels import to_bytes
 from caricli.render.pixels.srgb import to_srgb
 from caricli.render.pixels.widen_mask import widen_mask
 from caricli.seeds import TextureSeed
@@ -168,9 +169,7 @@ class TextureSource:
         like: FaceTexture | None = None
         for sitter in sitters:
             drawing = self._drawing(sitter, studio)
-            image = np.round(255 * np.clip(to_srgb(np.clip(studio.gain * drawing.colours, 0, 1)), 0, 1)).astype(
-                np.uint8
-            )
+            image = to_bytes(to_srgb(studio.gain * drawing.colours))
             face = Face(sitter.skin, camera=studio.camera, landmarks=drawing.points)
             sight = self._sight(studio.camera, image, drawing.region)
             texture = texture_face(sitter.skin, sight, self.texels, self.settings.texture, like=like)

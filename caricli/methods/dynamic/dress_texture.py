@@ -5,6 +5,7 @@ import numpy as np
 
 from caricli.errors import InputError
 from caricli.methods.dynamic.chart_pictures import ChartGrid, chart_to_texture
+from caricli.render.pixels.levels import to_bytes
 from caricli.structures import Mesh
 from caricli.structures.texture_change import TextureChange
 
@@ -42,7 +43,7 @@ class ChangedTexture:
         gain, offset = self.spread(change)
         colours = self.colours + gain * self.colours + offset
         painted = self.picture.copy()
-        painted[self.window] = np.rint(255 * np.clip(colours, 0, 1)).astype(np.uint8)
+        painted[self.window] = to_bytes(colours)
         return painted
 
     def spread(self, change: TextureChange) -> tuple[np.ndarray, np.ndarray]:

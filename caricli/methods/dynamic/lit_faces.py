@@ -4,11 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from caricli.data.albedo import to_bytes
 from caricli.data.appearance import Appearance
 from caricli.data.texture_painter import TexturePainter
 from caricli.methods.pictures.light import Sky
 from caricli.methods.texture.estimate_light import harmonics
+from caricli.render.pixels.levels import to_bytes
 from caricli.render.pixels.srgb import to_linear, to_srgb
 from caricli.render.sky import DIRECTIONS
 from caricli.render.smooth_normals import smooth_normals

@@ -8,11 +8,12 @@ import cv2
 import numpy as np
 
 from caricli.methods.pictures.media import MEDIA
-from caricli.methods.stylise.canvas import Canvas, to_bytes, to_floats
+from caricli.methods.stylise.canvas import Canvas
 from caricli.methods.stylise.draw_ink import InkSettings, draw_ink
 from caricli.methods.stylise.draw_pencil import PencilSettings, draw_pencil
 from caricli.methods.stylise.paint_oil import OilSettings, paint_oil
 from caricli.methods.stylise.paint_picture import PAINTERS
+from caricli.render.pixels.levels import to_bytes, to_floats
 
 NEAR_PAINTERS: dict[str, Callable[[Canvas], np.ndarray]] = PAINTERS | {
     "oil": partial(paint_oil, settings=OilSettings(brushes=(2.0, 1.0, 0.5, 0.3), steps=4)),

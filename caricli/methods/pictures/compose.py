@@ -14,6 +14,7 @@ from caricli.methods.pictures.media import MEDIA
 from caricli.methods.pictures.pose import random_pose
 from caricli.methods.pictures.settings import PoseSettings, SceneSettings
 from caricli.methods.pictures.sitter import Sitter
+from caricli.render.pixels.levels import to_bytes
 from caricli.render.pixels.srgb import to_srgb
 from caricli.render.sky import DIRECTIONS
 from caricli.structures.parsing import Region
@@ -94,7 +95,7 @@ class Easel:
         exposed = cv2.resize(bright, sides, interpolation=cv2.INTER_AREA)
         labels = cv2.resize(region, sides, interpolation=cv2.INTER_NEAREST)
         drawn = MEDIA[medium][0](exposed, labels, generator)
-        return np.round(255 * np.clip(drawn, 0, 1)).astype(np.uint8), labels
+        return to_bytes(drawn), labels
 
     def _people(
         self, sitters: Sequence[Sitter], first: int, sky: Sky, generator: np.random.Generator

@@ -6,6 +6,7 @@ import cv2
 import numpy as np
 
 from caricli.methods.pictures.background import blob_noise
+from caricli.render.pixels.levels import saturated, to_bytes, to_floats
 
 
 def photograph(image: np.ndarray, region: np.ndarray, generator: np.random.Generator) -> np.ndarray:
@@ -24,19 +25,19 @@ def photograph(image: np.ndarray, region: np.ndarray, generator: np.random.Gener
 def painted(image: np.ndarray, region: np.ndarray, generator: np.random.Generator) -> np.ndarray:
     """Paint: colours run together in strokes, on canvas or paper."""
     size = len(image)
-    levels = _bytes(image)
+    levels = to_bytes(image)
     if generator.random() < 0.5:
         levels = cv2.pyrMeanShiftFiltering(levels, size / 60, generator.uniform(12, 32), maxLevel=1)
     else:
         side = 2 * int(generator.integers(1, max(2, size // 90) + 1)) + 1
         levels = cv2.medianBlur(levels, side)
         levels = cv2.bilateralFilter(levels, 5, 40, 4)
-    image = levels.astype(np.float32) / 255
+    image = to_floats(levels)
     wobble = generator.uniform(0.2, 1.6)
     image = _displaced(image, wobble * size / 256, 0.03, generator)
     strokes = blob_noise(size, 0.02, generator)[..., None] * generator.uniform(0, 0.05)
     weave = generator.normal(0, generator.uniform(0, 0.03), (size, size, 1))
-    return _saturated(image + strokes + weave, generator.uniform(0.9, 1.7))
+    return saturated(image + strokes + weave, generator.uniform(0.9, 1.7))
 
 
 def inked(image: np.ndarray, region: np.ndarray, generator: np.random.Generator) -> np.ndarray:
@@ -82,13 +83,13 @@ def pencil(image: np.ndarray, region: np.ndarray, generator: np.random.Generator
     drawn = drawn + (1 - drawn) * generator.normal(0, generator.uniform(0.02, 0.25), (size, size))
     drawn = np.clip(drawn, 0, 1)[..., None]
     paper = generator.uniform(0.85, 1.0) * (1 + generator.normal(0, 0.03, 3))
-    colour = _saturated(image, 0.8) ** 0.6 if generator.random() < 0.4 else np.ones(3)
+    colour = saturated(image, 0.8) ** 0.6 if generator.random() < 0.4 else np.ones(3)
     return paper * drawn * colour
 
 
 def flat(image: np.ndarray, region: np.ndarray, generator: np.random.Generator) -> np.ndarray:
     """Flat colours, as in a cartoon, with a line around them or without."""
-    image = _saturated(_posterised(image, int(generator.integers(3, 7)), generator), generator.uniform(1, 1.8))
+    image = saturated(_posterised(image, int(generator.integers(3, 7)), generator), generator.uniform(1, 1.8))
     if generator.random() < 0.6:
         lines = _lines(image, region, generator)[..., None]
         image = image * (1 - generator.uniform(0.6, 1.0) * (1 - lines))
@@ -125,18 +126,9 @@ MEDIA: dict[str, tuple[Callable[[np.ndarray, np.ndarray, np.random.Generator], n
 """What pictures are made with, and how often. Functions of sRGB (S, S, 3) from 0 to 1 and Regions (S, S)."""
 
 
-def _bytes(image: np.ndarray) -> np.ndarray:
-    return np.round(255 * np.clip(image, 0, 1)).astype(np.uint8)
-
-
 def _step(value: np.ndarray, width: float) -> np.ndarray:
     """0 below zero and 1 above, over a width."""
     return np.clip(value / width + 0.5, 0, 1)
-
-
-def _saturated(image: np.ndarray, amount: float) -> np.ndarray:
-    grey = image.mean(2, keepdims=True)
-    return np.clip(grey + amount * (image - grey), 0, 1)
 
 
 def _displaced(image: np.ndarray, pixels: float, scale: float, generator: np.random.Generator) -> np.ndarray:

@@ -59,22 +59,6 @@ class Canvas:
         return cv2.resize(coarse, size, interpolation=cv2.INTER_CUBIC)[:height, :width]
 
 
-def to_bytes(image: np.ndarray) -> np.ndarray:
-    """Values from 0 to 1 as uint8."""
-    return np.round(255 * np.clip(image, 0, 1)).astype(np.uint8)
-
-
-def to_floats(levels: np.ndarray) -> np.ndarray:
-    """The reverse of ``to_bytes``."""
-    return levels.astype(np.float32) / 255
-
-
-def saturated(image: np.ndarray, amount: float) -> np.ndarray:
-    """Colours (H, W, 3) farther from grey: 1 leaves them."""
-    grey = image.mean(2, keepdims=True)
-    return np.clip(grey + amount * (image - grey), 0, 1)
-
-
 def step(values: np.ndarray, width: float) -> np.ndarray:
     """0 below zero and 1 above, rising smoothly over a width."""
     return smooth_step(values, -width / 2, width / 2)

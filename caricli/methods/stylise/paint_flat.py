@@ -5,8 +5,9 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from caricli.methods.stylise.canvas import Canvas, saturated, step, to_bytes, to_floats
+from caricli.methods.stylise.canvas import Canvas, step
 from caricli.methods.stylise.flow import flow, lines
+from caricli.render.pixels.levels import saturated, to_bytes, to_floats
 
 _INK = np.array([0.12, 0.08, 0.1], np.float32)
 

@@ -6,8 +6,9 @@ import cv2
 import numpy as np
 from scipy.special import ndtr
 
-from caricli.methods.stylise.canvas import Canvas, saturated, to_bytes, to_floats
+from caricli.methods.stylise.canvas import Canvas
 from caricli.methods.stylise.flow import flow, smeared
+from caricli.render.pixels.levels import saturated, to_bytes, to_floats
 
 _SHIFT = 4  # binary digits of a pixel's parts, for OpenCV's lines
 _THICK = 128  # of 255: the ground's paint

@@ -6,12 +6,13 @@ import cv2
 import numpy as np
 
 from caricli.errors import InputError
-from caricli.methods.stylise.canvas import Canvas, to_bytes, to_floats
+from caricli.methods.stylise.canvas import Canvas
 from caricli.methods.stylise.draw_ink import draw_ink
 from caricli.methods.stylise.draw_pencil import draw_pencil
 from caricli.methods.stylise.paint_flat import paint_flat
 from caricli.methods.stylise.paint_oil import paint_oil
 from caricli.methods.stylise.paint_watercolour import paint_watercolour
+from caricli.render.pixels.levels import to_bytes, to_floats
 from caricli.structures import Landmarks
 
 LARGEST = 6.0

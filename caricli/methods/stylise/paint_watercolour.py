@@ -5,8 +5,9 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from caricli.methods.stylise.canvas import Canvas, saturated, to_bytes, to_floats
+from caricli.methods.stylise.canvas import Canvas
 from caricli.methods.stylise.flow import flow, lines
+from caricli.render.pixels.levels import saturated, to_bytes, to_floats
 
 _LIGHT = 0.72
 _DEPTH = 0.12
