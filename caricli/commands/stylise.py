@@ -132,6 +132,8 @@ def _check_usage(portraits, style, shape, landmarks, generator):
         raise click.UsageError("--landmarks are of one PORTRAIT; without them they are found in each.")
     if generator is not None and style is not None:
         raise click.UsageError("Give either --style or --generator.")
+    if landmarks is not None:
+        refuse_typed("--detector finds landmarks, and --landmarks gives them: give one of them.", "detector")
     if generator is None:
         refuse_typed("--timeout is for the command of --generator.", "timeout")
     if shape == "none":

@@ -24,6 +24,7 @@ FOLDER = Path(caricli.__file__).parent / "commands"
         ["stylise", "p.png", "--out", "a.png", "--shape", "none", "--strength", "2"],
         ["stylise", "p.png", "--out", "a.png", "--shape", "none", "--model", "pca"],
         ["stylise", "p.png", "--out", "a.png", "--timeout", "3"],
+        ["stylise", "p.png", "--out", "a.png", "--landmarks", "m.json", "--detector", "d.safetensors"],
         ["studio", "--replay", "s.json", "--out", "a.obj", "--port", "0"],
         ["reconstruct-from-sketch", "s.json", "--out", "a.obj", "--coarse", "model", "--network", "n.safetensors"],
         *(
