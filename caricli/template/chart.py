@@ -58,7 +58,7 @@ def face_chart(template: Template, settings: ChartSettings = ChartSettings()) ->
     usual = _usual_head()
     if template.topology_id == usual.topology_id:
         template = template.with_vertices(usual.vertices)
-    regions = np.stack([template.mask("face"), template.mask(*CAVITIES, *NOSTRILS)])
+    regions = np.stack([template.mask("face"), template.mask(*CAVITIES, *NOSTRILS), template.mask(*EARS)])
     mirror = np.zeros(0, int) if note.mirror is None else note.mirror
     given = (template.vertices, template.faces, regions, note.landmarks, mirror, repr(settings))
     arrays = kept_arrays("chart", given, partial(_laid_out, template, settings))
@@ -99,7 +99,7 @@ def _face_triangles(template: Template, before: float) -> np.ndarray:
     """(S,) triangles of the face in one piece, that around the tip of the nose. before: of ChartSettings.ears."""
     within = template.mask("face") & ~template.mask(*CAVITIES, *NOSTRILS)
     ears = template.mask(*EARS)
-    if ears.any():
+    if within.any() and ears.any():
         away, _ = KDTree(template.vertices[ears]).query(template.vertices)
         within &= away > before * np.ptp(template.vertices[within, 0])
     triangles = np.flatnonzero(within[template.faces].all(1))

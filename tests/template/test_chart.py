@@ -73,6 +73,11 @@ def test_the_shape_of_the_open_head_does_not_matter(chart, head_template):
     np.testing.assert_array_equal(other.uvs, chart.uvs)
 
 
+def test_a_chart_that_was_kept_is_not_taken_for_that_of_other_ears(chart, head_template):
+    regions = {name: ids for name, ids in head_template.annotation.regions.items() if not name.startswith("ear")}
+    assert len(face_chart(annotated(head_template, regions=regions)).vertices) > len(chart.vertices)
+
+
 def test_a_head_in_another_order_without_a_mirror(chart, head_template):
     order = np.random.default_rng(3).permutation(len(head_template.vertices))
     place = np.argsort(order)
@@ -108,6 +113,7 @@ def test_a_face_without_an_opening_has_no_membrane(ball):
     [
         ({}, "needs 'regions.face', its vertices"),
         ({"face": [0, 1, 2]}, "around the tip of the nose"),
+        ({"face": [0, 1, 2], "inner_mouth": [0, 1, 2], "ear_left": [3]}, "around the tip of the nose"),
     ],
 )
 def test_an_annotation_without_a_face(head_template, regions, problem):
