@@ -70,8 +70,9 @@ def parse_annotation(value: Any, vertex_count: int, where: str) -> Annotation:
     """Check an annotation's JSON value against a mesh.
 
     value: dict of the form of ``assets/head_annotation.json``; only ``ibug68`` is required. ``extra13``, ``jaw_paths``
-    (17 lists of vertex ids, back to front), ``curves``, ``regions``, ``mirror``, ``eyeballs`` and ``parts`` (objects
-    with ``file`` and ``hangs_on`` by name) may be absent.
+    (17 lists of vertex ids, back to front), ``curves``, ``closed_curves`` (names of those that end where they begin),
+    ``regions``, ``mirror``, ``eyeballs`` and ``parts`` (objects with ``file`` and ``hangs_on`` by name) may be absent;
+    a curve or region without vertices is as good as absent.
     vertex_count: V. where: the file's name, for messages.
     Returns Annotation. Raises InputError.
     """
@@ -93,7 +94,8 @@ def _annotation(value: dict, vertex_count: int) -> Annotation:
         return array.astype(np.int64)
 
     def table(key: str) -> dict[str, np.ndarray]:
-        return {name: ids(f"{key}.{name}", item) for name, item in take(value, key, dict, {}).items()}
+        named = {name: ids(f"{key}.{name}", item) for name, item in take(value, key, dict, {}).items()}
+        return {name: array for name, array in named.items() if len(array)}
 
     landmarks = ids("ibug68", value.get("ibug68"), COUNT)
     if "extra13" in value:
@@ -108,6 +110,7 @@ def _annotation(value: dict, vertex_count: int) -> Annotation:
         with naming(f"parts.{name}"):
             holds[name] = _hold(part, regions)
     eyeballs = take(value, "eyeballs", dict, {})
+    take(value, "closed_curves", list, [])
     return Annotation(landmarks, jaw_paths, table("curves"), regions, mirror, eyeballs, value, holds)
 
 
@@ -117,7 +120,7 @@ def _hold(part: Any, regions: dict[str, np.ndarray]) -> Hold:
     if not isinstance(hold, str) or hold not in HELD_BY:
         raise InputError(f"hangs_on: expected {' or '.join(HELD_BY)}, found {found_value(hold)}")
     take(part, "file", str)
-    if not any(len(regions.get(region, ())) for region in HELD_BY[hold]):
+    if not any(region in regions for region in HELD_BY[hold]):
         expected = " or ".join(f"'regions.{region}'" for region in HELD_BY[hold])
         raise InputError(f"expected {expected}, the vertices that it hangs on, found none")
     return hold

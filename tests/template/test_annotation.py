@@ -34,9 +34,14 @@ def test_everything_is_read_as_arrays():
     assert annotation.has_extra
     assert [path.tolist() for path in annotation.jaw_paths] == good()["jaw_paths"]
     assert annotation.curves["brow"].tolist() == [5, 6, 7]
-    assert annotation.regions["face"].dtype.kind == "i" and len(annotation.regions["nothing"]) == 0
+    assert annotation.regions["face"].dtype.kind == "i"
     assert annotation.mirror[:4].tolist() == [1, 0, 3, 2]
     assert annotation.source == good()
+
+
+def test_a_name_without_vertices_is_as_good_as_none():
+    annotation = parse_annotation(good(curves={"lid": [], "brow": [5, 6]}), COUNT, "a.json")
+    assert list(annotation.curves) == ["brow"] and list(annotation.regions) == ["face"]
 
 
 def test_only_the_68_landmarks_are_required():
@@ -113,6 +118,7 @@ def test_what_is_no_list_of_vertex_ids_is_refused(ids):
         ({"curves": [1, 2]}, "curves: expected dict, found list"),
         ({"regions": None}, "regions: expected dict, found NoneType"),
         ({"eyeballs": [1]}, "eyeballs: expected dict, found list"),
+        ({"closed_curves": None}, "closed_curves: expected list, found NoneType"),
     ],
     ids=str,
 )

@@ -118,8 +118,10 @@ class _Expressions:
         return shut / max(jaw, _OPEN), resting / max(jaw, _OPEN)
 
     def _polylines(self, upper: str, lower: str) -> tuple[np.ndarray, np.ndarray] | None:
-        """Vertex ids of two curves, or None where the mesh does not know both."""
-        return (self.curves[upper], self.curves[lower]) if {upper, lower} <= set(self.curves) else None
+        """Vertex ids of two curves, or None where the mesh does not know both, or one is no more than its corners."""
+        none = np.zeros(0, int)
+        lines = self.curves.get(upper, none), self.curves.get(lower, none)
+        return lines if min(map(len, lines)) > 2 else None
 
     def depth(self, eyeballs: Sequence[Eyeball]) -> float | None:
         annotation = self.templates.annotation

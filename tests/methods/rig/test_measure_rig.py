@@ -86,6 +86,14 @@ def test_gaps_are_shares_of_what_was_open(neutral, templates):
     assert measures.inside is None
 
 
+@pytest.mark.parametrize("lid", ["upper", "lower"])
+def test_lids_of_which_only_the_corners_are_told_have_no_gap(neutral, templates, annotation, lid):
+    few = annotation.curves | {f"eye_{lid}_left": row(4)[:2], f"mouth_inner_{lid}": row(4)[:1]}
+    mesh = replace(templates.mesh, annotation=replace(annotation, curves=few))
+    measures = measure_rig(neutral, templates.deltas, replace(templates, mesh=mesh))
+    assert measures.lid_gap == {} and measures.lip_gap is None
+
+
 def test_lips_at_any_depth_are_closed_seen_from_the_front(neutral, templates):
     deltas = lowered(neutral, 0, -1, 5, 0)
     deltas[2, row(UPPER), 2] = 3
