@@ -49,13 +49,14 @@ def feature_curves(annotation: Annotation) -> tuple[FeatureCurve, ...]:
     """
     bundled = bundled_annotation()
     note = bundled if _same_head(annotation, bundled) else annotation
-    closed = note.source.get("closed_curves", ())
+    closed = note.source.get("closed_curves", [])
     curves = []
     for name, ids in sorted(note.curves.items(), key=lambda item: item[0] != SILHOUETTE):
         if len(ids) > 1:
             vertices = np.append(ids, ids[0]) if name in closed and ids[0] != ids[-1] else ids
-            marks = np.flatnonzero(np.isin(ids, note.landmarks[:COUNT]))
-            if ids[0] == vertices[-1]:
+            around = vertices[0] == vertices[-1]
+            marks = np.flatnonzero(np.isin(vertices[: len(vertices) - around], note.landmarks[:COUNT]))
+            if around:
                 marks = _around(marks, len(vertices) - 1)
             curves.append(FeatureCurve(name, CURVES.get(name, StrokeKind.FEATURE), vertices, marks))
     return tuple(curves)

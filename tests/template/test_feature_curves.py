@@ -50,6 +50,12 @@ def test_another_head_has_the_curves_that_it_names():
     assert curves[0].vertices.tolist() == [3, 4, 5, 3]
 
 
+def test_the_landmark_where_a_closed_curve_begins_and_ends_stands_on_it_once():
+    value = {"ibug68": [*range(68)], "curves": {"silhouette": [3, 70, 4, 71, 72, 5, 3]}}
+    (curve,) = feature_curves(parse_annotation(value, 80, "a.json"))
+    assert curve.closed and curve.marks.tolist() == [5, 0, 2]
+
+
 def test_landmarks_stand_on_the_curves_in_their_order():
     note = bundled_annotation()
     curves = {curve.name: curve for curve in feature_curves(note)}
