@@ -34,11 +34,11 @@ _SMOOTH = 0.05  # of the way around: the middle of the foot has no spots
 @lru_cache(maxsize=4)
 def neck_edge(template: Template) -> np.ndarray:
     """(L,) vertices around the open neck, from the middle of the nape in the order of the triangles beside it; none
-    where there is no such edge."""
-    edge = np.asarray(igl.boundary_loop(np.asarray(template.faces, np.int64)), np.int64).ravel()
-    if len(edge) < 3 or not template.mask("neck")[edge].all():
-        return edge[:0]
-    return np.roll(edge, -int(np.argmin(template.vertices[edge, 2])))
+    where there is no such edge. Of several within the neck the longest is meant."""
+    neck = template.mask("neck")
+    edges = [np.asarray(edge) for edge in igl.boundary_loop_all(np.asarray(template.faces, np.int64))]
+    edge = max((edge for edge in edges if neck[edge].all()), key=len, default=np.zeros(0, np.int64))
+    return np.roll(edge, -int(np.argmin(template.vertices[edge, 2]))) if len(edge) else edge
 
 
 def close_neck(

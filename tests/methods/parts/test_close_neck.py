@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -89,6 +91,12 @@ def test_the_shade_of_hair_ends_at_the_edge(head_template):
     dark, light = np.full((2, 64, 64, 3), [[[[40]]], [[[200]]]], np.uint8)
     picture = neck_picture(head_template, dark, light)
     assert (picture[0] == 40).all() and (picture[HEIGHT // 3 :] == 200).all()
+
+
+def test_a_neck_is_closed_beside_a_larger_hole(head_template):
+    scalp = head_template.mask("scalp")[head_template.polygons].any(1)
+    bald = replace(head_template, polygons=head_template.polygons[~scalp], uvs=None, uv_polygons=None)
+    np.testing.assert_array_equal(neck_edge(bald), neck_edge(head_template))
 
 
 def test_a_neck_without_a_name_stays_as_it_is(head_template, face):
