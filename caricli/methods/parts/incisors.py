@@ -59,8 +59,11 @@ class Incisors:
         across, _, depth = np.asarray(part.mesh.vertices, float).T
         ends = across[self.teeth].min(), across[self.teeth].max()
         self.aside = np.abs(across - np.mean(ends)) / np.ptp(ends)
-        middle = self.teeth[self.aside[self.teeth] < _MIDDLE]
-        self.front = middle[depth[middle] > np.median(depth[middle])]
+        aside = self.aside[self.teeth]
+        # Fangs leave a gap in the middle; those beside it count.
+        middle = self.teeth[aside < max(_MIDDLE, 2 * aside.min())]
+        front = middle[depth[middle] > np.median(depth[middle])]
+        self.front = front if len(front) else middle
 
     def edge(self, shape: np.ndarray, up: np.ndarray) -> float:
         """Where the teeth of a part (W, 3) end, metres along the way up (3,), of unit length."""

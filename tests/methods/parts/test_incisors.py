@@ -5,7 +5,7 @@ import pytest
 
 from caricli.methods.parts.attachment import open_head_attachment
 from caricli.methods.parts.incisors import BEHIND, CROWN, LAUGHED, LOWER, SHOWN, incisors_of
-from caricli.structures import Material
+from caricli.structures import Material, Mesh, Part
 
 NONE = np.zeros((0, 4200, 3))
 
@@ -145,6 +145,19 @@ def test_teeth_between_lips_that_meet_stay_finite(head_template):
     shut[incisors.lips[1]] = shut[incisors.lips[0]]
     teeth = incisors.as_pictured(shut, shape, np.array([0.0, 1, 0]), 0.02, head_template.height)
     assert np.isfinite(teeth).all() and np.abs(teeth - shape).max() < 0.06
+
+
+@pytest.mark.parametrize("across", [(0.0,), (-0.012, 0.012)], ids=["one tooth", "fangs"])
+@pytest.mark.parametrize("depth", [0.004, 0.0])
+def test_teeth_of_few_vertices_end_where_the_lowest_of_them_are(head_template, across, depth):
+    box = np.stack(np.meshgrid([-0.004, 0.004], [0.0, 0.01], [0.0, depth], indexing="ij"), -1).reshape(-1, 3)
+    quads = np.array([[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6]])
+    vertices = np.concatenate([box + [x, 0.075, 0.12] for x in across])
+    mesh = Mesh(vertices, np.concatenate([quads + 8 * k for k in range(len(across))]))
+    materials = np.full(len(mesh.polygons), Material.TEETH, np.int32)
+    fangs = Part("teeth_upper", mesh, materials, "skull", (), np.zeros((0, len(vertices), 3)))
+    incisors = incisors_of(head_template, fangs)
+    assert incisors is not None and incisors.edge(vertices, np.array([0.0, 1, 0])) == pytest.approx(0.075)
 
 
 def test_what_has_no_teeth_has_no_incisors(head_template):
