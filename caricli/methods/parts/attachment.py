@@ -38,8 +38,8 @@ class Attachment:
         moves = np.zeros((0, *template.vertices.shape)) if actions is None else actions
         rigid = next((part for part in parts if part.hangs_on == "jaw"), None)
         jaw = None if rigid is None else Jaw(template, rigid, moves)
-        wall = template.annotation.regions.get("inner_mouth")
-        self.pocket = None if wall is None else Pocket(template, wall)
+        lined = template.mask("inner_mouth")[template.faces].all(1).any()
+        self.pocket = Pocket(template, template.annotation.regions["inner_mouth"]) if lined else None
         self.holds: list[Bone | Lids] = []
         for part in parts:
             if part.hangs_on == "lids":

@@ -48,9 +48,9 @@ class Lids:
         self.template = np.asarray(template.vertices, float)
         self.spread = spread(self.template)
         labels = component_labels(part.mesh.faces, len(self.shape))
-        lids = np.flatnonzero(
-            template.mask("eyes_left", "eyes_right") & ~template.mask("eye_socket_left", "eye_socket_right")
-        )
+        eyes = template.mask("eyes_left", "eyes_right")
+        outside = eyes & ~template.mask("eye_socket_left", "eye_socket_right")
+        lids = np.flatnonzero(outside if outside.any() else eyes)
         given = (self.template, template.faces, lids, self.shape, labels)
         held = kept_arrays("lashes", given, lambda: _held(*given))
         self.lashes = Lashes(self.shape, labels, held["roots"], template.height)

@@ -1,9 +1,11 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
 from caricli.geometry.repair.components import mesh_components
-from caricli.methods.parts.attachment import attachment_for, open_head_attachment
+from caricli.methods.parts.attachment import Attachment, attachment_for, open_head_attachment
 from caricli.methods.parts.bones import PRESSED, Bone, Posed
 from caricli.methods.parts.incisors import incisors_of
 from caricli.methods.parts.pocket import Mouths, Pocket
@@ -91,6 +93,16 @@ def test_cartoon_teeth_stand_where_natural_ones_do(template):
         np.testing.assert_allclose(*ends, atol=0.003)
         crowns = [(part.materials == Material.TEETH).sum() for part in (natural[name], cartoon[name])]
         assert crowns[0] / 14 == crowns[1] / 10
+
+
+def test_places_that_hardly_any_vertex_names_hold_parts_all_the_same(head, template):
+    note = template.annotation
+    sockets = {f"eyes_{side}": note.regions[f"eye_socket_{side}"] for side in ("left", "right")}
+    regions = note.regions | sockets | {"inner_mouth": note.regions["inner_mouth"][:2]}
+    few = replace(template, annotation=replace(note, regions=regions))
+    own = [replace(part, names=(), deltas=part.deltas[:0]) for part in head_parts(head)]
+    for part, place in zip(Attachment(few, own).attach(few), own, strict=True):
+        assert np.abs(part.mesh.vertices - place.mesh.vertices).max() < 0.01 * template.height
 
 
 def test_another_topology_has_none(template):
