@@ -67,3 +67,13 @@ def test_an_unsteady_hand_leaves_more(space):
     shaken = told(space, lines + 3 * NOISE * np.random.default_rng(8).normal(size=lines.shape), there)[1]
     assert (shaken - steady)[:, [0, 2, 3, 4]].mean(0).min() > 0.5
     assert (steady[:, 1] == 0).all()
+
+
+def test_few_curves_have_few_numbers_and_some_noise():
+    space = LineSpace(1, POINTS, 16)
+    lines, _ = drawn(200, 9)
+    there = torch.ones(200, 1, dtype=torch.bool)
+    space.learn(lines[:, :1], there.numpy())
+    numbers, left = told(space, lines[:, :1], there)
+    assert NOISE / 3 < space.spread < NOISE and torch.isfinite(left).all()
+    assert (numbers[:, 9:] == 0).all() and numbers[:, :9].std(0).min() > 0.1

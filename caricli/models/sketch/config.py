@@ -15,7 +15,7 @@ _RANGES = _SIZES | {
     "camera_weight": (0, 1e6), "validation": (1, 10**5),
     "validate_every": (1, 10**6), "held": (0, 0.9), "checkpoint_seconds": (0, 10**5), "seed": (0, MAX_SEED),
 }  # fmt: skip
-_STEP = 32
+STEP = 32
 """Pixels that the network reduces to one: a window has a multiple of them."""
 
 _LEVELS = 3
@@ -30,7 +30,7 @@ class SketchSize:
 
     stem: channels at a quarter of the window's size. widths, blocks: channels and residual blocks at 1/8, 1/16 and 1/32
     of it. hidden: numbers between what is seen and the latent. told: width of the two layers for points along strokes.
-    components: numbers that these come in as.
+    components: numbers that these come in as, of which few curves fill but some.
     Raises ValueError for impossible sizes.
     """
 
@@ -164,7 +164,7 @@ class SketchConfig:
         """Refuse impossible sizes."""
         check_ranges(self, _RANGES)
         self.network()
-        check_windows(self.size, _STEP, self.precision)
+        check_windows(self.size, STEP, self.precision)
         if self.published and self.classify + self.regress >= self.epochs:
             raise ValueError(f"classify and regress must leave some of the {self.epochs} epochs, found none")
 

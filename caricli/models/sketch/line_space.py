@@ -39,18 +39,19 @@ class LineSpace(nn.Module):
 
     def learn(self, points: np.ndarray, there: np.ndarray) -> None:
         """Take mean, components and noise of points (N, K, P, 2), N at least M, moved as if only the curves ``there``
-        (N, K) were drawn.
+        (N, K) were drawn; of few curves so few components that noise is left, and the other numbers are always 0.
         """
         lines = torch.from_numpy(points).float()
         self.usual.copy_(lines.mean(0))
         flat = self.placed(lines, torch.from_numpy(there))[0].flatten(1).double().numpy()
         variances, directions = np.linalg.eigh(np.cov(flat.T))
-        count = len(self.floor)
+        count = min(len(self.floor), len(variances) * 3 // 4)
         noise = max(variances[:-count].mean(), _LEAST)
         floor = noise / np.maximum(variances[: -count - 1 : -1], noise)
         rows = directions[:, : -count - 1 : -1] * np.sqrt(1 - floor)
         values = (flat.mean(0).reshape(self.usual.shape), np.asarray(np.sqrt(noise)), rows, floor)
-        for buffer, value in zip((self.usual, self.spread, self.rows, self.floor), values, strict=True):
+        buffers = (self.usual, self.spread, self.rows[:, :count], self.floor[:count])
+        for buffer, value in zip(buffers, values, strict=True):
             buffer.copy_(torch.from_numpy(value))
 
     @torch.no_grad()
