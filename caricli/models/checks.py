@@ -20,6 +20,17 @@ def whole_number(value: Any, limits: Sequence[int], name: str) -> int:
     return value
 
 
+def window_side(value: Any, limits: Sequence[int], step: int) -> int:
+    """The side of a network's windows by a file's description, pixels, of which it reduces ``step`` to one.
+
+    limits: least and greatest. Raises InputError for anything else.
+    """
+    side = whole_number(value, limits, "size")
+    if side % step:
+        raise InputError(f"expected a size that is a multiple of {step}, found {side}")
+    return side
+
+
 def network_size(about: Any, kind: type[Size]) -> Size:
     """The size of a network by a file's description, a JSON object. kind: its dataclass. Raises InputError."""
     names = [field.name for field in fields(kind)]  # type: ignore[arg-type]

@@ -110,6 +110,7 @@ def test_the_published_depth_is_fifty_layers():
     [
         (lambda t, a: a.update(schema="other"), "expected a coarse network of schema"),
         (lambda t, a: a.update(size=7), "expected a size from 64 to 512"),
+        (lambda t, a: a.update(size=100), "expected a size that is a multiple of 32, found 100"),
         (lambda t, a: a.update(outputs="3"), "expected a number of outputs"),
         (lambda t, a: a.update(basis=None), "expected the morphable model that it belongs to"),
         (lambda t, a: a.update(network={}), "expected a network of stem, widths"),

@@ -142,6 +142,7 @@ def test_a_detector_of_before_marks_jaws_at_equal_distances(detector):
     [
         (lambda t, a: a.update(schema="other"), "expected a detector of schema"),
         (lambda t, a: a.update(size=7), "expected a size from 64 to 512, found '7'"),
+        (lambda t, a: a.update(size=100), "expected a size that is a multiple of 32, found 100"),
         (lambda t, a: a.update(trust=0.0), "expected a trust from"),
         (lambda t, a: a.update(trust=101.0), "expected a trust from"),
         (lambda t, a: a.update(network={"stem": 8}), "expected a network of stem, width, depth"),

@@ -124,6 +124,7 @@ def test_a_checkpoint_rebuilds_it(model, sketch):
     [
         {"schema": "caricli.model/1"},
         {"size": 63.5},
+        {"size": 100},
         {"dimension": 0},
         {"curves": []},
         {"curves": ["nose", 3]},

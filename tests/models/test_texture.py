@@ -123,6 +123,7 @@ def test_the_default_is_small():
         (lambda t, a: a.update(topology_id=3), "the id of a topology"),
         (lambda t, a: a.update(topology_id="0" * 63), "the id of a topology"),
         (lambda t, a: a.update(size=7), "size from 32 to 512"),
+        (lambda t, a: a.update(size=100), "a size that is a multiple of 32, found 100"),
         (lambda t, a: a.update(network={"width": 8}), "expected a network of width"),
         (lambda t, a: a["network"].update(maps=1), "true or false"),
         (lambda t, a: a["network"].update(maps=False, codes=False), "maps or codes"),

@@ -13,7 +13,7 @@ _RANGES = _SIZES | {
     "energy_weight": (0, 1e6), "validation": (1, 10**5), "validate_every": (1, 10**6), "checkpoint_seconds": (0, 10**5),
     "seed": (0, MAX_SEED),
 }  # fmt: skip
-_STEP = 32
+STEP = 32
 """Pixels that the network reduces to one: a window has a multiple of them."""
 
 _LEVELS = 4
@@ -106,7 +106,7 @@ class CoarseConfig:
         self.network()
         if self.imagined and not self.landmarks:
             raise ValueError("imagined must be 0 where the network is not told the landmarks")
-        check_windows(self.size, _STEP, self.precision)
+        check_windows(self.size, STEP, self.precision)
         if self.steps % self.rounds:
             raise ValueError(f"steps must be a multiple of rounds, {self.rounds}, found {self.steps}")
         if self.painted + self.unmarked >= self.batch:

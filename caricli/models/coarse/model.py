@@ -8,8 +8,8 @@ import numpy as np
 import torch
 
 from caricli.errors import InputError, naming, shown
-from caricli.models.checks import check_schema, network_size, whole_number
-from caricli.models.coarse.config import CoarseSize
+from caricli.models.checks import check_schema, network_size, whole_number, window_side
+from caricli.models.coarse.config import STEP, CoarseSize
 from caricli.models.coarse.networks import CoarseNetwork
 from caricli.models.network_model import NetworkModel
 from caricli.models.network_weights import load_weights
@@ -94,7 +94,7 @@ def coarse_from_checkpoint(
     """
     with naming(where):
         check_schema(metadata, SCHEMA, "coarse network")
-        size = whole_number(metadata.get("size"), _SIDES, "size")
+        size = window_side(metadata.get("size"), _SIDES, STEP)
         outputs = whole_number(metadata.get("outputs"), _OUTPUTS, "number of outputs")
         basis = metadata.get("basis")
         if not isinstance(basis, str):

@@ -25,7 +25,7 @@ _RANGES = {
     "parsing_weight": (0, 1e6), "face_weight": (0, 1e6), "validation": (1, 10**5), "validate_every": (1, 10**6),
     "checkpoint_seconds": (0, 10**5), "seed": (0, MAX_SEED),
 }  # fmt: skip
-_STEP = 32
+STEP = 32
 """Pixels that the network reduces to one: a window has a multiple of them."""
 
 
@@ -99,7 +99,7 @@ class DetectorConfig:
     def __post_init__(self) -> None:
         """Refuse impossible sizes."""
         check_ranges(self, _RANGES)
-        check_windows(self.size, _STEP, self.precision)
+        check_windows(self.size, STEP, self.precision)
         if self.steps % self.rounds:
             raise ValueError(f"steps must be a multiple of rounds, {self.rounds}, found {self.steps}")
 

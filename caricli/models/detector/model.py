@@ -10,8 +10,8 @@ from scipy.special import expit
 from caricli.errors import InputError, naming, shown
 from caricli.io.kept import kept_arrays
 from caricli.models.checkpoint import model_id
-from caricli.models.checks import check_schema, network_size, whole_number
-from caricli.models.detector.config import COARSE, FINE, HALF, REACH, DetectorSize
+from caricli.models.checks import check_schema, network_size, window_side
+from caricli.models.detector.config import COARSE, FINE, HALF, REACH, STEP, DetectorSize
 from caricli.models.detector.jaw_places import JawPlaces
 from caricli.models.detector.landmark_heads import LandmarkHeads
 from caricli.models.detector.usual_shapes import UsualShapes
@@ -180,7 +180,7 @@ def detector_from_checkpoint(tensors: Mapping[str, np.ndarray], metadata: Mappin
         check_schema(metadata, SCHEMA, "detector")
         if metadata.get("regions") != [region.name.lower() for region in Region]:
             raise InputError("expected a detector of the regions that caricli knows, found another")
-        size = whole_number(metadata.get("size"), _SIDES, "size")
+        size = window_side(metadata.get("size"), _SIDES, STEP)
         trust = metadata.get("trust")
         if not isinstance(trust, float) or not TRUST[0] <= trust <= TRUST[1]:
             raise InputError(f"expected a trust from {TRUST[0]:g} to {TRUST[1]:g}, found {shown(trust, 60)!r}")

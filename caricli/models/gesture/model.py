@@ -8,7 +8,7 @@ import numpy as np
 import torch
 
 from caricli.errors import InputError, naming, shown
-from caricli.models.checks import check_schema, whole_number
+from caricli.models.checks import check_schema, whole_number, window_side
 from caricli.models.gesture.config import POOLED
 from caricli.models.gesture.networks import GestureNetwork
 from caricli.models.network_model import NetworkModel
@@ -96,10 +96,8 @@ def gesture_from_checkpoint(
         check_schema(metadata, SCHEMA, "gesture network")
         if metadata.get("gestures") != list(GESTURES):
             raise InputError(f"expected the gestures of this version, found {shown(metadata.get('gestures'), 60)!r}")
-        size = whole_number(metadata.get("size"), _SIZES, "size")
         stride = whole_number(metadata.get("stride"), _STRIDES, "stride")
-        if size % (POOLED * stride):
-            raise InputError(f"expected a size that is a multiple of {POOLED * stride}, found {size}")
+        size = window_side(metadata.get("size"), _SIZES, POOLED * stride)
         network = GestureNetwork(size, stride, len(GESTURES), torch.Generator())
         load_weights(network, tensors)
         return GestureModel(network, metadata.get("recipe"))

@@ -9,10 +9,10 @@ import torch
 
 from caricli.errors import InputError, naming, shown
 from caricli.geometry.alignment.head_rotation import head_rotation
-from caricli.models.checks import check_schema, network_size, whole_number
+from caricli.models.checks import check_schema, network_size, whole_number, window_side
 from caricli.models.network_model import NetworkModel
 from caricli.models.network_weights import load_weights
-from caricli.models.sketch.config import PublishedSize, SketchSize
+from caricli.models.sketch.config import STEP, PublishedSize, SketchSize
 from caricli.models.sketch.networks import SketchNetwork
 from caricli.models.sketch.published import PublishedNetwork
 from caricli.models.sketch.window import CANVAS_FILL, FILL, POINTS, Window, curve_points, shown_strokes
@@ -151,7 +151,7 @@ def sketch_from_checkpoint(
     """
     with naming(where):
         check_schema(metadata, SCHEMA, "sketch network")
-        size = whole_number(metadata.get("size"), _SIDES, "size")
+        size = window_side(metadata.get("size"), _SIDES, STEP)
         dimension = whole_number(metadata.get("dimension"), _OUTPUTS, "dimension")
         curves = _names(metadata.get("curves"))
         basis = metadata.get("basis")

@@ -14,7 +14,7 @@ _RANGES = _SIZES | {
     "expression_weight": (0, 1e6), "mouth": (1, 1e3), "validation": (1, 10**5), "validate_every": (1, 10**6),
     "checkpoint_seconds": (0, 10**5), "seed": (0, MAX_SEED),
 }  # fmt: skip
-_STEP = 32
+STEP = 32
 """Texels that the network reduces to one: a chart has a multiple of them."""
 
 
@@ -104,7 +104,7 @@ class TextureConfig:
     def __post_init__(self) -> None:
         """Refuse impossible sizes."""
         check_ranges(self, _RANGES)
-        check_windows(self.size, _STEP, self.precision)
+        check_windows(self.size, STEP, self.precision)
         self.network()
 
     def network(self) -> TextureSize:

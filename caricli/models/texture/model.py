@@ -8,10 +8,10 @@ import numpy as np
 import torch
 
 from caricli.errors import InputError, naming, shown
-from caricli.models.checks import check_schema, network_size, whole_number
+from caricli.models.checks import check_schema, network_size, window_side
 from caricli.models.network_model import NetworkModel
 from caricli.models.network_weights import load_weights
-from caricli.models.texture.config import TextureSize
+from caricli.models.texture.config import STEP, TextureSize
 from caricli.models.texture.networks import Change, TextureNetwork
 from caricli.structures.arkit import ARKIT_NAMES
 from caricli.structures.texture_change import Manner, TextureChange
@@ -77,7 +77,7 @@ def texture_from_checkpoint(
         topology_id = metadata.get("topology_id")
         if not isinstance(topology_id, str) or len(topology_id) != _TOPOLOGY:
             raise InputError(f"expected the id of a topology, found {shown(topology_id, 60)!r}")
-        size = whole_number(metadata.get("size"), _SIDES, "size")
+        size = window_side(metadata.get("size"), _SIDES, STEP)
         network = TextureNetwork(network_size(metadata.get("network"), TextureSize), torch.Generator())
         load_weights(network, tensors)
         return TextureModel(network, size, topology_id, metadata.get("recipe"))
