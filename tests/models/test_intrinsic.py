@@ -151,6 +151,7 @@ def test_the_tangent_is_that_of_its_own_basis_and_its_own_points(ball_intrinsic,
         ball_template.vertices, ball_template.faces, annotation=parse_annotation(source, 300, "elsewhere")
     )
     third = IntrinsicModel(elsewhere, model.mean, model.basis, model.offset)
-    for each in (IntrinsicModel(ball_template, model.mean, model.basis, model.offset), other, third):
+    moved = IntrinsicModel(ball_template, model.mean, model.basis, model.offset + 1)
+    for each in (IntrinsicModel(ball_template, model.mean, model.basis, model.offset), other, third, moved):
         points = each.template.annotation.anchor_ids()
         np.testing.assert_allclose(each.tangent, each.points_jacobian(np.zeros(5), points)[1], atol=1e-9)

@@ -106,7 +106,7 @@ class IntrinsicModel:
         """(A, 3, D) derivatives by the latent, at the mean face, of the points of the template's ``anchors``."""
         template = self.template
         points = template.annotation.anchor_ids()
-        given = (template.vertices, template.faces, points, self.mean, self.model_id or self.basis)
+        given = (template.vertices, template.faces, points, self.mean, self.offset, self.model_id or self.basis)
         return kept_arrays("tangent", given, partial(self._tangent_at, points))["tangent"]
 
     def _tangent_at(self, points: np.ndarray) -> Mapping[str, np.ndarray]:
