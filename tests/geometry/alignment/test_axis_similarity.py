@@ -36,3 +36,13 @@ def test_points_that_go_the_wrong_way_do_not_shrink_to_one():
     source = generator.normal(size=(40, 3))
     scales, _, _ = axis_similarity(source, source * [-1.0, 1.0, 1.0], 1.5)
     assert scales.min() > 0.1
+
+
+def test_a_plane_goes_where_its_points_do():
+    """A part of one's own that has no depth: its size along it is that of the two axes that tell one."""
+    source = np.random.default_rng(4).normal(size=(16, 3)) * [1, 1, 0] + [0, 0, 0.125]
+    turn = Rotation.from_rotvec([0.3, -0.2, 0.4]).as_matrix()
+    target = source * [1.2, 0.9, 1.0] @ turn.T + [1, 2, 3]
+    scales, rotation, shift = axis_similarity(source, target, 1.5)
+    np.testing.assert_allclose(source * scales @ rotation.T + shift, target, atol=1e-3)
+    np.testing.assert_allclose(scales, [1.2, 0.9, np.sqrt(1.2 * 0.9)], atol=1e-3)
