@@ -238,7 +238,10 @@ def check_templates(names: Sequence[str], mesh: Mesh, shapes: np.ndarray) -> Exp
     flat = flat_triangles(mesh.vertices, faces)
     if flat.any():
         raise InputError(f"expected triangles with an area, found {flat.sum()} without")
-    return ExpressionTemplates(tuple(names), mesh, shapes - mesh.vertices)
+    templates = ExpressionTemplates(tuple(names), mesh, shapes - mesh.vertices)
+    if templates.still.all():
+        raise InputError(f"expected expressions that move something, found {len(names)} that do not")
+    return templates
 
 
 def thin_pairs(pairs: np.ndarray, vertices: np.ndarray, spacing: float) -> np.ndarray:

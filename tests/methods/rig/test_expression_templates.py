@@ -211,3 +211,4 @@ def test_meshes_that_cannot_be_transferred_from_are_refused(plates):
     refused("triangles with an area, found 3 without", neutral=flat)
     refused("every vertex in a triangle, found 1 without", neutral=np.vstack([plates.neutral, [9, 9, 9]]),
             shapes=np.concatenate([shapes, np.zeros((3, 1, 3))], axis=1))  # fmt: skip
+    refused("expressions that move something, found 3 that do not", shapes=np.stack([plates.neutral] * 3))
