@@ -13,7 +13,7 @@ from caricli.methods.rig.expression_templates import ExpressionTemplates
 from caricli.structures.arkit import start_delta
 
 _OPEN = 1e-9
-"""Least gap of open lids and lips, metres, so that those that were shut before give a large share or none, and no
+"""Least gap of what is open, metres, so that those that were shut before give a large share or none, and no
 division by zero."""
 
 
@@ -84,7 +84,7 @@ class _Expressions:
     def strength(self) -> np.ndarray:
         scale, *_ = similarity(self.templates.neutral, self.neutral)
         sizes, usual = (np.sqrt((d**2).sum(-1).mean(-1)) for d in (self.deltas, self.templates.deltas))
-        moving = np.array([motion is not None for motion in self.templates.motions])
+        moving = np.array([motion is not None for motion in self.templates.motions]) & (usual > 0)
         return np.where(moving, sizes / np.where(moving, scale * usual, 1.0), np.nan)
 
     def contact_gap(self) -> np.ndarray:
@@ -93,7 +93,7 @@ class _Expressions:
             if motion is not None and motion.closed.any():
                 pairs = self.templates.pairs[motion.closed]
                 before = _lengths(self.starts[k], pairs).mean()
-                gaps[k] = _lengths(self.starts[k] + self.deltas[k], pairs).mean() / before
+                gaps[k] = _lengths(self.starts[k] + self.deltas[k], pairs).mean() / max(before, _OPEN)
         return gaps
 
     def lid_gaps(self) -> dict[str, float]:

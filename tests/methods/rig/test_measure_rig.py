@@ -138,3 +138,17 @@ def test_names_without_lids_and_lips_have_no_gaps(neutral, faces, annotation):
     measures = measure_rig(neutral, smile.deltas, smile)
     assert measures.lid_gap == {} and measures.lip_gap is None and np.isnan(measures.contact_gap).all()
     np.testing.assert_allclose(measures.strength, 1)
+
+
+def test_what_does_nothing_on_top_of_an_opening_has_no_strength(neutral, faces):
+    still = ExpressionTemplates(("jawOpen", "mouthClose"), Mesh(neutral, faces), lowered(neutral, -1, 0))
+    with np.errstate(all="raise"):
+        np.testing.assert_allclose(measure_rig(neutral, lowered(neutral, -1, 0.1), still).strength, [1, np.nan])
+
+
+def test_lids_and_lips_that_are_closed_already_have_no_gap(templates, neutral):
+    closed = neutral.copy()
+    closed[row(UPPER), 1] = closed[row(LOWER), 1]
+    with np.errstate(all="raise"):
+        measures = measure_rig(closed, 0 * templates.deltas, templates)
+    np.testing.assert_array_equal(measures.contact_gap, [0, np.nan, 0, np.nan])
