@@ -63,10 +63,14 @@ def fit_eyeballs(mesh: Mesh, annotation: Annotation, deltas: np.ndarray) -> list
 
 
 def lid_vertices(annotation: Annotation, side: str) -> np.ndarray:
-    """Vertices of the lids of one eye, of their margins alone where they have no region, and none of its socket."""
-    margins = [annotation.curves[f"eye_upper_{side}"], annotation.curves[f"eye_lower_{side}"]]
-    lids = annotation.regions.get(f"eyes_{side}", margins[0])
-    return np.setdiff1d(np.concatenate([*margins, lids]), annotation.regions[f"eye_socket_{side}"])
+    """Vertices of the lids of one eye, of their margins alone where they have no region, and none of its socket.
+
+    Where a socket reaches to the margins and nothing else is lid, they are all that is.
+    """
+    margins = np.concatenate([annotation.curves[f"eye_upper_{side}"], annotation.curves[f"eye_lower_{side}"]])
+    lids = np.append(margins, annotation.regions.get(f"eyes_{side}", margins))
+    outside = np.setdiff1d(lids, annotation.regions[f"eye_socket_{side}"])
+    return outside if len(outside) else np.unique(margins)
 
 
 def moving_vertices(neutral: np.ndarray, deltas: np.ndarray, ids: np.ndarray) -> np.ndarray:

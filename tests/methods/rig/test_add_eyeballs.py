@@ -188,6 +188,13 @@ def test_lids_without_a_region_are_their_margins(head_template):
     assert np.isin(lid_vertices(bare, "left"), lid_vertices(note, "left")).all()
 
 
+def test_lids_in_a_socket_that_reaches_to_their_margins_are_these(head_template):
+    note = head_template.annotation
+    margins = np.concatenate([note.curves["eye_upper_left"], note.curves["eye_lower_left"]])
+    regions = {"eye_socket_left": np.append(note.regions["eye_socket_left"], margins)}
+    np.testing.assert_array_equal(lid_vertices(replace(note, regions=regions), "left"), np.unique(margins))
+
+
 def test_a_mesh_that_the_annotation_does_not_fit_has_no_eyes(head_template):
     coarse = Mesh(head_template.vertices, head_template.faces[:50])
     assert fit_eyeballs(coarse, head_template.annotation, np.zeros((1, 4200, 3))) == []
