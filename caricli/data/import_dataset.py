@@ -27,6 +27,9 @@ from caricli.template.own_parts import read_own_parts
 from caricli.template.template import Template
 
 MAX_CSV_BYTES = 2**26
+BESIDE = 0.01
+"""Of the head's height: how far from x = 0 the plane between the sides of a head may be that has a mirror map."""
+
 _OWN_COLUMNS = ("file", "identity", "expression", "level")
 
 
@@ -115,6 +118,8 @@ def import_dataset(
     annotation = parse_annotation(read_json(annotation_path), len(first.vertices), str(annotation_path))
     mean = shapes.mean(0, dtype=float)
     template = Template(mean, first.polygons, first.uvs, first.uv_polygons, annotation=annotation)
+    with naming(annotation_path):
+        _check_mirror(template)
     parts = read_own_parts(template, annotation_path, np.asarray(first.vertices, float) * UNITS[unit], UNITS[unit])
     template = replace(template, parts=parts)
     labels = read_labels(labels_path, [path.name for path in files])
@@ -132,6 +137,15 @@ def import_dataset(
     writer.finish(manifest, {"attributes": labels.names, "measures": labels.values, "labels": labels.values > 0})
     height = float(np.median(heights)) * UNITS[unit]
     return ImportSummary(len(files), len(people), len(labels.expressions), unit, height)
+
+
+def _check_mirror(template: Template) -> None:
+    """Raise InputError where the mirror map is not that of x = 0, from which mirror images are made."""
+    mirror = template.annotation.mirror
+    if mirror is not None:
+        beside = float(np.median(template.vertices[:, 0] + template.vertices[mirror, 0])) / 2
+        if abs(beside) > BESIDE * template.height:
+            raise InputError(f"mirror: expected meshes whose sides meet at x = 0, found them to meet at {beside:.3g} m")
 
 
 def _vertices_like(path: Path, first: Mesh, name: str) -> np.ndarray:

@@ -192,6 +192,21 @@ def test_folders_and_annotations_that_do_not_fit_are_refused(barrel, barrels, ou
             import_dataset(folder, out, tmp_path / "bad.json")
 
 
+@pytest.mark.parametrize("aside", [0.0, 0.1])
+def test_sides_meet_in_the_plane_that_mirror_images_are_made_by(barrel, barrels, out, tmp_path, aside):
+    folder, shapes, _ = barrels
+    for number, shape in enumerate(shapes):
+        write_obj(folder / f"scan_{number:02d}.obj", Mesh(shape + [aside, 0, 0], barrel.mesh.polygons))
+    flipped = barrel.template.vertices * [-1, 1, 1]
+    mirror = np.linalg.norm(barrel.template.vertices[:, None] - flipped, axis=2).argmin(1)
+    write_json(tmp_path / "mirror.json", barrel.annotation | {"mirror": mirror.tolist()})
+    if not aside:
+        assert import_dataset(folder, out, tmp_path / "mirror.json").meshes == 12
+        return
+    with pytest.raises(InputError, match="mirror.json: mirror: expected .* whose sides meet at x = 0, found .* 0.1"):
+        import_dataset(folder, out, tmp_path / "mirror.json")
+
+
 def test_meshes_without_area_are_refused(barrel, barrels, out):
     folder, shapes, annotation = barrels
     for number, shape in enumerate(shapes):
