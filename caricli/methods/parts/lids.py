@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.spatial import KDTree
 
+from caricli.errors import InputError, naming
 from caricli.geometry.alignment.weighted_similarities import weighted_similarities
 from caricli.geometry.repair.components import component_labels
 from caricli.io.kept import kept_arrays
@@ -42,7 +43,10 @@ class Lids:
     """Lashes, each held by the lid around its root, and bent where another fold of skin would cover it."""
 
     def __init__(self, template: Template, part: Part) -> None:
-        """template: whose annotation knows the eyes. part: a component of its mesh for every lash."""
+        """template: whose annotation knows the eyes. part: a component of its mesh for every lash.
+
+        Raises InputError where it is far from the skin.
+        """
         self.part = part
         self.shape = np.asarray(part.mesh.vertices, float)
         self.template = np.asarray(template.vertices, float)
@@ -52,7 +56,8 @@ class Lids:
         outside = eyes & ~template.mask("eye_socket_left", "eye_socket_right")
         lids = np.flatnonzero(outside if outside.any() else eyes)
         given = (self.template, template.faces, lids, self.shape, labels)
-        held = kept_arrays("lashes", given, lambda: _held(*given))
+        with naming(part.name):
+            held = kept_arrays("lashes", given, lambda: _held(*given))
         self.lashes = Lashes(self.shape, labels, held["roots"], template.height)
         self.ids = held["near"]
         distance = held["distance"]
@@ -110,7 +115,7 @@ def _held(
     template: (V, 3) metres. faces: (F, 3). lids: vertices that lashes may stand on. labels: (W,) the lash of every
     vertex, from 0 to L - 1.
     Returns roots (L,), vertices of lashes; near (L, k) those of the lids near each, and their distance; faces (H, 3) of
-    the skin around; over (L, m), numbers among its vertices.
+    the skin around; over (L, m), numbers among its vertices. Raises InputError where there is none around.
     """
     tree = KDTree(template[lids])
     distance, _ = tree.query(shape)
@@ -119,6 +124,8 @@ def _held(
     distance, near = tree.query(shape[roots], min(NEIGHBOURS, len(lids)))
     reached = KDTree(shape).query(template)[0] < REACH * np.ptp(template[:, 1])
     around = faces[reached[faces].all(1)]
+    if not len(around):
+        raise InputError(f"expected it to hang on lids, found no skin within {100 * REACH:g} % of the head's height")
     skin = template[np.unique(around)]
     over = KDTree(skin).query(shape[roots], min(OVER, len(skin)))[1]
     return {"roots": roots, "near": lids[near], "distance": distance, "faces": around, "over": over}

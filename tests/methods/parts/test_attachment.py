@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from caricli.errors import InputError
 from caricli.geometry.repair.components import mesh_components
 from caricli.methods.parts.attachment import Attachment, attachment_for, open_head_attachment
 from caricli.methods.parts.bones import PRESSED, Bone, Posed
@@ -103,6 +104,14 @@ def test_places_that_hardly_any_vertex_names_hold_parts_all_the_same(head, templ
     own = [replace(part, names=(), deltas=part.deltas[:0]) for part in head_parts(head)]
     for part, place in zip(Attachment(few, own).attach(few), own, strict=True):
         assert np.abs(part.mesh.vertices - place.mesh.vertices).max() < 0.01 * template.height
+
+
+def test_lashes_far_from_the_skin_are_refused(head, template):
+    lashes = head_parts(head)[-1]
+    mesh = lashes.mesh.with_vertices(lashes.mesh.vertices + [0, 0, 0.06])
+    far = replace(lashes, mesh=mesh, names=(), deltas=lashes.deltas[:0])
+    with pytest.raises(InputError, match="lashes: expected it to hang on lids, found no skin within 8 %"):
+        Attachment(template, [far])
 
 
 def test_another_topology_has_none(template):
