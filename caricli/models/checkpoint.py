@@ -42,7 +42,7 @@ def model_from_checkpoint(tensors: Mapping[str, np.ndarray], metadata: Mapping[s
     """Rebuild a ShapeModel.
 
     tensors, metadata: of ``model_to_checkpoint``, read from a file. where: its name, for messages.
-    Raises InputError when something is missing or does not fit.
+    Raises InputError when something is missing or does not fit, NumericsError for a template that cannot be solved on.
     """
     with naming(where):
         if metadata.get("schema") != SCHEMA:
@@ -55,7 +55,8 @@ def model_from_checkpoint(tensors: Mapping[str, np.ndarray], metadata: Mapping[s
     try:
         template = _shared_template(tensors, metadata["annotation"], where)
         own = {name.removeprefix("model."): value for name, value in tensors.items() if name.startswith("model.")}
-        model = model_class(kind).from_tensors(template, own, model_id(kind, own))
+        with naming(where):
+            model = model_class(kind).from_tensors(template, own, model_id(kind, own))
         more = {*tensors} - {f"model.{name}" for name in model.tensors()}
         if more := {name for name in more if not name.startswith("template.")}:
             raise ValueError(f"with {min(more)}, which is of no {kind} model")

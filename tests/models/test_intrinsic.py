@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from caricli.errors import NumericsError
 from caricli.geometry.repair.flipped_triangles import flipped_triangles
+from caricli.models.checkpoint import model_from_checkpoint, model_to_checkpoint
 from caricli.models.intrinsic.config import IntrinsicConfig
 from caricli.models.intrinsic.model import IntrinsicModel, feature_weights
 from caricli.models.kinds import config_class, model_class
@@ -155,3 +157,11 @@ def test_the_tangent_is_that_of_its_own_basis_and_its_own_points(ball_intrinsic,
     for each in (IntrinsicModel(ball_template, model.mean, model.basis, model.offset), other, third, moved):
         points = each.template.annotation.anchor_ids()
         np.testing.assert_allclose(each.tangent, each.points_jacobian(np.zeros(5), points)[1], atol=1e-9)
+
+
+def test_a_file_whose_template_has_no_area_is_named(ball_intrinsic):
+    tensors, metadata = model_to_checkpoint(ball_intrinsic, None)
+    flat = tensors["template.vertices"].copy()
+    flat[tensors["template.faces"][0]] = flat[0]
+    with pytest.raises(NumericsError, match="^flat.safetensors: the template has triangles without area"):
+        model_from_checkpoint({**tensors, "template.vertices": flat}, metadata, "flat.safetensors")
