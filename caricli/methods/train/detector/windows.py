@@ -153,11 +153,11 @@ def bent_window(window: MarkedPicture, moved: np.ndarray) -> MarkedPicture:
 
 
 def bent_places(points: np.ndarray, moved: np.ndarray) -> np.ndarray:
-    """Where points (..., 2) of a window are in the bent one."""
+    """Where points (..., 2) of a window, NaN where unknown, are in the bent one."""
     # What is at p comes from p + moved(p); two steps find where a point went.
     places = points
     for _ in range(2):
-        cells = np.clip(np.rint(places), 0, len(moved) - 1).astype(int)
+        cells = np.clip(np.rint(np.nan_to_num(places)), 0, len(moved) - 1).astype(int)
         places = points - moved[cells[..., 1], cells[..., 0]]
     return places
 

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from caricli.methods.train.detector.disguise_picture import disguise_window
-from caricli.methods.train.detector.windows import WindowSettings, any_window, face_window
+from caricli.methods.train.detector.windows import WindowSettings, any_window, bent_places, face_window, random_bend
 from caricli.structures.detection import FaceFrame
 from caricli.structures.landmarks import EYE_LEFT, EYE_RIGHT, MOUTH
 from caricli.structures.parsing import BEYOND, Region
@@ -62,6 +62,14 @@ def test_any_part_keeps_its_marks(picture, seed):
     assert all(eyes_are_where_they_are_marked(window, face) for face in window.landmarks)
     distorted = any_window(picture, 128, WindowSettings(distorted=1), np.random.default_rng(seed))
     assert all(eyes_are_near_their_marks(distorted, face) for face in distorted.landmarks)
+
+
+def test_a_mark_that_nobody_knows_stays_so_in_a_bent_window():
+    bend = random_bend(64, 0.02, np.random.default_rng(0))
+    points = np.array([[20.0, 30.0], [np.nan, np.nan]])
+    bent = bent_places(points, bend)
+    np.testing.assert_array_equal(bent, [bent_places(points[0], bend), points[1]])
+    assert (bent[0] != points[0]).all()
 
 
 def test_what_is_cut_off_is_not_visible(picture):
