@@ -192,7 +192,8 @@ class CoarseTraining(NetworkTraining):
     def _look(self, batch: "Batch") -> "Seen":
         """What losses take of a Batch."""
         windows = batch.windows
-        pixels = torch.from_numpy(np.stack([window.picture.pixels for window in windows])).permute(0, 3, 1, 2)
+        images = torch.from_numpy(np.stack([window.picture.pixels for window in windows]))
+        pixels = images.permute(0, 3, 1, 2)
         unmarked = sum(window.truth is None for window in windows)
         painted = sum(window.plain for window in windows)
         with torch.autocast("cpu", torch.bfloat16, enabled=self.config.precision == "bfloat16"):
@@ -202,10 +203,9 @@ class CoarseTraining(NetworkTraining):
             if self.config.rounds > 1:
                 features = self.average.eval().encode(pixels, told[: len(windows)])
                 pixels = pixels[:0]
-        images = np.stack([window.picture.pixels for window in windows[:painted]])
-        regions = np.stack([window.picture.regions for window in windows[unmarked:painted]])
+        regions = np.stack([window.picture.regions for window in windows])[unmarked:painted]
         skin = torch.cat([parsed, torch.from_numpy(np.isin(regions, FACE_REGIONS)).float()])
-        observed = Observed(torch.from_numpy(images), skin, torch.from_numpy(points).float())
+        observed = Observed(images[:painted], skin, torch.from_numpy(points).float())
         anchors = torch.from_numpy(np.stack([face.anchors for face in truths]))
         return Seen(pixels, features, told, observed, anchors, self.thin.truth(truths))
 

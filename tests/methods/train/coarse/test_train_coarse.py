@@ -117,6 +117,12 @@ def test_processes_share_the_windows_of_a_batch(sources, model, detector):
         np.testing.assert_array_equal(parts[number % 2][number // 2].picture.pixels, window.picture.pixels)
 
 
+@pytest.mark.parametrize("unmarked", [0, 2])
+def test_it_learns_without_painting_what_is_true(sources, model, detector, unmarked):
+    (record,) = begin(sources, model, detector, "epochs=1", "painted=0", f"unmarked={unmarked}").epochs()
+    assert np.isfinite([record.loss, record.train_error]).all()
+
+
 def test_another_detector_or_no_face_is_refused(sources, model, detector):
     with pytest.raises(InputError, match="a detector for windows of 96 pixels, found one for 64"):
         begin(sources, model, detector, "size=96")
