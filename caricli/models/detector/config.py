@@ -102,6 +102,13 @@ class DetectorConfig:
         check_windows(self.size, STEP, self.precision)
         if self.steps % self.rounds:
             raise ValueError(f"steps must be a multiple of rounds, {self.rounds}, found {self.steps}")
+        if not 0 < self.faces < self.batch:
+            raise ValueError(f"crops must leave windows of both kinds in a batch of {self.batch}, found {self.crops}")
+
+    @property
+    def faces(self) -> int:
+        """Windows of a step that hold one face as it is cut out."""
+        return round(self.crops * self.batch)
 
     def network(self) -> DetectorSize:
         """The DetectorSize."""

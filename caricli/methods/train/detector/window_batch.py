@@ -81,7 +81,7 @@ class WindowSource:
     def draw(self, epoch: int, step: int) -> WindowBatch:
         """The windows of a step, as arrays."""
         config = self.config
-        crops = round(config.crops * config.batch)
+        crops = config.faces
         rows = range(self.share.process, config.batch, self.share.count)
         windows = []
         for row in rows:

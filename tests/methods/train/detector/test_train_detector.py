@@ -63,6 +63,12 @@ def test_rounds_that_do_not_fit_the_steps_are_refused():
         DetectorConfig(steps=3, rounds=2)
 
 
+@pytest.mark.parametrize("crops", [0.1, 0.9])
+def test_a_batch_without_faces_or_without_other_windows_is_refused(crops):
+    with pytest.raises(ValueError, match=f"windows of both kinds in a batch of 4, found {crops}"):
+        DetectorConfig(batch=4, crops=crops)
+
+
 def test_the_state_of_another_training_is_refused(pictures):
     training = begin(pictures, *FEW)
     other = begin(pictures, *FEW, "width=8")
