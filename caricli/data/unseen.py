@@ -60,13 +60,18 @@ def seen_people(data: Dataset) -> SeenPeople:
 
 
 def everybody(datasets: Sequence[Dataset]) -> SeenPeople:
-    """Whom a training on datasets sees."""
-    people = [seen_people(data) for data in datasets]
-    parts = (
-        frozenset().union(*(each.train for each in people)),
-        frozenset().union(*(each.validation for each in people)),
-    )
-    return SeenPeople(*parts)
+    """Whom a training on datasets sees. Raises InputError where one trains with somebody whom another tries."""
+    marks = {
+        split: frozenset().union(*(own for data in datasets for own in fingerprints(data, split).values()))
+        for split in SPLITS
+    }
+    both = len(marks["train"] & (marks["validation"] | marks["test"]))
+    if both:
+        raise InputError(
+            f"expected datasets of different people, found {both} whom one trains with and another validates or tests "
+            "with; those of one --seed share people"
+        )
+    return SeenPeople(marks["train"], marks["validation"])
 
 
 def all_tested(data: Dataset) -> Dataset:

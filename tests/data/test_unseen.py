@@ -11,6 +11,7 @@ from caricli.data.build_settings import BuildSettings
 from caricli.data.dataset import SPLITS, read_dataset
 from caricli.data.import_dataset import import_dataset
 from caricli.data.unseen import all_tested, fingerprints, seen_people, training_tested, unseen_data
+from caricli.data.unseen import everybody as seen_together
 from caricli.errors import InputError
 from caricli.io.bundled import config_path
 from caricli.io.meshes.obj import read_obj, write_obj
@@ -54,6 +55,18 @@ def test_the_same_seed_draws_the_same_people_whatever_else_differs(build, eight)
     assert all(many[person] == marks and len(marks) == 1 for person, marks in few.items())
     others = everybody(build(2, 4))
     assert not set.union(*map(set, others.values())) & set.union(*map(set, many.values()))
+
+
+def test_datasets_that_train_and_try_the_same_people_are_not_trained_on_together(build, eight):
+    others = build(2, 4)
+    apart = with_splits(eight, train=[0, 1, 2], validation=[3], test=[4])
+    assert seen_together([apart, apart]) == seen_people(apart)
+    both = seen_together([apart, with_splits(others, train=[0], validation=[1])])
+    assert len(both.train) == 4 and len(both.validation) == 2
+    fewer = build(5, 3)
+    for split in ("validation", "test"):
+        with pytest.raises(InputError, match="different people, found 1 whom one trains with and another validates"):
+            seen_together([apart, with_splits(fewer, **{split: [2, 3]})])
 
 
 def test_people_of_an_imported_folder_are_told_by_any_of_their_meshes(barrels, tmp_path):

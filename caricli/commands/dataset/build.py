@@ -51,6 +51,9 @@ def command(out, count, identities, expressions, levels, own, albedos, albedo_si
     cost of what lies around it, and unlike on both sides. With --albedo the folder also holds pictures of skin, lips,
     brows and hair in the UVs of the head, for any of the faces.
 
+    Datasets of one --seed share people: the first ones are the same, in other splits. What was trained on one is tested
+    on one of another seed.
+
     \b
     Example:
       caricli dataset build dataset --count 1409
