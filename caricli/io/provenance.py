@@ -41,6 +41,15 @@ def provenance(
     return value | more
 
 
+def made_of(recipe: Any, path: str | Path) -> bool:
+    """Whether a file is one of the inputs of a recipe, which may be no description of a run at all.
+
+    Raises InputError when the file cannot be read.
+    """
+    inputs = recipe.get("inputs") if isinstance(recipe, dict) else None
+    return isinstance(inputs, dict) and sha256_file(path) in inputs.values()
+
+
 def _text(path: Path | str) -> str:
     """A path that is not UTF-8 has no JSON form."""
     name = final_name(path) if isinstance(path, Path) else path

@@ -8,7 +8,7 @@ import numpy as np
 
 from caricli.data.picture_set import MANIFEST, PictureSet, read_picture_set
 from caricli.errors import InputError
-from caricli.io.provenance import sha256_file
+from caricli.io.provenance import made_of
 from caricli.methods.evaluate.evaluate_detector import UNKNOWN, JudgedPicture
 from caricli.methods.train.detector.split_pictures import marked_by_people, marked_picture
 from caricli.models.detector.model import Detector
@@ -65,8 +65,7 @@ def load_judged_sets(
 
 def _generated(folder: Path, detector: Detector, count: int) -> tuple[JudgedPictures, str | None]:
     pictures = read_picture_set(folder)
-    inputs = detector.recipe.get("inputs") if isinstance(detector.recipe, dict) else None
-    trained = isinstance(inputs, dict) and sha256_file(folder / MANIFEST) in inputs.values()
+    trained = made_of(detector.recipe, folder / MANIFEST)
     numbers = pictures.pictures_of("test").tolist() if trained else list(range(pictures.count))
     note = f"{folder}: the detector was trained on it; measured on its {len(numbers)} pictures of test people"
     return JudgedPictures(pictures, numbers[:count]), note if trained else None

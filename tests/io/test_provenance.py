@@ -5,7 +5,7 @@ import pytest
 
 from caricli import __version__
 from caricli.errors import InputError
-from caricli.io.provenance import provenance, sha256_file
+from caricli.io.provenance import made_of, provenance, sha256_file
 
 
 def test_hashes(tmp_path):
@@ -41,3 +41,11 @@ def test_provenance(tmp_path):
     }
     assert provenance("train pca", [path, None], seed=0, components=128) == expected
     assert provenance("render", []) == {"command": "render", "version": __version__, "inputs": {}}
+
+
+def test_what_a_run_read_is_told_by_its_bytes_wherever_it_lies(tmp_path):
+    for name, content in {"a": b"abc", "b": b"abc", "c": b"abd"}.items():
+        (tmp_path / name).write_bytes(content)
+    recipe = provenance("train it", [tmp_path / "a"])
+    assert [made_of(recipe, tmp_path / name) for name in "abc"] == [True, True, False]
+    assert not any(made_of(other, tmp_path / "a") for other in (None, "text", {}, {"inputs": None}))

@@ -7,10 +7,10 @@ import click
 
 from caricli.commands.shared.notes import echo_notes, echo_result
 from caricli.commands.shared.options import PATH, WholeRange, data_option, out_option, overwrite_option, seed_option
-from caricli.errors import naming, shown
+from caricli.errors import InputError, naming, shown
 from caricli.io.image import write_png
 from caricli.io.outputs import staged_folder
-from caricli.io.provenance import provenance
+from caricli.io.provenance import made_of, provenance
 from caricli.io.strict_json import write_json
 
 OTHERS = 60
@@ -134,12 +134,15 @@ def _evaluate(rivals: Any, data: Any, trained: Path | None, count: int, seed: in
 
 def _held_out(rivals: Any, trained: Path, count: int) -> tuple[Any, Any, Any]:
     """A dataset, numbers of the faces of it that all trainings held out, and of those that these validated with."""
-    from caricli.data.dataset import read_dataset
+    from caricli.data.dataset import MANIFEST, read_dataset
     from caricli.data.held_out import held_out_by_all
 
     data = read_dataset(trained)
+    networks = [rival.network for rival in rivals.networks.values()]
     with naming(trained):
-        parts = held_out_by_all(data, {rival.network.held_out for rival in rivals.networks.values()}, count)
+        parts = held_out_by_all(data, {network.held_out for network in networks}, count)
+        if not all(made_of(network.recipe, trained / MANIFEST) for network in networks):
+            raise InputError("expected a dataset that all networks were trained with, found another")
     return data, parts["test"], parts["validation"][:OTHERS]
 
 

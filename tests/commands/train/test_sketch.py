@@ -1,4 +1,5 @@
 import json
+import shutil
 
 import numpy as np
 import pytest
@@ -87,6 +88,16 @@ def test_a_published_network_is_measured_under_both_protocols(run, published, da
     report = json.loads((tmp_path / "out" / "sketch.json").read_text())
     assert set(report["millimetres"]) == set(report["random_tenth"]["millimetres"]) >= {"PixelShapeCNN", "mean face"}
     assert report["faces"] == report["faces_held_out"] == 2
+
+
+def test_faces_of_a_dataset_that_it_was_not_trained_with_are_no_random_tenth(refused, published, dataset, tmp_path):
+    network, model = published
+    shutil.copytree(dataset, tmp_path / "other")
+    with open(tmp_path / "other" / "dataset.json", "a") as manifest:
+        manifest.write("\n")
+    options = ("--data", dataset, "--trained", tmp_path / "other", "--network", network, "--model", model)
+    told = refused("evaluate", "sketch", *options, "--count", 2, "--out", tmp_path / "out")
+    assert "other: expected a dataset that all networks were trained with, found another" in told
 
 
 def test_a_published_network_needs_a_bilinear_model(refused, dataset, models, tmp_path):
