@@ -49,9 +49,11 @@ class Surface:
     def draw(self, count: int, vertex_share: float, generator: np.random.Generator) -> Points:
         """Draw vertices without repetition and uniform points of the surface.
 
-        count: of points in all. vertex_share: of them at vertices, from 0 to 1.
+        count: of points in all. vertex_share: of them at vertices, from 0 to 1; with 1 there are no others, even where
+        there are fewer vertices.
         """
         at_vertices = min(round(count * vertex_share), len(self.vertices))
+        count = at_vertices if vertex_share == 1 else count
         ids = generator.permutation(len(self.vertices))[:at_vertices]
         triangles = generator.choice(len(self.faces), count - at_vertices, p=self.areas)
         drawn = generator.dirichlet(np.ones(3), count - at_vertices).astype(np.float32)

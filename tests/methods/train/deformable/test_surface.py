@@ -22,6 +22,12 @@ def test_drawn_points_lie_on_their_triangles_and_cover_the_surface(surface):
     assert 0.45 < upper < 0.55
 
 
+def test_where_all_points_are_to_be_vertices_there_are_no_others(surface):
+    drawn = surface.draw(4000, 1.0, np.random.default_rng(0))
+    assert sorted(drawn.corners[:, 0].tolist()) == list(range(len(surface.vertices)))
+    assert (drawn.weights == torch.tensor([1.0, 0.0, 0.0])).all()
+
+
 def test_all_vertices_are_there_in_their_order(surface, ball):
     points = surface.at_vertices()
     assert torch.equal(points.positions, surface.vertices) and len(points.positions) == len(ball[0])
