@@ -209,10 +209,12 @@ def _name_of(file: str) -> MeshName:
 
 
 def _shown(row: dict[str, str]) -> MeshName:
-    """What a row of a table says of its file; its name says what the table has no column for."""
-    name = _name_of(row["file"]) if not {"identity", "expression", "level"} <= set(row) else MeshName("")
+    """What a row of a table says of its file; its name says what the table has no column for, or no person in."""
+    whole = {"expression", "level"} <= set(row) and row.get("identity")
+    name = MeshName("") if whole else _name_of(row["file"])
     level = read_level(row["level"]) if "level" in row else name.level
-    return MeshName(row.get("identity", name.person), row.get("expression", name.expression) or NEUTRAL, level)
+    person = row.get("identity") or name.person
+    return MeshName(person, row.get("expression", name.expression) or NEUTRAL, level)
 
 
 def _numbers(texts: list[str]) -> list[float]:

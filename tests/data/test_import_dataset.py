@@ -123,6 +123,14 @@ def test_a_csv_of_people_alone_is_enough(barrels, out, tmp_path):
     assert data.attributes == ()
 
 
+@pytest.mark.parametrize("columns", ["identity", "identity,expression,level"])
+def test_files_of_whom_a_table_says_nothing_are_of_a_person_each(barrels, out, tmp_path, columns):
+    rest = ",smile,1" if "level" in columns else ""
+    rows = [f"scan_{k:02d}.obj,{'anna' if k < 4 else ''}{rest}" for k in range(12)]
+    import_dataset(barrels[0], out, barrels[2], csv_of(tmp_path / "l.csv", f"file,{columns}", rows))
+    np.testing.assert_array_equal(read_dataset(out).identity, [0, 0, 0, 0, *range(1, 9)])
+
+
 GOOD = [f"scan_{k:02d}.obj,{k}" for k in range(12)]
 
 
