@@ -4,6 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from caricli.data.attributes import measure_attributes
 from caricli.data.dataset import Dataset
 from caricli.errors import InputError
 from caricli.methods.evaluate.evaluate_shape import spread_rows
@@ -52,7 +53,10 @@ def train_semantic(
         if name in skipped:
             raise InputError(f"label {name}: {skipped[name]}")
     some = latents[np.linspace(0, len(rows) - 1, min(MEASURED, len(rows))).astype(int)]
-    spreads = dict(zip(table.names, measures[:, columns].std(0), strict=True))
+    if "thresholds" in data.manifest:
+        spreads = dict(zip(table.names, measures[:, columns].std(0), strict=True))
+    else:
+        spreads = _shown_spreads(data, rows)
     measured = measure_directions(directions, some, model, spreads)
     with stages("people") as report:
         people = _encode(model, data.vertices[_regular_test_rows(data)], report)
@@ -68,6 +72,14 @@ def _columns(data: Dataset, names: tuple[str, ...]) -> list[int]:
     if unknown:
         raise InputError(f"expected one of the labels {', '.join(attributes)}, found {unknown[0]!r}")
     return [attributes.index(name) for name in dict.fromkeys(names)] or list(range(len(attributes)))
+
+
+def _shown_spreads(data: Dataset, rows: np.ndarray) -> dict[str, float]:
+    """Standard deviations of what meshes show by themselves, by name: a user's labels have numbers of their own."""
+    if not data.template.annotation.has_extra:
+        return {}
+    shown = [measure_attributes(vertices, data.template) for vertices in data.vertices[rows].astype(float)]
+    return {name: float(np.std([each[name] for each in shown])) for name in shown[0]}
 
 
 def _regular_test_rows(data: Dataset) -> np.ndarray:

@@ -4,6 +4,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from caricli.data.attributes import measure_attributes
 from caricli.errors import InputError
 from caricli.methods.train.train_semantic import LabelChoice, train_semantic
 
@@ -14,6 +15,7 @@ def data(pca):
     latents = np.random.default_rng(0).normal(size=(60, len(pca.prior.mean)))
     measures = np.c_[latents[:, 0], np.ones(60)]
     return SimpleNamespace(
+        manifest={},
         template=pca.template,
         vertices=pca.decode(pca.prior.colour(latents)).astype(np.float32),
         attributes=("Along", "All"),
@@ -41,6 +43,20 @@ def test_labels_are_learnt_and_people_are_kept(data, pca):
     assert np.argmax(np.abs(directions.normals[0])) == 0
     # Ten test meshes are of ten people.
     assert directions.people.shape == (10, len(pca.prior.mean))
+
+
+def test_the_change_of_a_users_label_is_in_deviations_of_what_meshes_show(data, pca):
+    """The user's label says who has a wide nose, the measure how wide noses are."""
+    widths = np.array([measure_attributes(mesh, pca.template)["WideNose"] for mesh in data.vertices.astype(float)])
+    labels = np.c_[widths > np.median(widths)]
+    names = {"attributes": ("WideNose",), "labels": labels}
+    built = {"measures": np.c_[widths], "manifest": {"thresholds": {}}}
+    changes = [
+        train_semantic(pca, SimpleNamespace(**vars(data) | names | parts), LabelChoice())[0].change
+        for parts in (built, {"measures": labels.astype(float)})
+    ]
+    assert changes[0] > 0.3
+    np.testing.assert_allclose(changes[1], changes[0], rtol=1e-6)
 
 
 def test_of_a_person_the_most_regular_mesh_is_kept(data, pca):
