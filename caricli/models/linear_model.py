@@ -50,4 +50,4 @@ class LinearModel:
 
     def encode(self, vertices: np.ndarray) -> np.ndarray:
         """See ShapeModel: ``|vertices - decode(z)|^2 + noise^2 |z|^2`` at its smallest."""
-        return (vertices - self.mean).reshape(*vertices.shape[:-2], -1) @ self._encoder.T
+        return (vertices - self.mean).reshape(*vertices.shape[:-2], self.mean.size) @ self._encoder.T

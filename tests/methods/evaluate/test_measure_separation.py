@@ -31,3 +31,5 @@ def test_a_model_that_tells_who_from_what_agrees_in_both(head_template):
     figures = measure_separation(model, model.decode(latents), who, what)
     assert figures["identity_of_a_person"] > 0.999 and figures["expression_of_an_expression"] > 0.999
     assert figures["identity_of_an_expression"] < 0.3 and figures["expression_of_a_person"] < 0.3
+    nobody = measure_separation(model, np.zeros((0, *head_template.vertices.shape)), who[:0], what[:0])
+    assert nobody == dict.fromkeys(figures)
