@@ -54,15 +54,15 @@ class TextureConfig:
 
     width, narrow, atlas, maps, codes, attention, relative: see TextureSize. size: of the chart, texels; a multiple of
     32. epochs; steps: in an epoch; batch: pairs of expressions a step. looks: styles that every person is painted in
-    beside the own one. plain: share of the pairs in the own look. mirrored: share of those that are mirrored. unpaired:
-    share of the epochs, the last ones, that are trained without pairs, by cycles. learning_rate, critic_rate,
-    weight_decay: of AdamW, with a cosine schedule. kernel_rate: of Muon, by which the kernels of convolutions learn; 0
-    lets them learn as all else. decay: of the weights' moving average, a step. judge_every: one of
-    so many steps has the critic, whose gradients of gradients cost most. critic_width: its channels at half of the
-    chart's size. penalty: of its gradients. attention_weight, colour_weight, cycle_weight, adversarial_weight,
-    expression_weight: of the losses (section 4.1). mouth: by how much an opened mouth counts more than skin. precision:
-    of the convolutions. validation: pairs measured at a validation. validate_every: epochs. checkpoint_seconds: between
-    two checkpoints.
+    beside the own one. plain: share of the pairs in the own look; the others are in any, the own one among them.
+    mirrored: share of those that are mirrored. unpaired: share of the epochs, the last ones, that are trained without
+    pairs, by cycles. learning_rate, critic_rate, weight_decay: of AdamW, with a cosine schedule. kernel_rate: of Muon,
+    by which the kernels of convolutions learn; 0 lets them learn as all else. decay: of the weights' moving average, a
+    step. judge_every: one of so many steps has the critic, whose gradients of gradients cost most. critic_width: its
+    channels at half of the chart's size. penalty: of its gradients. attention_weight, colour_weight, cycle_weight,
+    adversarial_weight, expression_weight: of the losses (section 4.1). mouth: by how much an opened mouth counts more
+    than skin. precision: of the convolutions. validation: pairs measured at a validation. validate_every: epochs.
+    checkpoint_seconds: between two checkpoints.
     Raises ValueError for impossible sizes.
     """
 
