@@ -73,6 +73,9 @@ def load_texture_ingredients(
         [person for textures in sets for person in textures.people(split)] for split in ("train", "validation")
     )
     other = [] if drawings is None else list(read_texture_set(drawings).people("train"))
+    _require_people(", ".join(map(str, folders)), {"train": own, "validate": unseen})
+    if drawings is not None:
+        _require_people(str(drawings), {"train": other})
     total = len(own) + len(unseen) + len(other)
     done = 0
 
@@ -87,6 +90,13 @@ def load_texture_ingredients(
         pairs = painted(own)
         unpaired = None if drawings is None else painted(other)
         return TextureIngredients(pairs, painted(unseen), unpaired)
+
+
+def _require_people(folders: str, people: dict[str, list[ActedTextures]]) -> None:
+    """Refuse folders in which there is nobody for one of the uses, before anything is painted."""
+    for use, own in people.items():
+        if not own:
+            raise InputError(f"{folders}: expected people to {use} with, found none")
 
 
 class TextureRun(RunFolder):

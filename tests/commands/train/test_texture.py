@@ -1,4 +1,5 @@
 import json
+import shutil
 
 import numpy as np
 import pytest
@@ -49,6 +50,21 @@ def test_drawings_train_the_unpaired_part(run, textures, head, tmp_path):
     result = run("train", "texture", "--data", textures, "--drawings", other, "--out", tmp_path / "run", *SMALL)
     assert result.exit_code == 0, result.output
     assert len(json.loads((tmp_path / "run" / "model.json").read_text())["inputs"]) == 2
+
+
+@pytest.mark.parametrize(("split", "use"), [("train", "train"), ("validation", "validate")])
+def test_a_folder_without_people_of_a_split_is_named(refused, textures, tmp_path, split, use):
+    lacking = tmp_path / "lacking"
+    shutil.copytree(textures, lacking)
+    manifest = json.loads((lacking / "textures.json").read_text())
+    manifest["splits"] |= {"test": manifest["splits"]["test"] + manifest["splits"][split], split: []}
+    (lacking / "textures.json").write_text(json.dumps(manifest))
+    out = ("--out", tmp_path / "run")
+    words = f"lacking: expected people to {use} with, found none"
+    assert words in refused("train", "texture", "--data", lacking, *out, *SMALL)
+    if use == "train":
+        assert words in refused("train", "texture", "--data", textures, "--drawings", lacking, *out, *SMALL)
+    assert not (tmp_path / "run").exists()
 
 
 def test_it_is_measured(run, trained, textures, tmp_path):
