@@ -102,7 +102,10 @@ def _light(sitter: Sitter, pose: Pose, sky: Sky, generator: np.random.Generator)
 
 def _brightness(places: np.ndarray, triangles: np.ndarray, weights: np.ndarray, strands: np.ndarray) -> np.ndarray:
     """(N,) brightness of the strands that pixels show, one where there are none."""
-    at = np.einsum("nk,nkc->nc", weights, places[triangles])
+    corners = places[triangles]
+    # The picture has no borders: a triangle over one is as narrow as its neighbours.
+    corners = corners - np.round(corners - corners[:, :1])
+    at = np.einsum("nk,nkc->nc", weights, corners)
     shown = np.isfinite(at).all(1)
     column, row = (np.floor(_STRAND_PIXELS * np.nan_to_num(at)) % _STRAND_PIXELS).astype(int).T
     return np.where(shown, strands[row, column], 1.0).astype(np.float32)
