@@ -1,11 +1,13 @@
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from caricli.errors import InputError
-from caricli.render.backdrop import PAPER, backdrop
+from caricli.render.backdrop import PAPER, backdrop, on_backdrop
 from caricli.render.rig_stage import RigStage
+from caricli.render.shade import shade
 from caricli.structures import Material, Mesh, Pictures, Rig
 
 
@@ -142,3 +144,65 @@ def test_many_frames_are_those_that_come_one_by_one_though_each_is_overwritten(r
 
     for picture, shape in zip(stage.pictures(frames()), shapes, strict=True):
         np.testing.assert_array_equal(picture, stage.picture(shape))
+
+
+def _drawn_by(stage, shape):
+    """A frame as `shade` draws it by itself, that looks around anew."""
+    look = replace(stage.look, visibility=None, key=None, rotation=None)
+    points = stage.scale * shape @ stage.rotation.T + stage.shift
+    return on_backdrop(shade(points, stage.rig.faces, stage.size, stage.size, look)).astype(int)
+
+
+@pytest.mark.parametrize("view", ["three-quarter", "profile-right"])
+def test_light_comes_from_where_it_does_in_every_picture_of_any_view(rig, view):
+    stage = RigStage(rig, view, 96)
+    apart = np.abs(stage.picture(rig.neutral).astype(int) - _drawn_by(stage, rig.neutral))
+    assert apart.mean() < 0.2 and np.percentile(apart, 99.5) <= 8
+
+
+@pytest.mark.parametrize(("view", "way"), [("three-quarter", -1), ("three-quarter-right", 1)])
+def test_a_view_shows_the_face_on_the_side_that_it_is_called_after(rig, view, way):
+    picture = RigStage(rig, view, 96).picture(rig.neutral).astype(int)
+    painted = np.ptp(picture, axis=2) > 120
+    assert way * (np.nonzero(painted)[1].mean() - 47.5) > 10
+
+
+@pytest.mark.parametrize("axis", [0, 1])
+def test_all_of_a_long_rig_is_in_the_picture(rig, axis):
+    factors = np.where(np.arange(3) == axis, 2.0, 1.0)
+    longer = replace(rig, mesh=rig.mesh.with_vertices((rig.neutral * factors).astype(np.float32)))
+    drawn = (RigStage(longer, "front", 96).picture(longer.neutral) != backdrop(96, 96)).any(2)
+    extents = [np.ptp(places) + 1 for places in np.nonzero(drawn)][::-1]
+    assert extents[axis] == pytest.approx(0.82 * 96, abs=2) and extents[1 - axis] == pytest.approx(0.41 * 96, abs=2)
+    assert np.abs(np.argwhere(drawn).mean(0) - 47.5).max() < 1
+
+
+def _with_skin(rig, image):
+    return replace(rig, pictures=Pictures(image, rig.pictures.eyes))
+
+
+def test_frames_have_their_own_skin_where_they_are_given_one(rig):
+    colours = np.array([(220, 20, 20), (20, 200, 20), (20, 20, 220)], np.uint8)
+    red, green, blue = (np.tile(colour, (16, 16, 1)) for colour in colours)
+    stage = RigStage(_with_skin(rig, red), "front", 96)
+    assert stage.picture(rig.neutral)[48, 25].argmax() == 0
+    assert stage.picture(rig.neutral, green)[48, 25].argmax() == 1
+    painted = stage.pictures([rig.neutral] * 3, [red, green, blue].__getitem__)
+    assert [picture[48, 25].argmax() for picture in painted] == [0, 1, 2]
+
+
+def test_materials_without_a_picture_are_as_plain_as_their_finish(rig):
+    cloth = replace(rig, materials=np.full_like(rig.materials, Material.CLOTH), pictures=Pictures())
+    skin, blue = (RigStage(each, "front", 48).picture(rig.neutral)[24, 12].astype(int) for each in (rig, cloth))
+    assert skin[0] > skin[2] + 20 and blue[2] > blue[0] + 10
+
+
+def test_hair_is_shaded_as_it_is_combed(rig, monkeypatch):
+    def combed(mesh, materials):
+        return SimpleNamespace(normals=lambda own: np.tile([0, 0, 1.0], (len(own), 1)), shine=np.ones(len(rig.neutral)))
+
+    usual = RigStage(rig, "front", 96).picture(rig.neutral)[30:66, 14:34].mean(2)
+    monkeypatch.setattr("caricli.render.rig_stage.combed_hair", combed)
+    stage = RigStage(rig, "front", 96)
+    assert stage.look.hair is not None
+    assert stage.picture(rig.neutral)[30:66, 14:34].mean(2).std() < 0.9 * usual.std()

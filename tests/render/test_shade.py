@@ -1,9 +1,13 @@
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 from caricli.render.coat import Coat
+from caricli.render.lights import KEY
 from caricli.render.shade import Look, shade
-from caricli.render.sky import DIRECTIONS
+from caricli.render.sky import DIRECTIONS, key_directions, mesh_sky, sky_visibility
+from caricli.render.smooth_normals import smooth_normals
 from caricli.render.views import TO_PICTURE, turn_about_y
 from caricli.render.visibility.rasterise import rasterise
 from caricli.structures import Material, Pictures
@@ -122,11 +126,11 @@ def test_what_stands_in_the_lights_way_shades_the_ground(sphere):
 def test_red_light_reaches_further_round_skin_than_round_hair(sphere):
     points, faces = in_picture(sphere[0]), sphere[1]
     warmth = {}
-    for material in (Material.SKIN, Material.HAIR):
+    for material in (Material.SKIN, Material.BUST, Material.TONGUE, Material.HAIR):
         coat = Coat(np.zeros((1, 2)), np.zeros_like(faces), np.full(len(faces), material), Pictures())
         drawn = shade(points, faces, SIZE, SIZE, Look(colour=(150, 150, 150), coat=coat)).astype(float)
         warmth[material] = drawn[40, 40, 0] - drawn[40, 40, 1] - (drawn[25, 25, 0] - drawn[25, 25, 1])
-    assert warmth[Material.SKIN] > warmth[Material.HAIR] + 1
+    assert min(warmth[soft] for soft in (Material.SKIN, Material.BUST, Material.TONGUE)) > warmth[Material.HAIR] + 1
 
 
 def test_wet_materials_mirror_the_light_and_dry_ones_do_not(sphere):
@@ -140,12 +144,16 @@ def test_wet_materials_mirror_the_light_and_dry_ones_do_not(sphere):
     )
 
 
+def _down_from_the_top(vertices):
+    x, y, z = vertices.T
+    turn, share = np.arctan2(x, -z), 0.5 * np.arccos(np.clip(y, -1, 1)) / np.pi
+    return 0.5 + share[:, None] * np.stack([np.sin(turn), np.cos(turn)], 1)
+
+
 def test_light_on_hair_runs_across_its_strands_and_is_uneven_from_one_to_the_next(sphere):
     """Strands run down from the top, the middle of the picture of the hair."""
     points, faces = in_picture(sphere[0]), sphere[1]
-    x, y, z = sphere[0].T
-    turn, share = np.arctan2(x, -z), 0.5 * np.arccos(np.clip(y, -1, 1)) / np.pi
-    strands = 0.5 + share[:, None] * np.stack([np.sin(turn), np.cos(turn)], 1)
+    strands = _down_from_the_top(sphere[0])
     drawn = {}
     for name, uvs in (("strands", strands), ("plain", np.zeros_like(strands))):
         coat = Coat(uvs, faces, np.full(len(faces), Material.HAIR), Pictures())
@@ -207,3 +215,77 @@ def test_an_eye_of_the_mesh_is_drawn_as_one_beside_it(sphere):
         assert np.abs(bright[0] - bright[1]).max() < 1.5
         blue = [np.argwhere(each[..., 2] > each[..., 0] + 25).mean(0) for each in (of_mesh, beside)]
         assert np.abs(blue[0] - blue[1]).max() < 2
+
+
+@pytest.fixture(scope="module")
+def turned(lopsided):
+    """A lopsided head turned aside and tilted, in pixels; its faces; and how it was turned."""
+    rotation = TO_PICTURE @ np.roll(turn_about_y(25), (1, 1), (0, 1)) @ turn_about_y(60)
+    return 18 * lopsided[0] @ rotation.T + [31.5, 31.5, 0], lopsided[1], rotation
+
+
+def test_what_a_mesh_saw_before_it_was_turned_lights_it_as_what_it_sees_now(lopsided, turned):
+    points, faces, rotation = turned
+    normals = smooth_normals(*lopsided)
+    sky = mesh_sky(*lopsided)
+    key = sky_visibility(*lopsided, normals, None, key_directions(KEY) @ rotation)
+    drawn = [
+        shade(points, faces, SIZE, SIZE, look).astype(int)
+        for look in (
+            None,
+            Look(visibility=sky, rotation=rotation),
+            Look(visibility=sky, key=key, rotation=rotation),
+            Look(visibility=0 * sky, key=0 * key, rotation=rotation, hidden=np.ones(len(sky), bool)),
+        )
+    ]
+    for other in drawn[1:]:
+        assert np.abs(drawn[0] - other).max() <= 3 and np.abs(drawn[0] - other).mean() < 0.02
+    dark = [
+        shade(points, faces, SIZE, SIZE, look).astype(int)
+        for look in (
+            Look(visibility=0 * sky, rotation=rotation),
+            Look(visibility=sky, key=0 * key, rotation=rotation),
+        )
+    ]
+    assert all(grey(drawn[0]).mean() > grey(other).mean() + 2 for other in dark)
+
+
+def test_hair_is_shaded_as_it_is_combed_and_shines_as_much_as_it_says(sphere):
+    points, faces = in_picture(sphere[0]), sphere[1]
+    coat = Coat(_down_from_the_top(sphere[0]), faces, np.full(len(faces), Material.HAIR), Pictures())
+
+    def combed(shine, even):
+        normals = (lambda own: np.tile([0, 0, -1.0], (len(own), 1))) if even else (lambda own: own)
+        return SimpleNamespace(normals=normals, shine=np.full(len(points), shine))
+
+    even, round_ = (
+        grey(shade(points, faces, SIZE, SIZE, Look(hair=combed(1.0, way), visibility=np.ones((len(points), 48)))))
+        for way in (True, False)
+    )
+    middle = np.s_[18:46, 18:46]
+    assert even[middle].std() < 0.3 * round_[middle].std()
+    shining, matt = (
+        grey(shade(points, faces, SIZE, SIZE, Look(colour=(60, 50, 40), coat=coat, hair=combed(shine, False))))
+        for shine in (1.0, 0.0)
+    )
+    assert shining.max() > matt.max() + 5
+
+
+def test_a_coarse_mesh_is_rounded_off():
+    """An octahedron whose corners are on a circle: a square where it is flat."""
+    vertices = np.array([[1.0, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]])
+    faces = np.array([[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]])
+    alpha = shade(in_picture(vertices), faces, SIZE, SIZE)[..., 3] / 255
+    assert alpha.sum() > 1.04 * 2 * 24**2
+
+
+def test_eyeballs_keep_what_is_fine_in_their_picture(sphere):
+    """Stripes of three pixels around an eye, of one whose mesh has none of its own."""
+    picture = np.zeros((256, 256, 3), np.uint8)
+    picture[:, np.arange(256) // 6 % 2 == 0] = 255
+    faces = sphere[1]
+    coat = Coat(np.zeros((1, 2)), np.zeros_like(faces), np.zeros(len(faces), int), Pictures(eyes=picture))
+    far = in_picture(sphere[0] * 0.1) + [0, 0, 90]
+    middle = [(SIZE - 1) / 2, (SIZE - 1) / 2, 0.0]
+    eye = grey(shade(far, faces, SIZE, SIZE, Look(coat=coat, eyeballs=[(middle, 24.0)])))
+    assert np.abs(np.diff(eye[36:52, 20:44], axis=1)).mean() > 15
