@@ -97,3 +97,81 @@ def test_a_line_goes_on_over_crossings_beside_each_other():
     ink[30 + ends, 25 - ends] = True
     (line,) = trace_lines(ink, 8)
     assert np.ptp(line.points, axis=0).min() > 35
+
+
+def segment(angle, length=160):
+    """Through the middle of a picture; degrees."""
+    way = np.array([np.cos(np.radians(angle)), np.sin(np.radians(angle))])
+    return np.rint(100 + np.outer([-length / 2, length / 2], way))
+
+
+@pytest.mark.parametrize("apart", [45, 60, 75, 90])
+@pytest.mark.parametrize("width", [2, 4])
+def test_lines_that_cross_at_any_angle_go_straight_on(apart, width):
+    for angle in range(0, 180, 15):
+        lines = trace_lines(drawn(segment(angle), segment(angle + apart), width=width), 10)
+        assert len(lines) == 2
+        for line in lines:
+            assert np.linalg.norm(line.points[-1] - line.points[0]) > 145
+            aside = [(line.points - 100) @ [-np.sin(turn), np.cos(turn)] for turn in np.radians([angle, angle + apart])]
+            assert min(np.abs(each).max() for each in aside) < 3.5
+
+
+@pytest.mark.parametrize("turn", range(4))
+def test_a_line_that_crosses_itself_is_one_line(turn):
+    t = np.linspace(-1.6, 1.6, 200)
+    loop = np.stack([30 * (t**3 - t), 30 * (t**2 - 1)], 1)
+    for _ in range(turn):
+        loop = loop[:, ::-1] * [-1, 1]
+    (line,) = trace_lines(drawn(loop + 100), 10)
+    steps = np.linalg.norm(np.diff(line.points, axis=0), axis=1)
+    assert steps.max() < 6 and steps.sum() > 0.93 * np.linalg.norm(np.diff(loop, axis=0), axis=1).sum()
+
+
+def test_an_eight_is_one_line_and_so_is_an_arch():
+    t = np.linspace(0, 2 * np.pi, 200)
+    (eight,) = trace_lines(drawn(np.stack([100 + 70 * np.sin(t), 100 + 60 * np.sin(2 * t)], 1)), 10)
+    steps = np.linalg.norm(np.diff(eight.points, axis=0), axis=1)
+    assert steps.max() < 6 and steps.sum() > 500
+    (arch,) = trace_lines(drawn(np.stack([100 + 60 * np.cos(t / 2), 120 - 60 * np.sin(t / 2)], 1)), 10)
+    assert np.ptp(arch.points[:, 0]) > 115
+
+
+@pytest.mark.parametrize("way", [(1, 0), (0, 1), (-1, 0), (0, -1)])
+def test_a_branch_to_any_side_reaches_its_line(way):
+    way = np.array(way)
+    across = np.array([-way[1], way[0]])
+    line, branch = trace_lines(drawn([100 - 80 * across, 100 + 80 * across], [[100, 100], 100 + 80 * way]), 10)
+    assert np.abs((line.points - 100) @ way).max() < 1.5
+    assert np.abs((branch.points - 100) @ way).min() < 1
+
+
+def test_three_lines_that_meet_alike_stay_three():
+    ways = np.radians([0, 120, 240])
+    lines = trace_lines(drawn(*([[100, 100], 100 + 70 * np.array([np.sin(a), -np.cos(a)])] for a in ways)), 10)
+    assert len(lines) == 3 and all(50 < np.linalg.norm(line.points[-1] - line.points[0]) < 75 for line in lines)
+
+
+def test_a_stub_at_a_corner_does_not_part_its_line():
+    (line,) = trace_lines(drawn([[100, 30], [100, 100], [30, 100]], [[100, 100], [107, 107]]), 15)
+    assert np.linalg.norm(line.points[0] - line.points[-1]) > 90
+
+
+def test_a_rung_shorter_than_the_shortest_line_is_left_out():
+    ladder = drawn([[20, 60], [180, 60]], [[20, 72], [180, 72]], [[100, 60], [100, 72]])
+    assert [round(np.ptp(line.points[:, 0]), -1) for line in trace_lines(ladder, 16)] == [160, 160]
+
+
+def test_the_width_of_a_line_is_not_that_of_a_blot_on_it():
+    ink = drawn([[20, 100], [180, 100]]).astype(np.uint8)
+    (line,) = trace_lines(cv2.circle(ink.copy(), (100, 100), 9, 1, -1) > 0, 20)
+    assert line.width == trace_lines(ink > 0, 20)[0].width
+
+
+def test_a_ring_has_no_kink_where_it_begins():
+    angles = np.linspace(0, 2 * np.pi, 100)
+    (line,) = trace_lines(drawn(np.column_stack([100 + 60 * np.cos(angles), 100 + 60 * np.sin(angles)])), 10)
+    steps = np.diff(line.points, axis=0)
+    steps /= np.linalg.norm(steps, axis=1, keepdims=True)
+    turns = (steps * np.roll(steps, 1, axis=0)).sum(1)
+    assert turns.min() > np.cos(np.radians(20))
