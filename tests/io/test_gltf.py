@@ -592,7 +592,9 @@ def test_clips_tell_how_long_and_of_how_many_frames_they_are(full_rig, tmp_path)
     assert clips == [("still", 0.0, 0), ("moving", pytest.approx(0.2), 7)]
 
 
-@pytest.mark.parametrize("animations", [[{"name": 3}], ["walk"], [{}] * 10_001, [{"samplers": [7]}]])
+@pytest.mark.parametrize(
+    "animations", [[{"name": 3}], ["walk"], [{}] * 10_001, [{"samplers": [7]}], [{"samplers": [{"input": [0]}]}]]
+)
 def test_clips_that_lie_are_refused(full_rig, tmp_path, animations):
     write_gltf(tmp_path / "a.glb", full_rig)
     document, binary = taken_apart(tmp_path / "a.glb")

@@ -35,8 +35,9 @@ def _objects(holder: dict, key: str) -> list[dict]:
 
 def _clip(document: Document, animation: dict) -> Clip:
     """Frames are the different times of all its samplers; the length is up to the last of them."""
-    inputs = {sampler.get("input"): sampler for sampler in _objects(animation, "samplers")}
-    times = [document.accessor(document.item(sampler, "input", "accessors"), 1)[:, 0] for sampler in inputs.values()]
+    inputs = [document.item(sampler, "input", "accessors") for sampler in _objects(animation, "samplers")]
+    # Samplers share them: each is read once.
+    times = [document.accessor(accessor, 1)[:, 0] for accessor in {id(each): each for each in inputs}.values()]
     moments = np.unique(np.concatenate(times)) if times else np.zeros(0)
     name = animation.get("name", "")
     if not isinstance(name, str):
