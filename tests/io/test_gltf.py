@@ -1,3 +1,4 @@
+import base64
 import copy
 import json
 import shutil
@@ -17,6 +18,7 @@ from caricli.errors import InputError, OutputError
 from caricli.io.gltf.read_clips import read_clips
 from caricli.io.gltf.read_gltf import read_gltf, read_gltf_mesh
 from caricli.io.gltf.write_gltf import shading_normals, write_gltf
+from caricli.io.image import png_bytes
 from caricli.io.rig import read_rig, write_rig
 from caricli.structures import Animation, Material, Mesh, Mood, Pictures, Rig
 from caricli.structures.arkit import ARKIT_NAMES
@@ -741,6 +743,18 @@ def test_a_picture_that_cannot_be_read_is_left_out(full_rig, tmp_path):
     back = read_gltf(tmp_path / "b.glb")
     assert back.pictures.skin is None
     np.testing.assert_array_equal(back.pictures.eyes, full_rig.pictures.eyes)
+
+
+def test_a_picture_in_a_text_is_read(full_rig, tmp_path):
+    write_gltf(tmp_path / "a.gltf", full_rig)
+    document = json.loads((tmp_path / "a.gltf").read_text())
+    content = base64.b64encode(png_bytes(full_rig.pictures.skin)).decode()
+    document["images"][0] = {"uri": f"data:image/png;base64,{content}"}
+    (tmp_path / "a.gltf").write_text(json.dumps(document))
+    np.testing.assert_array_equal(read_gltf(tmp_path / "a.gltf").pictures.skin, full_rig.pictures.skin)
+    document["images"][0]["uri"] = "skin.png"
+    (tmp_path / "a.gltf").write_text(json.dumps(document))
+    assert read_gltf(tmp_path / "a.gltf").pictures.skin is None
 
 
 def test_moods_are_variants_of_the_skins_material_and_come_back(full_rig, tmp_path):

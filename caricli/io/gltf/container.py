@@ -92,17 +92,19 @@ def _from_text(data: bytes) -> tuple[dict, list[memoryview]]:
     buffers = document.get("buffers", [])
     if not isinstance(buffers, list) or not all(isinstance(buffer, dict) for buffer in buffers):
         raise InputError("buffers: expected a list of objects, found others")
-    return document, [memoryview(_decoded(buffer.pop("uri", None))) for buffer in buffers]
+    with naming("buffers"):
+        return document, [memoryview(embedded(buffer.pop("uri", None))) for buffer in buffers]
 
 
-def _decoded(uri: object) -> bytes:
+def embedded(uri: object) -> bytes:
+    """The bytes that a URI of a document holds. Raises InputError where it leads elsewhere."""
     head, marker, content = uri.partition(";base64,") if isinstance(uri, str) else ("", "", "")
     if not marker or not head.startswith("data:"):
-        raise InputError(f"buffers: expected one inside the file, found another file: {shown(uri, 60)!r}")
+        raise InputError(f"expected one inside the file, found another file: {shown(uri, 60)!r}")
     try:
         return base64.b64decode(content, validate=True)
     except (binascii.Error, ValueError):
-        raise InputError("buffers: expected base64, found other text") from None
+        raise InputError("expected base64, found other text") from None
 
 
 def _document(text: bytes) -> dict:

@@ -11,7 +11,7 @@ import numpy as np
 
 from caricli.errors import InputError, naming, shown
 from caricli.io.gltf.changes import changes_of
-from caricli.io.gltf.container import read_container
+from caricli.io.gltf.container import embedded, read_container
 from caricli.io.gltf.document import Document
 from caricli.io.gltf.format import SOURCE_VERTEX
 from caricli.io.gltf.scene import node_placements
@@ -286,8 +286,11 @@ def _image(document: Document, material: dict) -> np.ndarray | None:
         shading = take(material, "pbrMetallicRoughness", dict)
         texture = document.item(take(shading, "baseColorTexture", dict), "index", "textures")
         image = document.item(texture, "source", "images")
-        view = document.item(image, "bufferView", "bufferViews")
-        write_bytes(Path(folder) / "image", bytes(document.view_bytes(view)))
+        if "uri" in image:
+            data = embedded(image["uri"])
+        else:
+            data = bytes(document.view_bytes(document.item(image, "bufferView", "bufferViews")))
+        write_bytes(Path(folder) / "image", data)
         return read_image(Path(folder) / "image")
     return None
 
