@@ -168,7 +168,7 @@ def read_labels(path: Path | None, files: Sequence[str]) -> Labels:
     """
     if path is None:
         return Labels(tuple(map(_name_of, files)), np.array([], dtype="<U1"), np.zeros((len(files), 0), np.float32))
-    text = read_text(path, MAX_CSV_BYTES, "a CSV file").removeprefix("\ufeff")
+    text = read_text(path, MAX_CSV_BYTES, "a CSV file")
     with naming(path):
         try:
             header, *lines = csv.reader(io.StringIO(text))

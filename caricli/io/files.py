@@ -32,10 +32,15 @@ def content_kind(data: bytes) -> str | None:
             return kind
     if looks_like_pickle(head):
         return "a pickle"
-    start = head.lstrip(b"\xef\xbb\xbf \t\r\n")[:16].lower()
+    start = text_start(head)[:16].lower()
     if start.startswith((b"<!doctype", b"<html", b"<head", b"<?xml", b"<svg")):
         return "an HTML or XML page"
     return "binary data" if b"\0" in head else None
+
+
+def text_start(data: bytes) -> bytes:
+    """Bytes from the first that says something: without a byte-order mark and blanks before it."""
+    return data.lstrip(b"\xef\xbb\xbf \t\r\n")
 
 
 def looks_like_pickle(data: bytes) -> bool:
@@ -94,7 +99,7 @@ def read_text(path: str | Path, max_bytes: int, kind: str) -> str:
 
 
 def decode_text(data: bytes, name: object, kind: str) -> str:
-    """Turn bytes into text, strictly UTF-8.
+    """Turn bytes into text, strictly UTF-8, without the byte-order mark that some programs write first.
 
     name: the file, for the message. kind: what is expected.
     Raises InputError for binary data, HTML or invalid UTF-8.
@@ -103,7 +108,7 @@ def decode_text(data: bytes, name: object, kind: str) -> str:
     if other:
         raise InputError(f"{shown(name)}: expected {kind}, found {other}")
     try:
-        return data.decode("utf-8")
+        return data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         raise InputError(f"{shown(name)}: expected {kind} in UTF-8, found an invalid byte at {error.start}") from None
 

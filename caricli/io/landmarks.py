@@ -1,6 +1,5 @@
 """2D landmarks: JSON, iBUG .pts, plain text and NPY."""
 
-import codecs
 import io
 from pathlib import Path
 from typing import Any
@@ -8,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from caricli.errors import InputError, OutputError, naming, shown
-from caricli.io.files import decode_text, read_bytes
+from caricli.io.files import decode_text, read_bytes, text_start
 from caricli.io.npz import read_array
 from caricli.io.outputs import write_bytes
 from caricli.io.parse_number import parse_number
@@ -30,10 +29,10 @@ def read_landmarks(path: str | Path, pts_origin: int = 1) -> Landmarks:
     pts_origin: 0 or 1, the coordinate of the first pixel in .pts files, subtracted.
     Raises InputError when the file is malformed, or its points are not those of a face or of its picture.
     """
-    data = read_bytes(path, MAX_LANDMARK_BYTES, _KIND).removeprefix(codecs.BOM_UTF8)
+    data = read_bytes(path, MAX_LANDMARK_BYTES, _KIND)
     if data.startswith(b"\x93NUMPY"):
         points = _points_from_npy(data, path)
-    elif data.lstrip()[:1] in (b"{", b"["):
+    elif text_start(data)[:1] in (b"{", b"["):
         value = parse_json(data, path)
         with naming(path):
             return landmarks_from_json(value)

@@ -15,7 +15,7 @@ from caricli.errors import InputError, shown
 from caricli.io import directions, face, landmarks, parsing, rig, session
 from caricli.io.bundled import asset_path
 from caricli.io.checkpoint import read_checkpoint
-from caricli.io.files import content_kind, read_start
+from caricli.io.files import content_kind, read_start, text_start
 from caricli.io.gltf.read_clips import read_clips
 from caricli.io.gltf.read_gltf import read_gltf, read_gltf_mesh
 from caricli.io.image import read_image
@@ -161,7 +161,7 @@ def _text_reader(start: bytes, path: Path) -> Callable[[Path], Any]:
         return read_mesh
     if rubbish:
         raise InputError(f"{shown(path)}: expected {_EXPECTED}, found {rubbish}")
-    if start.lstrip(b"\xef\xbb\xbf \t\r\n")[:1] in (b"{", b"["):
+    if text_start(start)[:1] in (b"{", b"["):
         return _read_json
     if suffix in (".yaml", ".yml"):
         return _read_expressions

@@ -50,7 +50,7 @@ def test_round_trip(tmp_path_factory, value):
         (b'{"a": 1} x', "Extra data"),
         (b"'a'", "expected strict JSON"),
         (b'["a\nb"]', "Invalid control character"),
-        (b"\xef\xbb\xbf{}", "BOM"),
+        (b"\xef\xbb\xbf\xef\xbb\xbf{}", "BOM"),
         (b"\xff\xfe{\0}\0", "binary data"),
         (b"<!DOCTYPE html><html></html>", "an HTML or XML page"),
         (b"   ", "expected strict JSON"),
@@ -63,6 +63,11 @@ def test_malformed(tmp_path, data, message):
     with pytest.raises(InputError, match=message) as caught:
         read_json(path)
     assert "a.json" in str(caught.value) and "\n" not in str(caught.value)
+
+
+def test_a_byte_order_mark_is_passed_over(tmp_path):
+    (tmp_path / "a.json").write_bytes(b"\xef\xbb\xbf" + b'{"a": 1}\r\n')
+    assert read_json(tmp_path / "a.json") == {"a": 1}
 
 
 def test_brackets_in_texts_do_not_count(tmp_path):

@@ -88,7 +88,7 @@ def _from_text(data: bytes) -> tuple[dict, list[memoryview]]:
     """The document of a .gltf and its buffers, which no longer have a URI."""
     if len(data) > MAX_JSON_BYTES:
         raise InputError(f"expected a glTF file of at most {MAX_JSON_BYTES} bytes, found {len(data)}")
-    document = _document(data.removeprefix(b"\xef\xbb\xbf"))
+    document = _document(data)
     buffers = document.get("buffers", [])
     if not isinstance(buffers, list) or not all(isinstance(buffer, dict) for buffer in buffers):
         raise InputError("buffers: expected a list of objects, found others")

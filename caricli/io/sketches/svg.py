@@ -10,7 +10,7 @@ from xml.etree.ElementTree import Element
 import numpy as np
 
 from caricli.errors import InputError, naming, shown
-from caricli.io.files import read_bytes
+from caricli.io.files import read_bytes, text_start
 from caricli.io.outputs import write_bytes
 from caricli.io.parse_number import parse_number
 from caricli.io.sketches.svg_brush import Brush
@@ -47,8 +47,7 @@ class _Place:
 
 def is_svg(start: bytes) -> bool:
     """Whether a file that begins so is an SVG."""
-    head = start.lstrip(b"\xef\xbb\xbf \t\r\n")
-    return head.startswith(b"<") and b"<svg" in head
+    return text_start(start).startswith(b"<") and b"<svg" in start
 
 
 def read_svg(path: str | Path) -> Sketch:

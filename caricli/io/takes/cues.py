@@ -8,7 +8,7 @@ from xml.etree import ElementTree
 import numpy as np
 
 from caricli.errors import InputError, naming, shown
-from caricli.io.files import decode_text, read_bytes
+from caricli.io.files import decode_text, read_bytes, text_start
 from caricli.io.parse_number import parse_number
 from caricli.io.strict_json import parse_json
 from caricli.limits import MAX_JSON_BYTES
@@ -31,7 +31,7 @@ Row = tuple[float, float | None, str]
 
 def is_cues(start: bytes) -> bool:
     """Whether a file that begins so holds mouth cues."""
-    text = start.lstrip(b"\xef\xbb\xbf \t\r\n")
+    text = text_start(start)
     if text.startswith(b"<"):
         return b"<rhubarbResult" in text
     return bool(_ROW.match(text)) or (text.startswith(b"{") and b'"mouthCues"' in text)
@@ -48,14 +48,14 @@ def read_cues(path: str | Path) -> Cues:
     Raises InputError when it is none of these, a name is unknown, or times do not rise.
     """
     data = read_bytes(path, MAX_JSON_BYTES, KIND)
-    text = data.removeprefix(b"\xef\xbb\xbf").lstrip()
+    text = text_start(data)
     with naming(path):
         if text.startswith(b"<"):
             rows, end = _xml_rows(data)
         elif text.startswith(b"{"):
-            rows, end = _json_rows(parse_json(text, "cues"))
+            rows, end = _json_rows(parse_json(data, "cues"))
         else:
-            rows, end = _tsv_rows(decode_text(text, "cues", KIND))
+            rows, end = _tsv_rows(decode_text(data, "cues", KIND))
         if not 0 < len(rows) <= MAX_CUES:
             raise InputError(f"expected 1 to {MAX_CUES} cues, found {len(rows)}")
         return _cues(rows, end)

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from caricli.errors import InputError, naming, shown
-from caricli.io.files import decode_text, read_bytes
+from caricli.io.files import decode_text, read_bytes, text_start
 from caricli.io.npz import read_npz
 from caricli.io.outputs import write_bytes
 from caricli.io.parse_number import parse_number
@@ -70,13 +70,13 @@ def read_weights(path: str | Path, fps: float | None = None) -> Track:
         arrays = read_npz(path)
         with naming(path):
             return _from_npz(arrays, fps)
-    if data.lstrip(b"\xef\xbb\xbf \t\r\n")[:1] not in (b"{", b"["):
+    if text_start(data)[:1] not in (b"{", b"["):
         text = decode_text(data, path, KIND)
         with naming(path):
             return _from_csv(text, fps)
     if len(data) > MAX_JSON_BYTES:
         raise InputError(f"{shown(path)}: expected JSON of at most {MAX_JSON_BYTES} bytes, found {len(data)} bytes")
-    value = parse_json(data.removeprefix(b"\xef\xbb\xbf"), path)
+    value = parse_json(data, path)
     with naming(path):
         is_own = isinstance(value, dict) and "schema" in value
         return _from_own(value) if is_own else _from_mediapipe(value, fps)
@@ -98,7 +98,7 @@ def write_weights(path: str | Path, track: Track) -> None:
 
 
 def _from_csv(text: str, fps: float | None) -> Track:
-    lines = text.removeprefix("\ufeff").splitlines() or [""]
+    lines = text.splitlines() or [""]
     header = [word.strip().strip('"') for word in lines[0].split(",")]
     columns = _columns(header, lines[0])
     has_head = any(name.lower() in columns for name in HEAD_ANGLES)

@@ -65,6 +65,7 @@ def test_where_no_cue_is_the_mouth_rests(tmp_path):
         ({"mouthCues": [*JSON["mouthCues"], JSON["mouthCues"][0]]}, "cue 3: expected one after the other"),
         ("0.00\tX\n0.20 A\n", "line 2: expected seconds and a name"),
         ("0.00\tX\n1e99\tA\n", "line 2: expected seconds"),
+        ("\n\n0.00\tX\n1e99\tA\n", "line 4: expected seconds"),
         ("<rhubarbResult><mouthCues>", "expected the XML of Rhubarb"),
         ("<other/>", "expected <rhubarbResult>, found <other>"),
         ('<!DOCTYPE a [<!ENTITY b "b">]><rhubarbResult>&b;</rhubarbResult>', "found a document type, entities"),
