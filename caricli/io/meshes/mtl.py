@@ -38,5 +38,7 @@ def _named(data: bytes, key: bytes, path: str | Path) -> dict[str, Path]:
             # Options such as -s 1 1 1 stand before the name.
             name = words[1].split()[-1] if words[1].startswith(b"-") else words[1].strip()
             with naming(path):
-                files[material] = Path(path).parent / plain_name(name.decode("utf-8", "replace"))
+                # MeshLab writes ./ before the name.
+                plain = plain_name(name.removeprefix(b"./").decode("utf-8", "replace"))
+                files[material] = Path(path).parent / plain
     return files

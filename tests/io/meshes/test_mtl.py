@@ -34,6 +34,10 @@ def test_the_first_library_and_all_its_pictures_count(written, tmp_path):
     assert material_pictures(written(obj, mtl)) == {"a": tmp_path / "my skin ä.png", "b": tmp_path / "other.png"}
 
 
+def test_names_that_lead_to_their_own_folder_are_those_of_files_in_it(written, tmp_path):
+    assert material_pictures(written(b"mtllib ./face.mtl\n", b"map_Kd ./a.png\n")) == {"": tmp_path / "a.png"}
+
+
 @pytest.mark.parametrize(
     ("obj", "mtl"),
     [(b"v 0 0 0\n", None), (b"mtllib\n", None), (b"mtllib face.mtl\n", b"newmtl a\nKd 1 1 1\n"),
