@@ -128,14 +128,13 @@ class _Reader:
         elements = list(root.iter())
         if len(elements) > _MAX_ELEMENTS:
             raise InputError(f"expected at most {_MAX_ELEMENTS} elements, found {len(elements)}")
-        self.rules: dict[str, dict[str, str]] = {}
         for element in elements:
             if _name(element) == "script":
                 raise InputError(f"expected {KIND}, found a script")
             if _name(element) in ("use", "image"):
                 _target(element)
-            if _name(element) == "style":
-                self.rules |= style_rules(element.text or "")
+        sheets = [element.text or "" for element in elements if _name(element) == "style"]
+        self.rules = style_rules("".join(sheets))
         self.by_id = {key: element for element in elements if (key := element.get("id"))}
         self.visits = 0
         self.points = 0

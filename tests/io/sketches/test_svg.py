@@ -114,6 +114,13 @@ def test_a_style_sheet_speaks_of_elements_ids_and_classes(tmp_path, selector):
     assert len(stroke.points) == 2 and stroke.width == 3
 
 
+def test_style_sheets_add_to_each_other(tmp_path):
+    sheets = "<style>.b{fill:none;stroke:#222}</style><style>.b{stroke-width:3px}</style>"
+    body = '<rect width="300" height="400"/><path class="b" d="M1 1 L2 2"/>'
+    (stroke,) = read(tmp_path, sheets + body).strokes
+    assert len(stroke.points) == 2 and stroke.width == 3
+
+
 def outline(line, widths):
     """The outline of a mark, as a path."""
     ways = np.gradient(line, axis=0)
