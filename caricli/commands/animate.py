@@ -112,7 +112,7 @@ def command(
     head,
     overwrite,
 ):
-    """Move a RIG (NPZ or GLB) by the WEIGHTS of a face tracker, or by speech.
+    """Move a RIG (NPZ, GLB or glTF) by the WEIGHTS of a face tracker, or by speech.
 
     WEIGHTS are a CSV of Live Link Face, a JSON of MediaPipe, an NPZ, or a JSON such as this:
 

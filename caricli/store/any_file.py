@@ -16,6 +16,7 @@ from caricli.io import directions, face, landmarks, parsing, rig, session
 from caricli.io.bundled import asset_path
 from caricli.io.checkpoint import read_checkpoint
 from caricli.io.files import content_kind, read_start, text_start
+from caricli.io.gltf.format import SUFFIXES
 from caricli.io.gltf.read_clips import read_clips
 from caricli.io.gltf.read_gltf import read_gltf, read_gltf_mesh
 from caricli.io.image import read_image
@@ -155,7 +156,7 @@ def _text_reader(start: bytes, path: Path) -> Callable[[Path], Any]:
     rubbish = content_kind(start)
     if rubbish and rubbish.endswith("image"):
         return read_image
-    if suffix in (".glb", ".gltf"):
+    if suffix in SUFFIXES:
         return _read_gltf
     if is_mesh_file(path):
         return read_mesh

@@ -5,6 +5,7 @@ from pathlib import Path
 
 from caricli.errors import naming
 from caricli.io.face import read_face, read_picture_names
+from caricli.io.gltf.format import SUFFIXES
 from caricli.io.gltf.read_gltf import read_gltf, read_gltf_mesh
 from caricli.io.image import read_image
 from caricli.io.meshes.mtl import EYES, material_pictures
@@ -22,8 +23,8 @@ BUST_FILE = "bust.png"
 
 
 def load_rig(path: Path) -> Rig:
-    """The Rig of an NPZ, or of a GLB, ours or another program's. Raises InputError."""
-    return read_gltf(path) if path.suffix.lower() == ".glb" else read_rig(path)
+    """The Rig of an NPZ, or of a GLB or glTF, ours or another program's. Raises InputError."""
+    return read_gltf(path) if path.suffix.lower() in SUFFIXES else read_rig(path)
 
 
 @dataclass(frozen=True)
@@ -71,7 +72,7 @@ def load_shown_face(path: Path) -> Face:
     path: NPZ of either, or any mesh. Raises InputError.
     """
     suffix = path.suffix.lower()
-    if suffix in (".glb", ".gltf"):
+    if suffix in SUFFIXES:
         return _gltf_face(path)
     if suffix == ".npz" and text_of(read_npz(path).get("schema")) == RIG_SCHEMA:
         return read_rig(path).face
@@ -96,6 +97,6 @@ def _gltf_face(path: Path) -> Face:
 
 def load_pictures(face: Path) -> Pictures:
     """What is on a face: as ``picture_sources`` has it, or in a GLB or glTF. face: path of any."""
-    if face.suffix.lower() in (".glb", ".gltf"):
+    if face.suffix.lower() in SUFFIXES:
         return read_gltf(face).pictures
     return picture_sources(face).load()

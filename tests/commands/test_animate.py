@@ -199,17 +199,19 @@ def test_a_recording_that_does_not_say_its_rate_has_the_one_that_is_told(run, ri
         np.testing.assert_allclose(glb_animation(out)[0], np.arange(frames) / 25, atol=1e-6)
 
 
-def test_a_glb_is_a_rig_too_and_names_are_listed(run, rig_file, tmp_path):
-    write_gltf(tmp_path / "rig.glb", read_rig(rig_file))
+def test_glb_and_gltf_are_rigs_too_and_names_are_listed(run, rig_file, tmp_path):
+    foreign = [tmp_path / "rig.glb", tmp_path / "rig.gltf"]
+    for path in foreign:
+        write_gltf(path, read_rig(rig_file))
     source = ours(tmp_path / "w.json", [[0.5, 1], [1, 0]], names=("TongueOut", "grin"))
     made = []
-    for rig in (rig_file, tmp_path / "rig.glb"):
+    for rig in (rig_file, *foreign):
         result = run("animate", rig, source, "--frames", tmp_path / rig.suffix[1:])
         assert result.exit_code == 0, result.output
         assert result.stderr.count("\n") == 1
         assert result.stderr.endswith("w.json: the rig lacks grin\n")
         made.append(read_obj(tmp_path / rig.suffix[1:] / "frame-0001.obj").vertices)
-    np.testing.assert_allclose(*made, atol=1e-6)
+    np.testing.assert_allclose(made[1:], [made[0]] * 2, atol=1e-6)
     np.testing.assert_allclose(made[0], posed(read_rig(rig_file), [0, 0, 0, 0, 1]), atol=1e-6)
 
 

@@ -1,4 +1,4 @@
-"""What reader and writer of GLB files share."""
+"""What readers and writers of GLB and glTF files share."""
 
 import struct
 
@@ -6,6 +6,9 @@ import numpy as np
 
 SOURCE_VERTEX = "_SOURCE_VERTEX"
 """The vertex attribute that tells which vertex of the rig a vertex, split where the UVs have a seam, comes from."""
+
+SUFFIXES = (".glb", ".gltf")
+"""Ends of names, in small letters: binary, and all of it one text."""
 
 MAGIC = b"glTF"
 VERSION = 2
