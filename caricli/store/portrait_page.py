@@ -91,7 +91,7 @@ def portrait_heads(home: Path, pictures: Sequence[Path], failures: Mapping[Path,
 def _natural(name: str) -> list[tuple[bool, int, str]]:
     """What names are ordered by: 2 comes before 10."""
     parts = re.split(r"(\d+)", name.lower())
-    return [(not part.isdigit(), int(part) if part.isdigit() else 0, part) for part in parts]
+    return [(not part.isdecimal(), int(part) if part.isdecimal() else 0, part) for part in parts]
 
 
 def check_page(home: Path, overwrite: bool, inputs: Iterable[Path | None]) -> None:

@@ -54,6 +54,12 @@ def test_a_name_need_not_be_utf8(home):
     assert '<a href="#n%FF">n\\udcff</a>' in page and '<h2 id="m%FF">m\\udcff</h2>' in page
 
 
+def test_numbers_in_names_are_counted_whatever_digits_they_have(home):
+    names = ["10²", "9²", "٣", "x²"]
+    heads = portrait_heads(home, (), {home / f"{name}.png": "no face" for name in names})
+    assert [head.name for head in heads] == ["٣", "9²", "10²", "ours", "x²"]
+
+
 def test_no_path_leads_out_of_the_folder_but_to_what_was_given(home):
     copy = home / "thumbnails" / "ours" / "picture.jpg"
     page = page_of(home)
