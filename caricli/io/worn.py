@@ -11,7 +11,7 @@ from caricli.io.image import read_image, write_png
 from caricli.structures import Pictures
 from caricli.structures.pictures import PICTURED
 
-_LEADING_AWAY = ("/", "\\", "..", "\0", ":")
+_LEADING_AWAY = ("/", "\\", "\0", ":")
 
 
 @dataclass(frozen=True)
@@ -45,8 +45,9 @@ def worn_paths(path: Path) -> list[Path]:
 
 def write_pictures(path: Path, pictures: Pictures) -> PictureNames:
     """Write what there is as PATH-skin.png, PATH-eyes.png and so on. path: of the face. Raises OutputError."""
-    if not is_utf8(path.name) and any(picture is not None for picture in pictures):
-        raise OutputError(f"{shown(path)}: expected a name in UTF-8, as those of its pictures are kept, found another")
+    if any(picture is not None for picture in pictures) and not (is_utf8(path.name) and is_plain(path.name)):
+        expected = "a name in UTF-8 without colons and backslashes, as those of its pictures are kept"
+        raise OutputError(f"{shown(path)}: expected {expected}, found another")
     names = []
     for file, picture in zip(picture_outputs(path), pictures, strict=True):
         if picture is not None:
@@ -63,9 +64,14 @@ def read_pictures(path: Path, names: PictureNames) -> Pictures:
     return Pictures(*(None if name is None else read_image(_beside(path, name)) for name in names))
 
 
+def is_plain(name: str) -> bool:
+    """Whether a name leads to a file beside its own, on any system."""
+    return name != ".." and Path(name).name == name and not any(part in name for part in _LEADING_AWAY)
+
+
 def plain_name(name: str) -> str:
     """The name, which must lead to a file beside its own. Raises InputError where it may lead elsewhere."""
-    if any(part in name for part in _LEADING_AWAY) or Path(name).name != name:
+    if not is_plain(name):
         raise InputError(f"expected the name of a file beside it, found {shown(name, 80)!r}")
     return name
 

@@ -77,13 +77,19 @@ def test_pictures_lie_beside_the_face(tmp_path):
         read_face(tmp_path / "a.npz")
 
 
-def test_a_name_that_is_not_utf8_is_for_faces_without_pictures(tmp_path):
-    path = tmp_path / "e\udcff.npz"
-    with pytest.raises(OutputError, match=r"e\\udcff\.npz: expected a name in UTF-8"):
+@pytest.mark.parametrize("name", ["e\udcff", "12:30", "a\\b"])
+def test_a_name_that_no_file_can_hold_is_for_faces_without_pictures(tmp_path, name):
+    path = tmp_path / f"{name}.npz"
+    with pytest.raises(OutputError, match=r"npz: expected a name in UTF-8 without colons and backslashes"):
         write_face(path, full())
     assert not [*tmp_path.iterdir()]
     write_face(path, dataclasses.replace(full(), pictures=Pictures()))
     read_face(path)
+
+
+def test_dots_in_a_name_lead_nowhere(tmp_path):
+    write_face(tmp_path / "v1..2.npz", full())
+    assert read_face(tmp_path / "v1..2.npz").pictures.same(full().pictures)
 
 
 @pytest.mark.parametrize("name", ["../x.png", "/etc/x.png", "a/b.png", "a\\b.png", "C:x.png"])

@@ -14,6 +14,7 @@ from caricli.errors import InputError, OutputError, naming, shown
 from caricli.io.files import content_kind, read_bytes
 from caricli.io.outputs import write_bytes
 from caricli.io.parse_number import parse_number, parse_numbers
+from caricli.io.worn import is_plain
 from caricli.limits import (
     MAX_COORDINATE,
     MAX_CORNERS,
@@ -130,7 +131,7 @@ def _write_materials(path: str | Path, mesh: Mesh, pictures: dict[str, str | Non
     for name in (*pictures.values(), mtl.name):
         if name is None:
             continue
-        if not name or name != Path(name).name or not name.isprintable():
+        if not (name and is_plain(name) and name.isprintable()):
             raise OutputError(f"{shown(path)}: expected a plain file name for the material, found {shown(name)!r}")
     for material, picture in pictures.items():
         plain = picture is None and material in MATERIALS

@@ -217,7 +217,7 @@ def test_texture_and_material(tmp_path):
 def test_what_cannot_be_written_is_refused(tmp_path):
     with pytest.raises(OutputError, match="UVs for the texture"):
         write_obj(tmp_path / "a.obj", Mesh(square().vertices, square().polygons), texture="a.png")
-    for texture in ("../a.png", "a\nb.png", ""):
+    for texture in ("../a.png", "a\nb.png", "12:30.png", ""):
         with pytest.raises(OutputError, match="plain file name"):
             write_obj(tmp_path / "a.obj", square(), texture=texture)
     with pytest.raises(OutputError, match="cannot be written"):
