@@ -37,9 +37,10 @@ def kept_arrays(
     path = _kept_path(name, given)
     if path is None:
         return make()
-    with contextlib.suppress(CaricliError, OSError):
+    with contextlib.suppress(CaricliError):
         kept = read_npz(path)
-        os.utime(path)
+        with contextlib.suppress(OSError):  # in a cache that can only be read
+            os.utime(path)
         return kept
     start = time.perf_counter()
     arrays = make()

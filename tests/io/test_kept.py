@@ -43,6 +43,18 @@ def test_another_thing_is_made(other):
     assert make.times == 2
 
 
+def test_a_cache_that_can_only_be_read_is_read(monkeypatch):
+    make = Made()
+    kept_arrays("thing", (), make)
+
+    def refused(_path):
+        raise PermissionError
+
+    monkeypatch.setattr(os, "utime", refused)
+    kept_arrays("thing", (), make)
+    assert make.times == 1
+
+
 def test_what_another_program_made_does_not_count(monkeypatch):
     make = Made()
     kept_arrays("thing", (), make)
