@@ -57,11 +57,12 @@ def test_faces_rigs_and_tracks_by_content(small, rig, misnamed, tmp_path):
     write_face(tmp_path / "face.npz", Face(small))
     write_rig(tmp_path / "rig.npz", rig)
     write_gltf(tmp_path / "rig.glb", rig)
+    write_gltf(tmp_path / "rig.gltf", rig)
     write_weights(tmp_path / "take.json", Track(("jawOpen",), np.arange(3) / 30, np.zeros((3, 1))))
     write_npz(tmp_path / "take.npz", {"names": np.array(["jawOpen"]), "weights": np.zeros((3, 1))})
     assert isinstance(load_any(tmp_path / "face.npz"), Face)
     assert isinstance(load_any(tmp_path / "take.npz"), Track)
-    for name, kind in (("rig.npz", Rig), ("rig.glb", Rig), ("take.json", Track)):
+    for name, kind in (("rig.npz", Rig), ("rig.glb", Rig), ("rig.gltf", Rig), ("take.json", Track)):
         assert isinstance(load_any(misnamed(tmp_path / name)), kind), name
 
 

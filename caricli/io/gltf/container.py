@@ -5,7 +5,7 @@ import binascii
 from pathlib import Path
 
 from caricli.errors import InputError, OutputError, naming, shown
-from caricli.io.files import content_kind, read_bytes
+from caricli.io.files import content_kind, read_bytes, text_start
 from caricli.io.gltf.format import BINARY_CHUNK, CHUNK, HEADER, JSON_CHUNK, MAGIC, VERSION
 from caricli.io.outputs import write_bytes
 from caricli.io.strict_json import format_json, parse_json
@@ -15,14 +15,14 @@ _DATA = "data:application/octet-stream;base64,"
 
 
 def read_container(path: str | Path) -> tuple[dict, list[memoryview]]:
-    """Read a GLB, or a .gltf whose buffers are inside it.
+    """Read a GLB, or a glTF text whose buffers are inside it; the content says which.
 
     Returns the document and the bytes of its buffers. Raises InputError when it is malformed or names other files.
     """
     is_text = Path(path).suffix.lower() == ".gltf"
     data = read_bytes(path, MAX_FILE_BYTES, "a glTF file" if is_text else "a GLB file")
     with naming(path):
-        if is_text and data[:4] != MAGIC:
+        if data[:4] != MAGIC and (is_text or text_start(data)[:1] == b"{"):
             return _from_text(data)
         return _from_chunks(data)
 
