@@ -561,6 +561,17 @@ def test_other_programs_files_are_read(tmp_path):
     assert rig.materials is rig.pictures.skin is None
 
 
+def test_the_picture_of_a_mesh_of_which_a_part_has_no_material_is_read(tmp_path):
+    document, binary, *_ = foreign()
+    picture = np.random.default_rng(9).integers(0, 256, (4, 4, 3), np.uint8)
+    uri = "data:image/png;base64," + base64.b64encode(png_bytes(picture)).decode()
+    document["meshes"][1]["primitives"][1]["material"] = 0
+    document["materials"] = [{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}]
+    document |= {"textures": [{"source": 0}], "images": [{"uri": uri}]}
+    put_together(tmp_path / "a.glb", document, binary)
+    np.testing.assert_array_equal(read_gltf(tmp_path / "a.glb").pictures.skin, picture)
+
+
 def test_a_scene_of_which_a_part_has_no_uvs_has_none(tmp_path):
     document, binary, neutral, _, faces, _ = foreign()
     for primitive in document["meshes"][1]["primitives"]:

@@ -255,6 +255,7 @@ def _looks(document: Document, primitives: list[dict], surface: _Surface) -> dic
     """The materials of the triangles, where not all is skin, and the pictures that are embedded."""
     kinds: list[Material] = []
     pictures: dict[str, np.ndarray] = {}
+    painted: dict[str, dict] = {}
     for primitive in primitives:
         material = document.item(primitive, "material", "materials") if "material" in primitive else {}
         kinds.append(_kind(material))
@@ -262,9 +263,10 @@ def _looks(document: Document, primitives: list[dict], surface: _Surface) -> dic
         image = None if name is None or name in pictures else _image(document, material)
         if name is not None and image is not None:
             pictures[name] = image
+            painted[name] = primitive
     looks: dict = {"pictures": Pictures(**pictures)}
     if "skin" in pictures:
-        skin = primitives[kinds.index(Material.SKIN)]
+        skin = painted["skin"]
         moods = moods_of(document, skin, partial(_image, document))
         material = document.item(skin, "material", "materials")
         looks["changes"] = changes_of(document, material, len(skin["targets"]), partial(_image, document))
