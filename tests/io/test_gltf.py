@@ -1,5 +1,6 @@
 import base64
 import copy
+import io
 import json
 import shutil
 import struct
@@ -12,6 +13,7 @@ import pygltflib
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from PIL import Image
 
 import caricli
 from caricli.errors import InputError, OutputError
@@ -766,6 +768,17 @@ def test_a_picture_in_a_text_is_read(full_rig, tmp_path):
     document["images"][0]["uri"] = "skin.png"
     (tmp_path / "a.gltf").write_text(json.dumps(document))
     assert read_gltf(tmp_path / "a.gltf").pictures.skin is None
+
+
+def test_a_picture_as_webp_is_read(full_rig, tmp_path):
+    write_gltf(tmp_path / "a.gltf", full_rig)
+    document = json.loads((tmp_path / "a.gltf").read_text())
+    stream = io.BytesIO()
+    Image.fromarray(full_rig.pictures.skin).save(stream, "WEBP", lossless=True)
+    document["images"].append({"uri": "data:image/webp;base64," + base64.b64encode(stream.getvalue()).decode()})
+    document["textures"][0] = {"extensions": {"EXT_texture_webp": {"source": len(document["images"]) - 1}}}
+    (tmp_path / "a.gltf").write_text(json.dumps(document | {"extensionsRequired": ["EXT_texture_webp"]}))
+    np.testing.assert_array_equal(read_gltf(tmp_path / "a.gltf").pictures.skin, full_rig.pictures.skin)
 
 
 def test_moods_are_variants_of_the_skins_material_and_come_back(full_rig, tmp_path):

@@ -27,6 +27,7 @@ from caricli.structures.pictures import PICTURED
 _TRIANGLES = 4
 # What these extensions change is how things look, never where vertices are.
 _HARMLESS = ("KHR_materials_", "KHR_texture_", "EXT_texture_", "KHR_lights_")
+_WEBP = "EXT_texture_webp"
 _SAME_PLACE = 1e-5
 _PLACEMENT = {"matrix", "translation", "rotation", "scale"}
 
@@ -287,7 +288,7 @@ def _image(document: Document, material: dict) -> np.ndarray | None:
     with suppress(InputError), tempfile.TemporaryDirectory() as folder:
         shading = take(material, "pbrMetallicRoughness", dict)
         texture = document.item(take(shading, "baseColorTexture", dict), "index", "textures")
-        image = document.item(texture, "source", "images")
+        image = document.item(take(take(texture, "extensions", dict, {}), _WEBP, dict, texture), "source", "images")
         if "uri" in image:
             data = embedded(image["uri"])
         else:
