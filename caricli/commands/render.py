@@ -13,6 +13,7 @@ from caricli.commands.shared.options import (
     named,
     out_option,
     overwrite_option,
+    refuse_typed,
 )
 from caricli.errors import InputError, UsageError, naming, shown
 from caricli.io.face import read_face
@@ -89,11 +90,9 @@ def command(paths, out, views, frames, size, columns, image, head, overwrite):
     from caricli.render.sheets.face_sheet import SheetSettings
 
     film = out.suffix.lower() != ".png"
-    _check_use(film, views, frames)
+    _check_use(len(paths), film, views, frames, image)
     turn = (frames or FRAMES[out.suffix.lower()]) if views == (TURN,) else None
     settings = SheetSettings(views, turn, size, columns, "eyes" in head.parts)
-    if image is not None and (len(paths) > 1 or film or replace(settings, eyeballs=True) != SheetSettings()):
-        raise click.UsageError("--image takes one FACE and gives one picture, as .png, as large as IMAGE is.")
     _check_size(out, len(paths) * (1 if film else settings.count), size)
     with staged(out, overwrite=overwrite, inputs=(*paths, image)) as (temporary,):
         if image is None:
@@ -115,8 +114,13 @@ def _whole(path, head):
         return whole_face(face, head)
 
 
-def _check_use(film, views, frames):
+def _check_use(count, film, views, frames, image):
     """Refuse options that do not go together."""
+    if image is not None:
+        message = "--image takes one FACE and gives one picture, as .png, as large as IMAGE is."
+        refuse_typed(message, "views", "size", "columns")
+        if count > 1 or film:
+            raise click.UsageError(message)
     if views != (TURN,) and (film or frames is not None):
         raise click.UsageError(f"A film and --frames are for --views {TURN}.")
 

@@ -69,10 +69,11 @@ def test_gloss_mirrors_the_lamp_in_its_colour_where_light_arrives(ball, draw, ro
 
 
 def test_some_have_dark_outlines_as_painters_do(ball, draw):
-    piece = make_piece(*ball, Region.SKIN, GREY)
+    vertices, faces = ball
+    piece = make_piece(vertices, faces, Region.SKIN, GREY)
     darker = []
     for seed in range(60):
-        light = draw(piece, ball[0], seed=seed).colours.mean(2)
+        light = draw(piece, vertices, seed=seed).colours.mean(2)
         assert light[45:56, 45:56] == pytest.approx(0.5, rel=1e-4) and light.max() < 0.501
         darker.append(light[50, 50 + 38] < 0.45)
     assert 0.1 < np.mean(darker) < 0.5
