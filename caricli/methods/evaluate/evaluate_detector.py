@@ -55,9 +55,10 @@ class JudgedPicture:
 class FaceResult:
     """What was found of a true face.
 
-    picture, medium: of its picture. yaw: degrees, or None. nme: percent by part and "all", or None where it was not
-    found. ratios: (n, 2) errors of its visible landmarks over their spreads, along the axis of the larger one and of
-    the smaller. unknown: landmarks that were said to be not known. shape: (68, 2) true landmarks in their frame.
+    picture, medium: of its picture. yaw: degrees, or None. nme: percent by part of which something is known and "all",
+    or None where it was not found. ratios: (n, 2) errors of its visible landmarks over their spreads, along the axis of
+    the larger one and of the smaller. unknown: landmarks that were said to be not known. shape: (68, 2) true landmarks
+    in their frame.
     """
 
     picture: str
@@ -94,9 +95,9 @@ class DetectorTally:
 
     @property
     def trust(self) -> float:
-        """What spreads must be multiplied by for WITHIN of the errors to be within one; 1 where none were found."""
-        ratios = [face.ratios for face in self.faces if face.nme is not None]
-        return float(np.quantile(np.concatenate(ratios), WITHIN)) if ratios else 1.0
+        """What spreads must be multiplied by for WITHIN of the errors to be within one; 1 where there are none."""
+        ratios = _all_ratios(self.faces)
+        return float(np.quantile(ratios, WITHIN)) if len(ratios) else 1.0
 
     def trusting(self, trust: float) -> "DetectorTally":
         """The same, as if all spreads had been multiplied by ``trust``."""
@@ -184,16 +185,12 @@ def _face_result(judged: JudgedPicture, number: int, face: DetectedFace | None) 
     errors = np.linalg.norm(marks.points[:count] - truth, axis=1)
     diagonal = np.linalg.norm(np.ptp(truth[:COUNT], axis=0))
     parts = {name: list(part) for name, part in PARTS.items() if max(part) < count} | {"all": list(range(COUNT))}
-    nme = {name: _mean_known(100 * errors[part] / diagonal) for name, part in parts.items()}
+    shares = {name: 100 * errors[part] / diagonal for name, part in parts.items()}
+    nme = {name: float(own[np.isfinite(own)].mean()) for name, own in shares.items() if np.isfinite(own).any()}
     clear = marks.known[:count] & judged.marked.visible[number]
     ratios = _ratios(marks.points[:count][clear] - truth[clear], marks.spreads[:count][clear])  # type: ignore[index]
     unknown = int((~marks.known).sum())
     return FaceResult(judged.name, judged.medium, yaw, nme, ratios, unknown, shape)
-
-
-def _mean_known(values: np.ndarray) -> float:
-    own = values[np.isfinite(values)]
-    return float(own.mean()) if len(own) else float("nan")
 
 
 def _ratios(errors: np.ndarray, spreads: np.ndarray) -> np.ndarray:
@@ -205,8 +202,8 @@ def _ratios(errors: np.ndarray, spreads: np.ndarray) -> np.ndarray:
 
 def _mean_nme(caught: list[FaceResult]) -> dict[str, float]:
     rows = [face.nme for face in caught if face.nme is not None]
-    names = rows[0] if rows else {}
-    return {name: float(np.nanmean([row[name] for row in rows])) for name in names}
+    names = dict.fromkeys(name for row in rows for name in row)
+    return {name: float(np.mean([row[name] for row in rows if name in row])) for name in names}
 
 
 def _by_class(faces: list[FaceResult], name_of: Callable[[FaceResult], str | None]) -> dict[str, dict]:
@@ -224,9 +221,14 @@ def _yaw_class(yaw: float | None) -> str | None:
     return None if yaw is None else f"to {next((limit for limit in YAWS if abs(yaw) <= limit), YAWS[-1])}"
 
 
+def _all_ratios(faces: list[FaceResult]) -> np.ndarray:
+    """(n, 2) those of all faces; one that was not found has none."""
+    return np.concatenate([np.zeros((0, 2)), *(face.ratios for face in faces)])
+
+
 def _calibration(caught: list[FaceResult]) -> dict[str, float] | None:
     """Shares of errors within one standard deviation along the axis of the larger spread, and of the smaller."""
-    ratios = np.concatenate([face.ratios for face in caught]) if caught else np.zeros((0, 2))
+    ratios = _all_ratios(caught)
     if not len(ratios):
         return None
     along, across = (ratios <= 1).mean(0)

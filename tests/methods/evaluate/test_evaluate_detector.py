@@ -69,6 +69,20 @@ def test_errors_are_shares_of_the_diagonal_and_spreads_are_told_by_them(picture)
     assert tally.figures["nme"]["all"] == pytest.approx(100 * 2 * np.sqrt(np.pi / 2) / diagonal, rel=0.1)
 
 
+def test_faces_of_which_what_is_seen_is_not_known_tell_nothing_of_spreads(picture):
+    visible = np.arange(picture.visible.shape[1]) < 30
+    half = replace(picture, visible=np.broadcast_to(visible, picture.visible.shape))
+    points = [np.where(visible[:, None], np.nan, own) for own in picture.landmarks]
+    pairs = zip(picture.landmarks, points, strict=True)
+    faces = [replace(found(own), landmarks=found(some).landmarks) for own, some in pairs]
+    tally = DetectorTally()
+    tally.add(judged(half), Detection(faces, picture.regions))
+    assert tally.trust == 1 and tally.figures["recall"] == 1 and tally.figures["within"] is None
+    # Of jaw and brows nothing is known, of the nose a part.
+    assert set(tally.figures["nme"]) == {"nose", "eyes", "mouth", "extra", "all"}
+    assert max(tally.figures["nme"].values()) < 1e-9
+
+
 def test_faces_mostly_beyond_the_edge_are_not_asked_for(picture):
     shifted = replace(picture, landmarks=picture.landmarks + [0, 110], visible=picture.visible)
     tally = DetectorTally()
