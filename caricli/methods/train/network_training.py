@@ -36,9 +36,12 @@ class NetworkTraining(ABC):
     def __init__(self, make: Callable[[torch.Generator], Any], config: Any, share: Share) -> None:
         """make: a network with random weights.
 
-        config: with ``epochs``, ``steps`` of one, ``learning_rate`` and ``weight_decay`` of AdamW, ``decay`` of the
-        average, ``validate_every`` and ``seed``.
+        config: with ``epochs``, ``steps`` of one, ``batch``, ``learning_rate`` and ``weight_decay`` of AdamW, ``decay``
+        of the average, ``validate_every`` and ``seed``.
+        Raises InputError when there are more processes than a batch has windows.
         """
+        if share.count > config.batch:
+            raise InputError(f"expected a batch with one for each of {share.count} processes, found {config.batch}")
         self.config = config
         self.share = share
         self.epoch = 0

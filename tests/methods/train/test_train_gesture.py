@@ -1,7 +1,9 @@
 import copy
 
+import pytest
 import torch
 
+from caricli.errors import InputError
 from caricli.io.bundled import config_path
 from caricli.io.config import read_config
 from caricli.methods.train.processes import ALL, Share
@@ -35,6 +37,11 @@ def test_what_is_no_gesture_may_be_any():
     others = drawn.chances.amax(1) < 1
     assert 60 < others.sum() < 140 and torch.equal(drawn.chances[others], torch.full_like(drawn.chances[others], 0.1))
     assert drawn.ink.shape == (200, 1, 16, 16) and drawn.ink.amax() == 1
+
+
+def test_a_batch_too_small_for_the_processes_is_refused():
+    with pytest.raises(InputError, match="one for each of 3 processes, found 2"):
+        begin("batch=2", share=Share(0, 3))
 
 
 def test_processes_share_the_strokes_of_a_batch():
