@@ -1,8 +1,10 @@
 import numpy as np
 import pytest
+from scipy.sparse.csgraph import shortest_path
 
 from caricli.geometry.repair.flipped_triangles import flipped_triangles
-from caricli.geometry.repair.untangle import untangle
+from caricli.geometry.repair.untangle import _around, untangle
+from caricli.geometry.vertex_neighbours import vertex_neighbours
 
 
 def pushed(vertices, faces, face):
@@ -80,3 +82,32 @@ def test_what_was_flipped_before_an_edit_is_left_as_it_is(ball_gradients):
     np.testing.assert_allclose(
         found[corners] - found[corners].mean(0), both[corners] - both[corners].mean(0), atol=0.01
     )
+
+
+def crumpled(vertices, size, seed=0):
+    return vertices + np.random.default_rng(seed).normal(0, size, vertices.shape)
+
+
+def test_a_shape_that_gets_no_better_comes_back_as_it_was(ball_gradients):
+    """Inside out: all of it is flipped, whatever is done."""
+    shape = ball_gradients.template * [-1.0, 1, 1]
+    np.testing.assert_array_equal(untangle(shape, ball_gradients, 2), shape)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_an_edit_that_crumples_all_goes_back_until_nothing_is_flipped(ball_gradients, seed):
+    before = ball_gradients.template * [1.0, 1.6, 0.8]
+    edited = crumpled(before, 0.15, seed)
+    assert flipped_triangles(edited, ball_gradients).sum() > 20
+    repaired = untangle(edited, ball_gradients, 16, before)
+    assert not flipped_triangles(repaired, ball_gradients).any()
+    # It goes back to the shape that was edited, not to that of the template.
+    apart = repaired - before
+    assert np.linalg.norm(apart - apart.mean(0), axis=1).mean() < 0.2
+
+
+def test_the_reach_of_a_repair_falls_off_from_edge_to_edge(ball_gradients):
+    neighbours, _ = vertex_neighbours(ball_gradients.faces, ball_gradients.count)
+    face = ball_gradients.faces[[10]]
+    edges = shortest_path(neighbours, unweighted=True, indices=face.ravel()).min(0)
+    np.testing.assert_allclose(_around(face, neighbours, 3), np.clip(1 - edges / 4, 0, 1))

@@ -148,3 +148,48 @@ def test_strands_are_long_and_fine_and_their_picture_has_no_borders():
         assert np.abs(first - last).mean() < 1.5 * usual
     assert strands.mean() == pytest.approx(1, abs=0.02) and strands.std() == pytest.approx(0.35, abs=0.05)
     assert strands.min() > 0
+
+
+@pytest.mark.parametrize("angles", [(0.0, 0.0, 0.0), (0.3, 0.9, 0.4), (-0.2, -0.6, 1.5)])
+def test_light_comes_from_one_side_of_the_picture_however_a_head_is_turned(ball, head_template, angles):
+    vertices, faces = ball
+    transfer = (4 / len(DIRECTIONS) * np.maximum(vertices @ DIRECTIONS.T, 0)).astype(np.float32)
+    piece = make_piece(vertices, faces, Region.SKIN, GREY)
+    sitter = Sitter(head_template, piece, vertices, transfer, Eyes([], np.zeros(3), 0.5), np.zeros((0, 3)))
+    left = Sky(np.array([[-1.0, 0, 0]]), np.ones((1, 3)), np.full(1, 4.0), np.full(3, 0.01), np.full(3, 0.01))
+    pose = replace(POSE, rotation=head_rotation(np.array(angles)))
+    light = draw_sitter(sitter, pose, SIZE, left, PLAIN, np.random.default_rng(0)).colours.mean(2)
+    assert light[35:66, 14:30].mean() > 5 * light[35:66, 70:86].mean()
+    assert light[14:30, 35:66].mean() == pytest.approx(light[70:86, 35:66].mean(), rel=0.3)
+
+
+def head_pose(head, yaw):
+    height = float(np.ptp(head.vertices[:, 1]))
+    middle = (head.vertices.min(0) + head.vertices.max(0)) / 2
+    return Pose(head_rotation(np.array([0, yaw, 0])), 90 / height, np.array([50.0, 50.0]), 0.0, middle, height)
+
+
+@pytest.mark.parametrize(
+    ("region", "covers"),
+    [(Region.HAIR, True), (Region.BEARD, True), (Region.GLASSES, True), (Region.HAT, True), (Region.CLOTH, True)]
+    + [(Region.SKIN, False), (Region.LIPS, False)],
+)
+def test_what_lies_on_the_skin_hides_landmarks_by_what_it_is(draw, head_template, region, covers):
+    drawing = draw(
+        make_piece(head_template.vertices, head_template.faces, region, GREY), pose=head_pose(head_template, 0)
+    )
+    assert drawing.visible[17:68].mean() == (0 if covers else 1)
+
+
+@pytest.mark.parametrize("yaw", [0.7, -0.7])
+def test_landmarks_of_the_jaw_are_on_the_outline_of_a_turned_head_and_seen(draw, head_template, yaw):
+    piece = make_piece(head_template.vertices, head_template.faces, Region.SKIN, GREY)
+    drawing = draw(piece, pose=head_pose(head_template, yaw))
+    front = drawing.pose.rotation @ [0, 0, 1]
+    far = range(3, 6) if drawing.points[0, 0] * front[0] > drawing.points[16, 0] * front[0] else range(11, 14)
+    for number in far:
+        x, y = drawing.points[number]
+        across = np.flatnonzero(drawing.region[round(y)])
+        edge = across.max() if front[0] > 0 else across.min()
+        assert abs(x - edge) < 2.5
+    assert drawing.visible[list(far)].all()
