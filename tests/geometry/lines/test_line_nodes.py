@@ -61,3 +61,25 @@ def test_pieces_fit_cubics_of_common_slopes_and_nothing_else():
     assert _left(line(slopes, -slopes), 6, False, True) > 0.01
     assert _left(line(slopes, slopes), 6, False, False) > 0.01
     assert _left(line(slopes, slopes), 6, True, True) > 0.01
+    np.testing.assert_allclose(line_nodes(line(slopes, slopes), 6), pieces * np.arange(6))
+
+
+def test_pieces_from_middle_to_middle_fit_what_bends_there():
+    """One cubic, of which any pieces are; and straight lines that meet in the middles."""
+    t = np.linspace(0, 1, 61)[:, None]
+    assert _left(np.hstack([t**3 - t, t**2]), 7, True, True) < 1e-12
+    middles = np.array([0, 0.5, 1.5, 2.5, 3.5, 4.5, 5.5, 6])
+    heights = np.random.default_rng(0).normal(size=8)
+    bent = np.stack([6 * t[:, 0], np.interp(6 * t[:, 0], middles, heights)], 1)
+    assert _left(bent, 7, True, False) < 1e-12 < 0.01 < _left(bent, 7, False, False)
+
+
+def test_lines_of_hands_tell_none_however_they_tremble():
+    for seed in range(40):
+        for count in (9, 13, 19, 40):
+            noise = np.random.default_rng(seed).normal(0, 3.0, (count, 2))
+            assert line_nodes(resample(rounded(40), count) + noise, len(NODES)) is None
+
+
+def test_fewer_points_than_nodes_tell_none():
+    assert line_nodes(NODES[:5], len(NODES)) is None

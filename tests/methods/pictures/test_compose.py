@@ -10,6 +10,7 @@ from caricli.methods.pictures.draw_sitter import Drawing
 from caricli.methods.pictures.pose import Pose
 from caricli.methods.pictures.settings import PoseSettings, SceneSettings
 from caricli.render.pixels.srgb import to_srgb
+from caricli.render.sky import DIRECTIONS
 from caricli.structures.parsing import Region
 
 SIZE = 32
@@ -144,6 +145,7 @@ def test_what_is_held_is_before_the_nearest_face_in_its_light_and_hides_it(asked
         np.testing.assert_allclose((points + 0.5) * SIZE / 48 - 0.5, nearest.points)
         np.testing.assert_allclose(skin, COLOURS[nearest.sitter] * sky.above)
         assert nearest.visible.tolist() == [True, False, False]
+        np.testing.assert_array_equal(nearest.light, sky.harmonics(DIRECTIONS))
     Easel(SIZE, SceneSettings(none=1, away=1, held=1)).compose(SITTERS, 0, generator)
     assert len(told) == 2, "nothing is held before the back of a head"
 
