@@ -30,3 +30,21 @@ def test_red_is_where_the_heads_differ(lopsided_head):
     assert red(given) == red(encoded) == 0
     height = len(distance) // 2
     assert red(distance[:height]) > 100 > 10 * red(distance[height:])
+
+
+def test_labels_say_from_where_on_it_is_as_red_as_it_gets(lopsided_head, monkeypatch):
+    told = {}
+
+    def contact_sheet(rows, columns, labels):
+        told["labels"] = labels
+        return np.vstack(rows)
+
+    monkeypatch.setattr("caricli.render.sheets.comparison_sheet.contact_sheet", contact_sheet)
+    height = np.ptp(lopsided_head.vertices[:, 1])
+    reds = []
+    for share in (0.01, 0.02, 0.04):
+        other = lopsided_head.with_vertices(lopsided_head.vertices + [0, 0, share * height])
+        distance = comparison_sheet(lopsided_head, other, SIZE)[2 * SIZE :].astype(int)
+        reds.append(np.percentile(distance[..., 0] - distance[..., 1], 90))
+    assert told["labels"] == ["given", "encoded", f"distance, red from {20 * height:.1f} mm"]
+    assert reds[0] < 0.8 * reds[1] and reds[1] == reds[2]

@@ -14,3 +14,14 @@ def test_two_sets_side_by_side_at_one_scale():
         widths.append(np.ptp(places[:, 1]))
     assert columns[1] < columns[0], "the given caricature is on the left"
     assert widths[0] < 0.65 * widths[1]
+
+
+def test_labels_say_which_were_given(monkeypatch):
+    told = []
+    monkeypatch.setattr(
+        "caricli.render.sheets.landmark_pair.contact_sheet", lambda pictures, columns, labels: told.append(labels)
+    )
+    points = np.random.default_rng(0).uniform(0, 100, (68, 2))
+    landmark_pair({"caricature": points, "normal": points}, 48)
+    landmark_pair({"normal": points, "caricature": points}, 48)
+    assert told == [["caricature, given", "normal, mapped"], ["normal, given", "caricature, mapped"]]
