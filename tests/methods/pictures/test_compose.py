@@ -1,5 +1,6 @@
 from dataclasses import replace
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -16,7 +17,7 @@ from caricli.structures.parsing import Region
 SIZE = 32
 GROUND = 0.25
 COLOURS = np.array([[0.9, 0.1, 0.1], [0.1, 0.9, 0.1], [0.1, 0.1, 0.9], [0.9, 0.9, 0.1]])
-SITTERS = [SimpleNamespace(skin=None, pieces=SimpleNamespace(colours=colour[None])) for colour in COLOURS]
+SITTERS: list[Any] = [SimpleNamespace(skin=None, pieces=SimpleNamespace(colours=colour[None])) for colour in COLOURS]
 """Squares in the middle of the picture, as large as their pose says."""
 ALONE = SceneSettings(none=0, several=0, held=0)
 TOGETHER = SceneSettings(none=0, several=1, held=0)
@@ -120,7 +121,7 @@ def test_whoever_is_larger_stands_before_the_others_on_what_is_behind_all(asked)
         assert [face.scale for face in faces] == sorted((face.scale for face in faces), reverse=True)
         middle = picture.image[SIZE // 2, SIZE // 2]
         np.testing.assert_allclose(middle, 255 * to_srgb(COLOURS[faces[0].sitter]), atol=1)
-        np.testing.assert_allclose(picture.image[0, 0], 255 * to_srgb(GROUND), atol=1)
+        np.testing.assert_allclose(picture.image[0, 0], 255 * to_srgb(np.array(GROUND)), atol=1)
         assert (picture.region > 0).sum() == pytest.approx(faces[0].scale ** 2, rel=0.3)
         # Their middles are behind the largest; what is beside all is seen.
         assert [face.visible[0] for face in faces] == [True] + [False] * (len(faces) - 1)
@@ -152,8 +153,12 @@ def test_what_is_held_is_before_the_nearest_face_in_its_light_and_hides_it(asked
 
 def test_media_get_the_picture_in_srgb_and_its_labels_of_the_size_that_was_asked_for(asked, monkeypatch):
     given = []
-    medium = (lambda image, region, generator: given.append((image, region)) or image, 1.0)
-    monkeypatch.setattr(compose, "MEDIA", {"plain": medium})
+
+    def medium(image, region, generator):
+        given.append((image, region))
+        return image
+
+    monkeypatch.setattr(compose, "MEDIA", {"plain": (medium, 1.0)})
     region = np.zeros((48, 48), np.uint8)
     region[:, 17:] = Region.HAT
     image = np.full((48, 48, 3), 0.2)

@@ -16,12 +16,12 @@ def test_both_stand_side_by_side(ball, head_template, monkeypatch):
 
 def test_the_driver_is_on_the_left(ball, head_template, monkeypatch):
     monkeypatch.setattr(sheet, "SIZE", 48)
-    told = []
-    monkeypatch.setattr(sheet, "contact_sheet", lambda pictures, columns, labels: told.append(labels) or pictures)
+    monkeypatch.setattr(sheet, "contact_sheet", lambda pictures, columns, labels: (pictures, labels))
     vertices, faces = ball
     blue = Pictures(np.full((4, 4, 3), (20, 40, 220), np.uint8))
     mesh = Mesh(vertices.astype(np.float32), faces, np.full((300, 2), 0.5), faces)
     rig = Rig((), mesh, np.zeros((0, 300, 3), np.float32), pictures=blue)
-    driver, caricature = sheet.driver_sheet(head_template, rig, rig.face)
-    assert told == [["driver", "caricature"]]
+    pictures, labels = sheet.driver_sheet(head_template, rig, rig.face)
+    assert [*labels] == ["driver", "caricature"]
+    driver, caricature = pictures
     assert driver[24, 24, 0] > driver[24, 24, 2] and caricature[24, 24, 2] > caricature[24, 24, 0] + 50
