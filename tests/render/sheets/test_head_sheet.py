@@ -43,5 +43,6 @@ def test_a_row_begins_with_the_picture_and_the_head_as_it_was_drawn(rig, monkeyp
     ]  # fmt: skip
     assert all(np.array_equal(shape, first.neutral) for _, _, shape in drawn[:2])
     middle = row[len(row) // 2].astype(int)
-    assert (middle == (10, 60, 250)).all(1).argmax() < (middle == 40).all(1).argmax() < (middle == 80).all(1).argmax()
+    places = [(middle == colour).all(1).argmax() for colour in ((10, 60, 250), *range(40, 241, 40))]
+    assert places == sorted(places) and len({*places}) == 7
     assert len(row) < 2 * 24 and row.shape[1] > 7 * 24
