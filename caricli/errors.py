@@ -37,8 +37,9 @@ def shown(value: object, limit: int | None = None) -> str:
 
 @contextmanager
 def naming(what: object) -> Iterator[None]:
-    """Begin the message of a CaricliError raised inside with what it is about, such as the path of a file."""
+    """Begin the message of a CaricliError raised inside with what it is about, such as the path of a file, once."""
     try:
         yield
     except CaricliError as error:
-        raise type(error)(f"{shown(what)}: {error}") from error
+        name = f"{shown(what)}: "
+        raise type(error)(name + str(error).removeprefix(name)) from error

@@ -1,9 +1,20 @@
 import numpy as np
+import pytest
 
+from caricli.errors import InputError
 from caricli.io.image import write_png
 from caricli.io.meshes.obj import write_obj
-from caricli.store.rig_sources import PictureSources, picture_sources
+from caricli.store.rig_sources import PictureSources, load_shown_face, picture_sources
 from caricli.structures import Mesh
+
+
+def test_a_file_is_named_once_where_its_material_leads_away(tmp_path):
+    faces = np.array([[0, 1, 2]], np.int32)
+    write_obj(tmp_path / "face.obj", Mesh(np.eye(3), faces, np.eye(3)[:, :2], faces))
+    (tmp_path / "face.obj").write_text("mtllib ../a.mtl\n" + (tmp_path / "face.obj").read_text())
+    with pytest.raises(InputError) as refused:
+        load_shown_face(tmp_path / "face.obj")
+    assert str(refused.value) == f"{tmp_path / 'face.obj'}: expected the name of a file beside it, found '../a.mtl'"
 
 
 def test_eyes_and_bust_lie_beside_the_picture_of_the_skin(tmp_path):
