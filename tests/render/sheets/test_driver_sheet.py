@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 
 from caricli.render.sheets import driver_sheet as sheet
@@ -14,13 +16,15 @@ def test_both_stand_side_by_side(ball, head_template, monkeypatch):
     assert (picture[:, :half] < 200).any() and (picture[:, half:] < 200).any()
 
 
-def test_the_driver_is_on_the_left(ball, head_template, monkeypatch):
+def test_the_driver_is_on_the_left_and_the_caricature_wears_its_own_skin(ball, head_template, monkeypatch):
     monkeypatch.setattr(sheet, "SIZE", 48)
     monkeypatch.setattr(sheet, "contact_sheet", lambda pictures, columns, labels: (pictures, labels))
     vertices, faces = ball
     blue = Pictures(np.full((4, 4, 3), (20, 40, 220), np.uint8))
     mesh = Mesh(vertices.astype(np.float32), faces, np.full((300, 2), 0.5), faces)
     rig = Rig((), mesh, np.zeros((0, 300, 3), np.float32), pictures=blue)
+    green = replace(rig.face, pictures=Pictures(np.full((4, 4, 3), (20, 200, 40), np.uint8)))
+    assert sheet.driver_sheet(head_template, rig, green)[0][1][24, 24].argmax() == 1
     pictures, labels = sheet.driver_sheet(head_template, rig, rig.face)
     assert [*labels] == ["driver", "caricature"]
     driver, caricature = pictures
