@@ -1,4 +1,5 @@
 import numpy as np
+import pytest
 
 from caricli.render.sheets.landmark_pair import COLOURS, landmark_pair
 
@@ -25,3 +26,10 @@ def test_labels_say_which_were_given(monkeypatch):
     landmark_pair({"caricature": points, "normal": points}, 48)
     landmark_pair({"normal": points, "caricature": points}, 48)
     assert told == [["caricature, given", "normal, mapped"], ["normal, given", "caricature, mapped"]]
+
+
+def test_all_of_a_long_face_is_in_its_drawing():
+    points = np.random.default_rng(0).uniform(0, 100, (68, 2)) * [0.3, 1]
+    sheet = landmark_pair({"caricature": points, "normal": points}, 96)
+    for colour in COLOURS.values():
+        assert np.ptp(np.argwhere((sheet == colour).all(-1))[:, 0]) == pytest.approx(0.7 * 96, abs=6)
