@@ -1,5 +1,7 @@
 """PLY, by trimesh: vertex order and count are kept."""
 
+import io
+from itertools import islice, pairwise
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +18,7 @@ _MAX_HEADER_BYTES = 2**16
 _MAX_PROPERTIES = 256
 _MAX_EMPTY_LINES = 16
 _KEYWORDS = (b"format", b"comment", b"obj_info", b"element", b"property")
+_CORNERS = (b"vertex_indices", b"vertex_index")
 _FORMS = ([b"ascii"], [b"binary_little_endian"], [b"binary_big_endian"])
 
 
@@ -69,6 +72,7 @@ def _check_header(data: bytes) -> None:
         raise InputError(f"expected at most {MAX_VERTICES + MAX_POLYGONS} rows, found {rows}")
     if lines[1][1] == b"ascii":
         _check_line_count(data, rows, len(lines) + 1)
+        _check_rows(data, lines)
 
 
 def _check_line_count(data: bytes, rows: int, header_lines: int) -> None:
@@ -76,6 +80,34 @@ def _check_line_count(data: bytes, rows: int, header_lines: int) -> None:
     line_count = data.count(b"\n") + (not data.endswith(b"\n")) - header_lines
     if not rows <= line_count <= rows + _MAX_EMPTY_LINES:
         raise InputError(f"expected {rows} lines of values, found {line_count}")
+
+
+def _check_rows(data: bytes, header: list[list[bytes]]) -> None:
+    """Refuse rows of a text with other values than its header claims: trimesh leaves them out, or cuts them."""
+    lines = islice(io.BytesIO(data), len(header) + 1, None)
+    rows = filter(None, map(bytes.split, lines))
+    starts = [number for number, words in enumerate(header) if words[0] == b"element"]
+    for start, end in pairwise([*starts, len(header)]):
+        properties = [words[1:] for words in header[start + 1 : end] if words[0] == b"property"]
+        for row in islice(rows, int(header[start][2])):
+            if not _has(row, properties):
+                values = shown(b" ".join(row), 60)
+                raise InputError(f"expected {_KIND}, found a damaged one, with a row of other values: {values!r}")
+
+
+def _has(row: list[bytes], properties: list[list[bytes]]) -> bool:
+    """Whether a row has as many words as its properties ask for, and whole numbers for corners."""
+    at = 0
+    try:
+        for kind, *_, name in properties:
+            count = int(row[at]) if kind == b"list" else 0
+            corners = row[at + 1 : at + 1 + count] if name in _CORNERS else ()
+            if not all(word.removeprefix(b"-").isdigit() for word in corners):
+                return False
+            at += 1 + count
+    except (ValueError, IndexError):
+        return False
+    return at == len(row)
 
 
 def _element_count(words: list[bytes]) -> int:
