@@ -5,7 +5,6 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 import scipy.sparse as sp
-from scipy.ndimage import distance_transform_edt
 from scipy.spatial import KDTree
 
 from caricli.geometry.cholesky import Cholesky
@@ -22,6 +21,9 @@ _SKULL = ("scalp", "forehead")
 """Regions that may be under hair, which says where they are above the ears (``sink_skull``)."""
 
 _NO_HEAD = (Region.BACKGROUND, Region.CLOTH, Region.OTHER)
+
+_LOOSE = 1e-6
+"""How much any vertex stays, so that parts which nothing holds do."""
 
 
 @dataclass(frozen=True)
@@ -85,14 +87,13 @@ class _Sides:
         self.regions = regions
         ears = template.mask(*EARS)
         height = template.vertices[:, 1]
-        self.skull = template.mask(*_SKULL) & (height > height[ears].mean())
+        self.skull = template.mask(*_SKULL) & (height > height[ears].mean() if ears.any() else True)
         self.fixed = ears.copy()
         self.fixed[anchors] = True
         self.faces = template.faces[~ears[template.faces].any(1)]
-        cost = bending(template)
-        self.stiff = _SETTINGS.stiffness / cost.diagonal().mean() * cost
-        others = np.isin(regions, _NO_HEAD)
-        self.ends = distance_transform_edt(others, return_distances=False, return_indices=True)
+        self.template = template
+        head = ~np.isin(regions, _NO_HEAD)
+        self.ends = np.argwhere(head & widen_mask(~head, 1))[:, ::-1]
 
     def pulled(self, vertices: np.ndarray) -> np.ndarray | None:
         """(V, 3) metres, by which a head (V, 3) comes in, or None where it need not."""
@@ -101,22 +102,23 @@ class _Sides:
         height = float(np.ptp(placed[:, 1]))
         covered = covered_pixels(placed, self.faces, columns, rows)
         rim = np.argwhere(covered & widen_mask(~covered, 1))[:, ::-1]
-        if not len(rim):
+        if not len(rim) or not len(self.ends):
             return None
         places = placed[:, :2]
         column, row = np.clip(np.rint(places).astype(int), 0, [columns - 1, rows - 1]).T
         shown = (np.rint(places) == np.column_stack([column, row])).all(1)
         outer = KDTree(rim).query(places)[0] < max(_SETTINGS.near * height, 1.5)
         before = outer & shown & (self.regions[row, column] == Region.BACKGROUND)
-        end = self.ends[:, row, column]
-        gaps = end[::-1].T - places
-        away = np.linalg.norm(gaps, axis=1) / height
-        pulls = before & ~self.fixed & ~self.skull & covered[*end]
+        away, nearest = KDTree(self.ends).query(places)
+        away /= height
+        ends = self.ends[nearest]
+        pulls = before & ~self.fixed & ~self.skull & covered[*ends.T[::-1]]
         pulls &= (away > _SETTINGS.slight) & (away < _SETTINGS.far)
         if away[pulls].max(initial=0) < _SETTINGS.least:
             return None
-        stays = np.maximum(_SETTINGS.skull * self.skull, _SETTINGS.rim * (outer & ~before))
+        stays = np.maximum(np.where(self.skull, _SETTINGS.skull, _LOOSE), _SETTINGS.rim * (outer & ~before))
         weights = np.where(pulls | self.fixed, 1.0, stays)
-        wanted = np.where(pulls[:, None], gaps / self.camera.scale, 0)
-        moves: np.ndarray = Cholesky((sp.diags(weights) + self.stiff).tocsc()).solve(wanted)
+        wanted = np.where(pulls[:, None], (ends - places) / self.camera.scale, 0)
+        stiff = _SETTINGS.stiffness / bending(self.template).diagonal().mean() * bending(self.template)
+        moves: np.ndarray = Cholesky((sp.diags(weights) + stiff).tocsc()).solve(wanted)
         return moves @ self.camera.rotation[:2]

@@ -3,13 +3,15 @@ from dataclasses import replace
 import cv2
 import numpy as np
 import pytest
+import trimesh
 
 from caricli.geometry.repair.flipped_triangles import flipped_triangles
 from caricli.methods.reconstruct.fit_sides import fit_sides
 from caricli.render.visibility.covered_pixels import covered_pixels
-from caricli.structures import Camera, Face
+from caricli.structures import Camera, Face, Mesh
 from caricli.structures.detection import ParsedPicture
 from caricli.structures.parsing import Region
+from caricli.template.template import Template
 
 SIZE = 400
 
@@ -90,6 +92,26 @@ def test_a_skull_stays_for_its_hair_to_say_where_it_is(head_template):
     picture = labelled(face, lower, head_template)
     assert before_background(face, picture) > 500
     assert fit_sides(face, head_template, picture, head_template.annotation.landmarks) is face
+
+
+def test_parts_that_nothing_holds_and_heads_without_ears_are_no_hindrance(head_template):
+    """A ball beside the head's vertices, as eyes of own meshes are, and an annotation of landmarks alone."""
+    head = head_template
+    ball = trimesh.creation.icosphere(1, 0.005)
+    mesh = Mesh(
+        np.concatenate([head.vertices, ball.vertices + head.vertices.mean(0)]),
+        np.concatenate([head.faces, ball.faces + len(head.vertices)]),
+    )
+    regions = {name: ids for name, ids in head.annotation.regions.items() if not name.startswith("ear")}
+    bare = replace(head.annotation, curves={}, regions=regions, mirror=None)
+    template = Template(mesh.vertices, mesh.polygons, annotation=bare)
+    face = seen_from(template)
+    narrow = np.array(template.vertices)
+    narrow[: len(head.vertices)] = narrowed(head)
+    picture = labelled(face, narrow, template)
+    fitted = fit_sides(face, template, picture, head.annotation.landmarks)
+    assert before_background(fitted, picture) < 0.4 * before_background(face, picture)
+    assert np.isfinite(fitted.vertices).all()
 
 
 def test_what_lies_outside_of_the_picture_is_not_told(head_template):
