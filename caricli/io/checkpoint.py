@@ -95,7 +95,8 @@ def _tensors(content: memoryview, entries: dict[str, _Entry]) -> dict[str, np.nd
 
 def _header(data: bytes, path: str | Path) -> dict[str, Any]:
     # A header length can begin with the bytes of a pickle; the brace after it cannot stand in one.
-    if data[8:9] != b"{" and (looks_like_pickle(data) or data.startswith(b"PK")):
+    is_torch = data.startswith(b"PK") and b"data.pkl" in data
+    if data[8:9] != b"{" and (is_torch or looks_like_pickle(data)):
         raise InputError(
             f"{shown(path)}: expected a .safetensors model, found a pickle or torch file, which could run code on load"
         )

@@ -92,6 +92,12 @@ def test_a_torch_file_is_refused(tmp_path):
         read_checkpoint(tmp_path / "a.safetensors")
 
 
+def test_a_face_in_the_place_of_a_model_is_no_torch_file(tmp_path):
+    np.savez(tmp_path / "face.npz", vertices=np.zeros((4, 3)))
+    with pytest.raises(InputError, match=r"face\.npz: expected a \.safetensors model, found a zip archive"):
+        read_checkpoint(tmp_path / "face.npz")
+
+
 def build(header, data=b"", length=None):
     text = header if isinstance(header, bytes) else json.dumps(header).encode()
     return (len(text) if length is None else length).to_bytes(8, "little") + text + data
