@@ -9,6 +9,7 @@ from scipy.spatial import KDTree
 
 from caricli.geometry.cholesky import Cholesky
 from caricli.methods.reconstruct.bending import bending
+from caricli.methods.reconstruct.smaller_labels import smaller_labels
 from caricli.render.pixels.widen_mask import widen_mask
 from caricli.render.visibility.covered_pixels import covered_pixels
 from caricli.structures import Camera, Face
@@ -55,14 +56,9 @@ def fit_ears(face: Face, template: Template, picture: ParsedPicture) -> Face:
     Returns the same Face where no ear is seen that is about as large.
     """
     camera = face.require_camera()
-    regions = picture.regions
-    if regions is None:
+    if picture.regions is None:
         return face
-    zoom = min(_SETTINGS.height / max(np.ptp(camera.project(face.vertices)[:, 1]), 1.0), 1.0)
-    if zoom < 1:
-        size = [max(round(zoom * side), 1) for side in regions.shape[1::-1]]
-        regions = cv2.resize(regions, size, interpolation=cv2.INTER_NEAREST_EXACT)
-        camera = camera.zoomed(zoom)
+    regions, camera = smaller_labels(picture.regions, camera, face.vertices, _SETTINGS.height)
     vertices = np.array(face.vertices, float)
     places = camera.place(vertices)
     for name, mask in _labelled(template, regions, places[:, :2]).items():

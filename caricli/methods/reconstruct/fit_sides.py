@@ -2,13 +2,13 @@
 
 from dataclasses import dataclass
 
-import cv2
 import numpy as np
 import scipy.sparse as sp
 from scipy.spatial import KDTree
 
 from caricli.geometry.cholesky import Cholesky
 from caricli.methods.reconstruct.bending import bending
+from caricli.methods.reconstruct.smaller_labels import smaller_labels
 from caricli.render.pixels.widen_mask import widen_mask
 from caricli.render.visibility.covered_pixels import covered_pixels
 from caricli.structures import Camera, Face
@@ -21,6 +21,7 @@ _SKULL = ("scalp", "forehead")
 """Regions that may be under hair, which says where they are above the ears (``sink_skull``)."""
 
 _NO_HEAD = (Region.BACKGROUND, Region.CLOTH, Region.OTHER)
+"""What no head ends with."""
 
 _LOOSE = 1e-6
 """How much any vertex stays, so that parts which nothing holds do."""
@@ -64,11 +65,8 @@ def fit_sides(face: Face, template: Template, picture: ParsedPicture, anchors: n
     """
     if picture.regions is None:
         return face
-    camera = face.require_camera()
-    zoom = min(_SETTINGS.height / max(np.ptp(camera.project(face.vertices)[:, 1]), 1.0), 1.0)
-    size = [max(round(zoom * side), 1) for side in picture.regions.shape[1::-1]]
-    regions = cv2.resize(picture.regions, size, interpolation=cv2.INTER_NEAREST_EXACT)
-    sides = _Sides(template, camera.zoomed(zoom), regions, anchors)
+    regions, camera = smaller_labels(picture.regions, face.require_camera(), face.vertices, _SETTINGS.height)
+    sides = _Sides(template, camera, regions, anchors)
     vertices = np.array(face.vertices, float)
     for _ in range(_SETTINGS.rounds):
         moves = sides.pulled(vertices)
@@ -119,6 +117,7 @@ class _Sides:
         stays = np.maximum(np.where(self.skull, _SETTINGS.skull, _LOOSE), _SETTINGS.rim * (outer & ~before))
         weights = np.where(pulls | self.fixed, 1.0, stays)
         wanted = np.where(pulls[:, None], (ends - places) / self.camera.scale, 0)
-        stiff = _SETTINGS.stiffness / bending(self.template).diagonal().mean() * bending(self.template)
+        cost = bending(self.template)
+        stiff = _SETTINGS.stiffness / cost.diagonal().mean() * cost
         moves: np.ndarray = Cholesky((sp.diags(weights) + stiff).tocsc()).solve(wanted)
         return moves @ self.camera.rotation[:2]
