@@ -122,19 +122,19 @@ def command(
     from caricli.commands.shared.progress import progress_bar
     from caricli.methods.expressions.rig_blendshapes import report_blendshapes
     from caricli.methods.rig.make_rig import RigSettings
-    from caricli.store.expression_tools import ToolPaths, load_caricature, load_tools
+    from caricli.store.expression_tools import ToolPaths, caricature_pictures, load_caricature, load_tools
     from caricli.store.face_pictures import FaceReader, seen_files
 
     _check_usage(method, reconstruct, weights)
     painting = load_network(network, dynamic)
     settings = BlendshapeSettings(method, reconstruct, BlendshapeWeights(*weights))
     tools, tool_files = load_tools(ToolPaths(expressions, map_path, model, templates), latent=reconstruct == "latent")
-    caricature = load_caricature(source, tools, texture, FaceReader(detector, pts_origin))
-    _check_worn(source, caricature, painting)
-    inputs = [source, *caricature.worn.files, *tool_files, network]
+    inputs = [source, *caricature_pictures(source, texture).files, *tool_files, network]
     others = [*map(out.with_suffix, (".glb", ".json")), *picture_files(out.with_suffix(".png"))]
     given = {"overwrite": overwrite, "inputs": [*inputs, detector], "optional": seen_files(source, out)}
     with staged(out, *others, **given) as files:
+        caricature = load_caricature(source, tools, texture, FaceReader(detector, pts_origin))
+        _check_worn(source, caricature, painting)
         with naming(source), progress_bar("expressions"):
             blendshapes, seconds = _build(caricature.face, tools, settings)
             result = _rigged(caricature, blendshapes, tools, RigSettings(head=head, seed=seed))

@@ -20,7 +20,7 @@ from caricli.commands.shared.options import (
 from caricli.errors import InputError, shown
 from caricli.io.image import read_image, write_png
 from caricli.io.landmarks import write_landmarks
-from caricli.io.outputs import staged
+from caricli.io.outputs import check_outputs, staged
 from caricli.io.parsing import legend, write_parsing
 from caricli.io.provenance import provenance
 from caricli.io.strict_json import write_json
@@ -81,17 +81,17 @@ class DetectTask:
         from caricli.methods.detect.see_face import main_face
         from caricli.render.sheets.detection_sheet import detection_sheet
 
+        ends = ("regions.png", "regions.json", "overlay.png")
+        beside = [target.with_name(f"{target.stem}-{end}") for end in ends]
+        inputs = (source, self.path, *self.inputs)
+        check_outputs(target, *beside, overwrite=self.overwrite, inputs=inputs)
         picture = read_image(source)
         detection = detect_faces(picture, self.detector, self.settings)
         if not detection.faces:
             raise InputError(f"{shown(source)}: expected a face, found none")
         faces = detection.faces if self.everyone else [main_face(detection.faces, self.settings)]
         marks = [target, *(target.with_name(f"{target.stem}-{k}.json") for k in range(2, len(faces) + 1))]
-        regions, report, overlay = (
-            target.with_name(f"{target.stem}-{end}") for end in ("regions.png", "regions.json", "overlay.png")
-        )
-        files = (*marks, regions, report, overlay)
-        with staged(*files, overwrite=self.overwrite, inputs=(source, self.path, *self.inputs)) as temporaries:
+        with staged(*marks, *beside, overwrite=self.overwrite, inputs=inputs) as temporaries:
             *points, labels, about, sheet = temporaries
             for file, face in zip(points, faces, strict=True):
                 write_landmarks(file, face.landmarks)

@@ -84,6 +84,11 @@ class Caricature:
     source: FacePicture | None = None
 
 
+def caricature_pictures(source: Path, texture: Path | None = None) -> PictureSources:
+    """What the caricature of ``load_caricature`` wears, told before it is reconstructed."""
+    return picture_sources(source, texture) if source.suffix.lower() == ".npz" else PictureSources(texture)
+
+
 def load_caricature(
     source: Path,
     tools: ExpressionTools,
@@ -97,6 +102,7 @@ def load_caricature(
     Raises InputError for a face without a camera or of another mesh than the tools', and a picture without a face.
     """
     morphable = tools.morphable
+    worn = caricature_pictures(source, texture)
     if is_mesh_file(source):
         raise InputError(
             f"{shown(source)}: expected FACE.npz, a picture or landmarks, found a mesh, which has no camera"
@@ -105,7 +111,7 @@ def load_caricature(
         face = load_worn_face(source, morphable)
         with naming(source):
             face.require_camera()
-        return Caricature(face, picture_sources(source, texture))
+        return Caricature(face, worn)
     intrinsic = load_model()
     if intrinsic.template.topology_id != morphable.template.topology_id:
         raise InputError(f"{shown(source)}: expected a FACE.npz for a model of another mesh, found landmarks")
@@ -113,4 +119,4 @@ def load_caricature(
     picture = reader.read(source, count)
     fit = fit_landmarks(picture.landmarks.head_points, intrinsic, spreads=picture.landmarks.spreads)
     face = Face(morphable.template.with_vertices(fit.face.vertices), fit.face.camera, fit.face.landmarks)
-    return Caricature(face, PictureSources(texture), picture)
+    return Caricature(face, worn, picture)

@@ -209,3 +209,10 @@ def test_bad_faces_landmarks_and_maps_are_refused(run, refused, face, points, tm
         assert result.exit_code == 2 and more[2] in result.stderr
     refused("blendshapes", face, "--out", face)
     assert not out.parent.exists()
+
+
+def test_outputs_that_exist_are_refused_before_a_face_is_reconstructed(refused, monkeypatch, tmp_path):
+    monkeypatch.setattr("caricli.store.expression_tools.load_caricature", pytest.fail)
+    (tmp_path / "b.glb").write_bytes(b"mine")
+    said = refused("blendshapes", tmp_path / "drawing.png", "--out", tmp_path / "b.npz")
+    assert "b.glb exists; give --overwrite to replace it" in said

@@ -144,3 +144,11 @@ def test_what_is_no_detector_is_refused(refused, tmp_path):
     told = refused("detect", tmp_path / "a.png", "--detector", tmp_path / "a.png", "--out-dir", tmp_path / "o")
     assert "expected a .safetensors model" in told
     assert refused("detect", tmp_path / "a.png", code=2)
+
+
+def test_outputs_that_exist_are_refused_before_faces_are_looked_for(refused, detector, pictures, monkeypatch, tmp_path):
+    folder, _ = pictures
+    monkeypatch.setattr("caricli.methods.detect.detect_faces.detect_faces", pytest.fail)
+    (tmp_path / "marks-overlay.png").write_bytes(b"mine")
+    said = refused("detect", folder / "pair.png", "--detector", detector, "--out", tmp_path / "marks.json")
+    assert "marks-overlay.png exists; give --overwrite to replace it" in said
