@@ -18,12 +18,12 @@ class HeadChoice:
 
     parts: some of ``HEAD_PARTS``, the skin among them.
     shoulders: whether a bust that reaches to the shoulders takes the place of what closes the neck.
-    teeth: how they are modelled, where they are not there already.
+    teeth: how they are modelled, where they are not there already; None for natural ones, or those that are there.
     """
 
     parts: Sequence[str] = tuple(HEAD_PARTS)
     shoulders: bool = False
-    teeth: Teeth = "natural"
+    teeth: Teeth | None = None
 
     @property
     def materials(self) -> list[Material]:

@@ -218,9 +218,21 @@ class TestWhatIsRefused:
         assert "egg.obj: expected a skin of the bundled head's topology" in said
         assert not [*tmp_path.glob("new*")]
 
-    def test_other_teeth_for_a_head_that_has_its_own(self, refused, rig, tmp_path):
-        said = refused("render", rig, "--teeth", "cartoon", "-o", tmp_path / "new.png")
+    @pytest.mark.parametrize("teeth", CROWNS)
+    def test_teeth_for_a_head_that_has_its_own(self, refused, rig, tmp_path, teeth):
+        said = refused("render", rig, "--teeth", teeth, "-o", tmp_path / "new.png")
         assert f"{rig}: has its parts already" in said and not [*tmp_path.iterdir()]
+
+    def test_teeth_for_another_topology(self, refused, tmp_path, egg):
+        egg.write(tmp_path / "egg.obj", np.zeros(4))
+        said = refused("render", tmp_path / "egg.obj", "--teeth", "cartoon", "-o", tmp_path / "new.png")
+        assert "egg.obj: expected a skin of the bundled head's topology for --teeth, found another" in said
+        assert not [*tmp_path.glob("new*")]
+
+    def test_teeth_that_are_not_among_the_parts(self, run, files, tmp_path):
+        result = run("rig", files["face"], "--parts", "skin,eyes", "--teeth", "cartoon", "--out", tmp_path / "new.glb")
+        assert result.exit_code == 2 and "--teeth are not among --parts" in result.stderr
+        assert not [*tmp_path.iterdir()]
 
     def test_parts_and_teeth_that_nobody_has(self, run, files, tmp_path):
         for words in (("--parts", "skin,beard"), ("--parts", "teeth"), ("--teeth", "wooden")):

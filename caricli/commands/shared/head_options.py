@@ -35,8 +35,10 @@ _teeth_option = click.option(
 
 
 def _chosen(parts, bust, teeth):
-    """The HeadChoice of what was typed."""
-    return HeadChoice(parts or tuple(HEAD_PARTS), bust, teeth or "natural")
+    """The HeadChoice of what was typed. Raises UsageError for teeth that are not among the parts."""
+    if teeth is not None and parts is not None and "teeth" not in parts:
+        raise click.UsageError("--teeth are not among --parts: give one of them, or teeth among these.")
+    return HeadChoice(parts or tuple(HEAD_PARTS), bust, teeth)
 
 
 def head_options(command: Callable) -> Callable:

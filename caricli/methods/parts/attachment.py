@@ -21,6 +21,9 @@ from caricli.template.template import FittedParts, Template
 POSED = 0.25
 """Weight of expressions: the neutral face of a drawing that laughs keeps some of its laughter."""
 
+NO_TEETH = "expected a skin of the bundled head's topology for --teeth, found another"
+"""What is said of a face into which none can be put."""
+
 
 class Attachment:
     """What holds parts of a template in any face of its topology, prepared once."""
@@ -94,18 +97,23 @@ class Attachment:
         return None if self.pocket is None else Mouths(self.pocket, face.neutral, face.names, face.deltas)
 
 
-def attachment_for(template: Template, teeth: Teeth = "natural") -> Attachment | None:
+def attachment_for(template: Template, teeth: Teeth | None = None) -> Attachment | None:
     """The Attachment of a template's own parts, or of the open head's where it has its topology, else None.
 
-    Raises InputError for other teeth than natural ones where it has its own.
+    teeth: how they are modelled, or None for natural ones, or those that it has.
+    Raises InputError where teeth are asked for and it has its own, or none can be put in.
     """
     if template.parts is not None:
-        if teeth != "natural":
+        if teeth is not None:
             raise InputError(
                 f"expected a head without teeth of its own for {teeth} ones, found one whose annotation has them"
             )
         return _own_attachment(template.parts)
-    return open_head_attachment(teeth) if template.topology_id == open_head_topology() else None
+    if template.topology_id == open_head_topology():
+        return open_head_attachment(teeth or "natural")
+    if teeth is not None:
+        raise InputError(NO_TEETH)
+    return None
 
 
 @lru_cache(maxsize=4)

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from caricli.errors import InputError
-from caricli.methods.parts.attachment import Attachment, attachment_for
+from caricli.methods.parts.attachment import NO_TEETH, Attachment, attachment_for
 from caricli.methods.parts.close_neck import close_neck
 from caricli.methods.parts.shoulders import NO_SHOULDERS, add_shoulders
 from caricli.structures import Face, HeadChoice, Mesh, Part
@@ -28,8 +28,8 @@ def face_parts(
     face: Face. template: of its topology; where it is a Template that knows parts, or has the topology of the open
     head, these are attached. choice: HeadChoice. names, deltas: K expressions and (K, V, 3) metres, what they do to
     the face. given: (V, 3) metres, the face with the expression that this neutral one was found from; or None.
-    Returns Parts, the hair last. Raises InputError where shoulders are chosen and it has not the open head's topology,
-    and where other teeth than usual are chosen for a template that brings its own.
+    Returns Parts, the hair last. Raises InputError where shoulders or teeth are chosen and it has not the open head's
+    topology, and where teeth are chosen for a template that brings its own.
     """
     parts: list[Part] = []
     if isinstance(template, Template) and template.topology_id == face.mesh.topology_id:
@@ -39,8 +39,8 @@ def face_parts(
         close = add_shoulders if choice.shoulders else close_neck
         neck = close(template, face.vertices, names, moves)
         parts += [] if neck is None else [neck]
-    elif choice.shoulders:
-        raise InputError(NO_SHOULDERS)
+    elif choice.shoulders or choice.teeth is not None:
+        raise InputError(NO_SHOULDERS if choice.shoulders else NO_TEETH)
     if face.hair is not None:
         parts.append(face.hair.part)
     return [part for part in parts if choice.takes(part.materials)]

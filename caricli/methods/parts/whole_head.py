@@ -34,7 +34,7 @@ def whole_face(face: Face, choice: HeadChoice = WHOLE) -> Face:
     """
     rig = Rig((), face.mesh, np.zeros((0, *face.vertices.shape), np.float32), face.materials, face.pictures)
     if face.materials is not None:
-        if choice.teeth != WHOLE.teeth:
+        if choice.teeth is not None:
             raise InputError(_OWN_TEETH)
         return choose_head(rig, choice).face
     return add_parts(rig, face_parts(face, load_head().template(), choice)).face

@@ -119,6 +119,8 @@ def test_another_topology_has_none(template):
         template.vertices, template.polygons[:, ::-1].copy(), annotation=template.annotation
     )  # turned inside out
     assert attachment_for(other) is None
+    with pytest.raises(InputError, match="--teeth, found another"):
+        attachment_for(other, "natural")
     assert isinstance(template, Mesh)
 
 
