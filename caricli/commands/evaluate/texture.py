@@ -100,4 +100,7 @@ def _steady(figures: dict, name: str) -> str:
 
 
 def _cell(figure: dict) -> str:
+    """Of a region; "-" for one that no face shows."""
+    if figure["percent"] is None:
+        return "-"
     return f"{figure['percent']:.0f} ({figure['low']:.0f} to {figure['high']:.0f})"

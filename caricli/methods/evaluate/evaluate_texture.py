@@ -85,9 +85,9 @@ class TextureTally:
         total = table.setdefault(region, np.zeros(len(self.who)))
         np.add.at(total, rows, values.double().numpy())
 
-    def figures(self, seed: int = 0) -> dict[str, dict[str, dict[str, float]]]:
+    def figures(self, seed: int = 0) -> dict[str, dict[str, dict[str, float | None]]]:
         """By painter and region: ``error``, mean difference of sRGB from 0 to 1; ``percent`` of that of the kept
-        texture; and ``low`` and ``high`` of its ``ratio_interval``.
+        texture; and ``low`` and ``high`` of its ``ratio_interval``. All are None for a region that no face shows.
 
         seed: of the draws.
         """
@@ -95,11 +95,13 @@ class TextureTally:
             painter: {region: self._figure(painter, region, seed) for region in self.counts} for painter in self.sums
         }
 
-    def _figure(self, painter: str, region: str, seed: int) -> dict[str, float]:
+    def _figure(self, painter: str, region: str, seed: int) -> dict[str, float | None]:
         own = self.sums[painter][region]
-        error = own.sum() / max(self.counts[region].sum(), 1)
+        texels = self.counts[region].sum()
+        if not texels:
+            return dict.fromkeys(("error", "percent", "low", "high"))
         percent, low, high = ratio_interval(100 * own, self.sums[KEPT][region], self.who, seed=seed)
-        return {"error": float(error), "percent": percent, "low": low, "high": high}
+        return {"error": float(own.sum() / texels), "percent": percent, "low": low, "high": high}
 
 
 def regions(batch: TextureBatch, mouth: torch.Tensor) -> dict[str, torch.Tensor]:

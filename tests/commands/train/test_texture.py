@@ -4,6 +4,7 @@ import shutil
 import numpy as np
 import pytest
 
+from caricli.commands.evaluate.texture import REGIONS, _print
 from caricli.io.bundled import config_path
 from caricli.io.checkpoint import read_checkpoint, write_checkpoint
 from caricli.io.image import read_image, write_png
@@ -79,6 +80,19 @@ def test_it_is_measured(run, trained, textures, tmp_path):
         figure = report["painters"]["kept"][region]
         assert figure["percent"] == figure["low"] == figure["high"] == 100
     assert read_image(tmp_path / "out" / "texture.png").shape == (8 * 32, 5 * 32, 3)
+
+
+def test_what_no_face_shows_is_printed_as_not_measured(capsys):
+    shown = {"error": 0.1, "percent": 100.0, "low": 99.0, "high": 101.0}
+    kept = dict.fromkeys(REGIONS, shown) | {"mouth": dict.fromkeys(shown)}
+    _print({"painters": {"kept": kept}, "reading": {"kept": 0.1, "true": 0.1}, "flicker": {}})
+    row = next(line for line in capsys.readouterr().out.splitlines() if "kept  " in line)
+    assert [cell.strip() for cell in row.split("│")[2:6]] == [
+        "100 (99 to 101)",
+        "100 (99 to 101)",
+        "-",
+        "100 (99 to 101)",
+    ]
 
 
 def test_everybody_of_another_folder_is_tested(textures, head, tmp_path):

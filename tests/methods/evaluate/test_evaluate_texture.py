@@ -72,6 +72,15 @@ def test_errors_are_means_of_texels_and_percentages_of_those_of_the_kept_texture
     assert (half["low"], half["high"]) == pytest.approx((50, 250 / 3))
 
 
+def test_what_no_face_shows_is_not_measured(batch):
+    """All mouths are closed."""
+    tally = TextureTally(np.arange(2))
+    tally.add(batch, MOUTH, {KEPT: batch.source})
+    own = tally.figures()[KEPT]
+    assert own["mouth"] == own["opens"] == {"error": None, "percent": None, "low": None, "high": None}
+    assert own["outside"]["percent"] == 100
+
+
 def test_faces_of_one_person_are_drawn_together(batch):
     """Both are of one person, so that draws of the people are all alike."""
     target = batch.target.clone()
