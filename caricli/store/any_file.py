@@ -123,7 +123,8 @@ def files_beside(path: Path) -> list[str]:
         return []
     names = {other.name for other in path.parent.iterdir() if other.stem == path.stem and other.name != path.name}
     if path.suffix.lower() == ".obj":
-        names |= {picture.name for picture in material_pictures(path).values() if picture.is_file()}
+        pictures = [picture for picture in material_pictures(path).values() if picture.is_file()]
+        names |= {picture.relative_to(path.parent).as_posix() for picture in pictures}
     return sorted(names)
 
 

@@ -1,11 +1,12 @@
 """The pictures that an OBJ file's materials name."""
 
 import codecs
+import os
 from pathlib import Path
 
-from caricli.errors import naming
+from caricli.errors import InputError, naming, shown
 from caricli.io.files import read_bytes
-from caricli.io.worn import plain_name
+from caricli.io.worn import is_plain
 from caricli.limits import MAX_CONFIG_BYTES, MAX_FILE_BYTES
 
 EYES = "eyes"
@@ -13,7 +14,8 @@ EYES = "eyes"
 
 
 def material_pictures(path: str | Path) -> dict[str, Path]:
-    """Find the diffuse pictures of an OBJ file: every `map_Kd` of its first `mtllib`, all in the OBJ's own folder.
+    """Find the diffuse pictures of an OBJ file: every `map_Kd` of its first `mtllib`, all in the OBJ's own folder or in
+    folders below it.
 
     Returns paths of pictures by the name of their material, in the file's order; none for any other kind of file.
     Raises InputError when a file cannot be read, or a name leads out of the folder.
@@ -38,7 +40,20 @@ def _named(data: bytes, key: bytes, path: str | Path) -> dict[str, Path]:
             # Options such as -s 1 1 1 stand before the name.
             name = words[1].split()[-1] if words[1].startswith(b"-") else words[1].strip()
             with naming(path):
-                # MeshLab writes ./ before the name.
-                plain = plain_name(name.removeprefix(b"./").decode("utf-8", "replace"))
-                files[material] = Path(path).parent / plain
+                files[material] = _below(Path(path).parent, name.decode("utf-8", "replace"))
     return files
+
+
+def _below(folder: Path, name: str) -> Path:
+    """The file in a folder or below it to which a name leads. Raises InputError where it may lead elsewhere."""
+    # MeshLab writes ./ before the name.
+    parts = name.removeprefix("./").split("/")
+    place = folder.joinpath(*parts)
+    if not all(part and is_plain(part) for part in parts) or not _is_inside(place.parent, folder):
+        raise InputError(f"expected the name of a file beside it or below its folder, found {shown(name, 80)!r}")
+    return place
+
+
+def _is_inside(place: Path, folder: Path) -> bool:
+    """Whether a place is a folder or below it, wherever links lead."""
+    return Path(os.path.realpath(place)).is_relative_to(os.path.realpath(folder))

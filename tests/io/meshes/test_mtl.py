@@ -47,12 +47,32 @@ def test_nothing_named_is_no_picture(written, obj, mtl):
     assert material_pictures(written(obj, mtl)) == {}
 
 
-@pytest.mark.parametrize("name", [b"../x", b"/etc/x", b"a/b", b"a\\b", b"C:x", b"..", b"a\0b"])
+@pytest.mark.parametrize(
+    "name", [b"../x", b"/etc/x", b"a/../../x", b"a/..", b"a//b", b"./", b"a\\b", b"C:x", b"..", b"a\0b"]
+)
 def test_a_name_that_leads_out_of_the_folder_is_refused(written, name):
-    with pytest.raises(InputError, match=r"face\.obj: expected the name of a file beside it, found"):
+    with pytest.raises(
+        InputError, match=r"face\.obj: expected the name of a file beside it or below its folder, found"
+    ):
         material_pictures(written(b"mtllib " + name + b"\n"))
-    with pytest.raises(InputError, match=r"face\.mtl: expected the name of a file beside it, found"):
+    with pytest.raises(
+        InputError, match=r"face\.mtl: expected the name of a file beside it or below its folder, found"
+    ):
         material_pictures(written(b"mtllib face.mtl\n", b"map_Kd " + name + b"\n"))
+
+
+def test_pictures_in_folders_below_are_those_of_the_material(written, tmp_path):
+    mtl = b"newmtl a\nmap_Kd ./textures/skin.png\nnewmtl b\nmap_Kd a/b/my eyes.png\n"
+    pictures = material_pictures(written(b"mtllib face.mtl\n", mtl))
+    assert pictures == {"a": tmp_path / "textures" / "skin.png", "b": tmp_path / "a" / "b" / "my eyes.png"}
+
+
+def test_a_folder_below_that_leads_elsewhere_is_refused(written, tmp_path, tmp_path_factory):
+    (tmp_path / "textures").symlink_to(tmp_path_factory.mktemp("elsewhere"))
+    with pytest.raises(
+        InputError, match=r"face\.mtl: expected the name of a file beside it or below its folder, found"
+    ):
+        material_pictures(written(b"mtllib face.mtl\n", b"map_Kd textures/skin.png\n"))
 
 
 def test_files_that_cannot_be_read_are_named(written, tmp_path):
