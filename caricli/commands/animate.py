@@ -170,8 +170,8 @@ def _check_outputs(out, video, frames, kind):
     frames. Raises UsageError."""
     if out is None and frames is None and video is None:
         raise click.UsageError("Give at least one of --out, --frames and --video.")
-    if frames is None and kind != "obj":
-        raise click.UsageError("--format is of the files of --frames.")
+    if frames is None:
+        refuse_typed("--format is of the files of --frames.", "kind")
     places = [Path(os.path.realpath(path)) for path in (out, video) if path]
     if frames and any(place.is_relative_to(os.path.realpath(frames)) for place in places):
         raise click.UsageError(

@@ -21,6 +21,7 @@ from caricli.commands.shared.options import (
     out_option,
     overwrite_option,
     pts_origin_option,
+    refuse_typed,
     subdivide_option,
 )
 from caricli.commands.shared.picture import picture_option
@@ -83,8 +84,8 @@ def command(
     from caricli.store.drawings import load_drawing
     from caricli.store.regular_faces import face_loader, landmark_loader
 
-    if image and not marked:
-        raise click.UsageError("--image goes with --from-landmarks.")
+    if not marked:
+        refuse_typed("--image and --pts-origin go with --from-landmarks.", "image", "pts_origin")
     jobs = named_jobs(faces, "LANDMARKS" if marked else "FACE", out, out_dir, *MESH_SUFFIXES)
     drawing = load_drawing(model, levels, SIZE, head)
     # A face's own way needs no directions, so it works for models that have none.

@@ -18,7 +18,7 @@ from caricli.commands.shared.options import (
     overwrite_option,
     subdivide_option,
 )
-from caricli.commands.shared.picture import picture_option
+from caricli.commands.shared.picture import picture_option, refuse_undrawn
 from caricli.errors import UsageError, shown
 from caricli.io.provenance import provenance
 
@@ -112,9 +112,11 @@ def _asked(texts, file):
 
 
 def _picture(steps, baseline):
-    """What draws an edit: a film strip, or before and after, perhaps with a baseline. Raises UsageError for both."""
+    """What draws an edit: a film strip, or before and after, perhaps with a baseline. Raises UsageError for both, and
+    where none is drawn."""
     from caricli.methods.edit.handle_sheet import handle_sheet, handle_strip
 
+    refuse_undrawn("steps", "baseline")
     if steps and baseline:
         raise UsageError("--baseline is drawn beside before and after, not in the strip of --steps: give one of them")
     return partial(handle_strip, steps=steps) if steps else partial(handle_sheet, baseline=bool(baseline))

@@ -17,9 +17,10 @@ from caricli.commands.shared.options import (
     named_numbers,
     out_option,
     overwrite_option,
+    refuse_typed,
     subdivide_option,
 )
-from caricli.commands.shared.picture import picture_option
+from caricli.commands.shared.picture import picture_option, refuse_undrawn
 from caricli.commands.shared.tables import print_directions
 from caricli.io.provenance import provenance
 
@@ -71,12 +72,11 @@ def command(face, labels, out, keep, steps, listed, directions, model, head, lev
     from caricli.store.face_files import write_face_result
     from caricli.store.faces import load_latent_face
 
+    _check_usage(listed, face is not None and out is not None and labels)
     drawing = load_drawing(model, levels, SIZE, head)
     path = directions_path(directions, drawing.model)
     if listed:
         return print_directions(load_directions(drawing.model, path))
-    if face is None or out is None or not labels:
-        raise click.UsageError("Give a FACE, at least one --label and --out; or --list.")
     strengths = named_numbers("--label", labels, "NAME=STRENGTH, such as BigNose=2", "label")
     edit = SemanticEdit(load_directions(drawing.model, path), strengths, keep)
     with staged_face(out, overwrite, (face, model, path), "editing") as files:
@@ -88,3 +88,13 @@ def command(face, labels, out, keep, steps, listed, directions, model, head, lev
         write_face_result(files, after, drawing, provenance("edit-semantic", [face, path], **about), draw)
     flipped = 100 * about["after"]["flipped"]
     echo_result(f"{out}: {' '.join(labels)}, prior {after.prior_rms:.2f}, flipped triangles {flipped:.3f} %", note)
+
+
+def _check_usage(listed, complete):
+    """Refuse what is not enough, and options that say nothing beside others. complete: whether a face can be edited."""
+    refuse_undrawn("steps")
+    if listed:
+        message = "--list prints the labels, and stops: it takes no FACE, --label, --keep, --steps and --out."
+        refuse_typed(message, "face", "labels", "keep", "steps", "out")
+    elif not complete:
+        raise click.UsageError("Give a FACE, at least one --label and --out; or --list.")

@@ -10,6 +10,7 @@ from caricli.commands.shared.options import (
     out_folder_option,
     overwrite_option,
     pts_origin_option,
+    refuse_typed,
     seed_option,
 )
 from caricli.methods.reconstruct.settings import COARSE
@@ -67,6 +68,8 @@ def command(ctx, pictures, out_dir, style, coarse, landmarks, size, head, pts_or
     from caricli.commands.shared.portrait_chain import PortraitChain, PortraitFiles
     from caricli.methods.texture.settings import PaintSettings
 
+    if landmarks is None:
+        refuse_typed("--pts-origin is of --landmarks.", "pts_origin")
     jobs = named_jobs(pictures, "PICTURE", None, out_dir, "")
     files = PortraitFiles(pictures, out_dir, landmarks, pts_origin, overwrite)
     files.check()

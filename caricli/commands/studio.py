@@ -55,4 +55,5 @@ def command(start, port, host, no_browser, replay, out, overwrite):
         count = replay_session(replay, start, out, overwrite)
         echo_result(f"{shown(out)}: {count} operations")
     else:
+        refuse_typed("--overwrite and --no-picture are of --replay.", "overwrite", "picture")
         serve_studio(start, host, port, not no_browser)

@@ -134,6 +134,8 @@ def _check_usage(portraits, style, shape, landmarks, generator):
         raise click.UsageError("Give either --style or --generator.")
     if landmarks is not None:
         refuse_typed("--detector finds landmarks, and --landmarks gives them: give one of them.", "detector")
+    else:
+        refuse_typed("--pts-origin is of --landmarks.", "pts_origin")
     if generator is None:
         refuse_typed("--timeout is for the command of --generator.", "timeout")
     if shape == "none":

@@ -3,7 +3,14 @@
 import click
 
 from caricli.commands.shared.notes import echo_result
-from caricli.commands.shared.options import PATH, WholeRange, overwrite_option, seed_option, workers_option
+from caricli.commands.shared.options import (
+    PATH,
+    WholeRange,
+    overwrite_option,
+    refuse_typed,
+    seed_option,
+    workers_option,
+)
 from caricli.io.outputs import staged_folder
 
 
@@ -67,6 +74,8 @@ def command(out, count, identities, expressions, levels, own, albedos, albedo_si
 
     if own and count is None:
         raise click.UsageError("--own is for --count.")
+    if not albedos:
+        refuse_typed("--albedo-size is of the pictures of --albedo.", "albedo_size")
     settings = (OwnSettings if own else BuildSettings)(count, identities, expressions, levels, seed)
     with staged_folder(out, overwrite=overwrite, marker="dataset.json") as temporary, progress_bar("meshes") as report:
         summary = build_dataset(temporary, settings, workers, report, albedos, albedo_size)

@@ -4,10 +4,12 @@ import click
 import numpy as np
 
 from caricli.commands.shared.notes import echo_result
-from caricli.commands.shared.options import PATH, WholeRange, out_option, overwrite_option, seed_option
+from caricli.commands.shared.options import PATH, WholeRange, out_option, overwrite_option, refuse_typed, seed_option
 from caricli.errors import shown
 from caricli.io.image import write_png
 from caricli.io.outputs import staged
+
+_OF_SHEET = ("faces", "size", "seed", "overwrite")
 
 
 @click.command()
@@ -33,6 +35,8 @@ def command(dataset, out, faces, size, seed, overwrite):
     """
     from caricli.store.datasets import dataset_files, is_picture_set, is_texture_set
 
+    if out is None:
+        refuse_typed("--faces, --size, --seed and --overwrite are of the sheet of --out.", *_OF_SHEET)
     generator = np.random.default_rng(seed)
     summary = _pictures if is_picture_set(dataset) else _textures if is_texture_set(dataset) else _meshes
     lines, draw = summary(dataset, faces, size, generator)

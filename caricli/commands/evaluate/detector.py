@@ -5,7 +5,14 @@ from typing import Any
 import click
 
 from caricli.commands.shared.notes import echo_notes, echo_result
-from caricli.commands.shared.options import PATH, WholeRange, out_option, overwrite_option, pts_origin_option
+from caricli.commands.shared.options import (
+    PATH,
+    WholeRange,
+    out_option,
+    overwrite_option,
+    pts_origin_option,
+    refuse_typed,
+)
 from caricli.commands.shared.tables import detector_figures, number, print_table
 from caricli.errors import shown
 from caricli.io.image import write_png
@@ -49,6 +56,8 @@ def command(pictures, real, detector, count, out, pts_origin, overwrite):
 
     if pictures is None and real is None:
         raise click.UsageError("Give pictures with --pictures, --real, or both.")
+    if real is None:
+        refuse_typed("--pts-origin is of the landmarks of --real.", "pts_origin")
     inputs = judged_inputs(pictures, real)
     with staged_folder(out, overwrite=overwrite, inputs=(*inputs, detector, real), marker="detector.json") as folder:
         own = load_detector(detector)

@@ -1,5 +1,6 @@
 """caricli evaluate portrait: coarse and refined faces of portraits side by side."""
 
+from pathlib import Path
 from typing import Any
 
 import click
@@ -14,6 +15,7 @@ from caricli.commands.shared.options import (
     out_option,
     overwrite_option,
     pts_origin_option,
+    refuse_typed,
     seed_option,
 )
 from caricli.commands.shared.tables import number, print_table
@@ -82,9 +84,9 @@ def command(dataset, out, count, everyone, noise, pictures, pts_origin, seed, ov
     from caricli.data.unseen import unseen_data
     from caricli.methods.evaluate.evaluate_portrait import PICTURES, RENDERED, RenderedPortraits, RenderSettings
     from caricli.store.datasets import dataset_files
-    from caricli.store.portraits import load_portrait, load_rivals, portrait_files
+    from caricli.store.portraits import load_portrait, load_rivals
 
-    pairs = portrait_files(pictures)
+    pairs = _pairs(pictures)
     files = [path for pair in pairs for path in pair]
     inputs = (dataset, *dataset_files(dataset), pictures, *files)
     with staged_folder(out, overwrite=overwrite, inputs=inputs, marker="portrait.json") as folder:
@@ -103,6 +105,15 @@ def command(dataset, out, count, everyone, noise, pictures, pts_origin, seed, ov
     echo_notes(unseen.note)
     _print(tally)
     echo_result(f"{shown(out)}: {sum(tally.count(group) for group in tally.means)} portraits")
+
+
+def _pairs(pictures: Path | None) -> list[tuple[Path, Path]]:
+    """Real pictures, each with its landmarks. Raises UsageError where their coordinates are told and there are none."""
+    from caricli.store.portraits import portrait_files
+
+    if pictures is None:
+        refuse_typed("--pts-origin is of the landmarks of --pictures.", "pts_origin")
+    return portrait_files(pictures)
 
 
 def _evaluate(sets: dict, models: dict) -> tuple[Any, np.ndarray]:

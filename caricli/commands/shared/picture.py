@@ -7,6 +7,7 @@ from pathlib import Path
 import click
 import numpy as np
 
+from caricli.commands.shared.options import refuse_typed
 from caricli.io.image import write_png
 
 _KEY = "caricli.picture"
@@ -37,6 +38,16 @@ no_picture_option = click.option(
     help="Draw no picture of the result, which saves the time.",
 )
 """The same for commands that take a picture."""
+
+
+def refuse_undrawn(*names: str) -> None:
+    """Refuse options of the picture that were typed beside --no-picture. names: of parameters, as they are typed.
+
+    Raises click.UsageError.
+    """
+    if not picture_files(Path()):
+        options = " and ".join(f"--{name}" for name in names)
+        refuse_typed(f"--no-picture leaves out what {options} would draw.", *names)
 
 
 @contextmanager

@@ -3,7 +3,7 @@
 import click
 
 from caricli.commands.shared.notes import echo_result
-from caricli.commands.shared.options import PATH, WholeRange, named_mesh, overwrite_option
+from caricli.commands.shared.options import PATH, WholeRange, named_mesh, overwrite_option, refuse_typed
 from caricli.io.image import write_png
 from caricli.io.outputs import staged
 
@@ -38,6 +38,8 @@ def command(out, open_mouth, sheet, size, overwrite):
     from caricli.render.sheets.uv_sheet import uv_sheet
     from caricli.template.head import load_head
 
+    if sheet is None:
+        refuse_typed("--size is of the sheet of --uv-sheet.", "size")
     outputs = [path for path in (out, sheet) if path is not None]
     with staged(*outputs, overwrite=overwrite) as (mesh, *pictures):
         head = load_head()
