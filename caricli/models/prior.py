@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
+from scipy.linalg import solve_triangular
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,7 +32,8 @@ class Prior:
 
     def whiten(self, latents: np.ndarray) -> np.ndarray:
         """Latents (..., D) in standard deviations: zero mean, unit covariance."""
-        return np.linalg.solve(self.factor, (latents - self.mean)[..., None])[..., 0]
+        rows = (latents - self.mean).reshape(-1, len(self.mean))
+        return solve_triangular(self.factor, rows.T, lower=True, check_finite=False).T.reshape(np.shape(latents))
 
     def colour(self, whitened: np.ndarray) -> np.ndarray:
         """The inverse of ``whiten``."""

@@ -21,6 +21,12 @@ def test_colour_undoes_whiten_for_any_leading_dimensions():
     assert np.allclose(whitened[2, 1], prior.whiten(latents[2, 1]))
 
 
+def test_whitening_factors_no_matrix(monkeypatch):
+    prior = Prior.of(LATENTS)
+    monkeypatch.setattr(np.linalg, "solve", pytest.fail)
+    assert prior.whiten(LATENTS).shape == LATENTS.shape and prior.whiten(LATENTS[:0]).shape == (0, 5)
+
+
 def test_rms_is_the_mahalanobis_distance_over_the_root_of_the_dimensions():
     prior = Prior.of(LATENTS, ridge=0.0)
     centred = LATENTS - LATENTS.mean(0)
