@@ -354,6 +354,20 @@ def test_label_maps_that_do_not_fit(refused, scene, tmp_path):
         assert "--mask, --parsing and --detector all say where the head is" in said
 
 
+@pytest.mark.parametrize("share", [0.0, 0.02])
+def test_it_is_said_where_a_face_was_edited_after_it_was_fitted(share, run, scene, tmp_path, head_template):
+    face = read_face(scene / "face.npz")
+    vertices = face.vertices.copy()
+    diagonal = np.linalg.norm(np.ptp(face.landmarks, axis=0)) / CAMERA.scale
+    vertices[head_template.annotation.landmarks[30]] += [share * diagonal, 0, 0]
+    write_face(tmp_path / "face.npz", face.with_vertices(vertices))
+    (_, photo, *more) = inputs(scene)
+    result = run(COMMAND, tmp_path / "face.npz", photo, *more, *QUICK, "--out", tmp_path / "out")
+    assert result.exit_code == 0, result.output
+    words = "face.npz: was edited after it was fitted: landmarks are up to 2.0 % of their diagonal away"
+    assert (words in result.stderr) == bool(share) and ("edited" in result.stderr) == bool(share)
+
+
 def test_another_picture(refused, scene, tmp_path):
     face = read_face(scene / "face.npz")
     write_face(
