@@ -348,7 +348,7 @@ def test_bad_models_are_one_line_and_leave_nothing(refused, marks, tmp_path, cas
 def test_a_model_that_cannot_follow_elastically_is_fitted_inside(run, refused, models, marks, tmp_path):
     pca = ("--out", tmp_path / "face.obj", "--model", models["pca"])
     said = refused(COMMAND, marks, *pca, "--method", "intrinsic")
-    assert "needs an intrinsic model, found one of kind 'pca'; give --method latent" in said
+    assert "needs an intrinsic model, found one of kind 'pca', which 'latent' fits" in said
     assert names(tmp_path) == ["marks.json"]
     result = run(COMMAND, marks, *pca)
     assert result.exit_code == 0, result.output

@@ -20,6 +20,9 @@ from caricli.structures import Directions
 from caricli.template.annotation import DELICATE
 from caricli.template.template import Template
 
+MODES = ("direction", "own")
+"""Ways to exaggerate, see ``caricaturize_face``."""
+
 LABEL = "Caricature"
 """The label whose direction leads from regular faces to caricatures."""
 
@@ -65,12 +68,14 @@ def caricaturize_face(
     exaggerates less. Size and place stay.
 
     face: EncodedFace of the model. model: ShapeModel. strength: 0 changes nothing, 1 shows clearly, 2 is strong.
-    mode: "direction" or "own". directions: Directions of the model with the label "Caricature", for "direction".
+    mode: of MODES. directions: Directions of the model with the label "Caricature", for "direction".
     Returns EncodedFace. Raises InputError.
     """
+    if mode not in MODES:
+        raise InputError(f"expected a mode of {', '.join(MODES)}, found {mode!r}")
     if mode == "direction":
         if directions is None:
-            raise InputError("expected directions of the model for the mode 'direction', found none")
+            raise InputError("expected directions of the model, those of load_directions, for 'direction', found none")
         return edit_semantic(face, model, SemanticEdit(directions, {LABEL: strength}))
     if not strength:
         return face

@@ -90,12 +90,14 @@ def _as_pictured(fit: LandmarkFit, model: IntrinsicModel, picture: ParsedPicture
 
 def _method(model: ShapeModel, method: str, prior_weight: float) -> Callable[..., LandmarkFit]:
     """The function of a name, with model and settings. Raises InputError where the model cannot do it."""
+    if method not in METHODS:
+        raise InputError(f"expected a method of {', '.join(METHODS)}, found {method!r}")
     factor = prior_weight**0.5
     if method == "latent":
         return partial(fit_landmarks_latent, model=model, settings=LatentSettings(noise=LatentSettings.noise * factor))
     if model.kind != "intrinsic":
         raise InputError(
-            f"the method 'intrinsic' needs an intrinsic model, found one of kind {model.kind!r}; give --method latent"
+            f"the method 'intrinsic' needs an intrinsic model, found one of kind {model.kind!r}, which 'latent' fits"
         )
     usual = IntrinsicSettings()
     settings = replace(

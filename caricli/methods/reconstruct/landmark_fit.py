@@ -112,8 +112,8 @@ class Observation:
         """
         note = template.annotation
         if len(points) not in (68, len(note.landmarks)):
-            expected = "68 or 81" if note.has_extra else "the 68 that the model's annotation has"
-            raise InputError(f"expected {expected} landmarks, found {len(points)}")
+            expected = "68 or 81 landmarks" if note.has_extra else "68 landmarks, as the model has no others"
+            raise InputError(f"expected {expected}, found {len(points)}")
         self.template = template
         self.asked = len(points)
         confidence = np.ones(len(points))

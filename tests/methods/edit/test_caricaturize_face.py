@@ -100,6 +100,11 @@ def test_a_direction_needs_directions(pca, strangers):
         caricaturize_face(encoded(strangers[0], pca), pca, 1.0)
 
 
+def test_a_mode_of_no_such_name_is_refused(pca, strangers):
+    with pytest.raises(InputError, match="expected a mode of direction, own, found 'owm'"):
+        caricaturize_face(encoded(strangers[0], pca), pca, 1, "owm")
+
+
 def test_figures_before_and_after(pca, strangers):
     before = encoded(strangers[0], pca)
     after = caricaturize_face(before, pca, 1.0, "own")
