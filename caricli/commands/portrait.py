@@ -62,8 +62,8 @@ def command(ctx, pictures, out_dir, style, coarse, landmarks, size, head, pts_or
     \b
     Example:
       caricli portrait drawing.png --out-dir heads
-      caricli portrait photo.jpg --style watercolour --out-dir heads
-      caricli portrait drawings/*.jpg --landmarks corrected --out-dir heads
+      caricli portrait photo.jpg --style watercolour --out-dir painted
+      caricli portrait drawings/*.jpg --landmarks corrected --out-dir heads --overwrite
     """
     from caricli.commands.shared.portrait_chain import PortraitChain, PortraitFiles
     from caricli.methods.texture.settings import PaintSettings

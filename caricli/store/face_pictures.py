@@ -46,7 +46,9 @@ class FaceReader:
         there are two pictures.
         """
         if not is_image_file(path):
-            return FacePicture(*load_marked_picture(path, image, self.pts_origin))
+            marks, pixels = load_marked_picture(path, image, self.pts_origin)
+            # Those with spreads were found, too.
+            return FacePicture(marks if marks.spreads is None else marks.first(count), pixels)
         if image is not None:
             raise UsageError(f"{shown(path)} is a picture itself: --image is for landmarks")
         pixels = read_image(path)

@@ -42,6 +42,13 @@ def test_landmarks_that_are_given_need_no_detector(files):
     assert len([*marks.parent.iterdir()]) == 2
 
 
+def test_of_found_landmarks_in_a_file_those_beyond_the_mesh_are_left_out(files, points):
+    photo, marks = files
+    for spreads, left in ((np.tile(np.eye(2), (81, 1, 1)), 68), (None, 81)):
+        write_landmarks(marks, Landmarks(points, (90, 70), spreads))
+        assert len(FaceReader().read(marks, 68, photo).landmarks.points) == left
+
+
 def test_a_picture_alone_is_seen(files, reader, points):
     photo, _ = files
     picture = reader.read(photo, 81)

@@ -3,8 +3,9 @@ import pytest
 
 from caricli.data.appearance import random_appearance
 from caricli.methods.dynamic.lit_faces import LitFaces
-from caricli.methods.dynamic.media import NAMES, random_medium
+from caricli.methods.dynamic.media import NAMES, NEAR_PAINTERS, OF_PICTURES, PAINTED, Medium, random_medium
 from caricli.methods.pictures.light import random_sky
+from caricli.methods.pictures.media import MEDIA
 
 
 @pytest.fixture(scope="module")
@@ -53,3 +54,32 @@ def test_away_from_a_changed_mouth_all_strokes_stay(face, name):
 def test_pictures_need_not_be_square(face):
     for name in NAMES:
         assert random_medium(np.random.default_rng(0), name).paint(face[:50]).shape == (50, 96, 3)
+
+
+@pytest.mark.parametrize("shape", [(96, 96), (50, 96), (96, 50), (300, 400)])
+def test_strokes_are_as_large_as_the_shorter_side_of_a_picture_tells(monkeypatch, shape):
+    canvases = []
+    monkeypatch.setitem(NEAR_PAINTERS, "oil", lambda canvas: canvases.append(canvas) or canvas.image)
+    picture = np.full((*shape, 3), 51, np.uint8)
+    assert (Medium("oil", 2.0, 0).paint(picture, 2 * picture) == picture).all()
+    least = min(canvases[0].image.shape[:2])
+    assert PAINTED <= least < PAINTED + min(shape)
+    assert canvases[0].unit / least == pytest.approx(2 / PAINTED)
+    assert (canvases[0].care == 1).all()
+    np.testing.assert_allclose(canvases[0].image, 0.2, atol=1e-6)
+    np.testing.assert_allclose(canvases[0].guide, 0.4, atol=1e-6)
+
+
+@pytest.mark.parametrize("shape", [(300, 400), (400, 300)])
+def test_media_of_pictures_see_the_border_go_on_beside_a_picture(monkeypatch, shape):
+    squares = []
+    monkeypatch.setitem(MEDIA, "flat", (lambda square, *_: squares.append(square) or square, *MEDIA["flat"][1:]))
+    picture = np.random.default_rng(0).integers(0, 256, (*shape, 3), np.uint8)
+    assert (Medium("posterised", 2.0, 0).paint(picture) == picture).all()
+    square = np.pad(picture, ((0, 400 - shape[0]), (0, 400 - shape[1]), (0, 0)), "edge")
+    np.testing.assert_allclose(255 * squares[0], square, atol=1e-3)
+
+
+def test_every_medium_of_pictures_has_one_name():
+    assert sorted(OF_PICTURES.values()) == sorted(MEDIA)
+    assert len(set(NAMES)) == len(NEAR_PAINTERS) + len(MEDIA)
