@@ -59,7 +59,12 @@ def test_pictures_need_not_be_square(face):
 @pytest.mark.parametrize("shape", [(96, 96), (50, 96), (96, 50), (300, 400)])
 def test_strokes_are_as_large_as_the_shorter_side_of_a_picture_tells(monkeypatch, shape):
     canvases = []
-    monkeypatch.setitem(NEAR_PAINTERS, "oil", lambda canvas: canvases.append(canvas) or canvas.image)
+
+    def paint(canvas):
+        canvases.append(canvas)
+        return canvas.image
+
+    monkeypatch.setitem(NEAR_PAINTERS, "oil", paint)
     picture = np.full((*shape, 3), 51, np.uint8)
     assert (Medium("oil", 2.0, 0).paint(picture, 2 * picture) == picture).all()
     least = min(canvases[0].image.shape[:2])
@@ -73,7 +78,12 @@ def test_strokes_are_as_large_as_the_shorter_side_of_a_picture_tells(monkeypatch
 @pytest.mark.parametrize("shape", [(300, 400), (400, 300)])
 def test_media_of_pictures_see_the_border_go_on_beside_a_picture(monkeypatch, shape):
     squares = []
-    monkeypatch.setitem(MEDIA, "flat", (lambda square, *_: squares.append(square) or square, *MEDIA["flat"][1:]))
+
+    def paint(square, *_):
+        squares.append(square)
+        return square
+
+    monkeypatch.setitem(MEDIA, "flat", (paint, *MEDIA["flat"][1:]))
     picture = np.random.default_rng(0).integers(0, 256, (*shape, 3), np.uint8)
     assert (Medium("posterised", 2.0, 0).paint(picture) == picture).all()
     square = np.pad(picture, ((0, 400 - shape[0]), (0, 400 - shape[1]), (0, 0)), "edge")
