@@ -9,11 +9,13 @@ from importlib import import_module
 from pathlib import Path
 from pkgutil import walk_packages
 
+import numpy as np
 import pytest
 
 import caricli
 from caricli.io.gltf.read_gltf import read_gltf
 from caricli.io.image import read_image
+from caricli.structures import Face
 
 ROOT = Path(caricli.__file__).parents[1]
 ASTRONAUT = ROOT / "examples" / "astronaut"
@@ -98,3 +100,16 @@ def test_the_walk_of_the_page_makes_a_rig(tmp_path):
     rig = read_gltf(tmp_path / "rig.glb")
     assert len(rig.names) == 52 and rig.pictures.skin is not None and rig.pictures.skin.std() > 10
     assert read_image(tmp_path / "photo.png").shape[2] == 3
+
+
+def test_the_edits_of_the_page_move_a_nose(tmp_path, monkeypatch, head_template):
+    """The blocks of docs/python.md after the first, as they stand."""
+    blocks = re.findall(r"```python\n(.*?)```", PAGE.read_text("utf-8"), re.S)[1:]
+    monkeypatch.chdir(tmp_path)
+    caricli.write_face("face.npz", Face(head_template))
+    names: dict = {}
+    exec("".join(blocks), names)
+    tip = head_template.annotation.landmarks[30]
+    moved = names["pulled"].vertices - head_template.vertices
+    np.testing.assert_allclose(moved[tip], [0, 0, 0.05 * head_template.height], atol=1e-4)
+    assert caricli.read_mesh("edited.obj").vertices.shape == head_template.vertices.shape
