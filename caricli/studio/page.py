@@ -1,6 +1,7 @@
 """The page of one tab."""
 
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -121,22 +122,32 @@ class Page:
         """
         self._wanted = None
         try:
-            await self.studio.run(self.desk.do, operation)
+            _, done = await self._acted(partial(self.desk.do, operation))
         except CaricliError as error:
             self.say(str(error))
-            self._after([], answered)
+            self._after(len(self.desk.history.done), [], answered)
             return False
-        self._after([operation], answered)
+        self._after(len(done), [operation], answered)
         remark = self.desk.work.remark
         self.say(f"{_plain(operation.name)}: {remark}." if remark else words, "note")
         return True
 
-    def _after(self, more: list[Operation], answered: int = 0) -> None:
-        """Show the present, and let the browser keep it with what was done last."""
+    async def _acted(self, act: Callable[[], None]) -> tuple[list[Operation], list[Operation]]:
+        """Act; returns what was done before it and after it. Something else may have been done when the page hears."""
+
+        def apart() -> tuple[list[Operation], list[Operation]]:
+            before = list(self.desk.history.done)
+            act()
+            return before, list(self.desk.history.done)
+
+        return await self.studio.run(apart)
+
+    def _after(self, count: int, more: list[Operation], answered: int = 0) -> None:
+        """Show the present, and let the browser keep what was done last. count: of operations with it."""
         start = self.desk.start
         kept = None if start is None else {"file": start.file, "sha256": start.sha256}
         entries = [operation_to_json(each) for each in more]
-        self.keep.run_method("keep", kept, len(self.desk.history.done), entries, answered)
+        self.keep.run_method("keep", kept, count, entries, answered)
         self.refresh(answered)
 
     def attempt(self, operation: Operation) -> None:
@@ -170,19 +181,17 @@ class Page:
         await self._travel(self.desk.redo, "redo")
 
     async def _travel(self, go: Callable[[], None], way: str) -> None:
-        before = list(self.desk.history.done)
         try:
-            await self.studio.run(go)
+            before, done = await self._acted(go)
         except CaricliError as error:
             self.say(str(error))
             return
-        done = self.desk.history.done
         if len(done) == len(before):
             self.say(f"There is nothing to {way}.", "note")
         else:
             operation = max(before, done, key=len)[-1]
             self.say(f"{way.capitalize()}ne: {_plain(operation.name).lower()}.", "note")
-        self._after(done[len(before) :])
+        self._after(len(done), done[len(before) :])
 
     def refresh(self, answered: int = 0) -> None:
         """Show the present work in every part of the page."""
@@ -237,7 +246,8 @@ class Page:
         self._layout = None
         for mode in self.modes:
             mode.begin()
-        self._after(list(self.desk.history.done))
+        done = list(self.desk.history.done)
+        self._after(len(done), done)
 
     async def open(self, path: Path) -> None:
         """Open a file that was sent: a face, a picture, a sketch, a session, or landmarks of the picture that is

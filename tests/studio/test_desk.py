@@ -1,3 +1,4 @@
+import asyncio
 from types import SimpleNamespace
 from typing import Any
 
@@ -55,3 +56,24 @@ def test_a_session_that_is_refused_changes_nothing(desk, tmp_path, start):
 def test_a_session_goes_on_from_its_start(desk):
     desk.open_session(Session(BEGUN, (Operation("b"),)))
     assert desk.start == BEGUN and desk.work.remark == "face b"
+
+
+def test_the_browser_keeps_what_is_left_where_undo_comes_before_an_answer(desk, monkeypatch):
+    kept: list[Any] = []
+
+    async def run(function, *values):
+        result = function(*values)
+        await asyncio.sleep(0)
+        return result
+
+    async def draw_and_undo():
+        await asyncio.gather(page.do(Operation("b")), page.undo())
+
+    studio: Any = SimpleNamespace(run=run)
+    page = Page(studio, desk)
+    keep = SimpleNamespace(run_method=lambda name, start, count, more, answered: kept.append((count, len(more))))
+    monkeypatch.setattr(page, "keep", keep, raising=False)
+    monkeypatch.setattr(page, "say", lambda *words: None)
+    monkeypatch.setattr(page, "refresh", lambda answered: None)
+    run_apart(draw_and_undo())
+    assert kept == [(2, 1), (1, 0)] and desk.work.remark == "face a"
