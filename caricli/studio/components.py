@@ -76,7 +76,8 @@ class Slider(Element):
 
 
 class Keep(Element, component="keep.js"):
-    """Keeps the session in the browser, opens files, listens to keys: ``ready``, ``opened``, ``undo`` and ``redo``."""
+    """Keeps the session in the browser, opens files, listens to keys: ``sent``, ``returned``, ``opened``, ``undo``
+    and ``redo``."""
 
     def __init__(self, base: str) -> None:
         """base: address that files are sent to."""

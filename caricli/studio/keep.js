@@ -55,7 +55,9 @@ export default {
     });
     setTimeout(() => {
       this.asking = false;
-      this.$emit("ready", { kept: localStorage.getItem(this.name) });
+      const kept = localStorage.getItem(this.name);
+      // As a file: a message of the page may have a million letters alone.
+      if (kept && JSON.parse(kept).operations.length) this.send(new File([kept], "drawing.json"), "returned");
     }, 120);
   },
   methods: {
@@ -75,13 +77,15 @@ export default {
     chosen() {
       if (this.$refs.file.files[0]) this.send(this.$refs.file.files[0]);
     },
-    async send(file) {
+    // A file for the server, which answers nothing, or why it refuses it.
+    async send(file, done = "opened") {
+      this.$emit("sent", file.name);
       try {
         const url = `${this.base}/open?name=${encodeURIComponent(file.name)}`;
         const answer = await fetch(url, { method: "POST", body: file });
-        this.$emit("opened", { refused: answer.ok ? "" : (await answer.text()).slice(0, 500) });
+        this.$emit(done, { refused: answer.ok ? "" : (await answer.text()).slice(0, 500) });
       } catch {
-        this.$emit("opened", { refused: `${file.name}: could not be sent to the server` });
+        this.$emit(done, { refused: `${file.name}: could not be sent to the server` });
       }
     },
     pend(operation) {
@@ -97,7 +101,11 @@ export default {
       this.write();
     },
     write() {
-      const text = JSON.stringify({ start: this.start, operations: [...this.operations, ...this.pending] });
+      const text = JSON.stringify({
+        schema: "caricli.session/1",
+        start: this.start,
+        operations: [...this.operations, ...this.pending],
+      });
       try {
         localStorage.setItem(this.name, text);
       } catch {

@@ -11,9 +11,8 @@ from nicegui.client import Client
 from caricli.errors import CaricliError, InputError, shown
 from caricli.io.files import read_start
 from caricli.io.landmarks import landmarks_to_json, read_landmarks
-from caricli.io.session import operation_from_json, operation_to_json, read_session
-from caricli.io.strict_json import parse_json
-from caricli.structures import Operation, Start
+from caricli.io.session import operation_to_json, read_session
+from caricli.structures import Operation, Session
 from caricli.studio.components import Head, Keep
 from caricli.studio.desk import Desk
 from caricli.studio.modes.draw_mode import DrawMode
@@ -59,13 +58,14 @@ class Page:
         self._layout: object = None
         self._wanted: Operation | None = None
         self._busy = False
+        self._away: Session | None = None  # what goes on when its file is opened
 
     def build(self) -> None:
         """Lay the page out."""
         ui.add_head_html(f"<style>{''.join(style.read_text('utf-8') for style in _STYLES)}</style>")
         self.dark = ui.dark_mode(None)
-        self.keep = Keep(self.base).on("ready", self._returned).on("opened", self._was_opened)
-        self.keep.on("undo", self.undo).on("redo", self.redo)
+        self.keep = Keep(self.base).on("returned", self._returned).on("opened", self._was_opened)
+        self.keep.on("sent", self._sent).on("undo", self.undo).on("redo", self.redo)
         self._header()
         with ui.element("main").classes("caricli-main"):
             with ui.tab_panels(self.tabs, value=self.studio.mode).classes("caricli-work") as panels:
@@ -253,12 +253,24 @@ class Page:
         """Open a file that was sent: a face, a picture, a sketch, a session, or landmarks of the picture that is
         there. Raises CaricliError."""
         if path.suffix.lower() == ".json" and _is_session(path):
-            await self.studio.run(self.desk.open_session, read_session(path))
+            session = read_session(path)
+            if session.start not in (None, self.desk.start):
+                self._away = session
+                raise InputError(f"Open {session.start.file} again, and what was done with it comes back")
+            await self.studio.run(self.desk.open_session, session)
         elif self.desk.work.picture is not None and _is_marks(path):
             given = {"landmarks": landmarks_to_json(read_landmarks(path))}
             await self.studio.run(self.desk.do, Operation("marks", given))
         else:
             await self.studio.run(self.desk.open, path)
+            if self._away is not None and self._away.start == self.desk.start:
+                session = self._away
+                self._away = None
+                await self.studio.run(self.desk.open_session, session)
+
+    def _sent(self, event: Any) -> None:
+        """What takes long says that it has begun."""
+        self.say(f"Opening {event.args} …", "note")
 
     def _was_opened(self, event: Any) -> None:
         refused = event.args.get("refused")
@@ -269,19 +281,14 @@ class Page:
             self.say("Opened: draw over it, or place its landmarks." if pictured else "Opened.", "note")
             self.begun()
 
-    async def _returned(self, event: Any) -> None:
-        """Bring back what this tab had before the server ended or the page was loaded again."""
-        text = event.args.get("kept")
-        if not text or self.desk.history.done:
-            return
-        try:
-            start, operations = _kept(text)
-            if operations:
-                await self.studio.run(self.desk.restore, start, operations)
-                self.say("Your drawing is back. New begins an empty one.", "note")
-        except CaricliError as error:
-            self.say(f"What this browser kept could not be brought back: {error}")
-        self.begun()
+    def _returned(self, event: Any) -> None:
+        """Show what this tab had before the server ended or the page was loaded again."""
+        refused = event.args.get("refused")
+        if refused:
+            self.say(refused)
+        else:
+            self.say("Your drawing is back. New begins an empty one.", "note")
+            self.begun()
 
     def _contrast(self) -> None:
         dark = self.dark.value
@@ -327,13 +334,3 @@ def _is_marks(path: Path) -> bool:
 def _start(path: Path) -> bytes:
     """What tells a file from others."""
     return read_start(path, 4096, "a file")
-
-
-def _kept(text: str) -> tuple[Start | None, list[Operation]]:
-    """What a browser kept. Raises InputError where it is damaged."""
-    value = parse_json(text.encode(), "the browser")
-    if not isinstance(value, dict) or not isinstance(value.get("operations"), list):
-        raise InputError("expected operations, found none")
-    start = value.get("start")
-    begun = Start(str(start.get("file")), str(start.get("sha256"))) if isinstance(start, dict) else None
-    return begun, [operation_from_json(each) for each in value["operations"]]

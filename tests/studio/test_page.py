@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from PIL import Image
 
 from caricli.cli import cli
 from caricli.errors import InputError
@@ -21,6 +22,13 @@ TURN = np.linspace(0, 2 * np.pi, 30)
 OUTLINE = np.stack([256 + 150 * np.cos(TURN), 260 + 190 * np.sin(TURN)], axis=1).tolist()
 EYES = [np.stack([x + 30 * np.cos(TURN), 230 + 12 * np.sin(TURN)], axis=1).tolist() for x in (195, 317)]
 MOUTH = [[200, 375], [256, 392], [312, 375]]
+MANY = """() => {
+  const session = JSON.parse(localStorage.getItem(caricliKeep.name));
+  const points = Array.from({length: 30000}, (_, k) => [200.25 + 0.001 * k, 200.125]);
+  for (let k = 0; k < 2; k++) session.operations.push({name: "draw", parameters: {points}});
+  localStorage.setItem(caricliKeep.name, JSON.stringify(session));
+}"""
+"""Long lines, as a tab that was closed may have kept them."""
 
 
 def replayed(session, folder):
@@ -204,6 +212,22 @@ def test_a_server_that_is_killed_comes_back_with_the_drawing(browser, tmp_path):
     finally:
         context.close()
         assert again.stop() == 130
+
+
+@pytest.mark.parametrize("long", [False, True])
+def test_what_was_drawn_on_an_opened_picture_comes_back_when_it_is_opened_again(tab, tmp_path, long):
+    Image.new("RGB", (600, 500), (200, 190, 180)).save(tmp_path / "wall.png")
+    tab.changed(lambda: tab.open(tmp_path / "wall.png"))
+    tab.draw(OUTLINE)
+    tab.draw(EYES[0])
+    if long:
+        tab.page.evaluate(MANY)  # more than a message of the page may hold
+    tab.page.reload()
+    tab.wait(0)
+    tab.told("Open wall.png again")
+    tab.changed(lambda: tab.open(tmp_path / "wall.png"))
+    tab.lines(4 if long else 2)
+    assert not tab.faults
 
 
 @pytest.mark.parametrize("words", [["--host", "0.0.0.0"]])
