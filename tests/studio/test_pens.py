@@ -67,3 +67,15 @@ def test_a_finger_draws_on_a_tablet(tablet, tmp_path):
     tablet.page.screenshot(path=tmp_path / "tablet.png", full_page=True)
     root = "document.documentElement"
     assert tablet.page.evaluate(f"[{root}.scrollWidth, {root}.scrollHeight]") == [820, 1180]
+
+
+def test_all_modes_are_in_sight_on_a_phone(browser, server):
+    context = browser.new_context(viewport={"width": 390, "height": 844}, has_touch=True)
+    context.set_default_timeout(PATIENCE)
+    tab = Tab(context.new_page())
+    tab.go(server.url)
+    for name in ("Draw", "Redraw", "Landmarks", "Refine", "Face"):
+        box = tab.page.get_by_role("tab", name=name, exact=True).bounding_box()
+        assert box["x"] >= 0 and box["x"] + box["width"] <= 390
+    assert tab.page.evaluate("document.documentElement.scrollWidth") == 390
+    context.close()
