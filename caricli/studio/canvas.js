@@ -5,10 +5,19 @@ const WIDTH = 2.2; // pixels of the canvas, a line at medium pressure
 export default {
   template: `
     <div class="caricli-canvas">
-      <img v-if="underlay" :src="underlay" alt="" draggable="false" />
-      <canvas ref="sheet" :width="width" :height="height" role="img" :aria-label="label"></canvas>
+      <div class="caricli-sheet" :style="shape">
+        <img v-if="underlay" :src="underlay" alt="" draggable="false" />
+        <canvas ref="sheet" :width="width" :height="height" role="img" :aria-label="label"></canvas>
+      </div>
     </div>`,
   props: { width: Number, height: Number, label: String, underlay: String, drawn: String, rubbed: String },
+  computed: {
+    // As large as there is room for.
+    shape() {
+      const { width, height } = this;
+      return { aspectRatio: `${width} / ${height}`, width: `min(100cqw, ${(100 * width) / height}cqh)` };
+    },
+  },
   mounted() {
     this.lines = [];
     this.waiting = []; // strokes that the server has not heard of or answered yet
@@ -23,13 +32,13 @@ export default {
     this.$emit("ready");
   },
   watch: {
-    width() {
-      this.$nextTick(() => this.redraw());
+    shape() {
+      this.$nextTick(() => this.redraw()); // another size empties a canvas
     },
   },
   methods: {
     ink() {
-      this.colour = this.underlay ? "#c2185b" : getComputedStyle(this.$el).color;
+      this.colour = this.underlay ? "#c2185b" : getComputedStyle(this.$refs.sheet).color;
     },
     place(event) {
       const box = this.$refs.sheet.getBoundingClientRect();

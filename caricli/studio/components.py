@@ -31,7 +31,6 @@ class Canvas(Element, component="canvas.js"):
         self._props["width"] = width
         self._props["height"] = height
         self._props["underlay"] = underlay
-        self.style(f"aspect-ratio: {width} / {height}")
         self.update()
 
 

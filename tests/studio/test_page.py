@@ -172,6 +172,15 @@ def test_a_session_and_a_sketch_open_in_the_page(tab, tmp_path):
     tab.lines(2)
 
 
+@pytest.mark.parametrize("size", [(900, 300), (300, 900)])
+def test_a_picture_keeps_its_shape_on_the_canvas(tab, tmp_path, size):
+    Image.new("RGB", size, (200, 190, 180)).save(tmp_path / "wall.png")
+    tab.changed(lambda: tab.open(tmp_path / "wall.png"))
+    tab.page.wait_for_function(f"document.querySelector('.caricli-canvas canvas').width == {size[0]}")
+    box = tab.page.locator(".caricli-canvas canvas").first.bounding_box()
+    assert box["width"] / box["height"] == pytest.approx(size[0] / size[1], rel=0.01)
+
+
 def test_two_tabs_do_not_see_each_other(browser, server):
     context = browser.new_context()
     context.set_default_timeout(PATIENCE)
