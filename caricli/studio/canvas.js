@@ -27,7 +27,8 @@ export default {
     const canvas = this.$refs.sheet;
     canvas.addEventListener("pointerdown", (event) => this.begin(event));
     canvas.addEventListener("pointermove", (event) => this.go(event));
-    for (const end of ["pointerup", "pointercancel"]) canvas.addEventListener(end, (event) => this.end(event));
+    canvas.addEventListener("pointerup", (event) => this.end(event));
+    canvas.addEventListener("pointercancel", (event) => this.cancel(event));
     new MutationObserver(() => this.redraw()).observe(document.body, { attributeFilter: ["class"] });
     this.$emit("ready");
   },
@@ -47,10 +48,14 @@ export default {
       return [Math.round(100 * x) / 100, Math.round(100 * y) / 100];
     },
     begin(event) {
-      if (event.button || this.stroke) return;
+      const pen = event.pointerType === "pen";
+      this.penned ||= pen;
+      // Beside a pen what touches is the hand that holds it: it draws nothing, and gives way where it came first.
+      const palm = event.pointerType === "touch" && this.penned;
+      if (event.button || palm || (this.stroke && (!pen || this.stroke.pen))) return;
       event.preventDefault();
       this.$refs.sheet.setPointerCapture(event.pointerId);
-      this.stroke = { id: event.pointerId, points: [], pressure: [], pen: event.pointerType === "pen" };
+      this.stroke = { id: event.pointerId, points: [], pressure: [], pen };
       this.add(event);
       this.redraw();
     },
@@ -80,6 +85,12 @@ export default {
       this.waiting.push({ operation, points, pressure: pen ? pressure : null });
       window.caricliKeep?.pend(operation);
       this.$emit("operation", operation);
+    },
+    // What the browser takes for a palm, or for a gesture of its own.
+    cancel(event) {
+      if (this.stroke?.id !== event.pointerId) return;
+      this.stroke = null;
+      this.redraw();
     },
     pen() {
       const pen = this.$refs.sheet.getContext("2d");

@@ -123,10 +123,9 @@ export default {
       this.canvas.addEventListener("pointerdown", (event) => this.pen(event), true);
       this.canvas.addEventListener("pointermove", (event) => this.drag(event));
       this.canvas.addEventListener("pointermove", (event) => this.ink(event));
-      for (const end of ["pointerup", "pointercancel"]) {
-        this.canvas.addEventListener(end, (event) => this.release(event));
-        this.canvas.addEventListener(end, () => this.lift());
-      }
+      this.canvas.addEventListener("pointerup", (event) => this.release(event));
+      this.canvas.addEventListener("pointerup", (event) => this.lift(event));
+      this.canvas.addEventListener("pointercancel", (event) => this.cancel(event));
     },
     resize() {
       const { clientWidth: width, clientHeight: height } = this.$el;
@@ -279,7 +278,7 @@ export default {
       return caster;
     },
     grab(event) {
-      if (!this.canPull || event.button || !this.positions) return;
+      if (!this.canPull || event.button || !this.positions || this.pulled) return;
       const hit = this.ray(event).intersectObject(this.head).find((each) => each.faceIndex < this.skin);
       if (!hit) return;
       let nearest = -1;
@@ -292,7 +291,8 @@ export default {
       const start = new THREE.Vector3().fromArray(this.positions, 3 * nearest);
       const plane = new THREE.Plane();
       plane.setFromNormalAndCoplanarPoint(this.camera.getWorldDirection(new THREE.Vector3()), hit.point);
-      this.pulled = { vertex: nearest, start, from: hit.point.clone(), plane, by: new THREE.Vector3(), rest: this.positions };
+      const by = new THREE.Vector3();
+      this.pulled = { id: event.pointerId, vertex: nearest, start, from: hit.point.clone(), plane, by, rest: this.positions };
       this.controls.enabled = false;
       this.canvas.setPointerCapture(event.pointerId);
       this.dot.position.copy(start);
@@ -308,7 +308,7 @@ export default {
     },
     drag(event) {
       const pulled = this.pulled;
-      if (!pulled) return;
+      if (pulled?.id !== event.pointerId) return;
       const point = this.ray(event).ray.intersectPlane(pulled.plane, new THREE.Vector3());
       if (!point) return;
       pulled.by.copy(point).sub(pulled.from);
@@ -327,8 +327,8 @@ export default {
       this.canvas.dataset.pulled = Number(this.canvas.dataset.pulled ?? 0) + 1;
       this.draw();
     },
-    release() {
-      if (!this.pulled) return;
+    release(event) {
+      if (this.pulled?.id !== event.pointerId) return;
       const { vertex, by } = this.pulled;
       this.pulled = null;
       this.controls.enabled = true;
@@ -375,15 +375,16 @@ export default {
       return [event.clientX - box.left, event.clientY - box.top];
     },
     pen(event) {
-      if (!this.tool || event.button || !this.positions) return;
+      if (!this.tool || event.button || !this.positions || this.stroke) return;
       event.preventDefault();
       this.controls.enabled = false;
       this.canvas.setPointerCapture(event.pointerId);
       this.stroke = [this.spot(event)];
+      this.hand = event.pointerId;
       this.ink(event);
     },
     ink(event) {
-      if (!this.stroke) return;
+      if (!this.stroke || this.hand !== event.pointerId) return;
       for (const each of event.getCoalescedEvents?.().length ? event.getCoalescedEvents() : [event]) {
         const point = this.spot(each);
         const last = this.stroke.at(-1);
@@ -398,14 +399,27 @@ export default {
       line.setAttribute("stroke-width", brush ? 2 * this.radius : 3);
       line.setAttribute("stroke-opacity", brush ? 0.45 : 1);
     },
-    lift() {
-      if (!this.stroke) return;
+    lift(event) {
+      if (!this.stroke || this.hand !== event.pointerId) return;
       const points = this.stroke.map((point) => point.map((each) => Math.round(100 * each) / 100));
       this.stroke = null;
       this.controls.enabled = true;
       this.trace([]);
       if (points.length > 1 || this.tool === "brush" || this.tool === "rub")
         this.$emit("stroke", { tool: this.tool, points, camera: this.seen() });
+    },
+    // What the browser takes for a palm, or for a gesture of its own, did nothing.
+    cancel(event) {
+      if (this.pulled?.id === event.pointerId) {
+        this.place(this.positions);
+        this.dot.visible = false;
+        this.pulled = null;
+      } else if (this.stroke && this.hand === event.pointerId) {
+        this.stroke = null;
+        this.trace([]);
+      } else return;
+      this.controls.enabled = true;
+      this.draw();
     },
     // The vertices that are chosen: of the region, and handles.
     dots(color) {

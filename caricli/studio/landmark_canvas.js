@@ -63,7 +63,7 @@ export class LandmarkCanvas {
     root.addEventListener("pointerdown", (event) => this.press(event));
     root.addEventListener("pointermove", (event) => this.drag(event));
     root.addEventListener("pointerup", (event) => this.release(event));
-    root.addEventListener("pointercancel", () => this.cancel());
+    root.addEventListener("pointercancel", (event) => event.pointerId === this.hold?.id && this.cancel());
     root.addEventListener("wheel", (event) => this.wheel(event), { passive: false });
     root.addEventListener("keydown", (event) => this.key(event));
     this.watcher = new ResizeObserver(() => this.resize());
@@ -268,7 +268,7 @@ export class LandmarkCanvas {
     this.settle();
     this.root.setPointerCapture(event.pointerId);
     event.preventDefault();
-    this.hold = { number, place, origin: this.origin, points: this.points, moved: false };
+    this.hold = { id: event.pointerId, number, place, origin: this.origin, points: this.points, moved: false };
     if (number === null) return;
     this.elements[number].focus({ preventScroll: true });
     this.loupe.hidden = false;
@@ -277,7 +277,7 @@ export class LandmarkCanvas {
 
   drag(event) {
     const { hold } = this;
-    if (!hold) return;
+    if (hold?.id !== event.pointerId) return;
     const place = this.where(event);
     const shift = [place[0] - hold.place[0], place[1] - hold.place[1]];
     hold.moved ||= Math.hypot(...shift) > 2;
@@ -326,9 +326,9 @@ export class LandmarkCanvas {
     this.tell("try", { seq: this.seq, ...operation });
   }
 
-  release() {
+  release(event) {
     const { hold } = this;
-    if (!hold) return;
+    if (hold?.id !== event.pointerId) return;
     this.hold = null;
     this.loupe.hidden = true;
     if (hold.operation) this.do(hold.operation);
