@@ -21,6 +21,7 @@ from caricli.studio.modes.landmarks_mode import LandmarksMode
 from caricli.studio.modes.mode import Mode
 from caricli.studio.modes.redraw_mode import RedrawMode
 from caricli.studio.modes.refine_mode import RefineMode
+from caricli.studio.save import SAVED, saved
 from caricli.studio.server import Studio
 
 MODES: tuple[type[Mode], ...] = (DrawMode, RedrawMode, LandmarksMode, RefineMode, FaceMode)
@@ -101,9 +102,21 @@ class Page:
                 _button("Open", "folder_open", lambda: self.keep.run_method("choose"), "Ctrl+O")
                 with ui.button("Save", icon="save").props("flat dense no-caps"), ui.menu().props("auto-close"):
                     for kind, words in SAVES.items():
-                        link = ui.link(words, f"{self.base}/save/{kind}").classes("caricli-save")
-                        link.props(f'download role="menuitem" data-kind="{kind}"')
+                        item = ui.menu_item(words, on_click=partial(self._save, kind))
+                        item.props(f'role="menuitem" data-kind="{kind}"')
                 ui.button(icon="contrast", on_click=self._contrast).props('flat dense aria-label="Light or dark"')
+
+    async def _save(self, kind: str) -> None:
+        """Give a file to the browser, which takes it home, or say why there is none."""
+        name = SAVED[kind][0]
+        self.say(f"Making {name} …", "note")
+        try:
+            content = await self.studio.run(saved, self.desk, kind)
+        except CaricliError as error:
+            self.say(str(error))
+            return
+        ui.download.content(content, name)
+        self.say(f"Saved: {name}.", "note")
 
     def _views(self) -> None:
         with ui.element("div").classes("caricli-views").props('role="group" aria-label="Views"'):

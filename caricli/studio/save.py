@@ -25,10 +25,9 @@ _SIZE = 640
 """Pixels, width and height of a view in the picture."""
 
 
-def saved(desk: Desk, kind: str) -> tuple[str, bytes]:
-    """Name and content of a file of one of SAVED. Raises CaricliError where there is none."""
-    name, make = SAVED[kind]
-    return name, make(desk)
+def saved(desk: Desk, kind: str) -> bytes:
+    """The file of a kind of SAVED. Raises CaricliError where there is none."""
+    return SAVED[kind][1](desk)
 
 
 def plain_face(desk: Desk) -> Face:

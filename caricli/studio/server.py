@@ -24,7 +24,6 @@ from caricli.store.marked_folder import MarkedFolder
 from caricli.store.session_tools import SessionTools, load_start, start_of
 from caricli.studio.desk import Desk
 from caricli.studio.guard import Guard
-from caricli.studio.save import SAVED, saved
 
 MOST_DESKS = 32
 """Tabs that are open at once; the oldest one ends where there are more."""
@@ -129,10 +128,6 @@ def studio_app(studio: Studio, page: Callable, token: str | None = None) -> Fast
     async def underlay(key: str, number: int) -> Response:
         return await _bytes(studio, key, lambda desk: _png(desk.work.picture), "image/png")
 
-    @app.get(base + "/save/{kind}")
-    async def save(key: str, kind: str) -> Response:
-        return await _saved(studio, key, kind)
-
     @app.post(base + "/open")
     async def open_file(key: str, name: str, request: Request) -> Response:
         return await _opened(studio, key, name, request)
@@ -169,19 +164,6 @@ def _png(pixels: np.ndarray | None) -> bytes | None:
     stream = io.BytesIO()
     Image.fromarray(pixels).save(stream, "PNG", compress_level=1)
     return stream.getvalue()
-
-
-async def _saved(studio: Studio, key: str, kind: str) -> Response:
-    """A file to take home, or why there is none."""
-    desk = studio.desks.get(key)
-    if desk is None or kind not in SAVED:
-        return Response("there is no such file", 404, media_type="text/plain")
-    try:
-        name, content = await studio.run(saved, desk, kind)
-    except CaricliError as error:
-        return Response(str(error), 409, media_type="text/plain")
-    disposition = {"Content-Disposition": f'attachment; filename="{name}"', "Cache-Control": "no-store"}
-    return Response(content, media_type="application/octet-stream", headers=disposition)
 
 
 async def _opened(studio: Studio, key: str, name: str, request: Request) -> Response:

@@ -156,6 +156,12 @@ def test_what_is_no_file_of_ours_is_refused_in_words(tab, tmp_path):
     tab.told("operation 0: expected one of draw")
 
 
+def test_what_cannot_be_saved_is_refused_in_words(tab):
+    tab.page.get_by_role("button", name="Save").click()
+    tab.page.locator("[data-kind=landmarks]").click()
+    tab.told("expected landmarks")
+
+
 def test_a_session_and_a_sketch_open_in_the_page(tab, tmp_path):
     tab.draw(OUTLINE)
     tab.draw(EYES[0])
