@@ -1,3 +1,4 @@
+import asyncio
 from types import SimpleNamespace
 from typing import Any
 
@@ -49,3 +50,21 @@ def test_points_of_the_middle_are_pulled_aside_alone(mode, head_template, name):
 )
 def test_jaw_and_mouth_go_to_one_side_at_a_time(mode, name, both):
     assert [*mode._expression(name, 0.5).parameters["weights"]] == both
+
+
+def test_a_slider_that_is_let_go_is_not_tried_once_more(mode):
+    tried: list[Any] = []
+
+    async def do(operation):
+        # What a hand did last comes after it let go, as messages of a moving slider are held back.
+        mode._slide("BigNose", 1.0)
+
+    mode.locks = {"BigNose": SimpleNamespace(value=False)}
+    mode.sliding = asyncio.Lock()
+    mode.page.do = do
+    mode.page.attempt = tried.append
+    mode.page.desk = SimpleNamespace(history=SimpleNamespace(work=SimpleNamespace(strengths={})))
+    run_apart(mode._slid("BigNose", 1.0))
+    assert not tried
+    mode._slide("BigNose", 1.0)
+    assert len(tried) == 1

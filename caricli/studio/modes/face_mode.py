@@ -122,7 +122,8 @@ class FaceMode(Mode):
         return Operation("semantic", {"strengths": {name: more}, "keep": keep})
 
     def _slide(self, name: str, value: float) -> None:
-        operation = self._semantic(name, value)
+        # While a slider is let go, what still comes of it would be added to where it goes.
+        operation = None if self.sliding.locked() else self._semantic(name, value)
         if operation:
             self.page.attempt(operation)
 
