@@ -243,7 +243,9 @@ export default {
     async texture(name, url) {
       if (!this.renderer) return;
       const material = this.materials[name];
+      material.wanted = url; // a picture that comes later than a newer wish is left
       const map = url ? await new THREE.TextureLoader().loadAsync(url) : null;
+      if (material.wanted !== url) return map?.dispose();
       if (map) map.colorSpace = THREE.SRGBColorSpace;
       material.map?.dispose();
       material.map = map;

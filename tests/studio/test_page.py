@@ -187,6 +187,14 @@ def test_a_picture_keeps_its_shape_on_the_canvas(tab, tmp_path, size):
     assert box["width"] / box["height"] == pytest.approx(size[0] / size[1], rel=0.01)
 
 
+def test_a_texture_that_comes_late_is_left(tab):
+    skin = "document.querySelector('.caricli-head').caricli"
+    late = f"{skin}.texture('skin', document.createElement('canvas').toDataURL())"
+    assert tab.page.evaluate(f"{late}.then(() => Boolean({skin}.materials.skin.map))")
+    worn = f"Promise.all([{late}, {skin}.texture('skin', null)]).then(() => Boolean({skin}.materials.skin.map))"
+    assert not tab.page.evaluate(worn)
+
+
 def test_two_tabs_do_not_see_each_other(browser, server):
     context = browser.new_context()
     context.set_default_timeout(PATIENCE)
