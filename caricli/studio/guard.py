@@ -43,6 +43,8 @@ class Guard:
 
     def _welcome(self, scope: Scope) -> bool:
         headers = {name: value.decode("latin-1") for name, value in scope["headers"]}
+        if headers.get(b"sec-fetch-site") == "cross-site" and headers.get(b"sec-fetch-dest") != "document":
+            return False  # a picture or a frame of a page from elsewhere would take a desk from a tab
         if self.token is None:
             names = [_host(headers.get(b"host", ""))]
             origin = headers.get(b"origin")

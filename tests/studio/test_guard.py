@@ -33,6 +33,14 @@ def test_other_names_are_told_what_to_do(headers):
         assert status == 403 and "--host NAME" in words and "token" not in words
 
 
+def test_a_page_from_elsewhere_may_link_here_and_take_nothing():
+    asked = [(b"host", b"localhost"), (b"sec-fetch-site", b"cross-site")]
+    for dest, status in ((b"document", 200), (b"image", 403), (b"iframe", 403), (b"empty", 403)):
+        assert answer(None, [*asked, (b"sec-fetch-dest", dest)])[0] == status
+    own = [(b"host", b"localhost"), (b"sec-fetch-site", b"same-origin"), (b"sec-fetch-dest", b"image")]
+    assert answer(None, own)[0] == 200
+
+
 def test_without_the_token_it_is_asked_for():
     assert answer("secret", [(b"host", b"localhost")]) == (
         403,
