@@ -79,7 +79,6 @@ export default {
     },
     // A file for the server, which answers nothing, or why it refuses it.
     async send(file, done = "opened") {
-      this.$emit("sent", file.name);
       try {
         const url = `${this.base}/open?name=${encodeURIComponent(file.name)}`;
         const answer = await fetch(url, { method: "POST", body: file });

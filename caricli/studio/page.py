@@ -66,7 +66,7 @@ class Page:
         ui.add_head_html(f"<style>{''.join(style.read_text('utf-8') for style in _STYLES)}</style>")
         self.dark = ui.dark_mode(None)
         self.keep = Keep(self.base).on("returned", self._returned).on("opened", self._was_opened)
-        self.keep.on("sent", self._sent).on("undo", self.undo).on("redo", self.redo)
+        self.keep.on("undo", self.undo).on("redo", self.redo)
         self._header()
         with ui.element("main").classes("caricli-main"):
             with ui.tab_panels(self.tabs, value=self.studio.mode).classes("caricli-work") as panels:
@@ -265,6 +265,8 @@ class Page:
     async def open(self, path: Path) -> None:
         """Open a file that was sent: a face, a picture, a sketch, a session, or landmarks of the picture that is
         there. Raises CaricliError."""
+        # Said here: events of a page that has just been loaded may come in another order than they went.
+        self.say(f"Opening {path.name} …", "note")
         if path.suffix.lower() == ".json" and _is_session(path):
             session = read_session(path)
             if session.start not in (None, self.desk.start):
@@ -280,10 +282,6 @@ class Page:
                 session = self._away
                 self._away = None
                 await self.studio.run(self.desk.open_session, session)
-
-    def _sent(self, event: Any) -> None:
-        """What takes long says that it has begun."""
-        self.say(f"Opening {event.args} …", "note")
 
     def _was_opened(self, event: Any) -> None:
         refused = event.args.get("refused")
