@@ -57,7 +57,7 @@ def command(ctx, pictures, out_dir, style, coarse, landmarks, size, head, pts_or
     folder drawing holds what the single commands write, to go on from there: landmarks.json of `detect`, face.obj of
     `reconstruct-from-landmarks` (by the label map of `detect`), `fit-coarse` or `fit-morphable`, refined.obj of
     `refine`, textured of `texture` by the same label map, rig.glb of `rig`; with --style also styled.png of `stylise`.
-    index.html shows all heads of the folder, to be turned in a browser.
+    index.html shows all heads of the folder, those of earlier runs too, to be turned in a browser.
 
     \b
     Example:

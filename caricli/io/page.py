@@ -12,6 +12,7 @@ from urllib.parse import quote
 
 from caricli.errors import InputError, shown
 from caricli.io.bundled import asset_path
+from caricli.io.files import read_start
 from caricli.io.image import read_image
 from caricli.io.outputs import writing
 
@@ -21,6 +22,7 @@ SMALL = "thumbnails"
 VIEWER_FILE = "viewer/turntable.js"
 """In SMALL, what says that a page made it."""
 
+_GENERATOR = '<meta name="generator" content="caricli">'
 _VIEWER = Path(SMALL, "viewer")
 _GAP = 0.03  # between the pictures of caricli's sheets, of their side
 _PAGE = """\
@@ -28,6 +30,7 @@ _PAGE = """\
 <html lang="en">
 <meta charset="utf-8">
 <meta name="viewport" content="width=device-width, initial-scale=1">
+{generator}
 <title>{title}</title>
 <style>
   body {{ margin: 2rem auto; padding: 0 1rem; max-width: 100rem; font: 1rem/1.5 system-ui, sans-serif; color: #222 }}
@@ -130,11 +133,12 @@ class PageFolder:
     def write(self, page: Path, title: str, body: str) -> None:
         """Write a page, and the viewer that it needs beside it. page: path. title: text. body: HTML."""
         folder = self.staging / _VIEWER
+        text = _PAGE.format(generator=_GENERATOR, title=html.escape(title), body=body, viewer=_url(_VIEWER))
         with writing(page):
             folder.mkdir(parents=True, exist_ok=True)
             for path in sorted(asset_path("viewer").iterdir()):
                 shutil.copyfile(path, folder / path.name)
-            page.write_text(_PAGE.format(title=html.escape(title), body=body, viewer=_url(_VIEWER)), "utf-8")
+            page.write_text(text, "utf-8")
 
     def _file(self, small: Path) -> Path:
         """The path of a file in SMALL, in a folder that is there."""
@@ -142,6 +146,11 @@ class PageFolder:
         with writing(path):
             path.parent.mkdir(parents=True, exist_ok=True)
         return path
+
+
+def is_page(path: Path) -> bool:
+    """Whether a file is a page that was written here, and may be written anew."""
+    return path.is_file() and _GENERATOR.encode() in read_start(path, 1024, "a page")
 
 
 def _url(path: Path) -> str:

@@ -55,6 +55,23 @@ def encoder_levels(
     )
 
 
+def twice(values: torch.Tensor) -> torch.Tensor:
+    """Values (B, C, H, W) of twice the height and width, each four times."""
+    return functional.interpolate(values, scale_factor=2, mode="nearest")
+
+
+def start_linear(layer: nn.Linear, generator: torch.Generator) -> None:
+    """Draw the initial weights of a layer that is rectified."""
+    nn.init.kaiming_normal_(layer.weight, nonlinearity="relu", generator=generator)
+    nn.init.zeros_(layer.bias)
+
+
+def start_plainly(layer: nn.Linear) -> None:
+    """Let a layer give zeros at first."""
+    nn.init.zeros_(layer.weight)
+    nn.init.zeros_(layer.bias)
+
+
 def start_convolutions(network: nn.Module, generator: torch.Generator | None) -> None:
     """Draw the initial weights of all convolutions; what adds to something adds nothing at first.
 

@@ -11,7 +11,7 @@ from urllib.parse import quote
 
 from caricli.errors import InputError, shown
 from caricli.io.outputs import check_output_folder, check_outputs, staged, staged_folder
-from caricli.io.page import SMALL, VIEWER_FILE, PageFolder, SmallCopy
+from caricli.io.page import SMALL, VIEWER_FILE, PageFolder, SmallCopy, is_page
 from caricli.io.strict_json import read_json
 
 FILES = {
@@ -97,16 +97,17 @@ def _natural(name: str) -> list[tuple[bool, int, str]]:
 def check_page(home: Path, overwrite: bool, inputs: Iterable[Path | None]) -> None:
     """Refuse at once what ``write_page`` would refuse. Raises OutputError."""
     inputs = list(inputs)
-    check_outputs(home / _PAGE, overwrite=overwrite, inputs=inputs)
+    check_outputs(home / _PAGE, overwrite=overwrite or is_page(home / _PAGE), inputs=inputs)
     check_output_folder(home / SMALL, True, inputs, VIEWER_FILE)
 
 
 def write_page(home: Path, heads: list[PortraitHead], overwrite: bool, inputs: Iterable[Path | None]) -> None:
-    """Write index.html of heads into the folder that holds them, and what it shows. Raises OutputError."""
+    """Write index.html of heads into the folder that holds them, and what it shows; a page of earlier heads is written
+    anew. Raises OutputError."""
     inputs = list(inputs)
     with (
         staged_folder(home / SMALL, True, inputs, VIEWER_FILE) as small,
-        staged(home / _PAGE, overwrite=overwrite, inputs=inputs) as (page,),
+        staged(home / _PAGE, overwrite=overwrite or is_page(home / _PAGE), inputs=inputs) as (page,),
     ):
         write_portrait_page(page, PageFolder(home, small.parent), heads)
 

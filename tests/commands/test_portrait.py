@@ -129,9 +129,17 @@ def test_doubts_and_failures_are_told(heads):
     assert read_image(out / "thumbnails" / "seen" / "picture.jpg").shape == (SIDE, SIDE, 3)
 
 
-def test_nothing_is_replaced_without_overwrite(heads, refused, tmp_path):
+def test_nothing_is_replaced_without_overwrite(heads, run, refused, tmp_path):
     out, _ = heads
+    page = (out / "index.html").read_text("utf-8")
     told = refused("portrait", out.parent / "seen.png", "--out-dir", out)
+    assert "seen exists; give --overwrite" in told
+    pictures = [out.parent / f"{name}.png" for name in ("seen", "broken", "given")]
+    again = run("portrait", *pictures, "--out-dir", out)
+    assert again.exit_code == 1 and "3 of 3 failed" in again.stderr
+    assert (out / "index.html").read_text("utf-8") == page
+    (tmp_path / "index.html").write_text("mine")
+    told = refused("portrait", out.parent / "seen.png", "--out-dir", tmp_path)
     assert "index.html exists; give --overwrite" in told
     (tmp_path / "thumbnails").mkdir()
     (tmp_path / "thumbnails" / "mine.txt").write_text("mine")

@@ -1,9 +1,10 @@
 import numpy as np
 import pytest
 
+from caricli.errors import OutputError
 from caricli.io.image import write_png
 from caricli.io.strict_json import write_json
-from caricli.store.portrait_page import doubt_of_head, portrait_heads, write_page
+from caricli.store.portrait_page import check_page, doubt_of_head, portrait_heads, write_page
 
 
 @pytest.fixture
@@ -46,6 +47,19 @@ def test_reports_that_somebody_changed_leave_their_cells_empty(home, text):
     row = 'ours</a></td><td></td><td></td><td></td><td></td><td class="failed"></td>'
     assert row in page_of(home)
     assert row.removesuffix("</td>") + "no face</td>" in page_of(home, (), {home / "ours.png": "no face"})
+
+
+def test_a_page_of_earlier_heads_is_written_anew_and_another_is_not(home):
+    assert "1 of 1 finished" in page_of(home)
+    write_json(report_of(home, "more"), report(home.parent))
+    write_page(home, portrait_heads(home, (), {}), False, ())
+    page = home / "index.html"
+    assert "2 of 2 finished" in page.read_text("utf-8")
+    page.write_text("mine")
+    for act in (lambda: check_page(home, False, ()), lambda: write_page(home, [], False, ())):
+        with pytest.raises(OutputError, match="index.html exists; give --overwrite"):
+            act()
+    assert page.read_text() == "mine"
 
 
 def test_a_name_need_not_be_utf8(home):

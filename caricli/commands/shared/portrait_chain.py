@@ -76,8 +76,9 @@ class PortraitFiles:
         return next((path for path in paths if path.is_file()), None)
 
     def write_page(self, failures: Sequence[tuple[Path, CaricliError]]) -> None:
-        """Write the page of all heads, and of pictures that failed."""
-        heads = portrait_heads(self.out_dir, self.pictures, {path: str(error) for path, error in failures})
+        """Write the page of all heads, and of pictures that failed; a head that nothing replaces stays as it was."""
+        lacking = [each for each in failures if self.overwrite or not (self.out_dir / each[0].stem / REPORT).is_file()]
+        heads = portrait_heads(self.out_dir, self.pictures, {path: str(error) for path, error in lacking})
         write_page(self.out_dir, heads, self.overwrite, [*self.pictures, self.landmarks])
 
 

@@ -4,6 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from caricli.geometry.lines.rows_at import rows_at
+
 _FINEST = 8
 """Samples of a drawn line for each point that is looked for."""
 _SAMPLES = (64, 320)
@@ -68,7 +70,7 @@ def resample(line: np.ndarray, count: int) -> np.ndarray:
     places = np.zeros(len(line))
     np.cumsum(_steps(line), out=places[1:])
     wanted = np.arange(count) * (places[-1] / (count - 1))
-    return np.stack([np.interp(wanted, places, column) for column in line.T], axis=1)
+    return rows_at(wanted, places, line)
 
 
 def _steps(line: np.ndarray) -> np.ndarray:

@@ -3,6 +3,7 @@
 import numpy as np
 
 from caricli.errors import InputError
+from caricli.geometry.lines.rows_at import rows_at
 from caricli.io.takes.track import MAX_FRAMES, MAX_WEIGHTS
 from caricli.methods.animate.turn_head import within_half_turns
 from caricli.structures import Track
@@ -39,12 +40,11 @@ def resample_weights(track: Track, fps: float | None = None) -> tuple[Track, flo
         length = f"{track.times[-1]:g} seconds at {fps:g} frames a second"
         raise InputError(f"weights: expected at most {MAX_FRAMES} frames and {MAX_WEIGHTS} weights, found {length}")
     times = np.arange(int(count)) / fps
-    columns = [np.interp(times, track.times, column) for column in track.weights.T]
     head = None
     if track.head is not None:
         angles = np.unwrap(track.head, axis=0)
-        head = within_half_turns(np.stack([np.interp(times, track.times, a) for a in angles.T], axis=1))
-    return Track(track.names, times, np.stack(columns, axis=1), head), fps
+        head = within_half_turns(rows_at(times, track.times, angles))
+    return Track(track.names, times, rows_at(times, track.times, track.weights), head), fps
 
 
 def _usual_step(steps: np.ndarray) -> float:

@@ -7,6 +7,7 @@ from functools import partial
 import numpy as np
 
 from caricli.geometry.lines.arc_lengths import arc_lengths
+from caricli.geometry.lines.rows_at import rows_at
 from caricli.geometry.smooth_step import smooth_step
 from caricli.methods.creases import crease_lines as lines
 
@@ -235,7 +236,7 @@ def _wander(
     """A line (N, 2) as a hand of nature draws it: points (M, 2), and shares (M,) of its length."""
     lengths = arc_lengths(line)
     at = np.linspace(0, 1, max(int(lengths[-1] / spacing), 5))
-    path = np.stack([np.interp(at, lengths / lengths[-1], line[:, k]) for k in (0, 1)], 1)
+    path = rows_at(at, lengths / lengths[-1], line)
     phases = generator.uniform(0, 2 * np.pi, (_WAVES, 2))
     sizes = wave * generator.normal(size=(_WAVES, 2)) / (1 + np.arange(_WAVES)[:, None])
     turns = np.pi * (1 + 2 * np.arange(_WAVES))[:, None] * at

@@ -12,6 +12,7 @@ import scipy.sparse as sp
 from caricli.errors import InputError
 from caricli.geometry.alignment.similarity import similarity
 from caricli.geometry.alignment.weighted_similarities import weighted_similarities
+from caricli.geometry.lines.rows_at import rows_at
 from caricli.geometry.triangle_normals import triangle_normals
 from caricli.methods.dynamic.chart_pictures import ChartGrid
 from caricli.methods.dynamic.mouth_parts import MouthParts, look_inside
@@ -167,7 +168,7 @@ class PersonShapes:
         gaps = np.zeros(len(places))
         for line, other in (self._lips, self._lips[::-1]):
             steps = np.arange(_FINER * len(other)) / _FINER
-            finer = np.stack([np.interp(steps, np.arange(len(other)), column) for column in places[other].T], axis=1)
+            finer = rows_at(steps, np.arange(len(other)), places[other])
             gaps[line] = np.linalg.norm(places[line, None] - finer[None], axis=2).min(1, initial=np.inf)
         return gaps
 

@@ -53,7 +53,7 @@ def handle_points(
     Raises InputError for unknown places and lengths, and for handles that contradict each other.
     """
     if symmetric and head.annotation.mirror is None:
-        raise InputError("--symmetric: this topology's annotation has no mirror map")
+        raise InputError("expected a head with a mirror map for what is symmetric, found none")
     wanted = [(where, displacement_of(values, head.height, where)) for where, values in asked]
     wanted += [(pin, np.zeros(3)) for pin in pins]
     handles: dict[int, tuple[np.ndarray, str]] = {}

@@ -8,6 +8,7 @@ from scipy.spatial.distance import cdist
 from caricli.errors import InputError
 from caricli.geometry.lines.arc_lengths import arc_lengths
 from caricli.geometry.lines.match_line import resample
+from caricli.geometry.lines.rows_at import rows_at
 from caricli.geometry.lines.zero_lines import zero_lines
 from caricli.methods.gesture.changed import Changed
 from caricli.methods.gesture.held_deformation import held_deformation, sound_move
@@ -112,7 +113,7 @@ def handle_targets(
     if turned < straight:
         drawn = drawn[::-1]
     there = np.linspace(0, 1, _SAMPLES)
-    ways = np.stack([np.interp(shares, there, column) for column in (drawn - middles).T], axis=1)
+    ways = rows_at(shares, there, drawn - middles)
     return handles, camera.lift(pixels + ways, own)
 
 
@@ -186,7 +187,7 @@ def outline_targets(
     shares = np.concatenate([[0], np.cumsum(steps)]) / max(float(steps.sum()), 1e-12)
     drawn = resample(line, 4 * _SAMPLES)
     there = np.linspace(0, 1, len(drawn))
-    places = np.stack([np.interp(shares, there, column) for column in drawn.T], axis=1)
+    places = rows_at(shares, there, drawn)
     own = face.vertices[ids]
     return ids, camera.lift(camera.project(own) + places - points, own)
 

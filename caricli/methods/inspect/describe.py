@@ -6,6 +6,7 @@ from functools import singledispatch
 from typing import Any
 
 import numpy as np
+from torch import nn
 
 from caricli.data.dataset import SPLITS, Dataset
 from caricli.data.picture_set import PictureSet
@@ -239,7 +240,7 @@ def _(value: Detector, around: Acquaintances) -> Inspection:
 
 @describe.register
 def _(value: CoarseModel, around: Acquaintances) -> Inspection:
-    weights = sum(parameter.numel() for parameter in value.network.parameters())
+    weights = _weights(value.network)
     summary = f"{weights / 1e6:.1f} million weights, for faces in windows of {value.size} pixels"
     lines = (f"coefficients: {value.network.outputs}, of {around.model_name(value.basis)}",)
     figures = {"weights": weights, "size": value.size, "model_id": value.model_id, "basis": value.basis}
@@ -248,7 +249,7 @@ def _(value: CoarseModel, around: Acquaintances) -> Inspection:
 
 @describe.register
 def _(value: SketchModel, around: Acquaintances) -> Inspection:
-    weights = sum(parameter.numel() for parameter in value.network.parameters())
+    weights = _weights(value.network)
     summary = f"{weights / 1e6:.1f} million weights, for sketches in windows of {value.size} pixels"
     lines = (f"latents: {value.network.dimension}, of {around.model_name(value.basis)}", ", ".join(value.curves))
     figures = {"weights": weights, "size": value.size, "model_id": value.model_id, "basis": value.basis}
@@ -257,7 +258,7 @@ def _(value: SketchModel, around: Acquaintances) -> Inspection:
 
 @describe.register
 def _(value: GestureModel, around: Acquaintances) -> Inspection:
-    weights = sum(parameter.numel() for parameter in value.network.parameters())
+    weights = _weights(value.network)
     summary = f"{weights / 1e6:.1f} million weights, for strokes in pictures of {value.network.size} pixels"
     figures = {"weights": weights, "size": value.network.size, "model_id": value.model_id}
     return Inspection("gesture network", summary, (", ".join(GESTURES),), figures)
@@ -265,14 +266,14 @@ def _(value: GestureModel, around: Acquaintances) -> Inspection:
 
 @describe.register
 def _(value: StyleModel, around: Acquaintances) -> Inspection:
-    weights = sum(parameter.numel() for parameter in value.network.parameters())
+    weights = _weights(value.network)
     figures = {"weights": weights, "model_id": value.model_id, "media": list(value.media)}
     return Inspection("style network", f"{weights / 1e6:.1f} million weights", (", ".join(value.media),), figures)
 
 
 @describe.register
 def _(value: TextureModel, around: Acquaintances) -> Inspection:
-    weights = sum(parameter.numel() for parameter in value.network.parameters())
+    weights = _weights(value.network)
     summary = f"{weights / 1e6:.1f} million weights, for textures in charts of {value.size} texels"
     figures = {"weights": weights, "size": value.size, "model_id": value.model_id, "topology_id": value.topology_id}
     return Inspection("texture network", summary, (), figures)
@@ -387,3 +388,8 @@ def _listed(names: Any) -> str:
     names = [name for name, _ in Counter(names).most_common()]
     more = f" and {len(names) - _NAMED} more" if len(names) > _NAMED else ""
     return ", ".join(names[:_NAMED]) + more
+
+
+def _weights(network: nn.Module) -> int:
+    """How many numbers a network has learned."""
+    return sum(parameter.numel() for parameter in network.parameters())

@@ -8,6 +8,7 @@ import igl
 import numpy as np
 import scipy.sparse as sp
 
+from caricli.geometry.lines.rows_at import rows_at
 from caricli.render.pixels.sample_texture import sample_texture
 from caricli.structures import Material, Mesh, Part
 from caricli.template.template import Template
@@ -129,7 +130,7 @@ def _once_around(template: Template, edge: np.ndarray, texture: np.ndarray) -> n
     place[template.polygons[used]] = template.uv_polygons[used]
     colours = sample_texture(texture, template.uvs[place[np.append(edge, edge[0])]])
     across = (np.arange(WIDTH) + 0.5) / WIDTH * len(edge)
-    return np.stack([np.interp(across, np.arange(len(edge) + 1), channel) for channel in colours.T], 1)
+    return rows_at(across, np.arange(len(edge) + 1), colours)
 
 
 def _disc(places: np.ndarray, around: int) -> Mesh:

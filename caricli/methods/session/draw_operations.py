@@ -6,6 +6,7 @@ import numpy as np
 
 from caricli.errors import InputError
 from caricli.geometry.lines.line_distances import line_distances
+from caricli.geometry.lines.rows_at import rows_at
 from caricli.methods.faces.encode_face import encode_face
 from caricli.methods.session.parameters import Parameters, number, only, points
 from caricli.methods.session.tools import Tools
@@ -99,7 +100,7 @@ def _denser(stroke: Stroke, apart: float) -> Stroke:
     counts = np.where(lengths > 2 * apart, np.ceil(lengths / apart), 1).astype(int)
     at = np.concatenate([*(k + np.arange(count) / count for k, count in enumerate(counts)), [len(counts)]])
     own = np.arange(len(stroke.points))
-    points = np.stack([np.interp(at, own, column) for column in stroke.points.T], axis=1)
+    points = rows_at(at, own, stroke.points)
     pressure = None if stroke.pressure is None else np.interp(at, own, stroke.pressure)
     return replace(stroke, points=points, pressure=pressure)
 

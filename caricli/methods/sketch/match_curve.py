@@ -5,6 +5,7 @@ import numpy as np
 from caricli.geometry.lines.arc_lengths import arc_lengths
 from caricli.geometry.lines.line_nodes import line_nodes
 from caricli.geometry.lines.match_line import match_line, resample
+from caricli.geometry.lines.rows_at import rows_at
 from caricli.methods.sketch.settings import CORNERED
 from caricli.template.feature_curves import FeatureCurve
 
@@ -97,7 +98,7 @@ def _between(own: np.ndarray, marks: np.ndarray, line: np.ndarray, shares: np.nd
     along = arc_lengths(own)
     wanted = np.interp(along[first : last + 1], along[marks], shares)
     drawn = _shares(line)
-    places[first : last + 1] = np.stack([np.interp(wanted, drawn, column) for column in line.T], axis=1)
+    places[first : last + 1] = rows_at(wanted, drawn, line)
     return places
 
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from caricli.geometry.lines.match_line import resample
+from caricli.geometry.lines.rows_at import rows_at
 from caricli.structures.gesture import GESTURES, roll_level
 
 _DENSE = 240
@@ -156,7 +157,7 @@ def _at_speed(
     count = int(np.exp(generator.uniform(np.log(max(low, 12 * loops + 6)), np.log(high))))
     pace = np.exp(np.cumsum(generator.normal(0, 0.5 / np.sqrt(count), count)))
     places = np.concatenate([[0], np.cumsum(pace)]) / pace.sum() * (len(dense) - 1)
-    return np.stack([np.interp(places, np.arange(len(dense)), column) for column in dense.T], 1)
+    return rows_at(places, np.arange(len(dense)), dense)
 
 
 def _zigzag(generator: np.random.Generator) -> np.ndarray:

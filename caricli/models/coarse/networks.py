@@ -12,7 +12,15 @@ from torch import nn
 from torch.nn import functional
 
 from caricli.models.coarse.config import CoarseSize
-from caricli.models.residual import Bottleneck, Residual, encoder_levels, start_convolutions, unit
+from caricli.models.residual import (
+    Bottleneck,
+    Residual,
+    encoder_levels,
+    start_convolutions,
+    start_linear,
+    start_plainly,
+    unit,
+)
 
 CELLS = 4
 """Places on a side that the last features are gathered at."""
@@ -145,8 +153,6 @@ class CoarseNetwork(nn.Module):
             nn.init.normal_(self.near, std=self.near.shape[1] ** -0.5, generator=generator)
         for name, layer in self.named_children():
             if isinstance(layer, nn.Linear) and name.endswith("hidden"):
-                nn.init.kaiming_normal_(layer.weight, nonlinearity="relu", generator=generator)
-                nn.init.zeros_(layer.bias)
+                start_linear(layer, generator)
             elif isinstance(layer, nn.Linear):
-                nn.init.zeros_(layer.weight)
-                nn.init.zeros_(layer.bias)
+                start_plainly(layer)

@@ -16,7 +16,7 @@ from caricli.models.detector.jaw_places import JawPlaces
 from caricli.models.detector.model import LANDMARKS, Detector
 from caricli.models.detector.weights import DetectorWeights
 from caricli.models.network_weights import load_weights, network_weights
-from caricli.models.residual import Residual, start_convolutions, unit
+from caricli.models.residual import Residual, start_convolutions, twice, unit
 from caricli.structures.parsing import Region
 
 _RARE = -4.0
@@ -91,7 +91,7 @@ class DetectorNetwork(nn.Module):
         for step in self.down:
             levels.append(step(levels[-1]))
         lowest = levels.pop()
-        return self.join[0](levels.pop() + _twice(self.up[0](lowest))), levels
+        return self.join[0](levels.pop() + twice(self.up[0](lowest))), levels
 
     def faces(self, features: torch.Tensor) -> FaceGrid:
         """The faces of features on the grid."""
@@ -101,7 +101,7 @@ class DetectorNetwork(nn.Module):
     def fine(self, features: torch.Tensor, levels: list[torch.Tensor]) -> torch.Tensor:
         """Features at a quarter of the windows' size."""
         for up, join, level in zip(self.up[1:], self.join[1:], reversed(levels[1:]), strict=True):
-            features = join(level + _twice(up(features)))
+            features = join(level + twice(up(features)))
         for block in self.finer:
             features = block(features)
         return features
@@ -142,10 +142,6 @@ def network_of(detector: Detector) -> DetectorNetwork:
     network = DetectorNetwork(detector.weights.size, LANDMARKS, len(Region), None)
     load_weights(network, detector.weights.arrays)
     return network.eval().requires_grad_(False)
-
-
-def _twice(values: torch.Tensor) -> torch.Tensor:
-    return functional.interpolate(values, scale_factor=2, mode="nearest")
 
 
 def _moments(masses: torch.Tensor) -> torch.Tensor:

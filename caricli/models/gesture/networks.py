@@ -5,7 +5,7 @@ from torch import nn
 from torch.nn import functional
 
 from caricli.models.gesture.config import POOLED
-from caricli.models.residual import start_convolutions
+from caricli.models.residual import start_convolutions, start_linear
 
 _HIDDEN = 256
 
@@ -29,8 +29,7 @@ class GestureNetwork(nn.Module):
         self.last = nn.Linear(_HIDDEN, outputs)
         start_convolutions(self, generator)
         for layer in (self.hidden, self.last):
-            nn.init.kaiming_normal_(layer.weight, nonlinearity="relu", generator=generator)
-            nn.init.zeros_(layer.bias)
+            start_linear(layer, generator)
 
     def forward(self, pictures: torch.Tensor) -> torch.Tensor:
         """Ink (B, 1, S, S) from 0 to 1 to logits (B, G)."""

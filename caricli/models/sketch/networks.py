@@ -11,7 +11,7 @@ import torch
 from torch import nn
 from torch.nn import functional
 
-from caricli.models.residual import Residual, encoder_levels, start_convolutions, unit
+from caricli.models.residual import Residual, encoder_levels, start_convolutions, start_linear, start_plainly, unit
 from caricli.models.sketch.config import SketchSize
 from caricli.models.sketch.line_space import LineSpace
 
@@ -109,8 +109,6 @@ class SketchNetwork(nn.Module):
         start_convolutions(self, generator)
         for layer in (self.seen, *self.told):
             assert isinstance(layer, nn.Linear)
-            nn.init.kaiming_normal_(layer.weight, nonlinearity="relu", generator=generator)
-            nn.init.zeros_(layer.bias)
+            start_linear(layer, generator)
         for layer in (self.last, self.plain, self.more):
-            nn.init.zeros_(layer.weight)
-            nn.init.zeros_(layer.bias)
+            start_plainly(layer)

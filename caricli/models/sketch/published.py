@@ -9,7 +9,7 @@ from torch.nn import functional
 
 from caricli.models.bilinear.space import BilinearSpace
 from caricli.models.prior import Prior
-from caricli.models.residual import start_convolutions
+from caricli.models.residual import start_convolutions, start_linear, start_plainly
 from caricli.models.sketch.config import PUBLISHED, PublishedSize
 from caricli.models.sketch.networks import CAMERA
 
@@ -143,15 +143,13 @@ class PublishedNetwork(nn.Module):
         start_convolutions(self, generator)
         for layer in self.modules():
             if isinstance(layer, nn.Linear) and not any(layer is last for last in self.last):
-                nn.init.kaiming_normal_(layer.weight, nonlinearity="relu", generator=generator)
-                nn.init.zeros_(layer.bias)
+                start_linear(layer, generator)
 
 
 def plain_linear(inputs: int, outputs: int) -> nn.Linear:
     """A layer that gives zeros at first."""
     layer = nn.Linear(inputs, outputs)
-    nn.init.zeros_(layer.weight)
-    nn.init.zeros_(layer.bias)
+    start_plainly(layer)
     return layer
 
 

@@ -6,7 +6,7 @@ import torch
 from torch import nn
 from torch.nn import functional
 
-from caricli.models.residual import start_convolutions
+from caricli.models.residual import start_convolutions, twice
 
 Statistics = tuple[torch.Tensor, torch.Tensor]
 """Means and deviations (B, C, 1, 1) of channels."""
@@ -46,9 +46,9 @@ class Decoder(nn.Module):
     def forward(self, features: Sequence[torch.Tensor], noise: torch.Tensor) -> torch.Tensor:
         """Features of an Encoder and noise (B, 1, H, W) to (B, 3, H, W) sRGB, which may leave 0 to 1 a little."""
         fine, middle, coarse = features
-        middle = middle + _twice(functional.relu(self.coarse(coarse)))
+        middle = middle + twice(functional.relu(self.coarse(coarse)))
         middle = functional.relu(self.middle(torch.cat([middle, 2 * functional.avg_pool2d(noise, 2)], 1)))
-        fine = fine + _twice(functional.relu(self.rise(middle)))
+        fine = fine + twice(functional.relu(self.rise(middle)))
         return self.last(functional.relu(self.fine(torch.cat([fine, noise], 1)))) + 0.5
 
 
@@ -86,7 +86,3 @@ def renormalised(features: torch.Tensor, own: Statistics, wanted: Statistics) ->
 
 def _convolution(inputs: int, outputs: int, stride: int = 1) -> nn.Conv2d:
     return nn.Conv2d(inputs, outputs, 3, stride, 1, padding_mode="replicate")
-
-
-def _twice(values: torch.Tensor) -> torch.Tensor:
-    return functional.interpolate(values, scale_factor=2, mode="nearest")
