@@ -68,9 +68,35 @@ def test_a_head_to_turn_is_the_whole_glb_in_a_script(page):
     assert beside == {"LICENSE", "model-viewer-umd.min.js", "turntable.js"}
 
 
+def seen(page, script, width=1200):
+    """What Chromium makes of a page, from disk, in a window of a width, with a script at its end."""
+    told = page.with_name("told.html")
+    told.write_text(page.read_text("utf-8").replace("</html>", f"{script}</html>"), "utf-8")
+    flags = ["--headless=new", "--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader"]
+    flags += ["--enable-unsafe-swiftshader", f"--user-data-dir={page.parent / 'profile'}", f"--window-size={width},900"]
+    flags += ["--virtual-time-budget=15000", "--dump-dom"]
+    return subprocess.run([CHROMIUM, *flags, told.as_uri()], capture_output=True, text=True, timeout=120)
+
+
+@pytest.mark.skipif(CHROMIUM is None, reason="no Chromium is installed")
+def test_pictures_keep_their_shape_in_a_narrow_window_and_nothing_is_beside_it(page):
+    script = """<script>onload = () => {
+      const picture = document.querySelector('[alt="expressions"]');
+      picture.loading = "eager";
+      picture.decode().then(() => {
+        document.title = "seen " + [picture.width, picture.height, document.documentElement.scrollWidth, innerWidth];
+      });
+    };</script>"""
+    done = seen(page, script, 600)
+    numbers = re.search(r"<title>seen ([\d,]+)", done.stdout)
+    assert numbers, done.stdout[-500:] + done.stderr[-500:]
+    width, height, whole, window = map(int, numbers[1].split(","))
+    assert 300 < width < 600 and width / height == pytest.approx(1600 / 1244, rel=0.01)
+    assert whole <= window
+
+
 @pytest.mark.skipif(CHROMIUM is None, reason="no Chromium is installed")
 def test_a_click_shows_it_from_disk(page):
-    text = page.read_text("utf-8")
     click = """<script>setTimeout(() => {
       document.querySelector("button.turn").click();
       const wait = setInterval(() => {
@@ -80,18 +106,8 @@ def test_a_click_shows_it_from_disk(page):
           viewer.remove();
         }
       }, 200);
-    }, 200);</script></html>"""
-    clicked = page.with_name("clicked.html")
-    clicked.write_text(text.replace("</html>", click), "utf-8")
-    flags = [
-        "--headless=new",
-        "--no-sandbox",
-        "--use-gl=angle",
-        "--use-angle=swiftshader",
-        "--enable-unsafe-swiftshader",
-    ]
-    flags += [f"--user-data-dir={page.parent / 'profile'}", "--virtual-time-budget=15000", "--dump-dom"]
-    done = subprocess.run([CHROMIUM, *flags, clicked.as_uri()], capture_output=True, text=True, timeout=120)
+    }, 200);</script>"""
+    done = seen(page, click)
     size = re.search(r"<title>turns ([\d.]+)", done.stdout)
     assert size and float(size[1]) == pytest.approx(2, abs=0.1), done.stdout[-500:] + done.stderr[-500:]
 

@@ -36,9 +36,9 @@ _PAGE = """\
   body {{ margin: 2rem auto; padding: 0 1rem; max-width: 100rem; font: 1rem/1.5 system-ui, sans-serif; color: #222 }}
   .row {{ display: flex; flex-wrap: wrap; gap: 1rem }}
   figure {{ margin: 0 }}
-  figure img {{ max-width: 100%; border: 1px solid #ddd }}
+  figure img {{ max-width: 100%; height: auto; border: 1px solid #ddd }}
   figcaption {{ color: #666 }}
-  table {{ border-collapse: collapse }}
+  table {{ display: block; overflow-x: auto; border-collapse: collapse }}
   th, td {{ padding: 0.2rem 0.8rem; border-bottom: 1px solid #ddd; text-align: right }}
   th:first-child, td:first-child {{ text-align: left }}
   .tiles :is(th, td) {{ min-width: 8rem; padding: 0.4rem; text-align: left; vertical-align: top }}
