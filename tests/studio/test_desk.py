@@ -40,7 +40,7 @@ def test_a_session_from_an_empty_canvas_opens_whatever_is_there(desk):
 
 
 @pytest.mark.parametrize("start", [None, BEGUN, Start("other.npz", "1" * 64)])
-def test_a_session_that_is_refused_changes_nothing(desk, tmp_path, start):
+def test_a_session_that_is_refused_changes_nothing(desk, tmp_path, monkeypatch, start):
     path = tmp_path / "session.json"
     path.write_text(format_session(Session(start, (Operation("b"), Operation("refused")))))
 
@@ -48,8 +48,12 @@ def test_a_session_that_is_refused_changes_nothing(desk, tmp_path, start):
         return function(*values)
 
     studio: Any = SimpleNamespace(run=run)
+    page = Page(studio, desk)
+    said: list[str] = []
+    monkeypatch.setattr(page, "say", lambda words, kind: said.append(words))
     with pytest.raises(InputError):
-        run_apart(Page(studio, desk).open(path))
+        run_apart(page.open(path))
+    assert said == ["Opening session.json …"]
     assert desk.start == BEGUN and desk.work.remark == "face a"
 
 
