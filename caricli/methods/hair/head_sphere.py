@@ -21,6 +21,7 @@ from caricli.template.template import Template
 
 _FINE = 512  # pixels, side of the map of directions
 _NEAR = 5  # cells of a grid that are near each other: vertices of a skull are farther apart than one
+_LOW, _LOWEST, _TURN = np.pi * np.array([0.5, 0.97, 0.25])  # angles from the whorl, and turns, of triangles on a map
 _NEAR_EAR = 0.02  # of the head's height: points so far from an ear may be in it
 
 
@@ -134,8 +135,7 @@ class HeadSphere:
         faces = head.faces[~inner[head.faces].any(1)]
         longitudes, angles, radii = self.seen_from(head.vertices)
         places = _disc(longitudes, angles)
-        # Triangles around the lower pole would cover the whole disc.
-        faces = faces[angles[faces].max(1) < 0.97 * np.pi]
+        faces = faces[_flat(faces, longitudes, angles)]
         raster = rasterise(np.column_stack([*places, -radii * _FINE / head.height]), faces, _FINE, _FINE)
         return faces, raster.face[nearest_pixel(raster.face >= 0)]
 
@@ -175,7 +175,7 @@ class HeadSphere:
     def cover(self, vertices: np.ndarray, faces: np.ndarray, longitudes: np.ndarray, angles: np.ndarray) -> np.ndarray:
         """How far out triangles (F, 3) of vertices (V, 3) are in directions (N,), infinite where there are none."""
         around, down, radii = self.seen_from(vertices)
-        faces = faces[down[faces].max(1) < 0.97 * np.pi]
+        faces = faces[_flat(faces, around, down)]
         raster = rasterise(np.column_stack([*_disc(around, down), -radii]), faces, _FINE, _FINE)
         x, y = (np.clip(np.round(each).astype(int), 0, _FINE - 1) for each in _disc(longitudes, angles))
         return np.where(raster.face >= 0, -raster.depth, np.inf)[y, x]
@@ -223,6 +223,18 @@ class HeadSphere:
 def _disc(longitudes: np.ndarray, angles: np.ndarray) -> np.ndarray:
     """(2, ...) pixels of directions (...) on the map of directions, the whorl in the middle."""
     return _FINE / 2 * (1 + angles / np.pi * np.stack([np.sin(longitudes), np.cos(longitudes)])) - 0.5
+
+
+def _flat(faces: np.ndarray, longitudes: np.ndarray, angles: np.ndarray) -> np.ndarray:
+    """(F,) bool: which triangles (F, 3) of vertices in directions (V,) the map of directions shows where they are.
+
+    What goes around the lower pole would cover the whole disc, and what goes around a part of it would cut a slice off.
+    """
+    turns = longitudes[faces] - longitudes[np.roll(faces, 1, axis=1)]
+    turns = np.abs(np.mod(turns + np.pi, 2 * np.pi) - np.pi).max(1)
+    lowest = angles[faces].max(1)
+    flat: np.ndarray = (lowest < _LOW) | ((turns < _TURN) & (lowest < _LOWEST))
+    return flat
 
 
 def _inside(body: Mesh, points: np.ndarray) -> np.ndarray:

@@ -7,6 +7,7 @@ from caricli.methods.hair.head_sphere import HeadSphere
 from caricli.methods.hair.move_skull import lower_skull
 from caricli.methods.hair.settings import ShellSettings
 from caricli.methods.parts.close_neck import BELOW, neck_edge
+from caricli.store.models import load_model
 
 
 @pytest.mark.parametrize("coarse", [(6, 8), (5, 12)])
@@ -63,3 +64,16 @@ def test_a_head_without_an_end_has_no_neck_below_it(sitter):
     elsewhere = {name: ids for name, ids in head.annotation.regions.items() if name != "neck"}
     nameless = replace(head, annotation=replace(head.annotation, regions=elsewhere))
     assert not HeadSphere(nameless, ShellSettings()).in_neck(head.vertices - [0, 0.01, 0]).any()
+
+
+@pytest.mark.parametrize("number", [32, 138, 188])
+def test_a_chin_below_the_middle_hides_no_direction_at_an_ear(sitter, number):
+    # Heads of which a triangle beside the lower pole was in front of the holes that ears leave.
+    model = load_model()
+    latent = 1.5 * np.random.default_rng(7).normal(size=(200, len(model.prior.mean)))[number]
+    sphere = HeadSphere(sitter.head.with_vertices(model.decode(latent)), ShellSettings(), fine=True)
+    longitudes, angles = (each.ravel() for each in np.meshgrid(sphere.longitudes, sphere.angles))
+    roots, weights = sphere.roots(longitudes, angles)
+    feet = np.einsum("nk,nkc->nc", weights, sphere.head.vertices[roots]) - sphere.middle
+    cosines = (feet * sphere.directions(longitudes, angles)).sum(1) / np.linalg.norm(feet, axis=1)
+    assert cosines[angles < np.radians(115)].min() > np.cos(np.radians(55))
