@@ -16,6 +16,7 @@ _HOLLOW = 4  # times as far under the skin as it is inside the clearance: ears a
 _EVERY = 3  # rows and columns of a map: so far apart the way to the usual hairline is measured
 _ROUND = 2.0  # rows and columns over which its corners are rounded
 _NAPE = 0.04  # of the head's height: how much lower than at the sides hair ends behind
+_FAR = 0.25  # share of an ear that the head does not hide, below which it is on its far side
 _AROUND = 0.5  # radians beyond which an ear is far
 
 
@@ -74,9 +75,10 @@ def around_ears(sphere: HeadSphere, view: HairView, settings: ShellSettings) -> 
     """(R, C) metres to where hair is clear of an ear, below zero nearer; and (R, C) bool, where that ear mostly shows.
 
     Of ears that are under the hair of the picture, and beyond its border, nothing needs to be clear; of those that
-    mostly show, all.
+    mostly show, all. An ear on the far side of the head is under hair if the other one is.
     """
-    ears = [_bare(ear, view) for ear in sphere.ears]
+    far = far_ear(sphere, view)
+    ears = [_bare(ear, view) if k != far else ear[:0] for k, ear in enumerate(sphere.ears)]
     bare = np.concatenate(ears)
     if not len(bare):
         return np.full(sphere.radii.shape, sphere.head.height), np.zeros(sphere.radii.shape, bool)
@@ -89,6 +91,13 @@ def around_ears(sphere: HeadSphere, view: HairView, settings: ShellSettings) -> 
     distance, nearest = tree.query(places, distance_upper_bound=_AROUND)
     free = np.minimum(distance, _AROUND) * sphere.radii - settings.clear * sphere.head.height
     return np.where(free < 0, _HOLLOW * free, free), mostly[nearest]
+
+
+def far_ear(sphere: HeadSphere, view: HairView) -> int | None:
+    """Which ear is on the far side of the head, if the picture shows the other one under hair; or None."""
+    hidden = [view.shows(ear).mean() < _FAR for ear in sphere.ears]
+    covered = [view.bare(ear).mean() <= MOSTLY for ear in sphere.ears]
+    return next((k for k in (0, 1) if hidden[k] and covered[1 - k] and not hidden[1 - k]), None)
 
 
 def _bare(ear: np.ndarray, view: HairView) -> np.ndarray:

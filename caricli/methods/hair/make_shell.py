@@ -5,12 +5,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.ndimage import binary_dilation, binary_opening, gaussian_filter, gaussian_filter1d, label
 
+from caricli.methods.hair.far_side import as_other_side, facing_of, inside_softly
 from caricli.methods.hair.find_edge import find_edge
 from caricli.methods.hair.fit_outline import Outline, fit_outline, meet_outline
 from caricli.methods.hair.hair_view import HairView
 from caricli.methods.hair.head_sphere import HeadSphere
 from caricli.methods.hair.hidden_hairline import (
     around_ears,
+    far_ear,
     hidden_reach,
     lower_nape,
     usual_reach,
@@ -32,7 +34,6 @@ DISC = 0.49
 _FACING = 0.2  # cosine between skin and view from which on it is seen as it is
 _FAINTEST = 1e-6  # share of hair around, below which there is none
 _GRAZING = 0.1  # cosine down to which skin that turns away from the camera says whether there is hair
-_SOFT = 3  # places over which thick ends, where the picture shows them, go over into thin ones
 _SAMPLES = 8  # of the way across the outline
 _GAPS = 6  # directions: what no wider gap joins is apart
 _TURNS = 4  # of bending a shell away from bare skin that it hides
@@ -49,8 +50,9 @@ def make_shell(
 
     It leaves the skin along rays from the middle of the head, which a smooth field makes longer so that its outline is
     that of the mask; it ends where the mask ends, and where nothing is seen along the hairline that is usual, lower if
-    hair is longer at the sides; there its thickness falls to nothing, and it closes towards the skin. Where a shell so
-    made is far from the mask, heads are bare at the sides, which are seen from aside and then count in full.
+    hair is longer at the sides; there its thickness falls to nothing, and it closes towards the skin. The far side of a
+    head that is turned is as the near one where an ear is under hair there. Where a shell so made is far from the mask,
+    heads are bare at the sides, which are seen from aside and then count in full.
 
     head: Template in the shape of the face, whose annotation names ears and scalp. camera: of the picture.
     hair: HairMask. Returns Hair, its quads from the whorl outwards, its picture unrolled around the whorl,
@@ -103,7 +105,7 @@ def _grown(head: Template, camera: Camera, hair: HairMask, settings: ShellSettin
         edge = _edge(fine, view, total, settings)
     hairy = angles < edge
     unseen = hairy & ~view.shows(fine.points(longitudes, angles, total))
-    total = total + _inside_softly(unseen) * (_rounded(hairy, total, settings) - total)
+    total = total + inside_softly(unseen) * (_rounded(hairy, total, settings) - total)
     return _Grown(fine, view, meet_outline(fine, camera, outline, hairy, total), edge)
 
 
@@ -117,6 +119,8 @@ def _closed(grown: _Grown, settings: ShellSettings) -> tuple[Hair, Template]:
     total = np.where(left > 0, np.maximum(grown.total, fine.radii + settings.least * head.height), grown.total)
     view = HairView(head, grown.view.camera, grown.view.hair, grown.view.outline)
     left, free, hidden, seen = _left(fine, view, grown.edge, total, settings)
+    if far_ear(fine, view) is not None:
+        left, total = as_other_side(fine, view.camera, left, total, hidden)
     # Seen skin says itself where hair ends, down to some way below the edge.
     row = np.clip(np.searchsorted(fine.angles, grown.edge), 0, len(fine.angles) - 1)
     lower = grown.edge + settings.below * seen[row, np.arange(len(grown.edge))]
@@ -137,11 +141,6 @@ def _rounded(hairy: np.ndarray, total: np.ndarray, settings: ShellSettings) -> n
     return np.where(hairy, sums / np.maximum(shares, _FAINTEST), total)
 
 
-def _inside_softly(shares: np.ndarray) -> np.ndarray:
-    """Shares (R, C) from 0 to 1 that fall softly to nothing where they end, and not beyond."""
-    return np.clip(2 * gaussian_filter(np.asarray(shares, float), _SOFT, mode=("nearest", "wrap")) - 1, 0, 1)
-
-
 def _left(
     sphere: HeadSphere, view: HairView, ends: np.ndarray, total: np.ndarray, settings: ShellSettings
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
@@ -153,7 +152,7 @@ def _left(
     """
     longitudes, angles = np.meshgrid(sphere.longitudes, sphere.angles)
     skin = sphere.points(longitudes, angles, sphere.radii)
-    facing = _facing(skin, view.camera)
+    facing = facing_of(skin, view.camera)
     sure = facing / settings.aside if settings.aside else 1 + facing / _GRAZING
     seen = view.shows(skin) * np.clip(sure, 0, 1)
     outer = sphere.points(longitudes, angles, total)
@@ -186,7 +185,7 @@ def _taper(
 def _edge(sphere: HeadSphere, view: HairView, total: np.ndarray, settings: ShellSettings) -> np.ndarray:
     """(C,) angles where hair ends."""
     longitudes, angles = np.meshgrid(sphere.longitudes, sphere.angles)
-    cosine = _facing(sphere.points(longitudes, angles, sphere.radii), view.camera)
+    cosine = facing_of(sphere.points(longitudes, angles, sphere.radii), view.camera)
     # What faces the camera ends where it meets the skin; at the sides its outer surface is seen.
     share = 1 - np.clip(cosine / _FACING, 0, 1)
     points = sphere.points(longitudes, angles, sphere.radii + share * (total - sphere.radii))
@@ -236,15 +235,6 @@ def _as_long(
     return np.where(behind & (points[..., 1] > np.median(ends[sure]) - lower_nape(sphere)), 1.0, usual)
 
 
-def _facing(points: np.ndarray, camera: Camera) -> np.ndarray:
-    """(R, C) cosine between a surface (R, C, 3) and the view."""
-    around = np.roll(points, -1, 1) - np.roll(points, 1, 1)
-    along = np.gradient(points, axis=0)
-    normals = np.cross(along, around)
-    lengths = np.maximum(np.linalg.norm(normals, axis=-1), 1e-12)
-    return -(normals @ camera.rotation[2]) / lengths
-
-
 @dataclass(frozen=True, eq=False)
 class _Surface:
     """sphere: HeadSphere. total, left, free: (R, C) metres, how far out hair is, and how far from its end and from bare
@@ -272,7 +262,7 @@ def _mesh(surface: _Surface, view: HairView, settings: ShellSettings) -> Hair:
     total = sphere.sample(surface.total, around, angles)
     left, free = (sphere.sample(metres, around, angles) for metres in (surface.left, surface.free))
     # The outline, where hidden and shown hair meet, keeps its thickness.
-    hidden = sphere.sample(_inside_softly(surface.hidden), around, angles)
+    hidden = sphere.sample(inside_softly(surface.hidden), around, angles)
     height = sphere.head.height
     for _ in range(_TURNS):
         # Beyond its end it goes so deep that moving brows do not uncover it.
@@ -282,7 +272,7 @@ def _mesh(surface: _Surface, view: HairView, settings: ShellSettings) -> Hair:
         radii += np.clip(left, -settings.deep * height, 0)
         # What hides bare skin ends before it.
         points = sphere.points(around, angles, radii)
-        sure = np.clip(_facing(points, view.camera) / settings.aside, 0, 1) if settings.aside else 1.0
+        sure = np.clip(facing_of(points, view.camera) / settings.aside, 0, 1) if settings.aside else 1.0
         ends = sure * np.minimum(left, view.to_bare(points)) + (1 - sure) * left
         left = np.where((left > 0) & view.shows(points), ends, left)
         left = _without_islands(left, free, settings.rim * height)

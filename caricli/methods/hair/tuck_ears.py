@@ -6,7 +6,7 @@ from caricli.geometry.repair.untangle import untangle
 from caricli.geometry.vertex_neighbours import vertex_neighbours
 from caricli.methods.hair.hair_view import HairView
 from caricli.methods.hair.head_sphere import HeadSphere
-from caricli.methods.hair.hidden_hairline import MOSTLY
+from caricli.methods.hair.hidden_hairline import MOSTLY, far_ear
 from caricli.methods.hair.settings import ShellSettings
 from caricli.template.annotation import EARS
 from caricli.template.template import Template
@@ -17,16 +17,20 @@ _ROUNDS = 4  # of bringing to neighbours what is hidden of an ear, so that it be
 def tuck_ears(sphere: HeadSphere, view: HairView, settings: ShellSettings) -> Template:
     """The head of a sphere with what hair hides of its ears laid against it, where a part of them shows.
 
-    Hair ends before that part, and what is hidden beside it would stick out of the hair.
+    Hair ends before that part, and what is hidden beside it would stick out of the hair. So would an ear on the far
+    side that is under hair as the other one.
 
     sphere: HeadSphere of the head. view: HairView of the head.
     """
     head = sphere.head
     hidden = np.zeros(len(head.vertices))
-    for name in EARS:
+    far = far_ear(sphere, view)
+    for number, name in enumerate(EARS):
         ids = head.annotation.regions[name]
         bare = view.bare(head.vertices[ids])
-        if 0 < bare.mean() <= MOSTLY:
+        if number == far:
+            hidden[ids] = 1
+        elif 0 < bare.mean() <= MOSTLY:
             hidden[ids] = ~bare
     if not hidden.any():
         return head

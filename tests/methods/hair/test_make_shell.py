@@ -5,8 +5,9 @@ import pytest
 
 from caricli.geometry.repair.flipped_triangles import flipped_triangles
 from caricli.geometry.triangle_normals import triangle_normals
+from caricli.methods.hair.far_side import facing_of
 from caricli.methods.hair.head_sphere import HeadSphere
-from caricli.methods.hair.make_shell import _facing, _taper, make_shell
+from caricli.methods.hair.make_shell import _taper, make_shell
 from caricli.methods.hair.move_skull import lower_skull, raise_skull, sink_skull
 from caricli.methods.hair.settings import ShellSettings
 from caricli.methods.hair.snap_border import union_share, visible_hair
@@ -91,7 +92,7 @@ def test_skin_that_is_seen_from_aside_hardly_says_that_there_is_no_hair(sitter):
         covered.append(np.isfinite(outer) & (outer > sphere.radii))
     cut, kept = covered
     added = kept & ~cut
-    facing = _facing(sphere.points(around, down, sphere.radii), CAMERA)[added]
+    facing = facing_of(sphere.points(around, down, sphere.radii), CAMERA)[added]
     assert added.sum() > 300 and not (cut & ~kept).any()
     assert np.quantile(facing, 0.9) < 0.4 and np.median(facing) < 0.2
 
