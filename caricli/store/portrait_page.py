@@ -97,7 +97,7 @@ def _natural(name: str) -> list[tuple[bool, int, str]]:
 def check_page(home: Path, overwrite: bool, inputs: Iterable[Path | None]) -> None:
     """Refuse at once what ``write_page`` would refuse. Raises OutputError."""
     inputs = list(inputs)
-    check_outputs(home / _PAGE, overwrite=overwrite or is_page(home / _PAGE), inputs=inputs)
+    check_outputs(home / _PAGE, overwrite=_goes(home, overwrite), inputs=inputs)
     check_output_folder(home / SMALL, True, inputs, VIEWER_FILE)
 
 
@@ -107,9 +107,14 @@ def write_page(home: Path, heads: list[PortraitHead], overwrite: bool, inputs: I
     inputs = list(inputs)
     with (
         staged_folder(home / SMALL, True, inputs, VIEWER_FILE) as small,
-        staged(home / _PAGE, overwrite=overwrite or is_page(home / _PAGE), inputs=inputs) as (page,),
+        staged(home / _PAGE, overwrite=_goes(home, overwrite), inputs=inputs) as (page,),
     ):
         write_portrait_page(page, PageFolder(home, small.parent), heads)
+
+
+def _goes(home: Path, overwrite: bool) -> bool:
+    """Whether what stands where a page is to be may be replaced: a page of earlier heads is."""
+    return overwrite or is_page(home / _PAGE)
 
 
 def _found(folder: Path) -> dict[str, Any]:
