@@ -1,6 +1,7 @@
 // Keeps what was done in this browser, so that nothing is lost when the server ends; opens files; listens to keys.
 const PREFIX = "caricli-studio-";
 const MOST = 8; // drawings of tabs that are kept
+const NOTHING = '"operations":[]}'; // ends what is kept of a tab where nothing was done
 
 function tab() {
   let name = sessionStorage.getItem("caricli-tab");
@@ -57,7 +58,7 @@ export default {
       this.asking = false;
       const kept = localStorage.getItem(this.name);
       // As a file: a message of the page may have a million letters alone.
-      if (kept && JSON.parse(kept).operations.length) this.send(new File([kept], "drawing.json"), "returned");
+      if (kept && !kept.endsWith(NOTHING)) this.send(new File([kept], "drawing.json"), "returned");
     }, 120);
   },
   methods: {

@@ -253,6 +253,16 @@ def test_what_was_drawn_on_an_opened_picture_comes_back_when_it_is_opened_again(
     assert not tab.faults
 
 
+def test_a_damaged_drawing_that_the_browser_kept_is_told_and_the_page_goes_on(tab):
+    tab.page.evaluate("localStorage.setItem(caricliKeep.name, '{damaged')")
+    tab.page.reload()
+    tab.wait(0)
+    tab.told("drawing.json: ")
+    tab.draw(OUTLINE)
+    tab.lines(1)
+    assert not tab.faults
+
+
 @pytest.mark.parametrize("words", [["--host", "0.0.0.0"]])
 def test_others_need_the_token(tmp_path, words, browser):
     server = Server(tmp_path, *words)
