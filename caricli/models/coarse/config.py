@@ -1,17 +1,14 @@
 """Settings of the coarse network and of its training."""
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
-from caricli.models.config import MAX_SEED, check_levels, check_ranges, check_windows
+from caricli.models.config import TRAINING_RANGES, NetworkTraining, check_levels, check_ranges, check_windows, size_in
 
 _SIZES = {"stem": (4, 512), "kept": (1, 4096), "hidden": (1, 8192), "glance": (0, 256)}
-_RANGES = _SIZES | {
-    "size": (64, 512), "epochs": (1, 10**6), "steps": (1, 10**6), "batch": (2, 4096), "rounds": (1, 1000),
-    "painted": (0, 4096), "unmarked": (0, 4096), "imagined": (0, 4096), "unseen": (0, 0.9),
-    "learning_rate": (1e-9, 1), "weight_decay": (0, 10), "decay": (0, 0.99999),
+_RANGES = TRAINING_RANGES | _SIZES | {
+    "rounds": (1, 1000), "painted": (0, 4096), "unmarked": (0, 4096), "imagined": (0, 4096), "unseen": (0, 0.9),
     "shape_weight": (0, 1e6), "turn_weight": (0, 1e6), "albedo_weight": (0, 1e6), "coefficient_weight": (0, 1e6),
-    "energy_weight": (0, 1e6), "validation": (1, 10**5), "validate_every": (1, 10**6), "checkpoint_seconds": (0, 10**5),
-    "seed": (0, MAX_SEED),
+    "energy_weight": (0, 1e6),
 }  # fmt: skip
 STEP = 32
 """Pixels that the network reduces to one: a window has a multiple of them."""
@@ -49,56 +46,36 @@ class CoarseSize:
 
 
 @dataclass(frozen=True)
-class CoarseConfig:
-    """Settings of a coarse network's training.
+class CoarseConfig(CoarseSize, NetworkTraining):
+    """Settings of a coarse network's training: NetworkTraining's, those of CoarseSize, and its own.
 
     With the defaults the network has 7.0 MB in half precision, and its encoder is that of the bundled detector, with
     whose weights it begins.
 
-    stem, widths, blocks, bottleneck, kept, hidden, landmarks, glance: see CoarseSize. size: of the windows, pixels; a
-    multiple of 32. epochs; steps: in an epoch; rounds: how often its windows are gone through: with more than one the
-    encoder stays as it is, and the rest costs little. batch: windows a step, of which ``unmarked`` are of pictures
-    without truth, where there are any, and ``painted`` are drawn for the photometric loss. imagined: faces a step that
-    are in no picture, mixed of those that are, whose landmarks alone are told. unseen: share of what is seen, at
-    landmarks and of the whole, that is left out at a step. learning_rate, weight_decay: of AdamW, with a cosine
-    schedule. decay: of the weights' moving average, a step. shape_weight: of the mean distance of the vertices to the
-    true ones, percent of the head's height. turn_weight: of the rotations' squared difference. albedo_weight: of the
-    mean difference of the colours, 1 is white. coefficient_weight: of the mean squared difference of the face's
-    coefficients. energy_weight: of equation 3, whose own weights are as published. precision: of the convolutions.
-    validation: faces measured at a validation. validate_every: epochs. checkpoint_seconds: between two checkpoints.
+    rounds: how often the windows of an epoch are gone through: with more than one the encoder stays as it is, and the
+    rest costs little. unmarked: windows of a batch that are of pictures without truth, where there are any. painted:
+    those that are drawn for the photometric loss. imagined: faces a step that are in no picture, mixed of those that
+    are, whose landmarks alone are told. unseen: share of what is seen, at landmarks and of the whole, that is left out
+    at a step. shape_weight: of the mean distance of the vertices to the true ones, percent of the head's height.
+    turn_weight: of the rotations' squared difference. albedo_weight: of the mean difference of the colours, 1 is white.
+    coefficient_weight: of the mean squared difference of the face's coefficients. energy_weight: of equation 3, whose
+    own weights are as published.
     Raises ValueError for impossible sizes.
     """
 
-    stem: int = 16
-    widths: tuple[int, ...] = (64, 96, 128, 160)
-    blocks: tuple[int, ...] = (1, 1, 2, 2)
-    bottleneck: bool = False
-    kept: int = 48
-    hidden: int = 384
-    landmarks: bool = True
-    glance: int = 8
-    size: int = 128
     epochs: int = 200
     steps: int = 50
+    weight_decay: float = 1e-2
     rounds: int = 1
-    batch: int = 32
     painted: int = 6
     unmarked: int = 8
     imagined: int = 32
     unseen: float = 0.3
-    learning_rate: float = 1e-3
-    weight_decay: float = 1e-2
-    decay: float = 0.998
     shape_weight: float = 1.0
     turn_weight: float = 5.0
     albedo_weight: float = 2.0
     coefficient_weight: float = 0.02
     energy_weight: float = 1.0
-    precision: str = "bfloat16"
-    validation: int = 200
-    validate_every: int = 5
-    checkpoint_seconds: int = 60
-    seed: int = 0
 
     def __post_init__(self) -> None:
         """Refuse impossible sizes."""
@@ -114,4 +91,4 @@ class CoarseConfig:
 
     def network(self) -> CoarseSize:
         """The CoarseSize."""
-        return CoarseSize(**{each.name: getattr(self, each.name) for each in fields(CoarseSize)})
+        return size_in(self, CoarseSize)

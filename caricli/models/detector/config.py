@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from caricli.models.config import MAX_SEED, check_ranges, check_windows
+from caricli.models.config import TRAINING_RANGES, NetworkTraining, check_ranges, check_windows, size_in
 
 FINE = 4
 """Pixels a cell of the heat maps."""
@@ -16,14 +16,11 @@ HALF = 2
 REACH = 64.0
 """Side of a face, pixels, that the grid gives the size 0."""
 
-_RANGES = {
-    "stem": (4, 512), "width": (8, 512), "depth": (1, 16), "finer": (0, 16), "size": (64, 512), "epochs": (1, 10**6),
-    "steps": (1, 10**6), "rounds": (1, 1000), "batch": (2, 4096), "crops": (0.1, 0.9), "learning_rate": (1e-9, 1),
-    "kernel_rate": (1e-9, 1),
-    "weight_decay": (0, 10), "decay": (0, 0.99999),
-    "heat_weight": (0, 1e6), "place_weight": (0, 1e6), "doubt_weight": (0, 1e6), "visible_weight": (0, 1e6),
-    "parsing_weight": (0, 1e6), "face_weight": (0, 1e6), "validation": (1, 10**5), "validate_every": (1, 10**6),
-    "checkpoint_seconds": (0, 10**5), "seed": (0, MAX_SEED),
+_SIZES = {"stem": (4, 512), "width": (8, 512), "depth": (1, 16), "finer": (0, 16)}
+_RANGES = TRAINING_RANGES | _SIZES | {
+    "rounds": (1, 1000), "crops": (0.1, 0.9), "kernel_rate": (1e-9, 1), "heat_weight": (0, 1e6),
+    "place_weight": (0, 1e6), "doubt_weight": (0, 1e6), "visible_weight": (0, 1e6), "parsing_weight": (0, 1e6),
+    "face_weight": (0, 1e6),
 }  # fmt: skip
 STEP = 32
 """Pixels that the network reduces to one: a window has a multiple of them."""
@@ -45,7 +42,7 @@ class DetectorSize:
 
     def __post_init__(self) -> None:
         """Refuse impossible sizes."""
-        check_ranges(self, {name: _RANGES[name] for name in ("stem", "width", "depth", "finer")})
+        check_ranges(self, _SIZES)
 
     @property
     def widths(self) -> tuple[int, int, int, int]:
@@ -54,47 +51,32 @@ class DetectorSize:
 
 
 @dataclass(frozen=True)
-class DetectorConfig:
-    """Settings of a detector's training.
+class DetectorConfig(DetectorSize, NetworkTraining):
+    """Settings of a detector's training: NetworkTraining's, those of DetectorSize, and its own.
 
     With the defaults the network has 5.3 MB in half precision.
 
-    stem, width, depth, finer: see DetectorSize. size: of the windows that it is trained on, pixels; a multiple of 32.
-    epochs; steps: in an epoch; rounds: how often its windows are learnt from, for machines that learn faster than they
-    draw: from the second time on picked, mirrored and lit by chance. batch: windows a step, of which ``crops`` hold one
-    face as it is cut out for its landmarks, the others any part of a picture at any scale. learning_rate: of AdamW,
-    with a cosine schedule. kernel_rate: of Muon, by which the kernels of convolutions learn, likewise. weight_decay: of
-    both. decay: of the weights' moving average, a step. heat_weight, place_weight, doubt_weight, visible_weight,
-    parsing_weight, face_weight: of the losses. precision: of the convolutions. validation: faces measured at a
-    validation. validate_every: epochs. checkpoint_seconds: between two checkpoints.
+    rounds: how often the windows of an epoch are learnt from, for machines that learn faster than they draw: from the
+    second time on picked, mirrored and lit by chance. crops: share of a batch whose windows hold one face as it is cut
+    out for its landmarks; the others are any part of a picture at any scale. kernel_rate: of Muon, by which the kernels
+    of convolutions learn, with the same schedule and decay. heat_weight, place_weight, doubt_weight, visible_weight,
+    parsing_weight, face_weight: of the losses.
     Raises ValueError for impossible sizes.
     """
 
-    stem: int = 16
-    width: int = 64
-    depth: int = 2
-    finer: int = 0
-    size: int = 128
     epochs: int = 330
     steps: int = 50
-    rounds: int = 1
-    batch: int = 32
-    crops: float = 0.65
     learning_rate: float = 2e-3
+    validate_every: int = 10
+    rounds: int = 1
+    crops: float = 0.65
     kernel_rate: float = 1.2e-2
-    weight_decay: float = 1e-3
-    decay: float = 0.998
     heat_weight: float = 1.0
     place_weight: float = 0.5
     doubt_weight: float = 0.1
     visible_weight: float = 0.3
     parsing_weight: float = 1.0
     face_weight: float = 1.0
-    precision: str = "bfloat16"
-    validation: int = 200
-    validate_every: int = 10
-    checkpoint_seconds: int = 60
-    seed: int = 0
 
     def __post_init__(self) -> None:
         """Refuse impossible sizes."""
@@ -112,4 +94,4 @@ class DetectorConfig:
 
     def network(self) -> DetectorSize:
         """The DetectorSize."""
-        return DetectorSize(self.stem, self.width, self.depth, self.finer)
+        return size_in(self, DetectorSize)

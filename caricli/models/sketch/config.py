@@ -2,18 +2,15 @@
 
 from dataclasses import dataclass
 
-from caricli.models.config import MAX_SEED, check_levels, check_ranges, check_windows
+from caricli.models.config import TRAINING_RANGES, NetworkTraining, check_levels, check_ranges, check_windows, size_in
 
 MODERN = "modern"
 
 _SIZES = {"stem": (4, 512), "hidden": (1, 8192), "told": (1, 8192), "components": (1, 512)}
-_RANGES = _SIZES | {
-    "size": (64, 512), "epochs": (1, 10**6), "steps": (1, 10**6), "batch": (2, 4096), "mixed": (0, 1),
-    "people": (1, 64), "missing": (0, 1), "unnamed": (0, 1), "strength": (0, 10), "learning_rate": (1e-9, 1),
-    "kernel_rate": (0, 1), "weight_decay": (0, 10), "branch": (1, 8192), "classify": (0, 10**6), "regress": (0, 10**6), 
-    "later_rate": (1e-6, 1), "extra": (0, 10**6), "importance": (0, 1000), "decay": (0, 0.99999),
-    "camera_weight": (0, 1e6), "validation": (1, 10**5),
-    "validate_every": (1, 10**6), "held": (0, 0.9), "checkpoint_seconds": (0, 10**5), "seed": (0, MAX_SEED),
+_RANGES = TRAINING_RANGES | _SIZES | {
+    "mixed": (0, 1), "people": (1, 64), "missing": (0, 1), "unnamed": (0, 1), "strength": (0, 10),
+    "camera_weight": (0, 1e6), "held": (0, 0.9), "branch": (1, 8192), "classify": (0, 10**6), "regress": (0, 10**6),
+    "kernel_rate": (0, 1), "later_rate": (1e-6, 1), "extra": (0, 10**6), "importance": (0, 1000),
 }  # fmt: skip
 STEP = 32
 """Pixels that the network reduces to one: a window has a multiple of them."""
@@ -101,21 +98,17 @@ class PublishedSize:
 
 
 @dataclass(frozen=True)
-class SketchConfig:
-    """Settings of a sketch network's training.
+class SketchConfig(SketchSize, NetworkTraining):
+    """Settings of a sketch network's training: NetworkTraining's, those of SketchSize, and its own.
 
     With the defaults the network has 4.7 MB in half precision. What only one kind of network has, others leave out.
 
-    variant: "modern", or a name in PUBLISHED. stem, widths, blocks, told, hidden, components: see SketchSize; branch,
-    local: see PublishedSize. size: of the windows, pixels; a multiple of 32. epochs; steps: in an epoch. batch:
-    sketches a step. mixed: share of them that are of nobody, mixtures of ``people`` at most with one's expression.
-    missing: share of the sketches that lack strokes, up to all but a few. unnamed: share of which only the picture is
-    given. strength: of the noise of hand and view on average, 1 as ``HandSettings`` has it; every sketch has its own,
-    from none to twice as much. learning_rate, weight_decay: of AdamW, with a cosine schedule. decay: of the weights'
-    moving average, a step. camera_weight: of the error of the camera beside the mean distance of the vertices, percent
-    of the head's height. precision: of the convolutions. validation: sketches measured at a validation. validate_every:
-    epochs. held: share of the faces of people who are trained with that are left out, to test with (sketch paper,
-    section 4.4). checkpoint_seconds: between two checkpoints.
+    variant: "modern", or a name in PUBLISHED. branch, local: see PublishedSize. mixed: share of the sketches that are
+    of nobody, mixtures of ``people`` at most with one's expression. missing: share that lacks strokes, up to all but a
+    few. unnamed: share of which only the picture is given. strength: of the noise of hand and view on average, 1 as
+    ``HandSettings`` has it; every sketch has its own, from none to twice as much. camera_weight: of the error of the
+    camera beside the mean distance of the vertices, percent of the head's height. held: share of the faces of people
+    who are trained with that are left out, to test with (sketch paper, section 4.4).
 
     Of published networks alone: classify, regress: epochs of the first two steps of the training, in which people and
     expressions are told apart, and u and v are learnt with the convolutions as they are; the others are for the
@@ -125,31 +118,18 @@ class SketchConfig:
     Raises ValueError for impossible sizes.
     """
 
+    epochs: int = 60
+    batch: int = 256
+    validate_every: int = 3
     variant: str = MODERN
-    stem: int = 32
-    widths: tuple[int, ...] = (64, 96, 128)
-    blocks: tuple[int, ...] = (0, 1, 1)
-    told: int = 512
-    hidden: int = 512
-    components: int = 160
     branch: int = 1024
     local: bool = False
-    size: int = 128
-    epochs: int = 60
-    steps: int = 100
-    batch: int = 256
     mixed: float = 0.9
     people: int = 12
     missing: float = 0.4
     unnamed: float = 0.1
     strength: float = 0.75
-    learning_rate: float = 1e-3
-    weight_decay: float = 1e-3
-    decay: float = 0.998
     camera_weight: float = 0.05
-    precision: str = "bfloat16"
-    validation: int = 200
-    validate_every: int = 3
     held: float = 0.1
     classify: int = 0
     regress: int = 0
@@ -157,8 +137,6 @@ class SketchConfig:
     later_rate: float = 1.0
     extra: int = 10000
     importance: float = 4.0
-    checkpoint_seconds: int = 60
-    seed: int = 0
 
     def __post_init__(self) -> None:
         """Refuse impossible sizes."""
@@ -176,6 +154,6 @@ class SketchConfig:
     def network(self, identity: int = 50, expression: int = 16) -> SketchSize | PublishedSize:
         """The size. identity, expression: numbers of u and of v, of published networks."""
         if self.variant == MODERN:
-            return SketchSize(self.stem, self.widths, self.blocks, self.told, self.hidden, self.components)
+            return size_in(self, SketchSize)
         sizes = (self.hidden, self.branch, self.told, self.local, identity, expression)
         return PublishedSize(self.variant, self.widths, *sizes)

@@ -1,18 +1,15 @@
 """Settings of the texture network and of its training."""
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
-from caricli.models.config import MAX_SEED, check_ranges, check_windows
+from caricli.models.config import TRAINING_RANGES, NetworkTraining, check_ranges, check_windows, size_in
 
 _SIZES = {"width": (4, 512), "narrow": (4, 512), "atlas": (0, 64)}
-_RANGES = _SIZES | {
-    "size": (32, 512), "epochs": (1, 10**6), "steps": (1, 10**6), "batch": (2, 4096), "looks": (0, 64),
-    "plain": (0, 1), "mirrored": (0, 1), "unpaired": (0, 1), "learning_rate": (1e-9, 1),
-    "kernel_rate": (0, 1), "critic_rate": (1e-9, 1), "weight_decay": (0, 10), "decay": (0, 0.99999),
-    "judge_every": (1, 10**6), "critic_width": (4, 512), "penalty": (0, 1e6),
+_RANGES = TRAINING_RANGES | _SIZES | {
+    "size": (32, 512), "looks": (0, 64), "plain": (0, 1), "mirrored": (0, 1), "unpaired": (0, 1), "kernel_rate": (0, 1),
+    "critic_rate": (1e-9, 1), "judge_every": (1, 10**6), "critic_width": (4, 512), "penalty": (0, 1e6),
     "attention_weight": (0, 1e6), "colour_weight": (0, 1e6), "cycle_weight": (0, 1e6), "adversarial_weight": (0, 1e6),
-    "expression_weight": (0, 1e6), "mouth": (1, 1e3), "validation": (1, 10**5), "validate_every": (1, 10**6),
-    "checkpoint_seconds": (0, 10**5), "seed": (0, MAX_SEED),
+    "expression_weight": (0, 1e6), "mouth": (1, 1e3),
 }  # fmt: skip
 STEP = 32
 """Texels that the network reduces to one: a chart has a multiple of them."""
@@ -47,45 +44,34 @@ class TextureSize:
 
 
 @dataclass(frozen=True)
-class TextureConfig:
-    """Settings of a texture network's training.
+class TextureConfig(TextureSize, NetworkTraining):
+    """Settings of a texture network's training: NetworkTraining's, those of TextureSize, and its own.
 
-    With the defaults the network has 1.9 MB in half precision.
+    With the defaults the network has 1.9 MB in half precision. Its windows are charts, whose pixels are texels; batch
+    and validation are pairs of expressions.
 
-    width, narrow, atlas, maps, codes, attention, relative: see TextureSize. size: of the chart, texels; a multiple of
-    32. epochs; steps: in an epoch; batch: pairs of expressions a step. looks: styles that every person is painted in
-    beside the own one. plain: share of the pairs in the own look; the others are in any, the own one among them.
-    mirrored: share of those that are mirrored. unpaired: share of the epochs, the last ones, that are trained without
-    pairs, by cycles. learning_rate, critic_rate, weight_decay: of AdamW, with a cosine schedule. kernel_rate: of Muon,
-    by which the kernels of convolutions learn; 0 lets them learn as all else. decay: of the weights' moving average, a
-    step. judge_every: one of so many steps has the critic, whose gradients of gradients cost most. critic_width: its
-    channels at half of the chart's size. penalty: of its gradients. attention_weight, colour_weight, cycle_weight,
-    adversarial_weight, expression_weight: of the losses (section 4.1). mouth: by how much an opened mouth counts more
-    than skin. precision: of the convolutions. validation: pairs measured at a validation. validate_every: epochs.
-    checkpoint_seconds: between two checkpoints.
+    looks: styles that every person is painted in beside the own one. plain: share of the pairs in the own look; the
+    others are in any, the own one among them. mirrored: share of those that are mirrored. unpaired: share of the
+    epochs, the last ones, that are trained without pairs, by cycles. kernel_rate: of Muon, by which the kernels of
+    convolutions learn; 0 lets them learn as all else. critic_rate: of the critic's AdamW. judge_every: one of so many
+    steps has the critic, whose gradients of gradients cost most. critic_width: its channels at half of the chart's
+    size. penalty: of its gradients. attention_weight, colour_weight, cycle_weight, adversarial_weight,
+    expression_weight: of the losses (section 4.1). mouth: by how much an opened mouth counts more than skin.
     Raises ValueError for impossible sizes.
     """
 
-    width: int = 32
-    narrow: int = 12
-    atlas: int = 3
-    maps: bool = True
-    codes: bool = True
-    attention: bool = True
-    relative: bool = True
     size: int = 96
     epochs: int = 80
-    steps: int = 100
     batch: int = 24
+    weight_decay: float = 1e-2
+    decay: float = 0.995
+    validation: int = 384
     looks: int = 2
     plain: float = 0.3
     mirrored: float = 0.5
     unpaired: float = 0.05
-    learning_rate: float = 1e-3
     kernel_rate: float = 6e-3
     critic_rate: float = 2e-4
-    weight_decay: float = 1e-2
-    decay: float = 0.995
     judge_every: int = 8
     critic_width: int = 24
     penalty: float = 10.0
@@ -95,11 +81,6 @@ class TextureConfig:
     adversarial_weight: float = 0.02
     expression_weight: float = 1.0
     mouth: float = 5.0
-    precision: str = "bfloat16"
-    validation: int = 384
-    validate_every: int = 5
-    checkpoint_seconds: int = 60
-    seed: int = 0
 
     def __post_init__(self) -> None:
         """Refuse impossible sizes."""
@@ -109,7 +90,7 @@ class TextureConfig:
 
     def network(self) -> TextureSize:
         """The TextureSize."""
-        return TextureSize(**{field.name: getattr(self, field.name) for field in fields(TextureSize)})
+        return size_in(self, TextureSize)
 
     @property
     def paired_epochs(self) -> int:
