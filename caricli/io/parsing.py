@@ -79,3 +79,11 @@ def read_legend(path: str | Path) -> dict[str, Any]:
     if not isinstance(names, dict) or not all(type(n) is int and 0 <= n < 256 for n in names.values()):
         raise InputError(f"{shown(path)}: expected schema {SCHEMA!r} and labels from 0 to 255, found another JSON")
     return value
+
+
+def is_legend(path: str | Path) -> bool:
+    """Whether a file is the JSON beside a label map."""
+    try:
+        return Path(path).suffix.lower() == ".json" and bool(read_legend(path))
+    except InputError:
+        return False

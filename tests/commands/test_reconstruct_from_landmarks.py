@@ -459,3 +459,13 @@ def test_a_label_map_is_of_the_picture_of_one_landmark_file(run, refused, photo,
     assert "--outline none looks for none" in refused(*given, "--overwrite", "--outline", "none", code=2)
     write_parsing(labels, np.full((200, 400), Region.SKIN, np.uint8))
     assert f"{labels}: expected the picture's size, 400 x 400, found 400 x 200" in refused(*given, "--overwrite")
+
+
+def test_all_json_files_beside_detected_landmarks_may_be_given(run, points, tmp_path):
+    write_landmarks(tmp_path / "a.json", Landmarks(points[:68], (400, 400)))
+    write_json(tmp_path / "a-regions.json", legend(Region))
+    result = run(COMMAND, *sorted(tmp_path.glob("*.json")), "--out-dir", tmp_path / "faces", "--no-picture")
+    assert result.exit_code == 0, result.output
+    assert names(tmp_path / "faces") == ["a.json", "a.npz", "a.obj"]
+    alone = run(COMMAND, tmp_path / "a-regions.json", "--out-dir", tmp_path / "faces")
+    assert alone.exit_code == 1 and "expected the schema 'caricli.landmarks/1'" in alone.stderr

@@ -15,6 +15,7 @@ from caricli.commands.shared.picture import write_picture
 from caricli.errors import UsageError, naming
 from caricli.io.image import is_image_file
 from caricli.io.meshes.mesh import MESH_SUFFIXES
+from caricli.io.parsing import is_legend
 from caricli.io.provenance import provenance
 from caricli.io.strict_json import write_json
 from caricli.methods.faces.encode_face import encode_face
@@ -54,8 +55,14 @@ class LandmarkFiles:
             raise UsageError("--parsing is of the --image of one landmark file; without it the detector looks")
 
     def jobs(self) -> list[tuple[Path, Path]]:
-        """Pairs of a landmark file and the mesh to write. Raises click.UsageError where one or many do not fit."""
-        return named_jobs(self.landmarks, "PICTURE|LANDMARKS", self.out, self.out_dir, *MESH_SUFFIXES)
+        """Pairs of a landmark file and the mesh to write. Raises click.UsageError where one or many do not fit.
+
+        Of many files the legends of label maps are left out: ``detect`` writes them beside landmarks, as JSON, too.
+        """
+        marks = self.landmarks
+        if len(marks) > 1:
+            marks = [path for path in marks if not is_legend(path)] or marks
+        return named_jobs(marks, "PICTURE|LANDMARKS", self.out, self.out_dir, *MESH_SUFFIXES)
 
 
 @dataclass(frozen=True, eq=False)
