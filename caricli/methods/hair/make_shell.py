@@ -21,8 +21,8 @@ from caricli.methods.hair.hidden_hairline import (
 from caricli.methods.hair.mask_hair import HairMask
 from caricli.methods.hair.move_skull import lower_skull
 from caricli.methods.hair.settings import ShellSettings
-from caricli.methods.hair.snap_border import union_share, visible_hair
 from caricli.methods.hair.tuck_ears import tuck_ears
+from caricli.methods.hair.visible_hair import union_share, visible_hair
 from caricli.render.pixels.sample_texture import sample_pixels
 from caricli.structures import Camera, Mesh
 from caricli.structures.parts import Hair

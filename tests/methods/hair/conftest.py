@@ -5,7 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
+from caricli.methods.hair.make_shell import make_shell
 from caricli.methods.hair.mask_hair import HairMask
+from caricli.methods.hair.settings import ShellSettings
 from caricli.render.visibility.rasterise import rasterise
 from caricli.structures import Camera, Face
 from caricli.template.template import Template
@@ -46,3 +48,9 @@ def sitter(head, head_template):
     hairy, bare = (np.clip(each, 0, 255).astype(np.uint8) for each in (image, bald))
     mask = HairMask(hair, ~(hair | shown), 0.0, True)
     return Sitter(shape, Face(shape, CAMERA, marks), hairy, bare, mask)
+
+
+@pytest.fixture(scope="session")
+def shell(sitter):
+    """One that ends where the picture says so, at its sides, too."""
+    return make_shell(sitter.head, CAMERA, sitter.hair, ShellSettings(aside=0.0))[0]

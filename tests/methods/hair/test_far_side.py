@@ -15,7 +15,7 @@ from caricli.methods.hair.hidden_hairline import around_ears
 from caricli.methods.hair.make_shell import make_shell
 from caricli.methods.hair.mask_hair import HairMask
 from caricli.methods.hair.settings import ShellSettings
-from caricli.methods.hair.snap_border import union_share, visible_hair
+from caricli.methods.hair.visible_hair import union_share, visible_hair
 from caricli.render.visibility.rasterise import rasterise
 from tests.methods.hair.conftest import CAMERA, SIDE
 

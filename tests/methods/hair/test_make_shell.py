@@ -10,7 +10,7 @@ from caricli.methods.hair.head_sphere import HeadSphere
 from caricli.methods.hair.make_shell import _taper, make_shell
 from caricli.methods.hair.move_skull import lower_skull, raise_skull, sink_skull
 from caricli.methods.hair.settings import ShellSettings
-from caricli.methods.hair.snap_border import union_share, visible_hair
+from caricli.methods.hair.visible_hair import union_share, visible_hair
 from caricli.render.visibility.rasterise import rasterise
 from caricli.structures import Mesh
 from caricli.template.annotation import EARS

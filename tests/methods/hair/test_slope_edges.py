@@ -5,7 +5,7 @@ from caricli.methods.hair.head_sphere import HeadSphere
 from caricli.methods.hair.make_shell import make_shell
 from caricli.methods.hair.settings import ShellSettings
 from caricli.methods.hair.slope_edges import slope_edges
-from caricli.methods.hair.snap_border import visible_hair
+from caricli.methods.hair.visible_hair import visible_hair
 from tests.methods.hair.conftest import CAMERA
 
 SETTINGS = ShellSettings()
