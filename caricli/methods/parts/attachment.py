@@ -9,9 +9,12 @@ import numpy as np
 
 from caricli.data.identities import usual_size
 from caricli.errors import InputError
-from caricli.methods.parts.bones import Bone, Frames, Jaw, Posed, plain_frames
+from caricli.methods.parts.bones import Bone
+from caricli.methods.parts.frames import Frames, plain_frames
+from caricli.methods.parts.jaw import Jaw
 from caricli.methods.parts.lids import Lids
 from caricli.methods.parts.pocket import Mouths, Pocket
+from caricli.methods.parts.posed import Posed
 from caricli.structures import Mesh, Part
 from caricli.structures.head_choice import Teeth
 from caricli.template.head import BasePart, Head, load_head

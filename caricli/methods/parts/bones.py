@@ -6,30 +6,25 @@ from functools import cached_property
 import numpy as np
 
 from caricli.geometry.alignment.axis_similarity import axis_similarity
-from caricli.geometry.alignment.weighted_similarities import weighted_similarities
 from caricli.methods.parts.clear_way import Bends, clear_way
 from caricli.methods.parts.flesh import Flesh, Hide
 from caricli.methods.parts.follow import follow_weights
+from caricli.methods.parts.frames import Frames, surroundings
 from caricli.methods.parts.guides import Guides
 from caricli.methods.parts.incisors import BEHIND_LIPS, Incisors, incisors_of
+from caricli.methods.parts.jaw import STILL, Jaw
 from caricli.methods.parts.let_out import PARTINGS, far_enough, part_more, tongue_bends
 from caricli.methods.parts.make_room import YIELDING, RoomSettings, make_room, room_moves
 from caricli.methods.parts.pocket import Mouth, Mouths
+from caricli.methods.parts.posed import Posed
 from caricli.structures import Material, Part
 from caricli.template.template import Template
-
-RIGID = 0.002
-"""Of the head's height: skin that moves so much otherwise than the bone says half as much of it."""
 
 UNEVEN = 1.5
 """How many times as wide as high, or deep, a part may become, compared with the template's."""
 
 OWN = 5e-3
 """Metres: a part that an expression of the template moves less against its bone is taken to be as rigid as that."""
-
-STILL = 1e-4
-"""Metres: what an expression of the template moves less it leaves where it is."""
-
 
 PRESSED = 0.001
 """Of the head's height: nothing comes nearer to the wall of the mouth than this."""
@@ -55,53 +50,6 @@ AROUND = 0.02
 _FIRM = 80
 """Points of what does not give way that are looked at."""
 
-_FEWEST = 12
-"""Vertices of a region that can tell where a part is."""
-
-_MOST = 500
-"""Vertices of the skin that are asked."""
-
-_POINTS = 80
-"""Of a part, that are asked for."""
-
-
-@dataclass(frozen=True, eq=False)
-class Posed:
-    """The skin of a face and its expressions.
-
-    neutral: (V, 3) metres. names: K. deltas: (K, V, 3) metres. given: (V, 3) metres, the face with the expression that
-    the neutral one was found from, or None. teeth: (2,) metres, of a Face, or None.
-    """
-
-    neutral: np.ndarray
-    names: tuple[str, ...]
-    deltas: np.ndarray
-    given: np.ndarray | None = None
-    teeth: np.ndarray | None = None
-
-    def only(self, k: int) -> "Posed":
-        """With expression k alone."""
-        return replace(self, names=self.names[k : k + 1], deltas=self.deltas[k : k + 1])
-
-
-@dataclass(frozen=True, eq=False)
-class Frames:
-    """Points in a part, and how heads differ there.
-
-    points: (Q, 3) metres, in the template. examples: displacements (n, V, 3) of the skin and (n, Q, 3) of the points
-    from the template to other heads; n may be 0.
-    """
-
-    points: np.ndarray
-    examples: tuple[np.ndarray, np.ndarray]
-
-
-def plain_frames(part: Part) -> Frames:
-    """Frames of a part of which nothing but its place is known: points spread over it."""
-    vertices = np.asarray(part.mesh.vertices, float)
-    points = vertices[np.linspace(0, len(vertices) - 1, min(_POINTS, len(vertices))).astype(int)]
-    return Frames(points, (np.zeros((0, 0, 3)), np.zeros((0, len(points), 3))))
-
 
 @dataclass(frozen=True, eq=False)
 class _AtRest:
@@ -123,7 +71,7 @@ class Bone:
     an expression the back of an arch becomes narrower where cheeks do not let the molars down with the jaw.
     """
 
-    def __init__(self, template: Template, part: Part, frames: Frames, jaw: "Jaw | None") -> None:
+    def __init__(self, template: Template, part: Part, frames: Frames, jaw: Jaw | None) -> None:
         """frames: of the part. jaw: what it moves with, None for the skull, which keeps still."""
         self.part = part
         self.shape = np.asarray(part.mesh.vertices, float)
@@ -240,7 +188,7 @@ class Bone:
         """Ids of those of the part (W, 3) that may be nearer than so many metres to the wall of a mouth."""
         return self.guides.near(shape, margin, lambda guides: mouth.room(guides)[0])
 
-    def _kept_in(self, mouths: Mouths, rest: "_AtRest", moved: np.ndarray, k: int) -> np.ndarray:
+    def _kept_in(self, mouths: Mouths, rest: _AtRest, moved: np.ndarray, k: int) -> np.ndarray:
         """(W, 3) what expression k has to do besides, so that the part stays in the mouth on the way.
 
         moved: (K, W, 3) metres, what all do.
@@ -301,58 +249,6 @@ class Bone:
         return moves
 
 
-class Jaw:
-    """The motion of the jaw's bone, read from the skin that moves with it."""
-
-    def __init__(self, template: Template, part: Part, actions: np.ndarray) -> None:
-        """part: that hangs on the jaw and is rigid, with its expressions. actions: (K, V, 3) metres, what the same
-        expressions do to the skin."""
-        start = np.asarray(part.mesh.vertices, float)
-        vertices = np.asarray(template.vertices, float)
-        self.names = part.names
-        self.anchors: dict[str, tuple[np.ndarray, np.ndarray]] = {}
-        if not len(self.names):
-            ids = template.region("jaw")
-            self.shared = (ids, np.ones(len(ids)))
-            return
-        self.moving = np.abs(np.asarray(part.deltas)).max((1, 2)) > STILL
-        _, turns, shifts = weighted_similarities(start, start + part.deltas, np.ones(len(start)), scaling=False)
-        with_bone = vertices @ np.swapaxes(turns, -1, -2) + shifts[:, None] - vertices
-        apart = np.linalg.norm(actions - with_bone, axis=-1) / (RIGID * template.height)
-        moving = np.linalg.norm(with_bone, axis=-1) / (RIGID * template.height)
-        # What hardly moves with the bone, near the joint, must not outweigh the chin because it is hardly apart.
-        own = 1 / (1 + apart**4) * np.minimum(moving, 1)
-        shared = 1 / (1 + apart.max(0) ** 2) ** 2 * np.minimum(moving.max(0), 1)
-        self.anchors = {name: _largest(own[k]) for k, name in enumerate(self.names) if self.moving[k]}
-        self.usual = {name: (turns[k], shifts[k]) for k, name in enumerate(self.names)}
-        self.shared = _largest(shared)
-
-    def moves(self, name: str) -> bool:
-        """Whether an expression of the template moves the bone."""
-        return name in self.anchors
-
-    def motion(self, name: str, neutral: np.ndarray, delta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Rotation (3, 3) and translation (3,) of the bone of a face (V, 3) in an expression (V, 3)."""
-        if name in self.names and not self.moves(name):
-            return np.eye(3), np.zeros(3)
-        ids, weights = self.anchors.get(name, self.shared)
-        start = neutral[ids]
-        _, turn, shift = weighted_similarities(start, start + delta[ids], weights, scaling=False)
-        return turn, shift
-
-
-def surroundings(template: Template, part: Part) -> np.ndarray:
-    """Vertices of the skin that say where a part is: the wall of the mouth, or else what it hangs on."""
-    regions = template.annotation.regions
-    ids = regions.get("inner_mouth", np.zeros(0, int))
-    if len(ids) < _FEWEST:
-        ids = regions.get(part.hangs_on, np.zeros(0, int))
-    if len(ids) < _FEWEST:
-        distance = np.linalg.norm(template.vertices - part.mesh.vertices.mean(0), axis=1)
-        ids = np.argsort(distance, kind="stable")
-    return ids[:: -(-len(ids) // _MOST)]
-
-
 def _lips(template: Template) -> np.ndarray:
     """Vertex ids of the rims of the lips, or of the whole mouth where these are not told."""
     curves = template.annotation.curves
@@ -364,9 +260,3 @@ def _free(moves: np.ndarray) -> Bends:
     """Moves (N, 3, M) of points, which have no bounds."""
     count = moves.shape[2]
     return Bends(moves, np.full(count, SHIFT), np.full(count, -np.inf), np.zeros(count))
-
-
-def _largest(weights: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Ids of the vertices that count, and their weights."""
-    ids = np.flatnonzero(weights > 1e-2 * weights.max())
-    return ids, weights[ids]

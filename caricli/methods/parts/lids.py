@@ -10,9 +10,9 @@ from caricli.geometry.alignment.weighted_similarities import weighted_similariti
 from caricli.geometry.repair.components import component_labels
 from caricli.io.kept import kept_arrays
 from caricli.methods.parts.bend_lashes import Lashes
-from caricli.methods.parts.bones import Posed
 from caricli.methods.parts.flesh import Flesh, Hide
 from caricli.methods.parts.pocket import spread
+from caricli.methods.parts.posed import Posed
 from caricli.structures import Part
 from caricli.structures.arkit import uses
 from caricli.template.template import Template

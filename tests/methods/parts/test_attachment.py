@@ -7,9 +7,10 @@ from scipy.spatial.transform import Rotation
 from caricli.errors import InputError
 from caricli.geometry.repair.components import mesh_components
 from caricli.methods.parts.attachment import Attachment, attachment_for, open_head_attachment
-from caricli.methods.parts.bones import PRESSED, Bone, Posed
+from caricli.methods.parts.bones import PRESSED, Bone
 from caricli.methods.parts.incisors import incisors_of
 from caricli.methods.parts.pocket import Mouths, Pocket
+from caricli.methods.parts.posed import Posed
 from caricli.structures import Material, Mesh
 from caricli.template.head import load_head
 from caricli.template.head_parts import head_parts
