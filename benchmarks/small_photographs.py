@@ -1,8 +1,8 @@
 """Faces of real photographs that are found at 25 pixels, and what is no face and is taken for one.
 
 The 200 windows of 25 pixels of scikit-image's part of Labeled Faces in the Wild, grey, the first half of them faces,
-the rest what lies around such faces; as they are, enlarged fourfold, and with their borders drawn out by half and enlarged.
-Beside the detector stands what scikit-image brings, OpenCV's cascade of local binary patterns.
+the rest what lies around such faces; as they are, enlarged fourfold, and with their borders drawn out by half and
+enlarged. Beside the detector stands what scikit-image brings, OpenCV's cascade of local binary patterns.
 
 Usage: python -m benchmarks.small_photographs [DETECTOR.safetensors]. The last line is JSON.
 """
