@@ -9,6 +9,7 @@ Usage: python -m benchmarks.small_photographs [DETECTOR.safetensors]. The last l
 
 import json
 import sys
+from pathlib import Path
 
 import cv2
 import numpy as np
@@ -41,7 +42,7 @@ def by_cascade(cascade, picture):
 
 def main():
     """Print the table."""
-    detector = load_detector(sys.argv[1] if len(sys.argv) > 1 else None)
+    detector = load_detector(Path(sys.argv[1]) if len(sys.argv) > 1 else None)
     cascade = Cascade(lbp_frontal_face_cascade_filename())
     finders = {
         "detector": lambda picture: bool(detect_faces(picture, detector).faces),

@@ -237,7 +237,7 @@ def _write_frames(folder, drawing, kind):
     frames = drawing.pictures() if kind == "png" else _shapes(performance, "frames")
     face = performance.rig.face
     names = PictureNames() if kind == "png" else write_pictures(folder / "frames.obj", face.pictures)
-    worn = {"mtl": folder / "frames.mtl", "others": names.others, "materials": face.materials}
+    worn = {"mtl": folder / "frames.mtl", "others": names.others | face.pictures.finishes, "materials": face.materials}
     for k, frame in enumerate(frames):
         path = folder / f"frame-{k:0{digits}d}.{kind}"
         if kind == "png":

@@ -14,7 +14,6 @@ from caricli.render.pixels.srgb import to_linear, to_srgb
 from caricli.render.shade import Look
 from caricli.render.smooth_normals import smooth_normals
 from caricli.structures import Face, Material, Mesh, Part, Pictures
-from caricli.structures.materials import FINISHES
 from caricli.template.annotation import bundled_annotation
 from caricli.template.template import Template, WholeHead
 
@@ -27,7 +26,7 @@ def face_look(face: Face, eyeballs: bool = True) -> Look:
     materials = face.triangle_materials
     has_eyes = materials is not None and bool((materials == Material.EYE).any())
     return Look(
-        vertex_colours=None if materials is None else plain_colours(face.mesh, materials),
+        vertex_colours=None if materials is None else plain_colours(face.mesh, materials, face.pictures),
         eyeballs=place_eyeballs(face.mesh, bundled_annotation()) if eyeballs and not has_eyes else (),
         coat=mesh_coat(face.mesh, face.pictures, materials),
         hair=None if materials is None else combed_hair(face.mesh, materials),
@@ -58,10 +57,11 @@ def with_parts(mesh: Mesh, look: Look, parts: Sequence[Part]) -> tuple[Mesh, Loo
     own = np.full(len(mesh.faces), Material.SKIN) if look.coat is None else look.coat.materials
     materials = np.concatenate([own, *(np.repeat(part.materials, part.mesh.triangles_of_polygons) for part in parts)])
     colours = np.broadcast_to(look.colour if look.vertex_colours is None else look.vertex_colours, mesh.vertices.shape)
+    pictures = Pictures() if look.coat is None else look.coat.pictures
     return joined, replace(
         look,
-        vertex_colours=np.concatenate([colours, plain_colours(added, materials[len(own) :])]),
-        coat=mesh_coat(joined, Pictures() if look.coat is None else look.coat.pictures, materials),
+        vertex_colours=np.concatenate([colours, plain_colours(added, materials[len(own) :], pictures)]),
+        coat=mesh_coat(joined, pictures, materials),
         hair=combed_hair(joined, materials),
     )
 
@@ -75,15 +75,15 @@ def combed_hair(mesh: Mesh, materials: np.ndarray) -> CombedHair | None:
     return comb_hair(mesh.vertices, mesh.faces, normals, hair, materials == Material.SKIN)
 
 
-def plain_colours(mesh: Mesh, materials: np.ndarray) -> np.ndarray:
+def plain_colours(mesh: Mesh, materials: np.ndarray, pictures: Pictures) -> np.ndarray:
     """(V, 3) sRGB of vertices where no picture is, by their finish, darker far back in the mouth.
 
-    materials: (F,) of the triangles.
+    materials: (F,) of the triangles. pictures: what is worn beside them.
     """
-    colours = np.tile(np.array(FINISHES[Material.SKIN].colour, float), (len(mesh.vertices), 1))
+    colours = np.tile(np.array(pictures.finish(Material.SKIN).colour, float), (len(mesh.vertices), 1))
     for material in np.unique(materials):
-        colours[mesh.faces[materials == material]] = FINISHES[Material(material)].colour
-    light = mouth_light(mesh.vertices, mesh.faces, materials)
+        colours[mesh.faces[materials == material]] = pictures.finish(material).colour
+    light = mouth_light(mesh.vertices, mesh.faces, materials, pictures.coloured)
     inside = (light < 1).any(1)
     colours[inside] = 255 * to_srgb(light[inside] * to_linear(colours[inside] / 255))
     return colours

@@ -53,7 +53,7 @@ class RigStage:
         sky, key = np.split(sky_visibility(rig.neutral, rig.faces, normals, None, ways), [len(DIRECTIONS)], axis=1)
         coat = rig_coat(rig)
         self.look = Look(
-            vertex_colours=plain_colours(rig.mesh, rig.triangle_materials),
+            vertex_colours=plain_colours(rig.mesh, rig.triangle_materials, rig.pictures),
             coat=None if coat is None else coat.shrunk(placed, rig.faces),
             hair=hair,
             visibility=sky,

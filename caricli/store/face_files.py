@@ -59,7 +59,8 @@ def write_face_files(
     if names is None:
         names = write_pictures(npz_file, shown.pictures if textured else face.pictures)
     kept = names if textured else PictureNames()
-    write_mesh(mesh_file, shown.mesh, kept.skin, others=kept.others, materials=shown.materials)
+    others = kept.others | shown.pictures.finishes
+    write_mesh(mesh_file, shown.mesh, kept.skin, others=others, materials=shown.materials)
     if face.residual is not None and not np.abs(face.residual).max() > _ROUNDING:
         face = replace(face, residual=None)
     own = zip(names, face.pictures, strict=True)

@@ -1,6 +1,6 @@
 """What polygons are made of."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import IntEnum
 
 import numpy as np
@@ -37,6 +37,11 @@ class Finish:
         shares = [value / 255 for value in self.colour]
         return [x / 12.92 if x <= 0.04045 else ((x + 0.055) / 1.055) ** 2.4 for x in shares]
 
+    def toned(self, share: float) -> "Finish":
+        """The same with so much of its colour, from 0, grey, to 1."""
+        red, green, blue = np.rint(toned(np.array(self.colour, float), share)).astype(int).tolist()
+        return replace(self, colour=(red, green, blue))
+
 
 FINISHES = {
     Material.SKIN: Finish("skin", (206, 160, 136), 0.6),
@@ -53,6 +58,22 @@ FINISHES = {
 
 MATERIALS = {finish.name: material for material, finish in FINISHES.items()}
 """Materials by their names in files."""
+
+
+_GREY, _COLOURED = 4.0, 16.0
+"""Differences of 255 between the channels of a picture's middle texel: grey to the first, coloured from the second."""
+
+
+def colour_share(colours: np.ndarray) -> float:
+    """From 0, of a picture in shades of grey, to 1, how far one of colours (..., 3) from 0 to 255 is coloured."""
+    middle = float(np.median(np.ptp(colours.astype(np.float32), axis=-1)))
+    return float(np.interp(middle, (_GREY, _COLOURED), (0.0, 1.0)))
+
+
+def toned(colours: np.ndarray, share: float) -> np.ndarray:
+    """Colours (..., 3) with so much of their colour, from 0, grey, to 1."""
+    mixed: np.ndarray = colours + (1 - share) * (colours.mean(-1, keepdims=True) - colours)
+    return mixed
 
 
 IN_MOUTH = (Material.TEETH, Material.GUMS, Material.TONGUE)

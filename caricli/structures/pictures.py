@@ -2,12 +2,13 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass, fields
+from functools import cached_property
 
 import numpy as np
 
 from caricli.errors import shown
 from caricli.structures.checks import refuse
-from caricli.structures.materials import Material
+from caricli.structures.materials import FINISHES, Finish, Material, colour_share
 
 PICTURED = {
     Material.SKIN: "skin",
@@ -16,6 +17,9 @@ PICTURED = {
     Material.BUST: "bust",
 }
 """Materials that may wear a picture, and what it is called among Pictures; the others are plain."""
+
+_SPARSE = 4
+"""Texels of the skin, along a side, of which one tells whether it has colour."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,6 +56,21 @@ class Pictures:
         """The picture of a material, or None."""
         name = PICTURED.get(Material(material))
         return None if name is None else getattr(self, name)
+
+    @cached_property
+    def coloured(self) -> float:
+        """From 0, where the skin is in shades of grey, to 1, how far what is plain beside it has its colour."""
+        return 1.0 if self.skin is None else colour_share(self.skin[::_SPARSE, ::_SPARSE])
+
+    def finish(self, material: Material | int) -> Finish:
+        """How a material looks that wears none of them."""
+        return FINISHES[Material(material)].toned(self.coloured)
+
+    @property
+    def finishes(self) -> dict[str, Finish]:
+        """Those of what wears none of them, by their names, where they are not the usual ones."""
+        plain = [] if self.coloured == 1 else [self.finish(each) for each in Material if each not in PICTURED]
+        return {finish.name: finish for finish in plain}
 
     def same(self, other: "Pictures") -> bool:
         """Whether these are like others, texel by texel."""

@@ -28,10 +28,11 @@ class Manner:
 
     shades: (3,) the powers, all 1 where shades keep their hue. share: (S, S) from 0 to 1, how far texels of a chart
     change in this manner. skin: (S, S) from 0 to 1, where they are skin that folds. deepest: logarithm of luminance by
-    which a fold is darker than the skin around it at the most.
+    which a fold is darker than the skin around it at the most. coloured: from 0, where it is in shades of grey, to 1.
     """
 
     shades: np.ndarray
     share: np.ndarray
     skin: np.ndarray
     deepest: float
+    coloured: float = 1.0

@@ -28,3 +28,10 @@ def test_a_mouth_without_teeth_and_a_head_without_a_mouth():
     assert (mouth_light(vertices, FACES, tongue)[3] == 1).all()
     np.testing.assert_array_equal(mouth_light(vertices, FACES, np.full(4, Material.SKIN)), np.ones((12, 3)))
     assert np.isfinite(mouth_light(0 * vertices, FACES, MATERIALS)).all()
+
+
+def test_in_a_head_without_colour_it_has_none():
+    vertices = np.column_stack([np.zeros((12, 2)), np.linspace(0, -1, 12)])
+    light = mouth_light(vertices, FACES, MATERIALS, 0.0)
+    assert light.min() < 0.5
+    np.testing.assert_array_equal(light, light[:, :1].repeat(3, 1))

@@ -904,3 +904,13 @@ def test_any_change_of_a_document_is_read_or_refused(tmp_path_factory, data):
         read_gltf(path)
     except InputError as error:
         assert "\n" not in str(error) and str(error).startswith(str(path))
+
+
+def test_teeth_beside_a_grey_skin_are_grey(full_rig, tmp_path):
+    kinds = np.where(full_rig.materials == Material.EYE, Material.GUMS, full_rig.materials)
+    grey = Pictures(np.full((4, 4, 3), 120, np.uint8))
+    write_gltf(tmp_path / "a.gltf", replace(full_rig, materials=kinds, pictures=grey))
+    document = json.loads((tmp_path / "a.gltf").read_text())
+    gums = next(each for each in document["materials"] if each["name"] == "gums")
+    red, green, blue, _ = gums["pbrMetallicRoughness"]["baseColorFactor"]
+    assert red == green == blue > 0

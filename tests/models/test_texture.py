@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import torch
@@ -180,3 +182,12 @@ def test_the_bundled_one_opens_a_mouth(head, head_template):
     forehead = grid.covered & (np.arange(model.size)[:, None] < 0.3 * model.size)
     assert darker[grid.mouth].mean() > 0.1
     assert np.abs(darker[forehead]).mean() < 0.02
+
+
+def test_a_grey_picture_stays_grey(model, asked):
+    picture, *others, manner = asked
+    grey = picture[..., :1].repeat(3, 2)
+    free, toned = (model.change(grey, *others, replace(manner, coloured=share)) for share in (1.0, 0.0))
+    assert np.ptp(free.paint(grey).astype(int), axis=2).max() > 5
+    assert np.ptp(toned.paint(grey).astype(int), axis=2).max() <= 1
+    np.testing.assert_allclose(toned.gain.mean(2), free.gain.mean(2), atol=1e-6)

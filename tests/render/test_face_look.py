@@ -94,12 +94,19 @@ def test_a_face_wears_what_it_is_made_of_and_gets_eyes_where_it_has_none(head_te
 def test_teeth_are_darker_far_back_by_the_light_that_comes_there(sphere):
     vertices, faces = sphere
     materials = np.full(len(faces), Material.TEETH)
-    colours = plain_colours(Mesh(vertices, faces), materials)
+    colours = plain_colours(Mesh(vertices, faces), materials, Pictures())
     finish = np.array(FINISHES[Material.TEETH].colour, float)
     np.testing.assert_allclose(colours[vertices[:, 2].argmax()], finish, atol=0.01)
     share = to_linear(colours / 255) / to_linear(finish / 255)
     np.testing.assert_allclose(share, mouth_light(vertices, faces, materials), atol=1e-3)
     back = colours[vertices[:, 2].argmin()]
     assert back.max() < 0.5 * finish.max() and back[0] / back[2] > finish[0] / finish[2]
-    skin = plain_colours(Mesh(vertices, faces), np.zeros(len(faces), int))
+    skin = plain_colours(Mesh(vertices, faces), np.zeros(len(faces), int), Pictures())
     assert (skin == FINISHES[Material.SKIN].colour).all()
+
+
+def test_teeth_beside_a_grey_skin_are_grey(sphere):
+    vertices, faces = sphere
+    grey = Pictures(np.full((4, 4, 3), 120, np.uint8))
+    colours = plain_colours(Mesh(vertices, faces), np.full(len(faces), Material.GUMS), grey)
+    np.testing.assert_allclose(colours, colours[:, :1].repeat(3, 1), atol=1e-3)

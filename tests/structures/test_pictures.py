@@ -2,7 +2,8 @@ import numpy as np
 import pytest
 
 from caricli.errors import InputError
-from caricli.structures import Pictures
+from caricli.structures import Material, Pictures
+from caricli.structures.materials import FINISHES
 
 LIGHT = np.full((2, 3, 3), 200, np.uint8)
 DARK = np.full((2, 3, 3), 100, np.uint8)
@@ -31,3 +32,16 @@ def test_whether_they_are_the_same():
 def test_what_is_no_picture_is_refused(image):
     with pytest.raises(InputError, match=r"eyes: expected \(H,W,3\) uint8"):
         Pictures(eyes=image)
+
+
+def test_what_is_plain_beside_a_grey_skin_is_grey():
+    """A black-and-white drawing has no red tongue."""
+    tan = np.tile(np.array([206, 160, 136], np.uint8), (8, 8, 1))
+    assert Pictures().coloured == Pictures(tan).coloured == 1 and Pictures(DARK).coloured == 0
+    assert Pictures(tan).finish(Material.TONGUE) == FINISHES[Material.TONGUE] and not Pictures(tan).finishes
+    red, green, blue = Pictures(DARK).finish(Material.TONGUE).colour
+    assert red == green == blue == round(np.mean(FINISHES[Material.TONGUE].colour))
+    pale = Pictures(np.tile(np.array([210, 205, 200], np.uint8), (8, 8, 1)))
+    assert 0 < pale.coloured < 1
+    red, _, blue = pale.finishes["tongue"].colour
+    assert 0 < red - blue < FINISHES[Material.TONGUE].colour[0] - FINISHES[Material.TONGUE].colour[2]

@@ -16,7 +16,7 @@ from caricli.io.gltf.strands import add_strands, has_strands, strand_tangents
 from caricli.io.gltf.variants import add_variants
 from caricli.io.image import png_bytes
 from caricli.structures import Animation, Rig
-from caricli.structures.materials import FINISHES, IN_MOUTH, Material
+from caricli.structures.materials import IN_MOUTH, Material
 
 _CODES = {dtype: code for code, dtype in DTYPES.items()}
 _FOR_VERTICES = 34962
@@ -182,7 +182,7 @@ def _primitives(rig: Rig, sparse: bool, buffer: _Buffer) -> list[dict]:
     corners = rig.mesh.uv_faces if rig.mesh.uvs is not None else np.zeros_like(triangles)
     neutral = np.asarray(rig.neutral, np.float32)
     normals, normal_deltas = shading_normals(rig)
-    light = mouth_light(neutral, rig.faces, rig.triangle_materials)
+    light = mouth_light(neutral, rig.faces, rig.triangle_materials, rig.pictures.coloured)
     keys = triangles.astype(np.int64) * len(uvs) + corners
     loose = np.setdiff1d(np.arange(len(neutral)), triangles) * len(uvs)
     apart = _hair_apart(rig)
@@ -223,7 +223,7 @@ def _materials(rig: Rig, buffer: _Buffer) -> dict[str, list[dict]]:
     images: list[dict] = []
     for number in np.unique(rig.triangle_materials).tolist():
         material = Material(number)
-        finish = FINISHES[material]
+        finish = rig.pictures.finish(material)
         surface: dict = {"metallicFactor": 0, "roughnessFactor": finish.roughness}
         image = rig.pictures.of(material)
         # A picture without UVs has no place on the surface.

@@ -14,6 +14,7 @@ from caricli.io.meshes.obj import read_obj, write_obj
 from caricli.io.meshes.ply import read_ply, write_ply
 from caricli.io.meshes.stl import read_stl, write_stl
 from caricli.structures import Mesh, Pictures, Rig
+from caricli.structures.materials import Finish
 
 
 @dataclass(frozen=True)
@@ -33,14 +34,14 @@ def _write_still_gltf(
     mesh: Mesh,
     texture: str | None,
     _mtl: Path | None,
-    others: Mapping[str, str | None] | None,
+    others: Mapping[str, str | Finish | None] | None,
     materials: np.ndarray | None,
 ) -> None:
     if texture is not None and mesh.uvs is None:
         raise OutputError(f"{shown(path)}: expected a mesh with UVs for the texture, found none")
     # No polygon shows a picture of eyes where all are skin.
-    names = {"skin": texture} | dict(others if others and materials is not None else {})
-    pictures = Pictures(**{key: read_image(path.parent / name) for key, name in names.items() if name is not None})
+    names = {"skin": texture, **(others if others and materials is not None else {})}
+    pictures = Pictures(**{key: read_image(path.parent / name) for key, name in names.items() if isinstance(name, str)})
     no_shapes = np.zeros((0, len(mesh.vertices), 3), np.float32)
     write_gltf(path, Rig((), mesh, no_shapes, materials, pictures))
 
@@ -107,14 +108,13 @@ def write_mesh(
     mesh: Mesh,
     texture: str | None = None,
     mtl: Path | None = None,
-    others: Mapping[str, str | None] | None = None,
+    others: Mapping[str, str | Finish | None] | None = None,
     materials: np.ndarray | None = None,
 ) -> None:
     """Write a mesh in the format of the suffix; OBJ keeps polygons and UVs, glTF triangles and UVs, the others neither.
 
-    texture: the file name of a PNG in the same folder, of the skin. others: the same by the name of another material,
-    such as eyes. An OBJ names them, GLB and glTF embed them, so they must be there. mtl: path of the material file of
-    an OBJ. materials: (P,) Material of the polygons.
+    texture, others: the file names of PNGs in the same folder, as of ``write_obj``, which names them; GLB and glTF
+    embed them, so they must be there. mtl: path of the material file of an OBJ. materials: (P,) Material of polygons.
     Raises OutputError when the suffix is another, the format has no place for the texture, or it cannot be written.
     """
     path = Path(path)
@@ -124,7 +124,7 @@ def write_mesh(
     chosen = _FORMATS[suffix]
     if chosen.keeps_texture:
         chosen.write(path, mesh, texture, mtl, others, materials)
-    elif texture is None and not any((others or {}).values()):
+    elif texture is None and not any(isinstance(own, str) for own in (others or {}).values()):
         chosen.write(path, mesh)
     else:
         textured = _listed([name for name, other in _FORMATS.items() if other.keeps_texture])

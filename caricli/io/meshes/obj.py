@@ -25,7 +25,7 @@ from caricli.limits import (
 )
 from caricli.structures import Material, Mesh
 from caricli.structures.checks import repeats
-from caricli.structures.materials import FINISHES, MATERIALS
+from caricli.structures.materials import FINISHES, MATERIALS, Finish
 
 _KIND = "an OBJ file"
 _SKIN = "face"  # its material
@@ -80,26 +80,27 @@ def write_obj(
     mesh: Mesh,
     texture: str | None = None,
     mtl: Path | None = None,
-    others: Mapping[str, str | None] | None = None,
+    others: Mapping[str, str | Finish | None] | None = None,
     materials: np.ndarray | None = None,
 ) -> None:
     """Write an OBJ file, and its materials when there is a texture or they are several.
 
     texture: the file name of a PNG in the same folder, of the skin. others: the same by the name of another material,
-    such as eyes. mtl: path of the material file to write,
-    in the same folder as the OBJ (by default with its stem and the suffix .mtl). materials: (P,) Material of the
-    polygons; all skin where there are none.
+    such as eyes, or its Finish where that is not the usual one. mtl: path of the material file to write, in the same
+    folder as the OBJ (by default with its stem and the suffix .mtl). materials: (P,) Material of the polygons; all skin
+    where there are none.
     Raises OutputError when a texture is no plain file name or has no UVs to sit on, or a file cannot be written.
     """
     path = Path(path)
     lines = ["# units m, axes +y up, +z front\n"]
     kinds = np.zeros(len(mesh.polygons), int) if materials is None else materials
-    pictures = {_SKIN: texture} | {name: picture for name, picture in (others or {}).items() if picture is not None}
-    pictures = dict.fromkeys(map(_name, np.unique(kinds).tolist())) | pictures
-    painted = len(pictures) > 1 or texture is not None
+    surfaces: dict[str, str | Finish | None] = {_name(kind): None for kind in np.unique(kinds).tolist()}
+    surfaces[_SKIN] = texture
+    surfaces |= {n: own for n, own in (others or {}).items() if isinstance(own, str) or (own and n in surfaces)}
+    painted = len(surfaces) > 1 or texture is not None
     if painted:
         mtl = path.with_suffix(".mtl") if mtl is None else Path(mtl)
-        _write_materials(path, mesh, pictures, mtl)
+        _write_materials(path, mesh, surfaces, mtl)
         lines.append(f"mtllib {mtl.name}\n")
     lines.append("v %.9g %.9g %.9g\n" * len(mesh.vertices) % tuple(mesh.vertices.ravel().tolist()))
     used = mesh.polygons >= 0
@@ -123,22 +124,21 @@ def _name(material: int) -> str:
     return _SKIN if material == Material.SKIN else FINISHES[Material(material)].name
 
 
-def _write_materials(path: str | Path, mesh: Mesh, pictures: dict[str, str | None], mtl: Path) -> None:
-    """pictures: file names by the name of the material, None where it has a plain colour."""
-    if mesh.uvs is None and any(picture is not None for picture in pictures.values()):
+def _write_materials(path: str | Path, mesh: Mesh, surfaces: Mapping[str, str | Finish | None], mtl: Path) -> None:
+    """surfaces: file names of pictures by the name of the material, or a Finish, or None for the usual one."""
+    pictures = {name: own for name, own in surfaces.items() if isinstance(own, str)}
+    if mesh.uvs is None and pictures:
         raise OutputError(f"{shown(path)}: expected a mesh with UVs for the texture, found none")
     texts = []
     for name in (*pictures.values(), mtl.name):
-        if name is None:
-            continue
         if not (name and is_plain(name) and name.isprintable()):
             raise OutputError(f"{shown(path)}: expected a plain file name for the material, found {shown(name)!r}")
-    for material, picture in pictures.items():
-        plain = picture is None and material in MATERIALS
-        colour = FINISHES[MATERIALS[material]].colour if plain else (255, 255, 255)
+    for material, own in surfaces.items():
+        usual = FINISHES[MATERIALS[material]] if own is None and material in MATERIALS else own
+        colour = usual.colour if isinstance(usual, Finish) else (255, 255, 255)
         shares = " ".join(f"{value / 255:.4g}" for value in colour)
         texts.append(f"newmtl {material}\nKa 1 1 1\nKd {shares}\nKs 0 0 0\nillum 1\n")
-        texts.append("" if picture is None else f"map_Kd {picture}\n")
+        texts.append(f"map_Kd {own}\n" if isinstance(own, str) else "")
     write_bytes(mtl, "".join(texts).encode("utf-8"))
 
 

@@ -131,26 +131,27 @@ def _add_materials(stage: Any, mesh: Any, rig: Rig) -> None:
     for material in _materials(rig):
         (polygons,) = np.nonzero(of_polygons == material)
         part = binding.CreateMaterialBindSubset(FINISHES[material].name, _whole_numbers(polygons), UsdGeom.Tokens.face)
-        surface = _add_surface(stage, material, material in _pictured(rig))
+        surface = _add_surface(stage, rig, material)
         UsdShade.MaterialBindingAPI.Apply(part.GetPrim()).Bind(surface)
     binding.SetMaterialBindSubsetsFamilyType(UsdGeom.Tokens.partition)
 
 
-def _add_surface(stage: Any, material: Material, pictured: bool) -> Any:
+def _add_surface(stage: Any, rig: Rig, material: Material) -> Any:
     """A material of one colour, or of its picture by the UVs."""
     from pxr import Gf, Sdf, UsdShade
 
     kinds = Sdf.ValueTypeNames
-    path = f"/head/materials/{FINISHES[material].name}"
+    finish = rig.pictures.finish(material)
+    path = f"/head/materials/{finish.name}"
     whole = UsdShade.Material.Define(stage, path)
     surface = UsdShade.Shader.Define(stage, f"{path}/surface")
     surface.CreateIdAttr("UsdPreviewSurface")
-    surface.CreateInput("roughness", kinds.Float).Set(FINISHES[material].roughness)
+    surface.CreateInput("roughness", kinds.Float).Set(finish.roughness)
     surface.CreateInput("metallic", kinds.Float).Set(0.0)
     colour = surface.CreateInput("diffuseColor", kinds.Color3f)
     whole.CreateSurfaceOutput().ConnectToSource(surface.ConnectableAPI(), "surface")
-    if not pictured:
-        colour.Set(Gf.Vec3f(*FINISHES[material].linear))
+    if material not in _pictured(rig):
+        colour.Set(Gf.Vec3f(*finish.linear))
         return whole
     places = UsdShade.Shader.Define(stage, f"{path}/places")
     places.CreateIdAttr("UsdPrimvarReader_float2")

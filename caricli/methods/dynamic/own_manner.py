@@ -4,6 +4,7 @@ import cv2
 import numpy as np
 
 from caricli.methods.dynamic.chart_pictures import ChartGrid
+from caricli.structures.materials import colour_share
 from caricli.structures.texture_change import Manner
 from caricli.template.template import Template
 
@@ -70,7 +71,8 @@ class MannerReader:
         told = (darker[:, 3] ** 2).sum()
         little = _FAINT**2 * max(len(darker), 1)
         shades = ((darker[:, :3] * darker[:, 3:4]).sum(0) + little * _USUAL) / (told + little)
-        return Manner(shades.astype(np.float32), self.share, self.skin, self._deepest(colours))
+        coloured = colour_share(picture[self.zone]) if self.zone.any() else 1.0
+        return Manner(shades.astype(np.float32), self.share, self.skin, self._deepest(colours), coloured)
 
     def _deepest(self, colours: np.ndarray) -> float:
         """Of colours (S, S, 3) from 0 to 1: the darkest of their fine shades, and a little more."""

@@ -37,7 +37,8 @@ def network_painter(model: TextureModel, grid: ChartGrid) -> Painter:
         shades = torch.from_numpy(np.stack([manner.shades for manner in manners]))
         deepest = torch.tensor([manner.deepest for manner in manners])
         change = batch.change(model.network).in_own_shades(batch.source, shades, share)
-        change = change.with_folds_up_to(batch.source, deepest, shades, skin)
+        coloured = torch.tensor([manner.coloured for manner in manners])
+        change = change.with_folds_up_to(batch.source, deepest, shades, skin).toned(coloured)
         return change.paint(batch.source).clamp(0, 1)
 
     return paint

@@ -120,7 +120,7 @@ def _worn(original: Original, head: MovedHead, materials: np.ndarray) -> np.ndar
         own = materials == material
         picture = original.rig.pictures.of(material)
         if picture is None or mesh.uvs is None:
-            colours[own] = FINISHES[Material(material)].colour
+            colours[own] = original.rig.pictures.finish(material).colour
         else:
             corners = mesh.uvs[mesh.uv_faces[original.kept][head.view.face[own]]]
             colours[own] = sample_texture(picture, np.einsum("nk,nkc->nc", head.view.weights[own], corners))

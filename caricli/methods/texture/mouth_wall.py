@@ -5,14 +5,13 @@ import numpy as np
 from caricli.geometry.vertex_neighbours import vertex_neighbours
 from caricli.render.visibility.vertex_pixels import vertex_pixels
 from caricli.structures import Camera, Material
-from caricli.structures.materials import FINISHES
+from caricli.structures.materials import FINISHES, colour_share, toned
 from caricli.template.template import Template
 
 MOUTH = 0.5 * np.array(FINISHES[Material.GUMS].colour)
 """sRGB of the wall: as gums, in their shadow."""
 
 _RINGS = 3  # of vertices, over which the colour of the lips goes over into it
-_GREY = 0.5  # of 255, largest difference between channels of a head without colour
 
 
 def mouth_wall(head: Template) -> np.ndarray:
@@ -27,10 +26,8 @@ def mouth_wall(head: Template) -> np.ndarray:
 
 
 def wall_colour(colours: np.ndarray) -> np.ndarray:
-    """sRGB (3,) of the wall in a head of colours (N, 3): MOUTH, and grey of their mean where these are grey."""
-    if np.ptp(colours, axis=1).max() < _GREY:
-        return np.full(3, MOUTH.mean())
-    return MOUTH
+    """sRGB (3,) of the wall in a head of colours (N, 3): MOUTH, and grey where these are grey."""
+    return toned(MOUTH, colour_share(colours))
 
 
 def wall_pixels(head: Template, camera: Camera, size: tuple[int, int]) -> np.ndarray:

@@ -52,7 +52,8 @@ class TextureModel(NetworkModel[TextureNetwork]):
         shades = torch.from_numpy(np.asarray(manner.shades, np.float32))[None]
         share, skin = (torch.from_numpy(np.asarray(part, np.float32)) for part in (manner.share, manner.skin))
         shaded = change.in_own_shades(colours, shades, share)
-        return _numpy(shaded.with_folds_up_to(colours, torch.tensor([manner.deepest]), shades, skin))
+        folded = shaded.with_folds_up_to(colours, torch.tensor([manner.deepest]), shades, skin)
+        return _numpy(folded.toned(torch.tensor([manner.coloured])))
 
 
 def texture_to_checkpoint(model: TextureModel) -> tuple[dict[str, np.ndarray], dict[str, Any]]:

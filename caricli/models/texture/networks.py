@@ -83,6 +83,12 @@ class Change:
         gain = (1 + self.attention * self.gain) * factor - 1
         return Change(torch.ones_like(self.attention), gain, self.attention * self.offset * factor)
 
+    def toned(self, share: torch.Tensor) -> "Change":
+        """The same with so much of its colour, (B,) from 0, in shades of grey, to 1."""
+        grey = 1 - share[:, None, None, None]
+        gain, offset = (each + grey * (each.mean(1, keepdim=True) - each) for each in (self.gain, self.offset))
+        return Change(self.attention, gain, offset)
+
 
 def _around(fields: torch.Tensor) -> torch.Tensor:
     """Means of fields (B, 1, S, S) around every texel, with Gaussian weights."""

@@ -11,6 +11,7 @@ from caricli.io.meshes import obj
 from caricli.io.meshes.obj import read_obj, write_obj
 from caricli.structures import Material, Mesh
 from caricli.structures.checks import are_apart
+from caricli.structures.materials import FINISHES
 
 TRIANGLE = "v 0 0 0\nv 1 0 0\nv 0 1 0\n"
 
@@ -241,3 +242,11 @@ def test_faces_that_match_one_by_one_are_read_where_they_do_not_together(tmp_pat
 
 def test_a_byte_order_mark_is_passed_over(tmp_path):
     assert len(read(tmp_path, "\ufeff" + TRIANGLE + "f 1 2 3\n").polygons) == 1
+
+
+def test_a_finish_that_is_not_the_usual_one_is_written_where_it_is_used(tmp_path):
+    mesh = Mesh(np.eye(3), np.array([[0, 1, 2]]))
+    grey = {finish.name: finish.toned(0) for finish in (FINISHES[Material.TONGUE], FINISHES[Material.GUMS])}
+    write_obj(tmp_path / "a.obj", mesh, others=grey, materials=np.array([Material.TONGUE]))
+    text = (tmp_path / "a.mtl").read_text()
+    assert "newmtl tongue\nKa 1 1 1\nKd 0.5294 0.5294 0.5294\n" in text and "gums" not in text

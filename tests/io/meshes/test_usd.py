@@ -9,7 +9,7 @@ from caricli.errors import OutputError
 from caricli.io.gltf.write_gltf import shading_normals
 from caricli.io.image import read_image
 from caricli.io.meshes.usd import write_usd
-from caricli.structures import Mesh, Pictures, Rig
+from caricli.structures import Material, Mesh, Pictures, Rig
 
 Usd = pytest.importorskip("pxr.Usd", reason="usd-core is not installed")
 from pxr import Gf, UsdGeom, UsdShade, UsdSkel, UsdValidation  # noqa: E402
@@ -162,3 +162,13 @@ def test_what_cannot_be_written_is_refused(full_rig, tmp_path, monkeypatch):
     with pytest.raises(OutputError, match=r"pip install 'caricli\[usd\]'$"):
         write_usd(tmp_path / "a.usdz", full_rig)
     assert [path.name for path in tmp_path.iterdir()] == ["file"]
+
+
+def test_teeth_beside_a_grey_skin_are_grey(full_rig, tmp_path):
+    kinds = np.where(full_rig.materials == Material.EYE, Material.GUMS, full_rig.materials)
+    grey = Pictures(np.full((4, 4, 3), 120, np.uint8))
+    write_usd(tmp_path / "a.usdz", replace(full_rig, materials=kinds, pictures=grey))
+    stage = Usd.Stage.Open(str(tmp_path / "a.usdz"))
+    surface = UsdShade.Shader(stage.GetPrimAtPath("/head/materials/gums/surface"))
+    red, green, blue = surface.GetInput("diffuseColor").Get()
+    assert red == green == blue > 0

@@ -2,7 +2,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from caricli.methods.texture.mouth_wall import mouth_wall, wall_pixels
+from caricli.methods.texture.mouth_wall import MOUTH, mouth_wall, wall_colour, wall_pixels
 from caricli.structures import Camera
 
 
@@ -32,3 +32,11 @@ def test_it_is_seen_where_the_mouth_is_open(head, head_template):
     assert len(rows) > 100
     assert lips[:, 0].min() - 1 <= columns.min() and columns.max() <= lips[:, 0].max() + 1
     assert lips[:, 1].min() - 1 <= rows.min() and rows.max() <= lips[:, 1].max() + 1
+
+
+def test_its_colour_is_that_of_gums_in_shadow_and_grey_in_a_grey_head():
+    tan = np.tile([206.0, 160, 136], (9, 1))
+    np.testing.assert_array_equal(wall_colour(tan), MOUTH)
+    # A grey picture that was saved with few colours is hardly ever grey to the bit.
+    near = np.full((9, 3), 120.0) + [1, 0, -1]
+    np.testing.assert_allclose(wall_colour(near), MOUTH.mean())
