@@ -20,9 +20,7 @@ def fill_behind(original: Original, head: MovedHead) -> np.ndarray:
     """
     window = original.window
     old = window.sampled(original.picture).astype(np.float32)
-    reach = 2 * int(np.ceil(_BORDER * original.size * window.fine)) + 1
-    disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (reach, reach))
-    hidden = cv2.dilate((original.head > _SHOWN).astype(np.uint8), disc) > 0
+    hidden = cv2.dilate((original.head > _SHOWN).astype(np.uint8), original.disc(_BORDER)) > 0
     needed = hidden & (head.solid < _SOLID) & (head.motion > original.settings.still)
     if not needed.any():
         return old

@@ -11,6 +11,7 @@ from caricli.methods.redraw.original import Original, blurred
 from caricli.methods.redraw.spread_colours import box_around, spread_colours
 from caricli.methods.redraw.view import Window
 from caricli.methods.texture.estimate_light import GAMMA
+from caricli.render.pixels.distance_to import distance_to
 from caricli.render.sky import DIRECTIONS, light_received, sky_visibility
 from caricli.render.smooth_normals import smooth_normals
 from caricli.structures import Material
@@ -20,6 +21,7 @@ _FINE = 0.8  # pixels, softness of lashes
 _THICK = 2.2
 _BITS = 4  # of a sample's fraction
 _LEVEL = 1e-3
+_HALF = 0.5
 
 
 class MovedHead:
@@ -76,22 +78,38 @@ class MovedHead:
         original = self.original
         hidden = self.look(original.hidden)
         stained = self.look(self.stain) * np.isinf(self.view.away)
-        beyond = self.look(cv2.dilate(original.beyond, np.ones((3, 3), np.uint8))) * (1 - self._edge)
+        beyond = self.look(original.beside) * (1 - self._edge)
         shown = self._bared * (1 - hidden) * (1 - stained) * (1 - self.between) * (1 - beyond)
         return np.where(self.view.inside, self._kept * (1 - self._anew), shown).astype(np.float32)
 
     @cached_property
+    def told(self) -> np.ndarray:
+        """(H, W) float32 from 0 to 1: how far what is shown tells the colours of what is around it and is not.
+
+        Slivers between what was hidden, and what is beside the border, are mixtures and drawn lines.
+        """
+        line = self.original.settings.line
+        reach = 2 * line * self.original.size * self.original.window.fine
+        within = distance_to(self.shown <= _HALF) > reach
+        broad = distance_to(within) <= reach
+        return self.shown * broad * (1 - self.look(self.original.beside))
+
+    @cached_property
     def solid(self) -> np.ndarray:
-        """(H, W) float32 from 0 to 1: how far samples show the head; no mesh ends just where a drawing does."""
-        return self.view.covered * (1 - self.look(self.original.apart))
+        """(H, W) float32 from 0 to 1: how far samples show the head; no mesh ends just where a drawing does.
+
+        What has gone farther in than it was is head, whatever the drawing showed there.
+        """
+        original = self.original
+        inwards = self.view.inwards - self.look(original.view.inwards)
+        reach = original.settings.line * original.size * original.window.fine
+        return self.view.covered * (1 - self.look(original.apart) * smooth_step(inwards, 2 * reach, reach))
 
     @cached_property
     def _edge(self) -> np.ndarray:
         """(H, W) float32 from 0 to 1: how near samples on the head are to its border before what is behind it."""
         reach = self.original.settings.band * self.original.size * self.original.window.fine
-        inside = self.view.covered.astype(np.uint8)
-        depth = cv2.distanceTransform(inside, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
-        return smooth_step(depth, reach, reach / 3) * inside
+        return smooth_step(self.view.inwards, reach, reach / 3) * self.view.covered
 
     @cached_property
     def between(self) -> np.ndarray:

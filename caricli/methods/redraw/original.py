@@ -147,6 +147,11 @@ class Original:
         """(H, W) float32 depth of the head at the samples; along edges that of what is farther off."""
         return cv2.dilate(self.depth, np.ones((3, 3), np.uint8))
 
+    def disc(self, share: float) -> np.ndarray:
+        """(N, N) uint8, a disc to dilate samples with. share: of the head's height, its radius."""
+        across = 2 * int(np.ceil(share * self.size * self.window.fine)) + 1
+        return cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (across, across))
+
     def of_regions(self, *regions: Region) -> np.ndarray:
         """(H, W) float32 from 0 to 1: how far samples show some regions, with soft borders."""
         if self.regions is None:
@@ -175,9 +180,7 @@ class Original:
     @cached_property
     def rims(self) -> np.ndarray:
         """(H, W) float32 from 0 to 1: how far samples are so near to openings that these may be there, and no brows."""
-        reach = 2 * int(np.ceil(_RIM * self.size * self.window.fine)) + 1
-        disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (reach, reach))
-        return cv2.dilate(self.openings, disc) * (1 - self.of_regions(Region.BROWS))
+        return cv2.dilate(self.openings, self.disc(_RIM)) * (1 - self.of_regions(Region.BROWS))
 
     @cached_property
     def held(self) -> np.ndarray:
@@ -202,6 +205,11 @@ class Original:
         if self.regions is None:
             return 1 - self.view.covered.astype(np.float32)
         return self.of_regions(Region.BACKGROUND)
+
+    @cached_property
+    def beside(self) -> np.ndarray:
+        """(H, W) float32 from 0 to 1: how far samples show, or may show, what is behind the head, or its outline."""
+        return cv2.dilate(self.beyond, self.disc(self.settings.line))
 
     @cached_property
     def apart(self) -> np.ndarray:

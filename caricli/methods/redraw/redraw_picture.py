@@ -67,7 +67,9 @@ def _painted(original: Original, head: MovedHead, changed: ChangedPaint | None) 
     for part in (eyes, head.view.covered & ~eyes & ~head.view.inside):
         # Beside the part nothing counts.
         near = box_around(part)
-        more = spread_colours(apart[near], (part * seen)[near])
+        told = head.told[near] if part is not eyes else seen[near]
+        own = seen[near][..., None]
+        more = own * apart[near] + (1 - own) * spread_colours(apart[near], part[near] * told)
         colours[near][part[near]] += more[part[near]]
     return _closed(head, old, np.clip(colours, 0, 255))
 

@@ -14,6 +14,7 @@ class RedrawSettings:
     band: share of the head's height in the picture, breadth of the strip beside an outline that goes with it: lines are
     drawn around a head, and no mesh ends where they do. stain: as band, breadth of what an outline that moved away may
     have left behind.
+    line: as band, how far a drawn outline, and what is mixed at a border, reach into the head.
     jump: share of the head's height, difference of depth that makes an outline.
     narrow, wide: of the area that a triangle has in the new picture, the area in the old one up to which this showed
     nothing of it, and from which on it did.
@@ -29,6 +30,7 @@ class RedrawSettings:
     changed: tuple[float, float] = (1.0, 4.0)
     band: float = 0.035
     stain: float = 0.02
+    line: float = 0.006
     jump: float = 0.02
     narrow: float = 0.1
     wide: float = 0.3

@@ -98,6 +98,11 @@ class View:
         )
 
     @cached_property
+    def inwards(self) -> np.ndarray:
+        """(H, W) float32 samples from the border of the head, zeros beside it."""
+        return cv2.distanceTransform(self.covered.astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
+
+    @cached_property
     def outline(self) -> tuple[np.ndarray, np.ndarray]:
         """Row and column (H, W) of the sample of an outline that is nearest to each."""
         farthest = cv2.dilate(np.where(self.covered, self.depth, np.float32(1e9)), _CROSS)

@@ -77,3 +77,34 @@ def test_an_open_eye_is_no_mouth_and_a_brow_no_rim_of_it(eyed):
             shown[name, part] = means(values.astype(np.float32))[rows, columns]
     assert shown["openings", "eye"].mean() > 0.8 and shown["mouth", "eye"].max() == 0
     assert np.median(shown["rims", "brow"][0]) < 0.3
+
+
+def test_what_the_drawing_left_out_is_head_where_it_has_gone_farther_in(stage):
+    """A mesh wider than the drawn head, whose side turns to the front."""
+    regions = stage.regions(stage.rig.neutral)
+    regions[:, : np.flatnonzero(regions[150] == Region.SKIN)[0] + 8] = Region.BACKGROUND
+    original = stage.original(stage.shape(), regions=regions)
+    turned = stage.rig.neutral @ Rotation.from_euler("y", 50, degrees=True).as_matrix().T
+    still, head = (MovedHead(original, shape) for shape in (stage.rig.neutral, turned))
+    assert still.solid[still.view.covered & (original.apart > 0.99)].max() < 0.01
+    beside = head.look(original.apart) > 0.99
+    farther = head.view.inwards - head.look(original.view.inwards)
+    reach = original.settings.line * original.size * original.window.fine
+    inner = beside & head.view.covered & (farther > 2 * reach)
+    assert inner.sum() > 200 and head.solid[inner].min() > 0.99
+
+
+def test_lines_between_what_was_hidden_tell_no_colours(stage):
+    original = stage.original(stage.shape())
+    head = MovedHead(original, stage.rig.neutral)
+    middle = tuple(size // 2 for size in head.view.face.shape)
+    shown = np.zeros(head.view.face.shape, np.float32)
+    shown[middle[0] - 20 : middle[0] + 20, middle[1] - 20 : middle[1] + 20] = 1
+    shown[middle[0] - 60, middle[1] - 40 : middle[1] + 40] = 1
+    head.__dict__["shown"] = shown
+    assert head.told[middle] == 1 and not head.told[middle[0] - 60].any()
+    # Nor does what is so near to the background that an outline is drawn there.
+    head = MovedHead(original, stage.rig.neutral)
+    head.__dict__["shown"] = np.ones_like(shown)
+    assert head.told[middle] == 1 and head.told[original.beyond > 0.99].max() < 0.01
+    assert (head.told < 0.5).sum() > (original.beyond > 0.5).sum() + 50
