@@ -148,16 +148,20 @@ def _scene(mesh: Mesh, normals: np.ndarray, carried: list[np.ndarray], look: Loo
     for name, worn in pictures.items():
         texels = _NO_PICTURE if worn is None else np.ascontiguousarray(worn)
         setattr(scene, name, wp.array(texels, dtype=wp.uint8, device="cpu", copy=False))
-    scene.finishes = _on_device(np.array([_finish(material) for material in Material]), wp.vec3)
+    scene.finishes = _on_device(np.array([_finish(material, pictures) for material in Material]), wp.vec3)
     balls = [[*centre, radius] for centre, radius in look.eyeballs]
     scene.eyeballs = _on_device(np.array(balls, float).reshape(-1, 4), wp.vec4)
     scene.gaze = wp.vec3(*(float(g) for g in look.gaze))
     return scene, wp_mesh(points.astype(np.float32), triangles)
 
 
-def _finish(material: Material) -> tuple[float, float, float]:
-    """Roughness of a material, how far light wanders under its surface, and how wet it is, 0 to 1."""
-    return FINISHES[material].roughness, _SOFTNESS.get(material, 0.0), _WETNESS.get(material, 0.0)
+def _finish(material: Material, pictures: Pictures) -> tuple[float, float, float]:
+    """Roughness of a material, how far light wanders under its surface, and how wet it is, 0 to 1.
+
+    pictures: what is worn; where they have no colour light gets none under the skin.
+    """
+    soft = pictures.coloured * _SOFTNESS.get(material, 0.0)
+    return FINISHES[material].roughness, soft, _WETNESS.get(material, 0.0)
 
 
 def _on_device(array: np.ndarray, dtype: type) -> Any:

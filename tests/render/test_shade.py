@@ -289,3 +289,15 @@ def test_eyeballs_keep_what_is_fine_in_their_picture(sphere):
     middle = [(SIZE - 1) / 2, (SIZE - 1) / 2, 0.0]
     eye = grey(shade(far, faces, SIZE, SIZE, Look(coat=coat, eyeballs=[(middle, 24.0)])))
     assert np.abs(np.diff(eye[36:52, 20:44], axis=1)).mean() > 15
+
+
+def test_light_gets_no_colour_under_a_grey_skin(sphere):
+    """The same plain tongue, beside skin of one picture or another."""
+    points, faces = in_picture(sphere[0]), sphere[1]
+    warmth = []
+    for colour in ((206, 160, 136), (160, 160, 160)):
+        worn = Pictures(np.full((4, 4, 3), colour, np.uint8))
+        coat = Coat(np.zeros((1, 2)), np.zeros_like(faces), np.full(len(faces), Material.TONGUE), worn)
+        drawn = shade(points, faces, SIZE, SIZE, Look(colour=(150, 150, 150), coat=coat)).astype(float)
+        warmth.append(drawn[40, 40, 0] - drawn[40, 40, 1] - (drawn[25, 25, 0] - drawn[25, 25, 1]))
+    assert warmth[0] > warmth[1] + 1, warmth
