@@ -154,3 +154,7 @@ def test_without_templates_it_does_arkits_52(face, head):
 def test_another_topology_is_refused(templates, ball):
     with pytest.raises(InputError, match="expected the topology of the templates .* found another .300 vertices, 596"):
         make_rig(Mesh(*ball), templates)
+    vertices, faces = templates.neutral, templates.faces
+    whole = Mesh(np.concatenate([vertices, vertices]), np.concatenate([faces, faces + len(vertices)]))
+    with pytest.raises(InputError, match=r"\(--templates\), or of a whole head its skin, as --parts skin writes it"):
+        make_rig(whole, templates)
