@@ -198,7 +198,7 @@ def _report(json, others, result, rest, given, description):
         if path.suffix == ".usdz":
             write_usd(path, result.rig)
         else:
-            write_expression_sheet(path, result.rig, result.shaped(given) if rest.moved else None)
+            write_expression_sheet(path, result.rig, result.as_given(given) if rest.moved else None)
 
 
 def _advise(face, result, rest, neutral):

@@ -40,21 +40,29 @@ class RigResult:
     measures: RigMeasures of its expressions.
     eyeballs: those that it has.
     fine: FineMesh of the face, whose vertices come first in the rig.
-    dress: makes the parts of a Face, whose vertices come last in the rig.
+    dress: makes the parts of a Face, whose vertices come last in the rig; ``given`` of it is the laugh, if any, that
+    tells how far teeth show in the neutral face.
     """
 
     rig: Rig
     measures: RigMeasures
     eyeballs: list[Eyeball]
     fine: FineMesh
-    dress: Callable[[Face], list[Part]]
+    dress: Callable[..., list[Part]]
 
     def shaped(self, face: Face) -> np.ndarray:
-        """(W, 3) the vertices of the rig with the face in another shape, metres."""
+        """(W, 3) the vertices of the rig with the face in another shape, metres, its teeth those of the neutral one."""
+        return self._wearing(face, self.dress(face))
+
+    def as_given(self, face: Face) -> np.ndarray:
+        """(W, 3) the same with the teeth of the face itself, as long as its picture shows them."""
+        return self._wearing(face, self.dress(face, given=None))
+
+    def _wearing(self, face: Face, parts: list[Part]) -> np.ndarray:
         skin = self.fine.shaped(face.vertices).mesh.vertices
-        parts = np.concatenate([np.zeros((0, 3)), *(part.mesh.vertices for part in self.dress(face))])
-        eyes = self.rig.neutral[len(skin) : len(self.rig.neutral) - len(parts)]
-        return np.concatenate([skin, eyes, parts])
+        worn = np.concatenate([np.zeros((0, 3)), *(part.mesh.vertices for part in parts)])
+        eyes = self.rig.neutral[len(skin) : len(self.rig.neutral) - len(worn)]
+        return np.concatenate([skin, eyes, worn])
 
 
 def make_rig(
