@@ -43,7 +43,12 @@ def test_handles_before_and_after_and_a_baseline(face, edit, drawing):
 
 def test_a_baseline_shows_as_much_of_the_teeth_as_the_face(face, edit, drawing, monkeypatch):
     shown = []
-    monkeypatch.setattr(FaceDrawing, "draw", lambda self, each, views: shown.append(each) or [np.zeros((40, 40, 4))])
+
+    def draw(self, each, views):
+        shown.append(each)
+        return [np.zeros((40, 40, 4))]
+
+    monkeypatch.setattr(FaceDrawing, "draw", draw)
     teeth = np.array([0.004, 0.001])
     handle_sheet(replace(face, teeth=teeth), edit, drawing, baseline=True)
     assert np.array_equal(shown[0].teeth, teeth) and np.array_equal(shown[2].teeth, teeth)
