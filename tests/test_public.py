@@ -17,7 +17,7 @@ import caricli
 from caricli.io.gltf.read_gltf import read_gltf
 from caricli.io.image import read_image
 from caricli.io.landmarks import write_landmarks
-from caricli.structures import Face
+from caricli.structures import Face, Material
 
 ROOT = Path(caricli.__file__).parents[1]
 ASTRONAUT = ROOT / "examples" / "astronaut"
@@ -89,7 +89,7 @@ def test_a_type_error_is_caught(tmp_path):
     assert 'expected "Mesh"' in done.stdout
 
 
-def test_the_walk_of_the_page_makes_a_rig(tmp_path):
+def test_the_walk_of_the_page_makes_a_rig(tmp_path, head_template):
     """The first block of docs/python.md, as it stands, from landmarks to a rigged GLB."""
     (code,) = re.findall(r"<!-- tested -->\n+```python\n(.*?)```", PAGE.read_text("utf-8"), re.S)
     assert len([line for line in code.splitlines() if line.strip()]) <= 12
@@ -101,6 +101,10 @@ def test_the_walk_of_the_page_makes_a_rig(tmp_path):
     assert done.returncode == 0, done.stderr
     rig = read_gltf(tmp_path / "rig.glb")
     assert len(rig.names) == 52 and rig.pictures.skin is not None and rig.pictures.skin.std() > 10
+    # She has her hair, and her lips, apart in the photograph, meet.
+    upper, lower = (rig.neutral[head_template.annotation.landmarks[k]] for k in (62, 66))
+    assert rig.pictures.hair is not None and Material.HAIR in rig.materials
+    assert np.linalg.norm(upper - lower) < 0.02 * head_template.height
     assert read_image(tmp_path / "photo.png").shape[2] == 3
 
 

@@ -172,11 +172,10 @@ def _paths(out, usd):
 
 def _rest(given, neutral):
     """The NeutralFace of a Face."""
-    from caricli.methods.expressions.find_neutral import NeutralFace, find_neutral
+    from caricli.methods.expressions.find_neutral import find_neutral
     from caricli.store.expression_tools import load_neutral_tools
 
-    tools = load_neutral_tools(given.mesh) if neutral == "auto" else None
-    return find_neutral(given, tools) if tools else NeutralFace(given.mesh, given.mesh)
+    return find_neutral(given, load_neutral_tools(given.mesh) if neutral == "auto" else None)
 
 
 def _changing(rig, moods):
