@@ -196,6 +196,10 @@ class RetargetPaths:
         jobs = [] if alone else named_jobs(self.drivers, "NORMAL_FACE", self.out, self.out_dir, *suffixes)
         if self.again.picture is None and (self.again.film or self.again.parsing):
             raise click.UsageError("--film and --parsing are for --picture.")
+        if self.again.picture is not None:
+            refuse_typed(
+                "--parts and --bust are for faces and --animation; --picture takes all of B.npz.", "parts", "bust"
+            )
         if not self.moving:
             refuse_typed("--fps is for --animation and --film.", "fps")
         meshes = [is_driving_mesh(path) for path in self.drivers]
