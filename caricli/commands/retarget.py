@@ -193,6 +193,10 @@ class RetargetPaths:
 
         suffixes = MESH_SUFFIXES if self.again.picture is None else (".png",)
         alone = self.moving and self.out is None and self.out_dir is None
+        if alone and self.again.film is None:
+            # A GLB has one picture for all its frames.
+            message = "--dynamic-texture and --picture are for --out, --out-dir and --film, not for --animation alone."
+            refuse_typed(message, "dynamic", "picture")
         jobs = [] if alone else named_jobs(self.drivers, "NORMAL_FACE", self.out, self.out_dir, *suffixes)
         if self.again.picture is None and (self.again.film or self.again.parsing):
             raise click.UsageError("--film and --parsing are for --picture.")
