@@ -6,6 +6,7 @@ from functools import partial
 
 import numpy as np
 
+from caricli.methods.parts.close_neck import with_neck
 from caricli.methods.parts.face_parts import face_parts, let_tongue_out
 from caricli.methods.rig.add_eyeballs import Eyeball, add_eyeballs, fit_eyeballs
 from caricli.methods.rig.add_parts import add_parts
@@ -92,7 +93,8 @@ def make_rig(
     fine = fine_mesh(mesh, settings.levels)
     finer = np.stack([fine.weights @ delta for delta in deltas])
     shape = fine.mesh.with_vertices((fine.weights @ mesh.vertices).astype(np.float32))
-    rig = Rig(templates.names, shape, finer.astype(np.float32), pictures=replace(pictures, eyes=None))
+    worn = with_neck(pictures, mesh, templates.mesh) if "bust" in settings.head.parts else pictures
+    rig = Rig(templates.names, shape, finer.astype(np.float32), pictures=replace(worn, eyes=None))
     rig = add_eyeballs(rig, eyeballs, np.random.default_rng(settings.seed), pictures.eyes)
     hair = None if given is None else given.with_vertices(mesh.vertices).hair
     laugh = None if given is None or np.array_equal(given.vertices, mesh.vertices) else given.vertices

@@ -100,6 +100,14 @@ def test_a_face_as_it_was_given_has_the_teeth_of_its_picture(templates, face, de
     assert part(result.shaped(laughing), result.rig, "upper")[:, 1].min() > own[:, 1].min() + 0.005
 
 
+def test_the_neck_has_the_colours_of_the_skin(templates, face, deltas):
+    brown = Pictures(np.full((64, 64, 3), (120, 80, 40), np.uint8))
+    rig = make_rig(face, templates, pictures=brown, deltas=deltas).rig
+    assert (rig.pictures.bust == [120, 80, 40]).all()
+    bare = make_rig(face, templates, RigSettings(head=BARE), brown, deltas).rig
+    assert bare.pictures.bust is None
+
+
 def part(values, rig, side):
     """Values of the teeth of one row."""
     ids = np.unique(rig.faces[rig.triangle_materials == Material.TEETH])
