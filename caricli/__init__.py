@@ -18,12 +18,14 @@ if TYPE_CHECKING:
     from caricli.methods.edit.caricaturize_face import caricaturize_face
     from caricli.methods.edit.edit_handles import edit_handles
     from caricli.methods.edit.edit_semantic import edit_semantic
+    from caricli.methods.expressions.find_neutral import find_neutral
     from caricli.methods.faces.encode_face import encode_face
     from caricli.methods.reconstruct.fit_landmarks import fit_landmarks
     from caricli.methods.reconstruct.refine_face import refine_face
     from caricli.methods.rig.make_rig import make_rig
     from caricli.methods.texture.paint_head import paint_head
     from caricli.store.directions import load_directions
+    from caricli.store.expression_tools import load_neutral_tools
     from caricli.store.models import load_model
     from caricli.store.tracks import load_track
     from caricli.structures import Camera, Face, Landmarks, Mesh, Rig
@@ -48,6 +50,8 @@ _HOMES = {
     "caricli.methods.edit.edit_handles": ("edit_handles",),
     "caricli.methods.edit.edit_semantic": ("edit_semantic",),
     "caricli.methods.edit.caricaturize_face": ("caricaturize_face",),
+    "caricli.store.expression_tools": ("load_neutral_tools",),
+    "caricli.methods.expressions.find_neutral": ("find_neutral",),
     "caricli.methods.rig.make_rig": ("make_rig",),
     "caricli.methods.animate.animate_rig": ("animate_rig",),
 }
@@ -65,9 +69,11 @@ __all__ = [
     "edit_handles",
     "edit_semantic",
     "encode_face",
+    "find_neutral",
     "fit_landmarks",
     "load_directions",
     "load_model",
+    "load_neutral_tools",
     "load_track",
     "make_rig",
     "paint_head",

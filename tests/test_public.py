@@ -5,6 +5,7 @@ import os
 import re
 import subprocess
 import sys
+from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
 from pkgutil import walk_packages
@@ -15,7 +16,8 @@ import pytest
 import caricli
 from caricli.io.gltf.read_gltf import read_gltf
 from caricli.io.image import read_image
-from caricli.structures import Face
+from caricli.io.landmarks import write_landmarks
+from caricli.structures import Face, Material
 
 ROOT = Path(caricli.__file__).parents[1]
 ASTRONAUT = ROOT / "examples" / "astronaut"
@@ -87,7 +89,7 @@ def test_a_type_error_is_caught(tmp_path):
     assert 'expected "Mesh"' in done.stdout
 
 
-def test_the_walk_of_the_page_makes_a_rig(tmp_path):
+def test_the_walk_of_the_page_makes_a_rig(tmp_path, head_template):
     """The first block of docs/python.md, as it stands, from landmarks to a rigged GLB."""
     (code,) = re.findall(r"<!-- tested -->\n+```python\n(.*?)```", PAGE.read_text("utf-8"), re.S)
     assert len([line for line in code.splitlines() if line.strip()]) <= 12
@@ -99,7 +101,28 @@ def test_the_walk_of_the_page_makes_a_rig(tmp_path):
     assert done.returncode == 0, done.stderr
     rig = read_gltf(tmp_path / "rig.glb")
     assert len(rig.names) == 52 and rig.pictures.skin is not None and rig.pictures.skin.std() > 10
+    # She has her hair, and her lips, apart in the photograph, meet.
+    upper, lower = (rig.neutral[head_template.annotation.landmarks[k]] for k in (62, 66))
+    assert rig.pictures.hair is not None and Material.HAIR in rig.materials
+    assert np.linalg.norm(upper - lower) < 0.02 * head_template.height
     assert read_image(tmp_path / "photo.png").shape[2] == 3
+
+
+@pytest.mark.parametrize("page", [PAGE, ROOT / "README.md"], ids=["python", "readme"])
+def test_both_pages_leave_a_landmark_that_is_not_sure(page, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    marks = caricli.read_landmarks(ASTRONAUT / "landmarks.json")
+    points = marks.points.copy()
+    points[30] += [0, 40]  # the nose's tip, far below
+    spreads = np.tile(np.eye(2), (len(points), 1, 1))
+    spreads[30] *= 1e5
+    write_landmarks(tmp_path / "landmarks.json", replace(marks, points=points, spreads=spreads))
+    (code,) = re.findall(r"(landmarks = caricli.read_landmarks.*?\.face)\n", page.read_text("utf-8"), re.S)
+    names: dict = {"caricli": caricli}
+    exec(code.replace('picture = caricli.read_image("photo.png")', ""), names)
+    face = names["face"]
+    tip = face.camera.project(face.vertices[names["model"].template.annotation.landmarks[30]])
+    assert np.linalg.norm(tip - marks.points[30]) < 10
 
 
 def test_the_edits_of_the_page_move_a_nose(tmp_path, monkeypatch, head_template):

@@ -199,4 +199,4 @@ def _write(files, face, result, description):
     write_gltf(glb, result.rig)
     write_json(json, description)
     for png in pngs:
-        write_expression_sheet(png, result.rig, result.shaped(face))
+        write_expression_sheet(png, result.rig, result.as_given(face))

@@ -1,7 +1,8 @@
 """caricli render: shaded pictures of faces."""
 
+import os
 from dataclasses import replace
-from itertools import chain
+from itertools import chain, zip_longest
 
 import click
 
@@ -76,8 +77,8 @@ def command(paths, out, views, frames, size, columns, image, head, overwrite):
 
     Faces and rigs are NPZ, GLB or glTF, meshes also OBJ, PLY or STL. They are drawn in the pictures that they wear (of
     those in a GLB the first, and that of a material named eyes), rigs with their neutral face, overlays in clay.
-    Several become a contact sheet with the names of their files. Heads of the bundled topology get eyes, teeth, tongue
-    and lashes where they are skin alone.
+    Several become a contact sheet with the names of their files, or with what of their paths tells files of one name
+    apart. Heads of the bundled topology get eyes, teeth, tongue and lashes where they are skin alone.
 
     \b
     Example:
@@ -97,11 +98,24 @@ def command(paths, out, views, frames, size, columns, image, head, overwrite):
     with staged(out, overwrite=overwrite, inputs=(*paths, image)) as (temporary,):
         if image is None:
             faces = [_whole(path, head) for path in paths]
-            picture = _draw(temporary, faces, [path.stem for path in paths], settings)
+            picture = _draw(temporary, faces, _names(paths), settings)
         else:
             picture = _overlay(read_face(paths[0]), paths[0], head, image)
             write_png(temporary, picture)
     echo_result(f"{shown(out)}: {picture.shape[1]} x {picture.shape[0]} pixels, faces: {len(paths)}")
+
+
+def _names(paths):
+    """The stem of every path; where two share one, what of the paths is not the same in all."""
+    stems = [path.stem for path in paths]
+    if len(set(stems)) == len(stems):
+        return stems
+    root = os.path.commonpath([path.parent.absolute() for path in paths])
+    below = [path.absolute().relative_to(root) for path in paths]
+    # From the end, because a folder may lie deeper than another.
+    places = [*zip_longest(*(reversed((*path.parent.parts, path.stem, path.suffix[1:])) for path in below))]
+    told = [parts for parts in reversed(places) if len(set(parts)) > 1] or [stems]
+    return ["/".join(filter(None, parts)) or stem for parts, stem in zip(zip(*told, strict=True), stems, strict=True)]
 
 
 def _whole(path, head):

@@ -113,7 +113,8 @@ def command(
     landmarks, or pictures, in which they are found; then they are written beside the result, FACE-landmarks.json.
     Weights from 0 to 1.5 explain what a driver does to a normal face, and are applied to the caricature. All drivers
     are of one person and of one kind. Place and size do not matter. Weights of meshes are exact with --neutral; without
-    it, and from landmarks, who somebody is and what he does are told apart by what is likely.
+    it, and from landmarks, who somebody is and what he does are told apart by what is likely. Landmarks, and so
+    pictures, show neither a tongue nor where eyes look: neither moves.
 
     With --picture the drawing itself takes the expressions: what it shows of the face moves, with its own colours; what
     it hides comes from the texture, teeth from the head; what the face uncovers is filled, and hair, glasses and hands
@@ -192,9 +193,17 @@ class RetargetPaths:
 
         suffixes = MESH_SUFFIXES if self.again.picture is None else (".png",)
         alone = self.moving and self.out is None and self.out_dir is None
+        if alone and self.again.film is None:
+            # A GLB has one picture for all its frames.
+            message = "--dynamic-texture and --picture are for --out, --out-dir and --film, not for --animation alone."
+            refuse_typed(message, "dynamic", "picture")
         jobs = [] if alone else named_jobs(self.drivers, "NORMAL_FACE", self.out, self.out_dir, *suffixes)
         if self.again.picture is None and (self.again.film or self.again.parsing):
             raise click.UsageError("--film and --parsing are for --picture.")
+        if self.again.picture is not None:
+            refuse_typed(
+                "--parts and --bust are for faces and --animation; --picture takes all of B.npz.", "parts", "bust"
+            )
         if not self.moving:
             refuse_typed("--fps is for --animation and --film.", "fps")
         meshes = [is_driving_mesh(path) for path in self.drivers]

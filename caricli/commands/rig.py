@@ -172,11 +172,10 @@ def _paths(out, usd):
 
 def _rest(given, neutral):
     """The NeutralFace of a Face."""
-    from caricli.methods.expressions.find_neutral import NeutralFace, find_neutral
+    from caricli.methods.expressions.find_neutral import find_neutral
     from caricli.store.expression_tools import load_neutral_tools
 
-    tools = load_neutral_tools(given.mesh) if neutral == "auto" else None
-    return find_neutral(given, tools) if tools else NeutralFace(given.mesh, given.mesh)
+    return find_neutral(given, load_neutral_tools(given.mesh) if neutral == "auto" else None)
 
 
 def _changing(rig, moods):
@@ -198,7 +197,7 @@ def _report(json, others, result, rest, given, description):
         if path.suffix == ".usdz":
             write_usd(path, result.rig)
         else:
-            write_expression_sheet(path, result.rig, result.shaped(given) if rest.moved else None)
+            write_expression_sheet(path, result.rig, result.as_given(given) if rest.moved else None)
 
 
 def _advise(face, result, rest, neutral):

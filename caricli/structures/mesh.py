@@ -83,6 +83,10 @@ class Mesh:
             return self.uvs is other.uvs
         return bool(np.abs(self.uvs[self.uv_faces] - other.uvs[other.uv_faces]).max() < _SAME_PLACE)
 
+    def begins_with(self, other: "Mesh") -> bool:
+        """Whether its first triangles are those of another mesh, as in a head whose parts come after its skin."""
+        return len(self.faces) > len(other.faces) and np.array_equal(self.faces[: len(other.faces)], other.faces)
+
     def with_vertices(self, vertices: np.ndarray) -> Self:
         """The same mesh in another shape. vertices: (V, 3), as many as there are."""
         other = object.__new__(type(self))

@@ -1,4 +1,5 @@
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -17,7 +18,9 @@ from caricli.io.takes.track import write_weights
 from caricli.store.models import load_model
 from caricli.structures import Animation, Camera, Face, Mesh, Operation, Rig, Session, Sketch, Stroke, StrokeKind, Track
 from caricli.structures.arkit import ARKIT_NAMES
+from caricli.structures.change_atlas import ChangeAtlas
 from caricli.structures.parsing import Region
+from caricli.structures.pictures import Mood, Pictures
 from tests.acted_textures import write_acted_set
 from tests.drawn_pictures import mean_shape, write_drawn_set
 
@@ -91,8 +94,21 @@ def test_a_rig(inspect, rig, suffix, tmp_path):
     lines, report = inspect(path)
     assert "52 shapes" in lines[0] and "ARKit: 52 of 52 names, 0 missing" in lines
     assert sum("eyeBlinkLeft" in line for line in lines) == 1
-    assert report["arkit"]["missing"] == [] and len(report["shapes"]) == 52
+    assert report["arkit"]["missing"] == [] and len(report["shapes"]) == 52 and report["moods"] == []
     assert report["shapes"][0].keys() == {"name", "largest", "moved", "flipped"}
+
+
+@pytest.mark.parametrize("suffix", [".npz", ".glb"])
+def test_moods_of_a_rig(inspect, rig, suffix, tmp_path):
+    path = tmp_path / f"rig{suffix}"
+    skin = np.zeros((16, 16, 3), np.uint8)
+    moods = tuple(Mood(name, skin) for name in ("sad", "very\nangry"))
+    changes = ChangeAtlas(np.full((11 * 16, 10 * 16, 3), 128, np.uint8), 10, 16, (0.1, 0.1, 0.9, 0.9), 0.5, 0.5)
+    worn = replace(rig, pictures=Pictures(skin), moods=moods, changes=changes)
+    (write_rig if suffix == ".npz" else write_gltf)(path, worn)
+    lines, report = inspect(path)
+    assert "with a picture of skin, what expressions do to the picture of skin" in lines
+    assert r"moods of the skin: sad, very\nangry" in lines and report["moods"] == ["sad", "very\nangry"]
 
 
 @pytest.mark.parametrize("shapes", [52, 0])

@@ -119,6 +119,32 @@ def test_several_faces_become_a_labelled_sheet(obj, npz, tmp_path):
     assert not drawn(sheet[-70:, -64:]).any()  # the fourth place is empty
 
 
+@pytest.mark.parametrize(
+    ("places", "names"),
+    [
+        (["a/one.obj", "b/two.obj"], ["one", "two"]),
+        (["heads/ann/textured/face.obj", "heads/bob/textured/face.obj"], ["ann", "bob"]),
+        (["face.obj", "deep/ann/face.obj"], ["face", "deep/ann"]),
+        (["take/face.obj", "take/face.ply"], ["obj", "ply"]),
+        (["face.obj", "face.obj"], ["face", "face"]),
+    ],
+)
+def test_files_of_one_name_are_told_apart(places, names, obj, tmp_path, monkeypatch):
+    paths = [tmp_path / place for place in places]
+    for path in paths:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        write_mesh(path, read_mesh(obj))
+    labels = []
+
+    def sheet(images, columns=None, given=None):
+        labels.extend(given or [])
+        return images[0]
+
+    monkeypatch.setattr("caricli.render.sheets.face_sheet.contact_sheet", sheet)
+    assert run(*paths, "-o", tmp_path / "sheet.png", "--views", "front", "--size", 16).exit_code == 0
+    assert labels == names
+
+
 GREEN = np.tile(np.array([20, 160, 40], np.uint8), (32, 32, 1))
 BLUE = np.tile(np.array([30, 40, 200], np.uint8), (32, 32, 1))
 

@@ -205,6 +205,19 @@ def test_wrong_usage_is_2(run, rig_file, drivers, tmp_path):
         assert result.exit_code == 2 and result.stdout == "", result.output
 
 
+@pytest.mark.parametrize("options", [("--parts", "skin"), ("--bust",)])
+def test_a_picture_is_drawn_with_the_whole_head(options, run, rig_file, drivers, tmp_path):
+    again = ("--picture", tmp_path / "drawing.png", "--out", tmp_path / "again.png")
+    result = run(COMMAND, rig_file, drivers[1][0], *again, *options)
+    assert result.exit_code == 2 and "--picture takes all of B.npz" in result.output
+
+
+@pytest.mark.parametrize("options", [("--dynamic-texture",), ("--picture", "drawing.png")])
+def test_an_animation_alone_has_no_pictures_of_its_own(options, run, rig_file, drivers, tmp_path):
+    result = run(COMMAND, rig_file, drivers[1][0], "--animation", tmp_path / "take.glb", *options)
+    assert result.exit_code == 2 and "not for --animation alone" in result.output
+
+
 def test_outputs_are_never_inputs(refused, rig_file, drivers):
     driver = drivers[1][0]
     for out in (driver, rig_file.with_suffix(".obj")):

@@ -5,6 +5,7 @@ from caricli.errors import InputError
 from caricli.io.face import read_face, write_face
 from caricli.io.meshes.obj import write_obj
 from caricli.methods.faces.encode_face import decode_face, encode_face
+from caricli.methods.parts.whole_head import whole_face
 from caricli.store.faces import load_face, load_identity, load_latent_face, load_seen_face, load_worn_face
 from caricli.store.models import load_model, load_morphable
 from caricli.structures import Camera, Face, Mesh
@@ -52,6 +53,17 @@ def test_another_mesh_and_another_size_are_refused(shape, model, tmp_path):
     write_obj(tmp_path / "mm.obj", Mesh(1000 * shape.vertices, shape.polygons))
     with pytest.raises(InputError, match="mm.obj: expected a head about 0.2.* m high, found 2"):
         load_face(tmp_path / "mm.obj", model)
+
+
+def test_whole_heads_are_told_how_to_be_skin_alone(shape, model, tmp_path):
+    path = tmp_path / "head.obj"
+    write_obj(path, whole_face(Face(shape)).mesh)
+    with pytest.raises(InputError, match="found another .*; the skin of a whole head is what --parts skin writes"):
+        load_face(path, model)
+    # What has less than the skin is none.
+    write_obj(path, Mesh(shape.vertices, shape.polygons[:-1]))
+    with pytest.raises(InputError, match=r"found another \([^;]*\)$"):
+        load_face(path, model)
 
 
 def test_a_face_that_is_no_surface_is_refused(shape, model, tmp_path):

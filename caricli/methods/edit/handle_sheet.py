@@ -1,5 +1,7 @@
 """Pictures of an edit by handles."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from caricli.methods.edit.deform_arap import deform_arap
@@ -23,7 +25,7 @@ def handle_sheet(before: EncodedFace, edit: HandleEdit, drawing: FaceDrawing, ba
     if baseline:
         tried = edit.tried
         rigid = deform_arap(before.vertices, before.faces, tried.vertices, tried.displacements)
-        rows.append(drawing.draw(before.posed(rigid), VIEWS))
+        rows.append(drawing.draw(replace(before.posed(rigid), teeth=before.teeth), VIEWS))
         labels.append("as rigid as possible")
     return view_rows(rows, labels)
 

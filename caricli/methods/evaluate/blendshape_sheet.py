@@ -42,5 +42,5 @@ class BlendshapeSheet:
 
     def _add(self, label: str, blendshapes: Blendshapes, face: Face, pictures: Pictures) -> None:
         result = rig_blendshapes(blendshapes, self.tools, RigSettings(), pictures, face)
-        self.cells += expression_row(result.rig, result.shaped(face), self.names, self.size)
+        self.cells += expression_row(result.rig, result.as_given(face), self.names, self.size)
         self.labels += [label, *self.names]

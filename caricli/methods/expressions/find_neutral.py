@@ -50,14 +50,17 @@ class NeutralFace:
 
 def find_neutral(
     face: Face,
-    tools: ExpressionTools,
+    tools: ExpressionTools | None,
     settings: BlendshapeSettings = BlendshapeSettings(),  # noqa: B008 (frozen)
 ) -> NeutralFace:
     """Find the face that a caricature has without its expression, with caution: of a broad smile some stays.
 
-    face: Face of the mesh of the tools; seen from the front where it has no camera.
+    face: Face of the mesh of the tools; seen from the front where it has no camera. tools: ExpressionTools, or None to
+    take the face as it is.
     Raises InputError, NumericsError.
     """
+    if tools is None:
+        return NeutralFace(face.mesh, face.mesh)
     if face.camera is not None:
         return neutral_of(NormalPair(face, tools, settings))
     _, rotation, _ = similarity(tools.morphable.template.vertices, face.vertices)

@@ -136,8 +136,8 @@ def retarget_rig(
     if meshes:
         explanation = explain_meshes(meshes, deltas, model, neutral, settings)
     else:
-        # No landmark shows a tongue, and what it does to lips others do as well.
-        deltas[[name == "tongueOut" for name in rig.names]] = 0
+        # No landmark shows a tongue or an iris, and what they do to lips and lids others do as well.
+        deltas[[name.startswith(("tongueOut", "eyeLook")) for name in rig.names]] = 0
         points = [driver.points for driver in seen]
         explanation = explain_landmarks([driver.fit for driver in seen], points, deltas, model, settings)
     weights = np.minimum(explanation.weights @ together, RetargetSettings.strongest)

@@ -70,7 +70,7 @@ def sample_faces(
         face = Face(template.with_vertices(vertices), latent=latent, model_id=model.model_id)
         if isinstance(model, MorphableModel):
             colours = model.colours(spread * generator.normal(size=len(model.albedo.basis)))
-            face = wear_colours(face, colours)
+            face = wear_colours(face, template, colours)
         yield SampledFace(encode_face(face, model), before, after, rejected)
         rejected = 0
     raise NumericsError(

@@ -91,13 +91,18 @@ def _(value: Rig, around: Acquaintances) -> Inspection:
     words = MeshWords.of_skin(value, around)
     check = check_rig(value)
     extras = [f"a picture of {name}" for name in PICTURED.values() if getattr(value.pictures, name) is not None]
-    extras += ["normal_deltas"] if value.normal_deltas is not None else []
+    more = {"normal_deltas": "normal_deltas", "depiction": "its place in its picture"}
+    more["changes"] = "what expressions do to the picture of skin"
+    extras += [said for name, said in more.items() if getattr(value, name) is not None]
+    moods = [mood.name for mood in value.moods]
     lines = [f"made of {', '.join(_made_of(value))}"]
     lines += [f"with {', '.join(extras)}"] if extras else []
+    lines += [f"moods of the skin: {_listed(moods)}"] if moods else []
     shapes = [vars(shape) for shape in check.shapes]
     values = {
         "shapes": shapes,
         "parts": _made_of(value),
+        "moods": moods,
         "arkit": {key: getattr(check, key) for key in ("exact", "near", "unknown", "missing")},
     }
     summary = f"{words.counts}, {len(value.names)} shapes, {words.height}"

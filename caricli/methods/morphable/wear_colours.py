@@ -4,17 +4,20 @@ from dataclasses import replace
 
 import numpy as np
 
+from caricli.methods.parts.close_neck import neck_picture
 from caricli.render.visibility.uv_map import pad_texture, uv_map
 from caricli.structures import Face, Pictures
+from caricli.template.template import Template
 
 SIZE = 512
 """Texels of the picture, width and height: the bundled head has a vertex for every few of them."""
 
 
-def wear_colours(face: Face, colours: np.ndarray, size: int = SIZE) -> Face:
-    """The face in colours that lie between those of its vertices; a face without UVs stays as it is.
+def wear_colours(face: Face, template: Template, colours: np.ndarray, size: int = SIZE) -> Face:
+    """The face in colours that lie between those of its vertices, and what closes its neck in those at its edge; a face
+    without UVs stays as it is.
 
-    colours: (V, 3) sRGB from 0 to 1. size: texels.
+    template: Template whose polygons and UVs the face has. colours: (V, 3) sRGB from 0 to 1. size: texels.
     """
     if face.mesh.uvs is None:
         return face
@@ -23,4 +26,5 @@ def wear_colours(face: Face, colours: np.ndarray, size: int = SIZE) -> Face:
     shown = (weights[covered][..., None] * colours[face.faces[triangle[covered]]]).sum(1)
     picture = np.zeros((size, size, 3), np.uint8)
     picture[covered] = np.round(255 * np.clip(shown, 0, 1))
-    return replace(face, pictures=Pictures(skin=pad_texture(picture, covered)))
+    skin = pad_texture(picture, covered)
+    return replace(face, pictures=Pictures(skin, bust=neck_picture(template, skin, skin)))

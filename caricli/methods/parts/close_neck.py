@@ -1,6 +1,7 @@
 """What closes the open neck of a head."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import lru_cache
 
 import cv2
@@ -10,7 +11,7 @@ import scipy.sparse as sp
 
 from caricli.geometry.lines.rows_at import rows_at
 from caricli.render.pixels.sample_texture import sample_texture
-from caricli.structures import Material, Mesh, Part
+from caricli.structures import Material, Mesh, Part, Pictures
 from caricli.template.template import Template
 
 WALL = (0.0, 0.2, 0.45, 0.7, 1.0)
@@ -120,6 +121,18 @@ def neck_picture(template: Template, texture: np.ndarray, skin: np.ndarray) -> n
     near = row + np.minimum(4 * share, 1) * (smooth - row)
     picture = near + np.maximum(share - 0.25, 0) / 0.75 * (bare.mean(0) - near)
     return np.clip(np.round(picture), 0, 255).astype(np.uint8)
+
+
+def with_neck(pictures: Pictures, mesh: Mesh, template: Mesh) -> Pictures:
+    """Pictures that a head wears, and one of what closes its neck, where that has none, in the colours of its skin.
+
+    mesh: Mesh that they lie on. template: Template; of other meshes, and other UVs than its own, the neck is not known.
+    """
+    if pictures.skin is None or pictures.bust is not None or not isinstance(template, Template):
+        return pictures
+    if mesh.topology_id != template.topology_id or not mesh.same_layout(template):
+        return pictures
+    return replace(pictures, bust=neck_picture(template, pictures.skin, pictures.skin))
 
 
 def _once_around(template: Template, edge: np.ndarray, texture: np.ndarray) -> np.ndarray:

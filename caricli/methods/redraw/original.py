@@ -13,6 +13,7 @@ from caricli.methods.dynamic.chart_pictures import ChartGrid
 from caricli.methods.dynamic.dress_texture import inside_chart
 from caricli.methods.redraw.settings import RedrawSettings
 from caricli.methods.redraw.view import View, Window
+from caricli.methods.texture.edited_since_fit import NOTICED, edited_since_fit
 from caricli.methods.texture.estimate_light import Light
 from caricli.methods.texture.head_picture import HeadPicture
 from caricli.methods.texture.light_on_head import light_on_head
@@ -297,10 +298,22 @@ class Original:
         """Whether the picture shows the mouth open."""
         return bool(self.mouth.sum() > _OPEN_MOUTH * (self.size * self.window.fine) ** 2)
 
+    @cached_property
+    def edited(self) -> float:
+        """How far the face is from where it was fitted in the picture, see ``edited_since_fit``; 0 where none knows."""
+        landmarks = self.depiction.landmarks
+        if landmarks is None:
+            return 0.0
+        head = self.template.with_vertices(self.skin)
+        return edited_since_fit(Face(head, self.depiction.camera, landmarks), self.template)
+
     def unknown(self) -> list[str]:
         """What the picture does not tell, for messages."""
         area = (self.size * self.window.fine) ** 2
         notes = []
+        if self.edited > NOTICED:
+            away = f"landmarks are up to {100 * self.edited:.1f} % of their diagonal away"
+            notes.append(f"the face was edited after it was fitted: {away}, and what moves is taken from as far aside")
         if self.rig.pictures.skin is None:
             notes.append(
                 "the face has no texture (caricli texture): what the picture hides takes the colours beside it"

@@ -118,9 +118,10 @@ class ExpressionTemplates:
         """Raise InputError for a mesh of another topology."""
         if mesh.topology_id != self.mesh.topology_id:
             expected = f"{len(self.neutral)} vertices, {len(self.faces)} triangles"
+            whole = ", or of a whole head its skin, as --parts skin writes it" if mesh.begins_with(self.mesh) else ""
             raise InputError(
                 f"expected the topology of the templates ({expected}), found another ({len(mesh.vertices)} vertices, "
-                f"{len(mesh.faces)}); give templates of its own mesh (--templates)"
+                f"{len(mesh.faces)}); give templates of its own mesh (--templates){whole}"
             )
 
     def start(self, k: int) -> np.ndarray:

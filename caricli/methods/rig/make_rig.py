@@ -6,6 +6,7 @@ from functools import partial
 
 import numpy as np
 
+from caricli.methods.parts.close_neck import with_neck
 from caricli.methods.parts.face_parts import face_parts, let_tongue_out
 from caricli.methods.rig.add_eyeballs import Eyeball, add_eyeballs, fit_eyeballs
 from caricli.methods.rig.add_parts import add_parts
@@ -40,21 +41,29 @@ class RigResult:
     measures: RigMeasures of its expressions.
     eyeballs: those that it has.
     fine: FineMesh of the face, whose vertices come first in the rig.
-    dress: makes the parts of a Face, whose vertices come last in the rig.
+    dress: makes the parts of a Face, whose vertices come last in the rig; ``given`` of it is the laugh, if any, that
+    tells how far teeth show in the neutral face.
     """
 
     rig: Rig
     measures: RigMeasures
     eyeballs: list[Eyeball]
     fine: FineMesh
-    dress: Callable[[Face], list[Part]]
+    dress: Callable[..., list[Part]]
 
     def shaped(self, face: Face) -> np.ndarray:
-        """(W, 3) the vertices of the rig with the face in another shape, metres."""
+        """(W, 3) the vertices of the rig with the face in another shape, metres, its teeth those of the neutral one."""
+        return self._wearing(face, self.dress(face))
+
+    def as_given(self, face: Face) -> np.ndarray:
+        """(W, 3) the same with the teeth of the face itself, as long as its picture shows them."""
+        return self._wearing(face, self.dress(face, given=None))
+
+    def _wearing(self, face: Face, parts: list[Part]) -> np.ndarray:
         skin = self.fine.shaped(face.vertices).mesh.vertices
-        parts = np.concatenate([np.zeros((0, 3)), *(part.mesh.vertices for part in self.dress(face))])
-        eyes = self.rig.neutral[len(skin) : len(self.rig.neutral) - len(parts)]
-        return np.concatenate([skin, eyes, parts])
+        worn = np.concatenate([np.zeros((0, 3)), *(part.mesh.vertices for part in parts)])
+        eyes = self.rig.neutral[len(skin) : len(self.rig.neutral) - len(worn)]
+        return np.concatenate([skin, eyes, worn])
 
 
 def make_rig(
@@ -84,7 +93,8 @@ def make_rig(
     fine = fine_mesh(mesh, settings.levels)
     finer = np.stack([fine.weights @ delta for delta in deltas])
     shape = fine.mesh.with_vertices((fine.weights @ mesh.vertices).astype(np.float32))
-    rig = Rig(templates.names, shape, finer.astype(np.float32), pictures=replace(pictures, eyes=None))
+    worn = with_neck(pictures, mesh, templates.mesh) if "bust" in settings.head.parts else pictures
+    rig = Rig(templates.names, shape, finer.astype(np.float32), pictures=replace(worn, eyes=None))
     rig = add_eyeballs(rig, eyeballs, np.random.default_rng(settings.seed), pictures.eyes)
     hair = None if given is None else given.with_vertices(mesh.vertices).hair
     laugh = None if given is None or np.array_equal(given.vertices, mesh.vertices) else given.vertices

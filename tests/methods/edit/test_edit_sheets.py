@@ -41,6 +41,20 @@ def test_handles_before_and_after_and_a_baseline(face, edit, drawing):
     assert handle_sheet(face, edit, drawing, baseline=True).shape[0] > 1.4 * sheet.shape[0]
 
 
+def test_a_baseline_shows_as_much_of_the_teeth_as_the_face(face, edit, drawing, monkeypatch):
+    shown = []
+
+    def draw(self, each, views):
+        shown.append(each)
+        return [np.zeros((40, 40, 4))]
+
+    monkeypatch.setattr(FaceDrawing, "draw", draw)
+    teeth = np.array([0.004, 0.001])
+    handle_sheet(replace(face, teeth=teeth), edit, drawing, baseline=True)
+    assert np.array_equal(shown[0].teeth, teeth) and np.array_equal(shown[2].teeth, teeth)
+    assert not np.array_equal(shown[2].vertices, face.vertices)
+
+
 def test_a_strip_of_handles_goes_as_far_as_was_tried(face, edit, drawing):
     strip = handle_strip(face, edit, drawing, 2)
     assert np.array_equal(strip, film_strip([drawing.draw(f) for f in (face, edit.face)], ["0 %", "100 %"]))

@@ -111,4 +111,6 @@ def test_uvs_stay_those_of_the_face(laughing, tools):
 
 
 def test_other_meshes_have_no_tools(ball):
-    assert load_neutral_tools(Mesh(*ball)) is None
+    mesh = Mesh(*ball)
+    assert load_neutral_tools(mesh) is None
+    assert find_neutral(Face(mesh), None).mesh is mesh

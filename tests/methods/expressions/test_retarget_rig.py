@@ -98,6 +98,21 @@ def test_landmarks_let_no_tongue_out(head, ball):
     np.testing.assert_allclose(meshes[0], [1, 0, 0], atol=0.01)
 
 
+def test_landmarks_turn_no_eyes(head, ball):
+    names = ("eyeLookUpLeft", "eyeWideLeft", "browInnerUp")
+    deltas = head.actions[[head.action_names.index(name) for name in names]].astype(float)
+    vertices, faces = ball
+    rig = Rig(names, Mesh(vertices.astype(np.float32), faces), np.zeros((3, *vertices.shape)), normal_deltas=deltas)
+    model = load_model(kind="morphable")
+    up = model.template.vertices + deltas.sum(0)
+    points = up[model.template.annotation.landmarks[:68], :2] * [1500, -1500] + [300, 310]
+    seen = retarget_rig([DrivingLandmarks(points, fit_morphable(points, model))], rig, model).explanation.weights
+    # Lids are as high as those of an eye that looks up, or of a wide one; the iris has no landmark.
+    assert seen[0, 0] == 0 and seen[0, 1] > 0.5
+    meshes = retarget_rig([DrivingMesh(up)], rig, model, model.template.vertices).explanation.weights
+    np.testing.assert_allclose(meshes[0], [1, 1, 1], atol=0.01)
+
+
 def test_wide_jaws_do_not_go_to_both_sides_at_once(head, ball):
     names = ("jawLeft", "jawRight", "jawOpen")
     deltas = head.actions[[head.action_names.index(name) for name in names]].astype(float)

@@ -3,12 +3,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from caricli.methods.parts.close_neck import HEIGHT, WIDTH, close_neck, neck_edge, neck_picture
+from caricli.methods.parts.close_neck import HEIGHT, WIDTH, close_neck, neck_edge, neck_picture, with_neck
 from caricli.methods.parts.face_parts import face_parts
-from caricli.structures import Face, HeadChoice, Material, Mesh
+from caricli.structures import Face, HeadChoice, Material, Mesh, Pictures
 from caricli.template.annotation import parse_annotation
 from caricli.template.template import Template
 from tests.methods.parts.neck import assert_closed
+
+TRIANGLE = (np.eye(3), np.array([[0, 1, 2]], np.int32))
 
 
 @pytest.fixture(scope="module", params=[0, 1])
@@ -91,6 +93,17 @@ def test_the_shade_of_hair_ends_at_the_edge(head_template):
     dark, light = np.full((2, 64, 64, 3), [[[[40]]], [[[200]]]], np.uint8)
     picture = neck_picture(head_template, dark, light)
     assert (picture[0] == 40).all() and (picture[HEIGHT // 3 :] == 200).all()
+
+
+def test_a_neck_without_a_picture_takes_the_colours_of_the_skin(head_template):
+    skin, other = np.full((2, 64, 64, 3), [[[[40]]], [[[200]]]], np.uint8)
+    assert (with_neck(Pictures(skin), head_template, head_template).bust == 40).all()
+    # Its own stays, and of other UVs and meshes nobody knows where its edge lies.
+    assert with_neck(Pictures(skin, bust=other), head_template, head_template).bust is other
+    elsewhere = replace(head_template, uvs=head_template.uvs[::-1])
+    for mesh, template in ((elsewhere, head_template), (Mesh(*TRIANGLE), head_template), (head_template, elsewhere)):
+        assert with_neck(Pictures(skin), mesh, template).bust is None
+    assert with_neck(Pictures(), head_template, head_template).bust is None
 
 
 def test_a_neck_is_closed_beside_a_larger_hole(head_template):

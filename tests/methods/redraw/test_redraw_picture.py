@@ -147,6 +147,18 @@ def test_what_a_picture_does_not_tell(stage):
     assert "eye shut" in stage.original(stage.shape(eyeBlinkLeft=1.0)).unknown()[0]
 
 
+def test_a_face_that_was_edited_since_it_was_fitted_is_told(stage):
+    original = stage.original(stage.shape())
+    fitted = CAMERA.project(stage.rig.neutral[stage.template.annotation.landmarks[:68]])
+    eye = list(EYE_LEFT)
+    for size, edited in ((1.0, False), (1.5, True)):
+        landmarks = fitted.copy()
+        landmarks[eye] += (1 / size - 1) * (fitted[eye] - fitted[eye].mean(0))
+        depiction = replace(original.depiction, landmarks=landmarks)
+        notes = replace(original, rig=replace(original.rig, depiction=depiction)).unknown()
+        assert ["edited after it was fitted" in note for note in notes] == [True] * edited
+
+
 def test_other_pictures_are_refused(stage):
     with pytest.raises(InputError, match="found no head"):
         stage.original(stage.shape(), picture=np.zeros((60, 60, 3), np.uint8), regions=None)

@@ -87,6 +87,27 @@ def test_teeth_show_as_in_a_picture_of_the_same_face_alone(templates, face, delt
         assert (drop > 0.005) == lowered
 
 
+def test_a_face_as_it_was_given_has_the_teeth_of_its_picture(templates, face, deltas):
+    jaw = deltas[templates.names.index("jawOpen")]
+    laughing = Face(face.with_vertices(face.vertices + 0.4 * jaw), teeth=np.array([0.02, 0.0]))
+    result = make_rig(face, templates, deltas=deltas, given=laughing)
+    alone = make_rig(laughing.mesh, templates, deltas=deltas, given=laughing).rig
+    own = part(alone.neutral, alone, "upper")
+    given = result.as_given(laughing)
+    np.testing.assert_allclose(given[:4200], laughing.vertices, atol=1e-7)
+    np.testing.assert_allclose(part(given, result.rig, "upper"), own, atol=1e-6)
+    # Those of the neutral face stay behind its lips.
+    assert part(result.shaped(laughing), result.rig, "upper")[:, 1].min() > own[:, 1].min() + 0.005
+
+
+def test_the_neck_has_the_colours_of_the_skin(templates, face, deltas):
+    brown = Pictures(np.full((64, 64, 3), (120, 80, 40), np.uint8))
+    rig = make_rig(face, templates, pictures=brown, deltas=deltas).rig
+    assert (rig.pictures.bust == [120, 80, 40]).all()
+    bare = make_rig(face, templates, RigSettings(head=BARE), brown, deltas).rig
+    assert bare.pictures.bust is None
+
+
 def part(values, rig, side):
     """Values of the teeth of one row."""
     ids = np.unique(rig.faces[rig.triangle_materials == Material.TEETH])
@@ -154,3 +175,7 @@ def test_without_templates_it_does_arkits_52(face, head):
 def test_another_topology_is_refused(templates, ball):
     with pytest.raises(InputError, match="expected the topology of the templates .* found another .300 vertices, 596"):
         make_rig(Mesh(*ball), templates)
+    vertices, faces = templates.neutral, templates.faces
+    whole = Mesh(np.concatenate([vertices, vertices]), np.concatenate([faces, faces + len(vertices)]))
+    with pytest.raises(InputError, match=r"\(--templates\), or of a whole head its skin, as --parts skin writes it"):
+        make_rig(whole, templates)
