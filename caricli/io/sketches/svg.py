@@ -30,6 +30,8 @@ _LINES = {"path", "line", "polyline", "polygon", "rect", "circle", "ellipse"}
 _WORD = re.compile(r"[^\W\d_]+(?:_[^\W\d_]+)*")
 _ATTRIBUTES = ("id", "class", "{http://www.inkscape.org/namespaces/inkscape}label", "data-name")
 """Where a drawing program puts the name that somebody gave to a layer or a line."""
+_NOSE = "nose"
+"""The curve below it, and what a layer of all its lines is called: these are features, and find their curves."""
 
 
 @dataclass(frozen=True)
@@ -244,6 +246,8 @@ def _meaning(element: Element, place: _Place) -> tuple[StrokeKind | None, str | 
             curve = curve or plain
     if kind is None and curve in CURVES:
         kind = CURVES[curve]
+    if curve == _NOSE and _name(element) in _GROUPS and sum(_name(each) in _LINES for each in element.iter()) > 1:
+        curve = None
     return kind or place.kind, curve or place.curve
 
 

@@ -88,6 +88,13 @@ def test_names_say_what_is_drawn(tmp_path):
     ]  # fmt: skip
 
 
+def test_a_layer_of_all_lines_of_a_nose_says_no_curve(tmp_path):
+    path = '<path d="M1 1 L2 2"/>'
+    for layer, curve in ((path, "nose"), (2 * path, None), (f"<g>{path}</g>{path}", None)):
+        drawn = [(str(stroke.kind), stroke.curve) for stroke in read(tmp_path, f'<g id="Nose">{layer}</g>').strokes]
+        assert set(drawn) == {("feature", curve)}
+
+
 def test_backgrounds_and_what_is_hidden_are_left_out(tmp_path):
     body = (
         "<style>.b { fill:none; stroke: #000; stroke-width: 3px } .c{display:none}</style>"
