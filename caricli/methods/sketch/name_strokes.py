@@ -8,6 +8,7 @@ import numpy as np
 from scipy.optimize import linear_sum_assignment
 
 from caricli.errors import InputError
+from caricli.methods.sketch.find_irises import find_irises
 from caricli.methods.sketch.fit_lines import FRONT, fit_lines, line_camera
 from caricli.methods.sketch.line_handles import LineHandles, lines_by_curve
 from caricli.methods.sketch.settings import SELDOM, LineFitSettings, NamingSettings
@@ -40,12 +41,12 @@ def name_strokes(
     none; camera and latent of the model follow the strokes so named, and all again. The cost is the mean distance of
     the stroke from the curve, and, counting less, of the curve from the stroke, and their difference in direction. Then
     strokes continue curves that others have drawn in part. Of a closed stroke that is both lids, or both lips, two are
-    made. Names that are given stay; wrinkles without a name stay without.
+    made. Names that are given stay; wrinkles without a name stay without, and irises and pupils become such.
 
     sketch: Sketch. handles: LineHandles of the model's template. model: any ShapeModel. settings: NamingSettings.
     Returns the Sketch with names; strokes of no curve stay as they were.
     """
-    sketch = _with_own_names(sketch, handles)
+    sketch = _without_irises(_with_own_names(sketch, handles))
     if not _nameless(sketch):
         return sketch
     mean = model.decode_points(model.prior.mean, handles.vertices)
@@ -83,6 +84,16 @@ def _with_own_names(sketch: Sketch, handles: LineHandles) -> Sketch:
     """The sketch without names that the head has no curve of."""
     rows = handles.rows
     return sketch.with_strokes(s if s.curve in rows else replace(s, curve=None) for s in sketch.strokes)
+
+
+def _without_irises(sketch: Sketch) -> Sketch:
+    """The sketch with irises and pupils as wrinkles: lids would be looked for in them."""
+    numbers = _nameless(sketch)
+    irises = {numbers[k] for k in find_irises([sketch.strokes[number] for number in numbers])}
+    return sketch.with_strokes(
+        replace(stroke, kind=StrokeKind.WRINKLE) if number in irises else stroke
+        for number, stroke in enumerate(sketch.strokes)
+    )
 
 
 def _nameless(sketch: Sketch) -> list[int]:
