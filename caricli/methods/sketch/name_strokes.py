@@ -1,5 +1,6 @@
 """Which curve of a face every stroke of a sketch draws."""
 
+from collections.abc import Collection
 from contextlib import suppress
 from dataclasses import replace
 from itertools import product
@@ -11,7 +12,7 @@ from caricli.errors import InputError
 from caricli.methods.sketch.find_irises import find_irises
 from caricli.methods.sketch.fit_lines import FRONT, fit_lines, line_camera
 from caricli.methods.sketch.line_handles import LineHandles, lines_by_curve
-from caricli.methods.sketch.settings import SELDOM, LineFitSettings, NamingSettings
+from caricli.methods.sketch.settings import PIECED, SELDOM, LineFitSettings, NamingSettings
 from caricli.methods.sketch.stroke_candidates import Candidate, candidates_at, split_ring, stroke_costs
 from caricli.models.shape_model import ShapeModel
 from caricli.structures.sketch import Sketch, Stroke, StrokeKind
@@ -26,6 +27,10 @@ _NEARLY = 1.1
 """Of the least cost: up to this an overlay comes first that names all strokes."""
 _RARE = 0.01
 """Share of points at either side that may be far outside a face."""
+_PIECES = 4
+"""Strokes that continue a nose before others have found their curves, at most."""
+_TRIALS = 8
+"""Strokes of which the best is sought, at most."""
 
 
 def name_strokes(
@@ -201,24 +206,54 @@ class _Naming:
     def _assign(self) -> float:
         """Give every stroke one candidate or none, loops first; returns the sum of the costs."""
         loops = np.array([each.loop for each in self.candidates])
-        pairs, total = self._pairs(self.blocked)
+        blocked = self.blocked
+        pairs, total = self._pairs(blocked)
         rings = {name for _, c in pairs for name in self.candidates[c].names if loops[c]}
         if rings:
-            halves = np.array([not each.loop and each.names[0] in rings for each in self.candidates])
-            pairs, total = self._pairs(self.blocked | halves)
-        for s, c in pairs:
+            blocked = blocked | np.array([not each.loop and each.names[0] in rings for each in self.candidates])
+            pairs, total = self._pairs(blocked)
+        for s, c in self._with_pieces(pairs, total, blocked):
             self.chosen[self.numbers[s]] = self.candidates[c]
         return total
 
-    def _pairs(self, blocked: np.ndarray) -> tuple[list[tuple[int, int]], float]:
-        """Strokes and candidates of the least sum of costs. blocked: (C,) bool."""
+    def _pairs(self, blocked: np.ndarray, but: Collection[int] = ()) -> tuple[list[tuple[int, int]], float]:
+        """Strokes, without some, and candidates of the least sum of costs. blocked: (C,) bool."""
         dearest = self.settings.dearest
-        costs = np.where(blocked, np.inf, self.costs.whole + self.seldom)
+        strokes = [s for s in range(len(self.numbers)) if s not in but]
+        costs = np.where(blocked, np.inf, self.costs.whole + self.seldom)[strokes]
         count = len(costs)
         table = np.concatenate([np.minimum(costs, 10 * dearest), np.full((count, count), dearest)], axis=1)
         rows, columns = linear_sum_assignment(table)
         pairs = [(s, c) for s, c in zip(rows.tolist(), columns.tolist(), strict=True) if c < costs.shape[1]]
-        return [(s, c) for s, c in pairs if costs[s, c] < dearest], float(table[rows, columns].sum())
+        return [(strokes[s], c) for s, c in pairs if costs[s, c] < dearest], float(table[rows, columns].sum())
+
+    def _with_pieces(self, pairs: list[tuple[int, int]], total: float, blocked: np.ndarray) -> list[tuple[int, int]]:
+        """Pairs of strokes and candidates where several strokes may draw a nose, one after the other, when all together
+        cost less so. pairs, total: without that, as ``_pairs`` gives them."""
+        nose = next((c for c, each in enumerate(self.candidates) if each.names == (PIECED,)), None)
+        pieces: list[int] = []
+        while nose is not None and len(pieces) < _PIECES:
+            part = self.costs.part[:, nose] + self.settings.seldom
+            gains = {s: self.costs.whole[s, c] + self.seldom[c] - part[s] for s, c in pairs if c != nose}
+            trials = []
+            for s in sorted((s for s, gain in gains.items() if gain > 0), key=lambda s: -gains[s])[:_TRIALS]:
+                others, rest = self._pairs(blocked, {*pieces, s})
+                if self._share([t for t, c in others if c == nose], [*pieces, s], nose):
+                    trials.append((rest + float(part[[*pieces, s]].sum()), s, others))
+            if not trials or min(trials)[0] >= total:
+                break
+            total, piece, pairs = min(trials)
+            pieces.append(piece)
+        return pairs + [(s, nose) for s in pieces if nose is not None]
+
+    def _share(self, whole: list[int], pieces: list[int], c: int) -> bool:
+        """Whether strokes draw a candidate, and each of some others a piece of it where no other does."""
+        drawn = np.zeros((len(self.numbers), self.candidates[c].line.shape[0]), bool)
+        for s in whole + pieces:
+            drawn[s, self.costs.nearest[s, c]] = True
+        twice = drawn.sum(0) > 1
+        covered = max(float(twice[self.costs.nearest[s, c]].mean()) for s in pieces)
+        return bool(whole) and covered < self.settings.covered
 
     def _continue(self, lengths: list[float]) -> None:
         """Let strokes that are left continue what others draw, the longest first."""

@@ -1,3 +1,4 @@
+import itertools
 from dataclasses import replace
 
 import numpy as np
@@ -104,3 +105,18 @@ def test_a_curve_in_two_strokes_is_one(sketch, handles, model):
 def test_what_lies_elsewhere_draws_nothing(sketch, handles, model):
     far = Stroke(np.array([[5.0, 5], [5, 12], [3, 20]]))
     assert curves_of(name_strokes(Sketch((*sketch.strokes, far)), handles, model))[-1] is None
+
+
+@pytest.mark.parametrize("cuts", [(0.3, 0.7), (0.4,)])
+def test_a_nose_in_pieces_leaves_the_lips_their_strokes(sketch, handles, model, cuts):
+    """Its wings and what is between them are drawn by a stroke each, and the mouth is closed, with a line between."""
+    plain = [s for s in sketch.strokes if not s.curve.startswith(("eye_fold", "nostril", "nose_tip", "mouth_inner_l"))]
+    strokes = []
+    for stroke in plain:
+        if stroke.curve == "nose":
+            ends = [0, *(round(cut * (len(stroke.points) - 1)) for cut in cuts), len(stroke.points) - 1]
+            strokes += [replace(stroke, points=stroke.points[a : b + 1]) for a, b in itertools.pairwise(ends)]
+        else:
+            strokes.append(stroke)
+    named = name_strokes(Sketch(tuple(map(nameless, strokes))), handles, model)
+    assert curves_of(named) == [stroke.curve for stroke in strokes]
