@@ -29,6 +29,8 @@ _RARE = 0.01
 """Share of points at either side that may be far outside a face."""
 _PIECES = 4
 """Strokes that continue a nose before others have found their curves, at most."""
+_ALONG = 0.04
+"""Share of a face's diagonal: as near such a stroke lies to the nose. A side of it with its wing does not."""
 _TRIALS = 8
 """Strokes of which the best is sought, at most."""
 
@@ -236,7 +238,8 @@ class _Naming:
             part = self.costs.part[:, nose] + self.settings.seldom
             gains = {s: self.costs.whole[s, c] + self.seldom[c] - part[s] for s, c in pairs if c != nose}
             trials = []
-            for s in sorted((s for s, gain in gains.items() if gain > 0), key=lambda s: -gains[s])[:_TRIALS]:
+            along = [s for s, gain in gains.items() if gain > 0 and self.costs.part[s, nose] < _ALONG]
+            for s in sorted(along, key=lambda s: -gains[s])[:_TRIALS]:
                 others, rest = self._pairs(blocked, {*pieces, s})
                 if self._share([t for t, c in others if c == nose], [*pieces, s], nose):
                     trials.append((rest + float(part[[*pieces, s]].sum()), s, others))
