@@ -21,6 +21,16 @@ def test_a_sketch_in_any_form(tmp_path, name):
     assert np.allclose(middle, 127.5, atol=1.5)
 
 
+@pytest.mark.parametrize("name", ["s.json", "s.svg", "s.png"])
+def test_a_frame_around_the_drawing_is_no_line_of_it(tmp_path, name):
+    frame = np.array([[4.0, 4], [250, 4], [250, 250], [4, 250], [4, 4]])
+    eyes = [[x, 110] + 0.1 * (RING - 127.5) for x in (100, 155)]
+    write_drawing(tmp_path / name, Sketch(tuple(map(Stroke, (frame, RING, *eyes)))))
+    assert len(load_sketch(tmp_path / name).strokes) == 3
+    write_drawing(tmp_path / name, Sketch((Stroke(frame, curve="silhouette"), *map(Stroke, (RING, *eyes)))))
+    assert len(load_sketch(tmp_path / name).strokes) == (3 if name == "s.png" else 4)
+
+
 def test_pictures_are_black_on_white(tmp_path):
     write_drawing(tmp_path / "s.png", Sketch((Stroke(RING),)))
     picture = read_image(tmp_path / "s.png")
