@@ -21,7 +21,7 @@ from caricli.template.feature_curves import SILHOUETTE
 _MOST = 256
 """Strokes that are looked at, the longest."""
 _SHORTEST = 0.01
-"""Of the canvas: what is shorter draws no curve."""
+"""Of the canvas, or twice a smaller drawing in it: what is shorter draws no curve."""
 _QUICK = LineFitSettings(rounds=3)
 _NEARLY = 1.1
 """Of the least cost: up to this an overlay comes first that names all strokes."""
@@ -105,7 +105,8 @@ def _without_irises(sketch: Sketch) -> Sketch:
 
 def _nameless(sketch: Sketch) -> list[int]:
     """Numbers of the strokes that may draw a curve which they do not name, the longest ones."""
-    least = _SHORTEST * max(sketch.size)
+    drawn = np.concatenate([np.zeros((0, 2)), *(stroke.points for stroke in sketch.strokes)])
+    least = _SHORTEST * min(max(sketch.size), 2 * float(np.ptp(drawn, axis=0).max())) if len(drawn) else 0.0
     lengths = {
         number: stroke.length
         for number, stroke in enumerate(sketch.strokes)

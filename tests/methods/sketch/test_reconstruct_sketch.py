@@ -1,3 +1,4 @@
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -149,6 +150,22 @@ def test_strokes_that_go_with_no_others_do_not_tear_the_face(monkeypatch):
     assert fit.left and "goes with no other line" in fit.describe()
     monkeypatch.setattr(reconstruct_sketch, "_ROUNDS", 0)
     assert own.reconstruct(sketch).errors["all"] > 1.5 * fit.errors["all"]
+
+
+def test_a_small_drawing_on_a_large_page_is_doubted_as_a_large_one():
+    own = SessionTools().reconstruction
+    first, *lines = [np.array(line, float) for line in DRAWN]
+    strokes = [Stroke(resample(line, 30)) for line in (np.concatenate([first, first[:1]]), *lines)]
+    # All but the outline are shorter on the page than what draws a curve of a face that fills it.
+    large, small = (
+        own.reconstruct(Sketch(tuple(stroke.moved(stroke.points / zoom + 40) for stroke in strokes), (700, 700)))
+        for zoom in (2, 24)
+    )
+    assert large.left and small.left == large.left
+    assert [s.curve for s in small.sketch.strokes] == [s.curve for s in large.sketch.strokes]
+    assert large.scale == pytest.approx(12 * small.scale, rel=1e-3) and small.scale < 0.05
+    assert small.errors["all"] / small.scale == pytest.approx(large.errors["all"] / large.scale, rel=0.02)
+    assert replace(small, coarse={"all": 1.0}).strange and not replace(large, coarse={"all": 1.0}).strange
 
 
 def test_lines_that_leave_the_canvas_far_behind_are_compared_at_few_points():
