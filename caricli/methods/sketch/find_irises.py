@@ -8,7 +8,7 @@ import numpy as np
 
 from caricli.structures.sketch import Stroke
 
-_ROUND = 1.8
+_ROUND = 1.5
 """How many times as wide as high an iris is, or as high as wide, at most: lids hide some of it."""
 _OPEN = 0.45
 """Of its length: the ends of an iris are nearer to each other."""

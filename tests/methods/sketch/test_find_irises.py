@@ -50,6 +50,8 @@ def test_what_is_round_elsewhere_is_no_iris():
     curls = [ring(x, 20, 12, 12) for x in range(60, 200, 14)]
     assert find_irises([FACE, *both(ring(110, 150, 10, 10)), *nose, *mouth, *curls]) == []
     assert find_irises([FACE, *both(ring(80, 100, 40, 38))]) == []
+    glasses = [FACE, *both(ring(80, 100, 56, 44)), *both(ring(80, 100, 40, 23))]
+    assert find_irises(glasses) == []
     assert find_irises([]) == []
 
 
