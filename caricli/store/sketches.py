@@ -28,7 +28,7 @@ def load_sketch(path: Path) -> Sketch:
     Raises InputError when it is none, there is hardly a line, or most lies beside the canvas.
     """
     if is_image_file(path):
-        image = read_image(path)
+        image = read_image(path, any_ink=True)
         with naming(path):
             return clean_drawing(image)
     sketch = read_sketch(path)
