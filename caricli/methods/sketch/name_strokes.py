@@ -27,6 +27,10 @@ _NEARLY = 1.1
 """Of the least cost: up to this an overlay comes first that names all strokes."""
 _RARE = 0.01
 """Share of points at either side that may be far outside a face."""
+_OPEN = 0.1
+"""Of its height or width: the ends of a head's outline are nearer to each other."""
+_BEYOND = 0.03
+"""Of a head's height: hair or a neck reach farther over or below it."""
 _PIECES = 4
 """Strokes that continue a nose before others have found their curves, at most."""
 _ALONG = 0.04
@@ -119,8 +123,8 @@ def _laid_over(sketch: Sketch, handles: LineHandles, mean: np.ndarray) -> list[n
     """(H, 2) pixels of the handles of a face (H, 3) for what a sketch may be of: a head with ears, one without, and a
     face without a crown; where no stroke goes around the others, features alone, with brows and without; and with an
     outline, or a jaw, as large as the largest stroke, and features where all others are, with ears, without, and
-    without brows: jaws of caricatures have any size, but none is narrower than its features. Where enough strokes have
-    names, only for the camera that these tell."""
+    without brows: jaws of caricatures have any size, but none is narrower than its features; and with the outline in a
+    ring that hair or a neck leave. Where enough strokes have names, only for the camera that these tell."""
     with suppress(InputError):
         return [line_camera(lines_by_curve(sketch), handles, mean).project(mean)]
     flat = mean @ FRONT[:2].T
@@ -150,7 +154,37 @@ def _laid_over(sketch: Sketch, handles: LineHandles, mean: np.ndarray) -> list[n
             # No face is narrower than what is in it.
             if np.ptp(placed[part, 0]) > np.ptp(placed[np.intersect1d(within, inside), 0]):
                 laid.append(placed)
+    return laid + _in_heads(flat, outline, (inside, lids), strokes)
+
+
+def _in_heads(
+    flat: np.ndarray, outline: np.ndarray, features: tuple[np.ndarray, ...], strokes: list[np.ndarray]
+) -> list[np.ndarray]:
+    """(H, 2) pixels of the handles with the outline in a ring that hair or a neck leave: as they are on the mean face,
+    and with some features where all that is in the ring is. flat: (H, 2) of it. features: the first are all."""
+    laid = []
+    for ring, inner in _heads(strokes):
+        laid.append(_over(flat, outline, [ring]))
+        for rows in features:
+            placed = laid[0].copy()
+            placed[features[0]] = _over(flat, rows, inner)[features[0]]
+            laid.append(placed)
     return laid
+
+
+def _heads(strokes: list[np.ndarray]) -> list[tuple[np.ndarray, list[np.ndarray]]]:
+    """A closed stroke that goes around most others, the smallest, and what is in it, where others reach over or below
+    it: hair and a neck tell nothing of where features are."""
+    for number, ring in enumerate(strokes):
+        others = strokes[:number] + strokes[number + 1 :]
+        if np.linalg.norm(ring[0] - ring[-1]) > _OPEN * np.ptp(ring, axis=0).max() or not _frames([*others, ring]):
+            continue
+        low, high = ring.min(0), ring.max(0)
+        everywhere = np.concatenate(others)[:, 1]
+        beyond = max(low[1] - everywhere.min(), everywhere.max() - high[1])
+        inner = [other for other in others if (other.min(0) > low).all() and (other.max(0) < high).all()]
+        return [(ring, inner)] if len(inner) > 1 and beyond > _BEYOND * (high - low)[1] else []
+    return []
 
 
 def _frames(strokes: list[np.ndarray]) -> bool:
