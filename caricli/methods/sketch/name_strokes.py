@@ -29,6 +29,8 @@ _RARE = 0.01
 """Share of points at either side that may be far outside a face."""
 _OPEN = 0.1
 """Of its height or width: the ends of a head's outline are nearer to each other."""
+_CAP = 0.5
+"""Of a head's width: hair that reaches over it is wider; a cat's ears are not."""
 _BEYOND = 0.03
 """Of a head's height: hair or a neck reach farther over or below it."""
 _PIECES = 4
@@ -180,8 +182,8 @@ def _heads(strokes: list[np.ndarray]) -> list[tuple[np.ndarray, list[np.ndarray]
         if np.linalg.norm(ring[0] - ring[-1]) > _OPEN * np.ptp(ring, axis=0).max() or not _frames([*others, ring]):
             continue
         low, high = ring.min(0), ring.max(0)
-        everywhere = np.concatenate(others)[:, 1]
-        beyond = max(low[1] - everywhere.min(), everywhere.max() - high[1])
+        hair = [other[:, 1].min() for other in others if np.ptp(other[:, 0]) > _CAP * (high - low)[0]]
+        beyond = max(low[1] - min(hair, default=low[1]), max(other[:, 1].max() for other in others) - high[1])
         inner = [other for other in others if (other.min(0) > low).all() and (other.max(0) < high).all()]
         return [(ring, inner)] if len(inner) > 1 and beyond > _BEYOND * (high - low)[1] else []
     return []
