@@ -13,7 +13,7 @@ from caricli.methods.sketch.find_irises import find_irises
 from caricli.methods.sketch.fit_lines import FRONT, fit_lines, line_camera
 from caricli.methods.sketch.line_handles import LineHandles, lines_by_curve
 from caricli.methods.sketch.mirrored_strokes import mirrored_strokes
-from caricli.methods.sketch.settings import MOUTH, PIECED, SELDOM, LineFitSettings, NamingSettings
+from caricli.methods.sketch.settings import MIDDLE, PIECED, SELDOM, LineFitSettings, NamingSettings
 from caricli.methods.sketch.stroke_candidates import Candidate, candidates_at, split_ring, stroke_costs
 from caricli.models.shape_model import ShapeModel
 from caricli.structures.sketch import Sketch, Stroke, StrokeKind
@@ -218,9 +218,12 @@ class _Naming:
         self.numbers = _nameless(sketch)
         strokes = [sketch.strokes[number] for number in self.numbers]
         self.costs = stroke_costs(strokes, self.candidates, unit, settings)
-        mouth = np.array([each.names[0].startswith(MOUTH) for each in self.candidates])
-        aside = np.outer(mirrored_strokes(strokes), mouth)
-        self.costs.whole[aside] = self.costs.part[aside] = np.inf
+        mirrored = mirrored_strokes(strokes)
+        names = [each.names[0] for each in self.candidates]
+        self.costs.whole[np.outer(mirrored, [name.startswith(MIDDLE) for name in names])] = np.inf
+        pieces = np.outer(mirrored, [name.startswith(MIDDLE) for name in names])
+        pieces &= ~np.array([name == PIECED for name in names]) | (self.costs.part > _ALONG)
+        self.costs.part[pieces] = np.inf
         taken = {stroke.curve for stroke in sketch.strokes}
         self.blocked = np.array([not taken.isdisjoint(each.names) for each in self.candidates])
         self.seldom = settings.seldom * np.array([each.names[0].startswith(SELDOM) for each in self.candidates])

@@ -8,8 +8,8 @@ COARSE = ("network", "model")
 SELDOM = ("eye_fold", "nose_tip", "nostril")
 """What the names of curves begin with that are drawn beside others, the lids and the wings of the nose, if at all."""
 
-MOUTH = "mouth"
-"""What the names of curves begin with that lie across the middle: of two strokes on either side none draws one."""
+MIDDLE = ("mouth", "nose")
+"""What the names of curves begin with that lie in the middle: of two strokes on either side none draws a whole one."""
 
 PIECED = "nose"
 """The curve that is often drawn by several strokes: its wings, and what is between them."""
