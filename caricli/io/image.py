@@ -18,6 +18,7 @@ from caricli.io.outputs import writing
 from caricli.limits import MAX_IMAGE_BYTES, MAX_IMAGE_PIXELS, MAX_IMAGE_SIDE
 
 EFFORT = 3  # of PNG, from 0 to 9: the usual 6 saves a tenth of the bytes and takes twice as long
+_BRIGHT = 230  # of 255: brighter ink is none on white paper
 _MOST_PACKED = 4  # that a head wears
 _packed: dict[str, bytes] = {}
 _packing = Lock()  # files of a head are written beside each other
@@ -34,12 +35,13 @@ def is_image_file(path: str | Path) -> bool:
     return head.startswith(_BEGINNINGS) or (head.startswith(b"RIFF") and head[_WEBP] == b"WEBP")
 
 
-def read_image(path: str | Path) -> np.ndarray:
+def read_image(path: str | Path, any_ink: bool = False) -> np.ndarray:
     """Read a picture as RGB.
 
     It is turned upright as its EXIF orientation says; transparent pixels are laid over white paper; of an animation
     the first frame is read; 16-bit greys, and fractions that go up to 1, are scaled to 8 bits.
-    path: a PNG, JPEG, WebP, BMP, TIFF or GIF of at most MAX_IMAGE_PIXELS, at most MAX_IMAGE_SIDE wide or high.
+    path: a PNG, JPEG, WebP, BMP, TIFF or GIF of at most MAX_IMAGE_PIXELS, at most MAX_IMAGE_SIDE wide or high. any_ink:
+    whether transparent pixels are laid over black paper where what is drawn is nearly white.
     Returns (H,W,3) uint8.
     Raises InputError when it is no such picture, damaged, or too large; its size is checked before it is decoded.
     """
@@ -55,7 +57,7 @@ def read_image(path: str | Path) -> np.ndarray:
                 width, height = image.size
                 check_size(path, width, height)
                 image.load()
-                return _rgb(ImageOps.exif_transpose(image), Image)
+                return _rgb(ImageOps.exif_transpose(image), Image, any_ink)
     except InputError:
         raise
     except Image.UnidentifiedImageError:
@@ -129,7 +131,7 @@ def gray_png(image: np.ndarray) -> bytes:
     return stream.getvalue()
 
 
-def _rgb(image: Any, pillow: Any) -> np.ndarray:
+def _rgb(image: Any, pillow: Any, any_ink: bool) -> np.ndarray:
     if image.mode.startswith("I") or image.mode == "F":
         # Pillow clips these to 255 on conversion instead of scaling them.
         values = np.array(image, np.float32)
@@ -143,5 +145,12 @@ def _rgb(image: Any, pillow: Any) -> np.ndarray:
         return np.repeat(grey[:, :, None], 3, axis=2)
     if image.has_transparency_data:
         image = image.convert("RGBA")
-        image = pillow.alpha_composite(pillow.new("RGBA", image.size, "white"), image)
+        paper = "black" if any_ink and _is_bright(image) else "white"
+        image = pillow.alpha_composite(pillow.new("RGBA", image.size, paper), image)
     return np.array(image.convert("RGB"))
+
+
+def _is_bright(image: Any) -> bool:
+    """Whether what is drawn on an RGBA picture, and covers less than half of it, cannot be told from white paper."""
+    brightness, alpha = np.moveaxis(np.asarray(image.convert("LA"), np.float32), 2, 0)
+    return bool(0 < alpha.mean() < 128 and (brightness * alpha).sum() > _BRIGHT * alpha.sum())

@@ -8,6 +8,7 @@ from caricli.errors import InputError, naming
 from caricli.io.image import is_image_file, read_image, write_png
 from caricli.io.sketches.sketch import read_sketch, write_sketch
 from caricli.methods.sketch.clean_drawing import clean_drawing
+from caricli.methods.sketch.page_frames import page_frames
 from caricli.render.pixels.rasterise_sketch import rasterise_sketch
 from caricli.structures.sketch import CANVAS, Sketch
 
@@ -22,15 +23,18 @@ _INSIDE = 0.5
 
 
 def load_sketch(path: Path) -> Sketch:
-    """The sketch of a file: JSON or SVG, or a picture of a drawing on paper.
+    """The sketch of a file: JSON or SVG, or a picture of a drawing on paper; without a frame around it.
 
     Raises InputError when it is none, there is hardly a line, or most lies beside the canvas.
     """
     if is_image_file(path):
-        image = read_image(path)
+        image = read_image(path, any_ink=True)
         with naming(path):
             return clean_drawing(image)
     sketch = read_sketch(path)
+    nameless = [number for number, stroke in enumerate(sketch.strokes) if stroke.curve is None]
+    frames = {nameless[k] for k in page_frames([sketch.strokes[number].points for number in nameless])}
+    sketch = sketch.with_strokes(stroke for number, stroke in enumerate(sketch.strokes) if number not in frames)
     with naming(path):
         length = sum(stroke.length for stroke in sketch.strokes)
         if length < _SHORTEST * max(sketch.size):

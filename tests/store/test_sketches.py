@@ -21,6 +21,34 @@ def test_a_sketch_in_any_form(tmp_path, name):
     assert np.allclose(middle, 127.5, atol=1.5)
 
 
+@pytest.mark.parametrize("ink", [0, 120, 255])
+def test_ink_of_any_brightness_on_a_transparent_page(tmp_path, ink):
+    write_drawing(tmp_path / "s.png", Sketch((Stroke(RING),)))
+    alpha = 255 - read_image(tmp_path / "s.png")[..., :1]
+    write_png(tmp_path / "clear.png", np.concatenate([np.full((256, 256, 3), ink, np.uint8), alpha], axis=2))
+    (stroke,) = load_sketch(tmp_path / "clear.png").strokes
+    assert stroke.closed and np.allclose(stroke.points[:-1].mean(0), 127.5, atol=1.5)
+
+
+def test_white_paper_with_clear_corners_stays_white(tmp_path):
+    write_drawing(tmp_path / "s.png", Sketch((Stroke(RING),)))
+    alpha = np.full((256, 256, 1), 255, np.uint8)
+    alpha[:20, :20] = 0
+    write_png(tmp_path / "clear.png", np.concatenate([read_image(tmp_path / "s.png"), alpha], axis=2))
+    assert len(load_sketch(tmp_path / "clear.png").strokes) == 1
+    assert (read_image(tmp_path / "clear.png", any_ink=True)[:20, :20] == 255).all()
+
+
+@pytest.mark.parametrize("name", ["s.json", "s.svg", "s.png"])
+def test_a_frame_around_the_drawing_is_no_line_of_it(tmp_path, name):
+    frame = np.array([[4.0, 4], [250, 4], [250, 250], [4, 250], [4, 4]])
+    eyes = [[x, 110] + 0.1 * (RING - 127.5) for x in (100, 155)]
+    write_drawing(tmp_path / name, Sketch(tuple(map(Stroke, (frame, RING, *eyes)))))
+    assert len(load_sketch(tmp_path / name).strokes) == 3
+    write_drawing(tmp_path / name, Sketch((Stroke(frame, curve="silhouette"), *map(Stroke, (RING, *eyes)))))
+    assert len(load_sketch(tmp_path / name).strokes) == (3 if name == "s.png" else 4)
+
+
 def test_pictures_are_black_on_white(tmp_path):
     write_drawing(tmp_path / "s.png", Sketch((Stroke(RING),)))
     picture = read_image(tmp_path / "s.png")

@@ -61,7 +61,8 @@ def _is_stub(branch: _Branch, shortest: float) -> bool:
 
 def _merged(branches: list[_Branch], centres: np.ndarray, inside: np.ndarray) -> tuple[list[_Branch], np.ndarray]:
     """The same with two crossings of three lines as one where the discs of ink around them overlap: what two lines that
-    cross at a sharp angle leave, which run together for a while. inside: (H, W) pixels to the border of the ink."""
+    cross at a sharp angle leave, which run together for a while; and what three leave that meet at a corner. inside:
+    (H, W) pixels to the border of the ink."""
     import cv2
 
     # The middle of a crossing may be a pixel or two off the ink's.
@@ -73,7 +74,8 @@ def _merged(branches: list[_Branch], centres: np.ndarray, inside: np.ndarray) ->
     for branch in branches:
         first, last = branch.ends
         sharp = first != last and min(branch.ends) >= 0 and len(branch.pixels) < reach[first] + reach[last]
-        if sharp and count[first] == count[last] == 3 and not {first, last} & {*other, *other.values()}:
+        forks = sharp and count[first] == count[last] == 3
+        if (forks or (sharp and _is_tip(branch, branches, centres))) and not {first, last} & {*other, *other.values()}:
             other[last] = first
             middles[first] = (centres[first] + centres[last]) / 2
         else:
@@ -82,6 +84,17 @@ def _merged(branches: list[_Branch], centres: np.ndarray, inside: np.ndarray) ->
     return [
         _Branch(branch.pixels, (first, last)) for branch, (first, last) in zip(further, moved, strict=True)
     ], middles
+
+
+def _is_tip(branch: _Branch, branches: list[_Branch], centres: np.ndarray) -> bool:
+    """Whether a short branch leads from where two lines part to a corner from which a third one turns back, as lips and
+    the line between them meet. centres: (K, 2) of crossings."""
+    at = {end: [(b, side) for b in branches for side in (0, 1) if b.ends[side] == end] for end in branch.ends}
+    ends = sorted(branch.ends, key=lambda end: len(at[end]))
+    if [len(at[end]) for end in ends] != [2, 3]:
+        return False
+    first, second = (_way(b.pixels, side, centres[ends[0]]) for b, side in at[ends[0]])
+    return float(first @ second) > _STRAIGHT
 
 
 def _branches(thin: np.ndarray) -> tuple[list[_Branch], np.ndarray]:

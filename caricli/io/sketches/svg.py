@@ -4,7 +4,6 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 from xml.etree.ElementTree import Element
 
 import numpy as np
@@ -16,6 +15,7 @@ from caricli.io.parse_number import parse_number
 from caricli.io.sketches.svg_brush import Brush
 from caricli.io.sketches.svg_path import outline_points
 from caricli.io.sketches.svg_style import Style, length_in_pixels, style_rules
+from caricli.io.sketches.svg_view import frame, view_box
 from caricli.limits import MAX_COORDINATE, MAX_SKETCH_POINTS, MAX_SKETCH_SIDE, MAX_SVG_BYTES
 from caricli.structures.sketch import CANVAS, CURVES, Sketch, Stroke, StrokeKind
 
@@ -24,25 +24,32 @@ _MAX_DEPTH = 64
 _MAX_ELEMENTS = 50_000
 _LARGEST = 4096.0
 """Pixels of the longer side of a canvas, at most; smaller ones than CANVAS become as large."""
-_SMALLEST = 1e-9
-"""Units of the longer side of a drawing, at least."""
 
 _GROUPS = {"svg", "g", "a", "switch", "symbol"}
 _LINES = {"path", "line", "polyline", "polygon", "rect", "circle", "ellipse"}
 _WORD = re.compile(r"[^\W\d_]+(?:_[^\W\d_]+)*")
 _ATTRIBUTES = ("id", "class", "{http://www.inkscape.org/namespaces/inkscape}label", "data-name")
 """Where a drawing program puts the name that somebody gave to a layer or a line."""
+_NOSE = "nose"
+"""The curve below it, and what a layer of all its lines is called: these are features, and find their curves."""
 
 
 @dataclass(frozen=True)
 class _Place:
-    """What an element inherits: a matrix (2, 3) to the canvas, style, kind and curve, and how deep it lies."""
+    """What an element inherits: a matrix (2, 3) to the canvas, the size of the drawing that it lies in, in units of it,
+    or None, style, kind and curve, and how deep it lies."""
 
     matrix: np.ndarray
+    window: tuple[float, float] | None
     style: Style = Style()
     kind: StrokeKind | None = None
     curve: str | None = None
     depth: int = 0
+
+    def framed(self, element: Element, size: Element) -> "_Place":
+        """In a drawing or a symbol that lies in this place, as wide and high as an element says."""
+        own, window = frame(element, size, self.window)
+        return replace(self, matrix=_composed(self.matrix, own), window=window)
 
 
 def is_svg(start: bytes) -> bool:
@@ -142,12 +149,12 @@ class _Reader:
 
     def sketch(self) -> Sketch:
         """The sketch of all visible lines."""
-        box = _view_box(self.root)
+        box = view_box(self.root)
         matrix = np.array([[1.0, 0, 0], [0, 1, 0]])
         size = None
         if box is not None:
             size, matrix = _canvas(*box)
-        drawn = list(self._walk(self.root, _Place(matrix)))
+        drawn = list(self._walk(self.root, _Place(matrix, None if box is None else (box[2], box[3]))))
         stroked = [stroke for stroke, has_stroke in drawn if has_stroke]
         strokes = stroked or [stroke for stroke, _ in drawn]
         if not strokes and any(_name(element) == "image" for element in self.root.iter()):
@@ -166,13 +173,14 @@ class _Reader:
         style = place.style.within(element, self.rules)
         if style.hidden:
             return
-        matrix = _within(place.matrix, element.get("transform"))
-        inner = _Place(matrix, style, *_meaning(element, place), depth=place.depth + 1)
+        matrix = _within(place.matrix, style.transform)
+        inner = _Place(matrix, place.window, style, *_meaning(element, place), depth=place.depth + 1)
+        if name == "svg" and element is not self.root:
+            inner = inner.framed(element, element)
         if name == "use":
             target = self.by_id.get(_target(element))
             if target is not None:
-                aside = np.array([[1, 0, _coordinate(element, "x")], [0, 1, _coordinate(element, "y")]])
-                yield from self._walk(target, replace(inner, matrix=_composed(matrix, aside)))
+                yield from self._used(target, element, inner)
         elif name in _LINES:
             yield from self._lines(element, inner)
         else:
@@ -180,6 +188,12 @@ class _Reader:
                 # What a symbol holds is drawn only where it is used.
                 if _name(child) != "symbol":
                     yield from self._walk(child, inner)
+
+    def _used(self, target: Element, use: Element, place: _Place) -> Iterator[tuple[Stroke, bool]]:
+        """What is drawn where something is used. place: of the use."""
+        aside = np.array([[1, 0, _coordinate(use, "x")], [0, 1, _coordinate(use, "y")]])
+        place = replace(place, matrix=_composed(place.matrix, aside))
+        yield from self._walk(target, place.framed(target, use) if _name(target) == "symbol" else place)
 
     def _lines(self, element: Element, place: _Place) -> Iterator[tuple[Stroke, bool]]:
         with np.errstate(all="ignore"):
@@ -232,6 +246,8 @@ def _meaning(element: Element, place: _Place) -> tuple[StrokeKind | None, str | 
             curve = curve or plain
     if kind is None and curve in CURVES:
         kind = CURVES[curve]
+    if curve == _NOSE and _name(element) in _GROUPS and sum(_name(each) in _LINES for each in element.iter()) > 1:
+        curve = None
     return kind or place.kind, curve or place.curve
 
 
@@ -267,23 +283,6 @@ def _composed(matrix: np.ndarray, own: np.ndarray) -> np.ndarray:
 
 def _coordinate(element: Element, key: str) -> float:
     return length_in_pixels(element.get(key)) or 0.0
-
-
-def _view_box(root: Element) -> tuple[float, float, float, float] | None:
-    """Left, top, width and height in the units of the drawing, or None where nothing says them.
-
-    Raises InputError for a drawing too small to be drawn larger.
-    """
-    words = re.split(r"[\s,]+", (root.get("viewBox") or "").strip())
-    numbers: list[Any] = [length_in_pixels(word) for word in words]
-    if len(numbers) != 4 or None in numbers:
-        numbers = [0.0, 0.0, length_in_pixels(root.get("width")), length_in_pixels(root.get("height"))]
-    if None in numbers or not (numbers[2] > 0 and numbers[3] > 0):
-        return None
-    if max(numbers[2:]) < _SMALLEST:
-        size = f"{numbers[2]:g} x {numbers[3]:g}"
-        raise InputError(f"viewBox: expected a drawing of at least {_SMALLEST:g} units, found one of {size}")
-    return tuple(numbers)
 
 
 def _canvas(left: float, top: float, width: float, height: float) -> tuple[tuple[int, int], np.ndarray]:

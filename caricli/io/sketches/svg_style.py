@@ -8,7 +8,10 @@ from xml.etree.ElementTree import Element
 _NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(px|pt|pc|mm|cm|in|)\s*")
 _UNITS = {"": 1.0, "px": 1.0, "pt": 96 / 72, "pc": 16.0, "mm": 96 / 25.4, "cm": 96 / 2.54, "in": 96.0}
 _SELECTOR = re.compile(r"([.#][\w-]+|(?:^|(?<=[\s>+~]))(?:[\w-]+|\*))$")
-_KEYS = ("stroke", "stroke-width", "fill", "fill-rule", "display", "visibility")
+_KEYS = (
+    *("stroke", "stroke-width", "stroke-opacity", "fill", "fill-rule", "fill-opacity", "opacity"),
+    *("display", "visibility", "transform"),
+)
 _LARGEST = 1e9
 _PAPER = 0.8
 """Luma, 0 to 1, of what is no ink, at least."""
@@ -46,15 +49,28 @@ def _declarations(text: str) -> dict[str, str]:
 class Style:
     """How a line is drawn.
 
-    stroked: with a stroke. width: of it, in units of the drawing, or None. hidden: not at all. inked: filled with what
-    is no paper, which is bright. even_odd: by which rule it is filled.
+    line: with a stroke. width: of it, in units of the drawing, or None. filled: with what is no paper, which is bright.
+    clear: whether a stroke, and what fills, cannot be seen. hidden: not at all. even_odd: by which rule it is filled.
+    transform: of this element alone, or None.
     """
 
-    stroked: bool = False
+    line: bool = False
     width: float | None = None
+    filled: bool = True
+    clear: tuple[bool, bool] = (False, False)
     hidden: bool = False
-    inked: bool = True
     even_odd: bool = False
+    transform: str | None = None
+
+    @property
+    def stroked(self) -> bool:
+        """Whether there is a stroke to be seen."""
+        return self.line and self.width != 0 and not self.clear[0]
+
+    @property
+    def inked(self) -> bool:
+        """Whether it is filled with what is no paper."""
+        return self.filled and not self.clear[1]
 
     def within(self, element: Element, rules: Mapping[str, Mapping[str, str]]) -> "Style":
         """The style of an element in one of this style. rules: as ``style_rules`` gives them."""
@@ -67,21 +83,41 @@ class Style:
         width = length_in_pixels(values.get("stroke-width"))
         fill = values.get("fill", "inherit")
         rule = values.get("fill-rule", "inherit")
-        visibility = values.get("visibility", "inherit")
+        unseen = values.get("display") == "none" or values.get("visibility") in ("hidden", "collapse")
         return Style(
-            self.stroked if stroke == "inherit" else stroke not in ("none", "transparent"),
+            self.line if stroke == "inherit" else not _is_clear(stroke),
             self.width if width is None else width,
-            self.hidden or values.get("display") == "none" or visibility in ("hidden", "collapse"),
-            self.inked if fill == "inherit" else _is_ink(fill),
+            self.filled if fill == "inherit" else _is_ink(fill),
+            (_is_nothing(values, "stroke-opacity", self.clear[0]), _is_nothing(values, "fill-opacity", self.clear[1])),
+            self.hidden or unseen or _is_nothing(values, "opacity", False),
             self.even_odd if rule == "inherit" else rule == "evenodd",
+            values.get("transform"),
         )
+
+
+def _is_nothing(values: Mapping[str, str], key: str, inherited: bool) -> bool:
+    """Whether an opacity is none at all."""
+    number = length_in_pixels((values.get(key) or "").strip().removesuffix("%"))
+    return inherited if number is None else number <= 0
+
+
+def _is_clear(paint: str) -> bool:
+    """Whether nothing of a stroke or a fill can be seen."""
+    from svgelements import Color
+
+    if paint in ("none", "transparent"):
+        return True
+    try:
+        return bool(Color(paint[:64]).opacity == 0)
+    except (AttributeError, ValueError, TypeError, IndexError):
+        return False
 
 
 def _is_ink(fill: str) -> bool:
     """Whether a fill stands out from white paper; gradients and patterns do."""
     from svgelements import Color
 
-    if fill in ("none", "transparent"):
+    if _is_clear(fill):
         return False
     try:
         return float(Color(fill[:64]).luma) < _PAPER

@@ -6,6 +6,7 @@ import numpy as np
 
 from caricli.errors import InputError
 from caricli.geometry.lines.trace_lines import InkLine, trace_lines
+from caricli.methods.sketch.page_frames import page_frames
 from caricli.render.pixels.widen_mask import widen_mask
 from caricli.structures.sketch import CANVAS, Sketch, Stroke
 
@@ -51,7 +52,7 @@ def clean_drawing(image: np.ndarray, settings: PaperSettings | None = None) -> S
     """The lines of a drawing, in the middle of a canvas of CANVAS pixels; their kinds are not known.
 
     Uneven light and the paper's grain are taken off, what lies around the paper is left out, and the ink that is left
-    is thinned to lines.
+    is thinned to lines; a frame around the drawing is none.
 
     image: (H, W, 3) uint8, dark lines on bright paper, or bright ones on dark.
     Raises InputError where there are no lines, or areas rather than lines, as in a photograph.
@@ -68,6 +69,8 @@ def clean_drawing(image: np.ndarray, settings: PaperSettings | None = None) -> S
     if share > settings.most or _solid(ink, settings.thick * longer) > settings.solid:
         raise InputError(f"expected a drawing of lines on paper, found areas: {100 * share:.0f} % of it are dark")
     lines = _dark_lines(trace_lines(ink, settings.speck * longer), dark, settings.pale)
+    frames = page_frames([line.points for line in lines])
+    lines = [line for number, line in enumerate(lines) if number not in frames]
     if sum(np.linalg.norm(np.diff(line.points, axis=0), axis=1).sum() for line in lines) < 0.1 * longer:
         raise InputError("expected a drawing of lines on paper, found hardly any line")
     points = np.concatenate([line.points for line in lines])

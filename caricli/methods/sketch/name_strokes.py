@@ -1,5 +1,6 @@
 """Which curve of a face every stroke of a sketch draws."""
 
+from collections.abc import Collection
 from contextlib import suppress
 from dataclasses import replace
 from itertools import product
@@ -8,9 +9,11 @@ import numpy as np
 from scipy.optimize import linear_sum_assignment
 
 from caricli.errors import InputError
+from caricli.methods.sketch.find_irises import find_irises
 from caricli.methods.sketch.fit_lines import FRONT, fit_lines, line_camera
 from caricli.methods.sketch.line_handles import LineHandles, lines_by_curve
-from caricli.methods.sketch.settings import SELDOM, LineFitSettings, NamingSettings
+from caricli.methods.sketch.mirrored_strokes import mirrored_strokes
+from caricli.methods.sketch.settings import MIDDLE, PIECED, SELDOM, LineFitSettings, NamingSettings
 from caricli.methods.sketch.stroke_candidates import Candidate, candidates_at, split_ring, stroke_costs
 from caricli.models.shape_model import ShapeModel
 from caricli.structures.sketch import Sketch, Stroke, StrokeKind
@@ -19,12 +22,24 @@ from caricli.template.feature_curves import SILHOUETTE
 _MOST = 256
 """Strokes that are looked at, the longest."""
 _SHORTEST = 0.01
-"""Of the canvas: what is shorter draws no curve."""
+"""Of the canvas, or twice a smaller drawing in it: what is shorter draws no curve."""
 _QUICK = LineFitSettings(rounds=3)
 _NEARLY = 1.1
 """Of the least cost: up to this an overlay comes first that names all strokes."""
 _RARE = 0.01
 """Share of points at either side that may be far outside a face."""
+_OPEN = 0.1
+"""Of its height or width: the ends of a head's outline are nearer to each other."""
+_CAP = 0.5
+"""Of a head's width: hair that reaches over it is wider; a cat's ears are not."""
+_BEYOND = 0.03
+"""Of a head's height: hair or a neck reach farther over or below it."""
+_PIECES = 4
+"""Strokes that continue a nose before others have found their curves, at most."""
+_ALONG = 0.04
+"""Share of a face's diagonal: as near such a stroke lies to the nose. A side of it with its wing does not."""
+_TRIALS = 8
+"""Strokes of which the best is sought, at most."""
 
 
 def name_strokes(
@@ -40,12 +55,12 @@ def name_strokes(
     none; camera and latent of the model follow the strokes so named, and all again. The cost is the mean distance of
     the stroke from the curve, and, counting less, of the curve from the stroke, and their difference in direction. Then
     strokes continue curves that others have drawn in part. Of a closed stroke that is both lids, or both lips, two are
-    made. Names that are given stay; wrinkles without a name stay without.
+    made. Names that are given stay; wrinkles without a name stay without, and irises and pupils become such.
 
     sketch: Sketch. handles: LineHandles of the model's template. model: any ShapeModel. settings: NamingSettings.
     Returns the Sketch with names; strokes of no curve stay as they were.
     """
-    sketch = _with_own_names(sketch, handles)
+    sketch = _without_irises(_with_own_names(sketch, handles))
     if not _nameless(sketch):
         return sketch
     mean = model.decode_points(model.prior.mean, handles.vertices)
@@ -85,9 +100,20 @@ def _with_own_names(sketch: Sketch, handles: LineHandles) -> Sketch:
     return sketch.with_strokes(s if s.curve in rows else replace(s, curve=None) for s in sketch.strokes)
 
 
+def _without_irises(sketch: Sketch) -> Sketch:
+    """The sketch with irises and pupils as wrinkles: lids would be looked for in them."""
+    numbers = _nameless(sketch)
+    irises = {numbers[k] for k in find_irises([sketch.strokes[number] for number in numbers])}
+    return sketch.with_strokes(
+        replace(stroke, kind=StrokeKind.WRINKLE) if number in irises else stroke
+        for number, stroke in enumerate(sketch.strokes)
+    )
+
+
 def _nameless(sketch: Sketch) -> list[int]:
     """Numbers of the strokes that may draw a curve which they do not name, the longest ones."""
-    least = _SHORTEST * max(sketch.size)
+    drawn = np.concatenate([np.zeros((0, 2)), *(stroke.points for stroke in sketch.strokes)])
+    least = _SHORTEST * min(max(sketch.size), 2 * float(np.ptp(drawn, axis=0).max())) if len(drawn) else 0.0
     lengths = {
         number: stroke.length
         for number, stroke in enumerate(sketch.strokes)
@@ -100,8 +126,8 @@ def _laid_over(sketch: Sketch, handles: LineHandles, mean: np.ndarray) -> list[n
     """(H, 2) pixels of the handles of a face (H, 3) for what a sketch may be of: a head with ears, one without, and a
     face without a crown; where no stroke goes around the others, features alone, with brows and without; and with an
     outline, or a jaw, as large as the largest stroke, and features where all others are, with ears, without, and
-    without brows: jaws of caricatures have any size, but none is narrower than its features. Where enough strokes have
-    names, only for the camera that these tell."""
+    without brows: jaws of caricatures have any size, but none is narrower than its features; and with the outline in a
+    ring that hair or a neck leave. Where enough strokes have names, only for the camera that these tell."""
     with suppress(InputError):
         return [line_camera(lines_by_curve(sketch), handles, mean).project(mean)]
     flat = mean @ FRONT[:2].T
@@ -131,7 +157,37 @@ def _laid_over(sketch: Sketch, handles: LineHandles, mean: np.ndarray) -> list[n
             # No face is narrower than what is in it.
             if np.ptp(placed[part, 0]) > np.ptp(placed[np.intersect1d(within, inside), 0]):
                 laid.append(placed)
+    return laid + _in_heads(flat, outline, (inside, lids), strokes)
+
+
+def _in_heads(
+    flat: np.ndarray, outline: np.ndarray, features: tuple[np.ndarray, ...], strokes: list[np.ndarray]
+) -> list[np.ndarray]:
+    """(H, 2) pixels of the handles with the outline in a ring that hair or a neck leave: as they are on the mean face,
+    and with some features where all that is in the ring is. flat: (H, 2) of it. features: the first are all."""
+    laid = []
+    for ring, inner in _heads(strokes):
+        laid.append(_over(flat, outline, [ring]))
+        for rows in features:
+            placed = laid[0].copy()
+            placed[features[0]] = _over(flat, rows, inner)[features[0]]
+            laid.append(placed)
     return laid
+
+
+def _heads(strokes: list[np.ndarray]) -> list[tuple[np.ndarray, list[np.ndarray]]]:
+    """A closed stroke that goes around most others, the smallest, and what is in it, where others reach over or below
+    it: hair and a neck tell nothing of where features are."""
+    for number, ring in enumerate(strokes):
+        others = strokes[:number] + strokes[number + 1 :]
+        if np.linalg.norm(ring[0] - ring[-1]) > _OPEN * np.ptp(ring, axis=0).max() or not _frames([*others, ring]):
+            continue
+        low, high = ring.min(0), ring.max(0)
+        hair = [other[:, 1].min() for other in others if np.ptp(other[:, 0]) > _CAP * (high - low)[0]]
+        beyond = max(low[1] - min(hair, default=low[1]), max(other[:, 1].max() for other in others) - high[1])
+        inner = [other for other in others if (other.min(0) > low).all() and (other.max(0) < high).all()]
+        return [(ring, inner)] if len(inner) > 1 and beyond > _BEYOND * (high - low)[1] else []
+    return []
 
 
 def _frames(strokes: list[np.ndarray]) -> bool:
@@ -162,6 +218,12 @@ class _Naming:
         self.numbers = _nameless(sketch)
         strokes = [sketch.strokes[number] for number in self.numbers]
         self.costs = stroke_costs(strokes, self.candidates, unit, settings)
+        mirrored = mirrored_strokes(strokes)
+        names = [each.names[0] for each in self.candidates]
+        self.costs.whole[np.outer(mirrored, [name.startswith(MIDDLE) for name in names])] = np.inf
+        pieces = np.outer(mirrored, [name.startswith(MIDDLE) for name in names])
+        pieces &= ~np.array([name == PIECED for name in names]) | (self.costs.part > _ALONG)
+        self.costs.part[pieces] = np.inf
         taken = {stroke.curve for stroke in sketch.strokes}
         self.blocked = np.array([not taken.isdisjoint(each.names) for each in self.candidates])
         self.seldom = settings.seldom * np.array([each.names[0].startswith(SELDOM) for each in self.candidates])
@@ -190,24 +252,55 @@ class _Naming:
     def _assign(self) -> float:
         """Give every stroke one candidate or none, loops first; returns the sum of the costs."""
         loops = np.array([each.loop for each in self.candidates])
-        pairs, total = self._pairs(self.blocked)
+        blocked = self.blocked
+        pairs, total = self._pairs(blocked)
         rings = {name for _, c in pairs for name in self.candidates[c].names if loops[c]}
         if rings:
-            halves = np.array([not each.loop and each.names[0] in rings for each in self.candidates])
-            pairs, total = self._pairs(self.blocked | halves)
-        for s, c in pairs:
+            blocked = blocked | np.array([not each.loop and each.names[0] in rings for each in self.candidates])
+            pairs, total = self._pairs(blocked)
+        for s, c in self._with_pieces(pairs, total, blocked):
             self.chosen[self.numbers[s]] = self.candidates[c]
         return total
 
-    def _pairs(self, blocked: np.ndarray) -> tuple[list[tuple[int, int]], float]:
-        """Strokes and candidates of the least sum of costs. blocked: (C,) bool."""
+    def _pairs(self, blocked: np.ndarray, but: Collection[int] = ()) -> tuple[list[tuple[int, int]], float]:
+        """Strokes, without some, and candidates of the least sum of costs. blocked: (C,) bool."""
         dearest = self.settings.dearest
-        costs = np.where(blocked, np.inf, self.costs.whole + self.seldom)
+        strokes = [s for s in range(len(self.numbers)) if s not in but]
+        costs = np.where(blocked, np.inf, self.costs.whole + self.seldom)[strokes]
         count = len(costs)
         table = np.concatenate([np.minimum(costs, 10 * dearest), np.full((count, count), dearest)], axis=1)
         rows, columns = linear_sum_assignment(table)
         pairs = [(s, c) for s, c in zip(rows.tolist(), columns.tolist(), strict=True) if c < costs.shape[1]]
-        return [(s, c) for s, c in pairs if costs[s, c] < dearest], float(table[rows, columns].sum())
+        return [(strokes[s], c) for s, c in pairs if costs[s, c] < dearest], float(table[rows, columns].sum())
+
+    def _with_pieces(self, pairs: list[tuple[int, int]], total: float, blocked: np.ndarray) -> list[tuple[int, int]]:
+        """Pairs of strokes and candidates where several strokes may draw a nose, one after the other, when all together
+        cost less so. pairs, total: without that, as ``_pairs`` gives them."""
+        nose = next((c for c, each in enumerate(self.candidates) if each.names == (PIECED,)), None)
+        pieces: list[int] = []
+        while nose is not None and len(pieces) < _PIECES:
+            part = self.costs.part[:, nose] + self.settings.seldom
+            gains = {s: self.costs.whole[s, c] + self.seldom[c] - part[s] for s, c in pairs if c != nose}
+            trials = []
+            along = [s for s, gain in gains.items() if gain > 0 and self.costs.part[s, nose] < _ALONG]
+            for s in sorted(along, key=lambda s: -gains[s])[:_TRIALS]:
+                others, rest = self._pairs(blocked, {*pieces, s})
+                if self._share([t for t, c in others if c == nose], [*pieces, s], nose):
+                    trials.append((rest + float(part[[*pieces, s]].sum()), s, others))
+            if not trials or min(trials)[0] >= total:
+                break
+            total, piece, pairs = min(trials)
+            pieces.append(piece)
+        return pairs + [(s, nose) for s in pieces if nose is not None]
+
+    def _share(self, whole: list[int], pieces: list[int], c: int) -> bool:
+        """Whether strokes draw a candidate, and each of some others a piece of it where no other does."""
+        drawn = np.zeros((len(self.numbers), self.candidates[c].line.shape[0]), bool)
+        for s in whole + pieces:
+            drawn[s, self.costs.nearest[s, c]] = True
+        twice = drawn.sum(0) > 1
+        covered = max(float(twice[self.costs.nearest[s, c]].mean()) for s in pieces)
+        return bool(whole) and covered < self.settings.covered
 
     def _continue(self, lengths: list[float]) -> None:
         """Let strokes that are left continue what others draw, the longest first."""

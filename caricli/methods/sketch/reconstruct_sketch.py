@@ -24,7 +24,7 @@ from caricli.structures.sketch import Sketch, StrokeKind
 from caricli.template.feature_curves import named_curves
 
 _SPACING = 0.004
-"""Of the canvas: between points at which lines are compared; more where these would be more than a sketch may have."""
+"""Of the canvas, or of twice a smaller face: between points at which lines are compared."""
 _UNSURE = 0.5
 """Share of strokes from which on it is said that they draw no face."""
 
@@ -68,7 +68,12 @@ class SketchFit:
     @property
     def strange(self) -> bool:
         """Whether the likeliest face is so far from the lines that it is doubtful whether they show one."""
-        return self.coarse["all"] > FollowSettings().strange
+        return self.coarse["all"] > FollowSettings().strange * self.scale
+
+    @property
+    def scale(self) -> float:
+        """What distances in percent of the canvas are doubted by, 1 where the face takes half of it or more."""
+        return _scale(self.curves, max(self.sketch.size))
 
     def figures(self) -> dict[str, Any]:
         """What reports say of it, as JSON."""
@@ -107,7 +112,7 @@ def _contradicting(sketch: Sketch, fit: SketchFit) -> str | None:
         return None
     said = {stroke.curve for stroke in sketch.strokes}
     guessed = {curve: error for curve, error in fit.errors.items() if curve != "all" and curve not in said}
-    least, most = _CONTRADICTS
+    least, most = (fit.scale * bound for bound in _CONTRADICTS)
     far = {
         curve: error
         for curve, error in guessed.items()
@@ -169,7 +174,8 @@ class SketchReconstruction:
         face, followed = self._sound(coarse, places, share)
         likely = _means(_distances(lines, before, max(sketch.size)))
         # What is far from its lines is doubted as such; the rest of a scribble may lie near to a face by chance.
-        if unsure > _UNSURE and share and not followed and likely["all"] <= self._settings.strange:
+        strange = self._settings.strange * _scale(before, max(sketch.size))
+        if unsure > _UNSURE and share and not followed and likely["all"] <= strange:
             raise InputError("expected lines of a face, found most of them none of it and the others tearing it apart")
         landmarks = camera.project(face.vertices[self.model.template.annotation.landmarks])
         after = self._curves(face)
@@ -230,15 +236,23 @@ class SketchReconstruction:
         return {curve.name: camera.project(face.vertices[curve.vertices]) for curve in self.handles.curves}
 
 
+def _scale(curves: dict[str, np.ndarray], side: float) -> float:
+    """Twice the share of a canvas that the curves (M, 2) of a face take, at most 1. side: of the canvas."""
+    return min(1.0, 2 * float(np.ptp(np.concatenate(list(curves.values())), axis=0).max()) / side)
+
+
 def _distances(lines: Lines, curves: dict[str, np.ndarray], side: float) -> dict[str, np.ndarray]:
     """Distances of points along lines from the curves that they draw, percent of the side of the canvas."""
-    return {name: 100 / side * line_distances(_dense(several, side), [curves[name]]) for name, several in lines.items()}
+    spacing = _SPACING * side * _scale(curves, side)
+    return {
+        name: 100 / side * line_distances(_dense(several, spacing), [curves[name]]) for name, several in lines.items()
+    }
 
 
-def _dense(lines: Sequence[np.ndarray], side: float) -> np.ndarray:
-    """Points (N, 2) along lines."""
+def _dense(lines: Sequence[np.ndarray], spacing: float) -> np.ndarray:
+    """Points (N, 2) along lines. spacing: of them, pixels; more where these would be more than a sketch may have."""
     lengths = [np.linalg.norm(np.diff(line, axis=0), axis=1).sum() for line in lines]
-    spacing = max(_SPACING * side, sum(lengths) / MAX_SKETCH_POINTS)
+    spacing = max(spacing, sum(lengths) / MAX_SKETCH_POINTS)
     counts = [max(2, int(length / spacing)) for length in lengths]
     return np.concatenate([resample(line, count) for line, count in zip(lines, counts, strict=True)])
 

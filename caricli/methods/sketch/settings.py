@@ -8,6 +8,12 @@ COARSE = ("network", "model")
 SELDOM = ("eye_fold", "nose_tip", "nostril")
 """What the names of curves begin with that are drawn beside others, the lids and the wings of the nose, if at all."""
 
+MIDDLE = ("mouth", "nose")
+"""What the names of curves begin with that lie in the middle: of two strokes on either side none draws a whole one."""
+
+PIECED = "nose"
+"""The curve that is often drawn by several strokes: its wings, and what is between them."""
+
 CORNERED = ("brow", "eye_upper", "eye_lower", "eye_fold", "mouth")
 """What the names of curves begin with whose ends everybody draws; others fade out where an artist likes."""
 
@@ -40,7 +46,8 @@ class NamingSettings:
     from the curve. shape: of what is left of the distance without a common shift. missing: distance from which on a
     part of a curve just was not drawn. dearest: cost above which a stroke draws no curve. piece: the same for one that
     continues a curve. covered: share of a stroke that may lie along what was drawn already when it continues a curve.
-    seldom: cost of a curve that is drawn beside others, if at all. rounds: of a face that follows the names, and names.
+    seldom: cost of a curve that is drawn beside others, if at all, and of a piece of ``PIECED``. rounds: of a face that
+    follows the names, and names.
     """
 
     turn: float = 0.1

@@ -175,3 +175,20 @@ def test_a_ring_has_no_kink_where_it_begins():
     steps /= np.linalg.norm(steps, axis=1, keepdims=True)
     turns = (steps * np.roll(steps, 1, axis=0)).sum(1)
     assert turns.min() > np.cos(np.radians(20))
+
+
+@pytest.mark.parametrize(("width", "open_"), [(4, 60), (7, 50), (7, 60), (9, 60), (9, 90), (12, 75)])
+def test_three_lines_that_meet_at_two_corners_are_three_lines_or_a_ring_with_one_in_it(width, open_):
+    """Lips and the line between them, from corner to corner: they came as one line that turned back at each."""
+    across = np.linspace(60, 340, 80)
+    arch = np.sin((across - 60) / 280 * np.pi)
+    ink = np.zeros((300, 400), np.uint8)
+    for high in (-open_, 0.1 * open_, open_):
+        line = np.column_stack([across, 150 + high * arch])
+        cv2.polylines(ink, [np.round(16 * line).astype(np.int32)], False, 255, width, cv2.LINE_AA, 4)
+    lines = trace_lines(ink > 127, 12)
+    middle = [line for line in lines if np.abs(line.points[:, 1] - 155).max() < 25]
+    assert len(middle) == 1 and 250 < np.ptp(middle[0].points[:, 0]) < 290
+    rest = [line for line in lines if line is not middle[0]]
+    reach = sorted((line.points[:, 1].min() < 140, line.points[:, 1].max() > 165) for line in rest)
+    assert reach in ([(True, True)], [(False, True), (True, False)])

@@ -88,6 +88,13 @@ def test_names_say_what_is_drawn(tmp_path):
     ]  # fmt: skip
 
 
+def test_a_layer_of_all_lines_of_a_nose_says_no_curve(tmp_path):
+    path = '<path d="M1 1 L2 2"/>'
+    for layer, curve in ((path, "nose"), (2 * path, None), (f"<g>{path}</g>{path}", None)):
+        drawn = [(str(stroke.kind), stroke.curve) for stroke in read(tmp_path, f'<g id="Nose">{layer}</g>').strokes]
+        assert set(drawn) == {("feature", curve)}
+
+
 def test_backgrounds_and_what_is_hidden_are_left_out(tmp_path):
     body = (
         "<style>.b { fill:none; stroke: #000; stroke-width: 3px } .c{display:none}</style>"
@@ -226,6 +233,9 @@ def test_a_drawing_too_small_to_be_drawn_larger_is_refused(tmp_path, side):
 def test_scales_beyond_all_numbers_say_nothing_but_the_error(tmp_path):
     with pytest.raises(InputError, match="expected finite coordinates"):
         read(tmp_path, '<g transform="scale(1e200)"><line x2="1"/></g>')
+    frame = "<svg width='1e9%' viewBox='0 0 1 1e-9' preserveAspectRatio='xMidYMid slice'>"
+    with pytest.raises(InputError, match="expected finite coordinates"):
+        read(tmp_path, 60 * frame + '<line x2="1"/>' + 60 * "</svg>")
 
 
 def test_uses_that_multiply_end(tmp_path):
@@ -249,3 +259,54 @@ def test_lines_grow_with_their_groups_and_what_is_left_over_is_left_out(tmp_path
     assert [len(stroke.points) for stroke in read(tmp_path, body).strokes] == [2, 2]
     symbol = f'<symbol id="s">{line}</symbol>'
     assert [len(read(tmp_path, symbol + used).strokes) for used in ("", '<use href="#s"/>')] == [0, 1]
+
+
+def test_a_symbol_lies_where_its_use_and_its_view_box_put_it(tmp_path):
+    """As Illustrator writes symbols: around their middle, with y up."""
+    symbol = '<symbol id="e" viewBox="-60 -40 120 80"><line x1="-60" y1="-40" x2="60" y2="0"/></symbol>'
+    use = '<use xlink:href="#e" x="-60" y="-40" width="120" height="80" transform="matrix(-1 0 0 -1 200 100)"/>'
+    assert np.allclose(points(tmp_path, symbol + use), [[260, 140], [140, 100]])
+    twice = symbol.replace("symbol", "symbol preserveAspectRatio='none'", 1)
+    use = '<use href="#e" x="10" y="20" width="240" height="240"/>'
+    assert np.allclose(points(tmp_path, twice + use), [[10, 20], [250, 140]])
+
+
+@pytest.mark.parametrize(
+    ("head", "expected"),
+    [
+        ('x="10" y="20"', [[10, 20], [11, 22]]),
+        ('x="10" y="20" width="60" height="40" viewBox="0 0 30 20"', [[10, 20], [12, 24]]),
+        ('width="60" height="140" viewBox="0 0 30 20"', [[0, 50], [2, 54]]),
+        ('width="60" height="140" viewBox="0 0 30 20" preserveAspectRatio="xMidYMin"', [[0, 0], [2, 4]]),
+        ('width="60" height="80" viewBox="0 0 30 20" preserveAspectRatio="xMaxYMid slice"', [[-60, 0], [-56, 8]]),
+        ('viewBox="0 0 30 20" height="50%"', [[0, 0], [10, 20]]),
+        ('viewBox="0 0 0 20" x="1"', [[1, 0], [2, 2]]),
+    ],
+)
+def test_a_drawing_in_a_drawing_lies_where_its_view_box_puts_it(tmp_path, head, expected):
+    assert np.allclose(points(tmp_path, f'<svg {head}><line x2="1" y2="2"/></svg>'), expected)
+
+
+@pytest.mark.parametrize(
+    "style",
+    [
+        'stroke="#f00" opacity="0"', 'stroke="#f00" style="stroke-opacity:0"', 'stroke="#f00" stroke-width="0"',
+        'stroke="rgba(255, 0, 0, 0)" fill="none"', 'stroke="#f000" fill="none"',
+    ],
+)  # fmt: skip
+def test_what_cannot_be_seen_is_no_line(tmp_path, style):
+    line = '<line stroke="#000" stroke-opacity="1" x2="4"/>'
+    (stroke,) = read(tmp_path, f"<g {style}><line x2='9' y2='9'/></g>{line}").strokes
+    assert stroke.points[-1, 0] == 3.5
+
+
+def test_a_fill_that_cannot_be_seen_is_no_mark_of_a_brush(tmp_path):
+    mark = f'<path fill="#000" fill-opacity="0" d="{outline(LINE, PRESSED)}"/>'
+    assert len(read(tmp_path, mark + '<line stroke="#000" x2="4"/>').strokes) == 1
+
+
+def test_a_style_says_a_transform_too(tmp_path):
+    moved = '<g transform="scale(9)" style="transform: translate(10px, 20px) scale(-1, 2)"><line x2="5" y2="1"/></g>'
+    assert np.allclose(points(tmp_path, moved), [[10, 20], [5, 22]])
+    sheet = "<style>.m{transform:rotate(90deg)}</style>"
+    assert np.allclose(points(tmp_path, f'{sheet}<g class="m"><line x2="5"/></g>'), [[0, 0], [0, 5]])

@@ -1,3 +1,4 @@
+import itertools
 from dataclasses import replace
 
 import numpy as np
@@ -104,3 +105,37 @@ def test_a_curve_in_two_strokes_is_one(sketch, handles, model):
 def test_what_lies_elsewhere_draws_nothing(sketch, handles, model):
     far = Stroke(np.array([[5.0, 5], [5, 12], [3, 20]]))
     assert curves_of(name_strokes(Sketch((*sketch.strokes, far)), handles, model))[-1] is None
+
+
+@pytest.mark.parametrize("cuts", [(0.3, 0.7), (0.4,)])
+def test_a_nose_in_pieces_leaves_the_lips_their_strokes(sketch, handles, model, cuts):
+    """Its wings and what is between them are drawn by a stroke each, and the mouth is closed, with a line between."""
+    plain = [s for s in sketch.strokes if not s.curve.startswith(("eye_fold", "nostril", "nose_tip", "mouth_inner_l"))]
+    strokes = []
+    for stroke in plain:
+        if stroke.curve == "nose":
+            ends = [0, *(round(cut * (len(stroke.points) - 1)) for cut in cuts), len(stroke.points) - 1]
+            strokes += [replace(stroke, points=stroke.points[a : b + 1]) for a, b in itertools.pairwise(ends)]
+        else:
+            strokes.append(stroke)
+    named = name_strokes(Sketch(tuple(map(nameless, strokes))), handles, model)
+    assert curves_of(named) == [stroke.curve for stroke in strokes]
+
+
+def test_hair_and_a_neck_are_no_lines_of_a_face(sketch, handles, model):
+    seldom = ("eye_fold", "nostril", "nose_tip", "mouth_inner")
+    drawn = [stroke for stroke in sketch.strokes if not stroke.curve.startswith(seldom)]
+    (outline,) = (stroke.points for stroke in drawn if stroke.curve == "silhouette")
+    (left, top), (right, bottom) = outline.min(0), outline.max(0)
+    turn = np.linspace(np.pi, 2 * np.pi, 40)
+    middle, wide, high = (left + right) / 2, right - left, bottom - top
+    hair = [middle, top + 0.35 * high] + np.column_stack([np.cos(turn), np.sin(turn)]) * [0.62 * wide, 0.55 * high]
+    fringe = [middle, top + 0.3 * high] + np.column_stack([np.cos(turn), np.sin(turn)]) * [0.45 * wide, 0.12 * high]
+    neck = [
+        np.array([[middle + side * 0.3 * wide, bottom - 0.1 * high], [middle + side * 0.3 * wide, bottom + 0.2 * high],
+                  [middle + side * 0.8 * wide, bottom + 0.35 * high]])
+        for side in (-1, 1)
+    ]  # fmt: skip
+    more = tuple(map(Stroke, (hair, fringe, *neck)))
+    named = name_strokes(Sketch((*map(nameless, drawn), *more), (400, 500)), handles, model)
+    assert curves_of(named) == [*(stroke.curve for stroke in drawn), *4 * [None]]

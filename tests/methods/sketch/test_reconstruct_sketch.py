@@ -1,3 +1,4 @@
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -136,19 +137,50 @@ DRAWN = [
     [(192, 362), (211, 363), (233, 365), (256, 366), (273, 365), (296, 364), (319, 362)],
     [(192, 362), (210, 378), (231, 390), (256, 392), (276, 391), (297, 381), (319, 362)],
 ]  # fmt: skip
-"""A plain face whose nose is of three strokes, of which heads have curves for none."""
+"""A plain face whose nose is of three strokes: its sides, of which heads have no curves, and the line between."""
+CREASE = np.array([(230.0, 402), (256, 398), (282, 402)])
+"""Under its mouth."""
+
+
+def plain_face(*more):
+    """The strokes of a plain face, and more lines."""
+    first, *lines = [np.array(line, float) for line in DRAWN]
+    return [Stroke(resample(line, 30)) for line in (np.concatenate([first, first[:1]]), *lines, *more)]
+
+
+def test_sides_of_a_nose_leave_its_bridge_in_the_middle():
+    fit = SessionTools().reconstruction.reconstruct(Sketch(tuple(plain_face()), (512, 512)))
+    assert not fit.left and fit.errors["all"] < 0.1 and fit.flipped < 1e-3
+    assert [stroke.curve for stroke in fit.sketch.strokes][9:] == [
+        None, "nose", None, "mouth_inner_upper", "mouth_inner_lower", "mouth_lower",
+    ]  # fmt: skip
+    bridge, face = fit.curves["nose_bridge"][:, 0], fit.curves["silhouette"][:, 0]
+    assert np.abs(bridge - (face.min() + face.max()) / 2).max() < 0.03 * np.ptp(face)
 
 
 def test_strokes_that_go_with_no_others_do_not_tear_the_face(monkeypatch):
     own = SessionTools().reconstruction
-    first, *lines = [np.array(line, float) for line in DRAWN]
-    closed = np.concatenate([first, first[:1]])
-    sketch = Sketch(tuple(Stroke(resample(line, 30)) for line in (closed, *lines)), (512, 512))
+    sketch = Sketch(tuple(plain_face(CREASE)), (512, 512))
     fit = own.reconstruct(sketch)
     assert fit.flipped < 1e-3 and fit.errors["all"] < 0.2
     assert fit.left and "goes with no other line" in fit.describe()
     monkeypatch.setattr(reconstruct_sketch, "_ROUNDS", 0)
     assert own.reconstruct(sketch).errors["all"] > 1.5 * fit.errors["all"]
+
+
+def test_a_small_drawing_on_a_large_page_is_doubted_as_a_large_one():
+    own = SessionTools().reconstruction
+    strokes = plain_face(CREASE)
+    # All but the outline are shorter on the page than what draws a curve of a face that fills it.
+    large, small = (
+        own.reconstruct(Sketch(tuple(stroke.moved(stroke.points / zoom + 40) for stroke in strokes), (700, 700)))
+        for zoom in (2, 24)
+    )
+    assert large.left and small.left == large.left
+    assert [s.curve for s in small.sketch.strokes] == [s.curve for s in large.sketch.strokes]
+    assert large.scale == pytest.approx(12 * small.scale, rel=1e-3) and small.scale < 0.05
+    assert small.errors["all"] / small.scale == pytest.approx(large.errors["all"] / large.scale, rel=0.02)
+    assert replace(small, coarse={"all": 1.0}).strange and not replace(large, coarse={"all": 1.0}).strange
 
 
 def test_lines_that_leave_the_canvas_far_behind_are_compared_at_few_points():

@@ -61,3 +61,24 @@ def test_what_a_sketch_was_drawn_over_fills_its_canvas_and_the_rest_is_paper(pan
     picture = panels(image)[0]
     assert (picture[150, 100] == (10, 60, 250)).all() and (picture[150, 400] == (250, 240, 10)).all()
     assert (picture[260:] == PAPER).all() and (picture[250, 100] != PAPER).any()
+
+
+def test_a_small_drawing_is_come_near_to(lopsided_head, monkeypatch):
+    told = []
+    monkeypatch.setattr(sheet, "contact_sheet", lambda pictures, columns: told.extend(pictures))
+    monkeypatch.setattr(sheet, "head_views", lambda head, views, size, fine, look: [np.zeros((size, size, 3))] * 3)
+    small = Camera(3.0, CAMERA.rotation, np.array([200.0, 30.0]))
+    outline = Stroke(np.array([[195.0, 25], [205, 25], [205, 35], [195, 35], [195, 25]]), StrokeKind.SILHOUETTE)
+    curves = {"lip": np.array([[196.0, 30], [204, 30]])}
+    for image in (None, np.full((128, 256, 3), 250, np.uint8)):
+        sheet.sketch_sheet(Face(lopsided_head, small), lopsided_head, Sketch((outline,), CANVAS), curves, image)
+    near, over, whole = told[0], told[1], told[5]
+    red = [
+        np.argwhere(np.abs(each.astype(int) - sheet._INK[StrokeKind.SILHOUETTE]).max(2) < 40) for each in (near, whole)
+    ]
+    # 1.15 times the drawing are as wide as the picture; over a picture its canvas is.
+    assert np.ptp(red[0], axis=0) == pytest.approx([512 / 1.15] * 2, abs=3)
+    assert red[0].mean(0) == pytest.approx([255.5, 255.5], abs=12)
+    assert np.ptp(red[1], axis=0) == pytest.approx([21, 21], abs=3)
+    rows = np.nonzero((np.abs(over.astype(int) - sheet._CURVE).max(2) < 120).sum(1) > 300)[0]
+    assert rows.mean() == pytest.approx(255.5, abs=1)

@@ -1,0 +1,73 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from caricli.methods.sketch.find_irises import find_irises
+from caricli.methods.sketch.name_strokes import name_strokes, unsure_share
+from caricli.structures.sketch import Sketch, Stroke, StrokeKind
+
+TURN = np.linspace(0, 2 * np.pi, 60)
+
+
+def ring(x, y, across, high, turn=TURN):
+    return Stroke(np.column_stack([x + across / 2 * np.cos(turn), y + high / 2 * np.sin(turn)]))
+
+
+def both(*strokes):
+    """Strokes, and their mirror images on a canvas of 256 pixels."""
+    return [*strokes, *(stroke.moved([255, 0] + stroke.points * [-1, 1]) for stroke in strokes)]
+
+
+LIDS = [ring(80, 100, 40, 18, turn) for turn in (TURN[:31], TURN[29:])]
+FACE = ring(127.5, 128, 180, 240)
+EYES = {
+    "between lids": LIDS,
+    "in an almond": [ring(80, 100, 40, 18)],
+    "in a round eye": [ring(80, 100, 40, 38)],
+}
+IRISES = {
+    "iris": [ring(80, 100, 16, 16)],
+    "iris and pupil": [ring(80, 100, 16, 16), ring(80, 100, 6, 6)],
+    "below the lid": [ring(80, 101, 17, 17, np.linspace(-1, np.pi + 1, 40))],
+    "filled": [ring(80, 100, 16, 16), Stroke(np.array([[76.0, 97], [84, 103], [77, 104]]))],
+}
+
+
+@pytest.mark.parametrize("eye", EYES)
+@pytest.mark.parametrize("iris", IRISES)
+def test_irises_and_pupils_of_both_eyes(eye, iris):
+    around = [FACE, *both(*EYES[eye])]
+    drawn = both(*IRISES[iris])
+    assert find_irises(around + drawn) == [len(around) + k for k in range(len(drawn))]
+    one = [*around, *IRISES[iris]]
+    assert find_irises(one) == []
+
+
+def test_what_is_round_elsewhere_is_no_iris():
+    nose = [ring(127.5, 150, 60, 30, turn) for turn in (TURN[:31], TURN[29:])]
+    mouth = [ring(127.5, 200, 50, 40), ring(127.5, 200, 30, 28)]
+    curls = [ring(x, 20, 12, 12) for x in range(60, 200, 14)]
+    assert find_irises([FACE, *both(ring(110, 150, 10, 10)), *nose, *mouth, *curls]) == []
+    assert find_irises([FACE, *both(ring(80, 100, 40, 38))]) == []
+    glasses = [FACE, *both(ring(80, 100, 56, 44)), *both(ring(80, 100, 40, 23))]
+    assert find_irises(glasses) == []
+    assert find_irises([]) == []
+
+
+def test_lids_are_not_looked_for_in_irises(sketch, handles, model):
+    plain = Sketch(tuple(replace(stroke, curve=None, kind=StrokeKind.UNKNOWN) for stroke in sketch.strokes))
+    eyes = [
+        np.concatenate([s.points for s in sketch.strokes if s.curve in (f"eye_upper_{side}", f"eye_lower_{side}")])
+        for side in ("left", "right")
+    ]
+    rings = [
+        ring(*(eye.min(0) + eye.max(0)) / 2, *(2 * [share * np.ptp(eye[:, 1])])) for eye in eyes for share in (1, 0.4)
+    ]
+    drawn = plain.with_strokes([*plain.strokes, *rings])
+    named = name_strokes(drawn, handles, model)
+    count = len(plain.strokes)
+    alone = name_strokes(plain, handles, model)
+    assert [s.curve for s in named.strokes[:count]] == [s.curve for s in alone.strokes]
+    assert {(s.kind, s.curve) for s in named.strokes[count:]} == {(StrokeKind.WRINKLE, None)}
+    assert unsure_share(drawn, named, handles) <= unsure_share(plain, alone, handles)
