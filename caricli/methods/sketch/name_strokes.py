@@ -3,21 +3,20 @@
 from collections.abc import Collection
 from contextlib import suppress
 from dataclasses import replace
-from itertools import product
 
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
 from caricli.errors import InputError
 from caricli.methods.sketch.find_irises import find_irises
-from caricli.methods.sketch.fit_lines import FRONT, fit_lines, line_camera
+from caricli.methods.sketch.fit_lines import fit_lines, line_camera
+from caricli.methods.sketch.lay_over import faces_over
 from caricli.methods.sketch.line_handles import LineHandles, lines_by_curve
 from caricli.methods.sketch.mirrored_strokes import mirrored_strokes
 from caricli.methods.sketch.settings import MIDDLE, PIECED, SELDOM, LineFitSettings, NamingSettings
 from caricli.methods.sketch.stroke_candidates import Candidate, candidates_at, split_ring, stroke_costs
 from caricli.models.shape_model import ShapeModel
 from caricli.structures.sketch import Sketch, Stroke, StrokeKind
-from caricli.template.feature_curves import SILHOUETTE
 
 _MOST = 256
 """Strokes that are looked at, the longest."""
@@ -26,14 +25,6 @@ _SHORTEST = 0.01
 _QUICK = LineFitSettings(rounds=3)
 _NEARLY = 1.1
 """Of the least cost: up to this an overlay comes first that names all strokes."""
-_RARE = 0.01
-"""Share of points at either side that may be far outside a face."""
-_OPEN = 0.1
-"""Of its height or width: the ends of a head's outline are nearer to each other."""
-_CAP = 0.5
-"""Of a head's width: hair that reaches over it is wider; a cat's ears are not."""
-_BEYOND = 0.03
-"""Of a head's height: hair or a neck reach farther over or below it."""
 _PIECES = 4
 """Strokes that continue a nose before others have found their curves, at most."""
 _ALONG = 0.04
@@ -123,86 +114,11 @@ def _nameless(sketch: Sketch) -> list[int]:
 
 
 def _laid_over(sketch: Sketch, handles: LineHandles, mean: np.ndarray) -> list[np.ndarray]:
-    """(H, 2) pixels of the handles of a face (H, 3) for what a sketch may be of: a head with ears, one without, and a
-    face without a crown; where no stroke goes around the others, features alone, with brows and without; and with an
-    outline, or a jaw, as large as the largest stroke, and features where all others are, with ears, without, and
-    without brows: jaws of caricatures have any size, but none is narrower than its features; and with the outline in a
-    ring that hair or a neck leave. Where enough strokes have names, only for the camera that these tell."""
+    """(H, 2) pixels of the handles of a face (H, 3), where enough strokes have names for the camera that these tell, or
+    else for all that the others may be."""
     with suppress(InputError):
         return [line_camera(lines_by_curve(sketch), handles, mean).project(mean)]
-    flat = mean @ FRONT[:2].T
-    every = np.arange(len(flat))
-    head = np.setdiff1d(every, handles.rows_of("ear"))
-    outline = handles.rows_of(SILHOUETTE)
-    inside = np.setdiff1d(head, outline)
-    lids = np.setdiff1d(inside, np.union1d(handles.rows_of("brow"), handles.rows_of("eye_fold")))
-    boxes = [every, head]
-    outlines = [outline]
-    brows = handles.rows_of("brow")
-    if len(brows):
-        below = flat[:, 1] >= flat[brows, 1].min()
-        boxes.append(head[below[head]])
-        outlines.append(outline[below[outline]])
-    strokes = [sketch.strokes[number].points for number in _nameless(sketch)]
-    strokes.sort(key=lambda points: float(np.linalg.norm(np.ptp(points, axis=0))))
-    if not _frames(strokes):
-        boxes += [box for box in (inside, lids) if len(box)]
-    laid = [_over(flat, box, strokes) for box in boxes]
-    for features, part in product((every, head, lids), outlines):
-        within = np.setdiff1d(features, outline)
-        if len(strokes) > 1 and len(part) and len(within):
-            placed = _over(flat, part, strokes[-1:])
-            moved = inside if features is lids else within
-            placed[moved] = _over(flat, within, strokes[:-1])[moved]
-            # No face is narrower than what is in it.
-            if np.ptp(placed[part, 0]) > np.ptp(placed[np.intersect1d(within, inside), 0]):
-                laid.append(placed)
-    return laid + _in_heads(flat, outline, (inside, lids), strokes)
-
-
-def _in_heads(
-    flat: np.ndarray, outline: np.ndarray, features: tuple[np.ndarray, ...], strokes: list[np.ndarray]
-) -> list[np.ndarray]:
-    """(H, 2) pixels of the handles with the outline in a ring that hair or a neck leave: as they are on the mean face,
-    and with some features where all that is in the ring is. flat: (H, 2) of it. features: the first are all."""
-    laid = []
-    for ring, inner in _heads(strokes):
-        laid.append(_over(flat, outline, [ring]))
-        for rows in features:
-            placed = laid[0].copy()
-            placed[features[0]] = _over(flat, rows, inner)[features[0]]
-            laid.append(placed)
-    return laid
-
-
-def _heads(strokes: list[np.ndarray]) -> list[tuple[np.ndarray, list[np.ndarray]]]:
-    """A closed stroke that goes around most others, the smallest, and what is in it, where others reach over or below
-    it: hair and a neck tell nothing of where features are."""
-    for number, ring in enumerate(strokes):
-        others = strokes[:number] + strokes[number + 1 :]
-        if np.linalg.norm(ring[0] - ring[-1]) > _OPEN * np.ptp(ring, axis=0).max() or not _frames([*others, ring]):
-            continue
-        low, high = ring.min(0), ring.max(0)
-        hair = [other[:, 1].min() for other in others if np.ptp(other[:, 0]) > _CAP * (high - low)[0]]
-        beyond = max(low[1] - min(hair, default=low[1]), max(other[:, 1].max() for other in others) - high[1])
-        inner = [other for other in others if (other.min(0) > low).all() and (other.max(0) < high).all()]
-        return [(ring, inner)] if len(inner) > 1 and beyond > _BEYOND * (high - low)[1] else []
-    return []
-
-
-def _frames(strokes: list[np.ndarray]) -> bool:
-    """Whether the last of some strokes goes around most others: as an outline does, and no feature."""
-    low, high = strokes[-1].min(0), strokes[-1].max(0)
-    middles = np.array([(points.min(0) + points.max(0)) / 2 for points in strokes[:-1]]).reshape(-1, 2)
-    return len(middles) > 0 and bool(((middles > low) & (middles < high)).all(1).mean() > 0.5)
-
-
-def _over(flat: np.ndarray, rows: np.ndarray, strokes: list[np.ndarray]) -> np.ndarray:
-    """Points (H, 2) moved and scaled along each axis so that the box of those of rows is that of strokes."""
-    low, high = np.quantile(np.concatenate(strokes), [_RARE, 1 - _RARE], axis=0)
-    box = flat[rows]
-    scale = (high - low) / np.ptp(box, axis=0)  # heads of caricatures are broad, or long
-    return scale * (flat - (box.min(0) + box.max(0)) / 2) + (low + high) / 2
+    return faces_over([sketch.strokes[number].points for number in _nameless(sketch)], handles, mean)
 
 
 class _Naming:
@@ -218,12 +134,11 @@ class _Naming:
         self.numbers = _nameless(sketch)
         strokes = [sketch.strokes[number] for number in self.numbers]
         self.costs = stroke_costs(strokes, self.candidates, unit, settings)
-        mirrored = mirrored_strokes(strokes)
         names = [each.names[0] for each in self.candidates]
-        self.costs.whole[np.outer(mirrored, [name.startswith(MIDDLE) for name in names])] = np.inf
-        pieces = np.outer(mirrored, [name.startswith(MIDDLE) for name in names])
-        pieces &= ~np.array([name == PIECED for name in names]) | (self.costs.part > _ALONG)
-        self.costs.part[pieces] = np.inf
+        unlikely = np.outer(mirrored_strokes(strokes), [name.startswith(MIDDLE) for name in names])
+        self.costs.whole[unlikely] = np.inf
+        along = np.array([name == PIECED for name in names]) & (self.costs.part <= _ALONG)
+        self.costs.part[unlikely & ~along] = np.inf
         taken = {stroke.curve for stroke in sketch.strokes}
         self.blocked = np.array([not taken.isdisjoint(each.names) for each in self.candidates])
         self.seldom = settings.seldom * np.array([each.names[0].startswith(SELDOM) for each in self.candidates])
