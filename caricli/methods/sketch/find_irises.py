@@ -1,4 +1,4 @@
-"""Irises and pupils among the strokes of a sketch: round lines in an eye, which are none of its lids."""
+"""Irises and pupils among the strokes of a sketch, round lines in an eye, which are none of its lids; and the eyes."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -64,21 +64,26 @@ class _Box:
         return float((self.points[column, 1] - iris.middle[1]) / iris.size[1])
 
 
-def find_irises(strokes: Sequence[Stroke]) -> list[int]:
+def find_irises(strokes: Sequence[Stroke]) -> tuple[list[int], list[int]]:
     """Numbers of the strokes that draw irises or pupils: round ones within a closed line, or between two lines, of an
-    eye, where the other eye has one, too; and what is drawn in these.
+    eye, where the other eye has one, too, and what is drawn in these; and of the closed lines that are such eyes.
 
     strokes: of some length, pixels. What goes around, or over and under, the round lines of both sides is no eye: it is
-    a face, or a nose with its nostrils; a round line without a second one beside it may be a mouth.
+    a face, or a nose with its nostrils; a round line without a second one beside it may be a mouth. Of several lines
+    around an iris the nearest ones are the eye, the others glasses.
     """
     boxes = [_box(stroke) for stroke in strokes]
-    eyes = [(box, around) for box in boxes if box.is_round and (around := _eyes(box, boxes))]
-    irises = [
-        iris
-        for (iris, own), (other, others) in permutations(eyes, 2)
-        if _is_pair(iris, other) and _is_apart(own, other) and _is_apart(others, iris)
-    ]
-    return [number for number, box in enumerate(boxes) if any(box is iris or iris.holds(box) for iris in irises)]
+    eyes = [(box, several) for box in boxes if box.is_round and (several := _eyes(box, boxes))]
+    irises: list[_Box] = []
+    rings: list[_Box] = []
+    for (iris, own), (other, others) in permutations(eyes, 2):
+        if _is_pair(iris, other) and _is_apart(own, other) and _is_apart(others, iris):
+            irises.append(iris)
+            nearest = min(own, key=lambda eye: max(line.size[0] for line in eye))
+            rings += nearest if len(nearest) == 1 else ()
+    within = [number for number, box in enumerate(boxes) if any(box is iris or iris.holds(box) for iris in irises)]
+    around = [number for number, box in enumerate(boxes) if any(box is ring for ring in rings) and number not in within]
+    return within, around
 
 
 def _box(stroke: Stroke) -> _Box:

@@ -2,7 +2,7 @@
 
 from collections.abc import Collection
 from contextlib import suppress
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.optimize import linear_sum_assignment
@@ -25,6 +25,8 @@ _SHORTEST = 0.01
 _QUICK = LineFitSettings(rounds=3)
 _NEARLY = 1.1
 """Of the least cost: up to this an overlay comes first that names all strokes."""
+_KNOWN = 0.9
+"""Of the cost above which a stroke draws no curve: what one costs at most that is surely an eye."""
 _PIECES = 4
 """Strokes that continue a nose before others have found their curves, at most."""
 _ALONG = 0.04
@@ -51,14 +53,14 @@ def name_strokes(
     sketch: Sketch. handles: LineHandles of the model's template. model: any ShapeModel. settings: NamingSettings.
     Returns the Sketch with names; strokes of no curve stay as they were.
     """
-    sketch = _without_irises(_with_own_names(sketch, handles))
-    if not _nameless(sketch):
-        return sketch
+    nameless = _Nameless.of(_with_own_names(sketch, handles))
+    if not nameless.numbers:
+        return nameless.sketch
     mean = model.decode_points(model.prior.mean, handles.vertices)
-    laid = _laid_over(sketch, handles, mean)
+    laid = _laid_over(nameless, handles, mean)
     # One size for all, so that costs compare.
     unit = float(np.median([np.linalg.norm(np.ptp(own, axis=0)) for own in laid]))
-    namings = [_Naming(sketch, handles, own, unit, settings) for own in laid]
+    namings = [_Naming(nameless, handles, own, unit, settings) for own in laid]
     # One stroke that fits well is no reason to leave all others where a face has room for every one.
     least = min(each.cost for each in namings)
     best = min(namings, key=lambda each: (each.cost > _NEARLY * least, not each.complete, each.cost))
@@ -69,7 +71,7 @@ def name_strokes(
         except InputError:
             break
         own = face.require_camera().project(face.vertices[handles.vertices])
-        again = _Naming(sketch, handles, own, unit, settings)
+        again = _Naming(nameless, handles, own, unit, settings)
         if again.cost > best.cost:
             break
         best = again
@@ -91,17 +93,38 @@ def _with_own_names(sketch: Sketch, handles: LineHandles) -> Sketch:
     return sketch.with_strokes(s if s.curve in rows else replace(s, curve=None) for s in sketch.strokes)
 
 
-def _without_irises(sketch: Sketch) -> Sketch:
-    """The sketch with irises and pupils as wrinkles: lids would be looked for in them."""
-    numbers = _nameless(sketch)
-    irises = {numbers[k] for k in find_irises([sketch.strokes[number] for number in numbers])}
-    return sketch.with_strokes(
-        replace(stroke, kind=StrokeKind.WRINKLE) if number in irises else stroke
-        for number, stroke in enumerate(sketch.strokes)
-    )
+@dataclass(frozen=True, eq=False)
+class _Nameless:
+    """A sketch, its irises and pupils wrinkles: lids would be looked for in them.
+
+    numbers: of the strokes that may draw a curve which they do not name. eyes: (S,) bool, which of these go around an
+    iris, however large.
+    """
+
+    sketch: Sketch
+    numbers: list[int]
+    eyes: np.ndarray
+
+    @classmethod
+    def of(cls, sketch: Sketch) -> "_Nameless":
+        """Those of a sketch."""
+        numbers = _longest(sketch)
+        irises, eyes = find_irises([sketch.strokes[number] for number in numbers])
+        plain = {numbers[k] for k in irises}
+        around = np.isin(np.arange(len(numbers)), eyes)[[number not in plain for number in numbers]]
+        strokes = (
+            replace(stroke, kind=StrokeKind.WRINKLE) if number in plain else stroke
+            for number, stroke in enumerate(sketch.strokes)
+        )
+        return cls(sketch.with_strokes(strokes), [number for number in numbers if number not in plain], around)
+
+    @property
+    def strokes(self) -> list[Stroke]:
+        """The strokes of these numbers."""
+        return [self.sketch.strokes[number] for number in self.numbers]
 
 
-def _nameless(sketch: Sketch) -> list[int]:
+def _longest(sketch: Sketch) -> list[int]:
     """Numbers of the strokes that may draw a curve which they do not name, the longest ones."""
     drawn = np.concatenate([np.zeros((0, 2)), *(stroke.points for stroke in sketch.strokes)])
     least = _SHORTEST * min(max(sketch.size), 2 * float(np.ptp(drawn, axis=0).max())) if len(drawn) else 0.0
@@ -113,38 +136,51 @@ def _nameless(sketch: Sketch) -> list[int]:
     return sorted(sorted(lengths, key=lambda number: -lengths[number])[:_MOST])
 
 
-def _laid_over(sketch: Sketch, handles: LineHandles, mean: np.ndarray) -> list[np.ndarray]:
+def _laid_over(nameless: _Nameless, handles: LineHandles, mean: np.ndarray) -> list[np.ndarray]:
     """(H, 2) pixels of the handles of a face (H, 3), where enough strokes have names for the camera that these tell, or
     else for all that the others may be."""
     with suppress(InputError):
-        return [line_camera(lines_by_curve(sketch), handles, mean).project(mean)]
-    return faces_over([sketch.strokes[number].points for number in _nameless(sketch)], handles, mean)
+        return [line_camera(lines_by_curve(nameless.sketch), handles, mean).project(mean)]
+    return faces_over([stroke.points for stroke in nameless.strokes], handles, mean)
 
 
 class _Naming:
     """What the strokes of a sketch draw of a face that lies somewhere. cost: sum over those that do not name it."""
 
     def __init__(
-        self, sketch: Sketch, handles: LineHandles, own: np.ndarray, unit: float, settings: NamingSettings
+        self, nameless: _Nameless, handles: LineHandles, own: np.ndarray, unit: float, settings: NamingSettings
     ) -> None:
         """own: (H, 2) pixels of the handles. unit: pixels, diagonal of a face."""
-        self.sketch = sketch
+        self.sketch = nameless.sketch
         self.settings = settings
         self.candidates = candidates_at(handles, own)
-        self.numbers = _nameless(sketch)
-        strokes = [sketch.strokes[number] for number in self.numbers]
+        self.numbers = nameless.numbers
+        strokes = nameless.strokes
         self.costs = stroke_costs(strokes, self.candidates, unit, settings)
         names = [each.names[0] for each in self.candidates]
         unlikely = np.outer(mirrored_strokes(strokes), [name.startswith(MIDDLE) for name in names])
         self.costs.whole[unlikely] = np.inf
         along = np.array([name == PIECED for name in names]) & (self.costs.part <= _ALONG)
         self.costs.part[unlikely & ~along] = np.inf
-        taken = {stroke.curve for stroke in sketch.strokes}
+        self._keep_eyes(nameless.eyes)
+        taken = {stroke.curve for stroke in self.sketch.strokes}
         self.blocked = np.array([not taken.isdisjoint(each.names) for each in self.candidates])
         self.seldom = settings.seldom * np.array([each.names[0].startswith(SELDOM) for each in self.candidates])
         self.chosen: dict[int, Candidate] = {}
         self.cost = self._assign()
         self._continue([stroke.length for stroke in strokes])
+
+    def _keep_eyes(self, eyes: np.ndarray) -> None:
+        """Let strokes (S,) bool that go around an iris draw an eye, the nearer one, however much larger they are."""
+        lids = np.array([each.loop and each.names[0].startswith("eye") for each in self.candidates])
+        eyes = eyes & np.isfinite(self.costs.whole[:, lids]).all(1)
+        if not eyes.any() or not lids.any():
+            return
+        self.costs.whole[np.outer(eyes, ~lids)] = np.inf
+        self.costs.part[eyes] = np.inf
+        drawn = np.ix_(eyes, lids)
+        dearest = float(self.costs.whole[drawn].max())
+        self.costs.whole[drawn] *= min(1.0, _KNOWN * self.settings.dearest / dearest)
 
     @property
     def complete(self) -> bool:

@@ -39,20 +39,20 @@ IRISES = {
 def test_irises_and_pupils_of_both_eyes(eye, iris):
     around = [FACE, *both(*EYES[eye])]
     drawn = both(*IRISES[iris])
-    assert find_irises(around + drawn) == [len(around) + k for k in range(len(drawn))]
+    assert find_irises(around + drawn)[0] == [len(around) + k for k in range(len(drawn))]
     one = [*around, *IRISES[iris]]
-    assert find_irises(one) == []
+    assert find_irises(one) == ([], [])
 
 
 def test_what_is_round_elsewhere_is_no_iris():
     nose = [ring(127.5, 150, 60, 30, turn) for turn in (TURN[:31], TURN[29:])]
     mouth = [ring(127.5, 200, 50, 40), ring(127.5, 200, 30, 28)]
     curls = [ring(x, 20, 12, 12) for x in range(60, 200, 14)]
-    assert find_irises([FACE, *both(ring(110, 150, 10, 10)), *nose, *mouth, *curls]) == []
-    assert find_irises([FACE, *both(ring(80, 100, 40, 38))]) == []
+    assert find_irises([FACE, *both(ring(110, 150, 10, 10)), *nose, *mouth, *curls]) == ([], [])
+    assert find_irises([FACE, *both(ring(80, 100, 40, 38))]) == ([], [])
     glasses = [FACE, *both(ring(80, 100, 56, 44)), *both(ring(80, 100, 40, 23))]
-    assert find_irises(glasses) == []
-    assert find_irises([]) == []
+    assert find_irises(glasses) == ([], [])
+    assert find_irises([]) == ([], [])
 
 
 def test_lids_are_not_looked_for_in_irises(sketch, handles, model):
@@ -71,3 +71,33 @@ def test_lids_are_not_looked_for_in_irises(sketch, handles, model):
     assert [s.curve for s in named.strokes[:count]] == [s.curve for s in alone.strokes]
     assert {(s.kind, s.curve) for s in named.strokes[count:]} == {(StrokeKind.WRINKLE, None)}
     assert unsure_share(drawn, named, handles) <= unsure_share(plain, alone, handles)
+
+
+def test_closed_lines_around_irises_are_eyes_and_glasses_beyond_are_none():
+    iris = both(ring(80, 100, 12, 12))
+    glasses, almonds, round_eyes = (both(ring(80, 100, *size)) for size in ((56, 44), (40, 18), (44, 46)))
+    assert find_irises([FACE, *round_eyes, *iris])[1] == [1, 2]
+    assert find_irises([*glasses, *almonds, *iris]) == ([4, 5], [2, 3])
+    # Lids in two lines are told by their names as all others are.
+    assert find_irises([*glasses, *both(*LIDS), *iris])[1] == []
+
+
+def test_eyes_that_are_drawn_round_are_eyes(sketch, handles, model):
+    """Circles far higher than lids ever are, as in comics, with pupils in them."""
+    plain = [
+        replace(stroke, curve=None, kind=StrokeKind.UNKNOWN) for stroke in sketch.strokes if "eye" not in stroke.curve
+    ]
+    for side in ("left", "right"):
+        eye = np.concatenate(
+            [s.points for s in sketch.strokes if s.curve in (f"eye_upper_{side}", f"eye_lower_{side}")]
+        )
+        middle, width = (eye.min(0) + eye.max(0)) / 2, 1.4 * np.ptp(eye[:, 0])
+        plain += [ring(*middle, width, 1.2 * width), ring(*middle, 0.25 * width, 0.25 * width)]
+    named = name_strokes(sketch.with_strokes(plain), handles, model)
+    for side in ("left", "right"):
+        upper, lower = (next(s for s in named.strokes if s.curve == f"eye_{lid}_{side}") for lid in ("upper", "lower"))
+        assert upper.points[:, 1].mean() < lower.points[:, 1].mean()
+    right, left = (
+        next(s.points for s in named.strokes if s.curve == f"eye_upper_{side}") for side in ("right", "left")
+    )
+    assert right[:, 0].max() < left[:, 0].min()
