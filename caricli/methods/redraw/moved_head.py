@@ -11,7 +11,6 @@ from caricli.methods.redraw.original import Original, blurred
 from caricli.methods.redraw.spread_colours import box_around, spread_colours
 from caricli.methods.redraw.view import Window
 from caricli.methods.texture.estimate_light import GAMMA
-from caricli.render.pixels.distance_to import distance_to
 from caricli.render.sky import DIRECTIONS, light_received, sky_visibility
 from caricli.render.smooth_normals import smooth_normals
 from caricli.structures import Material
@@ -88,11 +87,12 @@ class MovedHead:
 
         Slivers between what was hidden, and what is beside the border, are mixtures and drawn lines.
         """
-        line = self.original.settings.line
-        reach = 2 * line * self.original.size * self.original.window.fine
-        within = distance_to(self.shown <= _HALF) > reach
-        broad = distance_to(within) <= reach
-        return self.shown * broad * (1 - self.look(self.original.beside))
+        original = self.original
+        across = 4 * int(np.ceil(original.settings.line * original.size * original.window.fine)) + 1
+        # A square is many times as quick as a disc.
+        broad = cv2.morphologyEx((self.shown > _HALF).astype(np.uint8), cv2.MORPH_OPEN, np.ones((across, across)))
+        told: np.ndarray = self.shown * broad * (1 - self.look(original.beside))
+        return told
 
     @cached_property
     def solid(self) -> np.ndarray:
