@@ -91,8 +91,9 @@ def test_eyes_that_are_drawn_round_are_eyes(sketch, handles, model):
         eye = np.concatenate(
             [s.points for s in sketch.strokes if s.curve in (f"eye_upper_{side}", f"eye_lower_{side}")]
         )
-        middle, width = (eye.min(0) + eye.max(0)) / 2, 1.4 * np.ptp(eye[:, 0])
-        plain += [ring(*middle, width, 1.2 * width), ring(*middle, 0.25 * width, 0.25 * width)]
+        x, y = (eye.min(0) + eye.max(0)) / 2
+        width = 1.4 * np.ptp(eye[:, 0])
+        plain += [ring(x, y, width, 1.2 * width), ring(x, y, 0.25 * width, 0.25 * width)]
     named = name_strokes(sketch.with_strokes(plain), handles, model)
     for side in ("left", "right"):
         upper, lower = (next(s for s in named.strokes if s.curve == f"eye_{lid}_{side}") for lid in ("upper", "lower"))
